@@ -1,0 +1,18 @@
+#pragma once
+#include <cstdint>
+
+#include "core/strong.hpp"
+
+namespace peerd {
+
+// A peer's number in its session; chosen by its configuration, 0 is never a peer. The lower number decides collisions.
+using PeerId = Strong<struct PeerIdTag, std::uint32_t>;
+
+// A node instance of the scene: its index in depth-first file order, a USE counting as a new instance. Every peer that
+// loads the same world text gives every instance the same number.
+using ObjectId = Strong<struct ObjectIdTag, std::uint32_t>;
+
+// A region of the scene; each has a multicast group of its own.
+using RegionId = Strong<struct RegionIdTag, std::uint32_t>;
+
+}  // namespace peerd

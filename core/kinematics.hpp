@@ -1,0 +1,24 @@
+#pragma once
+#include "core/math.hpp"
+
+namespace peerd {
+
+// How a rigid body moves from one instant on, as far as dead reckoning models it. World frame, SI units.
+struct KinematicState {
+  Vec3 position = Vec3::Zero();               // [m]
+  Vec3 velocity = Vec3::Zero();               // [m/s]
+  Vec3 acceleration = Vec3::Zero();           // [m/s^2]; zero in a first-order model
+  Quat orientation = Quat::Identity();        // unit, body to world
+  Vec3 angular_velocity_body = Vec3::Zero();  // [rad/s], body frame, constant
+
+  [[nodiscard]] Pose pose() const { return {position, orientation}; }
+};
+
+// The state dt_s [s] later (or earlier): equations 4.1 and 4.2 of the seed thesis with q(t) = q0 * exp(w t). Always from
+// the base state, never accumulated; the quaternion is normalised at each evaluation.
+[[nodiscard]] KinematicState advance(const KinematicState& base, double dt_s);
+
+// A body at rest at that pose.
+[[nodiscard]] KinematicState at_rest(const Pose& pose);
+
+}  // namespace peerd
