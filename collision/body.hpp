@@ -9,20 +9,22 @@ namespace peerd::collision {
 
 // A convex piece of an object: a closed convex polyhedron, or one flat convex polygon. Object frame, binary64.
 struct ConvexPiece {
-  ObjectId shape;                     // the Shape instance it comes from
-  std::vector<Vec3> vertices;         // [m]
-  std::vector<Vec3> face_normals;     // unit, outward; what each polygon of the mesh faces, one entry a polygon
+  ObjectId shape;                  // the Shape instance it comes from
+  std::vector<Vec3> vertices;      // [m]
+  std::vector<Vec3> face_normals;  // unit, outward; what each polygon of the mesh faces, one entry a polygon
   std::vector<std::vector<std::uint32_t>> faces;  // vertex indices; faces[i] is polygon i of the mesh, in file order
-  std::vector<Vec3> face_axes;        // the distinct face normals, as separating-axis candidates
-  std::vector<Vec3> edge_axes;        // the distinct edge directions, unit
+  std::vector<Vec3> face_axes;                    // the distinct face normals, as separating-axis candidates
+  std::vector<Vec3> edge_axes;                    // the distinct edge directions, unit
 };
 
 // An object as collision sees it: everything below one node, in that node's rigid frame.
 struct Body {
   ObjectId object;
-  std::vector<ConvexPiece> pieces;    // depth-first order of their Shapes
-  Vec3 center = Vec3::Zero();         // of the bounding sphere, object frame [m]
-  double radius_m = 0.0;              // encloses every vertex; 0 when there are none
+  std::vector<ConvexPiece> pieces;  // depth-first order of their Shapes
+  Vec3 center = Vec3::Zero();       // of the bounding sphere, object frame [m]
+  double radius_m = 0.0;            // encloses every vertex; 0 when there are none
+  std::vector<Vec3> vertices;       // all that polygons use, of pieces and of what is unsupported, for BOX [m]
+  bool vertices_complete = true;    // false where a Shape is not tessellated: then not even BOX has an answer
   // Why this body has no exact answer yet, naming the Shape and its reason; empty when it has. A body that can't be
   // answered is never replaced by its hull or its box.
   std::string unsupported;

@@ -9,18 +9,20 @@ namespace peerd::collision {
 enum class ContactState : std::uint8_t {
   kSeparated,    // no contact in [0, horizon]
   kContact,      // first contact at time_s
-  kOverlapped,   // the closed sets already share a point at 0 (and do not just touch while approaching)
+  kOverlapped,   // the bodies share more than touching points at 0, whichever way they move
   kUnsupported,  // a body has no exact answer yet (Body::unsupported says which Shape and why)
-  kFailed,       // the iteration cap was reached before the tolerance: neither contact nor its absence is known
+  kFailed,       // the iteration cap was reached: certainly no contact before time_s, nothing is known of later
 };
 
 struct Contact {
   ContactState state = ContactState::kSeparated;
   double time_s = 0.0;               // in [0, horizon], seconds after both base states
   Vec3 normal_world = Vec3::Zero();  // unit normal of the collidee's polygon, facing the collider
-  ObjectId collidee_shape;           // which polygon the normal is of
+  bool resting = false;              // they touch at 0 with no speed towards each other, and only the acceleration
+                                     // presses: reflecting the velocity can't end this contact
+  ObjectId collidee_shape;           // which polygon the normal is of; for kBox the collidee itself, and polygon 0
   std::uint32_t collidee_polygon = 0;
-  std::uint32_t iterations = 0;      // of conservative advancement; 0 where the closed form answered
+  std::uint32_t iterations = 0;  // of conservative advancement; 0 where the closed form answered
 };
 
 // A body and how it moves from time 0 on.
@@ -29,21 +31,34 @@ struct MovingBody {
   const KinematicState& motion;
 };
 
-// When two moving bodies first come to touch while approaching each other, within [0, horizon_s].
+// When two moving bodies first come to touch while approaching each other, within [0, horizon_s] (finite).
 //
-// Bodies that touch or overlap at 0 and move apart are not in contact: they were answered before (a bounce begins so).
-// Bodies that touch at 0 and approach are: time_s == 0. Bodies that overlap at 0 deeper than touching are kOverlapped,
-// with normal_world the direction of least penetration.
+// *Touching at 0* is a gap between -(e + |closing speed| * kClockTick_s) and e on some separating axis, all other axes
+// overlapping. e is the rounding bound of the gap, from the magnitudes of positions, radii and velocities; a speed
+// below its own rounding bound counts as none. A body that was moved to its contact time, rounded to the clock, touches
+// by this rule. Then, on the touching axes:
+//   one parts            -> that contact was answered before (a bounce begins so): the search goes on to the next one;
+//   one approaches       -> kContact at 0;
+//   one is pressed       -> kContact at 0, resting: at rest along the axis and accelerated inwards, or parting so
+//   slowly
+//                           that the acceleration ends it within e or within one tick;
+//   all are still        -> no contact yet (sliding along a floor); the search goes on to what happens once they
+//   parted.
+// Bodies that overlap at 0 deeper than touching are kOverlapped, with normal_world the direction of least penetration.
 //
 // Without rotation the answer is in closed form for accelerations that are constant: on each separating-axis candidate
-// the gap is a quadratic in t, and the bodies overlap where all gaps are <= 0. With rotation it is conservative
-// advancement (Mirtich, PhD, Berkeley 1996) on the largest gap: never later than the truth, at most
-// kAdvancementTolerance_m short of it.
+// the gap is a quadratic in t, and the bodies overlap where all gaps are <= 0; passing by in touch is a contact. With
+// rotation it is conservative advancement (Mirtich, PhD, Berkeley 1996) on the largest gap: never later than the truth,
+// at most kAdvancementTolerance_m short of it, so that a pass within that tolerance may be taken for a contact.
 //
-// CollisionType::kBox uses the tight world boxes of all vertices in place of the polygons.
+// CollisionType::kBox uses the tight world boxes of all vertices in place of the polygons, and answers where only
+// polygons are unsupported.
 [[nodiscard]] Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type,
                                     double horizon_s);
 
+// Times are handed on as SimTime, whole nanoseconds (core/time.hpp): where a body was told to touch, it may already be
+// this much of its motion inside. Longer, and a bounce of that length is taken for rest.
+inline constexpr double kClockTick_s = 1e-9;
 inline constexpr double kAdvancementTolerance_m = 1e-6;
 inline constexpr std::uint32_t kAdvancementCap = 512;
 

@@ -1,0 +1,115 @@
+#include "collision/body.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <expected>
+#include <utility>
+
+#include "collision/convexity.hpp"
+#include "collision/ordered_sums.hpp"
+
+namespace peerd::collision {
+namespace {
+
+// Affine map from a Shape's frame into the object's. The identity keeps the parsed binary32 values.
+struct Placement {
+  Mat3 linear;
+  Vec3 offset;
+  Mat3 cofactor;  // maps normals: det * linear^-T
+  double determinant;
+
+  explicit Placement(const Eigen::Affine3d& object_from_shape)
+      : linear(object_from_shape.linear()), offset(object_from_shape.translation()) {
+    cofactor.col(0) = linear.col(1).cross(linear.col(2));
+    cofactor.col(1) = linear.col(2).cross(linear.col(0));
+    cofactor.col(2) = linear.col(0).cross(linear.col(1));
+    determinant = dot(linear.col(0), cofactor.col(0));
+  }
+
+  [[nodiscard]] Vec3 point(const Eigen::Vector3f& p) const { return rotate(linear, p.cast<double>()) + offset; }
+};
+
+// Affine maps keep convexity, parallels and which side is which, so what was decided on the parsed vertices stands.
+// Normals and edge directions come from the exact ones, not from rounded vertices: a sliver's are as good as a cube's.
+ConvexPiece place(const ConvexSurface& surface, ObjectId shape, const Placement& placement) {
+  const bool mirrored = placement.determinant < 0.0;
+  ConvexPiece piece;
+  piece.shape = shape;
+  for (const Eigen::Vector3f& v : surface.vertices) piece.vertices.push_back(placement.point(v));
+  for (const Vec3& n : surface.normals) {
+    const Vec3 mapped = unit(rotate(placement.cofactor, n));
+    piece.face_normals.push_back(mirrored ? Vec3(-mapped) : mapped);
+  }
+  piece.faces = surface.polygons;
+  if (mirrored) {
+    for (std::vector<std::uint32_t>& face : piece.faces) std::reverse(face.begin() + 1, face.end());
+  }
+  for (const std::uint32_t polygon : surface.face_axes) piece.face_axes.push_back(piece.face_normals[polygon]);
+  for (const auto& [a, b] : surface.edge_axes) {
+    const Vec3 edge = surface.vertices[b].cast<double>() - surface.vertices[a].cast<double>();
+    piece.edge_axes.push_back(unit(rotate(placement.linear, edge)));
+  }
+  return piece;
+}
+
+// The middle of the vertices' box and the farthest vertex from it: for a box of any orientation its centre and half
+// its diagonal; at worst sqrt(3) times the least sphere.
+void enclose(Body& body) {
+  if (body.vertices.empty()) return;
+  Vec3 low = body.vertices.front(), high = low;
+  for (const Vec3& v : body.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  body.center = 0.5 * low + 0.5 * high;
+  double radius2 = 0.0;
+  for (const Vec3& v : body.vertices) radius2 = std::max(radius2, dot(v - body.center, v - body.center));
+  body.radius_m = std::sqrt(radius2);
+}
+
+void append_vertices(Body& body, const Mesh& mesh, const Placement& placement) {
+  std::vector<bool> used(mesh.vertices.size());
+  for (const std::uint32_t i : mesh.indices) used[i] = true;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i]) body.vertices.push_back(placement.point(mesh.vertices[i]));
+  }
+}
+
+}  // namespace
+
+Body make_body(const Scene& scene, ObjectId object) {
+  Body body;
+  body.object = object;
+  std::size_t refused = 0;
+  const auto refuse = [&](ObjectId shape, const std::string& why) {
+    if (refused++ == 0) body.unsupported = scene.path_of(shape) + ": " + why;
+  };
+  for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
+    const ObjectId shape{i};
+    const Instance& instance = scene.at(shape);
+    if (instance.kind != NodeKind::kShape) continue;
+    if (!instance.unsupported_geometry.empty()) {
+      body.vertices_complete = false;
+      refuse(shape, instance.unsupported_geometry + " is not tessellated yet");
+      continue;
+    }
+    if (instance.mesh < 0) continue;
+    const Mesh& mesh = scene.meshes.at(static_cast<std::size_t>(instance.mesh));
+    if (mesh.polygon_count() == 0) continue;
+    const Placement placement(scene.object_from_shape(object, shape));
+    append_vertices(body, mesh, placement);
+    if (placement.determinant == 0.0) {
+      refuse(shape, "its transform leaves no volume");
+    } else if (const auto surface = convex_surface(mesh)) {
+      body.pieces.push_back(place(*surface, shape, placement));
+    } else {
+      refuse(shape, surface.error());
+    }
+  }
+  if (refused > 1) body.unsupported += " (and " + std::to_string(refused - 1) + " more)";
+  enclose(body);
+  return body;
+}
+
+}  // namespace peerd::collision

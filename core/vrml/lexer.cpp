@@ -1,0 +1,241 @@
+#include "core/vrml/lexer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace peerd::vrml {
+namespace {
+
+enum CharClass : std::uint8_t {
+  kIdFirst = 1,  // may begin a name
+  kIdRest = 2,   // may continue one
+  kNumeric = 4,  // may continue a number, right or wrong: 12abc is one bad number, not a number and a name
+  kSpace = 8,    // comma included
+};
+
+constexpr std::array<std::uint8_t, 256> kCharClasses = [] {
+  std::array<std::uint8_t, 256> classes{};
+  constexpr std::string_view kNeverInId = "\"#',.[\\]{}\x7f";
+  for (int c = 0x21; c < 256; ++c) {
+    const bool rest = kNeverInId.find(static_cast<char>(c)) == std::string_view::npos;
+    const bool digit = c >= '0' && c <= '9';
+    const bool sign = c == '+' || c == '-';
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+    classes[c] = static_cast<std::uint8_t>((rest && !digit && !sign ? kIdFirst : 0) | (rest ? kIdRest : 0) |
+                                           (digit || sign || letter || c == '.' ? kNumeric : 0));
+  }
+  for (const char c : {' ', '\t', '\n', '\r', ','}) classes[static_cast<unsigned char>(c)] = kSpace;
+  return classes;
+}();
+
+bool is(char c, CharClass kind) { return (kCharClasses[static_cast<unsigned char>(c)] & kind) != 0; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+std::size_t run(std::string_view text, std::size_t at, CharClass kind) {
+  std::size_t end = at;
+  while (end < text.size() && is(text[end], kind)) ++end;
+  return end - at;
+}
+
+std::string_view without_plus(std::string_view text) {
+  const bool plus = text.size() > 1 && text[0] == '+' && (is_digit(text[1]) || text[1] == '.');
+  return plus ? text.substr(1) : text;
+}
+
+// Whether a well-formed number that no binary64 can hold is too small rather than too large: by the decimal exponent of
+// its first digit that is not 0.
+bool is_tiny(std::string_view number) {
+  const std::size_t mark = std::min(number.find_first_of("eE"), number.size());
+  const std::string_view digits = number.substr(0, mark);
+  const std::size_t first = digits.find_first_of("123456789");
+  if (first == std::string_view::npos) return true;
+  const auto period = static_cast<std::int64_t>(std::min(digits.find('.'), digits.size()));
+  std::int64_t exponent = 0;
+  if (mark < number.size()) {
+    const std::string_view written = without_plus(number.substr(mark + 1));
+    if (std::from_chars(written.data(), written.data() + written.size(), exponent).ec != std::errc{}) {
+      return written.starts_with('-');
+    }
+  }
+  return period - static_cast<std::int64_t>(first) < -exponent;
+}
+
+template <class Real>
+std::expected<Real, NumberError> read_real(std::string_view text) {
+  const std::string_view number = without_plus(text);
+  Real value{};
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (error == std::errc::invalid_argument || end != number.data() + number.size()) {
+    return std::unexpected(NumberError::kSyntax);
+  }
+  if (error == std::errc::result_out_of_range) {
+    if (is_tiny(number)) return Real{0};
+    return std::unexpected(NumberError::kOverflow);
+  }
+  if (!std::isfinite(value)) {
+    const bool written_so = number.find_first_of("0123456789") == std::string_view::npos;
+    return std::unexpected(written_so ? NumberError::kNotFinite : NumberError::kOverflow);
+  }
+  return value;
+}
+
+}  // namespace
+
+Lexer::Lexer(std::string_view text, Spot begin)
+    : text_(text), at_(begin.offset), line_begin_(begin.offset - (begin.where.column - 1)), line_(begin.where.line) {}
+
+// Lines end with LF, CR or CR LF.
+void Lexer::end_line() {
+  if (text_[at_] == '\r' && at_ + 1 < text_.size() && text_[at_ + 1] == '\n') ++at_;
+  line_begin_ = ++at_;
+  ++line_;
+}
+
+void Lexer::skip_white_space() {
+  while (at_ < text_.size()) {
+    const char c = text_[at_];
+    if (c == '\n' || c == '\r') {
+      end_line();
+    } else if (is(c, kSpace)) {
+      ++at_;
+    } else if (c == '#') {
+      at_ = std::min(text_.find_first_of("\n\r", at_), text_.size());
+    } else {
+      return;
+    }
+  }
+}
+
+Token Lexer::token(TokenKind kind, std::size_t size) {
+  Token t{kind, text_.substr(at_, size), {at_, {line_, static_cast<std::uint32_t>(at_ - line_begin_ + 1)}}};
+  at_ += size;
+  return t;
+}
+
+Token Lexer::string() {
+  Token t = token(TokenKind::kUnterminatedString, 1);
+  const std::size_t begin = at_;
+  while (at_ < text_.size()) {
+    const char c = text_[at_];
+    if (c == '"') {
+      t.kind = TokenKind::kString;
+      t.text = text_.substr(begin, at_++ - begin);
+      return t;
+    }
+    if (c == '\n' || c == '\r') {
+      end_line();
+    } else {
+      at_ += c == '\\' && at_ + 1 < text_.size() && (text_[at_ + 1] == '"' || text_[at_ + 1] == '\\') ? 2 : 1;
+    }
+  }
+  t.text = text_.substr(begin);
+  return t;
+}
+
+Token Lexer::next() {
+  skip_white_space();
+  if (at_ >= text_.size()) return token(TokenKind::kEnd, 0);
+  const char c = text_[at_];
+  if (is(c, kIdFirst)) return token(TokenKind::kWord, run(text_, at_, kIdRest));
+  const bool number =
+      is_digit(c) || c == '+' || c == '-' || (c == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]));
+  if (number) {
+    std::size_t size = run(text_, at_, kNumeric);
+    // "1.#QNAN", "-1.#IND", "1.#INF": how some exporters write NaN and infinity. Not a number and a comment.
+    const std::string_view rest = text_.substr(at_ + size);
+    for (const std::string_view mark : {"#IND", "#QNAN", "#SNAN", "#INF"}) {
+      if (rest.starts_with(mark)) size += mark.size();
+    }
+    return token(TokenKind::kNumber, size);
+  }
+  switch (c) {
+    case '{':
+      return token(TokenKind::kOpenBrace, 1);
+    case '}':
+      return token(TokenKind::kCloseBrace, 1);
+    case '[':
+      return token(TokenKind::kOpenBracket, 1);
+    case ']':
+      return token(TokenKind::kCloseBracket, 1);
+    case '.':
+      return token(TokenKind::kPeriod, 1);
+    case '"':
+      return string();
+    default:
+      break;
+  }
+  std::size_t size = 1;
+  const auto no_token = [](char b) { return kCharClasses[static_cast<unsigned char>(b)] == 0; };
+  while (at_ + size < text_.size() && no_token(text_[at_ + size]) &&
+         std::string_view("\"#.[]{}").find(text_[at_ + size]) == std::string_view::npos) {
+    ++size;
+  }
+  return token(TokenKind::kInvalid, size);
+}
+
+std::expected<Spot, std::string> read_header(std::string_view text) {
+  constexpr std::string_view kHeader = "#VRML V2.0 utf8";
+  const std::string_view first = text.substr(0, text.find_first_of("\r\n"));
+  if (first.starts_with(kHeader)) {
+    const std::string_view rest = first.substr(kHeader.size());
+    if (rest.empty() || rest[0] == ' ' || rest[0] == '\t') {
+      return Spot{first.size(), {1, static_cast<std::uint32_t>(first.size() + 1)}};
+    }
+  }
+  if (text.empty()) return std::unexpected("the file is empty; a world begins with the line '#VRML V2.0 utf8'");
+  if (text.starts_with("\x1f\x8b")) {
+    return std::unexpected("this file is compressed with gzip, which is not read yet; unpack it with gunzip first");
+  }
+  if (first.starts_with("#VRML V1.0")) {
+    return std::unexpected("this is VRML 1.0, another language; only VRML97 ('#VRML V2.0 utf8') is read");
+  }
+  if (first.starts_with("#X3D") || text.starts_with("<?xml") || text.starts_with("<X3D")) {
+    return std::unexpected("this is X3D; only VRML97 ('#VRML V2.0 utf8') is read");
+  }
+  if (text.starts_with("\xEF\xBB\xBF")) {
+    return std::unexpected("a byte order mark stands before the header; save the file as UTF-8 without it");
+  }
+  return std::unexpected("the first line must begin with '#VRML V2.0 utf8', exactly so");
+}
+
+std::expected<float, NumberError> read_float(std::string_view text) { return read_real<float>(text); }
+std::expected<double, NumberError> read_double(std::string_view text) { return read_real<double>(text); }
+
+std::expected<std::int32_t, NumberError> read_int32(std::string_view text) {
+  std::string_view digits = without_plus(text);
+  const bool negative = digits.starts_with('-');
+  if (negative) digits.remove_prefix(1);
+  const bool hexadecimal = digits.starts_with("0x") || digits.starts_with("0X");
+  if (hexadecimal) digits.remove_prefix(2);
+  std::uint32_t magnitude = 0;
+  const auto [end, error] =
+      std::from_chars(digits.data(), digits.data() + digits.size(), magnitude, hexadecimal ? 16 : 10);
+  if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) {
+    return std::unexpected(NumberError::kSyntax);
+  }
+  // Hexadecimal spells the 32 bits (0xFFFFFFFF is -1, as pixels are written); decimal must fit with its sign.
+  const std::uint32_t largest = hexadecimal ? 0xFFFFFFFFu : negative ? 0x80000000u : 0x7FFFFFFFu;
+  if (error == std::errc::result_out_of_range || magnitude > largest) return std::unexpected(NumberError::kOverflow);
+  return static_cast<std::int32_t>(negative ? 0u - magnitude : magnitude);
+}
+
+std::string unescaped(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\\' && i + 1 < text.size() && (text[i + 1] == '"' || text[i + 1] == '\\')) ++i;
+    out += text[i];
+  }
+  return out;
+}
+
+bool is_keyword(std::string_view word) {
+  constexpr std::string_view kKeywords[] = {"DEF",     "EXTERNPROTO", "FALSE",        "IS",   "NULL",
+                                            "PROTO",   "ROUTE",       "TO",           "TRUE", "USE",
+                                            "eventIn", "eventOut",    "exposedField", "field"};
+  return std::ranges::find(kKeywords, word) != std::end(kKeywords);
+}
+
+}  // namespace peerd::vrml

@@ -1,0 +1,13 @@
+#pragma once
+#include "core/math.hpp"
+#include "core/vrml/node_tree.hpp"
+
+namespace peerd::vrml {
+
+// The unit quaternion of an SFRotation (axis, angle [rad]). Its bits are the same on every computer: the C library's
+// sine may differ in the last place from one version to the next, and peers would not agree on where things touch.
+// Error below 1e-15 for |angle| <= 2 pi; it grows by 2.5e-16 with each further turn. An axis of length 0 gives
+// identity.
+[[nodiscard]] Quat to_quat(const Floats& rotation);
+
+}  // namespace peerd::vrml

@@ -1,0 +1,14 @@
+#pragma once
+#include <vector>
+
+#include "peerd/peer_node.hpp"
+#include "peerd/report/run_record.hpp"
+
+namespace peerd {
+
+// Puts the peers' logs of one run side by side: every belief against the truth at the same true instant. The truth of a
+// driven object is its formula; that of any other is interpolated between the ticks of the peer that runs it.
+[[nodiscard]] config::Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedWorld& shared,
+                                                         const std::vector<PeerLog>& logs);
+
+}  // namespace peerd

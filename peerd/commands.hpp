@@ -1,0 +1,48 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "peerd/config/toml_input.hpp"
+
+namespace peerd {
+
+// The commands behind main(): each prints for a person and returns the exit code (0 good, 1 a finding about the input,
+// 2 wrong use or configuration, 3 the environment).
+
+struct ScenarioOptions {
+  std::filesystem::path scenario;
+  std::vector<std::filesystem::path> configs;
+  std::vector<std::string> sets;
+  std::optional<std::uint64_t> seed;
+  std::filesystem::path out;  // empty: out/NAME
+  std::string interface;      // real runs only
+  bool json = false;          // summary.json instead of the table
+  bool verbose = false;       // the peers' logs too
+};
+
+// peerd sim: the scenario on a simulated network, as fast as it goes.
+[[nodiscard]] int run_sim(const ScenarioOptions& options);
+// peerd scenario: the same scenario between real processes over real multicast.
+[[nodiscard]] int run_scenario(const ScenarioOptions& options, const std::filesystem::path& program);
+
+struct PeerOptions {
+  std::filesystem::path config;      // a scenario file; one of its peers is run
+  std::vector<std::filesystem::path> overlays;  // merged over it, in order
+  std::vector<std::string> sets;
+  std::string peer;                  // which; empty: the only one
+  std::filesystem::path record;      // where to leave the peer's log; empty: nowhere
+  bool once = false;                 // leave when the scenario's duration is over
+  bool json = false;                 // log lines as JSON
+  bool verbose = false;              // debug lines too
+};
+
+// Prints the error for a person; its exit code.
+[[nodiscard]] int failed(const config::InputError& error);
+
+// peerd run: one peer in the foreground, until SIGTERM or SIGINT.
+[[nodiscard]] int run_peer(const PeerOptions& options);
+
+}  // namespace peerd

@@ -1,0 +1,114 @@
+#include "peerd/config/peer_settings.hpp"
+
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "core/vrml/reader.hpp"
+#include "replication/codec.hpp"
+
+namespace peerd::config {
+namespace {
+
+constexpr double kForever_s = 1e6;
+constexpr double kFar_m = 1e9;
+
+// FNV-1a, 64 bit (Fowler, Noll, Vo): tells apart worlds that differ by accident; it is no protection against intent.
+std::uint64_t fnv1a(std::span<const char> bytes) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return hash;
+}
+
+}  // namespace
+
+ReplicationSettings read_replication(TomlReader reader) {
+  ReplicationSettings s;
+  std::size_t approach = 2;
+  reader.read_word("approach", approach, {"dr", "dr+rcp", "dr+rcp+acpt"});
+  s.policy.predict_collisions = approach >= 1;
+  s.policy.track_proximity = approach >= 2;
+  std::uint32_t order = 2;
+  reader.read("order", order, 1, 2);
+  s.policy.order = static_cast<replication::ModelOrder>(order);
+  reader.read("error_threshold_m", s.policy.error_threshold_m, 0.0, kFar_m);
+  reader.read("close_threshold_m", s.policy.tight_threshold_m, 0.0, kFar_m);
+  reader.read("close_proximity_s", s.policy.close_proximity_s, 0.0, kForever_s);
+  double angle_deg = s.policy.angle_threshold_rad * 180.0 / std::numbers::pi;
+  reader.read("angle_threshold_deg", angle_deg, 0.0, 180.0);
+  s.policy.angle_threshold_rad = angle_deg * std::numbers::pi / 180.0;
+  double time_threshold_s = to_seconds(s.policy.time_threshold);
+  reader.read("time_threshold_s", time_threshold_s, 0.0, kForever_s);
+  s.policy.time_threshold = from_seconds(time_threshold_s);
+  reader.read("tick_hz", s.tick_hz, 1, 1000);
+  reader.finish();
+  return s;
+}
+
+PeerSettings read_peer(TomlReader reader, const std::string& name) {
+  PeerSettings s;
+  s.name = name;
+  if (name.empty() || name.size() > replication::kNameMax_bytes) {
+    reader.fail(nullptr, "a peer's name must have 1 to " + std::to_string(replication::kNameMax_bytes) + " bytes");
+  }
+  reader.require("id");
+  reader.read("id", s.id, 1, std::numeric_limits<std::uint32_t>::max());
+  reader.read("enslaves", s.enslaves);
+  std::uint32_t tick_hz = 0;
+  reader.read("tick_hz", tick_hz, 1, 1000);
+  if (tick_hz != 0) s.tick_hz = tick_hz;
+  reader.read("clock_offset_s", s.clock_offset_s, -kForever_s, kForever_s);
+  if (const toml::table* motion = reader.table("motion")) {
+    for (const auto& [object, value] : *motion) {
+      const std::string path(object.str());
+      if (!value.is_table()) {
+        reader.fail(&value, reader.dotted("motion." + path) + " must be a table of formulas");
+        continue;
+      }
+      if (std::ranges::find(s.enslaves, path) == s.enslaves.end()) {
+        reader.fail(&value, reader.dotted("motion." + path) + ": the peer moves only what it enslaves; add \"" + path +
+                                "\" to " + reader.dotted("enslaves"));
+        continue;
+      }
+      TomlReader sub(*value.as_table(), reader.dotted("motion." + path), reader.error());
+      s.motion.emplace(path, read_motion_formula(sub));
+    }
+  }
+  reader.finish();
+  return s;
+}
+
+TransportSettings read_transport(TomlReader reader) {
+  TransportSettings s;
+  reader.read("interface", s.interface);
+  reader.read("group", s.group);
+  reader.read("port", s.port, 1, 65535);
+  reader.read("ttl", s.ttl, 0, 255);
+  reader.finish();
+  return s;
+}
+
+Result<LoadedWorld> load_world(const std::filesystem::path& path) {
+  const auto text = read_text_file(path);
+  if (!text) return std::unexpected(text.error());
+  ReadResult read = read_world(*text);
+  if (!read.scene) {
+    std::string problems;
+    for (const Diagnostic& d : read.diagnostics) problems += render(d, path.string(), *text);
+    return std::unexpected(InputError{problems, 1});
+  }
+  return LoadedWorld{path, fnv1a(*text), std::move(*read.scene)};
+}
+
+Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by) {
+  if (const auto id = scene.find(path)) return *id;
+  std::vector<std::string> names;
+  for (const Instance& instance : scene.instances) {
+    if (!instance.def.empty()) names.push_back(instance.def);
+  }
+  std::string sentence = "error: " + asked_by + ": the world has no object \"" + path + "\"";
+  if (const auto meant = did_you_mean(path, names)) sentence += "; did you mean \"" + *meant + "\"?";
+  return std::unexpected(InputError{sentence});
+}
+
+}  // namespace peerd::config

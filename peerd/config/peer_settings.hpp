@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/scene.hpp"
+#include "peerd/config/motion_source.hpp"
+#include "replication/publisher.hpp"
+
+namespace peerd::config {
+
+// The table [replication]: how updates are published and ghosts believed.
+struct ReplicationSettings {
+  replication::PublishPolicy policy;
+  std::uint32_t tick_hz = 60;
+};
+[[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
+
+// The table [peer.NAME].
+struct PeerSettings {
+  std::string name;
+  std::uint32_t id = 0;
+  std::vector<std::string> enslaves;            // paths of nodes of the world
+  std::map<std::string, MotionFormula> motion;  // by path; the others move by their velocityVector
+  std::optional<std::uint32_t> tick_hz;         // instead of replication.tick_hz
+  double clock_offset_s = 0.0;                  // test setting: this host's clock is so far ahead
+};
+[[nodiscard]] PeerSettings read_peer(TomlReader reader, const std::string& name);
+
+// How a real peer reaches the others: the table [transport].
+struct TransportSettings {
+  std::string interface;              // empty: the only one that can multicast, else lo
+  std::string group = "239.192.80.0";  // of region 0
+  std::uint32_t port = 47474;
+  std::uint32_t ttl = 1;
+};
+[[nodiscard]] TransportSettings read_transport(TomlReader reader);
+
+// The world, as every command of a peer needs it.
+struct LoadedWorld {
+  std::filesystem::path path;
+  std::uint64_t hash = 0;  // of its bytes; peers with other bytes do not share a session
+  Scene scene;
+};
+[[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path);
+
+// The node of that path, or a sentence that names the closest one.
+[[nodiscard]] Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by);
+
+}  // namespace peerd::config

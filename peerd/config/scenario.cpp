@@ -1,0 +1,210 @@
+#include "peerd/config/scenario.hpp"
+
+#include <algorithm>
+
+namespace peerd::config {
+namespace {
+
+constexpr double kLatencyMax_ms = 60'000.0;
+constexpr std::size_t kRunsMax = 100'000;
+
+LinkSettings read_link(TomlReader& reader, LinkSettings link) {
+  reader.read("latency_ms", link.latency_ms, 0.0, kLatencyMax_ms);
+  reader.read("jitter_ms", link.jitter_ms, 0.0, kLatencyMax_ms);
+  reader.read("loss", link.loss, 0.0, 1.0);
+  reader.read("duplication", link.duplication, 0.0, 1.0);
+  reader.read("reordering", link.reordering, 0.0, 1.0);
+  return link;
+}
+
+void read_network(TomlReader reader, RunSettings& run) {
+  run.network = read_link(reader, {});
+  const toml::table* links = reader.table("link");
+  if (links != nullptr) {
+    for (const auto& [from, targets] : *links) {
+      if (!targets.is_table()) {
+        reader.fail(&targets, "write network.link.FROM.TO as a table of link settings");
+        continue;
+      }
+      for (const auto& [to, value] : *targets.as_table()) {
+        const std::string key = reader.dotted("link." + std::string(from.str()) + "." + std::string(to.str()));
+        if (!value.is_table()) {
+          reader.fail(&value, key + " must be a table of link settings");
+          continue;
+        }
+        for (std::string_view peer : {from.str(), to.str()}) {
+          const bool known = std::ranges::any_of(run.peers, [&](const PeerSettings& p) { return p.name == peer; });
+          if (!known) reader.fail(&value, key + ": the scenario has no peer \"" + std::string(peer) + "\"");
+        }
+        TomlReader sub(*value.as_table(), key, reader.error());
+        run.links[{std::string(from.str()), std::string(to.str())}] = read_link(sub, run.network);
+        sub.finish();
+      }
+    }
+  }
+  reader.finish();
+}
+
+const toml::table& table_or_empty(TomlReader& reader, std::string_view key) {
+  static const toml::table empty;
+  const toml::table* table = reader.table(key);
+  return table != nullptr ? *table : empty;
+}
+
+void read_peers(TomlReader& root, RunSettings& run) {
+  root.require("peer");
+  for (const auto& [name, value] : table_or_empty(root, "peer")) {
+    const std::string key = "peer." + std::string(name.str());
+    if (!value.is_table()) {
+      root.fail(&value, key + " must be a table");
+      continue;
+    }
+    run.peers.push_back(read_peer(TomlReader(*value.as_table(), key, root.error()), std::string(name.str())));
+    const PeerSettings& peer = run.peers.back();
+    for (const PeerSettings& other : run.peers) {
+      if (&other == &peer) break;
+      if (other.id == peer.id) root.fail(&value, key + ".id: peer " + other.name + " has that id too");
+      for (const std::string& object : peer.enslaves) {
+        if (std::ranges::find(other.enslaves, object) == other.enslaves.end()) continue;
+        root.fail(&value, key + ".enslaves: peer " + other.name + " enslaves \"" + object + "\" too");
+      }
+    }
+  }
+  std::ranges::sort(run.peers, {}, &PeerSettings::id);
+}
+
+Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const std::filesystem::path& file) {
+  std::optional<InputError> error;
+  TomlReader reader(root, "", error);
+  RunSettings run;
+  reader.require("world");
+  std::string world;
+  reader.read("name", scenario.name);
+  reader.read("world", world);
+  scenario.world = file.parent_path() / world;
+  reader.read("duration_s", run.duration_s, 0.1, 1e6);
+  reader.read("seed", run.seed);
+  run.replication = read_replication(TomlReader(table_or_empty(reader, "replication"), "replication", error));
+  read_peers(reader, run);
+  read_network(TomlReader(table_or_empty(reader, "network"), "network", error), run);
+  run.transport = read_transport(TomlReader(table_or_empty(reader, "transport"), "transport", error));
+  reader.finish();
+  if (error) return std::unexpected(*error);
+  return run;
+}
+
+nlohmann::ordered_json to_json(const toml::node& node) {
+  if (const auto* x = node.as_integer()) return x->get();
+  if (const auto* x = node.as_floating_point()) return x->get();
+  if (const auto* x = node.as_boolean()) return x->get();
+  if (const auto* x = node.as_string()) return x->get();
+  std::ostringstream text;
+  node.visit([&](const auto& concrete) { text << toml::table{{"value", concrete}}; });
+  return text.str();
+}
+
+struct SweptKey {
+  std::string key;
+  std::vector<const toml::node*> values;
+};
+
+// The scenario with what its request lays over it. Read anew for each run: toml++ copies lose their line numbers.
+Result<toml::table> read_root(const ScenarioRequest& request, const std::string& text,
+                              const std::vector<toml::table>& overlays, const std::vector<Assignment>& sets) {
+  auto root = parse_toml(text, request.file.string());
+  if (!root) return root;
+  for (const toml::table& overlay : overlays) merge(*root, overlay);
+  for (const Assignment& set : sets) {
+    if (auto done = assign(*root, set.key, *set.holder.get("value")); !done) return std::unexpected(done.error());
+  }
+  if (request.seed) root->insert_or_assign("seed", static_cast<std::int64_t>(*request.seed));
+  return root;
+}
+
+}  // namespace
+
+const LinkSettings& link(const RunSettings& run, const std::string& from, const std::string& to) {
+  const auto at = run.links.find({from, to});
+  return at == run.links.end() ? run.network : at->second;
+}
+
+Result<Scenario> read_scenario(const ScenarioRequest& request) {
+  const auto text = request.file.empty() ? Result<std::string>{} : read_text_file(request.file);
+  if (!text) return std::unexpected(text.error());
+  std::vector<toml::table> overlays;
+  for (const auto& path : request.configs) {
+    auto overlay = read_toml(path);
+    if (!overlay) return std::unexpected(overlay.error());
+    overlays.push_back(std::move(*overlay));
+  }
+  std::vector<Assignment> sets, swept_sets;
+  for (const std::string& given : request.sets) {
+    auto set = parse_assignment(given);
+    if (!set) return std::unexpected(set.error());
+    const bool sweeps = set->holder.get("value")->is_array() && !set->key.ends_with("enslaves");
+    (sweeps ? swept_sets : sets).push_back(std::move(*set));
+  }
+
+  auto base = read_root(request, *text, overlays, sets);
+  if (!base) return std::unexpected(base.error());
+  std::vector<std::string> named{"replication.approach", "replication.order"};
+  if (!request.real) named.push_back("network.latency_ms");
+  toml::table sweep;
+  if (const toml::node* given = base->get("sweep"); given != nullptr && request.sweep) {
+    if (!given->is_table()) {
+      return std::unexpected(InputError{request.file.string() + ": error: sweep must be a table of lists"});
+    }
+    sweep = *given->as_table();
+  }
+  for (const Assignment& set : swept_sets) sweep.insert_or_assign(set.key, *set.holder.get("value")->as_array());
+  for (const Assignment& set : sets) {
+    sweep.erase(set.key);
+    named.push_back(set.key);
+  }
+
+  std::vector<SweptKey> swept;
+  std::size_t runs = 1;
+  for (const auto& [key, value] : sweep) {
+    if (request.real && key.str().starts_with("network.")) continue;
+    SweptKey& s = swept.emplace_back(std::string(key.str()), std::vector<const toml::node*>{});
+    const toml::array* values = value.as_array();
+    if (values == nullptr || values->empty()) {
+      return std::unexpected(InputError{request.file.string() + ": error: sweep.\"" + s.key +
+                                        "\" must be a list of at least one value"});
+    }
+    for (const toml::node& v : *values) s.values.push_back(&v);
+    runs *= s.values.size();
+    std::erase(named, s.key);
+    if (runs > kRunsMax) return std::unexpected(InputError{"error: the sweep has more than 100000 runs"});
+  }
+  std::ranges::sort(named);
+  named.erase(std::ranges::unique(named).begin(), named.end());
+
+  Scenario scenario;
+  scenario.name = request.file.stem().string();
+  for (std::size_t i = 0; i < runs; ++i) {
+    auto root = read_root(request, *text, overlays, sets);
+    if (!root) return std::unexpected(root.error());
+    root->erase("sweep");
+    nlohmann::ordered_json params = nlohmann::ordered_json::object();
+    std::size_t rest = i, below = runs;
+    for (const SweptKey& s : swept) {  // the last key varies fastest
+      below /= s.values.size();
+      const toml::node& value = *s.values[rest / below];
+      rest %= below;
+      if (auto done = assign(*root, s.key, value); !done) return std::unexpected(done.error());
+      params[s.key] = to_json(value);
+    }
+    for (const std::string& key : named) {
+      if (const auto value = root->at_path(key)) params[key] = to_json(*value.node());
+    }
+    auto run = read_run(*root, scenario, request.file);
+    if (!run) return std::unexpected(run.error());
+    run->params = std::move(params);
+    scenario.runs.push_back(std::move(*run));
+  }
+  scenario.seed = scenario.runs.front().seed;
+  return scenario;
+}
+
+}  // namespace peerd::config

@@ -1,0 +1,58 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/config/peer_settings.hpp"
+
+namespace peerd::config {
+
+// One direction between two peers of a simulated network: the table [network], or [network.link.FROM.TO] over it.
+struct LinkSettings {
+  double latency_ms = 0.0;
+  double jitter_ms = 0.0;      // added to the latency, uniform in [0, jitter]
+  double loss = 0.0;           // probabilities, a datagram
+  double duplication = 0.0;
+  double reordering = 0.0;     // held back by one more latency + jitter, so that later ones overtake
+};
+
+// One run: every swept key has one value.
+struct RunSettings {
+  nlohmann::ordered_json params;  // the swept keys and those that were set, by dotted name
+  double duration_s = 15.0;
+  std::uint64_t seed = 1;
+  ReplicationSettings replication;
+  std::vector<PeerSettings> peers;  // by id
+  LinkSettings network;
+  std::map<std::pair<std::string, std::string>, LinkSettings> links;
+  TransportSettings transport;
+};
+
+struct Scenario {
+  std::string name;
+  std::filesystem::path world;
+  std::uint64_t seed = 1;
+  std::vector<RunSettings> runs;
+};
+
+struct ScenarioRequest {
+  std::filesystem::path file;                  // empty: everything comes from `sets`
+  std::vector<std::filesystem::path> configs;  // merged over the scenario, in order
+  std::vector<std::string> sets;               // KEY=VALUE; a list sweeps, one value ends that key's sweep
+  std::optional<std::uint64_t> seed;
+  bool real = false;                           // what only a simulated network can do is left out of the sweep
+  bool sweep = true;                           // false: one run, of the values outside of the sweep
+};
+
+[[nodiscard]] Result<Scenario> read_scenario(const ScenarioRequest& request);
+
+// The network settings that hold from one peer to another.
+[[nodiscard]] const LinkSettings& link(const RunSettings& run, const std::string& from, const std::string& to);
+
+}  // namespace peerd::config

@@ -1,0 +1,243 @@
+#include "peerd/config/toml_input.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+
+namespace peerd::config {
+namespace {
+
+std::string located(const toml::source_region& at, const std::string& sentence) {
+  std::ostringstream out;
+  if (at.path) out << *at.path << ':';
+  if (at.begin) out << at.begin.line << ':' << at.begin.column << ':';
+  if (out.tellp() > 0) out << ' ';
+  out << "error: " << sentence;
+  return out.str();
+}
+
+std::string shown(double x) {
+  std::ostringstream out;
+  out << x;
+  return out.str();
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::optional<std::string> did_you_mean(std::string_view word, const std::vector<std::string>& words) {
+  const auto distance = [&](const std::string& w) { return edit_distance(word, w); };
+  const auto best = std::ranges::min_element(words, {}, distance);
+  if (best == words.end() || distance(*best) > std::max<std::size_t>(1, word.size() / 3)) return std::nullopt;
+  return *best;
+}
+
+std::string TomlReader::dotted(std::string_view key) const {
+  return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
+}
+
+void TomlReader::fail(const toml::node* at, const std::string& sentence) {
+  if (!error_) error_ = InputError{located((at != nullptr ? *at : static_cast<const toml::node&>(table_)).source(), sentence)};
+}
+
+const toml::node* TomlReader::node(std::string_view key) {
+  known_.emplace(key);
+  return error_ ? nullptr : table_.get(key);
+}
+
+void TomlReader::number(std::string_view key, std::optional<double>& value, double min, double max) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return;
+  const auto x = n->value<double>();
+  if (!x || !n->is_number()) return fail(n, dotted(key) + " must be a number");
+  if (!(*x >= min && *x <= max)) {
+    return fail(n, dotted(key) + " = " + shown(*x) + " is out of range: " + shown(min) + " to " + shown(max));
+  }
+  value = *x;
+}
+
+void TomlReader::read(std::string_view key, std::optional<double>& value, double min, double max) {
+  number(key, value, min, max);
+}
+
+void TomlReader::read(std::string_view key, double& value, double min, double max) {
+  std::optional<double> given;
+  number(key, given, min, max);
+  value = given.value_or(value);
+}
+
+void TomlReader::read(std::string_view key, std::uint32_t& value, std::uint32_t min, std::uint32_t max) {
+  std::optional<double> given;
+  number(key, given, min, max);
+  if (!given) return;
+  if (*given != std::floor(*given)) return fail(node(key), dotted(key) + " must be a whole number");
+  value = static_cast<std::uint32_t>(*given);
+}
+
+void TomlReader::read(std::string_view key, std::uint64_t& value) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return;
+  const auto x = n->value_exact<std::int64_t>();
+  if (!x || *x < 0) return fail(n, dotted(key) + " must be a whole number, not negative");
+  value = static_cast<std::uint64_t>(*x);
+}
+
+void TomlReader::read(std::string_view key, std::string& value) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return;
+  const auto x = n->value_exact<std::string>();
+  if (!x) return fail(n, dotted(key) + " must be a string");
+  value = *x;
+}
+
+void TomlReader::read(std::string_view key, std::vector<std::string>& value) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return;
+  const toml::array* list = n->as_array();
+  if (list == nullptr) return fail(n, dotted(key) + " must be a list of strings");
+  value.clear();
+  for (const toml::node& item : *list) {
+    const auto x = item.value_exact<std::string>();
+    if (!x) return fail(&item, dotted(key) + " must be a list of strings");
+    value.push_back(*x);
+  }
+}
+
+void TomlReader::read(std::string_view key, std::vector<double>& value, std::size_t size) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return;
+  const toml::array* list = n->as_array();
+  const std::string wanted = dotted(key) + " must be a list of " + std::to_string(size) + " numbers";
+  if (list == nullptr || list->size() != size) return fail(n, wanted);
+  value.clear();
+  for (const toml::node& item : *list) {
+    const auto x = item.value<double>();
+    if (!x || !item.is_number() || !std::isfinite(*x)) return fail(&item, wanted);
+    value.push_back(*x);
+  }
+}
+
+void TomlReader::read_word(std::string_view key, std::size_t& index, std::initializer_list<std::string_view> words) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return;
+  const auto x = n->value_exact<std::string>();
+  const auto at = x ? std::ranges::find(words, *x) : words.end();
+  if (at != words.end()) {
+    index = static_cast<std::size_t>(at - words.begin());
+    return;
+  }
+  std::string choices;
+  for (std::string_view w : words) choices += (choices.empty() ? "\"" : ", \"") + std::string(w) + "\"";
+  fail(n, dotted(key) + " must be one of " + choices);
+}
+
+const toml::table* TomlReader::table(std::string_view key) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return nullptr;
+  if (n->as_table() == nullptr) fail(n, dotted(key) + " must be a table");
+  return n->as_table();
+}
+
+void TomlReader::require(std::string_view key) {
+  if (!error_ && table_.get(key) == nullptr) fail(nullptr, dotted(key) + " is missing");
+}
+
+void TomlReader::finish() {
+  for (const auto& [key, value] : table_) {
+    if (known_.contains(key.str())) continue;
+    std::string sentence = "unknown key " + dotted(key.str());
+    const auto meant = did_you_mean(key.str(), {known_.begin(), known_.end()});
+    if (meant) sentence += "; did you mean " + dotted(*meant) + "?";
+    if (!error_) error_ = InputError{located(key.source(), sentence)};
+    return;
+  }
+}
+
+Result<std::string> read_text_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    return std::unexpected(InputError{path.string() + ": error: there is no such file"});
+  }
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  if (!std::filesystem::is_directory(path, ignored)) text << in.rdbuf();
+  if (!in || text.tellp() < 0 || std::filesystem::is_directory(path, ignored)) {
+    return std::unexpected(InputError{path.string() + ": error: can't be read; is it a file that you may read?", 3});
+  }
+  return text.str();
+}
+
+Result<toml::table> parse_toml(const std::string& text, const std::string& name) {
+  try {
+    return toml::parse(text, name);
+  } catch (const toml::parse_error& e) {
+    return std::unexpected(InputError{located(e.source(), std::string(e.description()))});
+  }
+}
+
+Result<toml::table> read_toml(const std::filesystem::path& path) {
+  const auto text = read_text_file(path);
+  if (!text) return std::unexpected(text.error());
+  return parse_toml(*text, path.string());
+}
+
+Result<Assignment> parse_assignment(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    return std::unexpected(InputError{"error: --set " + text + ": write it as KEY=VALUE, such as network.latency_ms=100"});
+  }
+  Assignment a{text.substr(0, equals), {}};
+  const std::string value = text.substr(equals + 1);
+  if (auto as_toml = parse_toml("value = " + value, "--set " + a.key); as_toml && as_toml->size() == 1) {
+    a.holder = std::move(*as_toml);
+  } else {
+    a.holder.insert_or_assign("value", value);
+  }
+  return a;
+}
+
+Result<void> assign(toml::table& root, std::string_view dotted_key, const toml::node& value) {
+  toml::table* table = &root;
+  std::string_view rest = dotted_key;
+  for (std::size_t dot = rest.find('.'); dot != std::string_view::npos; dot = rest.find('.')) {
+    const auto [at, added] = table->emplace<toml::table>(rest.substr(0, dot));
+    table = at->second.as_table();
+    if (table == nullptr) {
+      return std::unexpected(InputError{"error: " + std::string(dotted_key) + ": " +
+                                        std::string(dotted_key.substr(0, dotted_key.size() - rest.size() + dot)) +
+                                        " is a value, not a table"});
+    }
+    rest.remove_prefix(dot + 1);
+  }
+  value.visit([&](const auto& concrete) { table->insert_or_assign(rest, concrete); });
+  return {};
+}
+
+void merge(toml::table& base, const toml::table& over) {
+  for (const auto& [key, value] : over) {
+    toml::table* below = base.get_as<toml::table>(key.str());
+    if (below != nullptr && value.is_table()) {
+      merge(*below, *value.as_table());
+    } else {
+      value.visit([&](const auto& concrete) { base.insert_or_assign(key, concrete); });
+    }
+  }
+}
+
+}  // namespace peerd::config

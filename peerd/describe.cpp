@@ -1,0 +1,86 @@
+#include "peerd/describe.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+namespace peerd {
+namespace {
+
+using namespace replication;
+using spdlog::level::level_enum;
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+
+double ms(Duration d) { return to_seconds(d) * 1e3; }
+
+const char* verb(ContactKind kind) {
+  switch (kind) {
+    case ContactKind::kOwner: return "hit";
+    case ContactKind::kDecided: return "hit (decided here)";
+    case ContactKind::kPredicted: return "is predicted to hit";
+    case ContactKind::kApplied: return "hit (decided there)";
+  }
+  return "?";
+}
+
+}  // namespace
+
+std::optional<LogLine> describe(const Output& output, const Scene& scene) {
+  using Line = std::optional<LogLine>;
+  const auto named = [](PeerId id, const std::string& name) { return fmt::format("peer {} (id {})", name, id.value); };
+  return std::visit(
+      Overloaded{
+          [](const Send&) -> Line { return std::nullopt; },
+          [](const Join& j) -> Line {
+            return LogLine{level_enum::debug, fmt::format("joined region {}", j.region.value)};
+          },
+          [](const Leave& l) -> Line { return LogLine{level_enum::debug, fmt::format("left region {}", l.region.value)}; },
+          [](const Synchronised& s) -> Line {
+            return LogLine{level_enum::info, fmt::format("in session: follows the clock of peer {}, offset {:.3f} ms, "
+                                                         "error at most {:.3f} ms",
+                                                         s.follows.value, ms(s.session_minus_host), ms(s.error_bound))};
+          },
+          [](const ClockStepped& s) -> Line {
+            return LogLine{level_enum::warn, fmt::format("two sessions have met: the session clock stepped, offset {:.3f} ms",
+                                                         ms(s.session_minus_host))};
+          },
+          [&](const PeerJoined& p) -> Line {
+            return LogLine{level_enum::info, named(p.peer, p.name) + (p.restarted ? " restarted" : " joined")};
+          },
+          [&](const PeerLost& p) -> Line {
+            return p.said_goodbye ? LogLine{level_enum::info, named(p.peer, p.name) + " left"}
+                                  : LogLine{level_enum::warn, named(p.peer, p.name) + " is lost: it has gone silent"};
+          },
+          [&](const Frozen& f) -> Line {
+            return LogLine{level_enum::warn, fmt::format("{} stands still: peer {}, which ran it, is gone",
+                                                         scene.path_of(f.object), f.owner.value)};
+          },
+          [&](const OtherWorld& o) -> Line {
+            return LogLine{level_enum::warn, named(o.peer, o.name) + " has another world and is ignored; give both the "
+                                                                     "same file"};
+          },
+          [](const IdInUse& i) -> Line {
+            return LogLine{level_enum::err, fmt::format("another peer uses id {} too; give each peer its own", i.peer.value)};
+          },
+          [&](const OwnershipConflict& c) -> Line {
+            return LogLine{level_enum::err, fmt::format("two peers enslave {}; peer {} keeps it", scene.path_of(c.object),
+                                                        c.owner.value)};
+          },
+          [&](const Published& p) -> Line {
+            return LogLine{level_enum::debug, fmt::format("update of {}: {}, threshold {} m", scene.path_of(p.object),
+                                                          to_string(p.reason), p.threshold_m)};
+          },
+          [&](const ContactSeen& c) -> Line {
+            const double ago_s = to_seconds(c.known_at - c.contact.at);
+            return LogLine{c.kind == ContactKind::kPredicted ? level_enum::debug : level_enum::info,
+                           fmt::format("{} {} {}, {:.1f} ms ago", scene.path_of(c.contact.collider), verb(c.kind),
+                                       scene.path_of(c.contact.collidee), 1e3 * ago_s)};
+          },
+          [](const TakenBack&) -> Line { return std::nullopt; },
+      },
+      output);
+}
+
+}  // namespace peerd

@@ -1,0 +1,123 @@
+#include <exception>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "peerd/check.hpp"
+#include "peerd/commands.hpp"
+
+namespace peerd {
+namespace {
+
+constexpr int kWrongUse = 2;
+constexpr int kEnvironment = 3;
+
+// What `peerd run` takes instead of, or over, a configuration file.
+struct RunFlags {
+  std::string world, name, interface, group;
+  std::optional<std::uint32_t> id, port;
+  std::vector<std::string> enslaves;
+};
+
+std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
+
+// The flags as the settings that they stand for. Without a configuration there is one peer, which the flags describe.
+std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options) {
+  std::vector<std::string> sets;
+  if (!flags.world.empty()) {
+    sets.push_back("world=" + quoted(std::filesystem::absolute(flags.world).string()));
+  }
+  if (options.config.empty()) {
+    if (options.peer.empty()) options.peer = flags.name.empty() ? "peer" : flags.name;
+    sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id.value_or(1)));
+  }
+  if (options.config.empty() || !options.peer.empty()) {
+    if (flags.id) sets.push_back("peer." + options.peer + ".id=" + std::to_string(*flags.id));
+    if (!flags.enslaves.empty()) {
+      sets.push_back("peer." + options.peer + ".enslaves=" + nlohmann::json(flags.enslaves).dump());
+    }
+  }
+  if (!flags.interface.empty()) sets.push_back("transport.interface=" + quoted(flags.interface));
+  if (!flags.group.empty()) sets.push_back("transport.group=" + quoted(flags.group));
+  if (flags.port) sets.push_back("transport.port=" + std::to_string(*flags.port));
+  sets.insert(sets.end(), options.sets.begin(), options.sets.end());
+  return sets;
+}
+
+void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
+  command.add_option("scenario", options.scenario, "the scenario, a TOML file")->required();
+  command.add_option("--config", options.configs, "a TOML file whose settings replace the scenario's (repeatable)");
+  command.add_option("--set", options.sets, "KEY=VALUE, such as network.latency_ms=100; a list sweeps (repeatable)")
+      ->allow_extra_args(false);
+  command.add_option("--seed", options.seed, "instead of the scenario's seed");
+  command.add_option("--out", options.out, "where the outputs go (default: out/NAME)");
+  command.add_flag("--json", options.json, "print summary.json instead of the table");
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"peerd keeps a shared 3D world alive between computers without a server", "peerd"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "peerd " PEERD_VERSION);
+
+  PeerOptions peer;
+  RunFlags flags;
+  CLI::App* run_command = app.add_subcommand("run", "a peer, in the foreground; SIGTERM leaves cleanly");
+  run_command->add_option("-c,--config", peer.config, "a scenario file; --peer says which of its peers this is");
+  run_command->add_option("--overlay", peer.overlays, "a TOML file whose settings replace the configuration's (repeatable)");
+  run_command->add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
+  run_command->add_option("--world", flags.world, "the VRML97 world");
+  run_command->add_option("--peer", peer.peer, "which of the configuration's peers");
+  run_command->add_option("--name", flags.name, "this peer's name, without a configuration");
+  run_command->add_option("--id", flags.id, "this peer's number; each peer needs its own");
+  run_command->add_option("--enslave", flags.enslaves, "a node of the world that this peer runs (repeatable)")
+      ->allow_extra_args(false);
+  run_command->add_option("--interface", flags.interface, "network interface, such as eth0 or lo");
+  run_command->add_option("--group", flags.group, "multicast group of region 0, IPv4 or IPv6");
+  run_command->add_option("--port", flags.port, "UDP port");
+  run_command->add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
+  run_command->add_flag("--once", peer.once, "leave when the scenario's duration is over");
+  run_command->add_flag("--json", peer.json, "log lines as JSON");
+  run_command->add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
+
+  ScenarioOptions sim;
+  CLI::App* sim_command = app.add_subcommand("sim", "a scenario on a simulated network, as fast as it goes");
+  add_scenario_options(*sim_command, sim);
+  sim_command->add_flag("-v,--verbose", sim.verbose, "print the peers' logs");
+
+  ScenarioOptions real;
+  CLI::App* scenario_command = app.add_subcommand("scenario", "a scenario between real processes over real multicast");
+  add_scenario_options(*scenario_command, real);
+  scenario_command->add_option("--interface", real.interface, "network interface (default: lo)")->default_val("lo");
+
+  std::string world;
+  bool check_json = false;
+  CLI::App* check_command = app.add_subcommand("check", "read a world; every problem as FILE:LINE:COLUMN; statistics");
+  check_command->add_option("world", world, "the VRML97 world")->required();
+  check_command->add_flag("--json", check_json, "one JSON object");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : kWrongUse;
+  }
+  if (*check_command) return run_check(world, check_json, std::cout, std::cerr);
+  if (*sim_command) return run_sim(sim);
+  if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
+  if (peer.config.empty() && flags.world.empty()) {
+    return failed({"error: give a configuration (--config FILE) or a world (--world FILE)", kWrongUse});
+  }
+  peer.sets = as_settings(flags, peer);
+  return run_peer(peer);
+}
+
+}  // namespace
+}  // namespace peerd
+
+int main(int argc, char** argv) {
+  try {
+    return peerd::run(argc, argv);
+  } catch (const std::exception& e) {
+    return peerd::failed({std::string("error: ") + e.what(), peerd::kEnvironment});
+  }
+}

@@ -1,0 +1,21 @@
+#pragma once
+#include "core/time.hpp"
+
+namespace peerd::net {
+
+// What this process takes for the time of its computer [ns since the Unix epoch]. This and nothing else reads a clock.
+//
+// The wall clock is read once, at construction; from then on time runs by CLOCK_MONOTONIC, so it never steps and never
+// runs backwards, whatever an administrator or an NTP daemon does to the wall clock. Two peers on two hosts may
+// therefore differ by seconds, and drift: the session clock measures and removes that.
+class HostClock {
+ public:
+  // test_offset: makes this process believe that it is that much later than its computer says (a test setting).
+  explicit HostClock(Duration test_offset = Duration{0});
+  [[nodiscard]] HostTime now() const;
+
+ private:
+  Duration epoch_minus_monotonic_;  // test offset included
+};
+
+}  // namespace peerd::net

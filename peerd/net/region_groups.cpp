@@ -1,0 +1,116 @@
+#include "peerd/net/region_groups.hpp"
+
+#include <cassert>
+#include <limits>
+#include <string>
+
+namespace peerd::net {
+namespace {
+
+using asio::ip::address_v4;
+using asio::ip::address_v6;
+
+constexpr std::uint64_t kLastIpv4Group = 0xEFFF'FFFF;  // 239.255.255.255
+constexpr std::uint64_t kMaxRegion = std::numeric_limits<std::uint32_t>::max();
+
+std::optional<address_v4> add(address_v4 base, RegionId region) {
+  const std::uint64_t sum = std::uint64_t{base.to_uint()} + region.value;
+  if (sum > kLastIpv4Group) return std::nullopt;
+  return address_v4(static_cast<std::uint32_t>(sum));
+}
+
+// An IPv6 address as two numbers in host order.
+struct Halves {
+  std::uint64_t high = 0, low = 0;
+};
+
+Halves halves_of(const address_v6& address) {
+  const auto bytes = address.to_bytes();
+  Halves h;
+  for (std::size_t i = 0; i < 8; ++i) {
+    h.high = h.high << 8 | bytes[i];
+    h.low = h.low << 8 | bytes[i + 8];
+  }
+  return h;
+}
+
+address_v6 address_of(Halves h) {
+  address_v6::bytes_type bytes{};
+  for (std::size_t i = 8; i-- > 0; h.high >>= 8, h.low >>= 8) {
+    bytes[i] = static_cast<unsigned char>(h.high);
+    bytes[i + 8] = static_cast<unsigned char>(h.low);
+  }
+  return address_v6(bytes);
+}
+
+// The top 16 bits (ff, flags, scope) are not part of the group's number: a carry into them would change the scope.
+std::optional<address_v6> add(const address_v6& base, RegionId region) {
+  const Halves from = halves_of(base);
+  Halves to{from.high, from.low + region.value};
+  if (to.low < from.low) ++to.high;
+  if (to.high >> 48 != from.high >> 48) return std::nullopt;
+  return address_of(to);
+}
+
+}  // namespace
+
+std::expected<GroupPlan, NetError> parse_group_plan(std::string_view base, std::uint16_t port) {
+  boost::system::error_code ec;
+  const GroupPlan plan{asio::ip::make_address(std::string(base), ec), port};
+  if (ec) {
+    return std::unexpected(NetError{NetError::Kind::kBadSetting,
+                                    "\"" + std::string(base) +
+                                        "\" is not an IP address; give the first multicast group, such as 239.192.0.0 "
+                                        "or ff15::1:0:0"});
+  }
+  if (auto good = check_plan(plan); !good) return std::unexpected(good.error());
+  return plan;
+}
+
+std::expected<void, NetError> check_plan(const GroupPlan& plan) {
+  if (!plan.base.is_multicast()) {
+    return std::unexpected(NetError{NetError::Kind::kBadSetting,
+                                    plan.base.to_string() +
+                                        " is not a multicast address; take one from 239.192.0.0 to 239.195.255.255, "
+                                        "or an IPv6 one such as ff15::1:0:0"});
+  }
+  if (plan.port == 0) {
+    return std::unexpected(NetError{NetError::Kind::kBadSetting,
+                                    "port 0 would give every peer a port of its own; choose one from 1024 to 65535"});
+  }
+  return {};
+}
+
+std::expected<asio::ip::udp::endpoint, NetError> group_endpoint(const GroupPlan& plan, RegionId region) {
+  assert(check_plan(plan));
+  std::optional<asio::ip::address> group;
+  if (plan.base.is_v4()) {
+    if (const auto sum = add(plan.base.to_v4(), region)) group = *sum;
+  } else {
+    if (const auto sum = add(plan.base.to_v6(), region)) group = *sum;
+  }
+  if (!group) {
+    return std::unexpected(
+        NetError{NetError::Kind::kLimit, "region " + std::to_string(region.value) +
+                                             " has no multicast group: " + plan.base.to_string() +
+                                             " + region leaves the multicast range; lower the base address or make the "
+                                             "regions larger"});
+  }
+  return asio::ip::udp::endpoint(*group, plan.port);
+}
+
+std::optional<RegionId> region_of(const GroupPlan& plan, const asio::ip::address& group) {
+  if (plan.base.is_v4() != group.is_v4() || !group.is_multicast()) return std::nullopt;
+  if (group.is_v4()) {
+    const std::uint32_t base = plan.base.to_v4().to_uint(), number = group.to_v4().to_uint();
+    return number < base ? std::nullopt : std::optional(RegionId{number - base});
+  }
+  const Halves base = halves_of(plan.base.to_v6()), number = halves_of(group.to_v6());
+  const std::uint64_t low = number.low - base.low;
+  const std::uint64_t high = number.high - base.high - (number.low < base.low ? 1 : 0);
+  // The base may end where a carry crosses the halves, never where one crosses the scope: group_endpoint refuses those.
+  if (high != 0 || low > kMaxRegion || number.high >> 48 != base.high >> 48) return std::nullopt;
+  return RegionId{static_cast<std::uint32_t>(low)};
+}
+
+}  // namespace peerd::net

@@ -1,0 +1,60 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "peerd/config/toml_input.hpp"
+#include "replication/peer.hpp"
+
+namespace peerd {
+
+// What one peer did and believed in a run, in session time. The simulator keeps it in memory, a real peer writes it to
+// a file; peerd/assemble.hpp makes one RunRecord of all of them.
+struct PeerLog {
+  // `at` is a tick of the peer's own session clock, `true_at` the same instant on a clock that all peers share (the
+  // simulator's, or the computer's without the test offset): what an error of the session clock hides, that one shows.
+  struct Belief {
+    SimTime at;
+    HostTime true_at;
+    ObjectId object;
+    PeerId owner;  // the peer itself: `state` is the truth
+    KinematicState state;
+  };
+  struct Update {
+    SimTime at;
+    ObjectId object;
+    std::uint32_t bytes;
+    double threshold_m;
+    std::string reason;
+  };
+  struct Datagram {
+    SimTime at;
+    std::uint32_t bytes;
+  };
+  struct Contact {
+    SimTime at;
+    std::string kind;
+    ObjectId collider, collidee;
+    Vec3 normal;
+    SimTime known_at;
+  };
+
+  PeerId peer;
+  std::string name;
+  std::optional<SimTime> start;  // of the motions by formula
+  std::vector<Belief> beliefs;
+  std::vector<Update> updates;
+  std::vector<Datagram> datagrams;
+  std::vector<Contact> contacts;
+  std::uint32_t groups_joined = 0;
+  std::uint32_t other_worlds = 0;
+  std::map<std::string, std::uint64_t> counters;
+};
+
+[[nodiscard]] config::Result<void> save(const PeerLog& log, const std::filesystem::path& path);
+[[nodiscard]] config::Result<PeerLog> load_peer_log(const std::filesystem::path& path);
+
+}  // namespace peerd

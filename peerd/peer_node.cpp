@@ -1,0 +1,170 @@
+#include "peerd/peer_node.hpp"
+
+#include <algorithm>
+
+namespace peerd {
+namespace {
+
+const char* to_string(replication::ContactKind kind) {
+  switch (kind) {
+    case replication::ContactKind::kOwner: return "owner";
+    case replication::ContactKind::kDecided: return "decided";
+    case replication::ContactKind::kPredicted: return "predicted";
+    case replication::ContactKind::kApplied: return "applied";
+  }
+  return "?";
+}
+
+}  // namespace
+
+config::Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path) {
+  auto world = config::load_world(path);
+  if (!world) return std::unexpected(world.error());
+  auto shared = std::make_unique<SharedWorld>();
+  shared->world = std::move(*world);
+  shared->model = replication::make_world_model(shared->world.scene);
+  return shared;
+}
+
+config::Result<Motions> make_motions(const config::PeerSettings& peer, const Scene& scene, double duration_s) {
+  Motions motions;
+  for (const auto& [path, formula] : peer.motion) {
+    const std::string key = "peer." + peer.name + ".motion." + path;
+    const auto object = config::find_object(scene, path, key);
+    if (!object) return std::unexpected(object.error());
+    auto motion = config::MotionSource::make(formula, key, duration_s);
+    if (!motion) return std::unexpected(motion.error());
+    motions.emplace(*object, std::move(*motion));
+  }
+  return motions;
+}
+
+config::Result<std::unique_ptr<PeerNode>> PeerNode::make(const config::PeerSettings& settings,
+                                                         const config::ReplicationSettings& replication,
+                                                         const SharedWorld& shared, Motions motions, Options options) {
+  replication::PeerConfig config;
+  config.id = PeerId{settings.id};
+  config.name = settings.name;
+  config.boot = options.boot;
+  config.world_hash = shared.world.hash;
+  config.policy = replication.policy;
+  config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
+  for (const std::string& path : settings.enslaves) {
+    const auto object = config::find_object(shared.world.scene, path, "peer." + settings.name + ".enslaves");
+    if (!object) return std::unexpected(object.error());
+    config.enslaved.push_back({*object, motions.contains(*object)});
+  }
+  return std::unique_ptr<PeerNode>(new PeerNode(std::move(config), shared, std::move(motions), std::move(options)));
+}
+
+PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, Motions motions, Options options)
+    : shared_(shared),
+      motions_(std::move(motions)),
+      options_(std::move(options)),
+      config_(std::move(config)),
+      peer_(config_, *shared.model) {
+  log_.peer = config_.id;
+  log_.name = config_.name;
+}
+
+void PeerNode::on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram) {
+  (void)peer_.on_packet(now, region, datagram);  // why it was dropped is in the peer's counters
+}
+
+// The lowest of the peers that are waited for says when; the others follow its hellos.
+void PeerNode::agree_on_start(HostTime now) {
+  if (log_.start || !peer_.clock().synchronised()) return;
+  const auto& members = peer_.members().all();
+  PeerId lowest = config_.id;
+  bool complete = true;
+  for (PeerId peer : options_.wait_for) {
+    if (peer == config_.id) continue;
+    lowest = std::min(lowest, peer);
+    const auto member = members.find(peer);
+    complete = complete && member != members.end() && member->second.synchronised;
+  }
+  if (lowest != config_.id) {
+    const auto member = members.find(lowest);
+    if (member != members.end() && member->second.start) log_.start = member->second.start;
+  } else if (complete) {
+    log_.start = std::chrono::ceil<std::chrono::seconds>(peer_.clock().to_session(now) + options_.start_lead);
+    peer_.announce_start(*log_.start);
+  }
+}
+
+void PeerNode::on_tick(HostTime now) {
+  agree_on_start(now);
+  const std::optional<SimTime> due = peer_.due_tick(now);
+  std::vector<replication::OwnSample> samples;
+  if (due) {
+    for (const auto& [object, motion] : motions_) {
+      // Until it is known when the motion begins, the object stands where the world's file put it.
+      samples.push_back({object, log_.start ? motion.sample(to_seconds(*due - *log_.start))
+                                            : at_rest(shared_.world.scene.rigid_pose(object))});
+    }
+  }
+  peer_.on_tick(now, samples);
+  if (due) {
+    logged_at_ = *due;
+    if (options_.keep_log && log_.start) record_beliefs(*due);
+  }
+}
+
+void PeerNode::record_beliefs(SimTime t) {
+  const HostTime true_at = peer_.clock().to_host(t) - options_.clock_offset;
+  for (const auto& [object, owner] : peer_.owners()) {
+    const KinematicState state = owner == config_.id ? peer_.truth(object, t) : peer_.ghost(object, t);
+    log_.beliefs.push_back({t, true_at, object, owner, state});
+  }
+}
+
+std::optional<replication::Output> PeerNode::poll_output() {
+  auto out = peer_.poll_output();
+  if (!out) return out;
+  using namespace replication;
+  if (const auto* join = std::get_if<Join>(&*out); join != nullptr) ++log_.groups_joined;
+  if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;
+  if (!options_.keep_log) return out;
+  if (const auto* send = std::get_if<Send>(&*out)) {
+    log_.datagrams.push_back({logged_at_, static_cast<std::uint32_t>(send->datagram.size())});
+  } else if (const auto* p = std::get_if<Published>(&*out)) {
+    log_.updates.push_back(
+        {p->at, p->object, static_cast<std::uint32_t>(p->size_bytes), p->threshold_m, to_string(p->reason)});
+  } else if (const auto* c = std::get_if<ContactSeen>(&*out)) {
+    log_.contacts.push_back({c->contact.at, peerd::to_string(c->kind), c->contact.collider, c->contact.collidee,
+                             c->contact.normal, c->known_at});
+  } else if (const auto* b = std::get_if<TakenBack>(&*out)) {
+    std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
+      return row.kind == "predicted" && row.at > b->since && (row.collider == b->object || row.collidee == b->object);
+    });
+  }
+  return out;
+}
+
+const PeerLog& PeerNode::log() {
+  const auto& c = peer_.counters();
+  const auto m = peer_.motion_counters();
+  auto& n = log_.counters;
+  n = {{"datagrams_in", c.datagrams_in},
+       {"datagrams_out", c.datagrams_out},
+       {"bytes_in", c.bytes_in},
+       {"bytes_out", c.bytes_out},
+       {"ticks", c.ticks},
+       {"ticks_missed", c.ticks_missed},
+       {"updates_in", c.updates_in},
+       {"updates_out", c.updates_out},
+       {"proximity_tests", c.proximity_tests},
+       {"contact_searches", m.contact_searches},
+       {"contact_searches_skipped", m.searches_skipped},
+       {"contacts", m.contacts},
+       {"contacts_undone", m.contacts_undone},
+       {"contact_searches_overlapped", m.overlapped},
+       {"contact_searches_unsupported", m.unsupported},
+       {"contact_searches_failed", m.failed},
+       {"contacts_capped", m.capped},
+       {"came_to_rest", m.came_to_rest}};
+  for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;
+  return log_;
+}
+
+}  // namespace peerd

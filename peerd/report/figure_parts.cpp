@@ -1,0 +1,114 @@
+#include "peerd/report/figure_parts.hpp"
+
+#include <algorithm>
+
+#include "peerd/report/lookup.hpp"
+
+namespace peerd::report {
+namespace {
+
+constexpr double kLegendSize = 11.0;
+
+void draw_mark(Svg& svg, Point at, const LegendEntry& entry) {
+  const Point middle{at.x + 10.0, at.y - 4.0};
+  switch (entry.mark) {
+    case LegendEntry::Mark::kLine:
+      svg.line({at.x, middle.y}, {at.x + 20.0, middle.y}, entry.stroke);
+      break;
+    case LegendEntry::Mark::kUpright:
+      svg.line({middle.x, middle.y - 6.0}, {middle.x, middle.y + 6.0}, entry.stroke);
+      break;
+    case LegendEntry::Mark::kCircle:
+      svg.circle(middle, 3.5, "#fff", entry.stroke);
+      break;
+    case LegendEntry::Mark::kCross:
+      svg.cross(middle, 3.5, entry.stroke);
+      break;
+    case LegendEntry::Mark::kSquare:
+      svg.rect({middle.x - 3.5, middle.y - 3.5, 7.0, 7.0}, entry.stroke.colour);
+      break;
+  }
+}
+
+// The end of a text that is too long: of a path that is the part that tells objects apart.
+std::string shortened(const std::string& text, double width, double size) {
+  std::size_t begin = 0;
+  while (begin < text.size() && text_width(std::string_view(text).substr(begin), size) + size > width) ++begin;
+  while (begin < text.size() && (text[begin] & 0xc0) == 0x80) ++begin;  // not inside a UTF-8 letter
+  return text_width(text, size) <= width ? text : "…" + text.substr(begin);
+}
+
+}  // namespace
+
+void draw_legend(Svg& svg, Point at, double width, std::span<const LegendEntry> entries) {
+  const double end = at.x + width;
+  const double more_width = text_width("+ 000", kLegendSize);
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const double needs = 26.0 + text_width(entries[i].label, kLegendSize);
+    const bool last = i + 1 == entries.size();
+    if (at.x + needs + (last ? 0.0 : more_width) > end) {
+      svg.text(at, "+ " + std::to_string(entries.size() - i), {.size = kLegendSize});
+      return;
+    }
+    draw_mark(svg, at, entries[i]);
+    svg.text({at.x + 26.0, at.y}, entries[i].label, {.size = kLegendSize});
+    at.x += needs + 12.0;
+  }
+}
+
+void draw_title(Svg& svg, Point at, double width, std::string_view title, std::string_view subtitle) {
+  constexpr double kSize = 16.0;
+  constexpr double kBold = 1.12;  // bold letters are wider
+  const double size = std::min(kSize, kSize * width / (kBold * text_width(title, kSize) + 1.0));
+  svg.text(at, title, {.size = size, .bold = true});
+  svg.text({at.x, at.y + 20.0}, subtitle,
+           {.size = std::min(12.0, 12.0 * width / (text_width(subtitle, 12.0) + 1.0)), .colour = "#666"});
+}
+
+void draw_bars(Svg& svg, const Box& box, std::string_view title, std::span<const BarEntry> bars, int decimals) {
+  svg.text({box.x, box.y - 10.0}, title, {.size = 12.0});
+  if (bars.empty()) return;
+  double label_width = 0.0;
+  Range values;
+  values.add(0.0);
+  for (const BarEntry& bar : bars) {
+    label_width = std::max(label_width, text_width(bar.label, 11.0));
+    values.add(bar.value);
+  }
+  label_width = std::min(label_width, 0.6 * box.width);
+  const double sample_width =
+      std::ranges::any_of(bars, [](const BarEntry& b) { return b.line.has_value(); }) ? 42.0 : 0.0;
+  const double number_width = text_width(tick_label(values.hi, decimals), 11.0) + 8.0;
+  const double left = box.x + label_width + sample_width + 8.0;
+  const double full = box.width - label_width - sample_width - 8.0 - number_width;
+  const double pitch = std::min(kBarPitch, box.height / static_cast<double>(bars.size()));
+  const double thick = 0.64 * pitch;
+  const double size = std::clamp(0.9 * pitch, 3.0, 11.0);
+  for (std::size_t i = 0; i < bars.size(); ++i) {
+    const double y = box.y + pitch * (static_cast<double>(i) + 0.5);
+    const double length =
+        values.hi > 0.0 && std::isfinite(bars[i].value) ? full * std::max(0.0, bars[i].value) / values.hi : 0.0;
+    svg.text({left - sample_width - 8.0, y + 0.36 * size}, shortened(bars[i].label, label_width + 1.0, size),
+             {.size = size, .anchor = Anchor::kEnd});
+    if (bars[i].line) svg.line({left - sample_width, y}, {left - 8.0, y}, *bars[i].line);
+    svg.rect({left, y - 0.5 * thick, length, thick}, bars[i].colour);
+    svg.text({left + length + 6.0, y + 0.36 * size}, tick_label(bars[i].value, decimals), {.size = size});
+  }
+  const double used = pitch * static_cast<double>(bars.size());
+  svg.line({left, box.y}, {left, box.y + used}, {.colour = "#555"});
+}
+
+const ObjectInfo* find_object(const RunRecord& run, std::string_view path) {
+  const auto it = std::ranges::find(run.objects, path, &ObjectInfo::path);
+  return it != run.objects.end() ? &*it : nullptr;
+}
+
+std::vector<PeerInfo> observers_of(const RunRecord& run, const ObjectInfo& object) {
+  std::vector<PeerInfo> observers;
+  for (const PeerInfo& peer : run.peers) {
+    if (peer.peer != object.owner && !beliefs_of(run, peer.peer, object.object).empty()) observers.push_back(peer);
+  }
+  return observers;
+}
+
+}  // namespace peerd::report

@@ -1,0 +1,62 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "peerd/report/run_record.hpp"
+#include "peerd/report/svg.hpp"
+
+namespace peerd::report {
+
+// Okabe and Ito's colours, which colour-blind readers can tell apart; without yellow, which is lost on white.
+inline constexpr std::array<std::string_view, 6> kColours{"#0072b2", "#d55e00", "#009e73",
+                                                          "#cc79a7", "#e69f00", "#56b4e9"};
+inline constexpr std::array<std::string_view, 4> kDashes{"", "6 3", "2 2.5", "9 3 2 3"};
+inline constexpr std::string_view kTruthColour = "#b8b8b8";
+inline constexpr std::string_view kContactColour = "#777";
+inline constexpr std::string_view kBarColour = "#7d8ca3";  // bars that stand for no observer and no line
+
+[[nodiscard]] inline std::string_view colour_of(std::size_t i) { return kColours[i % kColours.size()]; }
+[[nodiscard]] inline std::string_view dashes_of(std::size_t i) { return kDashes[i % kDashes.size()]; }
+
+// The second observer's line often covers the first's: dashes let it through.
+[[nodiscard]] inline Stroke observer_stroke(std::size_t i) {
+  return {.colour = colour_of(i), .width = 1.5, .dashes = i == 0 ? "" : "5 4"};
+}
+
+struct LegendEntry {
+  enum class Mark { kLine, kUpright, kCircle, kCross, kSquare } mark = Mark::kLine;
+  Stroke stroke;
+  std::string label;
+};
+
+// On one line from `at` (the text's baseline) to the right as far as `width` reaches; what does not fit is counted: "+
+// 3".
+void draw_legend(Svg& svg, Point at, double width, std::span<const LegendEntry> entries);
+
+// A title that is set smaller if it would not fit.
+void draw_title(Svg& svg, Point at, double width, std::string_view title, std::string_view subtitle);
+
+inline constexpr double kBarPitch = 34.0;  // from a bar to the next where there is room [px]
+
+struct BarEntry {
+  std::string label;
+  double value = 0.0;
+  std::string_view colour;
+  std::optional<Stroke> line;  // a sample of it is drawn between label and bar
+};
+
+// Lying bars with their labels at the left, inside `box`; values are written behind them with `decimals`.
+void draw_bars(Svg& svg, const Box& box, std::string_view title, std::span<const BarEntry> bars, int decimals);
+
+// The record of an object by its path; null if the run has none.
+[[nodiscard]] const ObjectInfo* find_object(const RunRecord& run, std::string_view path);
+
+// Peers other than the owner that have beliefs of the object, in the record's order.
+[[nodiscard]] std::vector<PeerInfo> observers_of(const RunRecord& run, const ObjectInfo& object);
+
+}  // namespace peerd::report

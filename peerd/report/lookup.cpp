@@ -1,0 +1,24 @@
+#include "peerd/report/lookup.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace peerd::report {
+
+std::string peer_name(const RunRecord& run, PeerId peer) {
+  const auto it = std::ranges::find(run.peers, peer, &PeerInfo::peer);
+  return it != run.peers.end() ? it->name : "#" + std::to_string(peer.value);
+}
+
+std::string object_path(const RunRecord& run, ObjectId object) {
+  const auto it = std::ranges::find(run.objects, object, &ObjectInfo::object);
+  return it != run.objects.end() ? it->path : "#" + std::to_string(object.value);
+}
+
+std::span<const BeliefSample> beliefs_of(const RunRecord& run, PeerId observer, ObjectId object) {
+  const auto series = [](const BeliefSample& s) { return std::tuple(s.observer, s.object); };
+  const auto found = std::ranges::equal_range(run.beliefs, std::tuple(observer, object), {}, series);
+  return {found.begin(), found.end()};
+}
+
+}  // namespace peerd::report

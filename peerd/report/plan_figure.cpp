@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "peerd/report/agreement.hpp"
+#include "peerd/report/figure_parts.hpp"
+#include "peerd/report/figures.hpp"
+#include "peerd/report/lookup.hpp"
+#include "peerd/report/sweep.hpp"
+#include "peerd/report/table.hpp"
+
+namespace peerd::report {
+namespace {
+
+constexpr double kLeft = 70.0;
+constexpr double kTop = 86.0;
+constexpr double kLongest = 1040.0;  // pixels of the longer side
+constexpr double kLeast = 60.0;      // and of the shorter, for paths that are nearly straight
+
+// World axes on the page: the longer extent lies, so that a road fits. Seen from +y: -z goes right when z lies.
+struct PlanAxes {
+  int across = 0;
+  int up = 2;
+  double across_sign = 1.0;
+  double up_sign = -1.0;  // x right, -z up: as on a map
+  [[nodiscard]] Point of(const Vec3& p) const { return {across_sign * p[across], up_sign * p[up]}; }
+};
+
+struct PlanPaths {
+  std::vector<Vec3> truth;
+  std::vector<std::vector<Vec3>> ghosts;  // by observer
+};
+
+std::size_t worst_run(const nlohmann::ordered_json& summary, const std::string& path) {
+  std::size_t worst = 0;
+  double worst_m = -1.0;
+  const auto& runs = summary.at("runs");
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    double sum_m = 0.0;
+    for (const auto& row : runs[i].at("objects")) {
+      if (row.at("path") == path) sum_m += row.at("ghost_error_m").at("mean").get<double>();
+    }
+    if (sum_m > worst_m) {
+      worst_m = sum_m;
+      worst = i;
+    }
+  }
+  return worst;
+}
+
+std::vector<Point> on_page(const std::vector<Vec3>& path, const PlanAxes& axes) {
+  std::vector<Point> points;
+  for (const Vec3& p : path) points.push_back(axes.of(p));
+  return points;
+}
+
+std::vector<Point> in_pixels(const std::vector<Point>& points, const Panel& panel) {
+  std::vector<Point> pixels;
+  for (const Point& p : points) pixels.push_back(panel.at(p.x, p.y));
+  return pixels;
+}
+
+std::string axis_name(int axis, double sign) {
+  return std::string(sign < 0.0 ? "−" : "") + (axis == 0 ? "x" : "z") + " [m]";
+}
+
+}  // namespace
+
+std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> runs,
+                        const nlohmann::ordered_json& summary) {
+  const std::string path = principal_object(summary);
+  const std::size_t number = worst_run(summary, path);
+  const ObjectInfo* object = number < runs.size() ? find_object(runs[number], path) : nullptr;
+  const std::vector<PeerInfo> observers = object ? observers_of(runs[number], *object) : std::vector<PeerInfo>{};
+  if (observers.empty()) {
+    Svg svg(800.0, 80.0);
+    draw_title(svg, {kLeft, 28.0}, 700.0, info.name, "no object that another peer observes");
+    return std::move(svg).finish();
+  }
+  const RunRecord& run = runs[number];
+  PlanPaths paths;
+  for (const PeerInfo& observer : observers) {
+    paths.ghosts.emplace_back();
+    for (const BeliefSample& s : beliefs_of(run, observer.peer, object->object)) {
+      paths.ghosts.back().push_back(s.ghost.position);
+      if (paths.ghosts.size() == 1) paths.truth.push_back(s.truth.position);
+    }
+  }
+  // Everything else that is replicated, where it stood first.
+  std::vector<Vec3> others;
+  for (const ObjectInfo& other : run.objects) {
+    if (other.object == object->object) continue;
+    const std::vector<PeerInfo> by = observers_of(run, other);
+    if (!by.empty()) others.push_back(beliefs_of(run, by.front().peer, other.object).front().truth.position);
+  }
+
+  Range x, z;
+  for (const Vec3& p : paths.truth) (x.add(p.x()), z.add(p.z()));
+  for (const auto& ghost : paths.ghosts) {
+    for (const Vec3& p : ghost) (x.add(p.x()), z.add(p.z()));
+  }
+  for (const Vec3& p : others) (x.add(p.x()), z.add(p.z()));
+  x = drawable(x);
+  z = drawable(z);
+  const PlanAxes axes = z.hi - z.lo > x.hi - x.lo ? PlanAxes{2, 0, -1.0, -1.0} : PlanAxes{};
+
+  Range across, up;
+  for (const double px : {x.lo, x.hi}) {
+    for (const double pz : {z.lo, z.hi}) {
+      const Point p = axes.of({px, 0.0, pz});
+      across.add(p.x);
+      up.add(p.y);
+    }
+  }
+  const double room = 0.02 * (across.hi - across.lo);
+  across = {across.lo - room, across.hi + room};
+  up = {up.lo - room, up.hi + room};
+  const double scale = kLongest / (across.hi - across.lo);  // pixels per metre, the same on both axes
+  const double least_m = kLeast / scale;
+  if (up.hi - up.lo < least_m) {
+    const double middle = 0.5 * (up.lo + up.hi);
+    up = {middle - 0.5 * least_m, middle + 0.5 * least_m};
+  }
+  const Box box{kLeft, kTop, kLongest, (up.hi - up.lo) * scale};
+
+  Svg svg(kLongest + kLeft + 20.0, box.height + kTop + 52.0);
+  std::vector<std::string> keys;
+  for (const auto& item : run.params.items()) keys.push_back(item.key());
+  draw_title(svg, {kLeft, 28.0}, kLongest,
+             info.name + " from above" + (keys.empty() ? "" : ": " + describe(run.params, keys)),
+             object->path + ", run " + std::to_string(number + 1) +
+                 (runs.size() > 1 ? ", the one with the greatest mean ghost error" : ""));
+  const Panel panel(box, across, up);
+  panel.draw_axes(svg, {.x = axis_name(axes.across, axes.across_sign),
+                        .y = axis_name(axes.up, axes.up_sign),
+                        .x_ticks = 16,
+                        .y_ticks = std::clamp(static_cast<int>(box.height / 28.0), 3, 16)});
+  using Mark = LegendEntry::Mark;
+  const Stroke truth{.colour = kTruthColour, .width = 5.0};
+  std::vector<LegendEntry> legend{{Mark::kLine, truth, "truth"}};
+  svg.polyline(in_pixels(on_page(paths.truth, axes), panel), truth);
+  for (std::size_t i = 0; i < observers.size(); ++i) {
+    svg.polyline(in_pixels(on_page(paths.ghosts[i], axes), panel), observer_stroke(i));
+    legend.push_back({Mark::kLine, observer_stroke(i), "ghost at " + observers[i].name});
+  }
+  if (!others.empty()) {
+    for (const Vec3& p : others) {
+      const Point q = axes.of(p);
+      const Point at = panel.at(q.x, q.y);
+      if (std::isfinite(at.x) && std::isfinite(at.y)) svg.rect({at.x - 3.5, at.y - 3.5, 7.0, 7.0}, "#444");
+    }
+    legend.push_back({Mark::kSquare, {.colour = "#444"}, "other objects at the start"});
+  }
+  draw_legend(svg, {kLeft, kTop - 10.0}, kLongest, legend);
+  return std::move(svg).finish();
+}
+
+}  // namespace peerd::report

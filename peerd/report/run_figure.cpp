@@ -1,0 +1,267 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include "peerd/report/agreement.hpp"
+#include "peerd/report/figure_parts.hpp"
+#include "peerd/report/figures.hpp"
+#include "peerd/report/lookup.hpp"
+#include "peerd/report/statistics.hpp"
+#include "peerd/report/sweep.hpp"
+#include "peerd/report/table.hpp"
+
+namespace peerd::report {
+namespace {
+
+constexpr double kWidth = 800.0;
+constexpr double kHeight = 728.0;
+constexpr double kLeft = 70.0;
+constexpr double kPlotWidth = 710.0;
+constexpr Box kPositionBox{kLeft, 86.0, kPlotWidth, 210.0};
+constexpr Box kErrorBox{kLeft, 336.0, kPlotWidth, 170.0};
+constexpr Box kRateBox{kLeft, 546.0, kPlotWidth, 130.0};
+
+constexpr const char* kComponentNames[] = {"x", "y", "z"};
+
+std::string latency_of(const RunRecord& run) { return value_text(run.params, "network.latency_ms"); }
+
+// Bars of a second, as in the seed; of a rounder number of seconds when a run is so long that seconds would be hairs.
+double bin_width_s(double duration_s) {
+  if (duration_s <= 120.0) return 1.0;
+  const Ticks ticks = nice_ticks({0.0, duration_s}, 120);
+  return std::max(1.0, ticks.at[1] - ticks.at[0]);
+}
+
+// Output of a peer [kB/s, kB = 1000 bytes] in each bin; the last may be short and is divided by what it has.
+std::vector<double> output_rates(const RunRecord& run, PeerId sender) {
+  const double width_s = bin_width_s(run.duration_s);
+  const auto count = static_cast<std::size_t>(std::ceil(run.duration_s / width_s));
+  std::vector<double> rates(count, 0.0);
+  if (count == 0) return rates;
+  for (const DatagramSent& d : run.datagrams) {
+    if (d.sender != sender || !(d.t_s >= 0.0)) continue;
+    rates[std::min(count - 1, static_cast<std::size_t>(d.t_s / width_s))] += d.bytes;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double begin_s = static_cast<double>(i) * width_s;
+    rates[i] *= 1e-3 / std::min(width_s, run.duration_s - begin_s);
+  }
+  return rates;
+}
+
+int component_of(std::span<const RunRecord> runs, const std::string& path) {
+  Vec3 bend = Vec3::Zero();   // greatest range without the straight line
+  Vec3 range = Vec3::Zero();  // and with it, for objects that go straight
+  for (const RunRecord& run : runs) {
+    const ObjectInfo* object = find_object(run, path);
+    const std::vector<PeerInfo> observers = object ? observers_of(run, *object) : std::vector<PeerInfo>{};
+    if (observers.empty()) continue;
+    const auto series = beliefs_of(run, observers.front().peer, object->object);
+    const BeliefSample& first = series.front();
+    const BeliefSample& last = series.back();
+    for (int c = 0; c < 3; ++c) {
+      Range bent;
+      Range plain;
+      for (const BeliefSample& s : series) {
+        const double along = last.t_s > first.t_s ? (s.t_s - first.t_s) / (last.t_s - first.t_s) : 0.0;
+        bent.add(s.truth.position[c] - std::lerp(first.truth.position[c], last.truth.position[c], along));
+        plain.add(s.truth.position[c]);
+      }
+      if (!bent.empty()) bend[c] = std::max(bend[c], bent.hi - bent.lo);
+      if (!plain.empty()) range[c] = std::max(range[c], plain.hi - plain.lo);
+    }
+  }
+  // A straight line leaves nothing but rounding.
+  const bool straight = bend.maxCoeff() <= 1e-9 * range.maxCoeff();
+  Eigen::Index best = 0;
+  (straight ? range : bend).maxCoeff(&best);
+  return static_cast<int>(best);
+}
+
+struct Series {
+  std::vector<Point> truth, ghost, error;
+  double mean_m = 0.0;
+};
+
+Series series_of(std::span<const BeliefSample> beliefs, int component) {
+  Series series;
+  std::vector<double> errors;
+  for (const BeliefSample& s : beliefs) {
+    series.truth.push_back({s.t_s, s.truth.position[component]});
+    series.ghost.push_back({s.t_s, s.ghost.position[component]});
+    series.error.push_back({s.t_s, ghost_error_m(s)});
+    if (std::isfinite(series.error.back().y)) errors.push_back(series.error.back().y);
+  }
+  series.mean_m = statistics(std::move(errors)).mean;
+  return series;
+}
+
+std::optional<Point> ghost_at(const Series& series, double t_s) {
+  const auto it = std::ranges::lower_bound(series.ghost, t_s, {}, &Point::x);
+  if (it == series.ghost.end() || !(std::fabs(it->y) < 1e100)) return std::nullopt;
+  return *it;
+}
+
+struct Marks {
+  std::vector<double> contacts_s;
+  std::size_t updates = 0;
+  std::size_t right = 0;
+  std::size_t wrong = 0;
+};
+
+// Contacts of the object as upright lines, updates as a comb on the time axis.
+Marks draw_instants(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Agreement& judged,
+                    const Panel& position, const Panel& error) {
+  Marks marks;
+  for (std::size_t i = 0; i < run.contacts.size(); ++i) {
+    const ContactRow& c = run.contacts[i];
+    if (judged.verdicts[i] != Verdict::kOutcome || (c.collider != object.object && c.collidee != object.object))
+      continue;
+    marks.contacts_s.push_back(c.t_s);
+    for (const Panel* panel : {&position, &error}) {
+      const double x = panel->px(c.t_s);
+      svg.line({x, panel->box().y}, {x, panel->box().y + panel->box().height},
+               {.colour = kContactColour, .dashes = "2 3"});
+    }
+  }
+  const double bottom = kPositionBox.y + kPositionBox.height;
+  for (const UpdateSent& u : run.updates) {
+    if (u.object != object.object) continue;
+    ++marks.updates;
+    svg.line({position.px(u.t_s), bottom - 9.0}, {position.px(u.t_s), bottom}, {.colour = "#222"});
+  }
+  return marks;
+}
+
+// Where an observer's ghost met what it predicted: a ring if it is the outcome, a cross if there was no such one or it
+// came out on the other side.
+void draw_predictions(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Agreement& judged,
+                      PeerId observer, const Series& series, std::string_view colour, const Panel& position,
+                      Marks& marks) {
+  for (std::size_t i = 0; i < run.contacts.size(); ++i) {
+    const ContactRow& c = run.contacts[i];
+    if (c.peer != observer || (c.collider != object.object && c.collidee != object.object)) continue;
+    const Verdict v = judged.verdicts[i];
+    const bool wrong = v == Verdict::kDisagreed || v == Verdict::kSpurious;
+    if (!wrong && v != Verdict::kAgreed) continue;
+    const std::optional<Point> ghost = ghost_at(series, c.t_s);
+    if (!ghost) continue;
+    ++(wrong ? marks.wrong : marks.right);
+    const Point at = position.at(ghost->x, ghost->y);
+    const Stroke stroke{.colour = colour, .width = 1.5};
+    if (wrong) {
+      svg.cross(at, 4.5, stroke);
+    } else {
+      svg.circle(at, 4.0, "none", stroke);
+    }
+  }
+}
+
+void draw_rates(Svg& svg, const RunRecord& run, const ObjectInfo& object, double rate_max_kB_s) {
+  const Panel panel(kRateBox, {0.0, run.duration_s}, from_zero(rate_max_kB_s));
+  panel.draw_axes(svg, {.x = "time [s]", .y = "output [kB/s]", .x_ticks = 16, .y_ticks = 5});
+  const double width_s = bin_width_s(run.duration_s);
+  const std::vector<double> rates = output_rates(run, object.owner);
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    const double begin_s = static_cast<double>(i) * width_s;
+    const Point top = panel.at(begin_s, rates[i]);
+    const double right = panel.px(std::min(begin_s + width_s, run.duration_s));
+    const double gap = right - top.x > 6.0 ? 1.0 : 0.0;
+    svg.rect({top.x + gap, top.y, std::max(0.2, right - top.x - 2.0 * gap), kRateBox.y + kRateBox.height - top.y},
+             kBarColour);
+  }
+  const double mean =
+      rates.empty() ? 0.0 : std::accumulate(rates.begin(), rates.end(), 0.0) / static_cast<double>(rates.size());
+  svg.text({kLeft, kRateBox.y - 9.0},
+           "everything that " + peer_name(run, object.owner) + " sends, mean " + tick_label(mean, 2) + " kB/s",
+           {.size = 11.0});
+}
+
+std::string title_of(const ScenarioInfo& info, const RunRecord& run) {
+  std::vector<std::string> keys;
+  for (const auto& item : run.params.items()) keys.push_back(item.key());
+  return keys.empty() ? info.name : describe(run.params, keys);
+}
+
+}  // namespace
+
+FigureFrame figure_frame(std::span<const RunRecord> runs, const nlohmann::ordered_json& summary) {
+  FigureFrame frame;
+  frame.object = principal_object(summary);
+  frame.component = component_of(runs, frame.object);
+  for (const RunRecord& run : runs) {
+    const ObjectInfo* object = find_object(run, frame.object);
+    if (object == nullptr) continue;
+    Range& position = frame.position_m[latency_of(run)];
+    Range& error = frame.error_m[latency_of(run)];
+    error.add(0.0);
+    for (const PeerInfo& observer : observers_of(run, *object)) {
+      for (const BeliefSample& s : beliefs_of(run, observer.peer, object->object)) {
+        position.add(s.truth.position[frame.component]);
+        position.add(s.ghost.position[frame.component]);
+        error.add(ghost_error_m(s));
+      }
+    }
+    for (const double rate : output_rates(run, object->owner))
+      frame.rate_max_kB_s = std::max(frame.rate_max_kB_s, rate);
+  }
+  return frame;
+}
+
+std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size_t number, const FigureFrame& frame) {
+  Svg svg(kWidth, kHeight);
+  const ObjectInfo* object = find_object(run, frame.object);
+  std::string subtitle =
+      info.name + " (" + info.mode + ", seed " + std::to_string(info.seed) + "), run " + std::to_string(number);
+  if (object == nullptr) {
+    draw_title(svg, {kLeft, 28.0}, kPlotWidth, title_of(info, run),
+               subtitle + ": no object that another peer observes");
+    return std::move(svg).finish();
+  }
+  subtitle += ": " + object->path + ", run by " + peer_name(run, object->owner);
+  draw_title(svg, {kLeft, 28.0}, kPlotWidth, title_of(info, run), subtitle);
+
+  Range position_range = drawable(frame.position_m.at(latency_of(run)));
+  const double room = 0.06 * (position_range.hi - position_range.lo);
+  position_range = {position_range.lo - 2.0 * room, position_range.hi + room};  // the comb of updates needs some below
+  const Panel position(kPositionBox, {0.0, run.duration_s}, position_range);
+  const Panel error(kErrorBox, {0.0, run.duration_s}, from_zero(frame.error_m.at(latency_of(run)).hi));
+  position.draw_axes(svg, {.y = std::string(kComponentNames[frame.component]) + " [m]", .x_ticks = 16});
+  error.draw_axes(svg, {.y = "ghost error [m]", .x_ticks = 16});
+
+  const Agreement judged = agreement(run);
+  Marks marks = draw_instants(svg, run, *object, judged, position, error);
+  using Mark = LegendEntry::Mark;
+  std::vector<LegendEntry> above_position{{Mark::kLine, {.colour = kTruthColour, .width = 4.0}, "truth"}};
+  std::vector<LegendEntry> above_error;
+  const std::vector<PeerInfo> observers = observers_of(run, *object);
+  std::vector<Series> all;
+  for (const PeerInfo& observer : observers) {
+    all.push_back(series_of(beliefs_of(run, observer.peer, object->object), frame.component));
+  }
+  if (!all.empty()) position.draw_curve(svg, all.front().truth, {.colour = kTruthColour, .width = 4.0});
+  for (std::size_t i = 0; i < observers.size(); ++i) {
+    position.draw_curve(svg, all[i].ghost, observer_stroke(i));
+    error.draw_curve(svg, all[i].error, observer_stroke(i));
+    above_position.push_back({Mark::kLine, observer_stroke(i), "ghost at " + observers[i].name});
+    above_error.push_back(
+        {Mark::kLine, observer_stroke(i), "at " + observers[i].name + ", mean " + tick_label(all[i].mean_m, 3) + " m"});
+  }
+  for (std::size_t i = 0; i < observers.size(); ++i) {
+    draw_predictions(svg, run, *object, judged, observers[i].peer, all[i], colour_of(i), position, marks);
+  }
+  above_position.push_back({Mark::kUpright, {.colour = "#222"}, std::to_string(marks.updates) + " updates"});
+  if (!marks.contacts_s.empty())
+    above_position.push_back({Mark::kUpright, {.colour = kContactColour, .dashes = "2 3"}, "contact"});
+  if (marks.right > 0) above_position.push_back({Mark::kCircle, {.colour = "#222", .width = 1.5}, "predicted"});
+  if (marks.wrong > 0) above_position.push_back({Mark::kCross, {.colour = "#222", .width = 1.5}, "mispredicted"});
+  draw_legend(svg, {kLeft, kPositionBox.y - 9.0}, kPlotWidth, above_position);
+  draw_legend(svg, {kLeft, kErrorBox.y - 9.0}, kPlotWidth, above_error);
+  draw_rates(svg, run, *object, frame.rate_max_kB_s);
+  return std::move(svg).finish();
+}
+
+}  // namespace peerd::report

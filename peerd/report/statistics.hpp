@@ -1,0 +1,27 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace peerd::report {
+
+// Of a set of samples, every sample weighing the same. All zero for an empty set (JSON has no NaN); count tells.
+struct Statistics {
+  std::size_t count = 0;
+  double mean = 0.0;
+  double rms = 0.0;
+  double p99 = 0.0;  // nearest rank: the least sample that at least 99 % of the samples do not exceed
+  double max = 0.0;
+};
+
+[[nodiscard]] Statistics statistics(std::vector<double> samples);
+
+struct TimedValue {
+  double t_s = 0.0;
+  double value = 0.0;
+};
+
+// Time integral by the trapezoid rule from the first sample to the last; 0 for fewer than two. Times must not decrease.
+[[nodiscard]] double integral(std::span<const TimedValue> samples);
+
+}  // namespace peerd::report

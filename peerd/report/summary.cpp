@@ -1,0 +1,127 @@
+#include "peerd/report/summary.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "peerd/report/agreement.hpp"
+#include "peerd/report/lookup.hpp"
+#include "peerd/report/statistics.hpp"
+
+namespace peerd::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json error_json(const Statistics& s) { return {{"mean", s.mean}, {"rms", s.rms}, {"p99", s.p99}, {"max", s.max}}; }
+
+// Squares of errors up to here add up without overflow, and no scene is as large: an error beyond is a 1/0 in disguise.
+constexpr double kGreatestError_m = 1e100;
+
+struct UpdateTotals {
+  std::uint64_t updates = 0;
+  std::uint64_t bytes = 0;
+};
+
+std::map<ObjectId, UpdateTotals> update_totals(const RunRecord& run) {
+  std::map<ObjectId, UpdateTotals> totals;
+  for (const UpdateSent& u : run.updates) {
+    UpdateTotals& t = totals[u.object];
+    ++t.updates;
+    t.bytes += u.bytes;
+  }
+  return totals;
+}
+
+// What one observer made of one object. Adds the samples whose error is no number (a formula's 1/0) to not_finite: they
+// are in errors.csv but cannot be in a mean.
+Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo& observer, const UpdateTotals& sent,
+                 std::uint64_t& not_finite) {
+  std::vector<TimedValue> ghost;
+  std::vector<double> ghost_m;
+  std::vector<double> shown_m;
+  for (const BeliefSample& s : beliefs_of(run, observer.peer, object.object)) {
+    const double g = ghost_error_m(s);
+    const double d = shown_error_m(s);
+    if (!(g < kGreatestError_m) || !(d < kGreatestError_m)) {
+      ++not_finite;
+      continue;
+    }
+    ghost.push_back({s.t_s, g});
+    ghost_m.push_back(g);
+    shown_m.push_back(d);
+  }
+  const std::size_t samples = ghost.size();
+  return {{"path", object.path},
+          {"owner", peer_name(run, object.owner)},
+          {"observer", observer.name},
+          {"updates_sent", sent.updates},
+          {"bytes_sent", sent.bytes},
+          {"samples", samples},
+          {"ghost_error_m", error_json(statistics(std::move(ghost_m)))},
+          {"shown_error_m", error_json(statistics(std::move(shown_m)))},
+          {"inconsistency_m_s", integral(ghost)}};
+}
+
+Json collisions_json(const RunRecord& run) {
+  const Agreement a = agreement(run);
+  std::vector<double> latency_ms;
+  for (const double s : a.latency_s) {
+    if (std::isfinite(s)) latency_ms.push_back(1e3 * s);
+  }
+  const Statistics latency = statistics(std::move(latency_ms));
+  return {{"decided", a.decided},
+          {"agreed", a.agreed},
+          {"disagreed", a.disagreed},
+          {"spurious", a.spurious},
+          {"missed", a.missed},
+          {"revised", a.revised},
+          {"decision_latency_ms", {{"mean", latency.mean}, {"p99", latency.p99}, {"max", latency.max}}}};
+}
+
+Json traffic_json(const RunRecord& run) {
+  std::uint64_t bytes = 0;
+  for (const DatagramSent& d : run.datagrams) bytes += d.bytes;
+  const double per_s = run.duration_s > 0.0 ? static_cast<double>(bytes) / run.duration_s : 0.0;
+  return {{"packets", run.datagrams.size()}, {"bytes", bytes}, {"bytes_per_s", per_s}};
+}
+
+Json run_json(const RunRecord& run) {
+  assert(std::ranges::is_sorted(run.beliefs, {},
+                                [](const BeliefSample& s) { return std::tuple(s.observer, s.object, s.t_s); }));
+  std::map<ObjectId, UpdateTotals> sent = update_totals(run);
+  std::uint64_t not_finite = 0;
+  Json objects = Json::array();
+  for (const ObjectInfo& object : run.objects) {
+    for (const PeerInfo& observer : run.peers) {
+      if (observer.peer != object.owner)
+        objects.push_back(object_json(run, object, observer, sent[object.object], not_finite));
+    }
+  }
+  Json counters = Json::object();
+  for (const auto& [name, count] : run.counters) counters[name] = count;
+  if (not_finite > 0) counters["report.samples_not_finite"] = not_finite;
+  return {{"params", run.params.is_null() ? Json::object() : run.params},
+          {"objects", std::move(objects)},
+          {"collisions", collisions_json(run)},
+          {"traffic", traffic_json(run)},
+          {"groups_joined", run.groups_joined},
+          {"state_roots_equal", run.worlds_equal},
+          {"counters", std::move(counters)}};
+}
+
+}  // namespace
+
+Json summarise(const ScenarioInfo& info, std::span<const RunRecord> runs) {
+  Json summary = {{"scenario", info.name}, {"mode", info.mode}, {"seed", info.seed}};
+  if (!info.warnings.empty()) summary["warnings"] = info.warnings;
+  Json rows = Json::array();
+  for (const RunRecord& run : runs) rows.push_back(run_json(run));
+  summary["runs"] = std::move(rows);
+  return summary;
+}
+
+}  // namespace peerd::report

@@ -1,0 +1,23 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/report/run_record.hpp"
+
+namespace peerd::report {
+
+struct ScenarioInfo {
+  std::string name;
+  std::string mode;  // "sim" or "real"
+  std::uint64_t seed = 0;
+  std::vector<std::string> warnings;  // what the reader of the numbers should know; one sentence each
+};
+
+// summary.json (DESIGN section 9; README.md here defines every number). The same records give the same bytes.
+[[nodiscard]] nlohmann::ordered_json summarise(const ScenarioInfo& info, std::span<const RunRecord> runs);
+
+}  // namespace peerd::report

@@ -1,0 +1,204 @@
+#include "peerd/report/table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "peerd/report/sweep.hpp"
+
+namespace peerd::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Column {
+  std::string group;  // over several columns alike: "at b"
+  std::string name;
+  bool numeric = true;  // to the right
+  std::vector<std::string> cells;
+};
+
+std::string fixed(double value, int decimals) {
+  std::array<char, 400> text{};  // 1e308 has 309 digits
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals).ptr;
+  return {text.data(), end};
+}
+
+// Columns on the terminal: code points. Good enough for paths and names, which are rarely wider.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+std::string padded(const std::string& text, std::size_t width, bool right) {
+  const std::string space(width - std::min(width, width_of(text)), ' ');
+  return right ? space + text : text + space;
+}
+
+std::vector<std::string> observers_of(const Json& summary, const std::string& path) {
+  std::vector<std::string> names;
+  for (const Json& run : summary.at("runs")) {
+    for (const Json& row : run.at("objects")) {
+      const auto name = row.at("observer").get<std::string>();
+      if (row.at("path") == path && std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+const Json* find_row(const Json& run, const std::string& path, const std::string& observer) {
+  for (const Json& row : run.at("objects")) {
+    if (row.at("path") == path && (observer.empty() || row.at("observer") == observer)) return &row;
+  }
+  return nullptr;
+}
+
+std::vector<Params> params_of(const Json& summary) {
+  std::vector<Params> params;
+  for (const Json& run : summary.at("runs")) params.push_back(run.at("params"));
+  return params;
+}
+
+void add_error_cells(const Json* row, std::span<Column> mean_p99_max) {
+  static constexpr std::array names{"mean", "p99", "max"};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool seen = row != nullptr && row->at("samples") > 0;  // no sample is not the same as no error
+    mean_p99_max[i].cells.push_back(seen ? fixed(row->at("ghost_error_m").at(names[i]).get<double>(), 3) : "-");
+  }
+}
+
+void add_error_columns(std::vector<Column>& columns, const std::string& group) {
+  for (const char* name : {"mean", "p99", "max"}) columns.push_back({group, name, true, {}});
+}
+
+std::vector<Column> lay_out(const Json& summary, const std::string& path) {
+  const std::vector<Params> params = params_of(summary);
+  const std::vector<std::string> keys = varying_keys(params);
+  const std::vector<std::string> observers = observers_of(summary, path);
+  const bool row_per_observer = observers.size() > 2;
+
+  std::vector<Column> columns{{"", "run", true, {}}};
+  for (const std::string& key : keys) {
+    const bool numeric =
+        std::ranges::all_of(params, [&](const Params& p) { return !p.contains(key) || p[key].is_number(); });
+    columns.push_back({"", short_name(key, keys), numeric, {}});
+  }
+  columns.push_back({"", "updates", true, {}});
+  const std::size_t before_errors = columns.size();
+  if (row_per_observer) {
+    columns.push_back({"", "observer", false, {}});
+    add_error_columns(columns, "");
+  } else {
+    for (const std::string& observer : observers) add_error_columns(columns, "at " + observer);
+  }
+  columns.push_back({"", "bytes/s", true, {}});
+
+  const auto add_row = [&](std::size_t i, const std::string& one_observer) {
+    const Json& run = summary.at("runs")[i];
+    std::size_t c = 0;
+    columns[c++].cells.push_back(std::to_string(i + 1));
+    for (const std::string& key : keys) columns[c++].cells.push_back(value_text(params[i], key));
+    const Json* any = find_row(run, path, "");
+    columns[c++].cells.push_back(any ? any->at("updates_sent").dump() : "-");
+    const std::span rest = std::span(columns).subspan(before_errors);
+    if (row_per_observer) {
+      rest[0].cells.push_back(one_observer);
+      add_error_cells(find_row(run, path, one_observer), rest.subspan(1));
+    } else {
+      for (std::size_t o = 0; o < observers.size(); ++o)
+        add_error_cells(find_row(run, path, observers[o]), rest.subspan(3 * o));
+    }
+    columns.back().cells.push_back(fixed(run.at("traffic").at("bytes_per_s").get<double>(), 0));
+  };
+  for (std::size_t i = 0; i < params.size(); ++i) {
+    if (row_per_observer) {
+      for (const std::string& observer : observers) add_row(i, observer);
+    } else {
+      add_row(i, "");
+    }
+  }
+  return columns;
+}
+
+void append_line(std::string& out, std::string line) {
+  line.erase(line.find_last_not_of(' ') + 1);
+  out += line + '\n';
+}
+
+std::string heading(const Json& summary, const std::string& path) {
+  const std::size_t count = summary.at("runs").size();
+  std::string text = summary.at("scenario").get<std::string>() + " (" + summary.at("mode").get<std::string>() +
+                     ", seed " + summary.at("seed").dump() + "): " + std::to_string(count) +
+                     (count == 1 ? " run" : " runs");
+  if (path.empty()) return text + ", no object that another peer observes";
+  return text + "; " + path + ": updates sent, ghost error [m]";
+}
+
+}  // namespace
+
+std::string principal_object(const Json& summary) {
+  struct Score {
+    std::string path;
+    double error_m = 0.0;
+    std::uint64_t updates = 0;
+  };
+  std::vector<Score> scores;
+  for (const Json& run : summary.at("runs")) {
+    for (const Json& row : run.at("objects")) {
+      const auto path = row.at("path").get<std::string>();
+      auto it = std::ranges::find(scores, path, &Score::path);
+      if (it == scores.end()) it = scores.insert(it, Score{.path = path});
+      it->error_m += row.at("ghost_error_m").at("mean").get<double>();
+      it->updates += row.at("updates_sent").get<std::uint64_t>();
+    }
+  }
+  const auto best =
+      std::ranges::max_element(scores, {}, [](const Score& s) { return std::pair(s.error_m, s.updates); });
+  return best != scores.end() ? best->path : "";
+}
+
+std::string table(const Json& summary) {
+  const std::string path = principal_object(summary);
+  std::string out;
+  append_line(out, heading(summary, path));
+  const std::vector<Column> columns = lay_out(summary, path);
+
+  std::vector<std::size_t> widths;
+  for (const Column& c : columns) {
+    std::size_t width = width_of(c.name);
+    for (const std::string& cell : c.cells) width = std::max(width, width_of(cell));
+    widths.push_back(width);
+  }
+  std::string groups;
+  std::string names;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const bool starts_group = !columns[c].group.empty() && (c == 0 || columns[c - 1].group != columns[c].group);
+    const std::string gap(c == 0 ? 0 : starts_group ? 4 : 2, ' ');
+    if (starts_group) groups = padded(groups, width_of(names) + gap.size(), false) + columns[c].group;
+    names += gap + padded(columns[c].name, widths[c], columns[c].numeric);
+  }
+  if (!groups.empty()) append_line(out, groups);
+  append_line(out, names);
+  const std::size_t rows = columns.front().cells.size();
+  for (std::size_t r = 0; r < rows; ++r) {
+    std::string line;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const bool starts_group = !columns[c].group.empty() && columns[c - 1].group != columns[c].group;
+      line += std::string(c == 0         ? 0
+                          : starts_group ? 4
+                                         : 2,
+                          ' ') +
+              padded(columns[c].cells[r], widths[c], columns[c].numeric);
+    }
+    append_line(out, line);
+  }
+  if (summary.contains("warnings")) {
+    for (const Json& warning : summary.at("warnings")) append_line(out, "warning: " + warning.get<std::string>());
+  }
+  return out;
+}
+
+}  // namespace peerd::report

@@ -1,0 +1,16 @@
+#pragma once
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+namespace peerd::report {
+
+// The object that the table and the pictures are about: the one with the greatest mean ghost error, summed over all
+// runs and observers; then the most updates; then the first. "" if there is none.
+[[nodiscard]] std::string principal_object(const nlohmann::ordered_json& summary);
+
+// The summary for a terminal, a row a run, at most 100 columns wide with two observers; from three observers on a row
+// is a run and an observer. Ends with a line feed.
+[[nodiscard]] std::string table(const nlohmann::ordered_json& summary);
+
+}  // namespace peerd::report

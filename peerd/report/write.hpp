@@ -1,0 +1,23 @@
+#pragma once
+#include <expected>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "peerd/report/run_record.hpp"
+#include "peerd/report/summary.hpp"
+
+namespace peerd::report {
+
+// Writes summary.json, errors.csv, traffic.csv, collisions.csv, run-001.svg .., overview.svg and plan.svg into `out`,
+// which is made if need be. Pictures run-NNN.svg of an earlier, longer sweep are removed: they would be taken for this
+// one's. The error is a sentence that names the file.
+[[nodiscard]] std::expected<void, std::string> write_report(const std::filesystem::path& out, const ScenarioInfo& info,
+                                                            std::span<const RunRecord> runs);
+
+// The same with a summary that the caller has already (it prints its table).
+[[nodiscard]] std::expected<void, std::string> write_report(const std::filesystem::path& out, const ScenarioInfo& info,
+                                                            std::span<const RunRecord> runs,
+                                                            const nlohmann::ordered_json& summary);
+
+}  // namespace peerd::report

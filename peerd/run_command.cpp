@@ -1,0 +1,210 @@
+#include <chrono>
+#include <iostream>
+#include <random>
+#include <utility>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "peerd/commands.hpp"
+#include "peerd/describe.hpp"
+#include "peerd/net/host_clock.hpp"
+#include "peerd/net/multicast_socket.hpp"
+#include "peerd/peer_node.hpp"
+
+namespace peerd {
+namespace {
+
+namespace asio = boost::asio;
+
+int exit_code(net::NetError::Kind kind) { return kind == net::NetError::Kind::kBadSetting ? 2 : 3; }
+
+// One line a fact: text with the time and the level, or one JSON object.
+class Log {
+ public:
+  Log(std::string peer, bool json, bool verbose)
+      : logger_(std::move(peer), std::make_shared<spdlog::sinks::stdout_sink_st>()), json_(json) {
+    logger_.set_level(verbose ? spdlog::level::debug : spdlog::level::info);
+    logger_.flush_on(spdlog::level::trace);  // a reader may follow it
+    logger_.set_pattern(json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","peer":%n,"level":"%l","text":%v})"
+                             : "%H:%M:%S.%e %-7l %n: %v");
+  }
+  void operator()(spdlog::level::level_enum level, const std::string& text) {
+    logger_.log(level, json_ ? nlohmann::json(text).dump() : text);
+  }
+
+ private:
+  spdlog::logger logger_;
+  bool json_;
+};
+
+// The driver of DESIGN section 5, over a real clock and a real socket. One thread.
+class Daemon {
+ public:
+  Daemon(asio::io_context& io, PeerNode& node, net::MulticastSocket& socket, const net::HostClock& clock, Log& log,
+         const Scene& scene, std::optional<Duration> leave_after)
+      : io_(io), timer_(io), signals_(io, SIGINT, SIGTERM), node_(node), socket_(socket), clock_(clock), log_(log),
+        scene_(scene), leave_after_(leave_after) {}
+
+  // Until a signal comes or the scenario is over. The exit code.
+  int run() {
+    signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+      if (error) return;
+      log_(spdlog::level::info, fmt::format("leaving: got {}", signal == SIGINT ? "SIGINT" : "SIGTERM"));
+      leave();
+    });
+    socket_.on_receive([this](RegionId region, std::span<const std::byte> datagram, const asio::ip::udp::endpoint&) {
+      node_.on_packet(clock_.now(), region, datagram);
+      drain();
+    });
+    drain();
+    if (exit_code_ == 0) wake();
+    io_.run();
+    return exit_code_;
+  }
+
+ private:
+  void wake() {
+    if (over_) return;
+    const HostTime now = clock_.now();
+    node_.on_tick(now);
+    drain();
+    if (over_) return;
+    if (leave_after_ && node_.start() && node_.peer().clock().to_session(now) > *node_.start() + *leave_after_) {
+      log_(spdlog::level::info, "leaving: the scenario is over");
+      return leave();
+    }
+    timer_.expires_after(std::max(Duration{0}, node_.next_deadline() - clock_.now()));
+    timer_.async_wait([this](const boost::system::error_code& error) {
+      if (!error) wake();
+    });
+  }
+
+  void leave() {
+    if (over_) return;
+    node_.leave(clock_.now());
+    drain();
+    stop();
+  }
+
+  void stop() {
+    over_ = true;
+    io_.stop();
+  }
+
+  void drain() {
+    while (auto out = node_.poll_output()) {
+      if (const auto line = describe(*out, scene_)) log_(line->level, line->text);
+      if (const auto* send = std::get_if<replication::Send>(&*out)) {
+        (void)socket_.send(send->region, send->datagram);  // a datagram that doesn't leave is counted as lost
+      } else if (const auto* join = std::get_if<replication::Join>(&*out)) {
+        check(socket_.join(join->region));
+      } else if (const auto* left = std::get_if<replication::Leave>(&*out)) {
+        check(socket_.leave(left->region));
+      }
+    }
+  }
+
+  void check(const std::expected<void, net::NetError>& done) {
+    if (done) return;
+    log_(spdlog::level::err, done.error().sentence);
+    exit_code_ = exit_code(done.error().kind);
+    stop();
+  }
+
+  asio::io_context& io_;
+  asio::steady_timer timer_;
+  asio::signal_set signals_;
+  PeerNode& node_;
+  net::MulticastSocket& socket_;
+  const net::HostClock& clock_;
+  Log& log_;
+  const Scene& scene_;
+  std::optional<Duration> leave_after_;
+  bool over_ = false;
+  int exit_code_ = 0;
+};
+
+config::Result<const config::PeerSettings*> choose_peer(const config::RunSettings& run, const std::string& name) {
+  std::string all;
+  std::vector<std::string> names;
+  for (const config::PeerSettings& p : run.peers) {
+    if (p.name == name || (name.empty() && run.peers.size() == 1)) return &p;
+    all += (all.empty() ? "" : ", ") + p.name;
+    names.push_back(p.name);
+  }
+  if (name.empty()) return std::unexpected(config::InputError{"error: which peer? Say --peer NAME; there are " + all});
+  return std::unexpected(config::InputError{"error: there is no peer \"" + name + "\"; there are " + all});
+}
+
+}  // namespace
+
+int run_peer(const PeerOptions& options) {
+  config::ScenarioRequest request;
+  request.file = options.config;
+  request.configs = options.overlays;
+  request.sets = options.sets;
+  request.real = true;
+  request.sweep = false;
+  const auto scenario = config::read_scenario(request);
+  if (!scenario) return failed(scenario.error());
+  const config::RunSettings& run = scenario->runs.front();
+  const auto settings = choose_peer(run, options.peer);
+  if (!settings) return failed(settings.error());
+  const auto shared = share_world(scenario->world);
+  if (!shared) return failed(shared.error());
+  const Scene& scene = (*shared)->world.scene;
+  auto motions = make_motions(**settings, scene, run.duration_s);
+  if (!motions) return failed(motions.error());
+
+  const net::HostClock clock(from_seconds((*settings)->clock_offset_s));
+  PeerNode::Options node_options;
+  // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
+  node_options.boot = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
+  for (const config::PeerSettings& p : run.peers) node_options.wait_for.push_back(PeerId{p.id});
+  node_options.start_lead = std::chrono::milliseconds(1000);  // a few hellos must have told everybody
+  node_options.clock_offset = from_seconds((*settings)->clock_offset_s);
+  node_options.keep_log = !options.record.empty();
+  const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(*motions), std::move(node_options));
+  if (!node) return failed(node.error());
+
+  const auto plan = net::parse_group_plan(run.transport.group, static_cast<std::uint16_t>(run.transport.port));
+  if (!plan) return failed({"error: " + plan.error().sentence, exit_code(plan.error().kind)});
+  asio::io_context io(1);
+  const auto socket = net::MulticastSocket::open(
+      io, {.interface = run.transport.interface, .groups = *plan, .ttl = static_cast<int>(run.transport.ttl)});
+  if (!socket) return failed({"error: " + socket.error().sentence, exit_code(socket.error().kind)});
+
+  Log log((*settings)->name, options.json, options.verbose);
+  log(spdlog::level::info,
+      fmt::format("peer {} (id {}) in {}, group {} port {} over {}", (*settings)->name, (*settings)->id,
+                  scenario->world.filename().string(), run.transport.group, run.transport.port,
+                  (*socket)->chosen_interface().why));
+  for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
+
+  Daemon daemon(io, **node, **socket, clock, log, scene,
+                options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt);
+  const int code = daemon.run();
+  const PeerLog& record = (*node)->log();
+  const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
+  log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
+                                       count("datagrams_out"), count("updates_out"), count("datagrams_in"),
+                                       count("updates_in"), count("ticks_missed"), count("ticks")));
+  for (const auto& [reason, dropped] : (*node)->peer().counters().drops) {
+    log(spdlog::level::info, fmt::format("dropped {}: {}", dropped, reason));
+  }
+  for (const auto& [name, n] : (*socket)->counters().named()) {
+    if (n > 0 && !(name.ends_with("_in") || name.ends_with("_out"))) log(spdlog::level::info, fmt::format("{}: {}", name, n));
+  }
+  if (!options.record.empty()) {
+    if (const auto saved = save(record, options.record); !saved) return failed(saved.error());
+  }
+  return code;
+}
+
+}  // namespace peerd

@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <thread>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <spdlog/fmt/fmt.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "peerd/assemble.hpp"
+#include "peerd/commands.hpp"
+#include "peerd/report/table.hpp"
+#include "peerd/report/write.hpp"
+
+namespace peerd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Joining takes two seconds, leaving none; a peer that is not done by then hangs.
+constexpr std::chrono::seconds kGrace{20};
+// Sessions of two scenario runs on one computer must not meet: each takes a port of its own from this range.
+constexpr int kPortBegin = 20000, kPortCount = 20000;
+
+std::string toml_value(const nlohmann::ordered_json& value) { return value.dump(); }
+
+// One real peer as a child process; its log lines go to a file.
+class Child {
+ public:
+  Child(std::string name, const std::vector<std::string>& command, const fs::path& output)
+      : name_(std::move(name)), output_(output) {
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+    std::vector<char*> arguments;
+    for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    if (posix_spawn(&pid_, arguments[0], &files, nullptr, arguments.data(), environ) != 0) pid_ = -1;
+    posix_spawn_file_actions_destroy(&files);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    if (running()) {
+      kill(pid_, SIGKILL);
+      waitpid(pid_, nullptr, 0);
+    }
+  }
+
+  [[nodiscard]] bool running() {
+    if (pid_ <= 0 || done_) return false;
+    done_ = waitpid(pid_, &status_, WNOHANG) == pid_;
+    return !done_;
+  }
+  // 0 when it left as it should; its own exit code, or 3 when a signal or the system ended it.
+  [[nodiscard]] int exit_code() const { return pid_ > 0 && WIFEXITED(status_) ? WEXITSTATUS(status_) : 3; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const fs::path& output() const { return output_; }
+
+ private:
+  std::string name_;
+  fs::path output_;
+  pid_t pid_ = -1;
+  int status_ = 0;
+  bool done_ = false;
+};
+
+std::string last_lines(const fs::path& path, std::size_t count) {
+  std::ifstream in(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  std::string text;
+  for (std::size_t i = lines.size() > count ? lines.size() - count : 0; i < lines.size(); ++i) text += "  " + lines[i] + "\n";
+  return text;
+}
+
+struct Launch {
+  const ScenarioOptions& options;
+  const fs::path& program;
+  fs::path out;
+  std::string run_name;  // run-001
+  int port;
+};
+
+std::vector<std::string> peer_command(const Launch& launch, const config::RunSettings& run,
+                                      const config::PeerSettings& peer, const fs::path& record) {
+  std::vector<std::string> command{launch.program.string(), "run",      "--config", launch.options.scenario.string(),
+                                   "--peer",                peer.name,  "--record", record.string(),
+                                   "--once",                "--verbose"};
+  const auto set = [&](const std::string& assignment) { command.insert(command.end(), {"--set", assignment}); };
+  for (const std::string& s : launch.options.sets) set(s);
+  for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));
+  set("transport.port=" + std::to_string(launch.port));
+  if (!launch.options.interface.empty()) set("transport.interface=\"" + launch.options.interface + "\"");
+  for (const fs::path& overlay : launch.options.configs) command.insert(command.end(), {"--overlay", overlay.string()});
+  return command;
+}
+
+config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config::RunSettings& run) {
+  std::vector<std::unique_ptr<Child>> children;
+  std::vector<fs::path> records;
+  for (const config::PeerSettings& peer : run.peers) {
+    const fs::path stem = launch.out / (launch.run_name + "." + peer.name);
+    records.push_back(stem.string() + ".rows");
+    fs::remove(records.back());
+    children.push_back(std::make_unique<Child>(peer.name, peer_command(launch, run, peer, records.back()),
+                                               stem.string() + ".log"));
+  }
+  const bool show_progress = isatty(STDERR_FILENO) != 0;
+  const auto begun = std::chrono::steady_clock::now();
+  const auto most = std::chrono::duration<double>(run.duration_s) + kGrace;
+  const auto fail = [&](Child& child, const std::string& what) {
+    return std::unexpected(config::InputError{fmt::format("error: peer {} {}; its last words ({}):\n{}", child.name(), what,
+                                                          child.output().string(), last_lines(child.output(), 5)),
+                                              child.exit_code() == 0 ? 3 : child.exit_code()});
+  };
+  for (auto shown = begun;;) {
+    bool any = false;
+    for (auto& child : children) {
+      if (child->running()) {
+        any = true;
+      } else if (child->exit_code() != 0) {
+        return fail(*child, "ended by itself");
+      }
+    }
+    if (!any) break;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - begun > most) {
+      const auto hung = std::ranges::find_if(children, [](const auto& c) { return c->running(); });
+      return fail(**hung, "did not come to an end");
+    }
+    if (now - shown >= std::chrono::seconds(1)) {
+      shown = now;
+      const auto line = fmt::format("{}: {:2.0f} s, {} peers live", launch.run_name,
+                                    std::chrono::duration<double>(now - begun).count(), children.size());
+      std::cerr << (show_progress ? "\r" + line : line + "\n") << std::flush;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  if (show_progress) std::cerr << "\r\033[K";
+  std::vector<PeerLog> logs;
+  for (const fs::path& record : records) {
+    auto log = load_peer_log(record);
+    if (!log) return std::unexpected(log.error());
+    logs.push_back(std::move(*log));
+  }
+  return logs;
+}
+
+}  // namespace
+
+int run_scenario(const ScenarioOptions& options, const fs::path& program) {
+  config::ScenarioRequest request{options.scenario, options.configs, options.sets, options.seed, true, true};
+  const auto scenario = config::read_scenario(request);
+  if (!scenario) return failed(scenario.error());
+  const auto shared = share_world(scenario->world);
+  if (!shared) return failed(shared.error());
+
+  report::ScenarioInfo info{scenario->name, "real", scenario->seed, {}};
+  for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
+  info.warnings.push_back("the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
+  const auto out = options.out.empty() ? fs::path("out") / scenario->name : options.out;
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) return failed({"error: can't make the folder " + out.string() + ": " + error.message(), 3});
+
+  std::vector<report::RunRecord> records;
+  for (const config::RunSettings& run : scenario->runs) {
+    const int number = static_cast<int>(records.size()) + 1;
+    const int port = kPortBegin + (getpid() * 64 + number) % kPortCount;
+    const auto logs = run_live({options, program, out, fmt::format("run-{:03}", number), port}, run);
+    if (!logs) return failed(logs.error());
+    auto record = assemble(run, **shared, *logs);
+    if (!record) return failed(record.error());
+    records.push_back(std::move(*record));
+  }
+  const auto summary = report::summarise(info, records);
+  if (const auto written = report::write_report(out, info, records, summary); !written) {
+    return failed({"error: " + written.error(), 3});
+  }
+  if (options.json) {
+    std::cout << summary.dump(2) << '\n';
+  } else {
+    std::cout << report::table(summary) << "pictures: " << (out / "overview.svg").string() << '\n';
+  }
+  return 0;
+}
+
+}  // namespace peerd

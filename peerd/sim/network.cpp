@@ -1,0 +1,73 @@
+#include "peerd/sim/network.hpp"
+
+#include <algorithm>
+
+namespace peerd::sim {
+namespace {
+
+// SplitMix64 (Steele, Lea, Flood 2014): neighbouring inputs give unrelated seeds.
+std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9E3779B97F4A7C15ULL;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
+  return x ^ (x >> 31);
+}
+
+}  // namespace
+
+Link::Link(const config::LinkSettings& settings, std::uint64_t seed) : settings_(settings), random_(seed) {}
+
+// By hand: the standard's distributions may differ from one library to the next.
+double Link::uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
+
+Duration Link::one_delay() {
+  double delay_ms = settings_.latency_ms;
+  if (settings_.jitter_ms > 0.0) delay_ms += settings_.jitter_ms * uniform();
+  if (settings_.reordering > 0.0 && uniform() < settings_.reordering) {
+    delay_ms += settings_.latency_ms + settings_.jitter_ms;
+  }
+  return from_seconds(delay_ms * 1e-3);
+}
+
+std::vector<Duration> Link::delays() {
+  std::vector<Duration> delays;
+  if (settings_.loss > 0.0 && uniform() < settings_.loss) return delays;
+  delays.push_back(one_delay());
+  if (settings_.duplication > 0.0 && uniform() < settings_.duplication) delays.push_back(one_delay());
+  return delays;
+}
+
+Network::Network(const config::RunSettings& run) : peers_(run.peers.size()), joined_(run.peers.size()) {
+  for (const auto& from : run.peers) {
+    for (const auto& to : run.peers) {
+      const std::uint64_t seed = mixed(run.seed ^ mixed(from.id ^ mixed(to.id)));
+      links_.emplace_back(config::link(run, from.name, to.name), seed);
+    }
+  }
+}
+
+void Network::join(std::size_t peer, RegionId region) {
+  auto& regions = joined_[peer];
+  const auto at = std::ranges::lower_bound(regions, region);
+  if (at == regions.end() || *at != region) regions.insert(at, region);
+}
+
+void Network::leave(std::size_t peer, RegionId region) { std::erase(joined_[peer], region); }
+
+void Network::send(VirtualTime now, std::size_t from, RegionId region, replication::Bytes datagram) {
+  const auto shared = std::make_shared<const replication::Bytes>(std::move(datagram));
+  for (std::size_t to = 0; to < peers_; ++to) {
+    if (to == from || !std::ranges::binary_search(joined_[to], region)) continue;
+    for (const Duration delay : links_[from * peers_ + to].delays()) {
+      queue_.push({now + delay, sent_++, to, region, shared});
+    }
+  }
+}
+
+Delivery Network::take_next() {
+  Delivery d = queue_.top();
+  queue_.pop();
+  return d;
+}
+
+}  // namespace peerd::sim

@@ -1,0 +1,69 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <queue>
+#include <random>
+#include <tuple>
+#include <vector>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "peerd/config/scenario.hpp"
+#include "replication/wire.hpp"
+
+namespace peerd::sim {
+
+// Time that all simulated peers share and none can read.
+using VirtualTime = ToldClock<struct VirtualClockTag>::time_point;
+
+// One direction between two peers. Each has a generator of its own, seeded from the run's seed and its two ends, so that
+// what one link draws changes nothing on another.
+class Link {
+ public:
+  Link(const config::LinkSettings& settings, std::uint64_t seed);
+  // When the copies of a datagram that leaves now arrive: none when it is lost, two when it is duplicated.
+  [[nodiscard]] std::vector<Duration> delays();
+
+ private:
+  [[nodiscard]] double uniform();  // [0, 1)
+  [[nodiscard]] Duration one_delay();
+
+  config::LinkSettings settings_;
+  std::mt19937_64 random_;
+};
+
+struct Delivery {
+  VirtualTime at;
+  std::uint64_t number;  // in order of sending: ties go to the older one
+  std::size_t to;        // peer's index
+  RegionId region;
+  std::shared_ptr<const replication::Bytes> datagram;
+
+  friend bool operator>(const Delivery& a, const Delivery& b) {
+    return std::tie(a.at, a.number) > std::tie(b.at, b.number);
+  }
+};
+
+// Multicast between simulated peers: a datagram reaches whoever has joined its region, by the link between the two.
+class Network {
+ public:
+  explicit Network(const config::RunSettings& run);
+
+  void join(std::size_t peer, RegionId region);
+  void leave(std::size_t peer, RegionId region);
+  void send(VirtualTime now, std::size_t from, RegionId region, replication::Bytes datagram);
+
+  [[nodiscard]] bool idle() const { return queue_.empty(); }
+  [[nodiscard]] VirtualTime next_delivery() const { return queue_.top().at; }
+  [[nodiscard]] Delivery take_next();
+
+ private:
+  std::size_t peers_;
+  std::vector<Link> links_;                   // from * peers + to
+  std::vector<std::vector<RegionId>> joined_;  // by peer, sorted
+  std::priority_queue<Delivery, std::vector<Delivery>, std::greater<>> queue_;
+  std::uint64_t sent_ = 0;
+};
+
+}  // namespace peerd::sim

@@ -1,0 +1,105 @@
+#include "peerd/sim/simulation.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "peerd/sim/network.hpp"
+
+namespace peerd::sim {
+namespace {
+
+// The virtual clock starts here, so that no host's clock offset makes a time negative.
+constexpr VirtualTime kBegin{std::chrono::seconds(10'000'000)};
+// Peers that have not all joined by then never will: the scenario's links lose everything.
+constexpr Duration kJoinWithin = std::chrono::seconds(600);
+
+struct SimulatedPeer {
+  std::unique_ptr<PeerNode> node;
+  Duration clock_offset;
+
+  [[nodiscard]] HostTime host(VirtualTime t) const { return HostTime{t.time_since_epoch() + clock_offset}; }
+  [[nodiscard]] VirtualTime virtual_time(HostTime t) const { return VirtualTime{t.time_since_epoch() - clock_offset}; }
+};
+
+double longest_delay_s(const config::RunSettings& run) {
+  double longest_ms = run.network.latency_ms + run.network.jitter_ms;
+  for (const auto& [ends, link] : run.links) longest_ms = std::max(longest_ms, link.latency_ms + link.jitter_ms);
+  return longest_ms * 1e-3;
+}
+
+config::Result<std::vector<SimulatedPeer>> make_peers(const config::RunSettings& run, const SharedWorld& shared) {
+  std::vector<SimulatedPeer> peers;
+  for (const config::PeerSettings& settings : run.peers) {
+    PeerNode::Options options;
+    for (const config::PeerSettings& p : run.peers) options.wait_for.push_back(PeerId{p.id});
+    // Everybody must have heard of the start, and of the objects that already move, before it comes.
+    options.start_lead = from_seconds(1.0 + 2.0 * longest_delay_s(run));
+    options.clock_offset = from_seconds(settings.clock_offset_s);
+    auto motions = make_motions(settings, shared.world.scene, run.duration_s);
+    if (!motions) return std::unexpected(motions.error());
+    const Duration offset = options.clock_offset;
+    auto node = PeerNode::make(settings, run.replication, shared, std::move(*motions), std::move(options));
+    if (!node) return std::unexpected(node.error());
+    peers.push_back({std::move(*node), offset});
+  }
+  return peers;
+}
+
+}  // namespace
+
+config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
+                                              const Observer& observer) {
+  auto made = make_peers(run, shared);
+  if (!made) return std::unexpected(made.error());
+  std::vector<SimulatedPeer>& peers = *made;
+  Network network(run);
+
+  VirtualTime now = kBegin;
+  const auto drain = [&](std::size_t i) {
+    while (auto out = peers[i].node->poll_output()) {
+      if (auto* send = std::get_if<replication::Send>(&*out)) {
+        network.send(now, i, send->region, std::move(send->datagram));
+        continue;
+      }
+      if (const auto* join = std::get_if<replication::Join>(&*out)) network.join(i, join->region);
+      if (const auto* leave = std::get_if<replication::Leave>(&*out)) network.leave(i, leave->region);
+      if (observer) observer(HostTime{now.time_since_epoch()}, *peers[i].node, *out);
+    }
+  };
+  const auto deadline = [&](const SimulatedPeer& p) {
+    const HostTime host = p.node->next_deadline();
+    return host == HostTime::min() ? kBegin : p.virtual_time(host);
+  };
+  for (std::size_t i = 0; i < peers.size(); ++i) drain(i);
+
+  const Duration linger = from_seconds(run.duration_s + longest_delay_s(run));  // late updates end no belief early
+  for (;;) {
+    std::size_t next = 0;
+    for (std::size_t i = 1; i < peers.size(); ++i) {
+      if (deadline(peers[i]) < deadline(peers[next])) next = i;
+    }
+    const VirtualTime tick_at = std::max(now, deadline(peers[next]));
+    if (!network.idle() && network.next_delivery() <= tick_at) {  // datagrams first: a tick begins by draining them
+      const Delivery d = network.take_next();
+      now = d.at;
+      peers[d.to].node->on_packet(peers[d.to].host(now), d.region, *d.datagram);
+      drain(d.to);
+      continue;
+    }
+    now = tick_at;
+    PeerNode& node = *peers[next].node;
+    const HostTime host = peers[next].host(now);
+    node.on_tick(host);
+    drain(next);
+    if (!node.start() && now - kBegin > kJoinWithin) {
+      return std::unexpected(config::InputError{"error: peer " + run.peers[next].name +
+                                                " never had all the others; does the network lose everything?"});
+    }
+    if (node.start() && node.peer().clock().to_session(host) > *node.start() + linger) break;
+  }
+  std::vector<PeerLog> logs;
+  for (SimulatedPeer& p : peers) logs.push_back(p.node->log());
+  return logs;
+}
+
+}  // namespace peerd::sim

@@ -1,0 +1,18 @@
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "peerd/peer_node.hpp"
+#include "peerd/report/run_record.hpp"
+
+namespace peerd::sim {
+
+// Called with every output of every peer but its datagrams: for a log.
+using Observer = std::function<void(HostTime true_now, const PeerNode&, const replication::Output&)>;
+
+// One run of a scenario on a simulated network, as fast as it goes: the peers are the daemon's own, only clock and
+// network are not. The same settings give the same logs, byte for byte.
+[[nodiscard]] config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
+                                                            const Observer& observer = {});
+
+}  // namespace peerd::sim

@@ -1,0 +1,69 @@
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include "peerd/assemble.hpp"
+#include "peerd/commands.hpp"
+#include "peerd/describe.hpp"
+#include "peerd/report/table.hpp"
+#include "peerd/report/write.hpp"
+#include "peerd/sim/simulation.hpp"
+
+namespace peerd {
+
+int run_sim(const ScenarioOptions& options) {
+  const auto scenario = config::read_scenario(
+      {.file = options.scenario, .configs = options.configs, .sets = options.sets, .seed = options.seed});
+  if (!scenario) return failed(scenario.error());
+  const auto shared = share_world(scenario->world);
+  if (!shared) return failed(shared.error());
+  const Scene& scene = (*shared)->world.scene;
+
+  report::ScenarioInfo info{scenario->name, "sim", scenario->seed, {}};
+  for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
+  for (const std::string& line : info.warnings) std::cerr << line << '\n';
+
+  sim::Observer observer;
+  if (options.verbose) {
+    observer = [&](HostTime now, const PeerNode& node, const replication::Output& output) {
+      const auto line = describe(output, scene);
+      if (!line || !node.start()) return;
+      const double t_s = to_seconds(now.time_since_epoch() - node.start()->time_since_epoch());
+      std::cerr << fmt::format("{:9.4f} s  peer {}: {}\n", t_s, node.peer().id().value, line->text);
+    };
+  }
+  const bool show_progress = isatty(STDERR_FILENO) != 0 && !options.verbose;
+  const auto begun = std::chrono::steady_clock::now();
+  double simulated_s = 0.0;
+  std::vector<report::RunRecord> records;
+  for (const config::RunSettings& run : scenario->runs) {
+    if (show_progress) std::cerr << "\rrun " << records.size() + 1 << " of " << scenario->runs.size() << std::flush;
+    const auto logs = sim::simulate(run, **shared, observer);
+    if (!logs) return failed(logs.error());
+    auto record = assemble(run, **shared, *logs);
+    if (!record) return failed(record.error());
+    simulated_s += run.duration_s;
+    records.push_back(std::move(*record));
+  }
+  if (show_progress) std::cerr << "\r\033[K";
+
+  const auto out = options.out.empty() ? std::filesystem::path("out") / scenario->name : options.out;
+  const auto summary = report::summarise(info, records);
+  if (const auto written = report::write_report(out, info, records, summary); !written) {
+    return failed({"error: " + written.error(), 3});
+  }
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  if (options.json) {
+    std::cout << summary.dump(2) << '\n';
+  } else {
+    std::cout << report::table(summary)
+              << fmt::format("{:.0f} s of {} runs in {:.2f} s, reports included: {:.0f} times real time; {}\n", simulated_s,
+                             records.size(), took_s, simulated_s / took_s, (out / "overview.svg").string());
+  }
+  return 0;
+}
+
+}  // namespace peerd

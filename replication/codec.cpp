@@ -1,0 +1,206 @@
+#include "replication/codec.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "proto/peerd.pb.h"
+
+namespace peerd::replication {
+namespace {
+
+// Farther or faster than this is not a world of metres and seconds but a damaged datagram; squares of it stay finite.
+constexpr double kMagnitudeMax = 1e12;
+// Quaternions and normals are sent as doubles; what is this far off unit length was not sent by us.
+constexpr double kUnitSlack = 1e-6;
+// A year on either side of any epoch a clock counts from would do; this keeps differences of two stamps within int64.
+constexpr std::int64_t kTimeMax_ns = std::int64_t{1} << 62;
+constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes cannot hold more
+
+// ---- to Protobuf ----
+
+void put(const Vec3& v, proto::Vec3* out) {
+  out->set_x(v.x());
+  out->set_y(v.y());
+  out->set_z(v.z());
+}
+
+void put(const KinematicState& s, proto::Kinematics* out) {
+  put(s.position, out->mutable_position());
+  if (!s.velocity.isZero(0.0)) put(s.velocity, out->mutable_velocity());
+  if (!s.acceleration.isZero(0.0)) put(s.acceleration, out->mutable_acceleration());
+  if (!s.orientation.coeffs().isApprox(Quat::Identity().coeffs(), 0.0)) {
+    proto::Quat* q = out->mutable_orientation();
+    q->set_w(s.orientation.w());
+    q->set_x(s.orientation.x());
+    q->set_y(s.orientation.y());
+    q->set_z(s.orientation.z());
+  }
+  if (!s.angular_velocity_body.isZero(0.0)) put(s.angular_velocity_body, out->mutable_angular_velocity_body());
+}
+
+void put(const UpdateRecord& u, proto::Update* out) {
+  out->set_object(u.object.value);
+  out->set_sequence(u.sequence);
+  out->set_session_ns(u.at.time_since_epoch().count());
+  out->set_order(static_cast<std::uint32_t>(u.order));
+  put(u.state, out->mutable_state());
+}
+
+void put(const DecisionRecord& d, proto::Decision* out) {
+  out->set_collider(d.collider.value);
+  out->set_collidee(d.collidee.value);
+  out->set_contact_ns(d.contact.time_since_epoch().count());
+  put(d.normal, out->mutable_normal());
+  put(d.collider_before, out->mutable_collider_before());
+  put(d.collidee_before, out->mutable_collidee_before());
+  put(d.collider_after, out->mutable_collider_after());
+  put(d.collidee_after, out->mutable_collidee_after());
+  out->set_rule(static_cast<std::uint32_t>(d.rule));
+}
+
+void put(const Hello& h, proto::Hello* out) {
+  out->set_name(h.name);
+  out->set_world_hash(h.world_hash);
+  out->set_host_tx_ns(h.host_tx.time_since_epoch().count());
+  out->set_synchronised(h.synchronised);
+  out->set_session_minus_host_ns(h.session_minus_host.count());
+  for (const ClockEcho& e : h.echoes) {
+    proto::ClockEcho* o = out->add_echoes();
+    o->set_peer(e.peer.value);
+    o->set_their_tx_ns(e.their_tx.time_since_epoch().count());
+    o->set_our_rx_ns(e.our_rx.time_since_epoch().count());
+  }
+  for (ObjectId id : h.enslaved) out->add_enslaved(id.value);
+  if (h.start) out->set_start_ns(h.start->time_since_epoch().count());
+}
+
+// ---- from Protobuf: each take() answers whether the value may be used ----
+
+bool take(const proto::Vec3& in, Vec3& v) {
+  v = Vec3(in.x(), in.y(), in.z());
+  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMagnitudeMax;
+}
+
+bool take(const proto::Quat& in, Quat& q) {
+  q = Quat(in.w(), in.x(), in.y(), in.z());
+  if (!q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > kUnitSlack) return false;
+  return true;
+}
+
+bool take(const proto::Kinematics& in, KinematicState& s) {
+  return take(in.position(), s.position) && take(in.velocity(), s.velocity) && take(in.acceleration(), s.acceleration) &&
+         (!in.has_orientation() || take(in.orientation(), s.orientation)) &&
+         take(in.angular_velocity_body(), s.angular_velocity_body);
+}
+
+bool in_range(std::int64_t ns) { return ns >= -kTimeMax_ns && ns <= kTimeMax_ns; }
+
+template <class Time>
+bool take(std::int64_t ns, Time& t) {
+  t = Time{Duration{ns}};
+  return in_range(ns);
+}
+
+bool take(const proto::Update& in, UpdateRecord& u) {
+  u.object = ObjectId{in.object()};
+  u.sequence = in.sequence();
+  if (in.order() != 1 && in.order() != 2) return false;
+  u.order = static_cast<ModelOrder>(in.order());
+  return u.sequence != 0 && take(in.session_ns(), u.at) && take(in.state(), u.state);
+}
+
+bool take(const proto::Decision& in, DecisionRecord& d) {
+  d.collider = ObjectId{in.collider()};
+  d.collidee = ObjectId{in.collidee()};
+  if (in.rule() != static_cast<std::uint32_t>(DecisionRule::kId)) return false;
+  d.rule = DecisionRule::kId;
+  return take(in.contact_ns(), d.contact) && take(in.normal(), d.normal) &&
+         std::abs(d.normal.norm() - 1.0) <= kUnitSlack && take(in.collider_before(), d.collider_before) &&
+         take(in.collidee_before(), d.collidee_before) && take(in.collider_after(), d.collider_after) &&
+         take(in.collidee_after(), d.collidee_after);
+}
+
+bool take(const proto::Hello& in, Hello& h) {
+  if (in.name().size() > kNameMax_bytes || in.echoes_size() > kListMax || in.enslaved_size() > kListMax) return false;
+  h.name = in.name();
+  h.world_hash = in.world_hash();
+  h.synchronised = in.synchronised();
+  h.session_minus_host = Duration{in.session_minus_host_ns()};
+  if (!take(in.host_tx_ns(), h.host_tx) || !in_range(in.session_minus_host_ns())) return false;
+  for (const proto::ClockEcho& e : in.echoes()) {
+    ClockEcho echo{PeerId{e.peer()}, {}, {}};
+    if (!take(e.their_tx_ns(), echo.their_tx) || !take(e.our_rx_ns(), echo.our_rx)) return false;
+    h.echoes.push_back(echo);
+  }
+  for (std::uint32_t id : in.enslaved()) h.enslaved.push_back(ObjectId{id});
+  return !in.has_start_ns() || take(in.start_ns(), h.start.emplace());
+}
+
+template <class Record, class Proto>
+std::size_t framed_size_bytes(const Record& record) {
+  Proto p;
+  put(record, &p);
+  const std::size_t body = p.ByteSizeLong();
+  return 1 + (body < 128 ? 1 : 2) + body;  // tag, length varint, body
+}
+
+}  // namespace
+
+const char* to_string(DecodeError e) {
+  switch (e) {
+    case DecodeError::kTooLong: return "too_long";
+    case DecodeError::kNotADatagram: return "not_a_datagram";
+    case DecodeError::kVersion: return "version";
+    case DecodeError::kSender: return "sender";
+    case DecodeError::kValue: return "value";
+  }
+  return "?";
+}
+
+Bytes encode(const Message& m) {
+  assert(m.sender.value != 0);
+  proto::Datagram d;
+  d.set_version(kProtocolVersion);
+  d.set_sender(m.sender.value);
+  d.set_boot(m.boot);
+  if (m.has_hello) put(m.hello, d.mutable_hello());
+  for (const UpdateRecord& u : m.updates) put(u, d.add_updates());
+  for (const DecisionRecord& c : m.decisions) put(c, d.add_decisions());
+  d.set_leaving(m.leaving);
+  Bytes out(d.ByteSizeLong());
+  d.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(out.data()));
+  return out;
+}
+
+std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram) {
+  if (datagram.size() > kDatagramMax_bytes) return std::unexpected(DecodeError::kTooLong);
+  proto::Datagram d;
+  if (!d.ParseFromArray(datagram.data(), static_cast<int>(datagram.size()))) {
+    return std::unexpected(DecodeError::kNotADatagram);
+  }
+  if (d.version() != kProtocolVersion) return std::unexpected(DecodeError::kVersion);
+  if (d.sender() == 0) return std::unexpected(DecodeError::kSender);
+  Message m;
+  m.sender = PeerId{d.sender()};
+  m.boot = d.boot();
+  m.leaving = d.leaving();
+  m.has_hello = d.has_hello();
+  if (m.has_hello && !take(d.hello(), m.hello)) return std::unexpected(DecodeError::kValue);
+  for (const proto::Update& u : d.updates()) {
+    if (!take(u, m.updates.emplace_back())) return std::unexpected(DecodeError::kValue);
+  }
+  for (const proto::Decision& c : d.decisions()) {
+    if (!take(c, m.decisions.emplace_back())) return std::unexpected(DecodeError::kValue);
+  }
+  return m;
+}
+
+std::size_t encoded_size_bytes(const UpdateRecord& record) {
+  return framed_size_bytes<UpdateRecord, proto::Update>(record);
+}
+std::size_t encoded_size_bytes(const DecisionRecord& record) {
+  return framed_size_bytes<DecisionRecord, proto::Decision>(record);
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,36 @@
+#pragma once
+#include <expected>
+#include <span>
+
+#include "replication/wire.hpp"
+
+namespace peerd::replication {
+
+inline constexpr std::uint32_t kProtocolVersion = 1;
+// Never fragmented: below every tunnel's MTU once UDP, IP and a link's headers are added.
+inline constexpr std::size_t kDatagramMax_bytes = 1200;
+
+// A peer's name; longer ones would push a hello's lists out of its datagram.
+inline constexpr std::size_t kNameMax_bytes = 64;
+
+enum class DecodeError : std::uint8_t {
+  kTooLong,       // more than kDatagramMax_bytes
+  kNotADatagram,  // Protobuf can't parse it
+  kVersion,       // another protocol version
+  kSender,        // peer number 0
+  kValue,         // a number that is not finite, out of its range, or no unit vector or quaternion
+};
+
+[[nodiscard]] const char* to_string(DecodeError);
+
+// The bytes of a message. The caller keeps them within kDatagramMax_bytes (encoded_size_bytes helps).
+[[nodiscard]] Bytes encode(const Message& message);
+
+// Trusts nothing: every value that comes back is finite, in range and normalised.
+[[nodiscard]] std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram);
+
+// What one record adds to a datagram.
+[[nodiscard]] std::size_t encoded_size_bytes(const UpdateRecord& record);
+[[nodiscard]] std::size_t encoded_size_bytes(const DecisionRecord& record);
+
+}  // namespace peerd::replication

@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/wire.hpp"
+
+namespace peerd::replication {
+
+// One other peer, as far as it has been heard.
+struct Member {
+  std::uint64_t boot = 0;
+  std::string name;
+  HostTime last_heard{};                       // our clock
+  std::optional<HostTime> hello_tx, hello_rx;  // of its last hello: its clock, ours
+  bool synchronised = false;
+  Duration session_minus_host{0};
+  std::optional<SimTime> start;
+  std::map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied
+};
+
+// Who is here. Silence makes a peer lost, a higher boot number makes it a new one.
+class Membership {
+ public:
+  enum class Heard : std::uint8_t { kKnown, kJoined, kRestarted, kStale };
+
+  explicit Membership(Duration lost_after) : lost_after_(lost_after) {}
+
+  // Any datagram of a peer. kStale: it belongs to an earlier life of that peer and must be dropped.
+  Heard on_datagram(HostTime now, PeerId peer, std::uint64_t boot);
+  // Those silent for longer than lost_after, removed; ascending.
+  [[nodiscard]] std::vector<std::pair<PeerId, Member>> expire(HostTime now);
+  std::optional<Member> remove(PeerId peer);
+
+  [[nodiscard]] Member* find(PeerId peer);
+  // The lowest synchronised peer: the one whose session time the others follow.
+  [[nodiscard]] std::optional<PeerId> lowest_synchronised() const;
+  [[nodiscard]] const std::map<PeerId, Member>& all() const { return members_; }
+  [[nodiscard]] std::optional<HostTime> next_expiry() const;
+
+ private:
+  Duration lost_after_;
+  std::map<PeerId, Member> members_;  // ordered: output must not depend on hashing
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,355 @@
+#include "replication/motion_world.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "replication/response.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// How far one search looks ahead. Longer finds contacts that the next update makes void; shorter searches more often.
+constexpr Duration kLookahead = std::chrono::milliseconds(250);
+// While two objects are inside each other and move apart, look again after this long. A fixed step, not the tick, so
+// that peers with other tick rates see the same.
+constexpr Duration kOverlapRetry = std::chrono::milliseconds(10);
+// An object with this many contacts within this time bounces ever lower (its bounces are below a micrometre for any
+// acceleration up to 1 km/s^2): it is put to rest instead of bounced on for ever.
+constexpr std::size_t kBouncesMax = 8;
+constexpr Duration kBouncesWithin = std::chrono::milliseconds(1);
+// A bound on the work of one advance(); reached only by objects squeezed between others.
+constexpr std::size_t kContactsMax = 1024;
+// Timelines keep this much past, for updates that arrive late.
+constexpr Duration kHistory = std::chrono::seconds(4);
+
+bool is_inside(const Scene& scene, ObjectId inner, ObjectId outer) {
+  return inner.value >= outer.value && inner.value < scene.at(outer).subtree_end;
+}
+
+bool is_still(const KinematicState& s) {
+  return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
+}
+
+void add_pair(WorldModel& model, const CollisionPair& pair) {
+  for (CollisionPair& known : model.pairs) {
+    if (known.type != pair.type) continue;
+    if (known.collider == pair.collider && known.collidee == pair.collidee) return;
+    if (known.collider == pair.collidee && known.collidee == pair.collider) {
+      known.mutual = true;
+      return;
+    }
+  }
+  model.pairs.push_back(pair);
+}
+
+}  // namespace
+
+MotionWorld::Counters& MotionWorld::Counters::operator+=(const Counters& other) {
+  contact_searches += other.contact_searches;
+  searches_skipped += other.searches_skipped;
+  contacts += other.contacts;
+  contacts_undone += other.contacts_undone;
+  came_to_rest += other.came_to_rest;
+  overlapped += other.overlapped;
+  unsupported += other.unsupported;
+  failed += other.failed;
+  capped += other.capped;
+  return *this;
+}
+
+const collision::Body* WorldModel::body(ObjectId id) const {
+  const auto at = std::ranges::lower_bound(bodies, id, {}, &collision::Body::object);
+  return at != bodies.end() && at->object == id ? &*at : nullptr;
+}
+
+std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
+  auto model = std::make_unique<WorldModel>();
+  model->scene = &scene;
+  std::vector<ObjectId> named;
+  for (const CollisionInterest& interest : scene.interests) {
+    for (ObjectId collidee : interest.collidees) {
+      if (is_inside(scene, interest.collider, collidee) || is_inside(scene, collidee, interest.collider)) {
+        model->unsupported.push_back(scene.path_of(interest.collider) + " against " + scene.path_of(collidee) +
+                                     ": one contains the other; collisions within an object are not answered yet");
+        continue;
+      }
+      add_pair(*model, {interest.collider, collidee, interest.type, false});
+      named.push_back(interest.collider);
+      named.push_back(collidee);
+    }
+  }
+  std::ranges::sort(named);
+  named.erase(std::ranges::unique(named).begin(), named.end());
+  for (ObjectId id : named) {
+    model->bodies.push_back(collision::make_body(scene, id));
+    if (!model->bodies.back().unsupported.empty()) model->unsupported.push_back(model->bodies.back().unsupported);
+  }
+  return model;
+}
+
+MotionWorld::MotionWorld(const WorldModel& model, SimTime start) : model_(model), start_(start), advanced_(start) {
+  for (const collision::Body& body : model.bodies) {
+    const KinematicState initial = at_rest(model.scene->rigid_pose(body.object));
+    objects_.push_back({body.object, Role::kScene, Timeline(start, initial), start, {}});
+  }
+  for (const CollisionPair& p : model.pairs) {
+    const auto answers = [&](ObjectId id) { return model.scene->at(id).response.has_value(); };
+    pairs_.push_back({.collider = index_of(p.collider),
+                      .collidee = index_of(p.collidee),
+                      .collider_body = model.body(p.collider),
+                      .collidee_body = model.body(p.collidee),
+                      .type = p.type,
+                      .collider_answers = answers(p.collider),
+                      .collidee_answers = p.mutual && answers(p.collidee),
+                      .clear_until = start,
+                      .contact = {},
+                      .free_at = {}});
+  }
+}
+
+const MotionWorld::Object* MotionWorld::find(ObjectId id) const {
+  const auto at = std::ranges::lower_bound(objects_, id, {}, &Object::id);
+  return at != objects_.end() && at->id == id ? &*at : nullptr;
+}
+
+std::size_t MotionWorld::index_of(ObjectId id) const {
+  const Object* object = find(id);
+  assert(object != nullptr);
+  return static_cast<std::size_t>(object - objects_.data());
+}
+
+void MotionWorld::declare(ObjectId object, Role role) {
+  if (find(object) == nullptr) {  // no interest names it: it moves and meets nothing
+    const auto at = std::ranges::lower_bound(objects_, object, {}, &Object::id);
+    const std::size_t index = static_cast<std::size_t>(at - objects_.begin());
+    const KinematicState initial = at_rest(model_.scene->rigid_pose(object));
+    objects_.insert(at, {object, role, Timeline(start_, initial), start_, {}});
+    for (Pair& pair : pairs_) {
+      pair.collider += pair.collider >= index;
+      pair.collidee += pair.collidee >= index;
+    }
+    return;
+  }
+  const std::size_t index = index_of(object);
+  objects_[index].role = role;
+  for (Pair& pair : pairs_) {
+    if (pair.collider == index || pair.collidee == index) pair.clear_until = std::max(pair.clear_until, advanced_);
+  }
+}
+
+void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
+  for (Pair& pair : pairs_) {
+    const ObjectId collider = objects_[pair.collider].id, collidee = objects_[pair.collidee].id;
+    if (!((collider == a && collidee == b) || (collider == b && collidee == a)) || pair.watched == on) continue;
+    pair.watched = on;
+    pair.contact.reset();
+    pair.clear_until = std::max(pair.clear_until, advanced_);
+  }
+}
+
+void MotionWorld::set_base(ObjectId object, SimTime t, const KinematicState& state) {
+  const std::size_t index = index_of(object);
+  Object& o = objects_[index];
+  events_.push_back(TakenBack{object, t - Duration{1}});
+  take_back(index, t);
+  o.timeline.replace_from(t, state, std::nullopt);
+  o.base_time = t;
+  o.recent.clear();
+  reopen(index, t);
+}
+
+// What followed from a contact with `cause` at t or later is believed no more. Firm answers stand.
+void MotionWorld::take_back(std::size_t cause, SimTime t) {
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    Object& o = objects_[i];
+    if (i == cause || o.role != Role::kBelief) continue;
+    const auto& segments = o.timeline.segments();
+    const auto wrong = std::ranges::find_if(
+        segments, [&](const Timeline::Segment& s) { return s.from >= t && s.cause == objects_[cause].id; });
+    if (wrong == segments.end() || wrong == segments.begin()) continue;
+    const SimTime from = wrong->from;
+    if (o.base_time >= from) continue;  // its owner has spoken since
+    o.timeline.truncate_from(from);
+    events_.push_back(TakenBack{o.id, from - Duration{1}});
+    ++counters_.contacts_undone;
+    reopen(i, from);
+    take_back(i, from);
+  }
+}
+
+// The object's pieces changed from t on: what its pairs know of later contacts is void. Objects that stand firm are not
+// searched in the past that this peer has already lived.
+void MotionWorld::reopen(std::size_t object, SimTime t) {
+  for (Pair& pair : pairs_) {
+    if (pair.collider != object && pair.collidee != object) continue;
+    const auto lived = [&](std::size_t i) {
+      return objects_[i].role == Role::kFirm || objects_[i].role == Role::kDriven;
+    };
+    const SimTime from = std::max(t, advanced_ - (lived(pair.collider) || lived(pair.collidee) ? Duration{0} : kHistory));
+    if (pair.contact && *pair.contact >= from) pair.contact.reset();
+    pair.clear_until = std::min(pair.clear_until, from);
+  }
+}
+
+// One search over the time in which both objects keep their pieces, or over kLookahead.
+void MotionWorld::search_window(Pair& pair) {
+  const Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
+  const SimTime s = pair.clear_until;
+  SimTime end = s + kLookahead;
+  if (const auto change = a.timeline.next_change_after(s)) end = std::min(end, *change);
+  if (const auto change = b.timeline.next_change_after(s)) end = std::min(end, *change);
+
+  const KinematicState state_a = a.timeline.at(s), state_b = b.timeline.at(s);
+  if (is_still(state_a) && is_still(state_b)) {  // nothing that stands meets anything
+    ++counters_.searches_skipped;
+    pair.clear_until = end < s + kLookahead ? end : SimTime::max();
+    return;
+  }
+  ++counters_.contact_searches;
+  const collision::Contact c = collision::first_contact({*pair.collider_body, state_a}, {*pair.collidee_body, state_b},
+                                                        pair.type, to_seconds(end - s));
+  const auto contact_at = [&](SimTime t, bool overlapped) {
+    pair.contact = t;
+    pair.clear_until = t;
+    pair.normal = c.normal_world;
+    pair.overlapped = overlapped;
+  };
+  switch (c.state) {
+    case collision::ContactState::kSeparated:
+      pair.inside = false;
+      pair.free_at = s;
+      pair.clear_until = end;
+      return;
+    case collision::ContactState::kContact: {
+      const SimTime t = s + Duration{static_cast<std::int64_t>(std::floor(c.time_s * 1e9))};
+      if (t > s) {
+        pair.inside = false;
+        pair.free_at = s;
+      }
+      if (pair.inside) {
+        pair.clear_until = std::min(s + kOverlapRetry, end);
+      } else if (t >= end && end < s + kLookahead) {
+        pair.clear_until = end;  // the next pieces begin first, and are searched from there
+      } else {
+        contact_at(std::min(t, end), false);
+      }
+      return;
+    }
+    case collision::ContactState::kOverlapped: {
+      ++counters_.overlapped;
+      const bool approaching = c.normal_world.dot(state_a.velocity - state_b.velocity) < 0.0;
+      const bool answers = (pair.collider_answers && a.role >= Role::kFirm) ||
+                           (pair.collidee_answers && b.role >= Role::kFirm);
+      if (approaching && answers) {
+        contact_at(s, true);
+      } else {
+        pair.clear_until = std::min(s + kOverlapRetry, end);
+      }
+      return;
+    }
+    case collision::ContactState::kUnsupported:
+      ++counters_.unsupported;
+      pair.unsupported = true;
+      return;
+    case collision::ContactState::kFailed:
+      ++counters_.failed;
+      pair.clear_until = std::min(s + kOverlapRetry, end);
+      return;
+  }
+}
+
+void MotionWorld::search(Pair& pair, SimTime to) {
+  if (pair.contact || pair.clear_until > to) {
+    ++counters_.searches_skipped;
+    return;
+  }
+  while (!pair.contact && !pair.unsupported && pair.clear_until <= to) search_window(pair);
+}
+
+KinematicState MotionWorld::answered(std::size_t object, const Pair& pair, const KinematicState& self,
+                                     const KinematicState& other, const Vec3& n) {
+  Object& o = objects_[object];
+  const CollisionResponse& response = *model_.scene->at(o.id).response;
+  const SimTime t = *pair.contact;
+  std::erase_if(o.recent, [&](SimTime r) { return r + kBouncesWithin < t || r > t; });
+  o.recent.push_back(t);
+  if (o.recent.size() > kBouncesMax) {
+    ++counters_.came_to_rest;
+    return rest_against(self, other, n);
+  }
+  KinematicState after = respond(response.type, self, other, n);
+  // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
+  if (pair.overlapped && response.set_back && pair.free_at) after.position = o.timeline.at(*pair.free_at).position;
+  return after;
+}
+
+void MotionWorld::answer(Pair& pair) {
+  const SimTime t = *pair.contact;
+  Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
+  ContactEvent event{t, a.id, b.id, pair.normal, a.timeline.at(t), b.timeline.at(t), {}, {}};
+  event.collider_after = event.collider_before;
+  event.collidee_after = event.collidee_before;
+  // An update that its owner made after the contact already holds its outcome.
+  const bool a_answers = pair.collider_answers && a.role >= Role::kFirm && a.base_time <= t;
+  const bool b_answers = pair.collidee_answers && b.role >= Role::kFirm && b.base_time <= t;
+  if (a_answers) {
+    event.collider_after = answered(pair.collider, pair, event.collider_before, event.collidee_before, event.normal);
+  }
+  if (b_answers) {
+    event.collidee_after = answered(pair.collidee, pair, event.collidee_before, event.collider_before, -event.normal);
+  }
+  pair.contact.reset();
+  for (const auto& [answers, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
+    if (!answers) continue;
+    if (objects_[index].timeline.next_change_after(t)) events_.push_back(TakenBack{objects_[index].id, t});
+    take_back(index, t);
+  }
+  if (a_answers) a.timeline.replace_from(t, event.collider_after, b.id);
+  if (b_answers) b.timeline.replace_from(t, event.collidee_after, a.id);
+  if (a_answers) reopen(pair.collider, t);
+  if (b_answers) reopen(pair.collidee, t);
+  if (!a_answers && !b_answers) pair.inside = true;
+  ++counters_.contacts;
+  events_.push_back(event);
+}
+
+void MotionWorld::advance(SimTime to) {
+  for (std::size_t contacts = 0;; ++contacts) {
+    Pair* first = nullptr;
+    for (Pair& pair : pairs_) {
+      if (!pair.watched || pair.unsupported) continue;
+      if (objects_[pair.collider].role == Role::kScene && objects_[pair.collidee].role == Role::kScene) continue;
+      search(pair, to);
+      if (pair.contact && *pair.contact <= to && (first == nullptr || *pair.contact < *first->contact)) first = &pair;
+    }
+    if (first == nullptr) break;
+    if (contacts == kContactsMax) {
+      ++counters_.capped;
+      for (Pair& pair : pairs_) {
+        if (!pair.contact || *pair.contact > to) continue;
+        pair.contact.reset();
+        pair.clear_until = to + Duration{1};
+      }
+      break;
+    }
+    answer(*first);
+  }
+  advanced_ = std::max(advanced_, to);
+  for (Object& o : objects_) o.timeline.forget_before(advanced_ - kHistory);
+}
+
+bool MotionWorld::has(ObjectId object) const { return find(object) != nullptr; }
+
+KinematicState MotionWorld::at(ObjectId object, SimTime t) const { return objects_[index_of(object)].timeline.at(t); }
+
+SimTime MotionWorld::base_time(ObjectId object) const { return objects_[index_of(object)].base_time; }
+
+std::optional<MotionWorld::Event> MotionWorld::poll_event() {
+  if (events_.empty()) return std::nullopt;
+  Event event = events_.front();
+  events_.pop_front();
+  return event;
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,138 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "collision/contact_time.hpp"
+#include "core/scene.hpp"
+#include "core/time.hpp"
+#include "replication/timeline.hpp"
+
+namespace peerd::replication {
+
+// The geometry that all peers share: one Body for each node that an interest names, and the pairs to watch. Built once
+// per world; a peer's two MotionWorlds and every peer of a simulation read the same one.
+struct CollisionPair {
+  ObjectId collider, collidee;
+  CollisionType type = CollisionType::kWitness;
+  bool mutual = false;  // the collidee is registered for the collider as well, and so answers too
+};
+struct WorldModel {
+  const Scene* scene = nullptr;                // outlives the model
+  std::vector<collision::Body> bodies;         // sorted by object
+  std::vector<CollisionPair> pairs;            // in the file's order, each unordered pair once a type
+  std::vector<std::string> unsupported;        // a line per body that has no exact answer yet
+
+  [[nodiscard]] const collision::Body* body(ObjectId id) const;
+};
+[[nodiscard]] std::unique_ptr<const WorldModel> make_world_model(const Scene& scene);
+
+// What an object does in a MotionWorld when it touches something.
+enum class Role : std::uint8_t {
+  kScene,   // run by nobody: stays
+  kDriven,  // moved by samples from outside; contacts are seen, not answered
+  kFirm,    // answers contacts, and what it answered stays (an object that this peer runs)
+  kBelief,  // answers contacts, but takes the answer back when its cause turns out to have moved otherwise
+};
+
+struct ContactEvent {
+  SimTime at;  // the contact time, rounded down to a nanosecond so that nothing is inside anything
+  ObjectId collider, collidee;
+  Vec3 normal = Vec3::Zero();  // world frame, of the collidee's polygon, facing the collider
+  KinematicState collider_before, collidee_before, collider_after, collidee_after;
+};
+
+// Contacts of `object` after `since` that were told are believed no more; those that still hold are told again.
+struct TakenBack {
+  ObjectId object;
+  SimTime since;
+};
+
+// Objects on timelines that meet each other at contact *times*. Results do not depend on how often advance() is called:
+// a pair's next contact is computed from the pieces' base states, once, and kept until one of the pieces changes.
+class MotionWorld {
+ public:
+  struct Counters {
+    std::uint64_t contact_searches = 0;  // calls into collision
+    std::uint64_t searches_skipped = 0;  // pairs whose cached answer still stood
+    std::uint64_t contacts = 0;
+    std::uint64_t contacts_undone = 0;   // beliefs taken back
+    std::uint64_t came_to_rest = 0;      // ever lower bounces ended by rest_against
+    std::uint64_t overlapped = 0;        // searches that began inside another object
+    std::uint64_t unsupported = 0;       // pairs that collision can't answer yet
+    std::uint64_t failed = 0;            // searches that hit their iteration cap
+    std::uint64_t capped = 0;            // advance() gave up after kContactsMax contacts
+
+    Counters& operator+=(const Counters& other);
+  };
+
+  // Pairs between two kScene objects are not watched.
+  MotionWorld(const WorldModel& model, SimTime start);
+
+  // Declares an object that may move; every body that is not declared stays at its place in the file.
+  void declare(ObjectId object, Role role);
+  // Turns watching of a pair on or off; all pairs start watched.
+  void watch(ObjectId a, ObjectId b, bool on);
+
+  // From t on, the object moves so: an update, a sample, a decision. t may lie in the past; beliefs that followed from
+  // what is replaced are taken back and found anew by the next advance().
+  void set_base(ObjectId object, SimTime t, const KinematicState& state);
+
+  // Answers all contacts up to `to`, in time order.
+  void advance(SimTime to);
+
+  [[nodiscard]] bool has(ObjectId object) const;
+  [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
+  // When the last told (not predicted) piece of its timeline began.
+  [[nodiscard]] SimTime base_time(ObjectId object) const;
+  // What happened, in order; drain after advance().
+  using Event = std::variant<ContactEvent, TakenBack>;
+  [[nodiscard]] std::optional<Event> poll_event();
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  struct Object {
+    ObjectId id;
+    Role role;
+    Timeline timeline;
+    SimTime base_time;
+    std::vector<SimTime> recent;  // of its last contacts, for ever lower bounces
+  };
+  struct Pair {
+    std::size_t collider, collidee;    // into objects_
+    const collision::Body *collider_body, *collidee_body;
+    CollisionType type;
+    bool collider_answers, collidee_answers;
+    bool watched = true;
+    bool unsupported = false;        // told once, then left alone
+    SimTime clear_until;             // no contact before this that is not already answered
+    std::optional<SimTime> contact;  // the next one, at clear_until, if the search found one
+    Vec3 normal = Vec3::Zero();
+    std::optional<SimTime> free_at;  // when the two were last known apart: setBack goes there
+    bool overlapped = false;         // `contact` is an overlap found, not a touch
+    bool inside = false;             // a contact that nobody answers goes on; it is told once
+  };
+
+  [[nodiscard]] const Object* find(ObjectId id) const;
+  [[nodiscard]] std::size_t index_of(ObjectId id) const;
+  void search(Pair& pair, SimTime to);
+  void search_window(Pair& pair);
+  void answer(Pair& pair);
+  [[nodiscard]] KinematicState answered(std::size_t object, const Pair& pair, const KinematicState& self,
+                                        const KinematicState& other, const Vec3& n);
+  void take_back(std::size_t cause, SimTime t);
+  void reopen(std::size_t object, SimTime t);
+
+  const WorldModel& model_;
+  SimTime start_, advanced_;
+  std::vector<Object> objects_;  // sorted by id
+  std::vector<Pair> pairs_;
+  std::deque<Event> events_;
+  Counters counters_;
+};
+
+}  // namespace peerd::replication

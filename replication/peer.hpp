@@ -1,0 +1,228 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <expected>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "replication/codec.hpp"
+#include "replication/membership.hpp"
+#include "replication/motion_world.hpp"
+#include "replication/publisher.hpp"
+#include "replication/session_clock.hpp"
+#include "replication/wire.hpp"
+
+namespace peerd::replication {
+
+// An object that this peer runs. A driven one is moved by samples that come with each tick; the others move by the
+// world's velocityVector and answer their contacts.
+struct Enslaved {
+  ObjectId object;
+  bool driven = false;
+};
+
+struct PeerConfig {
+  PeerId id{1};
+  std::string name;
+  std::uint64_t boot = 1;        // must grow from one start of this peer to the next
+  std::uint64_t world_hash = 0;  // peers with another world are ignored, and named once
+  std::vector<Enslaved> enslaved;
+  PublishPolicy policy;
+  std::uint32_t tick_hz = 60;
+  Duration hello_period = std::chrono::milliseconds(250);
+  Duration lost_after = std::chrono::milliseconds(1750);  // seven hellos; within the 2 s that users are promised
+  Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
+};
+
+// Pose and derivatives of a driven object at a tick, from whatever moves it. At a corner, the derivatives of what
+// follows.
+struct OwnSample {
+  ObjectId object;
+  KinematicState state;
+};
+
+// ---- outputs, to be drained by poll_output() after every call that takes a time ----
+
+struct Send {
+  RegionId region;
+  Bytes datagram;
+};
+struct Join {
+  RegionId region;
+};
+struct Leave {
+  RegionId region;
+};
+struct Synchronised {
+  PeerId follows;  // itself: it founded the session
+  Duration session_minus_host, error_bound;
+};
+struct ClockStepped {
+  Duration session_minus_host;
+};
+struct PeerJoined {
+  PeerId peer;
+  std::string name;
+  bool restarted;
+};
+struct PeerLost {
+  PeerId peer;
+  std::string name;
+  bool said_goodbye;
+};
+struct Frozen {
+  ObjectId object;
+  PeerId owner;
+};
+struct OtherWorld {
+  PeerId peer;
+  std::string name;
+};
+struct IdInUse {
+  PeerId peer;  // our own id, heard from somebody else
+};
+struct OwnershipConflict {
+  ObjectId object;
+  PeerId owner;  // who keeps it: the lower id
+};
+struct Published {
+  SimTime at;
+  ObjectId object;
+  std::size_t size_bytes;
+  double threshold_m;
+  PublishReason reason;
+};
+enum class ContactKind : std::uint8_t {
+  kOwner,      // happened to an object that this peer runs
+  kDecided,    // between an object of its own and another peer's; this peer decided and told the others
+  kPredicted,  // on ghosts: remote collision prediction
+  kApplied,    // another peer's decision
+};
+struct ContactSeen {
+  ContactKind kind;
+  ContactEvent contact;
+  SimTime known_at;
+};
+using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, PeerJoined, PeerLost, Frozen, OtherWorld,
+                            IdInUse, OwnershipConflict, Published, ContactSeen, TakenBack>;
+
+// Why a datagram, or a record in it, was not used.
+enum class Drop : std::uint8_t {
+  kOwn,           // multicast loopback brings back what this peer sent
+  kUndecodable,   // see codec.hpp
+  kIdInUse,       // our id, another boot
+  kStaleBoot,     // from before that peer's restart
+  kOtherWorld,
+  kStranger,      // no hello of that peer has named its world yet
+  kNotYetInSession,  // this peer has no session time yet
+};
+[[nodiscard]] const char* to_string(Drop);
+
+// One peer, whole: replica, dead reckoning, prediction, decisions, session. Sans-IO: it owns no socket, clock, thread or
+// source of randomness. `now` is this host's clock and must not run backwards. Single-threaded.
+class Peer {
+ public:
+  struct Counters {
+    std::uint64_t datagrams_in = 0, datagrams_out = 0, bytes_in = 0, bytes_out = 0;
+    std::map<std::string, std::uint64_t> drops;  // by reason
+    std::uint64_t ticks = 0, ticks_missed = 0;
+    std::uint64_t updates_in = 0, updates_out = 0;
+    std::uint64_t proximity_tests = 0;
+  };
+
+  // The model outlives the peer.
+  Peer(PeerConfig config, const WorldModel& model);
+
+  // A datagram from the network: hostile until proven otherwise. An error says why it changed nothing.
+  std::expected<void, Drop> on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
+  // Does everything that is due at `now`; calling it early is harmless. `samples` are of the instant due_tick(now)
+  // gave, one for each driven object, and are ignored when no tick is due.
+  void on_tick(HostTime now, std::span<const OwnSample> samples);
+  // The tick that on_tick(now) would do: the last point of the session's tick grid not after now. None: not due, or
+  // not synchronised yet.
+  [[nodiscard]] std::optional<SimTime> due_tick(HostTime now) const;
+  // Says goodbye. The peer is over after this.
+  void leave(HostTime now);
+
+  // From now on this peer's hellos say when motions by formula begin. Peers that run such motions together follow the
+  // lowest peer's word; replication itself makes no use of it.
+  void announce_start(SimTime start) { start_ = start; }
+
+  [[nodiscard]] std::optional<Output> poll_output();
+  // When to call on_tick() next.
+  [[nodiscard]] HostTime next_deadline() const;
+
+  [[nodiscard]] PeerId id() const { return config_.id; }
+  [[nodiscard]] const SessionClock& clock() const { return clock_; }
+  [[nodiscard]] const Membership& members() const { return members_; }
+  [[nodiscard]] PeerId owner(ObjectId object) const;
+  // Everything that somebody runs, and who.
+  [[nodiscard]] const std::map<ObjectId, PeerId>& owners() const { return owners_; }
+  // What this peer knows of an object that it runs, and what everybody believes of any object. Need a session.
+  [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
+  [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] MotionWorld::Counters motion_counters() const;
+
+ private:
+  // Both worlds begin with the session. `truth` holds what is known: own objects as they are, the others as believed.
+  // `ghosts` holds what the others believe, own objects included: the sender's copy of every receiver's ghosts.
+  struct Replica {
+    MotionWorld truth, ghosts;
+  };
+  struct Own {
+    bool driven = false;
+    std::optional<SimTime> last_sent;
+    std::uint32_t sequence = 0;
+    bool resend = false;  // somebody joined
+  };
+
+  void enter_session(HostTime now);
+  void on_hello(HostTime now, PeerId sender, const Hello& hello);
+  void on_update(PeerId sender, const UpdateRecord& update);
+  void on_decision(PeerId sender, const DecisionRecord& decision);
+  void claim(PeerId peer, std::span<const ObjectId> objects);
+  void release(PeerId peer, SimTime t);
+  void watch_decided_pairs();
+  void keep_session(HostTime now);
+  void tick(SimTime t, std::span<const OwnSample> samples);
+  void report_contacts(SimTime t);
+  void decide(const ContactEvent& contact);
+  void publish(SimTime t);
+  [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t);
+  void set_ghost(ObjectId object, SimTime t, const KinematicState& state);
+  void flush_records();
+  void send_hello(HostTime now, bool leaving);
+  void send(const Message& message);
+  [[nodiscard]] Message blank() const;
+  [[nodiscard]] std::int64_t tick_number(SimTime t) const;
+  [[nodiscard]] SimTime tick_time(std::int64_t number) const;
+  void drop(const char* reason) { ++counters_.drops[reason]; }
+
+  PeerConfig config_;
+  const WorldModel& model_;
+  SessionClock clock_;
+  Membership members_;
+  std::map<ObjectId, Own> own_;
+  std::map<ObjectId, PeerId> owners_;  // of what somebody runs, own objects included
+  std::optional<Replica> replica_;
+  std::optional<HostTime> started_;
+  std::optional<SimTime> start_;
+  std::optional<HostTime> next_hello_;
+  std::optional<PeerId> follows_;
+  std::int64_t last_tick_ = 0;
+  std::size_t hellos_ = 0;  // sent; their lists take turns
+  std::vector<UpdateRecord> updates_due_;
+  std::vector<std::pair<DecisionRecord, int>> decisions_due_;  // how often still to be sent
+  std::set<std::tuple<SimTime, ObjectId, ObjectId>> decisions_known_;
+  std::set<PeerId> other_worlds_;
+  std::deque<Output> outputs_;
+  Counters counters_;
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,22 @@
+#pragma once
+#include "core/kinematics.hpp"
+#include "core/scene.hpp"
+
+namespace peerd::replication {
+
+// How a Transform answers a contact (seed, appendix C.2). `n` is the unit normal of the other object's polygon in the
+// world frame, facing this object; both states are those at the contact time.
+//
+// INVERSE mirrors the velocity about the polygon, as seen from the other object (the seed mirrors the bare velocity,
+// which would let a moving collidee push through a resting collider). The acceleration stays: it is the law of motion
+// that the sender named (gravity, a curve being driven), not part of the bounce. Mirroring it, or dropping it, raised
+// the mean ghost error of the seed's scenario by 20 % and its updates from 7 to 13 (second order, prediction).
+// ZERO stops the object: velocity, acceleration and spin.
+[[nodiscard]] KinematicState respond(ResponseType type, const KinematicState& self, const KinematicState& other,
+                                     const Vec3& n);
+
+// Takes the approaching part out of velocity and acceleration, so that an object that bounces ever lower comes to rest
+// against the other and goes on sliding.
+[[nodiscard]] KinematicState rest_against(const KinematicState& self, const KinematicState& other, const Vec3& n);
+
+}  // namespace peerd::replication

@@ -1,0 +1,61 @@
+#include "replication/session_clock.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <span>
+
+namespace peerd::replication {
+namespace {
+
+// Slewing by half a percent moves a 10 m/s object's belief by 5 cm/s: below any threshold in use.
+constexpr std::int64_t kSlewDivisor = 200;
+// Farther than this apart, two sessions have met (a healed partition): slewing would take longer than 50 s.
+constexpr Duration kStepBeyond = std::chrono::milliseconds(250);
+
+}  // namespace
+
+void SessionClock::found_session() {
+  assert(!synchronised_);
+  synchronised_ = true;
+  offset_ = Duration{0};
+}
+
+void SessionClock::on_exchange(const Exchange& e) {
+  const Duration ahead = (e.t2.time_since_epoch() - e.t1.time_since_epoch());
+  const Duration behind = (e.t3.time_since_epoch() - e.t4.time_since_epoch());
+  const Duration round_trip = (e.t4 - e.t1) - (e.t3 - e.t2);
+  if (round_trip < Duration{0}) return;  // one of the clocks was set meanwhile
+  samples_[sample_count_ % kSamples] = {(ahead + behind) / 2 + e.their_session_minus_host, round_trip};
+  ++sample_count_;
+  if (!synchronised_ && sample_count_ >= kSamplesToStart) {
+    synchronised_ = true;
+    offset_ = best().offset;
+    adjusted_at_ = e.t4;
+  }
+}
+
+void SessionClock::follow_another() { sample_count_ = 0; }
+
+bool SessionClock::adjust(HostTime now) {
+  const Duration elapsed = now - adjusted_at_;
+  adjusted_at_ = now;
+  if (!synchronised_ || sample_count_ < kSamplesToStart) return false;
+  const Duration wanted = best().offset - offset_;
+  if (wanted > kStepBeyond || wanted < -kStepBeyond) {
+    offset_ += wanted;
+    return true;
+  }
+  const Duration most = std::max(Duration{0}, elapsed) / kSlewDivisor;
+  offset_ += std::clamp(wanted, -most, most);
+  return false;
+}
+
+const SessionClock::Sample& SessionClock::best() const {
+  assert(sample_count_ > 0);
+  const auto known = std::span(samples_).first(std::min(sample_count_, kSamples));
+  return *std::ranges::min_element(known, {}, &Sample::round_trip);
+}
+
+Duration SessionClock::error_bound() const { return sample_count_ == 0 ? Duration{0} : best().round_trip / 2; }
+
+}  // namespace peerd::replication

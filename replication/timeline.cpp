@@ -1,0 +1,44 @@
+#include "replication/timeline.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace peerd::replication {
+namespace {
+
+constexpr auto begins_after = [](SimTime t, const Timeline::Segment& s) { return t < s.from; };
+
+}  // namespace
+
+void Timeline::replace_from(SimTime t, const KinematicState& state, std::optional<ObjectId> cause) {
+  while (!segments_.empty() && segments_.back().from >= t) segments_.pop_back();
+  segments_.push_back({t, state, cause});
+}
+
+void Timeline::truncate_from(SimTime t) {
+  while (segments_.size() > 1 && segments_.back().from >= t) segments_.pop_back();
+}
+
+void Timeline::forget_before(SimTime t) {
+  const auto keep = std::upper_bound(segments_.begin(), segments_.end(), t, begins_after);
+  if (keep - segments_.begin() > 1) segments_.erase(segments_.begin(), keep - 1);
+}
+
+const Timeline::Segment& Timeline::segment_at(SimTime t) const {
+  assert(!segments_.empty());
+  const auto next = std::upper_bound(segments_.begin(), segments_.end(), t, begins_after);
+  return next == segments_.begin() ? segments_.front() : *(next - 1);
+}
+
+std::optional<SimTime> Timeline::next_change_after(SimTime t) const {
+  const auto next = std::upper_bound(segments_.begin(), segments_.end(), t, begins_after);
+  if (next == segments_.end()) return std::nullopt;
+  return next->from;
+}
+
+KinematicState Timeline::at(SimTime t) const {
+  const Segment& s = segment_at(t);
+  return t <= s.from ? s.state : advance(s.state, to_seconds(t - s.from));
+}
+
+}  // namespace peerd::replication

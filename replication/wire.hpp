@@ -1,0 +1,70 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/ids.hpp"
+#include "core/kinematics.hpp"
+#include "core/time.hpp"
+
+namespace peerd::replication {
+
+using Bytes = std::vector<std::byte>;
+
+// What travels, as the rest of this folder sees it. proto/README.md specifies the bytes and limits.
+
+enum class ModelOrder : std::uint8_t { kFirst = 1, kSecond = 2 };
+
+// A dead-reckoning update: from `at` on, `object` moves as `state` says.
+struct UpdateRecord {
+  ObjectId object;
+  std::uint32_t sequence = 0;  // per sender and boot, from 1; a lower one never replaces a higher one
+  SimTime at{};
+  ModelOrder order = ModelOrder::kSecond;
+  KinematicState state;
+};
+
+enum class DecisionRule : std::uint8_t { kId = 1 };
+
+// The one outcome of a collision, stated by the peer that decides it. Receiving it twice changes nothing.
+struct DecisionRecord {
+  ObjectId collider, collidee;
+  SimTime contact{};
+  Vec3 normal = Vec3::Zero();  // world frame, from the collidee towards the collider
+  KinematicState collider_before, collidee_before;
+  KinematicState collider_after, collidee_after;
+  DecisionRule rule = DecisionRule::kId;
+};
+
+// "I got your hello that you sent at their_tx at our_rx": two of NTP's four stamps; the carrying Hello's host_tx is the
+// third, its arrival the fourth.
+struct ClockEcho {
+  PeerId peer;
+  HostTime their_tx{};
+  HostTime our_rx{};
+};
+
+struct Hello {
+  std::string name;
+  std::uint64_t world_hash = 0;
+  HostTime host_tx{};
+  bool synchronised = false;       // session_minus_host means something
+  Duration session_minus_host{};
+  std::vector<ClockEcho> echoes;
+  std::vector<ObjectId> enslaved;
+  std::optional<SimTime> start;    // when this peer lets motions by formula begin, if it says so
+};
+
+struct Message {
+  PeerId sender;
+  std::uint64_t boot = 0;  // grows with each start of that peer
+  bool has_hello = false;
+  Hello hello;
+  std::vector<UpdateRecord> updates;
+  std::vector<DecisionRecord> decisions;
+  bool leaving = false;
+};
+
+}  // namespace peerd::replication

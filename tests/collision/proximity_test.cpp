@@ -1,0 +1,53 @@
+#include "collision/proximity.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/collision/shapes.hpp"
+
+namespace peerd::collision {
+namespace {
+
+using test::box;
+using test::moving;
+
+struct Case {
+  const char* name;
+  double distance_m, speed_m_s;  // of q along x
+  double expected_s;
+};
+class Proximity : public testing::TestWithParam<Case> {};
+TEST_P(Proximity, OfTwoUnitSpheres) {
+  const float edge = 2.0F / std::sqrt(3.0F);  // half diagonal 1
+  const Body p = box(edge, edge, edge), q = p;
+  const KinematicState at_p = moving(Vec3::Zero()),
+                       at_q = moving({GetParam().distance_m, 0, 0}, {GetParam().speed_m_s, 0, 0});
+  EXPECT_NEAR(proximity_time_s({p, at_p}, {q, at_q}), GetParam().expected_s, 1e-6);
+  EXPECT_NEAR(proximity_time_s({q, at_q}, {p, at_p}), GetParam().expected_s, 1e-6);
+}
+INSTANTIATE_TEST_SUITE_P(Table, Proximity,
+                         testing::Values(Case{"OverlapNow", 1.5, 3.0, 0.0}, Case{"Closing", 10.0, -2.0, 4.0},
+                                         Case{"PartedCountsTwice", 10.0, 2.0, 8.0}),
+                         [](const auto& which) { return std::string(which.param.name); });
+
+TEST(Proximity, NeverMeeting) {
+  const Body p = box(1, 1, 1);
+  const KinematicState still = moving(Vec3::Zero()), far = moving({10, 0, 0}), passing = moving({10, 3, 0}, {-5, 0, 0});
+  EXPECT_EQ(proximity_time_s({p, still}, {p, far}), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(proximity_time_s({p, still}, {p, passing}), std::numeric_limits<double>::infinity());
+}
+
+TEST(Proximity, CenterOffTheOriginTurnsWithTheBody) {
+  TransformFields aside;
+  Scene scene = test::scene_of({test::box_mesh(1, 1, 1)});
+  scene.instances[0].kind = NodeKind::kTransform;
+  Body p = make_body(scene, ObjectId{0});
+  p.center = {5, 0, 0};
+  KinematicState turned = moving(Vec3::Zero());
+  turned.orientation = Quat(Eigen::AngleAxisd(EIGEN_PI / 2, Vec3::UnitZ()));
+  const Body q = box(1, 1, 1);
+  const KinematicState there = moving({0, 15, 0}, {0, -1, 0});
+  EXPECT_NEAR(proximity_time_s({p, turned}, {q, there}), 10.0 - std::sqrt(3.0), 1e-6);
+}
+
+}  // namespace
+}  // namespace peerd::collision

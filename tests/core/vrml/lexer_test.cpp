@@ -1,0 +1,153 @@
+#include "core/vrml/lexer.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <vector>
+
+namespace peerd::vrml {
+namespace {
+
+std::vector<std::string> words(std::string_view text) {
+  std::vector<std::string> out;
+  Lexer lexer(text);
+  for (Token t = lexer.next(); t.kind != TokenKind::kEnd; t = lexer.next()) out.emplace_back(t.text);
+  return out;
+}
+
+std::vector<TokenKind> kinds(std::string_view text) {
+  std::vector<TokenKind> out;
+  Lexer lexer(text);
+  for (Token t = lexer.next(); t.kind != TokenKind::kEnd; t = lexer.next()) out.push_back(t.kind);
+  return out;
+}
+
+using testing::ElementsAre;
+using enum TokenKind;
+
+TEST(Lexer, CutsATypicalNode) {
+  EXPECT_THAT(words("DEF A Box{size 1 -2.5e3,+.5}#end"),
+              ElementsAre("DEF", "A", "Box", "{", "size", "1", "-2.5e3", "+.5", "}"));
+}
+
+TEST(Lexer, TreatsCommasAndCommentsAsWhiteSpace) {
+  EXPECT_THAT(words(",,1,2# 3 } \" \r4,"), ElementsAre("1", "2", "4"));
+}
+
+TEST(Lexer, LetsNamesHoldWhatTheStandardAllows) {
+  EXPECT_THAT(kinds("a+b-c:d/e(f)|g \xC3\xA4 _0"), ElementsAre(kWord, kWord, kWord));
+}
+
+TEST(Lexer, SeparatesRouteEnds) {
+  EXPECT_THAT(kinds("ROUTE a.b TO c.d"), ElementsAre(kWord, kWord, kPeriod, kWord, kWord, kWord, kPeriod, kWord));
+}
+
+TEST(Lexer, KeepsABadNumberInOnePiece) {
+  EXPECT_THAT(words("12abc 1.2.3 1e+ -1.#IND 1.#QNAN 2#3"),
+              ElementsAre("12abc", "1.2.3", "1e+", "-1.#IND", "1.#QNAN", "2"));
+}
+
+TEST(Lexer, FindsTheEndOfStrings) {
+  EXPECT_THAT(words(R"("a \" b" "c\\" "d#e")"), ElementsAre(R"(a \" b)", R"(c\\)", "d#e"));
+  EXPECT_EQ(unescaped(R"(a \" b\\ \n)"), "a \" b\\ \\n");
+  EXPECT_THAT(kinds("1 \"open }"), ElementsAre(kNumber, kUnterminatedString));
+}
+
+TEST(Lexer, GathersBytesThatNoTokenContains) {
+  const std::string_view text("a '\\\x01\x7f b\0c", 10);
+  EXPECT_THAT(kinds(text), ElementsAre(kWord, kInvalid, kWord, kInvalid, kWord));
+}
+
+TEST(Lexer, CountsLinesOfAllThreeKindsAndColumnsInBytes) {
+  Lexer lexer("a\nb\r\nc\rd \xC3\xA4 e \"x\ny\" f");
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>> places = {{1, 1}, {2, 1}, {3, 1}, {4, 1},
+                                                                       {4, 3}, {4, 6}, {4, 8}, {5, 4}};
+  for (const auto& [line, column] : places) {
+    const Token t = lexer.next();
+    EXPECT_EQ(t.spot.where.line, line) << t.text;
+    EXPECT_EQ(t.spot.where.column, column) << t.text;
+  }
+  EXPECT_EQ(lexer.next().kind, kEnd);
+}
+
+TEST(Lexer, GoesOnFromASpot) {
+  const std::string_view text = "a\n  b c";
+  Lexer lexer(text);
+  (void)lexer.next();
+  Lexer again(text, lexer.next().spot);
+  const Token b = again.next();
+  EXPECT_EQ(b.text, "b");
+  EXPECT_EQ(b.spot.where.line, 2u);
+  EXPECT_EQ(b.spot.where.column, 3u);
+}
+
+struct HeaderCase {
+  const char* text;
+  const char* problem;  // part of it; nullptr: good
+};
+class Header : public testing::TestWithParam<HeaderCase> {};
+TEST_P(Header, IsJudged) {
+  const auto result = read_header(GetParam().text);
+  if (GetParam().problem == nullptr) {
+    EXPECT_TRUE(result.has_value());
+  } else {
+    ASSERT_FALSE(result.has_value());
+    EXPECT_THAT(result.error(), testing::HasSubstr(GetParam().problem));
+  }
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, Header,
+    testing::Values(HeaderCase{"#VRML V2.0 utf8", nullptr}, HeaderCase{"#VRML V2.0 utf8 comment\r\nGroup{}", nullptr},
+                    HeaderCase{"#VRML V2.0 utf8\t\n", nullptr},
+                    HeaderCase{"#VRML V1.0 ascii\nSeparator {}", "VRML 1.0"}, HeaderCase{"#X3D V3.0 utf8\n", "X3D"},
+                    HeaderCase{"<?xml version='1.0'?><X3D/>", "X3D"}, HeaderCase{"\x1f\x8b\x08", "gzip"},
+                    HeaderCase{"", "empty"}, HeaderCase{"# VRML V2.0 utf8\n", "must begin with"},
+                    HeaderCase{"#VRML V2.0 utf8x\n", "must begin with"}, HeaderCase{"Group {}", "must begin with"},
+                    HeaderCase{"\xEF\xBB\xBF#VRML V2.0 utf8\n", "byte order mark"}));
+
+TEST(ReadFloat, RoundsToTheNearestBinary32) {
+  EXPECT_EQ(read_float("5.42"), 5.42f);
+  EXPECT_EQ(read_float("+1.5E-3"), 1.5e-3f);
+  EXPECT_EQ(read_float("16777217"), 16777216.0f);
+  // Halfway between two floats but for the last digit: rounding by way of binary64 gets this wrong.
+  EXPECT_EQ(read_float("1.00000005960464477539062500000000001"), std::nextafter(1.0f, 2.0f));
+  EXPECT_EQ(read_float("1e-45"), std::numeric_limits<float>::denorm_min());
+}
+
+TEST(ReadFloat, TakesUnderflowForZeroAndRefusesOverflow) {
+  for (const char* tiny : {"1e-60", "-1e-60", "1e-400", "0.0e-99999999999999999999", "0e999", "0.000001e-399"}) {
+    ASSERT_TRUE(read_float(tiny).has_value()) << tiny;
+    EXPECT_EQ(*read_float(tiny), 0.0f) << tiny;
+  }
+  for (const char* huge : {"1e39", "-1e400", "3.5e38", "1e99999999999999999999", "1000000e399"}) {
+    ASSERT_FALSE(read_float(huge).has_value()) << huge;
+    EXPECT_EQ(read_float(huge).error(), NumberError::kOverflow) << huge;
+  }
+}
+
+TEST(ReadFloat, RefusesWhatIsNoNumber) {
+  for (const char* text : {"", "-", "+", "+-1", "++1", "1.2.3", "12abc", "0x10", "1e", "1.#QNAN"}) {
+    ASSERT_FALSE(read_float(text).has_value()) << text;
+    EXPECT_EQ(read_float(text).error(), NumberError::kSyntax) << text;
+  }
+  for (const char* text : {"-nan", "-inf", "-INF", "-Infinity"}) {
+    ASSERT_FALSE(read_float(text).has_value()) << text;
+    EXPECT_EQ(read_float(text).error(), NumberError::kNotFinite) << text;
+  }
+}
+
+TEST(ReadInt32, TakesDecimalAndHexadecimal) {
+  EXPECT_EQ(read_int32("-2147483648"), std::numeric_limits<std::int32_t>::min());
+  EXPECT_EQ(read_int32("+7"), 7);
+  EXPECT_EQ(read_int32("0xFF"), 255);
+  EXPECT_EQ(read_int32("0XfFfFfFfF"), -1);
+  for (const char* text : {"2147483648", "-2147483649", "0x100000000", "99999999999"}) {
+    EXPECT_EQ(read_int32(text).error(), NumberError::kOverflow) << text;
+  }
+  for (const char* text : {"1.0", "1e3", "0x", "-", "--1", "x"}) {
+    EXPECT_EQ(read_int32(text).error(), NumberError::kSyntax) << text;
+  }
+}
+
+}  // namespace
+}  // namespace peerd::vrml

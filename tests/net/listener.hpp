@@ -1,0 +1,72 @@
+#pragma once
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "peerd/net/multicast_socket.hpp"
+
+namespace peerd::net::testing_support {
+
+// A port of this process's own: 16 to each, below the range that the system hands out by itself. `slot` < 16.
+inline std::uint16_t own_port(unsigned slot) {
+  return static_cast<std::uint16_t>(10'000 + static_cast<unsigned>(getpid()) % 1400 * 16 + slot);
+}
+
+inline std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+// A socket that remembers what it heard.
+struct Listener {
+  Listener(asio::io_context& io, const MulticastOptions& options) {
+    auto opened = MulticastSocket::open(io, options);
+    if (!opened) {
+      ADD_FAILURE() << opened.error().sentence;
+      throw std::runtime_error(opened.error().sentence);
+    }
+    socket = *std::move(opened);
+    socket->on_receive([this](RegionId region, std::span<const std::byte> datagram,
+                              const asio::ip::udp::endpoint& sender) {
+      heard.emplace_back(region.value, std::string(reinterpret_cast<const char*>(datagram.data()), datagram.size()));
+      from.push_back(sender);
+    });
+  }
+  void join(std::uint32_t region) {
+    const auto joined = socket->join(RegionId{region});
+    EXPECT_TRUE(joined) << joined.error().sentence;
+  }
+  void leave(std::uint32_t region) {
+    const auto left = socket->leave(RegionId{region});
+    EXPECT_TRUE(left) << left.error().sentence;
+  }
+  void send(std::uint32_t region, std::string_view text) {
+    EXPECT_TRUE(socket->send(RegionId{region}, bytes_of(text)));
+  }
+
+  using Heard = std::vector<std::pair<std::uint32_t, std::string>>;
+  Heard heard;
+  std::vector<asio::ip::udp::endpoint> from;
+  std::unique_ptr<MulticastSocket> socket;
+};
+
+// Runs the sockets until `done`, at most 5 s. Nothing here waits for silence: a test that something is not heard sends
+// a marker after it, which overtakes nothing on one computer.
+template <class Predicate>
+bool run_until(asio::io_context& io, Predicate done) {
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  while (!done() && std::chrono::steady_clock::now() < give_up) {
+    io.restart();
+    io.run_one_for(std::chrono::milliseconds(20));
+  }
+  return done();
+}
+
+}  // namespace peerd::net::testing_support

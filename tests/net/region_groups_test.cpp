@@ -1,0 +1,112 @@
+#include "peerd/net/region_groups.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+namespace peerd::net {
+namespace {
+
+using testing::HasSubstr;
+
+GroupPlan plan_of(const char* base) {
+  auto plan = parse_group_plan(base, 4000);
+  if (!plan) throw std::runtime_error(plan.error().sentence);
+  return *plan;
+}
+
+struct Case {
+  const char* name;
+  const char* base;
+  std::uint32_t region;
+  const char* group;  // nullptr: beyond the range
+};
+class RegionGroups : public testing::TestWithParam<Case> {};
+TEST_P(RegionGroups, MapThereAndBack) {
+  const Case& c = GetParam();
+  const GroupPlan plan = plan_of(c.base);
+  const auto endpoint = group_endpoint(plan, RegionId{c.region});
+  if (!c.group) {
+    ASSERT_FALSE(endpoint) << endpoint->address();
+    EXPECT_EQ(endpoint.error().kind, NetError::Kind::kLimit);
+    EXPECT_THAT(endpoint.error().sentence, HasSubstr("region " + std::to_string(c.region) + " has no multicast group"));
+    return;
+  }
+  ASSERT_TRUE(endpoint) << endpoint.error().sentence;
+  EXPECT_EQ(endpoint->address().to_string(), c.group);
+  EXPECT_EQ(endpoint->port(), 4000);
+  EXPECT_EQ(region_of(plan, endpoint->address()), RegionId{c.region});
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, RegionGroups,
+    testing::Values(Case{"First", "239.192.0.0", 0, "239.192.0.0"}, Case{"Carries", "239.192.0.255", 1, "239.192.1.0"},
+                    Case{"LastOfRange", "239.255.255.254", 1, "239.255.255.255"},
+                    Case{"BeyondRange", "239.255.255.254", 2, nullptr},
+                    Case{"FarBeyondRange", "239.192.0.0", 0xFFFF'FFFF, nullptr},
+                    Case{"FirstV6", "ff15::1:0:0", 0, "ff15::1:0:0"},
+                    Case{"LastRegionV6", "ff15::", 0xFFFF'FFFF, "ff15::ffff:ffff"},
+                    Case{"CarriesV6", "ff15::ffff:ffff", 1, "ff15::1:0:0"},
+                    Case{"CarriesOverTheMiddleV6", "ff15::ffff:ffff:ffff:ffff", 2, "ff15:0:0:1::1"},
+                    Case{"LastOfScopeV6", "ff15:ffff:ffff:ffff:ffff:ffff:ffff:fffe", 1,
+                         "ff15:ffff:ffff:ffff:ffff:ffff:ffff:ffff"},
+                    Case{"BeyondScopeV6", "ff15:ffff:ffff:ffff:ffff:ffff:ffff:fffe", 2, nullptr}),
+    [](const auto& c) { return std::string(c.param.name); });
+
+TEST(RegionGroups, AnyRegionMapsThereAndBack) {
+  std::mt19937 random(42);
+  for (const char* base : {"239.192.0.0", "ff15::", "ff12:0:0:7:ffff:ffff:ffff:fff0"}) {
+    const GroupPlan plan = plan_of(base);
+    for (int i = 0; i < 1000; ++i) {
+      const auto number = static_cast<std::uint32_t>(random());
+      const RegionId region{plan.base.is_v4() ? number >> 10 : number};  // 2^22 groups from 239.192.0.0 on
+      const auto endpoint = group_endpoint(plan, region);
+      ASSERT_TRUE(endpoint) << endpoint.error().sentence;
+      ASSERT_EQ(region_of(plan, endpoint->address()), region) << endpoint->address();
+    }
+  }
+}
+
+TEST(RegionGroups, AddressesOutsideOfThePlanHaveNoRegion) {
+  const auto region = [](const char* base, const char* group) {
+    return region_of(plan_of(base), asio::ip::make_address(group));
+  };
+  EXPECT_FALSE(region("239.192.0.1", "239.192.0.0"));
+  EXPECT_FALSE(region("239.192.0.0", "240.0.0.0"));
+  EXPECT_FALSE(region("239.192.0.0", "ff15::1"));
+  EXPECT_FALSE(region("ff15::2", "ff15::1"));
+  EXPECT_FALSE(region("ff15::", "ff15::1:0:0"));
+  EXPECT_FALSE(region("ff15::", "ff18::"));
+  EXPECT_FALSE(region("ff15::", "2001:db8::1"));
+  EXPECT_FALSE(region("ff15::", "239.192.0.0"));
+}
+
+struct Garbage {
+  const char* name;
+  const char* base;
+  std::uint16_t port;
+  const char* sentence;
+};
+class GroupPlanRefusal : public testing::TestWithParam<Garbage> {};
+TEST_P(GroupPlanRefusal, SaysWhatToDo) {
+  const Garbage& c = GetParam();
+  const auto plan = parse_group_plan(c.base, c.port);
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error().kind, NetError::Kind::kBadSetting);
+  EXPECT_THAT(plan.error().sentence, HasSubstr(c.sentence));
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, GroupPlanRefusal,
+    testing::Values(Garbage{"Text", "multicast please", 4000, "\"multicast please\" is not an IP address"},
+                    Garbage{"Empty", "", 4000, "\"\" is not an IP address"},
+                    Garbage{"FiveParts", "239.192.0.0.0", 4000, "is not an IP address"},
+                    Garbage{"Unicast", "192.0.2.1", 4000, "192.0.2.1 is not a multicast address"},
+                    Garbage{"UnicastV6", "2001:db8::1", 4000, "2001:db8::1 is not a multicast address"},
+                    Garbage{"NoPort", "239.192.0.0", 0, "port 0"}),
+    [](const auto& c) { return std::string(c.param.name); });
+
+}  // namespace
+}  // namespace peerd::net
