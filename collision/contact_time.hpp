@@ -37,13 +37,13 @@ struct MovingBody {
 // overlapping. e is the rounding bound of the gap, from the magnitudes of positions, radii and velocities; a speed
 // below its own rounding bound counts as none. A body that was moved to its contact time, rounded to the clock, touches
 // by this rule. Then, on the touching axes:
-//   one parts            -> that contact was answered before (a bounce begins so): the search goes on to the next one;
-//   one approaches       -> kContact at 0;
-//   one is pressed       -> kContact at 0, resting: at rest along the axis and accelerated inwards, or parting so
-//   slowly
-//                           that the acceleration ends it within e or within one tick;
-//   all are still        -> no contact yet (sliding along a floor); the search goes on to what happens once they
-//   parted.
+//   one parts       -> that contact was answered before (a bounce begins so); the search goes on to the next one;
+//   one approaches  -> kContact at 0;
+//   one is pressed  -> kContact at 0, resting: no speed along the axis and accelerated inwards, or parting so slowly
+//                      that the acceleration ends it within e or within one tick;
+//   all are still   -> no contact yet (sliding along a floor); the search goes on to what follows once they parted.
+// Where a body turns, still can't be told from pressed: all that touch and don't part are contacts, resting where no
+// speed closes them.
 // Bodies that overlap at 0 deeper than touching are kOverlapped, with normal_world the direction of least penetration.
 //
 // Without rotation the answer is in closed form for accelerations that are constant: on each separating-axis candidate

@@ -22,7 +22,7 @@ using HostTime = ToldClock<struct HostClockTag>::time_point;
 // What all peers of a session agree on (replication/session_clock.hpp turns one into the other).
 using SimTime = ToldClock<struct SessionClockTag>::time_point;
 
-[[nodiscard]] constexpr double to_seconds(Duration d) { return static_cast<double>(d.count()) * 1e-9; }
+[[nodiscard]] constexpr double to_seconds(Duration d) { return static_cast<double>(d.count()) / 1e9; }
 [[nodiscard]] inline Duration from_seconds(double s) { return Duration{std::llround(s * 1e9)}; }
 
 }  // namespace peerd

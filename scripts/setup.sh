@@ -1,0 +1,41 @@
+# Sourced by the other scripts: installs what is missing, configures and builds a preset. Nothing is downloaded when all
+# is there.
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+# What a build needs; `scripts/test --full` adds the fuzzers' compiler.
+packages=(
+  g++ cmake ninja-build ccache git
+  libeigen3-dev libboost-dev libprotobuf-dev protobuf-compiler libspdlog-dev nlohmann-json3-dev libcli11-dev
+  libtomlplusplus-dev libmuparser-dev libgtest-dev libgmock-dev libgmp-dev iproute2
+)
+
+install_missing() {
+  local missing=() package
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return
+  echo "installing ${missing[*]}" >&2
+  local root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "error: run as root, or install sudo: these packages are missing: ${missing[*]}" >&2; exit 3; }
+    root=(sudo)
+  fi
+  "${root[@]}" apt-get update -qq >&2
+  DEBIAN_FRONTEND=noninteractive "${root[@]}" apt-get install -y -qq --no-remove "${missing[@]}" >&2 || {
+    echo "error: apt-get could not install ${missing[*]}; see above" >&2
+    exit 3
+  }
+}
+
+# build PRESET TARGET [CMAKE_ARGUMENT...]: configures where need be; quiet when all is up to date.
+build() {
+  local preset=$1 target=$2 log=build/configure-$1.log
+  shift 2
+  if [ ! -f "build/$preset/build.ninja" ] || [ $# -gt 0 ]; then
+    mkdir -p build
+    cmake --preset "$preset" "$@" >"$log" 2>&1 || { cat "$log" >&2; exit 3; }
+  fi
+  cmake --build "build/$preset" --target "$target" >&2
+}

@@ -1,0 +1,15 @@
+function(run)
+  execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+file(REMOVE_RECURSE ${SCRATCH_DIR})
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${SCRATCH_DIR}/prefix)
+set(flags "")
+if(SANITIZE)
+  set(flags "-fsanitize=${SANITIZE}")
+endif()
+run(${CMAKE_COMMAND} -S ${OUTSIDE_DIR} -B ${SCRATCH_DIR}/build -G Ninja -D CMAKE_PREFIX_PATH=${SCRATCH_DIR}/prefix
+    -D CMAKE_CXX_FLAGS=${flags})
+run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/build)
+run(${SCRATCH_DIR}/build/outside ${SCRATCH_DIR}/prefix/share/peerd/worlds/eq47.wrl)
+run(${SCRATCH_DIR}/prefix/bin/peerd check ${SCRATCH_DIR}/prefix/share/peerd/worlds/eq47.wrl)
