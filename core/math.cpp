@@ -2,16 +2,20 @@
 
 #include <cmath>
 
+#include "core/sin_cos.hpp"
+
 namespace peerd {
 
 Quat quat_exp(const Vec3& rotation_rad) {
   const double angle2 = rotation_rad.squaredNorm();
-  // sin(a/2)/a = 1/2 - a^2/48 + ..; the next term, a^4/3840, is below one ulp of 1/2 for a^2 < 1e-6.
+  if (angle2 < 1e-6) {  // the series' next terms are below 1e-21
+    const Vec3 v = (0.5 - angle2 / 48.0 + angle2 * angle2 / 3840.0) * rotation_rad;
+    return Quat(1.0 - angle2 / 8.0 + angle2 * angle2 / 384.0, v.x(), v.y(), v.z()).normalized();
+  }
   const double angle = std::sqrt(angle2);
-  const double scale = angle2 < 1e-6 ? 0.5 - angle2 / 48.0 : std::sin(0.5 * angle) / angle;
-  const double w = angle2 < 1e-6 ? 1.0 - angle2 / 8.0 : std::cos(0.5 * angle);
-  const Vec3 v = scale * rotation_rad;
-  return Quat(w, v.x(), v.y(), v.z()).normalized();
+  const auto [sin, cos] = sin_cos(0.5 * angle);
+  const Vec3 v = (sin / angle) * rotation_rad;
+  return Quat(cos, v.x(), v.y(), v.z()).normalized();
 }
 
 double angle_between(const Quat& a, const Quat& b) {

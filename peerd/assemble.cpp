@@ -92,6 +92,9 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
     }
     for (const PeerLog::Contact& c : log.contacts) {
       if (!within(since_start(c.at))) continue;
+      for (ObjectId id : {c.collider, c.collidee}) {
+        if (!owners.contains(id)) record.scene_paths.try_emplace(id, scene.path_of(id));
+      }
       record.contacts.push_back(
           {since_start(c.at), log.peer, c.kind, c.collider, c.collidee, c.normal, since_start(c.known_at)});
     }

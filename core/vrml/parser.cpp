@@ -162,7 +162,6 @@ void Parser::parse_proto(bool external) {
 
 void Parser::parse_route() {
   const Token keyword = take();
-  std::string route;
   const auto end = [&] {
     std::string name;
     if (token_.kind == kWord) name = take().text;
@@ -170,7 +169,7 @@ void Parser::parse_route() {
     if (name.ends_with('.') && token_.kind == kWord) name += take().text;
     return name;
   };
-  route = end();
+  std::string route = end();
   if (at_word("TO")) {
     take();
     route += " TO " + end();
@@ -298,8 +297,9 @@ void Parser::parse_fields(Node& node) {
         break;
       case kEnd:
         node.damaged = true;
-        if (!std::exchange(unclosed_reported_, true))
+        if (!std::exchange(unclosed_reported_, true)) {
           error(open.spot, "this " + type + " is never closed: a '}' is missing");
+        }
         return;
       case kCloseBracket:
         node.damaged = true;

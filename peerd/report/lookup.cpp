@@ -12,7 +12,9 @@ std::string peer_name(const RunRecord& run, PeerId peer) {
 
 std::string object_path(const RunRecord& run, ObjectId object) {
   const auto it = std::ranges::find(run.objects, object, &ObjectInfo::object);
-  return it != run.objects.end() ? it->path : "#" + std::to_string(object.value);
+  if (it != run.objects.end()) return it->path;
+  const auto scene = run.scene_paths.find(object);
+  return scene != run.scene_paths.end() ? scene->second : "#" + std::to_string(object.value);
 }
 
 std::span<const BeliefSample> beliefs_of(const RunRecord& run, PeerId observer, ObjectId object) {

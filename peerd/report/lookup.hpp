@@ -10,8 +10,7 @@ namespace peerd::report {
 // A peer's name; "#7" for a number that the record does not name.
 [[nodiscard]] std::string peer_name(const RunRecord& run, PeerId peer);
 
-// An object's path; "#17" for objects that are not replicated, such as a wall: the record names only the replicated
-// ones.
+// An object's path; "#17" for one that the record does not name.
 [[nodiscard]] std::string object_path(const RunRecord& run, ObjectId object);
 
 // What one observer believed of one object, in order of time.

@@ -65,6 +65,7 @@ struct RunRecord {
   double duration_s = 0.0;
   std::vector<PeerInfo> peers;
   std::vector<ObjectInfo> objects;  // the replicated ones
+  std::map<ObjectId, std::string> scene_paths;  // of what nobody runs but contacts name: walls
   std::vector<BeliefSample> beliefs;   // sorted by (observer, object, t_s)
   std::vector<UpdateSent> updates;     // sorted by t_s
   std::vector<DatagramSent> datagrams;

@@ -1,0 +1,40 @@
+#include "core/sin_cos.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace peerd {
+namespace {
+
+// Taylor series by Horner's rule, |x| <= pi/4: the first term left out is below 1e-19.
+SinCos sin_cos_small(double x) {
+  const double x2 = x * x;
+  double s = 1.0;
+  for (int n = 17; n > 1; n -= 2) s = 1.0 - s * (x2 / (n * (n - 1)));
+  double c = 1.0;
+  for (int n = 18; n > 0; n -= 2) c = 1.0 - c * (x2 / (n * (n - 1)));
+  return {x * s, c};
+}
+
+}  // namespace
+
+SinCos sin_cos(double x) {
+  constexpr double kHalfPi = std::numbers::pi / 2.0;
+  constexpr double kHalfPiRest = 6.123233995736766e-17;  // pi/2 - kHalfPi
+  x = std::remainder(x, 2.0 * std::numbers::pi);
+  const double quarter = std::nearbyint(x / kHalfPi);  // -2 .. 2
+  const auto [s, c] = sin_cos_small((x - quarter * kHalfPi) - quarter * kHalfPiRest);
+  switch (static_cast<int>(quarter)) {
+    case 1:
+      return {c, -s};
+    case -1:
+      return {-c, s};
+    case 2:
+    case -2:
+      return {-s, -c};
+    default:
+      return {s, c};
+  }
+}
+
+}  // namespace peerd
