@@ -1,38 +1,19 @@
 #include "peerd/check.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <expected>
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <ostream>
-#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "core/vrml/reader.hpp"
+#include "peerd/config/toml_input.hpp"
+#include "replication/motion_world.hpp"
 
 namespace peerd {
 namespace {
 
-enum ExitCode { kGood = 0, kFinding = 1, kEnvironment = 3 };
-
 using Json = nlohmann::ordered_json;
-
-std::expected<std::string, std::string> read_file(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    return std::unexpected("'" + path + "' is a folder: give the path of a .wrl file in it");
-  }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
-  if (!file.is_open() || file.bad() || text.bad()) {
-    const std::string reason = errno != 0 ? std::strerror(errno) : "reading failed";
-    return std::unexpected("cannot read '" + path + "' (" + reason + "): check the path and its permissions");
-  }
-  return std::move(text).str();
-}
 
 std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
@@ -57,28 +38,14 @@ void print_statistics(const ReadStatistics& s, std::ostream& out) {
   row("cannot collide yet", s.cannot_collide_yet, "shapes whose geometry is kept but has no polygons yet");
 }
 
-// What stands in the way of collisions without being an error.
-void print_unsupported(const Scene& scene, const std::string& path, std::ostream& out) {
-  constexpr std::size_t kShown = 10;
-  std::size_t found = 0;
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    if (instance.unsupported_geometry.empty() || ++found > kShown) continue;
-    out << path << ':' << instance.where.line << ':' << instance.where.column << ": note: the "
-        << instance.unsupported_geometry << " of " << scene.path_of(ObjectId{static_cast<std::uint32_t>(i)})
-        << " cannot collide yet\n";
-  }
-  if (found > kShown) out << path << ": note: and " << counted(found - kShown, "more shape") << '\n';
-}
-
-void print_text(const std::string& path, const std::string& text, const ReadResult& result, std::ostream& out,
-                std::ostream& err) {
+void print_text(const std::string& path, const std::string& text, const ReadResult& result,
+                const std::vector<std::string>& unsupported, std::ostream& out, std::ostream& err) {
   std::size_t errors = 0;
   for (const Diagnostic& d : result.diagnostics) {
     err << render(d, path, text);
     if (d.severity == Severity::kError) ++errors;
   }
-  if (result.scene) print_unsupported(*result.scene, path, err);
+  for (const std::string& line : unsupported) err << path << ": note: unsupported: " << line << '\n';
   const std::size_t warnings = result.diagnostics.size() - errors;
   out << path << ": " << (result.scene ? "good" : counted(errors, "error"));
   if (warnings > 0) out << ", " << counted(warnings, "warning");
@@ -86,7 +53,7 @@ void print_text(const std::string& path, const std::string& text, const ReadResu
   if (result.scene) print_statistics(result.statistics, out);
 }
 
-Json to_json(const std::string& path, const ReadResult& result) {
+Json to_json(const std::string& path, const ReadResult& result, const std::vector<std::string>& unsupported) {
   Json errors = Json::array();
   Json warnings = Json::array();
   for (const Diagnostic& d : result.diagnostics) {
@@ -98,6 +65,7 @@ Json to_json(const std::string& path, const ReadResult& result) {
           {"good", result.scene.has_value()},
           {"errors", errors},
           {"warnings", warnings},
+          {"unsupported", unsupported},
           {"statistics",
            {{"nodes", s.nodes},
             {"instances", s.instances},
@@ -118,19 +86,22 @@ void print(const Json& json, std::ostream& out) {
 }  // namespace
 
 int run_check(const std::string& path, bool json, std::ostream& out, std::ostream& err) {
-  const auto text = read_file(path);
+  const auto text = config::read_text_file(path);
   if (!text) {
-    err << "peerd check: " << text.error() << '\n';
-    if (json) print({{"world", path}, {"good", false}, {"error", text.error()}}, out);
-    return kEnvironment;
+    err << text.error().text << '\n';
+    if (json) print({{"world", path}, {"good", false}, {"error", text.error().text}}, out);
+    return text.error().exit_code;
   }
   const ReadResult result = read_world(*text);
+  // What its interests ask for and collision can't answer yet: no error of the world's.
+  std::vector<std::string> unsupported;
+  if (result.scene) unsupported = replication::make_world_model(*result.scene)->unsupported;
   if (json) {
-    print(to_json(path, result), out);
+    print(to_json(path, result, unsupported), out);
   } else {
-    print_text(path, *text, result, out, err);
+    print_text(path, *text, result, unsupported, out, err);
   }
-  return result.scene ? kGood : kFinding;
+  return result.scene ? 0 : 1;
 }
 
 }  // namespace peerd

@@ -214,6 +214,7 @@ void MotionWorld::search_window(Pair& pair) {
     pair.clear_until = t;
     pair.normal = c.normal_world;
     pair.overlapped = overlapped;
+    pair.resting = c.resting;
   };
   switch (c.state) {
     case collision::ContactState::kSeparated:
@@ -227,7 +228,8 @@ void MotionWorld::search_window(Pair& pair) {
         pair.inside = false;
         pair.free_at = s;
       }
-      if (pair.inside) {
+      // What rests was put to rest: the rounding that is left of its push moves it by less than a gap's own rounding.
+      if (pair.inside || (c.resting && pair.rested_at == t)) {
         pair.clear_until = std::min(s + kOverlapRetry, end);
       } else if (t >= end && end < s + kLookahead) {
         pair.clear_until = end;  // the next pieces begin first, and are searched from there
@@ -254,7 +256,7 @@ void MotionWorld::search_window(Pair& pair) {
       return;
     case collision::ContactState::kFailed:
       ++counters_.failed;
-      pair.clear_until = std::min(s + kOverlapRetry, end);
+      pair.clear_until = std::min(s + std::max(kOverlapRetry, from_seconds(c.time_s)), end);
       return;
   }
 }
@@ -274,7 +276,7 @@ KinematicState MotionWorld::answered(std::size_t object, const Pair& pair, const
   const SimTime t = *pair.contact;
   std::erase_if(o.recent, [&](SimTime r) { return r + kBouncesWithin < t || r > t; });
   o.recent.push_back(t);
-  if (o.recent.size() > kBouncesMax) {
+  if (pair.resting || o.recent.size() > kBouncesMax) {
     ++counters_.came_to_rest;
     return rest_against(self, other, n);
   }
@@ -300,6 +302,7 @@ void MotionWorld::answer(Pair& pair) {
     event.collidee_after = answered(pair.collidee, pair, event.collidee_before, event.collider_before, -event.normal);
   }
   pair.contact.reset();
+  if (pair.resting) pair.rested_at = t;
   for (const auto& [answers, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
     if (!answers) continue;
     if (objects_[index].timeline.next_change_after(t)) events_.push_back(TakenBack{objects_[index].id, t});

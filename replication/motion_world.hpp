@@ -114,6 +114,8 @@ class MotionWorld {
     Vec3 normal = Vec3::Zero();
     std::optional<SimTime> free_at;  // when the two were last known apart: setBack goes there
     bool overlapped = false;         // `contact` is an overlap found, not a touch
+    bool resting = false;            // `contact` is one pressed against the other, not one that comes in
+    std::optional<SimTime> rested_at;
     bool inside = false;             // a contact that nobody answers goes on; it is told once
   };
 

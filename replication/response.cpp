@@ -10,7 +10,7 @@ KinematicState respond(ResponseType type, const KinematicState& self, const Kine
   assert(std::abs(n.norm() - 1.0) < 1e-9);
   KinematicState after = self;
   switch (type) {
-    case ResponseType::kInverse: after.velocity -= 2.0 * n.dot(self.velocity - other.velocity) * n; break;
+    case ResponseType::kInverse: after.velocity -= 2.0 * std::min(0.0, n.dot(self.velocity - other.velocity)) * n; break;
     case ResponseType::kZero:
       after.velocity.setZero();
       after.acceleration.setZero();
