@@ -45,6 +45,7 @@ void put(const UpdateRecord& u, proto::Update* out) {
   out->set_session_ns(u.at.time_since_epoch().count());
   out->set_order(static_cast<std::uint32_t>(u.order));
   put(u.state, out->mutable_state());
+  out->set_decision_ns(u.decision.time_since_epoch().count());
 }
 
 void put(const DecisionRecord& d, proto::Decision* out) {
@@ -107,7 +108,8 @@ bool take(const proto::Update& in, UpdateRecord& u) {
   u.sequence = in.sequence();
   if (in.order() != 1 && in.order() != 2) return false;
   u.order = static_cast<ModelOrder>(in.order());
-  return u.sequence != 0 && take(in.session_ns(), u.at) && take(in.state(), u.state);
+  return u.sequence != 0 && take(in.session_ns(), u.at) && take(in.state(), u.state) &&
+         take(in.decision_ns(), u.decision);
 }
 
 bool take(const proto::Decision& in, DecisionRecord& d) {

@@ -31,6 +31,11 @@ bool is_still(const KinematicState& s) {
   return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
 }
 
+bool same_motion(const KinematicState& a, const KinematicState& b) {
+  return a.position == b.position && a.velocity == b.velocity && a.acceleration == b.acceleration &&
+         a.angular_velocity_body == b.angular_velocity_body;
+}
+
 void add_pair(WorldModel& model, const CollisionPair& pair) {
   for (CollisionPair& known : model.pairs) {
     if (known.type != pair.type) continue;
@@ -104,7 +109,8 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start) : model_(model)
                       .collidee_answers = p.mutual && answers(p.collidee),
                       .clear_until = start,
                       .contact = {},
-                      .free_at = {}});
+                      .free_at = {},
+                      .rested_at = {}});
   }
 }
 
@@ -270,7 +276,7 @@ void MotionWorld::search(Pair& pair, SimTime to) {
 }
 
 KinematicState MotionWorld::answered(std::size_t object, const Pair& pair, const KinematicState& self,
-                                     const KinematicState& other, const Vec3& n) {
+                                     const KinematicState& other, bool other_answers, const Vec3& n) {
   Object& o = objects_[object];
   const CollisionResponse& response = *model_.scene->at(o.id).response;
   const SimTime t = *pair.contact;
@@ -280,7 +286,7 @@ KinematicState MotionWorld::answered(std::size_t object, const Pair& pair, const
     ++counters_.came_to_rest;
     return rest_against(self, other, n);
   }
-  KinematicState after = respond(response.type, self, other, n);
+  KinematicState after = respond(response.type, self, other, other_answers, n);
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
   if (pair.overlapped && response.set_back && pair.free_at) after.position = o.timeline.at(*pair.free_at).position;
   return after;
@@ -295,12 +301,9 @@ void MotionWorld::answer(Pair& pair) {
   // An update that its owner made after the contact already holds its outcome.
   const bool a_answers = pair.collider_answers && a.role >= Role::kFirm && a.base_time <= t;
   const bool b_answers = pair.collidee_answers && b.role >= Role::kFirm && b.base_time <= t;
-  if (a_answers) {
-    event.collider_after = answered(pair.collider, pair, event.collider_before, event.collidee_before, event.normal);
-  }
-  if (b_answers) {
-    event.collidee_after = answered(pair.collidee, pair, event.collidee_before, event.collider_before, -event.normal);
-  }
+  const KinematicState &before_a = event.collider_before, &before_b = event.collidee_before;
+  if (a_answers) event.collider_after = answered(pair.collider, pair, before_a, before_b, b_answers, event.normal);
+  if (b_answers) event.collidee_after = answered(pair.collidee, pair, before_b, before_a, a_answers, -event.normal);
   pair.contact.reset();
   if (pair.resting) pair.rested_at = t;
   for (const auto& [answers, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
@@ -312,7 +315,8 @@ void MotionWorld::answer(Pair& pair) {
   if (b_answers) b.timeline.replace_from(t, event.collidee_after, a.id);
   if (a_answers) reopen(pair.collider, t);
   if (b_answers) reopen(pair.collidee, t);
-  if (!a_answers && !b_answers) pair.inside = true;
+  // Where no answer changes anything (nobody answers; an object that was stopped is run into) the contact goes on.
+  pair.inside = same_motion(before_a, event.collider_after) && same_motion(before_b, event.collidee_after);
   ++counters_.contacts;
   events_.push_back(event);
 }

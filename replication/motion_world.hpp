@@ -125,7 +125,7 @@ class MotionWorld {
   void search_window(Pair& pair);
   void answer(Pair& pair);
   [[nodiscard]] KinematicState answered(std::size_t object, const Pair& pair, const KinematicState& self,
-                                        const KinematicState& other, const Vec3& n);
+                                        const KinematicState& other, bool other_answers, const Vec3& n);
   void take_back(std::size_t cause, SimTime t);
   void reopen(std::size_t object, SimTime t);
 

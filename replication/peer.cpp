@@ -14,6 +14,8 @@ constexpr RegionId kWholeScene{0};
 constexpr Duration kJoiningHelloPeriod = std::chrono::milliseconds(100);
 // A decision is not acknowledged; this many copies, one a tick, survive bursts of loss.
 constexpr int kDecisionCopies = 3;
+// An owner that has not taken up a decision for so long has never heard it: what it says counts again.
+constexpr Duration kDecisionStands = std::chrono::seconds(2);
 // An update from farther back than timelines reach, or from this far ahead, comes from a broken clock or a forger.
 constexpr Duration kUpdateAgeMax = std::chrono::seconds(4);
 constexpr Duration kUpdateAheadMax = std::chrono::seconds(1);
@@ -184,20 +186,23 @@ void Peer::on_update(PeerId sender, const UpdateRecord& u) {
   if (u.sequence <= last) return drop("old_sequence");
   last = u.sequence;
   ++counters_.updates_in;
+  const SimTime decided = last_decision(u.object);
+  if (u.decision < decided && u.at < decided + kDecisionStands) return drop("before_decision");
   set_ghost(u.object, u.at, u.state);
 }
 
 void Peer::on_decision(PeerId sender, const DecisionRecord& d) {
   const PeerId owner_a = owner(d.collider), owner_b = owner(d.collidee);
   if (owner_a == kNobody || owner_b == kNobody || decider_by_id(owner_a, owner_b) != sender) return drop("not_decider");
-  if (!decisions_known_.emplace(d.contact, d.collider, d.collidee).second) return drop("decision_known");
+  if (d.contact <= last_decision(d.collider) && d.contact <= last_decision(d.collidee)) return drop("decision_known");
   const SimTime known_at = tick_time(last_tick_);
   for (const auto& [object, after] :
        {std::pair{d.collider, &d.collider_after}, std::pair{d.collidee, &d.collidee_after}}) {
+    if (d.contact <= last_decision(object)) continue;
+    decisions_[object] = d.contact;
     const auto own = own_.find(object);
     if (own != own_.end() && !own->second.driven) replica_->truth.set_base(object, d.contact, *after);
-    // Its owner's later update holds the outcome already.
-    if (replica_->ghosts.base_time(object) <= d.contact) set_ghost(object, d.contact, *after);
+    set_ghost(object, d.contact, *after);
   }
   outputs_.push_back(ContactSeen{ContactKind::kApplied,
                                  {d.contact, d.collider, d.collidee, d.normal, d.collider_before, d.collidee_before,
@@ -331,7 +336,6 @@ void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
   replica_->ghosts.advance(t);
   report_contacts(t);
   publish(t);
-  std::erase_if(decisions_known_, [&](const auto& known) { return std::get<0>(known) < t - 2 * kUpdateAgeMax; });
 }
 
 void Peer::report_contacts(SimTime t) {
@@ -359,11 +363,15 @@ void Peer::decide(const ContactEvent& c) {
   decisions_due_.emplace_back(DecisionRecord{c.collider, c.collidee, c.at, c.normal, c.collider_before,
                                              c.collidee_before, c.collider_after, c.collidee_after, DecisionRule::kId},
                               kDecisionCopies);
+  decisions_[c.collider] = decisions_[c.collidee] = c.at;
   const bool collider_ours = own_.contains(c.collider);
-  const ObjectId theirs = collider_ours ? c.collidee : c.collider;
-  if (replica_->ghosts.base_time(theirs) <= c.at) {
-    replica_->ghosts.set_base(theirs, c.at, collider_ours ? c.collidee_after : c.collider_after);
-  }
+  replica_->ghosts.set_base(collider_ours ? c.collidee : c.collider, c.at,
+                            collider_ours ? c.collidee_after : c.collider_after);
+}
+
+SimTime Peer::last_decision(ObjectId object) const {
+  const auto at = decisions_.find(object);
+  return at == decisions_.end() ? SimTime{} : at->second;
 }
 
 bool Peer::in_close_proximity(ObjectId object, SimTime t) {
@@ -396,7 +404,8 @@ void Peer::publish(SimTime t) {
     if (!reason) continue;
     own.last_sent = t;
     own.resend = false;
-    const UpdateRecord record{object, ++own.sequence, t, policy.order, as_model(policy.order, truth)};
+    const UpdateRecord record{object,       ++own.sequence, t,
+                              policy.order, as_model(policy.order, truth), last_decision(object)};
     replica_->ghosts.set_base(object, t, record.state);
     ++counters_.updates_out;
     outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, *reason});

@@ -193,6 +193,7 @@ class Peer {
   void tick(SimTime t, std::span<const OwnSample> samples);
   void report_contacts(SimTime t);
   void decide(const ContactEvent& contact);
+  [[nodiscard]] SimTime last_decision(ObjectId object) const;
   void publish(SimTime t);
   [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t);
   void set_ghost(ObjectId object, SimTime t, const KinematicState& state);
@@ -210,6 +211,7 @@ class Peer {
   Membership members_;
   std::map<ObjectId, Own> own_;
   std::map<ObjectId, PeerId> owners_;  // of what somebody runs, own objects included
+  std::map<ObjectId, SimTime> decisions_;  // contact time of the last decision on an object that this peer knows
   std::optional<Replica> replica_;
   std::optional<HostTime> started_;
   std::optional<SimTime> start_;
@@ -219,7 +221,6 @@ class Peer {
   std::size_t hellos_ = 0;  // sent; their lists take turns
   std::vector<UpdateRecord> updates_due_;
   std::vector<std::pair<DecisionRecord, int>> decisions_due_;  // how often still to be sent
-  std::set<std::tuple<SimTime, ObjectId, ObjectId>> decisions_known_;
   std::set<PeerId> other_worlds_;
   std::deque<Output> outputs_;
   Counters counters_;

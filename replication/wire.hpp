@@ -24,6 +24,9 @@ struct UpdateRecord {
   SimTime at{};
   ModelOrder order = ModelOrder::kSecond;
   KinematicState state;
+  // Contact time of the last decision on the object that the sender knew; none: SimTime{}. A state from before a decision
+  // must not undo it, although it may be of a later time.
+  SimTime decision{};
 };
 
 enum class DecisionRule : std::uint8_t { kId = 1 };

@@ -1,0 +1,336 @@
+#include "peerd/config/scenario.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::config {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+using testing_support::ScratchFolder;
+
+constexpr const char* kTwoPeers = R"(world = "some.wrl"
+duration_s = 4
+
+[replication]
+order = 1
+
+[network]
+latency_ms = 5
+jitter_ms = 1
+
+[network.link.a.b]
+loss = 0.25
+
+[peer.zoe]
+id = 3
+[peer.a]
+id = 1
+enslaves = ["CAR"]
+[peer.a.motion.CAR]
+x = "t"
+[peer.b]
+id = 2
+enslaves = ["CUBE"]
+)";
+
+class ScenarioTest : public testing::Test {
+ protected:
+  Result<Scenario> result(const std::string& text, std::vector<std::string> sets = {}) {
+    request.file = folder.write("my.toml", text);
+    request.sets = std::move(sets);
+    return read_scenario(request);
+  }
+  Scenario read(const std::string& text, std::vector<std::string> sets = {}) {
+    auto scenario = result(text, std::move(sets));
+    if (!scenario) {
+      ADD_FAILURE() << scenario.error().text;
+      return {.name = "", .world = {}, .runs = {RunSettings{}}};
+    }
+    return *std::move(scenario);
+  }
+  std::string error(const std::string& text, std::vector<std::string> sets = {}) {
+    const auto scenario = result(text, std::move(sets));
+    if (scenario) {
+      ADD_FAILURE() << "accepted";
+      return "";
+    }
+    EXPECT_EQ(scenario.error().exit_code, 2);
+    EXPECT_EQ(scenario.error().text.find('\n'), std::string::npos) << scenario.error().text;
+    return scenario.error().text;
+  }
+  static std::vector<std::string> params(const Scenario& scenario) {
+    std::vector<std::string> texts;
+    for (const RunSettings& run : scenario.runs) texts.push_back(run.params.dump());
+    return texts;
+  }
+
+  ScratchFolder folder;
+  ScenarioRequest request;
+};
+
+TEST_F(ScenarioTest, ReadsWhatTheFileSays) {
+  const Scenario s = read(kTwoPeers);
+  EXPECT_EQ(s.name, "my");
+  EXPECT_EQ(s.world, folder / "some.wrl") << "beside the scenario";
+  EXPECT_EQ(s.seed, 1u);
+  ASSERT_EQ(s.runs.size(), 1u);
+  const RunSettings& run = s.runs.front();
+  EXPECT_EQ(run.duration_s, 4.0);
+  EXPECT_EQ(run.replication.policy.order, replication::ModelOrder::kFirst);
+  ASSERT_EQ(run.peers.size(), 3u);
+  EXPECT_EQ(run.peers[0].name, "a") << "by id";
+  EXPECT_EQ(run.peers[1].name, "b");
+  EXPECT_EQ(run.peers[2].name, "zoe");
+  EXPECT_THAT(run.peers[0].enslaves, ElementsAre("CAR"));
+  EXPECT_EQ(run.peers[0].motion.at("CAR").x, "t");
+}
+
+TEST_F(ScenarioTest, Defaults) {
+  const RunSettings run = read("world = \"w\"\n[peer.a]\nid = 1").runs.front();
+  EXPECT_EQ(run.duration_s, 15.0);
+  EXPECT_EQ(run.seed, 1u);
+  EXPECT_TRUE(run.replication.policy.predict_collisions);
+  EXPECT_TRUE(run.replication.policy.track_proximity);
+  EXPECT_EQ(run.replication.policy.order, replication::ModelOrder::kSecond);
+  EXPECT_FALSE(run.replication.policy.error_threshold_m) << "each object's own distanceThreshold";
+  EXPECT_EQ(run.replication.policy.tight_threshold_m, 0.01);
+  EXPECT_NEAR(run.replication.policy.angle_threshold_rad, 0.05235987755983, 1e-12);
+  EXPECT_EQ(run.replication.policy.time_threshold, std::chrono::seconds(5));
+  EXPECT_EQ(run.replication.policy.close_proximity_s, 0.5);
+  EXPECT_EQ(run.replication.tick_hz, 60u);
+  EXPECT_FALSE(run.peers.front().tick_hz);
+  EXPECT_EQ(run.peers.front().clock_offset_s, 0.0);
+  EXPECT_EQ(run.network.latency_ms, 0.0);
+  EXPECT_EQ(run.transport.port, 47474u);
+  EXPECT_EQ(run.transport.ttl, 1u);
+}
+
+TEST_F(ScenarioTest, ApproachesSwitchPredictionAndTracking) {
+  const auto policy = [&](const std::string& approach) {
+    const auto p = read(kTwoPeers, {"replication.approach=" + approach}).runs.front().replication.policy;
+    return std::pair(p.predict_collisions, p.track_proximity);
+  };
+  EXPECT_EQ(policy("dr"), std::pair(false, false));
+  EXPECT_EQ(policy("dr+rcp"), std::pair(true, false));
+  EXPECT_EQ(policy("dr+rcp+acpt"), std::pair(true, true));
+}
+
+TEST_F(ScenarioTest, ALinkTableGoesOverTheNetworksAndHoldsOneWay) {
+  const RunSettings run = read(kTwoPeers).runs.front();
+  EXPECT_EQ(link(run, "a", "b").loss, 0.25);
+  EXPECT_EQ(link(run, "a", "b").latency_ms, 5.0) << "what the link does not say is the network's";
+  EXPECT_EQ(link(run, "a", "b").jitter_ms, 1.0);
+  EXPECT_EQ(link(run, "b", "a").loss, 0.0);
+  EXPECT_EQ(link(run, "a", "zoe").loss, 0.0);
+}
+
+// ---- sweeps ----
+
+constexpr const char* kSweep = R"(
+[sweep]
+"replication.order" = [1, 2]
+"network.latency_ms" = [5, 100, 200]
+)";
+
+TEST_F(ScenarioTest, SweepsInAlphabeticalOrderAndTheLastKeyVariesFastest) {
+  const Scenario s = read(std::string(kTwoPeers) + kSweep);
+  EXPECT_THAT(params(s), ElementsAre(R"({"network.latency_ms":5,"replication.order":1})",
+                                     R"({"network.latency_ms":5,"replication.order":2})",
+                                     R"({"network.latency_ms":100,"replication.order":1})",
+                                     R"({"network.latency_ms":100,"replication.order":2})",
+                                     R"({"network.latency_ms":200,"replication.order":1})",
+                                     R"({"network.latency_ms":200,"replication.order":2})"));
+  EXPECT_EQ(s.runs[3].network.latency_ms, 100.0);
+  EXPECT_EQ(s.runs[3].replication.policy.order, replication::ModelOrder::kSecond);
+  EXPECT_EQ(link(s.runs[3], "a", "b").latency_ms, 100.0) << "a link follows the network's swept value";
+}
+
+TEST_F(ScenarioTest, ASetValueEndsThatKeysSweep) {
+  const Scenario s = read(std::string(kTwoPeers) + kSweep, {"network.latency_ms=7", "peer.a.clock_offset_s=3"});
+  EXPECT_THAT(params(s), ElementsAre(R"({"replication.order":1,"network.latency_ms":7,"peer.a.clock_offset_s":3})",
+                                     R"({"replication.order":2,"network.latency_ms":7,"peer.a.clock_offset_s":3})"));
+  EXPECT_EQ(s.runs[1].network.latency_ms, 7.0);
+  EXPECT_EQ(s.runs[1].peers[0].clock_offset_s, 3.0);
+}
+
+TEST_F(ScenarioTest, ASetListSweeps) {
+  const Scenario s =
+      read(std::string(kTwoPeers) + kSweep, {"network.latency_ms=1", "replication.order=1", "seed=[4, 9]"});
+  ASSERT_EQ(s.runs.size(), 2u);
+  EXPECT_EQ(s.runs[0].seed, 4u);
+  EXPECT_EQ(s.runs[1].seed, 9u);
+  const Scenario replaced = read(std::string(kTwoPeers) + kSweep, {"network.latency_ms=[1, 2]", "replication.order=1"});
+  EXPECT_EQ(replaced.runs.size(), 2u) << "in place of the file's list";
+}
+
+TEST_F(ScenarioTest, AListOfNodesIsOneValue) {
+  const Scenario s = read(kTwoPeers, {"peer.zoe.enslaves=[\"X\", \"Y\"]"});
+  ASSERT_EQ(s.runs.size(), 1u);
+  EXPECT_THAT(s.runs.front().peers[2].enslaves, ElementsAre("X", "Y"));
+}
+
+TEST_F(ScenarioTest, TheLaterSetWins) {
+  EXPECT_EQ(read(kTwoPeers, {"duration_s=2", "duration_s=3"}).runs.front().duration_s, 3.0);
+}
+
+TEST_F(ScenarioTest, TheSeedOfTheRequestWins) {
+  request.seed = 99;
+  const Scenario s = read(std::string("seed = 5\n") + kTwoPeers);
+  EXPECT_EQ(s.seed, 99u);
+  EXPECT_EQ(s.runs.front().seed, 99u);
+}
+
+TEST_F(ScenarioTest, ConfigsAreMergedInOrder) {
+  request.configs = {folder.write("one.toml", "duration_s = 7\n[network]\nlatency_ms = 50\n[replication]\norder = 2"),
+                     folder.write("two.toml", "duration_s = 8\n[peer.late]\nid = 9")};
+  const Scenario s = read(kTwoPeers);
+  EXPECT_EQ(s.name, "my");
+  const RunSettings& run = s.runs.front();
+  EXPECT_EQ(run.duration_s, 8.0);
+  EXPECT_EQ(run.network.latency_ms, 50.0);
+  EXPECT_EQ(run.network.jitter_ms, 1.0) << "of the scenario still";
+  EXPECT_EQ(run.replication.policy.order, replication::ModelOrder::kSecond);
+  EXPECT_EQ(run.peers.back().name, "late");
+  EXPECT_EQ(read(kTwoPeers, {"duration_s=9"}).runs.front().duration_s, 9.0) << "--set goes over --config";
+}
+
+TEST_F(ScenarioTest, AConfigsMistakeIsFoundInIt) {
+  request.configs = {folder.write("over.toml", "\n[network]\nlatncy_ms = 50")};
+  EXPECT_THAT(error(kTwoPeers), HasSubstr("over.toml:3:1: error: unknown key network.latncy_ms; did you mean "
+                                          "network.latency_ms?"));
+}
+
+TEST_F(ScenarioTest, RealRunsDropTheSimulatedNetworksKeys) {
+  request.real = true;
+  const Scenario s = read(std::string(kTwoPeers) + kSweep);
+  EXPECT_THAT(params(s), ElementsAre(R"({"replication.order":1})", R"({"replication.order":2})"));
+}
+
+TEST_F(ScenarioTest, APeerOfItsOwnTakesTheValuesOutsideOfTheSweep) {
+  request.real = true;
+  request.sweep = false;
+  const Scenario s = read(std::string(kTwoPeers) + "[sweep]\n\"replication.order\" = [2, 1]\n\"duration_s\" = [1, 2]");
+  ASSERT_EQ(s.runs.size(), 1u);
+  EXPECT_EQ(s.runs.front().duration_s, 4.0);
+}
+
+TEST_F(ScenarioTest, WithoutAFileEverythingComesFromSets) {
+  request.sets = {"world=\"/w.wrl\"", "peer.me.id=4"};
+  const auto s = read_scenario(request);
+  ASSERT_TRUE(s) << s.error().text;
+  EXPECT_EQ(s->world, "/w.wrl");
+  EXPECT_EQ(s->runs.front().peers.front().name, "me");
+}
+
+// ---- what is refused ----
+
+struct Bad {
+  const char* name;
+  const char* find;  // in kTwoPeers, replaced by
+  const char* replacement;
+  const char* where;
+  const char* sentence;
+};
+class ScenarioRefusal : public ScenarioTest, public testing::WithParamInterface<Bad> {};
+TEST_P(ScenarioRefusal, SaysWhereAndWhat) {
+  std::string text = kTwoPeers;
+  const auto at = text.find(GetParam().find);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, std::string(GetParam().find).size(), GetParam().replacement);
+  const std::string found = error(text);
+  EXPECT_THAT(found, StartsWith((folder / "my.toml").string() + ":" + GetParam().where));
+  EXPECT_THAT(found, HasSubstr(GetParam().sentence));
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, ScenarioRefusal,
+    testing::Values(
+        Bad{"UnknownTopKey", "duration_s", "durations", "2:1: ", "unknown key durations; did you mean duration_s?"},
+        Bad{"UnknownReplicationKey", "order", "ordre",
+            "5:1: ", "unknown key replication.ordre; did you mean replication.order?"},
+        Bad{"UnknownLinkKey", "loss", "lost",
+            "12:1: ", "unknown key network.link.a.b.lost; did you mean network.link.a.b.loss?"},
+        Bad{"UnknownPeerKey", "enslaves", "enslave",
+            "18:1: ", "unknown key peer.a.enslave; did you mean peer.a.enslaves?"},
+        Bad{"UnknownMotionKey", "x = \"t\"", "xx = \"t\"", "20:1: ", "unknown key peer.a.motion.CAR.xx"},
+        Bad{"NoWorld", "world = \"some.wrl\"", "", "", "world is missing"},
+        Bad{"NoId", "id = 3", "", "", "peer.zoe.id is missing"},
+        Bad{"IdZero", "id = 3", "id = 0", "15:6: ", "peer.zoe.id = 0 is out of range"},
+        Bad{"OrderThree", "order = 1", "order = 3", "5:9: ", "replication.order = 3 is out of range: 1 to 2"},
+        Bad{"LossAboveOne", "0.25", "1.25", "12:8: ", "network.link.a.b.loss = 1.25 is out of range: 0 to 1"},
+        Bad{"NegativeLatency", "latency_ms = 5", "latency_ms = -5",
+            "8:14: ", "network.latency_ms = -5 is out of range"},
+        Bad{"UnknownPeerInALink", "link.a.b", "link.a.nobody", "11:", "the scenario has no peer \"nobody\""},
+        Bad{"LinkIsNoTable", "[network.link.a.b]\nloss = 0.25", "link.a = 3", "11:10: ", "network.link.FROM.TO"},
+        Bad{"SameIdTwice", "id = 2", "id = 1", "", "peer a has that id too"},
+        Bad{"SameObjectTwice", "CUBE", "CAR", "", "peer a enslaves \"CAR\" too"},
+        Bad{"MotionOfAnObjectNotEnslaved", "motion.CAR", "motion.VAN", "19:", "add \"VAN\" to peer.a.enslaves"},
+        Bad{"AxisZero", "x = \"t\"", "axis = [0, 0, 0]", "20:8: ", "peer.a.motion.CAR.axis must not be zero"},
+        Bad{"BeforeStart", "x = \"t\"", "before_start = \"wait\"", "20:16: ", "must be one of \"run\", \"hold\""},
+        Bad{"DurationZero", "duration_s = 4", "duration_s = 0",
+            "2:14: ", "duration_s = 0 is out of range: 0.1 to 1e+06"},
+        Bad{"Malformed", "[replication]", "[replication", "4:", ""}),
+    [](const auto& c) { return std::string(c.param.name); });
+
+TEST_F(ScenarioTest, ABadSweepIsRefused) {
+  EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\n\"replication.order\" = []"),
+              HasSubstr("sweep.\"replication.order\" must be a list of at least one value"));
+  EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\n\"replication.order\" = 2"), HasSubstr("must be a list"));
+  EXPECT_THAT(error(std::string("sweep = 3\n") + kTwoPeers), HasSubstr("sweep must be a table of lists"));
+  EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\n\"replication.ordr\" = [1]"),
+              HasSubstr("unknown key replication.ordr; did you mean replication.order?"));
+  EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\n\"replication.order\" = [1, 5]"),
+              HasSubstr("replication.order = 5 is out of range: 1 to 2"));
+  std::string many = "0";
+  for (int i = 1; i < 400; ++i) many += ", " + std::to_string(i);
+  EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\nseed = [" + many + "]\n\"network.latency_ms\" = [" + many + "]"),
+              HasSubstr("more than 100000 runs"));
+}
+
+TEST_F(ScenarioTest, ABadSetIsRefused) {
+  EXPECT_THAT(error(kTwoPeers, {"network.latency_ms"}), HasSubstr("write it as KEY=VALUE"));
+  EXPECT_THAT(error(kTwoPeers, {"network.latncy_ms=3"}), HasSubstr("did you mean network.latency_ms?"));
+  EXPECT_THAT(error(kTwoPeers, {"duration_s.x=3"}), HasSubstr("duration_s is a value, not a table"));
+  EXPECT_THAT(error(kTwoPeers, {"peer.a.id=\"one\""}), HasSubstr("peer.a.id must be a number"));
+}
+
+TEST_F(ScenarioTest, NoSuchFile) {
+  request.file = folder / "none.toml";
+  const auto none = read_scenario(request);
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().text, HasSubstr("none.toml: error: there is no such file"));
+  request.file = folder.write("my.toml", kTwoPeers);
+  request.configs = {folder / "none2.toml"};
+  EXPECT_THAT(read_scenario(request).error().text, HasSubstr("none2.toml"));
+}
+
+// ---- the world behind it ----
+
+TEST(LoadWorld, TellsWorldsApartByTheirBytesAndFindsObjects) {
+  const ScratchFolder folder;
+  const char* text = "#VRML V2.0 utf8\nDEF CAR Transform { }\nDEF CUBE Transform { children DEF LAMP Group { } }\n";
+  const auto one = load_world(folder.write("one.wrl", text));
+  ASSERT_TRUE(one) << one.error().text;
+  EXPECT_EQ(load_world(folder.write("same.wrl", text))->hash, one->hash);
+  EXPECT_NE(load_world(folder.write("other.wrl", std::string(text) + "\n"))->hash, one->hash);
+  EXPECT_EQ(*find_object(one->scene, "CUBE", "x"), ObjectId{1});
+  const auto wrong = find_object(one->scene, "CUBA", "peer.a.enslaves");
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().text, "error: peer.a.enslaves: the world has no object \"CUBA\"; did you mean \"CUBE\"?");
+}
+
+TEST(LoadWorld, AMalformedWorldIsAFindingAboutTheInput) {
+  const ScratchFolder folder;
+  const auto bad = load_world(folder.write("bad.wrl", "#VRML V2.0 utf8\nDEF CAR Transform {\n  translation 1 2\n}\n"));
+  ASSERT_FALSE(bad);
+  EXPECT_EQ(bad.error().exit_code, 1);
+  EXPECT_THAT(bad.error().text, HasSubstr("bad.wrl:"));
+  EXPECT_EQ(load_world(folder / "none.wrl").error().exit_code, 2);
+}
+
+}  // namespace
+}  // namespace peerd::config

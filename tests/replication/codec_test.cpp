@@ -1,0 +1,215 @@
+#include "replication/codec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <set>
+
+#include "tests/replication/messages.hpp"
+
+namespace peerd::replication {
+namespace {
+
+using namespace test;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+TEST(Codec, RoundTripsBitForBit) {
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    SCOPED_TRACE(seed);
+    MessageMaker make(seed);
+    const Message m = make.message(seed % 4, seed % 3 == 0, seed % 2 == 0);
+    const Bytes bytes = encode(m);
+    if (bytes.size() > kDatagramMax_bytes) continue;
+    const auto back = decode(bytes);
+    ASSERT_TRUE(back.has_value()) << to_string(back.error());
+    ASSERT_TRUE(same_bits(m, *back));
+    ASSERT_EQ(encode(*back), bytes);
+  }
+}
+
+TEST(Codec, TheSmallestMessageIsFewBytes) {
+  Message m;
+  m.sender = PeerId{1};
+  m.boot = 1;
+  EXPECT_EQ(encode(m).size(), 13u);  // version, sender, boot
+  const auto back = decode(encode(m));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_TRUE(same_bits(m, *back));
+}
+
+// The sizes that a sender packs datagrams by are the ones that records take.
+TEST(Codec, RecordsTakeWhatTheySay) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE(seed);
+    MessageMaker make(seed);
+    Message m = make.message(1, 0, false);
+    m.updates.push_back(make.update());
+    const std::size_t before = encode(m).size();
+    m.updates.push_back(make.update());
+    const std::size_t with_update = encode(m).size();
+    EXPECT_EQ(with_update - before, encoded_size_bytes(m.updates.back()));
+    m.decisions.push_back(make.decision());
+    EXPECT_EQ(encode(m).size() - with_update, encoded_size_bytes(m.decisions.back()));
+  }
+}
+
+// ---- values ----
+
+Message updating(const std::function<void(UpdateRecord&)>& change) {
+  Message m;
+  m.sender = PeerId{1};
+  m.boot = 1;
+  m.updates.push_back({ObjectId{1}, 1, sim(1s), ModelOrder::kSecond, moving({1, 2, 3}, {4, 5, 6})});
+  change(m.updates.front());
+  return m;
+}
+Message deciding(const std::function<void(DecisionRecord&)>& change) {
+  Message m;
+  m.sender = PeerId{1};
+  m.boot = 1;
+  m.decisions.push_back({ObjectId{1}, ObjectId{2}, sim(1s), Vec3::UnitX(), {}, {}, {}, {}, DecisionRule::kId});
+  change(m.decisions.front());
+  return m;
+}
+Message greeting(const std::function<void(Hello&)>& change) {
+  Message m;
+  m.sender = PeerId{1};
+  m.boot = 1;
+  m.has_hello = true;
+  change(m.hello);
+  return m;
+}
+
+struct Case {
+  const char* name;
+  Message message;
+  bool accepted;
+};
+class Value : public testing::TestWithParam<Case> {};
+TEST_P(Value, IsChecked) {
+  const auto decoded = decode(encode(GetParam().message));
+  EXPECT_EQ(decoded.has_value(), GetParam().accepted);
+  if (!decoded) EXPECT_EQ(decoded.error(), DecodeError::kValue);
+}
+constexpr std::int64_t kFarthest_ns = std::int64_t{1} << 62;
+INSTANTIATE_TEST_SUITE_P(
+    Update, Value,
+    testing::Values(
+        Case{"Good", updating([](auto&) {}), true},
+        Case{"NaNPosition", updating([](auto& u) { u.state.position.y() = kNaN; }), false},
+        Case{"InfPosition", updating([](auto& u) { u.state.position.z() = kInf; }), false},
+        Case{"FarPosition", updating([](auto& u) { u.state.position.x() = 1e12; }), true},
+        Case{"TooFarPosition", updating([](auto& u) { u.state.position.x() = -1.0001e12; }), false},
+        Case{"HugePosition", updating([](auto& u) { u.state.position.x() = 1e300; }), false},
+        Case{"NaNVelocity", updating([](auto& u) { u.state.velocity.x() = kNaN; }), false},
+        Case{"HugeVelocity", updating([](auto& u) { u.state.velocity.x() = 1e200; }), false},
+        Case{"InfAcceleration", updating([](auto& u) { u.state.acceleration.x() = -kInf; }), false},
+        Case{"NaNSpin", updating([](auto& u) { u.state.angular_velocity_body.z() = kNaN; }), false},
+        Case{"ZeroQuaternion", updating([](auto& u) { u.state.orientation = Quat(0, 0, 0, 0); }), false},
+        Case{"LongQuaternion", updating([](auto& u) { u.state.orientation = Quat(2, 0, 0, 0); }), false},
+        Case{"NaNQuaternion", updating([](auto& u) { u.state.orientation = Quat(kNaN, 0, 0, 1); }), false},
+        Case{"UnitQuaternion", updating([](auto& u) { u.state.orientation = Quat(0.6, 0, -0.8, 0); }), true},
+        Case{"SequenceZero", updating([](auto& u) { u.sequence = 0; }), false},
+        Case{"SequenceLast", updating([](auto& u) { u.sequence = 0xFFFF'FFFF; }), true},
+        Case{"OrderZero", updating([](auto& u) { u.order = ModelOrder{0}; }), false},
+        Case{"OrderThree", updating([](auto& u) { u.order = ModelOrder{3}; }), false},
+        Case{"Farthest", updating([](auto& u) { u.at = sim(Duration{-kFarthest_ns}); }), true},
+        Case{"TooFarAhead", updating([](auto& u) { u.at = sim(Duration{kFarthest_ns + 1}); }), false},
+        Case{"EndOfTime", updating([](auto& u) { u.at = SimTime::max(); }), false},
+        Case{"BeginOfTime", updating([](auto& u) { u.at = SimTime::min(); }), false}),
+    [](const auto& c) { return std::string(c.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Decision, Value,
+    testing::Values(Case{"Good", deciding([](auto&) {}), true},
+                    Case{"NoNormal", deciding([](auto& d) { d.normal.setZero(); }), false},
+                    Case{"LongNormal", deciding([](auto& d) { d.normal *= 1.001; }), false},
+                    Case{"NaNNormal", deciding([](auto& d) { d.normal.y() = kNaN; }), false},
+                    Case{"NaNBefore", deciding([](auto& d) { d.collider_before.position.x() = kNaN; }), false},
+                    Case{"NaNCollideeBefore", deciding([](auto& d) { d.collidee_before.velocity.x() = kNaN; }), false},
+                    Case{"InfAfter", deciding([](auto& d) { d.collider_after.velocity.x() = kInf; }), false},
+                    Case{"InfCollideeAfter", deciding([](auto& d) { d.collidee_after.velocity.x() = kInf; }), false},
+                    Case{"UnknownRule", deciding([](auto& d) { d.rule = DecisionRule{2}; }), false},
+                    Case{"EndOfTime", deciding([](auto& d) { d.contact = SimTime::max(); }), false}),
+    [](const auto& c) { return std::string(c.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Hello, Value,
+    testing::Values(
+        Case{"Good", greeting([](auto&) {}), true},
+        Case{"LongestName", greeting([](auto& h) { h.name.assign(kNameMax_bytes, 'n'); }), true},
+        Case{"TooLongAName", greeting([](auto& h) { h.name.assign(kNameMax_bytes + 1, 'n'); }), false},
+        Case{"EndOfItsClock", greeting([](auto& h) { h.host_tx = HostTime::max(); }), false},
+        Case{"OffsetTooFar", greeting([](auto& h) { h.session_minus_host = Duration::min(); }), false},
+        Case{"StartTooFar", greeting([](auto& h) { h.start = SimTime::max(); }), false},
+        Case{"EchoTooFar", greeting([](auto& h) { h.echoes = {{PeerId{2}, HostTime::max(), {}}}; }), false},
+        Case{"EchoArrivalTooFar", greeting([](auto& h) { h.echoes = {{PeerId{2}, {}, HostTime::min()}}; }), false}),
+    [](const auto& c) { return std::string(c.param.name); });
+
+TEST(Decode, SaysWhyItRefuses) {
+  const Bytes good = encode(updating([](auto&) {}));
+  EXPECT_EQ(decode(Bytes{}).error(), DecodeError::kVersion);
+  EXPECT_EQ(decode(Bytes(kDatagramMax_bytes + 1)).error(), DecodeError::kTooLong);
+  EXPECT_EQ(decode(Bytes(100, std::byte{0xFF})).error(), DecodeError::kNotADatagram);
+  Bytes next_version = good;
+  ASSERT_EQ(next_version[1], std::byte{kProtocolVersion});
+  next_version[1] = std::byte{kProtocolVersion + 1};
+  EXPECT_EQ(decode(next_version).error(), DecodeError::kVersion);
+  Bytes from_nobody = good;
+  ASSERT_EQ(from_nobody[3], std::byte{1});
+  from_nobody[3] = std::byte{0};
+  EXPECT_EQ(decode(from_nobody).error(), DecodeError::kSender);
+}
+
+// ---- damage ----
+
+// Either refused, or a message that keeps every promise and survives being sent on.
+void expect_refused_or_sound(const Bytes& bytes) {
+  const auto m = decode(bytes);
+  if (!m) return;
+  ASSERT_TRUE(is_sound(*m));
+  ASSERT_TRUE(decode(encode(*m)).has_value());
+}
+
+TEST(Decode, SurvivesEveryFlippedBit) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(seed);
+    MessageMaker make(seed);
+    const Bytes good = encode(make.message(2, 1, true));
+    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+      Bytes bad = good;
+      bad[bit / 8] ^= std::byte{1} << (bit % 8);
+      ASSERT_NO_FATAL_FAILURE(expect_refused_or_sound(bad)) << "bit " << bit;
+    }
+  }
+}
+
+TEST(Decode, SurvivesEveryTruncation) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(seed);
+    MessageMaker make(seed);
+    const Bytes good = encode(make.message(3, 1, true));
+    for (std::size_t size = 0; size < good.size(); ++size) {
+      ASSERT_NO_FATAL_FAILURE(expect_refused_or_sound(Bytes(good.begin(), good.begin() + static_cast<long>(size))));
+    }
+  }
+}
+
+TEST(Decode, SurvivesNoise) {
+  std::mt19937_64 rng(1);
+  for (int i = 0; i < 20000; ++i) {
+    Bytes noise(rng() % 64);
+    for (std::byte& b : noise) b = static_cast<std::byte>(rng());
+    ASSERT_NO_FATAL_FAILURE(expect_refused_or_sound(noise));
+  }
+}
+
+TEST(DecodeErrorName, IsDistinctForEach) {
+  std::set<std::string> names;
+  for (int i = 0; i <= static_cast<int>(DecodeError::kValue); ++i) names.insert(to_string(static_cast<DecodeError>(i)));
+  EXPECT_EQ(names.size(), 5u);
+  EXPECT_FALSE(names.contains("?"));
+}
+
+}  // namespace
+}  // namespace peerd::replication

@@ -1,0 +1,132 @@
+#pragma once
+#include <random>
+
+#include "replication/codec.hpp"
+#include "tests/replication/worlds.hpp"
+
+// Random messages as a peer could send them, and what every decoded message must keep.
+namespace peerd::replication::test {
+
+class MessageMaker {
+ public:
+  explicit MessageMaker(std::uint64_t seed) : rng_(seed) {}
+
+  Message message(std::size_t updates, std::size_t decisions, bool with_hello) {
+    Message m;
+    m.sender = PeerId{1 + number<std::uint32_t>() % 0xFFFF'FFFEU};
+    m.boot = number<std::uint64_t>();
+    m.has_hello = with_hello;
+    if (with_hello) m.hello = hello();
+    for (std::size_t i = 0; i < updates; ++i) m.updates.push_back(update());
+    for (std::size_t i = 0; i < decisions; ++i) m.decisions.push_back(decision());
+    m.leaving = coin();
+    return m;
+  }
+
+  UpdateRecord update() {
+    return {ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU, SimTime{time()},
+            coin() ? ModelOrder::kFirst : ModelOrder::kSecond, state()};
+  }
+  DecisionRecord decision() {
+    return {ObjectId{number<std::uint32_t>()}, ObjectId{number<std::uint32_t>()}, SimTime{time()},
+            vector().normalized(),             state(),                           state(),
+            state(),                           state(),                           DecisionRule::kId};
+  }
+  Hello hello() {
+    Hello h;
+    h.name = std::string(number<std::uint32_t>() % (kNameMax_bytes + 1), 'x');
+    h.world_hash = number<std::uint64_t>();
+    h.host_tx = HostTime{time()};
+    h.synchronised = coin();
+    h.session_minus_host = time();
+    for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
+      h.echoes.push_back({PeerId{number<std::uint32_t>()}, HostTime{time()}, HostTime{time()}});
+    }
+    for (std::uint32_t i = number<std::uint32_t>() % 9; i > 0; --i) h.enslaved.push_back(ObjectId{number<std::uint32_t>()});
+    if (coin()) h.start = SimTime{time()};
+    return h;
+  }
+  // Parts that stand still or are the identity come often: they are absent on the wire.
+  KinematicState state() {
+    KinematicState s;
+    s.position = vector();
+    if (coin()) s.velocity = vector();
+    if (coin()) s.acceleration = vector();
+    if (coin()) s.orientation = Quat(size(), size(), size(), size() + 1e-3).normalized();
+    if (coin()) s.angular_velocity_body = vector();
+    return s;
+  }
+
+ private:
+  template <class Number>
+  Number number() {
+    return static_cast<Number>(rng_());
+  }
+  bool coin() { return rng_() % 2 == 0; }
+  Duration time() { return Duration{static_cast<std::int64_t>(rng_() >> 1) - (std::int64_t{1} << 62)}; }
+  // Of any magnitude that is allowed, and exact zeros.
+  double size() {
+    if (rng_() % 8 == 0) return 0.0;
+    const double mantissa = std::uniform_real_distribution<double>(-1.0, 1.0)(rng_);
+    return std::ldexp(mantissa, static_cast<int>(rng_() % 60) - 21);
+  }
+  Vec3 vector() {
+    const double x = size(), y = size();
+    return {x, y, size() + 1e-6};
+  }
+
+  std::mt19937_64 rng_;
+};
+
+inline bool same_bits(const Message& a, const Message& b) {
+  const auto& h = a.hello;
+  const auto& g = b.hello;
+  const auto same_vector = [](const Vec3& v, const Vec3& w) { return same_bits(moving(v), moving(w)); };
+  const auto same_update = [](const UpdateRecord& u, const UpdateRecord& v) {
+    return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.order == v.order &&
+           same_bits(u.state, v.state);
+  };
+  const auto same_decision = [&](const DecisionRecord& d, const DecisionRecord& e) {
+    return d.collider == e.collider && d.collidee == e.collidee && d.contact == e.contact && d.rule == e.rule &&
+           same_vector(d.normal, e.normal) && same_bits(d.collider_before, e.collider_before) &&
+           same_bits(d.collidee_before, e.collidee_before) && same_bits(d.collider_after, e.collider_after) &&
+           same_bits(d.collidee_after, e.collidee_after);
+  };
+  const auto same_echo = [](const ClockEcho& e, const ClockEcho& f) {
+    return e.peer == f.peer && e.their_tx == f.their_tx && e.our_rx == f.our_rx;
+  };
+  return a.sender == b.sender && a.boot == b.boot && a.has_hello == b.has_hello && a.leaving == b.leaving &&
+         h.name == g.name && h.world_hash == g.world_hash && h.host_tx == g.host_tx &&
+         h.synchronised == g.synchronised && h.session_minus_host == g.session_minus_host && h.start == g.start &&
+         h.enslaved == g.enslaved && std::ranges::equal(h.echoes, g.echoes, same_echo) &&
+         std::ranges::equal(a.updates, b.updates, same_update) &&
+         std::ranges::equal(a.decisions, b.decisions, same_decision);
+}
+
+inline bool is_sound(const KinematicState& s) {
+  const auto good = [](const Vec3& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e12; };
+  return good(s.position) && good(s.velocity) && good(s.acceleration) && good(s.angular_velocity_body) &&
+         std::abs(s.orientation.norm() - 1.0) <= 1e-6;
+}
+inline bool is_sound(std::chrono::nanoseconds t) { return std::abs(to_seconds(t)) < 4.7e9; }
+
+// What codec.hpp promises of every message that decode() lets through.
+inline bool is_sound(const Message& m) {
+  bool sound = m.sender.value != 0 && m.hello.name.size() <= kNameMax_bytes &&
+               is_sound(m.hello.host_tx.time_since_epoch()) && is_sound(m.hello.session_minus_host);
+  for (const ClockEcho& e : m.hello.echoes) {
+    sound = sound && is_sound(e.their_tx.time_since_epoch()) && is_sound(e.our_rx.time_since_epoch());
+  }
+  for (const UpdateRecord& u : m.updates) {
+    sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) && is_sound(u.state) &&
+            (u.order == ModelOrder::kFirst || u.order == ModelOrder::kSecond);
+  }
+  for (const DecisionRecord& d : m.decisions) {
+    sound = sound && is_sound(d.contact.time_since_epoch()) && std::abs(d.normal.norm() - 1.0) <= 1e-6 &&
+            is_sound(d.collider_before) && is_sound(d.collidee_before) && is_sound(d.collider_after) &&
+            is_sound(d.collidee_after);
+  }
+  return sound;
+}
+
+}  // namespace peerd::replication::test

@@ -1,0 +1,578 @@
+#include "replication/motion_world.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+
+#include "tests/replication/worlds.hpp"
+
+namespace peerd::replication {
+namespace {
+
+using namespace test;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+std::vector<MotionWorld::Event> drain(MotionWorld& world) {
+  std::vector<MotionWorld::Event> events;
+  while (auto e = world.poll_event()) events.push_back(std::move(*e));
+  return events;
+}
+std::vector<ContactEvent> contacts(MotionWorld& world) {
+  std::vector<ContactEvent> all;
+  for (const auto& e : drain(world)) {
+    if (const auto* c = std::get_if<ContactEvent>(&e)) all.push_back(*c);
+  }
+  return all;
+}
+std::vector<SimTime> contact_times(MotionWorld& world) {
+  std::vector<SimTime> all;
+  for (const ContactEvent& c : contacts(world)) all.push_back(c.at);
+  return all;
+}
+// What an observer still believes to have happened after all it was told.
+std::vector<SimTime> standing(MotionWorld& world) {
+  std::vector<ContactEvent> all;
+  for (const auto& e : drain(world)) {
+    if (const auto* c = std::get_if<ContactEvent>(&e)) {
+      all.push_back(*c);
+    } else {
+      const TakenBack& back = std::get<TakenBack>(e);
+      std::erase_if(all, [&](const ContactEvent& c2) {
+        return c2.at > back.since && (c2.collider == back.object || c2.collidee == back.object);
+      });
+    }
+  }
+  std::vector<SimTime> times;
+  for (const ContactEvent& c : all) times.push_back(c.at);
+  std::ranges::sort(times);
+  return times;
+}
+
+// ---- the model ----
+
+TEST(WorldModel, PairsAreUnorderedAndMutualWhereBothAreNamed) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "3 0 0") + box("C", "1 1 1", "6 0 0") +
+                interest("A", "\"B\" \"C\"") + interest("B", "\"A\"") + interest("A", "\"B\""));
+  ASSERT_EQ(w.model->pairs.size(), 2u);
+  EXPECT_EQ(w.model->pairs[0].collider, w["A"]);
+  EXPECT_EQ(w.model->pairs[0].collidee, w["B"]);
+  EXPECT_TRUE(w.model->pairs[0].mutual);
+  EXPECT_FALSE(w.model->pairs[1].mutual);
+  EXPECT_EQ(w.model->bodies.size(), 3u);
+  EXPECT_NE(w.model->body(w["C"]), nullptr);
+  EXPECT_THAT(w.model->unsupported, IsEmpty());
+}
+
+TEST(WorldModel, NamesWhatItCannotAnswer) {
+  const World w("DEF GROUP Transform { children " + box("INNER", "1 1 1", "0 0 0") + "}" +
+                "DEF EGG Transform { children Shape { geometry Sphere { } } }" + interest("GROUP", "\"INNER\"") +
+                interest("INNER", "\"EGG\""));
+  ASSERT_EQ(w.model->unsupported.size(), 2u);
+  EXPECT_THAT(w.model->unsupported[0], testing::HasSubstr("INNER"));
+  EXPECT_THAT(w.model->unsupported[1], testing::HasSubstr("EGG"));
+}
+
+// ---- contact time, not contact tick ----
+
+TEST(MotionWorld, BouncesAtTheContactTimeWhereverTicksLie) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 1, 0}, {2, 0.5, 0}));
+  drain(world);
+  world.advance(sim(1700ms));
+  const auto seen = contacts(world);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].at, sim(1500ms));
+  EXPECT_EQ(seen[0].collider, w["BALL"]);
+  EXPECT_EQ(seen[0].collidee, w["RIGHT"]);
+  EXPECT_EQ(seen[0].normal, -Vec3::UnitX());
+  EXPECT_EQ(seen[0].collider_before.velocity, Vec3(2, 0.5, 0));
+  EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-2, 0.5, 0));
+  EXPECT_NEAR(world.at(w["BALL"], sim(1700ms)).position.x(), 2.6, 1e-12);
+  EXPECT_NEAR(world.at(w["BALL"], sim(1300ms)).position.x(), 2.6, 1e-12);
+}
+
+// What a peer's ghosts live through: updates that arrive late and out of their order, and a world of several movers.
+struct Told {
+  Duration when;  // arrives
+  const char* object;
+  Duration at;  // says how it moves from then on
+  KinematicState state;
+};
+struct Lived {
+  std::vector<SimTime> contacts;
+  std::vector<KinematicState> states;
+};
+Lived live(const World& w, const std::vector<Told>& told, const std::function<Duration(Duration)>& next_tick) {
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kBelief);
+  Lived lived;
+  auto next = told.begin();
+  Duration now = 0s;
+  while (now < 6s) {
+    const Duration tick = std::min<Duration>(next_tick(now), 6s);
+    for (; next != told.end() && next->when <= tick; ++next) {
+      world.advance(sim(next->when));
+      world.set_base(w[next->object], sim(next->at), next->state);
+    }
+    world.advance(sim(tick));
+    now = tick;
+  }
+  lived.contacts = standing(world);
+  for (Duration t = 2s; t <= 6s; t += 17ms) {
+    for (const char* mover : {"BALL", "CUBE"}) lived.states.push_back(world.at(w[mover], sim(t)));
+  }
+  return lived;
+}
+
+TEST(MotionWorld, AnyFrameRateGivesTheSameBits) {
+  const World w(corridor() + box("CUBE", "0.6 0.6 0.6", "1 0 0", kBounces) +
+                interest("CUBE", "\"LEFT\" \"RIGHT\" \"BALL\"") + interest("BALL", "\"CUBE\""));
+  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 rng(seed);
+    std::uniform_real_distribution<double> u(-1.0, 1.0);
+    std::vector<Told> told = {{0s, "BALL", 0s, moving({-1, 0, 0}, {3 * u(rng), 0, 0})},
+                              {0s, "CUBE", 0s, moving({1, 0, 0}, {3 * u(rng), 0, 0}, {u(rng), 0, 0})}};
+    Duration when = 0s;
+    for (int i = 0; i < 8; ++i) {
+      when += 300ms + seconds(0.3 * (1 + u(rng)));
+      const bool ball = i % 2 == 0;
+      const Duration at = when - seconds(0.15 * (1 + u(rng)));
+      told.push_back({when, ball ? "BALL" : "CUBE", at, moving({ball ? -2.0 : 2.0, 0, 0}, {2 * u(rng), 0, 0})});
+    }
+    const auto every = [](Duration period) { return [=](Duration t) { return t + period; }; };
+    const Lived expected = live(w, told, every(seconds(1.0 / 60)));
+    EXPECT_GE(expected.contacts.size(), 1u);
+    const auto same = [&](const Lived& lived) {
+      return lived.contacts == expected.contacts &&
+             std::ranges::equal(lived.states, expected.states,
+                                [](const auto& a, const auto& b) { return same_bits(a, b); });
+    };
+    EXPECT_TRUE(same(live(w, told, every(seconds(1.0 / 30)))));
+    EXPECT_TRUE(same(live(w, told, every(seconds(1.0 / 144)))));
+    EXPECT_TRUE(same(live(w, told, every(7s))));
+    std::mt19937_64 ticks(seed);
+    EXPECT_TRUE(same(live(w, told, [&](Duration t) { return t + 1us * (1 + ticks() % 200'000); })));
+  }
+}
+
+// A ball between two walls is where folding its straight path says, however many bounces it took.
+TEST(MotionWorld, ABounceChainFollowsTheFoldedPath) {
+  const World w(corridor());
+  for (const double speed : {0.7, 5.0, 97.3}) {
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kFirm);
+    world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {speed, 0, 0}));
+    std::size_t bounces = 0;
+    for (Duration t = 0s; t <= 20s; t += 50ms) {
+      world.advance(sim(t));
+      const double path = std::fmod(speed * to_seconds(t) + 3.0, 12.0);
+      const double folded = path < 6.0 ? path - 3.0 : 9.0 - path;
+      bounces += contacts(world).size();
+      // Each bounce is told up to a nanosecond early.
+      ASSERT_NEAR(world.at(w["BALL"], sim(t)).position.x(), folded, 1e-9 * speed * 2 * (1.0 + static_cast<double>(bounces)));
+    }
+    EXPECT_NEAR(static_cast<double>(bounces), (speed * 20.0 + 3.0) / 6.0, 1.0);
+    EXPECT_EQ(world.counters().contacts, bounces);
+  }
+}
+
+TEST(MotionWorld, StandingPairsAreSearchedOnce) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  for (int i = 1; i <= 600; ++i) world.advance(sim(i * 16ms));
+  EXPECT_EQ(world.counters().contact_searches, 0u);
+  world.set_base(w["BALL"], sim(10s), moving({0, 0, 0}, {0.1, 0, 0}));
+  world.advance(sim(10s));
+  EXPECT_EQ(world.counters().contact_searches, 2u);  // a pair each
+  for (int i = 0; i < 240; ++i) world.advance(sim(10s + i * 1ms));
+  EXPECT_EQ(world.counters().contact_searches, 2u);
+}
+
+// ---- roles ----
+
+TEST(MotionWorld, ADrivenObjectsContactIsToldOnceAndNotAnswered) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kDriven);
+  std::size_t told = 0;
+  for (int i = 0; i <= 120; ++i) {  // into the wall by 0.5 m and out again
+    const double t = i / 60.0, x = 3.5 - std::abs(t - 1.0) * 2.0, v = t < 1.0 ? 2.0 : -2.0;
+    world.advance(sim(seconds(t)));
+    world.set_base(w["BALL"], sim(seconds(t)), moving({x, 0, 0}, {v, 0, 0}));
+    for (const ContactEvent& c : contacts(world)) {
+      ++told;
+      EXPECT_NEAR(to_seconds(c.at.time_since_epoch()), 0.75, 1e-6);
+      EXPECT_TRUE(same_bits(c.collider_after, c.collider_before));
+    }
+  }
+  EXPECT_EQ(told, 1u);
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 1.5, 1e-9);
+}
+
+TEST(MotionWorld, ADrivenObjectsNextContactIsToldAgain) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kDriven);
+  std::size_t told = 0;
+  for (int i = 0; i <= 300; ++i) {  // four times against the right wall
+    const double t = i / 60.0, phase = std::fmod(t, 1.25);
+    const double x = phase < 0.625 ? 2.0 + 2.0 * phase : 4.5 - 2.0 * phase;
+    world.advance(sim(seconds(t)));
+    world.set_base(w["BALL"], sim(seconds(t)), moving({x, 0, 0}, {phase < 0.625 ? 2.0 : -2.0, 0, 0}));
+    told += contacts(world).size();
+  }
+  EXPECT_EQ(told, 4u);
+}
+
+TEST(MotionWorld, SceneObjectsStayAndAreNotPaired) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));  // nobody runs BALL
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(5s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_EQ(world.counters().contact_searches, 0u);
+}
+
+// A pair of movers that fly at each other along x, mutual: BALL from -2, CUBE stands at 0.
+std::string two_movers() {
+  return box("BALL", "0.5 0.5 0.5", "-2 0 0", kBounces) + box("CUBE", "0.5 0.5 0.5", "0 0 0", kBounces) +
+         interest("BALL", "\"CUBE\"");
+}
+
+TEST(MotionWorld, OnlyTheRegisteredColliderAnswersUnlessMutual) {
+  for (const bool mutual : {false, true}) {
+    const World w(two_movers() + (mutual ? interest("CUBE", "\"BALL\"") : ""));
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kFirm);
+    world.declare(w["CUBE"], Role::kFirm);
+    world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+    world.advance(sim(1600ms));
+    const auto seen = contacts(world);
+    ASSERT_EQ(seen.size(), 1u);
+    EXPECT_EQ(seen[0].at, sim(1500ms));
+    EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-1, 0, 0));
+    if (mutual) {
+      EXPECT_GT(seen[0].collidee_after.velocity.x(), 0.0);
+    } else {
+      EXPECT_EQ(seen[0].collidee_after.velocity, Vec3::Zero());
+    }
+  }
+}
+
+TEST(MotionWorld, AnObjectWithoutAResponseIsSeenButNotTurned) {
+  const World w(corridor(""));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  for (int i = 0; i < 200; ++i) world.advance(sim(i * 16ms));
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
+  EXPECT_NEAR(world.at(w["BALL"], sim(3s)).position.x(), 6.0, 1e-12);
+}
+
+// ---- beliefs ----
+
+TEST(MotionWorld, ABeliefIsTakenBackWhenItsCauseMovedOtherwise) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  drain(world);
+  world.advance(sim(2s));
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -1.0, 1e-9);
+
+  world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}, {0, 5, 0}));  // it had left by then
+  world.advance(sim(2s));
+  bool told = false;
+  for (const auto& e : drain(world)) {
+    EXPECT_FALSE(std::holds_alternative<ContactEvent>(e));
+    const auto* back = std::get_if<TakenBack>(&e);
+    told = told || (back != nullptr && back->object == w["BALL"] && back->since < sim(1500ms));
+  }
+  EXPECT_TRUE(told);
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 0.0, 1e-9);
+  EXPECT_EQ(world.counters().contacts_undone, 1u);
+
+  world.set_base(w["CUBE"], sim(1100ms), moving({0.2, 0, 0}));  // and stood again, a little farther away
+  world.advance(sim(2s));
+  EXPECT_THAT(standing(world), ElementsAre(sim(1700ms)));
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -0.6, 1e-8);
+}
+
+// What follows from a belief that was taken back is taken back too: BALL hit CUBE, CUBE hit a third.
+TEST(MotionWorld, TakingBackFollowsTheChain) {
+  const World w(two_movers() + box("LAST", "0.5 0.5 0.5", "2 0 0", kBounces) + interest("CUBE", "\"BALL\" \"LAST\"") +
+                interest("LAST", "\"CUBE\""));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE", "LAST"}) world.declare(w[mover], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.advance(sim(4s));
+  EXPECT_EQ(standing(world).size(), 2u);
+  EXPECT_GT(world.at(w["LAST"], sim(4s)).velocity.x(), 0.0);
+  world.set_base(w["BALL"], sim(1s), moving({-1, 0, 0}));  // it had stopped
+  world.advance(sim(4s));
+  EXPECT_THAT(standing(world), IsEmpty());
+  EXPECT_EQ(world.at(w["CUBE"], sim(4s)).position, Vec3(0, 0, 0));
+  EXPECT_EQ(world.at(w["LAST"], sim(4s)).position, Vec3(2, 0, 0));
+}
+
+TEST(MotionWorld, AFirmAnswerStands) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.advance(sim(2s));
+  EXPECT_EQ(contact_times(world).size(), 1u);
+  world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}, {0, 5, 0}));
+  world.advance(sim(2s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -1.0, 1e-9);
+  EXPECT_EQ(world.counters().contacts_undone, 0u);
+}
+
+TEST(MotionWorld, AFirmObjectIsNotSearchedInThePastItLived) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["CUBE"], sim(0s), moving({0, 9, 0}));
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.advance(sim(4s));
+  drain(world);
+  world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}));  // it had stood in the way after all
+  world.advance(sim(4s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_NEAR(world.at(w["BALL"], sim(4s)).position.x(), 2.0, 1e-12);
+}
+
+TEST(MotionWorld, ALateUpdateIsSearchedFromItsOwnTime) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.advance(sim(3s));
+  world.set_base(w["BALL"], sim(500ms), moving({1, 0, 0}, {4, 0, 0}));  // right wall at 1 s, left wall at 2.5 s
+  world.advance(sim(3s));
+  EXPECT_THAT(standing(world), ElementsAre(sim(1s), sim(2500ms)));
+  EXPECT_NEAR(world.at(w["BALL"], sim(3s)).position.x(), -1.0, 1e-8);
+}
+
+TEST(MotionWorld, AnUpdateAfterTheContactHoldsItsOutcome) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.set_base(w["BALL"], sim(1900ms), moving({-0.9, 0, 0}, {-1, 0, 0}));  // its owner has bounced already
+  world.advance(sim(3s));
+  EXPECT_NEAR(world.at(w["BALL"], sim(3s)).position.x(), -2.0, 1e-12);
+  EXPECT_EQ(world.base_time(w["BALL"]), sim(1900ms));
+}
+
+// ---- overlap and rest ----
+
+TEST(MotionWorld, SetBackOnlyOnOverlapAndOnlyWhereAsked) {
+  for (const bool set_back : {true, false}) {
+    const World w(
+        corridor(std::string(" collisionResponse CollisionResponse { setBack ") + (set_back ? "TRUE" : "FALSE") + " } "));
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kFirm);
+    world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
+    world.advance(sim(100ms));
+    drain(world);
+    world.set_base(w["BALL"], sim(1s), moving({3.2, 0, 0}, {1, 0, 0}));  // put into the wall from outside
+    world.advance(sim(1s));
+    const auto seen = contacts(world);
+    ASSERT_EQ(seen.size(), 1u);
+    EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-1, 0, 0));
+    if (set_back) {
+      EXPECT_LT(seen[0].collider_after.position.x(), 3.0);
+    } else {
+      EXPECT_EQ(seen[0].collider_after.position, Vec3(3.2, 0, 0));
+    }
+    EXPECT_GE(world.counters().overlapped, 1u);
+  }
+}
+
+TEST(MotionWorld, ATouchIsNotSetBack) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(2s));
+  const auto seen = contacts(world);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].collider_after.position, seen[0].collider_before.position);
+}
+
+TEST(MotionWorld, WhatMovesApartIsLetOut) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({3.2, 0, 0}, {-1, 0, 0}));
+  world.advance(sim(2s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 1.2, 1e-12);
+}
+
+std::string floor_world(const char* response) {
+  return box("BALL", "0.5 0.5 0.5", "0 1.25 0", response) + box("FLOOR", "50 1 50", "0 -0.5 0") +
+         interest("BALL", "\"FLOOR\"");
+}
+
+TEST(MotionWorld, WhatIsPressedAgainstAFloorComesToRestAndSlides) {
+  const World w(floor_world(kBounces));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0.25, 0}, {1, 0, 0}, {0, -9.81, 0}));
+  for (int i = 0; i <= 180; ++i) world.advance(sim(i * 16ms));
+  const KinematicState s = world.at(w["BALL"], sim(3s));
+  EXPECT_NEAR(s.position.x(), 3.0, 1e-9);
+  EXPECT_NEAR(s.position.y(), 0.25, 1e-6);
+  EXPECT_EQ(world.counters().came_to_rest, 1u);
+  EXPECT_LE(world.counters().contacts, 16u);
+  EXPECT_EQ(world.counters().capped, 0u);
+}
+
+TEST(MotionWorld, ADropOnAFloorBouncesBackToItsHeight) {
+  const World w(floor_world(kBounces));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 1.25, 0}, {0, 0, 0}, {0, -9.81, 0}));
+  world.advance(sim(20s));
+  const auto times = contact_times(world);
+  const double fall = std::sqrt(2.0 / 9.81);
+  ASSERT_EQ(times.size(), static_cast<std::size_t>((20.0 / fall + 1.0) / 2.0));
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    EXPECT_NEAR(to_seconds(times[i].time_since_epoch()), fall * static_cast<double>(2 * i + 1), 1e-6);
+  }
+  EXPECT_EQ(world.counters().came_to_rest, 0u);
+}
+
+TEST(MotionWorld, ZeroStopsAtTheContact) {
+  const World w(corridor(kStops));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 1, 0}));
+  for (int i = 0; i < 300; ++i) world.advance(sim(i * 16ms));
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
+  EXPECT_EQ(world.at(w["BALL"], sim(4s)).position, Vec3(3, 1.5, 0));
+}
+
+// ---- watching, limits ----
+
+TEST(MotionWorld, AnUnwatchedPairMeetsNothingAndAWatchedOneFromNowOn) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.watch(w["RIGHT"], w["BALL"], false);  // either order names the pair
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(2s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  world.set_base(w["BALL"], sim(2s), moving({0, 0, 0}, {2, 0, 0}));
+  world.watch(w["BALL"], w["RIGHT"], true);
+  world.advance(sim(4s));
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(3500ms)));
+}
+
+TEST(MotionWorld, WhatCannotBeAnsweredIsCountedOnceAndTheRestGoesOn) {
+  const World w(corridor() + "DEF EGG Transform { translation 1 0 0 children Shape { geometry Sphere { radius 0.1 } } }" +
+                interest("BALL", "\"EGG\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  for (int i = 0; i < 200; ++i) world.advance(sim(i * 16ms));
+  EXPECT_EQ(world.counters().unsupported, 1u);
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
+}
+
+TEST(MotionWorld, OneAdvanceDoesBoundedWork) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {30'000, 0, 0}));  // a wall every 0.2 ms
+  world.advance(sim(1s));
+  EXPECT_EQ(world.counters().capped, 1u);
+  EXPECT_LE(contacts(world).size(), 1024u);
+  world.advance(sim(2s));
+  EXPECT_EQ(world.counters().capped, 1u) << "it flies free now; nothing is left to catch up on";
+}
+
+TEST(MotionWorld, HistoryReachesBackAndEnds) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  for (int i = 0; i <= 10; ++i) {
+    world.advance(sim(i * 1s));
+    world.set_base(w["BALL"], sim(i * 1s), moving({0.1 * i, 0, 0}));
+  }
+  world.advance(sim(10s));
+  EXPECT_EQ(world.at(w["BALL"], sim(6500ms)).position.x(), 0.1 * 6);
+  EXPECT_EQ(world.at(w["BALL"], sim(9500ms)).position.x(), 0.1 * 9);
+  EXPECT_EQ(world.at(w["BALL"], sim(1s)).position.x(), 0.1 * 6) << "older pieces are forgotten";
+  // An update from before all history: its contacts are searched as far back as history reaches, not to its begin.
+  drain(world);
+  world.set_base(w["BALL"], sim(-3600s), moving({0, 0, 0}, {1.0 / 1024, 0, 0}));
+  const auto before = world.counters().contact_searches;
+  world.advance(sim(10s));
+  EXPECT_LE(world.counters().contact_searches - before, 40u);
+}
+
+// Objects that no interest names may be declared at any time; the pairs keep meaning what they meant.
+TEST(MotionWorld, ObjectsDeclaredLateLeaveThePairsAlone) {
+  const World w(box("FIRST", "1 1 1", "0 20 0") + corridor() + box("LAST", "1 1 1", "0 -20 0"));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(1s));
+  EXPECT_FALSE(world.has(w["FIRST"]));
+  world.declare(w["FIRST"], Role::kFirm);
+  world.declare(w["LAST"], Role::kBelief);
+  world.set_base(w["FIRST"], sim(1s), moving({0, 20, 0}, {1, 0, 0}));
+  world.advance(sim(2s));
+  const auto seen = contacts(world);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].collider, w["BALL"]);
+  EXPECT_EQ(seen[0].collidee, w["RIGHT"]);
+  EXPECT_EQ(world.at(w["FIRST"], sim(2s)).position, Vec3(1, 20, 0));
+  EXPECT_TRUE(world.has(w["LAST"]));
+}
+
+TEST(MotionWorld, ManyMoversInACorridorStayInIt) {
+  std::string text = corridor();
+  for (int i = 0; i < 8; ++i) {
+    const std::string name = "M" + std::to_string(i);
+    text += box(name, "0.3 0.3 0.3", std::to_string(-2.4 + 0.6 * i) + " 2 0", kBounces) +
+            interest(name, "\"LEFT\" \"RIGHT\"");
+    for (int j = 0; j < i; ++j) text += interest(name, "\"M" + std::to_string(j) + "\"");
+  }
+  const World w(text);
+  MotionWorld world(*w.model, sim(0s));
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  for (int i = 0; i < 8; ++i) {
+    const ObjectId id = w[("M" + std::to_string(i)).c_str()];
+    world.declare(id, Role::kBelief);
+    world.set_base(id, sim(0s), moving({-2.4 + 0.6 * i, 2, 0}, {u(rng), 0, 0}));
+  }
+  for (int i = 0; i <= 600; ++i) {
+    const SimTime t = sim(i * 16ms);
+    world.advance(t);
+    for (int j = 0; j < 8; ++j) {
+      const double x = world.at(w[("M" + std::to_string(j)).c_str()], t).position.x();
+      ASSERT_LE(std::abs(x), 3.1 + 1e-6) << j << " at " << i;
+    }
+  }
+  EXPECT_EQ(world.counters().capped, 0u);
+}
+
+}  // namespace
+}  // namespace peerd::replication
