@@ -47,7 +47,8 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
 
 void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
   command.add_option("scenario", options.scenario, "the scenario, a TOML file")->required();
-  command.add_option("--config", options.configs, "a TOML file whose settings replace the scenario's (repeatable)");
+  command.add_option("--config", options.configs, "a TOML file whose settings replace the scenario's (repeatable)")
+      ->allow_extra_args(false);
   command.add_option("--set", options.sets, "KEY=VALUE, such as network.latency_ms=100; a list sweeps (repeatable)")
       ->allow_extra_args(false);
   command.add_option("--seed", options.seed, "instead of the scenario's seed");
@@ -64,7 +65,8 @@ int run(int argc, char** argv) {
   RunFlags flags;
   CLI::App* run_command = app.add_subcommand("run", "a peer, in the foreground; SIGTERM leaves cleanly");
   run_command->add_option("-c,--config", peer.config, "a scenario file; --peer says which of its peers this is");
-  run_command->add_option("--overlay", peer.overlays, "a TOML file whose settings replace the configuration's (repeatable)");
+  run_command->add_option("--overlay", peer.overlays, "a TOML file whose settings replace the configuration's (repeatable)")
+      ->allow_extra_args(false);
   run_command->add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
   run_command->add_option("--world", flags.world, "the VRML97 world");
   run_command->add_option("--peer", peer.peer, "which of the configuration's peers");

@@ -104,18 +104,44 @@ void PeerNode::on_tick(HostTime now) {
     }
   }
   peer_.on_tick(now, samples);
-  if (due) {
-    logged_at_ = *due;
-    if (options_.keep_log && log_.start) record_beliefs(*due);
+  if (due) logged_at_ = *due;
+  if (!options_.keep_log || !log_.start) return;
+  if (due) record_truths(*due);
+  record_ghosts(now);
+}
+
+SimTime PeerNode::sample_time(std::int64_t number) const {
+  const std::int64_t hz = options_.sample_hz;
+  return *log_.start + std::chrono::seconds(number / hz) + Duration{number % hz * 1'000'000'000 / hz};
+}
+
+HostTime PeerNode::next_deadline() const {
+  const HostTime peer = peer_.next_deadline();
+  if (!options_.keep_log || !log_.start) return peer;
+  return std::min(peer, peer_.clock().to_host(sample_time(next_sample_)));
+}
+
+void PeerNode::record_truths(SimTime t) {
+  for (const auto& [object, owner] : peer_.owners()) {
+    if (owner == config_.id) record(t, object, owner, peer_.truth(object, t));
   }
 }
 
-void PeerNode::record_beliefs(SimTime t) {
-  const HostTime true_at = peer_.clock().to_host(t) - options_.clock_offset;
+// Ghosts are looked at on a grid of their own: were it the tick's, a peer with another tick rate would show another
+// error although it believes the same. A sample that was slept through is not made up for from what is known now.
+void PeerNode::record_ghosts(HostTime now) {
+  const SimTime session_now = peer_.clock().to_session(now);
+  if (session_now < sample_time(next_sample_)) return;
+  while (sample_time(next_sample_ + 1) <= session_now) ++next_sample_;
+  const SimTime t = sample_time(next_sample_++);
+  peer_.look(t);
   for (const auto& [object, owner] : peer_.owners()) {
-    const KinematicState state = owner == config_.id ? peer_.truth(object, t) : peer_.ghost(object, t);
-    log_.beliefs.push_back({t, true_at, object, owner, state});
+    if (owner != config_.id) record(t, object, owner, peer_.ghost(object, t));
   }
+}
+
+void PeerNode::record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state) {
+  log_.beliefs.push_back({t, peer_.clock().to_host(t) - options_.clock_offset, object, owner, state});
 }
 
 std::optional<replication::Output> PeerNode::poll_output() {

@@ -32,6 +32,7 @@ class PeerNode {
     Duration start_lead{0};               // from then to the first whole second that is at least so far ahead
     Duration clock_offset{0};             // test setting: what this host's clock is ahead of the shared one
     bool keep_log = true;
+    std::uint32_t sample_hz = 60;         // how often the log looks at the ghosts, whatever the tick rate
   };
 
   [[nodiscard]] static config::Result<std::unique_ptr<PeerNode>> make(const config::PeerSettings& settings,
@@ -44,7 +45,7 @@ class PeerNode {
   void leave(HostTime now) { peer_.leave(now); }
   // The next output, already in the log.
   [[nodiscard]] std::optional<replication::Output> poll_output();
-  [[nodiscard]] HostTime next_deadline() const { return peer_.next_deadline(); }
+  [[nodiscard]] HostTime next_deadline() const;
 
   [[nodiscard]] const replication::Peer& peer() const { return peer_; }
   // When motions by formula begin; none until everybody is here.
@@ -55,7 +56,10 @@ class PeerNode {
  private:
   PeerNode(replication::PeerConfig config, const SharedWorld& shared, Motions motions, Options options);
   void agree_on_start(HostTime now);
-  void record_beliefs(SimTime t);
+  [[nodiscard]] SimTime sample_time(std::int64_t number) const;
+  void record_truths(SimTime t);
+  void record_ghosts(HostTime now);
+  void record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state);
 
   const SharedWorld& shared_;
   Motions motions_;
@@ -63,7 +67,8 @@ class PeerNode {
   replication::PeerConfig config_;
   replication::Peer peer_;
   PeerLog log_;
-  SimTime logged_at_{};  // the last tick
+  SimTime logged_at_{};         // the last tick
+  std::int64_t next_sample_ = 0;  // counted from the start
 };
 
 }  // namespace peerd

@@ -170,6 +170,7 @@ int run_peer(const PeerOptions& options) {
   node_options.start_lead = std::chrono::milliseconds(1000);  // a few hellos must have told everybody
   node_options.clock_offset = from_seconds((*settings)->clock_offset_s);
   node_options.keep_log = !options.record.empty();
+  node_options.sample_hz = run.sample_hz;
   const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(*motions), std::move(node_options));
   if (!node) return failed(node.error());
 

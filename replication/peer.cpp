@@ -279,6 +279,10 @@ void Peer::keep_session(HostTime now) {
   if (clock_.adjust(now)) outputs_.push_back(ClockStepped{clock_.session_minus_host()});
 }
 
+void Peer::look(SimTime t) {
+  if (replica_) replica_->ghosts.advance(t);
+}
+
 void Peer::leave(HostTime now) {
   flush_records();
   send_hello(now, true);

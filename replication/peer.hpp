@@ -146,6 +146,9 @@ class Peer {
   // The tick that on_tick(now) would do: the last point of the session's tick grid not after now. None: not due, or
   // not synchronised yet.
   [[nodiscard]] std::optional<SimTime> due_tick(HostTime now) const;
+  // Brings the ghosts to t, which may lie between two ticks: for a viewer with a frame rate of its own. Changes nothing
+  // that the other peers could notice.
+  void look(SimTime t);
   // Says goodbye. The peer is over after this.
   void leave(HostTime now);
 

@@ -84,6 +84,7 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   scenario.world = file.parent_path() / world;
   reader.read("duration_s", run.duration_s, 0.1, 1e6);
   reader.read("seed", run.seed);
+  reader.read("sample_hz", run.sample_hz, 1, 1000);
   run.replication = read_replication(TomlReader(table_or_empty(reader, "replication"), "replication", error));
   read_peers(reader, run);
   read_network(TomlReader(table_or_empty(reader, "network"), "network", error), run);
@@ -98,9 +99,19 @@ nlohmann::ordered_json to_json(const toml::node& node) {
   if (const auto* x = node.as_floating_point()) return x->get();
   if (const auto* x = node.as_boolean()) return x->get();
   if (const auto* x = node.as_string()) return x->get();
+  if (const auto* list = node.as_array()) {
+    auto items = nlohmann::ordered_json::array();
+    for (const toml::node& item : *list) items.push_back(to_json(item));
+    return items;
+  }
   std::ostringstream text;
   node.visit([&](const auto& concrete) { text << toml::table{{"value", concrete}}; });
   return text.str();
+}
+
+// Keys whose one value is a list: setting them does not sweep.
+bool takes_list(std::string_view key) {
+  return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define");
 }
 
 struct SweptKey {
@@ -141,7 +152,7 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
   for (const std::string& given : request.sets) {
     auto set = parse_assignment(given);
     if (!set) return std::unexpected(set.error());
-    const bool sweeps = set->holder.get("value")->is_array() && !set->key.ends_with("enslaves");
+    const bool sweeps = set->holder.get("value")->is_array() && !takes_list(set->key);
     (sweeps ? swept_sets : sets).push_back(std::move(*set));
   }
 

@@ -27,6 +27,7 @@ struct RunSettings {
   nlohmann::ordered_json params;  // the swept keys and those that were set, by dotted name
   double duration_s = 15.0;
   std::uint64_t seed = 1;
+  std::uint32_t sample_hz = 60;  // how often each observer's error is measured, whatever its tick rate
   ReplicationSettings replication;
   std::vector<PeerSettings> peers;  // by id
   LinkSettings network;

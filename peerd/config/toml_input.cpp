@@ -176,8 +176,9 @@ Result<std::string> read_text_file(const std::filesystem::path& path) {
   }
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
-  if (!std::filesystem::is_directory(path, ignored)) text << in.rdbuf();
-  if (!in || text.tellp() < 0 || std::filesystem::is_directory(path, ignored)) {
+  const bool empty = in.peek() == std::ifstream::traits_type::eof();  // inserting nothing would count as a failure
+  if (!empty) text << in.rdbuf();
+  if (in.fail() || in.bad() || text.fail() || std::filesystem::is_directory(path, ignored)) {
     return std::unexpected(InputError{path.string() + ": error: can't be read; is it a file that you may read?", 3});
   }
   return text.str();

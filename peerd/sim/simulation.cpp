@@ -35,6 +35,7 @@ config::Result<std::vector<SimulatedPeer>> make_peers(const config::RunSettings&
     // Everybody must have heard of the start, and of the objects that already move, before it comes.
     options.start_lead = from_seconds(1.0 + 2.0 * longest_delay_s(run));
     options.clock_offset = from_seconds(settings.clock_offset_s);
+    options.sample_hz = run.sample_hz;
     auto motions = make_motions(settings, shared.world.scene, run.duration_s);
     if (!motions) return std::unexpected(motions.error());
     const Duration offset = options.clock_offset;

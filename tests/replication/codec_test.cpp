@@ -91,7 +91,9 @@ class Value : public testing::TestWithParam<Case> {};
 TEST_P(Value, IsChecked) {
   const auto decoded = decode(encode(GetParam().message));
   EXPECT_EQ(decoded.has_value(), GetParam().accepted);
-  if (!decoded) EXPECT_EQ(decoded.error(), DecodeError::kValue);
+  if (!decoded) {
+    EXPECT_EQ(decoded.error(), DecodeError::kValue);
+  }
 }
 constexpr std::int64_t kFarthest_ns = std::int64_t{1} << 62;
 INSTANTIATE_TEST_SUITE_P(
@@ -118,6 +120,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Farthest", updating([](auto& u) { u.at = sim(Duration{-kFarthest_ns}); }), true},
         Case{"TooFarAhead", updating([](auto& u) { u.at = sim(Duration{kFarthest_ns + 1}); }), false},
         Case{"EndOfTime", updating([](auto& u) { u.at = SimTime::max(); }), false},
+        Case{"DecisionAtTheEndOfTime", updating([](auto& u) { u.decision = SimTime::max(); }), false},
         Case{"BeginOfTime", updating([](auto& u) { u.at = SimTime::min(); }), false}),
     [](const auto& c) { return std::string(c.param.name); });
 INSTANTIATE_TEST_SUITE_P(

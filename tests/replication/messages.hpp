@@ -25,7 +25,7 @@ class MessageMaker {
 
   UpdateRecord update() {
     return {ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU, SimTime{time()},
-            coin() ? ModelOrder::kFirst : ModelOrder::kSecond, state()};
+            coin() ? ModelOrder::kFirst : ModelOrder::kSecond, state(), SimTime{coin() ? time() : 0ns}};
   }
   DecisionRecord decision() {
     return {ObjectId{number<std::uint32_t>()}, ObjectId{number<std::uint32_t>()}, SimTime{time()},
@@ -83,7 +83,7 @@ inline bool same_bits(const Message& a, const Message& b) {
   const auto& g = b.hello;
   const auto same_vector = [](const Vec3& v, const Vec3& w) { return same_bits(moving(v), moving(w)); };
   const auto same_update = [](const UpdateRecord& u, const UpdateRecord& v) {
-    return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.order == v.order &&
+    return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.order == v.order && u.decision == v.decision &&
            same_bits(u.state, v.state);
   };
   const auto same_decision = [&](const DecisionRecord& d, const DecisionRecord& e) {
@@ -118,7 +118,8 @@ inline bool is_sound(const Message& m) {
     sound = sound && is_sound(e.their_tx.time_since_epoch()) && is_sound(e.our_rx.time_since_epoch());
   }
   for (const UpdateRecord& u : m.updates) {
-    sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) && is_sound(u.state) &&
+    sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) &&
+            is_sound(u.decision.time_since_epoch()) && is_sound(u.state) &&
             (u.order == ModelOrder::kFirst || u.order == ModelOrder::kSecond);
   }
   for (const DecisionRecord& d : m.decisions) {
