@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/scene.hpp"
+#include "core/suggestion.hpp"
 
 namespace peerd {
 
@@ -55,18 +56,7 @@ class Problems {
 // What a message shows of the input: in quotes, control bytes as '?', shortened.
 [[nodiscard]] std::string quoted(std::string_view text);
 
-// Finds the candidate nearest to a misspelt word: same letters but for case, or at most a third of them wrong.
-class Suggestion {
- public:
-  explicit Suggestion(std::string_view word);
-  void consider(std::string_view candidate);
-  [[nodiscard]] std::string text() const;  // ", did you mean 'Transform'?", or empty
-
- private:
-  std::string_view word_;
-  std::string_view best_;
-  std::size_t best_distance_;  // better than this counts
-};
+[[nodiscard]] std::string did_you_mean(const Suggestion& suggestion);  // ", did you mean 'Transform'?", or empty
 
 }  // namespace vrml
 }  // namespace peerd

@@ -217,7 +217,7 @@ NodeRef Parser::parse_use() {
       std::ranges::sort(names);
       for (const auto& entry : names) suggestion.consider(entry.second);
     }
-    error(name.spot, "USE of " + quoted(name.text) + ", which no DEF before it names" + suggestion.text());
+    error(name.spot, "USE of " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
     return {};
   }
   if (it->second.open) {
@@ -238,7 +238,7 @@ void Parser::report_unknown_type(const Token& name) {
   for (const NodeType& type : node_types()) suggestion.consider(type.name);
   for (const std::string_view other : nodes_not_read_yet()) suggestion.consider(other);
   const bool node = token_.kind == kOpenBrace;
-  error(name.spot, (node ? "unknown node type " : "expected a node, found ") + quoted(name.text) + suggestion.text());
+  error(name.spot, (node ? "unknown node type " : "expected a node, found ") + quoted(name.text) + did_you_mean(suggestion));
 }
 
 NodeRef Parser::parse_body(const Token& def, const Token& type_name, const Spot& begin) {
@@ -355,7 +355,7 @@ void Parser::parse_unknown_field(Node& node, const Token& name) {
   }
   Suggestion suggestion(name.text);
   for (const FieldSpec& field : node.type->fields) suggestion.consider(field.name);
-  error(name.spot, type + " has no field " + quoted(name.text) + suggestion.text());
+  error(name.spot, type + " has no field " + quoted(name.text) + did_you_mean(suggestion));
   skip_value();
 }
 

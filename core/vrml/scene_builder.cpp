@@ -218,7 +218,7 @@ std::optional<ObjectId> Builder::resolve(std::string_view path, const Spot& spot
   if (first_of_name_.size() <= kFewEnough) {
     for (const Instance& instance : scene_.instances) suggestion.consider(instance.def);
   }
-  problems_.error(spot, "no node of the scene is named " + quoted(path) + suggestion.text());
+  problems_.error(spot, "no node of the scene is named " + quoted(path) + did_you_mean(suggestion));
   return std::nullopt;
 }
 

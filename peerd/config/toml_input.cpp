@@ -4,8 +4,9 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <numeric>
 #include <sstream>
+
+#include "core/suggestion.hpp"
 
 namespace peerd::config {
 namespace {
@@ -25,27 +26,13 @@ std::string shown(double x) {
   return out.str();
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
 
 std::optional<std::string> did_you_mean(std::string_view word, const std::vector<std::string>& words) {
-  const auto distance = [&](const std::string& w) { return edit_distance(word, w); };
-  const auto best = std::ranges::min_element(words, {}, distance);
-  if (best == words.end() || distance(*best) > std::max<std::size_t>(1, word.size() / 3)) return std::nullopt;
-  return *best;
+  Suggestion suggestion(word);
+  for (const std::string& candidate : words) suggestion.consider(candidate);
+  const auto best = suggestion.best();
+  return best ? std::optional<std::string>(*best) : std::nullopt;
 }
 
 std::string TomlReader::dotted(std::string_view key) const {

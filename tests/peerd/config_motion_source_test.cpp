@@ -172,7 +172,7 @@ TEST(Eq47, HasItsRightDerivativesAtEveryTickOfEveryRate) {
 // ---- the language ----
 
 TEST(Motion, LaterDefinitionsUseEarlierOnes) {
-  const MotionSource m = motion(defining({"a = 2*t", "b=a + 1", "  long_name2 = b*b"}, path("long_name2", "a", "b")));
+  const MotionSource m = motion(defining({"a = 2*t", "b=a + 1", "long_name2   =   b*b"}, path("long_name2", "a", "b")));
   EXPECT_EQ(m.pose(3.0).position, Vec3(49, 6, 7));
   EXPECT_EQ(m.pose(1.0).position, Vec3(9, 2, 3)) << "again, at another time";
   EXPECT_NEAR(m.sample(3.0).velocity.x(), 28.0, 1e-5);

@@ -174,6 +174,14 @@ TEST_F(ScenarioTest, AListOfNodesIsOneValue) {
   EXPECT_THAT(s.runs.front().peers[2].enslaves, ElementsAre("X", "Y"));
 }
 
+// The parameters name what ran; `peerd scenario` hands them on to its processes word for word.
+TEST_F(ScenarioTest, AListAmongTheParametersStaysAList) {
+  EXPECT_THAT(params(read(kTwoPeers, {"peer.zoe.enslaves=[\"X\", \"Y\"]"})),
+              ElementsAre(R"({"network.latency_ms":5,"peer.zoe.enslaves":["X","Y"],"replication.order":1})"));
+  const RunSettings run = read(kTwoPeers, {"peer.a.motion.CAR.axis=[0, 0, 1]"}).runs.front();
+  EXPECT_THAT(run.peers[0].motion.at("CAR").axis, ElementsAre(0, 0, 1));
+}
+
 TEST_F(ScenarioTest, TheLaterSetWins) {
   EXPECT_EQ(read(kTwoPeers, {"duration_s=2", "duration_s=3"}).runs.front().duration_s, 3.0);
 }
@@ -250,12 +258,14 @@ INSTANTIATE_TEST_SUITE_P(
     Table, ScenarioRefusal,
     testing::Values(
         Bad{"UnknownTopKey", "duration_s", "durations", "2:1: ", "unknown key durations; did you mean duration_s?"},
-        Bad{"UnknownReplicationKey", "order", "ordre",
-            "5:1: ", "unknown key replication.ordre; did you mean replication.order?"},
+        Bad{"UnknownReplicationKey", "order", "ordr",
+            "5:1: ", "unknown key replication.ordr; did you mean replication.order?"},
         Bad{"UnknownLinkKey", "loss", "lost",
             "12:1: ", "unknown key network.link.a.b.lost; did you mean network.link.a.b.loss?"},
-        Bad{"UnknownPeerKey", "enslaves", "enslave",
-            "18:1: ", "unknown key peer.a.enslave; did you mean peer.a.enslaves?"},
+        Bad{"UnknownPeerKey", "id = 2\nenslaves", "id = 2\nenslave",
+            "23:1: ", "unknown key peer.b.enslave; did you mean peer.b.enslaves?"},
+        Bad{"NameWithABlank", "peer.zoe", "peer.\"z o\"", "14:1: ", "the peer's name \"z o\""},
+        Bad{"NameWithASlash", "peer.zoe", "peer.\"z/o\"", "14:1: ", "no blank and no slash"},
         Bad{"UnknownMotionKey", "x = \"t\"", "xx = \"t\"", "20:1: ", "unknown key peer.a.motion.CAR.xx"},
         Bad{"NoWorld", "world = \"some.wrl\"", "", "", "world is missing"},
         Bad{"NoId", "id = 3", "", "", "peer.zoe.id is missing"},

@@ -253,16 +253,13 @@ TEST(MotionWorld, OnlyTheRegisteredColliderAnswersUnlessMutual) {
     world.declare(w["BALL"], Role::kFirm);
     world.declare(w["CUBE"], Role::kFirm);
     world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
-    world.advance(sim(1600ms));
+    world.set_base(w["CUBE"], sim(0s), moving({0, 0, 0}, {-0.5, 0, 0}));
+    world.advance(sim(1100ms));
     const auto seen = contacts(world);
     ASSERT_EQ(seen.size(), 1u);
-    EXPECT_EQ(seen[0].at, sim(1500ms));
-    EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-1, 0, 0));
-    if (mutual) {
-      EXPECT_GT(seen[0].collidee_after.velocity.x(), 0.0);
-    } else {
-      EXPECT_EQ(seen[0].collidee_after.velocity, Vec3::Zero());
-    }
+    EXPECT_EQ(seen[0].at, sim(1s));
+    EXPECT_EQ(seen[0].collider_after.velocity, mutual ? Vec3(-1, 0, 0) : Vec3(-2, 0, 0));
+    EXPECT_EQ(seen[0].collidee_after.velocity, mutual ? Vec3(0.5, 0, 0) : Vec3(-0.5, 0, 0));
   }
 }
 
@@ -301,27 +298,31 @@ TEST(MotionWorld, ABeliefIsTakenBackWhenItsCauseMovedOtherwise) {
   EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 0.0, 1e-9);
   EXPECT_EQ(world.counters().contacts_undone, 1u);
 
-  world.set_base(w["CUBE"], sim(1100ms), moving({0.2, 0, 0}));  // and stood again, a little farther away
+  world.set_base(w["CUBE"], sim(1100ms), moving({0.25, 0, 0}));  // and stood again, a little farther away
   world.advance(sim(2s));
-  EXPECT_THAT(standing(world), ElementsAre(sim(1700ms)));
-  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -0.6, 1e-8);
+  const auto found_anew = standing(world);
+  ASSERT_EQ(found_anew.size(), 1u);
+  EXPECT_NEAR(to_seconds(found_anew[0] - sim(1750ms)), 0.0, 1.1e-9);
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -0.5, 1e-8);
 }
 
-// What follows from a belief that was taken back is taken back too: BALL hit CUBE, CUBE hit a third.
+// What follows from a belief that was taken back is taken back too: BALL threw CUBE, CUBE threw LAST.
 TEST(MotionWorld, TakingBackFollowsTheChain) {
-  const World w(two_movers() + box("LAST", "0.5 0.5 0.5", "2 0 0", kBounces) + interest("CUBE", "\"BALL\" \"LAST\"") +
+  const World w(box("BALL", "0.5 0.5 0.5", "-2 0 0") + box("CUBE", "0.5 0.5 0.5", "0 0 0", kBounces) +
+                box("LAST", "0.5 0.5 0.5", "2 0 0", kBounces) + interest("CUBE", "\"BALL\"") +
                 interest("LAST", "\"CUBE\""));
   MotionWorld world(*w.model, sim(0s));
   for (const char* mover : {"BALL", "CUBE", "LAST"}) world.declare(w[mover], Role::kBelief);
   world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
-  world.advance(sim(4s));
-  EXPECT_EQ(standing(world).size(), 2u);
-  EXPECT_GT(world.at(w["LAST"], sim(4s)).velocity.x(), 0.0);
+  world.advance(sim(3s));
+  EXPECT_THAT(standing(world), ElementsAre(sim(1500ms), sim(2250ms)));
+  EXPECT_EQ(world.at(w["LAST"], sim(3s)).velocity, Vec3(4, 0, 0));
   world.set_base(w["BALL"], sim(1s), moving({-1, 0, 0}));  // it had stopped
   world.advance(sim(4s));
   EXPECT_THAT(standing(world), IsEmpty());
   EXPECT_EQ(world.at(w["CUBE"], sim(4s)).position, Vec3(0, 0, 0));
   EXPECT_EQ(world.at(w["LAST"], sim(4s)).position, Vec3(2, 0, 0));
+  EXPECT_EQ(world.counters().contacts_undone, 2u);
 }
 
 TEST(MotionWorld, AFirmAnswerStands) {
@@ -520,7 +521,7 @@ TEST(MotionWorld, HistoryReachesBackAndEnds) {
   EXPECT_EQ(world.at(w["BALL"], sim(1s)).position.x(), 0.1 * 6) << "older pieces are forgotten";
   // An update from before all history: its contacts are searched as far back as history reaches, not to its begin.
   drain(world);
-  world.set_base(w["BALL"], sim(-3600s), moving({0, 0, 0}, {1.0 / 1024, 0, 0}));
+  world.set_base(w["BALL"], sim(-3600s), moving({0, 0, 0}, {1.0 / 4096, 0, 0}));
   const auto before = world.counters().contact_searches;
   world.advance(sim(10s));
   EXPECT_LE(world.counters().contact_searches - before, 40u);
@@ -552,7 +553,9 @@ TEST(MotionWorld, ManyMoversInACorridorStayInIt) {
     const std::string name = "M" + std::to_string(i);
     text += box(name, "0.3 0.3 0.3", std::to_string(-2.4 + 0.6 * i) + " 2 0", kBounces) +
             interest(name, "\"LEFT\" \"RIGHT\"");
-    for (int j = 0; j < i; ++j) text += interest(name, "\"M" + std::to_string(j) + "\"");
+    for (int j = 0; j < 8; ++j) {
+      if (j != i) text += interest(name, "\"M" + std::to_string(j) + "\"");
+    }
   }
   const World w(text);
   MotionWorld world(*w.model, sim(0s));

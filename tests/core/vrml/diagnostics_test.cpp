@@ -58,20 +58,5 @@ TEST(Problems, StopAtTheirLimitAndSaySo) {
   EXPECT_TRUE(problems.back().ends_with("the reader stops here, after 1000 errors")) << problems.back();
 }
 
-TEST(Suggestion, OffersTheNearestOrNothing) {
-  const auto suggest = [](std::string_view word) {
-    vrml::Suggestion s(word);
-    for (const char* candidate : {"Group", "Transform", "Shape", "Box", "Sphere"}) s.consider(candidate);
-    return s.text();
-  };
-  EXPECT_EQ(suggest("transform"), ", did you mean 'Transform'?");
-  EXPECT_EQ(suggest("Tarnsfrom"), ", did you mean 'Transform'?");
-  EXPECT_EQ(suggest("BOX"), ", did you mean 'Box'?");
-  EXPECT_EQ(suggest("Shpere"), ", did you mean 'Sphere'?");
-  EXPECT_EQ(suggest("Elephant"), "");
-  EXPECT_EQ(suggest("x"), "");
-  EXPECT_EQ(suggest(std::string(100000, 'x')), "");
-}
-
 }  // namespace
 }  // namespace peerd

@@ -1,0 +1,86 @@
+#pragma once
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::testing_support {
+
+// The real program as a child of the test. Its output goes to files, so that a full pipe never holds it up. It is
+// killed with the object, and nothing else ever is.
+class Process {
+ public:
+  // `arguments` follow the program's name.
+  Process(const ScratchFolder& folder, const std::string& name, const std::string& program,
+          std::vector<std::string> arguments)
+      : out_(folder / (name + ".out")), err_(folder / (name + ".err")) {
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    arguments.insert(arguments.begin(), program);
+    std::vector<char*> argv;
+    for (std::string& word : arguments) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    const int error = posix_spawn(&pid_, program.c_str(), &files, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    if (error != 0) throw std::runtime_error("can't start " + program);
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  ~Process() {
+    if (!ended_) {
+      kill(pid_, SIGKILL);
+      waitpid(pid_, nullptr, 0);
+    }
+  }
+
+  void signal(int number) const {
+    if (!ended_) kill(pid_, number);  // not yet waited for, so the id is still its own
+  }
+  [[nodiscard]] bool running() {
+    if (!ended_) ended_ = waitpid(pid_, &status_, WNOHANG) == pid_;
+    return !ended_;
+  }
+  // Its exit code; -1 when a signal ended it, -2 when it is still running after that long.
+  [[nodiscard]] int exit_code(double within_s) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
+    while (running()) {
+      if (std::chrono::steady_clock::now() > give_up) return -2;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return WIFEXITED(status_) ? WEXITSTATUS(status_) : -1;
+  }
+  // Waits until it has said so on its standard output.
+  [[nodiscard]] bool says(const std::string& words, double within_s) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
+    for (;;) {
+      if (out().find(words) != std::string::npos) return true;
+      if (std::chrono::steady_clock::now() > give_up) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+  [[nodiscard]] std::string out() const { return text_of(out_); }
+  [[nodiscard]] std::string err() const { return text_of(err_); }
+
+ private:
+  std::filesystem::path out_, err_;
+  pid_t pid_ = -1;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace peerd::testing_support

@@ -1,0 +1,330 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/replication/lan.hpp"
+
+// Joining, leaving, clocks: several peers on one network.
+namespace peerd::replication {
+namespace {
+
+using namespace test;
+using testing::IsEmpty;
+
+std::string three_boxes() {
+  return box("A", "1 1 1", "0 0 0", "velocityVector 1 0 0") + box("B", "1 1 1", "0 5 0", "velocityVector 0 0 2") +
+         box("C", "1 1 1", "0 9 0");
+}
+
+// The largest difference of two peers' session times.
+Duration spread(const Lan& lan) {
+  SimTime low = SimTime::max(), high = SimTime::min();
+  for (std::size_t i = 0; i < lan.size(); ++i) {
+    low = std::min(low, lan.session_now(i));
+    high = std::max(high, lan.session_now(i));
+  }
+  return high - low;
+}
+
+struct Case {
+  const char* name;
+  Link link;
+  Duration ahead;  // of each next peer's clock
+};
+class Session : public testing::TestWithParam<Case> {};
+
+TEST_P(Session, ThreePeersMeetAndAgreeOnTheTime) {
+  const World world(three_boxes());
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    Lan lan(world, GetParam().link, seed);
+    lan.add(config(1, {{world["A"], false}}));
+    lan.add(config(2, {{world["B"], false}}), GetParam().ahead);
+    lan.add(config(3, {{world["C"], false}}), -GetParam().ahead);
+    lan.run_until(5s);
+    ASSERT_TRUE(lan.all_in_session());
+    lan.run_until(30s);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(lan.peer(i).members().all().size(), 2u);
+      EXPECT_EQ(lan.peer(i).owners().size(), 3u);
+      EXPECT_THAT(lan.seen<ClockStepped>(i), IsEmpty());
+      EXPECT_EQ(lan.seen<Synchronised>(i).size(), 1u);
+      const Duration off = lan.session_now(i) - lan.session_now(0);
+      EXPECT_LE(std::chrono::abs(off), lan.peer(i).clock().error_bound() + 1ns) << i;
+      EXPECT_LE(lan.peer(i).clock().error_bound(), GetParam().link.latency + GetParam().link.jitter);
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Table, Session,
+                         testing::Values(Case{"OneHost", {5ms, 0ms, 0, 0}, 0s}, Case{"ClocksApart", {5ms, 0ms, 0, 0}, 3s},
+                                         Case{"FarApart", {200ms, 0ms, 0, 0}, 3s},
+                                         Case{"Jitter", {20ms, 80ms, 0, 0}, 3s},
+                                         Case{"Loss", {20ms, 20ms, 0.2, 0}, 3s},
+                                         Case{"Duplicates", {20ms, 80ms, 0.05, 0.3}, 3s}),
+                         [](const auto& c) { return std::string(c.param.name); });
+
+// After everybody has spoken, everybody knows of everything that moves, although a fifth of all datagrams is lost.
+TEST(PeerSession, LossHealsWithinTheTimeThreshold) {
+  const World world(three_boxes());
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    Lan lan(world, {20ms, 20ms, 0.2, 0}, seed);
+    lan.add(config(1, {{world["A"], false}}));
+    lan.add(config(2, {{world["B"], false}}));
+    lan.add(config(3, {{world["C"], false}}));
+    lan.run_until(40s);
+    for (const char* name : {"A", "B", "C"}) {
+      const SimTime t = lan.session_now(0);
+      for (std::size_t i = 1; i < 3; ++i) {
+        EXPECT_LT((lan.peer(i).ghost(world[name], t).position - lan.peer(0).ghost(world[name], t).position).norm(), 0.5);
+      }
+    }
+  }
+}
+
+TEST(PeerSession, ALonePeerListensFirstThenFounds) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(3));
+  lan.run_until(999ms);
+  EXPECT_FALSE(lan.peer(0).clock().synchronised());
+  lan.run_until(1200ms);
+  EXPECT_TRUE(lan.peer(0).clock().synchronised());
+  const auto seen = lan.seen<Synchronised>(0);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].follows, PeerId{3});
+  ASSERT_FALSE(lan.node(0).outputs.empty());
+  EXPECT_TRUE(std::holds_alternative<Join>(lan.node(0).outputs[0].second)) << "the group is joined before all else";
+}
+
+// What is already under way must look right to a newcomer at once, not after the next update that is due anyhow.
+TEST(PeerSession, ALateJoinerGetsTheStates) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(1, {{world["A"], false}}));
+  lan.run_until(4s);
+  lan.add(config(2, {}), 3s);
+  lan.run_until(6s);
+  ASSERT_TRUE(lan.all_in_session());
+  const SimTime t = lan.session_now(0);
+  EXPECT_GT(lan.peer(0).truth(world["A"], t).position.x(), 4.0);
+  EXPECT_LT((lan.peer(1).ghost(world["A"], t).position - lan.peer(0).truth(world["A"], t).position).norm(), 1e-6);
+  bool joiner = false;
+  for (const Published& p : lan.seen<Published>(0)) joiner = joiner || p.reason == PublishReason::kJoiner;
+  EXPECT_TRUE(joiner);
+}
+
+TEST(PeerSession, TheOthersSeeWhatALateJoinerRuns) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(1, {{world["A"], false}}));
+  lan.run_until(4s);
+  lan.add(config(2, {{world["B"], false}}), 3s);
+  lan.run_until(6500ms);
+  ASSERT_TRUE(lan.all_in_session());
+  const SimTime t = lan.session_now(1);
+  EXPECT_GT(lan.peer(1).truth(world["B"], t).position.z(), 1.0);
+  EXPECT_LT((lan.peer(0).ghost(world["B"], t).position - lan.peer(1).truth(world["B"], t).position).norm(), 0.5);
+}
+
+TEST(PeerSession, AGoodbyeFreezesAtOnce) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(1, {{world["A"], false}}));
+  lan.add(config(2, {{world["B"], false}}));
+  lan.run_until(5s);
+  lan.leave(1);
+  lan.run_until(5s + 20ms);
+  const auto lost = lan.seen<PeerLost>(0);
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_TRUE(lost[0].said_goodbye);
+  EXPECT_EQ(lost[0].name, "peer2");
+  ASSERT_EQ(lan.seen<Frozen>(0).size(), 1u);
+  EXPECT_EQ(lan.seen<Frozen>(0)[0].object, world["B"]);
+  EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{0});
+  const KinematicState then = lan.peer(0).ghost(world["B"], lan.session_now(0));
+  lan.run_until(8s);
+  EXPECT_TRUE(same_bits(lan.peer(0).ghost(world["B"], lan.session_now(0)), at_rest(then.pose())));
+}
+
+TEST(PeerSession, SilenceFreezesWithinTwoSeconds) {
+  const World world(three_boxes());
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Lan lan(world, {50ms, 20ms, 0.2, 0}, seed);
+    lan.add(config(1, {{world["A"], false}}));
+    lan.add(config(2, {{world["B"], false}}));
+    lan.run_until(8s);
+    ASSERT_TRUE(lan.seen<PeerLost>(0).empty());
+    lan.kill(1);
+    lan.run_until(10s);
+    ASSERT_EQ(lan.seen<PeerLost>(0).size(), 1u);
+    EXPECT_FALSE(lan.seen<PeerLost>(0)[0].said_goodbye);
+    ASSERT_EQ(lan.seen<Frozen>(0).size(), 1u);
+    EXPECT_TRUE(lan.peer(0).ghost(world["B"], lan.session_now(0)).velocity.isZero(0.0));
+  }
+}
+
+TEST(PeerSession, ARestartedPeerIsTakenBack) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(1, {{world["A"], false}}));
+  lan.add(config(2, {{world["B"], false}}));
+  lan.run_until(5s);
+  PeerConfig again = config(2, {{world["B"], false}});
+  again.boot = 101;
+  lan.restart(1, again);  // before anybody noticed
+  lan.run_until(12s);
+  const auto joined = lan.seen<PeerJoined>(0);
+  ASSERT_EQ(joined.size(), 2u);
+  EXPECT_TRUE(joined[1].restarted);
+  EXPECT_EQ(joined[1].name, "peer2");
+  const SimTime t = lan.session_now(1);
+  EXPECT_LT((lan.peer(0).ghost(world["B"], t).position - lan.peer(1).truth(world["B"], t).position).norm(), 1e-6);
+  EXPECT_THAT(lan.seen<IdInUse>(1), IsEmpty()) << "what it said itself in its last life is no other's";
+}
+
+// A new life that runs less: what it ran before is nobody's.
+TEST(PeerSession, ARestartLetsGoOfWhatItNoLongerRuns) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(1, {{world["A"], false}}));
+  lan.add(config(2, {{world["B"], false}}));
+  lan.run_until(5s);
+  PeerConfig again = config(2);
+  again.boot = 101;
+  lan.restart(1, again);
+  lan.run_until(10s);
+  EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{0});
+  EXPECT_TRUE(lan.peer(0).ghost(world["B"], lan.session_now(0)).velocity.isZero(0.0));
+}
+
+TEST(PeerSession, AMemberThatComesBackWithAnotherWorldIsLost) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(1));
+  lan.add(config(2, {{world["B"], false}}));
+  lan.run_until(5s);
+  PeerConfig again = config(2, {{world["B"], false}});
+  again.boot = 101;
+  again.world_hash = 1;
+  lan.restart(1, again);
+  lan.run_until(10s);
+  EXPECT_EQ(lan.seen<OtherWorld>(0).size(), 1u);
+  EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{0});
+  EXPECT_EQ(lan.seen<Frozen>(0).size(), 1u);
+}
+
+// An object is nobody's once its owner is gone, even if that was before this peer had a session.
+TEST(PeerSession, APeerLostBeforeTheSessionOwnsNothing) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(5));
+  lan.run_until(100ms);
+  lan.inject(0, encode(hello_of(7, lan.host_now(0), {world["B"]})));
+  EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{7});
+  lan.run_until(4s);  // never heard again
+  EXPECT_EQ(lan.seen<PeerLost>(0).size(), 1u);
+  EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{0});
+}
+
+TEST(PeerSession, TheSessionOutlivesItsFounder) {
+  const World world(three_boxes());
+  Lan lan(world, {20ms, 10ms, 0, 0});
+  lan.add(config(1, {{world["A"], false}}));
+  lan.add(config(2, {{world["B"], false}}), 3s);
+  lan.add(config(3, {{world["C"], false}}), -3s);
+  lan.run_until(6s);
+  const Duration before = lan.session_now(1) - sim(lan.now());
+  lan.kill(0);
+  lan.run_until(20s);
+  EXPECT_LE(std::chrono::abs(lan.session_now(1) - lan.session_now(2)), 30ms);
+  EXPECT_LE(std::chrono::abs((lan.session_now(1) - sim(lan.now())) - before), 30ms);
+  EXPECT_THAT(lan.seen<ClockStepped>(1), IsEmpty());
+}
+
+TEST(PeerSession, ALowerIdThatJoinsLaterTakesTheTimeAsItIs) {
+  const World world(three_boxes());
+  Lan lan(world, {20ms, 10ms, 0, 0});
+  lan.add(config(2, {{world["B"], false}}));
+  lan.run_until(5s);
+  const Duration before = lan.session_now(0) - sim(lan.now());
+  lan.add(config(1, {{world["A"], false}}), 3s);
+  lan.run_until(20s);
+  EXPECT_LE(spread(lan), 30ms);
+  EXPECT_LE(std::chrono::abs((lan.session_now(0) - sim(lan.now())) - before), 30ms);
+  EXPECT_THAT(lan.seen<ClockStepped>(0), IsEmpty());
+}
+
+// Session time is what ghosts and ticks run on: it never goes back, whatever the network does.
+TEST(PeerSession, SessionTimeNeverRunsBackwards) {
+  const World world(three_boxes());
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Lan lan(world, {5ms, 150ms, 0.2, 0.2}, seed);
+    for (std::uint32_t i = 0; i < 3; ++i) lan.add(config(i + 1), i * 3s);
+    lan.run_until(6s);
+    std::vector<SimTime> last(3, SimTime::min());
+    for (Duration t = 6s; t < 30s; t += 7ms) {
+      lan.run_until(t);
+      for (std::size_t i = 0; i < 3; ++i) {
+        ASSERT_GE(lan.session_now(i), last[i]);
+        last[i] = lan.session_now(i);
+      }
+    }
+  }
+}
+
+TEST(PeerSession, TheErrorBoundIsNeverZeroForAFollower) {
+  const World world(three_boxes());
+  Lan lan(world, {20ms, 10ms, 0, 0});
+  for (std::uint32_t i = 0; i < 3; ++i) lan.add(config(i + 1), i * 3s);
+  lan.run_until(5s);
+  lan.kill(0);  // peer 3 follows peer 2 from now on
+  for (Duration t = 5s; t < 10s; t += 5ms) {
+    lan.run_until(t);
+    ASSERT_GE(lan.peer(2).clock().error_bound(), 20ms) << to_seconds(t);
+  }
+}
+
+// Two sessions that were founded apart become one, and everybody goes on ticking.
+TEST(PeerSession, TwoSessionsThatMeetBecomeOne) {
+  for (const Duration ahead : {-30s, 30s}) {
+    SCOPED_TRACE(to_seconds(ahead));
+    const World world(three_boxes());
+    Lan lan(world, {20ms, 0ms, 0, 0});
+    lan.add(config(1, {{world["A"], false}}));
+    lan.add(config(2, {{world["B"], false}}), ahead);
+    lan.part({1});
+    lan.run_until(5s);
+    EXPECT_GE(spread(lan), 29s);
+    lan.part({});
+    lan.run_until(8s);
+    EXPECT_LE(spread(lan), 21ms);
+    EXPECT_EQ(lan.seen<ClockStepped>(1).size(), 1u);
+    const std::uint64_t ticks = lan.peer(1).counters().ticks;
+    lan.run_until(10s);
+    EXPECT_GT(lan.peer(1).counters().ticks, ticks + 100);
+    const SimTime t = lan.session_now(0);
+    EXPECT_LT((lan.peer(1).ghost(world["A"], t).position - lan.peer(0).truth(world["A"], t).position).norm(), 0.5);
+    EXPECT_LT((lan.peer(0).ghost(world["B"], t).position - lan.peer(1).truth(world["B"], t).position).norm(), 0.5);
+  }
+}
+
+// A computer that slept wakes up with hours to catch up on: it must do so in bounded work and be in step soon after.
+TEST(PeerSession, LongSleepsAreSurvived) {
+  const World world(corridor("velocityVector 2 0 0 collisionResponse CollisionResponse { }"));
+  Lan lan(world);
+  lan.add(config(1, {{world["BALL"], false}}));
+  lan.add(config(2), 3s);
+  lan.run_until(5s);
+  for (const Duration sleep : {std::chrono::minutes(1), std::chrono::minutes(24 * 60)}) {
+    lan.skip(sleep);
+    lan.run_until(lan.now() + 5s);
+    EXPECT_LE(spread(lan), 11ms);
+    EXPECT_EQ(lan.peer(1).owner(world["BALL"]), PeerId{1});
+    const SimTime t = lan.session_now(0);
+    EXPECT_LT((lan.peer(1).ghost(world["BALL"], t).position - lan.peer(0).truth(world["BALL"], t).position).norm(), 0.5);
+  }
+  EXPECT_GT(lan.peer(0).counters().ticks_missed, 60u * 60u);
+}
+
+}  // namespace
+}  // namespace peerd::replication

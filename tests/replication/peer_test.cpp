@@ -1,0 +1,432 @@
+#include "replication/peer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/replication/lan.hpp"
+#include "tests/replication/messages.hpp"
+
+// What a peer does with datagrams, and how its objects look elsewhere. Sessions and collisions have files of their own.
+namespace peerd::replication {
+namespace {
+
+using namespace test;
+using testing::IsEmpty;
+
+std::string field(int objects) {
+  std::string text;
+  for (int i = 0; i < objects; ++i) text += box("O" + std::to_string(i), "1 1 1", std::to_string(3 * i) + " 0 0");
+  return text;
+}
+
+// ---- hostile and mistaken datagrams ----
+
+class InSession : public testing::Test {
+ protected:
+  InSession() {
+    self = lan.add(config(5, {{world["O0"], true}}));
+    lan.run_until(2s);
+    lan.inject(self, encode(hello_of(7, lan.host_now(self), {world["O1"], world["O2"]})));
+  }
+  Message update(std::uint32_t sequence, Duration ago, double x, const char* object = "O1") {
+    Message m = message_of(7);
+    m.updates = {{world[object], sequence, lan.session_now(self) - ago, ModelOrder::kSecond, moving({x, 0, 0}), {}}};
+    return m;
+  }
+  std::expected<void, Drop> receive(const Message& m) { return lan.inject(self, encode(m)); }
+  double ghost_x(const char* object = "O1") {
+    return lan.peer(self).ghost(world[object], lan.session_now(self)).position.x();
+  }
+
+  World world{field(4)};
+  Lan lan{world};
+  std::size_t self = 0;
+};
+
+TEST_F(InSession, AnUpdateMovesTheGhost) {
+  EXPECT_EQ(ghost_x(), 3.0);
+  EXPECT_TRUE(receive(update(1, 10ms, 8.0)).has_value());
+  EXPECT_EQ(ghost_x(), 8.0);
+  EXPECT_EQ(lan.peer(self).counters().updates_in, 1u);
+}
+
+TEST_F(InSession, SequenceCountsNotArrival) {
+  receive(update(3, 10ms, 8.0));
+  receive(update(2, 5ms, 9.0));  // overtaken on the way, though it says a later time
+  receive(update(3, 1ms, 10.0));
+  EXPECT_EQ(ghost_x(), 8.0);
+  EXPECT_EQ(lan.drops(self, "old_sequence"), 2u);
+  receive(update(4, 20ms, 11.0));
+  EXPECT_EQ(ghost_x(), 11.0);
+}
+
+TEST_F(InSession, EachObjectHasItsOwnSequence) {
+  receive(update(9, 10ms, 8.0));
+  receive(update(1, 10ms, 9.0, "O2"));
+  EXPECT_EQ(ghost_x("O2"), 9.0);
+}
+
+TEST_F(InSession, TheLastSequenceIsTheEnd) {
+  receive(update(0xFFFF'FFFF, 10ms, 8.0));
+  EXPECT_EQ(ghost_x(), 8.0);
+  receive(update(1, 5ms, 9.0));
+  EXPECT_EQ(ghost_x(), 8.0);
+}
+
+TEST_F(InSession, TimesFromAnotherAgeAreDropped) {
+  for (const Duration ago : {4100ms, 3'600'000ms, -1100ms, -3'600'000ms}) receive(update(1, ago, 8.0));
+  EXPECT_EQ(ghost_x(), 3.0);
+  EXPECT_EQ(lan.drops(self, "update_time"), 4u);
+  Message m = update(1, 0s, 8.0);
+  for (const SimTime t : {SimTime{Duration{std::int64_t{1} << 62}}, SimTime{Duration{-(std::int64_t{1} << 62)}}}) {
+    m.updates[0].at = t;
+    receive(m);
+  }
+  EXPECT_EQ(lan.drops(self, "update_time"), 6u);
+  receive(update(1, 3900ms, 8.0));
+  EXPECT_EQ(ghost_x(), 8.0);
+}
+
+TEST_F(InSession, OnlyTheOwnerMovesAnObject) {
+  receive(update(1, 0s, 8.0, "O3"));  // nobody's
+  receive(update(1, 0s, 8.0, "O0"));  // ours
+  EXPECT_EQ(ghost_x("O3"), 9.0);
+  EXPECT_EQ(ghost_x("O0"), 0.0);
+  EXPECT_EQ(lan.drops(self, "not_owner"), 2u);
+}
+
+TEST_F(InSession, ClaimsOfObjectsThatAreNotThereAreDropped) {
+  receive(hello_of(8, lan.host_now(self), {ObjectId{1'000'000}, ObjectId{0xFFFF'FFFF}}));
+  EXPECT_EQ(lan.drops(self, "object"), 2u);
+  EXPECT_EQ(lan.peer(self).owners().size(), 3u);
+}
+
+TEST_F(InSession, AnEarlierLifeIsDropped) {
+  Message old = update(5, 0s, 8.0);
+  old.boot = 99;
+  EXPECT_EQ(receive(old).error(), Drop::kStaleBoot);
+  EXPECT_EQ(receive(hello_of(7, lan.host_now(self), {world["O3"]}, 99)).error(), Drop::kStaleBoot);
+  EXPECT_EQ(ghost_x(), 3.0);
+  EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{0});
+}
+
+TEST_F(InSession, ALaterLifeBeginsItsSequencesAnew) {
+  receive(update(50, 10ms, 8.0));
+  EXPECT_TRUE(receive(hello_of(7, lan.host_now(self), {world["O1"]}, 101)).has_value());
+  const auto joined = lan.seen<PeerJoined>(self);
+  ASSERT_EQ(joined.size(), 2u);
+  EXPECT_FALSE(joined[0].restarted);
+  EXPECT_TRUE(joined[1].restarted);
+  Message m = update(1, 5ms, 9.0);
+  m.boot = 101;
+  receive(m);
+  EXPECT_EQ(ghost_x(), 9.0);
+}
+
+TEST_F(InSession, ItsOwnDatagramsAreNoNews) {
+  Message m = hello_of(5, lan.host_now(self), {world["O3"]});
+  EXPECT_EQ(receive(m).error(), Drop::kOwn);
+  EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{0});
+  EXPECT_TRUE(lan.seen<IdInUse>(self).empty());
+}
+
+TEST_F(InSession, ItsOwnIdFromAnotherLifeIsReported) {
+  EXPECT_EQ(receive(hello_of(5, lan.host_now(self), {world["O3"]}, 101)).error(), Drop::kIdInUse);
+  ASSERT_EQ(lan.seen<IdInUse>(self).size(), 1u);
+  EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{0});
+}
+
+TEST_F(InSession, AnotherWorldIsNamedOnceAndIgnored) {
+  for (int i = 0; i < 3; ++i) {
+    Message m = hello_of(8, lan.host_now(self), {world["O3"]});
+    m.hello.world_hash = 1;
+    EXPECT_EQ(receive(m).error(), Drop::kOtherWorld);
+  }
+  ASSERT_EQ(lan.seen<OtherWorld>(self).size(), 1u);
+  EXPECT_EQ(lan.seen<OtherWorld>(self)[0].peer, PeerId{8});
+  EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{0});
+  EXPECT_EQ(lan.peer(self).members().all().size(), 1u);
+}
+
+TEST_F(InSession, AStrangerMustSayHelloFirst) {
+  Message m = update(1, 0s, 8.0);
+  m.sender = PeerId{8};
+  EXPECT_EQ(receive(m).error(), Drop::kStranger);
+  EXPECT_EQ(lan.peer(self).members().all().size(), 1u);
+  m.sender = PeerId{9};
+  m.leaving = true;
+  EXPECT_EQ(receive(m).error(), Drop::kStranger);
+  EXPECT_TRUE(lan.seen<PeerLost>(self).empty());
+}
+
+TEST_F(InSession, GarbageChangesNothing) {
+  receive(update(1, 10ms, 8.0));
+  const std::string before = fingerprint(lan, self);
+  std::mt19937_64 rng(1);
+  MessageMaker make(1);
+  std::uint64_t refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Bytes bytes = encode(make.message(1, i % 2, i % 3 == 0));
+    switch (i % 3) {
+      case 0: bytes.assign(rng() % 200, std::byte{0}); break;
+      case 1: bytes.resize(rng() % bytes.size()); break;
+      case 2: bytes.insert(bytes.begin() + static_cast<long>(rng() % 4), static_cast<std::byte>(rng())); break;
+    }
+    if (decode(bytes).has_value()) continue;
+    ++refused;
+    EXPECT_EQ(lan.inject(self, bytes).error(), Drop::kUndecodable);
+  }
+  EXPECT_GT(refused, 2000u);
+  EXPECT_EQ(lan.drops(self, "undecodable"), refused);
+  EXPECT_EQ(fingerprint(lan, self), before);
+}
+
+// Sound messages of peers that nobody knows, whatever they say, move nothing that somebody runs.
+TEST_F(InSession, SoundNoiseOfStrangersMovesNothing) {
+  receive(update(1, 10ms, 8.0));
+  MessageMaker make(2);
+  for (int i = 0; i < 2000; ++i) {
+    Message m = make.message(2, 1, i % 2 == 0);
+    if (m.sender == PeerId{7} || m.sender == PeerId{5}) continue;
+    receive(m);
+  }
+  EXPECT_EQ(ghost_x(), 8.0);
+  EXPECT_EQ(lan.peer(self).owners().size(), 3u);
+  lan.run_until(lan.now() + 1s);
+  EXPECT_EQ(ghost_x(), 8.0);
+}
+
+TEST_F(InSession, TheLowerIdKeepsAnObjectThatTwoClaim) {
+  receive(hello_of(9, lan.host_now(self), {world["O1"]}));
+  EXPECT_EQ(lan.peer(self).owner(world["O1"]), PeerId{7});
+  receive(hello_of(6, lan.host_now(self), {world["O1"]}));
+  EXPECT_EQ(lan.peer(self).owner(world["O1"]), PeerId{6});
+  receive(hello_of(7, lan.host_now(self), {world["O1"]}));
+  EXPECT_EQ(lan.peer(self).owner(world["O1"]), PeerId{6});
+  const auto conflicts = lan.seen<OwnershipConflict>(self);
+  ASSERT_EQ(conflicts.size(), 1u);
+  EXPECT_EQ(conflicts[0].owner, PeerId{6});
+}
+
+TEST_F(InSession, AnObjectLostToALowerIdIsNotPublishedAnyMore) {
+  receive(hello_of(6, lan.host_now(self), {world["O0"]}));
+  EXPECT_TRUE(lan.seen<OwnershipConflict>(self).empty());
+  receive(hello_of(4, lan.host_now(self), {world["O0"]}));
+  EXPECT_EQ(lan.seen<OwnershipConflict>(self).size(), 1u);
+  lan.node(self).outputs.clear();
+  lan.run_until(lan.now() + 1s);
+  EXPECT_THAT(lan.seen<Published>(self), IsEmpty());
+}
+
+TEST(Peer, UpdatesBeforeThereIsASessionAreDropped) {
+  const World world(field(2));
+  Lan lan(world);
+  lan.add(config(5));
+  lan.run_until(100ms);
+  lan.inject(0, encode(hello_of(7, lan.host_now(0), {world["O1"]})));
+  Message m = message_of(7);
+  m.updates = {{world["O1"], 1, sim(kEpoch), ModelOrder::kSecond, moving({8, 0, 0}), {}}};
+  EXPECT_EQ(lan.inject(0, encode(m)).error(), Drop::kNotYetInSession);
+}
+
+TEST(DropName, IsDistinctForEach) {
+  std::set<std::string> names;
+  for (int i = 0; i <= static_cast<int>(Drop::kNotYetInSession); ++i) names.insert(to_string(static_cast<Drop>(i)));
+  EXPECT_EQ(names.size(), 7u);
+  EXPECT_FALSE(names.contains("?"));
+}
+
+// ---- dead reckoning ----
+
+// A smooth curve of session time.
+KinematicState on_a_circle(SimTime t) {
+  const double phase = to_seconds(t.time_since_epoch() - kEpoch);
+  const double s = std::sin(phase), c = std::cos(phase);
+  return moving({5 * c, 5 * s, 0}, {-5 * s, 5 * c, 0}, {-5 * c, -5 * s, 0});
+}
+
+struct Network {
+  const char* name;
+  Link link;
+};
+class DeadReckoning : public testing::TestWithParam<Network> {};
+
+// However badly datagrams travel, once all have arrived everybody believes the same, bit for bit: the sender's own copy
+// included, and whatever their tick rates.
+TEST_P(DeadReckoning, AllHoldTheSameGhost) {
+  const World world(field(1));
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    Lan lan(world, GetParam().link, seed);
+    const std::uint32_t hz[] = {60, 144, 30};
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      PeerConfig c = config(i + 1, i == 0 ? std::vector<Enslaved>{{world["O0"], true}} : std::vector<Enslaved>{});
+      c.tick_hz = hz[i];
+      lan.add(c, i * 3s, i == 0 ? std::map<ObjectId, Lan::Motion>{{world["O0"], on_a_circle}} : std::map<ObjectId, Lan::Motion>{});
+    }
+    lan.run_until(10s);
+    ASSERT_TRUE(lan.all_in_session());
+    // From the end of each quiet spell the last update has reached everybody.
+    int compared = 0;
+    for (Duration t = 10s; t < 20s; t += 5ms) {
+      lan.run_until(t);
+      const auto& published = lan.seen<Published>(0);
+      ASSERT_FALSE(published.empty());
+      const Duration quiet = lan.session_now(0) - published.back().at;
+      if (quiet < GetParam().link.latency + GetParam().link.jitter + 40ms) continue;
+      const SimTime at = lan.session_now(0);
+      for (std::size_t i = 1; i < 3; ++i) {
+        ASSERT_TRUE(same_bits(lan.peer(i).ghost(world["O0"], at), lan.peer(0).ghost(world["O0"], at))) << i;
+      }
+      ++compared;
+    }
+    EXPECT_GT(compared, 20);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Table, DeadReckoning,
+                         testing::Values(Network{"Near", {5ms, 0ms, 0, 0}}, Network{"Far", {200ms, 0ms, 0, 0}},
+                                         Network{"Reordered", {20ms, 150ms, 0, 0}},
+                                         Network{"Duplicated", {5ms, 50ms, 0, 0.5}}),
+                         [](const auto& c) { return std::string(c.param.name); });
+
+TEST(Peer, TheOwnersGhostStaysWithinTheThreshold) {
+  const World world(field(1));
+  for (const double threshold : {0.05, 0.5}) {
+    for (const ModelOrder order : {ModelOrder::kFirst, ModelOrder::kSecond}) {
+      Lan lan(world);
+      PeerConfig c = config(1, {{world["O0"], true}});
+      c.policy.error_threshold_m = threshold;
+      c.policy.order = order;
+      lan.add(c, 0s, {{world["O0"], on_a_circle}});
+      lan.run_until(3s);
+      for (Duration t = 3s; t < 10s; t += 1s / 60) {
+        lan.run_until(t);
+        const SimTime at = lan.session_now(0);
+        // A tick of motion may pass before the next check.
+        ASSERT_LE((lan.peer(0).ghost(world["O0"], at).position - on_a_circle(at).position).norm(), threshold + 5.0 / 60);
+      }
+      for (const Published& p : lan.seen<Published>(0)) EXPECT_EQ(p.threshold_m, threshold);
+      EXPECT_GT(lan.peer(0).counters().updates_out, 5u);
+      EXPECT_LT(lan.peer(0).counters().updates_out, 200u);
+    }
+  }
+}
+
+TEST(Peer, AStandingObjectCostsAnUpdateEachTimeThreshold) {
+  const World world(field(1));
+  Lan lan(world);
+  PeerConfig c = config(1, {{world["O0"], false}});
+  c.policy.time_threshold = 2s;
+  lan.add(c);
+  lan.run_until(12s);
+  const auto published = lan.seen<Published>(0);
+  ASSERT_EQ(published.size(), 6u);
+  EXPECT_EQ(published[0].reason, PublishReason::kFirst);
+  for (std::size_t i = 1; i < published.size(); ++i) {
+    EXPECT_EQ(published[i].reason, PublishReason::kTime);
+    EXPECT_NEAR(to_seconds(published[i].at - published[i - 1].at), 2.0, 1.1 / 60);
+  }
+}
+
+TEST(Peer, EachObjectsOwnThresholdCountsUnlessThePolicySaysOtherwise) {
+  const World world(box("O0", "1 1 1", "0 0 0", "distanceThreshold 0.125"));
+  Lan lan(world);
+  lan.add(config(1, {{world["O0"], true}}), 0s, {{world["O0"], on_a_circle}});
+  lan.run_until(3s);
+  for (const Published& p : lan.seen<Published>(0)) EXPECT_EQ(p.threshold_m, 0.125);
+}
+
+TEST(Peer, TicksLieOnTheSessionsGrid) {
+  const World world(field(1));
+  for (const std::uint32_t hz : {30u, 60u, 144u}) {
+    Lan lan(world);
+    PeerConfig c = config(1, {{world["O0"], true}});
+    c.tick_hz = hz;
+    lan.add(c, 1234567ns, {{world["O0"], on_a_circle}});
+    lan.run_until(5s);
+    const auto& counters = lan.peer(0).counters();
+    EXPECT_NEAR(static_cast<double>(counters.ticks), 4.0 * hz, 2.0);
+    EXPECT_EQ(counters.ticks_missed, 0u);
+    EXPECT_LE(lan.node(0).ticks, 4 * hz + 60) << "a driver must not be called more often than there is something to do";
+    for (const Published& p : lan.seen<Published>(0)) {
+      const double number = to_seconds(p.at.time_since_epoch() % 1s) * hz;
+      EXPECT_NEAR(number, std::round(number), 1e-6);
+    }
+  }
+}
+
+TEST(Peer, CallingEarlyIsHarmless) {
+  const World world(field(1));
+  std::string expected;
+  for (const bool often : {false, true}) {
+    Lan lan(world);
+    lan.add(config(1, {{world["O0"], true}}), 0s, {{world["O0"], on_a_circle}});
+    for (Duration t = 0s; t < 4s; t += 1ms) {
+      lan.run_until(t);
+      if (often) lan.tick(0);
+    }
+    if (!often) expected = fingerprint(lan, 0);
+    EXPECT_EQ(fingerprint(lan, 0), expected);
+    EXPECT_NEAR(static_cast<double>(lan.peer(0).counters().ticks), 180, 2);
+  }
+}
+
+// ---- sizes ----
+
+TEST(Peer, TheLargestDatagramsFitAndEverythingGetsItsTurn) {
+  const World world(field(260));
+  Lan lan(world);
+  PeerConfig c = config(0xFFFF'FFFE, {});
+  c.name.assign(kNameMax_bytes, 'n');
+  c.boot = ~std::uint64_t{0};
+  c.world_hash = 0xC0FFEE;
+  KinematicState full = moving({1.1, 2.2, 3.3}, {4.4, 5.5, 6.6}, {7.7, 8.8, 9.9});
+  full.orientation = Quat(0.1, 0.2, 0.3, 0.4).normalized();
+  full.angular_velocity_body = {1.1, 2.2, 3.3};
+  std::map<ObjectId, Lan::Motion> motions;
+  for (int i = 0; i < 260; ++i) {
+    const ObjectId id = world[("O" + std::to_string(i)).c_str()];
+    c.enslaved.push_back({id, true});
+    motions[id] = [=](SimTime) { return full; };
+  }
+  lan.add(c, 0s, motions);
+  lan.run_until(2s);
+  lan.peer(0).announce_start(lan.session_now(0));
+  std::set<std::uint32_t> echoed;
+  std::set<ObjectId> claimed;
+  std::size_t largest = 0;
+  lan.filter = [&](std::size_t, std::size_t, const Message& m) {  // Lan checks each one's size and that it decodes
+    for (const ClockEcho& e : m.hello.echoes) echoed.insert(e.peer.value);
+    for (ObjectId o : m.hello.enslaved) claimed.insert(o);
+    largest = std::max(largest, encode(m).size());
+    return true;
+  };
+  for (int round = 0; round < 12; ++round) {
+    for (std::uint32_t id = 0; id < 40; ++id) lan.inject(0, encode(hello_of(0xFFFF'FF00 + id, lan.host_now(0))));
+    lan.run_until(lan.now() + 250ms);
+  }
+  EXPECT_EQ(echoed.size(), 40u);
+  EXPECT_EQ(claimed.size(), 260u);
+  EXPECT_GT(largest, 1000u);
+  EXPECT_LE(largest, kDatagramMax_bytes);
+}
+
+TEST(Peer, ManyUpdatesShareFewDatagrams) {
+  const World world(field(50));
+  Lan lan(world);
+  PeerConfig c = config(1);
+  for (int i = 0; i < 50; ++i) c.enslaved.push_back({world[("O" + std::to_string(i)).c_str()], false});
+  lan.add(c);
+  std::size_t datagrams = 0, updates = 0;
+  lan.filter = [&](std::size_t, std::size_t, const Message& m) {
+    datagrams += !m.updates.empty();
+    updates += m.updates.size();
+    return true;
+  };
+  lan.run_until(2s);
+  EXPECT_EQ(updates, 50u);
+  EXPECT_LE(datagrams, 6u);
+}
+
+}  // namespace
+}  // namespace peerd::replication

@@ -1,0 +1,86 @@
+// Loss, jitter, duplication and reordering: everybody still joins, and beliefs stay near the truth.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/sim/run_scenario.hpp"
+
+namespace peerd::sim {
+namespace {
+
+using testing_support::Ran;
+using testing_support::run_eq47;
+
+const std::vector<std::string> kHostile{"network.jitter_ms=60", "network.loss=0.2", "network.duplication=0.1",
+                                        "network.reordering=0.2"};
+
+class HostileNetwork : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, HostileNetwork, testing::Range(1, 9), testing::PrintToStringParamName());
+
+TEST_P(HostileNetwork, AllJoinAndErrorsStayBounded) {
+  auto sets = kHostile;
+  sets.push_back("seed=" + std::to_string(GetParam()));
+  const Ran ran = run_eq47("dr+rcp+acpt", 2, 50, sets);
+  SCOPED_TRACE("seed " + std::to_string(GetParam()));
+  for (const PeerLog& log : ran.logs) {
+    EXPECT_TRUE(log.start) << log.name;
+    EXPECT_EQ(log.start, ran.logs.front().start) << log.name;
+    EXPECT_EQ(log.counters.at("datagrams_out") > 0, true);
+  }
+  for (const char* observer : {"b", "c"}) {
+    const auto error = ran.view(observer, "CAR")["ghost_error_m"];
+    EXPECT_GE(ran.view(observer, "CAR")["samples"], 880) << "nobody was lost on the way";
+    // A lost update is not repeated: the ghost goes on as it was told, at most until the time threshold of 5 s, and the
+    // arcs pull at up to 14 m/s^2.
+    EXPECT_LT(error["max"].get<double>(), 0.5 * 14.1 * 5.0 * 5.0);
+    EXPECT_LT(ran.mean_error_m("c", "CUBE_1"), 1e-9) << "what stands, stands";
+  }
+  EXPECT_GT(ran.summary["counters"]["dropped_old_sequence"], 0) << "duplicates and overtaken updates do nothing";
+  EXPECT_FALSE(ran.summary["counters"].contains("dropped_undecodable"));
+}
+
+TEST(HostileNetworks, TheErrorIsMostlySmall) {
+  std::vector<double> means_m;
+  for (int seed = 1; seed <= 9; ++seed) {
+    auto sets = kHostile;
+    sets.push_back("seed=" + std::to_string(seed));
+    const Ran ran = run_eq47("dr+rcp+acpt", 2, 50, sets);
+    for (const char* observer : {"b", "c"}) means_m.push_back(ran.mean_error_m(observer, "CAR"));
+  }
+  std::ranges::sort(means_m);
+  RecordProperty("worst_mean_m", std::to_string(means_m.back()));
+  EXPECT_LT(means_m[means_m.size() / 2], 1.0) << "the median over nine seeds and two observers";
+}
+
+TEST(HostileNetworks, ClockErrorUnderJitterIsAFractionOfIt) {
+  const Ran ran = run_eq47("dr", 2, 50, {"network.jitter_ms=40", "peer.b.clock_offset_s=2", "duration_s=6"});
+  // The session clock of b against a's, through rows of one true instant: a's rows say what its clock says.
+  const auto ahead_s = [](const PeerLog& log) {
+    return to_seconds(log.beliefs.back().at.time_since_epoch() - log.beliefs.back().true_at.time_since_epoch());
+  };
+  EXPECT_NEAR(ahead_s(ran.logs[1]), ahead_s(ran.logs[0]), 0.020);
+  EXPECT_NEAR(ahead_s(ran.logs[2]), ahead_s(ran.logs[0]), 0.020);
+}
+
+TEST(HostileNetworks, ALinkThatIsSlowOneWayShiftsTheClockByHalfTheDifference) {
+  // NTP's four stamps cannot see asymmetry; the bound that the clock states is half the round trip.
+  const Ran ran = run_eq47("dr", 2, 10, {"network.link.a.b.latency_ms=110", "duration_s=6"});
+  const auto ahead_s = [](const PeerLog& log) {
+    return to_seconds(log.beliefs.back().at.time_since_epoch() - log.beliefs.back().true_at.time_since_epoch());
+  };
+  EXPECT_NEAR(std::abs(ahead_s(ran.logs[1]) - ahead_s(ran.logs[0])), 0.050, 0.003);
+}
+
+TEST(HostileNetworks, OneThatLosesEverythingIsSaidNotWaitedForForEver) {
+  auto scenario = testing_support::must(config::read_scenario(
+      {.file = testing_support::kEq47,
+       .configs = {},
+       .sets = {"network.loss=1.0", "network.latency_ms=5", "replication.order=1", "replication.approach=dr"},
+       .seed = {}}));
+  const auto shared = testing_support::must(share_world(scenario.world));
+  const auto logs = simulate(scenario.runs.front(), *shared);
+  ASSERT_FALSE(logs);
+  EXPECT_THAT(logs.error().text, testing::HasSubstr("never had all the others"));
+}
+
+}  // namespace
+}  // namespace peerd::sim

@@ -1,0 +1,81 @@
+// Worlds of one thing each: a body that turns, a body that cannot collide yet.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/sim/run_scenario.hpp"
+
+namespace peerd::sim {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::must;
+using testing_support::Ran;
+using testing_support::run_scenario;
+
+const std::string kWorlds = PEERD_SOURCE_DIR "/tests/sim/worlds/";
+
+double worst_angle_rad(const Ran& ran) {
+  double worst = 0;
+  for (const auto& s : ran.record.beliefs) {
+    worst = std::max(worst, angle_between(s.truth.orientation, s.ghost.orientation));
+  }
+  return worst;
+}
+
+TEST(Turner, ASteadyTurnIsDeadReckonedExactly) {
+  const Ran ran = run_scenario(kWorlds + "turner.toml").front();
+  ASSERT_GT(ran.record.beliefs.size(), 500u);
+  const auto& first = ran.record.beliefs.front();
+  const auto& later = ran.record.beliefs[60];
+  EXPECT_GT(angle_between(first.truth.orientation, later.truth.orientation), 1.0) << "it does turn";
+  EXPECT_LT(worst_angle_rad(ran), 1e-3);
+  EXPECT_LE(ran.updates("TURNER"), 3u) << "one in five seconds is all that it takes";
+  EXPECT_LT(ran.mean_error_m("b", "TURNER"), 1e-6) << "it stays where it is";
+}
+
+TEST(Turner, AnUnsteadyTurnIsHeldToTheAngleThreshold) {
+  const auto swing = [](const std::string& threshold_deg) {
+    return run_scenario(kWorlds + "turner.toml", {"peer.a.motion.TURNER.angle=sin(2*t)", "network.latency_ms=5",
+                                                  "replication.angle_threshold_deg=" + threshold_deg})
+        .front();
+  };
+  const Ran fine = swing("1"), coarse = swing("10");
+  constexpr double kDegree = std::numbers::pi / 180;
+  // What one tick and the latency add: at most twice the spin of 2 rad/s for 17 + 5 ms.
+  EXPECT_LT(worst_angle_rad(fine), 1 * kDegree + 0.09);
+  EXPECT_GT(worst_angle_rad(coarse), 9 * kDegree);
+  EXPECT_LT(worst_angle_rad(coarse), 10 * kDegree + 0.09);
+  EXPECT_GT(fine.updates("TURNER"), coarse.updates("TURNER") + 5);
+}
+
+TEST(Ball, IsReportedByNameAndNeverCollides) {
+  const auto shared = must(share_world(kWorlds + "ball.wrl"));
+  ASSERT_EQ(shared->model->unsupported.size(), 1u);
+  EXPECT_THAT(shared->model->unsupported.front(), HasSubstr("BALL"));
+  EXPECT_THAT(shared->model->unsupported.front(), HasSubstr("Sphere"));
+
+  const Ran ran = run_scenario(kWorlds + "ball.toml").front();
+  const auto id = [&](const char* path) {
+    return std::ranges::find(ran.record.objects, path, &report::ObjectInfo::path)->object;
+  };
+  std::size_t hits_of_box = 0;
+  for (const auto& c : ran.record.contacts) {
+    EXPECT_NE(c.collider, id("BALL")) << "neither as its hull nor as its box";
+    hits_of_box += c.collider == id("BOX") && c.kind == "owner";
+  }
+  EXPECT_EQ(hits_of_box, 1u) << "beside it a box does hit the wall";
+  EXPECT_GE(ran.summary["counters"]["contact_searches_unsupported"], 1);
+  double farthest_x = 0;
+  for (const auto& s : ran.record.beliefs) {
+    if (s.object == id("BALL")) farthest_x = std::max(farthest_x, s.ghost.position.x());
+    if (s.object == id("BOX")) {
+      EXPECT_LT(s.ghost.position.x(), 18.51) << "20 - 0.5 - 1";
+    }
+  }
+  EXPECT_GT(farthest_x, 21.0) << "the ball came out behind the wall";
+}
+
+}  // namespace
+}  // namespace peerd::sim
