@@ -73,7 +73,7 @@ void PeerNode::on_packet(HostTime now, RegionId region, std::span<const std::byt
 
 // The lowest of the peers that are waited for says when; the others follow its hellos.
 void PeerNode::agree_on_start(HostTime now) {
-  if (log_.start || !peer_.clock().synchronised()) return;
+  if (!peer_.clock().synchronised()) return;
   const auto& members = peer_.members().all();
   PeerId lowest = config_.id;
   bool complete = true;
@@ -86,7 +86,7 @@ void PeerNode::agree_on_start(HostTime now) {
   if (lowest != config_.id) {
     const auto member = members.find(lowest);
     if (member != members.end() && member->second.start) log_.start = member->second.start;
-  } else if (complete) {
+  } else if (complete && !log_.start) {
     log_.start = std::chrono::ceil<std::chrono::seconds>(peer_.clock().to_session(now) + options_.start_lead);
     peer_.announce_start(*log_.start);
   }
@@ -150,6 +150,10 @@ std::optional<replication::Output> PeerNode::poll_output() {
   using namespace replication;
   if (const auto* join = std::get_if<Join>(&*out); join != nullptr) ++log_.groups_joined;
   if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;
+  // The motions go on from where they are; if the other session has begun its own, its start is taken over.
+  if (const auto* stepped = std::get_if<ClockStepped>(&*out); stepped != nullptr && log_.start) {
+    *log_.start += stepped->step;
+  }
   if (!options_.keep_log) return out;
   if (const auto* send = std::get_if<Send>(&*out)) {
     log_.datagrams.push_back({logged_at_, static_cast<std::uint32_t>(send->datagram.size())});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "collision/proximity.hpp"
 #include "replication/decision.hpp"
@@ -65,7 +66,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   const Message& m = *message;
   if (m.sender == config_.id) {
     if (m.boot == config_.boot) return std::unexpected(Drop::kOwn);  // no news: not counted
-    outputs_.push_back(IdInUse{m.sender});
+    if (!std::exchange(id_in_use_told_, true)) outputs_.push_back(IdInUse{m.sender});
     return dropped(Drop::kIdInUse);
   }
   if (m.has_hello && m.hello.world_hash != config_.world_hash) {
@@ -174,6 +175,8 @@ void Peer::release(PeerId peer, SimTime t) {
       continue;
     }
     set_ghost(at->first, t, at_rest(replica_->ghosts.at(at->first, t).pose()));
+    replica_->truth.declare(at->first, Role::kScene);
+    replica_->ghosts.declare(at->first, Role::kScene);
     outputs_.push_back(Frozen{at->first, peer});
     at = owners_.erase(at);
   }
@@ -221,20 +224,38 @@ void Peer::enter_session(HostTime host_now) {
   const SimTime now = clock_.to_session(host_now);
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
   last_tick_ = tick_number(now);
+  declare_all();
   for (const auto& [object, own] : own_) {
-    const Role role = own.driven ? Role::kDriven : Role::kFirm;
-    replica_->truth.declare(object, role);
-    replica_->ghosts.declare(object, Role::kBelief);
     KinematicState initial = at_rest(model_.scene->rigid_pose(object));
     if (!own.driven) initial.velocity = model_.scene->at(object).velocity;
     replica_->truth.set_base(object, now, initial);
   }
+}
+
+void Peer::declare_all() {
   for (const auto& [object, peer] : owners_) {
-    if (peer == config_.id) continue;
-    replica_->truth.declare(object, Role::kBelief);
+    const auto own = own_.find(object);
+    const bool ours = own != own_.end();
+    replica_->truth.declare(object, !ours ? Role::kBelief : own->second.driven ? Role::kDriven : Role::kFirm);
     replica_->ghosts.declare(object, Role::kBelief);
   }
   watch_decided_pairs();
+}
+
+// The clock has stepped into another session. Everything goes on from where it is, at the other session's time; what
+// was known of the past, and what the others were told in the old time, is void.
+void Peer::change_session(SimTime before, SimTime now) {
+  const Replica old = std::move(*replica_);
+  replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
+  last_tick_ = tick_number(now);
+  decisions_.clear();
+  decisions_due_.clear();
+  declare_all();
+  for (const auto& [object, peer] : owners_) {
+    replica_->truth.set_base(object, now, old.truth.at(object, before));
+    replica_->ghosts.set_base(object, now, old.ghosts.at(object, before));
+  }
+  for (auto& [object, own] : own_) own.last_sent.reset();
 }
 
 // The truth watches what this peer decides. Ghosts are watched wherever they may meet something, own ones included:
@@ -257,7 +278,8 @@ void Peer::watch_decided_pairs() {
   }
 }
 
-void Peer::keep_session(HostTime now) {
+// False when session time has stepped, and what was due is not.
+bool Peer::keep_session(HostTime now) {
   if (!started_) {
     started_ = now;
     next_hello_ = now;
@@ -276,7 +298,12 @@ void Peer::keep_session(HostTime now) {
       enter_session(now);
     }
   }
-  if (clock_.adjust(now)) outputs_.push_back(ClockStepped{clock_.session_minus_host()});
+  const SimTime before = clock_.to_session(now);
+  if (!clock_.adjust(now)) return true;
+  const SimTime after = clock_.to_session(now);
+  if (replica_) change_session(before, after);
+  outputs_.push_back(ClockStepped{clock_.session_minus_host(), after - before});
+  return false;
 }
 
 void Peer::look(SimTime t) {
@@ -314,8 +341,7 @@ std::optional<SimTime> Peer::due_tick(HostTime now) const {
 
 void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
   const std::optional<SimTime> due = due_tick(now);
-  keep_session(now);
-  if (due) {
+  if (keep_session(now) && due) {
     const std::int64_t number = tick_number(*due);
     ++counters_.ticks;
     counters_.ticks_missed += static_cast<std::uint64_t>(number - last_tick_ - 1);

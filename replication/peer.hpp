@@ -63,7 +63,7 @@ struct Synchronised {
   Duration session_minus_host, error_bound;
 };
 struct ClockStepped {
-  Duration session_minus_host;
+  Duration session_minus_host, step;
 };
 struct PeerJoined {
   PeerId peer;
@@ -186,13 +186,15 @@ class Peer {
   };
 
   void enter_session(HostTime now);
+  void change_session(SimTime before, SimTime now);
+  void declare_all();
   void on_hello(HostTime now, PeerId sender, const Hello& hello);
   void on_update(PeerId sender, const UpdateRecord& update);
   void on_decision(PeerId sender, const DecisionRecord& decision);
   void claim(PeerId peer, std::span<const ObjectId> objects);
   void release(PeerId peer, SimTime t);
   void watch_decided_pairs();
-  void keep_session(HostTime now);
+  bool keep_session(HostTime now);
   void tick(SimTime t, std::span<const OwnSample> samples);
   void report_contacts(SimTime t);
   void decide(const ContactEvent& contact);
@@ -224,7 +226,8 @@ class Peer {
   std::size_t hellos_ = 0;  // sent; their lists take turns
   std::vector<UpdateRecord> updates_due_;
   std::vector<std::pair<DecisionRecord, int>> decisions_due_;  // how often still to be sent
-  std::set<PeerId> other_worlds_;
+  std::set<PeerId> other_worlds_;  // told once each
+  bool id_in_use_told_ = false;
   std::deque<Output> outputs_;
   Counters counters_;
 };

@@ -35,7 +35,7 @@ CollisionInterest { objectPath "CAR" interests "WALL" collisionType 1 }
 )";
 
 // CAR turns round every second; it must not reach the wall.
-constexpr const char* kScenario = R"(world = "w.wrl"
+constexpr const char* kScenario = R"toml(world = "w.wrl"
 duration_s = 3
 
 [replication]
@@ -54,7 +54,7 @@ id = 2
 [peer.c]
 id = 3
 enslaves = ["CUBE"]
-)";
+)toml";
 
 // Each test uses a port of its own: slots 0 to 9 of this process.
 class PeerProcess : public testing::Test {
