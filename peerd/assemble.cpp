@@ -98,7 +98,7 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
       record.contacts.push_back(
           {since_start(c.at), log.peer, c.kind, c.collider, c.collidee, c.normal, since_start(c.known_at)});
     }
-    record.groups_joined = std::max(record.groups_joined, log.groups_joined);
+    record.groups_joined += log.groups_joined;
     record.worlds_equal = record.worlds_equal && log.other_worlds == 0;
     for (const auto& [name, count] : log.counters) record.counters[name] += count;
   }

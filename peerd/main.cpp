@@ -6,6 +6,7 @@
 
 #include "peerd/check.hpp"
 #include "peerd/commands.hpp"
+#include "peerd/net/host_clock.hpp"
 
 namespace peerd {
 namespace {
@@ -22,21 +23,21 @@ struct RunFlags {
 
 std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
 
+// A number for a peer that was given none. Two that start in the same microsecond clash, and say so; configured peers,
+// whose numbers are lower, go first in decisions.
+std::uint32_t number_by_clock() {
+  const std::int64_t us = net::HostClock().now().time_since_epoch() / std::chrono::microseconds(1);
+  return 1'000'000'000 + static_cast<std::uint32_t>(us % 3'000'000'000);
+}
+
 // The flags as the settings that they stand for. Without a configuration there is one peer, which the flags describe.
 std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options) {
   std::vector<std::string> sets;
-  if (!flags.world.empty()) {
-    sets.push_back("world=" + quoted(std::filesystem::absolute(flags.world).string()));
-  }
+  if (!flags.world.empty()) sets.push_back("world=" + quoted(std::filesystem::absolute(flags.world).string()));
   if (options.config.empty()) {
-    if (options.peer.empty()) options.peer = flags.name.empty() ? "peer" : flags.name;
-    sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id.value_or(1)));
-  }
-  if (options.config.empty() || !options.peer.empty()) {
-    if (flags.id) sets.push_back("peer." + options.peer + ".id=" + std::to_string(*flags.id));
-    if (!flags.enslaves.empty()) {
-      sets.push_back("peer." + options.peer + ".enslaves=" + nlohmann::json(flags.enslaves).dump());
-    }
+    options.peer = flags.name.empty() ? "peer" : flags.name;
+    sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : number_by_clock()));
+    sets.push_back("peer." + options.peer + ".enslaves=" + nlohmann::json(flags.enslaves).dump());
   }
   if (!flags.interface.empty()) sets.push_back("transport.interface=" + quoted(flags.interface));
   if (!flags.group.empty()) sets.push_back("transport.group=" + quoted(flags.group));
@@ -108,6 +109,15 @@ int run(int argc, char** argv) {
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
   if (peer.config.empty() && flags.world.empty()) {
     return failed({"error: give a configuration (--config FILE) or a world (--world FILE)", kWrongUse});
+  }
+  const bool describes_peer = !flags.name.empty() || flags.id || !flags.enslaves.empty();
+  if (!peer.config.empty() && describes_peer) {
+    return failed({"error: --name, --id and --enslave describe a peer without a configuration; change one of the "
+                   "configuration's by --set, such as --set peer.a.id=5",
+                   kWrongUse});
+  }
+  if (peer.config.empty() && !peer.peer.empty()) {
+    return failed({"error: --peer picks one of a configuration's peers; without one, say --name", kWrongUse});
   }
   peer.sets = as_settings(flags, peer);
   return run_peer(peer);

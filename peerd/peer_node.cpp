@@ -183,6 +183,7 @@ const PeerLog& PeerNode::log() {
        {"ticks_missed", c.ticks_missed},
        {"updates_in", c.updates_in},
        {"updates_out", c.updates_out},
+       {"updates_repeated", c.updates_repeated},
        {"proximity_tests", c.proximity_tests},
        {"contact_searches", m.contact_searches},
        {"contact_searches_skipped", m.searches_skipped},
@@ -192,7 +193,8 @@ const PeerLog& PeerNode::log() {
        {"contact_searches_unsupported", m.unsupported},
        {"contact_searches_failed", m.failed},
        {"contacts_capped", m.capped},
-       {"came_to_rest", m.came_to_rest}};
+       {"came_to_rest", m.came_to_rest},
+       {"jammed", m.jammed}};
   for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;
   return log_;
 }

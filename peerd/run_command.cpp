@@ -28,7 +28,7 @@ int exit_code(net::NetError::Kind kind) { return kind == net::NetError::Kind::kB
 class Log {
  public:
   Log(std::string peer, bool json, bool verbose)
-      : logger_(std::move(peer), std::make_shared<spdlog::sinks::stdout_sink_st>()), json_(json) {
+      : logger_(json ? nlohmann::json(peer).dump() : std::move(peer), std::make_shared<spdlog::sinks::stdout_sink_st>()), json_(json) {
     logger_.set_level(verbose ? spdlog::level::debug : spdlog::level::info);
     logger_.flush_on(spdlog::level::trace);  // a reader may follow it
     logger_.set_pattern(json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","peer":%n,"level":"%l","text":%v})"

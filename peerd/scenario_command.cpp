@@ -24,8 +24,9 @@ namespace fs = std::filesystem;
 
 // Joining takes two seconds, leaving none; a peer that is not done by then hangs.
 constexpr std::chrono::seconds kGrace{20};
-// Sessions of two scenario runs on one computer must not meet: each takes a port of its own from this range.
-constexpr int kPortBegin = 20000, kPortCount = 20000;
+// Sessions of two scenario runs on one computer must not meet: each takes a port of its own from this range,
+// below the ephemeral ports, which the system may hand to anybody.
+constexpr int kPortBegin = 20000, kPortCount = 12000;
 
 std::string toml_value(const nlohmann::ordered_json& value) { return value.dump(); }
 
@@ -173,7 +174,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   std::vector<report::RunRecord> records;
   for (const config::RunSettings& run : scenario->runs) {
     const int number = static_cast<int>(records.size()) + 1;
-    const int port = kPortBegin + (getpid() * 64 + number) % kPortCount;
+    const int port = kPortBegin + (getpid() * 37 + number) % kPortCount;
     const auto logs = run_live({options, program, out, fmt::format("run-{:03}", number), port}, run);
     if (!logs) return failed(logs.error());
     auto record = assemble(run, **shared, *logs);

@@ -66,6 +66,7 @@ void put(const Hello& h, proto::Hello* out) {
   out->set_host_tx_ns(h.host_tx.time_since_epoch().count());
   out->set_synchronised(h.synchronised);
   out->set_session_minus_host_ns(h.session_minus_host.count());
+  out->set_sessions(h.sessions);
   for (const ClockEcho& e : h.echoes) {
     proto::ClockEcho* o = out->add_echoes();
     o->set_peer(e.peer.value);
@@ -129,6 +130,7 @@ bool take(const proto::Hello& in, Hello& h) {
   h.world_hash = in.world_hash();
   h.synchronised = in.synchronised();
   h.session_minus_host = Duration{in.session_minus_host_ns()};
+  h.sessions = in.sessions();
   if (!take(in.host_tx_ns(), h.host_tx) || !in_range(in.session_minus_host_ns())) return false;
   for (const proto::ClockEcho& e : in.echoes()) {
     ClockEcho echo{PeerId{e.peer()}, {}, {}};

@@ -18,6 +18,7 @@ struct Member {
   HostTime last_heard{};                       // our clock
   std::optional<HostTime> hello_tx, hello_rx;  // of its last hello: its clock, ours
   bool synchronised = false;
+  std::uint32_t sessions = 0;
   Duration session_minus_host{0};
   std::optional<SimTime> start;
   std::map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied

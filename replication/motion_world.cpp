@@ -56,6 +56,7 @@ MotionWorld::Counters& MotionWorld::Counters::operator+=(const Counters& other) 
   contacts += other.contacts;
   contacts_undone += other.contacts_undone;
   came_to_rest += other.came_to_rest;
+  jammed += other.jammed;
   overlapped += other.overlapped;
   unsupported += other.unsupported;
   failed += other.failed;
@@ -184,15 +185,14 @@ void MotionWorld::take_back(std::size_t cause, SimTime t) {
   }
 }
 
-// The object's pieces changed from t on: what its pairs know of later contacts is void. Objects that stand firm are not
-// searched in the past that this peer has already lived.
+// The object's pieces changed from t on: what its pairs know of later contacts is void. What stands firm is not searched
+// in the past that this peer has already lived because another moved otherwise; its own change (a decision) is.
 void MotionWorld::reopen(std::size_t object, SimTime t) {
   for (Pair& pair : pairs_) {
     if (pair.collider != object && pair.collidee != object) continue;
-    const auto lived = [&](std::size_t i) {
-      return objects_[i].role == Role::kFirm || objects_[i].role == Role::kDriven;
-    };
-    const SimTime from = std::max(t, advanced_ - (lived(pair.collider) || lived(pair.collidee) ? Duration{0} : kHistory));
+    const Role other = objects_[pair.collider == object ? pair.collidee : pair.collider].role;
+    const bool lived = other == Role::kFirm || other == Role::kDriven;
+    const SimTime from = std::max(t, advanced_ - (lived ? Duration{0} : kHistory));
     if (pair.contact && *pair.contact >= from) pair.contact.reset();
     pair.clear_until = std::min(pair.clear_until, from);
   }
@@ -247,9 +247,9 @@ void MotionWorld::search_window(Pair& pair) {
     case collision::ContactState::kOverlapped: {
       ++counters_.overlapped;
       const bool approaching = c.normal_world.dot(state_a.velocity - state_b.velocity) < 0.0;
-      const bool answers = (pair.collider_answers && a.role >= Role::kFirm) ||
-                           (pair.collidee_answers && b.role >= Role::kFirm);
-      if (approaching && answers) {
+      const bool answers = (pair.collider_answers && a.role >= Role::kFirm && a.base_time <= s) ||
+                           (pair.collidee_answers && b.role >= Role::kFirm && b.base_time <= s);
+      if (approaching && answers && !pair.inside) {
         contact_at(s, true);
       } else {
         pair.clear_until = std::min(s + kOverlapRetry, end);
@@ -282,6 +282,10 @@ KinematicState MotionWorld::answered(std::size_t object, const Pair& pair, const
   const SimTime t = *pair.contact;
   std::erase_if(o.recent, [&](SimTime r) { return r + kBouncesWithin < t || r > t; });
   o.recent.push_back(t);
+  if (o.recent.size() > 2 * kBouncesMax) {  // between two that leave it no room
+    ++counters_.jammed;
+    return respond(ResponseType::kZero, self, other, other_answers, n);
+  }
   if (pair.resting || o.recent.size() > kBouncesMax) {
     ++counters_.came_to_rest;
     return rest_against(self, other, n);

@@ -62,6 +62,7 @@ class MotionWorld {
     std::uint64_t contacts = 0;
     std::uint64_t contacts_undone = 0;   // beliefs taken back
     std::uint64_t came_to_rest = 0;      // ever lower bounces ended by rest_against
+    std::uint64_t jammed = 0;            // objects stopped because rest gave way to rest
     std::uint64_t overlapped = 0;        // searches that began inside another object
     std::uint64_t unsupported = 0;       // pairs that collision can't answer yet
     std::uint64_t failed = 0;            // searches that hit their iteration cap

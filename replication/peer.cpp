@@ -71,7 +71,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   }
   if (m.has_hello && m.hello.world_hash != config_.world_hash) {
     if (other_worlds_.insert(m.sender).second) outputs_.push_back(OtherWorld{m.sender, m.hello.name});
-    members_.remove(m.sender);
+    if (const auto member = members_.remove(m.sender)) lose(m.sender, member->name, now, true);
     return dropped(Drop::kOtherWorld);
   }
   if (!m.has_hello && members_.find(m.sender) == nullptr) return dropped(Drop::kStranger);
@@ -79,15 +79,16 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
     case Membership::Heard::kStale: return dropped(Drop::kStaleBoot);
     case Membership::Heard::kKnown: break;
     case Membership::Heard::kJoined: outputs_.push_back(PeerJoined{m.sender, m.hello.name, false}); break;
-    case Membership::Heard::kRestarted: outputs_.push_back(PeerJoined{m.sender, m.hello.name, true}); break;
+    case Membership::Heard::kRestarted:
+      release(m.sender, now);
+      outputs_.push_back(PeerJoined{m.sender, m.hello.name, true});
+      break;
   }
   ++counters_.datagrams_in;
   counters_.bytes_in += datagram.size();
   if (m.has_hello) on_hello(now, m.sender, m.hello);
   if (m.leaving) {
-    const std::string name = members_.remove(m.sender)->name;
-    if (replica_) release(m.sender, clock_.to_session(now));
-    outputs_.push_back(PeerLost{m.sender, name, true});
+    lose(m.sender, members_.remove(m.sender)->name, now, true);
     return {};
   }
   if (!replica_) {
@@ -117,9 +118,10 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
   member.name = hello.name;
   member.hello_tx = hello.host_tx;
   member.hello_rx = now;
-  if (hello.synchronised && !member.synchronised) {
+  if (hello.sessions != member.sessions) {  // it knows of no updates yet
     for (auto& [object, own] : own_) own.resend = true;
   }
+  member.sessions = hello.sessions;
   member.synchronised = hello.synchronised;
   member.session_minus_host = hello.session_minus_host;
   member.start = hello.start;
@@ -167,23 +169,33 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
   if (changed) watch_decided_pairs();
 }
 
-// What a lost peer ran stands still from t on, and belongs to nobody.
-void Peer::release(PeerId peer, SimTime t) {
+void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye) {
+  release(peer, now);
+  if (follows_ == peer) follows_.reset();
+  outputs_.push_back(PeerLost{peer, name, said_goodbye});
+}
+
+// What a lost peer ran stands still from now on, and belongs to nobody.
+void Peer::release(PeerId peer, HostTime now) {
+  const SimTime t = clock_.to_session(now);
   for (auto at = owners_.begin(); at != owners_.end();) {
     if (at->second != peer) {
       ++at;
       continue;
     }
-    set_ghost(at->first, t, at_rest(replica_->ghosts.at(at->first, t).pose()));
-    replica_->truth.declare(at->first, Role::kScene);
-    replica_->ghosts.declare(at->first, Role::kScene);
-    outputs_.push_back(Frozen{at->first, peer});
+    if (replica_) {
+      set_ghost(at->first, t, at_rest(replica_->ghosts.at(at->first, t).pose()));
+      replica_->truth.declare(at->first, Role::kScene);
+      replica_->ghosts.declare(at->first, Role::kScene);
+      outputs_.push_back(Frozen{at->first, peer});
+    }
     at = owners_.erase(at);
   }
   watch_decided_pairs();
 }
 
 void Peer::on_update(PeerId sender, const UpdateRecord& u) {
+  if (owner(u.object) == kNobody) claim(sender, {&u.object, 1});  // its hello may have been lost
   if (owner(u.object) != sender) return drop("not_owner");
   std::uint32_t& last = members_.find(sender)->last_sequence[u.object];
   if (u.sequence <= last) return drop("old_sequence");
@@ -222,6 +234,8 @@ void Peer::set_ghost(ObjectId object, SimTime t, const KinematicState& state) {
 
 void Peer::enter_session(HostTime host_now) {
   const SimTime now = clock_.to_session(host_now);
+  ++sessions_;
+  next_hello_ = host_now;
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
   last_tick_ = tick_number(now);
   declare_all();
@@ -246,6 +260,8 @@ void Peer::declare_all() {
 // was known of the past, and what the others were told in the old time, is void.
 void Peer::change_session(SimTime before, SimTime now) {
   const Replica old = std::move(*replica_);
+  ++sessions_;
+  next_hello_ = clock_.to_host(now);
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
   last_tick_ = tick_number(now);
   decisions_.clear();
@@ -285,9 +301,7 @@ bool Peer::keep_session(HostTime now) {
     next_hello_ = now;
   }
   for (auto& [peer, member] : members_.expire(now)) {
-    if (replica_) release(peer, clock_.to_session(now));
-    outputs_.push_back(PeerLost{peer, member.name, false});
-    if (follows_ == peer) follows_.reset();
+    lose(peer, member.name, now, false);
   }
   if (!clock_.synchronised() && now - *started_ >= config_.listen_first && !members_.lowest_synchronised()) {
     const bool lowest = members_.all().empty() || config_.id < members_.all().begin()->first;
@@ -348,11 +362,12 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     last_tick_ = number;
     tick(*due, samples);
   }
-  flush_records();
-  if (now >= *next_hello_) {
+  if (now >= *next_hello_) {  // before the records: who has not heard of a peer can't use its updates
     send_hello(now, false);
+    repeat_updates();
     next_hello_ = now + (replica_ ? config_.hello_period : kJoiningHelloPeriod);
   }
+  flush_records();
 }
 
 void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
@@ -390,13 +405,16 @@ void Peer::report_contacts(SimTime t) {
 }
 
 void Peer::decide(const ContactEvent& c) {
+  std::erase_if(decisions_due_, [&](const auto& due) {  // of one pair, the last outcome counts
+    return due.first.collider == c.collider && due.first.collidee == c.collidee;
+  });
   decisions_due_.emplace_back(DecisionRecord{c.collider, c.collidee, c.at, c.normal, c.collider_before,
                                              c.collidee_before, c.collider_after, c.collidee_after, DecisionRule::kId},
                               kDecisionCopies);
   decisions_[c.collider] = decisions_[c.collidee] = c.at;
-  const bool collider_ours = own_.contains(c.collider);
-  replica_->ghosts.set_base(collider_ours ? c.collidee : c.collider, c.at,
-                            collider_ours ? c.collidee_after : c.collider_after);
+  // As all who hear of it will: the own object's ghost too, or this peer's copy of their ghosts would not be theirs.
+  replica_->ghosts.set_base(c.collider, c.at, c.collider_after);
+  replica_->ghosts.set_base(c.collidee, c.at, c.collidee_after);
 }
 
 SimTime Peer::last_decision(ObjectId object) const {
@@ -440,6 +458,19 @@ void Peer::publish(SimTime t) {
     ++counters_.updates_out;
     outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, *reason});
     updates_due_.push_back(record);
+    own.to_repeat = record;
+  }
+}
+
+// A state that nothing newer has replaced goes out once more with the next hello: a lost one would stand wrong until the
+// time threshold. Where updates come fast there is nothing to repeat.
+void Peer::repeat_updates() {
+  for (auto& [object, own] : own_) {
+    if (!own.to_repeat) continue;
+    const bool due_anyway = std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
+    if (due_anyway) continue;  // it goes out for the first time just now
+    updates_due_.push_back(*std::exchange(own.to_repeat, std::nullopt));
+    ++counters_.updates_repeated;
   }
 }
 
@@ -482,8 +513,7 @@ void Peer::send_hello(HostTime now, bool leaving) {
   Message m = blank();
   m.has_hello = true;
   m.leaving = leaving;
-  m.hello = {config_.name, config_.world_hash, now, clock_.synchronised(), clock_.session_minus_host(), {}, {},
-             start_};
+  m.hello = {config_.name, config_.world_hash, now, clock_.synchronised(), clock_.session_minus_host(), sessions_, {}, {}, start_};
   // Lists too long for one datagram take turns, hello by hello.
   const auto turns = [&](std::size_t size, std::size_t most, auto take) {
     for (std::size_t i = 0; i < std::min(size, most); ++i) take((hellos_ * most + i) % size);

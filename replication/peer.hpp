@@ -132,6 +132,7 @@ class Peer {
     std::map<std::string, std::uint64_t> drops;  // by reason
     std::uint64_t ticks = 0, ticks_missed = 0;
     std::uint64_t updates_in = 0, updates_out = 0;
+    std::uint64_t updates_repeated = 0;  // second copies; not in updates_out
     std::uint64_t proximity_tests = 0;
   };
 
@@ -183,6 +184,7 @@ class Peer {
     std::optional<SimTime> last_sent;
     std::uint32_t sequence = 0;
     bool resend = false;  // somebody joined
+    std::optional<UpdateRecord> to_repeat;
   };
 
   void enter_session(HostTime now);
@@ -192,7 +194,8 @@ class Peer {
   void on_update(PeerId sender, const UpdateRecord& update);
   void on_decision(PeerId sender, const DecisionRecord& decision);
   void claim(PeerId peer, std::span<const ObjectId> objects);
-  void release(PeerId peer, SimTime t);
+  void release(PeerId peer, HostTime now);
+  void lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye);
   void watch_decided_pairs();
   bool keep_session(HostTime now);
   void tick(SimTime t, std::span<const OwnSample> samples);
@@ -200,6 +203,7 @@ class Peer {
   void decide(const ContactEvent& contact);
   [[nodiscard]] SimTime last_decision(ObjectId object) const;
   void publish(SimTime t);
+  void repeat_updates();
   [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t);
   void set_ghost(ObjectId object, SimTime t, const KinematicState& state);
   void flush_records();
@@ -222,6 +226,7 @@ class Peer {
   std::optional<SimTime> start_;
   std::optional<HostTime> next_hello_;
   std::optional<PeerId> follows_;
+  std::uint32_t sessions_ = 0;  // entered
   std::int64_t last_tick_ = 0;
   std::size_t hellos_ = 0;  // sent; their lists take turns
   std::vector<UpdateRecord> updates_due_;

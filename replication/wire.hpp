@@ -55,6 +55,7 @@ struct Hello {
   HostTime host_tx{};
   bool synchronised = false;       // session_minus_host means something
   Duration session_minus_host{};
+  std::uint32_t sessions = 0;      // how many the sender has entered; each began without any updates
   std::vector<ClockEcho> echoes;
   std::vector<ObjectId> enslaved;
   std::optional<SimTime> start;    // when this peer lets motions by formula begin, if it says so

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <regex>
+#include <utility>
 
 #include <muParser.h>
 
@@ -26,6 +28,18 @@ struct MotionSource::Formulas {
     return parser.Eval();
   }
 };
+
+namespace {
+
+// "name = expression"; an empty name when it is not that.
+std::pair<std::string, std::string> split_definition(const std::string& definition) {
+  static const std::regex form(R"(\s*([A-Za-z_]\w*)\s*=([^=].*))");
+  std::smatch parts;
+  if (!std::regex_match(definition, parts, form)) return {};
+  return {parts[1], parts[2]};
+}
+
+}  // namespace
 
 MotionSource::MotionSource(std::unique_ptr<Formulas> formulas) : formulas_(std::move(formulas)) {}
 MotionSource::MotionSource(MotionSource&&) noexcept = default;
@@ -63,19 +77,21 @@ Result<MotionSource> MotionSource::make(const MotionFormula& formula, const std:
     const auto set_up = [&](mu::Parser& parser, const std::string& expression) {
       doing = expression;
       parser.DefineConst("pi", std::numbers::pi);
+      parser.DefineFun("floor", +[](double x) { return std::floor(x); });
+      parser.DefineFun("mod", +[](double x, double y) { return x - y * std::floor(x / y); });
       parser.DefineVar("t", &f->t);
       for (std::size_t i = 0; i < names.size(); ++i) parser.DefineVar(names[i], &f->defined[i]);
       parser.SetExpr(expression);
       (void)parser.Eval();
     };
     for (const std::string& definition : formula.define) {
-      const std::size_t equals = definition.find('=');
-      const std::size_t name_end = definition.find_first_of(" =");
-      if (equals == std::string::npos || name_end == 0) {
-        return std::unexpected(InputError{"error: " + what + ".define: write \"" + definition + "\" as \"name = expression\""});
+      const auto [name, expression] = split_definition(definition);
+      if (name.empty()) {
+        return std::unexpected(InputError{"error: " + what + ".define: write \"" + definition +
+                                          "\" as \"name = expression\", the name in letters, digits and _"});
       }
-      set_up(f->definitions.emplace_back(), definition.substr(equals + 1));
-      names.push_back(definition.substr(0, name_end));
+      set_up(f->definitions.emplace_back(), expression);
+      names.push_back(name);
     }
     const std::array<const std::string*, 4> texts{&formula.x, &formula.y, &formula.z, &formula.angle};
     for (std::size_t i = 0; i < texts.size(); ++i) set_up(f->components[i], *texts[i]);

@@ -8,7 +8,8 @@
 
 namespace peerd::config {
 
-// Motion by formula in t [s] since the scenario's start (t < 0 before it), in muParser's syntax plus `pi`.
+// Motion by formula in t [s] since the scenario's start (t < 0 before it), in muParser's syntax plus `pi`, floor(x) and
+// mod(x, y) (with the sign of y).
 //
 // It stands for whatever moves an object in earnest (a hand, a vehicle model, a motion capture): it hands out samples,
 // and replication never sees the formula. Velocity and acceleration are right-hand derivatives, so at a corner they are

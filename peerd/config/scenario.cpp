@@ -180,8 +180,8 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
     SweptKey& s = swept.emplace_back(std::string(key.str()), std::vector<const toml::node*>{});
     const toml::array* values = value.as_array();
     if (values == nullptr || values->empty()) {
-      return std::unexpected(InputError{request.file.string() + ": error: sweep.\"" + s.key +
-                                        "\" must be a list of at least one value"});
+      return std::unexpected(InputError{request.file.string() + ": error: sweep: \"" + s.key +
+                                        "\" must be a list of at least one value; a key with dots stands in quotes"});
     }
     for (const toml::node& v : *values) s.values.push_back(&v);
     runs *= s.values.size();

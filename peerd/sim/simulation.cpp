@@ -22,9 +22,12 @@ struct SimulatedPeer {
 };
 
 double longest_delay_s(const config::RunSettings& run) {
-  double longest_ms = run.network.latency_ms + run.network.jitter_ms;
-  for (const auto& [ends, link] : run.links) longest_ms = std::max(longest_ms, link.latency_ms + link.jitter_ms);
-  return longest_ms * 1e-3;
+  const auto longest_ms = [](const config::LinkSettings& link) {
+    return (link.latency_ms + link.jitter_ms) * (link.reordering > 0.0 ? 2.0 : 1.0);
+  };
+  double most_ms = longest_ms(run.network);
+  for (const auto& [ends, link] : run.links) most_ms = std::max(most_ms, longest_ms(link));
+  return most_ms * 1e-3;
 }
 
 config::Result<std::vector<SimulatedPeer>> make_peers(const config::RunSettings& run, const SharedWorld& shared) {

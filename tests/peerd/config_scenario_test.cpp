@@ -288,7 +288,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(ScenarioTest, ABadSweepIsRefused) {
   EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\n\"replication.order\" = []"),
-              HasSubstr("sweep.\"replication.order\" must be a list of at least one value"));
+              HasSubstr("sweep: \"replication.order\" must be a list of at least one value"));
   EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\n\"replication.order\" = 2"), HasSubstr("must be a list"));
   EXPECT_THAT(error(std::string("sweep = 3\n") + kTwoPeers), HasSubstr("sweep must be a table of lists"));
   EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\n\"replication.ordr\" = [1]"),

@@ -378,6 +378,25 @@ TEST(MotionWorld, AnUpdateAfterTheContactHoldsItsOutcome) {
   EXPECT_EQ(world.base_time(w["BALL"]), sim(1900ms));
 }
 
+// A late update puts CUBE where BALL was before its owner's last word: nobody answers that any more.
+TEST(MotionWorld, AnOverlapFromBeforeTheLastUpdateIsNotFoundOverAndOver) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["CUBE"], sim(0s), moving({0, 9, 0}));
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {0.1, 0, 0}));
+  world.advance(sim(1s));
+  world.set_base(w["BALL"], sim(2s), moving({-5, 0, 0}));
+  world.advance(sim(3s));
+  drain(world);
+  world.set_base(w["CUBE"], sim(1s), moving({-1.8, 0, 0}));
+  world.advance(sim(3s));
+  EXPECT_LE(contacts(world).size(), 1u);
+  EXPECT_EQ(world.counters().capped, 0u);
+  EXPECT_EQ(world.at(w["BALL"], sim(3s)).position, Vec3(-5, 0, 0));
+}
+
 // ---- overlap and rest ----
 
 TEST(MotionWorld, SetBackOnlyOnOverlapAndOnlyWhereAsked) {
@@ -401,6 +420,19 @@ TEST(MotionWorld, SetBackOnlyOnOverlapAndOnlyWhereAsked) {
     }
     EXPECT_GE(world.counters().overlapped, 1u);
   }
+}
+
+TEST(MotionWorld, SetBackGoesToAPlaceOfThePast) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {0.5, 0, 0}));
+  world.advance(sim(3s));
+  drain(world);
+  world.set_base(w["BALL"], sim(1s), moving({3.2, 0, 0}, {1, 0, 0}));  // late, and inside the wall
+  world.advance(sim(3s));
+  for (const ContactEvent& c : contacts(world)) EXPECT_LE(c.collider_after.position.x(), 3.2);
+  EXPECT_LE(world.at(w["BALL"], sim(3s)).position.x(), 3.2);
 }
 
 TEST(MotionWorld, ATouchIsNotSetBack) {

@@ -97,6 +97,20 @@ TEST_P(BodiesMeet, NobodyIsWrongForLongerThanTheNewsTakes) {
   EXPECT_GT(late_samples, 50u);
 }
 
+// What moves from the beginning is known from the beginning, whoever comes first and however fast the network is.
+TEST(BodiesMeetBefore, EveryoneKnowsWhatMovesFromTheStart) {
+  for (const char* latency_ms : {"0", "1", "5", "40", "300"}) {
+    for (const char* first : {"peer.a.id=1", "peer.a.id=9"}) {
+      SCOPED_TRACE(testing::Message() << latency_ms << " ms, " << first);
+      const Ran ran =
+          run_scenario(kMeeting, {std::string("network.latency_ms=") + latency_ms, first, "duration_s=2"}).front();
+      for (const auto& [observer, path] : {std::pair{"a", "RIGHT"}, {"b", "LEFT"}, {"c", "LEFT"}, {"c", "RIGHT"}}) {
+        EXPECT_LT(ran.view(observer, path)["ghost_error_m"]["max"].get<double>(), 0.01) << observer << " of " << path;
+      }
+    }
+  }
+}
+
 // Prediction knows the outcome before the news: without it, ghosts go on until they hear.
 TEST(BodiesMeetPrediction, SparesTheObserverTheLatency) {
   const Ran dr = run_scenario(kMeeting, {"replication.approach=dr", "network.latency_ms=400"}).front();

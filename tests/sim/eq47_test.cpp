@@ -182,6 +182,16 @@ TEST(Eq47, NoErrorOutlivesItsUpdate) {
   EXPECT_LE(most, 1) << "ticks in a row";
 }
 
+// A tick begins by draining the network, so on one without latency the observers' ghosts are the owner's.
+TEST(Eq47, WithoutLatencyTheThresholdHoldsAtEveryTick) {
+  for (const int order : {1, 2}) {
+    const Ran ran = run_eq47("dr+rcp", order, 0);
+    for (const char* observer : {"b", "c"}) {
+      EXPECT_LE(ran.view(observer, "CAR")["ghost_error_m"]["max"].get<double>(), 0.5 + 1e-6);
+    }
+  }
+}
+
 // ---- clocks ----
 
 TEST(Eq47, HostClocksThatDifferChangeNothingMuch) {
@@ -192,6 +202,10 @@ TEST(Eq47, HostClocksThatDifferChangeNothingMuch) {
                  {"peer.a.clock_offset_s=-1.5", "peer.b.clock_offset_s=1.5", "peer.c.clock_offset_s=0.1237"});
     for (const char* observer : {"b", "c"}) {
       EXPECT_NEAR(apart.mean_error_m(observer, "CAR"), level.mean_error_m(observer, "CAR"), 0.005) << latency_ms;
+    }
+    for (const PeerLog& log : apart.logs) {  // a founded the session: its host's clock is everybody's session clock
+      const auto& last = log.beliefs.back();
+      EXPECT_NEAR(to_seconds(last.at.time_since_epoch() - last.true_at.time_since_epoch()), -1.5, 0.01) << log.name;
     }
     EXPECT_NEAR(static_cast<double>(apart.updates("CAR")), static_cast<double>(level.updates("CAR")), 2.0);
   }

@@ -1,0 +1,130 @@
+// Any datagrams at all: decode() lets only sound messages through, and a peer in session that gets them goes on in
+// bounded work, with finite ghosts, and sends only what others can read.
+//
+// An input is a row of datagrams, each after two bytes of its length (low byte first) and one of the time that passes
+// before it comes [10 ms]. What is left over is the last one.
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <span>
+
+#include "core/vrml/reader.hpp"
+#include "replication/peer.hpp"
+
+namespace {
+
+using namespace peerd;
+using namespace peerd::replication;
+
+// Not assert: it must hold in every build.
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+// A ball of ours between two walls, a cube that the datagrams may claim, and one that nobody collides with.
+constexpr const char* kWorld = R"(#VRML V2.0 utf8
+DEF BALL Transform { collisionResponse CollisionResponse { } velocityVector 2 0 0 children Shape { geometry Box { size 1 1 1 } } }
+DEF LEFT Transform { translation -4 0 0 children Shape { geometry Box { size 1 9 9 } } }
+DEF RIGHT Transform { translation 4 0 0 children Shape { geometry Box { size 1 9 9 } } }
+DEF CUBE Transform { translation 0 3 0 collisionResponse CollisionResponse { } children Shape { geometry Box { size 1 1 1 } } }
+DEF FREE Transform { translation 0 9 0 children Shape { geometry Box { size 1 1 1 } } }
+CollisionInterest { objectPath "BALL" interests [ "LEFT" "RIGHT" "CUBE" ] collisionType 1 }
+CollisionInterest { objectPath "CUBE" interests [ "LEFT" "RIGHT" "BALL" ] collisionType 1 }
+)";
+constexpr HostTime kBegin{std::chrono::seconds(1'000)};  // what the saved inputs' times are near
+constexpr int kDatagramsMax = 24;                        // of an input
+
+struct World {
+  Scene scene = read_world(kWorld).scene.value();
+  std::unique_ptr<const WorldModel> model = make_world_model(scene);
+};
+
+class Driver {
+ public:
+  explicit Driver(const World& world) : world_(world), peer_(config(world.scene), *world.model) {
+    pass(std::chrono::milliseconds(1200));  // alone, it founds a session
+    require(peer_.clock().synchronised());
+  }
+
+  void pass(Duration d) {
+    const HostTime until = now_ + d;
+    for (int calls = 0;; ++calls) {
+      require(calls < 1000);
+      const HostTime next = std::max(now_, peer_.next_deadline());
+      if (next > until) break;
+      now_ = next;
+      peer_.on_tick(now_, {});
+      drain();
+    }
+    now_ = until;
+  }
+
+  void receive(std::span<const std::byte> datagram) {
+    const auto message = decode(datagram);
+    const auto taken = peer_.on_packet(now_, RegionId{0}, datagram);
+    require(message.has_value() || !taken.has_value());
+    if (message) {
+      for (const UpdateRecord& u : message->updates) check(u.state);
+      const Bytes again = encode(*message);
+      require(again.size() > kDatagramMax_bytes || decode(again).has_value());
+    }
+    drain();
+  }
+
+  void check_ghosts() const {
+    for (const auto& [object, owner] : peer_.owners()) {
+      require(object.value < world_.scene.instances.size() && owner.value != 0);
+      check(peer_.ghost(object, peer_.clock().to_session(now_)));
+    }
+  }
+
+ private:
+  static PeerConfig config(const Scene& scene) {
+    PeerConfig c;
+    c.id = PeerId{2};
+    c.name = "fuzzed";
+    c.boot = 7;
+    c.world_hash = 1;
+    c.enslaved = {{scene.find("BALL").value(), false}};
+    return c;
+  }
+
+  static void check(const KinematicState& s) {
+    require(s.position.allFinite() && s.velocity.allFinite() && s.acceleration.allFinite());
+    require(std::abs(s.orientation.norm() - 1.0) < 1e-5);
+  }
+
+  void drain() {
+    int outputs = 0;
+    while (auto out = peer_.poll_output()) {
+      require(++outputs < 100'000);
+      if (const auto* send = std::get_if<Send>(&*out)) {
+        require(send->datagram.size() <= kDatagramMax_bytes && decode(send->datagram).has_value());
+      }
+    }
+  }
+
+  const World& world_;
+  HostTime now_ = kBegin;
+  Peer peer_;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const World world;
+  Driver driver(world);
+  auto rest = std::as_bytes(std::span(data, size));
+  for (int i = 0; i < kDatagramsMax && rest.size() > 3; ++i) {
+    const auto length = std::to_integer<std::size_t>(rest[0]) | std::to_integer<std::size_t>(rest[1]) << 8;
+    const auto pause = std::to_integer<std::int64_t>(rest[2]);
+    rest = rest.subspan(3);
+    driver.pass(std::chrono::milliseconds(10 * pause));
+    const auto datagram = rest.first(std::min(length, rest.size()));
+    driver.receive(datagram);
+    rest = rest.subspan(datagram.size());
+  }
+  driver.pass(std::chrono::milliseconds(50));
+  driver.check_ghosts();
+  return 0;
+}

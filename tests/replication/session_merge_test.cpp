@@ -1,0 +1,43 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/replication/lan.hpp"
+
+// Two sessions that founded themselves apart meet: the one of the lower peer goes on, the other's peers step into it.
+namespace peerd::replication {
+namespace {
+
+using namespace test;
+
+class SessionsMeet : public testing::TestWithParam<Duration> {};
+
+TEST_P(SessionsMeet, TheHigherPeerStepsOnceAndEverythingGoesOn) {
+  const World world(box("A", "1 1 1", "0 0 0", "velocityVector 1 0 0") + box("B", "1 1 1", "0 5 0", "velocityVector 0 0 2"));
+  Lan lan(world);
+  lan.add(config(1, {{world["A"], false}}));
+  lan.add(config(2, {{world["B"], false}}), GetParam());
+  lan.part({1});
+  lan.run_until(4s);
+  ASSERT_TRUE(lan.all_in_session());
+  ASSERT_EQ(lan.session_now(1) - lan.session_now(0), GetParam());
+  const KinematicState b_before = lan.peer(1).truth(world["B"], lan.session_now(1));
+
+  lan.part({});
+  lan.run_until(8s);
+  EXPECT_EQ(lan.seen<ClockStepped>(0).size(), 0u);
+  ASSERT_EQ(lan.seen<ClockStepped>(1).size(), 1u);
+  EXPECT_EQ(lan.seen<ClockStepped>(1)[0].step, -GetParam());
+  EXPECT_EQ(lan.session_now(1), lan.session_now(0));
+
+  // B has neither stopped nor jumped on the way, and peer 1 knows where it is; A likewise at peer 2.
+  const SimTime now = lan.session_now(0);
+  const KinematicState b = lan.peer(1).truth(world["B"], now);
+  EXPECT_NEAR(b.position.z() - b_before.position.z(), 2.0 * 4.0, 1e-6);
+  EXPECT_LT((lan.peer(0).ghost(world["B"], now).position - b.position).norm(), 0.01);
+  EXPECT_LT((lan.peer(1).ghost(world["A"], now).position - lan.peer(0).truth(world["A"], now).position).norm(), 0.01);
+  EXPECT_GT(lan.peer(1).counters().ticks, 7u * 55u);  // it has not waited for the old time to come again
+}
+INSTANTIATE_TEST_SUITE_P(ClocksApart, SessionsMeet, testing::Values(3s, -3s));
+
+}  // namespace
+}  // namespace peerd::replication
