@@ -194,6 +194,7 @@ void MotionWorld::reopen(std::size_t object, SimTime t) {
     const bool lived = other == Role::kFirm || other == Role::kDriven;
     const SimTime from = std::max(t, advanced_ - (lived ? Duration{0} : kHistory));
     if (pair.contact && *pair.contact >= from) pair.contact.reset();
+    if (pair.free_at && *pair.free_at >= from) pair.free_at.reset();
     pair.clear_until = std::min(pair.clear_until, from);
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <span>
 
 namespace peerd::replication {
@@ -11,6 +12,21 @@ namespace {
 constexpr std::int64_t kSlewDivisor = 200;
 // Farther than this apart, two sessions have met (a healed partition): slewing would take longer than 50 s.
 constexpr Duration kStepBeyond = std::chrono::milliseconds(250);
+// Our own stamp comes back within this; an older one, or one from our future, was not sent by us.
+constexpr Duration kEchoAgeMax = std::chrono::seconds(10);
+// No clock and no offset is farther than this from 0 (146 years); sums of three stay within int64 when each is checked.
+constexpr double kTimeMax_ns = 0x1p62;
+
+double ns(Duration d) { return static_cast<double>(d.count()); }
+
+// Stamps are other people's: what they say together must be possible before it is computed.
+bool plausible(const SessionClock::Exchange& e) {
+  if (e.t1 > e.t4 || e.t4 - e.t1 > kEchoAgeMax) return false;
+  const double t2 = ns(e.t2.time_since_epoch()), t3 = ns(e.t3.time_since_epoch()), t4 = ns(e.t4.time_since_epoch());
+  const double offset = t3 - t4 + ns(e.their_session_minus_host);
+  return t3 >= t2 && t3 - t2 <= ns(kEchoAgeMax) && std::abs(t3 - t4) < kTimeMax_ns / 2.0 &&
+         std::abs(offset) < kTimeMax_ns / 2.0 && std::abs(t4 + offset) < kTimeMax_ns;
+}
 
 }  // namespace
 
@@ -21,11 +37,12 @@ void SessionClock::found_session() {
 }
 
 void SessionClock::on_exchange(const Exchange& e) {
-  const Duration ahead = (e.t2.time_since_epoch() - e.t1.time_since_epoch());
-  const Duration behind = (e.t3.time_since_epoch() - e.t4.time_since_epoch());
+  if (!plausible(e)) return;
+  const Duration ahead = e.t2.time_since_epoch() - e.t1.time_since_epoch();
+  const Duration behind = e.t3.time_since_epoch() - e.t4.time_since_epoch();
   const Duration round_trip = (e.t4 - e.t1) - (e.t3 - e.t2);
-  if (round_trip < Duration{0}) return;  // one of the clocks was set meanwhile
-  samples_[sample_count_ % kSamples] = {(ahead + behind) / 2 + e.their_session_minus_host, round_trip};
+  if (round_trip < Duration{0}) return;  // a clock was set meanwhile
+  samples_[sample_count_ % kSamples] = {ahead + (behind - ahead) / 2 + e.their_session_minus_host, round_trip};
   ++sample_count_;
   if (!synchronised_ && sample_count_ >= kSamplesToStart) {
     synchronised_ = true;

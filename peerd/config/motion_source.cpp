@@ -1,9 +1,10 @@
 #include "peerd/config/motion_source.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <regex>
+#include <string_view>
 #include <utility>
 
 #include <muParser.h>
@@ -33,10 +34,16 @@ namespace {
 
 // "name = expression"; an empty name when it is not that.
 std::pair<std::string, std::string> split_definition(const std::string& definition) {
-  static const std::regex form(R"(\s*([A-Za-z_]\w*)\s*=([^=].*))");
-  std::smatch parts;
-  if (!std::regex_match(definition, parts, form)) return {};
-  return {parts[1], parts[2]};
+  const std::size_t equals = definition.find('=');
+  if (equals == std::string::npos) return {};
+  const std::string_view left = std::string_view(definition).substr(0, equals);
+  const std::size_t begin = left.find_first_not_of(' '), end = left.find_last_not_of(' ');
+  if (begin == std::string_view::npos) return {};
+  const std::string_view name = left.substr(begin, end - begin + 1);
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  const auto in_name = [&](char c) { return letter(c) || (c >= '0' && c <= '9'); };
+  if (!letter(name.front()) || !std::ranges::all_of(name, in_name)) return {};
+  return {std::string(name), definition.substr(equals + 1)};
 }
 
 }  // namespace

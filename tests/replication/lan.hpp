@@ -28,7 +28,7 @@ class Lan {
     std::unique_ptr<Peer> peer;
     Duration ahead{0};
     bool running = true;
-    std::map<ObjectId, Motion> motions;  // of what is driven
+    std::map<ObjectId, Motion> motions;                // of what is driven
     std::vector<std::pair<Duration, Output>> outputs;  // all but Send
     std::uint64_t ticks = 0;                           // calls of on_tick
     Duration last_call{-1};
@@ -38,7 +38,14 @@ class Lan {
   explicit Lan(const World& world, Link all = {}, std::uint64_t seed = 1) : world_(world), link_(all), rng_(seed) {}
 
   std::size_t add(PeerConfig config, Duration ahead = 0s, std::map<ObjectId, Motion> motions = {}) {
-    nodes_.push_back({std::make_unique<Peer>(std::move(config), *world_.model), ahead, true, std::move(motions), {}, 0, Duration{-1}, 0});
+    nodes_.push_back({std::make_unique<Peer>(std::move(config), *world_.model),
+                      ahead,
+                      true,
+                      std::move(motions),
+                      {},
+                      0,
+                      Duration{-1},
+                      0});
     return nodes_.size() - 1;
   }
   // The same computer starts another life of a peer; what was sent to it is still under way.
@@ -221,7 +228,8 @@ inline std::string fingerprint(const Lan& lan, std::size_t i) {
   std::ostringstream s;
   s.precision(17);
   for (const auto& [object, owner] : p.owners()) s << object.value << " by " << owner.value << '\n';
-  for (const auto& [id, m] : p.members().all()) s << id.value << ' ' << m.boot << ' ' << m.last_heard.time_since_epoch().count() << '\n';
+  for (const auto& [id, m] : p.members().all())
+    s << id.value << ' ' << m.boot << ' ' << m.last_heard.time_since_epoch().count() << '\n';
   s << p.clock().session_minus_host().count() << '\n';
   if (p.clock().synchronised()) {
     for (const auto& [object, owner] : p.owners()) {

@@ -24,13 +24,23 @@ class MessageMaker {
   }
 
   UpdateRecord update() {
-    return {ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU, SimTime{time()},
-            coin() ? ModelOrder::kFirst : ModelOrder::kSecond, state(), SimTime{coin() ? time() : 0ns}};
+    return {ObjectId{number<std::uint32_t>()},
+            1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
+            SimTime{time()},
+            coin() ? ModelOrder::kFirst : ModelOrder::kSecond,
+            state(),
+            SimTime{coin() ? time() : 0ns}};
   }
   DecisionRecord decision() {
-    return {ObjectId{number<std::uint32_t>()}, ObjectId{number<std::uint32_t>()}, SimTime{time()},
-            vector().normalized(),             state(),                           state(),
-            state(),                           state(),                           DecisionRule::kId};
+    return {ObjectId{number<std::uint32_t>()},
+            ObjectId{number<std::uint32_t>()},
+            SimTime{time()},
+            vector().normalized(),
+            state(),
+            state(),
+            state(),
+            state(),
+            DecisionRule::kId};
   }
   Hello hello() {
     Hello h;
@@ -39,10 +49,12 @@ class MessageMaker {
     h.host_tx = HostTime{time()};
     h.synchronised = coin();
     h.session_minus_host = time();
+    h.sessions = number<std::uint32_t>();
     for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
       h.echoes.push_back({PeerId{number<std::uint32_t>()}, HostTime{time()}, HostTime{time()}});
     }
-    for (std::uint32_t i = number<std::uint32_t>() % 9; i > 0; --i) h.enslaved.push_back(ObjectId{number<std::uint32_t>()});
+    for (std::uint32_t i = number<std::uint32_t>() % 9; i > 0; --i)
+      h.enslaved.push_back(ObjectId{number<std::uint32_t>()});
     if (coin()) h.start = SimTime{time()};
     return h;
   }
@@ -83,8 +95,8 @@ inline bool same_bits(const Message& a, const Message& b) {
   const auto& g = b.hello;
   const auto same_vector = [](const Vec3& v, const Vec3& w) { return same_bits(moving(v), moving(w)); };
   const auto same_update = [](const UpdateRecord& u, const UpdateRecord& v) {
-    return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.order == v.order && u.decision == v.decision &&
-           same_bits(u.state, v.state);
+    return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.order == v.order &&
+           u.decision == v.decision && same_bits(u.state, v.state);
   };
   const auto same_decision = [&](const DecisionRecord& d, const DecisionRecord& e) {
     return d.collider == e.collider && d.collidee == e.collidee && d.contact == e.contact && d.rule == e.rule &&
@@ -97,8 +109,8 @@ inline bool same_bits(const Message& a, const Message& b) {
   };
   return a.sender == b.sender && a.boot == b.boot && a.has_hello == b.has_hello && a.leaving == b.leaving &&
          h.name == g.name && h.world_hash == g.world_hash && h.host_tx == g.host_tx &&
-         h.synchronised == g.synchronised && h.session_minus_host == g.session_minus_host && h.start == g.start &&
-         h.enslaved == g.enslaved && std::ranges::equal(h.echoes, g.echoes, same_echo) &&
+         h.synchronised == g.synchronised && h.session_minus_host == g.session_minus_host && h.sessions == g.sessions &&
+         h.start == g.start && h.enslaved == g.enslaved && std::ranges::equal(h.echoes, g.echoes, same_echo) &&
          std::ranges::equal(a.updates, b.updates, same_update) &&
          std::ranges::equal(a.decisions, b.decisions, same_decision);
 }
@@ -118,9 +130,8 @@ inline bool is_sound(const Message& m) {
     sound = sound && is_sound(e.their_tx.time_since_epoch()) && is_sound(e.our_rx.time_since_epoch());
   }
   for (const UpdateRecord& u : m.updates) {
-    sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) &&
-            is_sound(u.decision.time_since_epoch()) && is_sound(u.state) &&
-            (u.order == ModelOrder::kFirst || u.order == ModelOrder::kSecond);
+    sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) && is_sound(u.decision.time_since_epoch()) &&
+            is_sound(u.state) && (u.order == ModelOrder::kFirst || u.order == ModelOrder::kSecond);
   }
   for (const DecisionRecord& d : m.decisions) {
     sound = sound && is_sound(d.contact.time_since_epoch()) && std::abs(d.normal.norm() - 1.0) <= 1e-6 &&

@@ -36,9 +36,11 @@ TEST(Prediction, ACollisionThatEverybodyPredictsCostsNoUpdate) {
     const auto predicted = lan.contacts(i, ContactKind::kPredicted);
     ASSERT_GE(predicted.size() + 1, own.size());
     EXPECT_THAT(lan.contacts(i, ContactKind::kOwner), IsEmpty());
-    // The published state is the base of every copy, so they agree on the last bit and with the truth on the millimetre.
+    // The published state is the base of every copy, so they agree on the last bit and with the truth on the
+    // millimetre.
     EXPECT_TRUE(same_bits(lan.peer(i).ghost(world["BALL"], t), lan.peer(0).ghost(world["BALL"], t)));
-    EXPECT_LT((lan.peer(i).ghost(world["BALL"], t).position - lan.peer(0).truth(world["BALL"], t).position).norm(), 1e-3);
+    EXPECT_LT((lan.peer(i).ghost(world["BALL"], t).position - lan.peer(0).truth(world["BALL"], t).position).norm(),
+              1e-3);
   }
   EXPECT_THAT(lan.contacts(0, ContactKind::kPredicted), IsEmpty()) << "its own collisions are no predictions";
 }
@@ -89,7 +91,8 @@ TEST_P(Tracking, TightensNearWhatAnotherPeerRuns) {
     c.policy.track_proximity = track;
     if (id == 1) c.enslaved.push_back({world["CAR"], true});
     if (!cube_owner.empty() && cube_owner[0] == id) c.enslaved.push_back({world["CUBE"], false});
-    lan.add(c, 0s, id == 1 ? std::map<ObjectId, Lan::Motion>{{world["CAR"], to_and_fro}} : std::map<ObjectId, Lan::Motion>{});
+    lan.add(c, 0s,
+            id == 1 ? std::map<ObjectId, Lan::Motion>{{world["CAR"], to_and_fro}} : std::map<ObjectId, Lan::Motion>{});
   }
   lan.run_until(3s);
   lan.node(0).outputs.clear();
@@ -131,8 +134,8 @@ class Decision : public testing::TestWithParam<Roles> {
  protected:
   static std::string text(bool mutual) {
     return box("CAR", "1 1 1", "0 0 0", std::string("velocityVector 2 0 0") + kBounces) +
-           box("CUBE", "1 1 1", "12 0 0", std::string("velocityVector -1 0 0") + kBounces) + interest("CAR", "\"CUBE\"") +
-           (mutual ? interest("CUBE", "\"CAR\"") : "");
+           box("CUBE", "1 1 1", "12 0 0", std::string("velocityVector -1 0 0") + kBounces) +
+           interest("CAR", "\"CUBE\"") + (mutual ? interest("CUBE", "\"CAR\"") : "");
   }
   Decision() {
     lan.add(config(GetParam().car, {{world["CAR"], false}}));
@@ -195,7 +198,9 @@ TEST_P(Decision, OneCopyOfThreeIsEnough) {
     few.add(config(GetParam().cube, {{world["CUBE"], false}}));
     few.add(config(9));
     std::map<std::size_t, int> copies;
-    few.filter = [&](std::size_t, std::size_t to, const Message& m) { return m.decisions.empty() || ++copies[to] == survives; };
+    few.filter = [&](std::size_t, std::size_t to, const Message& m) {
+      return m.decisions.empty() || ++copies[to] == survives;
+    };
     few.run_until(10s);
     EXPECT_EQ(few.contacts(decider(), ContactKind::kDecided).size(), 1u);
     for (const std::size_t i : {1 - decider(), std::size_t{2}}) {
@@ -254,8 +259,15 @@ class Decided : public testing::Test {
   Message decision(std::uint32_t by, const char* other, Duration ago, const Vec3& velocity_after) {
     Message m = message_of(by);
     const KinematicState after = moving({0, 0, 0}, velocity_after);
-    m.decisions = {{world["CUBE"], world[other], lan.session_now(self) - ago, Vec3::UnitX(), {}, {}, after,
-                    moving({9, 9, 9}), DecisionRule::kId}};
+    m.decisions = {{world["CUBE"],
+                    world[other],
+                    lan.session_now(self) - ago,
+                    Vec3::UnitX(),
+                    {},
+                    {},
+                    after,
+                    moving({9, 9, 9}),
+                    DecisionRule::kId}};
     return m;
   }
   Vec3 velocity() { return lan.peer(self).truth(world["CUBE"], lan.session_now(self)).velocity; }
@@ -295,7 +307,8 @@ TEST_F(Decided, AnEarlierDecisionThatArrivesLateChangesNothing) {
 }
 
 TEST_F(Decided, DecisionsFromAnotherAgeAreDropped) {
-  for (const Duration ago : {4100ms, -1100ms, 3'600'000ms}) lan.inject(self, encode(decision(1, "CAR", ago, {1, 0, 0})));
+  for (const Duration ago : {4100ms, -1100ms, 3'600'000ms})
+    lan.inject(self, encode(decision(1, "CAR", ago, {1, 0, 0})));
   EXPECT_EQ(velocity(), Vec3::Zero());
   EXPECT_EQ(lan.drops(self, "decision_time"), 3u);
 }
@@ -325,8 +338,15 @@ TEST(DecidedLate, WhatFollowsFromADecisionIsFoundInThePast) {
   lan.run_until(3s);
   Message m = message_of(1);
   const SimTime now = lan.session_now(0);
-  m.decisions = {{world["BALL"], world["CAR"], now - 200ms, Vec3::UnitX(), {}, {}, moving({2.5, 0, 0}, {10, 0, 0}),
-                  moving({0, 9, 0}), DecisionRule::kId}};
+  m.decisions = {{world["BALL"],
+                  world["CAR"],
+                  now - 200ms,
+                  Vec3::UnitX(),
+                  {},
+                  {},
+                  moving({2.5, 0, 0}, {10, 0, 0}),
+                  moving({0, 9, 0}),
+                  DecisionRule::kId}};
   lan.inject(0, encode(m));
   lan.run_until(3100ms);
   const SimTime t = lan.session_now(0);

@@ -55,10 +55,10 @@ TEST_P(Session, ThreePeersMeetAndAgreeOnTheTime) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Table, Session,
-                         testing::Values(Case{"OneHost", {5ms, 0ms, 0, 0}, 0s}, Case{"ClocksApart", {5ms, 0ms, 0, 0}, 3s},
+                         testing::Values(Case{"OneHost", {5ms, 0ms, 0, 0}, 0s},
+                                         Case{"ClocksApart", {5ms, 0ms, 0, 0}, 3s},
                                          Case{"FarApart", {200ms, 0ms, 0, 0}, 3s},
-                                         Case{"Jitter", {20ms, 80ms, 0, 0}, 3s},
-                                         Case{"Loss", {20ms, 20ms, 0.2, 0}, 3s},
+                                         Case{"Jitter", {20ms, 80ms, 0, 0}, 3s}, Case{"Loss", {20ms, 20ms, 0.2, 0}, 3s},
                                          Case{"Duplicates", {20ms, 80ms, 0.05, 0.3}, 3s}),
                          [](const auto& c) { return std::string(c.param.name); });
 
@@ -75,7 +75,8 @@ TEST(PeerSession, LossHealsWithinTheTimeThreshold) {
     for (const char* name : {"A", "B", "C"}) {
       const SimTime t = lan.session_now(0);
       for (std::size_t i = 1; i < 3; ++i) {
-        EXPECT_LT((lan.peer(i).ghost(world[name], t).position - lan.peer(0).ghost(world[name], t).position).norm(), 0.5);
+        EXPECT_LT((lan.peer(i).ghost(world[name], t).position - lan.peer(0).ghost(world[name], t).position).norm(),
+                  0.5);
       }
     }
   }
@@ -343,7 +344,8 @@ TEST(PeerSession, LongSleepsAreSurvived) {
     EXPECT_LE(spread(lan), 11ms);
     EXPECT_EQ(lan.peer(1).owner(world["BALL"]), PeerId{1});
     const SimTime t = lan.session_now(0);
-    EXPECT_LT((lan.peer(1).ghost(world["BALL"], t).position - lan.peer(0).truth(world["BALL"], t).position).norm(), 0.5);
+    EXPECT_LT((lan.peer(1).ghost(world["BALL"], t).position - lan.peer(0).truth(world["BALL"], t).position).norm(),
+              0.5);
   }
   EXPECT_GT(lan.peer(0).counters().ticks_missed, 60u * 60u);
 }

@@ -173,9 +173,15 @@ TEST_F(InSession, GarbageChangesNothing) {
   for (int i = 0; i < 3000; ++i) {
     Bytes bytes = encode(make.message(1, i % 2, i % 3 == 0));
     switch (i % 3) {
-      case 0: bytes.assign(rng() % 200, std::byte{0}); break;
-      case 1: bytes.resize(rng() % bytes.size()); break;
-      case 2: bytes.insert(bytes.begin() + static_cast<long>(rng() % 4), static_cast<std::byte>(rng())); break;
+      case 0:
+        bytes.assign(rng() % 200, std::byte{0});
+        break;
+      case 1:
+        bytes.resize(rng() % bytes.size());
+        break;
+      case 2:
+        bytes.insert(bytes.begin() + static_cast<long>(rng() % 4), static_cast<std::byte>(rng()));
+        break;
     }
     if (decode(bytes).has_value()) continue;
     ++refused;
@@ -253,6 +259,7 @@ KinematicState on_a_circle(SimTime t) {
 struct Network {
   const char* name;
   Link link;
+  ModelOrder order;
 };
 class DeadReckoning : public testing::TestWithParam<Network> {};
 
@@ -267,7 +274,9 @@ TEST_P(DeadReckoning, AllHoldTheSameGhost) {
     for (std::uint32_t i = 0; i < 3; ++i) {
       PeerConfig c = config(i + 1, i == 0 ? std::vector<Enslaved>{{world["O0"], true}} : std::vector<Enslaved>{});
       c.tick_hz = hz[i];
-      lan.add(c, i * 3s, i == 0 ? std::map<ObjectId, Lan::Motion>{{world["O0"], on_a_circle}} : std::map<ObjectId, Lan::Motion>{});
+      c.policy.order = GetParam().order;
+      lan.add(c, i * 3s,
+              i == 0 ? std::map<ObjectId, Lan::Motion>{{world["O0"], on_a_circle}} : std::map<ObjectId, Lan::Motion>{});
     }
     lan.run_until(10s);
     ASSERT_TRUE(lan.all_in_session());
@@ -289,9 +298,11 @@ TEST_P(DeadReckoning, AllHoldTheSameGhost) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Table, DeadReckoning,
-                         testing::Values(Network{"Near", {5ms, 0ms, 0, 0}}, Network{"Far", {200ms, 0ms, 0, 0}},
-                                         Network{"Reordered", {20ms, 150ms, 0, 0}},
-                                         Network{"Duplicated", {5ms, 50ms, 0, 0.5}}),
+                         testing::Values(Network{"FirstOrder", {5ms, 0ms, 0, 0}, ModelOrder::kFirst},
+                                         Network{"Near", {5ms, 0ms, 0, 0}, ModelOrder::kSecond},
+                                         Network{"Far", {200ms, 0ms, 0, 0}, ModelOrder::kSecond},
+                                         Network{"Reordered", {20ms, 150ms, 0, 0}, ModelOrder::kSecond},
+                                         Network{"Duplicated", {5ms, 50ms, 0, 0.5}, ModelOrder::kSecond}),
                          [](const auto& c) { return std::string(c.param.name); });
 
 TEST(Peer, TheOwnersGhostStaysWithinTheThreshold) {
@@ -308,7 +319,8 @@ TEST(Peer, TheOwnersGhostStaysWithinTheThreshold) {
         lan.run_until(t);
         const SimTime at = lan.session_now(0);
         // A tick of motion may pass before the next check.
-        ASSERT_LE((lan.peer(0).ghost(world["O0"], at).position - on_a_circle(at).position).norm(), threshold + 5.0 / 60);
+        ASSERT_LE((lan.peer(0).ghost(world["O0"], at).position - on_a_circle(at).position).norm(),
+                  threshold + 5.0 / 60);
       }
       for (const Published& p : lan.seen<Published>(0)) EXPECT_EQ(p.threshold_m, threshold);
       EXPECT_GT(lan.peer(0).counters().updates_out, 5u);
@@ -439,7 +451,9 @@ TEST(Peer, ALostUpdateComesAgainWithTheNextHello) {
   lan.add(config(1, {{world["O0"], false}}));
   lan.add(config(2));
   int lost = 0;
-  lan.filter = [&](std::size_t, std::size_t to, const Message& m) { return to != 1 || m.updates.empty() || ++lost > 1; };
+  lan.filter = [&](std::size_t, std::size_t to, const Message& m) {
+    return to != 1 || m.updates.empty() || ++lost > 1;
+  };
   lan.run_until(3s);
   const SimTime t = lan.session_now(1);
   EXPECT_GT(lost, 1);

@@ -24,18 +24,17 @@ TEST_P(Due, SaysWhy) {
   const SimTime now = sim(100s);
   EXPECT_EQ(due(policy, 0.5, error, ago ? std::optional(now - *ago) : std::nullopt, now), expected);
 }
-INSTANTIATE_TEST_SUITE_P(
-    Table, Due,
-    testing::Values(Case{"NeverSent", {0, 0}, std::nullopt, PublishReason::kFirst},
-                    Case{"FirstBeatsError", {9, 9}, std::nullopt, PublishReason::kFirst},
-                    Case{"AllWell", {0.4, 0.09}, 1s, std::nullopt},
-                    Case{"AtTheThresholdIsStillWell", {0.5, 0.1}, 1s, std::nullopt},
-                    Case{"TooFar", {0.500001, 0}, 1s, PublishReason::kError},
-                    Case{"TurnedTooFar", {0, 0.100001}, 1s, PublishReason::kError},
-                    Case{"ErrorBeatsTime", {1, 0}, 6s, PublishReason::kError},
-                    Case{"NotYetTime", {0, 0}, 5s - 1ns, std::nullopt},
-                    Case{"Time", {0, 0}, 5s, PublishReason::kTime}),
-    [](const auto& c) { return std::string(c.param.name); });
+INSTANTIATE_TEST_SUITE_P(Table, Due,
+                         testing::Values(Case{"NeverSent", {0, 0}, std::nullopt, PublishReason::kFirst},
+                                         Case{"FirstBeatsError", {9, 9}, std::nullopt, PublishReason::kFirst},
+                                         Case{"AllWell", {0.4, 0.09}, 1s, std::nullopt},
+                                         Case{"AtTheThresholdIsStillWell", {0.5, 0.1}, 1s, std::nullopt},
+                                         Case{"TooFar", {0.500001, 0}, 1s, PublishReason::kError},
+                                         Case{"TurnedTooFar", {0, 0.100001}, 1s, PublishReason::kError},
+                                         Case{"ErrorBeatsTime", {1, 0}, 6s, PublishReason::kError},
+                                         Case{"NotYetTime", {0, 0}, 5s - 1ns, std::nullopt},
+                                         Case{"Time", {0, 0}, 5s, PublishReason::kTime}),
+                         [](const auto& c) { return std::string(c.param.name); });
 
 TEST(GhostError, IsEuclideanNotPerAxis) {
   const GhostError e = ghost_error(moving({0.4, 0.4, 0.4}), moving({0, 0, 0}));

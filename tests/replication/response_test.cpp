@@ -31,18 +31,17 @@ TEST_P(Respond, ChangesTheVelocity) {
 constexpr auto kInverse = ResponseType::kInverse, kZero = ResponseType::kZero;
 INSTANTIATE_TEST_SUITE_P(
     Table, Respond,
-    testing::Values(
-        Case{"InverseHeadOn", kInverse, {-2, 0, 0}, {0, 0, 0}, false, {2, 0, 0}},
-        Case{"InverseKeepsWhatIsAlongThePolygon", kInverse, {-2, 3, -5}, {0, 0, 0}, false, {2, 3, -5}},
-        Case{"InverseOfAResting", kInverse, {0, 0, 0}, {4, 0, 0}, false, {8, 0, 0}},
-        Case{"InverseIsRelative", kInverse, {-2, 0, 0}, {-1, 7, 0}, false, {0, 0, 0}},
-        Case{"InverseOvertaken", kInverse, {1, 0, 0}, {3, 0, 0}, false, {5, 0, 0}},
-        Case{"InverseOfWhatParts", kInverse, {3, 1, 0}, {1, 0, 0}, false, {3, 1, 0}},
-        Case{"BothInverseHeadOn", kInverse, {-2, 1, 0}, {5, 0, 0}, true, {2, 1, 0}},
-        Case{"BothInverseOvertaken", kInverse, {1, 1, 0}, {3, 0, 0}, true, {1, 1, 0}},
-        Case{"BothInverseOvertaking", kInverse, {-3, 0, 0}, {-1, 0, 0}, true, {3, 0, 0}},
-        Case{"ZeroStops", kZero, {-2, 3, -5}, {0, 0, 0}, false, {0, 0, 0}},
-        Case{"ZeroStopsWhateverTheOtherDoes", kZero, {-2, 3, -5}, {9, 9, 9}, true, {0, 0, 0}}),
+    testing::Values(Case{"InverseHeadOn", kInverse, {-2, 0, 0}, {0, 0, 0}, false, {2, 0, 0}},
+                    Case{"InverseKeepsWhatIsAlongThePolygon", kInverse, {-2, 3, -5}, {0, 0, 0}, false, {2, 3, -5}},
+                    Case{"InverseOfAResting", kInverse, {0, 0, 0}, {4, 0, 0}, false, {8, 0, 0}},
+                    Case{"InverseIsRelative", kInverse, {-2, 0, 0}, {-1, 7, 0}, false, {0, 0, 0}},
+                    Case{"InverseOvertaken", kInverse, {1, 0, 0}, {3, 0, 0}, false, {5, 0, 0}},
+                    Case{"InverseOfWhatParts", kInverse, {3, 1, 0}, {1, 0, 0}, false, {3, 1, 0}},
+                    Case{"BothInverseHeadOn", kInverse, {-2, 1, 0}, {5, 0, 0}, true, {2, 1, 0}},
+                    Case{"BothInverseOvertaken", kInverse, {1, 1, 0}, {3, 0, 0}, true, {1, 1, 0}},
+                    Case{"BothInverseOvertaking", kInverse, {-3, 0, 0}, {-1, 0, 0}, true, {3, 0, 0}},
+                    Case{"ZeroStops", kZero, {-2, 3, -5}, {0, 0, 0}, false, {0, 0, 0}},
+                    Case{"ZeroStopsWhateverTheOtherDoes", kZero, {-2, 3, -5}, {9, 9, 9}, true, {0, 0, 0}}),
     [](const auto& c) { return std::string(c.param.name); });
 
 TEST(Respond, InverseKeepsAccelerationAndSpinAndZeroDoesNot) {

@@ -68,8 +68,9 @@ inline bool same_bits(const KinematicState& a, const KinematicState& b) {
     return all;
   };
   const auto x = flat(a), y = flat(b);
-  return std::equal(x.begin(), x.end(), y.begin(),
-                    [](double p, double q) { return std::bit_cast<std::uint64_t>(p) == std::bit_cast<std::uint64_t>(q); });
+  return std::equal(x.begin(), x.end(), y.begin(), [](double p, double q) {
+    return std::bit_cast<std::uint64_t>(p) == std::bit_cast<std::uint64_t>(q);
+  });
 }
 
 }  // namespace peerd::replication::test
