@@ -9,8 +9,8 @@ using Quat = Eigen::Quaterniond;
 
 // Rigid transform, binary64: maps p_body to orientation * p_body + position.
 struct Pose {
-  Vec3 position = Vec3::Zero();             // [m]
-  Quat orientation = Quat::Identity();      // unit
+  Vec3 position = Vec3::Zero();         // [m]
+  Quat orientation = Quat::Identity();  // unit
   [[nodiscard]] Vec3 operator*(const Vec3& p_body) const { return orientation * p_body + position; }
 };
 

@@ -48,7 +48,8 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
   std::vector<Motions> formulas;
   std::optional<SimTime> start;
   for (const PeerLog& log : logs) {
-    if (!log.start) return std::unexpected(config::InputError{"error: peer " + log.name + " never met all the others", 3});
+    if (!log.start)
+      return std::unexpected(config::InputError{"error: peer " + log.name + " never met all the others", 3});
     if (!start) start = log.start;  // the lowest peer's, which the others follow
     record.peers.push_back({log.peer, log.name});
     for (const PeerLog::Belief& b : log.beliefs) {

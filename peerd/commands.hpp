@@ -29,14 +29,14 @@ struct ScenarioOptions {
 [[nodiscard]] int run_scenario(const ScenarioOptions& options, const std::filesystem::path& program);
 
 struct PeerOptions {
-  std::filesystem::path config;      // a scenario file; one of its peers is run
+  std::filesystem::path config;                 // a scenario file; one of its peers is run
   std::vector<std::filesystem::path> overlays;  // merged over it, in order
   std::vector<std::string> sets;
-  std::string peer;                  // which; empty: the only one
-  std::filesystem::path record;      // where to leave the peer's log; empty: nowhere
-  bool once = false;                 // leave when the scenario's duration is over
-  bool json = false;                 // log lines as JSON
-  bool verbose = false;              // debug lines too
+  std::string peer;              // which; empty: the only one
+  std::filesystem::path record;  // where to leave the peer's log; empty: nowhere
+  bool once = false;             // leave when the scenario's duration is over
+  bool json = false;             // log lines as JSON
+  bool verbose = false;          // debug lines too
 };
 
 // Prints the error for a person; its exit code.

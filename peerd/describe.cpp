@@ -17,10 +17,14 @@ double ms(Duration d) { return to_seconds(d) * 1e3; }
 
 const char* verb(ContactKind kind) {
   switch (kind) {
-    case ContactKind::kOwner: return "hit";
-    case ContactKind::kDecided: return "hit (decided here)";
-    case ContactKind::kPredicted: return "is predicted to hit";
-    case ContactKind::kApplied: return "hit (decided there)";
+    case ContactKind::kOwner:
+      return "hit";
+    case ContactKind::kDecided:
+      return "hit (decided here)";
+    case ContactKind::kPredicted:
+      return "is predicted to hit";
+    case ContactKind::kApplied:
+      return "hit (decided there)";
   }
   return "?";
 }
@@ -36,15 +40,18 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
           [](const Join& j) -> Line {
             return LogLine{level_enum::debug, fmt::format("joined region {}", j.region.value)};
           },
-          [](const Leave& l) -> Line { return LogLine{level_enum::debug, fmt::format("left region {}", l.region.value)}; },
+          [](const Leave& l) -> Line {
+            return LogLine{level_enum::debug, fmt::format("left region {}", l.region.value)};
+          },
           [](const Synchronised& s) -> Line {
             return LogLine{level_enum::info, fmt::format("in session: follows the clock of peer {}, offset {:.3f} ms, "
                                                          "error at most {:.3f} ms",
                                                          s.follows.value, ms(s.session_minus_host), ms(s.error_bound))};
           },
           [](const ClockStepped& s) -> Line {
-            return LogLine{level_enum::warn, fmt::format("two sessions have met: the session clock stepped, offset {:.3f} ms",
-                                                         ms(s.session_minus_host))};
+            return LogLine{level_enum::warn,
+                           fmt::format("two sessions have met: the session clock stepped, offset {:.3f} ms",
+                                       ms(s.session_minus_host))};
           },
           [&](const PeerJoined& p) -> Line {
             return LogLine{level_enum::info, named(p.peer, p.name) + (p.restarted ? " restarted" : " joined")};
@@ -58,15 +65,17 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
                                                          scene.path_of(f.object), f.owner.value)};
           },
           [&](const OtherWorld& o) -> Line {
-            return LogLine{level_enum::warn, named(o.peer, o.name) + " has another world and is ignored; give both the "
-                                                                     "same file"};
+            return LogLine{level_enum::warn, named(o.peer, o.name) +
+                                                 " has another world and is ignored; give both the "
+                                                 "same file"};
           },
           [](const IdInUse& i) -> Line {
-            return LogLine{level_enum::err, fmt::format("another peer uses id {} too; give each peer its own", i.peer.value)};
+            return LogLine{level_enum::err,
+                           fmt::format("another peer uses id {} too; give each peer its own", i.peer.value)};
           },
           [&](const OwnershipConflict& c) -> Line {
-            return LogLine{level_enum::err, fmt::format("two peers enslave {}; peer {} keeps it", scene.path_of(c.object),
-                                                        c.owner.value)};
+            return LogLine{level_enum::err, fmt::format("two peers enslave {}; peer {} keeps it",
+                                                        scene.path_of(c.object), c.owner.value)};
           },
           [&](const Published& p) -> Line {
             return LogLine{level_enum::debug, fmt::format("update of {}: {}, threshold {} m", scene.path_of(p.object),

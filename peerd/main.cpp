@@ -66,7 +66,8 @@ int run(int argc, char** argv) {
   RunFlags flags;
   CLI::App* run_command = app.add_subcommand("run", "a peer, in the foreground; SIGTERM leaves cleanly");
   run_command->add_option("-c,--config", peer.config, "a scenario file; --peer says which of its peers this is");
-  run_command->add_option("--overlay", peer.overlays, "a TOML file whose settings replace the configuration's (repeatable)")
+  run_command
+      ->add_option("--overlay", peer.overlays, "a TOML file whose settings replace the configuration's (repeatable)")
       ->allow_extra_args(false);
   run_command->add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
   run_command->add_option("--world", flags.world, "the VRML97 world");
@@ -112,9 +113,10 @@ int run(int argc, char** argv) {
   }
   const bool describes_peer = !flags.name.empty() || flags.id || !flags.enslaves.empty();
   if (!peer.config.empty() && describes_peer) {
-    return failed({"error: --name, --id and --enslave describe a peer without a configuration; change one of the "
-                   "configuration's by --set, such as --set peer.a.id=5",
-                   kWrongUse});
+    return failed(
+        {"error: --name, --id and --enslave describe a peer without a configuration; change one of the "
+         "configuration's by --set, such as --set peer.a.id=5",
+         kWrongUse});
   }
   if (peer.config.empty() && !peer.peer.empty()) {
     return failed({"error: --peer picks one of a configuration's peers; without one, say --name", kWrongUse});

@@ -21,8 +21,7 @@ class RowWriter {
     return *this;
   }
   template <class Number>
-    requires std::is_arithmetic_v<Number>
-  RowWriter& operator<<(Number x) {
+  requires std::is_arithmetic_v<Number> RowWriter& operator<<(Number x) {
     char digits[32];
     const auto end = std::to_chars(digits, digits + sizeof digits, x);
     text_ += ' ';
@@ -53,8 +52,7 @@ class RowReader {
     return *this;
   }
   template <class Number>
-    requires std::is_arithmetic_v<Number>
-  RowReader& operator>>(Number& x) {
+  requires std::is_arithmetic_v<Number> RowReader& operator>>(Number& x) {
     std::string word;
     *this >> word;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
@@ -87,8 +85,12 @@ class RowReader {
 bool read_row(const std::string& line, PeerLog& log) {
   RowReader in(line.substr(1));
   switch (line.front()) {
-    case 'P': in >> log.peer >> log.name >> log.groups_joined >> log.other_worlds; break;
-    case 'S': in >> log.start.emplace(); break;
+    case 'P':
+      in >> log.peer >> log.name >> log.groups_joined >> log.other_worlds;
+      break;
+    case 'S':
+      in >> log.start.emplace();
+      break;
     case 'B': {
       auto& b = log.beliefs.emplace_back();
       in >> b.at >> b.true_at >> b.object >> b.owner >> b.state;
@@ -116,7 +118,8 @@ bool read_row(const std::string& line, PeerLog& log) {
       log.counters[name] = count;
       break;
     }
-    default: return false;
+    default:
+      return false;
   }
   return in.good();
 }

@@ -7,10 +7,14 @@ namespace {
 
 const char* to_string(replication::ContactKind kind) {
   switch (kind) {
-    case replication::ContactKind::kOwner: return "owner";
-    case replication::ContactKind::kDecided: return "decided";
-    case replication::ContactKind::kPredicted: return "predicted";
-    case replication::ContactKind::kApplied: return "applied";
+    case replication::ContactKind::kOwner:
+      return "owner";
+    case replication::ContactKind::kDecided:
+      return "decided";
+    case replication::ContactKind::kPredicted:
+      return "predicted";
+    case replication::ContactKind::kApplied:
+      return "applied";
   }
   return "?";
 }

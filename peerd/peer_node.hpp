@@ -28,11 +28,11 @@ class PeerNode {
  public:
   struct Options {
     std::uint64_t boot = 1;
-    std::vector<PeerId> wait_for;         // motions by formula begin when all of these are here; empty: at once
-    Duration start_lead{0};               // from then to the first whole second that is at least so far ahead
-    Duration clock_offset{0};             // test setting: what this host's clock is ahead of the shared one
+    std::vector<PeerId> wait_for;  // motions by formula begin when all of these are here; empty: at once
+    Duration start_lead{0};        // from then to the first whole second that is at least so far ahead
+    Duration clock_offset{0};      // test setting: what this host's clock is ahead of the shared one
     bool keep_log = true;
-    std::uint32_t sample_hz = 60;         // how often the log looks at the ghosts, whatever the tick rate
+    std::uint32_t sample_hz = 60;  // how often the log looks at the ghosts, whatever the tick rate
   };
 
   [[nodiscard]] static config::Result<std::unique_ptr<PeerNode>> make(const config::PeerSettings& settings,
@@ -67,7 +67,7 @@ class PeerNode {
   replication::PeerConfig config_;
   replication::Peer peer_;
   PeerLog log_;
-  SimTime logged_at_{};         // the last tick
+  SimTime logged_at_{};           // the last tick
   std::int64_t next_sample_ = 0;  // counted from the start
 };
 

@@ -3,13 +3,13 @@
 #include <random>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <nlohmann/json.hpp>
-#include <spdlog/fmt/fmt.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 
 #include "peerd/commands.hpp"
 #include "peerd/describe.hpp"
@@ -28,7 +28,9 @@ int exit_code(net::NetError::Kind kind) { return kind == net::NetError::Kind::kB
 class Log {
  public:
   Log(std::string peer, bool json, bool verbose)
-      : logger_(json ? nlohmann::json(peer).dump() : std::move(peer), std::make_shared<spdlog::sinks::stdout_sink_st>()), json_(json) {
+      : logger_(json ? nlohmann::json(peer).dump() : std::move(peer),
+                std::make_shared<spdlog::sinks::stdout_sink_st>()),
+        json_(json) {
     logger_.set_level(verbose ? spdlog::level::debug : spdlog::level::info);
     logger_.flush_on(spdlog::level::trace);  // a reader may follow it
     logger_.set_pattern(json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","peer":%n,"level":"%l","text":%v})"
@@ -48,8 +50,15 @@ class Daemon {
  public:
   Daemon(asio::io_context& io, PeerNode& node, net::MulticastSocket& socket, const net::HostClock& clock, Log& log,
          const Scene& scene, std::optional<Duration> leave_after)
-      : io_(io), timer_(io), signals_(io, SIGINT, SIGTERM), node_(node), socket_(socket), clock_(clock), log_(log),
-        scene_(scene), leave_after_(leave_after) {}
+      : io_(io),
+        timer_(io),
+        signals_(io, SIGINT, SIGTERM),
+        node_(node),
+        socket_(socket),
+        clock_(clock),
+        log_(log),
+        scene_(scene),
+        leave_after_(leave_after) {}
 
   // Until a signal comes or the scenario is over. The exit code.
   int run() {
@@ -182,10 +191,9 @@ int run_peer(const PeerOptions& options) {
   if (!socket) return failed({"error: " + socket.error().sentence, exit_code(socket.error().kind)});
 
   Log log((*settings)->name, options.json, options.verbose);
-  log(spdlog::level::info,
-      fmt::format("peer {} (id {}) in {}, group {} port {} over {}", (*settings)->name, (*settings)->id,
-                  scenario->world.filename().string(), run.transport.group, run.transport.port,
-                  (*socket)->chosen_interface().why));
+  log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, group {} port {} over {}", (*settings)->name,
+                                       (*settings)->id, scenario->world.filename().string(), run.transport.group,
+                                       run.transport.port, (*socket)->chosen_interface().why));
   for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
 
   Daemon daemon(io, **node, **socket, clock, log, scene,
@@ -200,7 +208,8 @@ int run_peer(const PeerOptions& options) {
     log(spdlog::level::info, fmt::format("dropped {}: {}", dropped, reason));
   }
   for (const auto& [name, n] : (*socket)->counters().named()) {
-    if (n > 0 && !(name.ends_with("_in") || name.ends_with("_out"))) log(spdlog::level::info, fmt::format("{}: {}", name, n));
+    if (n > 0 && !(name.ends_with("_in") || name.ends_with("_out")))
+      log(spdlog::level::info, fmt::format("{}: {}", name, n));
   }
   if (!options.record.empty()) {
     if (const auto saved = save(record, options.record); !saved) return failed(saved.error());

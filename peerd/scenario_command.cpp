@@ -77,7 +77,8 @@ std::string last_lines(const fs::path& path, std::size_t count) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   std::string text;
-  for (std::size_t i = lines.size() > count ? lines.size() - count : 0; i < lines.size(); ++i) text += "  " + lines[i] + "\n";
+  for (std::size_t i = lines.size() > count ? lines.size() - count : 0; i < lines.size(); ++i)
+    text += "  " + lines[i] + "\n";
   return text;
 }
 
@@ -91,9 +92,9 @@ struct Launch {
 
 std::vector<std::string> peer_command(const Launch& launch, const config::RunSettings& run,
                                       const config::PeerSettings& peer, const fs::path& record) {
-  std::vector<std::string> command{launch.program.string(), "run",      "--config", launch.options.scenario.string(),
-                                   "--peer",                peer.name,  "--record", record.string(),
-                                   "--once",                "--verbose"};
+  std::vector<std::string> command{
+      launch.program.string(), "run",    "--config", launch.options.scenario.string(), "--peer", peer.name, "--record",
+      record.string(),         "--once", "--verbose"};
   const auto set = [&](const std::string& assignment) { command.insert(command.end(), {"--set", assignment}); };
   for (const std::string& s : launch.options.sets) set(s);
   for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));
@@ -110,15 +111,15 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
     const fs::path stem = launch.out / (launch.run_name + "." + peer.name);
     records.push_back(stem.string() + ".rows");
     fs::remove(records.back());
-    children.push_back(std::make_unique<Child>(peer.name, peer_command(launch, run, peer, records.back()),
-                                               stem.string() + ".log"));
+    children.push_back(
+        std::make_unique<Child>(peer.name, peer_command(launch, run, peer, records.back()), stem.string() + ".log"));
   }
   const bool show_progress = isatty(STDERR_FILENO) != 0;
   const auto begun = std::chrono::steady_clock::now();
   const auto most = std::chrono::duration<double>(run.duration_s) + kGrace;
   const auto fail = [&](Child& child, const std::string& what) {
-    return std::unexpected(config::InputError{fmt::format("error: peer {} {}; its last words ({}):\n{}", child.name(), what,
-                                                          child.output().string(), last_lines(child.output(), 5)),
+    return std::unexpected(config::InputError{fmt::format("error: peer {} {}; its last words ({}):\n{}", child.name(),
+                                                          what, child.output().string(), last_lines(child.output(), 5)),
                                               child.exit_code() == 0 ? 3 : child.exit_code()});
   };
   for (auto shown = begun;;) {

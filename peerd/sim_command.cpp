@@ -60,8 +60,9 @@ int run_sim(const ScenarioOptions& options) {
     std::cout << summary.dump(2) << '\n';
   } else {
     std::cout << report::table(summary)
-              << fmt::format("{:.0f} s of {} runs in {:.2f} s, reports included: {:.0f} times real time; {}\n", simulated_s,
-                             records.size(), took_s, simulated_s / took_s, (out / "overview.svg").string());
+              << fmt::format("{:.0f} s of {} runs in {:.2f} s, reports included: {:.0f} times real time; {}\n",
+                             simulated_s, records.size(), took_s, simulated_s / took_s,
+                             (out / "overview.svg").string());
   }
   return 0;
 }

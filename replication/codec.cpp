@@ -11,6 +11,8 @@ namespace {
 
 // Farther or faster than this is not a world of metres and seconds but a damaged datagram; squares of it stay finite.
 constexpr double kMagnitudeMax = 1e12;
+// 1,600 turns a second. Faster ones only make contact searches long: their steps are as short as the spin is fast.
+constexpr double kSpinMax = 1e4;  // [rad/s]
 // Quaternions and normals are sent as doubles; what is this far off unit length was not sent by us.
 constexpr double kUnitSlack = 1e-6;
 // A year on either side of any epoch a clock counts from would do; this keeps differences of two stamps within int64.
@@ -91,9 +93,9 @@ bool take(const proto::Quat& in, Quat& q) {
 }
 
 bool take(const proto::Kinematics& in, KinematicState& s) {
-  return take(in.position(), s.position) && take(in.velocity(), s.velocity) && take(in.acceleration(), s.acceleration) &&
-         (!in.has_orientation() || take(in.orientation(), s.orientation)) &&
-         take(in.angular_velocity_body(), s.angular_velocity_body);
+  return take(in.position(), s.position) && take(in.velocity(), s.velocity) &&
+         take(in.acceleration(), s.acceleration) && (!in.has_orientation() || take(in.orientation(), s.orientation)) &&
+         take(in.angular_velocity_body(), s.angular_velocity_body) && s.angular_velocity_body.norm() <= kSpinMax;
 }
 
 bool in_range(std::int64_t ns) { return ns >= -kTimeMax_ns && ns <= kTimeMax_ns; }
@@ -109,8 +111,8 @@ bool take(const proto::Update& in, UpdateRecord& u) {
   u.sequence = in.sequence();
   if (in.order() != 1 && in.order() != 2) return false;
   u.order = static_cast<ModelOrder>(in.order());
-  return u.sequence != 0 && take(in.session_ns(), u.at) && take(in.state(), u.state) &&
-         take(in.decision_ns(), u.decision);
+  if (u.sequence == 0 || !take(in.session_ns(), u.at) || !take(in.decision_ns(), u.decision)) return false;
+  return take(in.state(), u.state) && (u.order == ModelOrder::kSecond || u.state.acceleration.isZero(0.0));
 }
 
 bool take(const proto::Decision& in, DecisionRecord& d) {
@@ -125,7 +127,7 @@ bool take(const proto::Decision& in, DecisionRecord& d) {
 }
 
 bool take(const proto::Hello& in, Hello& h) {
-  if (in.name().size() > kNameMax_bytes || in.echoes_size() > kListMax || in.enslaved_size() > kListMax) return false;
+  if (!is_name(in.name()) || in.echoes_size() > kListMax || in.enslaved_size() > kListMax) return false;
   h.name = in.name();
   h.world_hash = in.world_hash();
   h.synchronised = in.synchronised();
@@ -153,11 +155,16 @@ std::size_t framed_size_bytes(const Record& record) {
 
 const char* to_string(DecodeError e) {
   switch (e) {
-    case DecodeError::kTooLong: return "too_long";
-    case DecodeError::kNotADatagram: return "not_a_datagram";
-    case DecodeError::kVersion: return "version";
-    case DecodeError::kSender: return "sender";
-    case DecodeError::kValue: return "value";
+    case DecodeError::kTooLong:
+      return "too_long";
+    case DecodeError::kNotADatagram:
+      return "not_a_datagram";
+    case DecodeError::kVersion:
+      return "version";
+    case DecodeError::kSender:
+      return "sender";
+    case DecodeError::kValue:
+      return "value";
   }
   return "?";
 }
@@ -198,6 +205,11 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram) 
     if (!take(c, m.decisions.emplace_back())) return std::unexpected(DecodeError::kValue);
   }
   return m;
+}
+
+bool is_name(std::string_view text) {
+  const auto visible = [](char c) { return c > ' ' && c < 0x7f && c != '/'; };
+  return !text.empty() && text.size() <= kNameMax_bytes && std::ranges::all_of(text, visible);
 }
 
 std::size_t encoded_size_bytes(const UpdateRecord& record) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <expected>
 #include <span>
+#include <string_view>
 
 #include "replication/wire.hpp"
 
@@ -10,8 +11,10 @@ inline constexpr std::uint32_t kProtocolVersion = 1;
 // Never fragmented: below every tunnel's MTU once UDP, IP and a link's headers are added.
 inline constexpr std::size_t kDatagramMax_bytes = 1200;
 
-// A peer's name; longer ones would push a hello's lists out of its datagram.
+// A peer's name: 1 to kNameMax_bytes visible ASCII characters without '/'. It goes into logs and file names; longer
+// ones would push a hello's lists out of its datagram.
 inline constexpr std::size_t kNameMax_bytes = 64;
+[[nodiscard]] bool is_name(std::string_view text);
 
 enum class DecodeError : std::uint8_t {
   kTooLong,       // more than kDatagramMax_bytes
@@ -26,7 +29,7 @@ enum class DecodeError : std::uint8_t {
 // The bytes of a message. The caller keeps them within kDatagramMax_bytes (encoded_size_bytes helps).
 [[nodiscard]] Bytes encode(const Message& message);
 
-// Trusts nothing: every value that comes back is finite, in range and normalised.
+// Trusts nothing: every value that comes back is finite and in range, unit vectors and quaternions unit within 1e-6.
 [[nodiscard]] std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram);
 
 // What one record adds to a datagram.

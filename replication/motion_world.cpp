@@ -110,8 +110,7 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start) : model_(model)
                       .collidee_answers = p.mutual && answers(p.collidee),
                       .clear_until = start,
                       .contact = {},
-                      .free_at = {},
-                      .rested_at = {}});
+                      .free_at = {}});
   }
 }
 
@@ -185,8 +184,9 @@ void MotionWorld::take_back(std::size_t cause, SimTime t) {
   }
 }
 
-// The object's pieces changed from t on: what its pairs know of later contacts is void. What stands firm is not searched
-// in the past that this peer has already lived because another moved otherwise; its own change (a decision) is.
+// The object's pieces changed from t on: what its pairs know of later contacts is void. What stands firm is not
+// searched in the past that this peer has already lived because another moved otherwise; its own change (a decision)
+// is.
 void MotionWorld::reopen(std::size_t object, SimTime t) {
   for (Pair& pair : pairs_) {
     if (pair.collider != object && pair.collidee != object) continue;
@@ -235,8 +235,7 @@ void MotionWorld::search_window(Pair& pair) {
         pair.inside = false;
         pair.free_at = s;
       }
-      // What rests was put to rest: the rounding that is left of its push moves it by less than a gap's own rounding.
-      if (pair.inside || (c.resting && pair.rested_at == t)) {
+      if (pair.inside) {
         pair.clear_until = std::min(s + kOverlapRetry, end);
       } else if (t >= end && end < s + kLookahead) {
         pair.clear_until = end;  // the next pieces begin first, and are searched from there
@@ -310,7 +309,6 @@ void MotionWorld::answer(Pair& pair) {
   if (a_answers) event.collider_after = answered(pair.collider, pair, before_a, before_b, b_answers, event.normal);
   if (b_answers) event.collidee_after = answered(pair.collidee, pair, before_b, before_a, a_answers, -event.normal);
   pair.contact.reset();
-  if (pair.resting) pair.rested_at = t;
   for (const auto& [answers, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
     if (!answers) continue;
     if (objects_[index].timeline.next_change_after(t)) events_.push_back(TakenBack{objects_[index].id, t});
@@ -332,7 +330,7 @@ void MotionWorld::advance(SimTime to) {
     for (Pair& pair : pairs_) {
       if (!pair.watched || pair.unsupported) continue;
       if (objects_[pair.collider].role == Role::kScene && objects_[pair.collidee].role == Role::kScene) continue;
-      search(pair, to);
+      search(pair, first == nullptr ? to : *first->contact);
       if (pair.contact && *pair.contact <= to && (first == nullptr || *pair.contact < *first->contact)) first = &pair;
     }
     if (first == nullptr) break;
@@ -352,6 +350,12 @@ void MotionWorld::advance(SimTime to) {
 }
 
 bool MotionWorld::has(ObjectId object) const { return find(object) != nullptr; }
+
+std::vector<ObjectId> MotionWorld::objects() const {
+  std::vector<ObjectId> ids;
+  for (const Object& o : objects_) ids.push_back(o.id);
+  return ids;
+}
 
 KinematicState MotionWorld::at(ObjectId object, SimTime t) const { return objects_[index_of(object)].timeline.at(t); }
 

@@ -22,10 +22,10 @@ struct CollisionPair {
   bool mutual = false;  // the collidee is registered for the collider as well, and so answers too
 };
 struct WorldModel {
-  const Scene* scene = nullptr;                // outlives the model
-  std::vector<collision::Body> bodies;         // sorted by object
-  std::vector<CollisionPair> pairs;            // in the file's order, each unordered pair once a type
-  std::vector<std::string> unsupported;        // a line per body that has no exact answer yet
+  const Scene* scene = nullptr;          // outlives the model
+  std::vector<collision::Body> bodies;   // sorted by object
+  std::vector<CollisionPair> pairs;      // in the file's order, each unordered pair once a type
+  std::vector<std::string> unsupported;  // a line per body that has no exact answer yet
 
   [[nodiscard]] const collision::Body* body(ObjectId id) const;
 };
@@ -60,13 +60,13 @@ class MotionWorld {
     std::uint64_t contact_searches = 0;  // calls into collision
     std::uint64_t searches_skipped = 0;  // pairs whose cached answer still stood
     std::uint64_t contacts = 0;
-    std::uint64_t contacts_undone = 0;   // beliefs taken back
-    std::uint64_t came_to_rest = 0;      // ever lower bounces ended by rest_against
-    std::uint64_t jammed = 0;            // objects stopped because rest gave way to rest
-    std::uint64_t overlapped = 0;        // searches that began inside another object
-    std::uint64_t unsupported = 0;       // pairs that collision can't answer yet
-    std::uint64_t failed = 0;            // searches that hit their iteration cap
-    std::uint64_t capped = 0;            // advance() gave up after kContactsMax contacts
+    std::uint64_t contacts_undone = 0;  // beliefs taken back
+    std::uint64_t came_to_rest = 0;     // ever lower bounces ended by rest_against
+    std::uint64_t jammed = 0;           // objects stopped because rest gave way to rest
+    std::uint64_t overlapped = 0;       // searches that began inside another object
+    std::uint64_t unsupported = 0;      // pairs that collision can't answer yet
+    std::uint64_t failed = 0;           // searches that hit their iteration cap
+    std::uint64_t capped = 0;           // advance() gave up after kContactsMax contacts
 
     Counters& operator+=(const Counters& other);
   };
@@ -87,6 +87,7 @@ class MotionWorld {
   void advance(SimTime to);
 
   [[nodiscard]] bool has(ObjectId object) const;
+  [[nodiscard]] std::vector<ObjectId> objects() const;
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   // When the last told (not predicted) piece of its timeline began.
   [[nodiscard]] SimTime base_time(ObjectId object) const;
@@ -104,7 +105,7 @@ class MotionWorld {
     std::vector<SimTime> recent;  // of its last contacts, for ever lower bounces
   };
   struct Pair {
-    std::size_t collider, collidee;    // into objects_
+    std::size_t collider, collidee;  // into objects_
     const collision::Body *collider_body, *collidee_body;
     CollisionType type;
     bool collider_answers, collidee_answers;
@@ -116,7 +117,6 @@ class MotionWorld {
     std::optional<SimTime> free_at;  // when the two were last known apart: setBack goes there
     bool overlapped = false;         // `contact` is an overlap found, not a touch
     bool resting = false;            // `contact` is one pressed against the other, not one that comes in
-    std::optional<SimTime> rested_at;
     bool inside = false;             // a contact that nobody answers goes on; it is told once
   };
 

@@ -26,17 +26,32 @@ constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 32;
 constexpr std::size_t kEchoesMax = 16;
 constexpr std::size_t kEnslavedMax = 100;
 
+// More peers than one network carries: somebody invents them.
+constexpr std::size_t kMembersMax = 4096;
+// After a longer gap between two ticks this computer has slept. What would have happened meanwhile is not made up: for
+// everybody else its objects stood still.
+constexpr Duration kSlept = std::chrono::seconds(4);
+
 }  // namespace
 
 const char* to_string(Drop drop) {
   switch (drop) {
-    case Drop::kOwn: return "own";
-    case Drop::kUndecodable: return "undecodable";
-    case Drop::kIdInUse: return "id_in_use";
-    case Drop::kStaleBoot: return "stale_boot";
-    case Drop::kOtherWorld: return "other_world";
-    case Drop::kStranger: return "stranger";
-    case Drop::kNotYetInSession: return "not_yet_in_session";
+    case Drop::kOwn:
+      return "own";
+    case Drop::kUndecodable:
+      return "undecodable";
+    case Drop::kIdInUse:
+      return "id_in_use";
+    case Drop::kStaleBoot:
+      return "stale_boot";
+    case Drop::kOtherWorld:
+      return "other_world";
+    case Drop::kTooMany:
+      return "too_many";
+    case Drop::kStranger:
+      return "stranger";
+    case Drop::kNotYetInSession:
+      return "not_yet_in_session";
   }
   return "?";
 }
@@ -66,19 +81,30 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   const Message& m = *message;
   if (m.sender == config_.id) {
     if (m.boot == config_.boot) return std::unexpected(Drop::kOwn);  // no news: not counted
+    // What this peer sent in its last life may still be under way.
+    const bool just_started = !started_ || now - *started_ < config_.lost_after;
+    if (m.boot < config_.boot && just_started) return dropped(Drop::kStaleBoot);
     if (!std::exchange(id_in_use_told_, true)) outputs_.push_back(IdInUse{m.sender});
     return dropped(Drop::kIdInUse);
   }
+  const Member* known = members_.find(m.sender);
+  if (known == nullptr && members_.all().size() == kMembersMax) return dropped(Drop::kTooMany);
+  if (known != nullptr && m.boot < known->boot) return dropped(Drop::kStaleBoot);
   if (m.has_hello && m.hello.world_hash != config_.world_hash) {
+    if (other_worlds_.size() == kMembersMax) other_worlds_.clear();
     if (other_worlds_.insert(m.sender).second) outputs_.push_back(OtherWorld{m.sender, m.hello.name});
     if (const auto member = members_.remove(m.sender)) lose(m.sender, member->name, now, true);
     return dropped(Drop::kOtherWorld);
   }
-  if (!m.has_hello && members_.find(m.sender) == nullptr) return dropped(Drop::kStranger);
+  if (!m.has_hello && known == nullptr) return dropped(Drop::kStranger);
   switch (members_.on_datagram(now, m.sender, m.boot)) {
-    case Membership::Heard::kStale: return dropped(Drop::kStaleBoot);
-    case Membership::Heard::kKnown: break;
-    case Membership::Heard::kJoined: outputs_.push_back(PeerJoined{m.sender, m.hello.name, false}); break;
+    case Membership::Heard::kStale:
+      return dropped(Drop::kStaleBoot);
+    case Membership::Heard::kKnown:
+      break;
+    case Membership::Heard::kJoined:
+      outputs_.push_back(PeerJoined{m.sender, m.hello.name, false});
+      break;
     case Membership::Heard::kRestarted:
       release(m.sender, now);
       outputs_.push_back(PeerJoined{m.sender, m.hello.name, true});
@@ -256,8 +282,8 @@ void Peer::declare_all() {
   watch_decided_pairs();
 }
 
-// The clock has stepped into another session. Everything goes on from where it is, at the other session's time; what
-// was known of the past, and what the others were told in the old time, is void.
+// The clock has stepped into another session, or this computer has slept. Everything goes on from where it is, at the
+// other session's time; what was known of the past, and what the others were told in the old time, is void.
 void Peer::change_session(SimTime before, SimTime now) {
   const Replica old = std::move(*replica_);
   ++sessions_;
@@ -267,7 +293,11 @@ void Peer::change_session(SimTime before, SimTime now) {
   decisions_.clear();
   decisions_due_.clear();
   declare_all();
-  for (const auto& [object, peer] : owners_) {
+  for (const ObjectId object : old.ghosts.objects()) {
+    if (!replica_->ghosts.has(object)) {  // frozen: nobody runs it, no interest names it
+      replica_->truth.declare(object, Role::kScene);
+      replica_->ghosts.declare(object, Role::kScene);
+    }
     replica_->truth.set_base(object, now, old.truth.at(object, before));
     replica_->ghosts.set_base(object, now, old.ghosts.at(object, before));
   }
@@ -294,7 +324,7 @@ void Peer::watch_decided_pairs() {
   }
 }
 
-// False when session time has stepped, and what was due is not.
+// False when everything begins anew at this instant, and what was due is not.
 bool Peer::keep_session(HostTime now) {
   if (!started_) {
     started_ = now;
@@ -313,11 +343,18 @@ bool Peer::keep_session(HostTime now) {
     }
   }
   const SimTime before = clock_.to_session(now);
-  if (!clock_.adjust(now)) return true;
-  const SimTime after = clock_.to_session(now);
-  if (replica_) change_session(before, after);
-  outputs_.push_back(ClockStepped{clock_.session_minus_host(), after - before});
-  return false;
+  if (clock_.adjust(now)) {
+    const SimTime after = clock_.to_session(now);
+    if (replica_) change_session(before, after);
+    outputs_.push_back(ClockStepped{clock_.session_minus_host(), after - before});
+    return false;
+  }
+  if (replica_ && before - tick_time(last_tick_) > kSlept) {
+    counters_.ticks_missed += static_cast<std::uint64_t>(tick_number(before) - last_tick_);
+    change_session(tick_time(last_tick_), before);
+    return false;
+  }
+  return true;
 }
 
 void Peer::look(SimTime t) {
@@ -325,7 +362,7 @@ void Peer::look(SimTime t) {
 }
 
 void Peer::leave(HostTime now) {
-  flush_records();
+  flush_records(true);
   send_hello(now, true);
 }
 
@@ -355,7 +392,8 @@ std::optional<SimTime> Peer::due_tick(HostTime now) const {
 
 void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
   const std::optional<SimTime> due = due_tick(now);
-  if (keep_session(now) && due) {
+  const bool ticks = keep_session(now) && due;
+  if (ticks) {
     const std::int64_t number = tick_number(*due);
     ++counters_.ticks;
     counters_.ticks_missed += static_cast<std::uint64_t>(number - last_tick_ - 1);
@@ -367,7 +405,7 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     repeat_updates();
     next_hello_ = now + (replica_ ? config_.hello_period : kJoiningHelloPeriod);
   }
-  flush_records();
+  flush_records(ticks);
 }
 
 void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
@@ -452,8 +490,8 @@ void Peer::publish(SimTime t) {
     if (!reason) continue;
     own.last_sent = t;
     own.resend = false;
-    const UpdateRecord record{object,       ++own.sequence, t,
-                              policy.order, as_model(policy.order, truth), last_decision(object)};
+    const UpdateRecord record{
+        object, ++own.sequence, t, policy.order, as_model(policy.order, truth), last_decision(object)};
     replica_->ghosts.set_base(object, t, record.state);
     ++counters_.updates_out;
     outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, *reason});
@@ -462,12 +500,13 @@ void Peer::publish(SimTime t) {
   }
 }
 
-// A state that nothing newer has replaced goes out once more with the next hello: a lost one would stand wrong until the
-// time threshold. Where updates come fast there is nothing to repeat.
+// A state that nothing newer has replaced goes out once more with the next hello: a lost one would stand wrong until
+// the time threshold. Where updates come fast there is nothing to repeat.
 void Peer::repeat_updates() {
   for (auto& [object, own] : own_) {
     if (!own.to_repeat) continue;
-    const bool due_anyway = std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
+    const bool due_anyway =
+        std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
     if (due_anyway) continue;  // it goes out for the first time just now
     updates_due_.push_back(*std::exchange(own.to_repeat, std::nullopt));
     ++counters_.updates_repeated;
@@ -483,8 +522,8 @@ Message Peer::blank() const {
   return m;
 }
 
-// Updates and decisions, as few datagrams as hold them.
-void Peer::flush_records() {
+// Updates and decisions, as few datagrams as hold them. A decision's copies go out a tick apart.
+void Peer::flush_records(bool decisions) {
   Message m = blank();
   std::size_t used_bytes = 0;
   const auto make_room = [&](std::size_t size_bytes) {
@@ -501,6 +540,7 @@ void Peer::flush_records() {
   }
   updates_due_.clear();
   for (auto& [decision, copies] : decisions_due_) {
+    if (!decisions) break;
     make_room(encoded_size_bytes(decision));
     m.decisions.push_back(decision);
     --copies;
@@ -513,7 +553,9 @@ void Peer::send_hello(HostTime now, bool leaving) {
   Message m = blank();
   m.has_hello = true;
   m.leaving = leaving;
-  m.hello = {config_.name, config_.world_hash, now, clock_.synchronised(), clock_.session_minus_host(), sessions_, {}, {}, start_};
+  m.hello = {
+      config_.name, config_.world_hash, now, clock_.synchronised(), clock_.session_minus_host(), sessions_, {}, {},
+      start_};
   // Lists too long for one datagram take turns, hello by hello.
   const auto turns = [&](std::size_t size, std::size_t most, auto take) {
     for (std::size_t i = 0; i < std::min(size, most); ++i) take((hellos_ * most + i) % size);
@@ -562,12 +604,12 @@ PeerId Peer::owner(ObjectId object) const {
 
 KinematicState Peer::truth(ObjectId object, SimTime t) const {
   assert(replica_);
-  return replica_->truth.at(object, t);
+  return replica_->truth.has(object) ? replica_->truth.at(object, t) : at_rest(model_.scene->rigid_pose(object));
 }
 
 KinematicState Peer::ghost(ObjectId object, SimTime t) const {
   assert(replica_);
-  return replica_->ghosts.at(object, t);
+  return replica_->ghosts.has(object) ? replica_->ghosts.at(object, t) : at_rest(model_.scene->rigid_pose(object));
 }
 
 MotionWorld::Counters Peer::motion_counters() const {

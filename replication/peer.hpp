@@ -35,7 +35,7 @@ struct PeerConfig {
   PublishPolicy policy;
   std::uint32_t tick_hz = 60;
   Duration hello_period = std::chrono::milliseconds(250);
-  Duration lost_after = std::chrono::milliseconds(1750);  // seven hellos; within the 2 s that users are promised
+  Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
   Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
 };
 
@@ -113,18 +113,19 @@ using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, PeerJ
 
 // Why a datagram, or a record in it, was not used.
 enum class Drop : std::uint8_t {
-  kOwn,           // multicast loopback brings back what this peer sent
-  kUndecodable,   // see codec.hpp
-  kIdInUse,       // our id, another boot
-  kStaleBoot,     // from before that peer's restart
+  kOwn,          // multicast loopback brings back what this peer sent
+  kUndecodable,  // see codec.hpp
+  kIdInUse,      // our id, another boot
+  kStaleBoot,    // from before that peer's restart
   kOtherWorld,
-  kStranger,      // no hello of that peer has named its world yet
+  kTooMany,          // more peers than can be
+  kStranger,         // no hello of that peer has named its world yet
   kNotYetInSession,  // this peer has no session time yet
 };
 [[nodiscard]] const char* to_string(Drop);
 
-// One peer, whole: replica, dead reckoning, prediction, decisions, session. Sans-IO: it owns no socket, clock, thread or
-// source of randomness. `now` is this host's clock and must not run backwards. Single-threaded.
+// One peer, whole: replica, dead reckoning, prediction, decisions, session. Sans-IO: it owns no socket, clock, thread
+// or source of randomness. `now` is this host's clock and must not run backwards. Single-threaded.
 class Peer {
  public:
   struct Counters {
@@ -206,7 +207,7 @@ class Peer {
   void repeat_updates();
   [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t);
   void set_ghost(ObjectId object, SimTime t, const KinematicState& state);
-  void flush_records();
+  void flush_records(bool decisions);
   void send_hello(HostTime now, bool leaving);
   void send(const Message& message);
   [[nodiscard]] Message blank() const;
@@ -219,7 +220,7 @@ class Peer {
   SessionClock clock_;
   Membership members_;
   std::map<ObjectId, Own> own_;
-  std::map<ObjectId, PeerId> owners_;  // of what somebody runs, own objects included
+  std::map<ObjectId, PeerId> owners_;      // of what somebody runs, own objects included
   std::map<ObjectId, SimTime> decisions_;  // contact time of the last decision on an object that this peer knows
   std::optional<Replica> replica_;
   std::optional<HostTime> started_;
@@ -231,7 +232,7 @@ class Peer {
   std::size_t hellos_ = 0;  // sent; their lists take turns
   std::vector<UpdateRecord> updates_due_;
   std::vector<std::pair<DecisionRecord, int>> decisions_due_;  // how often still to be sent
-  std::set<PeerId> other_worlds_;  // told once each
+  std::set<PeerId> other_worlds_;                              // told once each
   bool id_in_use_told_ = false;
   std::deque<Output> outputs_;
   Counters counters_;

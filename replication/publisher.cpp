@@ -4,10 +4,14 @@ namespace peerd::replication {
 
 const char* to_string(PublishReason reason) {
   switch (reason) {
-    case PublishReason::kFirst: return "first";
-    case PublishReason::kError: return "error";
-    case PublishReason::kTime: return "time";
-    case PublishReason::kJoiner: return "joiner";
+    case PublishReason::kFirst:
+      return "first";
+    case PublishReason::kError:
+      return "error";
+    case PublishReason::kTime:
+      return "time";
+    case PublishReason::kJoiner:
+      return "joiner";
   }
   return "?";
 }

@@ -16,9 +16,9 @@ struct PublishPolicy {
   double tight_threshold_m = 0.01;                  // in close proximity
   double angle_threshold_rad = 0.0523598775598299;  // 3 degrees
   Duration time_threshold = std::chrono::seconds(5);
-  double close_proximity_s = 0.5;                   // the seed's close proximity threshold
-  bool predict_collisions = true;                   // remote collision prediction
-  bool track_proximity = true;                      // adaptive collision prediction tracking
+  double close_proximity_s = 0.5;  // the seed's close proximity threshold
+  bool predict_collisions = true;  // remote collision prediction
+  bool track_proximity = true;     // adaptive collision prediction tracking
 };
 
 enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner };

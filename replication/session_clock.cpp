@@ -44,6 +44,7 @@ void SessionClock::on_exchange(const Exchange& e) {
   if (round_trip < Duration{0}) return;  // a clock was set meanwhile
   samples_[sample_count_ % kSamples] = {ahead + (behind - ahead) / 2 + e.their_session_minus_host, round_trip};
   ++sample_count_;
+  if (sample_count_ >= kSamplesToStart) error_bound_ = best().round_trip / 2;
   if (!synchronised_ && sample_count_ >= kSamplesToStart) {
     synchronised_ = true;
     offset_ = best().offset;
@@ -73,6 +74,6 @@ const SessionClock::Sample& SessionClock::best() const {
   return *std::ranges::min_element(known, {}, &Sample::round_trip);
 }
 
-Duration SessionClock::error_bound() const { return sample_count_ == 0 ? Duration{0} : best().round_trip / 2; }
+Duration SessionClock::error_bound() const { return error_bound_; }
 
 }  // namespace peerd::replication

@@ -9,9 +9,9 @@ namespace peerd::replication {
 // Turns this host's time into the session's, which all peers share although their clocks differ.
 //
 // One peer founds the session: session time is its host time. Every other follows a synchronised peer by NTP's four
-// stamps (RFC 5905, section 8), carried by multicast hellos: of the last kSamples exchanges the one with the least round
-// trip names the offset, since queueing only ever adds. Session time never runs backwards: corrections are slewed,
-// except into another session whose time is farther away than slewing could mend.
+// stamps (RFC 5905, section 8), carried by multicast hellos: of the last kSamples exchanges the one with the least
+// round trip names the offset, since queueing only ever adds. Session time never runs backwards: corrections are
+// slewed, except into another session whose time is farther away than slewing could mend.
 class SessionClock {
  public:
   // t1 our hello left, t2 they got it, t3 theirs left, t4 we got it; t1 and t4 on our clock, t2 and t3 on theirs.
@@ -40,7 +40,8 @@ class SessionClock {
     Duration offset, round_trip;
   };
   static constexpr std::size_t kSamples = 16;
-  // Before this many exchanges a single queued packet could still set the clock.
+  // Before this many exchanges a single queued packet could still set the clock. (Exchanges may share one of our
+  // hellos: the way back is then measured anew, the way there is not.)
   static constexpr std::size_t kSamplesToStart = 4;
 
   [[nodiscard]] const Sample& best() const;
@@ -48,6 +49,7 @@ class SessionClock {
   std::array<Sample, kSamples> samples_{};
   std::size_t sample_count_ = 0;  // ever taken since follow_another
   bool synchronised_ = false;
+  Duration error_bound_{0};
   Duration offset_{0};
   HostTime adjusted_at_{};
 };

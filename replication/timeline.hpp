@@ -14,7 +14,7 @@ class Timeline {
  public:
   struct Segment {
     SimTime from;
-    KinematicState state;         // at `from`
+    KinematicState state;           // at `from`
     std::optional<ObjectId> cause;  // the other object of the contact that began this piece; none: told from outside
   };
 

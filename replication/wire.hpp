@@ -24,8 +24,8 @@ struct UpdateRecord {
   SimTime at{};
   ModelOrder order = ModelOrder::kSecond;
   KinematicState state;
-  // Contact time of the last decision on the object that the sender knew; none: SimTime{}. A state from before a decision
-  // must not undo it, although it may be of a later time.
+  // Contact time of the last decision on the object that the sender knew; none: SimTime{}. A state from before a
+  // decision must not undo it, although it may be of a later time.
   SimTime decision{};
 };
 
@@ -53,12 +53,12 @@ struct Hello {
   std::string name;
   std::uint64_t world_hash = 0;
   HostTime host_tx{};
-  bool synchronised = false;       // session_minus_host means something
+  bool synchronised = false;  // session_minus_host means something
   Duration session_minus_host{};
-  std::uint32_t sessions = 0;      // how many the sender has entered; each began without any updates
+  std::uint32_t sessions = 0;  // how many the sender has entered; each began without any updates
   std::vector<ClockEcho> echoes;
   std::vector<ObjectId> enslaved;
-  std::optional<SimTime> start;    // when this peer lets motions by formula begin, if it says so
+  std::optional<SimTime> start;  // when this peer lets motions by formula begin, if it says so
 };
 
 struct Message {

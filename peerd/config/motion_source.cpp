@@ -84,8 +84,10 @@ Result<MotionSource> MotionSource::make(const MotionFormula& formula, const std:
     const auto set_up = [&](mu::Parser& parser, const std::string& expression) {
       doing = expression;
       parser.DefineConst("pi", std::numbers::pi);
-      parser.DefineFun("floor", +[](double x) { return std::floor(x); });
-      parser.DefineFun("mod", +[](double x, double y) { return x - y * std::floor(x / y); });
+      parser.DefineFun(
+          "floor", +[](double x) { return std::floor(x); });
+      parser.DefineFun(
+          "mod", +[](double x, double y) { return x - y * std::floor(x / y); });
       parser.DefineVar("t", &f->t);
       for (std::size_t i = 0; i < names.size(); ++i) parser.DefineVar(names[i], &f->defined[i]);
       parser.SetExpr(expression);
@@ -132,8 +134,8 @@ KinematicState MotionSource::sample(double t_s) const {
   if (f.hold_before_start && t_s < 0.0) return at_rest(pose(0.0));
   KinematicState s;
   for (int i = 0; i < 3; ++i) {
-    const auto d = right_derivatives(
-        [&](double t) { return f.evaluate(f.components[static_cast<std::size_t>(i)], t); }, t_s);
+    const auto d =
+        right_derivatives([&](double t) { return f.evaluate(f.components[static_cast<std::size_t>(i)], t); }, t_s);
     s.position[i] = d.value;
     s.velocity[i] = d.first;
     s.acceleration[i] = d.second;

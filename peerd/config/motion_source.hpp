@@ -15,7 +15,7 @@ namespace peerd::config {
 // and replication never sees the formula. Velocity and acceleration are right-hand derivatives, so at a corner they are
 // those of what follows.
 struct MotionFormula {
-  std::vector<std::string> define;  // "name = expression", in order; later ones and the rest may use them
+  std::vector<std::string> define;        // "name = expression", in order; later ones and the rest may use them
   std::string x = "0", y = "0", z = "0";  // position, world frame [m]
   std::vector<double> axis{0, 1, 0};      // of the rotation, world frame
   std::string angle = "0";                // about axis [rad]
@@ -28,7 +28,8 @@ struct MotionFormula {
 class MotionSource {
  public:
   // Errors: a formula that doesn't parse, or isn't finite at the times tried (-2 s to 0 and the duration's ends).
-  [[nodiscard]] static Result<MotionSource> make(const MotionFormula& formula, const std::string& what, double duration_s);
+  [[nodiscard]] static Result<MotionSource> make(const MotionFormula& formula, const std::string& what,
+                                                 double duration_s);
   MotionSource(MotionSource&&) noexcept;
   MotionSource& operator=(MotionSource&&) noexcept;
   ~MotionSource();

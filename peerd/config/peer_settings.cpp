@@ -48,10 +48,10 @@ ReplicationSettings read_replication(TomlReader reader) {
 PeerSettings read_peer(TomlReader reader, const std::string& name) {
   PeerSettings s;
   s.name = name;
-  // Logs are rows of words, and a record's file is named after its peer.
-  if (name.empty() || name.size() > replication::kNameMax_bytes || name.find_first_of(" \t\r\n/") != name.npos) {
+  if (!replication::is_name(name)) {
     reader.fail(nullptr, "the peer's name \"" + name + "\" must have 1 to " +
-                             std::to_string(replication::kNameMax_bytes) + " bytes, no blank and no slash");
+                             std::to_string(replication::kNameMax_bytes) +
+                             " visible ASCII characters, no blank and no slash");
   }
   reader.require("id");
   reader.read("id", s.id, 1, std::numeric_limits<std::uint32_t>::max());

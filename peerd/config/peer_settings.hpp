@@ -31,7 +31,7 @@ struct PeerSettings {
 
 // How a real peer reaches the others: the table [transport].
 struct TransportSettings {
-  std::string interface;              // empty: the only one that can multicast, else lo
+  std::string interface;               // empty: the only one that can multicast, else lo
   std::string group = "239.192.80.0";  // of region 0
   std::uint32_t port = 47474;
   std::uint32_t ttl = 1;

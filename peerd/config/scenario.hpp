@@ -16,10 +16,10 @@ namespace peerd::config {
 // One direction between two peers of a simulated network: the table [network], or [network.link.FROM.TO] over it.
 struct LinkSettings {
   double latency_ms = 0.0;
-  double jitter_ms = 0.0;      // added to the latency, uniform in [0, jitter]
-  double loss = 0.0;           // probabilities, a datagram
+  double jitter_ms = 0.0;  // added to the latency, uniform in [0, jitter]
+  double loss = 0.0;       // probabilities, a datagram
   double duplication = 0.0;
-  double reordering = 0.0;     // held back by one more latency + jitter, so that later ones overtake
+  double reordering = 0.0;  // held back by one more latency + jitter, so that later ones overtake
 };
 
 // One run: every swept key has one value.
@@ -47,8 +47,8 @@ struct ScenarioRequest {
   std::vector<std::filesystem::path> configs;  // merged over the scenario, in order
   std::vector<std::string> sets;               // KEY=VALUE; a list sweeps, one value ends that key's sweep
   std::optional<std::uint64_t> seed;
-  bool real = false;                           // what only a simulated network can do is left out of the sweep
-  bool sweep = true;                           // false: one run, of the values outside of the sweep
+  bool real = false;  // what only a simulated network can do is left out of the sweep
+  bool sweep = true;  // false: one run, of the values outside of the sweep
 };
 
 [[nodiscard]] Result<Scenario> read_scenario(const ScenarioRequest& request);

@@ -40,7 +40,8 @@ std::string TomlReader::dotted(std::string_view key) const {
 }
 
 void TomlReader::fail(const toml::node* at, const std::string& sentence) {
-  if (!error_) error_ = InputError{located((at != nullptr ? *at : static_cast<const toml::node&>(table_)).source(), sentence)};
+  if (!error_)
+    error_ = InputError{located((at != nullptr ? *at : static_cast<const toml::node&>(table_)).source(), sentence)};
 }
 
 const toml::node* TomlReader::node(std::string_view key) {
@@ -188,7 +189,8 @@ Result<toml::table> read_toml(const std::filesystem::path& path) {
 Result<Assignment> parse_assignment(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) {
-    return std::unexpected(InputError{"error: --set " + text + ": write it as KEY=VALUE, such as network.latency_ms=100"});
+    return std::unexpected(
+        InputError{"error: --set " + text + ": write it as KEY=VALUE, such as network.latency_ms=100"});
   }
   Assignment a{text.substr(0, equals), {}};
   const std::string value = text.substr(equals + 1);

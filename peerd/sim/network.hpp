@@ -17,8 +17,8 @@ namespace peerd::sim {
 // Time that all simulated peers share and none can read.
 using VirtualTime = ToldClock<struct VirtualClockTag>::time_point;
 
-// One direction between two peers. Each has a generator of its own, seeded from the run's seed and its two ends, so that
-// what one link draws changes nothing on another.
+// One direction between two peers. Each has a generator of its own, seeded from the run's seed and its two ends, so
+// that what one link draws changes nothing on another.
 class Link {
  public:
   Link(const config::LinkSettings& settings, std::uint64_t seed);
@@ -60,7 +60,7 @@ class Network {
 
  private:
   std::size_t peers_;
-  std::vector<Link> links_;                   // from * peers + to
+  std::vector<Link> links_;                    // from * peers + to
   std::vector<std::vector<RegionId>> joined_;  // by peer, sorted
   std::priority_queue<Delivery, std::vector<Delivery>, std::greater<>> queue_;
   std::uint64_t sent_ = 0;

@@ -78,6 +78,7 @@ Message greeting(const std::function<void(Hello&)>& change) {
   m.sender = PeerId{1};
   m.boot = 1;
   m.has_hello = true;
+  m.hello.name = "a";
   change(m.hello);
   return m;
 }
@@ -98,30 +99,37 @@ TEST_P(Value, IsChecked) {
 constexpr std::int64_t kFarthest_ns = std::int64_t{1} << 62;
 INSTANTIATE_TEST_SUITE_P(
     Update, Value,
-    testing::Values(Case{"Good", updating([](auto&) {}), true},
-                    Case{"NaNPosition", updating([](auto& u) { u.state.position.y() = kNaN; }), false},
-                    Case{"InfPosition", updating([](auto& u) { u.state.position.z() = kInf; }), false},
-                    Case{"FarPosition", updating([](auto& u) { u.state.position.x() = 1e12; }), true},
-                    Case{"TooFarPosition", updating([](auto& u) { u.state.position.x() = -1.0001e12; }), false},
-                    Case{"HugePosition", updating([](auto& u) { u.state.position.x() = 1e300; }), false},
-                    Case{"NaNVelocity", updating([](auto& u) { u.state.velocity.x() = kNaN; }), false},
-                    Case{"HugeVelocity", updating([](auto& u) { u.state.velocity.x() = 1e200; }), false},
-                    Case{"InfAcceleration", updating([](auto& u) { u.state.acceleration.x() = -kInf; }), false},
-                    Case{"NaNSpin", updating([](auto& u) { u.state.angular_velocity_body.z() = kNaN; }), false},
-                    Case{"ZeroQuaternion", updating([](auto& u) { u.state.orientation = Quat(0, 0, 0, 0); }), false},
-                    Case{"LongQuaternion", updating([](auto& u) { u.state.orientation = Quat(2, 0, 0, 0); }), false},
-                    Case{"NaNQuaternion", updating([](auto& u) { u.state.orientation = Quat(kNaN, 0, 0, 1); }), false},
-                    Case{"UnitQuaternion", updating([](auto& u) { u.state.orientation = Quat(0.6, 0, -0.8, 0); }),
-                         true},
-                    Case{"SequenceZero", updating([](auto& u) { u.sequence = 0; }), false},
-                    Case{"SequenceLast", updating([](auto& u) { u.sequence = 0xFFFF'FFFF; }), true},
-                    Case{"OrderZero", updating([](auto& u) { u.order = ModelOrder{0}; }), false},
-                    Case{"OrderThree", updating([](auto& u) { u.order = ModelOrder{3}; }), false},
-                    Case{"Farthest", updating([](auto& u) { u.at = sim(Duration{-kFarthest_ns}); }), true},
-                    Case{"TooFarAhead", updating([](auto& u) { u.at = sim(Duration{kFarthest_ns + 1}); }), false},
-                    Case{"EndOfTime", updating([](auto& u) { u.at = SimTime::max(); }), false},
-                    Case{"DecisionAtTheEndOfTime", updating([](auto& u) { u.decision = SimTime::max(); }), false},
-                    Case{"BeginOfTime", updating([](auto& u) { u.at = SimTime::min(); }), false}),
+    testing::Values(
+        Case{"Good", updating([](auto&) {}), true},
+        Case{"NaNPosition", updating([](auto& u) { u.state.position.y() = kNaN; }), false},
+        Case{"InfPosition", updating([](auto& u) { u.state.position.z() = kInf; }), false},
+        Case{"FarPosition", updating([](auto& u) { u.state.position.x() = 1e12; }), true},
+        Case{"TooFarPosition", updating([](auto& u) { u.state.position.x() = -1.0001e12; }), false},
+        Case{"HugePosition", updating([](auto& u) { u.state.position.x() = 1e300; }), false},
+        Case{"NaNVelocity", updating([](auto& u) { u.state.velocity.x() = kNaN; }), false},
+        Case{"HugeVelocity", updating([](auto& u) { u.state.velocity.x() = 1e200; }), false},
+        Case{"InfAcceleration", updating([](auto& u) { u.state.acceleration.x() = -kInf; }), false},
+        Case{"NaNSpin", updating([](auto& u) { u.state.angular_velocity_body.z() = kNaN; }), false},
+        Case{"FastestSpin", updating([](auto& u) { u.state.angular_velocity_body.z() = -1e4; }), true},
+        Case{"TooFastASpin", updating([](auto& u) { u.state.angular_velocity_body.z() = 1.0001e4; }), false},
+        Case{"AccelerationAtOrderOne", updating([](auto& u) {
+               u.order = ModelOrder::kFirst;
+               u.state.acceleration.x() = 1e-9;
+             }),
+             false},
+        Case{"ZeroQuaternion", updating([](auto& u) { u.state.orientation = Quat(0, 0, 0, 0); }), false},
+        Case{"LongQuaternion", updating([](auto& u) { u.state.orientation = Quat(2, 0, 0, 0); }), false},
+        Case{"NaNQuaternion", updating([](auto& u) { u.state.orientation = Quat(kNaN, 0, 0, 1); }), false},
+        Case{"UnitQuaternion", updating([](auto& u) { u.state.orientation = Quat(0.6, 0, -0.8, 0); }), true},
+        Case{"SequenceZero", updating([](auto& u) { u.sequence = 0; }), false},
+        Case{"SequenceLast", updating([](auto& u) { u.sequence = 0xFFFF'FFFF; }), true},
+        Case{"OrderZero", updating([](auto& u) { u.order = ModelOrder{0}; }), false},
+        Case{"OrderThree", updating([](auto& u) { u.order = ModelOrder{3}; }), false},
+        Case{"Farthest", updating([](auto& u) { u.at = sim(Duration{-kFarthest_ns}); }), true},
+        Case{"TooFarAhead", updating([](auto& u) { u.at = sim(Duration{kFarthest_ns + 1}); }), false},
+        Case{"EndOfTime", updating([](auto& u) { u.at = SimTime::max(); }), false},
+        Case{"DecisionAtTheEndOfTime", updating([](auto& u) { u.decision = SimTime::max(); }), false},
+        Case{"BeginOfTime", updating([](auto& u) { u.at = SimTime::min(); }), false}),
     [](const auto& c) { return std::string(c.param.name); });
 INSTANTIATE_TEST_SUITE_P(
     Decision, Value,
@@ -138,7 +146,11 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& c) { return std::string(c.param.name); });
 INSTANTIATE_TEST_SUITE_P(
     Hello, Value,
-    testing::Values(Case{"Good", greeting([](auto&) {}), true},
+    testing::Values(Case{"Good", greeting([](auto& h) { h.name = "a"; }), true},
+                    Case{"NoName", greeting([](auto& h) { h.name.clear(); }), false},
+                    Case{"NameWithABlank", greeting([](auto& h) { h.name = "a b"; }), false},
+                    Case{"NameThatIsAPath", greeting([](auto& h) { h.name = "a/b"; }), false},
+                    Case{"NameThatIsNoText", greeting([](auto& h) { h.name = "\xff\n"; }), false},
                     Case{"LongestName", greeting([](auto& h) { h.name.assign(kNameMax_bytes, 'n'); }), true},
                     Case{"TooLongAName", greeting([](auto& h) { h.name.assign(kNameMax_bytes + 1, 'n'); }), false},
                     Case{"EndOfItsClock", greeting([](auto& h) { h.host_tx = HostTime::max(); }), false},

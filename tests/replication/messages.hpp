@@ -24,12 +24,14 @@ class MessageMaker {
   }
 
   UpdateRecord update() {
-    return {ObjectId{number<std::uint32_t>()},
-            1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
-            SimTime{time()},
-            coin() ? ModelOrder::kFirst : ModelOrder::kSecond,
-            state(),
-            SimTime{coin() ? time() : 0ns}};
+    UpdateRecord u{ObjectId{number<std::uint32_t>()},
+                   1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
+                   SimTime{time()},
+                   coin() ? ModelOrder::kFirst : ModelOrder::kSecond,
+                   state(),
+                   SimTime{coin() ? time() : 0ns}};
+    if (u.order == ModelOrder::kFirst) u.state.acceleration.setZero();
+    return u;
   }
   DecisionRecord decision() {
     return {ObjectId{number<std::uint32_t>()},
@@ -44,7 +46,7 @@ class MessageMaker {
   }
   Hello hello() {
     Hello h;
-    h.name = std::string(number<std::uint32_t>() % (kNameMax_bytes + 1), 'x');
+    h.name = std::string(1 + number<std::uint32_t>() % kNameMax_bytes, 'x');
     h.world_hash = number<std::uint64_t>();
     h.host_tx = HostTime{time()};
     h.synchronised = coin();
@@ -65,7 +67,7 @@ class MessageMaker {
     if (coin()) s.velocity = vector();
     if (coin()) s.acceleration = vector();
     if (coin()) s.orientation = Quat(size(), size(), size(), size() + 1e-3).normalized();
-    if (coin()) s.angular_velocity_body = vector();
+    if (coin()) s.angular_velocity_body = 1e4 / std::max(1e4, s.velocity.norm()) * vector().normalized();
     return s;
   }
 

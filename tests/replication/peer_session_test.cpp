@@ -338,7 +338,7 @@ TEST(PeerSession, LongSleepsAreSurvived) {
   lan.add(config(1, {{world["BALL"], false}}));
   lan.add(config(2), 3s);
   lan.run_until(5s);
-  for (const Duration sleep : {std::chrono::minutes(1), std::chrono::minutes(10)}) {
+  for (const Duration sleep : {Duration(1min), Duration(10min), Duration(24h * 3)}) {
     lan.skip(sleep);
     lan.run_until(lan.now() + 5s);
     EXPECT_LE(spread(lan), 11ms);

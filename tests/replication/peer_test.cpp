@@ -243,7 +243,7 @@ TEST(Peer, UpdatesBeforeThereIsASessionAreDropped) {
 TEST(DropName, IsDistinctForEach) {
   std::set<std::string> names;
   for (int i = 0; i <= static_cast<int>(Drop::kNotYetInSession); ++i) names.insert(to_string(static_cast<Drop>(i)));
-  EXPECT_EQ(names.size(), 7u);
+  EXPECT_EQ(names.size(), 8u);
   EXPECT_FALSE(names.contains("?"));
 }
 

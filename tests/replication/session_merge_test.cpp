@@ -12,7 +12,8 @@ using namespace test;
 class SessionsMeet : public testing::TestWithParam<Duration> {};
 
 TEST_P(SessionsMeet, TheHigherPeerStepsOnceAndEverythingGoesOn) {
-  const World world(box("A", "1 1 1", "0 0 0", "velocityVector 1 0 0") + box("B", "1 1 1", "0 5 0", "velocityVector 0 0 2"));
+  const World world(box("A", "1 1 1", "0 0 0", "velocityVector 1 0 0") +
+                    box("B", "1 1 1", "0 5 0", "velocityVector 0 0 2"));
   Lan lan(world);
   lan.add(config(1, {{world["A"], false}}));
   lan.add(config(2, {{world["B"], false}}), GetParam());
