@@ -37,5 +37,5 @@ build() {
     mkdir -p build
     cmake --preset "$preset" "$@" >"$log" 2>&1 || { cat "$log" >&2; exit 3; }
   fi
-  cmake --build "build/$preset" --target "$target" | sed "/no work to do/d" >&2
+  cmake --build "build/$preset" --target "$target" | sed -u "/no work to do/d" >&2
 }
