@@ -53,6 +53,12 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
                            fmt::format("two sessions have met: the session clock stepped, offset {:.3f} ms",
                                        ms(s.session_minus_host))};
           },
+          [](const Slept& s) -> Line {
+            return LogLine{level_enum::warn,
+                           fmt::format("this peer was stopped for {:.1f} s; its objects go on from where "
+                                       "they were",
+                                       to_seconds(s.gap))};
+          },
           [&](const PeerJoined& p) -> Line {
             return LogLine{level_enum::info, named(p.peer, p.name) + (p.restarted ? " restarted" : " joined")};
           },

@@ -80,7 +80,7 @@ int run(int argc, char** argv) {
   run_command->add_option("--group", flags.group, "multicast group of region 0, IPv4 or IPv6");
   run_command->add_option("--port", flags.port, "UDP port");
   run_command->add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
-  run_command->add_flag("--once", peer.once, "leave when the scenario's duration is over");
+  run_command->add_flag("--once", peer.once, "leave when the scenario is over; it begins when all its peers are here");
   run_command->add_flag("--json", peer.json, "log lines as JSON");
   run_command->add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
 
@@ -92,7 +92,7 @@ int run(int argc, char** argv) {
   ScenarioOptions real;
   CLI::App* scenario_command = app.add_subcommand("scenario", "a scenario between real processes over real multicast");
   add_scenario_options(*scenario_command, real);
-  scenario_command->add_option("--interface", real.interface, "network interface (default: lo)")->default_val("lo");
+  scenario_command->add_option("--interface", real.interface, "network interface (default: the scenario's, else lo)");
 
   std::string world;
   bool check_json = false;

@@ -53,6 +53,7 @@ config::Result<std::unique_ptr<PeerNode>> PeerNode::make(const config::PeerSetti
   config.world_hash = shared.world.hash;
   config.policy = replication.policy;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
+  config.wait_for_start = true;
   for (const std::string& path : settings.enslaves) {
     const auto object = config::find_object(shared.world.scene, path, "peer." + settings.name + ".enslaves");
     if (!object) return std::unexpected(object.error());
@@ -98,6 +99,12 @@ void PeerNode::agree_on_start(HostTime now) {
 
 void PeerNode::on_tick(HostTime now) {
   agree_on_start(now);
+  if (log_.start != started_for_) {
+    // A start that shifts once the motions have begun (two sessions have met) changes nothing for them.
+    const bool begun = started_for_ && *log_.start <= peer_.clock().to_session(now);
+    started_for_ = log_.start;
+    if (!begun) peer_.start_motions(now, *log_.start);
+  }
   const std::optional<SimTime> due = peer_.due_tick(now);
   std::vector<replication::OwnSample> samples;
   if (due) {
@@ -188,6 +195,7 @@ const PeerLog& PeerNode::log() {
        {"updates_in", c.updates_in},
        {"updates_out", c.updates_out},
        {"updates_repeated", c.updates_repeated},
+       {"updates_duplicate", c.updates_duplicate},
        {"proximity_tests", c.proximity_tests},
        {"contact_searches", m.contact_searches},
        {"contact_searches_skipped", m.searches_skipped},

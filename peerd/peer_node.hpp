@@ -67,8 +67,9 @@ class PeerNode {
   replication::PeerConfig config_;
   replication::Peer peer_;
   PeerLog log_;
-  SimTime logged_at_{};           // the last tick
-  std::int64_t next_sample_ = 0;  // counted from the start
+  SimTime logged_at_{};                 // the last tick
+  std::optional<SimTime> started_for_;  // the start that the peer was told
+  std::int64_t next_sample_ = 0;        // counted from the start
 };
 
 }  // namespace peerd

@@ -22,6 +22,8 @@ namespace {
 
 namespace asio = boost::asio;
 
+constexpr std::uint32_t kDefaultPort = 47474;
+
 int exit_code(net::NetError::Kind kind) { return kind == net::NetError::Kind::kBadSetting ? 2 : 3; }
 
 // One line a fact: text with the time and the level, or one JSON object.
@@ -183,17 +185,22 @@ int run_peer(const PeerOptions& options) {
   const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(*motions), std::move(node_options));
   if (!node) return failed(node.error());
 
-  const auto plan = net::parse_group_plan(run.transport.group, static_cast<std::uint16_t>(run.transport.port));
+  const auto port = static_cast<std::uint16_t>(run.transport.port.value_or(kDefaultPort));
+  const auto plan = net::parse_group_plan(run.transport.group, port);
   if (!plan) return failed({"error: " + plan.error().sentence, exit_code(plan.error().kind)});
   asio::io_context io(1);
   const auto socket = net::MulticastSocket::open(
       io, {.interface = run.transport.interface, .groups = *plan, .ttl = static_cast<int>(run.transport.ttl)});
   if (!socket) return failed({"error: " + socket.error().sentence, exit_code(socket.error().kind)});
 
+  if (!options.record.empty()) {  // before the run, not after it, if the file can't be written
+    if (const auto saved = save((*node)->log(), options.record); !saved) return failed(saved.error());
+  }
+
   Log log((*settings)->name, options.json, options.verbose);
-  log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, group {} port {} over {}", (*settings)->name,
-                                       (*settings)->id, scenario->world.filename().string(), run.transport.group,
-                                       run.transport.port, (*socket)->chosen_interface().why));
+  log(spdlog::level::info,
+      fmt::format("peer {} (id {}) in {}, group {} port {} over {}", (*settings)->name, (*settings)->id,
+                  scenario->world.filename().string(), run.transport.group, port, (*socket)->chosen_interface().why));
   for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
 
   Daemon daemon(io, **node, **socket, clock, log, scene,

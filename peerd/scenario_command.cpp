@@ -42,16 +42,25 @@ class Child {
     std::vector<char*> arguments;
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    if (posix_spawn(&pid_, arguments[0], &files, nullptr, arguments.data(), environ) != 0) pid_ = -1;
+    posix_spawnattr_t attributes;  // the child hears the signals that its parent has set aside
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    if (posix_spawn(&pid_, arguments[0], &files, &attributes, arguments.data(), environ) != 0) pid_ = -1;
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
   }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
   ~Child() {
-    if (running()) {
-      kill(pid_, SIGKILL);
-      waitpid(pid_, nullptr, 0);
-    }
+    if (!running()) return;
+    kill(pid_, SIGTERM);
+    for (int tries = 0; tries < 50 && running(); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (!running()) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
   }
 
   [[nodiscard]] bool running() {
@@ -71,6 +80,21 @@ class Child {
   int status_ = 0;
   bool done_ = false;
 };
+
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+// Waits 20 ms for one of them; they are blocked, so that the peers can be ended before this process is.
+bool asked_to_stop() {
+  const sigset_t signals = stop_signals();
+  const timespec wait{0, 20'000'000};
+  return sigtimedwait(&signals, nullptr, &wait) > 0;
+}
 
 std::string last_lines(const fs::path& path, std::size_t count) {
   std::ifstream in(path);
@@ -98,8 +122,9 @@ std::vector<std::string> peer_command(const Launch& launch, const config::RunSet
   const auto set = [&](const std::string& assignment) { command.insert(command.end(), {"--set", assignment}); };
   for (const std::string& s : launch.options.sets) set(s);
   for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));
-  set("transport.port=" + std::to_string(launch.port));
-  if (!launch.options.interface.empty()) set("transport.interface=\"" + launch.options.interface + "\"");
+  set("transport.port=" + std::to_string(run.transport.port.value_or(static_cast<std::uint32_t>(launch.port))));
+  const std::string& wanted = launch.options.interface.empty() ? run.transport.interface : launch.options.interface;
+  set("transport.interface=" + nlohmann::json(wanted.empty() ? "lo" : wanted).dump());
   for (const fs::path& overlay : launch.options.configs) command.insert(command.end(), {"--overlay", overlay.string()});
   return command;
 }
@@ -143,7 +168,9 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
                                     std::chrono::duration<double>(now - begun).count(), children.size());
       std::cerr << (show_progress ? "\r" + line : line + "\n") << std::flush;
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (asked_to_stop()) {
+      return std::unexpected(config::InputError{"error: stopped by a signal; the peers were stopped too", 3});
+    }
   }
   if (show_progress) std::cerr << "\r\033[K";
   std::vector<PeerLog> logs;
@@ -172,6 +199,8 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   fs::create_directories(out, error);
   if (error) return failed({"error: can't make the folder " + out.string() + ": " + error.message(), 3});
 
+  const sigset_t signals = stop_signals();
+  sigprocmask(SIG_BLOCK, &signals, nullptr);
   std::vector<report::RunRecord> records;
   for (const config::RunSettings& run : scenario->runs) {
     const int number = static_cast<int>(records.size()) + 1;

@@ -37,6 +37,10 @@ std::optional<Member> Membership::remove(PeerId peer) {
   return std::move(node.mapped());
 }
 
+void Membership::excuse(HostTime now) {
+  for (auto& [peer, member] : members_) member.last_heard = now;
+}
+
 Member* Membership::find(PeerId peer) {
   const auto at = members_.find(peer);
   return at == members_.end() ? nullptr : &at->second;

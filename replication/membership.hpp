@@ -36,6 +36,8 @@ class Membership {
   // Those silent for longer than lost_after, removed; ascending.
   [[nodiscard]] std::vector<std::pair<PeerId, Member>> expire(HostTime now);
   std::optional<Member> remove(PeerId peer);
+  // Counts everybody's silence anew from now on.
+  void excuse(HostTime now);
 
   [[nodiscard]] Member* find(PeerId peer);
   // The lowest synchronised peer: the one whose session time the others follow.

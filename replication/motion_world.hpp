@@ -31,7 +31,7 @@ struct WorldModel {
 };
 [[nodiscard]] std::unique_ptr<const WorldModel> make_world_model(const Scene& scene);
 
-// What an object does in a MotionWorld when it touches something.
+// What an object does in a MotionWorld when it touches something. Those from kFirm on answer.
 enum class Role : std::uint8_t {
   kScene,   // run by nobody: stays
   kDriven,  // moved by samples from outside; contacts are seen, not answered

@@ -28,8 +28,8 @@ constexpr std::size_t kEnslavedMax = 100;
 
 // More peers than one network carries: somebody invents them.
 constexpr std::size_t kMembersMax = 4096;
-// After a longer gap between two ticks this computer has slept. What would have happened meanwhile is not made up: for
-// everybody else its objects stood still.
+// After a longer gap between two ticks this peer was stopped, or its computer asleep. What would have happened
+// meanwhile is not made up: for everybody else its objects stood still.
 constexpr Duration kSlept = std::chrono::seconds(4);
 
 }  // namespace
@@ -75,7 +75,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   };
   const auto message = decode(datagram);
   if (!message) {
-    drop(to_string(message.error()));
+    ++counters_.drops[std::string("undecodable_") + to_string(message.error())];  // which of them
     return dropped(Drop::kUndecodable);
   }
   const Message& m = *message;
@@ -89,8 +89,8 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   }
   const Member* known = members_.find(m.sender);
   if (known == nullptr && members_.all().size() == kMembersMax) return dropped(Drop::kTooMany);
-  if (known != nullptr && m.boot < known->boot) return dropped(Drop::kStaleBoot);
   if (m.has_hello && m.hello.world_hash != config_.world_hash) {
+    if (known != nullptr && m.boot < known->boot) return dropped(Drop::kStaleBoot);
     if (other_worlds_.size() == kMembersMax) other_worlds_.clear();
     if (other_worlds_.insert(m.sender).second) outputs_.push_back(OtherWorld{m.sender, m.hello.name});
     if (const auto member = members_.remove(m.sender)) lose(m.sender, member->name, now, true);
@@ -133,7 +133,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
     if (d.contact < session_now - kUpdateAgeMax || d.contact > session_now + kUpdateAheadMax) {
       drop("decision_time");
     } else {
-      on_decision(m.sender, d);
+      on_decision(m.sender, d, session_now);
     }
   }
   return {};
@@ -224,7 +224,11 @@ void Peer::on_update(PeerId sender, const UpdateRecord& u) {
   if (owner(u.object) == kNobody) claim(sender, {&u.object, 1});  // its hello may have been lost
   if (owner(u.object) != sender) return drop("not_owner");
   std::uint32_t& last = members_.find(sender)->last_sequence[u.object];
-  if (u.sequence <= last) return drop("old_sequence");
+  if (u.sequence == last) {
+    ++counters_.updates_duplicate;
+    return;
+  }
+  if (u.sequence < last) return drop("old_sequence");
   last = u.sequence;
   ++counters_.updates_in;
   const SimTime decided = last_decision(u.object);
@@ -232,11 +236,10 @@ void Peer::on_update(PeerId sender, const UpdateRecord& u) {
   set_ghost(u.object, u.at, u.state);
 }
 
-void Peer::on_decision(PeerId sender, const DecisionRecord& d) {
+void Peer::on_decision(PeerId sender, const DecisionRecord& d, SimTime known_at) {
   const PeerId owner_a = owner(d.collider), owner_b = owner(d.collidee);
   if (owner_a == kNobody || owner_b == kNobody || decider_by_id(owner_a, owner_b) != sender) return drop("not_decider");
   if (d.contact <= last_decision(d.collider) && d.contact <= last_decision(d.collidee)) return drop("decision_known");
-  const SimTime known_at = tick_time(last_tick_);
   for (const auto& [object, after] :
        {std::pair{d.collider, &d.collider_after}, std::pair{d.collidee, &d.collidee_after}}) {
     if (d.contact <= last_decision(object)) continue;
@@ -248,7 +251,7 @@ void Peer::on_decision(PeerId sender, const DecisionRecord& d) {
   outputs_.push_back(ContactSeen{ContactKind::kApplied,
                                  {d.contact, d.collider, d.collidee, d.normal, d.collider_before, d.collidee_before,
                                   d.collider_after, d.collidee_after},
-                                 std::max(known_at, d.contact)});
+                                 known_at});
 }
 
 void Peer::set_ghost(ObjectId object, SimTime t, const KinematicState& state) {
@@ -267,8 +270,20 @@ void Peer::enter_session(HostTime host_now) {
   declare_all();
   for (const auto& [object, own] : own_) {
     KinematicState initial = at_rest(model_.scene->rigid_pose(object));
-    if (!own.driven) initial.velocity = model_.scene->at(object).velocity;
+    if (!own.driven && !config_.wait_for_start) initial.velocity = model_.scene->at(object).velocity;
     replica_->truth.set_base(object, now, initial);
+  }
+}
+
+void Peer::start_motions(HostTime now, SimTime start) {
+  if (!replica_) return;
+  const SimTime from = std::max(start, clock_.to_session(now));
+  for (auto& [object, own] : own_) {
+    if (own.driven) continue;
+    KinematicState state = replica_->truth.at(object, from);
+    state.velocity = model_.scene->at(object).velocity;
+    replica_->truth.set_base(object, from, state);
+    own.starts = from;
   }
 }
 
@@ -330,6 +345,13 @@ bool Peer::keep_session(HostTime now) {
     started_ = now;
     next_hello_ = now;
   }
+  if (const Duration gap = replica_ ? clock_.to_session(now) - tick_time(last_tick_) : Duration{0}; gap > kSlept) {
+    counters_.ticks_missed += static_cast<std::uint64_t>(tick_number(clock_.to_session(now)) - last_tick_);
+    members_.excuse(now);  // it was not they who were silent
+    change_session(tick_time(last_tick_), clock_.to_session(now));
+    outputs_.push_back(Slept{gap});
+    return false;
+  }
   for (auto& [peer, member] : members_.expire(now)) {
     lose(peer, member.name, now, false);
   }
@@ -347,11 +369,6 @@ bool Peer::keep_session(HostTime now) {
     const SimTime after = clock_.to_session(now);
     if (replica_) change_session(before, after);
     outputs_.push_back(ClockStepped{clock_.session_minus_host(), after - before});
-    return false;
-  }
-  if (replica_ && before - tick_time(last_tick_) > kSlept) {
-    counters_.ticks_missed += static_cast<std::uint64_t>(tick_number(before) - last_tick_);
-    change_session(tick_time(last_tick_), before);
     return false;
   }
   return true;
@@ -484,6 +501,10 @@ void Peer::publish(SimTime t) {
     double threshold_m = policy.error_threshold_m.value_or(model_.scene->at(object).distance_threshold_m);
     if (policy.track_proximity && in_close_proximity(object, t)) {
       threshold_m = std::min(threshold_m, policy.tight_threshold_m);
+    }
+    if (own.starts && t >= *own.starts) {  // it has begun to move: nobody could know
+      own.starts.reset();
+      own.last_sent.reset();
     }
     std::optional<PublishReason> reason = due(policy, threshold_m, error, own.last_sent, t);
     if (!reason && own.resend) reason = PublishReason::kJoiner;

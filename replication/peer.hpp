@@ -37,6 +37,8 @@ struct PeerConfig {
   Duration hello_period = std::chrono::milliseconds(250);
   Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
   Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
+  // Objects that move by their velocityVector stand until start_motions(); else they go from the session's begin.
+  bool wait_for_start = false;
 };
 
 // Pose and derivatives of a driven object at a tick, from whatever moves it. At a corner, the derivatives of what
@@ -64,6 +66,9 @@ struct Synchronised {
 };
 struct ClockStepped {
   Duration session_minus_host, step;
+};
+struct Slept {
+  Duration gap;  // this peer was not run for so long; its objects go on from where they were
 };
 struct PeerJoined {
   PeerId peer;
@@ -108,8 +113,8 @@ struct ContactSeen {
   ContactEvent contact;
   SimTime known_at;
 };
-using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, PeerJoined, PeerLost, Frozen, OtherWorld,
-                            IdInUse, OwnershipConflict, Published, ContactSeen, TakenBack>;
+using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, Slept, PeerJoined, PeerLost, Frozen,
+                            OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen, TakenBack>;
 
 // Why a datagram, or a record in it, was not used.
 enum class Drop : std::uint8_t {
@@ -133,7 +138,8 @@ class Peer {
     std::map<std::string, std::uint64_t> drops;  // by reason
     std::uint64_t ticks = 0, ticks_missed = 0;
     std::uint64_t updates_in = 0, updates_out = 0;
-    std::uint64_t updates_repeated = 0;  // second copies; not in updates_out
+    std::uint64_t updates_repeated = 0;   // second copies sent; not in updates_out
+    std::uint64_t updates_duplicate = 0;  // copies of what was applied already
     std::uint64_t proximity_tests = 0;
   };
 
@@ -148,6 +154,8 @@ class Peer {
   // The tick that on_tick(now) would do: the last point of the session's tick grid not after now. None: not due, or
   // not synchronised yet.
   [[nodiscard]] std::optional<SimTime> due_tick(HostTime now) const;
+  // Own objects that move by their velocityVector do so from `start` on, or from now if that has passed.
+  void start_motions(HostTime now, SimTime start);
   // Brings the ghosts to t, which may lie between two ticks: for a viewer with a frame rate of its own. Changes nothing
   // that the other peers could notice.
   void look(SimTime t);
@@ -184,7 +192,8 @@ class Peer {
     bool driven = false;
     std::optional<SimTime> last_sent;
     std::uint32_t sequence = 0;
-    bool resend = false;  // somebody joined
+    bool resend = false;            // somebody joined
+    std::optional<SimTime> starts;  // it stands until then
     std::optional<UpdateRecord> to_repeat;
   };
 
@@ -193,7 +202,7 @@ class Peer {
   void declare_all();
   void on_hello(HostTime now, PeerId sender, const Hello& hello);
   void on_update(PeerId sender, const UpdateRecord& update);
-  void on_decision(PeerId sender, const DecisionRecord& decision);
+  void on_decision(PeerId sender, const DecisionRecord& decision, SimTime known_at);
   void claim(PeerId peer, std::span<const ObjectId> objects);
   void release(PeerId peer, HostTime now);
   void lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye);

@@ -84,7 +84,9 @@ TransportSettings read_transport(TomlReader reader) {
   TransportSettings s;
   reader.read("interface", s.interface);
   reader.read("group", s.group);
-  reader.read("port", s.port, 1, 65535);
+  std::uint32_t port = 0;
+  reader.read("port", port, 1, 65535);
+  if (port != 0) s.port = port;
   reader.read("ttl", s.ttl, 0, 255);
   reader.finish();
   return s;

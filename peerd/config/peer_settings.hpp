@@ -33,7 +33,7 @@ struct PeerSettings {
 struct TransportSettings {
   std::string interface;               // empty: the only one that can multicast, else lo
   std::string group = "239.192.80.0";  // of region 0
-  std::uint32_t port = 47474;
+  std::optional<std::uint32_t> port;   // 47474, and for `peerd scenario` one of its own
   std::uint32_t ttl = 1;
 };
 [[nodiscard]] TransportSettings read_transport(TomlReader reader);

@@ -1,6 +1,7 @@
 #include "peerd/config/scenario.hpp"
 
 #include <algorithm>
+#include <sstream>
 
 namespace peerd::config {
 namespace {
@@ -80,6 +81,9 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   reader.require("world");
   std::string world;
   reader.read("name", scenario.name);
+  if (scenario.name.empty() || scenario.name.starts_with('.') || scenario.name.find('/') != std::string::npos) {
+    reader.fail(root.get("name"), "name: it becomes a folder's name, so no slash and no dot in front");
+  }
   reader.read("world", world);
   scenario.world = file.parent_path() / world;
   reader.read("duration_s", run.duration_s, 0.1, 1e6);
@@ -153,6 +157,9 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
     auto set = parse_assignment(given);
     if (!set) return std::unexpected(set.error());
     const bool sweeps = set->holder.get("value")->is_array() && !takes_list(set->key);
+    if (sweeps && !request.sweep) {
+      return std::unexpected(InputError{"error: --set " + given + ": a list sweeps, and one peer runs one value"});
+    }
     (sweeps ? swept_sets : sets).push_back(std::move(*set));
   }
 
@@ -186,13 +193,14 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
     for (const toml::node& v : *values) s.values.push_back(&v);
     runs *= s.values.size();
     std::erase(named, s.key);
-    if (runs > kRunsMax) return std::unexpected(InputError{"error: the sweep has more than 100000 runs"});
+    if (runs > kRunsMax)
+      return std::unexpected(InputError{"error: the sweep has more than " + std::to_string(kRunsMax) + " runs"});
   }
   std::ranges::sort(named);
   named.erase(std::ranges::unique(named).begin(), named.end());
 
   Scenario scenario;
-  scenario.name = request.file.stem().string();
+  scenario.name = request.file.empty() ? "peerd" : request.file.stem().string();
   for (std::size_t i = 0; i < runs; ++i) {
     auto root = read_root(request, *text, overlays, sets);
     if (!root) return std::unexpected(root.error());

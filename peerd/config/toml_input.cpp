@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iomanip>
 #include <sstream>
 
 #include "core/suggestion.hpp"
@@ -22,7 +23,7 @@ std::string located(const toml::source_region& at, const std::string& sentence) 
 
 std::string shown(double x) {
   std::ostringstream out;
-  out << x;
+  out << std::setprecision(12) << x;
   return out.str();
 }
 

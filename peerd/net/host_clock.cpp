@@ -18,12 +18,12 @@ Duration read_clock(clockid_t id) {
 
 HostClock::HostClock(Duration test_offset) {
   // The wall clock between two readings of the other: the midpoint halves what a badly timed preemption can cost.
-  const Duration before = read_clock(CLOCK_MONOTONIC);
+  const Duration before = read_clock(CLOCK_BOOTTIME);
   const Duration wall = read_clock(CLOCK_REALTIME);
-  const Duration after = read_clock(CLOCK_MONOTONIC);
-  epoch_minus_monotonic_ = wall - (before + (after - before) / 2) + test_offset;
+  const Duration after = read_clock(CLOCK_BOOTTIME);
+  epoch_minus_boot_time_ = wall - (before + (after - before) / 2) + test_offset;
 }
 
-HostTime HostClock::now() const { return HostTime{epoch_minus_monotonic_ + read_clock(CLOCK_MONOTONIC)}; }
+HostTime HostClock::now() const { return HostTime{epoch_minus_boot_time_ + read_clock(CLOCK_BOOTTIME)}; }
 
 }  // namespace peerd::net

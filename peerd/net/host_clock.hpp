@@ -3,11 +3,12 @@
 
 namespace peerd::net {
 
-// What this process takes for the time of its computer [ns since the Unix epoch]. This and nothing else reads a clock.
+// What a peer takes for the time of its computer [ns since the Unix epoch]. Nothing else reads a clock for it.
 //
-// The wall clock is read once, at construction; from then on time runs by CLOCK_MONOTONIC, so it never steps and never
-// runs backwards, whatever an administrator or an NTP daemon does to the wall clock. Two peers on two hosts may
-// therefore differ by seconds, and drift: the session clock measures and removes that.
+// The wall clock is read once, at construction; from then on time runs by CLOCK_BOOTTIME, which counts on while the
+// computer is suspended. So it never steps and never runs backwards, whatever an administrator or an NTP daemon does to
+// the wall clock. Two peers on two hosts may therefore differ by seconds, and drift: the session clock measures and
+// removes that.
 class HostClock {
  public:
   // test_offset: makes this process believe that it is that much later than its computer says (a test setting).
@@ -15,7 +16,7 @@ class HostClock {
   [[nodiscard]] HostTime now() const;
 
  private:
-  Duration epoch_minus_monotonic_;  // test offset included
+  Duration epoch_minus_boot_time_;  // test offset included
 };
 
 }  // namespace peerd::net

@@ -8,7 +8,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <functional>
@@ -65,7 +67,20 @@ struct Wire {
     }
     if (!address("va", "1")) return "the veth pair takes no IPv4 and IPv6 addresses";
     right.enter();
-    return address("vb", "2") ? "" : "the veth pair takes no IPv4 and IPv6 addresses";
+    if (!address("vb", "2")) return "the veth pair takes no IPv4 and IPv6 addresses";
+    const bool right_up = comes_up("vb");
+    left.enter();
+    return right_up && comes_up("va") ? "" : "the veth pair does not come up within 5 s";
+  }
+  // The carrier is there some milliseconds after the second end is up.
+  static bool comes_up(const std::string& name) {
+    for (int tries = 0; tries < 500; ++tries) {
+      const auto interfaces = list_interfaces();
+      const auto is_up = [&](const Interface& i) { return i.name == name && i.running && i.has_ipv6; };
+      if (interfaces && std::ranges::any_of(*interfaces, is_up)) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
   }
   // nodad: an address is of no use while its uniqueness is being checked, for a second or two.
   static bool address(const std::string& name, const std::string& host) {

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "peerd/assemble.hpp"
+#include "peerd/net/interfaces.hpp"
 #include "peerd/report/summary.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
@@ -357,7 +358,13 @@ std::string lay_wire() {
       return "the veth pair takes no IPv6 addresses";
     }
   }
-  return "";
+  for (int tries = 0; tries < 500; ++tries) {  // the carrier is there some milliseconds later
+    const auto interfaces = net::list_interfaces();
+    const auto is_up = [](const net::Interface& i) { return !i.loopback && i.running && i.has_ipv6; };
+    if (interfaces && std::ranges::count_if(*interfaces, is_up) == 2) return "";
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return "the veth pair does not come up within 5 s";
 }
 
 TEST_F(PeerProcess, TwoMeetOverIpv6) {

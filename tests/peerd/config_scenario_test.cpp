@@ -106,7 +106,7 @@ TEST_F(ScenarioTest, Defaults) {
   EXPECT_FALSE(run.peers.front().tick_hz);
   EXPECT_EQ(run.peers.front().clock_offset_s, 0.0);
   EXPECT_EQ(run.network.latency_ms, 0.0);
-  EXPECT_EQ(run.transport.port, 47474u);
+  EXPECT_EQ(run.transport.port, std::nullopt);
   EXPECT_EQ(run.transport.ttl, 1u);
 }
 
@@ -282,7 +282,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"AxisZero", "x = \"t\"", "axis = [0, 0, 0]", "20:8: ", "peer.a.motion.CAR.axis must not be zero"},
         Bad{"BeforeStart", "x = \"t\"", "before_start = \"wait\"", "20:16: ", "must be one of \"run\", \"hold\""},
         Bad{"DurationZero", "duration_s = 4", "duration_s = 0",
-            "2:14: ", "duration_s = 0 is out of range: 0.1 to 1e+06"},
+            "2:14: ", "duration_s = 0 is out of range: 0.1 to 1000000"},
         Bad{"Malformed", "[replication]", "[replication", "4:", ""}),
     [](const auto& c) { return std::string(c.param.name); });
 

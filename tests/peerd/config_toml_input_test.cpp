@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{"NotANumber", "length_m = \"3\"", "1:12", "length_m must be a number"},
                     Bad{"BooleanIsNoNumber", "length_m = true", "1:12", "length_m must be a number"},
                     Bad{"TooSmall", "length_m = -0.1", "1:12", "length_m = -0.1 is out of range: 0 to 10"},
-                    Bad{"TooLarge", "length_m = 1e9", "1:12", "length_m = 1e+09 is out of range: 0 to 10"},
+                    Bad{"TooLarge", "length_m = 1e9", "1:12", "length_m = 1000000000 is out of range: 0 to 10"},
                     Bad{"NanIsOutOfEveryRange", "length_m = nan", "1:12", "out of range"},
                     Bad{"InfinityIsOutOfEveryRange", "length_m = inf", "1:12", "out of range"},
                     Bad{"OptionalIsCheckedToo", "maybe = 2", "1:9", "maybe = 2 is out of range: -1 to 1"},
