@@ -199,6 +199,11 @@ void MotionWorld::reopen(std::size_t object, SimTime t) {
   }
 }
 
+// An update that its owner made after t already holds the outcome.
+bool MotionWorld::will_answer(const Object& o, bool registered, SimTime t) {
+  return registered && o.role >= Role::kFirm && o.base_time <= t;
+}
+
 // One search over the time in which both objects keep their pieces, or over kLookahead.
 void MotionWorld::search_window(Pair& pair) {
   const Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
@@ -247,8 +252,7 @@ void MotionWorld::search_window(Pair& pair) {
     case collision::ContactState::kOverlapped: {
       ++counters_.overlapped;
       const bool approaching = c.normal_world.dot(state_a.velocity - state_b.velocity) < 0.0;
-      const bool answers = (pair.collider_answers && a.role >= Role::kFirm && a.base_time <= s) ||
-                           (pair.collidee_answers && b.role >= Role::kFirm && b.base_time <= s);
+      const bool answers = will_answer(a, pair.collider_answers, s) || will_answer(b, pair.collidee_answers, s);
       if (approaching && answers && !pair.inside) {
         contact_at(s, true);
       } else {
@@ -302,9 +306,7 @@ void MotionWorld::answer(Pair& pair) {
   ContactEvent event{t, a.id, b.id, pair.normal, a.timeline.at(t), b.timeline.at(t), {}, {}};
   event.collider_after = event.collider_before;
   event.collidee_after = event.collidee_before;
-  // An update that its owner made after the contact already holds its outcome.
-  const bool a_answers = pair.collider_answers && a.role >= Role::kFirm && a.base_time <= t;
-  const bool b_answers = pair.collidee_answers && b.role >= Role::kFirm && b.base_time <= t;
+  const bool a_answers = will_answer(a, pair.collider_answers, t), b_answers = will_answer(b, pair.collidee_answers, t);
   const KinematicState &before_a = event.collider_before, &before_b = event.collidee_before;
   if (a_answers) event.collider_after = answered(pair.collider, pair, before_a, before_b, b_answers, event.normal);
   if (b_answers) event.collidee_after = answered(pair.collidee, pair, before_b, before_a, a_answers, -event.normal);

@@ -122,6 +122,7 @@ class MotionWorld {
 
   [[nodiscard]] const Object* find(ObjectId id) const;
   [[nodiscard]] std::size_t index_of(ObjectId id) const;
+  [[nodiscard]] static bool will_answer(const Object& o, bool registered, SimTime t);
   void search(Pair& pair, SimTime to);
   void search_window(Pair& pair);
   void answer(Pair& pair);

@@ -197,6 +197,7 @@ class Peer {
     std::optional<UpdateRecord> to_repeat;
   };
 
+  [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
   void enter_session(HostTime now);
   void change_session(SimTime before, SimTime now);
   void declare_all();

@@ -13,6 +13,9 @@ namespace peerd::replication {
 
 using Bytes = std::vector<std::byte>;
 
+// The one region that there is yet.
+inline constexpr RegionId kWholeScene{0};
+
 // What travels, as the rest of this folder sees it. proto/README.md specifies the bytes and limits.
 
 enum class ModelOrder : std::uint8_t { kFirst = 1, kSecond = 2 };

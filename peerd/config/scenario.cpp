@@ -1,6 +1,7 @@
 #include "peerd/config/scenario.hpp"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 
 namespace peerd::config {
@@ -123,17 +124,78 @@ struct SweptKey {
   std::vector<const toml::node*> values;
 };
 
+// All that a request brings together.
+struct Sources {
+  std::string text;
+  std::vector<toml::table> overlays;
+  std::vector<Assignment> sets, swept_sets;
+};
+
+Result<Sources> read_sources(const ScenarioRequest& request) {
+  Sources sources;
+  if (!request.file.empty()) {
+    auto text = read_text_file(request.file);
+    if (!text) return std::unexpected(text.error());
+    sources.text = std::move(*text);
+  }
+  for (const auto& path : request.configs) {
+    auto overlay = read_toml(path);
+    if (!overlay) return std::unexpected(overlay.error());
+    sources.overlays.push_back(std::move(*overlay));
+  }
+  for (const std::string& given : request.sets) {
+    auto set = parse_assignment(given);
+    if (!set) return std::unexpected(set.error());
+    const bool sweeps = set->holder.get("value")->is_array() && !takes_list(set->key);
+    if (sweeps && !request.sweep) {
+      return std::unexpected(InputError{"error: --set " + given + ": a list sweeps, and one peer runs one value"});
+    }
+    (sweeps ? sources.swept_sets : sources.sets).push_back(std::move(*set));
+  }
+  return sources;
+}
+
 // The scenario with what its request lays over it. Read anew for each run: toml++ copies lose their line numbers.
-Result<toml::table> read_root(const ScenarioRequest& request, const std::string& text,
-                              const std::vector<toml::table>& overlays, const std::vector<Assignment>& sets) {
-  auto root = parse_toml(text, request.file.string());
+Result<toml::table> read_root(const ScenarioRequest& request, const Sources& sources) {
+  auto root = parse_toml(sources.text, request.file.string());
   if (!root) return root;
-  for (const toml::table& overlay : overlays) merge(*root, overlay);
-  for (const Assignment& set : sets) {
+  for (const toml::table& overlay : sources.overlays) merge(*root, overlay);
+  for (const Assignment& set : sources.sets) {
     if (auto done = assign(*root, set.key, *set.holder.get("value")); !done) return std::unexpected(done.error());
   }
   if (request.seed) root->insert_or_assign("seed", static_cast<std::int64_t>(*request.seed));
   return root;
+}
+
+// The lists to sweep over: the scenario's, with those of --set in their places and without the keys that --set fixes.
+Result<toml::table> read_sweep(const ScenarioRequest& request, const Sources& sources, const toml::table& root) {
+  toml::table sweep;
+  if (const toml::node* given = root.get("sweep"); given != nullptr && request.sweep) {
+    if (!given->is_table()) {
+      return std::unexpected(InputError{request.file.string() + ": error: sweep must be a table of lists"});
+    }
+    sweep = *given->as_table();
+  }
+  for (const Assignment& set : sources.swept_sets) {
+    sweep.insert_or_assign(set.key, *set.holder.get("value")->as_array());
+  }
+  for (const Assignment& set : sources.sets) sweep.erase(set.key);
+  return sweep;
+}
+
+Result<std::vector<SweptKey>> swept_keys(const ScenarioRequest& request, const toml::table& sweep) {
+  std::vector<SweptKey> swept;
+  for (const auto& [key, value] : sweep) {
+    if (request.real && key.str().starts_with("network.")) continue;
+    SweptKey& s = swept.emplace_back(std::string(key.str()), std::vector<const toml::node*>{});
+    const toml::array* values = value.as_array();
+    if (values == nullptr || values->empty()) {
+      return std::unexpected(InputError{request.file.string() + ": error: sweep: \"" + s.key +
+                                        "\" must be a list of at least one value; a key with dots stands in quotes"});
+    }
+    for (const toml::node& v : *values) s.values.push_back(&v);
+  }
+  return swept;
 }
 
 }  // namespace
@@ -144,70 +206,36 @@ const LinkSettings& link(const RunSettings& run, const std::string& from, const 
 }
 
 Result<Scenario> read_scenario(const ScenarioRequest& request) {
-  const auto text = request.file.empty() ? Result<std::string>{} : read_text_file(request.file);
-  if (!text) return std::unexpected(text.error());
-  std::vector<toml::table> overlays;
-  for (const auto& path : request.configs) {
-    auto overlay = read_toml(path);
-    if (!overlay) return std::unexpected(overlay.error());
-    overlays.push_back(std::move(*overlay));
-  }
-  std::vector<Assignment> sets, swept_sets;
-  for (const std::string& given : request.sets) {
-    auto set = parse_assignment(given);
-    if (!set) return std::unexpected(set.error());
-    const bool sweeps = set->holder.get("value")->is_array() && !takes_list(set->key);
-    if (sweeps && !request.sweep) {
-      return std::unexpected(InputError{"error: --set " + given + ": a list sweeps, and one peer runs one value"});
-    }
-    (sweeps ? swept_sets : sets).push_back(std::move(*set));
-  }
-
-  auto base = read_root(request, *text, overlays, sets);
+  const auto sources = read_sources(request);
+  if (!sources) return std::unexpected(sources.error());
+  const auto base = read_root(request, *sources);
   if (!base) return std::unexpected(base.error());
-  std::vector<std::string> named{"replication.approach", "replication.order"};
-  if (!request.real) named.push_back("network.latency_ms");
-  toml::table sweep;
-  if (const toml::node* given = base->get("sweep"); given != nullptr && request.sweep) {
-    if (!given->is_table()) {
-      return std::unexpected(InputError{request.file.string() + ": error: sweep must be a table of lists"});
-    }
-    sweep = *given->as_table();
-  }
-  for (const Assignment& set : swept_sets) sweep.insert_or_assign(set.key, *set.holder.get("value")->as_array());
-  for (const Assignment& set : sets) {
-    sweep.erase(set.key);
-    named.push_back(set.key);
-  }
+  const auto sweep = read_sweep(request, *sources, *base);
+  if (!sweep) return std::unexpected(sweep.error());
+  const auto swept = swept_keys(request, *sweep);
+  if (!swept) return std::unexpected(swept.error());
 
-  std::vector<SweptKey> swept;
   std::size_t runs = 1;
-  for (const auto& [key, value] : sweep) {
-    if (request.real && key.str().starts_with("network.")) continue;
-    SweptKey& s = swept.emplace_back(std::string(key.str()), std::vector<const toml::node*>{});
-    const toml::array* values = value.as_array();
-    if (values == nullptr || values->empty()) {
-      return std::unexpected(InputError{request.file.string() + ": error: sweep: \"" + s.key +
-                                        "\" must be a list of at least one value; a key with dots stands in quotes"});
-    }
-    for (const toml::node& v : *values) s.values.push_back(&v);
+  std::set<std::string> named{"replication.approach", "replication.order"};  // params that are not swept
+  if (!request.real) named.insert("network.latency_ms");
+  for (const Assignment& set : sources->sets) named.insert(set.key);
+  for (const SweptKey& s : *swept) {
     runs *= s.values.size();
-    std::erase(named, s.key);
-    if (runs > kRunsMax)
+    named.erase(s.key);
+    if (runs > kRunsMax) {
       return std::unexpected(InputError{"error: the sweep has more than " + std::to_string(kRunsMax) + " runs"});
+    }
   }
-  std::ranges::sort(named);
-  named.erase(std::ranges::unique(named).begin(), named.end());
 
   Scenario scenario;
   scenario.name = request.file.empty() ? "peerd" : request.file.stem().string();
   for (std::size_t i = 0; i < runs; ++i) {
-    auto root = read_root(request, *text, overlays, sets);
+    auto root = read_root(request, *sources);
     if (!root) return std::unexpected(root.error());
     root->erase("sweep");
     nlohmann::ordered_json params = nlohmann::ordered_json::object();
     std::size_t rest = i, below = runs;
-    for (const SweptKey& s : swept) {  // the last key varies fastest
+    for (const SweptKey& s : *swept) {  // the last key varies fastest
       below /= s.values.size();
       const toml::node& value = *s.values[rest / below];
       rest %= below;

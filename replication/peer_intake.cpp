@@ -1,0 +1,136 @@
+// Peer: what comes in.
+#include <utility>
+
+#include "replication/decision.hpp"
+#include "replication/peer.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// An owner that has not taken up a decision for so long has never heard it: what it says counts again.
+constexpr Duration kDecisionStands = std::chrono::seconds(2);
+// An update from farther back than timelines reach, or from this far ahead, comes from a broken clock or a forger.
+constexpr Duration kUpdateAgeMax = std::chrono::seconds(4);
+constexpr Duration kUpdateAheadMax = std::chrono::seconds(1);
+// More peers than one network carries: somebody invents them.
+constexpr std::size_t kMembersMax = 4096;
+
+}  // namespace
+
+std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<const std::byte> datagram) {
+  const auto dropped = [&](Drop why) {
+    if (why != Drop::kOwn) drop(to_string(why));  // what comes back by loopback is no news
+    return std::unexpected(why);
+  };
+  const auto message = decode(datagram);
+  if (!message) {
+    ++counters_.drops[std::string("undecodable_") + to_string(message.error())];  // which of them
+    return dropped(Drop::kUndecodable);
+  }
+  const Message& m = *message;
+  if (const auto admitted = admit(now, m); !admitted) return dropped(admitted.error());
+  ++counters_.datagrams_in;
+  counters_.bytes_in += datagram.size();
+  if (m.has_hello) on_hello(now, m.sender, m.hello);
+  if (m.leaving) {
+    lose(m.sender, members_.remove(m.sender)->name, now, true);
+    return {};
+  }
+  if (!replica_) {
+    if (m.updates.empty() && m.decisions.empty()) return {};
+    return dropped(Drop::kNotYetInSession);
+  }
+  const SimTime session_now = clock_.to_session(now);
+  for (const UpdateRecord& u : m.updates) {
+    if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
+      drop("update_time");
+    } else {
+      on_update(m.sender, u);
+    }
+  }
+  for (const DecisionRecord& d : m.decisions) {
+    if (d.contact < session_now - kUpdateAgeMax || d.contact > session_now + kUpdateAheadMax) {
+      drop("decision_time");
+    } else {
+      on_decision(m.sender, d, session_now);
+    }
+  }
+  return {};
+}
+
+// Whether a sound message is one for us: of another peer, in its present life, with our world.
+std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
+  if (m.sender == config_.id) {
+    if (m.boot == config_.boot) return std::unexpected(Drop::kOwn);
+    // What this peer sent in its last life may still be under way.
+    const bool just_started = !started_ || now - *started_ < config_.lost_after;
+    if (m.boot < config_.boot && just_started) return std::unexpected(Drop::kStaleBoot);
+    if (!std::exchange(id_in_use_told_, true)) outputs_.push_back(IdInUse{m.sender});
+    return std::unexpected(Drop::kIdInUse);
+  }
+  const Member* known = members_.find(m.sender);
+  if (known == nullptr && members_.all().size() == kMembersMax) return std::unexpected(Drop::kTooMany);
+  if (m.has_hello && m.hello.world_hash != config_.world_hash) {
+    if (known != nullptr && m.boot < known->boot) return std::unexpected(Drop::kStaleBoot);
+    if (other_worlds_.size() == kMembersMax) other_worlds_.clear();
+    if (other_worlds_.insert(m.sender).second) outputs_.push_back(OtherWorld{m.sender, m.hello.name});
+    if (const auto member = members_.remove(m.sender)) lose(m.sender, member->name, now, true);
+    return std::unexpected(Drop::kOtherWorld);
+  }
+  if (!m.has_hello && known == nullptr) return std::unexpected(Drop::kStranger);
+  switch (members_.on_datagram(now, m.sender, m.boot)) {
+    case Membership::Heard::kStale:
+      return std::unexpected(Drop::kStaleBoot);
+    case Membership::Heard::kKnown:
+      break;
+    case Membership::Heard::kJoined:
+      outputs_.push_back(PeerJoined{m.sender, m.hello.name, false});
+      break;
+    case Membership::Heard::kRestarted:
+      release(m.sender, now);
+      outputs_.push_back(PeerJoined{m.sender, m.hello.name, true});
+      break;
+  }
+  return {};
+}
+
+void Peer::on_update(PeerId sender, const UpdateRecord& u) {
+  if (owner(u.object) == kNobody) claim(sender, {&u.object, 1});  // its hello may have been lost
+  if (owner(u.object) != sender) return drop("not_owner");
+  std::uint32_t& last = members_.find(sender)->last_sequence[u.object];
+  if (u.sequence == last) {
+    ++counters_.updates_duplicate;
+    return;
+  }
+  if (u.sequence < last) return drop("old_sequence");
+  last = u.sequence;
+  ++counters_.updates_in;
+  const SimTime decided = last_decision(u.object);
+  if (u.decision < decided && u.at < decided + kDecisionStands) return drop("before_decision");
+  set_ghost(u.object, u.at, u.state);
+}
+
+void Peer::on_decision(PeerId sender, const DecisionRecord& d, SimTime known_at) {
+  const PeerId owner_a = owner(d.collider), owner_b = owner(d.collidee);
+  if (owner_a == kNobody || owner_b == kNobody || decider_by_id(owner_a, owner_b) != sender) return drop("not_decider");
+  if (d.contact <= last_decision(d.collider) && d.contact <= last_decision(d.collidee)) return drop("decision_known");
+  for (const auto& [object, after] :
+       {std::pair{d.collider, &d.collider_after}, std::pair{d.collidee, &d.collidee_after}}) {
+    if (d.contact <= last_decision(object)) continue;
+    decisions_[object] = d.contact;
+    const auto own = own_.find(object);
+    if (own != own_.end() && !own->second.driven) replica_->truth.set_base(object, d.contact, *after);
+    set_ghost(object, d.contact, *after);
+  }
+  outputs_.push_back(ContactSeen{ContactKind::kApplied,
+                                 {d.contact, d.collider, d.collidee, d.normal, d.collider_before, d.collidee_before,
+                                  d.collider_after, d.collidee_after},
+                                 known_at});
+}
+
+void Peer::set_ghost(ObjectId object, SimTime t, const KinematicState& state) {
+  replica_->ghosts.set_base(object, t, state);
+  if (!own_.contains(object)) replica_->truth.set_base(object, t, state);
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,97 @@
+// Peer: what goes out.
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "replication/peer.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// What a datagram's header (version, sender, boot) leaves for records.
+constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 32;
+// Per hello. 16 echoes of at most 26 bytes and 100 objects of at most 5 fit.
+constexpr std::size_t kEchoesMax = 16;
+constexpr std::size_t kEnslavedMax = 100;
+
+}  // namespace
+
+Message Peer::blank() const {
+  Message m;
+  m.sender = config_.id;
+  m.boot = config_.boot;
+  return m;
+}
+
+// A state that nothing newer has replaced goes out once more with the next hello: a lost one would stand wrong until
+// the time threshold. Where updates come fast there is nothing to repeat.
+void Peer::repeat_updates() {
+  for (auto& [object, own] : own_) {
+    if (!own.to_repeat) continue;
+    const bool due_anyway =
+        std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
+    if (due_anyway) continue;  // it goes out for the first time just now
+    updates_due_.push_back(*std::exchange(own.to_repeat, std::nullopt));
+    ++counters_.updates_repeated;
+  }
+}
+
+// Updates and decisions, as few datagrams as hold them. A decision's copies go out a tick apart.
+void Peer::flush_records(bool decisions) {
+  Message m = blank();
+  std::size_t used_bytes = 0;
+  const auto make_room = [&](std::size_t size_bytes) {
+    if (used_bytes > 0 && used_bytes + size_bytes > kRecordsMax_bytes) {
+      send(m);
+      m = blank();
+      used_bytes = 0;
+    }
+    used_bytes += size_bytes;
+  };
+  for (const UpdateRecord& update : updates_due_) {
+    make_room(encoded_size_bytes(update));
+    m.updates.push_back(update);
+  }
+  updates_due_.clear();
+  for (auto& [decision, copies] : decisions_due_) {
+    if (!decisions) break;
+    make_room(encoded_size_bytes(decision));
+    m.decisions.push_back(decision);
+    --copies;
+  }
+  std::erase_if(decisions_due_, [](const auto& due) { return due.second == 0; });
+  if (used_bytes > 0) send(m);
+}
+
+void Peer::send_hello(HostTime now, bool leaving) {
+  Message m = blank();
+  m.has_hello = true;
+  m.leaving = leaving;
+  m.hello = {
+      config_.name, config_.world_hash, now, clock_.synchronised(), clock_.session_minus_host(), sessions_, {}, {},
+      start_};
+  // Lists too long for one datagram take turns, hello by hello.
+  const auto turns = [&](std::size_t size, std::size_t most, auto take) {
+    for (std::size_t i = 0; i < std::min(size, most); ++i) take((hellos_ * most + i) % size);
+  };
+  std::vector<ClockEcho> echoes;
+  for (const auto& [peer, member] : members_.all()) {
+    if (member.hello_tx) echoes.push_back({peer, *member.hello_tx, *member.hello_rx});
+  }
+  turns(echoes.size(), kEchoesMax, [&](std::size_t i) { m.hello.echoes.push_back(echoes[i]); });
+  std::vector<ObjectId> enslaved;
+  for (const auto& [object, own] : own_) enslaved.push_back(object);
+  turns(enslaved.size(), kEnslavedMax, [&](std::size_t i) { m.hello.enslaved.push_back(enslaved[i]); });
+  ++hellos_;
+  send(m);
+}
+
+void Peer::send(const Message& message) {
+  Bytes datagram = encode(message);
+  assert(datagram.size() <= kDatagramMax_bytes);
+  ++counters_.datagrams_out;
+  counters_.bytes_out += datagram.size();
+  outputs_.push_back(Send{kWholeScene, std::move(datagram)});
+}
+
+}  // namespace peerd::replication

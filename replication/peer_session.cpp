@@ -1,0 +1,212 @@
+// Peer: entering, changing and keeping a session; who runs what in it.
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "replication/decision.hpp"
+#include "replication/peer.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// After a longer gap between two ticks this peer was stopped, or its computer asleep. What would have happened
+// meanwhile is not made up: for everybody else its objects stood still.
+constexpr Duration kSlept = std::chrono::seconds(4);
+
+}  // namespace
+
+// False when everything begins anew at this instant, and what was due is not.
+bool Peer::keep_session(HostTime now) {
+  if (!started_) {
+    started_ = now;
+    next_hello_ = now;
+  }
+  if (const Duration gap = replica_ ? clock_.to_session(now) - tick_time(last_tick_) : Duration{0}; gap > kSlept) {
+    counters_.ticks_missed += static_cast<std::uint64_t>(tick_number(clock_.to_session(now)) - last_tick_);
+    members_.excuse(now);  // it was not they who were silent
+    change_session(tick_time(last_tick_), clock_.to_session(now));
+    outputs_.push_back(Slept{gap});
+    return false;
+  }
+  for (auto& [peer, member] : members_.expire(now)) {
+    lose(peer, member.name, now, false);
+  }
+  if (!clock_.synchronised() && now - *started_ >= config_.listen_first && !members_.lowest_synchronised()) {
+    const bool lowest = members_.all().empty() || config_.id < members_.all().begin()->first;
+    if (lowest) {
+      clock_.found_session();
+      follows_ = config_.id;
+      outputs_.push_back(Synchronised{config_.id, Duration{0}, Duration{0}});
+      enter_session(now);
+    }
+  }
+  const SimTime before = clock_.to_session(now);
+  if (clock_.adjust(now)) {
+    const SimTime after = clock_.to_session(now);
+    if (replica_) change_session(before, after);
+    outputs_.push_back(ClockStepped{clock_.session_minus_host(), after - before});
+    return false;
+  }
+  return true;
+}
+
+void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
+  Member& member = *members_.find(sender);
+  member.name = hello.name;
+  member.hello_tx = hello.host_tx;
+  member.hello_rx = now;
+  if (hello.sessions != member.sessions) {  // it knows of no updates yet
+    for (auto& [object, own] : own_) own.resend = true;
+  }
+  member.sessions = hello.sessions;
+  member.synchronised = hello.synchronised;
+  member.session_minus_host = hello.session_minus_host;
+  member.start = hello.start;
+  if (hello.synchronised) claim(sender, hello.enslaved);
+
+  const std::optional<PeerId> lowest = members_.lowest_synchronised();
+  const bool lead = clock_.synchronised() && (!lowest || config_.id < *lowest);
+  const std::optional<PeerId> follow = lead ? std::optional(config_.id) : lowest;
+  if (follow != follows_) {
+    follows_ = follow;
+    clock_.follow_another();
+  }
+  if (follows_ != sender) return;
+  const auto echo = std::ranges::find(hello.echoes, config_.id, &ClockEcho::peer);
+  if (echo == hello.echoes.end()) return;
+  clock_.on_exchange({echo->their_tx, echo->our_rx, hello.host_tx, now, hello.session_minus_host});
+  if (clock_.synchronised() && !replica_) {
+    outputs_.push_back(Synchronised{sender, clock_.session_minus_host(), clock_.error_bound()});
+    enter_session(now);
+  }
+}
+
+void Peer::enter_session(HostTime host_now) {
+  const SimTime now = clock_.to_session(host_now);
+  ++sessions_;
+  next_hello_ = host_now;
+  replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
+  last_tick_ = tick_number(now);
+  declare_all();
+  for (const auto& [object, own] : own_) {
+    KinematicState initial = at_rest(model_.scene->rigid_pose(object));
+    if (!own.driven && !config_.wait_for_start) initial.velocity = model_.scene->at(object).velocity;
+    replica_->truth.set_base(object, now, initial);
+  }
+}
+
+void Peer::start_motions(HostTime now, SimTime start) {
+  if (!replica_) return;
+  const SimTime from = std::max(start, clock_.to_session(now));
+  for (auto& [object, own] : own_) {
+    if (own.driven) continue;
+    KinematicState state = replica_->truth.at(object, from);
+    state.velocity = model_.scene->at(object).velocity;
+    replica_->truth.set_base(object, from, state);
+    own.starts = from;
+  }
+}
+
+// The clock has stepped into another session, or this computer has slept. Everything goes on from where it is, at the
+// other session's time; what was known of the past, and what the others were told in the old time, is void.
+void Peer::change_session(SimTime before, SimTime now) {
+  const Replica old = std::move(*replica_);
+  ++sessions_;
+  next_hello_ = clock_.to_host(now);
+  replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
+  last_tick_ = tick_number(now);
+  decisions_.clear();
+  decisions_due_.clear();
+  declare_all();
+  for (const ObjectId object : old.ghosts.objects()) {
+    if (!replica_->ghosts.has(object)) {  // frozen: nobody runs it, no interest names it
+      replica_->truth.declare(object, Role::kScene);
+      replica_->ghosts.declare(object, Role::kScene);
+    }
+    replica_->truth.set_base(object, now, old.truth.at(object, before));
+    replica_->ghosts.set_base(object, now, old.ghosts.at(object, before));
+  }
+  for (auto& [object, own] : own_) own.last_sent.reset();
+}
+
+void Peer::declare_all() {
+  for (const auto& [object, peer] : owners_) {
+    const auto own = own_.find(object);
+    const bool ours = own != own_.end();
+    replica_->truth.declare(object, !ours ? Role::kBelief : own->second.driven ? Role::kDriven : Role::kFirm);
+    replica_->ghosts.declare(object, Role::kBelief);
+  }
+  watch_decided_pairs();
+}
+
+// The truth watches what this peer decides. Ghosts are watched wherever they may meet something, own ones included:
+// the sender must know what every receiver predicts, or a predicted collision would cost an update.
+void Peer::watch_decided_pairs() {
+  if (!replica_) return;
+  const auto ours = [&](ObjectId id) { return own_.contains(id); };
+  std::set<ObjectId> partners;  // remote objects whose collisions with ours this peer decides
+  for (const CollisionPair& pair : model_.pairs) {
+    const PeerId a = owner(pair.collider), b = owner(pair.collidee);
+    if (ours(pair.collider) == ours(pair.collidee) || decider_by_id(a, b) != config_.id) continue;
+    partners.insert(ours(pair.collider) ? pair.collidee : pair.collider);
+  }
+  for (const CollisionPair& pair : model_.pairs) {
+    const bool mine = ours(pair.collider) || ours(pair.collidee);
+    const bool decided_here = decider_by_id(owner(pair.collider), owner(pair.collidee)) == config_.id;
+    const bool partner = partners.contains(pair.collider) || partners.contains(pair.collidee);
+    replica_->truth.watch(pair.collider, pair.collidee, mine ? decided_here : partner);
+    replica_->ghosts.watch(pair.collider, pair.collidee, config_.policy.predict_collisions);
+  }
+}
+
+// Nobody runs an object that somebody else runs already; of two who both say so the lower id is believed.
+void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
+  bool changed = false;
+  for (ObjectId object : objects) {
+    if (object.value >= model_.scene->instances.size()) {
+      drop("object");
+      continue;
+    }
+    const auto [at, added] = owners_.try_emplace(object, peer);
+    const bool taken = !added && peer < at->second;
+    if (taken) {
+      outputs_.push_back(OwnershipConflict{object, peer});
+      if (at->second == config_.id) own_.erase(object);
+      at->second = peer;
+    }
+    if (!added && !taken) continue;
+    changed = true;
+    if (replica_) {
+      replica_->truth.declare(object, Role::kBelief);
+      replica_->ghosts.declare(object, Role::kBelief);
+    }
+  }
+  if (changed) watch_decided_pairs();
+}
+
+void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye) {
+  release(peer, now);
+  if (follows_ == peer) follows_.reset();
+  outputs_.push_back(PeerLost{peer, name, said_goodbye});
+}
+
+// What a lost peer ran stands still from now on, and belongs to nobody.
+void Peer::release(PeerId peer, HostTime now) {
+  const SimTime t = clock_.to_session(now);
+  for (auto at = owners_.begin(); at != owners_.end();) {
+    if (at->second != peer) {
+      ++at;
+      continue;
+    }
+    if (replica_) {
+      set_ghost(at->first, t, at_rest(replica_->ghosts.at(at->first, t).pose()));
+      replica_->truth.declare(at->first, Role::kScene);
+      replica_->ghosts.declare(at->first, Role::kScene);
+      outputs_.push_back(Frozen{at->first, peer});
+    }
+    at = owners_.erase(at);
+  }
+  watch_decided_pairs();
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,113 @@
+// Peer: one tick, from contacts to the updates that are due.
+#include <algorithm>
+#include <cassert>
+
+#include "collision/proximity.hpp"
+#include "replication/decision.hpp"
+#include "replication/peer.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// A decision is not acknowledged; this many copies, one a tick, survive bursts of loss.
+constexpr int kDecisionCopies = 3;
+
+}  // namespace
+
+void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
+  replica_->truth.advance(t);
+  for (const OwnSample& sample : samples) {
+    const auto own = own_.find(sample.object);
+    if (own == own_.end()) continue;  // lost to another peer
+    assert(own->second.driven);
+    replica_->truth.set_base(sample.object, t, sample.state);
+  }
+  replica_->ghosts.advance(t);
+  report_contacts(t);
+  publish(t);
+}
+
+void Peer::report_contacts(SimTime t) {
+  while (const auto event = replica_->truth.poll_event()) {
+    const auto* contact = std::get_if<ContactEvent>(&*event);
+    if (contact == nullptr) continue;
+    const bool a = own_.contains(contact->collider), b = own_.contains(contact->collidee);
+    if (!a && !b) continue;  // a partner's own contacts; the ghosts tell of them
+    const bool shared = a != b && owner(contact->collider) != kNobody && owner(contact->collidee) != kNobody;
+    if (shared) decide(*contact);
+    outputs_.push_back(ContactSeen{shared ? ContactKind::kDecided : ContactKind::kOwner, *contact, t});
+  }
+  const auto others = [&](ObjectId id) { return !own_.contains(id) && owner(id) != kNobody; };
+  while (const auto event = replica_->ghosts.poll_event()) {
+    if (const auto* taken_back = std::get_if<TakenBack>(&*event)) {
+      if (others(taken_back->object)) outputs_.push_back(*taken_back);
+    } else if (const auto& contact = std::get<ContactEvent>(*event);
+               others(contact.collider) || others(contact.collidee)) {
+      outputs_.push_back(ContactSeen{ContactKind::kPredicted, contact, t});
+    }
+  }
+}
+
+void Peer::decide(const ContactEvent& c) {
+  std::erase_if(decisions_due_, [&](const auto& due) {  // of one pair, the last outcome counts
+    return due.first.collider == c.collider && due.first.collidee == c.collidee;
+  });
+  decisions_due_.emplace_back(DecisionRecord{c.collider, c.collidee, c.at, c.normal, c.collider_before,
+                                             c.collidee_before, c.collider_after, c.collidee_after, DecisionRule::kId},
+                              kDecisionCopies);
+  decisions_[c.collider] = decisions_[c.collidee] = c.at;
+  // As all who hear of it will: the own object's ghost too, or this peer's copy of their ghosts would not be theirs.
+  replica_->ghosts.set_base(c.collider, c.at, c.collider_after);
+  replica_->ghosts.set_base(c.collidee, c.at, c.collidee_after);
+}
+
+SimTime Peer::last_decision(ObjectId object) const {
+  const auto at = decisions_.find(object);
+  return at == decisions_.end() ? SimTime{} : at->second;
+}
+
+void Peer::publish(SimTime t) {
+  const PublishPolicy& policy = config_.policy;
+  for (auto& [object, own] : own_) {
+    const KinematicState truth = replica_->truth.at(object, t);
+    const GhostError error = ghost_error(truth, replica_->ghosts.at(object, t));
+    double threshold_m = policy.error_threshold_m.value_or(model_.scene->at(object).distance_threshold_m);
+    if (policy.track_proximity && in_close_proximity(object, t)) {
+      threshold_m = std::min(threshold_m, policy.tight_threshold_m);
+    }
+    if (own.starts && t >= *own.starts) {  // it has begun to move: nobody could know
+      own.starts.reset();
+      own.last_sent.reset();
+    }
+    std::optional<PublishReason> reason = due(policy, threshold_m, error, own.last_sent, t);
+    if (!reason && own.resend) reason = PublishReason::kJoiner;
+    if (!reason) continue;
+    own.last_sent = t;
+    own.resend = false;
+    const UpdateRecord record{
+        object, ++own.sequence, t, policy.order, as_model(policy.order, truth), last_decision(object)};
+    replica_->ghosts.set_base(object, t, record.state);
+    ++counters_.updates_out;
+    outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, *reason});
+    updates_due_.push_back(record);
+    own.to_repeat = record;
+  }
+}
+
+bool Peer::in_close_proximity(ObjectId object, SimTime t) {
+  const collision::Body* body = model_.body(object);
+  if (body == nullptr) return false;
+  const KinematicState state = replica_->truth.at(object, t);
+  return std::ranges::any_of(model_.pairs, [&](const CollisionPair& pair) {
+    if (pair.collider != object && pair.collidee != object) return false;
+    const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
+    const PeerId other_owner = owner(other);
+    if (other_owner == kNobody || other_owner == config_.id) return false;  // seed, table 4.1: remote-enslaved only
+    ++counters_.proximity_tests;
+    const KinematicState other_state = replica_->truth.at(other, t);
+    return collision::proximity_time_s({*body, state}, {*model_.body(other), other_state}) <
+           config_.policy.close_proximity_s;
+  });
+}
+
+}  // namespace peerd::replication
