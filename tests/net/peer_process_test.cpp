@@ -236,6 +236,20 @@ TEST_F(PeerProcess, AScenarioOfRealProcessesWritesItsReport) {
   }
 }
 
+TEST_F(PeerProcess, AScenarioThatIsStoppedStopsItsPeers) {
+  Process all = start("scenario", {"scenario", (folder / "s.toml").string(), "--out", (folder / "out").string()});
+  const auto said = [&](const char* words) {
+    return testing_support::text_of(folder / "out/run-001.a.log").find(words) != std::string::npos;
+  };
+  for (int tries = 0; tries < 1000 && !said("in session"); ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  all.signal(SIGTERM);
+  EXPECT_EQ(all.exit_code(5), 3);
+  EXPECT_THAT(all.err(), HasSubstr("stopped by a signal"));
+  EXPECT_TRUE(said("leaving: got SIGTERM"));
+}
+
 // ---- bad input ----
 
 struct Bad {

@@ -331,6 +331,48 @@ TEST(PeerSession, StampsFromTheEndsOfTimeDoNoHarm) {
   }
 }
 
+// Whoever was stopped says so, and does not take its own silence for the others'.
+TEST(PeerSession, AStoppedPeerBlamesNobody) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(1, {{world["A"], false}}));
+  lan.add(config(2, {{world["B"], false}}));
+  lan.run_until(4s);
+  const double b_before_m = lan.peer(1).truth(world["B"], lan.session_now(1)).position.z();
+  lan.kill(1);
+  lan.run_until(11s);
+  EXPECT_EQ(lan.seen<PeerLost>(0).size(), 1u);
+  lan.node(1).running = true;
+  lan.run_until(13s);
+  ASSERT_EQ(lan.seen<Slept>(1).size(), 1u);
+  EXPECT_NEAR(to_seconds(lan.seen<Slept>(1)[0].gap), 7.0, 0.1);
+  EXPECT_THAT(lan.seen<PeerLost>(1), IsEmpty());
+  // It goes on from where it was, and the other takes it back.
+  const SimTime t = lan.session_now(1);
+  EXPECT_NEAR(lan.peer(1).truth(world["B"], t).position.z(), b_before_m + 2.0 * 2.0, 0.1);
+  EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{2});
+  EXPECT_LT((lan.peer(0).ghost(world["B"], t).position - lan.peer(1).truth(world["B"], t).position).norm(), 0.1);
+}
+
+// What moves by itself may be told to wait, for everybody to be there.
+TEST(PeerSession, MotionsBeginWhenTheyAreTold) {
+  const World world(three_boxes());
+  Lan lan(world);
+  PeerConfig c = config(1, {{world["A"], false}});
+  c.wait_for_start = true;
+  lan.add(c);
+  lan.add(config(2));
+  lan.run_until(3s);
+  EXPECT_EQ(lan.peer(0).truth(world["A"], lan.session_now(0)).position, Vec3::Zero());
+  lan.peer(0).start_motions(lan.host_now(0), lan.session_now(0) + 1s);
+  lan.run_until(3900ms);
+  EXPECT_EQ(lan.peer(0).truth(world["A"], lan.session_now(0)).position, Vec3::Zero());
+  lan.run_until(6s);
+  for (const std::size_t i : {0u, 1u}) {
+    EXPECT_NEAR(lan.peer(i).ghost(world["A"], lan.session_now(i)).position.x(), 2.0, 1e-6) << i;
+  }
+}
+
 // A computer that slept wakes up with hours to catch up on: it must do so in bounded work and be in step soon after.
 TEST(PeerSession, LongSleepsAreSurvived) {
   const World world(corridor("velocityVector 2 0 0 collisionResponse CollisionResponse { }"));
