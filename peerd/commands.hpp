@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "peerd/config/toml_input.hpp"
-
 namespace peerd {
 
 // The commands behind main(): each prints for a person and returns the exit code (0 good, 1 a finding about the input,
@@ -38,9 +36,6 @@ struct PeerOptions {
   bool json = false;             // log lines as JSON
   bool verbose = false;          // debug lines too
 };
-
-// Prints the error for a person; its exit code.
-[[nodiscard]] int failed(const config::InputError& error);
 
 // peerd run: one peer in the foreground, until SIGTERM or SIGINT.
 [[nodiscard]] int run_peer(const PeerOptions& options);

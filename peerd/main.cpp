@@ -7,6 +7,7 @@
 #include "peerd/check.hpp"
 #include "peerd/commands.hpp"
 #include "peerd/net/host_clock.hpp"
+#include "peerd/print.hpp"
 
 namespace peerd {
 namespace {

@@ -165,6 +165,11 @@ std::optional<replication::Output> PeerNode::poll_output() {
   if (const auto* stepped = std::get_if<ClockStepped>(&*out); stepped != nullptr && log_.start) {
     *log_.start += stepped->step;
   }
+  // Who slept through the start has still to be told of it: the sleep wiped out what was planned.
+  if (const auto* slept = std::get_if<Slept>(&*out); slept != nullptr && log_.start) {
+    const SimTime last_tick = logged_at_ - slept->gap;
+    if (last_tick < *log_.start) started_for_.reset();
+  }
   if (!options_.keep_log) return out;
   if (const auto* send = std::get_if<Send>(&*out)) {
     log_.datagrams.push_back({logged_at_, static_cast<std::uint32_t>(send->datagram.size())});

@@ -16,6 +16,7 @@
 #include "peerd/net/host_clock.hpp"
 #include "peerd/net/multicast_socket.hpp"
 #include "peerd/peer_node.hpp"
+#include "peerd/print.hpp"
 
 namespace peerd {
 namespace {

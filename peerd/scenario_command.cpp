@@ -14,8 +14,7 @@
 
 #include "peerd/assemble.hpp"
 #include "peerd/commands.hpp"
-#include "peerd/report/table.hpp"
-#include "peerd/report/write.hpp"
+#include "peerd/print.hpp"
 
 namespace peerd {
 namespace {
@@ -211,15 +210,8 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
     if (!record) return failed(record.error());
     records.push_back(std::move(*record));
   }
-  const auto summary = report::summarise(info, records);
-  if (const auto written = report::write_report(out, info, records, summary); !written) {
-    return failed({"error: " + written.error(), 3});
-  }
-  if (options.json) {
-    std::cout << summary.dump(2) << '\n';
-  } else {
-    std::cout << report::table(summary) << "pictures: " << (out / "overview.svg").string() << '\n';
-  }
+  if (const int code = print_report(info, records, out, options.json); code != 0 || options.json) return code;
+  std::cout << "pictures: " << (out / "overview.svg").string() << '\n';
   return 0;
 }
 

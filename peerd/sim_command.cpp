@@ -8,8 +8,7 @@
 #include "peerd/assemble.hpp"
 #include "peerd/commands.hpp"
 #include "peerd/describe.hpp"
-#include "peerd/report/table.hpp"
-#include "peerd/report/write.hpp"
+#include "peerd/print.hpp"
 #include "peerd/sim/simulation.hpp"
 
 namespace peerd {
@@ -51,19 +50,10 @@ int run_sim(const ScenarioOptions& options) {
   if (show_progress) std::cerr << "\r\033[K";
 
   const auto out = options.out.empty() ? std::filesystem::path("out") / scenario->name : options.out;
-  const auto summary = report::summarise(info, records);
-  if (const auto written = report::write_report(out, info, records, summary); !written) {
-    return failed({"error: " + written.error(), 3});
-  }
+  if (const int code = print_report(info, records, out, options.json); code != 0 || options.json) return code;
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  if (options.json) {
-    std::cout << summary.dump(2) << '\n';
-  } else {
-    std::cout << report::table(summary)
-              << fmt::format("{:.0f} s of {} runs in {:.2f} s, reports included: {:.0f} times real time; {}\n",
-                             simulated_s, records.size(), took_s, simulated_s / took_s,
-                             (out / "overview.svg").string());
-  }
+  std::cout << fmt::format("{:.0f} s of {} runs in {:.2f} s, reports included: {:.0f} times real time; {}\n",
+                           simulated_s, records.size(), took_s, simulated_s / took_s, (out / "overview.svg").string());
   return 0;
 }
 

@@ -1,0 +1,19 @@
+#pragma once
+#include <filesystem>
+#include <span>
+
+#include "peerd/config/toml_input.hpp"
+#include "peerd/report/run_record.hpp"
+#include "peerd/report/summary.hpp"
+
+namespace peerd {
+
+// Both print for a person and give the exit code.
+
+[[nodiscard]] int failed(const config::InputError& error);
+
+// Writes a scenario's outputs into `out`, and prints its table, or summary.json instead.
+[[nodiscard]] int print_report(const report::ScenarioInfo& info, std::span<const report::RunRecord> runs,
+                               const std::filesystem::path& out, bool json);
+
+}  // namespace peerd
