@@ -70,7 +70,9 @@ void enclose(Body& body) {
 
 void append_vertices(Body& body, const Mesh& mesh, const Placement& placement) {
   std::vector<bool> used(mesh.vertices.size());
-  for (const std::uint32_t i : mesh.indices) used[i] = true;
+  for (const std::int32_t i : mesh.corners) {
+    if (i != Mesh::kEndOfPolygon) used[static_cast<std::size_t>(i)] = true;
+  }
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (used[i]) body.vertices.push_back(placement.point(mesh.vertices[i]));
   }
@@ -88,14 +90,9 @@ Body make_body(const Scene& scene, ObjectId object) {
   for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
     const ObjectId shape{i};
     const Instance& instance = scene.at(shape);
-    if (instance.kind != NodeKind::kShape) continue;
-    if (!instance.unsupported_geometry.empty()) {
-      body.vertices_complete = false;
-      refuse(shape, instance.unsupported_geometry + " is not tessellated yet");
-      continue;
-    }
-    if (instance.mesh < 0) continue;
-    const Mesh& mesh = scene.meshes.at(static_cast<std::size_t>(instance.mesh));
+    const Geometry* const geometry = scene.geometry(shape);
+    if (geometry == nullptr || !instance.collides) continue;
+    const Mesh mesh = build_mesh(*geometry, scene.tessellation);
     if (mesh.polygon_count() == 0) continue;
     const Placement placement(scene.object_from_shape(object, shape));
     append_vertices(body, mesh, placement);

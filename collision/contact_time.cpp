@@ -124,7 +124,7 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
   assert(horizon_s >= 0.0 && std::isfinite(horizon_s));
   assert(collider.motion.position.allFinite() && collidee.motion.position.allFinite());
   const bool box = type == CollisionType::kBox;
-  const auto unanswerable = [&](const Body& body) { return box ? !body.vertices_complete : !body.unsupported.empty(); };
+  const auto unanswerable = [&](const Body& body) { return !box && !body.unsupported.empty(); };
   if (unanswerable(collider.body) || unanswerable(collidee.body)) {
     Contact contact;
     contact.state = ContactState::kUnsupported;

@@ -103,9 +103,9 @@ class Examination {
     std::map<std::array<float, 3>, std::uint32_t> welded;
     for (std::size_t i = 0; i < polygons; ++i) {
       std::vector<std::uint32_t>& corners = surface_.polygons.emplace_back();
-      for (std::uint32_t j = mesh_.polygon_begin[i]; j < mesh_.polygon_begin[i + 1]; ++j) {
-        assert(mesh_.indices[j] < mesh_.vertices.size());
-        const Eigen::Vector3f& v = mesh_.vertices[mesh_.indices[j]];
+      for (const std::int32_t corner : mesh_.polygon(i)) {
+        assert(corner >= 0 && static_cast<std::size_t>(corner) < mesh_.vertices.size());
+        const Eigen::Vector3f& v = mesh_.vertices[static_cast<std::size_t>(corner)];
         if (!v.allFinite()) return "a vertex is not finite";
         const auto next = static_cast<std::uint32_t>(surface_.vertices.size());
         const auto [at, is_new] = welded.try_emplace({v.x(), v.y(), v.z()}, next);  // -0 == 0

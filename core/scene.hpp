@@ -1,40 +1,31 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/geometry.hpp"
 #include "core/ids.hpp"
 #include "core/math.hpp"
+#include "core/transform.hpp"
 
 namespace peerd {
 
-struct SourceLocation {
-  std::uint32_t line = 0;    // from 1
-  std::uint32_t column = 0;  // from 1, in bytes
-};
+namespace vrml {
+struct Document;
+}
 
-// The polygons of one geometry node, in its Shape's frame. Stored once however often it is USEd.
-struct Mesh {
-  std::vector<Eigen::Vector3f> vertices;     // [m], the parsed binary32 values
-  std::vector<std::uint32_t> polygon_begin;  // polygons + 1 offsets into `indices`; a polygon has >= 3 corners
-  std::vector<std::uint32_t> indices;        // into `vertices`
-  bool ccw = true;                           // corners run counter-clockwise seen from the front
-  SourceLocation where;
-
-  [[nodiscard]] std::size_t polygon_count() const { return polygon_begin.empty() ? 0 : polygon_begin.size() - 1; }
-};
-
-enum class NodeKind : std::uint8_t { kGroup, kTransform, kShape };
-
-// VRML97 6.52: p_parent = T * C * R * SR * S * SR^-1 * C^-1 * p_local.
-struct TransformFields {
-  Vec3 translation = Vec3::Zero();
-  Quat rotation = Quat::Identity();
-  Vec3 scale = Vec3::Ones();
-  Quat scale_orientation = Quat::Identity();
-  Vec3 center = Vec3::Zero();
+enum class NodeKind : std::uint8_t {
+  kGroup,  // also Anchor
+  kTransform,
+  kBillboard,  // turns towards each viewer, so no peer's collisions turn it
+  kCollision,
+  kInline,
+  kLod,
+  kSwitch,
+  kShape,
 };
 
 enum class ResponseType : std::uint8_t { kInverse = 0, kZero = 1 };  // seed, C.2: CRT_INVERSE, CRT_ZERO
@@ -44,27 +35,41 @@ struct CollisionResponse {
   bool set_back = true;
 };
 
-// One node of the scene graph as it is instanced. Instances stand in depth-first file order, so a subtree is the
-// contiguous range [its own index, subtree_end).
-struct Instance {
-  NodeKind kind = NodeKind::kGroup;
-  std::string def;           // DEF name, may be empty
-  std::int32_t parent = -1;  // index; -1 at the top level
-  std::uint32_t child_index =
-      0;                       // position among the parent's children in the file, nodes that are no instance counted
-  bool name_shadowed = false;  // find(def) finds another instance, so paths give the child index instead
-  std::uint32_t subtree_end = 0;     // one past the last descendant
-  TransformFields transform;         // identity unless kTransform
-  std::int32_t mesh = -1;            // into Scene::meshes; -1 unless a kShape with polygons
-  std::string unsupported_geometry;  // the geometry node's type where this reader keeps but does not tessellate it
-  SourceLocation where;
-  // Seed appendix C.5 (Transform) and C.4 (Shape)
+// What the seed's appendix C.5 adds to a Transform.
+struct ObjectFields {
   Vec3 velocity = Vec3::Zero();       // velocityVector [m/s]
   double distance_threshold_m = 0.5;  // distanceThreshold
   std::optional<CollisionResponse> response;
-  std::vector<Eigen::Vector3f> convex_hull;
-  std::string hierarchy_file;
+};
+
+// What the seed's appendix C.4 adds to a Shape.
+struct ShapeFields {
+  SharedArray<Eigen::Vector3f> convex_hull;
+  std::string_view hierarchy_file;
   std::int32_t split_threshold = 10;
+};
+
+// One node of the scene graph as it is instanced. Instances stand in depth-first file order, so a subtree is the
+// contiguous range [its own index, subtree_end).
+struct Instance {
+  static constexpr std::uint32_t kNone = ~0u;
+
+  std::string_view def;  // DEF name, may be empty; Scene::document keeps it
+  std::int32_t parent = -1;  // index; -1 at the top level
+  // Position among the parent's children in the file, nodes that are no instance counted; a Collision's proxy stands
+  // behind its children.
+  std::uint32_t child_index = 0;
+  std::uint32_t subtree_end = 0;       // one past the last descendant
+  std::uint32_t node = kNone;          // into Document::nodes
+  std::uint32_t transform = kNone;     // into Scene::transforms, where it is a Transform
+  std::uint32_t geometry = kNone;      // into Scene::geometries, where it is a Shape that has one
+  std::uint32_t extension = kNone;     // into Scene::object_fields or shape_fields; none where all are the defaults
+  NodeKind kind = NodeKind::kGroup;
+  bool name_shadowed = false;  // find(def) finds another instance, so paths give the child index instead
+  bool inner_name = false;     // `def` is a name of a PROTO's or an Inline's own: find() takes the world's before it
+  // False where the standard takes it out of the world: below what a Switch has not chosen, beyond an LOD's level 0, in
+  // a Collision that doesn't collide, or stood for by its proxy.
+  bool collides = true;
 };
 
 enum class CollisionType : std::uint8_t { kBox = 0, kWitness = 1, kAllPairs = 2 };  // seed, C.1
@@ -73,18 +78,47 @@ struct CollisionInterest {
   ObjectId collider;
   std::vector<ObjectId> collidees;
   CollisionType type = CollisionType::kBox;
-  SourceLocation where;
+};
+
+// Seed, C.3: a key changes the velocity of an object.
+struct KeySensor {
+  std::uint32_t node = Instance::kNone;  // into Document::nodes
+  ObjectId recipient;
+  std::int32_t key_value = 0;  // Qt::Key
+  std::int32_t key_state = 0;  // Qt::ButtonState
+  Vec3 value = Vec3::Zero();   // [m/s]
+  bool absolute = false;       // `value` replaces the velocity, or is added to it
+  bool consume = true;         // no other KeySensor, nor the application, gets that event
+  bool enabled = true;         // at first
+};
+
+// An Inline that has not been read: it says how large it is, and the world was read with inlines_later.
+struct PendingInline {
+  ObjectId instance;
+  Eigen::Vector3f box_center, box_size;  // [m], in the Inline's frame
 };
 
 struct Scene {
   std::vector<Instance> instances;  // index == ObjectId::value
-  std::vector<Mesh> meshes;
+  std::vector<TransformFields> transforms;
+  std::vector<Geometry> geometries;
+  std::vector<ObjectFields> object_fields;
+  std::vector<ShapeFields> shape_fields;
   std::vector<CollisionInterest> interests;
+  std::vector<KeySensor> key_sensors;
+  std::vector<PendingInline> pending_inlines;
+  Tessellation tessellation;                       // of all curved geometry
+  std::shared_ptr<const vrml::Document> document;  // all fields of all nodes; names and arrays live in it
 
   [[nodiscard]] const Instance& at(ObjectId id) const { return instances.at(id.value); }
+  // Defaults where the node is no Transform, or no Shape.
+  [[nodiscard]] const TransformFields& transform(ObjectId id) const;
+  [[nodiscard]] const ObjectFields& object(ObjectId id) const;
+  [[nodiscard]] const ShapeFields& shape(ObjectId id) const;
+  [[nodiscard]] const Geometry* geometry(ObjectId id) const;  // null where there is none
 
   // An instance by its path: DEF names, or child indices where there is none, joined by '/'; a lone DEF name finds the
-  // first instance of that name. Linear in the instances.
+  // first instance of that name, those inside PROTOs and Inlines last. Linear in the instances.
   [[nodiscard]] std::optional<ObjectId> find(std::string_view path) const;
   // The path of an instance from the top level down, in the same notation; find() of it is that instance again.
   [[nodiscard]] std::string path_of(ObjectId id) const;

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/vrml/reader.hpp"
-#include "peerd/config/toml_input.hpp"
+#include "core/scene_statistics.hpp"
+#include "peerd/config/world_file.hpp"
 #include "replication/motion_world.hpp"
 
 namespace peerd {
@@ -19,30 +19,33 @@ std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
 }
 
-void print_statistics(const ReadStatistics& s, std::ostream& out) {
-  const auto row = [&](const char* name, std::size_t count, const char* what) {
+void print_statistics(const SceneStatistics& s, std::ostream& out) {
+  const auto row = [&](const char* name, std::uint64_t count, const char* what) {
     std::string label = std::string("  ") + name;
     label.resize(22, ' ');
     std::string number = std::to_string(count);
     if (number.size() < 10) number.insert(0, 10 - number.size(), ' ');
     out << label << number << (*what == '\0' ? "" : "  ") << what << '\n';
   };
-  row("nodes", s.nodes, "");
-  row("instances", s.instances, "groups, transforms and shapes; a USE counts again");
+  row("nodes", s.nodes, "PROTOs expanded");
+  row("instances", s.instances, "groups and shapes; a USE counts again");
+  row("groups", s.groups, "");
   row("shapes", s.shapes, "");
-  row("meshes", s.meshes, "stored once however often they are used");
+  row("depth", s.depth, "of the deepest instance");
+  row("geometries", s.geometries, "stored once however often they are used");
   row("polygons", s.polygons, "");
-  row("vertices", s.vertices, "");
+  row("triangles", s.triangles, "that the polygons are cut into");
   row("polygons instanced", s.polygons_instanced, "a USE counts again");
   row("interests", s.interests, "pairs registered for collision");
-  row("cannot collide yet", s.cannot_collide_yet, "shapes whose geometry is kept but has no polygons yet");
+  row("key sensors", s.key_sensors, "");
+  row("routes", s.routes, "");
 }
 
-void print_text(const std::string& path, const std::string& text, const ReadResult& result,
+void print_text(const std::string& path, const ReadResult& result,
                 const std::vector<std::string>& unsupported, std::ostream& out, std::ostream& err) {
   std::size_t errors = 0;
   for (const Diagnostic& d : result.diagnostics) {
-    err << render(d, path, text);
+    err << render(result, d);
     if (d.severity == Severity::kError) ++errors;
   }
   for (const std::string& line : unsupported) err << path << ": note: unsupported: " << line << '\n';
@@ -50,7 +53,7 @@ void print_text(const std::string& path, const std::string& text, const ReadResu
   out << path << ": " << (result.scene ? "good" : counted(errors, "error"));
   if (warnings > 0) out << ", " << counted(warnings, "warning");
   out << '\n';
-  if (result.scene) print_statistics(result.statistics, out);
+  if (result.scene) print_statistics(statistics_of(*result.scene), out);
 }
 
 Json to_json(const std::string& path, const ReadResult& result, const std::vector<std::string>& unsupported) {
@@ -58,9 +61,9 @@ Json to_json(const std::string& path, const ReadResult& result, const std::vecto
   Json warnings = Json::array();
   for (const Diagnostic& d : result.diagnostics) {
     Json& list = d.severity == Severity::kError ? errors : warnings;
-    list.push_back({{"line", d.where.line}, {"column", d.where.column}, {"message", d.message}});
+    list.push_back({{"file", result.sources.at(d.source).name}, {"line", d.where.line}, {"column", d.where.column}, {"message", d.message}});
   }
-  const ReadStatistics& s = result.statistics;
+  const SceneStatistics s = result.scene ? statistics_of(*result.scene) : SceneStatistics{};
   return {{"world", path},
           {"good", result.scene.has_value()},
           {"errors", errors},
@@ -69,13 +72,18 @@ Json to_json(const std::string& path, const ReadResult& result, const std::vecto
           {"statistics",
            {{"nodes", s.nodes},
             {"instances", s.instances},
+            {"groups", s.groups},
             {"shapes", s.shapes},
-            {"meshes", s.meshes},
+            {"depth", s.depth},
+            {"geometries", s.geometries},
             {"polygons", s.polygons},
-            {"vertices", s.vertices},
+            {"triangles", s.triangles},
             {"polygons_instanced", s.polygons_instanced},
+            {"triangles_instanced", s.triangles_instanced},
             {"interests", s.interests},
-            {"cannot_collide_yet", s.cannot_collide_yet}}}};
+            {"key_sensors", s.key_sensors},
+            {"routes", s.routes},
+            {"pending_inlines", s.pending_inlines}}}};
 }
 
 // A path or a message may hold bytes that are no UTF-8, and JSON may not.
@@ -86,20 +94,20 @@ void print(const Json& json, std::ostream& out) {
 }  // namespace
 
 int run_check(const std::string& path, bool json, std::ostream& out, std::ostream& err) {
-  const auto text = config::read_text_file(path);
-  if (!text) {
-    err << text.error().text << '\n';
-    if (json) print({{"world", path}, {"good", false}, {"error", text.error().text}}, out);
-    return text.error().exit_code;
+  const auto file = config::read_world_file(path);
+  if (!file) {
+    err << file.error().text << '\n';
+    if (json) print({{"world", path}, {"good", false}, {"error", file.error().text}}, out);
+    return file.error().exit_code;
   }
-  const ReadResult result = read_world(*text);
+  const ReadResult& result = (*file)->result;
   // What its interests ask for and collision can't answer yet: no error of the world's.
   std::vector<std::string> unsupported;
   if (result.scene) unsupported = replication::make_world_model(*result.scene)->unsupported;
   if (json) {
     print(to_json(path, result, unsupported), out);
   } else {
-    print_text(path, *text, result, unsupported, out, err);
+    print_text(path, result, unsupported, out, err);
   }
   return result.scene ? 0 : 1;
 }

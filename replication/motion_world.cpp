@@ -100,7 +100,7 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start) : model_(model)
     objects_.push_back({body.object, Role::kScene, Timeline(start, initial), start, {}});
   }
   for (const CollisionPair& p : model.pairs) {
-    const auto answers = [&](ObjectId id) { return model.scene->at(id).response.has_value(); };
+    const auto answers = [&](ObjectId id) { return model.scene->object(id).response.has_value(); };
     pairs_.push_back({.collider = index_of(p.collider),
                       .collidee = index_of(p.collidee),
                       .collider_body = model.body(p.collider),
@@ -282,7 +282,7 @@ void MotionWorld::search(Pair& pair, SimTime to) {
 KinematicState MotionWorld::answered(std::size_t object, const Pair& pair, const KinematicState& self,
                                      const KinematicState& other, bool other_answers, const Vec3& n) {
   Object& o = objects_[object];
-  const CollisionResponse& response = *model_.scene->at(o.id).response;
+  const CollisionResponse& response = *model_.scene->object(o.id).response;
   const SimTime t = *pair.contact;
   std::erase_if(o.recent, [&](SimTime r) { return r + kBouncesWithin < t || r > t; });
   o.recent.push_back(t);

@@ -90,7 +90,7 @@ void Peer::enter_session(HostTime host_now) {
   declare_all();
   for (const auto& [object, own] : own_) {
     KinematicState initial = at_rest(model_.scene->rigid_pose(object));
-    if (!own.driven && !config_.wait_for_start) initial.velocity = model_.scene->at(object).velocity;
+    if (!own.driven && !config_.wait_for_start) initial.velocity = model_.scene->object(object).velocity;
     replica_->truth.set_base(object, now, initial);
   }
 }
@@ -101,7 +101,7 @@ void Peer::start_motions(HostTime now, SimTime start) {
   for (auto& [object, own] : own_) {
     if (own.driven) continue;
     KinematicState state = replica_->truth.at(object, from);
-    state.velocity = model_.scene->at(object).velocity;
+    state.velocity = model_.scene->object(object).velocity;
     replica_->truth.set_base(object, from, state);
     own.starts = from;
   }

@@ -71,7 +71,7 @@ void Peer::publish(SimTime t) {
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t);
     const GhostError error = ghost_error(truth, replica_->ghosts.at(object, t));
-    double threshold_m = policy.error_threshold_m.value_or(model_.scene->at(object).distance_threshold_m);
+    double threshold_m = policy.error_threshold_m.value_or(model_.scene->object(object).distance_threshold_m);
     if (policy.track_proximity && in_close_proximity(object, t)) {
       threshold_m = std::min(threshold_m, policy.tight_threshold_m);
     }

@@ -1,6 +1,7 @@
 #include "core/vrml/diagnostics.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace peerd {
 namespace {
@@ -39,23 +40,82 @@ std::string render(const Diagnostic& diagnostic, std::string_view file_name, std
 
 namespace vrml {
 
-void Problems::error(const Spot& spot, std::string message) {
+std::optional<Position> Problems::open(Source source) {
+  // One position behind each text's last byte, for what is missing at its end.
+  if (bytes_ + source.text.size() + 1 > kMaxBytes) return std::nullopt;
+  const auto begin = static_cast<Position>(bytes_);
+  bytes_ += source.text.size() + 1;
+  begins_.push_back(begin);
+  sources_.push_back(std::move(source));
+  return begin;
+}
+
+std::size_t Problems::source_at(Position at) const {
+  assert(!begins_.empty());
+  return static_cast<std::size_t>(std::ranges::upper_bound(begins_, at) - begins_.begin()) - 1;
+}
+
+std::string_view Problems::text_of(Position at) const { return sources_[source_at(at)].text; }
+std::string_view Problems::name_of(Position at) const { return sources_[source_at(at)].name; }
+Position Problems::begin_of(Position at) const { return begins_[source_at(at)]; }
+
+void Problems::error(Position at, std::string message) {
   if (full()) return;
   ++errors_;
   if (full()) message += "; the reader stops here, after " + std::to_string(kLimit) + " errors";
-  add({Severity::kError, spot.where, std::move(message), spot.offset});
+  list_.push_back({at, Severity::kError, std::move(message)});
 }
 
-void Problems::warning(const Spot& spot, std::string message) {
+void Problems::warning(Position at, std::string message) {
   if (warnings_ >= kLimit) return;
   ++warnings_;
   if (warnings_ == kLimit) message += "; further warnings are not shown";
-  add({Severity::kWarning, spot.where, std::move(message), spot.offset});
+  list_.push_back({at, Severity::kWarning, std::move(message)});
 }
 
-// Kept in the order of the text; at one place, in the order they came.
-void Problems::add(Diagnostic diagnostic) {
-  list_.insert(std::ranges::upper_bound(list_, diagnostic.offset, {}, &Diagnostic::offset), std::move(diagnostic));
+// One pass over each text. Lines end with LF, CR or CR LF.
+std::vector<SourceLocation> Problems::locate(const std::vector<Position>& sorted) const {
+  assert(std::ranges::is_sorted(sorted));
+  std::vector<SourceLocation> out;
+  out.reserve(sorted.size());
+  std::size_t source = sources_.size(), at = 0, line_begin = 0;
+  std::uint32_t line = 1;
+  for (const Position position : sorted) {
+    const std::size_t here = source_at(position);
+    if (here != source) {
+      source = here;
+      at = line_begin = 0;
+      line = 1;
+    }
+    const std::string_view text = sources_[source].text;
+    const std::size_t offset = position - begins_[source];
+    while (true) {
+      const std::size_t end = std::min(text.find_first_of("\n\r", at), text.size());
+      if (end >= offset) break;
+      at = end + (text.substr(end, 2) == "\r\n" ? 2 : 1);
+      if (at > offset) break;  // inside a CR LF
+      line_begin = at;
+      ++line;
+    }
+    out.push_back({line, static_cast<std::uint32_t>(offset - line_begin + 1)});
+  }
+  return out;
+}
+
+Problems::Report Problems::take() {
+  std::ranges::stable_sort(list_, {}, &Entry::at);
+  std::vector<Position> positions;
+  for (const Entry& entry : list_) positions.push_back(entry.at);
+  const std::vector<SourceLocation> places = locate(positions);
+  Report report;
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    const std::size_t source = source_at(list_[i].at);
+    report.diagnostics.push_back({list_[i].severity, places[i], std::move(list_[i].message),
+                                  static_cast<std::uint32_t>(source), list_[i].at - begins_[source]});
+  }
+  report.sources = std::move(sources_);
+  *this = {};
+  return report;
 }
 
 std::string quoted(std::string_view text) {

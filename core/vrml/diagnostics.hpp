@@ -1,14 +1,20 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include "core/scene.hpp"
 #include "core/suggestion.hpp"
 
 namespace peerd {
+
+struct SourceLocation {
+  std::uint32_t line = 0;    // from 1
+  std::uint32_t column = 0;  // from 1, in bytes
+};
 
 enum class Severity : std::uint8_t { kWarning, kError };
 
@@ -16,7 +22,8 @@ struct Diagnostic {
   Severity severity = Severity::kError;
   SourceLocation where;
   std::string message;
-  std::size_t offset = 0;  // the same place as `where`, in bytes from the beginning of the text
+  std::uint32_t source = 0;  // which text, by its place in ReadResult::sources
+  std::size_t offset = 0;    // the same place as `where`, in bytes from the beginning of that text
 };
 
 // FILE:LINE:COLUMN: error: MESSAGE
@@ -24,31 +31,56 @@ struct Diagnostic {
 //    ^
 [[nodiscard]] std::string render(const Diagnostic& diagnostic, std::string_view file_name, std::string_view text);
 
-namespace vrml {
-
-// A place in the text: what a person reads and what finds it again.
-struct Spot {
-  std::size_t offset = 0;
-  SourceLocation where{1, 1};
+// One of the texts that a world is made of: its own, or that of an Inline or an EXTERNPROTO.
+struct Source {
+  std::string name;                          // for people, and what its relative URLs start from
+  std::string_view text;                     // unpacked
+  std::shared_ptr<const std::string> owned;  // keeps `text`; null where the caller of the reader keeps it
 };
 
-// Everything that is wrong with one text. Past kLimit errors the list is closed with a last entry that says so, and the
+namespace vrml {
+
+// A byte of all texts of a world, laid one behind the other in the order in which they were opened.
+using Position = std::uint32_t;
+
+// The texts, and what is wrong with them. Past kLimit errors the list is closed with a last entry that says so, and the
 // parser stops: a binary file by mistake must not cost minutes and gigabytes of messages.
 class Problems {
  public:
   static constexpr std::size_t kLimit = 1000;
+  static constexpr std::uint64_t kMaxBytes = (std::uint64_t{1} << 32) - 2;  // Positions are 32 bits wide
 
-  void error(const Spot& spot, std::string message);
-  void warning(const Spot& spot, std::string message);
+  // The position of its first byte; nothing where the texts together would exceed kMaxBytes.
+  [[nodiscard]] std::optional<Position> open(Source source);
+  [[nodiscard]] std::string_view text_of(Position at) const;  // the whole text that holds it
+  [[nodiscard]] Position begin_of(Position at) const;         // of that text
+  [[nodiscard]] std::string_view name_of(Position at) const;  // of that text
+
+  void error(Position at, std::string message);
+  void warning(Position at, std::string message);
   [[nodiscard]] bool full() const { return errors_ >= kLimit; }
   [[nodiscard]] std::size_t errors() const { return errors_; }
-  // In the order of the text; leaves this empty.
-  [[nodiscard]] std::vector<Diagnostic> take() { return std::exchange(list_, {}); }
+
+  [[nodiscard]] std::vector<SourceLocation> locate(const std::vector<Position>& sorted) const;
+  // In the order of the texts; leaves this empty.
+  struct Report {
+    std::vector<Source> sources;
+    std::vector<Diagnostic> diagnostics;
+  };
+  [[nodiscard]] Report take();
 
  private:
-  void add(Diagnostic diagnostic);
+  struct Entry {
+    Position at;
+    Severity severity;
+    std::string message;
+  };
+  [[nodiscard]] std::size_t source_at(Position at) const;
 
-  std::vector<Diagnostic> list_;
+  std::vector<Source> sources_;
+  std::vector<Position> begins_;  // of each source
+  std::uint64_t bytes_ = 0;
+  std::vector<Entry> list_;
   std::size_t errors_ = 0;
   std::size_t warnings_ = 0;
 };

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 namespace peerd::vrml {
 namespace {
@@ -83,22 +86,10 @@ std::expected<Real, NumberError> read_real(std::string_view text) {
 
 }  // namespace
 
-Lexer::Lexer(std::string_view text, Spot begin)
-    : text_(text), at_(begin.offset), line_begin_(begin.offset - (begin.where.column - 1)), line_(begin.where.line) {}
-
-// Lines end with LF, CR or CR LF.
-void Lexer::end_line() {
-  if (text_[at_] == '\r' && at_ + 1 < text_.size() && text_[at_ + 1] == '\n') ++at_;
-  line_begin_ = ++at_;
-  ++line_;
-}
-
 void Lexer::skip_white_space() {
   while (at_ < text_.size()) {
     const char c = text_[at_];
-    if (c == '\n' || c == '\r') {
-      end_line();
-    } else if (is(c, kSpace)) {
+    if (is(c, kSpace)) {
       ++at_;
     } else if (c == '#') {
       at_ = std::min(text_.find_first_of("\n\r", at_), text_.size());
@@ -108,8 +99,22 @@ void Lexer::skip_white_space() {
   }
 }
 
+Lexer::Count Lexer::count_numbers() const {
+  const char* const begin = text_.data() + at_;
+  const void* const bracket = std::memchr(begin, ']', text_.size() - at_);
+  const char* const end = bracket == nullptr ? text_.data() + text_.size() : static_cast<const char*>(bracket);
+  std::size_t count = 0;
+  bool in_space = true;
+  for (const char* at = begin; at != end; ++at) {
+    const bool space = is(*at, kSpace);
+    count += static_cast<std::size_t>(in_space && !space);
+    in_space = space;
+  }
+  return {count, static_cast<std::size_t>(end - text_.data())};
+}
+
 Token Lexer::token(TokenKind kind, std::size_t size) {
-  Token t{kind, text_.substr(at_, size), {at_, {line_, static_cast<std::uint32_t>(at_ - line_begin_ + 1)}}};
+  Token t{kind, static_cast<std::uint32_t>(at_), text_.substr(at_, size)};
   at_ += size;
   return t;
 }
@@ -124,11 +129,7 @@ Token Lexer::string() {
       t.text = text_.substr(begin, at_++ - begin);
       return t;
     }
-    if (c == '\n' || c == '\r') {
-      end_line();
-    } else {
-      at_ += c == '\\' && at_ + 1 < text_.size() && (text_[at_ + 1] == '"' || text_[at_ + 1] == '\\') ? 2 : 1;
-    }
+    at_ += c == '\\' && at_ + 1 < text_.size() && (text_[at_ + 1] == '"' || text_[at_ + 1] == '\\') ? 2 : 1;
   }
   t.text = text_.substr(begin);
   return t;
@@ -175,19 +176,16 @@ Token Lexer::next() {
   return token(TokenKind::kInvalid, size);
 }
 
-std::expected<Spot, std::string> read_header(std::string_view text) {
+std::expected<std::size_t, std::string> read_header(std::string_view text) {
   constexpr std::string_view kHeader = "#VRML V2.0 utf8";
   const std::string_view first = text.substr(0, text.find_first_of("\r\n"));
   if (first.starts_with(kHeader)) {
     const std::string_view rest = first.substr(kHeader.size());
     if (rest.empty() || rest[0] == ' ' || rest[0] == '\t') {
-      return Spot{first.size(), {1, static_cast<std::uint32_t>(first.size() + 1)}};
+      return first.size();
     }
   }
   if (text.empty()) return std::unexpected("the file is empty; a world begins with the line '#VRML V2.0 utf8'");
-  if (text.starts_with("\x1f\x8b")) {
-    return std::unexpected("this file is compressed with gzip, which is not read yet; unpack it with gunzip first");
-  }
   if (first.starts_with("#VRML V1.0")) {
     return std::unexpected("this is VRML 1.0, another language; only VRML97 ('#VRML V2.0 utf8') is read");
   }
@@ -219,6 +217,65 @@ std::expected<std::int32_t, NumberError> read_int32(std::string_view text) {
   const std::uint32_t largest = hexadecimal ? 0xFFFFFFFFu : negative ? 0x80000000u : 0x7FFFFFFFu;
   if (error == std::errc::result_out_of_range || magnitude > largest) return std::unexpected(NumberError::kOverflow);
   return static_cast<std::int32_t>(negative ? 0u - magnitude : magnitude);
+}
+
+// At most 19 digits fit in 64 bits. With up to 15 digits or a mantissa of 53 bits and a power of ten that binary64 holds
+// exactly, one division or multiplication gives the nearest binary64 (Clinger, "How to read floating point numbers
+// accurately", 1990); rounding that to binary32 is right too unless it lies just between two of them.
+const char* scan_plain(const char* begin, const char* end, float& value) {
+  constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+  const char* at = begin;
+  const bool negative = at != end && *at == '-';
+  if (negative) ++at;
+  std::uint64_t mantissa = 0;
+  const char* const digits = at;
+  for (; at != end && is_digit(*at); ++at) mantissa = 10 * mantissa + static_cast<std::uint64_t>(*at - '0');
+  auto count = at - digits;
+  std::int64_t exponent = 0;
+  if (at != end && *at == '.') {
+    const char* const fraction = ++at;
+    for (; at != end && is_digit(*at); ++at) mantissa = 10 * mantissa + static_cast<std::uint64_t>(*at - '0');
+    exponent = fraction - at;
+    count -= exponent;
+  }
+  if (count == 0 || count > 19) return nullptr;
+  if (at != end && (*at == 'e' || *at == 'E')) {
+    ++at;
+    const bool minus = at != end && *at == '-';
+    if (at != end && (*at == '-' || *at == '+')) ++at;
+    const char* const power = at;
+    std::int64_t written = 0;
+    for (; at != end && is_digit(*at); ++at) written = 10 * written + (*at - '0');
+    if (at == power || at - power > 4) return nullptr;
+    exponent += minus ? -written : written;
+  }
+  if (at != end && !is(*at, kSpace) && *at != ']' && *at != '}') return nullptr;
+  double magnitude = 0;
+  if (mantissa != 0) {
+    if (mantissa > (std::uint64_t{1} << 53) || exponent < -22 || exponent > 22) return nullptr;
+    magnitude = static_cast<double>(mantissa);
+    magnitude = exponent < 0 ? magnitude / kPowers[-exponent] : magnitude * kPowers[exponent];
+    constexpr std::uint64_t kDropped = (std::uint64_t{1} << 29) - 1, kHalf = std::uint64_t{1} << 28;
+    if ((std::bit_cast<std::uint64_t>(magnitude) & kDropped) == kHalf) return nullptr;
+    if (!(magnitude >= std::numeric_limits<float>::min() && magnitude <= std::numeric_limits<float>::max())) {
+      return nullptr;
+    }
+  }
+  value = static_cast<float>(negative ? -magnitude : magnitude);
+  return at;
+}
+
+const char* scan_plain(const char* begin, const char* end, std::int32_t& value) {
+  const char* at = begin;
+  const bool negative = at != end && *at == '-';
+  if (negative) ++at;
+  const char* const digits = at;
+  std::int32_t magnitude = 0;
+  for (; at != end && is_digit(*at) && at - digits < 9; ++at) magnitude = 10 * magnitude + (*at - '0');
+  if (at == digits || (at != end && !is(*at, kSpace) && *at != ']' && *at != '}')) return nullptr;
+  value = negative ? -magnitude : magnitude;
+  return at;
 }
 
 std::string unescaped(std::string_view text) {

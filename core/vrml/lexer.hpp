@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <expected>
 #include <optional>
 #include <string>
@@ -24,32 +25,42 @@ enum class TokenKind : std::uint8_t {
 
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  std::string_view text;  // into the text that is read
-  Spot spot;
+  std::uint32_t offset = 0;  // of its first byte (a string's quote) in the text
+  std::string_view text;     // into the text that is read
 };
 
 // Cuts VRML97 text into tokens (ISO/IEC 14772-1, 4.3 and annex A). Comments and commas are white space. Holds no memory
 // of its own: a copy is a bookmark.
 class Lexer {
  public:
-  explicit Lexer(std::string_view text, Spot begin = {});
+  explicit Lexer(std::string_view text, std::size_t begin = 0) : text_(text), at_(begin) {}
   [[nodiscard]] Token next();
   void stop() { at_ = text_.size(); }
+  void go_to(std::size_t offset) { at_ = offset; }
+  [[nodiscard]] std::size_t offset() const { return at_; }
+
+  // For lists of numbers, which are most of a world's bytes: takes numbers of the plain kind straight from the text up
+  // to the first thing that is none, and leaves that to next(). Both give the same bits for the same text.
+  template <class T, class Add>  // float or std::int32_t; Add is told each one
+  void take_numbers(Add add);
+  // How many numbers may stand between here and the next ']': never too few, unless a comment holds a ']'.
+  struct Count {
+    std::size_t numbers = 0;
+    std::size_t end = 0;  // the offset of that ']', or of the text's end
+  };
+  [[nodiscard]] Count count_numbers() const;
 
  private:
   void skip_white_space();
-  void end_line();
   Token token(TokenKind kind, std::size_t size);
   Token string();
 
   std::string_view text_;
   std::size_t at_;
-  std::size_t line_begin_;
-  std::uint32_t line_;
 };
 
-// Checks the first line, "#VRML V2.0 utf8", and gives the place behind it; or says what the text is instead.
-[[nodiscard]] std::expected<Spot, std::string> read_header(std::string_view text);
+// Checks the first line, "#VRML V2.0 utf8", and gives the offset behind it; or says what the text is instead.
+[[nodiscard]] std::expected<std::size_t, std::string> read_header(std::string_view text);
 
 enum class NumberError : std::uint8_t { kSyntax, kNotFinite, kOverflow };
 
@@ -62,7 +73,25 @@ enum class NumberError : std::uint8_t { kSyntax, kNotFinite, kOverflow };
 // The value of a kString token: \" and \\ are the only escapes.
 [[nodiscard]] std::string unescaped(std::string_view text);
 
+// Where a number of the plain kind ends: digits, a period and a small exponent, or a decimal integer, that white space or
+// a bracket follows. Its value is in `value`, the same bits that read_float() and read_int32() give. Null where it is of
+// any other kind, right or wrong.
+[[nodiscard]] const char* scan_plain(const char* begin, const char* end, float& value);
+[[nodiscard]] const char* scan_plain(const char* begin, const char* end, std::int32_t& value);
+
 // Whether a word is reserved and cannot name a node (annex A.3).
 [[nodiscard]] bool is_keyword(std::string_view word);
+
+template <class T, class Add>
+void Lexer::take_numbers(Add add) {
+  while (true) {
+    skip_white_space();
+    T value{};
+    const char* const end = scan_plain(text_.data() + at_, text_.data() + text_.size(), value);
+    if (end == nullptr) return;
+    at_ = static_cast<std::size_t>(end - text_.data());
+    add(value);
+  }
+}
 
 }  // namespace peerd::vrml

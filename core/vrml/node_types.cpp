@@ -1,6 +1,7 @@
 #include "core/vrml/node_types.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace peerd::vrml {
 namespace {
@@ -22,15 +23,35 @@ constexpr FieldSpec event_out(std::string_view name, FieldType type) { return {n
 constexpr FieldSpec kChildren = {"children", kMFNode, Access::kExposedField, "[ ]", Range::kAny, kChild};
 constexpr FieldSpec kBoxCenter = field("bboxCenter", kSFVec3f, "0 0 0");
 constexpr FieldSpec kBoxSize = field("bboxSize", kSFVec3f, "-1 -1 -1");
+constexpr std::string_view kInlineContentName = "children";
 constexpr Range kPositive = Range::kPositive;
+constexpr Range kSize = Range::kSize;
+constexpr Range kShouldBeNonNegative = Range::kShouldBeNonNegative;
+constexpr Range kShouldBePositive = Range::kShouldBePositive;
 constexpr Range kNonNegative = Range::kNonNegative;
 
 // The tables: VRML97 clause 6, in its order of fields, with the seed's appendix C.
 
+constexpr FieldSpec kAnchorFields[] = {
+    event_in("addChildren", kMFNode), event_in("removeChildren", kMFNode),
+    kChildren,                        exposed("description", kSFString, "\"\""),
+    exposed("parameter", kMFString, "[ ]"), exposed("url", kMFString, "[ ]"),
+    kBoxCenter,                       kBoxSize,
+};
 constexpr FieldSpec kAppearanceFields[] = {
     node("material", kMaterial),
     node("texture", kTexture),
     node("textureTransform", kTextureTransform),
+};
+constexpr FieldSpec kAudioClipFields[] = {
+    exposed("description", kSFString, "\"\""),
+    exposed("loop", kSFBool, "FALSE"),
+    exposed("pitch", kSFFloat, "1.0", kShouldBePositive),
+    exposed("startTime", kSFTime, "0"),
+    exposed("stopTime", kSFTime, "0"),
+    exposed("url", kMFString, "[ ]"),
+    event_out("duration_changed", kSFTime),
+    event_out("isActive", kSFBool),
 };
 constexpr FieldSpec kBackgroundFields[] = {
     event_in("set_bind", kSFBool),           exposed("groundAngle", kMFFloat, "[ ]"),
@@ -40,8 +61,22 @@ constexpr FieldSpec kBackgroundFields[] = {
     exposed("topUrl", kMFString, "[ ]"),     exposed("skyAngle", kMFFloat, "[ ]"),
     exposed("skyColor", kMFColor, "0 0 0"),  event_out("isBound", kSFBool),
 };
+constexpr FieldSpec kBillboardFields[] = {
+    event_in("addChildren", kMFNode),
+    event_in("removeChildren", kMFNode),
+    exposed("axisOfRotation", kSFVec3f, "0 1 0"),
+    kChildren,
+    kBoxCenter,
+    kBoxSize,
+};
 constexpr FieldSpec kBoxFields[] = {
-    field("size", kSFVec3f, "2 2 2", kPositive),
+    field("size", kSFVec3f, "2 2 2", kSize),
+};
+constexpr FieldSpec kCollisionFields[] = {
+    event_in("addChildren", kMFNode), event_in("removeChildren", kMFNode),
+    kChildren,                        exposed("collide", kSFBool, "TRUE"),
+    kBoxCenter,                       kBoxSize,
+    {"proxy", kSFNode, Access::kField, "NULL", Range::kAny, kChild}, event_out("collideTime", kSFTime),
 };
 constexpr FieldSpec kCollisionInterestFields[] = {
     // Listing 3.3 of the seed writes collisionInterests where its appendix C.1 has interests.
@@ -57,21 +92,44 @@ constexpr FieldSpec kCollisionResponseFields[] = {
 constexpr FieldSpec kColorFields[] = {
     exposed("color", kMFColor, "[ ]"),
 };
+constexpr FieldSpec kColorInterpolatorFields[] = {
+    event_in("set_fraction", kSFFloat),
+    exposed("key", kMFFloat, "[ ]"),
+    exposed("keyValue", kMFColor, "[ ]"),
+    event_out("value_changed", kSFColor),
+};
 constexpr FieldSpec kConeFields[] = {
-    field("bottomRadius", kSFFloat, "1", kPositive),
-    field("height", kSFFloat, "2", kPositive),
+    field("bottomRadius", kSFFloat, "1", kSize),
+    field("height", kSFFloat, "2", kSize),
     field("side", kSFBool, "TRUE"),
     field("bottom", kSFBool, "TRUE"),
 };
 constexpr FieldSpec kCoordinateFields[] = {
     exposed("point", kMFVec3f, "[ ]"),
 };
+constexpr FieldSpec kCoordinateInterpolatorFields[] = {
+    event_in("set_fraction", kSFFloat),
+    exposed("key", kMFFloat, "[ ]"),
+    exposed("keyValue", kMFVec3f, "[ ]"),
+    event_out("value_changed", kMFVec3f),
+};
 constexpr FieldSpec kCylinderFields[] = {
     field("bottom", kSFBool, "TRUE"),
-    field("height", kSFFloat, "2", kPositive),
-    field("radius", kSFFloat, "1", kPositive),
+    field("height", kSFFloat, "2", kSize),
+    field("radius", kSFFloat, "1", kSize),
     field("side", kSFBool, "TRUE"),
     field("top", kSFBool, "TRUE"),
+};
+constexpr FieldSpec kCylinderSensorFields[] = {
+    exposed("autoOffset", kSFBool, "TRUE"),
+    exposed("diskAngle", kSFFloat, "0.262"),
+    exposed("enabled", kSFBool, "TRUE"),
+    exposed("maxAngle", kSFFloat, "-1"),
+    exposed("minAngle", kSFFloat, "0"),
+    exposed("offset", kSFFloat, "0"),
+    event_out("isActive", kSFBool),
+    event_out("rotation_changed", kSFRotation),
+    event_out("trackPoint_changed", kSFVec3f),
 };
 constexpr FieldSpec kDirectionalLightFields[] = {
     exposed("ambientIntensity", kSFFloat, "0"),
@@ -88,13 +146,13 @@ constexpr FieldSpec kElevationGridFields[] = {
     field("height", kMFFloat, "[ ]"),
     field("ccw", kSFBool, "TRUE"),
     field("colorPerVertex", kSFBool, "TRUE"),
-    field("creaseAngle", kSFFloat, "0", kNonNegative),
+    field("creaseAngle", kSFFloat, "0", kShouldBeNonNegative),
     field("normalPerVertex", kSFBool, "TRUE"),
     field("solid", kSFBool, "TRUE"),
     field("xDimension", kSFInt32, "0", kNonNegative),
-    field("xSpacing", kSFFloat, "1.0", kPositive),
+    field("xSpacing", kSFFloat, "1.0", kSize),
     field("zDimension", kSFInt32, "0", kNonNegative),
-    field("zSpacing", kSFFloat, "1.0", kPositive),
+    field("zSpacing", kSFFloat, "1.0", kSize),
 };
 constexpr FieldSpec kExtrusionFields[] = {
     event_in("set_crossSection", kMFVec2f),
@@ -104,26 +162,26 @@ constexpr FieldSpec kExtrusionFields[] = {
     field("beginCap", kSFBool, "TRUE"),
     field("ccw", kSFBool, "TRUE"),
     field("convex", kSFBool, "TRUE"),
-    field("creaseAngle", kSFFloat, "0", kNonNegative),
+    field("creaseAngle", kSFFloat, "0", kShouldBeNonNegative),
     field("crossSection", kMFVec2f, "[ 1 1, 1 -1, -1 -1, -1 1, 1 1 ]"),
     field("endCap", kSFBool, "TRUE"),
     field("orientation", kMFRotation, "0 0 1 0"),
-    field("scale", kMFVec2f, "1 1", kNonNegative),
+    field("scale", kMFVec2f, "1 1", kShouldBeNonNegative),
     field("solid", kSFBool, "TRUE"),
     field("spine", kMFVec3f, "[ 0 0 0, 0 1 0 ]"),
 };
 constexpr FieldSpec kFogFields[] = {
     exposed("color", kSFColor, "1 1 1"),
     exposed("fogType", kSFString, "\"LINEAR\""),
-    exposed("visibilityRange", kSFFloat, "0", kNonNegative),
+    exposed("visibilityRange", kSFFloat, "0", kShouldBeNonNegative),
     event_in("set_bind", kSFBool),
     event_out("isBound", kSFBool),
 };
 constexpr FieldSpec kFontStyleFields[] = {
     field("family", kMFString, "\"SERIF\""),         field("horizontal", kSFBool, "TRUE"),
     field("justify", kMFString, "\"BEGIN\""),        field("language", kSFString, "\"\""),
-    field("leftToRight", kSFBool, "TRUE"),           field("size", kSFFloat, "1.0", kPositive),
-    field("spacing", kSFFloat, "1.0", kNonNegative), field("style", kSFString, "\"PLAIN\""),
+    field("leftToRight", kSFBool, "TRUE"),           field("size", kSFFloat, "1.0", kShouldBePositive),
+    field("spacing", kSFFloat, "1.0", kShouldBeNonNegative), field("style", kSFString, "\"PLAIN\""),
     field("topToBottom", kSFBool, "TRUE"),
 };
 constexpr FieldSpec kGroupFields[] = {
@@ -148,7 +206,7 @@ constexpr FieldSpec kIndexedFaceSetFields[] = {
     field("colorPerVertex", kSFBool, "TRUE"),
     field("convex", kSFBool, "TRUE"),
     field("coordIndex", kMFInt32, "[ ]"),
-    field("creaseAngle", kSFFloat, "0", kNonNegative),
+    field("creaseAngle", kSFFloat, "0", kShouldBeNonNegative),
     field("normalIndex", kMFInt32, "[ ]"),
     field("normalPerVertex", kSFBool, "TRUE"),
     field("solid", kSFBool, "TRUE"),
@@ -163,40 +221,110 @@ constexpr FieldSpec kIndexedLineSetFields[] = {
     field("colorPerVertex", kSFBool, "TRUE"),
     field("coordIndex", kMFInt32, "[ ]"),
 };
+constexpr FieldSpec kInlineFields[] = {
+    exposed("url", kMFString, "[ ]"),
+    kBoxCenter,
+    kBoxSize,
+    {kInlineContentName, kMFNode, Access::kContent, "[ ]", Range::kAny, kAnyClass},
+};
+constexpr FieldSpec kKeySensorFields[] = {
+    field("absoluteValue", kSFBool, "FALSE"), field("consume", kSFBool, "TRUE"),
+    exposed("enabled", kSFBool, "TRUE"),      field("keyState", kSFInt32, "0"),
+    field("keyValue", kSFInt32, "0"),         field("recipient", kSFString, "\"\""),
+    field("value", kSFVec3f, "0 0 0"),        event_in("disable", kSFBool),
+    event_out("keyHit", kSFBool),
+};
+constexpr FieldSpec kLodFields[] = {
+    {"level", kMFNode, Access::kExposedField, "[ ]", Range::kAny, kChild},
+    field("center", kSFVec3f, "0 0 0"),
+    field("range", kMFFloat, "[ ]", kShouldBePositive),
+};
 constexpr FieldSpec kMaterialFields[] = {
     exposed("ambientIntensity", kSFFloat, "0.2"), exposed("diffuseColor", kSFColor, "0.8 0.8 0.8"),
     exposed("emissiveColor", kSFColor, "0 0 0"),  exposed("shininess", kSFFloat, "0.2"),
     exposed("specularColor", kSFColor, "0 0 0"),  exposed("transparency", kSFFloat, "0"),
 };
+constexpr FieldSpec kMovieTextureFields[] = {
+    exposed("loop", kSFBool, "FALSE"),   exposed("speed", kSFFloat, "1.0"),
+    exposed("startTime", kSFTime, "0"),  exposed("stopTime", kSFTime, "0"),
+    exposed("url", kMFString, "[ ]"),    field("repeatS", kSFBool, "TRUE"),
+    field("repeatT", kSFBool, "TRUE"),   event_out("duration_changed", kSFTime),
+    event_out("isActive", kSFBool),
+};
 constexpr FieldSpec kNavigationInfoFields[] = {
     event_in("set_bind", kSFBool),
-    exposed("avatarSize", kMFFloat, "[ 0.25, 1.6, 0.75 ]", kNonNegative),
+    exposed("avatarSize", kMFFloat, "[ 0.25, 1.6, 0.75 ]", kShouldBeNonNegative),
     exposed("headlight", kSFBool, "TRUE"),
-    exposed("speed", kSFFloat, "1.0", kNonNegative),
+    exposed("speed", kSFFloat, "1.0", kShouldBeNonNegative),
     exposed("type", kMFString, "[ \"WALK\", \"ANY\" ]"),
-    exposed("visibilityLimit", kSFFloat, "0.0", kNonNegative),
+    exposed("visibilityLimit", kSFFloat, "0.0", kShouldBeNonNegative),
     event_out("isBound", kSFBool),
 };
 constexpr FieldSpec kNormalFields[] = {
     exposed("vector", kMFVec3f, "[ ]"),
+};
+constexpr FieldSpec kNormalInterpolatorFields[] = {
+    event_in("set_fraction", kSFFloat),
+    exposed("key", kMFFloat, "[ ]"),
+    exposed("keyValue", kMFVec3f, "[ ]"),
+    event_out("value_changed", kMFVec3f),
+};
+constexpr FieldSpec kOrientationInterpolatorFields[] = {
+    event_in("set_fraction", kSFFloat),
+    exposed("key", kMFFloat, "[ ]"),
+    exposed("keyValue", kMFRotation, "[ ]"),
+    event_out("value_changed", kSFRotation),
 };
 constexpr FieldSpec kPixelTextureFields[] = {
     exposed("image", kSFImage, "0 0 0"),
     field("repeatS", kSFBool, "TRUE"),
     field("repeatT", kSFBool, "TRUE"),
 };
+constexpr FieldSpec kPlaneSensorFields[] = {
+    exposed("autoOffset", kSFBool, "TRUE"),   exposed("enabled", kSFBool, "TRUE"),
+    exposed("maxPosition", kSFVec2f, "-1 -1"), exposed("minPosition", kSFVec2f, "0 0"),
+    exposed("offset", kSFVec3f, "0 0 0"),     event_out("isActive", kSFBool),
+    event_out("trackPoint_changed", kSFVec3f), event_out("translation_changed", kSFVec3f),
+};
 constexpr FieldSpec kPointLightFields[] = {
     exposed("ambientIntensity", kSFFloat, "0"),
-    exposed("attenuation", kSFVec3f, "1 0 0", kNonNegative),
+    exposed("attenuation", kSFVec3f, "1 0 0", kShouldBeNonNegative),
     exposed("color", kSFColor, "1 1 1"),
     exposed("intensity", kSFFloat, "1"),
     exposed("location", kSFVec3f, "0 0 0"),
     exposed("on", kSFBool, "TRUE"),
-    exposed("radius", kSFFloat, "100", kNonNegative),
+    exposed("radius", kSFFloat, "100", kShouldBeNonNegative),
 };
 constexpr FieldSpec kPointSetFields[] = {
     node("color", kColor),
     node("coord", kCoordinate),
+};
+constexpr FieldSpec kPositionInterpolatorFields[] = {
+    event_in("set_fraction", kSFFloat),
+    exposed("key", kMFFloat, "[ ]"),
+    exposed("keyValue", kMFVec3f, "[ ]"),
+    event_out("value_changed", kSFVec3f),
+};
+constexpr FieldSpec kProximitySensorFields[] = {
+    exposed("center", kSFVec3f, "0 0 0"),
+    exposed("size", kSFVec3f, "0 0 0", kShouldBeNonNegative),
+    exposed("enabled", kSFBool, "TRUE"),
+    event_out("isActive", kSFBool),
+    event_out("position_changed", kSFVec3f),
+    event_out("orientation_changed", kSFRotation),
+    event_out("enterTime", kSFTime),
+    event_out("exitTime", kSFTime),
+};
+constexpr FieldSpec kScalarInterpolatorFields[] = {
+    event_in("set_fraction", kSFFloat),
+    exposed("key", kMFFloat, "[ ]"),
+    exposed("keyValue", kMFFloat, "[ ]"),
+    event_out("value_changed", kSFFloat),
+};
+constexpr FieldSpec kScriptFields[] = {
+    exposed("url", kMFString, "[ ]"),
+    field("directOutput", kSFBool, "FALSE"),
+    field("mustEvaluate", kSFBool, "FALSE"),
 };
 constexpr FieldSpec kShapeFields[] = {
     node("appearance", kAppearance),
@@ -205,26 +333,50 @@ constexpr FieldSpec kShapeFields[] = {
     field("hierarchyFile", kSFString, "\"\""),
     field("splitThreshold", kSFInt32, "10", kPositive),
 };
+constexpr FieldSpec kSoundFields[] = {
+    exposed("direction", kSFVec3f, "0 0 1"),
+    exposed("intensity", kSFFloat, "1"),
+    exposed("location", kSFVec3f, "0 0 0"),
+    exposed("maxBack", kSFFloat, "10", kShouldBeNonNegative),
+    exposed("maxFront", kSFFloat, "10", kShouldBeNonNegative),
+    exposed("minBack", kSFFloat, "1", kShouldBeNonNegative),
+    exposed("minFront", kSFFloat, "1", kShouldBeNonNegative),
+    exposed("priority", kSFFloat, "0"),
+    node("source", kSoundSource),
+    field("spatialize", kSFBool, "TRUE"),
+};
 constexpr FieldSpec kSphereFields[] = {
-    field("radius", kSFFloat, "1", kPositive),
+    field("radius", kSFFloat, "1", kSize),
+};
+constexpr FieldSpec kSphereSensorFields[] = {
+    exposed("autoOffset", kSFBool, "TRUE"),
+    exposed("enabled", kSFBool, "TRUE"),
+    exposed("offset", kSFRotation, "0 1 0 0"),
+    event_out("isActive", kSFBool),
+    event_out("rotation_changed", kSFRotation),
+    event_out("trackPoint_changed", kSFVec3f),
 };
 constexpr FieldSpec kSpotLightFields[] = {
     exposed("ambientIntensity", kSFFloat, "0"),
-    exposed("attenuation", kSFVec3f, "1 0 0", kNonNegative),
-    exposed("beamWidth", kSFFloat, "1.570796", kPositive),
+    exposed("attenuation", kSFVec3f, "1 0 0", kShouldBeNonNegative),
+    exposed("beamWidth", kSFFloat, "1.570796", kShouldBePositive),
     exposed("color", kSFColor, "1 1 1"),
-    exposed("cutOffAngle", kSFFloat, "0.785398", kPositive),
+    exposed("cutOffAngle", kSFFloat, "0.785398", kShouldBePositive),
     exposed("direction", kSFVec3f, "0 0 -1"),
     exposed("intensity", kSFFloat, "1"),
     exposed("location", kSFVec3f, "0 0 0"),
     exposed("on", kSFBool, "TRUE"),
-    exposed("radius", kSFFloat, "100", kNonNegative),
+    exposed("radius", kSFFloat, "100", kShouldBeNonNegative),
+};
+constexpr FieldSpec kSwitchFields[] = {
+    {"choice", kMFNode, Access::kExposedField, "[ ]", Range::kAny, kChild},
+    exposed("whichChoice", kSFInt32, "-1"),
 };
 constexpr FieldSpec kTextFields[] = {
     exposed("string", kMFString, "[ ]"),
     node("fontStyle", kFontStyle),
-    exposed("length", kMFFloat, "[ ]", kNonNegative),
-    exposed("maxExtent", kSFFloat, "0.0", kNonNegative),
+    exposed("length", kMFFloat, "[ ]", kShouldBeNonNegative),
+    exposed("maxExtent", kSFFloat, "0.0", kShouldBeNonNegative),
 };
 constexpr FieldSpec kTextureCoordinateFields[] = {
     exposed("point", kMFVec2f, "[ ]"),
@@ -234,6 +386,22 @@ constexpr FieldSpec kTextureTransformFields[] = {
     exposed("rotation", kSFFloat, "0"),
     exposed("scale", kSFVec2f, "1 1"),
     exposed("translation", kSFVec2f, "0 0"),
+};
+constexpr FieldSpec kTimeSensorFields[] = {
+    exposed("cycleInterval", kSFTime, "1", kPositive), exposed("enabled", kSFBool, "TRUE"),
+    exposed("loop", kSFBool, "FALSE"),                 exposed("startTime", kSFTime, "0"),
+    exposed("stopTime", kSFTime, "0"),                 event_out("cycleTime", kSFTime),
+    event_out("fraction_changed", kSFFloat),           event_out("isActive", kSFBool),
+    event_out("time", kSFTime),
+};
+constexpr FieldSpec kTouchSensorFields[] = {
+    exposed("enabled", kSFBool, "TRUE"),
+    event_out("hitNormal_changed", kSFVec3f),
+    event_out("hitPoint_changed", kSFVec3f),
+    event_out("hitTexCoord_changed", kSFVec2f),
+    event_out("isActive", kSFBool),
+    event_out("isOver", kSFBool),
+    event_out("touchTime", kSFTime),
 };
 constexpr FieldSpec kTransformFields[] = {
     event_in("addChildren", kMFNode),
@@ -255,10 +423,18 @@ constexpr FieldSpec kTransformFields[] = {
     event_out("notColliding", kSFBool),
 };
 constexpr FieldSpec kViewpointFields[] = {
-    event_in("set_bind", kSFBool),           exposed("fieldOfView", kSFFloat, "0.785398", kPositive),
+    event_in("set_bind", kSFBool),           exposed("fieldOfView", kSFFloat, "0.785398", kShouldBePositive),
     exposed("jump", kSFBool, "TRUE"),        exposed("orientation", kSFRotation, "0 0 1 0"),
     exposed("position", kSFVec3f, "0 0 10"), field("description", kSFString, "\"\""),
     event_out("bindTime", kSFTime),          event_out("isBound", kSFBool),
+};
+constexpr FieldSpec kVisibilitySensorFields[] = {
+    exposed("center", kSFVec3f, "0 0 0"),
+    exposed("enabled", kSFBool, "TRUE"),
+    exposed("size", kSFVec3f, "0 0 0", kShouldBeNonNegative),
+    event_out("enterTime", kSFTime),
+    event_out("exitTime", kSFTime),
+    event_out("isActive", kSFBool),
 };
 constexpr FieldSpec kWorldInfoFields[] = {
     field("info", kMFString, "[ ]"),
@@ -266,66 +442,63 @@ constexpr FieldSpec kWorldInfoFields[] = {
 };
 
 constexpr NodeType kNodeTypes[] = {
-    {"Appearance", kAppearance, Meaning::kPart, kAppearanceFields},
-    {"Background", kChild, Meaning::kPart, kBackgroundFields},
-    {"Box", kGeometry, Meaning::kBox, kBoxFields},
+    {"Anchor", kChild, Meaning::kGroup, kAnchorFields},
+    {"Appearance", kAppearance, Meaning::kDisplay, kAppearanceFields},
+    {"AudioClip", kSoundSource, Meaning::kDisplay, kAudioClipFields},
+    {"Background", kChild, Meaning::kDisplay, kBackgroundFields},
+    {"Billboard", kChild, Meaning::kBillboard, kBillboardFields},
+    {"Box", kGeometry, Meaning::kGeometry, kBoxFields},
+    {"Collision", kChild, Meaning::kCollision, kCollisionFields},
     {"CollisionInterest", kChild, Meaning::kCollisionInterest, kCollisionInterestFields},
     {"CollisionResponse", kCollisionResponse, Meaning::kPart, kCollisionResponseFields},
-    {"Color", kColor, Meaning::kPart, kColorFields},
-    {"Cone", kGeometry, Meaning::kOtherGeometry, kConeFields},
+    {"Color", kColor, Meaning::kDisplay, kColorFields},
+    {"ColorInterpolator", kChild, Meaning::kPart, kColorInterpolatorFields},
+    {"Cone", kGeometry, Meaning::kGeometry, kConeFields},
     {"Coordinate", kCoordinate, Meaning::kPart, kCoordinateFields},
-    {"Cylinder", kGeometry, Meaning::kOtherGeometry, kCylinderFields},
-    {"DirectionalLight", kChild, Meaning::kPart, kDirectionalLightFields},
-    {"ElevationGrid", kGeometry, Meaning::kOtherGeometry, kElevationGridFields},
-    {"Extrusion", kGeometry, Meaning::kOtherGeometry, kExtrusionFields},
-    {"Fog", kChild, Meaning::kPart, kFogFields},
-    {"FontStyle", kFontStyle, Meaning::kPart, kFontStyleFields},
+    {"CoordinateInterpolator", kChild, Meaning::kPart, kCoordinateInterpolatorFields},
+    {"Cylinder", kGeometry, Meaning::kGeometry, kCylinderFields},
+    {"CylinderSensor", kChild, Meaning::kPart, kCylinderSensorFields},
+    {"DirectionalLight", kChild, Meaning::kDisplay, kDirectionalLightFields},
+    {"ElevationGrid", kGeometry, Meaning::kGeometry, kElevationGridFields},
+    {"Extrusion", kGeometry, Meaning::kGeometry, kExtrusionFields},
+    {"Fog", kChild, Meaning::kDisplay, kFogFields},
+    {"FontStyle", kFontStyle, Meaning::kDisplay, kFontStyleFields},
     {"Group", kChild, Meaning::kGroup, kGroupFields},
-    {"ImageTexture", kTexture, Meaning::kPart, kImageTextureFields},
-    {"IndexedFaceSet", kGeometry, Meaning::kIndexedFaceSet, kIndexedFaceSetFields},
-    {"IndexedLineSet", kGeometry, Meaning::kOtherGeometry, kIndexedLineSetFields},
-    {"Material", kMaterial, Meaning::kPart, kMaterialFields},
-    {"NavigationInfo", kChild, Meaning::kPart, kNavigationInfoFields},
-    {"Normal", kNormal, Meaning::kPart, kNormalFields},
-    {"PixelTexture", kTexture, Meaning::kPart, kPixelTextureFields},
-    {"PointLight", kChild, Meaning::kPart, kPointLightFields},
-    {"PointSet", kGeometry, Meaning::kOtherGeometry, kPointSetFields},
+    {"ImageTexture", kTexture, Meaning::kDisplay, kImageTextureFields},
+    {"IndexedFaceSet", kGeometry, Meaning::kGeometry, kIndexedFaceSetFields},
+    {"IndexedLineSet", kGeometry, Meaning::kGeometry, kIndexedLineSetFields},
+    {"Inline", kChild, Meaning::kInline, kInlineFields},
+    {"KeySensor", kChild, Meaning::kKeySensor, kKeySensorFields},
+    {"LOD", kChild, Meaning::kLod, kLodFields},
+    {"Material", kMaterial, Meaning::kDisplay, kMaterialFields},
+    {"MovieTexture", kTexture | kSoundSource, Meaning::kDisplay, kMovieTextureFields},
+    {"NavigationInfo", kChild, Meaning::kDisplay, kNavigationInfoFields},
+    {"Normal", kNormal, Meaning::kDisplay, kNormalFields},
+    {"NormalInterpolator", kChild, Meaning::kPart, kNormalInterpolatorFields},
+    {"OrientationInterpolator", kChild, Meaning::kPart, kOrientationInterpolatorFields},
+    {"PixelTexture", kTexture, Meaning::kDisplay, kPixelTextureFields},
+    {"PlaneSensor", kChild, Meaning::kPart, kPlaneSensorFields},
+    {"PointLight", kChild, Meaning::kDisplay, kPointLightFields},
+    {"PointSet", kGeometry, Meaning::kGeometry, kPointSetFields},
+    {"PositionInterpolator", kChild, Meaning::kPart, kPositionInterpolatorFields},
+    {"ProximitySensor", kChild, Meaning::kPart, kProximitySensorFields},
+    {"ScalarInterpolator", kChild, Meaning::kPart, kScalarInterpolatorFields},
+    {"Script", kChild, Meaning::kScript, kScriptFields},
     {"Shape", kChild, Meaning::kShape, kShapeFields},
-    {"Sphere", kGeometry, Meaning::kOtherGeometry, kSphereFields},
-    {"SpotLight", kChild, Meaning::kPart, kSpotLightFields},
-    {"Text", kGeometry, Meaning::kOtherGeometry, kTextFields},
-    {"TextureCoordinate", kTextureCoordinate, Meaning::kPart, kTextureCoordinateFields},
-    {"TextureTransform", kTextureTransform, Meaning::kPart, kTextureTransformFields},
+    {"Sound", kChild, Meaning::kDisplay, kSoundFields},
+    {"Sphere", kGeometry, Meaning::kGeometry, kSphereFields},
+    {"SphereSensor", kChild, Meaning::kPart, kSphereSensorFields},
+    {"SpotLight", kChild, Meaning::kDisplay, kSpotLightFields},
+    {"Switch", kChild, Meaning::kSwitch, kSwitchFields},
+    {"Text", kGeometry, Meaning::kGeometry, kTextFields},
+    {"TextureCoordinate", kTextureCoordinate, Meaning::kDisplay, kTextureCoordinateFields},
+    {"TextureTransform", kTextureTransform, Meaning::kDisplay, kTextureTransformFields},
+    {"TimeSensor", kChild, Meaning::kPart, kTimeSensorFields},
+    {"TouchSensor", kChild, Meaning::kPart, kTouchSensorFields},
     {"Transform", kChild, Meaning::kTransform, kTransformFields},
-    {"Viewpoint", kChild, Meaning::kPart, kViewpointFields},
-    {"WorldInfo", kChild, Meaning::kPart, kWorldInfoFields},
-};
-
-constexpr std::string_view kNotReadYet[] = {
-    "Anchor",
-    "AudioClip",
-    "Billboard",
-    "Collision",
-    "ColorInterpolator",
-    "CoordinateInterpolator",
-    "CylinderSensor",
-    "Inline",
-    "KeySensor",
-    "LOD",
-    "MovieTexture",
-    "NormalInterpolator",
-    "OrientationInterpolator",
-    "PlaneSensor",
-    "PositionInterpolator",
-    "ProximitySensor",
-    "ScalarInterpolator",
-    "Script",
-    "Sound",
-    "SphereSensor",
-    "Switch",
-    "TimeSensor",
-    "TouchSensor",
-    "VisibilitySensor",
+    {"Viewpoint", kChild, Meaning::kDisplay, kViewpointFields},
+    {"VisibilitySensor", kChild, Meaning::kPart, kVisibilitySensorFields},
+    {"WorldInfo", kChild, Meaning::kDisplay, kWorldInfoFields},
 };
 
 }  // namespace
@@ -333,16 +506,14 @@ constexpr std::string_view kNotReadYet[] = {
 std::span<const NodeType> node_types() { return kNodeTypes; }
 
 const NodeType* find_node_type(std::string_view name) {
-  const auto it = std::ranges::find(kNodeTypes, name, &NodeType::name);
-  return it == std::end(kNodeTypes) ? nullptr : it;
+  const auto it = std::ranges::lower_bound(kNodeTypes, name, {}, &NodeType::name);
+  return it == std::end(kNodeTypes) || it->name != name ? nullptr : it;
 }
 
 const FieldSpec* find_field(const NodeType& type, std::string_view name) {
   const auto it = std::ranges::find(type.fields, name, &FieldSpec::name);
   return it == type.fields.end() ? nullptr : &*it;
 }
-
-std::span<const std::string_view> nodes_not_read_yet() { return kNotReadYet; }
 
 std::string_view name_of(FieldType type) {
   constexpr std::string_view kNames[] = {"SFBool",     "SFColor",    "SFFloat",  "SFImage", "SFInt32",
@@ -352,35 +523,52 @@ std::string_view name_of(FieldType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
-std::string_view name_of(NodeClass node_class) {
-  switch (node_class) {
-    case kChild:
-      return "a child of a group";
-    case kAppearance:
-      return "an Appearance";
-    case kMaterial:
-      return "a Material";
-    case kTexture:
-      return "a texture";
-    case kTextureTransform:
-      return "a TextureTransform";
-    case kGeometry:
-      return "a geometry node";
-    case kCoordinate:
-      return "a Coordinate";
-    case kColor:
-      return "a Color";
-    case kNormal:
-      return "a Normal";
-    case kTextureCoordinate:
-      return "a TextureCoordinate";
-    case kFontStyle:
-      return "a FontStyle";
-    case kCollisionResponse:
-      return "a CollisionResponse";
+std::optional<FieldType> find_field_type(std::string_view name) {
+  for (int type = 0; type <= static_cast<int>(kMFVec3f); ++type) {
+    if (name_of(static_cast<FieldType>(type)) == name) return static_cast<FieldType>(type);
+  }
+  return std::nullopt;
+}
+
+std::string_view name_of(Access access) {
+  constexpr std::string_view kNames[] = {"field", "exposedField", "eventIn", "eventOut", "content"};
+  return kNames[static_cast<std::size_t>(access)];
+}
+
+std::optional<Access> find_access(std::string_view name) {
+  for (const Access access : {Access::kField, Access::kExposedField, Access::kEventIn, Access::kEventOut}) {
+    if (name_of(access) == name) return access;
+  }
+  return std::nullopt;
+}
+
+const FieldSpec& inline_content() { return std::ranges::find(kInlineFields, Access::kContent, &FieldSpec::access)[0]; }
+
+std::string_view name_of_classes(std::uint16_t classes) {
+  constexpr std::pair<std::uint16_t, std::string_view> kNames[] = {
+      {kChild, "a child of a group"},
+      {kAppearance, "an Appearance"},
+      {kMaterial, "a Material"},
+      {kTexture, "a texture"},
+      {kTextureTransform, "a TextureTransform"},
+      {kGeometry, "a geometry node"},
+      {kCoordinate, "a Coordinate"},
+      {kColor, "a Color"},
+      {kNormal, "a Normal"},
+      {kTextureCoordinate, "a TextureCoordinate"},
+      {kFontStyle, "a FontStyle"},
+      {kCollisionResponse, "a CollisionResponse"},
+      {kSoundSource, "an AudioClip or a MovieTexture"},
+  };
+  for (const auto& [node_class, name] : kNames) {
+    if ((classes & node_class) != 0) return name;
   }
   return "another node";
 }
+
+bool sends_events(Access access) { return access == Access::kEventOut || access == Access::kExposedField; }
+bool takes_events(Access access) { return access == Access::kEventIn || access == Access::kExposedField; }
+bool has_value(Access access) { return access == Access::kField || access == Access::kExposedField; }
 
 int float_count(FieldType type) {
   switch (type) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -29,10 +30,17 @@ enum class FieldType : std::uint8_t {
   kMFVec3f,
 };
 
-enum class Access : std::uint8_t { kField, kExposedField, kEventIn, kEventOut };
+enum class Access : std::uint8_t {
+  kField,
+  kExposedField,
+  kEventIn,
+  kEventOut,
+  kContent,  // no field of the standard's and none that a file can give: what the reader found behind a node's URL
+};
 
-// What values of a number field the standard allows, each component by itself.
-enum class Range : std::uint8_t { kAny, kNonNegative, kPositive };
+// What values of a number field the standard allows, each component by itself. Outside of it a world can't be built from
+// the field (an error), or it can (a warning): a Box of size 0 is a square, and a light too bright is nobody's collision.
+enum class Range : std::uint8_t { kAny, kNonNegative, kPositive, kSize, kShouldBeNonNegative, kShouldBePositive };
 
 // Where a node may stand. A node field accepts a set of these.
 enum NodeClass : std::uint16_t {
@@ -48,32 +56,40 @@ enum NodeClass : std::uint16_t {
   kTextureCoordinate = 512,
   kFontStyle = 1024,
   kCollisionResponse = 2048,
+  kSoundSource = 4096,
+  kAnyClass = 0xFFFF,
 };
 
 // What the scene builder makes of a node.
 enum class Meaning : std::uint8_t {
-  kPart,  // read through the node that holds it, or of no concern to a scene that collides (lights, viewpoints)
-  kGroup,
+  kPart,     // read through the node that holds it, or what moves others
+  kDisplay,  // for eyes and ears: of no concern to a scene that collides. Other fields of a browser's own are let pass
+  kGroup,  // a grouping node that only groups
   kTransform,
+  kBillboard,
+  kCollision,
+  kInline,
+  kLod,
+  kSwitch,
   kShape,
-  kBox,
-  kIndexedFaceSet,
-  kOtherGeometry,  // kept, and named as not tessellated
+  kGeometry,
   kCollisionInterest,
+  kKeySensor,
+  kScript,
 };
 
 struct FieldSpec {
   std::string_view name;
   FieldType type;
   Access access;
-  std::string_view default_value;  // as VRML text; events have none
+  std::string_view default_value;  // as VRML text; events and the fields of prototypes and scripts have none
   Range range = Range::kAny;
   std::uint16_t accepts = 0;  // NodeClass set of a node field
 };
 
 struct NodeType {
   std::string_view name;
-  NodeClass node_class;
+  std::uint16_t classes;  // NodeClass set; of a prototype, its first node's
   Meaning meaning;
   std::span<const FieldSpec> fields;
 };
@@ -81,11 +97,17 @@ struct NodeType {
 [[nodiscard]] std::span<const NodeType> node_types();
 [[nodiscard]] const NodeType* find_node_type(std::string_view name);
 [[nodiscard]] const FieldSpec* find_field(const NodeType& type, std::string_view name);
-// Nodes of VRML97 and of the seed's appendix C that have no row in the table yet.
-[[nodiscard]] std::span<const std::string_view> nodes_not_read_yet();
 
 [[nodiscard]] std::string_view name_of(FieldType type);
-[[nodiscard]] std::string_view name_of(NodeClass node_class);  // for a message: "a geometry node"
+[[nodiscard]] std::optional<FieldType> find_field_type(std::string_view name);
+[[nodiscard]] std::string_view name_of(Access access);
+[[nodiscard]] std::optional<Access> find_access(std::string_view name);
+[[nodiscard]] const FieldSpec& inline_content();  // of an Inline: the nodes of its file
+[[nodiscard]] std::string_view name_of_classes(std::uint16_t classes);  // for a message: "a geometry node"
+// Whether an event can be sent from, or to, a field of that access (4.7).
+[[nodiscard]] bool sends_events(Access access);
+[[nodiscard]] bool takes_events(Access access);
+[[nodiscard]] bool has_value(Access access);
 // Floats in one value; 0 where values are not made of floats.
 [[nodiscard]] int float_count(FieldType type);
 [[nodiscard]] bool is_list(FieldType type);

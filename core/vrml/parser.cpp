@@ -2,665 +2,1169 @@
 
 #include <algorithm>
 #include <cassert>
+#include <expected>
+#include <map>
+#include <optional>
 #include <span>
+#include <unordered_map>
 #include <utility>
+
+#include "core/gzip.hpp"
+#include "core/vrml/prototype.hpp"
+#include "core/vrml/token_stream.hpp"
+#include "core/vrml/values.hpp"
 
 namespace peerd::vrml {
 namespace {
 
 using enum TokenKind;
 
-std::string described(const Token& token) {
-  switch (token.kind) {
-    case kEnd:
-      return "the end of the file";
-    case kString:
-    case kUnterminatedString:
-      return "the string \"" + std::string(quoted(token.text)).substr(1);
-    default:
-      return quoted(token.text);
-  }
-}
+constexpr std::size_t kMaxOpenFiles = 32;  // an Inline in an Inline in ..; each is a recursion
+constexpr std::string_view kOwnUrn = "urn:peerd:node:";
 
-bool spells_non_finite(std::string_view word) {
-  constexpr std::string_view kSpellings[] = {"nan", "NaN", "NAN", "inf", "Inf", "INF", "infinity", "Infinity"};
-  return std::ranges::find(kSpellings, word) != std::end(kSpellings);
-}
+// The nodes of the seed's appendix C that a world may also declare, so that other browsers load it.
+constexpr std::string_view kOwnNodes[] = {"CollisionInterest", "CollisionResponse", "KeySensor"};
 
-bool in_range(double value, Range range) {
-  switch (range) {
-    case Range::kAny:
+// What a DEF names, from its node's '{' on.
+struct Definition {
+  const NodeType* type = nullptr;        // its fields as ROUTEs and the file's author see them; null where it was lost
+  std::uint32_t node = NodeRef::kNull;   // kNull while it is open, and where an error made it unreadable
+  const Prototype* prototype = nullptr;  // whose instance it is; its copy begins at `base`
+  std::uint32_t base = 0;
+  bool open = false;
+};
+
+// A PROTO by the name that it has in a scope; an EXTERNPROTO is looked for when it is used first.
+struct Declaration {
+  const Prototype* prototype = nullptr;
+  const NodeType* native = nullptr;  // one of our own nodes stands for it
+  bool external = false;
+  std::span<const FieldSpec> interface{};
+  std::span<const std::string_view> urls{};
+  Position at = 0;
+};
+using Declarations = std::unordered_map<std::string_view, Declaration>;
+
+struct RouteEnd {
+  const Definition* node = nullptr;
+  std::string_view name, event;
+  Position at = 0;
+};
+
+// Where names hold: a file, a PROTO's body, a default value in its interface. PROTOs are seen from within, DEFs aren't
+// (4.4.3, 4.8.1).
+struct Scope {
+  Scope* outer = nullptr;
+  Body* body = nullptr;
+  Prototype* prototype = nullptr;  // whose body this is, to which IS refers
+  std::uint32_t id = 0;            // Node::scope
+  std::deque<Definition> definitions{};
+  std::unordered_map<std::string_view, Definition*> names{};
+  Declarations declarations{};
+  std::vector<std::pair<RouteEnd, RouteEnd>> routes{};
+};
+
+// What all texts of a world share.
+struct Reading {
+  Document& document;
+  Problems& problems;
+  const ParseOptions& options;
+  Body world{};
+  std::deque<Prototype> prototypes{};
+  struct File {
+    Position begin = 0;
+    std::size_t body = 0;  // offset behind its header
+    bool readable = false;
+    std::optional<std::vector<NodeRef>> content{};  // as an Inline, in `world`
+    std::optional<Declarations> library{};          // as what EXTERNPROTOs look into
+  };
+  std::map<std::string, File, std::less<>> files{};  // by LoadedFile::name
+  std::vector<std::string_view> open_files{};
+  std::uint64_t text_bytes = 0;
+  std::uint64_t node_count = 0;  // of all bodies
+  bool too_many_nodes = false;
+
+  [[nodiscard]] bool room_for(std::uint64_t nodes, Position at) {
+    if (node_count + nodes <= options.limits.nodes) {
+      node_count += nodes;
       return true;
-    case Range::kNonNegative:
-      return value >= 0.0;
-    case Range::kPositive:
-      return value > 0.0;
+    }
+    if (!std::exchange(too_many_nodes, true)) {
+      problems.error(at, "with this node the world has more than " + std::to_string(options.limits.nodes) +
+                             " nodes, PROTOs expanded");
+    }
+    return false;
   }
-  return false;
+};
+
+struct OpenText {
+  Position begin = 0;
+  std::size_t body = 0;  // offset behind its header
+};
+
+// Unpacks a text, checks its header and takes it among the sources.
+std::expected<OpenText, std::string> open_text(Reading& reading, Source source) {
+  const std::uint64_t left = reading.options.limits.text_bytes - std::min(reading.text_bytes, reading.options.limits.text_bytes);
+  std::expected<std::size_t, std::string> body = std::unexpected("");
+  if (is_gzip(source.text)) {
+    std::expected<std::string, std::string> unpacked = gunzip(source.text, left);
+    if (unpacked) {
+      source.owned = std::make_shared<const std::string>(std::move(*unpacked));
+      source.text = *source.owned;
+      body = read_header(source.text);
+    } else {
+      body = std::unexpected(unpacked.error());
+    }
+  } else if (source.text.size() > left) {
+    body = std::unexpected("it is larger than " + std::to_string(left) + " bytes, more than this reader takes");
+  } else {
+    body = read_header(source.text);
+  }
+  reading.text_bytes += source.text.size();
+  const std::optional<Position> begin = reading.problems.open(std::move(source));
+  if (!body) return std::unexpected(body.error());
+  if (!begin) return std::unexpected("its files together are larger than 4 GiB, more than this reader takes");
+  return OpenText{*begin, *body};
 }
 
 class Parser {
  public:
-  Parser(std::string_view text, Spot begin, Problems& problems) : lexer_(text, begin), problems_(problems) { take(); }
+  Parser(Reading& reading, Position text_begin, std::size_t begin, std::uint32_t nesting)
+      : reading_(reading),
+        arena_(reading.document.arena),
+        problems_(reading.problems),
+        tokens_(problems_.text_of(text_begin), text_begin, begin, problems_),
+        values_(tokens_, arena_, problems_),
+        nesting_(nesting) {
+    values_.set_parser([this](const FieldSpec& spec) { return parse_node_value(spec); },
+                       [this](std::string_view word) { return is_field_of_open_node(word); });
+  }
 
-  NodeTree parse_world();
-  bool parse_value(const FieldSpec& spec, Value& value);
+  // The whole text into `body`; a live one is the world's, where Inlines are loaded.
+  Declarations parse_text(Body& body);
 
  private:
-  Token take();
-  bool accept(TokenKind kind);
-  bool at_word(std::string_view word) const { return token_.kind == kWord && token_.text == word; }
-  void error(const Spot& spot, std::string message);
+  struct PendingLink {
+    const FieldSpec* outer;
+    const FieldSpec* inner;
+    Position at;
+  };
+  // A node between its braces.
+  struct Open {
+    const NodeType* type = nullptr;
+    Open* outer = nullptr;
+    std::size_t first_field = 0;  // of it in fields_
+    std::vector<PendingLink> links{};
+    std::deque<FieldSpec> own_fields{};  // a Script's
+    Definition* definition = nullptr;
+    bool damaged = false;
+  };
+  struct Type {
+    const NodeType* type = nullptr;
+    const Prototype* prototype = nullptr;
+  };
 
   bool parse_statement();
-  void parse_proto(bool external);
+  void parse_proto();
+  void parse_externproto();
+  void check_name(const Token& name);
+  bool parse_interface(std::string_view name, bool with_values, Prototype& prototype);
+  void parse_body_of(Prototype& prototype, std::string_view name);
+  void add_native(Declaration& declaration, std::string_view name);
+  bool fits(std::span<const FieldSpec> interface, const NodeType& type, Position at);
+  Type find_type(const Token& name);
+  const Prototype* resolve(Declaration& declaration, std::string_view name);
+  const Declaration* look_into_library(std::string_view url, Position at, std::string& why);
+  void close(Scope& scope);
+
   void parse_route();
+  RouteEnd parse_route_end();
+  struct Event {
+    const FieldSpec* spec = nullptr;
+    std::vector<std::pair<std::uint32_t, const FieldSpec*>> nodes{};  // in the scope's body
+  };
+  Event find_event(const RouteEnd& end, bool sends);
+  void add_routes(const Scope& scope, const RouteEnd& from, const RouteEnd& to);
+
+  std::optional<NodeRef> parse_node_value(const FieldSpec& spec);
   NodeRef parse_node();
   NodeRef parse_use();
-  NodeRef parse_body(const Token& def, const Token& type_name, const Spot& begin);
-  void parse_fields(Node& node);
-  void parse_field(Node& node);
-  void parse_unknown_field(Node& node, const Token& name);
+  NodeRef parse_node_body(const Token& def, const Token& type_name, Position at);
+  NodeRef close_node(Open& open, const Token& def, Position at);
+  NodeRef close_instance(Open& open, const Prototype& prototype, const Token& def, Position at);
+  void finish_script(Open& open);
+  void parse_fields(Open& open);
+  void parse_field(Open& open);
+  void parse_is(Open& open, const FieldSpec& spec, Access access, Position at);
+  void parse_script_declaration(Open& open);
+  void parse_unknown_field(Open& open, const Token& name);
   void report_unknown_type(const Token& name);
-  bool check_place(const FieldSpec& spec, const NodeRef& ref);
-
-  template <class T, class ParseOne>
-  bool parse_list(std::vector<T>& out, ParseOne parse_one);
-  bool parse_float(const FieldSpec& spec, float& value);
-  bool parse_floats(const FieldSpec& spec, Value& value);
-  bool check_axes(const FieldSpec& spec, std::span<const float> floats, std::span<const Spot> axes);
-  bool parse_int(const FieldSpec& spec, std::int32_t& value);
-  bool parse_time(const FieldSpec& spec, double& value);
-  bool parse_bool(const FieldSpec& spec, bool& value);
-  bool parse_string(const FieldSpec& spec, std::string& value);
-  bool parse_image(const FieldSpec& spec, std::vector<std::int32_t>& value);
-  bool parse_node_value(const FieldSpec& spec, NodeRef& value);
-  bool expected_value(const FieldSpec& spec, std::string_view what);
-  template <class T>
-  bool take_number(const FieldSpec& spec, std::expected<T, NumberError> number, T& value);
-
-  void skip_value(bool in_list = false);
-  void skip_balanced();
-  void lose(const Token& name) {
-    if (!name.text.empty()) tree_.defined[name.text] = {name.spot.offset, NodeRef::kNull, false};
+  bool is_field_of_open_node(std::string_view word) const;
+  const FieldSpec* find_field_of(const Open& open, std::string_view name) const;
+  void skip_value() { lose(values_.skip()); }
+  void skip_balanced() { lose(tokens_.skip_balanced()); }
+  void lose(const std::vector<std::string_view>& names) {
+    for (const std::string_view name : names) lose(name);
   }
-  bool ends_list() const;
+  void lose(std::string_view name) {
+    if (!name.empty()) define(name);
+  }
+  Definition& define(std::string_view name);
+  [[nodiscard]] bool live() const { return scope_->body == &reading_.world; }
 
-  Lexer lexer_;
-  Token token_;  // the next one to take
+  void load_inlines_of(const Prototype& prototype, std::span<const Field> given);
+  void fill_inline(Node& node);
+  const std::vector<NodeRef>* load_content(const Field& url);
+  Reading::File* open_file(std::string_view url, Position at, std::string& why);
+  bool is_open(std::string_view name) const;
+
+  Reading& reading_;
+  Arena& arena_;
   Problems& problems_;
-  NodeTree tree_;
-  std::vector<std::string_view> protos_;
-  const NodeType* type_ = nullptr;  // of the innermost open node
-  std::uint32_t nesting_ = 0;
-  std::uint32_t open_lists_ = 0;
-  bool unclosed_reported_ = false;
+  TokenStream tokens_;
+  ValueReader values_;
+  Scope* scope_ = nullptr;
+  Open* open_ = nullptr;       // the innermost open node
+  std::vector<Field> fields_;  // of all open nodes
+  std::uint32_t nesting_;      // of nodes and PROTOs, through files: each is a recursion
 };
 
-Token Parser::take() {
-  const Token taken = token_;
-  token_ = lexer_.next();
-  while (token_.kind == kInvalid || token_.kind == kUnterminatedString) {
-    const bool string = token_.kind == kUnterminatedString;
-    error(token_.spot, string ? "this string is never closed: a '\"' is missing"
-                              : quoted(token_.text) + " cannot stand here: no VRML token contains it");
-    token_ = lexer_.next();
-  }
-  return taken;
+Definition& Parser::define(std::string_view name) {
+  scope_->definitions.emplace_back();
+  scope_->names[name] = &scope_->definitions.back();
+  return scope_->definitions.back();
 }
 
-bool Parser::accept(TokenKind kind) {
-  if (token_.kind != kind) return false;
-  take();
-  return true;
-}
-
-void Parser::error(const Spot& spot, std::string message) {
-  problems_.error(spot, std::move(message));
-  if (problems_.full()) lexer_.stop();
-}
-
-NodeTree Parser::parse_world() {
-  while (token_.kind != kEnd) {
-    if (token_.kind == kWord) {
-      const Spot spot = token_.spot;
+Declarations Parser::parse_text(Body& body) {
+  Scope scope{.body = &body};
+  if (reading_.open_files.size() > 1 || &body != &reading_.world) scope.id = body.scopes++;
+  scope_ = &scope;
+  while (!tokens_.at(kEnd)) {
+    if (tokens_.at(kWord)) {
+      const Position at = tokens_.position();
       if (parse_statement()) continue;
       const NodeRef ref = parse_node();
-      if (ref && tree_.nodes[ref.index].type->node_class != kChild) {
-        problems_.warning(spot, std::string(tree_.nodes[ref.index].type->name) +
-                                    " at the top level is not part of the scene by itself");
+      if (ref.is_node() && (body.nodes[ref.index].type->classes & kChild) == 0) {
+        tokens_.warning(at, std::string(body.nodes[ref.index].type->name) +
+                                " at the top level is not part of the scene by itself");
       }
-      tree_.top_level.push_back(ref);
+      body.roots.push_back(ref);
       continue;
     }
-    error(token_.spot, "expected a node, found " + described(token_));
-    while (token_.kind != kEnd && token_.kind != kWord) take();
+    tokens_.error(tokens_.position(), "expected a node, found " + described(tokens_.peek()));
+    while (!tokens_.at(kEnd) && !tokens_.at(kWord)) tokens_.take();
   }
-  return std::move(tree_);
+  close(scope);
+  return std::move(scope.declarations);
 }
 
-// PROTO, EXTERNPROTO and ROUTE: reported, and passed over so that the rest can be checked.
 bool Parser::parse_statement() {
-  if (at_word("PROTO")) return parse_proto(false), true;
-  if (at_word("EXTERNPROTO")) return parse_proto(true), true;
-  if (at_word("ROUTE")) return parse_route(), true;
+  if (tokens_.at_word("PROTO")) return parse_proto(), true;
+  if (tokens_.at_word("EXTERNPROTO")) return parse_externproto(), true;
+  if (tokens_.at_word("ROUTE")) return parse_route(), true;
   return false;
 }
 
-void Parser::parse_proto(bool external) {
-  const Token keyword = take();
-  const std::string_view name = token_.kind == kWord ? take().text : std::string_view{};
-  error(keyword.spot, std::string(keyword.text) + " is not read yet: " + quoted(name));
-  if (!name.empty()) protos_.push_back(name);
-  if (token_.kind == kOpenBracket) skip_balanced();
-  if (external) {
-    token_.kind == kOpenBracket ? skip_balanced() : static_cast<void>(accept(kString));
-  } else if (token_.kind == kOpenBrace) {
-    skip_balanced();
+// PROTO and EXTERNPROTO
+
+void Parser::check_name(const Token& name) {
+  const bool own = std::ranges::find(kOwnNodes, name.text) != std::end(kOwnNodes);
+  if (find_node_type(name.text) != nullptr && !own) {
+    tokens_.error(tokens_.position_of(name), quoted(name.text) + " is a node of the standard: no PROTO can take its name");
+  } else if (scope_->declarations.contains(name.text)) {
+    tokens_.warning(tokens_.position_of(name), "a PROTO " + quoted(name.text) + " is there already; this one counts from here on");
   }
 }
 
-void Parser::parse_route() {
-  const Token keyword = take();
-  const auto end = [&] {
-    std::string name;
-    if (token_.kind == kWord) name = take().text;
-    if (accept(kPeriod)) name += '.';
-    if (name.ends_with('.') && token_.kind == kWord) name += take().text;
-    return name;
-  };
-  std::string route = end();
-  if (at_word("TO")) {
-    take();
-    route += " TO " + end();
+void Parser::parse_proto() {
+  const Token keyword = tokens_.take();
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
+    return tokens_.error(tokens_.position(), "expected a name after PROTO, found " + described(tokens_.peek()));
   }
-  error(keyword.spot, "ROUTE is not read yet: " + quoted(route));
-}
-
-NodeRef Parser::parse_node() {
-  if (at_word("USE")) return parse_use();
-  const Spot begin = token_.spot;
-  Token def;
-  if (at_word("DEF")) {
-    take();
-    if (token_.kind != kWord || is_keyword(token_.text)) {
-      error(token_.spot, "expected a name after DEF, found " + described(token_));
-      if (token_.kind != kWord && token_.kind != kNumber) return {};
-      take();
-    } else {
-      def = take();
-    }
+  const Token name = tokens_.take();
+  check_name(name);
+  Prototype& prototype = reading_.prototypes.emplace_back();
+  prototype.type = {arena_.copy(name.text), kAnyClass, Meaning::kPart, {}};
+  if (nesting_ >= kMaxNesting) {
+    tokens_.error(tokens_.position_of(keyword), "PROTOs and nodes are nested more than " + std::to_string(kMaxNesting) + " deep");
+    if (tokens_.at(kOpenBracket)) skip_balanced();
+    if (tokens_.at(kOpenBrace)) skip_balanced();
+    return;
   }
-  if (token_.kind != kWord) {
-    error(token_.spot, "expected a node type, found " + described(token_));
-    lose(def);
-    return {};
-  }
-  const Token type_name = take();
-  return parse_body(def, type_name, begin);
-}
-
-NodeRef Parser::parse_use() {
-  const Token use = take();
-  if (token_.kind != kWord || is_keyword(token_.text)) {
-    error(token_.spot, "expected a DEF name after USE, found " + described(token_));
-    return {};
-  }
-  const Token name = take();
-  const auto it = tree_.defined.find(name.text);
-  if (it == tree_.defined.end()) {
-    Suggestion suggestion(name.text);
-    constexpr std::size_t kFewEnough = 4096;  // a misspelt name among millions must not cost minutes
-    if (tree_.defined.size() <= kFewEnough) {
-      std::vector<std::pair<std::size_t, std::string_view>> names;  // in text order: a hash map has none to rely on
-      for (const auto& [known, definition] : tree_.defined) names.emplace_back(definition.offset, known);
-      std::ranges::sort(names);
-      for (const auto& entry : names) suggestion.consider(entry.second);
-    }
-    error(name.spot, "USE of " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
-    return {};
-  }
-  if (it->second.open) {
-    error(name.spot, "USE of " + quoted(name.text) + " inside that node itself: a node cannot contain itself");
-    return {};
-  }
-  return {it->second.index, use.spot};
-}
-
-void Parser::report_unknown_type(const Token& name) {
-  if (std::ranges::find(protos_, name.text) != protos_.end()) {
-    return error(name.spot, quoted(name.text) + " is an instance of a PROTO, which is not read yet");
-  }
-  if (std::ranges::find(nodes_not_read_yet(), name.text) != nodes_not_read_yet().end()) {
-    return error(name.spot, std::string(name.text) + " is not read yet");
-  }
-  Suggestion suggestion(name.text);
-  for (const NodeType& type : node_types()) suggestion.consider(type.name);
-  for (const std::string_view other : nodes_not_read_yet()) suggestion.consider(other);
-  const bool node = token_.kind == kOpenBrace;
-  error(name.spot, (node ? "unknown node type " : "expected a node, found ") + quoted(name.text) + did_you_mean(suggestion));
-}
-
-NodeRef Parser::parse_body(const Token& def, const Token& type_name, const Spot& begin) {
-  const NodeType* type = find_node_type(type_name.text);
-  if (type == nullptr) report_unknown_type(type_name);
-  if (type != nullptr && token_.kind != kOpenBrace) {
-    error(token_.spot, "expected '{' after " + std::string(type->name) + ", found " + described(token_));
-  } else if (type != nullptr && nesting_ >= kMaxNesting) {
-    error(type_name.spot, "nodes are nested more than " + std::to_string(kMaxNesting) + " deep");
-    type = nullptr;
-  }
-  if (type == nullptr || token_.kind != kOpenBrace) {
-    lose(def);
-    if (token_.kind == kOpenBrace) {
-      skip_balanced();
-    } else if (nesting_ == 0) {
-      while (token_.kind != kEnd &&
-             !(token_.kind == kWord && (is_keyword(token_.text) || find_node_type(token_.text)))) {
-        take();
-      }
-    }
-    return {};
-  }
-
-  Node node;
-  node.type = type;
-  node.def = def.text;
-  node.spot = begin;
-  if (!def.text.empty()) tree_.defined[def.text] = {def.spot.offset, NodeRef::kNull, true};
-  const NodeType* outer = std::exchange(type_, type);
   ++nesting_;
-  parse_fields(node);
+  Open* const outer_open = std::exchange(open_, nullptr);
+  parse_interface(name.text, true, prototype);
+  parse_body_of(prototype, name.text);
+  open_ = outer_open;
   --nesting_;
-  type_ = outer;
-
-  const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
-  if (!def.text.empty()) {
-    // A node inside this one may have taken the name over.
-    Definition& definition = tree_.defined[def.text];
-    if (definition.offset == def.spot.offset) definition = {def.spot.offset, index, false};
-  }
-  tree_.nodes.push_back(std::move(node));
-  return {index, begin};
+  Declaration declaration{.prototype = &prototype, .interface = prototype.type.fields, .at = tokens_.position_of(name)};
+  add_native(declaration, name.text);
+  scope_->declarations[prototype.type.name] = declaration;
 }
 
-void Parser::parse_fields(Node& node) {
-  const Token open = take();
-  const std::string type(node.type->name);
-  while (true) {
-    switch (token_.kind) {
-      case kCloseBrace:
-        take();
-        return;
-      case kWord:
-        if (!parse_statement()) parse_field(node);
-        break;
-      case kEnd:
-        node.damaged = true;
-        if (!std::exchange(unclosed_reported_, true)) {
-          error(open.spot, "this " + type + " is never closed: a '}' is missing");
-        }
-        return;
-      case kCloseBracket:
-        node.damaged = true;
-        error(token_.spot, "expected a field of " + type + " or its '}', found ']'");
-        if (open_lists_ > 0) return;
-        take();
-        break;
-      default:
-        node.damaged = true;
-        error(token_.spot, "expected a field of " + type + ", found " + described(token_));
-        while (token_.kind == kNumber || token_.kind == kString || token_.kind == kPeriod) take();
-        if (token_.kind == kOpenBrace || token_.kind == kOpenBracket) skip_balanced();
+// The declarations between '[' and ']', with default values for a PROTO. Those that can be read are kept.
+bool Parser::parse_interface(std::string_view name, bool with_values, Prototype& prototype) {
+  if (!tokens_.at(kOpenBracket)) {
+    tokens_.error(tokens_.position(), "expected '[' and the interface of " + quoted(name) + ", found " + described(tokens_.peek()));
+    return false;
+  }
+  const Token bracket = tokens_.take();
+  std::vector<FieldSpec> specs;
+  std::vector<Field> defaults;
+  const auto known = [&](std::string_view field) {
+    return std::ranges::find(specs, field, &FieldSpec::name) != specs.end();
+  };
+  // 4.7: an exposedField x is also set_x and x_changed.
+  const auto conflict = [&](std::string_view field, Access access) {
+    if (known(field)) return true;
+    if (access == Access::kExposedField) {
+      return known("set_" + std::string(field)) || known(std::string(field) + "_changed");
     }
-  }
-}
-
-void Parser::parse_field(Node& node) {
-  const Token name = take();
-  const FieldSpec* spec = find_field(*node.type, name.text);
-  if (spec == nullptr) return parse_unknown_field(node, name);
-  if (at_word("IS")) {
-    node.damaged = true;
-    error(token_.spot, "IS belongs inside a PROTO");
-    take();
-    if (token_.kind == kWord) take();
-    return;
-  }
-  if (spec->access == Access::kEventIn || spec->access == Access::kEventOut) {
-    node.damaged = true;
-    error(name.spot, quoted(name.text) + " is an " + (spec->access == Access::kEventIn ? "eventIn" : "eventOut") +
-                         " of " + std::string(node.type->name) + ": a file cannot give it a value");
-    return skip_value();
-  }
-  if (node.find(name.text) != nullptr) {
-    problems_.warning(name.spot, quoted(name.text) + " is given twice; the last one counts");
-    std::erase_if(node.fields, [&](const FieldValue& f) { return f.spec == spec; });
-  }
-  FieldValue field{spec, token_.spot, {}};
-  if (parse_value(*spec, field.value)) {
-    node.fields.push_back(std::move(field));
-  } else {
-    node.damaged = true;
-  }
-}
-
-void Parser::parse_unknown_field(Node& node, const Token& name) {
-  node.damaged = true;
-  const std::string type(node.type->name);
-  if (token_.kind == kOpenBrace && find_node_type(name.text) != nullptr) {
-    error(name.spot, quoted(name.text) + " is a node; the name of a field of " + type + " is missing before it");
-    parse_body({}, name, name.spot);
-    return;
-  }
-  Suggestion suggestion(name.text);
-  for (const FieldSpec& field : node.type->fields) suggestion.consider(field.name);
-  error(name.spot, type + " has no field " + quoted(name.text) + did_you_mean(suggestion));
-  skip_value();
-}
-
-bool Parser::check_place(const FieldSpec& spec, const NodeRef& ref) {
-  const NodeType& type = *tree_.nodes[ref.index].type;
-  if ((spec.accepts & type.node_class) != 0) return true;
-  std::string message = quoted(spec.name) + " takes " + std::string(name_of(static_cast<NodeClass>(spec.accepts))) +
-                        "; " + std::string(type.name) + " is " + std::string(name_of(type.node_class));
-  if (spec.accepts == kChild && type.node_class == kGeometry) {
-    message += ": write Shape { geometry " + std::string(type.name) + " { .. } }";
-  }
-  error(ref.spot, message);
-  return false;
-}
-
-// Whether a word among the values of a list shows that the list's ']' was forgotten: the next field of the node.
-bool Parser::ends_list() const { return type_ != nullptr && find_field(*type_, token_.text) != nullptr; }
-
-template <class T, class ParseOne>
-bool Parser::parse_list(std::vector<T>& out, ParseOne parse_one) {
-  const Token open = token_;
-  if (!accept(kOpenBracket)) {
-    T one{};
-    if (!parse_one(one)) return false;
-    out.push_back(std::move(one));
-    return true;
-  }
-  ++open_lists_;
+    const auto exposed = [&](std::string_view base) {
+      const auto it = std::ranges::find(specs, base, &FieldSpec::name);
+      return it != specs.end() && it->access == Access::kExposedField;
+    };
+    return (field.starts_with("set_") && exposed(field.substr(4))) ||
+           (field.ends_with("_changed") && exposed(field.substr(0, field.size() - 8)));
+  };
   bool good = true;
-  while (token_.kind != kCloseBracket) {
-    const bool ended = token_.kind == kEnd || token_.kind == kCloseBrace || (token_.kind == kWord && ends_list());
-    if (ended) {
-      if (token_.kind != kEnd) {
-        error(token_.spot, "expected ']', found " + described(token_));
-      } else if (!std::exchange(unclosed_reported_, true)) {
-        error(open.spot, "this list is never closed: a ']' is missing");
-      }
-      --open_lists_;
-      return false;
-    }
-    T one{};
-    const std::size_t before = token_.spot.offset;
-    if (parse_one(one)) {
-      out.push_back(std::move(one));
-    } else {
+  while (!tokens_.at(kCloseBracket)) {
+    const auto access = tokens_.at(kWord) ? find_access(tokens_.peek().text) : std::nullopt;
+    if (!access) {
       good = false;
-      if (token_.spot.offset == before) skip_value(true);
+      if (tokens_.at(kEnd)) {
+        tokens_.report_unclosed(tokens_.position_of(bracket), "interface", ']');
+        break;
+      }
+      tokens_.error(tokens_.position(), "expected eventIn, eventOut, field, exposedField or ']' in the interface of " +
+                                            quoted(name) + ", found " + described(tokens_.peek()));
+      if (tokens_.at(kCloseBrace) || tokens_.at(kOpenBrace)) break;  // the ']' is missing
+      if (tokens_.at(kOpenBracket)) {
+        skip_balanced();
+      } else {
+        tokens_.take();
+      }
+      continue;
     }
+    tokens_.take();
+    const auto type = tokens_.at(kWord) ? find_field_type(tokens_.peek().text) : std::nullopt;
+    if (!type) {
+      good = false;
+      Suggestion suggestion(tokens_.peek().text);
+      for (int t = 0; t <= static_cast<int>(FieldType::kMFVec3f); ++t) suggestion.consider(name_of(static_cast<FieldType>(t)));
+      tokens_.error(tokens_.position(), "expected a field type, found " + described(tokens_.peek()) + did_you_mean(suggestion));
+      if (tokens_.at(kWord) && !find_access(tokens_.peek().text)) tokens_.take();
+      if (tokens_.at(kWord) && !find_access(tokens_.peek().text)) tokens_.take();
+      if (with_values && has_value(*access)) skip_value();
+      continue;
+    }
+    tokens_.take();
+    if (!tokens_.at(kWord) || find_access(tokens_.peek().text)) {
+      good = false;
+      tokens_.error(tokens_.position(), "expected the name of a field, found " + described(tokens_.peek()));
+      continue;
+    }
+    const Token field = tokens_.take();
+    if (conflict(field.text, *access)) {
+      good = false;
+      tokens_.error(tokens_.position_of(field), quoted(field.text) + " is in the interface of " + quoted(name) + " already");
+    }
+    const FieldSpec spec{arena_.copy(field.text), *type, *access, {}, Range::kAny, kAnyClass};
+    std::optional<Field> value = Field{};
+    if (with_values && has_value(*access)) {
+      Scope scope{.outer = scope_, .body = &prototype.body};
+      Scope* const outer = std::exchange(scope_, &scope);
+      value = values_.read(spec);
+      close(scope);
+      scope_ = outer;
+    }
+    good = good && value.has_value();
+    if (known(field.text)) continue;
+    specs.push_back(spec);
+    defaults.push_back(value.value_or(Field{}));
   }
-  take();
-  --open_lists_;
+  tokens_.accept(kCloseBracket);
+  const auto kept = arena_.copy(std::span<const FieldSpec>(specs));
+  for (std::size_t i = 0; i < kept.size(); ++i) defaults[i].spec = &kept[i];
+  prototype.type.fields = kept;
+  prototype.defaults = std::move(defaults);
   return good;
 }
 
-bool Parser::expected_value(const FieldSpec& spec, std::string_view what) {
-  if (token_.kind == kEnd) return false;  // the node that is never closed says it
-  const bool bracketed = token_.kind == kOpenBracket && !is_list(spec.type);
-  error(token_.spot, quoted(spec.name) + " (" + std::string(name_of(spec.type)) + ") wants " + std::string(what) +
-                         ", found " + described(token_) + (bracketed ? ": it is one value, without brackets" : ""));
-  if (bracketed) skip_balanced();
-  return false;
-}
-
-template <class T>
-bool Parser::take_number(const FieldSpec& spec, std::expected<T, NumberError> number, T& value) {
-  if (!number) {
-    switch (number.error()) {
-      case NumberError::kSyntax:
-        error(token_.spot, quoted(token_.text) + " is not a number of " + std::string(name_of(spec.type)));
-        break;
-      case NumberError::kNotFinite:
-        error(token_.spot, quoted(token_.text) + " is not a finite number");
-        break;
-      case NumberError::kOverflow:
-        error(token_.spot, quoted(token_.text) + " is too large for " + std::string(name_of(spec.type)));
-        break;
-    }
-    take();
-    return false;
+void Parser::parse_body_of(Prototype& prototype, std::string_view name) {
+  if (!tokens_.at(kOpenBrace)) {
+    return tokens_.error(tokens_.position(), "expected '{' and the body of " + quoted(name) + ", found " + described(tokens_.peek()));
   }
-  if (!in_range(static_cast<double>(*number), spec.range)) {
-    error(token_.spot, quoted(spec.name) + (spec.range == Range::kPositive ? " must be > 0" : " must be >= 0") +
-                           ", found " + described(token_));
-    take();
-    return false;
-  }
-  value = *number;
-  take();
-  return true;
-}
-
-bool Parser::parse_float(const FieldSpec& spec, float& value) {
-  if (token_.kind == kNumber) return take_number(spec, read_float(token_.text), value);
-  if (token_.kind != kWord || !spells_non_finite(token_.text)) return expected_value(spec, "a number");
-  return take_number<float>(spec, std::unexpected(NumberError::kNotFinite), value);
-}
-
-bool Parser::parse_floats(const FieldSpec& spec, Value& value) {
-  const auto width = static_cast<std::size_t>(float_count(spec.type));
-  const bool rotation = spec.type == FieldType::kSFRotation || spec.type == FieldType::kMFRotation;
-  const bool bracketed = token_.kind == kOpenBracket;
-  const Spot begin = token_.spot;
-  std::vector<float> floats;
-  std::vector<Spot> axes;
-  bool good = true;
-  if (is_list(spec.type) && bracketed) {
-    good = parse_list(floats, [&](float& f) {
-      if (rotation && floats.size() % width == 0) axes.push_back(token_.spot);
-      return parse_float(spec, f);
-    });
-    if (good && floats.size() % width != 0) {
-      error(begin, quoted(spec.name) + " (" + std::string(name_of(spec.type)) + ") wants numbers by " +
-                       std::to_string(width) + ", found " + std::to_string(floats.size()));
-      good = false;
+  const Token brace = tokens_.take();
+  Scope scope{.outer = scope_, .body = &prototype.body, .prototype = &prototype};
+  scope_ = &scope;
+  Body& body = prototype.body;
+  while (!tokens_.at(kCloseBrace)) {
+    if (tokens_.at(kEnd)) {
+      tokens_.report_unclosed(tokens_.position_of(brace), "PROTO", '}');
+      break;
     }
-  } else {
-    Floats one{};
-    for (std::size_t i = 0; i < width; ++i) {
-      if (token_.kind != kNumber && !(token_.kind == kWord && spells_non_finite(token_.text))) {
-        return expected_value(spec, width == 1 ? "a number" : std::to_string(width) + " numbers");
-      }
-      if (!parse_float(spec, one[i])) good = false;
+    if (tokens_.at(kWord)) {
+      if (!parse_statement()) body.roots.push_back(parse_node());
+      continue;
     }
-    if (rotation && good) good = check_axes(spec, one, {&begin, 1});
-    if (is_list(spec.type)) {
-      floats.assign(one.begin(), one.begin() + static_cast<std::ptrdiff_t>(width));
+    tokens_.error(tokens_.position(), "expected a node or the '}' of " + quoted(name) + ", found " + described(tokens_.peek()));
+    if (tokens_.at(kOpenBrace) || tokens_.at(kOpenBracket)) {
+      skip_balanced();
     } else {
-      value = one;
+      tokens_.take();
     }
   }
-  if (rotation && good) good = check_axes(spec, floats, axes);
-  if (is_list(spec.type)) value = std::move(floats);
-  return good;
+  tokens_.accept(kCloseBrace);
+  close(scope);
+  scope_ = scope.outer;
+  if (body.roots.empty()) {
+    tokens_.error(tokens_.position_of(brace), "the body of " + quoted(name) + " has no node: its first one says what it is");
+  } else if (body.roots.front().is_node()) {
+    const NodeType& first = *body.nodes[body.roots.front().index].type;
+    prototype.type.classes = first.classes;
+  }
+  for (const IsLink& link : prototype.links) {
+    if (!has_value(link.outer->access) || !has_value(link.inner->access)) continue;
+    const Field& value = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
+    if (value.at == 0) continue;  // it could not be read
+    check_nodes(*link.inner, value, body.nodes, problems_);
+    check_range(*link.inner, value, problems_);
+  }
 }
 
-// An axis of length 0 turns nothing and so must come with an angle of 0.
-bool Parser::check_axes(const FieldSpec& spec, std::span<const float> floats, std::span<const Spot> axes) {
+void Parser::parse_externproto() {
+  tokens_.take();
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
+    return tokens_.error(tokens_.position(), "expected a name after EXTERNPROTO, found " + described(tokens_.peek()));
+  }
+  const Token name = tokens_.take();
+  check_name(name);
+  Prototype interface;
+  parse_interface(name.text, false, interface);
+  constexpr FieldSpec kUrl{"the URL of an EXTERNPROTO", FieldType::kMFString, Access::kField, {}};
+  const std::optional<Field> urls = values_.read(kUrl);
+  Declaration declaration{.external = true,
+                          .interface = interface.type.fields,
+                          .urls = urls ? urls->as<std::string_view>() : std::span<const std::string_view>{},
+                          .at = tokens_.position_of(name)};
+  add_native(declaration, name.text);
+  scope_->declarations[arena_.copy(name.text)] = declaration;
+}
+
+// A world may declare our own nodes, by their names or by URN, so that browsers that don't know them find a PROTO.
+void Parser::add_native(Declaration& declaration, std::string_view name) {
+  if (std::ranges::find(kOwnNodes, name) != std::end(kOwnNodes)) declaration.native = find_node_type(name);
+  for (const std::string_view url : declaration.urls) {
+    if (url.starts_with(kOwnUrn)) declaration.native = find_node_type(url.substr(kOwnUrn.size()));
+  }
+  if (declaration.native != nullptr && !fits(declaration.interface, *declaration.native, declaration.at)) {
+    declaration.native = nullptr;
+  }
+}
+
+// Whether each field of `interface` is one of `type`, of the same type and with an access that serves it (4.9.2).
+bool Parser::fits(std::span<const FieldSpec> interface, const NodeType& type, Position at) {
   bool good = true;
-  for (std::size_t i = 0; i / 4 < axes.size(); i += 4) {
-    if (floats[i] != 0 || floats[i + 1] != 0 || floats[i + 2] != 0 || floats[i + 3] == 0) continue;
-    error(axes[i / 4], quoted(spec.name) + " has an axis of length 0 and an angle that is not 0");
+  for (const FieldSpec& declared : interface) {
+    const FieldSpec* field = find_field(type, declared.name);
+    std::string why;
+    if (field == nullptr) {
+      Suggestion suggestion(declared.name);
+      for (const FieldSpec& other : type.fields) suggestion.consider(other.name);
+      why = "has no field " + quoted(declared.name) + did_you_mean(suggestion);
+    } else if (field->type != declared.type) {
+      why = "has " + quoted(declared.name) + " as " + std::string(name_of(field->type)) + ", not " + std::string(name_of(declared.type));
+    } else if (field->access != declared.access && !(field->access == Access::kExposedField && declared.access == Access::kField)) {
+      why = "has " + quoted(declared.name) + " as " + std::string(name_of(field->access)) + ", not " + std::string(name_of(declared.access));
+    } else {
+      continue;
+    }
+    tokens_.error(at, "this declaration does not fit: " + std::string(type.name) + ' ' + why);
     good = false;
   }
   return good;
 }
 
-bool Parser::parse_int(const FieldSpec& spec, std::int32_t& value) {
-  if (token_.kind != kNumber) return expected_value(spec, "an integer");
-  return take_number(spec, read_int32(token_.text), value);
+Parser::Type Parser::find_type(const Token& name) {
+  for (Scope* scope = scope_; scope != nullptr; scope = scope->outer) {
+    const auto it = scope->declarations.find(name.text);
+    if (it == scope->declarations.end()) continue;
+    Declaration& declaration = it->second;
+    if (declaration.native != nullptr) return {declaration.native, nullptr};
+    if (declaration.prototype == nullptr) declaration.prototype = resolve(declaration, it->first);
+    return {&declaration.prototype->type, declaration.prototype};
+  }
+  return {find_node_type(name.text), nullptr};
 }
 
-bool Parser::parse_time(const FieldSpec& spec, double& value) {
-  if (token_.kind != kNumber) return expected_value(spec, "a time in seconds");
-  return take_number(spec, read_double(token_.text), value);
-}
-
-bool Parser::parse_bool(const FieldSpec& spec, bool& value) {
-  if (!at_word("TRUE") && !at_word("FALSE")) {
-    expected_value(spec, "TRUE or FALSE");
-    constexpr std::string_view kMeant[] = {"true", "false", "True", "False"};
-    const bool meant = std::ranges::find(kMeant, token_.text) != std::end(kMeant);
-    if (meant || token_.kind == kNumber || token_.kind == kString) take();
-    return false;
-  }
-  value = take().text == "TRUE";
-  return true;
-}
-
-bool Parser::parse_string(const FieldSpec& spec, std::string& value) {
-  if (token_.kind != kString) return expected_value(spec, "a string in quotes");
-  value = unescaped(take().text);
-  return true;
-}
-
-bool Parser::parse_image(const FieldSpec& spec, std::vector<std::int32_t>& value) {
-  value.assign(3, 0);
-  for (std::int32_t& head : value) {
-    if (!parse_int(spec, head)) return false;
-  }
-  if (value[0] < 0 || value[1] < 0 || value[2] < 0 || value[2] > 4) {
-    error(token_.spot,
-          quoted(spec.name) + " (SFImage) wants width, height >= 0 and 0 to 4 components before this place");
-    return false;
-  }
-  // The loop ends with the text's numbers, however large the size claims to be.
-  const std::int64_t pixels = std::int64_t{value[0]} * value[1];
-  for (std::int64_t i = 0; i < pixels; ++i) {
-    std::int32_t pixel = 0;
-    if (!parse_int(spec, pixel)) return false;
-    value.push_back(pixel);
-  }
-  return true;
-}
-
-bool Parser::parse_node_value(const FieldSpec& spec, NodeRef& value) {
-  if (token_.kind != kWord) return expected_value(spec, "a node");
-  if (at_word("NULL") && !is_list(spec.type)) {
-    take();
-    return true;
-  }
-  // What cannot be read keeps its place among children as a null, so that child indices stay the text's.
-  if (parse_statement()) return is_list(spec.type);
-  value = parse_node();
-  if (value && !check_place(spec, value)) value = {};
-  return value || is_list(spec.type);
-}
-
-bool Parser::parse_value(const FieldSpec& spec, Value& value) {
-  using enum FieldType;
-  switch (spec.type) {
-    case kSFBool:
-      return parse_bool(spec, value.emplace<bool>());
-    case kSFInt32:
-      return parse_int(spec, value.emplace<std::int32_t>());
-    case kSFTime:
-      return parse_time(spec, value.emplace<double>());
-    case kSFString:
-      return parse_string(spec, value.emplace<std::string>());
-    case kSFImage:
-      return parse_image(spec, value.emplace<std::vector<std::int32_t>>());
-    case kSFNode:
-      return parse_node_value(spec, value.emplace<NodeRef>());
-    case kMFInt32:
-      return parse_list(value.emplace<std::vector<std::int32_t>>(), [&](auto& one) { return parse_int(spec, one); });
-    case kMFTime:
-      return parse_list(value.emplace<std::vector<double>>(), [&](auto& one) { return parse_time(spec, one); });
-    case kMFString:
-      return parse_list(value.emplace<std::vector<std::string>>(), [&](auto& one) { return parse_string(spec, one); });
-    case kMFNode:
-      value.emplace<std::vector<NodeRef>>();
-      if (at_word("NULL")) return take(), true;  // the seed's appendix C.5 writes an empty list so
-      return parse_list(value.emplace<std::vector<NodeRef>>(), [&](auto& one) { return parse_node_value(spec, one); });
-    default:
-      return parse_floats(spec, value);
-  }
-}
-
-// Passes over a value whose type is not known. Nodes in it are read, for what is wrong in them and for their names.
-void Parser::skip_value(bool in_list) {
-  switch (token_.kind) {
-    case kNumber:
-    case kString:
-    case kPeriod:
-      while (token_.kind == kNumber || token_.kind == kString || token_.kind == kPeriod) take();
-      return;
-    case kOpenBracket:
-    case kOpenBrace:
-      return skip_balanced();
-    case kWord:
-      break;
-    default:
-      return;
-  }
-  Lexer ahead = lexer_;
-  if (at_word("DEF") || at_word("USE") || (token_.kind == kWord && find_node_type(token_.text) != nullptr) ||
-      ahead.next().kind == kOpenBrace) {
-    parse_node();
-  } else if (at_word("TRUE") || at_word("FALSE") || at_word("NULL") || in_list) {
-    take();
-  }
-}
-
-// From '{' or '[' to its partner, whatever is between. Names defined in there are known to be lost.
-void Parser::skip_balanced() {
-  assert(token_.kind == kOpenBrace || token_.kind == kOpenBracket);
-  const Token open = token_;
-  std::size_t depth = 0;
-  do {
-    if (token_.kind == kEnd) {
-      if (!std::exchange(unclosed_reported_, true)) error(open.spot, "this " + described(open) + " is never closed");
-      return;
+// Looks for what an EXTERNPROTO declares. Where nothing is found its instances are empty nodes with its interface.
+const Prototype* Parser::resolve(Declaration& declaration, std::string_view name) {
+  std::string tried;
+  for (const std::string_view url : declaration.urls) {
+    std::string why;
+    const Declaration* found = look_into_library(url, declaration.at, why);
+    if (found != nullptr && found->prototype != nullptr) {
+      if (!fits(declaration.interface, found->prototype->type, declaration.at)) break;
+      return found->prototype;
     }
-    if (token_.kind == kOpenBrace || token_.kind == kOpenBracket) ++depth;
-    if (token_.kind == kCloseBrace || token_.kind == kCloseBracket) --depth;
-    const bool def = take().text == "DEF";
-    if (def && token_.kind == kWord) lose(token_);
-  } while (depth > 0);
+    tried += (tried.empty() ? "" : "; ") + quoted(url) + ": " + why;
+  }
+  if (tried.empty()) tried = "it has no URL";
+  tokens_.warning(declaration.at, "EXTERNPROTO " + quoted(name) + " is not found, its instances stay empty: " + tried);
+  Prototype& empty = reading_.prototypes.emplace_back();
+  empty.type = reading_.document.own_types.emplace_back(NodeType{name, kAnyClass, Meaning::kPart, declaration.interface});
+  empty.found = false;
+  return &empty;
+}
+
+const Declaration* Parser::look_into_library(std::string_view url, Position at, std::string& why) {
+  const std::size_t hash = std::min(url.find('#'), url.size());
+  Reading::File* const file = open_file(url.substr(0, hash), at, why);
+  if (file == nullptr) return nullptr;
+  if (!file->library) {
+    Body unused;
+    file->library = Parser(reading_, file->begin, file->body, nesting_).parse_text(unused);
+    reading_.node_count -= unused.nodes.size();
+  }
+  reading_.open_files.pop_back();
+  if (hash < url.size()) {
+    const auto it = file->library->find(url.substr(hash + 1));
+    if (it == file->library->end()) why = "it has no PROTO of that name";
+    if (it == file->library->end()) return nullptr;
+    Declaration& declaration = it->second;
+    if (declaration.prototype == nullptr) declaration.prototype = resolve(declaration, it->first);
+    return &declaration;
+  }
+  // Without a name, the first PROTO of the file (4.9.3).
+  Declaration* first = nullptr;
+  for (auto& [name, declaration] : *file->library) {
+    if (!declaration.external && (first == nullptr || declaration.at < first->at)) first = &declaration;
+  }
+  if (first == nullptr) why = "it has no PROTO";
+  return first;
+}
+
+// Other files
+
+bool Parser::is_open(std::string_view name) const {
+  return std::ranges::find(reading_.open_files, name) != reading_.open_files.end();
+}
+
+// The file behind a URL, read and unpacked, now at the end of open_files; or null, and why.
+Reading::File* Parser::open_file(std::string_view url, Position at, std::string& why) {
+  if (!reading_.options.load) {
+    why = "no other file is read here";
+    return nullptr;
+  }
+  std::expected<LoadedFile, std::string> loaded = reading_.options.load(url, problems_.name_of(at));
+  if (!loaded) {
+    why = loaded.error();
+    return nullptr;
+  }
+  if (is_open(loaded->name)) {
+    why = "that file is being read already: it contains itself";
+    tokens_.error(at, quoted(url) + ": " + why);
+    return nullptr;
+  }
+  if (reading_.open_files.size() >= kMaxOpenFiles) {
+    why = "files are nested more than " + std::to_string(kMaxOpenFiles) + " deep";
+    tokens_.error(at, quoted(url) + ": " + why);
+    return nullptr;
+  }
+  const auto [it, is_new] = reading_.files.try_emplace(loaded->name);
+  Reading::File& file = it->second;
+  if (is_new) {
+    Source source{it->first, {}, std::make_shared<const std::string>(std::move(loaded->bytes))};
+    source.text = *source.owned;
+    const auto opened = open_text(reading_, std::move(source));
+    if (opened) {
+      file = {.begin = opened->begin, .body = opened->body, .readable = true};
+    } else {
+      tokens_.error(at, quoted(url) + ": " + opened.error());
+    }
+  }
+  if (!file.readable) {
+    why = "it cannot be read";
+    return nullptr;
+  }
+  reading_.open_files.push_back(it->first);
+  return &file;
+}
+
+// The nodes that an Inline stands for, from the first of its URLs behind which there is a file.
+const std::vector<NodeRef>* Parser::load_content(const Field& url) {
+  std::string tried;
+  const std::size_t errors = problems_.errors();
+  for (const std::string_view one : url.as<std::string_view>()) {
+    std::string why;
+    Reading::File* const file = open_file(one.substr(0, one.find('#')), url.at, why);
+    if (file != nullptr) {
+      if (!file->content) {
+        const std::size_t first = reading_.world.roots.size();
+        Parser(reading_, file->begin, file->body, nesting_).parse_text(reading_.world);
+        auto& roots = reading_.world.roots;
+        file->content.emplace(roots.begin() + static_cast<std::ptrdiff_t>(first), roots.end());
+        roots.resize(first);
+      }
+      reading_.open_files.pop_back();
+      return &*file->content;
+    }
+    tried += (tried.empty() ? "" : "; ") + quoted(one) + ": " + why;
+  }
+  if (!tried.empty() && problems_.errors() == errors) {
+    tokens_.warning(url.at, "this Inline stays empty: " + tried);
+  }
+  return nullptr;
+}
+
+// Before a prototype's Inlines come into the world: nodes stand behind what they refer to.
+void Parser::load_inlines_of(const Prototype& prototype, std::span<const Field> given) {
+  for (std::uint32_t i = 0; i < prototype.body.nodes.size(); ++i) {
+    const Node& node = prototype.body.nodes[i];
+    if (node.type->meaning != Meaning::kInline) continue;
+    const Field* url = node.find("url");
+    for (const IsLink& link : prototype.links) {
+      if (link.node != i || link.inner->name != "url") continue;
+      const auto it = std::ranges::find(given, link.outer, &Field::spec);
+      url = it != given.end() ? &*it : &prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
+    }
+    if (url != nullptr) static_cast<void>(load_content(*url));
+  }
+}
+
+void Parser::fill_inline(Node& node) {
+  const Field* url = node.find("url");
+  if (url == nullptr) return;
+  const std::span<const float> size = value_of(node, "bboxSize").as<float>();
+  if (reading_.options.inlines_later && size[0] >= 0 && size[1] >= 0 && size[2] >= 0) return;
+  const std::vector<NodeRef>* content = load_content(*url);
+  if (content == nullptr) return;
+  std::vector<Field> fields(node.given().begin(), node.given().end());
+  const auto refs = arena_.copy(std::span<const NodeRef>(*content));
+  fields.push_back({&inline_content(), refs.data(), static_cast<std::uint32_t>(refs.size()), url->at});
+  const auto kept = arena_.copy(std::span<const Field>(fields));
+  node.fields = kept.data();
+  node.field_count = static_cast<std::uint16_t>(kept.size());
+}
+
+// ROUTE
+
+void Parser::parse_route() {
+  const Token keyword = tokens_.take();
+  RouteEnd from = parse_route_end();
+  if (!tokens_.at_word("TO")) {
+    tokens_.error(tokens_.position(), "expected TO and where the ROUTE goes, found " + described(tokens_.peek()));
+    return;
+  }
+  tokens_.take();
+  RouteEnd to = parse_route_end();
+  static_cast<void>(keyword);
+  if (from.node != nullptr && to.node != nullptr) scope_->routes.emplace_back(from, to);
+}
+
+RouteEnd Parser::parse_route_end() {
+  RouteEnd end;
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
+    tokens_.error(tokens_.position(), "expected NODE.EVENT of a ROUTE, found " + described(tokens_.peek()));
+    return end;
+  }
+  const Token name = tokens_.take();
+  end.name = name.text;
+  if (!tokens_.accept(kPeriod)) {
+    tokens_.error(tokens_.position(), "expected '.' and an event of " + quoted(name.text) + ", found " + described(tokens_.peek()));
+    return end;
+  }
+  if (!tokens_.at(kWord)) {
+    tokens_.error(tokens_.position(), "expected an event of " + quoted(name.text) + ", found " + described(tokens_.peek()));
+    return end;
+  }
+  end.at = tokens_.position();
+  end.event = tokens_.take().text;
+  const auto it = scope_->names.find(name.text);
+  if (it != scope_->names.end()) {
+    end.node = it->second;
+  } else {
+    Suggestion suggestion(name.text);
+    constexpr std::size_t kFewEnough = 4096;
+    std::vector<std::string_view> names;  // in an order of their own: a hash map has none to rely on
+    if (scope_->names.size() <= kFewEnough) {
+      for (const auto& [known, definition] : scope_->names) names.push_back(known);
+    }
+    std::ranges::sort(names);
+    for (const std::string_view known : names) suggestion.consider(known);
+    tokens_.error(tokens_.position_of(name), "ROUTE names " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
+  }
+  return end;
+}
+
+// The field that an event's name stands for: itself, or the exposedField behind set_x and x_changed (4.7).
+Parser::Event Parser::find_event(const RouteEnd& end, bool sends) {
+  const Definition& definition = *end.node;
+  if (definition.type == nullptr || definition.node == NodeRef::kNull) return {};  // what was lost is reported
+  const NodeType& type = *definition.type;
+  const auto serves = [&](const FieldSpec& field) { return sends ? sends_events(field.access) : takes_events(field.access); };
+  const FieldSpec* found = nullptr;
+  const FieldSpec* exact = find_field(type, end.event);
+  if (exact != nullptr && serves(*exact)) {
+    found = exact;
+  } else {
+    std::string_view base;
+    if (sends && end.event.ends_with("_changed")) base = end.event.substr(0, end.event.size() - 8);
+    if (!sends && end.event.starts_with("set_")) base = end.event.substr(4);
+    const FieldSpec* field = base.empty() ? nullptr : find_field(type, base);
+    if (field != nullptr && field->access == Access::kExposedField) found = field;
+  }
+  if (found == nullptr) {
+    std::string why;
+    if (exact != nullptr) {
+      why = quoted(end.event) + " is an " + std::string(name_of(exact->access)) + " of " + std::string(type.name);
+      if (exact->access == Access::kField) why.replace(why.find(" is an "), 7, " is a ");
+      why += sends ? ": it sends no events" : ": it takes no events";
+    } else {
+      Suggestion suggestion(end.event);
+      for (const FieldSpec& field : type.fields) {
+        if (serves(field)) suggestion.consider(field.name);
+      }
+      why = std::string(type.name) + (sends ? " sends no event " : " takes no event ") + quoted(end.event) + did_you_mean(suggestion);
+    }
+    tokens_.error(end.at, why);
+    return {};
+  }
+  Event event{found};
+  if (definition.prototype == nullptr || !definition.prototype->found) {
+    event.nodes.emplace_back(definition.node, found);
+    return event;
+  }
+  for (const IsLink& link : definition.prototype->links) {
+    const bool inner = sends ? sends_events(link.inner->access) : takes_events(link.inner->access);
+    if (link.outer == found && inner) event.nodes.emplace_back(definition.base + link.node, link.inner);
+  }
+  return event;
+}
+
+void Parser::add_routes(const Scope& scope, const RouteEnd& from, const RouteEnd& to) {
+  const Event source = find_event(from, true);
+  const Event target = find_event(to, false);
+  if (source.spec == nullptr || target.spec == nullptr) return;
+  if (source.spec->type != target.spec->type) {
+    tokens_.error(to.at, "this ROUTE goes from " + std::string(name_of(source.spec->type)) + " to " +
+                             std::string(name_of(target.spec->type)) + ": both must be of one type");
+    return;
+  }
+  for (const auto& [from_node, from_field] : source.nodes) {
+    for (const auto& [to_node, to_field] : target.nodes) {
+      scope.body->routes.push_back({from_node, to_node, from_field, to_field, from.at});
+    }
+  }
+}
+
+void Parser::close(Scope& scope) {
+  for (const auto& [from, to] : scope.routes) add_routes(scope, from, to);
+  for (const auto& [name, definition] : scope.names) {
+    if (live() && definition->node == NodeRef::kNull) reading_.document.lost_names.push_back(arena_.copy(name));
+  }
+}
+
+// Nodes
+
+std::optional<NodeRef> Parser::parse_node_value(const FieldSpec& spec) {
+  if (parse_statement()) return std::nullopt;
+  NodeRef ref = parse_node();
+  const Field one{&spec, &ref, 1, ref.at};
+  if (ref.is_node() && !check_nodes(spec, one, scope_->body->nodes, problems_)) ref.index = NodeRef::kNull;
+  return ref;
+}
+
+NodeRef Parser::parse_node() {
+  if (tokens_.at_word("USE")) return parse_use();
+  const Position at = tokens_.position();
+  Token def;
+  if (tokens_.at_word("DEF")) {
+    tokens_.take();
+    if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
+      tokens_.error(tokens_.position(), "expected a name after DEF, found " + described(tokens_.peek()));
+      if (!tokens_.at(kWord) && !tokens_.at(kNumber)) return {NodeRef::kNull, at};
+      tokens_.take();
+    } else {
+      def = tokens_.take();
+    }
+  }
+  if (!tokens_.at(kWord)) {
+    tokens_.error(tokens_.position(), "expected a node type, found " + described(tokens_.peek()));
+    lose(def.text);
+    return {NodeRef::kNull, at};
+  }
+  const Token type_name = tokens_.take();
+  return parse_node_body(def, type_name, at);
+}
+
+NodeRef Parser::parse_use() {
+  const Token use = tokens_.take();
+  const NodeRef null{NodeRef::kNull, tokens_.position_of(use)};
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
+    tokens_.error(tokens_.position(), "expected a DEF name after USE, found " + described(tokens_.peek()));
+    return null;
+  }
+  const Token name = tokens_.take();
+  const auto it = scope_->names.find(name.text);
+  if (it == scope_->names.end() && scope_->prototype == nullptr && scope_->outer != nullptr) {
+    // A default value stands outside of its PROTO's body, so it may USE what stands before it; as a copy of its own.
+    const auto around = scope_->outer->names.find(name.text);
+    if (around != scope_->outer->names.end() && !around->second->open && around->second->node != NodeRef::kNull) {
+      const std::size_t before = scope_->body->nodes.size();
+      const std::uint32_t copy = copy_node(*scope_->outer->body, around->second->node, *scope_->body, arena_);
+      const bool room = reading_.room_for(scope_->body->nodes.size() - before, null.at);
+      return {room ? copy : NodeRef::kNull, null.at};
+    }
+  }
+  if (it == scope_->names.end()) {
+    Suggestion suggestion(name.text);
+    constexpr std::size_t kFewEnough = 4096;  // a misspelt name among millions must not cost minutes
+    std::vector<std::string_view> names;      // in an order of their own: a hash map has none to rely on
+    if (scope_->names.size() <= kFewEnough) {
+      for (const auto& [known, definition] : scope_->names) names.push_back(known);
+    }
+    std::ranges::sort(names);
+    for (const std::string_view known : names) suggestion.consider(known);
+    tokens_.error(tokens_.position_of(name), "USE of " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
+    return null;
+  }
+  const Definition& definition = *it->second;
+  if (definition.open) {
+    // A Script may hold itself, to be told to its own functions (4.12).
+    if (open_ != nullptr && open_->definition == &definition && open_->type->meaning == Meaning::kScript) {
+      return {NodeRef::kSelf, null.at};
+    }
+    tokens_.error(tokens_.position_of(name), "USE of " + quoted(name.text) + " inside that node itself: a node cannot contain itself");
+    return null;
+  }
+  return {definition.node, null.at};
+}
+
+void Parser::report_unknown_type(const Token& name) {
+  const Position at = tokens_.position_of(name);
+  for (Scope* scope = scope_; scope != nullptr; scope = scope->outer) {
+    if (scope->prototype != nullptr && scope->prototype->type.name == name.text) {
+      return tokens_.error(at, quoted(name.text) + " is used inside its own PROTO: it would contain itself");
+    }
+  }
+  Suggestion suggestion(name.text);
+  for (const NodeType& type : node_types()) suggestion.consider(type.name);
+  std::vector<std::string_view> names;
+  for (Scope* scope = scope_; scope != nullptr; scope = scope->outer) {
+    for (const auto& [known, declaration] : scope->declarations) names.push_back(known);
+  }
+  std::ranges::sort(names);
+  for (const std::string_view known : names) suggestion.consider(known);
+  const bool node = tokens_.at(kOpenBrace);
+  tokens_.error(at, (node ? "unknown node type " : "expected a node, found ") + quoted(name.text) + did_you_mean(suggestion));
+}
+
+NodeRef Parser::parse_node_body(const Token& def, const Token& type_name, Position at) {
+  Type type = find_type(type_name);
+  if (type.type == nullptr) report_unknown_type(type_name);
+  if (type.type != nullptr && !tokens_.at(kOpenBrace)) {
+    tokens_.error(tokens_.position(), "expected '{' after " + std::string(type.type->name) + ", found " + described(tokens_.peek()));
+  } else if (type.type != nullptr && nesting_ >= kMaxNesting) {
+    tokens_.error(tokens_.position_of(type_name), "nodes are nested more than " + std::to_string(kMaxNesting) + " deep");
+    type = {};
+  }
+  if (type.type == nullptr || !tokens_.at(kOpenBrace)) {
+    lose(def.text);
+    if (tokens_.at(kOpenBrace)) {
+      skip_balanced();
+    } else if (nesting_ == 0) {
+      while (!tokens_.at(kEnd) && !(tokens_.at(kWord) && (is_keyword(tokens_.peek().text) || find_node_type(tokens_.peek().text)))) {
+        tokens_.take();
+      }
+    }
+    return {NodeRef::kNull, at};
+  }
+
+  Open open{.type = type.type, .outer = open_, .first_field = fields_.size()};
+  if (!def.text.empty()) {
+    open.definition = &define(def.text);
+    open.definition->type = type.type;
+    open.definition->open = true;
+  }
+  open_ = &open;
+  ++nesting_;
+  parse_fields(open);
+  --nesting_;
+  open_ = open.outer;
+  const NodeRef ref = type.prototype != nullptr && type.prototype->found ? close_instance(open, *type.prototype, def, at)
+                                                                         : close_node(open, def, at);
+  fields_.resize(open.first_field);
+  if (open.definition != nullptr) {
+    open.definition->node = ref.index;
+    open.definition->open = false;
+  }
+  return ref;
+}
+
+NodeRef Parser::close_node(Open& open, const Token& def, Position at) {
+  if (!reading_.room_for(1, at)) return {NodeRef::kNull, at};
+  if (!open.own_fields.empty()) finish_script(open);
+  Body& body = *scope_->body;
+  const auto fields = arena_.copy(std::span<const Field>(fields_).subspan(open.first_field));
+  Node node{.type = open.type,
+            .fields = fields.data(),
+            .def = def.text.empty() ? std::string_view{} : arena_.copy(def.text),
+            .at = at,
+            .scope = scope_->id,
+            .field_count = static_cast<std::uint16_t>(fields.size()),
+            .damaged = open.damaged};
+  if (node.type->meaning == Meaning::kInline && live()) fill_inline(node);
+  const auto index = static_cast<std::uint32_t>(body.nodes.size());
+  for (const PendingLink& link : open.links) {
+    const FieldSpec* inner = find_field(*open.type, link.inner->name);
+    scope_->prototype->links.push_back({link.outer, index, inner, link.at});
+  }
+  body.nodes.push_back(node);
+  return {index, at};
+}
+
+// An instance stands in the text as a node and in the document as a copy of the prototype's body.
+NodeRef Parser::close_instance(Open& open, const Prototype& prototype, const Token& def, Position at) {
+  const std::span<const Field> given = std::span<const Field>(fields_).subspan(open.first_field);
+  if (!reading_.room_for(prototype.body.nodes.size(), at)) return {NodeRef::kNull, at};
+  if (live()) load_inlines_of(prototype, given);
+  Body& body = *scope_->body;
+  const std::size_t first = body.nodes.size();
+  const Expansion copy = expand(prototype, given, body, arena_, problems_);
+  if (live()) {
+    for (std::size_t i = first; i < body.nodes.size(); ++i) {
+      if (body.nodes[i].type->meaning == Meaning::kInline) fill_inline(body.nodes[i]);
+    }
+  }
+  for (const PendingLink& link : open.links) {
+    for (const IsLink& inner : prototype.links) {
+      if (inner.outer != link.inner) continue;
+      scope_->prototype->links.push_back({link.outer, copy.base + inner.node, inner.inner, link.at});
+    }
+  }
+  if (open.definition != nullptr) {
+    open.definition->prototype = &prototype;
+    open.definition->base = copy.base;
+  }
+  if (copy.root != NodeRef::kNull) {
+    Node& root = body.nodes[copy.root];
+    root.damaged |= open.damaged;
+    if (!def.text.empty()) {
+      // What the PROTO calls its first node is known inside of it only.
+      if (!root.def.empty()) reading_.document.inner_names.push_back({root.scope, root.def, copy.root});
+      root.def = arena_.copy(def.text);
+      root.scope = scope_->id;
+    }
+  }
+  return {copy.root, at};
+}
+
+// A Script's type is its own: the fields of every Script and those that it declares.
+void Parser::finish_script(Open& open) {
+  std::vector<FieldSpec> specs(open.type->fields.begin(), open.type->fields.end());
+  specs.insert(specs.end(), open.own_fields.begin(), open.own_fields.end());
+  NodeType& type = reading_.document.own_types.emplace_back(*open.type);
+  type.fields = arena_.copy(std::span<const FieldSpec>(specs));
+  for (std::size_t i = open.first_field; i < fields_.size(); ++i) fields_[i].spec = find_field(type, fields_[i].spec->name);
+  open.type = &type;
+  if (open.definition != nullptr) open.definition->type = &type;
+}
+
+const FieldSpec* Parser::find_field_of(const Open& open, std::string_view name) const {
+  const FieldSpec* field = find_field(*open.type, name);
+  if (field != nullptr) return field->access == Access::kContent ? nullptr : field;
+  const auto it = std::ranges::find(open.own_fields, name, &FieldSpec::name);
+  return it == open.own_fields.end() ? nullptr : &*it;
+}
+
+bool Parser::is_field_of_open_node(std::string_view word) const {
+  if (open_ == nullptr) return find_access(word).has_value();  // in an interface
+  return find_field_of(*open_, word) != nullptr || (open_->type->meaning == Meaning::kScript && find_access(word).has_value());
+}
+
+void Parser::parse_fields(Open& open) {
+  const Token brace = tokens_.take();
+  const std::string type(open.type->name);
+  while (true) {
+    switch (tokens_.peek().kind) {
+      case kCloseBrace:
+        tokens_.take();
+        return;
+      case kWord:
+        if (open.type->meaning == Meaning::kScript && find_access(tokens_.peek().text)) {
+          parse_script_declaration(open);
+        } else if (!parse_statement()) {
+          parse_field(open);
+        }
+        break;
+      case kEnd:
+        open.damaged = true;
+        tokens_.report_unclosed(tokens_.position_of(brace), type, '}');
+        return;
+      case kCloseBracket:
+        open.damaged = true;
+        tokens_.error(tokens_.position(), "expected a field of " + type + " or its '}', found ']'");
+        if (values_.in_list()) return;
+        tokens_.take();
+        break;
+      default:
+        open.damaged = true;
+        tokens_.error(tokens_.position(), "expected a field of " + type + ", found " + described(tokens_.peek()));
+        while (tokens_.at(kNumber) || tokens_.at(kString) || tokens_.at(kPeriod)) tokens_.take();
+        if (tokens_.at(kOpenBrace) || tokens_.at(kOpenBracket)) skip_balanced();
+    }
+  }
+}
+
+void Parser::parse_field(Open& open) {
+  const Token name = tokens_.take();
+  const FieldSpec* spec = find_field_of(open, name.text);
+  Access access = spec != nullptr ? spec->access : Access::kField;
+  if (spec == nullptr) {
+    // An exposedField x has the events set_x and x_changed (4.7).
+    const bool in = name.text.starts_with("set_");
+    const std::string_view base = in                              ? name.text.substr(4)
+                                  : name.text.ends_with("_changed") ? name.text.substr(0, name.text.size() - 8)
+                                                                  : std::string_view{};
+    spec = find_field_of(open, base);
+    if (spec == nullptr || spec->access != Access::kExposedField) return parse_unknown_field(open, name);
+    access = in ? Access::kEventIn : Access::kEventOut;
+  }
+  if (tokens_.at_word("IS")) return parse_is(open, *spec, access, tokens_.position_of(name));
+  if (!has_value(access)) {
+    open.damaged = true;
+    tokens_.error(tokens_.position_of(name), quoted(name.text) + " is an " + std::string(name_of(access)) + " of " +
+                                                 std::string(open.type->name) + ": a file cannot give it a value");
+    return skip_value();
+  }
+  const auto same = [&](const Field& f) { return f.spec == spec; };
+  if (std::any_of(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), same)) {
+    tokens_.warning(tokens_.position_of(name), quoted(name.text) + " is given twice; the last one counts");
+    fields_.erase(std::remove_if(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), same), fields_.end());
+  }
+  if (const std::optional<Field> value = values_.read(*spec)) {
+    fields_.push_back(*value);
+  } else {
+    open.damaged = true;
+  }
+}
+
+// FIELD IS NAME: table 4.4 of the standard says what may be which.
+void Parser::parse_is(Open& open, const FieldSpec& spec, Access access, Position at) {
+  const Position is_at = tokens_.position();
+  tokens_.take();
+  if (!tokens_.at(kWord)) {
+    open.damaged = true;
+    return tokens_.error(tokens_.position(), "expected a name of the PROTO's interface after IS, found " + described(tokens_.peek()));
+  }
+  const Token name = tokens_.take();
+  const auto refuse = [&](Position where, const std::string& why) {
+    open.damaged = true;
+    tokens_.error(where, why);
+  };
+  Prototype* const prototype = scope_->prototype;
+  if (prototype == nullptr) return refuse(is_at, "IS belongs inside a PROTO");
+  const FieldSpec* outer = find_field(prototype->type, name.text);
+  if (outer == nullptr) {
+    Suggestion suggestion(name.text);
+    for (const FieldSpec& field : prototype->type.fields) suggestion.consider(field.name);
+    return refuse(tokens_.position_of(name), "the interface of " + quoted(prototype->type.name) + " has no " + quoted(name.text) + did_you_mean(suggestion));
+  }
+  if (outer->type != spec.type) {
+    return refuse(at, quoted(spec.name) + " is " + std::string(name_of(spec.type)) + " and cannot be " + quoted(outer->name) + ", which is " + std::string(name_of(outer->type)));
+  }
+  if (outer->access != access && access != Access::kExposedField) {
+    return refuse(at, "the " + std::string(name_of(access)) + ' ' + quoted(spec.name) + " cannot be the " + std::string(name_of(outer->access)) + ' ' + quoted(outer->name));
+  }
+  open.links.push_back({outer, &spec, at});
+}
+
+void Parser::parse_script_declaration(Open& open) {
+  const Token keyword = tokens_.take();
+  const Access access = *find_access(keyword.text);
+  const auto type = tokens_.at(kWord) ? find_field_type(tokens_.peek().text) : std::nullopt;
+  if (!type) {
+    open.damaged = true;
+    tokens_.error(tokens_.position(), "expected a field type, found " + described(tokens_.peek()));
+    if (tokens_.at(kWord) && !find_access(tokens_.peek().text)) tokens_.take();
+    if (tokens_.at(kWord) && !find_access(tokens_.peek().text)) tokens_.take();
+    return skip_value();
+  }
+  tokens_.take();
+  if (!tokens_.at(kWord)) {
+    open.damaged = true;
+    return tokens_.error(tokens_.position(), "expected the name of a field, found " + described(tokens_.peek()));
+  }
+  const Token name = tokens_.take();
+  if (access == Access::kExposedField) {
+    open.damaged = true;
+    tokens_.error(tokens_.position_of(keyword), "a Script declares fields, eventIns and eventOuts, no exposedFields");
+  }
+  if (find_field_of(open, name.text) != nullptr) {
+    open.damaged = true;
+    tokens_.error(tokens_.position_of(name), "this Script has " + quoted(name.text) + " already");
+  }
+  const FieldSpec& spec = open.own_fields.emplace_back(FieldSpec{arena_.copy(name.text), *type, access, {}, Range::kAny, kAnyClass});
+  if (tokens_.at_word("IS")) return parse_is(open, spec, access, tokens_.position_of(name));
+  if (!has_value(access)) return;
+  if (const std::optional<Field> value = values_.read(spec)) {
+    fields_.push_back(*value);
+  } else {
+    open.damaged = true;
+  }
+}
+
+void Parser::parse_unknown_field(Open& open, const Token& name) {
+  const std::string type(open.type->name);
+  if (tokens_.at(kOpenBrace) && find_type(name).type != nullptr) {
+    open.damaged = true;
+    tokens_.error(tokens_.position_of(name), quoted(name.text) + " is a node; the name of a field of " + type + " is missing before it");
+    parse_node_body({}, name, tokens_.position_of(name));
+    return;
+  }
+  Suggestion suggestion(name.text);
+  for (const FieldSpec& field : open.type->fields) {
+    if (field.access != Access::kContent) suggestion.consider(field.name);
+  }
+  for (const FieldSpec& field : open.own_fields) suggestion.consider(field.name);
+  if (open.type->meaning == Meaning::kDisplay && !suggestion.best()) {
+    // A browser's own addition, as many have: passed over whole, not read.
+    tokens_.warning(tokens_.position_of(name), type + " has no field " + quoted(name.text) + " in VRML97; it is passed over");
+    while (tokens_.at_word("DEF") || tokens_.at_word("USE") || tokens_.kind_after() == kOpenBrace) {
+      const bool def = tokens_.take().text == "DEF";
+      if (def && tokens_.at(kWord)) lose(tokens_.take().text);
+    }
+    if (tokens_.at(kOpenBrace)) return skip_balanced();
+    return skip_value();
+  }
+  open.damaged = true;
+  tokens_.error(tokens_.position_of(name), type + " has no field " + quoted(name.text) + did_you_mean(suggestion));
+  if (tokens_.at_word("IS")) {
+    tokens_.take();
+    if (tokens_.at(kWord)) tokens_.take();
+    return;
+  }
+  skip_value();
 }
 
 }  // namespace
 
-NodeTree parse(std::string_view text, Spot begin, Problems& problems) {
-  return Parser(text, begin, problems).parse_world();
-}
-
-ElementSpots::ElementSpots(std::string_view text, const FieldValue& list)
-    : lexer_(text, list.spot), token_(lexer_.next()) {
-  if (token_.kind == kOpenBracket) token_ = lexer_.next();
-}
-
-Spot ElementSpots::at(std::size_t element) {
-  assert(element >= element_);
-  for (; element_ < element; ++element_) token_ = lexer_.next();
-  return token_.spot;
-}
-
-std::optional<Value> default_value(const FieldSpec& spec) {
-  if (spec.access == Access::kEventIn || spec.access == Access::kEventOut) return std::nullopt;
-  Problems problems;
-  FieldSpec unchecked = spec;
-  unchecked.range = Range::kAny;
-  Value value;
-  const bool good = Parser(spec.default_value, {}, problems).parse_value(unchecked, value);
-  assert(good && "a default in the table does not parse");
-  return good ? std::optional(std::move(value)) : std::nullopt;
+std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOptions& options) {
+  auto document = std::make_shared<Document>();
+  Reading reading{.document = *document, .problems = problems, .options = options};
+  const std::string name = world.name;
+  if (const auto text = open_text(reading, std::move(world))) {
+    reading.open_files.push_back(name);
+    Parser(reading, text->begin, text->body, 0).parse_text(reading.world);
+    document->nodes = std::move(reading.world.nodes);
+    document->top_level = std::move(reading.world.roots);
+    document->routes = std::move(reading.world.routes);
+  } else {
+    problems.error(0, text.error());
+  }
+  return document;
 }
 
 }  // namespace peerd::vrml

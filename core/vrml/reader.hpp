@@ -1,34 +1,38 @@
 #pragma once
-#include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/scene.hpp"
 #include "core/vrml/diagnostics.hpp"
+#include "core/vrml/files.hpp"
 
 namespace peerd {
 
-struct ReadStatistics {
-  std::size_t nodes = 0;               // written in the text, of any type
-  std::size_t instances = 0;           // a USE counts again
-  std::size_t shapes = 0;              // instances that are Shapes
-  std::size_t meshes = 0;              // geometry with polygons, stored once however often it is USEd
-  std::size_t polygons = 0;            // of the meshes
-  std::size_t vertices = 0;            // of the meshes
-  std::size_t polygons_instanced = 0;  // of the Shapes: a USE counts again
-  std::size_t interests = 0;           // pairs of collider and collidee
-  std::size_t cannot_collide_yet = 0;  // Shapes whose geometry is kept but has no polygons yet
+struct ReadOptions {
+  std::string name;             // of the world, for people and for what its relative URLs start from
+  FileLoader load;              // reads Inlines and EXTERNPROTOs; without it none is found, and each says so
+  bool inlines_later = false;   // an Inline that says how large it is is not read, but listed in Scene::pending_inlines
+  Tessellation tessellation{};  // of curved geometry
+  ReadLimits limits{};
 };
 
 struct ReadResult {
   std::optional<Scene> scene;           // there exactly where no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // in the order of the text
-  ReadStatistics statistics;
+  std::vector<Diagnostic> diagnostics;  // in the order of the texts
+  std::vector<Source> sources;          // the world's own text first; `text` of that is the caller's unless unpacked
 };
 
-// Reads a VRML97 world with the seed's extensions (ISO/IEC 14772-1; seed, appendix C). A pure function of the text: no
-// file is opened. Reports all problems in one pass. Linear in the text; memory is a small multiple of it.
-[[nodiscard]] ReadResult read_world(std::string_view text);
+// Reads a VRML97 world with the seed's extensions (ISO/IEC 14772-1; seed, appendix C); the text may be packed with gzip.
+// A pure function of the text and of what `load` gives: no file is opened here. Reports all problems in one pass. Time is
+// linear in the texts and in what they expand to, memory a small multiple of what is kept; both are limited.
+[[nodiscard]] ReadResult read_world(std::string_view text, const ReadOptions& options = {});
+
+[[nodiscard]] std::string render(const ReadResult& result, const Diagnostic& diagnostic);
+
+// A number for a world and all files that it is made of, in the order in which they were read (FNV-1a). Peers of one
+// session compare it.
+[[nodiscard]] std::uint64_t content_hash(const ReadResult& result);
 
 }  // namespace peerd

@@ -6,7 +6,7 @@
 
 namespace peerd::vrml {
 
-Quat to_quat(const Floats& rotation) {
+Quat to_quat(std::span<const float, 4> rotation) {
   const double x = rotation[0];
   const double y = rotation[1];
   const double z = rotation[2];

@@ -1,6 +1,7 @@
 #pragma once
+#include <span>
+
 #include "core/math.hpp"
-#include "core/vrml/node_tree.hpp"
 
 namespace peerd::vrml {
 
@@ -8,6 +9,6 @@ namespace peerd::vrml {
 // sine may differ in the last place from one version to the next, and peers would not agree on where things touch.
 // Error below 1e-15 for |angle| <= 2 pi; it grows by 2.5e-16 with each further turn. An axis of length 0 gives
 // identity.
-[[nodiscard]] Quat to_quat(const Floats& rotation);
+[[nodiscard]] Quat to_quat(std::span<const float, 4> rotation);
 
 }  // namespace peerd::vrml

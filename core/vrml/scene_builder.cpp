@@ -1,216 +1,347 @@
 #include "core/vrml/scene_builder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <map>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
-#include "core/vrml/mesh_builder.hpp"
-#include "core/vrml/parser.hpp"
+#include "core/vrml/element_positions.hpp"
+#include "core/vrml/geometry_reader.hpp"
 #include "core/vrml/rotation.hpp"
 
 namespace peerd::vrml {
 namespace {
 
-constexpr std::int32_t kNoMesh = -1;
-constexpr std::uint32_t kNone = NodeRef::kNull;
+constexpr std::uint32_t kNone = Instance::kNone;
 
-Vec3 to_vec3(const Floats& f) { return {f[0], f[1], f[2]}; }
+Vec3 to_vec3(const Field& field) {
+  const auto f = field.as<float>();
+  return {f[0], f[1], f[2]};
+}
 
-bool is_instance(Meaning meaning) {
-  return meaning == Meaning::kGroup || meaning == Meaning::kTransform || meaning == Meaning::kShape;
+Quat rotation_of(const Field& field) { return to_quat(field.as<float>().first<4>()); }
+
+bool is_instance(Meaning meaning) { return meaning >= Meaning::kGroup && meaning <= Meaning::kShape; }
+
+NodeKind kind_of(Meaning meaning) {
+  switch (meaning) {
+    case Meaning::kTransform:
+      return NodeKind::kTransform;
+    case Meaning::kBillboard:
+      return NodeKind::kBillboard;
+    case Meaning::kCollision:
+      return NodeKind::kCollision;
+    case Meaning::kInline:
+      return NodeKind::kInline;
+    case Meaning::kLod:
+      return NodeKind::kLod;
+    case Meaning::kSwitch:
+      return NodeKind::kSwitch;
+    case Meaning::kShape:
+      return NodeKind::kShape;
+    default:
+      return NodeKind::kGroup;
+  }
 }
 
 class Builder {
  public:
-  Builder(const NodeTree& tree, std::string_view text, Problems& problems)
-      : tree_(tree), text_(text), problems_(problems) {}
+  Builder(const std::shared_ptr<const Document>& document, const ReadLimits& limits, Problems& problems)
+      : document_(document), nodes_(document->nodes), limits_(limits), problems_(problems) {}
 
   Scene build();
 
  private:
-  template <class T>
-  const T& value(const Node& node, std::string_view field);
-  const Node* referred(const Node& node, std::string_view field);
+  // What instances of one node have in common.
+  struct Shared {
+    std::uint32_t transform = kNone, geometry = kNone, extension = kNone;
+  };
+  struct Children {
+    std::span<const NodeRef> refs;
+    std::uint32_t chosen = kNone;  // the only one that collides; kNone: all do
+    bool collide = true;           // false: none does
+    NodeRef proxy{};               // collides for all of them
+  };
 
-  std::int32_t add_mesh(const Node& node);
-  Instance make_instance(const Node& node);
-  void make_transform(const Node& node, Instance& instance);
-  void make_shape(const Node& node, Instance& instance);
+  std::uint32_t add_geometry(std::uint32_t node);
+  Shared share(const Node& node);
+  void share_transform(const Node& node, Shared& shared);
+  void share_shape(const Node& node, Shared& shared);
   CollisionResponse make_response(const Node& node);
-  const std::vector<NodeRef>& children(const Node& node);
+  Children children(const Node& node) const;
   bool measure_instances();
-  void instantiate(const NodeRef& ref, std::int32_t parent, std::uint32_t child_index);
-  void mark_shadowed_names();
+  void instantiate(const NodeRef& ref, std::int32_t parent, std::uint32_t child_index, bool collides);
+  void mark_names();
+  std::optional<ObjectId> resolve(std::string_view path, std::uint32_t scope, Position at);
   void add_interest(const Node& node);
-  std::optional<ObjectId> resolve(std::string_view path, const Spot& spot);
+  void add_key_sensor(std::uint32_t node);
+  std::optional<ObjectId> instance_of(std::uint32_t node) const;
 
-  const NodeTree& tree_;
-  std::string_view text_;
+  const std::shared_ptr<const Document>& document_;
+  const std::vector<Node>& nodes_;
+  const ReadLimits& limits_;
   Problems& problems_;
   Scene scene_;
-  std::unordered_map<const FieldSpec*, Value> defaults_;
-  std::vector<std::int32_t> mesh_of_;        // by node; kNoMesh where it is no geometry with polygons
-  std::vector<std::uint32_t> prototype_of_;  // by node, into prototypes_; kNone where it is no instance
-  std::vector<Instance> prototypes_;
-  std::unordered_map<std::string_view, std::uint32_t> first_of_name_;
+  std::vector<std::uint32_t> geometry_of_;  // by node
+  std::map<std::vector<const void*>, std::uint32_t> copied_geometry_;
+  std::vector<std::uint32_t> shared_of_;  // by node, into shared_
+  std::vector<Shared> shared_;
+  std::unordered_map<std::string_view, std::uint32_t> first_of_name_;  // of the world's names
 };
 
-// A field's value as the text or the table gives it.
-template <class T>
-const T& Builder::value(const Node& node, std::string_view field) {
-  if (const FieldValue* given = node.find(field)) return std::get<T>(given->value);
-  const FieldSpec* spec = find_field(*node.type, field);
-  assert(spec != nullptr);
-  const auto [it, is_new] = defaults_.try_emplace(spec);
-  if (is_new) it->second = default_value(*spec).value();
-  return std::get<T>(it->second);
-}
-
-const Node* Builder::referred(const Node& node, std::string_view field) {
-  const NodeRef& ref = value<NodeRef>(node, field);
-  return ref ? &tree_.nodes[ref.index] : nullptr;
-}
-
-const std::vector<NodeRef>& Builder::children(const Node& node) {
-  static const std::vector<NodeRef> kNoChildren;
-  return node.type->meaning == Meaning::kShape ? kNoChildren : value<std::vector<NodeRef>>(node, "children");
-}
-
-std::int32_t Builder::add_mesh(const Node& node) {
-  std::optional<Mesh> mesh;
-  if (node.type->meaning == Meaning::kBox && !node.damaged) {
-    mesh = box_mesh(value<Floats>(node, "size"));
-    mesh->where = node.spot.where;
-  } else if (node.type->meaning == Meaning::kIndexedFaceSet) {
-    mesh = indexed_face_set_mesh(tree_, node, text_, problems_);
+// Copies of a PROTO's geometry have the same values, not just equal ones.
+std::uint32_t Builder::add_geometry(std::uint32_t index) {
+  const Node& node = nodes_[index];
+  std::vector<const void*> key;
+  if (node.scope != 0) {
+    key.push_back(node.type);
+    for (const Field& field : node.given()) {
+      if (field.spec->type != FieldType::kSFNode) {
+        key.insert(key.end(), {field.spec, field.data});
+      } else if (field.spec->name == "coord" && field.count == 1 && field.as<NodeRef>()[0].is_node()) {
+        for (const Field& inner : nodes_[field.as<NodeRef>()[0].index].given()) key.push_back(inner.data);
+      }
+    }
+    const auto it = copied_geometry_.find(key);
+    if (it != copied_geometry_.end()) return it->second;
   }
-  if (!mesh || mesh->polygon_count() == 0) return kNoMesh;
-  scene_.meshes.push_back(std::move(*mesh));
-  return static_cast<std::int32_t>(scene_.meshes.size() - 1);
+  std::optional<Geometry> geometry = read_geometry(document_, node, problems_);
+  if (!geometry) return kNone;
+  const auto place = static_cast<std::uint32_t>(scene_.geometries.size());
+  scene_.geometries.push_back(std::move(*geometry));
+  if (!key.empty()) copied_geometry_.emplace(std::move(key), place);
+  return place;
 }
 
 CollisionResponse Builder::make_response(const Node& node) {
   CollisionResponse response;
-  const std::int32_t type = value<std::int32_t>(node, "responseType");
-  if (type > 1) {
-    problems_.error(node.find("responseType")->spot,
-                    "responseType must be 0 (CRT_INVERSE) or 1 (CRT_ZERO), found " + std::to_string(type));
+  if (node.type->name != "CollisionResponse") return response;  // an EXTERNPROTO that was not found
+  const Field& type = value_of(node, "responseType");
+  const std::int32_t written = type.as<std::int32_t>()[0];
+  if (written > 1) {
+    problems_.error(type.at, "responseType must be 0 (CRT_INVERSE) or 1 (CRT_ZERO), found " + std::to_string(written));
   }
-  response.type = static_cast<ResponseType>(type);
-  response.set_back = value<bool>(node, "setBack");
+  response.type = static_cast<ResponseType>(written);
+  response.set_back = value_of(node, "setBack").as<bool>()[0];
   return response;
 }
 
-void Builder::make_transform(const Node& node, Instance& instance) {
-  instance.kind = NodeKind::kTransform;
-  TransformFields& t = instance.transform;
-  t.translation = to_vec3(value<Floats>(node, "translation"));
-  t.rotation = to_quat(value<Floats>(node, "rotation"));
-  t.scale = to_vec3(value<Floats>(node, "scale"));
-  t.scale_orientation = to_quat(value<Floats>(node, "scaleOrientation"));
-  t.center = to_vec3(value<Floats>(node, "center"));
-  if (!(t.scale.minCoeff() > 0.0)) {
-    problems_.warning(node.find("scale")->spot, "a scale of 0 or less is outside VRML97; it is applied as written");
+void Builder::share_transform(const Node& node, Shared& shared) {
+  TransformFields t;
+  ObjectFields object;
+  bool extended = false;
+  for (const Field& field : node.given()) {
+    const std::string_view name = field.spec->name;
+    if (name == "translation") {
+      t.translation = to_vec3(field);
+    } else if (name == "rotation") {
+      t.rotation = rotation_of(field);
+    } else if (name == "scale") {
+      t.scale = to_vec3(field);
+      if (!(t.scale.minCoeff() > 0.0)) {
+        problems_.warning(field.at, "a scale of 0 or less is outside VRML97; it is applied as written");
+      }
+    } else if (name == "scaleOrientation") {
+      t.scale_orientation = rotation_of(field);
+    } else if (name == "center") {
+      t.center = to_vec3(field);
+    } else if (name == "velocityVector") {
+      object.velocity = to_vec3(field);
+      extended = true;
+    } else if (name == "distanceThreshold") {
+      object.distance_threshold_m = field.as<float>()[0];
+      extended = true;
+    } else if (name == "collisionResponse" && field.count == 1 && field.as<NodeRef>()[0].is_node()) {
+      object.response = make_response(nodes_[field.as<NodeRef>()[0].index]);
+      extended = true;
+    }
   }
-  instance.velocity = to_vec3(value<Floats>(node, "velocityVector"));
-  instance.distance_threshold_m = value<Floats>(node, "distanceThreshold")[0];
-  if (const Node* response = referred(node, "collisionResponse")) instance.response = make_response(*response);
+  shared.transform = static_cast<std::uint32_t>(scene_.transforms.size());
+  scene_.transforms.push_back(t);
+  if (!extended) return;
+  shared.extension = static_cast<std::uint32_t>(scene_.object_fields.size());
+  scene_.object_fields.push_back(object);
 }
 
-void Builder::make_shape(const Node& node, Instance& instance) {
-  instance.kind = NodeKind::kShape;
-  instance.convex_hull = to_points(value<std::vector<float>>(node, "convexHull"));
-  instance.hierarchy_file = value<std::string>(node, "hierarchyFile");
-  instance.split_threshold = value<std::int32_t>(node, "splitThreshold");
-  const NodeRef& geometry = value<NodeRef>(node, "geometry");
-  if (!geometry) return;
-  instance.mesh = mesh_of_[geometry.index];
-  const NodeType& type = *tree_.nodes[geometry.index].type;
-  if (type.meaning == Meaning::kOtherGeometry) instance.unsupported_geometry = type.name;
+void Builder::share_shape(const Node& node, Shared& shared) {
+  ShapeFields shape;
+  bool extended = false;
+  for (const Field& field : node.given()) {
+    const std::string_view name = field.spec->name;
+    if (name == "geometry") {
+      if (field.count == 1 && field.as<NodeRef>()[0].is_node()) {
+        shared.geometry = geometry_of_[field.as<NodeRef>()[0].index];
+      }
+    } else if (name == "convexHull") {
+      shape.convex_hull = {document_, {static_cast<const Eigen::Vector3f*>(field.data), field.count / 3}};
+      extended = true;
+    } else if (name == "hierarchyFile") {
+      shape.hierarchy_file = field.as<std::string_view>()[0];
+      extended = true;
+    } else if (name == "splitThreshold") {
+      shape.split_threshold = field.as<std::int32_t>()[0];
+      extended = true;
+    }
+  }
+  if (!extended) return;
+  shared.extension = static_cast<std::uint32_t>(scene_.shape_fields.size());
+  scene_.shape_fields.push_back(shape);
 }
 
-Instance Builder::make_instance(const Node& node) {
-  Instance instance;
-  instance.def = node.def;
-  if (node.type->meaning == Meaning::kTransform) make_transform(node, instance);
-  if (node.type->meaning == Meaning::kShape) make_shape(node, instance);
-  return instance;
+Builder::Shared Builder::share(const Node& node) {
+  Shared shared;
+  if (node.type->meaning == Meaning::kTransform) share_transform(node, shared);
+  if (node.type->meaning == Meaning::kShape) share_shape(node, shared);
+  return shared;
 }
 
-// Whether the scene is small enough to instantiate. Children stand before their parents in the tree, so one pass knows
-// each node's instances and height; a chain of USE can be deeper and larger than any text.
+Builder::Children Builder::children(const Node& node) const {
+  const auto refs = [&](std::string_view field) { return value_of(node, field).as<NodeRef>(); };
+  switch (node.type->meaning) {
+    case Meaning::kShape:
+      return {};
+    case Meaning::kLod:
+      return {.refs = refs("level"), .chosen = 0};
+    case Meaning::kSwitch: {
+      const std::int32_t which = value_of(node, "whichChoice").as<std::int32_t>()[0];
+      return {.refs = refs("choice"), .chosen = static_cast<std::uint32_t>(std::max(which, 0)), .collide = which >= 0};
+    }
+    case Meaning::kCollision: {
+      Children all{.refs = refs("children"), .collide = value_of(node, "collide").as<bool>()[0]};
+      const auto proxy = refs("proxy");
+      if (!proxy.empty()) all.proxy = proxy[0];
+      return all;
+    }
+    default:
+      return {.refs = refs("children")};
+  }
+}
+
+// Whether the scene is small enough to instantiate. Children stand before their parents in the document, so one pass
+// knows each node's instances and height; a chain of USE can be deeper and larger than any text.
 bool Builder::measure_instances() {
-  std::vector<std::uint64_t> count(tree_.nodes.size(), 0);
-  std::vector<std::uint32_t> height(tree_.nodes.size(), 0);
+  std::vector<std::uint32_t> count(nodes_.size(), 0);
+  std::vector<std::uint16_t> height(nodes_.size(), 0);
   const std::size_t errors = problems_.errors();
   bool too_many = false;
-  const auto add = [&](const NodeRef& ref, std::uint64_t& total) {
-    if (total + count[ref.index] > kMaxInstances && !std::exchange(too_many, true)) {
-      problems_.error(ref.spot,
-                      "with this node the world has more than " + std::to_string(kMaxInstances) + " instances");
+  const auto add = [&](const NodeRef& ref, std::uint32_t& total) {
+    const std::uint64_t sum = std::uint64_t{total} + count[ref.index];
+    if (sum > limits_.instances && !std::exchange(too_many, true)) {
+      problems_.error(ref.at, "with this node the world has more than " + std::to_string(limits_.instances) + " instances");
     }
-    total = std::min(total + count[ref.index], kMaxInstances + 1);
+    total = static_cast<std::uint32_t>(std::min<std::uint64_t>(sum, std::uint64_t{limits_.instances} + 1));
   };
-  for (std::size_t i = 0; i < tree_.nodes.size(); ++i) {
-    const Node& node = tree_.nodes[i];
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const Node& node = nodes_[i];
     if (!is_instance(node.type->meaning)) continue;
     count[i] = height[i] = 1;
-    for (const NodeRef& child : children(node)) {
-      if (!child) continue;
+    const Children all = children(node);
+    const auto measure = [&](const NodeRef& child) {
+      if (!child.is_node()) return;
+      assert(child.index < i);
       if (height[child.index] == kMaxNesting) {
-        problems_.error(child.spot, "instances are nested more than " + std::to_string(kMaxNesting) + " deep here");
+        problems_.error(child.at, "instances are nested more than " + std::to_string(kMaxNesting) + " deep here");
       }
-      height[i] = std::max(height[i], std::min(height[child.index] + 1, kMaxNesting + 1));
+      height[i] = std::max<std::uint16_t>(height[i], static_cast<std::uint16_t>(std::min<std::uint32_t>(height[child.index] + 1u, kMaxNesting + 1)));
       add(child, count[i]);
-    }
+    };
+    for (const NodeRef& child : all.refs) measure(child);
+    measure(all.proxy);
   }
-  std::uint64_t total = 0;
-  for (const NodeRef& ref : tree_.top_level) {
-    if (ref) add(ref, total);
+  std::uint32_t total = 0;
+  for (const NodeRef& ref : document_->top_level) {
+    if (ref.is_node()) add(ref, total);
   }
   if (problems_.errors() != errors) return false;
   scene_.instances.reserve(total);
   return true;
 }
 
-void Builder::instantiate(const NodeRef& ref, std::int32_t parent, std::uint32_t child_index) {
-  if (!ref || prototype_of_[ref.index] == kNone) return;
+void Builder::instantiate(const NodeRef& ref, std::int32_t parent, std::uint32_t child_index, bool collides) {
+  if (!ref.is_node() || !is_instance(nodes_[ref.index].type->meaning)) return;
+  const Node& node = nodes_[ref.index];
   const auto id = static_cast<std::uint32_t>(scene_.instances.size());
-  Instance& instance = scene_.instances.emplace_back(prototypes_[prototype_of_[ref.index]]);
+  Instance& instance = scene_.instances.emplace_back();
+  instance.def = node.def;
   instance.parent = parent;
   instance.child_index = child_index;
-  instance.where = ref.spot.where;
-  std::uint32_t i = 0;
-  for (const NodeRef& child : children(tree_.nodes[ref.index])) instantiate(child, static_cast<std::int32_t>(id), i++);
-  scene_.instances[id].subtree_end = static_cast<std::uint32_t>(scene_.instances.size());
-}
-
-void Builder::mark_shadowed_names() {
-  auto& instances = scene_.instances;
-  for (std::uint32_t i = 0; i < instances.size(); ++i) {
-    if (instances[i].def.empty()) continue;
-    const bool first = first_of_name_.emplace(instances[i].def, i).second;
-    if (instances[i].parent < 0) instances[i].name_shadowed = !first;
+  instance.node = ref.index;
+  instance.kind = kind_of(node.type->meaning);
+  instance.inner_name = node.scope != 0;
+  instance.collides = collides;
+  if (shared_of_[ref.index] != kNone) {
+    const Shared& shared = shared_[shared_of_[ref.index]];
+    instance.transform = shared.transform;
+    instance.geometry = shared.geometry;
+    instance.extension = shared.extension;
   }
-  std::unordered_set<std::string_view> siblings;
-  for (std::uint32_t parent = 0; parent < instances.size(); ++parent) {
-    siblings.clear();
-    for (std::uint32_t i = parent + 1; i < instances[parent].subtree_end; i = instances[i].subtree_end) {
-      if (!instances[i].def.empty()) instances[i].name_shadowed = !siblings.insert(instances[i].def).second;
+  const Children all = children(node);
+  const bool proxied = all.proxy.is_node();
+  std::uint32_t i = 0;
+  for (const NodeRef& child : all.refs) {
+    const bool chosen = all.collide && !proxied && (all.chosen == kNone || all.chosen == i);
+    instantiate(child, static_cast<std::int32_t>(id), i++, collides && chosen);
+  }
+  instantiate(all.proxy, static_cast<std::int32_t>(id), i, collides && all.collide);
+  scene_.instances[id].subtree_end = static_cast<std::uint32_t>(scene_.instances.size());
+  if (node.type->meaning == Meaning::kInline && node.find("url") != nullptr && all.refs.empty() && node.find("bboxSize") != nullptr) {
+    const Vec3 size = to_vec3(value_of(node, "bboxSize"));
+    if (size.minCoeff() >= 0.0) {
+      scene_.pending_inlines.push_back({{id}, to_vec3(value_of(node, "bboxCenter")).cast<float>(), size.cast<float>()});
     }
   }
 }
 
-// Nothing is reported for a name that was lost in an error.
-std::optional<ObjectId> Builder::resolve(std::string_view path, const Spot& spot) {
+void Builder::mark_names() {
+  auto& instances = scene_.instances;
+  for (std::uint32_t i = 0; i < instances.size(); ++i) {
+    if (!instances[i].def.empty() && !instances[i].inner_name) first_of_name_.emplace(instances[i].def, i);
+  }
+  std::unordered_set<std::string_view> siblings;
+  const auto mark = [&](std::uint32_t begin, std::uint32_t end, bool top) {
+    siblings.clear();
+    for (std::uint32_t i = begin; i < end; i = instances[i].subtree_end) {
+      if (instances[i].def.empty()) continue;
+      const bool first = siblings.insert(instances[i].def).second;
+      const auto named = first_of_name_.find(instances[i].def);
+      instances[i].name_shadowed = !first || (top && (named == first_of_name_.end() || named->second != i));
+    }
+  };
+  const auto count = static_cast<std::uint32_t>(instances.size());
+  mark(0, count, true);
+  for (std::uint32_t parent = 0; parent < count; ++parent) {
+    if (instances[parent].subtree_end > parent + 1) mark(parent + 1, instances[parent].subtree_end, false);
+  }
+}
+
+std::optional<ObjectId> Builder::instance_of(std::uint32_t node) const {
+  const auto it = std::ranges::find(scene_.instances, node, &Instance::node);
+  if (it == scene_.instances.end()) return std::nullopt;
+  return ObjectId{static_cast<std::uint32_t>(it - scene_.instances.begin())};
+}
+
+// A name inside of a PROTO or an Inline means a node in there first. Nothing is reported for a name that was lost in an
+// error.
+std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t scope, Position at) {
+  if (scope != 0) {
+    for (const InnerName& inner : document_->inner_names) {
+      if (inner.scope == scope && inner.name == path) return instance_of(inner.node);
+    }
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      const Instance& instance = scene_.instances[i];
+      if (instance.def == path && nodes_[instance.node].scope == scope) return ObjectId{i};
+    }
+  }
   if (const auto it = first_of_name_.find(path); it != first_of_name_.end()) return ObjectId{it->second};
   if (const auto id = scene_.find(path)) return id;
-  const auto defined = tree_.defined.find(path.substr(0, path.find('/')));
-  if (defined != tree_.defined.end() && defined->second.index == NodeRef::kNull) return std::nullopt;
-  if (const auto it = tree_.defined.find(path); it != tree_.defined.end()) {
-    const std::string type(tree_.nodes[it->second.index].type->name);
-    problems_.error(spot, quoted(path) + " is a " + type + ", not a Group, Transform or Shape of the scene");
+  const std::string_view first = path.substr(0, path.find('/'));
+  if (std::ranges::find(document_->lost_names, first) != document_->lost_names.end()) return std::nullopt;
+  const auto named = std::ranges::find(nodes_, path, &Node::def);
+  if (named != nodes_.end() && !path.empty()) {
+    problems_.error(at, quoted(path) + " is a " + std::string(named->type->name) + ", not a group or Shape of the scene");
     return std::nullopt;
   }
   Suggestion suggestion(path);
@@ -218,75 +349,104 @@ std::optional<ObjectId> Builder::resolve(std::string_view path, const Spot& spot
   if (first_of_name_.size() <= kFewEnough) {
     for (const Instance& instance : scene_.instances) suggestion.consider(instance.def);
   }
-  problems_.error(spot, "no node of the scene is named " + quoted(path) + did_you_mean(suggestion));
+  problems_.error(at, "no node of the scene is named " + quoted(path) + did_you_mean(suggestion));
   return std::nullopt;
 }
 
 void Builder::add_interest(const Node& node) {
   CollisionInterest interest;
-  interest.where = node.spot.where;
-  const std::int32_t type = value<std::int32_t>(node, "collisionType");
-  if (type > 2) {
-    problems_.error(node.find("collisionType")->spot,
-                    "collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found " + std::to_string(type));
+  const Field& type = value_of(node, "collisionType");
+  const std::int32_t written = type.as<std::int32_t>()[0];
+  if (written > 2) {
+    problems_.error(type.at, "collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found " + std::to_string(written));
   }
-  interest.type = static_cast<CollisionType>(type);
-  const FieldValue* path = node.find("objectPath");
+  interest.type = static_cast<CollisionType>(written);
+  const Field* path = node.find("objectPath");
   std::optional<ObjectId> collider;
   if (path != nullptr) {
-    collider = resolve(std::get<std::string>(path->value), path->spot);
+    collider = resolve(path->as<std::string_view>()[0], node.scope, path->at);
   } else if (!node.damaged) {
-    problems_.error(node.spot, "this CollisionInterest has no objectPath: it must name the node that is registered");
+    problems_.error(node.at, "this CollisionInterest has no objectPath: it must name the node that is registered");
   }
 
   std::unordered_set<ObjectId> seen;
   for (const std::string_view field : {"interests", "collisionInterests"}) {
-    const FieldValue* list = node.find(field);
+    const Field* list = node.find(field);
     if (list == nullptr) continue;
-    const auto& names = std::get<std::vector<std::string>>(list->value);
-    ElementSpots spots(text_, *list);
+    const auto names = list->as<std::string_view>();
+    ElementPositions positions(problems_.text_of(list->at), problems_.begin_of(list->at), list->at);
     for (std::size_t i = 0; i < names.size() && !problems_.full(); ++i) {
-      const Spot spot = spots.at(i);
-      const auto collidee = resolve(names[i], spot);
+      const Position at = positions.at(i);
+      const auto collidee = resolve(names[i], node.scope, at);
       if (!collidee) continue;
       if (collidee == collider) {
-        problems_.error(spot, quoted(names[i]) + " is the collider itself");
+        problems_.error(at, quoted(names[i]) + " is the collider itself");
       } else if (!seen.insert(*collidee).second) {
-        problems_.warning(spot, quoted(names[i]) + " is listed twice; it counts once");
+        problems_.warning(at, quoted(names[i]) + " is listed twice; it counts once");
       } else {
         interest.collidees.push_back(*collidee);
       }
     }
   }
-  if (seen.empty() && !node.damaged) problems_.warning(node.spot, "this CollisionInterest has no interests");
+  if (seen.empty() && !node.damaged) problems_.warning(node.at, "this CollisionInterest has no interests");
   if (!collider) return;
   interest.collider = *collider;
   scene_.interests.push_back(std::move(interest));
 }
 
+void Builder::add_key_sensor(std::uint32_t index) {
+  const Node& node = nodes_[index];
+  const Field* recipient = node.find("recipient");
+  if (recipient == nullptr) {
+    if (!node.damaged) problems_.warning(node.at, "this KeySensor has no recipient: it moves nothing");
+    return;
+  }
+  const auto id = resolve(recipient->as<std::string_view>()[0], node.scope, recipient->at);
+  if (!id) return;
+  if (scene_.at(*id).kind != NodeKind::kTransform) {
+    problems_.error(recipient->at, quoted(recipient->as<std::string_view>()[0]) + " is no Transform: it has no velocity that a key can change");
+    return;
+  }
+  const auto flag = [&](std::string_view field) { return value_of(node, field).as<bool>()[0]; };
+  scene_.key_sensors.push_back({.node = index,
+                                .recipient = *id,
+                                .key_value = value_of(node, "keyValue").as<std::int32_t>()[0],
+                                .key_state = value_of(node, "keyState").as<std::int32_t>()[0],
+                                .value = to_vec3(value_of(node, "value")),
+                                .absolute = flag("absoluteValue"),
+                                .consume = flag("consume"),
+                                .enabled = flag("enabled")});
+}
+
 Scene Builder::build() {
-  mesh_of_.assign(tree_.nodes.size(), kNoMesh);
-  prototype_of_.assign(tree_.nodes.size(), kNone);
-  for (std::size_t i = 0; i < tree_.nodes.size(); ++i) {
-    const Node& node = tree_.nodes[i];
-    mesh_of_[i] = add_mesh(node);
-    if (!is_instance(node.type->meaning)) continue;
-    prototype_of_[i] = static_cast<std::uint32_t>(prototypes_.size());
-    prototypes_.push_back(make_instance(node));
+  scene_.document = document_;
+  geometry_of_.assign(nodes_.size(), kNone);
+  shared_of_.assign(nodes_.size(), kNone);
+  bool scripts = false;
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+    const Node& node = nodes_[i];
+    if (node.type->meaning == Meaning::kGeometry) geometry_of_[i] = add_geometry(i);
+    if (node.type->meaning == Meaning::kScript && !std::exchange(scripts, true)) {
+      problems_.warning(node.at, "Scripts are kept and not run; this is the first one");
+    }
+    if (node.type->meaning != Meaning::kTransform && node.type->meaning != Meaning::kShape) continue;
+    shared_of_[i] = static_cast<std::uint32_t>(shared_.size());
+    shared_.push_back(share(node));
   }
   if (!measure_instances()) return {};
-  for (std::uint32_t i = 0; i < tree_.top_level.size(); ++i) instantiate(tree_.top_level[i], -1, i);
-  mark_shadowed_names();
-  for (const Node& node : tree_.nodes) {
-    if (node.type->meaning == Meaning::kCollisionInterest) add_interest(node);
+  for (std::uint32_t i = 0; i < document_->top_level.size(); ++i) instantiate(document_->top_level[i], -1, i, true);
+  mark_names();
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+    if (nodes_[i].type->meaning == Meaning::kCollisionInterest) add_interest(nodes_[i]);
+    if (nodes_[i].type->meaning == Meaning::kKeySensor) add_key_sensor(i);
   }
   return std::move(scene_);
 }
 
 }  // namespace
 
-Scene build_scene(const NodeTree& tree, std::string_view text, Problems& problems) {
-  return Builder(tree, text, problems).build();
+Scene build_scene(const std::shared_ptr<const Document>& document, const ReadLimits& limits, Problems& problems) {
+  return Builder(document, limits, problems).build();
 }
 
 }  // namespace peerd::vrml

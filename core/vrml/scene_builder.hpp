@@ -1,14 +1,15 @@
 #pragma once
+#include <memory>
+
 #include "core/scene.hpp"
-#include "core/vrml/node_tree.hpp"
+#include "core/vrml/document.hpp"
+#include "core/vrml/files.hpp"
 
 namespace peerd::vrml {
 
-// A world of more instances is refused: a few lines of nested USE can name billions.
-inline constexpr std::uint64_t kMaxInstances = 1u << 20;
-
-// The nodes of `text` as a scene. Reports what the parser could not know: indices, names, depth and number of
+// The document's nodes as a scene. Reports what the parser could not know: indices, names, depth and number of
 // instances. The scene counts only where `problems` has no error.
-[[nodiscard]] Scene build_scene(const NodeTree& tree, std::string_view text, Problems& problems);
+[[nodiscard]] Scene build_scene(const std::shared_ptr<const Document>& document, const ReadLimits& limits,
+                                Problems& problems);
 
 }  // namespace peerd::vrml

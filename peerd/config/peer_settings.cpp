@@ -2,9 +2,8 @@
 
 #include <limits>
 #include <numbers>
-#include <span>
 
-#include "core/vrml/reader.hpp"
+#include "peerd/config/world_file.hpp"
 #include "replication/codec.hpp"
 
 namespace peerd::config {
@@ -12,13 +11,6 @@ namespace {
 
 constexpr double kForever_s = 1e6;
 constexpr double kFar_m = 1e9;
-
-// FNV-1a, 64 bit (Fowler, Noll, Vo): tells apart worlds that differ by accident; it is no protection against intent.
-std::uint64_t fnv1a(std::span<const char> bytes) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  return hash;
-}
 
 }  // namespace
 
@@ -93,22 +85,22 @@ TransportSettings read_transport(TomlReader reader) {
 }
 
 Result<LoadedWorld> load_world(const std::filesystem::path& path) {
-  const auto text = read_text_file(path);
-  if (!text) return std::unexpected(text.error());
-  ReadResult read = read_world(*text);
+  const auto file = read_world_file(path);
+  if (!file) return std::unexpected(file.error());
+  const ReadResult& read = (*file)->result;
   if (!read.scene) {
     std::string problems;
-    for (const Diagnostic& d : read.diagnostics) problems += render(d, path.string(), *text);
+    for (const Diagnostic& d : read.diagnostics) problems += render(read, d);
     return std::unexpected(InputError{problems, 1});
   }
-  return LoadedWorld{path, fnv1a(*text), std::move(*read.scene)};
+  return LoadedWorld{path, content_hash(read), *read.scene};
 }
 
 Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by) {
   if (const auto id = scene.find(path)) return *id;
   std::vector<std::string> names;
   for (const Instance& instance : scene.instances) {
-    if (!instance.def.empty()) names.push_back(instance.def);
+    if (!instance.def.empty()) names.emplace_back(instance.def);
   }
   std::string sentence = "error: " + asked_by + ": the world has no object \"" + path + "\"";
   if (const auto meant = did_you_mean(path, names)) sentence += "; did you mean \"" + *meant + "\"?";

@@ -41,7 +41,7 @@ struct TransportSettings {
 // The world, as every command of a peer needs it.
 struct LoadedWorld {
   std::filesystem::path path;
-  std::uint64_t hash = 0;  // of its bytes; peers with other bytes do not share a session
+  std::uint64_t hash = 0;  // of its files; peers with other bytes do not share a session
   Scene scene;
 };
 [[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path);

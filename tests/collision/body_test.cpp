@@ -110,7 +110,6 @@ TEST_P(Unsupported, NamesTheShapeAndTheReason) {
   const Body body = make_body(scene_of({box_mesh(1, 1, 1), GetParam().mesh}), ObjectId{0});
   EXPECT_THAT(body.unsupported, HasSubstr("OBJECT/1: "));
   EXPECT_THAT(body.unsupported, HasSubstr(GetParam().why));
-  EXPECT_TRUE(body.vertices_complete);
   EXPECT_EQ(body.pieces.size(), 1U);
 }
 
@@ -165,13 +164,13 @@ INSTANTIATE_TEST_SUITE_P(
                     Refused{"Huge", huge(), "more than 256 polygons"}),
     [](const auto& which) { return std::string(which.param.name); });
 
-TEST(MakeBody, SphereIsNamedAndHasNoBoxEither) {
-  Scene scene = scene_of({box_mesh(1, 1, 1)});
-  scene.instances[1].mesh = -1;
-  scene.instances[1].unsupported_geometry = "Sphere";
-  const Body body = make_body(scene, ObjectId{0});
-  EXPECT_EQ(body.unsupported, "OBJECT/0: Sphere is not tessellated yet");
-  EXPECT_FALSE(body.vertices_complete);
+TEST(MakeBody, LeavesOutWhatTheWorldTakesOut) {
+  Scene scene = scene_of({box_mesh(1, 1, 1), box_mesh(2, 2, 2)});
+  scene.instances[1].collides = false;
+  EXPECT_EQ(make_body(scene, ObjectId{0}).pieces.size(), 1U);
+  scene.geometries[1] = NoSurface{"PointSet"};
+  EXPECT_TRUE(make_body(scene, ObjectId{0}).pieces.empty());
+  EXPECT_EQ(make_body(scene, ObjectId{0}).unsupported, "");
 }
 
 TEST(MakeBody, NothingBelowIsNothing) {

@@ -213,10 +213,6 @@ TEST(ContactTime, UnsupportedIsSaidAndBoxAnswersAllTheSame) {
   EXPECT_EQ(meet(cube, near, lidless, there).state, ContactState::kUnsupported);
   EXPECT_EQ(meet(lidless, near, cube, there).state, ContactState::kUnsupported);
   EXPECT_EQ(meet(cube, near, lidless, there, 10, kBox).time_s, 2.0);
-  Scene scene = scene_of({box_mesh(1, 1, 1)});
-  scene.instances[1].unsupported_geometry = "Sphere";
-  const Body sphere = make_body(scene, ObjectId{0});
-  EXPECT_EQ(meet(cube, near, sphere, there, 10, kBox).state, ContactState::kUnsupported);
 }
 
 TEST(ContactTime, FarFromTheOrigin) {

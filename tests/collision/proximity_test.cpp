@@ -39,7 +39,6 @@ TEST(Proximity, NeverMeeting) {
 TEST(Proximity, CenterOffTheOriginTurnsWithTheBody) {
   TransformFields aside;
   Scene scene = test::scene_of({test::box_mesh(1, 1, 1)});
-  scene.instances[0].kind = NodeKind::kTransform;
   Body p = make_body(scene, ObjectId{0});
   p.center = {5, 0, 0};
   KinematicState turned = moving(Vec3::Zero());

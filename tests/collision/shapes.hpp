@@ -14,15 +14,12 @@ namespace peerd::collision::test {
 using Faces = std::vector<std::vector<std::uint32_t>>;
 
 inline Mesh make_mesh(const std::vector<Eigen::Vector3f>& vertices, const Faces& faces, bool ccw = true) {
-  Mesh mesh;
-  mesh.vertices = vertices;
-  mesh.ccw = ccw;
-  mesh.polygon_begin = {0};
+  std::vector<std::int32_t> corners;
   for (const auto& face : faces) {
-    mesh.indices.insert(mesh.indices.end(), face.begin(), face.end());
-    mesh.polygon_begin.push_back(static_cast<std::uint32_t>(mesh.indices.size()));
+    corners.insert(corners.end(), face.begin(), face.end());
+    corners.push_back(Mesh::kEndOfPolygon);
   }
-  return mesh;
+  return peerd::make_mesh(vertices, std::move(corners), ccw);
 }
 
 inline std::vector<Eigen::Vector3f> box_vertices(float x, float y, float z) {
@@ -48,13 +45,14 @@ inline Mesh floor_mesh(float x, float z) {
   return make_mesh({{-x / 2, 0, -z / 2}, {-x / 2, 0, z / 2}, {x / 2, 0, z / 2}, {x / 2, 0, -z / 2}}, {{0, 1, 2, 3}});
 }
 
-// A Transform OBJECT with a Shape for each mesh below it; a null geometry name means the mesh is there.
-inline Scene scene_of(std::vector<Mesh> meshes, const TransformFields& transform = {}) {
+// A Transform OBJECT with a Shape for each mesh below it.
+inline Scene scene_of(const std::vector<Mesh>& meshes, const TransformFields& transform = {}) {
   Scene scene;
   Instance object;
   object.kind = NodeKind::kTransform;
   object.def = "OBJECT";
-  object.transform = transform;
+  object.transform = 0;
+  scene.transforms.push_back(transform);
   object.subtree_end = static_cast<std::uint32_t>(meshes.size()) + 1;
   scene.instances.push_back(object);
   for (std::uint32_t i = 0; i < meshes.size(); ++i) {
@@ -63,10 +61,10 @@ inline Scene scene_of(std::vector<Mesh> meshes, const TransformFields& transform
     shape.parent = 0;
     shape.child_index = i;
     shape.subtree_end = i + 2;
-    shape.mesh = static_cast<std::int32_t>(i);
+    shape.geometry = i;
     scene.instances.push_back(shape);
+    scene.geometries.emplace_back(FaceSetGeometry{meshes[i].vertices, meshes[i].corners, meshes[i].ccw});
   }
-  scene.meshes = std::move(meshes);
   return scene;
 }
 

@@ -12,9 +12,10 @@ namespace peerd {
 inline std::string world_text(const std::string& body) { return "#VRML V2.0 utf8\n" + body; }
 
 inline Scene scene_of(const std::string& body) {
-  ReadResult result = read_world(world_text(body));
+  const std::string text = world_text(body);
+  ReadResult result = read_world(text);
   for (const Diagnostic& d : result.diagnostics) {
-    if (d.severity == Severity::kError) ADD_FAILURE() << render(d, "test.wrl", world_text(body));
+    if (d.severity == Severity::kError) ADD_FAILURE() << render(result, d);
   }
   return result.scene.value_or(Scene{});
 }

@@ -18,7 +18,7 @@ struct World {
   explicit World(const std::string& body) {
     const std::string text = "#VRML V2.0 utf8\n" + body;
     ReadResult result = read_world(text);
-    for (const Diagnostic& d : result.diagnostics) ADD_FAILURE() << render(d, "test.wrl", text);
+    for (const Diagnostic& d : result.diagnostics) ADD_FAILURE() << render(result, d);
     scene = std::move(result.scene.value());
     model = make_world_model(scene);
   }

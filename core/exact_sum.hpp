@@ -1,0 +1,29 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+namespace peerd {
+
+// A sum of products of two finite binary32 numbers without any rounding, whatever their sizes and order. Where a
+// floating-point filter can't decide a sign, this does. At most 2^30 products.
+class ExactSum {
+ public:
+  // In binary64 the product of two binary32 numbers is exact, and never subnormal.
+  void add(float a, float b) { add(static_cast<double>(a) * static_cast<double>(b)); }
+  void subtract(float a, float b) { add(-(static_cast<double>(a) * static_cast<double>(b))); }
+
+  [[nodiscard]] int sign() const;      // -1, 0 or 1
+  [[nodiscard]] double value() const;  // relative error below 2^-52, so the sign is right; exact where 53 bits suffice
+
+ private:
+  static constexpr int kDigits = 21;
+  static constexpr int kLeastExponent = -352;  // digit i counts 2^(32 i - 352); all products are multiples of 2^-298
+
+  void add(double product);
+  // Carries until every digit is within [0, 2^32). What is carried out of the last one is -1 if the sum is negative.
+  static std::int64_t carry(std::array<std::int64_t, kDigits>& digits);
+
+  std::array<std::int64_t, kDigits> digits_{};  // of either sign, and not carried yet
+};
+
+}  // namespace peerd

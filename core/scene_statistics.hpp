@@ -1,0 +1,29 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+#include "core/scene.hpp"
+
+namespace peerd {
+
+struct SceneStatistics {
+  std::size_t nodes = 0;                  // in the document, of any type; PROTOs expanded
+  std::size_t instances = 0;              // a USE counts again
+  std::size_t groups = 0;                 // instances that are no Shape
+  std::size_t shapes = 0;                 // instances that are
+  std::size_t depth = 0;                  // of the deepest instance; 1 at the top level
+  std::size_t geometries = 0;             // stored once however often they are used
+  std::uint64_t polygons = 0;             // of the geometries
+  std::uint64_t triangles = 0;            // that they are cut into
+  std::uint64_t polygons_instanced = 0;   // of the Shapes: a USE counts again
+  std::uint64_t triangles_instanced = 0;  // likewise
+  std::size_t interests = 0;              // pairs of collider and collidee
+  std::size_t key_sensors = 0;
+  std::size_t routes = 0;
+  std::size_t pending_inlines = 0;
+};
+
+// Counts without building any mesh.
+[[nodiscard]] SceneStatistics statistics_of(const Scene& scene);
+
+}  // namespace peerd

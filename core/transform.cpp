@@ -1,0 +1,48 @@
+#include "core/transform.hpp"
+
+#include <cmath>
+
+namespace peerd {
+
+Vec3 multiply(const Mat3& m, const Vec3& v) {
+  Vec3 out;
+  for (int i = 0; i < 3; ++i) out[i] = (m(i, 0) * v[0] + m(i, 1) * v[1]) + m(i, 2) * v[2];
+  return out;
+}
+
+Mat3 multiply(const Mat3& a, const Mat3& b) {
+  Mat3 out;
+  for (int j = 0; j < 3; ++j) out.col(j) = multiply(a, Vec3(b.col(j)));
+  return out;
+}
+
+Quat multiply(const Quat& a, const Quat& b) {
+  return {((a.w() * b.w() - a.x() * b.x()) - a.y() * b.y()) - a.z() * b.z(),
+          ((a.w() * b.x() + a.x() * b.w()) + a.y() * b.z()) - a.z() * b.y(),
+          ((a.w() * b.y() + a.y() * b.w()) + a.z() * b.x()) - a.x() * b.z(),
+          ((a.w() * b.z() + a.z() * b.w()) + a.x() * b.y()) - a.y() * b.x()};
+}
+
+Quat normalized(const Quat& q) {
+  const double length = std::sqrt(((q.w() * q.w() + q.x() * q.x()) + q.y() * q.y()) + q.z() * q.z());
+  return {q.w() / length, q.x() / length, q.y() / length, q.z() / length};
+}
+
+Affine multiply(const Affine& a, const Affine& b) {
+  return {multiply(a.linear, b.linear), multiply(a.linear, b.offset) + a.offset};
+}
+
+Affine parent_from_local(const TransformFields& t) {
+  Affine out;
+  out.linear = t.rotation.toRotationMatrix();
+  if (is_scaled(t)) {
+    const Mat3 sr = t.scale_orientation.toRotationMatrix();
+    Mat3 scaled = sr;
+    for (int j = 0; j < 3; ++j) scaled.col(j) *= t.scale[j];
+    out.linear = multiply(out.linear, multiply(scaled, Mat3(sr.transpose())));
+  }
+  out.offset = t.translation + (t.center - multiply(out.linear, t.center));
+  return out;
+}
+
+}  // namespace peerd

@@ -1,0 +1,36 @@
+#pragma once
+#include "core/math.hpp"
+
+namespace peerd {
+
+// VRML97 6.52: p_parent = T * C * R * SR * S * SR^-1 * C^-1 * p_local.
+struct TransformFields {
+  Vec3 translation = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+  Vec3 scale = Vec3::Ones();
+  Quat scale_orientation = Quat::Identity();
+  Vec3 center = Vec3::Zero();
+};
+
+[[nodiscard]] inline bool is_scaled(const TransformFields& t) { return t.scale != Vec3::Ones(); }
+
+// Peers must get the same bits, so these products are written out, summed from left to right: Eigen chooses the order of
+// its sums, and whether to fuse them, by instruction set.
+[[nodiscard]] Vec3 multiply(const Mat3& m, const Vec3& v);
+[[nodiscard]] Mat3 multiply(const Mat3& a, const Mat3& b);
+[[nodiscard]] Quat multiply(const Quat& a, const Quat& b);
+[[nodiscard]] Quat normalized(const Quat& q);
+
+// Maps p to linear * p + offset.
+struct Affine {
+  Mat3 linear = Mat3::Identity();
+  Vec3 offset = Vec3::Zero();
+};
+
+[[nodiscard]] Affine multiply(const Affine& a, const Affine& b);
+
+// T * C * R * SR * S * SR^-1 * C^-1. Without scale SR and its inverse cancel and are left out, so that R stays a
+// rotation to the last bit.
+[[nodiscard]] Affine parent_from_local(const TransformFields& t);
+
+}  // namespace peerd

@@ -1,0 +1,98 @@
+#pragma once
+#include <array>
+#include <cassert>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/arena.hpp"
+#include "core/vrml/diagnostics.hpp"
+#include "core/vrml/node_types.hpp"
+
+namespace peerd::vrml {
+
+// Nodes inside nodes, in the text or through USE. Deeper input is refused; the reader recurses this far.
+inline constexpr std::uint32_t kMaxNesting = 256;
+
+// A node where it stands: written there, or USEd there.
+struct NodeRef {
+  static constexpr std::uint32_t kNull = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t kSelf = kNull - 1;  // a Script's field that USEs that Script
+  std::uint32_t index = kNull;                       // into Document::nodes
+  Position at = 0;
+
+  [[nodiscard]] bool is_node() const { return index < kSelf; }
+};
+
+// A field's value, in the document's arena and never changed there: copies of a node share it. The elements by type:
+// bool | std::int32_t (SFImage: width, height, components, pixels) | double (SFTime) | float, flat | std::string_view |
+// NodeRef (SFNode: none where it is NULL). An SF value is a list of one.
+struct Field {
+  const FieldSpec* spec = nullptr;
+  const void* data = nullptr;
+  std::uint32_t count = 0;  // of elements
+  Position at = 0;          // of the value's first token
+
+  template <class T>
+  [[nodiscard]] std::span<const T> as() const {
+    return {static_cast<const T*>(data), count};
+  }
+};
+
+struct Node {
+  const NodeType* type = nullptr;
+  const Field* fields = nullptr;  // those that the text gives; default_of() has the others
+  std::string_view def;
+  Position at = 0;
+  // The names that are seen from it: those of the world are 0, each copy of a PROTO's body and each Inline has its own.
+  std::uint32_t scope = 0;
+  std::uint16_t field_count = 0;
+  bool damaged = false;  // an error inside it is reported: what follows from it needs no second report
+
+  [[nodiscard]] std::span<const Field> given() const { return {fields, field_count}; }
+  [[nodiscard]] const Field* find(std::string_view field) const {
+    for (const Field& f : given()) {
+      if (f.spec->name == field) return &f;
+    }
+    return nullptr;
+  }
+};
+
+// From the field `from` of a node to `to` of another; an exposedField stands for its _changed or its set_ event.
+struct Route {
+  std::uint32_t from_node = NodeRef::kNull, to_node = NodeRef::kNull;
+  const FieldSpec* from = nullptr;
+  const FieldSpec* to = nullptr;
+  Position at = 0;
+};
+
+// A name that a node has inside of a PROTO only: outside it goes by another, or by none.
+struct InnerName {
+  std::uint32_t scope = 0;
+  std::string_view name;
+  std::uint32_t node = NodeRef::kNull;
+};
+
+// All nodes of a world as its texts have them, with PROTOs replaced by what they stand for and Inlines filled: a graph
+// shared by USE, without cycles but for NodeRef::kSelf. Needs none of the texts any more.
+struct Document {
+  std::vector<Node> nodes;         // a node stands behind all that it refers to
+  std::vector<NodeRef> top_level;  // null where a node could not be read
+  std::vector<Route> routes;       // in file order
+  std::vector<InnerName> inner_names;
+  std::vector<std::string_view> lost_names;  // of the world's nodes that errors made unreadable
+  Arena arena;                     // all values and names
+  std::deque<NodeType> own_types;  // of Scripts, and of EXTERNPROTOs that were not found
+};
+
+// The value that a field has where the text gives none. Not for events, nor for fields of prototypes and scripts.
+[[nodiscard]] const Field& default_of(const FieldSpec& spec);
+
+// The value of `field`, given or default.
+[[nodiscard]] const Field& value_of(const Node& node, std::string_view field);
+
+}  // namespace peerd::vrml

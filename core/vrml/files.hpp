@@ -1,0 +1,27 @@
+#pragma once
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace peerd {
+
+struct LoadedFile {
+  std::string name;  // one for each file, however it is spelled in URLs: for people, and what its own URLs start from
+  std::string bytes;
+};
+
+// Reads the file behind the URL of an Inline or an EXTERNPROTO, or says in a few words why it can't. `base` is the name
+// of the file that has the URL. core opens no file itself.
+using FileLoader =
+    std::function<std::expected<LoadedFile, std::string>(std::string_view url, std::string_view base)>;
+
+struct ReadLimits {
+  std::uint64_t text_bytes = std::uint64_t{1} << 30;  // of all texts, unpacked; below 4 GiB
+  std::uint32_t nodes = 1u << 22;                     // after PROTOs are expanded
+  std::uint32_t instances = 1u << 22;                 // a USE counts again
+};
+
+}  // namespace peerd

@@ -1,0 +1,175 @@
+#include "core/vrml/prototype.hpp"
+
+#include <algorithm>
+
+#include "core/vrml/element_positions.hpp"
+
+namespace peerd::vrml {
+namespace {
+
+bool holds_nodes(FieldType type) { return type == FieldType::kSFNode || type == FieldType::kMFNode; }
+
+// The same nodes, `base` further on.
+Field moved(const Field& field, std::uint32_t base, Arena& arena) {
+  const std::span<NodeRef> refs = arena.allocate<NodeRef>(field.count);
+  std::ranges::transform(field.as<NodeRef>(), refs.begin(), [&](NodeRef ref) {
+    if (ref.is_node()) ref.index += base;
+    return ref;
+  });
+  Field out = field;
+  out.data = refs.data();
+  return out;
+}
+
+const Field* find(std::span<const Field> fields, const FieldSpec& spec) {
+  const auto it = std::ranges::find(fields, &spec, &Field::spec);
+  return it == fields.end() ? nullptr : &*it;
+}
+
+}  // namespace
+
+bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<Node>& nodes, Problems& problems) {
+  if (!holds_nodes(spec.type)) return true;
+  bool good = true;
+  for (const NodeRef& ref : value.as<NodeRef>()) {
+    if (!ref.is_node()) continue;
+    const NodeType& type = *nodes[ref.index].type;
+    if ((spec.accepts & type.classes) != 0) continue;
+    std::string message = quoted(spec.name) + " takes " + std::string(name_of_classes(spec.accepts)) + "; " +
+                          std::string(type.name) + " is " + std::string(name_of_classes(type.classes));
+    if (spec.accepts == kChild && type.classes == kGeometry) {
+      // Shown by nobody and solid to nobody, and harmless.
+      problems.warning(ref.at, message + ", which is part of the scene in a Shape only: write Shape { geometry " +
+                                   std::string(type.name) + " { .. } }");
+      continue;
+    }
+    problems.error(ref.at, message);
+    good = false;
+  }
+  return good;
+}
+
+bool check_range(const FieldSpec& spec, const Field& value, Problems& problems) {
+  if (spec.range == Range::kAny) return true;
+  const bool positive = spec.range == Range::kPositive || spec.range == Range::kShouldBePositive || spec.range == Range::kSize;
+  const bool must = spec.range == Range::kPositive || spec.range == Range::kNonNegative || spec.range == Range::kSize;
+  bool good = true;
+  std::optional<ElementPositions> positions;
+  const auto check = [&](std::size_t element, double number) {
+    if (positive ? number > 0 : number >= 0) return;
+    if (problems.full()) return;
+    if (!positions) positions.emplace(problems.text_of(value.at), problems.begin_of(value.at), value.at);
+    const bool is_error = must && !(spec.range == Range::kSize && number == 0);
+    const std::string found = ", found " + quoted(positions->text_at(element));
+    const Position at = positions->at(element);
+    if (is_error) {
+      problems.error(at, quoted(spec.name) + (positive ? " must be > 0" : " must be >= 0") + found);
+      good = false;
+    } else {
+      problems.warning(at, quoted(spec.name) + (positive ? " should be > 0" : " should be >= 0") + found +
+                               "; it is taken as it is");
+    }
+  };
+  if (float_count(spec.type) > 0) {
+    for (std::size_t i = 0; i < value.count; ++i) check(i, static_cast<double>(value.as<float>()[i]));
+  } else if (spec.type == FieldType::kSFInt32 || spec.type == FieldType::kMFInt32) {
+    for (std::size_t i = 0; i < value.count; ++i) check(i, value.as<std::int32_t>()[i]);
+  } else if (spec.type == FieldType::kSFTime || spec.type == FieldType::kMFTime) {
+    for (std::size_t i = 0; i < value.count; ++i) check(i, value.as<double>()[i]);
+  }
+  return good;
+}
+
+std::uint32_t copy_node(const Body& from, std::uint32_t node, Body& to, Arena& arena) {
+  // A node stands behind all that it refers to: mark from the node down, then copy upwards.
+  std::vector<std::uint32_t> place(node + 1, NodeRef::kNull);
+  std::vector<bool> wanted(node + 1, false);
+  wanted[node] = true;
+  for (std::uint32_t i = node + 1; i-- > 0;) {
+    if (!wanted[i]) continue;
+    for (const Field& field : from.nodes[i].given()) {
+      if (!holds_nodes(field.spec->type)) continue;
+      for (const NodeRef& ref : field.as<NodeRef>()) {
+        if (ref.is_node()) wanted[ref.index] = true;
+      }
+    }
+  }
+  for (std::uint32_t i = 0; i <= node; ++i) {
+    if (!wanted[i]) continue;
+    Node copy = from.nodes[i];
+    const std::span<Field> fields = arena.allocate<Field>(copy.field_count);
+    std::ranges::transform(copy.given(), fields.begin(), [&](Field field) {
+      if (!holds_nodes(field.spec->type)) return field;
+      const std::span<NodeRef> refs = arena.allocate<NodeRef>(field.count);
+      std::ranges::transform(field.as<NodeRef>(), refs.begin(), [&](NodeRef ref) {
+        if (ref.is_node()) ref.index = place[ref.index];
+        return ref;
+      });
+      field.data = refs.data();
+      return field;
+    });
+    copy.fields = fields.data();
+    place[i] = static_cast<std::uint32_t>(to.nodes.size());
+    to.nodes.push_back(copy);
+  }
+  return place[node];
+}
+
+Expansion expand(const Prototype& prototype, std::span<const Field> given, Body& out, Arena& arena,
+                 Problems& problems) {
+  const auto base = static_cast<std::uint32_t>(out.nodes.size());
+  const Body& body = prototype.body;
+  // Links by node, so that one pass over the nodes serves them all.
+  std::vector<const IsLink*> links;
+  for (const IsLink& link : prototype.links) {
+    if (has_value(link.outer->access) && has_value(link.inner->access)) links.push_back(&link);
+  }
+  std::ranges::stable_sort(links, {}, &IsLink::node);
+  auto link = links.begin();
+  std::vector<Field> fields;
+  for (std::uint32_t i = 0; i < body.nodes.size(); ++i) {
+    Node node = body.nodes[i];
+    node.scope += out.scopes;
+    const bool linked = link != links.end() && (*link)->node == i;
+    const bool refers = std::ranges::any_of(node.given(), [](const Field& f) { return holds_nodes(f.spec->type); });
+    if (linked || refers) {
+      fields.assign(node.given().begin(), node.given().end());
+      for (Field& field : fields) {
+        if (holds_nodes(field.spec->type)) field = moved(field, base, arena);
+      }
+      for (; link != links.end() && (*link)->node == i; ++link) {
+        const FieldSpec& inner = *(*link)->inner;
+        const Field* value = find(given, *(*link)->outer);
+        Field field;
+        if (value != nullptr) {
+          field = *value;
+        } else {
+          field = prototype.defaults[static_cast<std::size_t>((*link)->outer - prototype.type.fields.data())];
+          if (holds_nodes(inner.type)) field = moved(field, base, arena);
+        }
+        field.spec = &inner;
+        // Defaults were checked with the PROTO; what an instance gives is its own.
+        const bool good = value == nullptr || (check_nodes(inner, field, out.nodes, problems) &
+                                               check_range(inner, field, problems));
+        std::erase_if(fields, [&](const Field& f) { return f.spec == &inner; });
+        if (good) fields.push_back(field);
+        node.damaged |= !good;
+      }
+      const auto copy = arena.copy(std::span<const Field>(fields));
+      node.fields = copy.data();
+      node.field_count = static_cast<std::uint16_t>(copy.size());
+    }
+    out.nodes.push_back(node);
+  }
+  for (Route route : body.routes) {
+    route.from_node += base;
+    route.to_node += base;
+    out.routes.push_back(route);
+  }
+  out.scopes += body.scopes;
+  std::uint32_t root = NodeRef::kNull;
+  if (!body.roots.empty() && body.roots.front().is_node()) root = body.roots.front().index + base;
+  return {root, base};
+}
+
+}  // namespace peerd::vrml

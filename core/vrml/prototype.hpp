@@ -1,0 +1,51 @@
+#pragma once
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/vrml/document.hpp"
+
+namespace peerd::vrml {
+
+// Nodes that refer to each other by their places: a world's, an inlined file's or those of a PROTO's body.
+struct Body {
+  std::vector<Node> nodes;  // a node stands behind all that it refers to
+  std::vector<NodeRef> roots;
+  std::vector<Route> routes;
+  std::uint32_t scopes = 1;  // Node::scope is below it
+};
+
+// `node`'s field `inner` IS the field `outer` of the interface.
+struct IsLink {
+  const FieldSpec* outer = nullptr;
+  std::uint32_t node = NodeRef::kNull;
+  const FieldSpec* inner = nullptr;
+  Position at = 0;
+};
+
+// A PROTO, or an EXTERNPROTO that was found or will not be (4.8, 4.9).
+struct Prototype {
+  NodeType type;                // its interface as fields
+  std::vector<Field> defaults;  // of each of type.fields; no data for events
+  Body body;                    // its default nodes and its own; what it is made of stands expanded in it
+  std::vector<IsLink> links;    // to fields and events of `body`, through what is expanded in it
+  bool found = true;            // false: an EXTERNPROTO that no file defines; its instances are empty nodes
+};
+
+// Puts a copy of the prototype's body behind `out`, with the fields `given` where they IS: checks their nodes' classes
+// and their ranges there. Gives the place of the copy's first node, or kNull where the prototype has none.
+struct Expansion {
+  std::uint32_t root = NodeRef::kNull;
+  std::uint32_t base = 0;  // node i of prototype.body is node base + i of `out`
+};
+[[nodiscard]] Expansion expand(const Prototype& prototype, std::span<const Field> given, Body& out, Arena& arena,
+                               Problems& problems);
+
+// Puts a copy of a node, and of all that it refers to, from one body into another; gives its place there.
+[[nodiscard]] std::uint32_t copy_node(const Body& from, std::uint32_t node, Body& to, Arena& arena);
+
+// Whether `field` may hold those values and nodes of `nodes`; reports what it may not.
+bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<Node>& nodes, Problems& problems);
+bool check_range(const FieldSpec& spec, const Field& value, Problems& problems);
+
+}  // namespace peerd::vrml

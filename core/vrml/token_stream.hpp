@@ -1,0 +1,64 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/vrml/diagnostics.hpp"
+#include "core/vrml/lexer.hpp"
+
+namespace peerd::vrml {
+
+// The tokens of one text with the next one to look at. Reports those that are none and goes on behind them; ends early
+// once there are too many errors.
+class TokenStream {
+ public:
+  TokenStream(std::string_view text, Position text_begin, std::size_t begin, Problems& problems)
+      : problems_(problems), lexer_(text, begin), text_begin_(text_begin) {
+    take();
+  }
+
+  [[nodiscard]] const Token& peek() const { return token_; }
+  [[nodiscard]] bool at(TokenKind kind) const { return token_.kind == kind; }
+  [[nodiscard]] bool at_word(std::string_view word) const { return at(TokenKind::kWord) && token_.text == word; }
+  [[nodiscard]] Position position() const { return position_of(token_); }
+  [[nodiscard]] Position position_of(const Token& token) const { return text_begin_ + token.offset; }
+  // What the token after the next one is.
+  [[nodiscard]] TokenKind kind_after() const {
+    Lexer ahead = lexer_;
+    return ahead.next().kind;
+  }
+
+  Token take();
+  bool accept(TokenKind kind);
+  void error(Position at, std::string message);
+  void warning(Position at, std::string message) { problems_.warning(at, std::move(message)); }
+
+  // Takes plain numbers (Lexer::take_numbers) from the next token on.
+  template <class T, class Add>
+  void take_numbers(Add add) {
+    lexer_.go_to(token_.offset);
+    lexer_.template take_numbers<T>(add);
+    take();
+  }
+  // At the '[' of a list: how many numbers it may hold. 0 inside a list that was counted before, so that a text of
+  // brackets that never close is not counted over and over.
+  [[nodiscard]] std::size_t count_numbers();
+
+  // From '{' or '[' to its partner, whatever is between; the names that stand behind a DEF in there.
+  std::vector<std::string_view> skip_balanced();
+  // Says once that what `what` opened at `open` never ends: all that is open around it doesn't either.
+  void report_unclosed(Position open, const std::string& what, char missing);
+
+ private:
+  Problems& problems_;
+  Lexer lexer_;
+  Token token_;
+  Position text_begin_;
+  std::size_t counted_to_ = 0;
+  bool unclosed_reported_ = false;
+};
+
+// What a message calls a token.
+[[nodiscard]] std::string described(const Token& token);
+
+}  // namespace peerd::vrml

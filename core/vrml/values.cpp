@@ -1,0 +1,342 @@
+#include "core/vrml/values.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "core/vrml/element_positions.hpp"
+#include "core/vrml/prototype.hpp"
+
+namespace peerd::vrml {
+namespace {
+
+using enum TokenKind;
+
+bool spells_non_finite(const Token& token) {
+  constexpr std::string_view kSpellings[] = {"nan", "NaN", "NAN", "inf", "Inf", "INF", "infinity", "Infinity"};
+  return token.kind == kWord && std::ranges::find(kSpellings, token.text) != std::end(kSpellings);
+}
+
+bool is_rotation(FieldType type) { return type == FieldType::kSFRotation || type == FieldType::kMFRotation; }
+
+// A list of numbers on its way into an arena, in a block of the right size when the guess was right.
+template <class T>
+class Growing {
+ public:
+  Growing(Arena& arena, std::size_t guess) : arena_(arena), block_(arena.allocate<T>(guess)) {}
+
+  void add(T element) {
+    if (count_ == block_.size()) grow();
+    block_[count_++] = element;
+  }
+  [[nodiscard]] std::span<const T> elements() const { return block_.first(count_); }
+
+ private:
+  void grow() {
+    const auto larger = arena_.allocate<T>(std::max<std::size_t>(8, 2 * count_));
+    std::ranges::copy(elements(), larger.begin());
+    block_ = larger;
+  }
+
+  Arena& arena_;
+  std::span<T> block_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+std::optional<Field> ValueReader::read(const FieldSpec& spec, bool check) {
+  using enum FieldType;
+  Field field{&spec, nullptr, 0, tokens_.position()};
+  bool good = false;
+  switch (spec.type) {
+    case kSFBool:
+      good = read_single<bool>(spec, field);
+      break;
+    case kSFInt32:
+      good = read_single<std::int32_t>(spec, field);
+      break;
+    case kSFTime:
+      good = read_single<double>(spec, field);
+      break;
+    case kSFString:
+      good = read_single<std::string_view>(spec, field);
+      break;
+    case kMFTime:
+      good = read_several<double>(spec, field);
+      break;
+    case kMFString:
+      good = read_several<std::string_view>(spec, field);
+      break;
+    case kSFImage:
+      good = read_image(spec, field);
+      break;
+    case kSFNode:
+      good = read_one_node(spec, field);
+      break;
+    case kMFNode:
+      good = read_nodes(spec, field);
+      break;
+    case kMFInt32:
+      good = read_numbers<std::int32_t>(spec, field);
+      break;
+    default:
+      good = read_floats(spec, field);
+      if (good && is_rotation(spec.type)) check_axes(spec, field);
+  }
+  if (good && check) good = check_range(spec, field, problems_);
+  return good ? std::optional(field) : std::nullopt;
+}
+
+bool ValueReader::list_ends(const Token& open, bool& good) {
+  if (tokens_.at(kCloseBracket)) {
+    tokens_.take();
+  } else if (tokens_.at(kEnd)) {
+    good = false;
+    tokens_.report_unclosed(tokens_.position_of(open), "list", ']');
+  } else if (tokens_.at(kCloseBrace) || (tokens_.at(kWord) && is_field_ && is_field_(tokens_.peek().text))) {
+    good = false;
+    tokens_.error(tokens_.position(), "expected ']', found " + described(tokens_.peek()));
+  } else {
+    return false;
+  }
+  --open_lists_;
+  return true;
+}
+
+// Values in brackets, or one without. `read_one` takes one, or reports it and gives false.
+template <class ReadOne>
+bool ValueReader::read_list(ReadOne read_one) {
+  const Token open = tokens_.peek();
+  if (!tokens_.accept(kOpenBracket)) return read_one();
+  ++open_lists_;
+  bool good = true;
+  while (!list_ends(open, good)) {
+    const std::uint32_t before = tokens_.peek().offset;
+    if (read_one()) continue;
+    good = false;
+    if (tokens_.peek().offset == before) skip(true);
+  }
+  return good;
+}
+
+template <class T>
+bool ValueReader::read_single(const FieldSpec& spec, Field& field) {
+  T one{};
+  if (!read_one(spec, one)) return false;
+  keep<T>(field, {&one, 1});
+  return true;
+}
+
+// A list in brackets. Numbers of the plain kind are most of a world, and take a shorter way.
+template <class T>
+bool ValueReader::read_numbers(const FieldSpec& spec, Field& field) {
+  if (!tokens_.at(kOpenBracket)) return read_single<T>(spec, field);
+  const Token open = tokens_.peek();
+  Growing<T> list(arena_, tokens_.count_numbers());
+  tokens_.take();
+  ++open_lists_;
+  bool good = true;
+  while (!list_ends(open, good)) {
+    if (tokens_.at(kNumber)) tokens_.take_numbers<T>([&](T value) { list.add(value); });
+    if (tokens_.at(kCloseBracket)) continue;
+    T one{};
+    const std::uint32_t before = tokens_.peek().offset;
+    if (tokens_.at(kNumber) || spells_non_finite(tokens_.peek())) {
+      const bool read = read_one(spec, one);
+      if (read) list.add(one);
+      good = good && read;
+    } else if (!tokens_.at(kEnd) && !tokens_.at(kCloseBrace) &&
+               !(tokens_.at(kWord) && is_field_ && is_field_(tokens_.peek().text))) {
+      read_one(spec, one);
+      good = false;
+      if (tokens_.peek().offset == before) skip(true);
+    }
+  }
+  field.data = list.elements().data();
+  field.count = static_cast<std::uint32_t>(list.elements().size());
+  return good;
+}
+
+template <class T>
+bool ValueReader::read_several(const FieldSpec& spec, Field& field) {
+  std::vector<T> list;
+  const bool good = read_list([&] {
+    T one{};
+    if (!read_one(spec, one)) return false;
+    list.push_back(one);
+    return true;
+  });
+  if (!good) return false;
+  keep<T>(field, list);
+  return true;
+}
+
+bool ValueReader::expected_value(const FieldSpec& spec, std::string_view what) {
+  if (tokens_.at(kEnd)) return false;  // the node that is never closed says it
+  const bool bracketed = tokens_.at(kOpenBracket) && !is_list(spec.type);
+  tokens_.error(tokens_.position(), quoted(spec.name) + " (" + std::string(name_of(spec.type)) + ") wants " +
+                                        std::string(what) + ", found " + described(tokens_.peek()) +
+                                        (bracketed ? ": it is one value, without brackets" : ""));
+  if (bracketed) tokens_.skip_balanced();
+  return false;
+}
+
+template <class T>
+bool ValueReader::take_number(const FieldSpec& spec, std::expected<T, NumberError> number, T& value) {
+  const Token token = tokens_.peek();
+  const Position at = tokens_.position();
+  tokens_.take();
+  if (number) {
+    value = *number;
+    return true;
+  }
+  switch (number.error()) {
+    case NumberError::kSyntax:
+      tokens_.error(at, quoted(token.text) + " is not a number of " + std::string(name_of(spec.type)));
+      break;
+    case NumberError::kNotFinite:
+      tokens_.error(at, quoted(token.text) + " is not a finite number");
+      break;
+    case NumberError::kOverflow:
+      tokens_.error(at, quoted(token.text) + " is too large for " + std::string(name_of(spec.type)));
+      break;
+  }
+  return false;
+}
+
+bool ValueReader::read_one(const FieldSpec& spec, float& value) {
+  if (tokens_.at(kNumber)) return take_number(spec, read_float(tokens_.peek().text), value);
+  if (!spells_non_finite(tokens_.peek())) return expected_value(spec, "a number");
+  return take_number<float>(spec, std::unexpected(NumberError::kNotFinite), value);
+}
+
+bool ValueReader::read_one(const FieldSpec& spec, std::int32_t& value) {
+  if (!tokens_.at(kNumber)) return expected_value(spec, "an integer");
+  return take_number(spec, read_int32(tokens_.peek().text), value);
+}
+
+bool ValueReader::read_one(const FieldSpec& spec, double& value) {
+  if (!tokens_.at(kNumber)) return expected_value(spec, "a time in seconds");
+  return take_number(spec, read_double(tokens_.peek().text), value);
+}
+
+bool ValueReader::read_one(const FieldSpec& spec, bool& value) {
+  if (tokens_.at_word("TRUE") || tokens_.at_word("FALSE")) {
+    value = tokens_.take().text == "TRUE";
+    return true;
+  }
+  expected_value(spec, "TRUE or FALSE");
+  constexpr std::string_view kMeant[] = {"true", "false", "True", "False"};
+  const bool meant = std::ranges::find(kMeant, tokens_.peek().text) != std::end(kMeant);
+  if (meant || tokens_.at(kNumber) || tokens_.at(kString)) tokens_.take();
+  return false;
+}
+
+bool ValueReader::read_one(const FieldSpec& spec, std::string_view& value) {
+  if (!tokens_.at(kString)) return expected_value(spec, "a string in quotes");
+  const std::string_view text = tokens_.take().text;
+  value = arena_.copy(text.find('\\') == std::string_view::npos ? text : std::string_view(unescaped(text)));
+  return true;
+}
+
+bool ValueReader::read_floats(const FieldSpec& spec, Field& field) {
+  const auto width = static_cast<std::size_t>(float_count(spec.type));
+  if (is_list(spec.type) && tokens_.at(kOpenBracket)) {
+    if (!read_numbers<float>(spec, field)) return false;
+    if (field.count % width == 0) return true;
+    tokens_.error(field.at, quoted(spec.name) + " (" + std::string(name_of(spec.type)) + ") wants numbers by " +
+                                std::to_string(width) + ", found " + std::to_string(field.count));
+    return false;
+  }
+  std::array<float, 4> floats{};
+  bool good = true;
+  for (std::size_t i = 0; i < width; ++i) {
+    if (!tokens_.at(kNumber) && !spells_non_finite(tokens_.peek())) {
+      return expected_value(spec, width == 1 ? "a number" : std::to_string(width) + " numbers");
+    }
+    if (!read_one(spec, floats[i])) good = false;
+  }
+  keep<float>(field, std::span<const float>(floats).first(width));
+  return good;
+}
+
+// An axis of length 0 turns nothing, whatever the angle; the standard wants a unit vector, exporters write zeros.
+void ValueReader::check_axes(const FieldSpec& spec, const Field& field) {
+  const std::span<const float> f = field.as<float>();
+  for (std::size_t i = 0; i < f.size(); i += 4) {
+    if (f[i] != 0 || f[i + 1] != 0 || f[i + 2] != 0 || f[i + 3] == 0) continue;
+    ElementPositions positions(problems_.text_of(field.at), problems_.begin_of(field.at), field.at);
+    return tokens_.warning(positions.at(i), quoted(spec.name) + " has an axis of length 0 and an angle that is not 0; nothing is turned");
+  }
+}
+
+bool ValueReader::read_image(const FieldSpec& spec, Field& field) {
+  std::vector<std::int32_t> image(3, 0);
+  for (std::int32_t& head : image) {
+    if (!read_one(spec, head)) return false;
+  }
+  if (image[0] < 0 || image[1] < 0 || image[2] < 0 || image[2] > 4) {
+    tokens_.error(field.at, quoted(spec.name) + " (SFImage) begins with its width and height, >= 0, and 0 to 4 components");
+    return false;
+  }
+  // The loop ends with the text's numbers, however large the size claims to be.
+  const std::int64_t pixels = std::int64_t{image[0]} * image[1];
+  for (std::int64_t i = 0; i < pixels; ++i) {
+    std::int32_t pixel = 0;
+    if (!read_one(spec, pixel)) return false;
+    image.push_back(pixel);
+  }
+  keep<std::int32_t>(field, image);
+  return true;
+}
+
+bool ValueReader::read_one_node(const FieldSpec& spec, Field& field) {
+  if (tokens_.at_word("NULL")) return tokens_.take(), true;
+  if (!tokens_.at(kWord) || !read_node_) return expected_value(spec, "a node");
+  const std::optional<NodeRef> ref = read_node_(spec);
+  if (!ref) return false;
+  keep<NodeRef>(field, {&*ref, 1});
+  return ref->index != NodeRef::kNull;
+}
+
+bool ValueReader::read_nodes(const FieldSpec& spec, Field& field) {
+  if (tokens_.at_word("NULL")) return tokens_.take(), true;  // the seed's appendix C.5 writes an empty list so
+  std::vector<NodeRef> list;
+  const bool good = read_list([&] {
+    if (!tokens_.at(kWord) || tokens_.at_word("NULL") || !read_node_) return expected_value(spec, "a node");
+    // What cannot be read keeps its place among children as a null, so that child indices stay the text's.
+    if (const std::optional<NodeRef> ref = read_node_(spec)) list.push_back(*ref);
+    return true;
+  });
+  keep<NodeRef>(field, list);
+  return good;
+}
+
+std::vector<std::string_view> ValueReader::skip(bool in_list) {
+  switch (tokens_.peek().kind) {
+    case kNumber:
+    case kString:
+    case kPeriod:
+      while (tokens_.at(kNumber) || tokens_.at(kString) || tokens_.at(kPeriod)) tokens_.take();
+      return {};
+    case kOpenBracket:
+    case kOpenBrace:
+      return tokens_.skip_balanced();
+    case kWord:
+      break;
+    default:
+      return {};
+  }
+  const bool node = tokens_.at_word("DEF") || tokens_.at_word("USE") || find_node_type(tokens_.peek().text) != nullptr ||
+                    tokens_.kind_after() == kOpenBrace;
+  if (node && read_node_) {
+    constexpr FieldSpec kAnything{"", FieldType::kSFNode, Access::kField, {}, Range::kAny, kAnyClass};
+    static_cast<void>(read_node_(kAnything));
+  } else if (node || tokens_.at_word("TRUE") || tokens_.at_word("FALSE") || tokens_.at_word("NULL") || in_list) {
+    tokens_.take();
+  }
+  return {};
+}
+
+}  // namespace peerd::vrml

@@ -1,0 +1,22 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "core/vrml/reader.hpp"
+#include "peerd/config/toml_input.hpp"
+
+namespace peerd::config {
+
+// Reads the files behind the URLs of Inlines and EXTERNPROTOs: regular files of this machine, by relative or absolute
+// path or file: URL, %-escapes resolved. Anything else is refused by name; nothing is fetched over a network.
+[[nodiscard]] FileLoader local_files();
+
+// A world and all that it includes. A world with errors is a result too; no file at all is none.
+struct WorldFile {
+  std::string text;  // ReadResult::sources may point into it
+  ReadResult result;
+};
+[[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
+                                                                       ReadOptions options = {});
+
+}  // namespace peerd::config
