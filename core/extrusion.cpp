@@ -46,7 +46,7 @@ Vec3 unit(const Vec3& v) {
   return {v.x() / length, v.y() / length, v.z() / length};
 }
 
-// (b - a) x (c - a), rounded once: 0 only if the points are collinear.
+// (b - a) x (c - a). Computed exactly and rounded: 0 only if the points are collinear.
 Vec3 normal(const Point& a, const Point& b, const Point& c) {
   Vec3 n;
   for (Eigen::Index k = 0; k < 3; ++k) {

@@ -1,7 +1,9 @@
 #include "core/geometry.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <numbers>
+#include <utility>
 
 #include "core/elevation_grid.hpp"
 #include "core/extrusion.hpp"

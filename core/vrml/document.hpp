@@ -21,11 +21,10 @@ inline constexpr std::uint32_t kMaxNesting = 256;
 // A node where it stands: written there, or USEd there.
 struct NodeRef {
   static constexpr std::uint32_t kNull = std::numeric_limits<std::uint32_t>::max();
-  static constexpr std::uint32_t kSelf = kNull - 1;  // a Script's field that USEs that Script
-  std::uint32_t index = kNull;                       // into Document::nodes
+  std::uint32_t index = kNull;  // into Document::nodes
   Position at = 0;
 
-  [[nodiscard]] bool is_node() const { return index < kSelf; }
+  [[nodiscard]] bool is_node() const { return index != kNull; }
 };
 
 // A field's value, in the document's arena and never changed there: copies of a node share it. The elements by type:
@@ -78,9 +77,11 @@ struct InnerName {
 };
 
 // All nodes of a world as its texts have them, with PROTOs replaced by what they stand for and Inlines filled: a graph
-// shared by USE, without cycles but for NodeRef::kSelf. Needs none of the texts any more.
+// shared by USE. Needs none of the texts any more.
 struct Document {
-  std::vector<Node> nodes;         // a node stands behind all that it refers to
+  // A node stands behind all that it refers to, so that there is no cycle; but the own fields of a Script, which it is
+  // only told of, may refer to nodes around it and to itself.
+  std::vector<Node> nodes;
   std::vector<NodeRef> top_level;  // null where a node could not be read
   std::vector<Route> routes;       // in file order
   std::vector<InnerName> inner_names;

@@ -1,7 +1,9 @@
 #include "core/vrml/geometry_reader.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "core/vrml/element_positions.hpp"
 
@@ -9,6 +11,8 @@ namespace peerd::vrml {
 namespace {
 
 static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float) && alignof(Eigen::Vector3f) <= alignof(float));
+
+constexpr double kLargest = std::numeric_limits<float>::max();
 
 class GeometryReader {
  public:
@@ -78,6 +82,10 @@ std::optional<Geometry> GeometryReader::read_face_set() {
   }
   const Field* list = node_.find("coordIndex");
   if (list == nullptr) return faces;
+  if (faces.points.empty() && list->count > 0) {
+    problems_.warning(list->at, "this IndexedFaceSet has no points for its coordIndex: it has no polygons");
+    return faces;
+  }
   faces.corners = {document_, list->as<std::int32_t>()};
   if (!check_corners(faces, *list)) return std::nullopt;
   return faces;
@@ -99,8 +107,8 @@ bool GeometryReader::check_corners(const FaceSetGeometry& faces, const Field& li
       if (corners[i] >= 0 && corners[i] < points) continue;
       good = false;
       if (problems_.full()) break;
-      const std::string range = points == 0 ? "has no points" : "has points 0 to " + std::to_string(points - 1);
-      problems_.error(position(i), "coordIndex " + std::to_string(corners[i]) + " is out of range: the Coordinate " + range);
+      problems_.error(position(i), "coordIndex " + std::to_string(corners[i]) +
+                                       " is out of range: the Coordinate has points 0 to " + std::to_string(points - 1));
       continue;
     }
     // The last -1 may be left out; one behind another closes nothing.
@@ -135,6 +143,12 @@ std::optional<Geometry> GeometryReader::read_elevation_grid() {
     problems_.warning(node_.find("height")->at, std::to_string(found - wanted) + " heights are more than this ElevationGrid needs; they are not used");
     grid.height = {document_, grid.height.span().first(static_cast<std::size_t>(wanted))};
   }
+  const double width = std::max(grid.x_dimension - 1, 0) * double{grid.x_spacing};
+  const double length = std::max(grid.z_dimension - 1, 0) * double{grid.z_spacing};
+  if (std::max(width, length) > kLargest) {
+    problems_.error(node_.at, "this ElevationGrid is larger than binary32 can say");
+    return std::nullopt;
+  }
   return grid;
 }
 
@@ -157,6 +171,16 @@ std::optional<Geometry> GeometryReader::read_extrusion() {
   const bool scale = check("scale", extrusion.scale.size());
   const bool orientation = check("orientation", extrusion.orientation.size());
   if (!scale || !orientation) return std::nullopt;
+  const auto largest = [&](std::string_view name) {
+    double most = 0;
+    for (const float f : value_of(node_, name).as<float>()) most = std::max(most, std::abs(double{f}));
+    return most;
+  };
+  // Whichever way the cross-section is turned, no coordinate of it exceeds twice its largest.
+  if (largest("spine") + 2 * largest("crossSection") * largest("scale") > kLargest) {
+    problems_.error(node_.at, "this Extrusion is larger than binary32 can say");
+    return std::nullopt;
+  }
   return extrusion;
 }
 

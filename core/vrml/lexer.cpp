@@ -176,14 +176,32 @@ Token Lexer::next() {
   return token(TokenKind::kInvalid, size);
 }
 
-std::expected<std::size_t, std::string> read_header(std::string_view text) {
-  constexpr std::string_view kHeader = "#VRML V2.0 utf8";
-  const std::string_view first = text.substr(0, text.find_first_of("\r\n"));
-  if (first.starts_with(kHeader)) {
-    const std::string_view rest = first.substr(kHeader.size());
-    if (rest.empty() || rest[0] == ' ' || rest[0] == '\t') {
-      return first.size();
+std::expected<Header, std::string> read_header(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  const std::size_t begin = text.starts_with(kMark) ? kMark.size() : 0;
+  const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+  const std::string_view first = text.substr(begin, end - begin);
+  // The three words, what separates them, and that nothing is glued to the last.
+  std::string_view rest = first;
+  bool words = true, exact = true;
+  for (const std::string_view word : {"#VRML", "V2.0", "utf8"}) {
+    words = words && rest.starts_with(word);
+    if (!words) break;
+    rest.remove_prefix(word.size());
+    const std::size_t blanks = std::min(rest.find_first_not_of(" \t"), rest.size());
+    if (word != "utf8") {
+      words = blanks > 0;
+      exact = exact && blanks == 1 && rest[0] == ' ';
+    } else {
+      words = blanks > 0 || rest.empty();
     }
+    rest.remove_prefix(blanks);
+  }
+  if (words) {
+    const std::string_view remark = begin > 0 ? "a byte order mark stands before the header; the standard has none"
+                                    : exact   ? std::string_view{}
+                                              : "the header's words should be one blank apart: '#VRML V2.0 utf8'";
+    return Header{end, remark};
   }
   if (text.empty()) return std::unexpected("the file is empty; a world begins with the line '#VRML V2.0 utf8'");
   if (first.starts_with("#VRML V1.0")) {
@@ -191,9 +209,6 @@ std::expected<std::size_t, std::string> read_header(std::string_view text) {
   }
   if (first.starts_with("#X3D") || text.starts_with("<?xml") || text.starts_with("<X3D")) {
     return std::unexpected("this is X3D; only VRML97 ('#VRML V2.0 utf8') is read");
-  }
-  if (text.starts_with("\xEF\xBB\xBF")) {
-    return std::unexpected("a byte order mark stands before the header; save the file as UTF-8 without it");
   }
   return std::unexpected("the first line must begin with '#VRML V2.0 utf8', exactly so");
 }

@@ -388,7 +388,7 @@ constexpr FieldSpec kTextureTransformFields[] = {
     exposed("translation", kSFVec2f, "0 0"),
 };
 constexpr FieldSpec kTimeSensorFields[] = {
-    exposed("cycleInterval", kSFTime, "1", kPositive), exposed("enabled", kSFBool, "TRUE"),
+    exposed("cycleInterval", kSFTime, "1", kShouldBePositive), exposed("enabled", kSFBool, "TRUE"),
     exposed("loop", kSFBool, "FALSE"),                 exposed("startTime", kSFTime, "0"),
     exposed("stopTime", kSFTime, "0"),                 event_out("cycleTime", kSFTime),
     event_out("fraction_changed", kSFFloat),           event_out("isActive", kSFBool),

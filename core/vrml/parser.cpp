@@ -20,6 +20,7 @@ namespace {
 using enum TokenKind;
 
 constexpr std::size_t kMaxOpenFiles = 32;  // an Inline in an Inline in ..; each is a recursion
+constexpr std::uint32_t kAround = NodeRef::kNull - 1;  // a node that is still open, until close_around() knows it
 constexpr std::string_view kOwnUrn = "urn:peerd:node:";
 
 // The nodes of the seed's appendix C that a world may also declare, so that other browsers load it.
@@ -32,6 +33,7 @@ struct Definition {
   const Prototype* prototype = nullptr;  // whose instance it is; its copy begins at `base`
   std::uint32_t base = 0;
   bool open = false;
+  std::vector<NodeRef*> waiting{};  // Scripts' fields that refer to it while it is open
 };
 
 // A PROTO by the name that it has in a scope; an EXTERNPROTO is looked for when it is used first.
@@ -75,6 +77,7 @@ struct Reading {
     Position begin = 0;
     std::size_t body = 0;  // offset behind its header
     bool readable = false;
+    std::string why{};  // it is not
     std::optional<std::vector<NodeRef>> content{};  // as an Inline, in `world`
     std::optional<Declarations> library{};          // as what EXTERNPROTOs look into
   };
@@ -105,26 +108,27 @@ struct OpenText {
 // Unpacks a text, checks its header and takes it among the sources.
 std::expected<OpenText, std::string> open_text(Reading& reading, Source source) {
   const std::uint64_t left = reading.options.limits.text_bytes - std::min(reading.text_bytes, reading.options.limits.text_bytes);
-  std::expected<std::size_t, std::string> body = std::unexpected("");
+  std::expected<Header, std::string> header = std::unexpected("");
   if (is_gzip(source.text)) {
     std::expected<std::string, std::string> unpacked = gunzip(source.text, left);
     if (unpacked) {
       source.owned = std::make_shared<const std::string>(std::move(*unpacked));
       source.text = *source.owned;
-      body = read_header(source.text);
+      header = read_header(source.text);
     } else {
-      body = std::unexpected(unpacked.error());
+      header = std::unexpected(unpacked.error());
     }
   } else if (source.text.size() > left) {
-    body = std::unexpected("it is larger than " + std::to_string(left) + " bytes, more than this reader takes");
+    header = std::unexpected("it is larger than " + std::to_string(left) + " bytes, more than this reader takes");
   } else {
-    body = read_header(source.text);
+    header = read_header(source.text);
   }
   reading.text_bytes += source.text.size();
   const std::optional<Position> begin = reading.problems.open(std::move(source));
-  if (!body) return std::unexpected(body.error());
+  if (!header) return std::unexpected(header.error());
   if (!begin) return std::unexpected("its files together are larger than 4 GiB, more than this reader takes");
-  return OpenText{*begin, *body};
+  if (!header->remark.empty()) reading.problems.warning(*begin, std::string(header->remark));
+  return OpenText{*begin, header->end};
 }
 
 class Parser {
@@ -226,6 +230,7 @@ class Parser {
   Scope* scope_ = nullptr;
   Open* open_ = nullptr;       // the innermost open node
   std::vector<Field> fields_;  // of all open nodes
+  std::vector<Definition*> script_uses_;  // open ones that the Script field in hand names, in order
   std::uint32_t nesting_;      // of nodes and PROTOs, through files: each is a recursion
 };
 
@@ -419,7 +424,7 @@ void Parser::parse_body_of(Prototype& prototype, std::string_view name) {
   close(scope);
   scope_ = scope.outer;
   if (body.roots.empty()) {
-    tokens_.error(tokens_.position_of(brace), "the body of " + quoted(name) + " has no node: its first one says what it is");
+    tokens_.warning(tokens_.position_of(brace), "the body of " + quoted(name) + " has no node, so its instances are none either; the standard wants one");
   } else if (body.roots.front().is_node()) {
     const NodeType& first = *body.nodes[body.roots.front().index].type;
     prototype.type.classes = first.classes;
@@ -581,11 +586,11 @@ Reading::File* Parser::open_file(std::string_view url, Position at, std::string&
     if (opened) {
       file = {.begin = opened->begin, .body = opened->body, .readable = true};
     } else {
-      tokens_.error(at, quoted(url) + ": " + opened.error());
+      file.why = opened.error();
     }
   }
   if (!file.readable) {
-    why = "it cannot be read";
+    why = file.why;
     return nullptr;
   }
   reading_.open_files.push_back(it->first);
@@ -772,7 +777,7 @@ std::optional<NodeRef> Parser::parse_node_value(const FieldSpec& spec) {
   if (parse_statement()) return std::nullopt;
   NodeRef ref = parse_node();
   const Field one{&spec, &ref, 1, ref.at};
-  if (ref.is_node() && !check_nodes(spec, one, scope_->body->nodes, problems_)) ref.index = NodeRef::kNull;
+  if (ref.is_node() && ref.index != kAround && !check_nodes(spec, one, scope_->body->nodes, problems_)) ref.index = NodeRef::kNull;
   return ref;
 }
 
@@ -830,11 +835,12 @@ NodeRef Parser::parse_use() {
     tokens_.error(tokens_.position_of(name), "USE of " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
     return null;
   }
-  const Definition& definition = *it->second;
+  Definition& definition = *it->second;
   if (definition.open) {
-    // A Script may hold itself, to be told to its own functions (4.12).
-    if (open_ != nullptr && open_->definition == &definition && open_->type->meaning == Meaning::kScript) {
-      return {NodeRef::kSelf, null.at};
+    // A Script may be told of itself and of what it stands in (4.12): it doesn't contain what its fields name.
+    if (open_ != nullptr && open_->type->meaning == Meaning::kScript) {
+      script_uses_.push_back(&definition);
+      return {kAround, null.at};
     }
     tokens_.error(tokens_.position_of(name), "USE of " + quoted(name.text) + " inside that node itself: a node cannot contain itself");
     return null;
@@ -899,6 +905,7 @@ NodeRef Parser::parse_node_body(const Token& def, const Token& type_name, Positi
   if (open.definition != nullptr) {
     open.definition->node = ref.index;
     open.definition->open = false;
+    for (NodeRef* waiting : open.definition->waiting) waiting->index = ref.index;
   }
   return ref;
 }
@@ -1075,7 +1082,11 @@ void Parser::parse_is(Open& open, const FieldSpec& spec, Access access, Position
   if (outer->type != spec.type) {
     return refuse(at, quoted(spec.name) + " is " + std::string(name_of(spec.type)) + " and cannot be " + quoted(outer->name) + ", which is " + std::string(name_of(outer->type)));
   }
-  if (outer->access != access && access != Access::kExposedField) {
+  const bool value = outer->access == Access::kExposedField && access == Access::kField;
+  if (value) {
+    tokens_.warning(at, "the field " + quoted(spec.name) + " takes the value of the exposedField " + quoted(outer->name) +
+                            ", and no events: the standard wants a field here");
+  } else if (outer->access != access && access != Access::kExposedField) {
     return refuse(at, "the " + std::string(name_of(access)) + ' ' + quoted(spec.name) + " cannot be the " + std::string(name_of(outer->access)) + ' ' + quoted(outer->name));
   }
   open.links.push_back({outer, &spec, at});
@@ -1109,8 +1120,14 @@ void Parser::parse_script_declaration(Open& open) {
   const FieldSpec& spec = open.own_fields.emplace_back(FieldSpec{arena_.copy(name.text), *type, access, {}, Range::kAny, kAnyClass});
   if (tokens_.at_word("IS")) return parse_is(open, spec, access, tokens_.position_of(name));
   if (!has_value(access)) return;
+  script_uses_.clear();
   if (const std::optional<Field> value = values_.read(spec)) {
     fields_.push_back(*value);
+    auto around = script_uses_.begin();
+    for (const NodeRef& ref : value->as<NodeRef>().first(script_uses_.empty() ? 0 : value->count)) {
+      // The document's arena is ours to write until it is handed over.
+      if (ref.index == kAround) (*around++)->waiting.push_back(const_cast<NodeRef*>(&ref));
+    }
   } else {
     open.damaged = true;
   }

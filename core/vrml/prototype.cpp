@@ -37,10 +37,10 @@ bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<No
     if ((spec.accepts & type.classes) != 0) continue;
     std::string message = quoted(spec.name) + " takes " + std::string(name_of_classes(spec.accepts)) + "; " +
                           std::string(type.name) + " is " + std::string(name_of_classes(type.classes));
-    if (spec.accepts == kChild && type.classes == kGeometry) {
+    if (spec.accepts == kChild) {
       // Shown by nobody and solid to nobody, and harmless.
-      problems.warning(ref.at, message + ", which is part of the scene in a Shape only: write Shape { geometry " +
-                                   std::string(type.name) + " { .. } }");
+      if (type.classes == kGeometry) message += ": write Shape { geometry " + std::string(type.name) + " { .. } }";
+      problems.warning(ref.at, message + "; here it has no effect");
       continue;
     }
     problems.error(ref.at, message);
@@ -90,7 +90,7 @@ std::uint32_t copy_node(const Body& from, std::uint32_t node, Body& to, Arena& a
     for (const Field& field : from.nodes[i].given()) {
       if (!holds_nodes(field.spec->type)) continue;
       for (const NodeRef& ref : field.as<NodeRef>()) {
-        if (ref.is_node()) wanted[ref.index] = true;
+        if (ref.is_node() && ref.index < i) wanted[ref.index] = true;
       }
     }
   }
@@ -102,7 +102,8 @@ std::uint32_t copy_node(const Body& from, std::uint32_t node, Body& to, Arena& a
       if (!holds_nodes(field.spec->type)) return field;
       const std::span<NodeRef> refs = arena.allocate<NodeRef>(field.count);
       std::ranges::transform(field.as<NodeRef>(), refs.begin(), [&](NodeRef ref) {
-        if (ref.is_node()) ref.index = place[ref.index];
+        // A Script's view of what is around it is not copied with it.
+        if (ref.is_node()) ref.index = ref.index < i ? place[ref.index] : NodeRef::kNull;
         return ref;
       });
       field.data = refs.data();

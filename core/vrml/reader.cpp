@@ -12,8 +12,7 @@ ReadResult read_world(std::string_view text, const ReadOptions& options) {
   vrml::Problems problems;
   const std::shared_ptr<const vrml::Document> document =
       vrml::parse({options.name, text, nullptr}, problems, {options.load, options.inlines_later, options.limits});
-  Scene scene = vrml::build_scene(document, options.limits, problems);
-  scene.tessellation = options.tessellation;
+  Scene scene = vrml::build_scene(document, options.tessellation, options.limits, problems);
   if (problems.errors() == 0) result.scene = std::move(scene);
   auto report = problems.take();
   result.diagnostics = std::move(report.diagnostics);

@@ -49,8 +49,9 @@ NodeKind kind_of(Meaning meaning) {
 
 class Builder {
  public:
-  Builder(const std::shared_ptr<const Document>& document, const ReadLimits& limits, Problems& problems)
-      : document_(document), nodes_(document->nodes), limits_(limits), problems_(problems) {}
+  Builder(const std::shared_ptr<const Document>& document, const Tessellation& tessellation, const ReadLimits& limits,
+          Problems& problems)
+      : document_(document), nodes_(document->nodes), tessellation_(tessellation), limits_(limits), problems_(problems) {}
 
   Scene build();
 
@@ -82,6 +83,7 @@ class Builder {
 
   const std::shared_ptr<const Document>& document_;
   const std::vector<Node>& nodes_;
+  const Tessellation& tessellation_;
   const ReadLimits& limits_;
   Problems& problems_;
   Scene scene_;
@@ -110,6 +112,12 @@ std::uint32_t Builder::add_geometry(std::uint32_t index) {
   }
   std::optional<Geometry> geometry = read_geometry(document_, node, problems_);
   if (!geometry) return kNone;
+  // A short text can ask for a grid or an Extrusion of billions.
+  if (const MeshSize size = mesh_size(*geometry, tessellation_); size.polygons > limits_.polygons) {
+    problems_.error(node.at, "this " + std::string(node.type->name) + " has " + std::to_string(size.polygons) +
+                                 " polygons, more than the " + std::to_string(limits_.polygons) + " that one geometry may have");
+    return kNone;
+  }
   const auto place = static_cast<std::uint32_t>(scene_.geometries.size());
   scene_.geometries.push_back(std::move(*geometry));
   if (!key.empty()) copied_geometry_.emplace(std::move(key), place);
@@ -300,20 +308,26 @@ void Builder::mark_names() {
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     if (!instances[i].def.empty() && !instances[i].inner_name) first_of_name_.emplace(instances[i].def, i);
   }
-  std::unordered_set<std::string_view> siblings;
-  const auto mark = [&](std::uint32_t begin, std::uint32_t end, bool top) {
-    siblings.clear();
+  std::vector<std::pair<std::string_view, std::uint32_t>> named;  // siblings that have a name
+  const auto mark = [&](std::uint32_t begin, std::uint32_t end) {
+    named.clear();
     for (std::uint32_t i = begin; i < end; i = instances[i].subtree_end) {
-      if (instances[i].def.empty()) continue;
-      const bool first = siblings.insert(instances[i].def).second;
-      const auto named = first_of_name_.find(instances[i].def);
-      instances[i].name_shadowed = !first || (top && (named == first_of_name_.end() || named->second != i));
+      if (!instances[i].def.empty()) named.emplace_back(instances[i].def, i);
+    }
+    std::ranges::sort(named);
+    for (std::size_t k = 1; k < named.size(); ++k) {
+      if (named[k].first == named[k - 1].first) instances[named[k].second].name_shadowed = true;
     }
   };
   const auto count = static_cast<std::uint32_t>(instances.size());
-  mark(0, count, true);
+  mark(0, count);
+  // A lone name means the first in the world, wherever that is.
+  for (std::uint32_t i = 0; i < count; i = instances[i].subtree_end) {
+    const auto it = first_of_name_.find(instances[i].def);
+    if (!instances[i].def.empty() && (it == first_of_name_.end() || it->second != i)) instances[i].name_shadowed = true;
+  }
   for (std::uint32_t parent = 0; parent < count; ++parent) {
-    if (instances[parent].subtree_end > parent + 1) mark(parent + 1, instances[parent].subtree_end, false);
+    if (instances[parent].subtree_end > parent + 1) mark(parent + 1, instances[parent].subtree_end);
   }
 }
 
@@ -420,6 +434,7 @@ void Builder::add_key_sensor(std::uint32_t index) {
 
 Scene Builder::build() {
   scene_.document = document_;
+  scene_.tessellation = tessellation_;
   geometry_of_.assign(nodes_.size(), kNone);
   shared_of_.assign(nodes_.size(), kNone);
   bool scripts = false;
@@ -445,8 +460,9 @@ Scene Builder::build() {
 
 }  // namespace
 
-Scene build_scene(const std::shared_ptr<const Document>& document, const ReadLimits& limits, Problems& problems) {
-  return Builder(document, limits, problems).build();
+Scene build_scene(const std::shared_ptr<const Document>& document, const Tessellation& tessellation,
+                  const ReadLimits& limits, Problems& problems) {
+  return Builder(document, tessellation, limits, problems).build();
 }
 
 }  // namespace peerd::vrml
