@@ -113,10 +113,17 @@ Eigen::Affine3d Scene::world_from_local(ObjectId id) const {
 
 Pose Scene::rigid_pose(ObjectId id) const {
   assert(id.value < instances.size());
-  const auto path = path_below(*this, -1, id);
-  Quat rotation = Quat::Identity();
-  for (const std::uint32_t i : path) rotation = multiply(rotation, transform({i}).rotation);
-  return {product(*this, path).offset, normalized(rotation)};
+  std::vector<TransformFields> fields;
+  for (const std::uint32_t i : path_below(*this, -1, id)) {
+    if (instances[i].transform != Instance::kNone) fields.push_back(transforms[instances[i].transform]);
+  }
+  return peerd::rigid_pose(fields);
+}
+
+Vec3 Scene::to_world(ObjectId id, const Vec3& in_parent) const {
+  std::vector<std::uint32_t> above = path_below(*this, -1, id);
+  above.pop_back();
+  return multiply(product(*this, above).linear, in_parent);
 }
 
 Eigen::Affine3d Scene::object_from_shape(ObjectId object, ObjectId shape) const {

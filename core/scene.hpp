@@ -130,6 +130,8 @@ struct Scene {
   // the pose that replication moves; scale and shear stay baked in the object's vertices. The position is
   // world_from_local * 0: with a `center`, the origin is not at the translation, and it moves when the node turns.
   [[nodiscard]] Pose rigid_pose(ObjectId id) const;
+  // A translation's change in the world, for a vector in the frame of the instance's parent, as a velocityVector is.
+  [[nodiscard]] Vec3 to_world(ObjectId id, const Vec3& in_parent) const;
   // Maps Shape-frame vertices of `shape` (a descendant of `object`, or itself) into the rigid frame of `object`:
   // rigid_pose(object)^-1 * world_from_local(shape). Exactly the identity where nothing but rigid transforms lead to
   // `object` and nothing at all from there to `shape`, so such vertices keep their parsed binary32 values.

@@ -45,4 +45,14 @@ Affine parent_from_local(const TransformFields& t) {
   return out;
 }
 
+Pose rigid_pose(std::span<const TransformFields> path) {
+  Affine product;
+  Quat rotation = Quat::Identity();
+  for (const TransformFields& t : path) {
+    product = multiply(product, parent_from_local(t));
+    rotation = multiply(rotation, t.rotation);
+  }
+  return {product.offset, normalized(rotation)};
+}
+
 }  // namespace peerd

@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "core/math.hpp"
 
 namespace peerd {
@@ -32,5 +34,8 @@ struct Affine {
 // T * C * R * SR * S * SR^-1 * C^-1. Without scale SR and its inverse cancel and are left out, so that R stays a
 // rotation to the last bit.
 [[nodiscard]] Affine parent_from_local(const TransformFields& t);
+
+// The rigid part of a path of transforms, from the top: where the last one's origin is, and the product of the rotations.
+[[nodiscard]] Pose rigid_pose(std::span<const TransformFields> path);
 
 }  // namespace peerd

@@ -77,6 +77,7 @@ void put(const Hello& h, proto::Hello* out) {
   }
   for (ObjectId id : h.enslaved) out->add_enslaved(id.value);
   if (h.start) out->set_start_ns(h.start->time_since_epoch().count());
+  if (h.world_zero) out->set_world_zero_ns(h.world_zero->time_since_epoch().count());
 }
 
 // ---- from Protobuf: each take() answers whether the value may be used ----
@@ -140,7 +141,8 @@ bool take(const proto::Hello& in, Hello& h) {
     h.echoes.push_back(echo);
   }
   for (std::uint32_t id : in.enslaved()) h.enslaved.push_back(ObjectId{id});
-  return !in.has_start_ns() || take(in.start_ns(), h.start.emplace());
+  if (in.has_start_ns() && !take(in.start_ns(), h.start.emplace())) return false;
+  return !in.has_world_zero_ns() || take(in.world_zero_ns(), h.world_zero.emplace());
 }
 
 template <class Record, class Proto>

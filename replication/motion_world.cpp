@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/predefined_motion.hpp"
 #include "replication/response.hpp"
 
 namespace peerd::replication {
@@ -87,8 +88,13 @@ std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
   }
   std::ranges::sort(named);
   named.erase(std::ranges::unique(named).begin(), named.end());
+  const PredefinedMotion predefined(scene);
   for (ObjectId id : named) {
     model->bodies.push_back(collision::make_body(scene, id));
+    if (predefined.moves(id)) model->moving.push_back(id);
+    if (!predefined.stays_rigid(id)) {
+      model->bodies.back().unsupported = scene.path_of(id) + ": the file changes its shape as it moves";
+    }
     if (!model->bodies.back().unsupported.empty()) model->unsupported.push_back(model->bodies.back().unsupported);
   }
   return model;

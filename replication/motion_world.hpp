@@ -26,6 +26,7 @@ struct WorldModel {
   std::vector<collision::Body> bodies;   // sorted by object
   std::vector<CollisionPair> pairs;      // in the file's order, each unordered pair once a type
   std::vector<std::string> unsupported;  // a line per body that has no exact answer yet
+  std::vector<ObjectId> moving;          // bodies that the file itself moves (PredefinedMotion), sorted
 
   [[nodiscard]] const collision::Body* body(ObjectId id) const;
 };

@@ -36,7 +36,7 @@ const char* to_string(Drop drop) {
 }
 
 Peer::Peer(PeerConfig config, const WorldModel& model)
-    : config_(std::move(config)), model_(model), members_(config_.lost_after) {
+    : config_(std::move(config)), model_(model), members_(config_.lost_after), predefined_(*model.scene) {
   assert(config_.id.value != 0 && config_.boot != 0 && config_.tick_hz > 0);
   for (const Enslaved& e : config_.enslaved) {
     own_[e.object].driven = e.driven;
@@ -86,7 +86,9 @@ std::optional<SimTime> Peer::due_tick(HostTime now) const {
 }
 
 void Peer::look(SimTime t) {
-  if (replica_) replica_->ghosts.advance(t);
+  if (!replica_) return;
+  tell_predefined(t);
+  replica_->ghosts.advance(t);
 }
 
 void Peer::leave(HostTime now) {

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/predefined_motion.hpp"
 #include "replication/codec.hpp"
 #include "replication/membership.hpp"
 #include "replication/motion_world.hpp"
@@ -156,6 +157,10 @@ class Peer {
   [[nodiscard]] std::optional<SimTime> due_tick(HostTime now) const;
   // Own objects that move by their velocityVector do so from `start` on, or from now if that has passed.
   void start_motions(HostTime now, SimTime start);
+  // A key or a hand changes the velocity [m/s, world frame] of an object that this peer runs and does not drive:
+  // replaces it, or adds to it. False, and nothing done, for any other object and before a session. The others are told
+  // with the next tick.
+  bool change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute);
   // Brings the ghosts to t, which may lie between two ticks: for a viewer with a frame rate of its own. Changes nothing
   // that the other peers could notice.
   void look(SimTime t);
@@ -164,7 +169,12 @@ class Peer {
 
   // From now on this peer's hellos say when motions by formula begin. Peers that run such motions together follow the
   // lowest peer's word; replication itself makes no use of it.
-  void announce_start(SimTime start) { start_ = start; }
+  void announce_start(SimTime start) {
+    start_ = start;
+    if (!world_zero_) world_zero_ = start;
+  }
+  // Session time at which the world's TimeSensors began, the same on all peers; none until one of them has said.
+  [[nodiscard]] std::optional<SimTime> world_zero() const { return world_zero_; }
 
   [[nodiscard]] std::optional<Output> poll_output();
   // When to call on_tick() next.
@@ -199,6 +209,7 @@ class Peer {
 
   [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
   void enter_session(HostTime now);
+  [[nodiscard]] Vec3 file_velocity(ObjectId object) const;
   void change_session(SimTime before, SimTime now);
   void declare_all();
   void on_hello(HostTime now, PeerId sender, const Hello& hello);
@@ -208,6 +219,8 @@ class Peer {
   void release(PeerId peer, HostTime now);
   void lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye);
   void watch_decided_pairs();
+  void restart_predefined();
+  void tell_predefined(SimTime to);
   bool keep_session(HostTime now);
   void tick(SimTime t, std::span<const OwnSample> samples);
   void report_contacts(SimTime t);
@@ -235,6 +248,10 @@ class Peer {
   std::optional<Replica> replica_;
   std::optional<HostTime> started_;
   std::optional<SimTime> start_;
+  std::optional<SimTime> world_zero_;
+  PredefinedMotion predefined_;
+  // Until when both worlds know how what the file moves goes on; none: they don't yet.
+  std::vector<std::pair<ObjectId, std::optional<SimTime>>> predefined_told_;
   std::optional<HostTime> next_hello_;
   std::optional<PeerId> follows_;
   std::uint32_t sessions_ = 0;  // entered

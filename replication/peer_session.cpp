@@ -1,6 +1,7 @@
 // Peer: entering, changing and keeping a session; who runs what in it.
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 #include "replication/decision.hpp"
@@ -13,7 +14,39 @@ namespace {
 // meanwhile is not made up: for everybody else its objects stood still.
 constexpr Duration kSlept = std::chrono::seconds(4);
 
+// World time beyond which a nanosecond count would overflow: 100 years.
+constexpr double kFarthest_s = 3.2e9;
+
 }  // namespace
+
+// What the world moves by itself is told to both worlds anew, from where it is now.
+void Peer::restart_predefined() {
+  predefined_told_.clear();
+  for (const ObjectId object : model_.moving) predefined_told_.emplace_back(object, std::nullopt);
+}
+
+// Tells both worlds how what the file moves goes on until `to`. Pieces begin at the same instants with the same bits on
+// every peer, whenever it came.
+void Peer::tell_predefined(SimTime to) {
+  if (!world_zero_) return;
+  for (auto& [object, told] : predefined_told_) {
+    if (owner(object) != kNobody) {  // somebody runs it: that counts
+      told.reset();
+      continue;
+    }
+    while (!told || *told <= to) {
+      const SimTime from = told.value_or(to);
+      const PredefinedMotion::Piece piece = predefined_.piece(object, to_seconds(from - *world_zero_));
+      // Rounded up to where a nanosecond lies within the piece.
+      const auto at = [&](double world_s) { return *world_zero_ + Duration{static_cast<std::int64_t>(std::ceil(world_s * 1e9))}; };
+      const SimTime begin = at(piece.begin_s);
+      const KinematicState state = advance(piece.state, to_seconds(begin - *world_zero_) - piece.begin_s);
+      replica_->truth.set_base(object, begin, state);
+      replica_->ghosts.set_base(object, begin, state);
+      told = piece.end_s < kFarthest_s ? std::max(at(piece.end_s), from + Duration{1}) : SimTime::max();
+    }
+  }
+}
 
 // False when everything begins anew at this instant, and what was due is not.
 bool Peer::keep_session(HostTime now) {
@@ -43,6 +76,7 @@ bool Peer::keep_session(HostTime now) {
   const SimTime before = clock_.to_session(now);
   if (clock_.adjust(now)) {
     const SimTime after = clock_.to_session(now);
+    world_zero_.reset();  // the other session has one of its own
     if (replica_) change_session(before, after);
     outputs_.push_back(ClockStepped{clock_.session_minus_host(), after - before});
     return false;
@@ -64,6 +98,10 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
   member.start = hello.start;
   if (hello.synchronised) claim(sender, hello.enslaved);
 
+  if (hello.world_zero && (!world_zero_ || sender == follows_) && hello.world_zero != world_zero_) {
+    world_zero_ = hello.world_zero;
+    restart_predefined();
+  }
   const std::optional<PeerId> lowest = members_.lowest_synchronised();
   const bool lead = clock_.synchronised() && (!lowest || config_.id < *lowest);
   const std::optional<PeerId> follow = lead ? std::optional(config_.id) : lowest;
@@ -88,11 +126,30 @@ void Peer::enter_session(HostTime host_now) {
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
   last_tick_ = tick_number(now);
   declare_all();
+  restart_predefined();
   for (const auto& [object, own] : own_) {
     KinematicState initial = at_rest(model_.scene->rigid_pose(object));
-    if (!own.driven && !config_.wait_for_start) initial.velocity = model_.scene->object(object).velocity;
+    if (!own.driven && !config_.wait_for_start) initial.velocity = file_velocity(object);
     replica_->truth.set_base(object, now, initial);
   }
+}
+
+// The world's velocityVector, which is in its parent's frame.
+Vec3 Peer::file_velocity(ObjectId object) const {
+  return model_.scene->to_world(object, model_.scene->object(object).velocity);
+}
+
+bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute) {
+  const auto own = own_.find(object);
+  if (!replica_ || own == own_.end() || own->second.driven) return false;
+  const SimTime t = std::max(clock_.to_session(now), tick_time(last_tick_));
+  replica_->truth.advance(t);
+  KinematicState state = replica_->truth.at(object, t);
+  state.velocity = absolute ? velocity : Vec3(state.velocity + velocity);
+  replica_->truth.set_base(object, t, state);
+  own->second.starts.reset();
+  own->second.last_sent.reset();  // nobody could know
+  return true;
 }
 
 void Peer::start_motions(HostTime now, SimTime start) {
@@ -101,7 +158,7 @@ void Peer::start_motions(HostTime now, SimTime start) {
   for (auto& [object, own] : own_) {
     if (own.driven) continue;
     KinematicState state = replica_->truth.at(object, from);
-    state.velocity = model_.scene->object(object).velocity;
+    state.velocity = file_velocity(object);
     replica_->truth.set_base(object, from, state);
     own.starts = from;
   }
@@ -126,6 +183,7 @@ void Peer::change_session(SimTime before, SimTime now) {
     replica_->truth.set_base(object, now, old.truth.at(object, before));
     replica_->ghosts.set_base(object, now, old.ghosts.at(object, before));
   }
+  restart_predefined();
   for (auto& [object, own] : own_) own.last_sent.reset();
 }
 

@@ -15,6 +15,7 @@ constexpr int kDecisionCopies = 3;
 }  // namespace
 
 void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
+  tell_predefined(t);
   replica_->truth.advance(t);
   for (const OwnSample& sample : samples) {
     const auto own = own_.find(sample.object);

@@ -61,7 +61,8 @@ struct Hello {
   std::uint32_t sessions = 0;  // how many the sender has entered; each began without any updates
   std::vector<ClockEcho> echoes;
   std::vector<ObjectId> enslaved;
-  std::optional<SimTime> start;  // when this peer lets motions by formula begin, if it says so
+  std::optional<SimTime> start;       // when this peer lets motions by formula begin, if it says so
+  std::optional<SimTime> world_zero;  // time 0 of the world's TimeSensors
 };
 
 struct Message {

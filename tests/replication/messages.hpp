@@ -58,6 +58,7 @@ class MessageMaker {
     for (std::uint32_t i = number<std::uint32_t>() % 9; i > 0; --i)
       h.enslaved.push_back(ObjectId{number<std::uint32_t>()});
     if (coin()) h.start = SimTime{time()};
+    if (coin()) h.world_zero = SimTime{time()};
     return h;
   }
   // Parts that stand still or are the identity come often: they are absent on the wire.
@@ -112,7 +113,7 @@ inline bool same_bits(const Message& a, const Message& b) {
   return a.sender == b.sender && a.boot == b.boot && a.has_hello == b.has_hello && a.leaving == b.leaving &&
          h.name == g.name && h.world_hash == g.world_hash && h.host_tx == g.host_tx &&
          h.synchronised == g.synchronised && h.session_minus_host == g.session_minus_host && h.sessions == g.sessions &&
-         h.start == g.start && h.enslaved == g.enslaved && std::ranges::equal(h.echoes, g.echoes, same_echo) &&
+         h.start == g.start && h.world_zero == g.world_zero && h.enslaved == g.enslaved && std::ranges::equal(h.echoes, g.echoes, same_echo) &&
          std::ranges::equal(a.updates, b.updates, same_update) &&
          std::ranges::equal(a.decisions, b.decisions, same_decision);
 }

@@ -1,0 +1,54 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/animation/interpolator.hpp"
+#include "core/animation/time_sensor.hpp"
+#include "core/animation/value.hpp"
+
+namespace peerd::animation {
+
+// What an Animation is built from: the nodes of a file that events pass through, and its ROUTEs.
+
+// Any node that is neither a TimeSensor nor an interpolator. Each of its fields relays (4.7): an event to set_x sets x
+// and sends x_changed. What a node does besides (a Script's program) comes from outside, by Animation::deliver.
+struct PlainNode {};
+
+using Node = std::variant<PlainNode, TimeSensorFields, Interpolator>;
+
+// A field name is `x`, whether the text of the ROUTE says x, set_x or x_changed; an eventIn or eventOut that belongs to
+// no exposedField has its own name. For TimeSensors and interpolators the forms set_x and x_changed are understood too.
+struct Route {
+  std::uint32_t from_node = 0;  // index into Network::nodes
+  std::string from_field;
+  std::uint32_t to_node = 0;
+  std::string to_field;
+  FieldType type = FieldType::kFloat;  // of both ends (4.10.2: they shall match)
+};
+
+struct Network {
+  std::vector<Node> nodes;
+  std::vector<Route> routes;  // in file order, which decides between events of one time
+};
+
+enum class Problem : std::uint8_t {
+  kNoSuchNode,         // the ROUTE is left out
+  kNoSuchField,        // "
+  kTypeMismatch,       // "
+  kRouteToKeys,        // ": an interpolator's key and keyValue take events by deliver() alone
+  kRepeated,           // ": 4.10.2 "repeated routes are ignored"
+  kUnsortedKeys,       // each key counts as the greatest up to it
+  kNoKeys,             // the interpolator sends nothing
+  kUnusedKeys,         // keys without a keyValue, or keyValues without a key, are not used
+  kBadTimeSensor,      // a startTime or stopTime that is no number, or a cycleInterval <= 0, counts as the default
+  kShortCycleInterval  // counts as kShortestCycle_s
+};
+
+struct Finding {
+  Problem problem = Problem::kNoSuchNode;
+  std::uint32_t index = 0;  // of the ROUTE for the first five, else of the node
+};
+
+}  // namespace peerd::animation

@@ -1,0 +1,46 @@
+#pragma once
+#include <Eigen/Core>
+#include <limits>
+
+#include "core/transform.hpp"
+
+namespace peerd {
+
+// A closed axis-aligned box. The empty box is lo = +inf, hi = -inf: it is inside every box, and merging it changes
+// nothing. Merging only selects among its inputs' numbers, so a union has the same value in whatever order it is taken.
+template <class Scalar>
+struct AxisBox {
+  using Point = Eigen::Matrix<Scalar, 3, 1>;
+  Point lo = Point::Constant(std::numeric_limits<Scalar>::infinity());
+  Point hi = Point::Constant(-std::numeric_limits<Scalar>::infinity());
+
+  [[nodiscard]] bool is_empty() const { return !(lo[0] <= hi[0] && lo[1] <= hi[1] && lo[2] <= hi[2]); }
+  [[nodiscard]] bool contains(const Point& p) const { return contains(AxisBox{p, p}); }
+  [[nodiscard]] bool contains(const AxisBox& other) const {
+    if (other.is_empty()) return true;
+    for (int i = 0; i < 3; ++i) {
+      if (!(lo[i] <= other.lo[i] && other.hi[i] <= hi[i])) return false;
+    }
+    return true;
+  }
+  void merge(const AxisBox& other) {
+    for (int i = 0; i < 3; ++i) {
+      if (other.lo[i] < lo[i]) lo[i] = other.lo[i];
+      if (other.hi[i] > hi[i]) hi[i] = other.hi[i];
+    }
+  }
+  void merge(const Point& p) { merge(AxisBox{p, p}); }
+  friend bool operator==(const AxisBox& a, const AxisBox& b) { return a.lo == b.lo && a.hi == b.hi; }
+};
+
+// Of a Shape's binary32 vertices in its own frame [m]: exact, as a box of numbers that it holds.
+using LocalBox = AxisBox<float>;
+// In the world frame [m].
+using WorldBox = AxisBox<double>;
+
+// A box that contains m * p for every p in `box`: as the reals have it, and as multiply(m.linear, p) + m.offset rounds
+// it. Wider than the tight one by at most 2^-49 of the largest |m.linear| * |p| + |m.offset| along an axis (and 2^-1021
+// m). All of an axis where its numbers overflow. `box` must be finite or empty; empty stays empty.
+[[nodiscard]] WorldBox transformed(const Affine& m, const LocalBox& box);
+
+}  // namespace peerd
