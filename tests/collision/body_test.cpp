@@ -136,9 +136,7 @@ Mesh two_boxes() {
   return make_mesh(v, faces);
 }
 Mesh bent() {  // a quad out of its plane by one ulp
-  Mesh m = wall_mesh(1, 1);
-  m.vertices[2].x() = std::numeric_limits<float>::denorm_min();
-  return m;
+  return make_mesh({{0, -1, -1}, {0, 1, -1}, {std::numeric_limits<float>::denorm_min(), 1, 1}, {0, -1, 1}}, {{0, 1, 2, 3}});
 }
 Mesh huge() {
   Faces fan;

@@ -1,0 +1,92 @@
+// What a world moves by itself, on several peers: the same everywhere, without a word about it.
+#include <gmock/gmock.h>
+
+#include "tests/replication/lan.hpp"
+
+namespace peerd::replication::test {
+namespace {
+
+using testing::IsEmpty;
+using testing::SizeIs;
+
+// PLATE goes from x = 10 towards the origin and back, 1 m/s; ARM turns about its middle.
+const std::string kMachine =
+    box("PLATE", "1 20 20", "10 0 0") + box("ARM", "4 1 1", "0 40 0") +
+    "DEF T TimeSensor { cycleInterval 12 loop TRUE }\n"
+    "DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 10 0 0, 4 0 0, 10 0 0 ] }\n"
+    "DEF O OrientationInterpolator { key [ 0 0.5 1 ] keyValue [ 0 0 1 0, 0 0 1 3.14159265, 0 0 1 6.2831853 ] }\n"
+    "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO PLATE.translation\n"
+    "ROUTE T.fraction_changed TO O.set_fraction ROUTE O.value_changed TO ARM.rotation\n";
+
+TEST(Predefined, IsTheSameOnAllPeersWithoutTraffic) {
+  const World world(kMachine + box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PLATE\" \"ARM\""));
+  ASSERT_EQ(world.model->moving, (std::vector<ObjectId>{world["PLATE"], world["ARM"]}));
+  Lan lan(world, {20ms, 5ms, 0.05, 0});
+  for (const std::uint32_t id : {1u, 2u, 3u}) lan.add(config(id), id * 137s);
+  lan.run_until(2s);
+  lan.peer(0).announce_start(lan.session_now(0) + 1s);
+  lan.run_until(5s);
+  for (std::size_t i = 0; i < 3; ++i) ASSERT_EQ(lan.peer(i).world_zero(), lan.peer(0).world_zero()) << i;
+  const std::size_t late = lan.add(config(4), 999s);  // hears of it when it comes
+  lan.run_until(12s);
+  ASSERT_EQ(lan.peer(late).world_zero(), lan.peer(0).world_zero());
+  const SimTime zero = *lan.peer(0).world_zero();
+  const SimTime newest = std::min(lan.session_now(0), lan.session_now(late)) - 100ms;
+  for (const char* name : {"PLATE", "ARM"}) {
+    for (SimTime t = newest - 2s; t < newest; t += 7ms) {
+      const KinematicState first = lan.peer(0).ghost(world[name], t);
+      for (const std::size_t i : {std::size_t{1}, std::size_t{2}, late}) {
+        const KinematicState other = lan.peer(i).ghost(world[name], t);
+        ASSERT_EQ(other.position, first.position) << name << " of peer " << i;
+        ASSERT_EQ(other.velocity, first.velocity);
+        ASSERT_EQ(other.orientation.coeffs(), first.orientation.coeffs());
+      }
+    }
+  }
+  const double s = to_seconds(newest - zero);  // 6 s down, 6 s up, from the file's own time 0
+  EXPECT_NEAR(lan.peer(1).ghost(world["PLATE"], newest).position.x(), s < 6 ? 10 - s : s - 2, 1e-6);
+  for (std::size_t i = 0; i < lan.size(); ++i) EXPECT_EQ(lan.peer(i).counters().updates_out, 0u);
+}
+
+// BALL flies at PLATE, which comes to meet it: both peers know when, the one that only watches without an update.
+TEST(Predefined, BouncesWhatItMeets) {
+  const World world(kMachine + box("BALL", "1 1 1", "-2 0 0", std::string(kBounces) + "velocityVector 1 0 0 ") +
+                    interest("BALL", "\"PLATE\""));
+  Lan lan(world, {5ms, 0ms, 0, 0});
+  for (const std::uint32_t id : {1u, 2u}) {
+    PeerConfig c = config(id, id == 1 ? std::vector<Enslaved>{{world["BALL"], false}} : std::vector<Enslaved>{});
+    c.wait_for_start = true;
+    lan.add(std::move(c));
+  }
+  lan.run_until(2s);
+  const SimTime start = lan.session_now(0) + 1s;
+  lan.peer(0).announce_start(start);
+  lan.peer(0).start_motions(lan.host_now(0), start);
+  lan.run_until(11s);
+  const auto met = lan.contacts(0, ContactKind::kOwner);
+  ASSERT_THAT(met, SizeIs(1));
+  // Fronts at -1.5 + t and 9.5 - t.
+  EXPECT_NEAR(to_seconds(met[0].contact.at - start), 5.5, 1e-8);
+  // INVERSE against what doesn't answer mirrors the relative velocity: 1 becomes -1 - 2 = -3.
+  EXPECT_NEAR(met[0].contact.collider_after.velocity.x(), -3.0, 1e-7);
+  const auto predicted = lan.contacts(1, ContactKind::kPredicted);
+  ASSERT_THAT(predicted, SizeIs(1));
+  EXPECT_LE(std::chrono::abs(predicted[0].contact.at - met[0].contact.at), 1us);
+  for (const Published& p : lan.seen<Published>(0)) {
+    EXPECT_NE(p.reason, PublishReason::kError) << "everybody saw the bounce coming";
+  }
+}
+
+TEST(Predefined, ABodyThatChangesItsShapeHasNoAnswerAndSaysSo) {
+  const World world(
+      "DEF PRESS Transform { children [ Shape { geometry Box { } } DEF PLUNGER Transform { children Shape { geometry Box "
+      "{ } } } ] }" +
+      box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PRESS\"") +
+      "DEF T TimeSensor { loop TRUE } DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0 0 1 0 ] }"
+      "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO PLUNGER.translation");
+  ASSERT_THAT(world.model->unsupported, SizeIs(1));
+  EXPECT_EQ(world.model->unsupported[0], "PRESS: the file changes its shape as it moves");
+}
+
+}  // namespace
+}  // namespace peerd::replication::test
