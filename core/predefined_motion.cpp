@@ -37,7 +37,7 @@ PredefinedMotion::PredefinedMotion(const Scene& scene) : scene_(scene) {
   }
   std::ranges::sort(transform_of);
   const std::vector<std::uint32_t> nodes = std::move(reading.documents_node);
-  animation_.emplace(std::move(reading.network));
+  animation_.emplace(reading.network);
   for (const animation::Field& field : animation_->driven()) {
     const std::uint32_t node = nodes[field.node];
     const auto it = std::ranges::lower_bound(transform_of, std::pair(node, 0u));

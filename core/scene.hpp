@@ -92,10 +92,13 @@ struct KeySensor {
   bool enabled = true;         // at first
 };
 
-// An Inline that has not been read: it says how large it is, and the world was read with inlines_later.
+// An Inline that has not been read: it says how large it is, nothing in it can collide, and the world was read with
+// inlines_later.
 struct PendingInline {
   ObjectId instance;
   Eigen::Vector3f box_center, box_size;  // [m], in the Inline's frame
+  std::vector<std::string> urls;         // the first that can be read counts
+  std::string base;                      // the name of the file that they are relative to
 };
 
 struct Scene {

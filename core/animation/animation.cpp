@@ -22,7 +22,7 @@ bool is_float_or_time(const Cell& c) {
 
 }  // namespace
 
-Animation::Animation(Network network, const AnimationOptions& options)
+Animation::Animation(const Network& network, const AnimationOptions& options)
     : graph_(std::make_unique<CellGraph>(network)),
       control_(std::make_unique<Control>(*graph_, network, options.read_time_s, options.most_transitions,
                                          options.remembered)),
@@ -252,6 +252,7 @@ void Animation::evaluate_path(double t, Value& out) {
 }
 
 bool Animation::value(FieldId id, double t, Value& out) {
+  assert(std::isfinite(t));
   if (!find_path(id.value, t, At::kNow)) return false;
   evaluate_path(t, out);
   return true;

@@ -78,11 +78,11 @@ struct AnimationOptions {
 //
 // An interpolator answers the keys that it has at the time of the set_fraction; keys take no ROUTEs.
 //
-// Not thread-safe: questions remember what they found out. SF values are answered without allocation once the scratch
-// buffers have grown.
+// Times that are asked for are finite. Not thread-safe: questions remember what they found out. SF values are answered
+// without allocation once the scratch buffers have grown.
 class Animation {
  public:
-  explicit Animation(Network network, const AnimationOptions& options = {});
+  explicit Animation(const Network& network, const AnimationOptions& options = {});
 
   [[nodiscard]] std::span<const Finding> findings() const { return graph_->findings; }
   // None if the node has no such field, or is a plain node on whose field no ROUTE and no delivery has been.
@@ -102,10 +102,10 @@ class Animation {
   // value() is that of fraction 1, and the segment is what follows. Consecutive segments may be parts of one movement.
   [[nodiscard]] std::optional<Segment> segment(FieldId id, double t);
 
-  // Driven fields that may change within [from_s, to_s], from_s <= to_s: all that a sensor which is active then, or
-  // changes then, or a delivery leads to. By id, each once, interpolators left out. Costs the number of fields, plus
-  // O(log n) a transition since the last call; a call whose from_s is before the last one's to_s costs O(all sensors).
-  // A delivery of the past since the last call is reported whatever from_s is.
+  // Fields that may be, at some time in (from_s, to_s], other than at from_s: all that a sensor which is active or
+  // changes then, or a delivery, leads to. By id, each once, interpolators left out; from_s <= to_s. Costs the number
+  // of fields, plus O(log n) a transition since the last call; a call whose from_s is before the last one's to_s costs
+  // O(all sensors). A delivery of the past since the last call is reported whatever from_s is.
   void changing(double from_s, double to_s, std::vector<FieldId>& out);
 
   // An event from outside (a sensor of another kind, a key, a script): to an eventIn or exposedField, or from a plain

@@ -7,7 +7,7 @@
 namespace peerd::animation {
 
 void Animation::changing(double from_s, double to_s, std::vector<FieldId>& out) {
-  assert(from_s <= to_s);
+  assert(std::isfinite(from_s) && std::isfinite(to_s) && from_s <= to_s);
   if (!cursor_valid_ || from_s < cursor_s_) {
     rebuild(from_s);
   } else {

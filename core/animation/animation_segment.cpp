@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "core/animation/animation.hpp"
@@ -99,6 +100,7 @@ void Animation::bound_segment(double t, Segment& s) {
 }
 
 std::optional<Segment> Animation::segment(FieldId id, double t) {
+  assert(std::isfinite(t));
   Segment s;
   const bool found = find_path(id.value, t, At::kJustAfter);
   bound_segment(t, s);

@@ -17,7 +17,7 @@ namespace peerd::animation {
 [[nodiscard]] Quat turned(const Quat& a, const Vec3& r);
 
 // The point at `fraction` of the shorter arc from p to q, both of which should be unit; their lengths are interpolated
-// too. Opposite points (undefined by 6.29) take an arc through the axis on which p is least. A vector of length 0 has
+// too. Opposite points (undefined by 6.31) take an arc through the axis on which p is least. A vector of length 0 has
 // no arc: linear then.
 [[nodiscard]] Vec3 slerp(const Vec3& p, const Vec3& q, double fraction);
 

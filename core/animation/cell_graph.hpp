@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,7 +55,7 @@ class CellGraph {
 
   std::vector<Cell> cells;
   std::vector<Link> links;
-  std::vector<std::string> names;
+  std::deque<std::string> names;  // which stay where they are as more are added
   std::vector<Finding> findings;
 
   // By node: the index among its kind (sensors, interpolators), kNone for a plain node.

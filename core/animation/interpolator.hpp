@@ -28,7 +28,7 @@ struct Keys {
 [[nodiscard]] FieldType key_value_type(InterpolatorType type);  // of keyValue
 
 // The part of the fields that is used: as many keys as have their whole keyValue, and as many keyValues as have a key.
-// Coordinate and NormalInterpolators hold as many vectors a key as their keyValue allows (6.11, 6.29: "an integer
+// Coordinate and NormalInterpolators hold as many vectors a key as their keyValue allows (6.13, 6.31: "an integer
 // multiple"), and nothing where that is none. `key` is empty where there is nothing: then a set_fraction makes no
 // value_changed (X3D says so; VRML97 is silent).
 [[nodiscard]] Keys usable(InterpolatorType type, const Keys& keys);
@@ -52,11 +52,11 @@ struct Between {
 [[nodiscard]] Between locate(std::span<const float> key, double fraction);
 
 // value_changed for that set_fraction. Requires sends(). Allocates only where `out.numbers` must grow.
-//   Color        linear in HSV, the shorter way around the hues (6.9); of two complementary hues, whose result 6.9
+//   Color        linear in HSV, the shorter way around the hues (6.10); of two complementary hues, whose result 6.10
 //   leaves
 //                undefined, upwards from the first (red, yellow, green, ...). Grey takes the hue of the other end.
 //   Coordinate, Position, Scalar  linear
-//   Normal       along the arc on the unit sphere (6.29)
+//   Normal       along the arc on the unit sphere (6.31)
 //   Orientation  along the shorter arc, linear in its length (6.32)
 void evaluate(InterpolatorType type, const Keys& keys, double fraction, Value& out);
 

@@ -38,7 +38,7 @@ enum class Problem : std::uint8_t {
   kNoSuchField,        // "
   kTypeMismatch,       // "
   kRouteToKeys,        // ": an interpolator's key and keyValue take events by deliver() alone
-  kRepeated,           // ": 4.10.2 "repeated routes are ignored"
+  kRepeated,           // ": the first of them counts (4.10.2)
   kUnsortedKeys,       // each key counts as the greatest up to it
   kNoKeys,             // the interpolator sends nothing
   kUnusedKeys,         // keys without a keyValue, or keyValues without a key, are not used

@@ -57,6 +57,10 @@ std::size_t Problems::source_at(Position at) const {
 
 std::string_view Problems::text_of(Position at) const { return sources_[source_at(at)].text; }
 std::string_view Problems::name_of(Position at) const { return sources_[source_at(at)].name; }
+std::pair<std::string, std::size_t> Problems::place_of(Position at) const {
+  const std::size_t source = source_at(at);
+  return {sources_[source].name, at - begins_[source]};
+}
 Position Problems::begin_of(Position at) const { return begins_[source_at(at)]; }
 
 void Problems::error(Position at, std::string message) {

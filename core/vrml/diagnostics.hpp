@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/suggestion.hpp"
@@ -55,6 +56,8 @@ class Problems {
   [[nodiscard]] std::string_view text_of(Position at) const;  // the whole text that holds it
   [[nodiscard]] Position begin_of(Position at) const;         // of that text
   [[nodiscard]] std::string_view name_of(Position at) const;  // of that text
+  // The text's name and the offset in it: the same in every reading of the same files.
+  [[nodiscard]] std::pair<std::string, std::size_t> place_of(Position at) const;
 
   void error(Position at, std::string message);
   void warning(Position at, std::string message);

@@ -1,7 +1,10 @@
 #include "core/vrml/network_reader.hpp"
 
+#include <cassert>
 #include <map>
 #include <optional>
+
+#include "core/animation/animation.hpp"
 
 namespace peerd::vrml {
 namespace {
@@ -93,8 +96,52 @@ NetworkReading read_network(const std::shared_ptr<const Document>& document) {
                                       .to_node = node(route.to_node),
                                       .to_field = std::string(route.to->name),
                                       .type = *type});
+    reading.routes_at.push_back(route.at);
   }
   return reading;
+}
+
+void check_network(const std::shared_ptr<const Document>& document, Problems& problems) {
+  if (document->routes.empty()) return;
+  const NetworkReading reading = read_network(document);
+  if (!reading.has_sensors) return;
+  const animation::Animation animation(reading.network);
+  for (const animation::Finding& finding : animation.findings()) {
+    const auto at_route = [&](const char* what) { problems.warning(reading.routes_at[finding.index], what); };
+    const auto at_node = [&](const char* what) {
+      const Node& node = document->nodes[reading.documents_node[finding.index]];
+      problems.warning(node.at, "this " + std::string(node.type->name) + what);
+    };
+    using enum animation::Problem;
+    switch (finding.problem) {
+      case kNoSuchNode:
+      case kNoSuchField:
+      case kTypeMismatch:
+        assert(false && "the parser lets no such ROUTE through");
+        break;
+      case kRouteToKeys:
+        at_route("a ROUTE into the keys of an interpolator is not followed");
+        break;
+      case kRepeated:
+        at_route("this ROUTE is there already; it counts once");
+        break;
+      case kUnsortedKeys:
+        at_node(" has keys out of order: each counts as the greatest up to it");
+        break;
+      case kNoKeys:
+        at_node(" has no keys: it sends nothing");
+        break;
+      case kUnusedKeys:
+        at_node(" has keys without a keyValue, or keyValues without a key; they are not used");
+        break;
+      case kBadTimeSensor:
+        at_node(" has a time that cannot be; it counts as the default");
+        break;
+      case kShortCycleInterval:
+        at_node(" has a cycleInterval below 1/1024 s; it counts as that");
+        break;
+    }
+  }
 }
 
 }  // namespace peerd::vrml

@@ -642,7 +642,10 @@ void Parser::fill_inline(Node& node) {
   const Field* url = node.find("url");
   if (url == nullptr) return;
   const std::span<const float> size = value_of(node, "bboxSize").as<float>();
-  if (reading_.options.inlines_later && size[0] >= 0 && size[1] >= 0 && size[2] >= 0) return;
+  const bool sized = size[0] >= 0 && size[1] >= 0 && size[2] >= 0;
+  if (reading_.options.inlines_later && sized && !reading_.options.inlines_now.contains(problems_.place_of(node.at))) {
+    return;
+  }
   const std::vector<NodeRef>* content = load_content(*url);
   if (content == nullptr) return;
   std::vector<Field> fields(node.given().begin(), node.given().end());

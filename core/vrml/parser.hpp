@@ -1,6 +1,8 @@
 #pragma once
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "core/vrml/document.hpp"
 #include "core/vrml/files.hpp"
@@ -10,6 +12,8 @@ namespace peerd::vrml {
 struct ParseOptions {
   FileLoader load;             // without it, no Inline and no EXTERNPROTO is found
   bool inlines_later = false;  // an Inline that says how large it is (bboxSize) is left empty
+  // but for those that stand there: a source's name, and an offset in its text
+  std::set<std::pair<std::string, std::size_t>> inlines_now{};
   ReadLimits limits;
 };
 

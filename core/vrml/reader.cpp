@@ -1,22 +1,79 @@
 #include "core/vrml/reader.hpp"
 
+#include <expected>
+#include <set>
 #include <utility>
 
+#include "core/vrml/network_reader.hpp"
 #include "core/vrml/parser.hpp"
 #include "core/vrml/scene_builder.hpp"
 
 namespace peerd {
 
+namespace {
+
+// Where the Inlines stand that were left empty within something that collides.
+std::set<std::pair<std::string, std::size_t>> needed_inlines(const Scene& scene, const vrml::Problems& problems) {
+  std::set<std::pair<std::string, std::size_t>> needed;
+  const auto need = [&](ObjectId object) {
+    for (const PendingInline& pending : scene.pending_inlines) {
+      if (pending.instance < object || pending.instance.value >= scene.at(object).subtree_end) continue;
+      needed.insert(problems.place_of(scene.document->nodes[scene.at(pending.instance).node].at));
+    }
+  };
+  for (const CollisionInterest& interest : scene.interests) {
+    need(interest.collider);
+    for (const ObjectId collidee : interest.collidees) need(collidee);
+  }
+  return needed;
+}
+
+}  // namespace
+
 ReadResult read_world(std::string_view text, const ReadOptions& options) {
   ReadResult result;
+  vrml::ParseOptions parsing{options.load, options.inlines_later, {}, options.limits};
   vrml::Problems problems;
-  const std::shared_ptr<const vrml::Document> document =
-      vrml::parse({options.name, text, nullptr}, problems, {options.load, options.inlines_later, options.limits});
-  Scene scene = vrml::build_scene(document, options.tessellation, options.limits, problems);
+  Scene scene;
+  // Which Inlines collide is known when all are numbered; those are read in a second pass, and what they bring may need
+  // others. Each pass reads at least one more.
+  while (true) {
+    const std::shared_ptr<const vrml::Document> document = vrml::parse({options.name, text, nullptr}, problems, parsing);
+    scene = vrml::build_scene(document, options.tessellation, options.limits, problems);
+    const std::size_t before = parsing.inlines_now.size();
+    parsing.inlines_now.merge(needed_inlines(scene, problems));
+    if (parsing.inlines_now.size() == before) break;
+    problems = {};
+  }
+  if (problems.errors() == 0) vrml::check_network(scene.document, problems);
   if (problems.errors() == 0) result.scene = std::move(scene);
   auto report = problems.take();
   result.diagnostics = std::move(report.diagnostics);
   result.sources = std::move(report.sources);
+  return result;
+}
+
+ReadResult read_inline(const PendingInline& pending, const ReadOptions& options) {
+  std::string tried;
+  for (const std::string& url : pending.urls) {
+    std::expected<LoadedFile, std::string> file = std::unexpected("no other file is read here");
+    if (options.load) file = options.load(std::string_view(url).substr(0, url.find('#')), pending.base);
+    if (!file) {
+      tried += (tried.empty() ? "" : "; ") + vrml::quoted(url) + ": " + file.error();
+      continue;
+    }
+    ReadOptions inner = options;
+    inner.name = file->name;
+    const auto bytes = std::make_shared<const std::string>(std::move(file->bytes));
+    ReadResult result = read_world(*bytes, inner);
+    for (Source& source : result.sources) {
+      if (source.owned == nullptr) source.owned = bytes;
+    }
+    return result;
+  }
+  ReadResult result;
+  result.sources.push_back({pending.base, {}, nullptr});
+  result.diagnostics.push_back({Severity::kError, {1, 1}, "this Inline cannot be read: " + tried, 0, 0});
   return result;
 }
 

@@ -295,10 +295,16 @@ void Builder::instantiate(const NodeRef& ref, std::int32_t parent, std::uint32_t
   }
   instantiate(all.proxy, static_cast<std::int32_t>(id), i, collides && all.collide);
   scene_.instances[id].subtree_end = static_cast<std::uint32_t>(scene_.instances.size());
-  if (node.type->meaning == Meaning::kInline && node.find("url") != nullptr && all.refs.empty() && node.find("bboxSize") != nullptr) {
+  if (node.type->meaning == Meaning::kInline && node.find(inline_content().name) == nullptr) {
+    const Field* url = node.find("url");
     const Vec3 size = to_vec3(value_of(node, "bboxSize"));
-    if (size.minCoeff() >= 0.0) {
-      scene_.pending_inlines.push_back({{id}, to_vec3(value_of(node, "bboxCenter")).cast<float>(), size.cast<float>()});
+    if (url != nullptr && size.minCoeff() >= 0.0) {
+      PendingInline& pending = scene_.pending_inlines.emplace_back();
+      pending.instance = {id};
+      pending.box_center = to_vec3(value_of(node, "bboxCenter")).cast<float>();
+      pending.box_size = size.cast<float>();
+      for (const std::string_view one : url->as<std::string_view>()) pending.urls.emplace_back(one);
+      pending.base = problems_.name_of(url->at);
     }
   }
 }

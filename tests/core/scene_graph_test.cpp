@@ -161,7 +161,8 @@ TEST(SceneGraphPoses, AreTheScenesBits) {
     Group { children Shape { } })");
   std::vector<NodeSpec> specs;
   for (const Instance& instance : scene.instances) {
-    specs.push_back({instance.parent, instance.kind == NodeKind::kTransform ? &instance.transform : nullptr});
+    const bool transform = instance.transform != Instance::kNone;
+    specs.push_back({instance.parent, transform ? &scene.transforms[instance.transform] : nullptr});
   }
   SceneGraph graph;
   const auto nodes = graph.add_subtree(graph.root(), specs);
