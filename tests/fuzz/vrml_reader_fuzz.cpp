@@ -1,17 +1,49 @@
-// Any bytes at all: the reader must end, say where each problem is, and give a scene that keeps core/scene.hpp's word.
+// Any bytes at all: the reader must end, say where each problem is, and give a scene that keeps core/scene.hpp's word
+// and a document that keeps core/vrml/document.hpp's. The input is a world and the files that it may name: what stands
+// behind the first separator is "1.wrl", behind the next "2.wrl", and so on; the world itself is "0.wrl".
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "core/moving_scene.hpp"
 #include "core/vrml/reader.hpp"
+#include "tests/core/broken_promise.hpp"
 
 namespace {
 
 // Not assert: it must hold in every build.
 void require(bool condition) {
   if (!condition) std::abort();
+}
+
+constexpr std::string_view kSeparator = "\n@@@@\n";
+
+std::vector<std::string_view> files_of(std::string_view input) {
+  std::vector<std::string_view> files;
+  while (true) {
+    const std::size_t end = input.find(kSeparator);
+    files.push_back(input.substr(0, end));
+    if (end == std::string_view::npos) return files;
+    input.remove_prefix(end + kSeparator.size());
+  }
+}
+
+peerd::ReadOptions options_for(const std::vector<std::string_view>& files) {
+  peerd::ReadOptions options;
+  options.name = "0.wrl";
+  options.limits = {.text_bytes = 1u << 24, .nodes = 1u << 16, .instances = 1u << 16};
+  options.load = [&files](std::string_view url, std::string_view) -> std::expected<peerd::LoadedFile, std::string> {
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      const std::string name = std::to_string(i) + ".wrl";
+      if (url == name) return peerd::LoadedFile{name, std::string(files[i])};
+    }
+    return std::unexpected("no such file");
+  };
+  return options;
 }
 
 void check(const peerd::Mesh& mesh) {
@@ -41,11 +73,28 @@ void check_paths(const peerd::Scene& scene, std::uint32_t i) {
   require(pose.position == origin || !origin.allFinite());
 }
 
+// What moves by itself is where it says, whichever way time is asked for.
+void check_movement(const peerd::Scene& scene) {
+  peerd::MovingScene there(scene), back(scene);
+  for (const double t : {0.0, 0.3, 1.0, 1.7, 1e6}) (void)there.go_to(t);
+  for (const double t : {1e6, 1.7, 1.0}) (void)back.go_to(t);
+  (void)there.go_to(1.0);
+  peerd::PredefinedMotion motion(scene);
+  for (const peerd::ObjectId id : motion.driven_transforms()) {
+    const auto same = [](const peerd::Affine& a, const peerd::Affine& b) {
+      return (a.linear == b.linear && a.offset == b.offset) || !(a.offset.allFinite() && a.linear.allFinite());
+    };
+    require(same(there.world_from_local(id), back.world_from_local(id)));
+    const auto piece = motion.piece(id, 1.0);
+    require(piece.begin_s <= 1.0 && 1.0 < piece.end_s);
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const peerd::ReadResult result = peerd::read_world(text);
+  const auto files = files_of({reinterpret_cast<const char*>(data), size});
+  const peerd::ReadResult result = peerd::read_world(files[0], options_for(files));
   const bool error =
       std::ranges::any_of(result.diagnostics, [](const auto& d) { return d.severity == peerd::Severity::kError; });
   require(error != result.scene.has_value());
@@ -55,6 +104,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (!result.scene) return 0;
   const peerd::Scene& scene = *result.scene;
+  require(peerd::vrml::broken_promise(*scene.document).empty());
   for (const peerd::Geometry& geometry : scene.geometries) {
     // Grids and extrusions of a short text may be large; the reader has not built them, and nobody has asked.
     const peerd::MeshSize size_built = mesh_size(geometry, scene.tessellation);
@@ -67,5 +117,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(interest.collider.value < count);
     for (const peerd::ObjectId id : interest.collidees) require(id.value < count && id != interest.collider);
   }
+  for (const peerd::KeySensor& sensor : scene.key_sensors) require(sensor.recipient.value < count);
+  require(scene.pending_inlines.empty());  // nothing was asked to be read later
+  if (count < 4096) check_movement(scene);
   return 0;
 }
