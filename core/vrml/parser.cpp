@@ -41,6 +41,7 @@ struct Declaration {
   const Prototype* prototype = nullptr;
   const NodeType* native = nullptr;  // one of our own nodes stands for it
   bool external = false;
+  bool resolving = false;  // it is being looked for
   std::span<const FieldSpec> interface{};
   std::span<const std::string_view> urls{};
   Position at = 0;
@@ -178,7 +179,7 @@ class Parser {
   bool fits(std::span<const FieldSpec> interface, const NodeType& type, Position at);
   Type find_type(const Token& name);
   const Prototype* resolve(Declaration& declaration, std::string_view name);
-  const Declaration* look_into_library(std::string_view url, Position at, std::string& why);
+  const Prototype* look_into_library(std::string_view url, Position at, std::string& why);
   void close(Scope& scope);
 
   void parse_route();
@@ -497,33 +498,40 @@ Parser::Type Parser::find_type(const Token& name) {
     if (it == scope->declarations.end()) continue;
     Declaration& declaration = it->second;
     if (declaration.native != nullptr) return {declaration.native, nullptr};
-    if (declaration.prototype == nullptr) declaration.prototype = resolve(declaration, it->first);
-    return {&declaration.prototype->type, declaration.prototype};
+    const Prototype* const prototype = resolve(declaration, it->first);
+    return {prototype->not_found != nullptr ? prototype->not_found : &prototype->type, prototype};
   }
   return {find_node_type(name.text), nullptr};
 }
 
 // Looks for what an EXTERNPROTO declares. Where nothing is found its instances are empty nodes with its interface.
 const Prototype* Parser::resolve(Declaration& declaration, std::string_view name) {
+  if (declaration.prototype != nullptr) return declaration.prototype;
   std::string tried;
+  declaration.resolving = true;
   for (const std::string_view url : declaration.urls) {
     std::string why;
-    const Declaration* found = look_into_library(url, declaration.at, why);
-    if (found != nullptr && found->prototype != nullptr) {
-      if (!fits(declaration.interface, found->prototype->type, declaration.at)) break;
-      return found->prototype;
+    const Prototype* const found = look_into_library(url, declaration.at, why);
+    if (found != nullptr) {
+      const bool good = fits(declaration.interface, found->type, declaration.at);
+      if (good) declaration.prototype = found;
+      tried = "it is another";
+      break;
     }
     tried += (tried.empty() ? "" : "; ") + quoted(url) + ": " + why;
   }
+  declaration.resolving = false;
+  if (declaration.prototype != nullptr) return declaration.prototype;
   if (tried.empty()) tried = "it has no URL";
   tokens_.warning(declaration.at, "EXTERNPROTO " + quoted(name) + " is not found, its instances stay empty: " + tried);
   Prototype& empty = reading_.prototypes.emplace_back();
-  empty.type = reading_.document.own_types.emplace_back(NodeType{name, kAnyClass, Meaning::kPart, declaration.interface});
-  empty.found = false;
-  return &empty;
+  empty.not_found = &reading_.document.own_types.emplace_back(
+      NodeType{arena_.copy(name), kAnyClass, Meaning::kPart, declaration.interface});
+  empty.type = *empty.not_found;
+  return declaration.prototype = &empty;
 }
 
-const Declaration* Parser::look_into_library(std::string_view url, Position at, std::string& why) {
+const Prototype* Parser::look_into_library(std::string_view url, Position at, std::string& why) {
   const std::size_t hash = std::min(url.find('#'), url.size());
   Reading::File* const file = open_file(url.substr(0, hash), at, why);
   if (file == nullptr) return nullptr;
@@ -535,11 +543,19 @@ const Declaration* Parser::look_into_library(std::string_view url, Position at, 
   reading_.open_files.pop_back();
   if (hash < url.size()) {
     const auto it = file->library->find(url.substr(hash + 1));
-    if (it == file->library->end()) why = "it has no PROTO of that name";
-    if (it == file->library->end()) return nullptr;
-    Declaration& declaration = it->second;
-    if (declaration.prototype == nullptr) declaration.prototype = resolve(declaration, it->first);
-    return &declaration;
+    if (it == file->library->end()) {
+      why = "it has no PROTO of that name";
+      return nullptr;
+    }
+    if (it->second.resolving) {
+      why = "it is declared by way of itself";
+      tokens_.error(at, quoted(url) + ": " + why);
+      return nullptr;
+    }
+    const Prototype* const prototype = resolve(it->second, it->first);
+    if (prototype->not_found == nullptr) return prototype;
+    why = "it is not found there either";
+    return nullptr;
   }
   // Without a name, the first PROTO of the file (4.9.3).
   Declaration* first = nullptr;
@@ -547,7 +563,7 @@ const Declaration* Parser::look_into_library(std::string_view url, Position at, 
     if (!declaration.external && (first == nullptr || declaration.at < first->at)) first = &declaration;
   }
   if (first == nullptr) why = "it has no PROTO";
-  return first;
+  return first == nullptr ? nullptr : first->prototype;
 }
 
 // Other files
@@ -647,9 +663,8 @@ void Parser::fill_inline(Node& node) {
     return;
   }
   const std::vector<NodeRef>* content = load_content(*url);
-  if (content == nullptr) return;
   std::vector<Field> fields(node.given().begin(), node.given().end());
-  const auto refs = arena_.copy(std::span<const NodeRef>(*content));
+  const auto refs = arena_.copy(content != nullptr ? std::span<const NodeRef>(*content) : std::span<const NodeRef>());
   fields.push_back({&inline_content(), refs.data(), static_cast<std::uint32_t>(refs.size()), url->at});
   const auto kept = arena_.copy(std::span<const Field>(fields));
   node.fields = kept.data();
@@ -740,7 +755,7 @@ Parser::Event Parser::find_event(const RouteEnd& end, bool sends) {
     return {};
   }
   Event event{found};
-  if (definition.prototype == nullptr || !definition.prototype->found) {
+  if (definition.prototype == nullptr || definition.prototype->not_found != nullptr) {
     event.nodes.emplace_back(definition.node, found);
     return event;
   }
@@ -902,7 +917,8 @@ NodeRef Parser::parse_node_body(const Token& def, const Token& type_name, Positi
   parse_fields(open);
   --nesting_;
   open_ = open.outer;
-  const NodeRef ref = type.prototype != nullptr && type.prototype->found ? close_instance(open, *type.prototype, def, at)
+  const bool copied = type.prototype != nullptr && type.prototype->not_found == nullptr;
+  const NodeRef ref = copied ? close_instance(open, *type.prototype, def, at)
                                                                          : close_node(open, def, at);
   fields_.resize(open.first_field);
   if (open.definition != nullptr) {

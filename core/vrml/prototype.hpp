@@ -29,7 +29,8 @@ struct Prototype {
   std::vector<Field> defaults;  // of each of type.fields; no data for events
   Body body;                    // its default nodes and its own; what it is made of stands expanded in it
   std::vector<IsLink> links;    // to fields and events of `body`, through what is expanded in it
-  bool found = true;            // false: an EXTERNPROTO that no file defines; its instances are empty nodes
+  // Set for an EXTERNPROTO that no file defines: its instances are nodes of that type, with its interface and no more.
+  const NodeType* not_found = nullptr;
 };
 
 // Puts a copy of the prototype's body behind `out`, with the fields `given` where they IS: checks their nodes' classes
