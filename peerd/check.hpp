@@ -4,9 +4,25 @@
 
 namespace peerd {
 
-// `peerd check WORLD.wrl`: every problem of the world as FILE:LINE:COLUMN with a caret to `err`, then its statistics to
-// `out`; with `json`, one JSON object to `out` in place of both. Returns the exit code: 0 good, 1 the world has errors,
-// 2 there is no such file, 3 it can't be read.
+// `peerd check WORLD.wrl`: the problems of the world as FILE:LINE:COLUMN with a caret to `err`, the first 20 errors and
+// the first 20 warnings with the number of the others; then its statistics and the defects of its polygons to `out`.
+// Returns the exit code: 0 good, 1 the world has errors, 2 there is no such file, 3 it can't be read.
+//
+// With `json`, one object to `out` in place of both, with these keys whatever happens:
+//   world        the path as it was given
+//   good         whether there is no error
+//   errors       [{file, line, column, message}], in the order of the texts; `file` is the Inline's where it's there.
+//                Lines and columns (bytes) count from 1; both are 0 where the file as a whole can't be read.
+//   warnings     likewise
+//   unsupported  [text]: what can't be answered of a good world: interests, or defects of more than 2^25 polygons
+//   statistics   counts; core/scene_statistics.hpp says of what. null unless good
+//   defects      counts of polygons and of edges; core/mesh_defects.hpp says of which. `first` has for each defect of
+//                polygons {shape, polygon}, or null where there is none; shape is null where no Shape has that
+//                geometry. null unless good, and if `unsupported` says so
+//   files        texts that were read: the world, its Inlines and EXTERNPROTOs
+//   bytes        of them, unpacked
+//   read_ms      wall clock, from opening the file to the scene
+//   defects_ms   likewise, to find the defects; 0 where they are null
 [[nodiscard]] int run_check(const std::string& path, bool json, std::ostream& out, std::ostream& err);
 
 }  // namespace peerd

@@ -97,7 +97,8 @@ int run(int argc, char** argv) {
 
   std::string world;
   bool check_json = false;
-  CLI::App* check_command = app.add_subcommand("check", "read a world; every problem as FILE:LINE:COLUMN; statistics");
+  CLI::App* check_command =
+      app.add_subcommand("check", "read a world; problems as FILE:LINE:COLUMN; statistics; polygons' defects");
   check_command->add_option("world", world, "the VRML97 world")->required();
   check_command->add_flag("--json", check_json, "one JSON object");
 

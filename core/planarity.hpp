@@ -1,0 +1,13 @@
+#pragma once
+#include <Eigen/Core>
+#include <span>
+
+namespace peerd {
+
+// Whether points lie on one line, or in one plane. No decision is rounded; coordinates must be finite.
+[[nodiscard]] bool collinear(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c);
+[[nodiscard]] bool coplanar(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c,
+                            const Eigen::Vector3f& d);
+[[nodiscard]] bool coplanar(std::span<const Eigen::Vector3f> points);  // linear
+
+}  // namespace peerd
