@@ -43,7 +43,8 @@ std::expected<std::string, std::string> gunzip(std::string_view bytes, std::size
     } else if (result == Z_BUF_ERROR && left == 0) {
       return std::unexpected(std::string(kCut));
     } else if (result != Z_OK && result != Z_BUF_ERROR) {
-      return std::unexpected(std::string("the gzip file is damaged: ") + (stream.msg != nullptr ? stream.msg : "unknown"));
+      return std::unexpected(std::string("the gzip file is damaged: ") +
+                             (stream.msg != nullptr ? stream.msg : "unknown"));
     } else if (stream.avail_out > 0 && left == 0) {
       return std::unexpected(std::string(kCut));
     }

@@ -47,7 +47,8 @@ void MovingScene::place(Part& part, double t_s) {
   }
   part.placed = true;
   for (const animation::FieldId field : changing_) {
-    const auto first = std::ranges::lower_bound(part.by_field, field, {}, [](const auto& entry) { return entry.first; });
+    const auto first =
+        std::ranges::lower_bound(part.by_field, field, {}, [](const auto& entry) { return entry.first; });
     for (auto it = first; it != part.by_field.end() && it->first == field; ++it) {
       graph_.set_local(part.nodes[it->second.value], part.motion.transform(it->second, t_s));
     }
@@ -69,7 +70,8 @@ std::vector<std::size_t> MovingScene::inlines_near(const WorldBox& of_interest) 
     const Eigen::Vector3f half = 0.5f * pending[i].box_size;
     const WorldBox box = transformed(world_from_local(pending[i].instance),
                                      LocalBox{pending[i].box_center - half, pending[i].box_center + half});
-    const bool apart = (box.hi.array() < of_interest.lo.array()).any() || (box.lo.array() > of_interest.hi.array()).any();
+    const bool apart =
+        (box.hi.array() < of_interest.lo.array()).any() || (box.lo.array() > of_interest.hi.array()).any();
     if (!apart) near.push_back(i);
   }
   return near;

@@ -25,8 +25,8 @@ class MovingScene {
 
   [[nodiscard]] NodeHandle node(ObjectId id) const { return parts_.front().nodes[id.value]; }
   [[nodiscard]] const Affine& world_from_local(ObjectId id) const { return graph_.world_from_local(node(id)); }
-  // Of the vertices below an instance that its polygons use, in the world. Empty where it has none. What doesn't collide
-  // is within: it is seen.
+  // Of the vertices below an instance that its polygons use, in the world. Empty where it has none. What doesn't
+  // collide is within: it is seen.
   [[nodiscard]] WorldBox box(ObjectId id);
 
   // Those of the scene's pending Inlines, by their place in its list, that have not been filled and whose boxes meet

@@ -54,16 +54,16 @@ struct ShapeFields {
 struct Instance {
   static constexpr std::uint32_t kNone = ~0u;
 
-  std::string_view def;  // DEF name, may be empty; Scene::document keeps it
+  std::string_view def;      // DEF name, may be empty; Scene::document keeps it
   std::int32_t parent = -1;  // index; -1 at the top level
   // Position among the parent's children in the file, nodes that are no instance counted; a Collision's proxy stands
   // behind its children.
   std::uint32_t child_index = 0;
-  std::uint32_t subtree_end = 0;       // one past the last descendant
-  std::uint32_t node = kNone;          // into Document::nodes
-  std::uint32_t transform = kNone;     // into Scene::transforms, where it is a Transform
-  std::uint32_t geometry = kNone;      // into Scene::geometries, where it is a Shape that has one
-  std::uint32_t extension = kNone;     // into Scene::object_fields or shape_fields; none where all are the defaults
+  std::uint32_t subtree_end = 0;    // one past the last descendant
+  std::uint32_t node = kNone;       // into Document::nodes
+  std::uint32_t transform = kNone;  // into Scene::transforms, where it is a Transform
+  std::uint32_t geometry = kNone;   // into Scene::geometries, where it is a Shape that has one
+  std::uint32_t extension = kNone;  // into Scene::object_fields or shape_fields; none where all are the defaults
   NodeKind kind = NodeKind::kGroup;
   bool name_shadowed = false;  // find(def) finds another instance, so paths give the child index instead
   bool inner_name = false;     // `def` is a name of a PROTO's or an Inline's own: find() takes the world's before it

@@ -16,8 +16,8 @@ struct TransformFields {
 
 [[nodiscard]] inline bool is_scaled(const TransformFields& t) { return t.scale != Vec3::Ones(); }
 
-// Peers must get the same bits, so these products are written out, summed from left to right: Eigen chooses the order of
-// its sums, and whether to fuse them, by instruction set.
+// Peers must get the same bits, so these products are written out, summed from left to right: Eigen chooses the order
+// of its sums, and whether to fuse them, by instruction set.
 [[nodiscard]] Vec3 multiply(const Mat3& m, const Vec3& v);
 [[nodiscard]] Mat3 multiply(const Mat3& a, const Mat3& b);
 [[nodiscard]] Quat multiply(const Quat& a, const Quat& b);
@@ -35,7 +35,8 @@ struct Affine {
 // rotation to the last bit.
 [[nodiscard]] Affine parent_from_local(const TransformFields& t);
 
-// The rigid part of a path of transforms, from the top: where the last one's origin is, and the product of the rotations.
+// The rigid part of a path of transforms, from the top: where the last one's origin is, and the product of the
+// rotations.
 [[nodiscard]] Pose rigid_pose(std::span<const TransformFields> path);
 
 }  // namespace peerd

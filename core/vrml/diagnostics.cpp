@@ -63,15 +63,19 @@ std::pair<std::string, std::size_t> Problems::place_of(Position at) const {
 }
 Position Problems::begin_of(Position at) const { return begins_[source_at(at)]; }
 
+bool Problems::is_new(Position at, const std::string& message) {
+  return said_.insert(std::to_string(at) + message).second;
+}
+
 void Problems::error(Position at, std::string message) {
-  if (full()) return;
+  if (full() || !is_new(at, message)) return;
   ++errors_;
   if (full()) message += "; the reader stops here, after " + std::to_string(kLimit) + " errors";
   list_.push_back({at, Severity::kError, std::move(message)});
 }
 
 void Problems::warning(Position at, std::string message) {
-  if (warnings_ >= kLimit) return;
+  if (warnings_ >= kLimit || !is_new(at, message)) return;
   ++warnings_;
   if (warnings_ == kLimit) message += "; further warnings are not shown";
   list_.push_back({at, Severity::kWarning, std::move(message)});
@@ -82,21 +86,21 @@ std::vector<SourceLocation> Problems::locate(const std::vector<Position>& sorted
   assert(std::ranges::is_sorted(sorted));
   std::vector<SourceLocation> out;
   out.reserve(sorted.size());
-  std::size_t source = sources_.size(), at = 0, line_begin = 0;
+  std::size_t source = sources_.size(), at = 0, line_begin = 0, line_end = 0;  // line_end: known from `at` on
   std::uint32_t line = 1;
   for (const Position position : sorted) {
     const std::size_t here = source_at(position);
     if (here != source) {
       source = here;
-      at = line_begin = 0;
+      at = line_begin = line_end = 0;
       line = 1;
     }
     const std::string_view text = sources_[source].text;
     const std::size_t offset = position - begins_[source];
     while (true) {
-      const std::size_t end = std::min(text.find_first_of("\n\r", at), text.size());
-      if (end >= offset) break;
-      at = end + (text.substr(end, 2) == "\r\n" ? 2 : 1);
+      if (line_end <= at) line_end = std::min(text.find_first_of("\n\r", at), text.size());
+      if (line_end >= offset) break;
+      at = line_end + (text.substr(line_end, 2) == "\r\n" ? 2 : 1);
       if (at > offset) break;  // inside a CR LF
       line_begin = at;
       ++line;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -79,11 +80,14 @@ class Problems {
     std::string message;
   };
   [[nodiscard]] std::size_t source_at(Position at) const;
+  // Whether it is new: what is wrong in a PROTO is wrong in each copy, and said once.
+  [[nodiscard]] bool is_new(Position at, const std::string& message);
 
   std::vector<Source> sources_;
   std::vector<Position> begins_;  // of each source
   std::uint64_t bytes_ = 0;
   std::vector<Entry> list_;
+  std::unordered_set<std::string> said_;
   std::size_t errors_ = 0;
   std::size_t warnings_ = 0;
 };

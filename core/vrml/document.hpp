@@ -49,7 +49,7 @@ struct Node {
   Position at = 0;
   // The names that are seen from it: those of the world are 0, each copy of a PROTO's body and each Inline has its own.
   std::uint32_t scope = 0;
-  std::uint16_t field_count = 0;
+  std::uint32_t field_count = 0;
   bool damaged = false;  // an error inside it is reported: what follows from it needs no second report
 
   [[nodiscard]] std::span<const Field> given() const { return {fields, field_count}; }
@@ -86,8 +86,8 @@ struct Document {
   std::vector<Route> routes;       // in file order
   std::vector<InnerName> inner_names;
   std::vector<std::string_view> lost_names;  // of the world's nodes that errors made unreadable
-  Arena arena;                     // all values and names
-  std::deque<NodeType> own_types;  // of Scripts, and of EXTERNPROTOs that were not found
+  Arena arena;                               // all values and names
+  std::deque<NodeType> own_types;            // of Scripts, and of EXTERNPROTOs that were not found
 };
 
 // The value that a field has where the text gives none. Not for events, nor for fields of prototypes and scripts.

@@ -15,8 +15,7 @@ struct LoadedFile {
 
 // Reads the file behind the URL of an Inline or an EXTERNPROTO, or says in a few words why it can't. `base` is the name
 // of the file that has the URL. core opens no file itself.
-using FileLoader =
-    std::function<std::expected<LoadedFile, std::string>(std::string_view url, std::string_view base)>;
+using FileLoader = std::function<std::expected<LoadedFile, std::string>(std::string_view url, std::string_view base)>;
 
 struct ReadLimits {
   std::uint64_t text_bytes = std::uint64_t{1} << 30;  // of all texts, unpacked; below 4 GiB

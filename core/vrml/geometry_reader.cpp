@@ -108,7 +108,8 @@ bool GeometryReader::check_corners(const FaceSetGeometry& faces, const Field& li
       good = false;
       if (problems_.full()) break;
       problems_.error(position(i), "coordIndex " + std::to_string(corners[i]) +
-                                       " is out of range: the Coordinate has points 0 to " + std::to_string(points - 1));
+                                       " is out of range: the Coordinate has points 0 to " +
+                                       std::to_string(points - 1));
       continue;
     }
     // The last -1 may be left out; one behind another closes nothing.
@@ -117,8 +118,9 @@ bool GeometryReader::check_corners(const FaceSetGeometry& faces, const Field& li
   }
   if (few > 0) {
     ElementPositions first(problems_.text_of(list.at), problems_.begin_of(list.at), list.at);
-    problems_.warning(first.at(first_few), std::to_string(few) + (few == 1 ? " polygon has" : " polygons have") +
-                                               " fewer than 3 corners, this one first: kept and numbered, without area");
+    problems_.warning(first.at(first_few),
+                      std::to_string(few) + (few == 1 ? " polygon has" : " polygons have") +
+                          " fewer than 3 corners, this one first: kept and numbered, without area");
   }
   return good;
 }
@@ -135,12 +137,15 @@ std::optional<Geometry> GeometryReader::read_elevation_grid() {
   if (found < wanted) {
     const Field* heights = node_.find("height");
     problems_.error(heights != nullptr ? heights->at : node_.at,
-                    "this ElevationGrid of " + std::to_string(grid.x_dimension) + " by " + std::to_string(grid.z_dimension) +
-                        " needs " + std::to_string(wanted) + " heights, it has " + std::to_string(found));
+                    "this ElevationGrid of " + std::to_string(grid.x_dimension) + " by " +
+                        std::to_string(grid.z_dimension) + " needs " + std::to_string(wanted) + " heights, it has " +
+                        std::to_string(found));
     return std::nullopt;
   }
   if (found > wanted) {
-    problems_.warning(node_.find("height")->at, std::to_string(found - wanted) + " heights are more than this ElevationGrid needs; they are not used");
+    problems_.warning(
+        node_.find("height")->at,
+        std::to_string(found - wanted) + " heights are more than this ElevationGrid needs; they are not used");
     grid.height = {document_, grid.height.span().first(static_cast<std::size_t>(wanted))};
   }
   const double width = std::max(grid.x_dimension - 1, 0) * double{grid.x_spacing};
@@ -164,8 +169,9 @@ std::optional<Geometry> GeometryReader::read_extrusion() {
   const auto check = [&](std::string_view name, std::size_t count) {
     if (count == 1 || count >= extrusion.spine.size()) return true;
     const Field* field = node_.find(name);
-    problems_.error(field != nullptr ? field->at : node_.at, quoted(name) + " has " + std::to_string(count) + " values for " + std::to_string(extrusion.spine.size()) +
-                                     " spine points: one is needed, or one for each");
+    problems_.error(field != nullptr ? field->at : node_.at,
+                    quoted(name) + " has " + std::to_string(count) + " values for " +
+                        std::to_string(extrusion.spine.size()) + " spine points: one is needed, or one for each");
     return false;
   };
   const bool scale = check("scale", extrusion.scale.size());

@@ -74,7 +74,7 @@ std::expected<Real, NumberError> read_real(std::string_view text) {
     return std::unexpected(NumberError::kSyntax);
   }
   if (error == std::errc::result_out_of_range) {
-    if (is_tiny(number)) return Real{0};
+    if (is_tiny(number)) return number.starts_with('-') ? -Real{0} : Real{0};
     return std::unexpected(NumberError::kOverflow);
   }
   if (!std::isfinite(value)) {
@@ -234,9 +234,9 @@ std::expected<std::int32_t, NumberError> read_int32(std::string_view text) {
   return static_cast<std::int32_t>(negative ? 0u - magnitude : magnitude);
 }
 
-// At most 19 digits fit in 64 bits. With up to 15 digits or a mantissa of 53 bits and a power of ten that binary64 holds
-// exactly, one division or multiplication gives the nearest binary64 (Clinger, "How to read floating point numbers
-// accurately", 1990); rounding that to binary32 is right too unless it lies just between two of them.
+// At most 19 digits fit in 64 bits. With up to 15 digits or a mantissa of 53 bits and a power of ten that binary64
+// holds exactly, one division or multiplication gives the nearest binary64 (Clinger, "How to read floating point
+// numbers accurately", 1990); rounding that to binary32 is right too unless it lies just between two of them.
 const char* scan_plain(const char* begin, const char* end, float& value) {
   constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};

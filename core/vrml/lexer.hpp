@@ -77,9 +77,9 @@ enum class NumberError : std::uint8_t { kSyntax, kNotFinite, kOverflow };
 // The value of a kString token: \" and \\ are the only escapes.
 [[nodiscard]] std::string unescaped(std::string_view text);
 
-// Where a number of the plain kind ends: digits, a period and a small exponent, or a decimal integer, that white space or
-// a bracket follows. Its value is in `value`, the same bits that read_float() and read_int32() give. Null where it is of
-// any other kind, right or wrong.
+// Where a number of the plain kind ends: digits, a period and a small exponent, or a decimal integer, that white space
+// or a bracket follows. Its value is in `value`, the same bits that read_float() and read_int32() give. Null where it
+// is of any other kind, right or wrong.
 [[nodiscard]] const char* scan_plain(const char* begin, const char* end, float& value);
 [[nodiscard]] const char* scan_plain(const char* begin, const char* end, std::int32_t& value);
 

@@ -33,10 +33,14 @@ constexpr Range kNonNegative = Range::kNonNegative;
 // The tables: VRML97 clause 6, in its order of fields, with the seed's appendix C.
 
 constexpr FieldSpec kAnchorFields[] = {
-    event_in("addChildren", kMFNode), event_in("removeChildren", kMFNode),
-    kChildren,                        exposed("description", kSFString, "\"\""),
-    exposed("parameter", kMFString, "[ ]"), exposed("url", kMFString, "[ ]"),
-    kBoxCenter,                       kBoxSize,
+    event_in("addChildren", kMFNode),
+    event_in("removeChildren", kMFNode),
+    kChildren,
+    exposed("description", kSFString, "\"\""),
+    exposed("parameter", kMFString, "[ ]"),
+    exposed("url", kMFString, "[ ]"),
+    kBoxCenter,
+    kBoxSize,
 };
 constexpr FieldSpec kAppearanceFields[] = {
     node("material", kMaterial),
@@ -73,10 +77,14 @@ constexpr FieldSpec kBoxFields[] = {
     field("size", kSFVec3f, "2 2 2", kSize),
 };
 constexpr FieldSpec kCollisionFields[] = {
-    event_in("addChildren", kMFNode), event_in("removeChildren", kMFNode),
-    kChildren,                        exposed("collide", kSFBool, "TRUE"),
-    kBoxCenter,                       kBoxSize,
-    {"proxy", kSFNode, Access::kField, "NULL", Range::kAny, kChild}, event_out("collideTime", kSFTime),
+    event_in("addChildren", kMFNode),
+    event_in("removeChildren", kMFNode),
+    kChildren,
+    exposed("collide", kSFBool, "TRUE"),
+    kBoxCenter,
+    kBoxSize,
+    {"proxy", kSFNode, Access::kField, "NULL", Range::kAny, kChild},
+    event_out("collideTime", kSFTime),
 };
 constexpr FieldSpec kCollisionInterestFields[] = {
     // Listing 3.3 of the seed writes collisionInterests where its appendix C.1 has interests.
@@ -114,11 +122,8 @@ constexpr FieldSpec kCoordinateInterpolatorFields[] = {
     event_out("value_changed", kMFVec3f),
 };
 constexpr FieldSpec kCylinderFields[] = {
-    field("bottom", kSFBool, "TRUE"),
-    field("height", kSFFloat, "2", kSize),
-    field("radius", kSFFloat, "1", kSize),
-    field("side", kSFBool, "TRUE"),
-    field("top", kSFBool, "TRUE"),
+    field("bottom", kSFBool, "TRUE"), field("height", kSFFloat, "2", kSize), field("radius", kSFFloat, "1", kSize),
+    field("side", kSFBool, "TRUE"),   field("top", kSFBool, "TRUE"),
 };
 constexpr FieldSpec kCylinderSensorFields[] = {
     exposed("autoOffset", kSFBool, "TRUE"),
@@ -178,10 +183,14 @@ constexpr FieldSpec kFogFields[] = {
     event_out("isBound", kSFBool),
 };
 constexpr FieldSpec kFontStyleFields[] = {
-    field("family", kMFString, "\"SERIF\""),         field("horizontal", kSFBool, "TRUE"),
-    field("justify", kMFString, "\"BEGIN\""),        field("language", kSFString, "\"\""),
-    field("leftToRight", kSFBool, "TRUE"),           field("size", kSFFloat, "1.0", kShouldBePositive),
-    field("spacing", kSFFloat, "1.0", kShouldBeNonNegative), field("style", kSFString, "\"PLAIN\""),
+    field("family", kMFString, "\"SERIF\""),
+    field("horizontal", kSFBool, "TRUE"),
+    field("justify", kMFString, "\"BEGIN\""),
+    field("language", kSFString, "\"\""),
+    field("leftToRight", kSFBool, "TRUE"),
+    field("size", kSFFloat, "1.0", kShouldBePositive),
+    field("spacing", kSFFloat, "1.0", kShouldBeNonNegative),
+    field("style", kSFString, "\"PLAIN\""),
     field("topToBottom", kSFBool, "TRUE"),
 };
 constexpr FieldSpec kGroupFields[] = {
@@ -228,11 +237,9 @@ constexpr FieldSpec kInlineFields[] = {
     {kInlineContentName, kMFNode, Access::kContent, "[ ]", Range::kAny, kAnyClass},
 };
 constexpr FieldSpec kKeySensorFields[] = {
-    field("absoluteValue", kSFBool, "FALSE"), field("consume", kSFBool, "TRUE"),
-    exposed("enabled", kSFBool, "TRUE"),      field("keyState", kSFInt32, "0"),
-    field("keyValue", kSFInt32, "0"),         field("recipient", kSFString, "\"\""),
-    field("value", kSFVec3f, "0 0 0"),        event_in("disable", kSFBool),
-    event_out("keyHit", kSFBool),
+    field("absoluteValue", kSFBool, "FALSE"), field("consume", kSFBool, "TRUE"), exposed("enabled", kSFBool, "TRUE"),
+    field("keyState", kSFInt32, "0"),         field("keyValue", kSFInt32, "0"),  field("recipient", kSFString, "\"\""),
+    field("value", kSFVec3f, "0 0 0"),        event_in("disable", kSFBool),      event_out("keyHit", kSFBool),
 };
 constexpr FieldSpec kLodFields[] = {
     {"level", kMFNode, Access::kExposedField, "[ ]", Range::kAny, kChild},
@@ -245,11 +252,9 @@ constexpr FieldSpec kMaterialFields[] = {
     exposed("specularColor", kSFColor, "0 0 0"),  exposed("transparency", kSFFloat, "0"),
 };
 constexpr FieldSpec kMovieTextureFields[] = {
-    exposed("loop", kSFBool, "FALSE"),   exposed("speed", kSFFloat, "1.0"),
-    exposed("startTime", kSFTime, "0"),  exposed("stopTime", kSFTime, "0"),
-    exposed("url", kMFString, "[ ]"),    field("repeatS", kSFBool, "TRUE"),
-    field("repeatT", kSFBool, "TRUE"),   event_out("duration_changed", kSFTime),
-    event_out("isActive", kSFBool),
+    exposed("loop", kSFBool, "FALSE"), exposed("speed", kSFFloat, "1.0"),      exposed("startTime", kSFTime, "0"),
+    exposed("stopTime", kSFTime, "0"), exposed("url", kMFString, "[ ]"),       field("repeatS", kSFBool, "TRUE"),
+    field("repeatT", kSFBool, "TRUE"), event_out("duration_changed", kSFTime), event_out("isActive", kSFBool),
 };
 constexpr FieldSpec kNavigationInfoFields[] = {
     event_in("set_bind", kSFBool),
@@ -281,9 +286,9 @@ constexpr FieldSpec kPixelTextureFields[] = {
     field("repeatT", kSFBool, "TRUE"),
 };
 constexpr FieldSpec kPlaneSensorFields[] = {
-    exposed("autoOffset", kSFBool, "TRUE"),   exposed("enabled", kSFBool, "TRUE"),
+    exposed("autoOffset", kSFBool, "TRUE"),    exposed("enabled", kSFBool, "TRUE"),
     exposed("maxPosition", kSFVec2f, "-1 -1"), exposed("minPosition", kSFVec2f, "0 0"),
-    exposed("offset", kSFVec3f, "0 0 0"),     event_out("isActive", kSFBool),
+    exposed("offset", kSFVec3f, "0 0 0"),      event_out("isActive", kSFBool),
     event_out("trackPoint_changed", kSFVec3f), event_out("translation_changed", kSFVec3f),
 };
 constexpr FieldSpec kPointLightFields[] = {
@@ -306,14 +311,10 @@ constexpr FieldSpec kPositionInterpolatorFields[] = {
     event_out("value_changed", kSFVec3f),
 };
 constexpr FieldSpec kProximitySensorFields[] = {
-    exposed("center", kSFVec3f, "0 0 0"),
-    exposed("size", kSFVec3f, "0 0 0", kShouldBeNonNegative),
-    exposed("enabled", kSFBool, "TRUE"),
-    event_out("isActive", kSFBool),
-    event_out("position_changed", kSFVec3f),
-    event_out("orientation_changed", kSFRotation),
-    event_out("enterTime", kSFTime),
-    event_out("exitTime", kSFTime),
+    exposed("center", kSFVec3f, "0 0 0"),    exposed("size", kSFVec3f, "0 0 0", kShouldBeNonNegative),
+    exposed("enabled", kSFBool, "TRUE"),     event_out("isActive", kSFBool),
+    event_out("position_changed", kSFVec3f), event_out("orientation_changed", kSFRotation),
+    event_out("enterTime", kSFTime),         event_out("exitTime", kSFTime),
 };
 constexpr FieldSpec kScalarInterpolatorFields[] = {
     event_in("set_fraction", kSFFloat),
@@ -349,12 +350,9 @@ constexpr FieldSpec kSphereFields[] = {
     field("radius", kSFFloat, "1", kSize),
 };
 constexpr FieldSpec kSphereSensorFields[] = {
-    exposed("autoOffset", kSFBool, "TRUE"),
-    exposed("enabled", kSFBool, "TRUE"),
-    exposed("offset", kSFRotation, "0 1 0 0"),
-    event_out("isActive", kSFBool),
-    event_out("rotation_changed", kSFRotation),
-    event_out("trackPoint_changed", kSFVec3f),
+    exposed("autoOffset", kSFBool, "TRUE"),     exposed("enabled", kSFBool, "TRUE"),
+    exposed("offset", kSFRotation, "0 1 0 0"),  event_out("isActive", kSFBool),
+    event_out("rotation_changed", kSFRotation), event_out("trackPoint_changed", kSFVec3f),
 };
 constexpr FieldSpec kSpotLightFields[] = {
     exposed("ambientIntensity", kSFFloat, "0"),
@@ -388,19 +386,20 @@ constexpr FieldSpec kTextureTransformFields[] = {
     exposed("translation", kSFVec2f, "0 0"),
 };
 constexpr FieldSpec kTimeSensorFields[] = {
-    exposed("cycleInterval", kSFTime, "1", kShouldBePositive), exposed("enabled", kSFBool, "TRUE"),
-    exposed("loop", kSFBool, "FALSE"),                 exposed("startTime", kSFTime, "0"),
-    exposed("stopTime", kSFTime, "0"),                 event_out("cycleTime", kSFTime),
-    event_out("fraction_changed", kSFFloat),           event_out("isActive", kSFBool),
+    exposed("cycleInterval", kSFTime, "1", kShouldBePositive),
+    exposed("enabled", kSFBool, "TRUE"),
+    exposed("loop", kSFBool, "FALSE"),
+    exposed("startTime", kSFTime, "0"),
+    exposed("stopTime", kSFTime, "0"),
+    event_out("cycleTime", kSFTime),
+    event_out("fraction_changed", kSFFloat),
+    event_out("isActive", kSFBool),
     event_out("time", kSFTime),
 };
 constexpr FieldSpec kTouchSensorFields[] = {
-    exposed("enabled", kSFBool, "TRUE"),
-    event_out("hitNormal_changed", kSFVec3f),
-    event_out("hitPoint_changed", kSFVec3f),
-    event_out("hitTexCoord_changed", kSFVec2f),
-    event_out("isActive", kSFBool),
-    event_out("isOver", kSFBool),
+    exposed("enabled", kSFBool, "TRUE"),     event_out("hitNormal_changed", kSFVec3f),
+    event_out("hitPoint_changed", kSFVec3f), event_out("hitTexCoord_changed", kSFVec2f),
+    event_out("isActive", kSFBool),          event_out("isOver", kSFBool),
     event_out("touchTime", kSFTime),
 };
 constexpr FieldSpec kTransformFields[] = {

@@ -38,8 +38,9 @@ enum class Access : std::uint8_t {
   kContent,  // no field of the standard's and none that a file can give: what the reader found behind a node's URL
 };
 
-// What values of a number field the standard allows, each component by itself. Outside of it a world can't be built from
-// the field (an error), or it can (a warning): a Box of size 0 is a square, and a light too bright is nobody's collision.
+// What values of a number field the standard allows, each component by itself. Outside of it a world can't be built
+// from the field (an error), or it can (a warning): a Box of size 0 is a square, and a light too bright is nobody's
+// collision.
 enum class Range : std::uint8_t { kAny, kNonNegative, kPositive, kSize, kShouldBeNonNegative, kShouldBePositive };
 
 // Where a node may stand. A node field accepts a set of these.
@@ -64,7 +65,7 @@ enum NodeClass : std::uint16_t {
 enum class Meaning : std::uint8_t {
   kPart,     // read through the node that holds it, or what moves others
   kDisplay,  // for eyes and ears: of no concern to a scene that collides. Other fields of a browser's own are let pass
-  kGroup,  // a grouping node that only groups
+  kGroup,    // a grouping node that only groups
   kTransform,
   kBillboard,
   kCollision,
@@ -102,7 +103,7 @@ struct NodeType {
 [[nodiscard]] std::optional<FieldType> find_field_type(std::string_view name);
 [[nodiscard]] std::string_view name_of(Access access);
 [[nodiscard]] std::optional<Access> find_access(std::string_view name);
-[[nodiscard]] const FieldSpec& inline_content();  // of an Inline: the nodes of its file
+[[nodiscard]] const FieldSpec& inline_content();                        // of an Inline: the nodes of its file
 [[nodiscard]] std::string_view name_of_classes(std::uint16_t classes);  // for a message: "a geometry node"
 // Whether an event can be sent from, or to, a field of that access (4.7).
 [[nodiscard]] bool sends_events(Access access);

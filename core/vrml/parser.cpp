@@ -5,8 +5,11 @@
 #include <expected>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
+#include <tuple>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "core/gzip.hpp"
@@ -19,8 +22,11 @@ namespace {
 
 using enum TokenKind;
 
-constexpr std::size_t kMaxOpenFiles = 32;  // an Inline in an Inline in ..; each is a recursion
+constexpr std::size_t kMaxOpenFiles = 32;              // an Inline in an Inline in ..; each is a recursion
 constexpr std::uint32_t kAround = NodeRef::kNull - 1;  // a node that is still open, until close_around() knows it
+constexpr std::size_t kFewEnough = 4096;               // a misspelt name among millions must not cost minutes
+constexpr std::size_t kMaxFields = 4096;     // that a PROTO or a Script may declare: they are looked for one by one
+constexpr std::uint32_t kMaxResolving = 64;  // EXTERNPROTOs that lead to one another; each is a recursion
 constexpr std::string_view kOwnUrn = "urn:peerd:node:";
 
 // The nodes of the seed's appendix C that a world may also declare, so that other browsers load it.
@@ -42,7 +48,7 @@ struct Declaration {
   const NodeType* native = nullptr;  // one of our own nodes stands for it
   bool external = false;
   bool resolving = false;  // it is being looked for
-  std::span<const FieldSpec> interface{};
+  std::span<const FieldSpec> interface {};
   std::span<const std::string_view> urls{};
   Position at = 0;
 };
@@ -78,19 +84,22 @@ struct Reading {
     Position begin = 0;
     std::size_t body = 0;  // offset behind its header
     bool readable = false;
-    std::string why{};  // it is not
+    std::string why{};                              // it is not
     std::optional<std::vector<NodeRef>> content{};  // as an Inline, in `world`
     std::optional<Declarations> library{};          // as what EXTERNPROTOs look into
   };
   std::map<std::string, File, std::less<>> files{};  // by LoadedFile::name
   std::vector<std::string_view> open_files{};
   std::uint64_t text_bytes = 0;
-  std::uint64_t node_count = 0;  // of all bodies
+  std::uint64_t node_eighths = 0;  // of all bodies
+  std::uint32_t resolving = 0;     // EXTERNPROTOs that lead to one another
   bool too_many_nodes = false;
 
-  [[nodiscard]] bool room_for(std::uint64_t nodes, Position at) {
-    if (node_count + nodes <= options.limits.nodes) {
-      node_count += nodes;
+  // References and ROUTEs are smaller than nodes, and can be more: eight of them count as a node.
+  [[nodiscard]] bool room_for(std::uint64_t nodes, std::uint64_t references, Position at) {
+    const std::uint64_t eighths = 8 * nodes + references;
+    if (node_eighths + eighths <= 8 * std::uint64_t{options.limits.nodes}) {
+      node_eighths += eighths;
       return true;
     }
     if (!std::exchange(too_many_nodes, true)) {
@@ -108,7 +117,8 @@ struct OpenText {
 
 // Unpacks a text, checks its header and takes it among the sources.
 std::expected<OpenText, std::string> open_text(Reading& reading, Source source) {
-  const std::uint64_t left = reading.options.limits.text_bytes - std::min(reading.text_bytes, reading.options.limits.text_bytes);
+  const std::uint64_t left =
+      reading.options.limits.text_bytes - std::min(reading.text_bytes, reading.options.limits.text_bytes);
   std::expected<Header, std::string> header = std::unexpected("");
   if (is_gzip(source.text)) {
     std::expected<std::string, std::string> unpacked = gunzip(source.text, left);
@@ -178,9 +188,13 @@ class Parser {
   void add_native(Declaration& declaration, std::string_view name);
   bool fits(std::span<const FieldSpec> interface, const NodeType& type, Position at);
   Type find_type(const Token& name);
-  const Prototype* resolve(Declaration& declaration, std::string_view name);
-  const Prototype* look_into_library(std::string_view url, Position at, std::string& why);
+  void resolve(Declaration& declaration, std::string_view name);
+  const Declaration* look_into_library(std::string_view url, Position at, std::string& why);
   void close(Scope& scope);
+  void too_many(Position at) {
+    tokens_.error(
+        at, "with this field there are more than " + std::to_string(kMaxFields) + ", more than this reader takes");
+  }
 
   void parse_route();
   RouteEnd parse_route_end();
@@ -218,6 +232,7 @@ class Parser {
   [[nodiscard]] bool live() const { return scope_->body == &reading_.world; }
 
   void load_inlines_of(const Prototype& prototype, std::span<const Field> given);
+  [[nodiscard]] bool is_for_later(Position inline_at, const Field* box_size) const;
   void fill_inline(Node& node);
   const std::vector<NodeRef>* load_content(const Field& url);
   Reading::File* open_file(std::string_view url, Position at, std::string& why);
@@ -229,10 +244,10 @@ class Parser {
   TokenStream tokens_;
   ValueReader values_;
   Scope* scope_ = nullptr;
-  Open* open_ = nullptr;       // the innermost open node
-  std::vector<Field> fields_;  // of all open nodes
+  Open* open_ = nullptr;                  // the innermost open node
+  std::vector<Field> fields_;             // of all open nodes
   std::vector<Definition*> script_uses_;  // open ones that the Script field in hand names, in order
-  std::uint32_t nesting_;      // of nodes and PROTOs, through files: each is a recursion
+  std::uint32_t nesting_;                 // of nodes and PROTOs, through files: each is a recursion
 };
 
 Definition& Parser::define(std::string_view name) {
@@ -251,8 +266,8 @@ Declarations Parser::parse_text(Body& body) {
       if (parse_statement()) continue;
       const NodeRef ref = parse_node();
       if (ref.is_node() && (body.nodes[ref.index].type->classes & kChild) == 0) {
-        tokens_.warning(at, std::string(body.nodes[ref.index].type->name) +
-                                " at the top level is not part of the scene by itself");
+        tokens_.warning(
+            at, std::string(body.nodes[ref.index].type->name) + " at the top level is not part of the scene by itself");
       }
       body.roots.push_back(ref);
       continue;
@@ -276,9 +291,11 @@ bool Parser::parse_statement() {
 void Parser::check_name(const Token& name) {
   const bool own = std::ranges::find(kOwnNodes, name.text) != std::end(kOwnNodes);
   if (find_node_type(name.text) != nullptr && !own) {
-    tokens_.error(tokens_.position_of(name), quoted(name.text) + " is a node of the standard: no PROTO can take its name");
+    tokens_.error(tokens_.position_of(name),
+                  quoted(name.text) + " is a node of the standard: no PROTO can take its name");
   } else if (scope_->declarations.contains(name.text)) {
-    tokens_.warning(tokens_.position_of(name), "a PROTO " + quoted(name.text) + " is there already; this one counts from here on");
+    tokens_.warning(tokens_.position_of(name),
+                    "a PROTO " + quoted(name.text) + " is there already; this one counts from here on");
   }
 }
 
@@ -292,7 +309,8 @@ void Parser::parse_proto() {
   Prototype& prototype = reading_.prototypes.emplace_back();
   prototype.type = {arena_.copy(name.text), kAnyClass, Meaning::kPart, {}};
   if (nesting_ >= kMaxNesting) {
-    tokens_.error(tokens_.position_of(keyword), "PROTOs and nodes are nested more than " + std::to_string(kMaxNesting) + " deep");
+    tokens_.error(tokens_.position_of(keyword),
+                  "PROTOs and nodes are nested more than " + std::to_string(kMaxNesting) + " deep");
     if (tokens_.at(kOpenBracket)) skip_balanced();
     if (tokens_.at(kOpenBrace)) skip_balanced();
     return;
@@ -311,15 +329,15 @@ void Parser::parse_proto() {
 // The declarations between '[' and ']', with default values for a PROTO. Those that can be read are kept.
 bool Parser::parse_interface(std::string_view name, bool with_values, Prototype& prototype) {
   if (!tokens_.at(kOpenBracket)) {
-    tokens_.error(tokens_.position(), "expected '[' and the interface of " + quoted(name) + ", found " + described(tokens_.peek()));
+    tokens_.error(tokens_.position(),
+                  "expected '[' and the interface of " + quoted(name) + ", found " + described(tokens_.peek()));
     return false;
   }
   const Token bracket = tokens_.take();
   std::vector<FieldSpec> specs;
-  std::vector<Field> defaults;
-  const auto known = [&](std::string_view field) {
-    return std::ranges::find(specs, field, &FieldSpec::name) != specs.end();
-  };
+  std::vector<std::optional<Field>> defaults;
+  std::unordered_set<std::string_view> names;
+  const auto known = [&](std::string_view field) { return names.contains(field); };
   // 4.7: an exposedField x is also set_x and x_changed.
   const auto conflict = [&](std::string_view field, Access access) {
     if (known(field)) return true;
@@ -357,15 +375,17 @@ bool Parser::parse_interface(std::string_view name, bool with_values, Prototype&
     if (!type) {
       good = false;
       Suggestion suggestion(tokens_.peek().text);
-      for (int t = 0; t <= static_cast<int>(FieldType::kMFVec3f); ++t) suggestion.consider(name_of(static_cast<FieldType>(t)));
-      tokens_.error(tokens_.position(), "expected a field type, found " + described(tokens_.peek()) + did_you_mean(suggestion));
+      for (int t = 0; t <= static_cast<int>(FieldType::kMFVec3f); ++t)
+        suggestion.consider(name_of(static_cast<FieldType>(t)));
+      tokens_.error(tokens_.position(),
+                    "expected a field type, found " + described(tokens_.peek()) + did_you_mean(suggestion));
       if (tokens_.at(kWord) && !find_access(tokens_.peek().text)) tokens_.take();
       if (tokens_.at(kWord) && !find_access(tokens_.peek().text)) tokens_.take();
       if (with_values && has_value(*access)) skip_value();
       continue;
     }
     tokens_.take();
-    if (!tokens_.at(kWord) || find_access(tokens_.peek().text)) {
+    if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
       good = false;
       tokens_.error(tokens_.position(), "expected the name of a field, found " + described(tokens_.peek()));
       continue;
@@ -373,25 +393,32 @@ bool Parser::parse_interface(std::string_view name, bool with_values, Prototype&
     const Token field = tokens_.take();
     if (conflict(field.text, *access)) {
       good = false;
-      tokens_.error(tokens_.position_of(field), quoted(field.text) + " is in the interface of " + quoted(name) + " already");
+      tokens_.error(tokens_.position_of(field),
+                    quoted(field.text) + " is in the interface of " + quoted(name) + " already");
     }
     const FieldSpec spec{arena_.copy(field.text), *type, *access, {}, Range::kAny, kAnyClass};
-    std::optional<Field> value = Field{};
-    if (with_values && has_value(*access)) {
+    std::optional<Field> value;
+    const bool wanted = with_values && has_value(*access);
+    if (wanted) {
       Scope scope{.outer = scope_, .body = &prototype.body};
       Scope* const outer = std::exchange(scope_, &scope);
       value = values_.read(spec);
       close(scope);
       scope_ = outer;
     }
-    good = good && value.has_value();
+    good = good && (value.has_value() || !wanted);
     if (known(field.text)) continue;
+    if (specs.size() == kMaxFields) too_many(tokens_.position_of(field));
+    if (specs.size() >= kMaxFields) continue;
+    names.insert(spec.name);
     specs.push_back(spec);
-    defaults.push_back(value.value_or(Field{}));
+    defaults.push_back(value);
   }
   tokens_.accept(kCloseBracket);
   const auto kept = arena_.copy(std::span<const FieldSpec>(specs));
-  for (std::size_t i = 0; i < kept.size(); ++i) defaults[i].spec = &kept[i];
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (defaults[i]) defaults[i]->spec = &kept[i];
+  }
   prototype.type.fields = kept;
   prototype.defaults = std::move(defaults);
   return good;
@@ -399,7 +426,8 @@ bool Parser::parse_interface(std::string_view name, bool with_values, Prototype&
 
 void Parser::parse_body_of(Prototype& prototype, std::string_view name) {
   if (!tokens_.at(kOpenBrace)) {
-    return tokens_.error(tokens_.position(), "expected '{' and the body of " + quoted(name) + ", found " + described(tokens_.peek()));
+    return tokens_.error(tokens_.position(),
+                         "expected '{' and the body of " + quoted(name) + ", found " + described(tokens_.peek()));
   }
   const Token brace = tokens_.take();
   Scope scope{.outer = scope_, .body = &prototype.body, .prototype = &prototype};
@@ -414,7 +442,8 @@ void Parser::parse_body_of(Prototype& prototype, std::string_view name) {
       if (!parse_statement()) body.roots.push_back(parse_node());
       continue;
     }
-    tokens_.error(tokens_.position(), "expected a node or the '}' of " + quoted(name) + ", found " + described(tokens_.peek()));
+    tokens_.error(tokens_.position(),
+                  "expected a node or the '}' of " + quoted(name) + ", found " + described(tokens_.peek()));
     if (tokens_.at(kOpenBrace) || tokens_.at(kOpenBracket)) {
       skip_balanced();
     } else {
@@ -425,17 +454,19 @@ void Parser::parse_body_of(Prototype& prototype, std::string_view name) {
   close(scope);
   scope_ = scope.outer;
   if (body.roots.empty()) {
-    tokens_.warning(tokens_.position_of(brace), "the body of " + quoted(name) + " has no node, so its instances are none either; the standard wants one");
+    tokens_.warning(
+        tokens_.position_of(brace),
+        "the body of " + quoted(name) + " has no node, so its instances are none either; the standard wants one");
   } else if (body.roots.front().is_node()) {
     const NodeType& first = *body.nodes[body.roots.front().index].type;
     prototype.type.classes = first.classes;
   }
   for (const IsLink& link : prototype.links) {
     if (!has_value(link.outer->access) || !has_value(link.inner->access)) continue;
-    const Field& value = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
-    if (value.at == 0) continue;  // it could not be read
-    check_nodes(*link.inner, value, body.nodes, problems_);
-    check_range(*link.inner, value, problems_);
+    const auto& value = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
+    if (!value) continue;  // it could not be read
+    check_nodes(*link.inner, *value, body.nodes, problems_);
+    check_range(*link.inner, *value, problems_);
   }
 }
 
@@ -474,15 +505,27 @@ bool Parser::fits(std::span<const FieldSpec> interface, const NodeType& type, Po
   bool good = true;
   for (const FieldSpec& declared : interface) {
     const FieldSpec* field = find_field(type, declared.name);
+    // An exposedField x has the events set_x and x_changed (4.7).
+    const std::string_view name = declared.name;
+    const FieldSpec* exposed = nullptr;
+    if (declared.access == Access::kEventIn && name.starts_with("set_")) exposed = find_field(type, name.substr(4));
+    if (declared.access == Access::kEventOut && name.ends_with("_changed")) {
+      exposed = find_field(type, name.substr(0, name.size() - 8));
+    }
+    const bool event = field == nullptr && exposed != nullptr && exposed->access == Access::kExposedField;
+    if (event && exposed->type == declared.type) continue;
     std::string why;
     if (field == nullptr) {
       Suggestion suggestion(declared.name);
       for (const FieldSpec& other : type.fields) suggestion.consider(other.name);
       why = "has no field " + quoted(declared.name) + did_you_mean(suggestion);
     } else if (field->type != declared.type) {
-      why = "has " + quoted(declared.name) + " as " + std::string(name_of(field->type)) + ", not " + std::string(name_of(declared.type));
-    } else if (field->access != declared.access && !(field->access == Access::kExposedField && declared.access == Access::kField)) {
-      why = "has " + quoted(declared.name) + " as " + std::string(name_of(field->access)) + ", not " + std::string(name_of(declared.access));
+      why = "has " + quoted(declared.name) + " as " + std::string(name_of(field->type)) + ", not " +
+            std::string(name_of(declared.type));
+    } else if (field->access != declared.access &&
+               !(field->access == Access::kExposedField && declared.access == Access::kField)) {
+      why = "has " + quoted(declared.name) + " as " + std::string(name_of(field->access)) + ", not " +
+            std::string(name_of(declared.access));
     } else {
       continue;
     }
@@ -497,48 +540,56 @@ Parser::Type Parser::find_type(const Token& name) {
     const auto it = scope->declarations.find(name.text);
     if (it == scope->declarations.end()) continue;
     Declaration& declaration = it->second;
+    resolve(declaration, it->first);
     if (declaration.native != nullptr) return {declaration.native, nullptr};
-    const Prototype* const prototype = resolve(declaration, it->first);
+    const Prototype* const prototype = declaration.prototype;
     return {prototype->not_found != nullptr ? prototype->not_found : &prototype->type, prototype};
   }
   return {find_node_type(name.text), nullptr};
 }
 
 // Looks for what an EXTERNPROTO declares. Where nothing is found its instances are empty nodes with its interface.
-const Prototype* Parser::resolve(Declaration& declaration, std::string_view name) {
-  if (declaration.prototype != nullptr) return declaration.prototype;
+void Parser::resolve(Declaration& declaration, std::string_view name) {
+  if (declaration.prototype != nullptr || declaration.native != nullptr) return;
   std::string tried;
+  const std::size_t errors = problems_.errors();
   declaration.resolving = true;
+  ++reading_.resolving;
   for (const std::string_view url : declaration.urls) {
     std::string why;
-    const Prototype* const found = look_into_library(url, declaration.at, why);
+    const Declaration* const found = look_into_library(url, declaration.at, why);
     if (found != nullptr) {
-      const bool good = fits(declaration.interface, found->type, declaration.at);
-      if (good) declaration.prototype = found;
-      tried = "it is another";
+      const NodeType& type = found->native != nullptr ? *found->native : found->prototype->type;
+      if (!fits(declaration.interface, type, declaration.at)) break;
+      declaration.native = found->native;
+      declaration.prototype = found->prototype;
       break;
     }
     tried += (tried.empty() ? "" : "; ") + quoted(url) + ": " + why;
   }
   declaration.resolving = false;
-  if (declaration.prototype != nullptr) return declaration.prototype;
+  --reading_.resolving;
+  if (declaration.prototype != nullptr || declaration.native != nullptr) return;
   if (tried.empty()) tried = "it has no URL";
-  tokens_.warning(declaration.at, "EXTERNPROTO " + quoted(name) + " is not found, its instances stay empty: " + tried);
+  if (problems_.errors() == errors) {
+    tokens_.warning(declaration.at,
+                    "EXTERNPROTO " + quoted(name) + " is not found, its instances stay empty: " + tried);
+  }
   Prototype& empty = reading_.prototypes.emplace_back();
   empty.not_found = &reading_.document.own_types.emplace_back(
       NodeType{arena_.copy(name), kAnyClass, Meaning::kPart, declaration.interface});
   empty.type = *empty.not_found;
-  return declaration.prototype = &empty;
+  declaration.prototype = &empty;
 }
 
-const Prototype* Parser::look_into_library(std::string_view url, Position at, std::string& why) {
+const Declaration* Parser::look_into_library(std::string_view url, Position at, std::string& why) {
   const std::size_t hash = std::min(url.find('#'), url.size());
   Reading::File* const file = open_file(url.substr(0, hash), at, why);
   if (file == nullptr) return nullptr;
   if (!file->library) {
     Body unused;
     file->library = Parser(reading_, file->begin, file->body, nesting_).parse_text(unused);
-    reading_.node_count -= unused.nodes.size();
+    reading_.node_eighths -= 8 * unused.nodes.size();
   }
   reading_.open_files.pop_back();
   if (hash < url.size()) {
@@ -552,8 +603,13 @@ const Prototype* Parser::look_into_library(std::string_view url, Position at, st
       tokens_.error(at, quoted(url) + ": " + why);
       return nullptr;
     }
-    const Prototype* const prototype = resolve(it->second, it->first);
-    if (prototype->not_found == nullptr) return prototype;
+    if (reading_.resolving >= kMaxResolving) {
+      why = "EXTERNPROTOs lead to one another more than " + std::to_string(kMaxResolving) + " times";
+      tokens_.error(at, quoted(url) + ": " + why);
+      return nullptr;
+    }
+    resolve(it->second, it->first);
+    if (it->second.native != nullptr || it->second.prototype->not_found == nullptr) return &it->second;
     why = "it is not found there either";
     return nullptr;
   }
@@ -563,7 +619,7 @@ const Prototype* Parser::look_into_library(std::string_view url, Position at, st
     if (!declaration.external && (first == nullptr || declaration.at < first->at)) first = &declaration;
   }
   if (first == nullptr) why = "it has no PROTO";
-  return first == nullptr ? nullptr : first->prototype;
+  return first;
 }
 
 // Other files
@@ -644,31 +700,39 @@ void Parser::load_inlines_of(const Prototype& prototype, std::span<const Field> 
   for (std::uint32_t i = 0; i < prototype.body.nodes.size(); ++i) {
     const Node& node = prototype.body.nodes[i];
     if (node.type->meaning != Meaning::kInline) continue;
-    const Field* url = node.find("url");
-    for (const IsLink& link : prototype.links) {
-      if (link.node != i || link.inner->name != "url") continue;
-      const auto it = std::ranges::find(given, link.outer, &Field::spec);
-      url = it != given.end() ? &*it : &prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
-    }
-    if (url != nullptr) static_cast<void>(load_content(*url));
+    const auto value = [&](std::string_view name) {
+      const Field* field = node.find(name);
+      for (const IsLink& link : prototype.links) {
+        if (link.node != i || link.inner->name != name) continue;
+        const auto it = std::ranges::find(given, link.outer, &Field::spec);
+        const auto& otherwise = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
+        field = it != given.end() ? &*it : otherwise ? &*otherwise : nullptr;
+      }
+      return field;
+    };
+    const Field* url = value("url");
+    if (url != nullptr && !is_for_later(node.at, value("bboxSize"))) static_cast<void>(load_content(*url));
   }
+}
+
+bool Parser::is_for_later(Position inline_at, const Field* box_size) const {
+  if (!reading_.options.inlines_later || box_size == nullptr) return false;
+  const std::span<const float> size = box_size->as<float>();
+  const bool sized = size[0] >= 0 && size[1] >= 0 && size[2] >= 0;
+  return sized && !reading_.options.inlines_now.contains(problems_.place_of(inline_at));
 }
 
 void Parser::fill_inline(Node& node) {
   const Field* url = node.find("url");
   if (url == nullptr) return;
-  const std::span<const float> size = value_of(node, "bboxSize").as<float>();
-  const bool sized = size[0] >= 0 && size[1] >= 0 && size[2] >= 0;
-  if (reading_.options.inlines_later && sized && !reading_.options.inlines_now.contains(problems_.place_of(node.at))) {
-    return;
-  }
+  if (is_for_later(node.at, node.find("bboxSize"))) return;
   const std::vector<NodeRef>* content = load_content(*url);
   std::vector<Field> fields(node.given().begin(), node.given().end());
   const auto refs = arena_.copy(content != nullptr ? std::span<const NodeRef>(*content) : std::span<const NodeRef>());
   fields.push_back({&inline_content(), refs.data(), static_cast<std::uint32_t>(refs.size()), url->at});
   const auto kept = arena_.copy(std::span<const Field>(fields));
   node.fields = kept.data();
-  node.field_count = static_cast<std::uint16_t>(kept.size());
+  node.field_count = static_cast<std::uint32_t>(kept.size());
 }
 
 // ROUTE
@@ -695,11 +759,13 @@ RouteEnd Parser::parse_route_end() {
   const Token name = tokens_.take();
   end.name = name.text;
   if (!tokens_.accept(kPeriod)) {
-    tokens_.error(tokens_.position(), "expected '.' and an event of " + quoted(name.text) + ", found " + described(tokens_.peek()));
+    tokens_.error(tokens_.position(),
+                  "expected '.' and an event of " + quoted(name.text) + ", found " + described(tokens_.peek()));
     return end;
   }
   if (!tokens_.at(kWord)) {
-    tokens_.error(tokens_.position(), "expected an event of " + quoted(name.text) + ", found " + described(tokens_.peek()));
+    tokens_.error(tokens_.position(),
+                  "expected an event of " + quoted(name.text) + ", found " + described(tokens_.peek()));
     return end;
   }
   end.at = tokens_.position();
@@ -709,14 +775,14 @@ RouteEnd Parser::parse_route_end() {
     end.node = it->second;
   } else {
     Suggestion suggestion(name.text);
-    constexpr std::size_t kFewEnough = 4096;
     std::vector<std::string_view> names;  // in an order of their own: a hash map has none to rely on
     if (scope_->names.size() <= kFewEnough) {
       for (const auto& [known, definition] : scope_->names) names.push_back(known);
     }
     std::ranges::sort(names);
     for (const std::string_view known : names) suggestion.consider(known);
-    tokens_.error(tokens_.position_of(name), "ROUTE names " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
+    tokens_.error(tokens_.position_of(name),
+                  "ROUTE names " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
   }
   return end;
 }
@@ -726,17 +792,25 @@ Parser::Event Parser::find_event(const RouteEnd& end, bool sends) {
   const Definition& definition = *end.node;
   if (definition.type == nullptr || definition.node == NodeRef::kNull) return {};  // what was lost is reported
   const NodeType& type = *definition.type;
-  const auto serves = [&](const FieldSpec& field) { return sends ? sends_events(field.access) : takes_events(field.access); };
+  const auto serves = [&](const FieldSpec& field) {
+    return sends ? sends_events(field.access) : takes_events(field.access);
+  };
   const FieldSpec* found = nullptr;
   const FieldSpec* exact = find_field(type, end.event);
+  if (exact != nullptr && exact->access == Access::kContent) exact = nullptr;
   if (exact != nullptr && serves(*exact)) {
     found = exact;
   } else {
+    // set_ and _changed may be left out, and an exposedField has both (4.7, 4.10.2).
     std::string_view base;
     if (sends && end.event.ends_with("_changed")) base = end.event.substr(0, end.event.size() - 8);
     if (!sends && end.event.starts_with("set_")) base = end.event.substr(4);
     const FieldSpec* field = base.empty() ? nullptr : find_field(type, base);
     if (field != nullptr && field->access == Access::kExposedField) found = field;
+    if (exact == nullptr && found == nullptr) {
+      field = find_field(type, sends ? std::string(end.event) + "_changed" : "set_" + std::string(end.event));
+      if (field != nullptr && serves(*field)) found = field;
+    }
   }
   if (found == nullptr) {
     std::string why;
@@ -749,7 +823,8 @@ Parser::Event Parser::find_event(const RouteEnd& end, bool sends) {
       for (const FieldSpec& field : type.fields) {
         if (serves(field)) suggestion.consider(field.name);
       }
-      why = std::string(type.name) + (sends ? " sends no event " : " takes no event ") + quoted(end.event) + did_you_mean(suggestion);
+      why = std::string(type.name) + (sends ? " sends no event " : " takes no event ") + quoted(end.event) +
+            did_you_mean(suggestion);
     }
     tokens_.error(end.at, why);
     return {};
@@ -777,6 +852,7 @@ void Parser::add_routes(const Scope& scope, const RouteEnd& from, const RouteEnd
   }
   for (const auto& [from_node, from_field] : source.nodes) {
     for (const auto& [to_node, to_field] : target.nodes) {
+      if (!reading_.room_for(0, 2, from.at)) return;
       scope.body->routes.push_back({from_node, to_node, from_field, to_field, from.at});
     }
   }
@@ -795,7 +871,8 @@ std::optional<NodeRef> Parser::parse_node_value(const FieldSpec& spec) {
   if (parse_statement()) return std::nullopt;
   NodeRef ref = parse_node();
   const Field one{&spec, &ref, 1, ref.at};
-  if (ref.is_node() && ref.index != kAround && !check_nodes(spec, one, scope_->body->nodes, problems_)) ref.index = NodeRef::kNull;
+  if (ref.is_node() && ref.index != kAround && !check_nodes(spec, one, scope_->body->nodes, problems_))
+    ref.index = NodeRef::kNull;
   return ref;
 }
 
@@ -837,20 +914,20 @@ NodeRef Parser::parse_use() {
     if (around != scope_->outer->names.end() && !around->second->open && around->second->node != NodeRef::kNull) {
       const std::size_t before = scope_->body->nodes.size();
       const std::uint32_t copy = copy_node(*scope_->outer->body, around->second->node, *scope_->body, arena_);
-      const bool room = reading_.room_for(scope_->body->nodes.size() - before, null.at);
+      const bool room = reading_.room_for(scope_->body->nodes.size() - before, 0, null.at);
       return {room ? copy : NodeRef::kNull, null.at};
     }
   }
   if (it == scope_->names.end()) {
     Suggestion suggestion(name.text);
-    constexpr std::size_t kFewEnough = 4096;  // a misspelt name among millions must not cost minutes
-    std::vector<std::string_view> names;      // in an order of their own: a hash map has none to rely on
+    std::vector<std::string_view> names;  // in an order of their own: a hash map has none to rely on
     if (scope_->names.size() <= kFewEnough) {
       for (const auto& [known, definition] : scope_->names) names.push_back(known);
     }
     std::ranges::sort(names);
     for (const std::string_view known : names) suggestion.consider(known);
-    tokens_.error(tokens_.position_of(name), "USE of " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
+    tokens_.error(tokens_.position_of(name),
+                  "USE of " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
     return null;
   }
   Definition& definition = *it->second;
@@ -860,7 +937,8 @@ NodeRef Parser::parse_use() {
       script_uses_.push_back(&definition);
       return {kAround, null.at};
     }
-    tokens_.error(tokens_.position_of(name), "USE of " + quoted(name.text) + " inside that node itself: a node cannot contain itself");
+    tokens_.error(tokens_.position_of(name),
+                  "USE of " + quoted(name.text) + " inside that node itself: a node cannot contain itself");
     return null;
   }
   return {definition.node, null.at};
@@ -877,21 +955,25 @@ void Parser::report_unknown_type(const Token& name) {
   for (const NodeType& type : node_types()) suggestion.consider(type.name);
   std::vector<std::string_view> names;
   for (Scope* scope = scope_; scope != nullptr; scope = scope->outer) {
+    if (scope->declarations.size() > kFewEnough) continue;
     for (const auto& [known, declaration] : scope->declarations) names.push_back(known);
   }
   std::ranges::sort(names);
   for (const std::string_view known : names) suggestion.consider(known);
   const bool node = tokens_.at(kOpenBrace);
-  tokens_.error(at, (node ? "unknown node type " : "expected a node, found ") + quoted(name.text) + did_you_mean(suggestion));
+  tokens_.error(
+      at, (node ? "unknown node type " : "expected a node, found ") + quoted(name.text) + did_you_mean(suggestion));
 }
 
 NodeRef Parser::parse_node_body(const Token& def, const Token& type_name, Position at) {
   Type type = find_type(type_name);
   if (type.type == nullptr) report_unknown_type(type_name);
   if (type.type != nullptr && !tokens_.at(kOpenBrace)) {
-    tokens_.error(tokens_.position(), "expected '{' after " + std::string(type.type->name) + ", found " + described(tokens_.peek()));
+    tokens_.error(tokens_.position(),
+                  "expected '{' after " + std::string(type.type->name) + ", found " + described(tokens_.peek()));
   } else if (type.type != nullptr && nesting_ >= kMaxNesting) {
-    tokens_.error(tokens_.position_of(type_name), "nodes are nested more than " + std::to_string(kMaxNesting) + " deep");
+    tokens_.error(tokens_.position_of(type_name),
+                  "nodes are nested more than " + std::to_string(kMaxNesting) + " deep");
     type = {};
   }
   if (type.type == nullptr || !tokens_.at(kOpenBrace)) {
@@ -899,7 +981,8 @@ NodeRef Parser::parse_node_body(const Token& def, const Token& type_name, Positi
     if (tokens_.at(kOpenBrace)) {
       skip_balanced();
     } else if (nesting_ == 0) {
-      while (!tokens_.at(kEnd) && !(tokens_.at(kWord) && (is_keyword(tokens_.peek().text) || find_node_type(tokens_.peek().text)))) {
+      while (!tokens_.at(kEnd) &&
+             !(tokens_.at(kWord) && (is_keyword(tokens_.peek().text) || find_node_type(tokens_.peek().text)))) {
         tokens_.take();
       }
     }
@@ -918,8 +1001,7 @@ NodeRef Parser::parse_node_body(const Token& def, const Token& type_name, Positi
   --nesting_;
   open_ = open.outer;
   const bool copied = type.prototype != nullptr && type.prototype->not_found == nullptr;
-  const NodeRef ref = copied ? close_instance(open, *type.prototype, def, at)
-                                                                         : close_node(open, def, at);
+  const NodeRef ref = copied ? close_instance(open, *type.prototype, def, at) : close_node(open, def, at);
   fields_.resize(open.first_field);
   if (open.definition != nullptr) {
     open.definition->node = ref.index;
@@ -930,7 +1012,7 @@ NodeRef Parser::parse_node_body(const Token& def, const Token& type_name, Positi
 }
 
 NodeRef Parser::close_node(Open& open, const Token& def, Position at) {
-  if (!reading_.room_for(1, at)) return {NodeRef::kNull, at};
+  if (!reading_.room_for(1, 0, at)) return {NodeRef::kNull, at};
   if (!open.own_fields.empty()) finish_script(open);
   Body& body = *scope_->body;
   const auto fields = arena_.copy(std::span<const Field>(fields_).subspan(open.first_field));
@@ -939,13 +1021,17 @@ NodeRef Parser::close_node(Open& open, const Token& def, Position at) {
             .def = def.text.empty() ? std::string_view{} : arena_.copy(def.text),
             .at = at,
             .scope = scope_->id,
-            .field_count = static_cast<std::uint16_t>(fields.size()),
+            .field_count = static_cast<std::uint32_t>(fields.size()),
             .damaged = open.damaged};
   if (node.type->meaning == Meaning::kInline && live()) fill_inline(node);
   const auto index = static_cast<std::uint32_t>(body.nodes.size());
   for (const PendingLink& link : open.links) {
     const FieldSpec* inner = find_field(*open.type, link.inner->name);
     scope_->prototype->links.push_back({link.outer, index, inner, link.at});
+  }
+  for (const Field& field : node.given()) {
+    if (field.spec->type == FieldType::kSFNode || field.spec->type == FieldType::kMFNode)
+      body.references += field.count;
   }
   body.nodes.push_back(node);
   return {index, at};
@@ -954,7 +1040,9 @@ NodeRef Parser::close_node(Open& open, const Token& def, Position at) {
 // An instance stands in the text as a node and in the document as a copy of the prototype's body.
 NodeRef Parser::close_instance(Open& open, const Prototype& prototype, const Token& def, Position at) {
   const std::span<const Field> given = std::span<const Field>(fields_).subspan(open.first_field);
-  if (!reading_.room_for(prototype.body.nodes.size(), at)) return {NodeRef::kNull, at};
+  const Body& copied = prototype.body;
+  if (!reading_.room_for(copied.nodes.size(), copied.references + 2 * copied.routes.size(), at))
+    return {NodeRef::kNull, at};
   if (live()) load_inlines_of(prototype, given);
   Body& body = *scope_->body;
   const std::size_t first = body.nodes.size();
@@ -967,6 +1055,7 @@ NodeRef Parser::close_instance(Open& open, const Prototype& prototype, const Tok
   for (const PendingLink& link : open.links) {
     for (const IsLink& inner : prototype.links) {
       if (inner.outer != link.inner) continue;
+      if (!reading_.room_for(0, 2, at)) break;
       scope_->prototype->links.push_back({link.outer, copy.base + inner.node, inner.inner, link.at});
     }
   }
@@ -979,7 +1068,7 @@ NodeRef Parser::close_instance(Open& open, const Prototype& prototype, const Tok
     root.damaged |= open.damaged;
     if (!def.text.empty()) {
       // What the PROTO calls its first node is known inside of it only.
-      if (!root.def.empty()) reading_.document.inner_names.push_back({root.scope, root.def, copy.root});
+      if (!root.def.empty()) body.inner_names.push_back({root.scope, root.def, copy.root});
       root.def = arena_.copy(def.text);
       root.scope = scope_->id;
     }
@@ -993,7 +1082,8 @@ void Parser::finish_script(Open& open) {
   specs.insert(specs.end(), open.own_fields.begin(), open.own_fields.end());
   NodeType& type = reading_.document.own_types.emplace_back(*open.type);
   type.fields = arena_.copy(std::span<const FieldSpec>(specs));
-  for (std::size_t i = open.first_field; i < fields_.size(); ++i) fields_[i].spec = find_field(type, fields_[i].spec->name);
+  for (std::size_t i = open.first_field; i < fields_.size(); ++i)
+    fields_[i].spec = find_field(type, fields_[i].spec->name);
   open.type = &type;
   if (open.definition != nullptr) open.definition->type = &type;
 }
@@ -1007,7 +1097,8 @@ const FieldSpec* Parser::find_field_of(const Open& open, std::string_view name) 
 
 bool Parser::is_field_of_open_node(std::string_view word) const {
   if (open_ == nullptr) return find_access(word).has_value();  // in an interface
-  return find_field_of(*open_, word) != nullptr || (open_->type->meaning == Meaning::kScript && find_access(word).has_value());
+  return find_field_of(*open_, word) != nullptr ||
+         (open_->type->meaning == Meaning::kScript && find_access(word).has_value());
 }
 
 void Parser::parse_fields(Open& open) {
@@ -1051,9 +1142,9 @@ void Parser::parse_field(Open& open) {
   if (spec == nullptr) {
     // An exposedField x has the events set_x and x_changed (4.7).
     const bool in = name.text.starts_with("set_");
-    const std::string_view base = in                              ? name.text.substr(4)
+    const std::string_view base = in                                ? name.text.substr(4)
                                   : name.text.ends_with("_changed") ? name.text.substr(0, name.text.size() - 8)
-                                                                  : std::string_view{};
+                                                                    : std::string_view{};
     spec = find_field_of(open, base);
     if (spec == nullptr || spec->access != Access::kExposedField) return parse_unknown_field(open, name);
     access = in ? Access::kEventIn : Access::kEventOut;
@@ -1066,9 +1157,13 @@ void Parser::parse_field(Open& open) {
     return skip_value();
   }
   const auto same = [&](const Field& f) { return f.spec == spec; };
+  if (std::ranges::any_of(open.links, [&](const PendingLink& link) { return link.inner == spec; })) {
+    tokens_.warning(tokens_.position_of(name), quoted(name.text) + " is given twice; the last IS counts");
+  }
   if (std::any_of(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), same)) {
     tokens_.warning(tokens_.position_of(name), quoted(name.text) + " is given twice; the last one counts");
-    fields_.erase(std::remove_if(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), same), fields_.end());
+    fields_.erase(std::remove_if(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), same),
+                  fields_.end());
   }
   if (const std::optional<Field> value = values_.read(*spec)) {
     fields_.push_back(*value);
@@ -1083,7 +1178,8 @@ void Parser::parse_is(Open& open, const FieldSpec& spec, Access access, Position
   tokens_.take();
   if (!tokens_.at(kWord)) {
     open.damaged = true;
-    return tokens_.error(tokens_.position(), "expected a name of the PROTO's interface after IS, found " + described(tokens_.peek()));
+    return tokens_.error(tokens_.position(),
+                         "expected a name of the PROTO's interface after IS, found " + described(tokens_.peek()));
   }
   const Token name = tokens_.take();
   const auto refuse = [&](Position where, const std::string& why) {
@@ -1096,17 +1192,26 @@ void Parser::parse_is(Open& open, const FieldSpec& spec, Access access, Position
   if (outer == nullptr) {
     Suggestion suggestion(name.text);
     for (const FieldSpec& field : prototype->type.fields) suggestion.consider(field.name);
-    return refuse(tokens_.position_of(name), "the interface of " + quoted(prototype->type.name) + " has no " + quoted(name.text) + did_you_mean(suggestion));
+    return refuse(tokens_.position_of(name), "the interface of " + quoted(prototype->type.name) + " has no " +
+                                                 quoted(name.text) + did_you_mean(suggestion));
   }
   if (outer->type != spec.type) {
-    return refuse(at, quoted(spec.name) + " is " + std::string(name_of(spec.type)) + " and cannot be " + quoted(outer->name) + ", which is " + std::string(name_of(outer->type)));
+    return refuse(at, quoted(spec.name) + " is " + std::string(name_of(spec.type)) + " and cannot be " +
+                          quoted(outer->name) + ", which is " + std::string(name_of(outer->type)));
   }
   const bool value = outer->access == Access::kExposedField && access == Access::kField;
   if (value) {
-    tokens_.warning(at, "the field " + quoted(spec.name) + " takes the value of the exposedField " + quoted(outer->name) +
-                            ", and no events: the standard wants a field here");
+    tokens_.warning(at, "the field " + quoted(spec.name) + " takes the value of the exposedField " +
+                            quoted(outer->name) + ", and no events: the standard wants a field here");
   } else if (outer->access != access && access != Access::kExposedField) {
-    return refuse(at, "the " + std::string(name_of(access)) + ' ' + quoted(spec.name) + " cannot be the " + std::string(name_of(outer->access)) + ' ' + quoted(outer->name));
+    return refuse(at, "the " + std::string(name_of(access)) + ' ' + quoted(spec.name) + " cannot be the " +
+                          std::string(name_of(outer->access)) + ' ' + quoted(outer->name));
+  }
+  const auto same = [&](const auto& other) { return other.inner == &spec && has_value(access); };
+  const auto given = [&](const Field& f) { return f.spec == &spec; };
+  if (std::ranges::any_of(open.links, same) ||
+      std::any_of(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), given)) {
+    tokens_.warning(at, quoted(spec.name) + " is given twice; the last IS counts");
   }
   open.links.push_back({outer, &spec, at});
 }
@@ -1123,7 +1228,7 @@ void Parser::parse_script_declaration(Open& open) {
     return skip_value();
   }
   tokens_.take();
-  if (!tokens_.at(kWord)) {
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
     open.damaged = true;
     return tokens_.error(tokens_.position(), "expected the name of a field, found " + described(tokens_.peek()));
   }
@@ -1136,10 +1241,16 @@ void Parser::parse_script_declaration(Open& open) {
     open.damaged = true;
     tokens_.error(tokens_.position_of(name), "this Script has " + quoted(name.text) + " already");
   }
-  const FieldSpec& spec = open.own_fields.emplace_back(FieldSpec{arena_.copy(name.text), *type, access, {}, Range::kAny, kAnyClass});
+  if (open.own_fields.size() >= kMaxFields) {
+    if (!std::exchange(open.damaged, true)) too_many(tokens_.position_of(name));
+    return has_value(access) ? skip_value() : void();
+  }
+  const FieldSpec& spec =
+      open.own_fields.emplace_back(FieldSpec{arena_.copy(name.text), *type, access, {}, Range::kAny, kAnyClass});
   if (tokens_.at_word("IS")) return parse_is(open, spec, access, tokens_.position_of(name));
   if (!has_value(access)) return;
-  script_uses_.clear();
+  // Scripts in this field's nodes have lists of their own.
+  std::vector<Definition*> outer_uses = std::exchange(script_uses_, {});
   if (const std::optional<Field> value = values_.read(spec)) {
     fields_.push_back(*value);
     auto around = script_uses_.begin();
@@ -1150,13 +1261,15 @@ void Parser::parse_script_declaration(Open& open) {
   } else {
     open.damaged = true;
   }
+  script_uses_ = std::move(outer_uses);
 }
 
 void Parser::parse_unknown_field(Open& open, const Token& name) {
   const std::string type(open.type->name);
   if (tokens_.at(kOpenBrace) && find_type(name).type != nullptr) {
     open.damaged = true;
-    tokens_.error(tokens_.position_of(name), quoted(name.text) + " is a node; the name of a field of " + type + " is missing before it");
+    tokens_.error(tokens_.position_of(name),
+                  quoted(name.text) + " is a node; the name of a field of " + type + " is missing before it");
     parse_node_body({}, name, tokens_.position_of(name));
     return;
   }
@@ -1167,7 +1280,8 @@ void Parser::parse_unknown_field(Open& open, const Token& name) {
   for (const FieldSpec& field : open.own_fields) suggestion.consider(field.name);
   if (open.type->meaning == Meaning::kDisplay && !suggestion.best()) {
     // A browser's own addition, as many have: passed over whole, not read.
-    tokens_.warning(tokens_.position_of(name), type + " has no field " + quoted(name.text) + " in VRML97; it is passed over");
+    tokens_.warning(tokens_.position_of(name),
+                    type + " has no field " + quoted(name.text) + " in VRML97; it is passed over");
     while (tokens_.at_word("DEF") || tokens_.at_word("USE") || tokens_.kind_after() == kOpenBrace) {
       const bool def = tokens_.take().text == "DEF";
       if (def && tokens_.at(kWord)) lose(tokens_.take().text);
@@ -1187,6 +1301,16 @@ void Parser::parse_unknown_field(Open& open, const Token& name) {
 
 }  // namespace
 
+namespace {
+
+// 4.10.2: repeated ROUTEs are ignored; those of an interface may coincide.
+void drop_repeated(std::vector<Route>& routes) {
+  std::set<std::tuple<std::uint32_t, const FieldSpec*, std::uint32_t, const FieldSpec*>> seen;
+  std::erase_if(routes, [&](const Route& r) { return !seen.emplace(r.from_node, r.from, r.to_node, r.to).second; });
+}
+
+}  // namespace
+
 std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOptions& options) {
   auto document = std::make_shared<Document>();
   Reading reading{.document = *document, .problems = problems, .options = options};
@@ -1197,6 +1321,8 @@ std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOpt
     document->nodes = std::move(reading.world.nodes);
     document->top_level = std::move(reading.world.roots);
     document->routes = std::move(reading.world.routes);
+    document->inner_names = std::move(reading.world.inner_names);
+    drop_repeated(document->routes);
   } else {
     problems.error(0, text.error());
   }

@@ -51,7 +51,8 @@ bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<No
 
 bool check_range(const FieldSpec& spec, const Field& value, Problems& problems) {
   if (spec.range == Range::kAny) return true;
-  const bool positive = spec.range == Range::kPositive || spec.range == Range::kShouldBePositive || spec.range == Range::kSize;
+  const bool positive =
+      spec.range == Range::kPositive || spec.range == Range::kShouldBePositive || spec.range == Range::kSize;
   const bool must = spec.range == Range::kPositive || spec.range == Range::kNonNegative || spec.range == Range::kSize;
   bool good = true;
   std::optional<ElementPositions> positions;
@@ -66,8 +67,8 @@ bool check_range(const FieldSpec& spec, const Field& value, Problems& problems) 
       problems.error(at, quoted(spec.name) + (positive ? " must be > 0" : " must be >= 0") + found);
       good = false;
     } else {
-      problems.warning(at, quoted(spec.name) + (positive ? " should be > 0" : " should be >= 0") + found +
-                               "; it is taken as it is");
+      problems.warning(
+          at, quoted(spec.name) + (positive ? " should be > 0" : " should be >= 0") + found + "; it is taken as it is");
     }
   };
   if (float_count(spec.type) > 0) {
@@ -127,6 +128,16 @@ Expansion expand(const Prototype& prototype, std::span<const Field> given, Body&
   }
   std::ranges::stable_sort(links, {}, &IsLink::node);
   auto link = links.begin();
+  // Defaults as they stand in this copy, each made once however many fields take it.
+  std::vector<std::optional<Field>> defaults(prototype.defaults.size());
+  const auto default_of = [&](const FieldSpec& outer) -> const std::optional<Field>& {
+    const auto i = static_cast<std::size_t>(&outer - prototype.type.fields.data());
+    if (!defaults[i] && prototype.defaults[i]) {
+      defaults[i] = prototype.defaults[i];
+      if (holds_nodes(outer.type)) defaults[i] = moved(*defaults[i], base, arena);
+    }
+    return defaults[i];
+  };
   std::vector<Field> fields;
   for (std::uint32_t i = 0; i < body.nodes.size(); ++i) {
     Node node = body.nodes[i];
@@ -141,24 +152,23 @@ Expansion expand(const Prototype& prototype, std::span<const Field> given, Body&
       for (; link != links.end() && (*link)->node == i; ++link) {
         const FieldSpec& inner = *(*link)->inner;
         const Field* value = find(given, *(*link)->outer);
-        Field field;
-        if (value != nullptr) {
-          field = *value;
-        } else {
-          field = prototype.defaults[static_cast<std::size_t>((*link)->outer - prototype.type.fields.data())];
-          if (holds_nodes(inner.type)) field = moved(field, base, arena);
+        const std::optional<Field>& otherwise = default_of(*(*link)->outer);
+        if (value == nullptr && !otherwise) {
+          node.damaged = true;
+          continue;
         }
+        Field field = value != nullptr ? *value : *otherwise;
         field.spec = &inner;
         // Defaults were checked with the PROTO; what an instance gives is its own.
-        const bool good = value == nullptr || (check_nodes(inner, field, out.nodes, problems) &
-                                               check_range(inner, field, problems));
+        const bool good =
+            value == nullptr || (check_nodes(inner, field, out.nodes, problems) & check_range(inner, field, problems));
         std::erase_if(fields, [&](const Field& f) { return f.spec == &inner; });
         if (good) fields.push_back(field);
         node.damaged |= !good;
       }
       const auto copy = arena.copy(std::span<const Field>(fields));
       node.fields = copy.data();
-      node.field_count = static_cast<std::uint16_t>(copy.size());
+      node.field_count = static_cast<std::uint32_t>(copy.size());
     }
     out.nodes.push_back(node);
   }
@@ -167,6 +177,12 @@ Expansion expand(const Prototype& prototype, std::span<const Field> given, Body&
     route.to_node += base;
     out.routes.push_back(route);
   }
+  for (InnerName name : body.inner_names) {
+    name.scope += out.scopes;
+    name.node += base;
+    out.inner_names.push_back(name);
+  }
+  out.references += body.references;
   out.scopes += body.scopes;
   std::uint32_t root = NodeRef::kNull;
   if (!body.roots.empty() && body.roots.front().is_node()) root = body.roots.front().index + base;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -12,7 +13,9 @@ struct Body {
   std::vector<Node> nodes;  // a node stands behind all that it refers to
   std::vector<NodeRef> roots;
   std::vector<Route> routes;
-  std::uint32_t scopes = 1;  // Node::scope is below it
+  std::vector<InnerName> inner_names;
+  std::uint32_t scopes = 1;      // Node::scope is below it
+  std::uint64_t references = 0;  // in the fields of `nodes`
 };
 
 // `node`'s field `inner` IS the field `outer` of the interface.
@@ -25,10 +28,10 @@ struct IsLink {
 
 // A PROTO, or an EXTERNPROTO that was found or will not be (4.8, 4.9).
 struct Prototype {
-  NodeType type;                // its interface as fields
-  std::vector<Field> defaults;  // of each of type.fields; no data for events
-  Body body;                    // its default nodes and its own; what it is made of stands expanded in it
-  std::vector<IsLink> links;    // to fields and events of `body`, through what is expanded in it
+  NodeType type;                               // its interface as fields
+  std::vector<std::optional<Field>> defaults;  // of each of type.fields; none for events and what could not be read
+  Body body;                  // its default nodes and its own; what it is made of stands expanded in it
+  std::vector<IsLink> links;  // to fields and events of `body`, through what is expanded in it
   // Set for an EXTERNPROTO that no file defines: its instances are nodes of that type, with its interface and no more.
   const NodeType* not_found = nullptr;
 };

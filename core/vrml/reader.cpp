@@ -38,7 +38,8 @@ ReadResult read_world(std::string_view text, const ReadOptions& options) {
   // Which Inlines collide is known when all are numbered; those are read in a second pass, and what they bring may need
   // others. Each pass reads at least one more.
   while (true) {
-    const std::shared_ptr<const vrml::Document> document = vrml::parse({options.name, text, nullptr}, problems, parsing);
+    const std::shared_ptr<const vrml::Document> document =
+        vrml::parse({options.name, text, nullptr}, problems, parsing);
     scene = vrml::build_scene(document, options.tessellation, options.limits, problems);
     const std::size_t before = parsing.inlines_now.size();
     parsing.inlines_now.merge(needed_inlines(scene, problems));

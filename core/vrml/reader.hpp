@@ -11,10 +11,11 @@
 namespace peerd {
 
 struct ReadOptions {
-  std::string name;             // of the world, for people and for what its relative URLs start from
-  FileLoader load;              // reads Inlines and EXTERNPROTOs; without it none is found, and each says so
+  std::string name;  // of the world, for people and for what its relative URLs start from
+  FileLoader load;   // reads Inlines and EXTERNPROTOs; without it none is found, and each says so
   // An Inline that says how large it is (bboxSize) and is not within anything that a CollisionInterest names is not
-  // read, but listed in Scene::pending_inlines. Instances are numbered without it: the same on all peers, or not at all.
+  // read, but listed in Scene::pending_inlines. Instances are numbered without it: the same on all peers, or not at
+  // all.
   bool inlines_later = false;
   Tessellation tessellation{};  // of curved geometry
   ReadLimits limits{};
@@ -26,9 +27,9 @@ struct ReadResult {
   std::vector<Source> sources;          // the world's own text first; `text` of that is the caller's unless unpacked
 };
 
-// Reads a VRML97 world with the seed's extensions (ISO/IEC 14772-1; seed, appendix C); the text may be packed with gzip.
-// A pure function of the text and of what `load` gives: no file is opened here. Reports all problems in one pass. Time is
-// linear in the texts and in what they expand to, memory a small multiple of what is kept; both are limited.
+// Reads a VRML97 world with the seed's extensions (ISO/IEC 14772-1; seed, appendix C); the text may be packed with
+// gzip. A pure function of the text and of what `load` gives: no file is opened here. Reports all problems in one pass.
+// Time is linear in the texts and in what they expand to, memory a small multiple of what is kept; both are limited.
 [[nodiscard]] ReadResult read_world(std::string_view text, const ReadOptions& options = {});
 
 // The content of an Inline that was left for later, with options like those of its world: a scene of its own, in the

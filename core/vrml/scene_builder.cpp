@@ -51,7 +51,11 @@ class Builder {
  public:
   Builder(const std::shared_ptr<const Document>& document, const Tessellation& tessellation, const ReadLimits& limits,
           Problems& problems)
-      : document_(document), nodes_(document->nodes), tessellation_(tessellation), limits_(limits), problems_(problems) {}
+      : document_(document),
+        nodes_(document->nodes),
+        tessellation_(tessellation),
+        limits_(limits),
+        problems_(problems) {}
 
   Scene build();
 
@@ -79,7 +83,7 @@ class Builder {
   std::optional<ObjectId> resolve(std::string_view path, std::uint32_t scope, Position at);
   void add_interest(const Node& node);
   void add_key_sensor(std::uint32_t node);
-  std::optional<ObjectId> instance_of(std::uint32_t node) const;
+  void gather_inner_names();
 
   const std::shared_ptr<const Document>& document_;
   const std::vector<Node>& nodes_;
@@ -92,6 +96,7 @@ class Builder {
   std::vector<std::uint32_t> shared_of_;  // by node, into shared_
   std::vector<Shared> shared_;
   std::unordered_map<std::string_view, std::uint32_t> first_of_name_;  // of the world's names
+  std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_names_;
 };
 
 // Copies of a PROTO's geometry have the same values, not just equal ones.
@@ -115,7 +120,8 @@ std::uint32_t Builder::add_geometry(std::uint32_t index) {
   // A short text can ask for a grid or an Extrusion of billions.
   if (const MeshSize size = mesh_size(*geometry, tessellation_); size.polygons > limits_.polygons) {
     problems_.error(node.at, "this " + std::string(node.type->name) + " has " + std::to_string(size.polygons) +
-                                 " polygons, more than the " + std::to_string(limits_.polygons) + " that one geometry may have");
+                                 " polygons, more than the " + std::to_string(limits_.polygons) +
+                                 " that one geometry may have");
     return kNone;
   }
   const auto place = static_cast<std::uint32_t>(scene_.geometries.size());
@@ -238,7 +244,8 @@ bool Builder::measure_instances() {
   const auto add = [&](const NodeRef& ref, std::uint32_t& total) {
     const std::uint64_t sum = std::uint64_t{total} + count[ref.index];
     if (sum > limits_.instances && !std::exchange(too_many, true)) {
-      problems_.error(ref.at, "with this node the world has more than " + std::to_string(limits_.instances) + " instances");
+      problems_.error(ref.at,
+                      "with this node the world has more than " + std::to_string(limits_.instances) + " instances");
     }
     total = static_cast<std::uint32_t>(std::min<std::uint64_t>(sum, std::uint64_t{limits_.instances} + 1));
   };
@@ -253,7 +260,8 @@ bool Builder::measure_instances() {
       if (height[child.index] == kMaxNesting) {
         problems_.error(child.at, "instances are nested more than " + std::to_string(kMaxNesting) + " deep here");
       }
-      height[i] = std::max<std::uint16_t>(height[i], static_cast<std::uint16_t>(std::min<std::uint32_t>(height[child.index] + 1u, kMaxNesting + 1)));
+      height[i] = std::max<std::uint16_t>(
+          height[i], static_cast<std::uint16_t>(std::min<std::uint32_t>(height[child.index] + 1u, kMaxNesting + 1)));
       add(child, count[i]);
     };
     for (const NodeRef& child : all.refs) measure(child);
@@ -298,7 +306,7 @@ void Builder::instantiate(const NodeRef& ref, std::int32_t parent, std::uint32_t
   if (node.type->meaning == Meaning::kInline && node.find(inline_content().name) == nullptr) {
     const Field* url = node.find("url");
     const Vec3 size = to_vec3(value_of(node, "bboxSize"));
-    if (url != nullptr && size.minCoeff() >= 0.0) {
+    if (url != nullptr && url->count > 0 && size.minCoeff() >= 0.0) {
       PendingInline& pending = scene_.pending_inlines.emplace_back();
       pending.instance = {id};
       pending.box_center = to_vec3(value_of(node, "bboxCenter")).cast<float>();
@@ -337,23 +345,27 @@ void Builder::mark_names() {
   }
 }
 
-std::optional<ObjectId> Builder::instance_of(std::uint32_t node) const {
-  const auto it = std::ranges::find(scene_.instances, node, &Instance::node);
-  if (it == scene_.instances.end()) return std::nullopt;
-  return ObjectId{static_cast<std::uint32_t>(it - scene_.instances.begin())};
+// What is named inside PROTOs and Inlines: the first instance of each name in each scope.
+void Builder::gather_inner_names() {
+  std::vector<std::uint32_t> first_of_node(nodes_.size(), kNone);
+  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+    const Instance& instance = scene_.instances[i];
+    if (first_of_node[instance.node] == kNone) first_of_node[instance.node] = i;
+    const std::uint32_t scope = nodes_[instance.node].scope;
+    if (!instance.def.empty() && scope != 0) inner_names_.try_emplace({scope, instance.def}, i);
+  }
+  for (const InnerName& inner : document_->inner_names) {
+    if (first_of_node[inner.node] != kNone) inner_names_[{inner.scope, inner.name}] = first_of_node[inner.node];
+  }
 }
 
 // A name inside of a PROTO or an Inline means a node in there first. Nothing is reported for a name that was lost in an
 // error.
 std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t scope, Position at) {
+  if (problems_.full()) return std::nullopt;
   if (scope != 0) {
-    for (const InnerName& inner : document_->inner_names) {
-      if (inner.scope == scope && inner.name == path) return instance_of(inner.node);
-    }
-    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-      const Instance& instance = scene_.instances[i];
-      if (instance.def == path && nodes_[instance.node].scope == scope) return ObjectId{i};
-    }
+    if (inner_names_.empty()) gather_inner_names();
+    if (const auto it = inner_names_.find({scope, path}); it != inner_names_.end()) return ObjectId{it->second};
   }
   if (const auto it = first_of_name_.find(path); it != first_of_name_.end()) return ObjectId{it->second};
   if (const auto id = scene_.find(path)) return id;
@@ -361,7 +373,8 @@ std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t sc
   if (std::ranges::find(document_->lost_names, first) != document_->lost_names.end()) return std::nullopt;
   const auto named = std::ranges::find(nodes_, path, &Node::def);
   if (named != nodes_.end() && !path.empty()) {
-    problems_.error(at, quoted(path) + " is a " + std::string(named->type->name) + ", not a group or Shape of the scene");
+    problems_.error(at,
+                    quoted(path) + " is a " + std::string(named->type->name) + ", not a group or Shape of the scene");
     return std::nullopt;
   }
   Suggestion suggestion(path);
@@ -378,7 +391,8 @@ void Builder::add_interest(const Node& node) {
   const Field& type = value_of(node, "collisionType");
   const std::int32_t written = type.as<std::int32_t>()[0];
   if (written > 2) {
-    problems_.error(type.at, "collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found " + std::to_string(written));
+    problems_.error(type.at,
+                    "collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found " + std::to_string(written));
   }
   interest.type = static_cast<CollisionType>(written);
   const Field* path = node.find("objectPath");
@@ -424,7 +438,8 @@ void Builder::add_key_sensor(std::uint32_t index) {
   const auto id = resolve(recipient->as<std::string_view>()[0], node.scope, recipient->at);
   if (!id) return;
   if (scene_.at(*id).kind != NodeKind::kTransform) {
-    problems_.error(recipient->at, quoted(recipient->as<std::string_view>()[0]) + " is no Transform: it has no velocity that a key can change");
+    problems_.error(recipient->at, quoted(recipient->as<std::string_view>()[0]) +
+                                       " is no Transform: it has no velocity that a key can change");
     return;
   }
   const auto flag = [&](std::string_view field) { return value_of(node, field).as<bool>()[0]; };

@@ -52,7 +52,8 @@ std::size_t TokenStream::count_numbers() {
 
 void TokenStream::report_unclosed(Position open, const std::string& what, char missing) {
   if (!std::exchange(unclosed_reported_, true)) {
-    error(open, "this " + what + " is never closed" + (missing == 0 ? "" : std::string(": a '") + missing + "' is missing"));
+    error(open,
+          "this " + what + " is never closed" + (missing == 0 ? "" : std::string(": a '") + missing + "' is missing"));
   }
 }
 

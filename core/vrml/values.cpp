@@ -267,7 +267,8 @@ void ValueReader::check_axes(const FieldSpec& spec, const Field& field) {
   for (std::size_t i = 0; i < f.size(); i += 4) {
     if (f[i] != 0 || f[i + 1] != 0 || f[i + 2] != 0 || f[i + 3] == 0) continue;
     ElementPositions positions(problems_.text_of(field.at), problems_.begin_of(field.at), field.at);
-    return tokens_.warning(positions.at(i), quoted(spec.name) + " has an axis of length 0 and an angle that is not 0; nothing is turned");
+    return tokens_.warning(
+        positions.at(i), quoted(spec.name) + " has an axis of length 0 and an angle that is not 0; nothing is turned");
   }
 }
 
@@ -277,7 +278,8 @@ bool ValueReader::read_image(const FieldSpec& spec, Field& field) {
     if (!read_one(spec, head)) return false;
   }
   if (image[0] < 0 || image[1] < 0 || image[2] < 0 || image[2] > 4) {
-    tokens_.error(field.at, quoted(spec.name) + " (SFImage) begins with its width and height, >= 0, and 0 to 4 components");
+    tokens_.error(field.at,
+                  quoted(spec.name) + " (SFImage) begins with its width and height, >= 0, and 0 to 4 components");
     return false;
   }
   // The loop ends with the text's numbers, however large the size claims to be.
@@ -297,7 +299,8 @@ bool ValueReader::read_one_node(const FieldSpec& spec, Field& field) {
   const std::optional<NodeRef> ref = read_node_(spec);
   if (!ref) return false;
   keep<NodeRef>(field, {&*ref, 1});
-  return ref->index != NodeRef::kNull;
+  // An instance of an empty PROTO is no node, and no error.
+  return ref->index != NodeRef::kNull || problems_.errors() == 0;
 }
 
 bool ValueReader::read_nodes(const FieldSpec& spec, Field& field) {
@@ -328,8 +331,8 @@ std::vector<std::string_view> ValueReader::skip(bool in_list) {
     default:
       return {};
   }
-  const bool node = tokens_.at_word("DEF") || tokens_.at_word("USE") || find_node_type(tokens_.peek().text) != nullptr ||
-                    tokens_.kind_after() == kOpenBrace;
+  const bool node = tokens_.at_word("DEF") || tokens_.at_word("USE") ||
+                    find_node_type(tokens_.peek().text) != nullptr || tokens_.kind_after() == kOpenBrace;
   if (node && read_node_) {
     constexpr FieldSpec kAnything{"", FieldType::kSFNode, Access::kField, {}, Range::kAny, kAnyClass};
     static_cast<void>(read_node_(kAnything));

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "read_text.hpp"
+#include "tests/core/read_text.hpp"
 
 namespace peerd {
 namespace {

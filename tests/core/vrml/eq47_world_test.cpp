@@ -20,7 +20,7 @@ class Eq47World : public testing::Test {
     std::ifstream file(PEERD_SOURCE_DIR "/configs/worlds/eq47.wrl", std::ios::binary);
     const std::string text((std::istreambuf_iterator<char>(file)), {});
     ReadResult result = read_world(text);
-    for (const Diagnostic& d : result.diagnostics) ADD_FAILURE() << render(d, "eq47.wrl", text);
+    for (const Diagnostic& d : result.diagnostics) ADD_FAILURE() << render(result, d);
     ASSERT_TRUE(result.scene.has_value());
     scene = std::move(*result.scene);
   }
@@ -30,7 +30,9 @@ class Eq47World : public testing::Test {
     const ObjectId object = scene.find(name).value();
     const ObjectId shape{object.value + 1};
     Eigen::AlignedBox3d out;
-    for (const auto& v : scene.meshes.at(scene.at(shape).mesh).vertices) {
+    const Geometry* const geometry = scene.geometry(shape);
+    if (geometry == nullptr) return out;
+    for (const auto& v : build_mesh(*geometry).vertices) {
       out.extend(scene.world_from_local(shape) * v.cast<double>());
     }
     return out;
@@ -51,10 +53,10 @@ TEST_F(Eq47World, HasTheCarAtTheOrigin) {
   const Eigen::AlignedBox3d car = box("CAR");
   EXPECT_EQ(car.max(), Vec3(0.5 * 5.42f, 0.5 * 0.8f, 0.5 * 0.8f));
   EXPECT_EQ(car.min(), -car.max());
-  const Instance& instance = scene.at(scene.find("CAR").value());
-  EXPECT_EQ(instance.distance_threshold_m, 0.5);
-  ASSERT_TRUE(instance.response.has_value());
-  EXPECT_EQ(instance.response->type, ResponseType::kInverse);
+  const ObjectFields& object = scene.object(scene.find("CAR").value());
+  EXPECT_EQ(object.distance_threshold_m, 0.5);
+  ASSERT_TRUE(object.response.has_value());
+  EXPECT_EQ(object.response->type, ResponseType::kInverse);
 }
 
 TEST_F(Eq47World, MeetsTheWallsWhereItShould) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
+#include <string>
 #include <vector>
 
 namespace peerd::vrml {
@@ -58,27 +60,43 @@ TEST(Lexer, GathersBytesThatNoTokenContains) {
   EXPECT_THAT(kinds(text), ElementsAre(kWord, kInvalid, kWord, kInvalid, kWord));
 }
 
-TEST(Lexer, CountsLinesOfAllThreeKindsAndColumnsInBytes) {
+TEST(Lexer, KnowsWhereItsTokensStand) {
   Lexer lexer("a\nb\r\nc\rd \xC3\xA4 e \"x\ny\" f");
-  const std::vector<std::pair<std::uint32_t, std::uint32_t>> places = {{1, 1}, {2, 1}, {3, 1}, {4, 1},
-                                                                       {4, 3}, {4, 6}, {4, 8}, {5, 4}};
-  for (const auto& [line, column] : places) {
-    const Token t = lexer.next();
-    EXPECT_EQ(t.spot.where.line, line) << t.text;
-    EXPECT_EQ(t.spot.where.column, column) << t.text;
-  }
+  for (const std::uint32_t offset : {0u, 2u, 5u, 7u, 9u, 12u, 14u, 20u}) EXPECT_EQ(lexer.next().offset, offset);
+  const Token end = lexer.next();
+  EXPECT_EQ(end.kind, kEnd);
+  EXPECT_EQ(end.offset, 21u);
+}
+
+TEST(Lexer, GoesOnFromAnOffset) {
+  const std::string_view text = "a\n  b c";
+  Lexer lexer(text, 1);
+  EXPECT_EQ(lexer.next().text, "b");
+  Lexer copy = lexer;
+  EXPECT_EQ(copy.next().text, "c");
+  EXPECT_EQ(lexer.next().text, "c");
+  lexer.go_to(0);
+  EXPECT_EQ(lexer.next().text, "a");
+  lexer.stop();
   EXPECT_EQ(lexer.next().kind, kEnd);
 }
 
-TEST(Lexer, GoesOnFromASpot) {
-  const std::string_view text = "a\n  b c";
-  Lexer lexer(text);
-  (void)lexer.next();
-  Lexer again(text, lexer.next().spot);
-  const Token b = again.next();
-  EXPECT_EQ(b.text, "b");
-  EXPECT_EQ(b.spot.where.line, 2u);
-  EXPECT_EQ(b.spot.where.column, 3u);
+// Annex A.3: what a name may begin with and hold.
+TEST(Lexer, JudgesEveryByteOfANameAsTheStandardDoes) {
+  for (int c = 0; c < 256; ++c) {
+    const std::string byte(1, static_cast<char>(c));
+    const bool never = c <= 0x20 || c == 0x7f || std::string_view("\"'#,.[\\]{}").find(byte) != std::string_view::npos;
+    const bool not_first = never || (c >= '0' && c <= '9') || c == '+' || c == '-';
+    EXPECT_EQ(Lexer(byte + "a").next().text == byte + "a" && Lexer(byte + "a").next().kind == kWord, !not_first) << c;
+    EXPECT_EQ(Lexer("a" + byte + "a").next().text == "a" + byte + "a", !never) << c;
+  }
+}
+
+TEST(Lexer, CountsNumbersUpToTheBracket) {
+  EXPECT_EQ(Lexer(" 1 2,3\n4 ] 5").count_numbers().numbers, 4u);
+  EXPECT_EQ(Lexer(" 1 2,3\n4 ] 5").count_numbers().end, 9u);
+  EXPECT_EQ(Lexer("").count_numbers().numbers, 0u);
+  EXPECT_EQ(Lexer("1 2").count_numbers().end, 3u);
 }
 
 struct HeaderCase {
@@ -100,10 +118,22 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(HeaderCase{"#VRML V2.0 utf8", nullptr}, HeaderCase{"#VRML V2.0 utf8 comment\r\nGroup{}", nullptr},
                     HeaderCase{"#VRML V2.0 utf8\t\n", nullptr},
                     HeaderCase{"#VRML V1.0 ascii\nSeparator {}", "VRML 1.0"}, HeaderCase{"#X3D V3.0 utf8\n", "X3D"},
-                    HeaderCase{"<?xml version='1.0'?><X3D/>", "X3D"}, HeaderCase{"\x1f\x8b\x08", "gzip"},
+                    HeaderCase{"<?xml version='1.0'?><X3D/>", "X3D"}, HeaderCase{"#VRML V2.0 utf8\rGroup{}", nullptr},
+                    HeaderCase{"#VRML V2.0 UTF8\n", "must begin with"},
+                    HeaderCase{"#VRML V2.1 utf8\n", "must begin with"},
+
+                    HeaderCase{" #VRML V2.0 utf8\n", "must begin with"}, HeaderCase{"#VRML V1.0 utf8\n", "VRML 1.0"},
                     HeaderCase{"", "empty"}, HeaderCase{"# VRML V2.0 utf8\n", "must begin with"},
-                    HeaderCase{"#VRML V2.0 utf8x\n", "must begin with"}, HeaderCase{"Group {}", "must begin with"},
-                    HeaderCase{"\xEF\xBB\xBF#VRML V2.0 utf8\n", "byte order mark"}));
+                    HeaderCase{"#VRML V2.0 utf8x\n", "must begin with"}, HeaderCase{"Group {}", "must begin with"}));
+
+TEST(ReadHeader, RemarksOnWhatIsHarmless) {
+  EXPECT_EQ(read_header("#VRML V2.0 utf8 #generator\nGroup { }")->remark, "");
+  EXPECT_EQ(read_header("#VRML V2.0 utf8 #generator\nGroup { }")->end, 26u);
+  EXPECT_EQ(read_header("#VRML V2.0 utf8")->end, 15u);
+  EXPECT_THAT(read_header("#VRML  V2.0\tutf8\n")->remark, testing::HasSubstr("one blank apart"));
+  EXPECT_THAT(read_header("\xEF\xBB\xBF#VRML V2.0 utf8\r\n")->remark, testing::HasSubstr("byte order mark"));
+  EXPECT_EQ(read_header("\xEF\xBB\xBF#VRML V2.0 utf8\r\n")->end, 18u);
+}
 
 TEST(ReadFloat, RoundsToTheNearestBinary32) {
   EXPECT_EQ(read_float("5.42"), 5.42f);

@@ -11,106 +11,18 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Newell's normal: twice the polygon's area, along its front side.
-Eigen::Vector3f front(const Mesh& mesh, std::size_t polygon) {
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  const std::uint32_t begin = mesh.polygon_begin[polygon];
-  const std::uint32_t end = mesh.polygon_begin[polygon + 1];
-  for (std::uint32_t i = begin; i < end; ++i) {
-    const auto& a = mesh.vertices[mesh.indices[i]];
-    const auto& b = mesh.vertices[mesh.indices[i + 1 < end ? i + 1 : begin]];
-    sum += a.cross(b);
-  }
-  return mesh.ccw ? sum : Eigen::Vector3f(-sum);
-}
-
-TEST(SceneBuilderBox, HasSixQuadsThatFaceOutwards) {
-  const Scene scene = scene_of("Shape { geometry Box { size 2 4 6 } }");
-  ASSERT_EQ(scene.meshes.size(), 1u);
-  const Mesh& box = scene.meshes[0];
-  ASSERT_EQ(box.polygon_count(), 6u);
-  const std::vector<Eigen::Vector3f> normals = {{-48, 0, 0}, {48, 0, 0},  {0, -24, 0},
-                                                {0, 24, 0},  {0, 0, -16}, {0, 0, 16}};
-  for (std::size_t p = 0; p < 6; ++p) {
-    EXPECT_EQ(box.polygon_begin[p + 1] - box.polygon_begin[p], 4u);
-    EXPECT_EQ(front(box, p), normals[p]) << p;
-    for (std::uint32_t i = box.polygon_begin[p]; i < box.polygon_begin[p + 1]; ++i) {
-      const auto& v = box.vertices[box.indices[i]];
-      EXPECT_GT(v.dot(front(box, p)), 0) << p;
-      EXPECT_EQ(v.cwiseAbs(), Eigen::Vector3f(1, 2, 3));
-    }
-  }
-}
-
-TEST(SceneBuilderFaces, KeepPolygonsAsTheyAreWritten) {
-  const Scene scene = scene_of(R"(Shape { geometry IndexedFaceSet {
-    ccw FALSE
-    coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0, 0.1 0.2 0.3 ] }
-    coordIndex [ 0 1 2 3 -1, 4 4 4 -1, 0, 1, 4 ] } })");
-  ASSERT_EQ(scene.meshes.size(), 1u);
-  const Mesh& mesh = scene.meshes[0];
-  EXPECT_THAT(mesh.polygon_begin, ElementsAre(0, 4, 7, 10));
-  EXPECT_THAT(mesh.indices, ElementsAre(0, 1, 2, 3, 4, 4, 4, 0, 1, 4));
-  EXPECT_EQ(mesh.vertices[4], Eigen::Vector3f(0.1f, 0.2f, 0.3f));
-  EXPECT_FALSE(mesh.ccw);
-  EXPECT_EQ(mesh.where.line, 2u);
-  EXPECT_EQ(mesh.where.column, 18u);
-}
-
-TEST(SceneBuilderFaces, WithoutPolygonsAreNoMesh) {
-  for (const char* empty : {"IndexedFaceSet { }", "IndexedFaceSet { coord Coordinate { } coordIndex [ ] }"}) {
-    const Scene scene = scene_of(std::string("Shape { geometry ") + empty + " }");
-    EXPECT_TRUE(scene.meshes.empty());
-    EXPECT_EQ(scene.instances.at(0).mesh, -1);
-    EXPECT_EQ(scene.instances.at(0).unsupported_geometry, "");
-  }
-}
-
-TEST(SceneBuilderFaces, ReportBadIndicesAndPolygonsWhereTheyAre) {
-  EXPECT_THAT(problems_of("Shape { geometry IndexedFaceSet {\n"
-                          " coord Coordinate { point [ 0 0 0 1 0 0 1 1 0 ] }\n"
-                          " coordIndex [ 0 1 3 -1 # a comment\n"
-                          "  0 -2 2 -1\n"
-                          "  0 1 -1 -1 0 1 ] } }"),
-              ElementsAre("4:19: coordIndex 3 is out of range: the Coordinate has points 0 to 2",
-                          "5:5: coordIndex -2 is out of range: the Coordinate has points 0 to 2",
-                          "6:7: a polygon needs at least 3 corners, this one has 2",
-                          "6:10: a polygon needs at least 3 corners, this one has 0",
-                          "6:15: a polygon needs at least 3 corners, this one has 2"));
-  EXPECT_THAT(problems_of("Shape { geometry IndexedFaceSet { coordIndex 7 } }"),
-              ElementsAre("2:46: coordIndex 7 is out of range: the Coordinate has no points",
-                          "2:46: a polygon needs at least 3 corners, this one has 1"));
-}
-
-TEST(SceneBuilderFaces, SayNothingTwiceOfABrokenCoordinate) {
-  EXPECT_THAT(
-      problems_of("Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 nan ] } coordIndex [ 0 1 2 ] } }"),
-      ElementsAre("2:66: 'nan' is not a finite number"));
-  EXPECT_THAT(problems_of("Shape { geometry IndexedFaceSet { coord Cordinate { } coordIndex [ 0 1 2 ] } }"),
-              ElementsAre("2:41: unknown node type 'Cordinate', did you mean 'Coordinate'?"));
-}
-
-TEST(SceneBuilderUse, SharesTheMesh) {
+TEST(SceneBuilderUse, SharesTheGeometry) {
   const std::string body = R"(
     DEF A Transform { children DEF S Shape { geometry DEF G Box { } } }
     Transform { children USE S }
     Shape { geometry USE G }
     USE A)";
   const Scene scene = scene_of(body);
-  EXPECT_EQ(scene.meshes.size(), 1u);
+  EXPECT_EQ(scene.geometries.size(), 1u);
   ASSERT_EQ(scene.instances.size(), 7u);
-  for (const std::uint32_t shape : {1, 3, 4, 6}) EXPECT_EQ(scene.instances[shape].mesh, 0) << shape;
+  for (const std::uint32_t shape : {1, 3, 4, 6}) EXPECT_EQ(scene.instances[shape].geometry, 0u) << shape;
   EXPECT_EQ(scene.instances[5].def, "A");
-  EXPECT_EQ(scene.instances[5].where.line, 6u) << "a USE is where it is used";
-
-  const ReadStatistics s = read_world(world_text(body)).statistics;
-  EXPECT_EQ(s.nodes, 5u);
-  EXPECT_EQ(s.instances, 7u);
-  EXPECT_EQ(s.shapes, 4u);
-  EXPECT_EQ(s.meshes, 1u);
-  EXPECT_EQ(s.polygons, 6u);
-  EXPECT_EQ(s.vertices, 8u);
-  EXPECT_EQ(s.polygons_instanced, 24u);
+  EXPECT_EQ(scene.instances[5].node, scene.instances[0].node);
 }
 
 TEST(SceneBuilderFields, CarryTheSeedsExtensions) {
@@ -121,33 +33,126 @@ TEST(SceneBuilderFields, CarryTheSeedsExtensions) {
       children Shape { convexHull [ 1 2 3, 4 5 6 ] hierarchyFile "a.hier" splitThreshold 3 geometry Box { } }
     }
     Transform { collisionResponse CollisionResponse { } children Shape { } })");
-  const Instance& t = scene.instances.at(0);
+  const ObjectFields& t = scene.object({0});
   EXPECT_EQ(t.velocity, Vec3(1, 2, 3));
   EXPECT_EQ(t.distance_threshold_m, 0.25);
   ASSERT_TRUE(t.response.has_value());
   EXPECT_EQ(t.response->type, ResponseType::kZero);
   EXPECT_FALSE(t.response->set_back);
-  const Instance& s = scene.instances.at(1);
-  EXPECT_THAT(s.convex_hull, ElementsAre(Eigen::Vector3f(1, 2, 3), Eigen::Vector3f(4, 5, 6)));
+  const ShapeFields& s = scene.shape({1});
+  EXPECT_THAT(s.convex_hull.span(), ElementsAre(Eigen::Vector3f(1, 2, 3), Eigen::Vector3f(4, 5, 6)));
   EXPECT_EQ(s.hierarchy_file, "a.hier");
   EXPECT_EQ(s.split_threshold, 3);
   // and the defaults
-  EXPECT_EQ(scene.instances.at(2).distance_threshold_m, 0.5);
-  EXPECT_EQ(scene.instances.at(2).response->type, ResponseType::kInverse);
-  EXPECT_TRUE(scene.instances.at(2).response->set_back);
-  EXPECT_FALSE(t.response == std::nullopt);
-  EXPECT_EQ(scene.instances.at(3).split_threshold, 10);
+  EXPECT_EQ(scene.object({2}).distance_threshold_m, 0.5);
+  EXPECT_EQ(scene.object({2}).response->type, ResponseType::kInverse);
+  EXPECT_TRUE(scene.object({2}).response->set_back);
+  EXPECT_EQ(scene.shape({3}).split_threshold, 10);
+  EXPECT_TRUE(scene.shape({3}).convex_hull.empty());
+  // of a node that is none of the two
+  EXPECT_FALSE(scene.object({3}).response.has_value());
+  EXPECT_EQ(scene.shape({2}).split_threshold, 10);
+  EXPECT_EQ(scene.instances[3].extension, Instance::kNone);
 }
 
-TEST(SceneBuilderGeometry, NamesWhatIsNotTessellatedYet) {
-  for (const char* type :
-       {"Sphere", "Cone", "Cylinder", "ElevationGrid", "Extrusion", "IndexedLineSet", "PointSet", "Text"}) {
-    const std::string body = std::string("Shape { geometry ") + type + " { } }";
-    const Scene scene = scene_of(body);
-    EXPECT_EQ(scene.instances.at(0).unsupported_geometry, type);
-    EXPECT_EQ(scene.instances.at(0).mesh, -1);
-    EXPECT_EQ(read_world(world_text(body)).statistics.cannot_collide_yet, 1u);
+TEST(SceneBuilderKinds, AreTheNodes) {
+  const Scene scene = scene_of(R"(
+    Group { } Anchor { } Transform { } Billboard { } Collision { } Inline { } LOD { } Switch { } Shape { } Viewpoint { })");
+  std::vector<NodeKind> kinds;
+  for (const Instance& instance : scene.instances) kinds.push_back(instance.kind);
+  EXPECT_THAT(
+      kinds, ElementsAre(NodeKind::kGroup, NodeKind::kGroup, NodeKind::kTransform, NodeKind::kBillboard,
+                         NodeKind::kCollision, NodeKind::kInline, NodeKind::kLod, NodeKind::kSwitch, NodeKind::kShape));
+}
+
+// 6.46: whichChoice -1, or beyond the choices, chooses nothing. Others than the chosen one are there and do not
+// collide.
+TEST(SceneBuilderCollides, BelowASwitchsChoiceOnly) {
+  const auto solid = [](const std::string& which) {
+    return solid_of(
+        scene_of("Switch { " + which + " choice [ Viewpoint { } Shape { } Group { children Shape { } } ] }"));
+  };
+  EXPECT_THAT(solid(""), ElementsAre("0"));
+  EXPECT_THAT(solid("whichChoice -5"), ElementsAre("0"));
+  EXPECT_THAT(solid("whichChoice 0"), ElementsAre("0"));
+  EXPECT_THAT(solid("whichChoice 1"), ElementsAre("0", "0/1"));
+  EXPECT_THAT(solid("whichChoice 2"), ElementsAre("0", "0/2", "0/2/0"));
+  EXPECT_THAT(solid("whichChoice 3"), ElementsAre("0"));
+  EXPECT_THAT(solid("whichChoice 2147483647"), ElementsAre("0"));
+}
+
+TEST(SceneBuilderCollides, AtAnLodsFirstLevelOnly) {  // 6.26: the first level is the finest
+  EXPECT_THAT(solid_of(scene_of("LOD { range [ 10 20 ] level [ Shape { } Group { children Shape { } } Shape { } ] }")),
+              ElementsAre("0", "0/0"));
+  EXPECT_THAT(solid_of(scene_of("LOD { }")), ElementsAre("0"));
+}
+
+TEST(SceneBuilderCollides, AsACollisionSays) {  // 6.8
+  EXPECT_THAT(solid_of(scene_of("Collision { children [ Shape { } Shape { } ] }")), ElementsAre("0", "0/0", "0/1"));
+  EXPECT_THAT(solid_of(scene_of("Collision { collide FALSE children [ Shape { } ] }")), ElementsAre("0"));
+  EXPECT_THAT(solid_of(scene_of("Collision { children [ Shape { } Shape { } ] proxy Group { children Shape { } } }")),
+              ElementsAre("0", "0/2", "0/2/0"));
+  EXPECT_THAT(solid_of(scene_of("Collision { collide FALSE children Shape { } proxy Shape { } }")), ElementsAre("0"));
+  EXPECT_THAT(solid_of(scene_of("Collision { proxy Shape { } }")), ElementsAre("0", "0/0"));
+}
+
+TEST(SceneBuilderCollides, IsForEachInstanceByItself) {
+  const Scene scene = scene_of(
+      "Switch { choice DEF S Group { children Shape { } } } USE S Collision { collide FALSE children [ USE S LOD { "
+      "level USE S } ] }");
+  EXPECT_THAT(solid_of(scene), ElementsAre("0", "1", "1/0", "2"));
+}
+
+TEST(SceneBuilderCollides, LeavesAnchorsAndBillboardsAlone) {
+  EXPECT_THAT(solid_of(scene_of("Anchor { children Billboard { axisOfRotation 0 0 0 children Shape { } } }")),
+              ElementsAre("0", "0/0", "0/0/0"));
+}
+
+TEST(SceneBuilderTransform, WarnsOfAScaleThatTheStandardForbids) {  // 6.52: > 0
+  for (const char* scale : {"0 1 1", "1 -1 1", "-1 -1 -1"}) {
+    EXPECT_THAT(problems_of(std::string("Transform { scale ") + scale + " }"),
+                ElementsAre("warning 2:19: a scale of 0 or less is outside VRML97; it is applied as written"));
+    EXPECT_EQ(scene_of(std::string("Transform { scale ") + scale + " }").instances.size(), 1u);
   }
+}
+
+TEST(SceneBuilderKeySensors, AreRead) {
+  const Scene scene = scene_of(R"(
+    KeySensor { keyValue 65 keyState 3 recipient "G/CAR" value 1 -2 3 absoluteValue TRUE consume FALSE enabled FALSE }
+    DEF G Group { children DEF CAR Transform { } }
+    KeySensor { recipient "CAR" })");
+  ASSERT_EQ(scene.key_sensors.size(), 2u);
+  const KeySensor& a = scene.key_sensors[0];
+  EXPECT_EQ(a.recipient, ObjectId{1});
+  EXPECT_EQ(a.key_value, 65);
+  EXPECT_EQ(a.key_state, 3);
+  EXPECT_EQ(a.value, Vec3(1, -2, 3));
+  EXPECT_TRUE(a.absolute);
+  EXPECT_FALSE(a.consume);
+  EXPECT_FALSE(a.enabled);
+  const KeySensor& b = scene.key_sensors[1];
+  EXPECT_FALSE(b.absolute);
+  EXPECT_TRUE(b.consume);
+  EXPECT_TRUE(b.enabled);
+  EXPECT_EQ(scene.document->nodes[b.node].type->name, "KeySensor");
+}
+
+TEST(SceneBuilderKeySensors, ReportWhatTheyCannotMove) {
+  EXPECT_THAT(problems_of("KeySensor { }\nKeySensor { recipient \"CRA\" }\nKeySensor { recipient \"G\" }\nDEF CAR "
+                          "Transform { } DEF G Group { }"),
+              ElementsAre("warning 2:1: this KeySensor has no recipient: it moves nothing",
+                          "3:23: no node of the scene is named 'CRA', did you mean 'CAR'?",
+                          "4:23: 'G' is no Transform: it has no velocity that a key can change"));
+}
+
+TEST(SceneBuilderKeySensors, InAProtoMoveItsOwnTransform) {
+  const Scene scene = scene_of(R"(
+    PROTO Car [ field SFInt32 key 0 ] { DEF BODY Transform { children KeySensor { keyValue IS key recipient "BODY" value 0 0 1 } } }
+    DEF BODY Transform { } Car { key 1 } DEF C Car { key 2 })");
+  ASSERT_EQ(scene.key_sensors.size(), 2u);
+  EXPECT_EQ(scene.key_sensors[0].recipient, ObjectId{1});
+  EXPECT_EQ(scene.key_sensors[1].recipient, ObjectId{2});
+  EXPECT_EQ(scene.key_sensors[1].key_value, 2);
 }
 
 TEST(SceneBuilderInterests, ResolveNamesAndPaths) {
@@ -162,7 +167,6 @@ TEST(SceneBuilderInterests, ResolveNamesAndPaths) {
   EXPECT_EQ(scene.interests[0].type, CollisionType::kAllPairs);
   EXPECT_EQ(scene.interests[1].collider, ObjectId{3});
   EXPECT_EQ(scene.interests[1].type, CollisionType::kBox);
-  EXPECT_EQ(scene.interests[1].where.line, 6u);
 }
 
 TEST(SceneBuilderInterests, ReportWhatTheyCannotResolve) {
@@ -174,8 +178,7 @@ TEST(SceneBuilderInterests, ReportWhatTheyCannotResolve) {
                   "CollisionInterest { objectPath \"CAR\" interests \"CAR\" }"),
       ElementsAre("warning 3:1: Box at the top level is not part of the scene by itself",
                   "5:13: no node of the scene is named 'CRA', did you mean 'CAR'?",
-                  "7:2: 'M' is a Box, not a Group, Transform or Shape of the scene",
-                  "7:6: no node of the scene is named 'NOBODY'",
+                  "7:2: 'M' is a Box, not a group or Shape of the scene", "7:6: no node of the scene is named 'NOBODY'",
                   "8:16: collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found 3",
                   "9:1: this CollisionInterest has no objectPath: it must name the node that is registered",
                   "warning 9:39: 'CAR' is listed twice; it counts once",
@@ -192,26 +195,17 @@ TEST(SceneBuilderResponse, ChecksItsType) {
               ElementsAre("2:64: responseType must be 0 (CRT_INVERSE) or 1 (CRT_ZERO), found 2"));
 }
 
-// Thirty lines that name a billion instances.
-TEST(SceneBuilderLimits, RefuseExplodingUse) {
-  std::string body = "DEF N0 Group { }\n";
-  for (int i = 1; i <= 30; ++i) {
-    const std::string below = std::to_string(i - 1);
-    body += "DEF N" + std::to_string(i) + " Group { children [ USE N" + below + " USE N" + below + " ] }\n";
-  }
-  EXPECT_THAT(problems_of(body), ElementsAre(HasSubstr("the world has more than 1048576 instances")));
+// Of a lost node inside of other things too.
+TEST(SceneBuilderInterests, SayNothingTwiceOfALostPath) {
+  EXPECT_THAT(problems_of("Group { x DEF A Group { children DEF C Shpae { } } } DEF B Group { }\n"
+                          "CollisionInterest { objectPath \"C\" interests \"B\" } CollisionInterest { objectPath "
+                          "\"C/0\" interests \"B\" }"),
+              ElementsAre(HasSubstr("Group has no field 'x'"), HasSubstr("unknown node type 'Shpae'")));
 }
 
-TEST(SceneBuilderLimits, RefuseDeepChainsOfUse) {
-  const auto chain = [](int length) {
-    std::string body = "DEF N0 Group { }\n";
-    for (int i = 1; i < length; ++i) {
-      body += "DEF N" + std::to_string(i) + " Group { children USE N" + std::to_string(i - 1) + " }\n";
-    }
-    return body;
-  };
-  EXPECT_THAT(problems_of(chain(256)), IsEmpty());
-  EXPECT_THAT(problems_of(chain(1000)), ElementsAre(HasSubstr("nested more than 256 deep")));
+TEST(SceneBuilderScripts, AreMentionedOnce) {
+  EXPECT_THAT(problems_of("Group { }\nScript { } Script { }"),
+              ElementsAre("warning 3:1: Scripts are kept and not run; this is the first one"));
 }
 
 }  // namespace
