@@ -55,7 +55,7 @@ struct Node {
   [[nodiscard]] std::span<const Field> given() const { return {fields, field_count}; }
   [[nodiscard]] const Field* find(std::string_view field) const {
     for (const Field& f : given()) {
-      if (f.spec->name == field) return &f;
+      if (same_name(f.spec->name, field)) return &f;
     }
     return nullptr;
   }

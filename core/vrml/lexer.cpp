@@ -37,9 +37,11 @@ bool is(char c, CharClass kind) { return (kCharClasses[static_cast<unsigned char
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 std::size_t run(std::string_view text, std::size_t at, CharClass kind) {
-  std::size_t end = at;
-  while (end < text.size() && is(text[end], kind)) ++end;
-  return end - at;
+  const char* const begin = text.data() + at;
+  const char* const end = text.data() + text.size();
+  const char* to = begin;
+  while (to != end && is(*to, kind)) ++to;
+  return static_cast<std::size_t>(to - begin);
 }
 
 std::string_view without_plus(std::string_view text) {
@@ -87,25 +89,39 @@ std::expected<Real, NumberError> read_real(std::string_view text) {
 }  // namespace
 
 void Lexer::skip_white_space() {
-  while (at_ < text_.size()) {
-    const char c = text_[at_];
-    if (is(c, kSpace)) {
-      ++at_;
-    } else if (c == '#') {
-      at_ = std::min(text_.find_first_of("\n\r", at_), text_.size());
-    } else {
-      return;
-    }
+  const char* const end = text_.data() + text_.size();
+  const char* at = text_.data() + at_;
+  while (true) {
+    while (at != end && is(*at, kSpace)) ++at;
+    if (at == end || *at != '#') break;
+    while (at != end && *at != '\n' && *at != '\r') ++at;
   }
+  at_ = static_cast<std::size_t>(at - text_.data());
 }
 
+// Eight bytes at a time. All bytes up to the blank are taken for white space: those that are none are in no right list.
 Lexer::Count Lexer::count_numbers() const {
   const char* const begin = text_.data() + at_;
   const void* const bracket = std::memchr(begin, ']', text_.size() - at_);
   const char* const end = bracket == nullptr ? text_.data() + text_.size() : static_cast<const char*>(bracket);
+  constexpr std::uint64_t kEach = 0x0101010101010101u, kHigh = 0x80 * kEach, kLow = 0x7f * kEach;
   std::size_t count = 0;
-  bool in_space = true;
-  for (const char* at = begin; at != end; ++at) {
+  std::uint64_t before = 0;  // 0x80: the last byte was no white space
+  const char* at = begin;
+  for (; end - at >= 8; at += 8) {
+    std::uint64_t bytes = 0;
+    std::memcpy(&bytes, at, sizeof bytes);
+    if constexpr (std::endian::native == std::endian::big) bytes = std::byteswap(bytes);
+    const std::uint64_t above_blank = ((bytes & kLow) + (0x7f - ' ') * kEach) | bytes;
+    const std::uint64_t from_comma = bytes ^ ',' * kEach;
+    const std::uint64_t no_comma = ((from_comma & kLow) + kLow) | from_comma;
+    const std::uint64_t solid = above_blank & no_comma & kHigh;
+    const std::uint64_t begins = solid & ~(solid << 8 | before);
+    count += (begins >> 7) * kEach >> 56;
+    before = solid >> 56;
+  }
+  bool in_space = before == 0;
+  for (; at != end; ++at) {
     const bool space = is(*at, kSpace);
     count += static_cast<std::size_t>(in_space && !space);
     in_space = space;
@@ -114,7 +130,7 @@ Lexer::Count Lexer::count_numbers() const {
 }
 
 Token Lexer::token(TokenKind kind, std::size_t size) {
-  Token t{kind, static_cast<std::uint32_t>(at_), text_.substr(at_, size)};
+  const Token t{kind, static_cast<std::uint32_t>(at_), {text_.data() + at_, size}};
   at_ += size;
   return t;
 }
@@ -145,9 +161,11 @@ Token Lexer::next() {
   if (number) {
     std::size_t size = run(text_, at_, kNumeric);
     // "1.#QNAN", "-1.#IND", "1.#INF": how some exporters write NaN and infinity. Not a number and a comment.
-    const std::string_view rest = text_.substr(at_ + size);
-    for (const std::string_view mark : {"#IND", "#QNAN", "#SNAN", "#INF"}) {
-      if (rest.starts_with(mark)) size += mark.size();
+    if (at_ + size < text_.size() && text_[at_ + size] == '#') {
+      const std::string_view rest = text_.substr(at_ + size);
+      for (const std::string_view mark : {"#IND", "#QNAN", "#SNAN", "#INF"}) {
+        if (rest.starts_with(mark)) size += mark.size();
+      }
     }
     return token(TokenKind::kNumber, size);
   }

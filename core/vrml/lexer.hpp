@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <expected>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,9 +42,10 @@ class Lexer {
 
   // For lists of numbers, which are most of a world's bytes: takes numbers of the plain kind straight from the text up
   // to the first thing that is none, and leaves that to next(). Both give the same bits for the same text.
-  template <class T, class Add>  // float or std::int32_t; Add is told each one
-  void take_numbers(Add add);
-  // How many numbers may stand between here and the next ']': never too few, unless a comment holds a ']'.
+  template <class T, class Add>  // float or std::int32_t; Add is told each one, `most` at the most
+  void take_numbers(Add add, std::size_t most = std::numeric_limits<std::size_t>::max());
+  // How many numbers may stand between here and the next ']': never too few where the list is right, unless a comment
+  // holds a ']'.
   struct Count {
     std::size_t numbers = 0;
     std::size_t end = 0;  // the offset of that ']', or of the text's end
@@ -87,8 +89,8 @@ enum class NumberError : std::uint8_t { kSyntax, kNotFinite, kOverflow };
 [[nodiscard]] bool is_keyword(std::string_view word);
 
 template <class T, class Add>
-void Lexer::take_numbers(Add add) {
-  while (true) {
+void Lexer::take_numbers(Add add, std::size_t most) {
+  for (; most > 0; --most) {
     skip_white_space();
     T value{};
     const char* const end = scan_plain(text_.data() + at_, text_.data() + text_.size(), value);

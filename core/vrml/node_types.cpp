@@ -1,6 +1,8 @@
 #include "core/vrml/node_types.hpp"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <utility>
 
 namespace peerd::vrml {
@@ -499,19 +501,35 @@ constexpr NodeType kNodeTypes[] = {
     {"VisibilitySensor", kChild, Meaning::kPart, kVisibilitySensorFields},
     {"WorldInfo", kChild, Meaning::kDisplay, kWorldInfoFields},
 };
+static_assert(std::ranges::is_sorted(kNodeTypes, {}, &NodeType::name));
+
+// Where the types of each first byte begin in the table; the next byte's are behind them.
+constexpr auto kFirstOfInitial = [] {
+  std::array<std::uint8_t, 257> first{};
+  for (std::size_t byte = 0, i = 0; byte < first.size(); ++byte) {
+    while (i < std::size(kNodeTypes) && static_cast<unsigned char>(kNodeTypes[i].name.front()) < byte) ++i;
+    first[byte] = static_cast<std::uint8_t>(i);
+  }
+  return first;
+}();
 
 }  // namespace
 
 std::span<const NodeType> node_types() { return kNodeTypes; }
 
 const NodeType* find_node_type(std::string_view name) {
-  const auto it = std::ranges::lower_bound(kNodeTypes, name, {}, &NodeType::name);
-  return it == std::end(kNodeTypes) || it->name != name ? nullptr : it;
+  const std::size_t initial = name.empty() ? 0 : static_cast<unsigned char>(name.front());
+  for (std::size_t i = kFirstOfInitial[initial]; i < kFirstOfInitial[initial + 1]; ++i) {
+    if (same_name(kNodeTypes[i].name, name)) return &kNodeTypes[i];
+  }
+  return nullptr;
 }
 
 const FieldSpec* find_field(const NodeType& type, std::string_view name) {
-  const auto it = std::ranges::find(type.fields, name, &FieldSpec::name);
-  return it == type.fields.end() ? nullptr : &*it;
+  for (const FieldSpec& field : type.fields) {
+    if (same_name(field.name, name)) return &field;
+  }
+  return nullptr;
 }
 
 std::string_view name_of(FieldType type) {

@@ -95,6 +95,11 @@ struct NodeType {
   std::span<const FieldSpec> fields;
 };
 
+// a == b, told from the first byte where it can be: most names that are compared differ there.
+[[nodiscard]] inline bool same_name(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && (a.empty() || (a.front() == b.front() && a == b));
+}
+
 [[nodiscard]] std::span<const NodeType> node_types();
 [[nodiscard]] const NodeType* find_node_type(std::string_view name);
 [[nodiscard]] const FieldSpec* find_field(const NodeType& type, std::string_view name);

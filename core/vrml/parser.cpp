@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <expected>
+#include <list>
 #include <map>
 #include <optional>
 #include <set>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "core/gzip.hpp"
+#include "core/vrml/name_table.hpp"
 #include "core/vrml/prototype.hpp"
 #include "core/vrml/token_stream.hpp"
 #include "core/vrml/values.hpp"
@@ -39,7 +41,6 @@ struct Definition {
   const Prototype* prototype = nullptr;  // whose instance it is; its copy begins at `base`
   std::uint32_t base = 0;
   bool open = false;
-  std::vector<NodeRef*> waiting{};  // Scripts' fields that refer to it while it is open
 };
 
 // A PROTO by the name that it has in a scope; an EXTERNPROTO is looked for when it is used first.
@@ -68,7 +69,8 @@ struct Scope {
   Prototype* prototype = nullptr;  // whose body this is, to which IS refers
   std::uint32_t id = 0;            // Node::scope
   std::deque<Definition> definitions{};
-  std::unordered_map<std::string_view, Definition*> names{};
+  NameTable<Definition*> names{};
+  std::vector<std::pair<const Definition*, NodeRef*>> waiting{};  // Scripts' fields that refer to open ones
   Declarations declarations{};
   std::vector<std::pair<RouteEnd, RouteEnd>> routes{};
 };
@@ -142,6 +144,17 @@ std::expected<OpenText, std::string> open_text(Reading& reading, Source source) 
   return OpenText{*begin, header->end};
 }
 
+// About how many nodes a text has, so that their memory is neither moved nor left empty: its braces, but no more than
+// fit in it by far. Few in most of a large world's bytes, so that looking for them costs next to nothing.
+std::size_t guess_nodes(std::string_view text, const ReadLimits& limits) {
+  constexpr std::size_t kFewestBytes = 16;
+  const std::size_t most = std::min<std::size_t>(text.size() / kFewestBytes, limits.nodes);
+  std::size_t count = 0;
+  for (std::size_t at = text.find('{'); at != std::string_view::npos && count < most; at = text.find('{', at + 1))
+    ++count;
+  return count;
+}
+
 class Parser {
  public:
   Parser(Reading& reading, Position text_begin, std::size_t begin, std::uint32_t nesting)
@@ -170,7 +183,7 @@ class Parser {
     Open* outer = nullptr;
     std::size_t first_field = 0;  // of it in fields_
     std::vector<PendingLink> links{};
-    std::deque<FieldSpec> own_fields{};  // a Script's
+    std::list<FieldSpec> own_fields{};  // a Script's; they stay where they are, and most nodes have none
     Definition* definition = nullptr;
     bool damaged = false;
   };
@@ -181,6 +194,8 @@ class Parser {
 
   bool parse_statement();
   void parse_proto();
+  void skip_declaration(const std::string& keyword);
+  void skip_to_declaration();
   void parse_externproto();
   void check_name(const Token& name);
   bool parse_interface(std::string_view name, bool with_values, Prototype& prototype);
@@ -197,7 +212,9 @@ class Parser {
   }
 
   void parse_route();
-  RouteEnd parse_route_end();
+  std::optional<RouteEnd> parse_route_end();
+  void skip_line_of(const Token& first);
+  [[nodiscard]] Suggestion names_like(std::string_view name) const;
   struct Event {
     const FieldSpec* spec = nullptr;
     std::vector<std::pair<std::uint32_t, const FieldSpec*>> nodes{};  // in the scope's body
@@ -299,11 +316,30 @@ void Parser::check_name(const Token& name) {
   }
 }
 
+// One without a name.
+void Parser::skip_declaration(const std::string& keyword) {
+  tokens_.error(tokens_.position(), "expected a name after " + keyword + ", found " + described(tokens_.peek()));
+  if (tokens_.at(kWord)) tokens_.take();
+  if (tokens_.at(kOpenBracket)) skip_balanced();
+  if (tokens_.at(kOpenBracket) || tokens_.at(kOpenBrace)) return skip_balanced();
+  if (tokens_.at(kString)) tokens_.take();
+}
+
+// To the next declaration of an interface, or to its end.
+void Parser::skip_to_declaration() {
+  while (!tokens_.at(kEnd) && !tokens_.at(kCloseBracket) && !tokens_.at(kCloseBrace)) {
+    if (tokens_.at(kWord) && find_access(tokens_.peek().text)) return;
+    if (tokens_.at(kOpenBracket) || tokens_.at(kOpenBrace)) {
+      skip_balanced();
+    } else {
+      tokens_.take();
+    }
+  }
+}
+
 void Parser::parse_proto() {
   const Token keyword = tokens_.take();
-  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
-    return tokens_.error(tokens_.position(), "expected a name after PROTO, found " + described(tokens_.peek()));
-  }
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) return skip_declaration("PROTO");
   const Token name = tokens_.take();
   check_name(name);
   Prototype& prototype = reading_.prototypes.emplace_back();
@@ -363,11 +399,7 @@ bool Parser::parse_interface(std::string_view name, bool with_values, Prototype&
       tokens_.error(tokens_.position(), "expected eventIn, eventOut, field, exposedField or ']' in the interface of " +
                                             quoted(name) + ", found " + described(tokens_.peek()));
       if (tokens_.at(kCloseBrace) || tokens_.at(kOpenBrace)) break;  // the ']' is missing
-      if (tokens_.at(kOpenBracket)) {
-        skip_balanced();
-      } else {
-        tokens_.take();
-      }
+      skip_to_declaration();
       continue;
     }
     tokens_.take();
@@ -379,15 +411,14 @@ bool Parser::parse_interface(std::string_view name, bool with_values, Prototype&
         suggestion.consider(name_of(static_cast<FieldType>(t)));
       tokens_.error(tokens_.position(),
                     "expected a field type, found " + described(tokens_.peek()) + did_you_mean(suggestion));
-      if (tokens_.at(kWord) && !find_access(tokens_.peek().text)) tokens_.take();
-      if (tokens_.at(kWord) && !find_access(tokens_.peek().text)) tokens_.take();
-      if (with_values && has_value(*access)) skip_value();
+      skip_to_declaration();
       continue;
     }
     tokens_.take();
     if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
       good = false;
       tokens_.error(tokens_.position(), "expected the name of a field, found " + described(tokens_.peek()));
+      skip_to_declaration();
       continue;
     }
     const Token field = tokens_.take();
@@ -405,6 +436,7 @@ bool Parser::parse_interface(std::string_view name, bool with_values, Prototype&
       value = values_.read(spec);
       close(scope);
       scope_ = outer;
+      if (!value) skip_to_declaration();
     }
     good = good && (value.has_value() || !wanted);
     if (known(field.text)) continue;
@@ -472,9 +504,7 @@ void Parser::parse_body_of(Prototype& prototype, std::string_view name) {
 
 void Parser::parse_externproto() {
   tokens_.take();
-  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
-    return tokens_.error(tokens_.position(), "expected a name after EXTERNPROTO, found " + described(tokens_.peek()));
-  }
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) return skip_declaration("EXTERNPROTO");
   const Token name = tokens_.take();
   check_name(name);
   Prototype interface;
@@ -552,7 +582,7 @@ Parser::Type Parser::find_type(const Token& name) {
 void Parser::resolve(Declaration& declaration, std::string_view name) {
   if (declaration.prototype != nullptr || declaration.native != nullptr) return;
   std::string tried;
-  const std::size_t errors = problems_.errors();
+  bool misfit = false;
   declaration.resolving = true;
   ++reading_.resolving;
   for (const std::string_view url : declaration.urls) {
@@ -560,7 +590,8 @@ void Parser::resolve(Declaration& declaration, std::string_view name) {
     const Declaration* const found = look_into_library(url, declaration.at, why);
     if (found != nullptr) {
       const NodeType& type = found->native != nullptr ? *found->native : found->prototype->type;
-      if (!fits(declaration.interface, type, declaration.at)) break;
+      misfit = !fits(declaration.interface, type, declaration.at);
+      if (misfit) break;
       declaration.native = found->native;
       declaration.prototype = found->prototype;
       break;
@@ -571,7 +602,7 @@ void Parser::resolve(Declaration& declaration, std::string_view name) {
   --reading_.resolving;
   if (declaration.prototype != nullptr || declaration.native != nullptr) return;
   if (tried.empty()) tried = "it has no URL";
-  if (problems_.errors() == errors) {
+  if (!misfit) {
     tokens_.warning(declaration.at,
                     "EXTERNPROTO " + quoted(name) + " is not found, its instances stay empty: " + tried);
   }
@@ -739,52 +770,61 @@ void Parser::fill_inline(Node& node) {
 
 void Parser::parse_route() {
   const Token keyword = tokens_.take();
-  RouteEnd from = parse_route_end();
+  const std::optional<RouteEnd> from = parse_route_end();
+  if (!from && !tokens_.at_word("TO")) return skip_line_of(keyword);
   if (!tokens_.at_word("TO")) {
     tokens_.error(tokens_.position(), "expected TO and where the ROUTE goes, found " + described(tokens_.peek()));
-    return;
+    return skip_line_of(keyword);
   }
   tokens_.take();
-  RouteEnd to = parse_route_end();
-  static_cast<void>(keyword);
-  if (from.node != nullptr && to.node != nullptr) scope_->routes.emplace_back(from, to);
+  const std::optional<RouteEnd> to = parse_route_end();
+  if (!to) return skip_line_of(keyword);
+  if (from && from->node != nullptr && to->node != nullptr) scope_->routes.emplace_back(*from, *to);
 }
 
-RouteEnd Parser::parse_route_end() {
-  RouteEnd end;
-  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
-    tokens_.error(tokens_.position(), "expected NODE.EVENT of a ROUTE, found " + described(tokens_.peek()));
-    return end;
+// A broken ROUTE ends with its line, as nearly all do.
+void Parser::skip_line_of(const Token& first) {
+  while (tokens_.at(kWord) || tokens_.at(kPeriod) || tokens_.at(kNumber)) {
+    const std::string_view text = problems_.text_of(tokens_.position());
+    const std::string_view between = text.substr(first.offset, tokens_.peek().offset - first.offset);
+    if (between.find_first_of("\r\n") != std::string_view::npos) return;
+    tokens_.take();
   }
+}
+
+// NODE.EVENT; nothing where it is not written so. Its node is null where no node has that name.
+std::optional<RouteEnd> Parser::parse_route_end() {
+  const auto expected = [&](const std::string& what) {
+    tokens_.error(tokens_.position(), "expected " + what + ", found " + described(tokens_.peek()));
+    return std::nullopt;
+  };
+  RouteEnd end;
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) return expected("NODE.EVENT of a ROUTE");
   const Token name = tokens_.take();
   end.name = name.text;
-  if (!tokens_.accept(kPeriod)) {
-    tokens_.error(tokens_.position(),
-                  "expected '.' and an event of " + quoted(name.text) + ", found " + described(tokens_.peek()));
-    return end;
-  }
-  if (!tokens_.at(kWord)) {
-    tokens_.error(tokens_.position(),
-                  "expected an event of " + quoted(name.text) + ", found " + described(tokens_.peek()));
-    return end;
-  }
+  if (!tokens_.accept(kPeriod)) return expected("'.' and an event of " + quoted(name.text));
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) return expected("an event of " + quoted(name.text));
   end.at = tokens_.position();
   end.event = tokens_.take().text;
-  const auto it = scope_->names.find(name.text);
-  if (it != scope_->names.end()) {
-    end.node = it->second;
+  if (Definition* const* const named = scope_->names.find(name.text)) {
+    end.node = *named;
   } else {
-    Suggestion suggestion(name.text);
-    std::vector<std::string_view> names;  // in an order of their own: a hash map has none to rely on
-    if (scope_->names.size() <= kFewEnough) {
-      for (const auto& [known, definition] : scope_->names) names.push_back(known);
-    }
-    std::ranges::sort(names);
-    for (const std::string_view known : names) suggestion.consider(known);
-    tokens_.error(tokens_.position_of(name),
-                  "ROUTE names " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
+    tokens_.error(tokens_.position_of(name), "ROUTE names " + quoted(name.text) + ", which no DEF before it names" +
+                                                 did_you_mean(names_like(name.text)));
   }
   return end;
+}
+
+// Of the names in force here the one that was probably meant.
+Suggestion Parser::names_like(std::string_view name) const {
+  Suggestion suggestion(name);
+  std::vector<std::string_view> names;  // in an order that doesn't depend on where they stand
+  if (scope_->names.size() <= kFewEnough) {
+    for (const auto& [known, definition] : scope_->names) names.push_back(known);
+  }
+  std::ranges::sort(names);
+  for (const std::string_view known : names) suggestion.consider(known);
+  return suggestion;
 }
 
 // The field that an event's name stands for: itself, or the exposedField behind set_x and x_changed (4.7).
@@ -860,8 +900,11 @@ void Parser::add_routes(const Scope& scope, const RouteEnd& from, const RouteEnd
 
 void Parser::close(Scope& scope) {
   for (const auto& [from, to] : scope.routes) add_routes(scope, from, to);
+  const bool lost =
+      std::ranges::any_of(scope.definitions, [](const Definition& d) { return d.node == NodeRef::kNull; });
+  if (!live() || !lost) return;
   for (const auto& [name, definition] : scope.names) {
-    if (live() && definition->node == NodeRef::kNull) reading_.document.lost_names.push_back(arena_.copy(name));
+    if (definition->node == NodeRef::kNull) reading_.document.lost_names.push_back(arena_.copy(name));
   }
 }
 
@@ -907,30 +950,23 @@ NodeRef Parser::parse_use() {
     return null;
   }
   const Token name = tokens_.take();
-  const auto it = scope_->names.find(name.text);
-  if (it == scope_->names.end() && scope_->prototype == nullptr && scope_->outer != nullptr) {
+  Definition* const* const named = scope_->names.find(name.text);
+  if (named == nullptr && scope_->prototype == nullptr && scope_->outer != nullptr) {
     // A default value stands outside of its PROTO's body, so it may USE what stands before it; as a copy of its own.
-    const auto around = scope_->outer->names.find(name.text);
-    if (around != scope_->outer->names.end() && !around->second->open && around->second->node != NodeRef::kNull) {
+    Definition* const* const around = scope_->outer->names.find(name.text);
+    if (around != nullptr && !(*around)->open && (*around)->node != NodeRef::kNull) {
       const std::size_t before = scope_->body->nodes.size();
-      const std::uint32_t copy = copy_node(*scope_->outer->body, around->second->node, *scope_->body, arena_);
+      const std::uint32_t copy = copy_node(*scope_->outer->body, (*around)->node, *scope_->body, arena_);
       const bool room = reading_.room_for(scope_->body->nodes.size() - before, 0, null.at);
       return {room ? copy : NodeRef::kNull, null.at};
     }
   }
-  if (it == scope_->names.end()) {
-    Suggestion suggestion(name.text);
-    std::vector<std::string_view> names;  // in an order of their own: a hash map has none to rely on
-    if (scope_->names.size() <= kFewEnough) {
-      for (const auto& [known, definition] : scope_->names) names.push_back(known);
-    }
-    std::ranges::sort(names);
-    for (const std::string_view known : names) suggestion.consider(known);
-    tokens_.error(tokens_.position_of(name),
-                  "USE of " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(suggestion));
+  if (named == nullptr) {
+    tokens_.error(tokens_.position_of(name), "USE of " + quoted(name.text) + ", which no DEF before it names" +
+                                                 did_you_mean(names_like(name.text)));
     return null;
   }
-  Definition& definition = *it->second;
+  Definition& definition = **named;
   if (definition.open) {
     // A Script may be told of itself and of what it stands in (4.12): it doesn't contain what its fields name.
     if (open_ != nullptr && open_->type->meaning == Meaning::kScript) {
@@ -1006,7 +1042,10 @@ NodeRef Parser::parse_node_body(const Token& def, const Token& type_name, Positi
   if (open.definition != nullptr) {
     open.definition->node = ref.index;
     open.definition->open = false;
-    for (NodeRef* waiting : open.definition->waiting) waiting->index = ref.index;
+    std::erase_if(scope_->waiting, [&](const auto& waiting) {
+      if (waiting.first == open.definition) waiting.second->index = ref.index;
+      return waiting.first == open.definition;
+    });
   }
   return ref;
 }
@@ -1103,7 +1142,7 @@ bool Parser::is_field_of_open_node(std::string_view word) const {
 
 void Parser::parse_fields(Open& open) {
   const Token brace = tokens_.take();
-  const std::string type(open.type->name);
+  const auto type = [&] { return std::string(open.type->name); };
   while (true) {
     switch (tokens_.peek().kind) {
       case kCloseBrace:
@@ -1118,17 +1157,17 @@ void Parser::parse_fields(Open& open) {
         break;
       case kEnd:
         open.damaged = true;
-        tokens_.report_unclosed(tokens_.position_of(brace), type, '}');
+        tokens_.report_unclosed(tokens_.position_of(brace), type(), '}');
         return;
       case kCloseBracket:
         open.damaged = true;
-        tokens_.error(tokens_.position(), "expected a field of " + type + " or its '}', found ']'");
+        tokens_.error(tokens_.position(), "expected a field of " + type() + " or its '}', found ']'");
         if (values_.in_list()) return;
         tokens_.take();
         break;
       default:
         open.damaged = true;
-        tokens_.error(tokens_.position(), "expected a field of " + type + ", found " + described(tokens_.peek()));
+        tokens_.error(tokens_.position(), "expected a field of " + type() + ", found " + described(tokens_.peek()));
         while (tokens_.at(kNumber) || tokens_.at(kString) || tokens_.at(kPeriod)) tokens_.take();
         if (tokens_.at(kOpenBrace) || tokens_.at(kOpenBracket)) skip_balanced();
     }
@@ -1165,10 +1204,13 @@ void Parser::parse_field(Open& open) {
     fields_.erase(std::remove_if(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), same),
                   fields_.end());
   }
+  const std::uint32_t before = tokens_.peek().offset;
   if (const std::optional<Field> value = values_.read(*spec)) {
     fields_.push_back(*value);
   } else {
     open.damaged = true;
+    // What is there instead is part of the same mistake; a word may be the next field.
+    if (tokens_.peek().offset == before && (tokens_.at(kString) || tokens_.at(kNumber))) skip_value();
   }
 }
 
@@ -1230,7 +1272,9 @@ void Parser::parse_script_declaration(Open& open) {
   tokens_.take();
   if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
     open.damaged = true;
-    return tokens_.error(tokens_.position(), "expected the name of a field, found " + described(tokens_.peek()));
+    tokens_.error(tokens_.position(), "expected the name of a field, found " + described(tokens_.peek()));
+    if (tokens_.at(kWord) && !find_access(tokens_.peek().text)) tokens_.take();
+    return has_value(access) ? skip_value() : void();
   }
   const Token name = tokens_.take();
   if (access == Access::kExposedField) {
@@ -1256,7 +1300,7 @@ void Parser::parse_script_declaration(Open& open) {
     auto around = script_uses_.begin();
     for (const NodeRef& ref : value->as<NodeRef>().first(script_uses_.empty() ? 0 : value->count)) {
       // The document's arena is ours to write until it is handed over.
-      if (ref.index == kAround) (*around++)->waiting.push_back(const_cast<NodeRef*>(&ref));
+      if (ref.index == kAround) scope_->waiting.emplace_back(*around++, const_cast<NodeRef*>(&ref));
     }
   } else {
     open.damaged = true;
@@ -1317,6 +1361,7 @@ std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOpt
   const std::string name = world.name;
   if (const auto text = open_text(reading, std::move(world))) {
     reading.open_files.push_back(name);
+    reading.world.nodes.reserve(guess_nodes(problems.text_of(text->begin), options.limits));
     Parser(reading, text->begin, text->body, 0).parse_text(reading.world);
     document->nodes = std::move(reading.world.nodes);
     document->top_level = std::move(reading.world.roots);

@@ -4,12 +4,12 @@
 #include <array>
 #include <cassert>
 #include <map>
-#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
 #include "core/vrml/element_positions.hpp"
 #include "core/vrml/geometry_reader.hpp"
+#include "core/vrml/name_table.hpp"
 #include "core/vrml/rotation.hpp"
 
 namespace peerd::vrml {
@@ -95,7 +95,8 @@ class Builder {
   std::map<std::vector<const void*>, std::uint32_t> copied_geometry_;
   std::vector<std::uint32_t> shared_of_;  // by node, into shared_
   std::vector<Shared> shared_;
-  std::unordered_map<std::string_view, std::uint32_t> first_of_name_;  // of the world's names
+  NameTable<std::uint32_t> name_numbers_;     // of all names of instances
+  std::vector<std::uint32_t> first_of_name_;  // by number, the first instance; kNone: no name of the world's own
   std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_names_;
 };
 
@@ -257,7 +258,7 @@ bool Builder::measure_instances() {
     const auto measure = [&](const NodeRef& child) {
       if (!child.is_node()) return;
       assert(child.index < i);
-      if (height[child.index] == kMaxNesting) {
+      if (height[child.index] == kMaxNesting && errors == 0) {
         problems_.error(child.at, "instances are nested more than " + std::to_string(kMaxNesting) + " deep here");
       }
       height[i] = std::max<std::uint16_t>(
@@ -319,30 +320,36 @@ void Builder::instantiate(const NodeRef& ref, std::int32_t parent, std::uint32_t
 
 void Builder::mark_names() {
   auto& instances = scene_.instances;
+  // Names by number: each is looked up once a node, however many instances there are of it.
+  std::vector<std::uint32_t> number_of(nodes_.size(), kNone);
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
-    if (!instances[i].def.empty() && !instances[i].inner_name) first_of_name_.emplace(instances[i].def, i);
-  }
-  std::vector<std::pair<std::string_view, std::uint32_t>> named;  // siblings that have a name
-  const auto mark = [&](std::uint32_t begin, std::uint32_t end) {
-    named.clear();
-    for (std::uint32_t i = begin; i < end; i = instances[i].subtree_end) {
-      if (!instances[i].def.empty()) named.emplace_back(instances[i].def, i);
+    if (instances[i].def.empty()) continue;
+    std::uint32_t& number = number_of[instances[i].node];
+    if (number == kNone) {
+      std::uint32_t& known = name_numbers_[instances[i].def];
+      if (name_numbers_.size() > first_of_name_.size()) {  // it was new
+        known = static_cast<std::uint32_t>(first_of_name_.size());
+        first_of_name_.push_back(kNone);
+      }
+      number = known;
     }
-    std::ranges::sort(named);
-    for (std::size_t k = 1; k < named.size(); ++k) {
-      if (named[k].first == named[k - 1].first) instances[named[k].second].name_shadowed = true;
+    if (!instances[i].inner_name && first_of_name_[number] == kNone) first_of_name_[number] = i;
+  }
+  // Among siblings of one name only the first is found by it.
+  constexpr std::uint32_t kTop = kNone - 1;
+  std::vector<std::uint32_t> last_parent(first_of_name_.size(), kNone);
+  const auto mark = [&](std::uint32_t parent, std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t i = begin; i < end; i = instances[i].subtree_end) {
+      const std::uint32_t number = number_of[instances[i].node];
+      if (number == kNone) continue;
+      // A lone name means the first in the world, wherever that is.
+      const bool elsewhere = parent == kTop && first_of_name_[number] != i;
+      if (std::exchange(last_parent[number], parent) == parent || elsewhere) instances[i].name_shadowed = true;
     }
   };
   const auto count = static_cast<std::uint32_t>(instances.size());
-  mark(0, count);
-  // A lone name means the first in the world, wherever that is.
-  for (std::uint32_t i = 0; i < count; i = instances[i].subtree_end) {
-    const auto it = first_of_name_.find(instances[i].def);
-    if (!instances[i].def.empty() && (it == first_of_name_.end() || it->second != i)) instances[i].name_shadowed = true;
-  }
-  for (std::uint32_t parent = 0; parent < count; ++parent) {
-    if (instances[parent].subtree_end > parent + 1) mark(parent + 1, instances[parent].subtree_end);
-  }
+  mark(kTop, 0, count);
+  for (std::uint32_t parent = 0; parent < count; ++parent) mark(parent, parent + 1, instances[parent].subtree_end);
 }
 
 // What is named inside PROTOs and Inlines: the first instance of each name in each scope.
@@ -367,7 +374,9 @@ std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t sc
     if (inner_names_.empty()) gather_inner_names();
     if (const auto it = inner_names_.find({scope, path}); it != inner_names_.end()) return ObjectId{it->second};
   }
-  if (const auto it = first_of_name_.find(path); it != first_of_name_.end()) return ObjectId{it->second};
+  if (const std::uint32_t* number = name_numbers_.find(path); number != nullptr && first_of_name_[*number] != kNone) {
+    return ObjectId{first_of_name_[*number]};
+  }
   if (const auto id = scene_.find(path)) return id;
   const std::string_view first = path.substr(0, path.find('/'));
   if (std::ranges::find(document_->lost_names, first) != document_->lost_names.end()) return std::nullopt;
@@ -458,6 +467,15 @@ Scene Builder::build() {
   scene_.tessellation = tessellation_;
   geometry_of_.assign(nodes_.size(), kNone);
   shared_of_.assign(nodes_.size(), kNone);
+  const auto count = [&](Meaning meaning) {
+    return static_cast<std::size_t>(std::ranges::count(nodes_, meaning, [](const Node& n) { return n.type->meaning; }));
+  };
+  const std::size_t transforms = count(Meaning::kTransform);
+  scene_.transforms.reserve(transforms);
+  scene_.geometries.reserve(static_cast<std::size_t>(std::ranges::count_if(nodes_, [](const Node& n) {
+    return n.type->meaning == Meaning::kGeometry && n.scope == 0;  // PROTOs share theirs
+  })));
+  shared_.reserve(transforms + count(Meaning::kShape));
   bool scripts = false;
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     const Node& node = nodes_[i];

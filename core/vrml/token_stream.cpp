@@ -19,16 +19,13 @@ std::string described(const Token& token) {
   }
 }
 
-Token TokenStream::take() {
-  const Token taken = token_;
-  token_ = lexer_.next();
+void TokenStream::pass_over_invalid() {
   while (token_.kind == kInvalid || token_.kind == kUnterminatedString) {
     const bool string = token_.kind == kUnterminatedString;
     error(position(), string ? "this string is never closed: a '\"' is missing"
                              : quoted(token_.text) + " cannot stand here: no VRML token contains it");
     token_ = lexer_.next();
   }
-  return taken;
 }
 
 bool TokenStream::accept(TokenKind kind) {

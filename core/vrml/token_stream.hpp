@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,7 +20,9 @@ class TokenStream {
 
   [[nodiscard]] const Token& peek() const { return token_; }
   [[nodiscard]] bool at(TokenKind kind) const { return token_.kind == kind; }
-  [[nodiscard]] bool at_word(std::string_view word) const { return at(TokenKind::kWord) && token_.text == word; }
+  [[nodiscard]] bool at_word(std::string_view word) const {
+    return at(TokenKind::kWord) && token_.text.front() == word.front() && token_.text == word;
+  }
   [[nodiscard]] Position position() const { return position_of(token_); }
   [[nodiscard]] Position position_of(const Token& token) const { return text_begin_ + token.offset; }
   // What the token after the next one is.
@@ -28,16 +31,21 @@ class TokenStream {
     return ahead.next().kind;
   }
 
-  Token take();
+  Token take() {
+    const Token taken = token_;
+    token_ = lexer_.next();
+    if (token_.kind == TokenKind::kInvalid || token_.kind == TokenKind::kUnterminatedString) pass_over_invalid();
+    return taken;
+  }
   bool accept(TokenKind kind);
   void error(Position at, std::string message);
   void warning(Position at, std::string message) { problems_.warning(at, std::move(message)); }
 
   // Takes plain numbers (Lexer::take_numbers) from the next token on.
   template <class T, class Add>
-  void take_numbers(Add add) {
+  void take_numbers(Add add, std::size_t most = std::numeric_limits<std::size_t>::max()) {
     lexer_.go_to(token_.offset);
-    lexer_.template take_numbers<T>(add);
+    lexer_.template take_numbers<T>(add, most);
     take();
   }
   // At the '[' of a list: how many numbers it may hold. 0 inside a list that was counted before, so that a text of
@@ -50,6 +58,8 @@ class TokenStream {
   void report_unclosed(Position open, const std::string& what, char missing);
 
  private:
+  void pass_over_invalid();
+
   Problems& problems_;
   Lexer lexer_;
   Token token_;

@@ -206,7 +206,12 @@ bool ValueReader::take_number(const FieldSpec& spec, std::expected<T, NumberErro
 }
 
 bool ValueReader::read_one(const FieldSpec& spec, float& value) {
-  if (tokens_.at(kNumber)) return take_number(spec, read_float(tokens_.peek().text), value);
+  if (tokens_.at(kNumber)) {
+    const std::string_view text = tokens_.peek().text;
+    const char* const end = text.data() + text.size();
+    if (scan_plain(text.data(), end, value) == end) return tokens_.take(), true;
+    return take_number(spec, read_float(text), value);
+  }
   if (!spells_non_finite(tokens_.peek())) return expected_value(spec, "a number");
   return take_number<float>(spec, std::unexpected(NumberError::kNotFinite), value);
 }
@@ -251,7 +256,11 @@ bool ValueReader::read_floats(const FieldSpec& spec, Field& field) {
   }
   std::array<float, 4> floats{};
   bool good = true;
-  for (std::size_t i = 0; i < width; ++i) {
+  std::size_t plain = 0;
+  if (width > 1 && tokens_.at(kNumber)) {
+    tokens_.take_numbers<float>([&](float value) { floats[plain++] = value; }, width);
+  }
+  for (std::size_t i = plain; i < width; ++i) {
     if (!tokens_.at(kNumber) && !spells_non_finite(tokens_.peek())) {
       return expected_value(spec, width == 1 ? "a number" : std::to_string(width) + " numbers");
     }
@@ -305,14 +314,15 @@ bool ValueReader::read_one_node(const FieldSpec& spec, Field& field) {
 
 bool ValueReader::read_nodes(const FieldSpec& spec, Field& field) {
   if (tokens_.at_word("NULL")) return tokens_.take(), true;  // the seed's appendix C.5 writes an empty list so
-  std::vector<NodeRef> list;
+  const std::size_t first = refs_.size();
   const bool good = read_list([&] {
     if (!tokens_.at(kWord) || tokens_.at_word("NULL") || !read_node_) return expected_value(spec, "a node");
     // What cannot be read keeps its place among children as a null, so that child indices stay the text's.
-    if (const std::optional<NodeRef> ref = read_node_(spec)) list.push_back(*ref);
+    if (const std::optional<NodeRef> ref = read_node_(spec)) refs_.push_back(*ref);
     return true;
   });
-  keep<NodeRef>(field, list);
+  keep<NodeRef>(field, std::span<const NodeRef>(refs_).subspan(first));
+  refs_.resize(first);
   return good;
 }
 
@@ -321,6 +331,7 @@ std::vector<std::string_view> ValueReader::skip(bool in_list) {
     case kNumber:
     case kString:
     case kPeriod:
+      if (in_list) return tokens_.take(), std::vector<std::string_view>{};
       while (tokens_.at(kNumber) || tokens_.at(kString) || tokens_.at(kPeriod)) tokens_.take();
       return {};
     case kOpenBracket:

@@ -72,6 +72,7 @@ class ValueReader {
   Problems& problems_;
   ReadNode read_node_;
   IsField is_field_;
+  std::vector<NodeRef> refs_;  // of all open lists of nodes
   std::uint32_t open_lists_ = 0;
 };
 

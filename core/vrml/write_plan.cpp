@@ -80,8 +80,9 @@ Position last_own_reference(const Document& document) {
 }  // namespace
 
 bool is_filled_inline(const Node& node) {
-  return node.type->meaning == Meaning::kInline &&
-         std::ranges::any_of(node.given(), [](const Field& f) { return f.spec->access == Access::kContent; });
+  return node.type->meaning == Meaning::kInline && std::ranges::any_of(node.given(), [](const Field& f) {
+           return f.spec->access == Access::kContent && f.count > 0;
+         });
 }
 
 OutsideNodes outside_nodes(const Document& document, const NamePaths& paths) {

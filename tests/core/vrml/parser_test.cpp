@@ -207,7 +207,7 @@ TEST(Recovery, FindsAllMistakesOnce) {
       ElementsAre(HasSubstr("2:13: Transform has no field 'translaton'"), HasSubstr("3:2: unknown node type 'Shpae'"),
                   HasSubstr("4:34: 'size' (SFVec3f) wants 3 numbers, found '}'"), HasSubstr("5:6: USE of 'NOBODY'"),
                   HasSubstr("6:29: 'rotation' (SFRotation) wants 4 numbers, found '}'"),
-                  HasSubstr("7:19: 'children' (MFNode) wants a node"), HasSubstr("7:19: "),
+                  HasSubstr("7:19: 'children' (MFNode) wants a node"),
                   HasSubstr("8:13: 'scale' (SFVec3f) wants 3 numbers, found 'x'"), HasSubstr("8:13:"),
                   HasSubstr("9:7: ROUTE names 'A'"), HasSubstr("9:14: ROUTE names 'C'"),
                   HasSubstr("10:17: expected a field type, found 'SFVec4f'"),
