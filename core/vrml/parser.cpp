@@ -784,11 +784,12 @@ void Parser::parse_route() {
 
 // A broken ROUTE ends with its line, as nearly all do.
 void Parser::skip_line_of(const Token& first) {
+  std::uint32_t seen = first.offset;
   while (tokens_.at(kWord) || tokens_.at(kPeriod) || tokens_.at(kNumber)) {
     const std::string_view text = problems_.text_of(tokens_.position());
-    const std::string_view between = text.substr(first.offset, tokens_.peek().offset - first.offset);
+    const std::string_view between = text.substr(seen, tokens_.peek().offset - seen);
     if (between.find_first_of("\r\n") != std::string_view::npos) return;
-    tokens_.take();
+    seen = tokens_.take().offset;
   }
 }
 

@@ -138,20 +138,18 @@ bool ValueReader::read_numbers(const FieldSpec& spec, Field& field) {
   ++open_lists_;
   bool good = true;
   while (!list_ends(open, good)) {
-    if (tokens_.at(kNumber)) tokens_.take_numbers<T>([&](T value) { list.add(value); });
-    if (tokens_.at(kCloseBracket)) continue;
+    if (tokens_.at(kNumber)) {
+      tokens_.take_numbers<T>([&](T value) { list.add(value); });
+      if (!tokens_.at(kNumber)) continue;
+    }
     T one{};
     const std::uint32_t before = tokens_.peek().offset;
-    if (tokens_.at(kNumber) || spells_non_finite(tokens_.peek())) {
-      const bool read = read_one(spec, one);
-      if (read) list.add(one);
-      good = good && read;
-    } else if (!tokens_.at(kEnd) && !tokens_.at(kCloseBrace) &&
-               !(tokens_.at(kWord) && is_field_ && is_field_(tokens_.peek().text))) {
-      read_one(spec, one);
-      good = false;
-      if (tokens_.peek().offset == before) skip(true);
+    if (read_one(spec, one)) {
+      list.add(one);
+      continue;
     }
+    good = false;
+    if (tokens_.peek().offset == before) skip(true);
   }
   field.data = list.elements().data();
   field.count = static_cast<std::uint32_t>(list.elements().size());

@@ -223,6 +223,12 @@ TEST(Numbers, WrongOnesAreReportedWhereTheyAre) {
                 "2:48: '0x1FFFFFFFF' is too large for MFInt32", "2:60: '1e3' is not a number of MFInt32"}));
 }
 
+// Found by fuzzing: a word that spells no number was looked at for ever.
+TEST(Numbers, ListsEndWhateverStandsInThem) {
+  EXPECT_EQ(errors_of("IndexedFaceSet { coordIndex [ 0 nan 1 inf foo TRUE ] }").size(), 4u);
+  EXPECT_EQ(errors_of("ScalarInterpolator { key [ 0 nan 1 inf foo TRUE ] }").size(), 4u);
+}
+
 TEST(Numbers, BehindWhatIsNoneAreJudgedToo) {
   EXPECT_EQ(errors_of("ScalarInterpolator { key [ 1 \"x\" 2 0x10 ] }"),
             (std::vector<std::string>{"2:30: 'key' (MFFloat) wants a number, found the string \"x'",
