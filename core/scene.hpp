@@ -83,13 +83,13 @@ struct CollisionInterest {
 // Seed, C.3: a key changes the velocity of an object.
 struct KeySensor {
   std::uint32_t node = Instance::kNone;  // into Document::nodes
-  ObjectId recipient;
-  std::int32_t key_value = 0;  // Qt::Key
-  std::int32_t key_state = 0;  // Qt::ButtonState
-  Vec3 value = Vec3::Zero();   // [m/s]
-  bool absolute = false;       // `value` replaces the velocity, or is added to it
-  bool consume = true;         // no other KeySensor, nor the application, gets that event
-  bool enabled = true;         // at first
+  std::optional<ObjectId> recipient;     // a Transform; none: it only tells other KeySensors
+  std::int32_t key_value = 0;            // Qt::Key
+  std::int32_t key_state = 0;            // Qt::ButtonState
+  Vec3 value = Vec3::Zero();             // [m/s], in the frame of the recipient's parent
+  bool absolute = false;                 // `value` replaces the velocity, or is added to it
+  bool consume = true;                   // no other KeySensor, nor the application, gets that event
+  bool enabled = true;                   // at first
 };
 
 // An Inline that has not been read: it says how large it is, nothing in it can collide, and the world was read with

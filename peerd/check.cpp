@@ -5,6 +5,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -16,6 +17,7 @@
 
 #include "core/scene_defects.hpp"
 #include "core/scene_statistics.hpp"
+#include "core/vrml/writer.hpp"
 #include "peerd/config/world_file.hpp"
 #include "replication/motion_world.hpp"
 
@@ -242,9 +244,22 @@ double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+int write_copy(const Scene& scene, const std::string& copy, std::ostream& err) {
+  const auto written = write_world(scene);
+  if (!written) {
+    err << copy << ": not written: " << written.error() << '\n';
+    return 1;
+  }
+  for (const std::string& note : written->notes) err << copy << ": note: " << note << '\n';
+  std::ofstream file(copy, std::ios::binary);
+  if (file << written->text << std::flush) return 0;
+  err << copy << ": can't be written\n";
+  return 3;
+}
+
 }  // namespace
 
-int run_check(const std::string& path, bool json, std::ostream& out, std::ostream& err) {
+int run_check(const std::string& path, bool json, const std::string& copy, std::ostream& out, std::ostream& err) {
   Finding finding{.path = path};
   const auto start = std::chrono::steady_clock::now();
   const auto file = config::read_world_file(path);
@@ -273,7 +288,8 @@ int run_check(const std::string& path, bool json, std::ostream& out, std::ostrea
   } else {
     print_text(finding, out, err);
   }
-  return finding.good() ? 0 : 1;
+  if (!finding.good()) return 1;
+  return copy.empty() ? 0 : write_copy(*finding.result->scene, copy, err);
 }
 
 }  // namespace peerd

@@ -23,6 +23,9 @@ namespace peerd {
 //   bytes        of them, unpacked
 //   read_ms      wall clock, from opening the file to the scene
 //   defects_ms   likewise, to find the defects; 0 where they are null
-[[nodiscard]] int run_check(const std::string& path, bool json, std::ostream& out, std::ostream& err);
+// A good world is written to `copy` too, as one text that needs no other, unless that is empty; `err` is told what
+// could not stay as it was.
+[[nodiscard]] int run_check(const std::string& path, bool json, const std::string& copy, std::ostream& out,
+                            std::ostream& err);
 
 }  // namespace peerd

@@ -30,14 +30,25 @@ struct PeerOptions {
   std::filesystem::path config;                 // a scenario file; one of its peers is run
   std::vector<std::filesystem::path> overlays;  // merged over it, in order
   std::vector<std::string> sets;
-  std::string peer;              // which; empty: the only one
-  std::filesystem::path record;  // where to leave the peer's log; empty: nowhere
-  bool once = false;             // leave when the scenario's duration is over
-  bool json = false;             // log lines as JSON
-  bool verbose = false;          // debug lines too
+  std::string peer;                    // which; empty: the only one
+  std::filesystem::path record;        // where to leave the peer's log; empty: nowhere
+  std::optional<std::string> control;  // of --control: where the control socket is; empty: nowhere
+  bool once = false;                   // leave when the scenario's duration is over
+  bool json = false;                   // log lines as JSON
+  bool verbose = false;                // debug lines too
 };
 
 // peerd run: one peer in the foreground, until SIGTERM or SIGINT.
 [[nodiscard]] int run_peer(const PeerOptions& options);
+
+struct CtlOptions {
+  std::string socket;   // where the peer listens; empty: found by its name
+  std::string name;     // of the peer; empty: the only one of this user's
+  std::string request;  // a line of peerd/api/README.md
+  bool json = false;    // print the reply as it came
+};
+
+// peerd ctl: asks or tells a peer that runs on this computer. 1 when a key did not do all that it should.
+[[nodiscard]] int run_ctl(const CtlOptions& options);
 
 }  // namespace peerd

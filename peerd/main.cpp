@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/key_codes.hpp"
 #include "peerd/check.hpp"
 #include "peerd/commands.hpp"
 #include "peerd/net/host_clock.hpp"
@@ -58,6 +59,60 @@ void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
   command.add_flag("--json", options.json, "print summary.json instead of the table");
 }
 
+// The key of `peerd ctl key`, and what is held down with it.
+struct KeyFlags {
+  std::string name;
+  bool shift = false, control = false, alt = false, meta = false, keypad = false;
+  std::optional<std::int32_t> value;
+  std::int32_t state = 0;
+};
+
+struct CtlCommands {
+  CLI::App *status, *objects, *key, *leave;
+};
+
+CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key) {
+  ctl.require_subcommand(1);
+  auto* control = ctl.add_option("--control", options.socket, "the peer's control socket");
+  ctl.add_option("--name", options.name, "the peer's name (default: the only one that this user runs)")
+      ->excludes(control);
+  ctl.add_flag("--json", options.json, "the peer's own reply, one JSON object");
+  CtlCommands commands{};
+  commands.status = ctl.add_subcommand("status", "who it is, its session, its own objects, its counters");
+  commands.objects = ctl.add_subcommand("objects", "all objects that some peer runs");
+  commands.key = ctl.add_subcommand("key", "presses a key: the world's KeySensors get it");
+  commands.key->add_option("key", key.name, "a browser's name of it, such as ArrowUp, a, Enter, F1");
+  commands.key->add_flag("--shift", key.shift, "with Shift held down");
+  commands.key->add_flag("--control-key", key.control, "with Control held down");
+  commands.key->add_flag("--alt", key.alt, "with Alt held down");
+  commands.key->add_flag("--meta", key.meta, "with Meta held down");
+  commands.key->add_flag("--keypad", key.keypad, "on the numeric keypad");
+  commands.key->add_option("--value", key.value, "instead of a name: the Qt::Key");
+  commands.key->add_option("--state", key.state, "with --value: the Qt::ButtonState");
+  commands.leave = ctl.add_subcommand("leave", "leaves the session and ends");
+  for (CLI::App* command : {commands.status, commands.objects, commands.key, commands.leave}) command->fallthrough();
+  return commands;
+}
+
+config::Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key) {
+  if (*commands.status) return R"({"do":"status"})";
+  if (*commands.objects) return R"({"do":"objects"})";
+  if (*commands.leave) return R"({"do":"leave"})";
+  if (key.name.empty() == !key.value) {
+    return std::unexpected(config::InputError{"error: which key? Say its name, such as ArrowUp, or --value NUMBER"});
+  }
+  const bool held = key.shift || key.control || key.alt || key.meta || key.keypad;
+  if (key.value ? held : key.state != 0) {
+    return std::unexpected(
+        config::InputError{"error: --shift and its like go with a key's name, --state goes with --value"});
+  }
+  if (key.value) return nlohmann::json{{"do", "key"}, {"value", *key.value}, {"state", key.state}}.dump();
+  const auto named = find_key(
+      key.name, {.shift = key.shift, .control = key.control, .alt = key.alt, .meta = key.meta, .keypad = key.keypad});
+  if (!named) return std::unexpected(config::InputError{"error: " + named.error()});
+  return nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}}.dump();
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"peerd keeps a shared 3D world alive between computers without a server", "peerd"};
   app.require_subcommand(1);
@@ -80,6 +135,8 @@ int run(int argc, char** argv) {
   run_command->add_option("--interface", flags.interface, "network interface, such as eth0 or lo");
   run_command->add_option("--group", flags.group, "multicast group of region 0, IPv4 or IPv6");
   run_command->add_option("--port", flags.port, "UDP port");
+  run_command->add_option("--control", peer.control,
+                          "where peerd ctl reaches this peer: the path of a socket, or \"\" for none");
   run_command->add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
   run_command->add_flag("--once", peer.once, "leave when the scenario is over; it begins when all its peers are here");
   run_command->add_flag("--json", peer.json, "log lines as JSON");
@@ -101,13 +158,26 @@ int run(int argc, char** argv) {
       app.add_subcommand("check", "read a world; problems as FILE:LINE:COLUMN; statistics; polygons' defects");
   check_command->add_option("world", world, "the VRML97 world")->required();
   check_command->add_flag("--json", check_json, "one JSON object");
+  std::string check_copy;
+  check_command->add_option("--write", check_copy, "write the world to a file, as one text that needs no other");
+
+  CtlOptions ctl;
+  KeyFlags key;
+  CLI::App* ctl_command = app.add_subcommand("ctl", "asks or tells a peer that runs on this computer");
+  const CtlCommands ctl_commands = add_ctl_commands(*ctl_command, ctl, key);
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : kWrongUse;
   }
-  if (*check_command) return run_check(world, check_json, std::cout, std::cerr);
+  if (*ctl_command) {
+    const auto request = ctl_request(ctl_commands, key);
+    if (!request) return failed(request.error());
+    ctl.request = *request;
+    return run_ctl(ctl);
+  }
+  if (*check_command) return run_check(world, check_json, check_copy, std::cout, std::cerr);
   if (*sim_command) return run_sim(sim);
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
   if (peer.config.empty() && flags.world.empty()) {

@@ -2,8 +2,14 @@
 
 #include <algorithm>
 
+#include "replication/decision.hpp"
+
 namespace peerd {
 namespace {
+
+// Faster than this no key makes anything [m/s]: an object would soon be where no update can tell of it (1e12 m), and
+// what the others can't decode they drop without a word.
+constexpr double kKeySpeedMax_m_s = 1e6;
 
 const char* to_string(replication::ContactKind kind) {
   switch (kind) {
@@ -59,15 +65,19 @@ config::Result<std::unique_ptr<PeerNode>> PeerNode::make(const config::PeerSetti
     if (!object) return std::unexpected(object.error());
     config.enslaved.push_back({*object, motions.contains(*object)});
   }
-  return std::unique_ptr<PeerNode>(new PeerNode(std::move(config), shared, std::move(motions), std::move(options)));
+  return std::unique_ptr<PeerNode>(
+      new PeerNode(std::move(config), shared, std::move(motions), settings.keys, std::move(options)));
 }
 
-PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, Motions motions, Options options)
+PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, Motions motions,
+                   std::vector<config::ScriptedKey> keys, Options options)
     : shared_(shared),
       motions_(std::move(motions)),
       options_(std::move(options)),
       config_(std::move(config)),
-      peer_(config_, *shared.model) {
+      peer_(config_, *shared.model),
+      key_sensors_(shared.world.scene),
+      keys_(std::move(keys)) {
   log_.peer = config_.id;
   log_.name = config_.name;
 }
@@ -116,6 +126,7 @@ void PeerNode::on_tick(HostTime now) {
   }
   peer_.on_tick(now, samples);
   if (due) logged_at_ = *due;
+  press_keys(now);
   if (!options_.keep_log || !log_.start) return;
   if (due) record_truths(*due);
   record_ghosts(now);
@@ -127,9 +138,82 @@ SimTime PeerNode::sample_time(std::int64_t number) const {
 }
 
 HostTime PeerNode::next_deadline() const {
-  const HostTime peer = peer_.next_deadline();
-  if (!options_.keep_log || !log_.start) return peer;
-  return std::min(peer, peer_.clock().to_host(sample_time(next_sample_)));
+  HostTime next = peer_.next_deadline();
+  if (!log_.start) return next;
+  if (next_key_ < keys_.size()) next = std::min(next, peer_.clock().to_host(key_time(next_key_)));
+  if (options_.keep_log) next = std::min(next, peer_.clock().to_host(sample_time(next_sample_)));
+  return next;
+}
+
+// After the tick: what a key changes at a tick's own time, the tick has not yet told the others.
+void PeerNode::press_keys(HostTime now) {
+  if (!log_.start) return;
+  const SimTime session_now = peer_.clock().to_session(now);
+  while (next_key_ < keys_.size() && key_time(next_key_) <= session_now) {
+    key_reports_.push_back(press(now, keys_[next_key_++].key));
+  }
+}
+
+KeyReport PeerNode::on_key(HostTime now, const KeyEvent& key) {
+  on_tick(now);  // a tick that is due comes first: the motion that it tells of must not be changed behind its back
+  KeyReport report = press(now, key);
+  key_reports_.push_back(report);
+  return report;
+}
+
+KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
+  KeyReport report;
+  report.key = key;
+  ++keys_pressed_;
+  if (!log_.start || peer_.clock().to_session(now) < *log_.start) {
+    report.refused = "the objects have not begun to move yet";
+    return report;
+  }
+  const KeySensors::Outcome outcome = key_sensors_.press(key);
+  report.hits = outcome.hits.size();
+  report.consumed = outcome.consumed;
+  keys_unheard_ += report.hits == 0;
+  for (const std::size_t hit : outcome.hits) {
+    const KeySensor& sensor = scene().key_sensors[hit];
+    if (!sensor.recipient) continue;
+    KeyReport::Change& change = report.changes.emplace_back();
+    change.sensor = hit;
+    change.recipient = *sensor.recipient;
+    change.velocity_world = scene().to_world(*sensor.recipient, sensor.value);
+    change.absolute = sensor.absolute;
+    change.refused = why_not(now, change);
+    if (change.refused.empty() &&
+        !peer_.change_velocity(now, change.recipient, change.velocity_world, change.absolute)) {
+      change.refused = "this peer does not run it in this session";
+    }
+    ++(change.refused.empty() ? key_changes_ : key_changes_refused_);
+  }
+  return report;
+}
+
+// Why this peer does not do that; empty: it may.
+std::string PeerNode::why_not(HostTime now, const KeyReport::Change& change) const {
+  const ObjectId object = change.recipient;
+  const PeerId owner = peer_.owner(object);
+  if (owner == replication::kNobody) return "no peer runs it";
+  if (owner != config_.id) {
+    const auto member = peer_.members().all().find(owner);
+    const std::string id = std::to_string(owner.value);
+    return member == peer_.members().all().end() ? "peer " + id + " runs it"
+                                                 : "peer " + member->second.name + " (id " + id + ") runs it";
+  }
+  if (drives(object)) return "a formula of the configuration moves it";
+  Vec3 velocity = change.velocity_world;
+  if (!change.absolute) velocity += peer_.truth(object, peer_.clock().to_session(now)).velocity;
+  // Written so that what is no number is refused too.
+  return velocity.norm() <= kKeySpeedMax_m_s ? "" : "it would be faster than 1e6 m/s, more than updates can tell of";
+}
+
+std::optional<KeyReport> PeerNode::poll_key_report() {
+  if (key_reports_.empty()) return std::nullopt;
+  KeyReport report = std::move(key_reports_.front());
+  key_reports_.pop_front();
+  return report;
 }
 
 void PeerNode::record_truths(SimTime t) {
@@ -212,6 +296,12 @@ const PeerLog& PeerNode::log() {
        {"contacts_capped", m.capped},
        {"came_to_rest", m.came_to_rest},
        {"jammed", m.jammed}};
+  if (keys_pressed_ > 0) {
+    n["keys"] = keys_pressed_;
+    n["keys_unheard"] = keys_unheard_;
+    n["key_changes"] = key_changes_;
+    n["key_changes_refused"] = key_changes_refused_;
+  }
   for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;
   return log_;
 }

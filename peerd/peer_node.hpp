@@ -1,10 +1,13 @@
 #pragma once
+#include <deque>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "core/key_sensors.hpp"
 #include "peerd/config/scenario.hpp"
+#include "peerd/key_report.hpp"
 #include "peerd/peer_log.hpp"
 #include "replication/peer.hpp"
 
@@ -42,19 +45,33 @@ class PeerNode {
 
   void on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
   void on_tick(HostTime now);
+  // A key goes down at this peer: its KeySensors change the velocity of objects that it runs. A release means nothing,
+  // and each repeat of a key that is held down counts if the caller passes it on, as in the seed's toolkit.
+  KeyReport on_key(HostTime now, const KeyEvent& key);
   void leave(HostTime now) { peer_.leave(now); }
   // The next output, already in the log.
   [[nodiscard]] std::optional<replication::Output> poll_output();
+  // What became of the next key, whether it came by on_key() or from the settings: for a log.
+  [[nodiscard]] std::optional<KeyReport> poll_key_report();
   [[nodiscard]] HostTime next_deadline() const;
 
   [[nodiscard]] const replication::Peer& peer() const { return peer_; }
+  [[nodiscard]] const Scene& scene() const { return shared_.world.scene; }
+  [[nodiscard]] const std::string& name() const { return config_.name; }
+  // Moved by a formula here, so not by keys or collisions.
+  [[nodiscard]] bool drives(ObjectId object) const { return motions_.contains(object); }
   // When motions by formula begin; none until everybody is here.
   [[nodiscard]] std::optional<SimTime> start() const { return log_.start; }
   // The log with the counters as they stand now.
   [[nodiscard]] const PeerLog& log();
 
  private:
-  PeerNode(replication::PeerConfig config, const SharedWorld& shared, Motions motions, Options options);
+  PeerNode(replication::PeerConfig config, const SharedWorld& shared, Motions motions,
+           std::vector<config::ScriptedKey> keys, Options options);
+  KeyReport press(HostTime now, const KeyEvent& key);
+  [[nodiscard]] std::string why_not(HostTime now, const KeyReport::Change& change) const;
+  [[nodiscard]] SimTime key_time(std::size_t key) const { return *log_.start + from_seconds(keys_[key].at_s); }
+  void press_keys(HostTime now);
   void agree_on_start(HostTime now);
   [[nodiscard]] SimTime sample_time(std::int64_t number) const;
   void record_truths(SimTime t);
@@ -70,6 +87,11 @@ class PeerNode {
   SimTime logged_at_{};                 // the last tick
   std::optional<SimTime> started_for_;  // the start that the peer was told
   std::int64_t next_sample_ = 0;        // counted from the start
+  KeySensors key_sensors_;
+  std::vector<config::ScriptedKey> keys_;  // by time
+  std::size_t next_key_ = 0;
+  std::deque<KeyReport> key_reports_;
+  std::uint64_t keys_pressed_ = 0, keys_unheard_ = 0, key_changes_ = 0, key_changes_refused_ = 0;
 };
 
 }  // namespace peerd

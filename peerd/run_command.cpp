@@ -7,10 +7,14 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <nlohmann/json.hpp>
 
+#include "peerd/api/answer.hpp"
+#include "peerd/api/control_path.hpp"
+#include "peerd/api/control_server.hpp"
 #include "peerd/commands.hpp"
 #include "peerd/describe.hpp"
 #include "peerd/net/host_clock.hpp"
@@ -62,6 +66,21 @@ class Daemon {
         log_(log),
         scene_(scene),
         leave_after_(leave_after) {}
+
+  // One line of the control protocol; the reply to "leave" is out before the peer is gone.
+  std::string on_control(std::string_view line) {
+    if (over_) return api::refusal("this peer is leaving");
+    api::Answer answer = api::answer(node_, clock_.now(), line);
+    drain();
+    if (answer.leave) {
+      asio::post(io_, [this] {
+        if (over_) return;
+        log_(spdlog::level::info, "leaving: told to");
+        leave();
+      });
+    }
+    return std::move(answer.line);
+  }
 
   // Until a signal comes or the scenario is over. The exit code.
   int run() {
@@ -120,6 +139,9 @@ class Daemon {
         check(socket_.leave(left->region));
       }
     }
+    while (const auto key = node_.poll_key_report()) {
+      for (const LogLine& line : describe(*key, scene_)) log_(line.level, line.text);
+    }
   }
 
   void check(const std::expected<void, net::NetError>& done) {
@@ -141,6 +163,28 @@ class Daemon {
   bool over_ = false;
   int exit_code_ = 0;
 };
+
+struct ControlPlace {
+  std::filesystem::path socket;  // empty: none
+  bool asked_for = false;        // so that a peer without it must not run
+};
+
+// The flag's, else the configuration's, else the user's own folder's where the system has made one.
+ControlPlace control_place(const PeerOptions& options, const config::ControlSettings& settings,
+                           const std::string& peer) {
+  if (const auto& given = options.control ? options.control : settings.socket) {
+    std::string path = *given;
+    if (const auto at = path.find("{peer}"); at != std::string::npos) path.replace(at, 6, peer);
+    return {path, true};
+  }
+  const auto socket = api::default_socket(peer);
+  if (!socket) return {};
+  std::error_code error;
+  if (std::filesystem::create_directory(socket->parent_path(), error)) {
+    std::filesystem::permissions(socket->parent_path(), std::filesystem::perms::owner_all, error);
+  }
+  return {*socket, false};
+}
 
 config::Result<const config::PeerSettings*> choose_peer(const config::RunSettings& run, const std::string& name) {
   std::string all;
@@ -206,7 +250,29 @@ int run_peer(const PeerOptions& options) {
 
   Daemon daemon(io, **node, **socket, clock, log, scene,
                 options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt);
+  std::unique_ptr<api::ControlServer> control;
+  if (const ControlPlace place = control_place(options, run.control, (*settings)->name); !place.socket.empty()) {
+    auto opened =
+        api::ControlServer::open(io, place.socket, [&](std::string_view line) { return daemon.on_control(line); });
+    if (!opened && place.asked_for) return failed(opened.error());
+    if (opened) {
+      control = std::move(*opened);
+      log(spdlog::level::info, fmt::format("listens for peerd ctl at {}", place.socket.string()));
+    } else {
+      log(spdlog::level::warn, "runs without peerd ctl: " + opened.error().text);
+    }
+  }
   const int code = daemon.run();
+  if (control) {
+    const api::ControlServer::Counters& c = control->counters();
+    if (c.refused + c.too_long + c.too_slow > 0) {
+      log(spdlog::level::warn,
+          fmt::format("control: {} of {} clients were one too many, {} sent no end of line, {} did "
+                      "not read their reply",
+                      c.refused, c.clients, c.too_long, c.too_slow));
+    }
+  }
+  control.reset();
   const PeerLog& record = (*node)->log();
   const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
   log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",

@@ -27,7 +27,16 @@ constexpr std::chrono::seconds kGrace{20};
 // below the ephemeral ports, which the system may hand to anybody.
 constexpr int kPortBegin = 20000, kPortCount = 12000;
 
-std::string toml_value(const nlohmann::ordered_json& value) { return value.dump(); }
+// JSON is TOML but for its tables.
+std::string toml_value(const nlohmann::ordered_json& value) {
+  if (!value.is_structured()) return value.dump();
+  std::string text;
+  for (const auto& [key, item] : value.items()) {
+    text +=
+        (text.empty() ? "" : ", ") + (value.is_object() ? nlohmann::json(key).dump() + " = " : "") + toml_value(item);
+  }
+  return value.is_object() ? "{" + text + "}" : "[" + text + "]";
+}
 
 // One real peer as a child process; its log lines go to a file.
 class Child {

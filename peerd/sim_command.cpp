@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -34,13 +35,27 @@ int run_sim(const ScenarioOptions& options) {
       std::cerr << fmt::format("{:9.4f} s  peer {}: {}\n", t_s, node.peer().id().value, line->text);
     };
   }
+  // A key that does not do what it was written for is a finding about the scenario: told once, and in the report.
+  const sim::KeyObserver key_observer = [&](HostTime now, const PeerNode& node, const KeyReport& key) {
+    for (const LogLine& line : describe(key, scene)) {
+      const double t_s = to_seconds(now.time_since_epoch() - node.start()->time_since_epoch());
+      if (options.verbose) {
+        std::cerr << fmt::format("{:9.4f} s  peer {}: {}\n", t_s, node.peer().id().value, line.text);
+      }
+      if (key.done()) continue;
+      const std::string warning = fmt::format("peer {} at {:.3f} s: {}", node.name(), t_s, line.text);
+      if (std::ranges::find(info.warnings, warning) != info.warnings.end()) continue;
+      info.warnings.push_back(warning);
+      std::cerr << warning << '\n';
+    }
+  };
   const bool show_progress = isatty(STDERR_FILENO) != 0 && !options.verbose;
   const auto begun = std::chrono::steady_clock::now();
   double simulated_s = 0.0;
   std::vector<report::RunRecord> records;
   for (const config::RunSettings& run : scenario->runs) {
     if (show_progress) std::cerr << "\rrun " << records.size() + 1 << " of " << scenario->runs.size() << std::flush;
-    const auto logs = sim::simulate(run, **shared, observer);
+    const auto logs = sim::simulate(run, **shared, observer, key_observer);
     if (!logs) return failed(logs.error());
     auto record = assemble(run, **shared, *logs);
     if (!record) return failed(record.error());

@@ -309,7 +309,9 @@ bool Comparison::compare_interests() {
 bool Comparison::compare_key_sensors() {
   const auto rows = [&](const Scene& scene, bool first) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> out;  // all else is their nodes' fields
-    for (const KeySensor& k : scene.key_sensors) out.emplace_back(first ? partner_[k.node] : k.node, k.recipient.value);
+    for (const KeySensor& k : scene.key_sensors) {
+      out.emplace_back(first ? partner_[k.node] : k.node, k.recipient ? k.recipient->value : Instance::kNone);
+    }
     std::ranges::sort(out);
     return out;
   };

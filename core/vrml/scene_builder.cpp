@@ -84,6 +84,7 @@ class Builder {
   void add_interest(const Node& node);
   void add_key_sensor(std::uint32_t node);
   void gather_inner_names();
+  void check_key_routes();
 
   const std::shared_ptr<const Document>& document_;
   const std::vector<Node>& nodes_;
@@ -98,6 +99,7 @@ class Builder {
   NameTable<std::uint32_t> name_numbers_;     // of all names of instances
   std::vector<std::uint32_t> first_of_name_;  // by number, the first instance; kNone: no name of the world's own
   std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_names_;
+  std::unordered_set<std::uint32_t> routed_keys_;  // KeySensors that tell others
 };
 
 // Copies of a PROTO's geometry have the same values, not just equal ones.
@@ -439,27 +441,45 @@ void Builder::add_interest(const Node& node) {
 
 void Builder::add_key_sensor(std::uint32_t index) {
   const Node& node = nodes_[index];
-  const Field* recipient = node.find("recipient");
-  if (recipient == nullptr) {
-    if (!node.damaged) problems_.warning(node.at, "this KeySensor has no recipient: it moves nothing");
-    return;
-  }
-  const auto id = resolve(recipient->as<std::string_view>()[0], node.scope, recipient->at);
-  if (!id) return;
-  if (scene_.at(*id).kind != NodeKind::kTransform) {
-    problems_.error(recipient->at, quoted(recipient->as<std::string_view>()[0]) +
-                                       " is no Transform: it has no velocity that a key can change");
-    return;
+  std::optional<ObjectId> recipient;
+  if (const Field* path = node.find("recipient"); path != nullptr && !path->as<std::string_view>()[0].empty()) {
+    const std::string_view name = path->as<std::string_view>()[0];
+    recipient = resolve(name, node.scope, path->at);
+    if (!recipient) return;
+    if (scene_.at(*recipient).kind != NodeKind::kTransform) {
+      problems_.error(path->at, quoted(name) + " is no Transform: it has no velocity that a key can change");
+      return;
+    }
+  } else if (!routed_keys_.contains(index) && !node.damaged) {
+    problems_.warning(node.at, "this KeySensor has no recipient: it moves nothing");
   }
   const auto flag = [&](std::string_view field) { return value_of(node, field).as<bool>()[0]; };
   scene_.key_sensors.push_back({.node = index,
-                                .recipient = *id,
+                                .recipient = recipient,
                                 .key_value = value_of(node, "keyValue").as<std::int32_t>()[0],
                                 .key_state = value_of(node, "keyState").as<std::int32_t>()[0],
                                 .value = to_vec3(value_of(node, "value")),
                                 .absolute = flag("absoluteValue"),
                                 .consume = flag("consume"),
                                 .enabled = flag("enabled")});
+}
+
+// Only one peer knows of a key, and what a world moves by itself must be the same on all of them.
+void Builder::check_key_routes() {
+  for (const Route& route : document_->routes) {
+    const bool from_key = nodes_[route.from_node].type->meaning == Meaning::kKeySensor;
+    const bool to_key = nodes_[route.to_node].type->meaning == Meaning::kKeySensor;
+    if (from_key) routed_keys_.insert(route.from_node);
+    if (from_key && !to_key) {
+      problems_.warning(route.at,
+                        "what a key does reaches other KeySensors only, since no other peer knows of the key: this "
+                        "ROUTE to a " +
+                            std::string(nodes_[route.to_node].type->name) + " is not run for it");
+    } else if (to_key && !from_key) {
+      problems_.warning(route.at, "a KeySensor takes events of other KeySensors only: this ROUTE from a " +
+                                      std::string(nodes_[route.from_node].type->name) + " is not run");
+    }
+  }
 }
 
 Scene Builder::build() {
@@ -490,6 +510,7 @@ Scene Builder::build() {
   if (!measure_instances()) return {};
   for (std::uint32_t i = 0; i < document_->top_level.size(); ++i) instantiate(document_->top_level[i], -1, i, true);
   mark_names();
+  check_key_routes();
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     if (nodes_[i].type->meaning == Meaning::kCollisionInterest) add_interest(nodes_[i]);
     if (nodes_[i].type->meaning == Meaning::kKeySensor) add_key_sensor(i);

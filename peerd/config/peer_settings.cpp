@@ -1,5 +1,6 @@
 #include "peerd/config/peer_settings.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -11,6 +12,43 @@ namespace {
 
 constexpr double kForever_s = 1e6;
 constexpr double kFar_m = 1e9;
+
+// By its name and what is held down with it, or by its numbers.
+ScriptedKey read_scripted_key(TomlReader reader) {
+  ScriptedKey scripted;
+  reader.require("at_s");
+  reader.read("at_s", scripted.at_s, 0.0, kForever_s);
+  std::string name;
+  KeyModifiers held;
+  constexpr std::uint32_t kCodeMax = std::numeric_limits<std::int32_t>::max();
+  std::uint32_t value = 0, state = 0;
+  reader.read("key", name);
+  reader.read("shift", held.shift);
+  reader.read("control", held.control);
+  reader.read("alt", held.alt);
+  reader.read("meta", held.meta);
+  reader.read("keypad", held.keypad);
+  reader.read("value", value, 0, kCodeMax);
+  reader.read("state", state, 0, kCodeMax);
+  const auto any = [&](std::initializer_list<const char*> keys) {
+    return std::ranges::any_of(keys, [&](const char* key) { return reader.has(key); });
+  };
+  if (reader.has("key") == reader.has("value")) {
+    reader.fail(nullptr, reader.dotted("key") + ": give either a key's name or its value, a Qt::Key");
+  } else if (reader.has("key") && reader.has("state")) {
+    reader.fail(reader.raw().get("state"), reader.dotted("state") + " belongs to value; beside key write shift = true");
+  } else if (reader.has("value") && any({"shift", "control", "alt", "meta", "keypad"})) {
+    reader.fail(reader.raw().get("value"), reader.dotted("value") + ": its modifiers are numbers too, in state");
+  } else if (reader.has("value")) {
+    scripted.key = {static_cast<std::int32_t>(value), static_cast<std::int32_t>(state)};
+  } else if (const auto key = find_key(name, held)) {
+    scripted.key = *key;
+  } else {
+    reader.fail(reader.raw().get("key"), reader.dotted("key") + ": " + key.error());
+  }
+  reader.finish();
+  return scripted;
+}
 
 }  // namespace
 
@@ -68,6 +106,10 @@ PeerSettings read_peer(TomlReader reader, const std::string& name) {
       s.motion.emplace(path, read_motion_formula(sub));
     }
   }
+  for (const toml::table* key : reader.tables("key")) {
+    s.keys.push_back(read_scripted_key(TomlReader(*key, reader.dotted("key"), reader.error())));
+  }
+  std::ranges::stable_sort(s.keys, {}, &ScriptedKey::at_s);
   reader.finish();
   return s;
 }
@@ -80,6 +122,15 @@ TransportSettings read_transport(TomlReader reader) {
   reader.read("port", port, 1, 65535);
   if (port != 0) s.port = port;
   reader.read("ttl", s.ttl, 0, 255);
+  reader.finish();
+  return s;
+}
+
+ControlSettings read_control(TomlReader reader) {
+  ControlSettings s;
+  std::string socket;
+  reader.read("socket", socket);
+  if (reader.has("socket")) s.socket = socket;
   reader.finish();
   return s;
 }

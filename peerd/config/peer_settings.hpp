@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/key_codes.hpp"
 #include "core/scene.hpp"
 #include "peerd/config/motion_source.hpp"
 #include "replication/publisher.hpp"
@@ -18,12 +19,19 @@ struct ReplicationSettings {
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
 
+// [[peer.NAME.key]]: a key that goes down by itself.
+struct ScriptedKey {
+  double at_s = 0.0;  // after the scenario's start
+  KeyEvent key;
+};
+
 // The table [peer.NAME].
 struct PeerSettings {
   std::string name;
   std::uint32_t id = 0;
   std::vector<std::string> enslaves;            // paths of nodes of the world
   std::map<std::string, MotionFormula> motion;  // by path; the others move by their velocityVector
+  std::vector<ScriptedKey> keys;                // by time, then as in the file
   std::optional<std::uint32_t> tick_hz;         // instead of replication.tick_hz
   double clock_offset_s = 0.0;                  // test setting: this host's clock is so far ahead
 };
@@ -37,6 +45,12 @@ struct TransportSettings {
   std::uint32_t ttl = 1;
 };
 [[nodiscard]] TransportSettings read_transport(TomlReader reader);
+
+// Where a real peer can be asked and told things: the table [control].
+struct ControlSettings {
+  std::optional<std::string> socket;  // a path; empty: nowhere; none: the default, where there is one
+};
+[[nodiscard]] ControlSettings read_control(TomlReader reader);
 
 // The world, as every command of a peer needs it.
 struct LoadedWorld {

@@ -93,6 +93,10 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   run.replication = read_replication(TomlReader(table_or_empty(reader, "replication"), "replication", error));
   read_peers(reader, run);
   read_network(TomlReader(table_or_empty(reader, "network"), "network", error), run);
+  run.control = read_control(TomlReader(table_or_empty(reader, "control"), "control", error));
+  if (run.control.socket && !run.control.socket->empty()) {
+    run.control.socket = (file.parent_path() / *run.control.socket).string();
+  }
   run.transport = read_transport(TomlReader(table_or_empty(reader, "transport"), "transport", error));
   reader.finish();
   if (error) return std::unexpected(*error);
@@ -109,6 +113,11 @@ nlohmann::ordered_json to_json(const toml::node& node) {
     for (const toml::node& item : *list) items.push_back(to_json(item));
     return items;
   }
+  if (const auto* table = node.as_table()) {
+    auto items = nlohmann::ordered_json::object();
+    for (const auto& [key, item] : *table) items[std::string(key.str())] = to_json(item);
+    return items;
+  }
   std::ostringstream text;
   node.visit([&](const auto& concrete) { text << toml::table{{"value", concrete}}; });
   return text.str();
@@ -116,7 +125,7 @@ nlohmann::ordered_json to_json(const toml::node& node) {
 
 // Keys whose one value is a list: setting them does not sweep.
 bool takes_list(std::string_view key) {
-  return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define");
+  return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key");
 }
 
 struct SweptKey {

@@ -33,6 +33,7 @@ struct RunSettings {
   LinkSettings network;
   std::map<std::pair<std::string, std::string>, LinkSettings> links;
   TransportSettings transport;
+  ControlSettings control;
 };
 
 struct Scenario {

@@ -87,6 +87,14 @@ void TomlReader::read(std::string_view key, std::uint64_t& value) {
   value = static_cast<std::uint64_t>(*x);
 }
 
+void TomlReader::read(std::string_view key, bool& value) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return;
+  const auto x = n->value_exact<bool>();
+  if (!x) return fail(n, dotted(key) + " must be true or false");
+  value = *x;
+}
+
 void TomlReader::read(std::string_view key, std::string& value) {
   const toml::node* n = node(key);
   if (n == nullptr) return;
@@ -141,6 +149,25 @@ const toml::table* TomlReader::table(std::string_view key) {
   if (n == nullptr) return nullptr;
   if (n->as_table() == nullptr) fail(n, dotted(key) + " must be a table");
   return n->as_table();
+}
+
+std::vector<const toml::table*> TomlReader::tables(std::string_view key) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return {};
+  std::vector<const toml::table*> all;
+  const std::string wanted = dotted(key) + " must be a list of tables: write each as [[" + dotted(key) + "]]";
+  if (n->as_array() == nullptr) {
+    fail(n, wanted);
+    return {};
+  }
+  for (const toml::node& item : *n->as_array()) {
+    if (item.as_table() == nullptr) {
+      fail(&item, wanted);
+      return {};
+    }
+    all.push_back(item.as_table());
+  }
+  return all;
 }
 
 void TomlReader::require(std::string_view key) {

@@ -32,6 +32,7 @@ class TomlReader {
   void read(std::string_view key, std::optional<double>& value, double min, double max);
   void read(std::string_view key, std::uint32_t& value, std::uint32_t min, std::uint32_t max);
   void read(std::string_view key, std::uint64_t& value);
+  void read(std::string_view key, bool& value);
   void read(std::string_view key, std::string& value);
   void read(std::string_view key, std::vector<std::string>& value);
   void read(std::string_view key, std::vector<double>& value, std::size_t size);
@@ -39,6 +40,10 @@ class TomlReader {
   void read_word(std::string_view key, std::size_t& index, std::initializer_list<std::string_view> words);
   // A sub-table, or none. Its own reader must finish() it.
   [[nodiscard]] const toml::table* table(std::string_view key);
+  // A list of tables, such as [[KEY]] makes; empty where there is none.
+  [[nodiscard]] std::vector<const toml::table*> tables(std::string_view key);
+  // Whether the key is there.
+  [[nodiscard]] bool has(std::string_view key) const { return table_.contains(key); }
   // Says that the key must be there.
   void require(std::string_view key);
   void finish();

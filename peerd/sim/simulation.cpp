@@ -52,7 +52,7 @@ config::Result<std::vector<SimulatedPeer>> make_peers(const config::RunSettings&
 }  // namespace
 
 config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
-                                              const Observer& observer) {
+                                              const Observer& observer, const KeyObserver& key_observer) {
   auto made = make_peers(run, shared);
   if (!made) return std::unexpected(made.error());
   std::vector<SimulatedPeer>& peers = *made;
@@ -68,6 +68,9 @@ config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, co
       if (const auto* join = std::get_if<replication::Join>(&*out)) network.join(i, join->region);
       if (const auto* leave = std::get_if<replication::Leave>(&*out)) network.leave(i, leave->region);
       if (observer) observer(HostTime{now.time_since_epoch()}, *peers[i].node, *out);
+    }
+    while (const auto key = peers[i].node->poll_key_report()) {
+      if (key_observer) key_observer(HostTime{now.time_since_epoch()}, *peers[i].node, *key);
     }
   };
   const auto deadline = [&](const SimulatedPeer& p) {

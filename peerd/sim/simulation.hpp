@@ -10,9 +10,13 @@ namespace peerd::sim {
 // Called with every output of every peer but its datagrams: for a log.
 using Observer = std::function<void(HostTime true_now, const PeerNode&, const replication::Output&)>;
 
+// Called with what became of every key that a peer's settings press.
+using KeyObserver = std::function<void(HostTime true_now, const PeerNode&, const KeyReport&)>;
+
 // One run of a scenario on a simulated network, as fast as it goes: the peers are the daemon's own, only clock and
 // network are not. The same settings give the same logs, byte for byte.
 [[nodiscard]] config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
-                                                            const Observer& observer = {});
+                                                            const Observer& observer = {},
+                                                            const KeyObserver& key_observer = {});
 
 }  // namespace peerd::sim

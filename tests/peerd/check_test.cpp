@@ -28,7 +28,7 @@ struct Checked {
 };
 Checked check(const std::filesystem::path& world, bool json) {
   std::ostringstream out, err;
-  const int exit_code = run_check(world.string(), json, out, err);
+  const int exit_code = run_check(world.string(), json, "", out, err);
   return {exit_code, out.str(), err.str()};
 }
 Checked check(const ScratchFolder& folder, std::string_view body, bool json) {
@@ -85,9 +85,10 @@ TEST(Check, JsonOfAGoodWorldCountsAll) {
   EXPECT_GE(json["defects_ms"], 0.0);
 
   const Json& s = json["statistics"];
-  EXPECT_THAT(keys_of(s), testing::IsSupersetOf({"nodes", "instances", "groups", "shapes", "depth", "geometries",
-                                                 "polygons", "triangles", "faces", "face_triangles", "polygons_instanced", "triangles_instanced",
-                                                 "interests", "key_sensors", "routes", "pending_inlines"}));
+  EXPECT_THAT(keys_of(s),
+              testing::IsSupersetOf({"nodes", "instances", "groups", "shapes", "depth", "geometries", "polygons",
+                                     "triangles", "faces", "face_triangles", "polygons_instanced",
+                                     "triangles_instanced", "interests", "key_sensors", "routes", "pending_inlines"}));
   EXPECT_EQ(s["groups"], 3);
   EXPECT_EQ(s["shapes"], 2);
   EXPECT_EQ(s["depth"], 3);

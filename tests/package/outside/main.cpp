@@ -11,7 +11,8 @@ int main(int, char** argv) {
   std::ifstream file(argv[1]);
   std::ostringstream text;
   text << file.rdbuf();
-  const peerd::ReadResult world = peerd::read_world(text.str());
+  const std::string bytes = text.str();
+  const peerd::ReadResult world = peerd::read_world(bytes);
   if (!world.scene) return 1;
 
   const auto car = world.scene->find("CAR"), wall = world.scene->find("WALL_RIGHT");

@@ -1,0 +1,134 @@
+#include "peerd/api/request.hpp"
+
+#include <limits>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/suggestion.hpp"
+
+namespace peerd::api {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t kCodeMax = std::numeric_limits<std::int32_t>::max();
+
+// A JSON object's members, each read once. Like the reader of configurations: the first error wins, and a member that
+// nobody asked for is one.
+class Members {
+ public:
+  explicit Members(const json& object) : object_(object) {}
+
+  [[nodiscard]] bool has(const char* name) const { return object_.contains(name); }
+  std::optional<std::string> text(const char* name) {
+    const json* value = find(name);
+    if (value == nullptr) return std::nullopt;
+    if (!value->is_string()) return fail(name, "must be a string"), std::nullopt;
+    return value->get<std::string>();
+  }
+  bool flag(const char* name) {
+    const json* value = find(name);
+    if (value == nullptr) return false;
+    if (!value->is_boolean()) return fail(name, "must be true or false"), false;
+    return value->get<bool>();
+  }
+  std::int64_t whole(const char* name, std::int64_t otherwise, std::int64_t min, std::int64_t max) {
+    const json* value = find(name);
+    if (value == nullptr) return otherwise;
+    const bool fits =
+        value->is_number_unsigned()
+            ? value->get<std::uint64_t>() <= static_cast<std::uint64_t>(max) && value->get<std::int64_t>() >= min
+            : value->is_number_integer() && value->get<std::int64_t>() >= min && value->get<std::int64_t>() <= max;
+    if (!fits) {
+      fail(name, "must be a whole number from " + std::to_string(min) + " to " + std::to_string(max));
+      return otherwise;
+    }
+    return value->get<std::int64_t>();
+  }
+  void fail(const std::string& name, const std::string& what) {
+    if (error_.empty()) error_ = "\"" + name + "\" " + what;
+  }
+  // The first thing wrong with the object; empty where nothing is.
+  std::string finish() {
+    for (const auto& [name, value] : object_.items()) {
+      if (known_.contains(name) || !error_.empty()) continue;
+      error_ = "unknown member \"" + name + "\"";
+      Suggestion suggestion(name);
+      for (const std::string& k : known_) suggestion.consider(k);
+      if (const auto meant = suggestion.best()) error_ += "; did you mean \"" + std::string(*meant) + "\"?";
+    }
+    return error_;
+  }
+
+ private:
+  const json* find(const char* name) {
+    known_.insert(name);
+    const auto at = object_.find(name);
+    return at == object_.end() ? nullptr : &*at;
+  }
+
+  const json& object_;
+  std::set<std::string> known_;
+  std::string error_;
+};
+
+Request read_key(Members& members) {
+  KeyModifiers held;
+  const auto name = members.text("key");
+  held.shift = members.flag("shift");
+  held.control = members.flag("control");
+  held.alt = members.flag("alt");
+  held.meta = members.flag("meta");
+  held.keypad = members.flag("keypad");
+  KeyEvent key{static_cast<std::int32_t>(members.whole("value", 0, 0, kCodeMax)),
+               static_cast<std::int32_t>(members.whole("state", 0, 0, kCodeMax))};
+  if (members.has("key") == members.has("value")) {
+    members.fail("key", "or \"value\" must say which key: a name, or a Qt::Key");
+  } else if (members.has("key") && members.has("state")) {
+    members.fail("state", "belongs to \"value\"; beside \"key\" say \"shift\": true");
+  } else if (members.has("value") && (held.shift || held.control || held.alt || held.meta || held.keypad)) {
+    members.fail("value", "has its modifiers in \"state\"");
+  } else if (name) {
+    const auto found = find_key(*name, held);
+    if (found)
+      key = *found;
+    else
+      members.fail("key", "is unknown: " + found.error());
+  }
+  return KeyRequest{key};
+}
+
+}  // namespace
+
+std::expected<Request, std::string> parse_request(std::string_view line) {
+  const json object = json::parse(line, nullptr, /*allow_exceptions=*/false);
+  if (object.is_discarded()) return std::unexpected("this is not JSON; write one object on a line");
+  if (!object.is_object()) return std::unexpected("this is JSON, but no object");
+  Members members(object);
+  const std::int64_t version = members.whole("v", kVersion, 0, kCodeMax);
+  if (version != kVersion) {
+    return std::unexpected("version " + std::to_string(version) + " is not spoken here; this is version " +
+                           std::to_string(kVersion));
+  }
+  const std::string what = members.text("do").value_or("");
+  std::optional<Request> request;
+  if (what == "key") {
+    request = read_key(members);
+  } else if (what == "status") {
+    request = StatusRequest{};
+  } else if (what == "objects") {
+    request = ObjectsRequest{static_cast<std::uint32_t>(members.whole("from", 0, 0, kCodeMax)),
+                             static_cast<std::uint32_t>(members.whole("count", kObjectsMax, 1, kObjectsMax))};
+  } else if (what == "leave") {
+    request = LeaveRequest{};
+  } else {
+    members.fail("do", "must be one of \"key\", \"status\", \"objects\", \"leave\"");
+  }
+  if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
+  return *request;
+}
+
+}  // namespace peerd::api

@@ -1,0 +1,109 @@
+#include <iostream>
+
+#include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
+
+#include "peerd/api/control_client.hpp"
+#include "peerd/api/control_path.hpp"
+#include "peerd/commands.hpp"
+#include "peerd/print.hpp"
+
+namespace peerd {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+std::string vector(const json& v) {
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>());
+}
+
+void print_objects(const json& reply) {
+  for (const json& o : reply.at("objects")) {
+    std::cout << fmt::format("{}, run by peer {}{}: at {} m, velocity {} m/s\n", o.at("path").get<std::string>(),
+                             o.at("owner").get<std::uint64_t>(), o.at("driven").get<bool>() ? " by a formula" : "",
+                             vector(o.at("position_m")), vector(o.at("velocity_m_s")));
+  }
+  if (!reply.at("next").is_null()) std::cout << "and more: see peerd ctl objects\n";
+}
+
+// A peer lists so many objects at a time; the rest is asked for until there is none.
+config::Result<void> fetch_rest(const std::filesystem::path& socket, json& reply) {
+  while (!reply.at("next").is_null()) {
+    const auto line = api::ask(socket, json{{"do", "objects"}, {"from", reply.at("next")}}.dump());
+    if (!line) return std::unexpected(line.error());
+    json more = json::parse(*line);
+    for (json& row : more.at("objects")) reply.at("objects").push_back(std::move(row));
+    reply.at("next") = more.at("next");
+  }
+  return {};
+}
+
+void print_status(const json& reply) {
+  const auto seconds = [](const json& t) {
+    return t.is_null() ? "none yet" : fmt::format("{:.3f} s", t.get<double>());
+  };
+  std::cout << fmt::format("peer {} (id {}): {}, world time {}, since the start {}\n",
+                           reply.at("peer").at("name").get<std::string>(),
+                           reply.at("peer").at("id").get<std::uint64_t>(),
+                           reply.at("session").at("joined").get<bool>() ? "in session" : "not in a session yet",
+                           seconds(reply.at("world_time_s")), seconds(reply.at("since_start_s")));
+  for (const json& m : reply.at("members")) {
+    std::cout << fmt::format("with peer {} (id {}){}\n", m.at("name").get<std::string>(),
+                             m.at("id").get<std::uint64_t>(),
+                             m.at("joined").get<bool>() ? "" : ", not in a session yet");
+  }
+  print_objects(reply);
+  for (const auto& [name, count] : reply.at("counters").items()) {
+    if (count != 0) std::cout << fmt::format("{}: {}\n", name, count.get<std::uint64_t>());
+  }
+}
+
+void print_key(const json& reply) {
+  const std::string key = reply.at("key").get<std::string>();
+  if (reply.contains("refused"))
+    std::cout << key << " does nothing: " << reply.at("refused").get<std::string>() << '\n';
+  if (!reply.contains("refused") && reply.at("hits") == 0) std::cout << key << ": no enabled KeySensor listens to it\n";
+  for (const json& c : reply.at("changes")) {
+    const std::string what = fmt::format("{}: {}", key, c.at("sensor").get<std::string>());
+    const std::string recipient = c.at("recipient").get<std::string>();
+    if (c.contains("refused")) {
+      std::cout << fmt::format("{} does not move {}: {}\n", what, recipient, c.at("refused").get<std::string>());
+    } else {
+      std::cout << fmt::format("{} {} {} m/s\n", what,
+                               c.at("absolute").get<bool>() ? "sets the velocity of " + recipient + " to"
+                                                            : "changes the velocity of " + recipient + " by",
+                               vector(c.at("velocity_m_s")));
+    }
+  }
+}
+
+}  // namespace
+
+int run_ctl(const CtlOptions& options) {
+  const auto socket = options.socket.empty() ? api::find_socket(options.name) : options.socket;
+  if (!socket) return failed(socket.error());
+  const auto line = api::ask(*socket, options.request);
+  if (!line) return failed(line.error());
+  json reply = json::parse(*line, nullptr, /*allow_exceptions=*/false);
+  const bool understood = reply.is_object() && reply.contains("ok") && reply.value("v", 0) == 1;
+  if (!understood) {
+    return failed(
+        {"error: what listens at " + socket->string() + " is no peer of this version: " + line->substr(0, 200), 3});
+  }
+  if (!reply.at("ok").get<bool>()) return failed({"error: " + reply.value("error", std::string("no reason given")), 2});
+  if (reply.contains("objects") && !reply.contains("peer")) {
+    if (const auto all = fetch_rest(*socket, reply); !all) return failed(all.error());
+  }
+  if (options.json) {
+    std::cout << reply.dump() << '\n';
+  } else if (reply.contains("peer")) {
+    print_status(reply);
+  } else if (reply.contains("key")) {
+    print_key(reply);
+  } else if (reply.contains("objects")) {
+    print_objects(reply);
+  }
+  return reply.contains("done") && !reply.at("done").get<bool>() ? 1 : 0;
+}
+
+}  // namespace peerd

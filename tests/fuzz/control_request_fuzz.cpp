@@ -1,0 +1,94 @@
+// Any lines at all to a peer's control interface: each gets one line of JSON of this version, in bounded work, and the
+// peer's own objects stay where an update can tell of them.
+//
+// An input is a row of requests, one a line.
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "core/vrml/reader.hpp"
+#include "peerd/api/answer.hpp"
+#include "peerd/api/request.hpp"
+#include "replication/codec.hpp"
+
+namespace {
+
+using namespace peerd;
+
+// Not assert: it must hold in every build.
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+// Sensors of a few keys, one that sets and one that turns others off.
+constexpr const char* kWorld = R"(#VRML V2.0 utf8
+DEF A Transform { children Shape { geometry Box { } } }
+DEF B Transform { children Shape { geometry Box { } } }
+DEF ADD KeySensor { recipient "A" keyValue 65 value 4e5 0 -1 consume FALSE }
+DEF ALSO KeySensor { recipient "B" keyValue 65 value 1 1 1 }
+DEF SET KeySensor { recipient "A" keyValue 4115 keyState 256 value 0 3e38 0 absoluteValue TRUE }
+DEF OFF KeySensor { keyValue 66 }
+ROUTE OFF.keyHit TO ADD.disable
+ROUTE ADD.keyHit TO OFF.enabled
+)";
+constexpr int kLinesMax = 64;  // of an input
+
+SharedWorld make_world() {
+  SharedWorld shared;
+  shared.world.scene = read_world(kWorld).scene.value();
+  shared.model = replication::make_world_model(shared.world.scene);
+  return shared;
+}
+
+class Driver {
+ public:
+  Driver() : world_(make_world()) {
+    config::PeerSettings settings;
+    settings.name = "fuzzed";
+    settings.id = 1;
+    settings.enslaves = {"A"};
+    node_ = PeerNode::make(settings, {}, world_, {}, {}).value();
+    while (!node_->start() || node_->peer().clock().to_session(now_) < *node_->start()) pass();
+  }
+
+  void pass() {
+    now_ += std::chrono::milliseconds(5);
+    node_->on_tick(now_);
+    while (auto out = node_->poll_output()) {
+      if (const auto* send = std::get_if<replication::Send>(&*out)) {
+        require(replication::decode(send->datagram).has_value());
+      }
+    }
+    while (node_->poll_key_report()) {
+    }
+  }
+
+  void ask(std::string_view line) {
+    const api::Answer answer = api::answer(*node_, now_, line);
+    require(answer.line.find('\n') == std::string::npos);
+    const auto reply = nlohmann::json::parse(answer.line);
+    require(reply.at("v") == api::kVersion && reply.at("ok").is_boolean());
+    require(reply.at("ok") == api::parse_request(line).has_value());
+    pass();
+  }
+
+ private:
+  SharedWorld world_;
+  std::unique_ptr<PeerNode> node_;
+  HostTime now_{std::chrono::seconds(1'000)};
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Driver driver;
+  std::string_view rest(reinterpret_cast<const char*>(data), size);
+  for (int i = 0; i < kLinesMax && !rest.empty(); ++i) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    driver.ask(rest.substr(0, std::min(end, api::kLineMax_bytes)));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return 0;
+}

@@ -1,0 +1,222 @@
+#include "peerd/api/control_server.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+#include <thread>
+
+#include "peerd/api/control_client.hpp"
+#include "peerd/api/request.hpp"
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::api {
+namespace {
+
+namespace asio = boost::asio;
+using Protocol = asio::local::stream_protocol;
+using testing::HasSubstr;
+
+// A server that answers each line with the line itself, or with much more.
+class ControlServerTest : public testing::Test {
+ protected:
+  ControlServerTest() : path(folder / "c.sock") {}
+  std::unique_ptr<ControlServer> open() {
+    auto server = ControlServer::open(io, path, [this](std::string_view line) {
+      return line == "much" ? std::string(kMuch_bytes, 'x') : "got " + std::string(line);
+    });
+    if (!server) {
+      ADD_FAILURE() << server.error().text;
+      return nullptr;
+    }
+    return std::move(*server);
+  }
+  Protocol::socket connect() {
+    Protocol::socket socket(io);
+    socket.connect(Protocol::endpoint(path.string()));
+    socket.non_blocking(true);
+    return socket;
+  }
+  void send(Protocol::socket& socket, const std::string& bytes) {
+    boost::system::error_code ignored;
+    asio::write(socket, asio::buffer(bytes), ignored);
+  }
+  // What comes until that many lines are there, or the end, or nothing for a second.
+  std::string receive(Protocol::socket& socket, int lines) {
+    std::string all;
+    char part[4096];
+    for (int tries = 0; tries < 1000 && std::ranges::count(all, '\n') < lines; ++tries) {
+      io.restart();
+      io.run_for(std::chrono::milliseconds(1));
+      boost::system::error_code error;
+      const std::size_t size = socket.read_some(asio::buffer(part), error);
+      all.append(part, size);
+      if (error && error != asio::error::would_block) return all + "<end>";
+    }
+    return all;
+  }
+  static constexpr std::size_t kMuch_bytes = 4'000'000;
+
+  testing_support::ScratchFolder folder;
+  std::filesystem::path path;
+  asio::io_context io;
+};
+
+TEST_F(ControlServerTest, OneLineInOneLineOut) {
+  const auto server = open();
+  Protocol::socket a = connect(), b = connect();
+  send(a, "one\ntwo\nthr");
+  EXPECT_EQ(receive(a, 2), "got one\ngot two\n");
+  send(b, "other\n");
+  EXPECT_EQ(receive(b, 1), "got other\n");
+  send(a, "ee\n");
+  EXPECT_EQ(receive(a, 1), "got three\n");
+  EXPECT_EQ(server->counters().requests, 4u);
+}
+
+TEST_F(ControlServerTest, OnlyThisUserMayConnect) {
+  const auto server = open();
+  struct stat found {};
+  ASSERT_EQ(stat(path.c_str(), &found), 0);
+  EXPECT_EQ(found.st_mode & 0777, 0600u);
+}
+
+TEST_F(ControlServerTest, IsGoneWithItsFile) {
+  auto server = open();
+  EXPECT_TRUE(std::filesystem::exists(path));
+  Protocol::socket a = connect();
+  send(a, "one\n");
+  EXPECT_EQ(receive(a, 1), "got one\n");
+  server.reset();
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_EQ(receive(a, 1), "<end>");
+}
+
+TEST_F(ControlServerTest, AnothersFileAtItsPathStays) {
+  auto server = open();
+  std::filesystem::remove(path);
+  folder.write("c.sock", "mine");
+  server.reset();
+  EXPECT_TRUE(std::filesystem::exists(path));
+}
+
+TEST_F(ControlServerTest, ADeadPeersSocketIsReplaced) {
+  { Protocol::acceptor dead(io, Protocol::endpoint(path.string())); }
+  ASSERT_TRUE(std::filesystem::exists(path));
+  const auto server = open();
+  Protocol::socket a = connect();
+  send(a, "one\n");
+  EXPECT_EQ(receive(a, 1), "got one\n");
+}
+
+TEST_F(ControlServerTest, ALivingPeersSocketIsNot) {
+  const auto first = open();
+  const auto second = ControlServer::open(io, path, {});
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().exit_code, 3);
+  EXPECT_THAT(second.error().text, HasSubstr("another peer listens there"));
+  Protocol::socket a = connect();
+  send(a, "one\n");
+  EXPECT_EQ(receive(a, 1), "got one\n");
+}
+
+TEST_F(ControlServerTest, WhatIsNoSocketIsLeftAlone) {
+  folder.write("c.sock", "precious");
+  const auto server = ControlServer::open(io, path, {});
+  ASSERT_FALSE(server);
+  EXPECT_EQ(server.error().exit_code, 2);
+  EXPECT_EQ(testing_support::text_of(path), "precious");
+}
+
+TEST_F(ControlServerTest, PathsThatCannotBe) {
+  const auto far = ControlServer::open(io, folder / std::string(120, 'x'), {});
+  ASSERT_FALSE(far);
+  EXPECT_EQ(far.error().exit_code, 2);
+  EXPECT_THAT(far.error().text, HasSubstr("107 bytes"));
+  const auto nowhere = ControlServer::open(io, folder / "no/c.sock", {});
+  ASSERT_FALSE(nowhere);
+  EXPECT_EQ(nowhere.error().exit_code, 3);
+}
+
+TEST_F(ControlServerTest, ALineWithoutAnEndIsRefused) {
+  const auto server = open();
+  Protocol::socket a = connect();
+  send(a, std::string(kLineMax_bytes, 'x'));
+  EXPECT_THAT(receive(a, 2), AllOf(HasSubstr("may have 4096 bytes"), HasSubstr("<end>")));
+  EXPECT_EQ(server->counters().too_long, 1u);
+  Protocol::socket b = connect();
+  send(b, std::string(kLineMax_bytes - 1, 'x') + "\n");
+  EXPECT_EQ(receive(b, 1).size(), 4 + kLineMax_bytes) << "the longest";
+}
+
+TEST_F(ControlServerTest, ClientsAreCounted) {
+  const auto server = open();
+  std::vector<Protocol::socket> clients;
+  for (std::size_t i = 0; i < ControlServer::kClientsMax; ++i) {
+    clients.push_back(connect());
+    send(clients.back(), "one\n");
+    EXPECT_EQ(receive(clients.back(), 1), "got one\n") << i;
+  }
+  Protocol::socket late = connect();
+  EXPECT_THAT(receive(late, 2), AllOf(HasSubstr("16 clients already"), HasSubstr("<end>")));
+  EXPECT_EQ(server->counters().refused, 1u);
+  clients.pop_back();
+  io.restart();
+  io.run_for(std::chrono::milliseconds(20));
+  Protocol::socket next = connect();
+  send(next, "one\n");
+  EXPECT_EQ(receive(next, 1), "got one\n") << "who leaves makes room";
+}
+
+TEST_F(ControlServerTest, WhoDoesNotReadIsDroppedAndHoldsNobodyUp) {
+  const auto server = open();
+  Protocol::socket slow = connect(), quick = connect();
+  send(slow, "much\nmuch\nmuch\n");
+  const auto begun = std::chrono::steady_clock::now();
+  send(quick, "one\n");
+  EXPECT_EQ(receive(quick, 1), "got one\n");
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, ControlServer::kReplyWithin);
+  EXPECT_EQ(server->counters().requests, 2u) << "the next request of who has not read the last reply waits";
+  io.restart();
+  io.run_for(ControlServer::kReplyWithin + std::chrono::milliseconds(200));
+  EXPECT_EQ(server->counters().too_slow, 1u);
+  send(quick, "two\n");
+  EXPECT_EQ(receive(quick, 1), "got two\n");
+}
+
+TEST_F(ControlServerTest, AReplyLargerThanTheSocketsBufferArrives) {
+  const auto server = open();
+  std::atomic<bool> over = false;
+  std::thread serves([&] {
+    while (!over) {
+      io.restart();
+      io.run_for(std::chrono::milliseconds(5));
+    }
+  });
+  const auto reply = ask(path, "much");
+  over = true;
+  serves.join();
+  ASSERT_TRUE(reply) << reply.error().text;
+  EXPECT_EQ(reply->size(), kMuch_bytes);
+}
+
+TEST_F(ControlServerTest, AskingNobodyIsTheEnvironmentsFault) {
+  const auto none = ask(path, "one");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().exit_code, 3);
+  EXPECT_THAT(none.error().text, HasSubstr("no peer answers"));
+  const auto server = open();  // and never runs
+  const auto silent = ask(path, "one", std::chrono::milliseconds(50));
+  ASSERT_FALSE(silent);
+  EXPECT_EQ(silent.error().exit_code, 3);
+  EXPECT_THAT(silent.error().text, HasSubstr("silent for 50 ms"));
+}
+
+}  // namespace
+}  // namespace peerd::api

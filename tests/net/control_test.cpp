@@ -1,0 +1,185 @@
+// Real peers, driven by `peerd ctl` as a person would.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "tests/net/listener.hpp"
+#include "tests/net/process.hpp"
+
+namespace peerd {
+namespace {
+
+using net::testing_support::own_port;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing_support::Process;
+using Words = std::vector<std::string>;
+
+constexpr const char* kWorlds = PEERD_SOURCE_DIR "/configs/worlds/keys.wrl";
+
+// Each test uses a port of its own: slots 10 to 15 of this process.
+class Control : public testing::Test {
+ protected:
+  Process start_peer(const std::string& name, int id, const std::string& enslaves, unsigned slot, Words more) {
+    Words words{"run",
+                "--world",
+                kWorlds,
+                "--name",
+                name,
+                "--id",
+                std::to_string(id),
+                "--enslave",
+                enslaves,
+                "--interface",
+                "lo",
+                "--port",
+                std::to_string(own_port(slot))};
+    words.insert(words.end(), more.begin(), more.end());
+    return Process(folder, name, PEERD_PROGRAM, words);
+  }
+  struct Said {
+    int code;
+    std::string out, err;
+  };
+  Said ctl(const Words& words) {
+    Words all{"ctl"};
+    all.insert(all.end(), words.begin(), words.end());
+    Process p(folder, "ctl" + std::to_string(++calls), PEERD_PROGRAM, all);
+    const int code = p.exit_code(10);
+    return {code, p.out(), p.err()};
+  }
+  json ask(const std::string& socket, const std::string& what) {
+    const Said said = ctl({"--control", socket, what, "--json"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    return said.code == 0 ? json::parse(said.out) : json();
+  }
+  // An object as a peer has it; waits until its velocity is that.
+  json wait_for_velocity(const std::string& socket, const std::string& what, const std::string& path, const json& v) {
+    json last;
+    for (int tries = 0; tries < 100; ++tries) {
+      const json reply = ask(socket, what);
+      for (const json& o : reply["objects"]) {
+        if (o["path"] == path) last = o;
+      }
+      if (!last.is_null() && last["velocity_m_s"] == v) return last;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    ADD_FAILURE() << path << " does not move so: " << last;
+    return last;
+  }
+  [[nodiscard]] std::string socket(const std::string& name) const { return (folder / (name + ".sock")).string(); }
+
+  testing_support::ScratchFolder folder;
+  int calls = 0;
+};
+
+TEST_F(Control, AKeySetsACarInMotionAndTheOtherPeerSeesIt) {
+  const std::string at_a = socket("a"), at_b = socket("b");
+  Process a = start_peer("a", 1, "RED", 10, {"--control", at_a});
+  Process b = start_peer("b", 2, "BLUE", 10, {"--control", at_b});
+  ASSERT_TRUE(a.says("peer b (id 2) joined", 5) && b.says("peer a (id 1) joined", 5)) << a.out() << a.err() << b.out();
+  ASSERT_TRUE(a.says("listens for peerd ctl at " + at_a, 1));
+  json status;
+  for (int tries = 0; tries < 200; ++tries) {
+    status = ask(at_a, "status");
+    if (status["since_start_s"].is_number() && status["since_start_s"] >= 0) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_EQ(status["peer"]["name"], "a");
+  ASSERT_EQ(status["members"].size(), 1u);
+  EXPECT_EQ(status["members"][0]["name"], "b");
+
+  const Said key = ctl({"--control", at_a, "key", "ArrowUp"});
+  EXPECT_EQ(key.code, 0) << key.out << key.err;
+  EXPECT_THAT(key.out, HasSubstr("FASTER changes the velocity of RED by (0.000, 0.000, -2.000) m/s"));
+  const json own = wait_for_velocity(at_a, "status", "RED", {0, 0, -2});
+  EXPECT_EQ(own["own"], true);
+  const json seen = wait_for_velocity(at_b, "objects", "RED", {0, 0, -2});
+  EXPECT_EQ(seen["own"], false);
+  EXPECT_EQ(seen["owner"], 1);
+  EXPECT_TRUE(a.says("ArrowUp: FASTER changes the velocity of RED", 1)) << "the peer's log has it too";
+
+  EXPECT_EQ(ctl({"--control", at_a, "key", "ArrowUp", "--shift"}).code, 0);
+  (void)wait_for_velocity(at_b, "objects", "RED", {0, 0, -7});
+  EXPECT_EQ(ctl({"--control", at_a, "key", "--value", "32"}).code, 0);
+  (void)wait_for_velocity(at_b, "objects", "RED", {0, 0, 0});
+
+  const Said refused = ctl({"--control", at_a, "key", "w"});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.out, HasSubstr("UPHILL does not move RAMP/BLUE: peer b (id 2) runs it"));
+  const Said unheard = ctl({"--control", at_a, "key", "q"});
+  EXPECT_EQ(unheard.code, 1);
+  EXPECT_THAT(unheard.out, HasSubstr("no enabled KeySensor listens"));
+
+  EXPECT_EQ(ctl({"--control", at_a, "leave"}).code, 0);
+  EXPECT_EQ(a.exit_code(2), 0) << a.err();
+  EXPECT_THAT(a.out(), HasSubstr("leaving: told to"));
+  EXPECT_TRUE(b.says("peer a (id 1) left", 2));
+  EXPECT_FALSE(std::filesystem::exists(at_a));
+  const Said nobody = ctl({"--control", at_a, "status"});
+  EXPECT_EQ(nobody.code, 3);
+  EXPECT_THAT(nobody.err, HasSubstr("no peer answers at " + at_a));
+  b.signal(SIGTERM);
+  EXPECT_EQ(b.exit_code(2), 0);
+  EXPECT_FALSE(std::filesystem::exists(at_b));
+}
+
+TEST_F(Control, ASocketOfAKilledPeerIsTakenOverAndThatOfALivingOneIsNot) {
+  const std::string at = socket("a");
+  {
+    Process killed = start_peer("a", 1, "RED", 11, {"--control", at});
+    ASSERT_TRUE(killed.says("listens for peerd ctl", 5)) << killed.out() << killed.err();
+    killed.signal(SIGKILL);
+    EXPECT_EQ(killed.exit_code(2), -1);
+  }
+  EXPECT_TRUE(std::filesystem::exists(at));
+  Process again = start_peer("again", 1, "RED", 11, {"--control", at});
+  ASSERT_TRUE(again.says("listens for peerd ctl", 5)) << again.out() << again.err();
+  Process late = start_peer("late", 2, "BLUE", 11, {"--control", at});
+  EXPECT_EQ(late.exit_code(5), 3);
+  EXPECT_THAT(late.err(), HasSubstr("another peer listens there"));
+  EXPECT_EQ(ask(at, "status")["peer"]["name"], "again");
+}
+
+TEST_F(Control, ByDefaultItIsInTheUsersRuntimeFolder) {
+  const auto runtime = folder / "run";
+  std::filesystem::create_directory(runtime);
+  setenv("XDG_RUNTIME_DIR", runtime.c_str(), 1);
+  EXPECT_EQ(ctl({"status"}).code, 3) << "nobody there";
+  {
+    Process a = start_peer("a", 1, "RED", 12, {}), b = start_peer("b", 2, "BLUE", 12, {});
+    ASSERT_TRUE(a.says("run/peerd/a.sock", 5) && b.says("run/peerd/b.sock", 5)) << a.out() << b.out();
+    const Said which = ctl({"status"});
+    EXPECT_EQ(which.code, 2);
+    EXPECT_THAT(which.err, HasSubstr("--name NAME; there are a, b"));
+    EXPECT_THAT(ctl({"status", "--name", "b"}).out, HasSubstr("peer b (id 2)"));
+    Process twin = start_peer("a", 3, "BLUE", 13, {});
+    EXPECT_TRUE(twin.says("runs without peerd ctl: ", 5)) << "by default it is no reason not to run";
+    b.signal(SIGTERM);
+    EXPECT_EQ(b.exit_code(2), 0);
+    EXPECT_THAT(ctl({"status"}).out, HasSubstr("peer a (id 1)")) << "the only one left";
+    Process off = start_peer("off", 4, "BLUE", 13, {"--control", ""});
+    EXPECT_TRUE(off.says("in session", 5)) << off.out() << off.err();
+    EXPECT_FALSE(std::filesystem::exists(runtime / "peerd/off.sock"));
+  }
+  unsetenv("XDG_RUNTIME_DIR");
+}
+
+TEST_F(Control, WrongUseIsOneSentence) {
+  for (const auto& [words, sentence] :
+       std::vector<std::pair<Words, std::string>>{{{"key", "ArowUp"}, "did you mean \"ArrowUp\"?"},
+                                                  {{"key"}, "which key?"},
+                                                  {{"key", "a", "--value", "65"}, "which key?"},
+                                                  {{"key", "--value", "65", "--shift"}, "--state"},
+                                                  {{"key", "a", "--state", "256"}, "--state"},
+                                                  {{"fly"}, "subcommand"}}) {
+    const Said said = ctl(words);
+    EXPECT_EQ(said.code, 2) << sentence;
+    EXPECT_THAT(said.err, HasSubstr(sentence));
+  }
+}
+
+}  // namespace
+}  // namespace peerd
