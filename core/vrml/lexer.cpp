@@ -279,7 +279,9 @@ const char* scan_plain(const char* begin, const char* end, float& value) {
     if (at != end && (*at == '-' || *at == '+')) ++at;
     const char* const power = at;
     std::int64_t written = 0;
-    for (; at != end && is_digit(*at); ++at) written = 10 * written + (*at - '0');
+    for (; at != end && is_digit(*at); ++at) {
+      if (at - power < 5) written = 10 * written + (*at - '0');
+    }
     if (at == power || at - power > 4) return nullptr;
     exponent += minus ? -written : written;
   }
