@@ -93,6 +93,7 @@ Body make_body(const Scene& scene, ObjectId object) {
     const Geometry* const geometry = scene.geometry(shape);
     if (geometry == nullptr || !instance.collides) continue;
     const Mesh mesh = build_mesh(*geometry, scene.tessellation);
+    ++body.meshes_built;
     if (mesh.polygon_count() == 0) continue;
     const Placement placement(scene.object_from_shape(object, shape));
     append_vertices(body, mesh, placement);

@@ -24,6 +24,7 @@ struct Body {
   Vec3 center = Vec3::Zero();       // of the bounding sphere, object frame [m]
   double radius_m = 0.0;            // encloses every vertex; 0 when there are none
   std::vector<Vec3> vertices;       // all that polygons use, of pieces and of what is unsupported, for BOX [m]
+  std::uint32_t meshes_built = 0;   // for it
   // Why this body has no exact answer yet, naming the Shape and its reason; empty when it has. A body that can't be
   // answered is never replaced by its hull or its box.
   std::string unsupported;

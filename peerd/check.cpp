@@ -15,6 +15,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/predefined_motion.hpp"
 #include "core/scene_defects.hpp"
 #include "core/scene_statistics.hpp"
 #include "core/vrml/writer.hpp"
@@ -244,6 +245,20 @@ double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+Json moving_at(const Scene& scene, double t_s) {
+  Json list = Json::array();
+  PredefinedMotion motion(scene);
+  for (const ObjectId id : motion.driven_transforms()) {
+    const Pose pose = motion.rigid_pose(id, t_s);
+    const Vec3& p = pose.position;
+    const Quat& q = pose.orientation;
+    list.push_back({{"path", scene.path_of(id)},
+                    {"position", {p.x(), p.y(), p.z()}},
+                    {"orientation", {q.x(), q.y(), q.z(), q.w()}}});
+  }
+  return list;
+}
+
 int write_copy(const Scene& scene, const std::string& copy, std::ostream& err) {
   const auto written = write_world(scene);
   if (!written) {
@@ -259,14 +274,14 @@ int write_copy(const Scene& scene, const std::string& copy, std::ostream& err) {
 
 }  // namespace
 
-int run_check(const std::string& path, bool json, const std::string& copy, std::ostream& out, std::ostream& err) {
+int run_check(const std::string& path, const CheckOptions& options, std::ostream& out, std::ostream& err) {
   Finding finding{.path = path};
   const auto start = std::chrono::steady_clock::now();
   const auto file = config::read_world_file(path);
   finding.read_ms = ms_since(start);
   if (!file) {
     err << file.error().text << '\n';
-    if (json) print(unreadable(finding, file.error().text), out);
+    if (options.json) print(unreadable(finding, file.error().text), out);
     return file.error().exit_code;
   }
   finding.result = &(*file)->result;
@@ -283,13 +298,21 @@ int run_check(const std::string& path, bool json, const std::string& copy, std::
       finding.unsupported.push_back("defects of more than " + std::to_string(kMostPolygons) + " polygons");
     }
   }
-  if (json) {
-    print(to_json(finding), out);
+  Json moving = Json::array();
+  if (finding.good() && options.at_s) moving = moving_at(*finding.result->scene, *options.at_s);
+  if (options.json) {
+    Json json = to_json(finding);
+    if (options.at_s) json["moving"] = moving;
+    print(json, out);
   } else {
     print_text(finding, out, err);
+    for (const Json& m : moving) {
+      out << "  " << m["path"].get<std::string>() << "  at " << m["position"] << "  turned " << m["orientation"]
+          << '\n';
+    }
   }
   if (!finding.good()) return 1;
-  return copy.empty() ? 0 : write_copy(*finding.result->scene, copy, err);
+  return options.copy.empty() ? 0 : write_copy(*finding.result->scene, options.copy, err);
 }
 
 }  // namespace peerd

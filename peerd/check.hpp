@@ -1,5 +1,6 @@
 #pragma once
 #include <iosfwd>
+#include <optional>
 #include <string>
 
 namespace peerd {
@@ -23,9 +24,13 @@ namespace peerd {
 //   bytes        of them, unpacked
 //   read_ms      wall clock, from opening the file to the scene
 //   defects_ms   likewise, to find the defects; 0 where they are null
-// A good world is written to `copy` too, as one text that needs no other, unless that is empty; `err` is told what
-// could not stay as it was.
-[[nodiscard]] int run_check(const std::string& path, bool json, const std::string& copy, std::ostream& out,
-                            std::ostream& err);
+//   moving       with `at_s`: [{path, position, orientation}] of each Transform that the world itself moves, in the
+//                world frame [m] and as a quaternion x y z w, when its TimeSensors are at that time
+struct CheckOptions {
+  bool json = false;
+  std::string copy;            // not empty: a good world is written there, as one text that needs no other
+  std::optional<double> at_s;  // where the world's own movement has brought things by then [s]
+};
+[[nodiscard]] int run_check(const std::string& path, const CheckOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace peerd

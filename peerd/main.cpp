@@ -153,13 +153,13 @@ int run(int argc, char** argv) {
   scenario_command->add_option("--interface", real.interface, "network interface (default: the scenario's, else lo)");
 
   std::string world;
-  bool check_json = false;
+  CheckOptions check;
   CLI::App* check_command =
       app.add_subcommand("check", "read a world; problems as FILE:LINE:COLUMN; statistics; polygons' defects");
   check_command->add_option("world", world, "the VRML97 world")->required();
-  check_command->add_flag("--json", check_json, "one JSON object");
-  std::string check_copy;
-  check_command->add_option("--write", check_copy, "write the world to a file, as one text that needs no other");
+  check_command->add_flag("--json", check.json, "one JSON object");
+  check_command->add_option("--write", check.copy, "write the world to a file, as one text that needs no other");
+  check_command->add_option("--at", check.at_s, "say where its own movement has brought things after so many seconds");
 
   CtlOptions ctl;
   KeyFlags key;
@@ -177,7 +177,7 @@ int run(int argc, char** argv) {
     ctl.request = *request;
     return run_ctl(ctl);
   }
-  if (*check_command) return run_check(world, check_json, check_copy, std::cout, std::cerr);
+  if (*check_command) return run_check(world, check, std::cout, std::cerr);
   if (*sim_command) return run_sim(sim);
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
   if (peer.config.empty() && flags.world.empty()) {

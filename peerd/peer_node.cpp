@@ -27,8 +27,9 @@ const char* to_string(replication::ContactKind kind) {
 
 }  // namespace
 
-config::Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path) {
-  auto world = config::load_world(path);
+config::Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
+                                                               bool inlines_when_needed) {
+  auto world = config::load_world(path, inlines_when_needed);
   if (!world) return std::unexpected(world.error());
   auto shared = std::make_unique<SharedWorld>();
   shared->world = std::move(*world);

@@ -18,7 +18,8 @@ struct SharedWorld {
   config::LoadedWorld world;
   std::unique_ptr<const replication::WorldModel> model;
 };
-[[nodiscard]] config::Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path);
+[[nodiscard]] config::Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
+                                                                             bool inlines_when_needed = false);
 
 // Motions of one peer's driven objects.
 using Motions = std::map<ObjectId, config::MotionSource>;

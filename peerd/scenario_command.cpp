@@ -196,7 +196,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   config::ScenarioRequest request{options.scenario, options.configs, options.sets, options.seed, true, true};
   const auto scenario = config::read_scenario(request);
   if (!scenario) return failed(scenario.error());
-  const auto shared = share_world(scenario->world);
+  const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
   if (!shared) return failed(shared.error());
 
   report::ScenarioInfo info{scenario->name, "real", scenario->seed, {}};

@@ -18,7 +18,7 @@ int run_sim(const ScenarioOptions& options) {
   const auto scenario = config::read_scenario(
       {.file = options.scenario, .configs = options.configs, .sets = options.sets, .seed = options.seed});
   if (!scenario) return failed(scenario.error());
-  const auto shared = share_world(scenario->world);
+  const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
 

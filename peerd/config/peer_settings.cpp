@@ -135,8 +135,10 @@ ControlSettings read_control(TomlReader reader) {
   return s;
 }
 
-Result<LoadedWorld> load_world(const std::filesystem::path& path) {
-  const auto file = read_world_file(path);
+Result<LoadedWorld> load_world(const std::filesystem::path& path, bool inlines_when_needed) {
+  ReadOptions options;
+  options.inlines_later = inlines_when_needed;
+  const auto file = read_world_file(path, options);
   if (!file) return std::unexpected(file.error());
   const ReadResult& read = (*file)->result;
   if (!read.scene) {
@@ -144,7 +146,9 @@ Result<LoadedWorld> load_world(const std::filesystem::path& path) {
     for (const Diagnostic& d : read.diagnostics) problems += render(read, d);
     return std::unexpected(InputError{problems, 1});
   }
-  return LoadedWorld{path, content_hash(read), *read.scene};
+  // Read later, an Inline leaves other numbers for the instances behind it, though it may hold none.
+  const std::uint64_t hash = content_hash(read) ^ (read.scene->pending_inlines.empty() ? 0 : 1);
+  return LoadedWorld{path, hash, *read.scene};
 }
 
 Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by) {

@@ -58,7 +58,7 @@ struct LoadedWorld {
   std::uint64_t hash = 0;  // of its files; peers with other bytes do not share a session
   Scene scene;
 };
-[[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path);
+[[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path, bool inlines_when_needed = false);
 
 // The node of that path, or a sentence that names the closest one.
 [[nodiscard]] Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by);

@@ -87,6 +87,9 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   }
   reader.read("world", world);
   scenario.world = file.parent_path() / world;
+  std::size_t inlines = 0;
+  reader.read_word("inlines", inlines, {"at-once", "when-needed"});
+  scenario.inlines_when_needed = inlines == 1;
   reader.read("duration_s", run.duration_s, 0.1, 1e6);
   reader.read("seed", run.seed);
   reader.read("sample_hz", run.sample_hz, 1, 1000);

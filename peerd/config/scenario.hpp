@@ -39,6 +39,7 @@ struct RunSettings {
 struct Scenario {
   std::string name;
   std::filesystem::path world;
+  bool inlines_when_needed = false;  // ReadOptions::inlines_later
   std::uint64_t seed = 1;
   std::vector<RunSettings> runs;
 };

@@ -20,7 +20,8 @@ std::optional<std::filesystem::path> path_of(std::string_view url) {
   for (std::size_t i = 0; i < url.size(); ++i) {
     unsigned char byte = 0;
     const char* const digits = url.data() + i + 1;
-    if (url[i] == '%' && i + 2 < url.size() && std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2 && byte != 0) {
+    if (url[i] == '%' && i + 2 < url.size() && std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2 &&
+        byte != 0) {
       path += static_cast<char>(byte);
       i += 2;
     } else {

@@ -28,7 +28,7 @@ struct Checked {
 };
 Checked check(const std::filesystem::path& world, bool json) {
   std::ostringstream out, err;
-  const int exit_code = run_check(world.string(), json, "", out, err);
+  const int exit_code = run_check(world.string(), {.json = json, .copy = {}, .at_s = {}}, out, err);
   return {exit_code, out.str(), err.str()};
 }
 Checked check(const ScratchFolder& folder, std::string_view body, bool json) {
@@ -256,6 +256,34 @@ TEST(Check, BytesThatAreNoUtf8DoNotBreakTheJson) {
   const Checked run = check(folder, "Shape { geometry B\xff {} }", true);
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_FALSE(Json::parse(run.out)["errors"].empty());
+}
+
+TEST(Check, SaysWhereThingsHaveMovedByThen) {
+  const ScratchFolder folder;
+  const auto path =
+      folder.write("lift.wrl",
+                   "#VRML V2.0 utf8\nDEF LIFT Transform { }\nDEF T TimeSensor { cycleInterval 4 loop TRUE }\n"
+                   "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 0 8 0 ] }\n"
+                   "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO LIFT.translation\n");
+  std::ostringstream out, err;
+  ASSERT_EQ(run_check(path.string(), {.json = true, .copy = {}, .at_s = 5.0}, out, err), 0);
+  const auto moving = nlohmann::json::parse(out.str())["moving"];
+  ASSERT_EQ(moving.size(), 1u);
+  EXPECT_EQ(moving[0]["path"], "LIFT");
+  EXPECT_NEAR(moving[0]["position"][1].get<double>(), 2.0, 1e-9);
+}
+
+TEST(Check, WritesACopyThatNeedsNoOtherFile) {
+  const ScratchFolder folder;
+  folder.write("inner.wrl", "#VRML V2.0 utf8\nDEF BOX Shape { geometry Box { } }\n");
+  const auto path = folder.write("outer.wrl", "#VRML V2.0 utf8\nInline { url \"inner.wrl\" }\n");
+  const std::string copy = (folder / "copy.wrl").string();
+  std::ostringstream out, err;
+  ASSERT_EQ(run_check(path.string(), {.json = false, .copy = copy, .at_s = {}}, out, err), 0) << err.str();
+  std::filesystem::remove(folder / "inner.wrl");
+  std::ostringstream again;
+  ASSERT_EQ(run_check(copy, {.json = true, .copy = {}, .at_s = {}}, again, err), 0) << err.str();
+  EXPECT_EQ(nlohmann::json::parse(again.str())["statistics"]["polygons"], 6);
 }
 
 }  // namespace

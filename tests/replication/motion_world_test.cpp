@@ -651,5 +651,20 @@ TEST(MotionWorld, ManyMoversInACorridorStayInIt) {
   EXPECT_EQ(world.counters().capped, 0u);
 }
 
+// What a scene doesn't ask for is not built.
+TEST(WorldModel, BuildsNothingThatNoInterestNames) {
+  const std::string things =
+      box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "0.5 0 0") + "Shape { geometry Sphere { } }\n";
+  const World idle(things);
+  EXPECT_TRUE(idle.model->bodies.empty());
+  EXPECT_TRUE(idle.model->pairs.empty());
+  MotionWorld world(*idle.model, sim(0s));
+  world.advance(sim(10s));
+  EXPECT_EQ(world.counters().contact_searches, 0u);
+  const World asked(things + interest("A", "\"B\""));
+  ASSERT_EQ(asked.model->bodies.size(), 2u);
+  for (const collision::Body& body : asked.model->bodies) EXPECT_EQ(body.meshes_built, 1u);
+}
+
 }  // namespace
 }  // namespace peerd::replication
