@@ -1,0 +1,122 @@
+// TextParser: Inlines, and the files behind URLs.
+#include <algorithm>
+#include <utility>
+
+#include "core/vrml/text_parser.hpp"
+
+namespace peerd::vrml {
+
+using enum TokenKind;
+
+bool TextParser::is_open(std::string_view name) const {
+  return std::ranges::find(reading_.open_files, name) != reading_.open_files.end();
+}
+
+// The file behind a URL, read and unpacked, now at the end of open_files; or null, and why.
+Reading::File* TextParser::open_file(std::string_view url, Position at, std::string& why) {
+  if (!reading_.options.load) {
+    why = "no other file is read here";
+    return nullptr;
+  }
+  std::expected<LoadedFile, std::string> loaded = reading_.options.load(url, problems_.name_of(at));
+  if (!loaded) {
+    why = loaded.error();
+    return nullptr;
+  }
+  if (is_open(loaded->name)) {
+    why = "that file is being read already: it contains itself";
+    tokens_.error(at, quoted(url) + ": " + why);
+    return nullptr;
+  }
+  if (reading_.open_files.size() >= kMaxOpenFiles) {
+    why = "files are nested more than " + std::to_string(kMaxOpenFiles) + " deep";
+    tokens_.error(at, quoted(url) + ": " + why);
+    return nullptr;
+  }
+  const auto [it, is_new] = reading_.files.try_emplace(loaded->name);
+  Reading::File& file = it->second;
+  if (is_new) {
+    Source source{it->first, {}, std::make_shared<const std::string>(std::move(loaded->bytes))};
+    source.text = *source.owned;
+    const auto opened = open_text(reading_, std::move(source));
+    if (opened) {
+      file = {.begin = opened->begin, .body = opened->body, .readable = true};
+    } else {
+      file.why = opened.error();
+    }
+  }
+  if (!file.readable) {
+    why = file.why;
+    return nullptr;
+  }
+  reading_.open_files.push_back(it->first);
+  return &file;
+}
+
+// The nodes that an Inline stands for, from the first of its URLs behind which there is a file.
+const std::vector<NodeRef>* TextParser::load_content(const Field& url) {
+  std::string tried;
+  const std::size_t errors = problems_.errors();
+  for (const std::string_view one : url.as<std::string_view>()) {
+    std::string why;
+    Reading::File* const file = open_file(one.substr(0, one.find('#')), url.at, why);
+    if (file != nullptr) {
+      if (!file->content) {
+        const std::size_t first = reading_.world.roots.size();
+        TextParser(reading_, file->begin, file->body, nesting_).parse_text(reading_.world);
+        auto& roots = reading_.world.roots;
+        file->content.emplace(roots.begin() + static_cast<std::ptrdiff_t>(first), roots.end());
+        roots.resize(first);
+      }
+      reading_.open_files.pop_back();
+      return &*file->content;
+    }
+    tried += (tried.empty() ? "" : "; ") + quoted(one) + ": " + why;
+  }
+  if (!tried.empty() && problems_.errors() == errors) {
+    tokens_.warning(url.at, "this Inline stays empty: " + tried);
+  }
+  return nullptr;
+}
+
+// Before a prototype's Inlines come into the world: nodes stand behind what they refer to.
+void TextParser::load_inlines_of(const Prototype& prototype, std::span<const Field> given) {
+  for (std::uint32_t i = 0; i < prototype.body.nodes.size(); ++i) {
+    const Node& node = prototype.body.nodes[i];
+    if (node.type->meaning != Meaning::kInline) continue;
+    const auto value = [&](std::string_view name) {
+      const Field* field = node.find(name);
+      for (const IsLink& link : prototype.links) {
+        if (link.node != i || link.inner->name != name) continue;
+        const auto it = std::ranges::find(given, link.outer, &Field::spec);
+        const auto& otherwise = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
+        field = it != given.end() ? &*it : otherwise ? &*otherwise : nullptr;
+      }
+      return field;
+    };
+    const Field* url = value("url");
+    if (url != nullptr && !is_for_later(node.at, value("bboxSize"))) static_cast<void>(load_content(*url));
+  }
+}
+
+bool TextParser::is_for_later(Position inline_at, const Field* box_size) const {
+  if (!reading_.options.inlines_later || box_size == nullptr) return false;
+  const std::span<const float> size = box_size->as<float>();
+  const bool sized = size[0] >= 0 && size[1] >= 0 && size[2] >= 0;
+  return sized && !reading_.options.inlines_now.contains(problems_.place_of(inline_at));
+}
+
+void TextParser::fill_inline(Node& node) {
+  const Field* url = node.find("url");
+  if (url == nullptr) return;
+  if (is_for_later(node.at, node.find("bboxSize"))) return;
+  const std::vector<NodeRef>* content = load_content(*url);
+  std::vector<Field> fields(node.given().begin(), node.given().end());
+  const auto refs = arena_.copy(content != nullptr ? std::span<const NodeRef>(*content) : std::span<const NodeRef>());
+  fields.push_back({&inline_content(), refs.data(), static_cast<std::uint32_t>(refs.size()), url->at});
+  const auto kept = arena_.copy(std::span<const Field>(fields));
+  node.fields = kept.data();
+  node.field_count = static_cast<std::uint32_t>(kept.size());
+}
+
+}  // namespace peerd::vrml
