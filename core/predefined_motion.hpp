@@ -39,6 +39,8 @@ class PredefinedMotion {
   // exactly so between two keys. Anything else (a rotation above it, a driven center or scale) is cut into pieces of
   // kPiece_s on a grid of world time: through its true pose at both ends and its true position in the middle, off by
   // about |jerk| * kPiece_s^3 / 125 in between: for a point on a circle of 10 m radius that turns once a second 1e-5 m.
+  // Where keys are closer together than kPiece_s they are cut so too, whatever moves: a file cannot make work without
+  // end.
   struct Piece {
     double begin_s = 0.0, end_s = 0.0;
     KinematicState state;

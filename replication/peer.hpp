@@ -168,7 +168,7 @@ class Peer {
   void leave(HostTime now);
 
   // From now on this peer's hellos say when motions by formula begin. Peers that run such motions together follow the
-  // lowest peer's word; replication itself makes no use of it.
+  // lowest peer's word. It is also time 0 of the world's TimeSensors where the session has none yet.
   void announce_start(SimTime start) {
     start_ = start;
     if (!world_zero_) world_zero_ = start;
@@ -250,8 +250,13 @@ class Peer {
   std::optional<SimTime> start_;
   std::optional<SimTime> world_zero_;
   PredefinedMotion predefined_;
-  // Until when both worlds know how what the file moves goes on; none: they don't yet.
-  std::vector<std::pair<ObjectId, std::optional<SimTime>>> predefined_told_;
+  bool clock_stepped_ = false;
+  // Until when both worlds know how what the file moves goes on (none: they don't yet), and until when a peer ran it.
+  struct Predefined {
+    ObjectId object;
+    std::optional<SimTime> told, run_until;
+  };
+  std::vector<Predefined> predefined_told_;
   std::optional<HostTime> next_hello_;
   std::optional<PeerId> follows_;
   std::uint32_t sessions_ = 0;  // entered

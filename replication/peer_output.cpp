@@ -69,7 +69,7 @@ void Peer::send_hello(HostTime now, bool leaving) {
   m.leaving = leaving;
   m.hello = {
       config_.name, config_.world_hash, now, clock_.synchronised(), clock_.session_minus_host(), sessions_, {}, {},
-      start_, world_zero_};
+      start_,       world_zero_};
   // Lists too long for one datagram take turns, hello by hello.
   const auto turns = [&](std::size_t size, std::size_t most, auto take) {
     for (std::size_t i = 0; i < std::min(size, most); ++i) take((hellos_ * most + i) % size);

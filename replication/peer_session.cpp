@@ -1,6 +1,5 @@
 // Peer: entering, changing and keeping a session; who runs what in it.
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -22,28 +21,32 @@ constexpr double kFarthest_s = 3.2e9;
 // What the world moves by itself is told to both worlds anew, from where it is now.
 void Peer::restart_predefined() {
   predefined_told_.clear();
-  for (const ObjectId object : model_.moving) predefined_told_.emplace_back(object, std::nullopt);
+  for (const ObjectId object : model_.moving) predefined_told_.push_back({object, std::nullopt, std::nullopt});
 }
 
 // Tells both worlds how what the file moves goes on until `to`. Pieces begin at the same instants with the same bits on
-// every peer, whenever it came.
+// every peer, whenever it came; but what somebody ran until now is not moved in its past.
 void Peer::tell_predefined(SimTime to) {
   if (!world_zero_) return;
-  for (auto& [object, told] : predefined_told_) {
-    if (owner(object) != kNobody) {  // somebody runs it: that counts
-      told.reset();
+  // Rounded up to where a nanosecond lies within a piece.
+  const auto session_time = [&](double world_s) {
+    return *world_zero_ + Duration{static_cast<std::int64_t>(std::ceil(world_s * 1e9))};
+  };
+  for (Predefined& p : predefined_told_) {
+    if (owner(p.object) != kNobody) {  // somebody runs it: that counts
+      p.told.reset();
+      p.run_until = to;
       continue;
     }
-    while (!told || *told <= to) {
-      const SimTime from = told.value_or(to);
-      const PredefinedMotion::Piece piece = predefined_.piece(object, to_seconds(from - *world_zero_));
-      // Rounded up to where a nanosecond lies within the piece.
-      const auto at = [&](double world_s) { return *world_zero_ + Duration{static_cast<std::int64_t>(std::ceil(world_s * 1e9))}; };
-      const SimTime begin = at(piece.begin_s);
+    while (!p.told || *p.told <= to) {
+      const SimTime from = p.told.value_or(to);
+      const PredefinedMotion::Piece piece = predefined_.piece(p.object, to_seconds(from - *world_zero_));
+      const SimTime begin = std::max(session_time(piece.begin_s), p.run_until.value_or(SimTime::min()));
       const KinematicState state = advance(piece.state, to_seconds(begin - *world_zero_) - piece.begin_s);
-      replica_->truth.set_base(object, begin, state);
-      replica_->ghosts.set_base(object, begin, state);
-      told = piece.end_s < kFarthest_s ? std::max(at(piece.end_s), from + Duration{1}) : SimTime::max();
+      replica_->truth.set_base(p.object, begin, state);
+      replica_->ghosts.set_base(p.object, begin, state);
+      const bool ends = piece.end_s < kFarthest_s;
+      p.told = ends ? std::max(session_time(piece.end_s), from + Duration{1}) : SimTime::max();
     }
   }
 }
@@ -76,7 +79,8 @@ bool Peer::keep_session(HostTime now) {
   const SimTime before = clock_.to_session(now);
   if (clock_.adjust(now)) {
     const SimTime after = clock_.to_session(now);
-    world_zero_.reset();  // the other session has one of its own
+    world_zero_.reset();  // the other session's counts, as the peer says that is followed into it
+    clock_stepped_ = true;
     if (replica_) change_session(before, after);
     outputs_.push_back(ClockStepped{clock_.session_minus_host(), after - before});
     return false;
@@ -98,7 +102,8 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
   member.start = hello.start;
   if (hello.synchronised) claim(sender, hello.enslaved);
 
-  if (hello.world_zero && (!world_zero_ || sender == follows_) && hello.world_zero != world_zero_) {
+  const bool zero_counts = sender == follows_ || (!world_zero_ && !clock_stepped_);
+  if (hello.synchronised && hello.world_zero && zero_counts && hello.world_zero != world_zero_) {
     world_zero_ = hello.world_zero;
     restart_predefined();
   }

@@ -64,7 +64,7 @@ bool is_tiny(std::string_view number) {
       return written.starts_with('-');
     }
   }
-  return period - static_cast<std::int64_t>(first) < -exponent;
+  return exponent < static_cast<std::int64_t>(first) - period;
 }
 
 template <class Real>

@@ -1,6 +1,8 @@
 #include "core/vrml/prototype.hpp"
 
 #include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
 
 #include "core/vrml/element_positions.hpp"
 
@@ -81,40 +83,49 @@ bool check_range(const FieldSpec& spec, const Field& value, Problems& problems) 
   return good;
 }
 
-std::uint32_t copy_node(const Body& from, std::uint32_t node, Body& to, Arena& arena) {
-  // A node stands behind all that it refers to: mark from the node down, then copy upwards.
-  std::vector<std::uint32_t> place(node + 1, NodeRef::kNull);
-  std::vector<bool> wanted(node + 1, false);
-  wanted[node] = true;
-  for (std::uint32_t i = node + 1; i-- > 0;) {
-    if (!wanted[i]) continue;
-    for (const Field& field : from.nodes[i].given()) {
+NodeSet reach(const Body& body, std::uint32_t node) {
+  NodeSet set;
+  std::unordered_set<std::uint32_t> seen = {node};
+  std::vector<std::uint32_t> open = {node};
+  while (!open.empty()) {
+    const std::uint32_t at = open.back();
+    open.pop_back();
+    set.nodes.push_back(at);
+    for (const Field& field : body.nodes[at].given()) {
       if (!holds_nodes(field.spec->type)) continue;
+      set.references += field.count;
       for (const NodeRef& ref : field.as<NodeRef>()) {
-        if (ref.is_node() && ref.index < i) wanted[ref.index] = true;
+        // A Script's view of what is around it is not copied with it.
+        if (ref.is_node() && ref.index < at && seen.insert(ref.index).second) open.push_back(ref.index);
       }
     }
   }
-  for (std::uint32_t i = 0; i <= node; ++i) {
-    if (!wanted[i]) continue;
-    Node copy = from.nodes[i];
+  std::ranges::sort(set.nodes);  // a node stands behind all that it refers to
+  return set;
+}
+
+std::uint32_t copy_nodes(const Body& from, const NodeSet& set, Body& to, Arena& arena) {
+  std::unordered_map<std::uint32_t, std::uint32_t> place;
+  for (const std::uint32_t node : set.nodes) {
+    Node copy = from.nodes[node];
     const std::span<Field> fields = arena.allocate<Field>(copy.field_count);
     std::ranges::transform(copy.given(), fields.begin(), [&](Field field) {
       if (!holds_nodes(field.spec->type)) return field;
       const std::span<NodeRef> refs = arena.allocate<NodeRef>(field.count);
       std::ranges::transform(field.as<NodeRef>(), refs.begin(), [&](NodeRef ref) {
-        // A Script's view of what is around it is not copied with it.
-        if (ref.is_node()) ref.index = ref.index < i ? place[ref.index] : NodeRef::kNull;
+        const auto it = place.find(ref.index);
+        ref.index = it == place.end() ? NodeRef::kNull : it->second;
         return ref;
       });
       field.data = refs.data();
       return field;
     });
     copy.fields = fields.data();
-    place[i] = static_cast<std::uint32_t>(to.nodes.size());
+    place[node] = static_cast<std::uint32_t>(to.nodes.size());
     to.nodes.push_back(copy);
   }
-  return place[node];
+  to.references += set.references;
+  return place.at(set.nodes.back());
 }
 
 Expansion expand(const Prototype& prototype, std::span<const Field> given, Body& out, Arena& arena,

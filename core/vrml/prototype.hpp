@@ -45,8 +45,14 @@ struct Expansion {
 [[nodiscard]] Expansion expand(const Prototype& prototype, std::span<const Field> given, Body& out, Arena& arena,
                                Problems& problems);
 
-// Puts a copy of a node, and of all that it refers to, from one body into another; gives its place there.
-[[nodiscard]] std::uint32_t copy_node(const Body& from, std::uint32_t node, Body& to, Arena& arena);
+// A node and all that it refers to, in the order of their body, itself last.
+struct NodeSet {
+  std::vector<std::uint32_t> nodes;
+  std::uint64_t references = 0;  // in their fields
+};
+[[nodiscard]] NodeSet reach(const Body& body, std::uint32_t node);
+// Puts a copy of them from one body into another; gives the place of the last.
+[[nodiscard]] std::uint32_t copy_nodes(const Body& from, const NodeSet& nodes, Body& to, Arena& arena);
 
 // Whether `field` may hold those values and nodes of `nodes`; reports what it may not.
 bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<Node>& nodes, Problems& problems);

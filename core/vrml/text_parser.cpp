@@ -88,10 +88,10 @@ NodeRef TextParser::parse_use() {
     // A default value stands outside of its PROTO's body, so it may USE what stands before it; as a copy of its own.
     Definition* const* const around = scope_->outer->names.find(name.text);
     if (around != nullptr && !(*around)->open && (*around)->node != NodeRef::kNull) {
-      const std::size_t before = scope_->body->nodes.size();
-      const std::uint32_t copy = copy_node(*scope_->outer->body, (*around)->node, *scope_->body, arena_);
-      const bool room = reading_.room_for(scope_->body->nodes.size() - before, 0, null.at);
-      return {room ? copy : NodeRef::kNull, null.at};
+      const Body& from = *scope_->outer->body;
+      const NodeSet reached = reach(from, (*around)->node);
+      if (!reading_.room_for(reached.nodes.size(), reached.references, null.at)) return null;
+      return {copy_nodes(from, reached, *scope_->body, arena_), null.at};
     }
   }
   if (named == nullptr) {
@@ -221,7 +221,10 @@ NodeRef TextParser::close_instance(Open& open, const Prototype& prototype, const
   const Expansion copy = expand(prototype, given, body, arena_, problems_);
   if (live()) {
     for (std::size_t i = first; i < body.nodes.size(); ++i) {
-      if (body.nodes[i].type->meaning == Meaning::kInline) fill_inline(body.nodes[i]);
+      if (body.nodes[i].type->meaning != Meaning::kInline) continue;
+      Node node = body.nodes[i];  // not in place: reading a file may move all nodes
+      fill_inline(node);
+      body.nodes[i] = node;
     }
   }
   for (const PendingLink& link : open.links) {

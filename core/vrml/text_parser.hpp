@@ -36,6 +36,7 @@ class TextParser {
     const FieldSpec* outer;
     const FieldSpec* inner;
     Position at;
+    bool value;  // it carries one, not only events
   };
   // A node between its braces.
   struct Open {
@@ -97,7 +98,12 @@ class TextParser {
   void report_unknown_type(const Token& name);
   bool is_field_of_open_node(std::string_view word) const;
   const FieldSpec* find_field_of(const Open& open, std::string_view name) const;
-  void skip_value() { lose(values_.skip()); }
+  void skip_value() {
+    // Nodes in there are none of the Script field in hand.
+    std::vector<Definition*> outer_uses = std::exchange(script_uses_, {});
+    lose(values_.skip());
+    script_uses_ = std::move(outer_uses);
+  }
   void skip_balanced() { lose(tokens_.skip_balanced()); }
   void lose(const std::vector<std::string_view>& names) {
     for (const std::string_view name : names) lose(name);

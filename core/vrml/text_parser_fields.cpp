@@ -77,7 +77,7 @@ void TextParser::parse_field(Open& open) {
     return skip_value();
   }
   const auto same = [&](const Field& f) { return f.spec == spec; };
-  if (std::ranges::any_of(open.links, [&](const PendingLink& link) { return link.inner == spec; })) {
+  if (std::ranges::any_of(open.links, [&](const PendingLink& link) { return link.inner == spec && link.value; })) {
     tokens_.warning(tokens_.position_of(name), quoted(name.text) + " is given twice; the last IS counts");
   }
   if (std::any_of(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), same)) {
@@ -130,13 +130,14 @@ void TextParser::parse_is(Open& open, const FieldSpec& spec, Access access, Posi
     return refuse(at, "the " + std::string(name_of(access)) + ' ' + quoted(spec.name) + " cannot be the " +
                           std::string(name_of(outer->access)) + ' ' + quoted(outer->name));
   }
-  const auto same = [&](const auto& other) { return other.inner == &spec && has_value(access); };
-  const auto given = [&](const Field& f) { return f.spec == &spec; };
+  const bool carries = has_value(access) && has_value(outer->access);
+  const auto same = [&](const PendingLink& other) { return other.inner == &spec && other.value && carries; };
+  const auto given = [&](const Field& f) { return f.spec == &spec && carries; };
   if (std::ranges::any_of(open.links, same) ||
       std::any_of(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), given)) {
     tokens_.warning(at, quoted(spec.name) + " is given twice; the last IS counts");
   }
-  open.links.push_back({outer, &spec, at});
+  open.links.push_back({outer, &spec, at, carries});
 }
 
 void TextParser::parse_script_declaration(Open& open) {

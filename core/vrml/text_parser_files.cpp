@@ -87,10 +87,18 @@ void TextParser::load_inlines_of(const Prototype& prototype, std::span<const Fie
     const auto value = [&](std::string_view name) {
       const Field* field = node.find(name);
       for (const IsLink& link : prototype.links) {
-        if (link.node != i || link.inner->name != name) continue;
+        // An event of the interface carries no value.
+        if (link.node != i || link.inner->name != name || !has_value(link.outer->access) ||
+            !has_value(link.inner->access)) {
+          continue;
+        }
         const auto it = std::ranges::find(given, link.outer, &Field::spec);
         const auto& otherwise = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
-        field = it != given.end() ? &*it : otherwise ? &*otherwise : nullptr;
+        if (it != given.end()) {
+          field = &*it;
+        } else if (otherwise) {
+          field = &*otherwise;
+        }
       }
       return field;
     };

@@ -42,6 +42,7 @@ FileLoader local_files() {
     std::error_code error;
     if (!std::filesystem::exists(path, error)) return std::unexpected("there is no such file");
     if (!std::filesystem::is_regular_file(path, error)) return std::unexpected("it is no regular file");
+    if (std::filesystem::file_size(path, error) > ReadLimits{}.text_bytes) return std::unexpected("it is too large");
     auto bytes = read_text_file(path);
     if (!bytes) return std::unexpected("it can't be read");
     // Links and detours lead to one name, so that a file that includes itself is seen to.
@@ -56,7 +57,16 @@ Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::
   auto file = std::make_unique<WorldFile>();
   file->text = std::move(*text);
   options.name = path.string();
-  if (!options.load) options.load = local_files();
+  if (!options.load) {
+    // The world goes by the name that it was asked for, wherever it is named.
+    std::error_code error;
+    const std::string one = std::filesystem::canonical(path, error).string();
+    options.load = [files = local_files(), one, name = options.name](std::string_view url, std::string_view base) {
+      auto loaded = files(url, base);
+      if (loaded && loaded->name == one) loaded->name = name;
+      return loaded;
+    };
+  }
   file->result = read_world(file->text, options);
   return file;
 }

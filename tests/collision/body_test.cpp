@@ -136,7 +136,8 @@ Mesh two_boxes() {
   return make_mesh(v, faces);
 }
 Mesh bent() {  // a quad out of its plane by one ulp
-  return make_mesh({{0, -1, -1}, {0, 1, -1}, {std::numeric_limits<float>::denorm_min(), 1, 1}, {0, -1, 1}}, {{0, 1, 2, 3}});
+  return make_mesh({{0, -1, -1}, {0, 1, -1}, {std::numeric_limits<float>::denorm_min(), 1, 1}, {0, -1, 1}},
+                   {{0, 1, 2, 3}});
 }
 Mesh huge() {
   Faces fan;

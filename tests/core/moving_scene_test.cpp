@@ -20,7 +20,8 @@ ROUTE T.fraction_changed TO P.set_fraction
 )";
 
 TEST(MovingScene, UpdatesWhatMovesAndNothingElse) {
-  std::string body = "DEF LIFT Transform { children Shape { geometry Box { } } }" + kClock + "ROUTE P.value_changed TO LIFT.translation\n";
+  std::string body = "DEF LIFT Transform { children Shape { geometry Box { } } }" + kClock +
+                     "ROUTE P.value_changed TO LIFT.translation\n";
   for (int i = 0; i < 1000; ++i) body += "Transform { translation " + std::to_string(i) + " 0 0 children Shape { } }\n";
   const Scene scene = scene_of(body);
   MovingScene world(scene);
@@ -39,7 +40,9 @@ TEST(MovingScene, UpdatesWhatMovesAndNothingElse) {
 }
 
 TEST(MovingScene, AgreesWithTheScene) {
-  const Scene scene = scene_of("DEF A Transform { translation 1 2 3 rotation 1 1 0 0.7 scale 2 1 3 center 1 0 0 children DEF B Transform { rotation 0 1 0 2 } }");
+  const Scene scene = scene_of(
+      "DEF A Transform { translation 1 2 3 rotation 1 1 0 0.7 scale 2 1 3 center 1 0 0 children DEF B Transform { "
+      "rotation 0 1 0 2 } }");
   MovingScene world(scene);
   (void)world.go_to(3.0);
   for (const std::uint32_t i : {0u, 1u}) {
@@ -49,8 +52,11 @@ TEST(MovingScene, AgreesWithTheScene) {
 }
 
 TEST(MovingScene, BoxesHoldWhatIsBelowAndAreMadeWhenAskedFor) {
-  const Scene scene = scene_of("DEF LIFT Transform { children [ DEF S Shape { geometry DEF BOX Box { size 2 4 6 } } Transform { translation 10 0 0 children Shape { geometry USE BOX } } ] }"
-                               "Shape { geometry Sphere { } }" + kClock + "ROUTE P.value_changed TO LIFT.translation");
+  const Scene scene = scene_of(
+      "DEF LIFT Transform { children [ DEF S Shape { geometry DEF BOX Box { size 2 4 6 } } Transform { translation 10 "
+      "0 0 children Shape { geometry USE BOX } } ] }"
+      "Shape { geometry Sphere { } }" +
+      kClock + "ROUTE P.value_changed TO LIFT.translation");
   MovingScene world(scene);
   (void)world.go_to(1.0);
   const WorldBox box = world.box(scene.find("LIFT").value());
@@ -81,7 +87,8 @@ constexpr const char* kTwoHouses = R"(
 
 TEST(MovingSceneInlines, AreFilledWhereTheyAreOfInterest) {
   ReadOptions options;
-  options.load = files({{"house.wrl", "DEF DOOR Transform { children Shape { geometry Box { } } }" + kClock + "ROUTE P.value_changed TO DOOR.translation"}});
+  options.load = files({{"house.wrl", "DEF DOOR Transform { children Shape { geometry Box { } } }" + kClock +
+                                          "ROUTE P.value_changed TO DOOR.translation"}});
   options.inlines_later = true;
   const std::string text = world_text(kTwoHouses);
   const ReadResult read = read_world(text, options);
@@ -110,9 +117,11 @@ TEST(MovingSceneInlines, AreFilledWhereTheyAreOfInterest) {
 // A CollisionInterest needs what is within its objects, and every peer the same: those Inlines are read at once.
 TEST(MovingSceneInlines, AreReadAtOnceWhereTheyCollide) {
   ReadOptions options;
-  options.load = files({{"house.wrl", "Shape { geometry Box { } } Inline { url \"shed.wrl\" bboxSize 1 1 1 }"}, {"shed.wrl", "Shape { }"}});
+  options.load = files({{"house.wrl", "Shape { geometry Box { } } Inline { url \"shed.wrl\" bboxSize 1 1 1 }"},
+                        {"shed.wrl", "Shape { }"}});
   options.inlines_later = true;
-  const std::string text = world_text(kTwoHouses + std::string("CollisionInterest { objectPath \"CAR\" interests \"NEAR\" }"));
+  const std::string text =
+      world_text(kTwoHouses + std::string("CollisionInterest { objectPath \"CAR\" interests \"NEAR\" }"));
   const ReadResult read = read_world(text, options);
   ASSERT_TRUE(read.scene.has_value());
   EXPECT_EQ(read.scene->pending_inlines.size(), 1u) << "only the far one";
@@ -126,7 +135,8 @@ TEST(MovingSceneInlines, SayWhatCannotBeRead) {
   const ReadResult none = read_inline({{0}, {}, {}, {"none.wrl", "gone.wrl"}, "world.wrl"}, options);
   EXPECT_FALSE(none.scene.has_value());
   ASSERT_EQ(none.diagnostics.size(), 1u);
-  EXPECT_EQ(none.diagnostics[0].message, "this Inline cannot be read: 'none.wrl': there is no such file; 'gone.wrl': there is no such file");
+  EXPECT_EQ(none.diagnostics[0].message,
+            "this Inline cannot be read: 'none.wrl': there is no such file; 'gone.wrl': there is no such file");
   const ReadResult bad = read_inline({{0}, {}, {}, {"none.wrl", "bad.wrl"}, "world.wrl"}, options);
   EXPECT_FALSE(bad.scene.has_value());
   EXPECT_EQ(render(bad, bad.diagnostics.at(0)).substr(0, 19), "bad.wrl:2:1: error:");

@@ -54,7 +54,8 @@ TEST(PredefinedMotion, ATranslationBetweenTwoKeysIsConstantVelocity) {
 }
 
 TEST(PredefinedMotion, ATurnAboutTheOwnOriginIsConstantAngularVelocity) {
-  const Scene scene = scene_of("DEF ARM Transform { translation 5 0 0 }" + kClock + "ROUTE O.value_changed TO ARM.rotation");
+  const Scene scene =
+      scene_of("DEF ARM Transform { translation 5 0 0 }" + kClock + "ROUTE O.value_changed TO ARM.rotation");
   PredefinedMotion motion(scene);
   const auto piece = motion.piece({0}, 1.5);
   EXPECT_EQ(piece.begin_s, 1.0);
@@ -80,7 +81,8 @@ TEST(PredefinedMotion, ACircleIsCutIntoPiecesThatMeet) {
     for (const double part : {0.01, 0.2, 0.5, 0.8, 0.99}) {
       const double s = piece.begin_s + part * (piece.end_s - piece.begin_s);
       const Pose at = advance(piece.state, s - piece.begin_s).pose(), there = motion.rigid_pose({1}, s);
-      ASSERT_LT((at.position - there.position).norm(), bound) << "t = " << s << ", piece from " << piece.begin_s << " to " << piece.end_s;
+      ASSERT_LT((at.position - there.position).norm(), bound)
+          << "t = " << s << ", piece from " << piece.begin_s << " to " << piece.end_s;
       ASSERT_LT(angle_between(at.orientation, there.orientation), 1e-7) << "t = " << s;
     }
     t = piece.end_s;
@@ -106,7 +108,8 @@ TEST(PredefinedMotion, SaysWhatIsNoRigidBody) {
   const std::string scaled = R"(DEF S ScalarInterpolator { key [ 0 1 ] keyValue [ 0 1 ] }
     DEF UNEVEN Transform { scale 1 2 1 children DEF TURNS Transform { } }
     DEF EVEN Transform { scale 2 2 2 children DEF TURNS2 Transform { } }
-    DEF GROWS Transform { })" + kClock + R"(
+    DEF GROWS Transform { })" +
+                             kClock + R"(
     ROUTE O.value_changed TO TURNS.rotation ROUTE O.value_changed TO TURNS2.rotation ROUTE P.value_changed TO GROWS.scale)";
   const Scene scene = scene_of(scaled);
   const PredefinedMotion motion(scene);

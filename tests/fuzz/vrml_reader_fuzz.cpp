@@ -117,7 +117,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(interest.collider.value < count);
     for (const peerd::ObjectId id : interest.collidees) require(id.value < count && id != interest.collider);
   }
-  for (const peerd::KeySensor& sensor : scene.key_sensors) require(!sensor.recipient || sensor.recipient->value < count);
+  for (const peerd::KeySensor& sensor : scene.key_sensors)
+    require(!sensor.recipient || sensor.recipient->value < count);
   require(scene.pending_inlines.empty());  // nothing was asked to be read later
   if (count < 4096) check_movement(scene);
   return 0;

@@ -113,8 +113,8 @@ inline bool same_bits(const Message& a, const Message& b) {
   return a.sender == b.sender && a.boot == b.boot && a.has_hello == b.has_hello && a.leaving == b.leaving &&
          h.name == g.name && h.world_hash == g.world_hash && h.host_tx == g.host_tx &&
          h.synchronised == g.synchronised && h.session_minus_host == g.session_minus_host && h.sessions == g.sessions &&
-         h.start == g.start && h.world_zero == g.world_zero && h.enslaved == g.enslaved && std::ranges::equal(h.echoes, g.echoes, same_echo) &&
-         std::ranges::equal(a.updates, b.updates, same_update) &&
+         h.start == g.start && h.world_zero == g.world_zero && h.enslaved == g.enslaved &&
+         std::ranges::equal(h.echoes, g.echoes, same_echo) && std::ranges::equal(a.updates, b.updates, same_update) &&
          std::ranges::equal(a.decisions, b.decisions, same_decision);
 }
 

@@ -79,7 +79,8 @@ TEST(Predefined, BouncesWhatItMeets) {
 
 TEST(Predefined, ABodyThatChangesItsShapeHasNoAnswerAndSaysSo) {
   const World world(
-      "DEF PRESS Transform { children [ Shape { geometry Box { } } DEF PLUNGER Transform { children Shape { geometry Box "
+      "DEF PRESS Transform { children [ Shape { geometry Box { } } DEF PLUNGER Transform { children Shape { geometry "
+      "Box "
       "{ } } } ] }" +
       box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PRESS\"") +
       "DEF T TimeSensor { loop TRUE } DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0 0 1 0 ] }"

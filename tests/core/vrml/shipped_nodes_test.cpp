@@ -27,10 +27,10 @@ TEST(ShippedNodes, ReadWithoutAProblem) {
 // An EXTERNPROTO with the whole interface of each, as a world would declare it.
 TEST(ShippedNodes, AreTheBuiltInNodes) {
   const std::string text = shipped();
-  for (const auto& [name, type] : {std::pair("CollisionInterest", "CollisionInterest"),
-                                   std::pair("CollisionResponse", "CollisionResponse"),
-                                   std::pair("KeySensor", "KeySensor"), std::pair("PeerTransform", "Transform"),
-                                   std::pair("PeerShape", "Shape")}) {
+  for (const auto& [name, type] :
+       {std::pair("CollisionInterest", "CollisionInterest"), std::pair("CollisionResponse", "CollisionResponse"),
+        std::pair("KeySensor", "KeySensor"), std::pair("PeerTransform", "Transform"),
+        std::pair("PeerShape", "Shape")}) {
     EXPECT_NE(text.find(std::string("PROTO ") + name + " ["), std::string::npos);
     const vrml::NodeType* node = vrml::find_node_type(type);
     ASSERT_NE(node, nullptr);

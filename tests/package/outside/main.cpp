@@ -22,8 +22,8 @@ int main(int, char** argv) {
   peerd::KinematicState driving = peerd::at_rest(world.scene->rigid_pose(*car));
   driving.velocity.x() = 1.0;
   const peerd::KinematicState standing = peerd::at_rest(world.scene->rigid_pose(*wall));
-  const auto contact = peerd::collision::first_contact({car_body, driving}, {wall_body, standing},
-                                                       peerd::CollisionType::kWitness, 60.0);
+  const auto contact =
+      peerd::collision::first_contact({car_body, driving}, {wall_body, standing}, peerd::CollisionType::kWitness, 60.0);
   std::cout << "the car meets the wall after " << contact.time_s << " s\n";
 
   const auto model = peerd::replication::make_world_model(*world.scene);
