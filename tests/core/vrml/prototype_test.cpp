@@ -548,5 +548,26 @@ TEST(ProtoNesting, HasALimit) {
   EXPECT_THAT(errors_of(nested(300)), testing::Contains(HasSubstr("nested more than 256 deep")));
 }
 
+// An event's IS gives a field no value, and takes none away.
+TEST(Proto, LetsAFieldHaveAValueAndItsEventsAnInterface) {
+  EXPECT_THAT(problems_of("PROTO P [ eventOut SFVec3f o eventIn SFVec3f i ] { Transform { translation 1 0 0 "
+                          "translation_changed IS o set_translation IS i } }\nP { }"),
+              IsEmpty());
+}
+
+// Copies of what a default USEs are counted before they are made.
+TEST(MemoryLimit, CountsWhatDefaultsUse) {
+  std::string body = "DEF X Group { children [ ";
+  for (int i = 0; i < 2000; ++i) body += "Group { } ";
+  body += "] }\nPROTO P [ ";
+  for (int i = 0; i < 500; ++i) body += "field SFNode f" + std::to_string(i) + " USE X ";
+  body += "] { Group { } }";
+  ReadOptions options;
+  options.limits.nodes = 10'000;
+  const std::string text = world_text(body);
+  const ReadResult result = read_world(text, options);
+  EXPECT_FALSE(result.scene.has_value());
+}
+
 }  // namespace
 }  // namespace peerd::vrml
