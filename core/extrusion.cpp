@@ -13,7 +13,10 @@
 // - Points are one if their coordinates are equal. So it is decided whether the spine or the cross-section is closed.
 // - Consecutive spine points that are one share their cross-section plane (6.18.3); those of the others are computed as
 //   if it had been written once. If all are one the cross-section stays in y = 0.
-// - Collinear means that the exact cross product is 0.
+// - Collinear means that the exact cross product is 0, or so small that rounding the file's decimals to binary32 can
+// have
+//   made it: 0.1 0.2 0.3 and 0.2 0.4 0.6 are on one line with 0 as they are written, and not as they are stored. The z
+//   axes of such points would come from that noise, and the cross-sections twist.
 // - A straight spine's direction is that of its first segment that has a length. One that points down turns the
 //   cross-section half around z; any axis in y = 0 would be as short a way.
 // - Where the spine comes straight back to where it was, spine[i+1] - spine[i-1] is 0. Then the y axis is the previous
@@ -46,8 +49,10 @@ Vec3 unit(const Vec3& v) {
   return {v.x() / length, v.y() / length, v.z() / length};
 }
 
+double largest(const Vec3& v) { return std::max({std::abs(v.x()), std::abs(v.y()), std::abs(v.z())}); }
+
 // (b - a) x (c - a). Computed exactly and rounded: 0 only if the points are collinear.
-Vec3 normal(const Point& a, const Point& b, const Point& c) {
+Vec3 exact_normal(const Point& a, const Point& b, const Point& c) {
   Vec3 n;
   for (Eigen::Index k = 0; k < 3; ++k) {
     const Eigen::Index x = (k + 1) % 3, y = (k + 2) % 3;
@@ -58,6 +63,15 @@ Vec3 normal(const Point& a, const Point& b, const Point& c) {
     n[k] = sum.value();
   }
   return n;
+}
+
+// The same, and 0 where it is no larger than what rounding makes: each coordinate x is off by at most 2^-24 |x|, and
+// moves a component by that times the two sides' extents.
+Vec3 normal(const Point& a, const Point& b, const Point& c) {
+  const Vec3 n = exact_normal(a, b, c);
+  const double size = (largest(a.cast<double>()) + largest(b.cast<double>())) + largest(c.cast<double>());
+  const double sides = (largest(minus(b, a)) + largest(minus(c, b))) + largest(minus(a, c));
+  return largest(n) <= 0x1p-24 * size * sides ? Vec3::Zero() : n;
 }
 
 bool is_straight(const std::vector<Point>& path) {
@@ -73,8 +87,10 @@ Scp straight_scp(const Vec3& d) {
   return {{c + k * (d.z() * d.z()), -d.x(), xz}, d, {xz, -d.z(), c + k * (d.x() * d.x())}};
 }
 
-// path: consecutive points differ, and not all are collinear.
-std::vector<Scp> bent_scps(const std::vector<Point>& path) {
+// path: consecutive points differ, and not all are collinear. Where it bends so gently that no three points in a row
+// show it, `normal_of` must be the exact one.
+std::optional<std::vector<Scp>> bent_scps(const std::vector<Point>& path,
+                                          Vec3 (*normal_of)(const Point&, const Point&, const Point&)) {
   const std::size_t count = path.size(), last = count - 1;
   const bool closed = path.front() == path.back();
   std::vector<Vec3> y(count), z(count);
@@ -85,7 +101,7 @@ std::vector<Scp> bent_scps(const std::vector<Point>& path) {
     const Point& next = i < last ? path[i + 1] : closed ? path[1] : path[last];
     y[i] = minus(next, previous);
     if (y[i] == Vec3::Zero()) y[i] = i > 0 ? y[i - 1] : minus(path[1], path[0]);
-    z[i] = normal(path[i], next, previous);
+    z[i] = normal_of(path[i], next, previous);
     const bool defined = z[i] != Vec3::Zero();
     if (defined && !first_defined) {
       std::fill_n(z.begin(), i, z[i]);
@@ -94,7 +110,7 @@ std::vector<Scp> bent_scps(const std::vector<Point>& path) {
     if (i > 0 && !defined) z[i] = z[i - 1];
     if (i > 0 && dot(z[i], z[i - 1]) < 0.0) z[i] = -z[i];
   }
-  assert(first_defined);
+  if (!first_defined) return std::nullopt;
   std::vector<Scp> scps(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 unit_y = unit(y[i]), unit_z = unit(z[i]);
@@ -114,7 +130,9 @@ std::vector<Scp> spine_scps(std::span<const Point> spine) {
   }
   if (path.size() == 1) return std::vector<Scp>(spine.size());
   if (is_straight(path)) return std::vector<Scp>(spine.size(), straight_scp(unit(minus(path[1], path[0]))));
-  const std::vector<Scp> scps = bent_scps(path);
+  auto bent = bent_scps(path, normal);
+  if (!bent) bent = bent_scps(path, exact_normal);
+  const std::vector<Scp>& scps = bent.value();
   std::vector<Scp> result;
   for (const std::size_t i : place) result.push_back(scps[i]);
   return result;

@@ -37,6 +37,8 @@ void start_coin() {
   SoDebugError::setHandlerCallback(count_error, nullptr);
 }
 
+std::size_t coin_errors() { return errors; }
+
 bool read_with_coin(std::string_view text) {
   SoSeparator* const root = read(text);
   if (root == nullptr) return false;
@@ -45,11 +47,11 @@ bool read_with_coin(std::string_view text) {
 }
 
 std::optional<std::uint64_t> triangles_of_coin(std::string_view text) {
-  errors = 0;
+  const std::size_t before = errors;
   SoSeparator* const root = read(text);
   if (root == nullptr) return std::nullopt;
   std::uint64_t triangles = 0;
-  const std::size_t read_errors = errors;
+  const std::size_t read_errors = errors - before;
   SoCallbackAction action;
   action.addTriangleCallback(SoNode::getClassTypeId(), count_triangle, &triangles);
   action.apply(root);

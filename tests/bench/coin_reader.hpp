@@ -10,6 +10,9 @@ namespace peerd::bench {
 // given.
 void start_coin();
 
+// How many errors it has reported since, of reading and of other kinds.
+[[nodiscard]] std::size_t coin_errors();
+
 // Reads the text and frees what it read; false where it reads none.
 bool read_with_coin(std::string_view text);
 
