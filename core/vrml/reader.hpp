@@ -28,7 +28,7 @@ struct ReadResult {
 };
 
 // Reads a VRML97 world with the seed's extensions (ISO/IEC 14772-1; seed, appendix C); the text may be packed with
-// gzip. A pure function of the text and of what `load` gives: no file is opened here. Reports all problems in one pass.
+// gzip. A pure function of the text and of what `load` gives: no file is opened here. Reports all problems of one reading.
 // Time is linear in the texts and in what they expand to, memory a small multiple of what is kept; both are limited.
 [[nodiscard]] ReadResult read_world(std::string_view text, const ReadOptions& options = {});
 
