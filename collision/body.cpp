@@ -1,10 +1,7 @@
 #include "collision/body.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <expected>
-#include <utility>
 
 #include "collision/convexity.hpp"
 #include "collision/ordered_sums.hpp"

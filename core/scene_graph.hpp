@@ -81,7 +81,6 @@ class SceneGraph {
   // No node (alive() is false) at the top, at the end.
   [[nodiscard]] NodeHandle parent(NodeHandle node) const { return handle_of(at(node).parent); }
   [[nodiscard]] NodeHandle first_child(NodeHandle node) const { return handle_of(at(node).first_child); }
-  [[nodiscard]] NodeHandle next_sibling(NodeHandle node) const { return handle_of(at(node).next); }
   // In order. A range must not outlive an edit of what it runs over.
   [[nodiscard]] NodeRange children(NodeHandle node) const;
   [[nodiscard]] NodeRange subtree(NodeHandle node) const;  // depth first, `node` itself ahead

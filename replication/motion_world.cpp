@@ -88,6 +88,7 @@ std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
   }
   std::ranges::sort(named);
   named.erase(std::ranges::unique(named).begin(), named.end());
+  if (named.empty()) return model;
   const PredefinedMotion predefined(scene);
   for (ObjectId id : named) {
     model->bodies.push_back(collision::make_body(scene, id));

@@ -249,7 +249,7 @@ class Peer {
   std::optional<HostTime> started_;
   std::optional<SimTime> start_;
   std::optional<SimTime> world_zero_;
-  PredefinedMotion predefined_;
+  std::optional<PredefinedMotion> predefined_;  // where the file moves any body
   bool clock_stepped_ = false;
   // Until when both worlds know how what the file moves goes on (none: they don't yet), and until when a peer ran it.
   struct Predefined {

@@ -40,7 +40,7 @@ void Peer::tell_predefined(SimTime to) {
     }
     while (!p.told || *p.told <= to) {
       const SimTime from = p.told.value_or(to);
-      const PredefinedMotion::Piece piece = predefined_.piece(p.object, to_seconds(from - *world_zero_));
+      const PredefinedMotion::Piece piece = predefined_->piece(p.object, to_seconds(from - *world_zero_));
       const SimTime begin = std::max(session_time(piece.begin_s), p.run_until.value_or(SimTime::min()));
       const KinematicState state = advance(piece.state, to_seconds(begin - *world_zero_) - piece.begin_s);
       replica_->truth.set_base(p.object, begin, state);

@@ -47,8 +47,8 @@ struct Between {
 };
 
 // 4.6.8: f(t) = v_0 for t <= t_0, v_{n-1} for t >= t_{n-1}, else linterp(t, v_i, v_{i+1}) for t_i <= t <= t_{i+1}. At a
-// key that is given more than once, where 4.6.8 leaves it open, the last of its values (the limit from the right). A
-// NaN gives v_0. O(log n); n >= 1.
+// key that is given more than once, where 4.6.8 leaves it open, the last of its values (the limit from the right);
+// but v_0 at a first key, as the first line has it. A NaN gives v_0. O(log n); n >= 1.
 [[nodiscard]] Between locate(std::span<const float> key, double fraction);
 
 // value_changed for that set_fraction. Requires sends(). Allocates only where `out.numbers` must grow.

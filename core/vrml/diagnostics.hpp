@@ -95,6 +95,9 @@ class Problems {
 // What a message shows of the input: in quotes, control bytes as '?', shortened.
 [[nodiscard]] std::string quoted(std::string_view text);
 
+// Of more names than this none is looked for: a misspelt one among millions must not cost minutes.
+inline constexpr std::size_t kFewEnough = 4096;
+
 [[nodiscard]] std::string did_you_mean(const Suggestion& suggestion);  // ", did you mean 'Transform'?", or empty
 
 }  // namespace vrml

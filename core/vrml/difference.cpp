@@ -14,8 +14,6 @@ using namespace vrml;
 
 constexpr std::uint32_t kNone = Instance::kNone;
 
-bool holds_nodes(FieldType type) { return type == FieldType::kSFNode || type == FieldType::kMFNode; }
-
 std::string quoted_name(const Node& node) {
   return std::string(node.type->name) + (node.def.empty() ? "" : " " + std::string(node.def));
 }

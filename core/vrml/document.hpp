@@ -1,10 +1,8 @@
 #pragma once
-#include <array>
 #include <cassert>
 #include <cstdint>
 #include <deque>
 #include <limits>
-#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>

@@ -609,5 +609,6 @@ int float_count(FieldType type) {
 }
 
 bool is_list(FieldType type) { return type >= kMFColor; }
+bool holds_nodes(FieldType type) { return type == kSFNode || type == kMFNode; }
 
 }  // namespace peerd::vrml

@@ -117,5 +117,6 @@ struct NodeType {
 // Floats in one value; 0 where values are not made of floats.
 [[nodiscard]] int float_count(FieldType type);
 [[nodiscard]] bool is_list(FieldType type);
+[[nodiscard]] bool holds_nodes(FieldType type);  // SFNode or MFNode
 
 }  // namespace peerd::vrml

@@ -9,8 +9,6 @@
 namespace peerd::vrml {
 namespace {
 
-bool holds_nodes(FieldType type) { return type == FieldType::kSFNode || type == FieldType::kMFNode; }
-
 // The same nodes, `base` further on.
 Field moved(const Field& field, std::uint32_t base, Arena& arena) {
   const std::span<NodeRef> refs = arena.allocate<NodeRef>(field.count);

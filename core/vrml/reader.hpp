@@ -28,8 +28,9 @@ struct ReadResult {
 };
 
 // Reads a VRML97 world with the seed's extensions (ISO/IEC 14772-1; seed, appendix C); the text may be packed with
-// gzip. A pure function of the text and of what `load` gives: no file is opened here. Reports all problems of one reading.
-// Time is linear in the texts and in what they expand to, memory a small multiple of what is kept; both are limited.
+// gzip. A pure function of the text and of what `load` gives: no file is opened here. Reports all problems of one
+// reading. Time is linear in the texts and in what they expand to for worlds as people write them, memory a small
+// multiple of what is kept; what both can grow to is limited (ReadLimits).
 [[nodiscard]] ReadResult read_world(std::string_view text, const ReadOptions& options = {});
 
 // The content of an Inline that was left for later, with options like those of its world: a scene of its own, in the

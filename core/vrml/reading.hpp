@@ -20,7 +20,6 @@ namespace peerd::vrml {
 inline constexpr std::size_t kMaxOpenFiles = 32;  // an Inline in an Inline in ..; each is a recursion
 inline constexpr std::uint32_t kAround =
     NodeRef::kNull - 1;                          // a node that is still open, until its closing brace is read
-inline constexpr std::size_t kFewEnough = 4096;  // a misspelt name among millions must not cost minutes
 inline constexpr std::size_t kMaxFields = 4096;  // that a PROTO or a Script may declare: they are looked for one by one
 inline constexpr std::uint32_t kMaxResolving = 64;  // EXTERNPROTOs that lead to one another; each is a recursion
 inline constexpr std::string_view kOwnUrn = "urn:peerd:node:";

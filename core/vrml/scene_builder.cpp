@@ -1,7 +1,6 @@
 #include "core/vrml/scene_builder.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <map>
 #include <unordered_set>
@@ -389,7 +388,6 @@ std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t sc
     return std::nullopt;
   }
   Suggestion suggestion(path);
-  constexpr std::size_t kFewEnough = 4096;
   if (first_of_name_.size() <= kFewEnough) {
     for (const Instance& instance : scene_.instances) suggestion.consider(instance.def);
   }

@@ -1,7 +1,6 @@
 #include "core/vrml/values.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
 #include "core/vrml/element_positions.hpp"

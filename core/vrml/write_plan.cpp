@@ -9,8 +9,6 @@ namespace {
 
 constexpr std::uint32_t kNever = ~0u;
 
-bool holds_nodes(FieldType type) { return type == FieldType::kSFNode || type == FieldType::kMFNode; }
-
 bool is_external(const Node& node) {
   return node.type->meaning == Meaning::kPart && find_node_type(node.type->name) != node.type;
 }

@@ -9,8 +9,6 @@ namespace peerd {
 namespace vrml {
 namespace {
 
-bool holds_nodes(FieldType type) { return type == FieldType::kSFNode || type == FieldType::kMFNode; }
-
 // Takes the plan's walk again, writing.
 class Writer {
  public:
