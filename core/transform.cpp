@@ -32,15 +32,22 @@ Affine multiply(const Affine& a, const Affine& b) {
   return {multiply(a.linear, b.linear), multiply(a.linear, b.offset) + a.offset};
 }
 
+namespace {
+
+// SR * S * SR^-1
+Mat3 scale_of(const TransformFields& t) {
+  const Mat3 sr = t.scale_orientation.toRotationMatrix();
+  Mat3 scaled = sr;
+  for (int j = 0; j < 3; ++j) scaled.col(j) *= t.scale[j];
+  return multiply(scaled, Mat3(sr.transpose()));
+}
+
+}  // namespace
+
 Affine parent_from_local(const TransformFields& t) {
   Affine out;
   out.linear = t.rotation.toRotationMatrix();
-  if (is_scaled(t)) {
-    const Mat3 sr = t.scale_orientation.toRotationMatrix();
-    Mat3 scaled = sr;
-    for (int j = 0; j < 3; ++j) scaled.col(j) *= t.scale[j];
-    out.linear = multiply(out.linear, multiply(scaled, Mat3(sr.transpose())));
-  }
+  if (is_scaled(t)) out.linear = multiply(out.linear, scale_of(t));
   out.offset = t.translation + (t.center - multiply(out.linear, t.center));
   return out;
 }
@@ -53,6 +60,22 @@ Pose rigid_pose(std::span<const TransformFields> path) {
     rotation = multiply(rotation, t.rotation);
   }
   return {product.offset, normalized(rotation)};
+}
+
+StretchedPose stretched_pose(std::span<const TransformFields> path) {
+  StretchedPose out{rigid_pose(path)};
+  bool stretched = false;
+  for (const TransformFields& t : path) {
+    if (stretched) {
+      const Mat3 rotation = t.rotation.toRotationMatrix();
+      out.stretch = multiply(Mat3(rotation.transpose()), multiply(out.stretch, rotation));
+      if (is_scaled(t)) out.stretch = multiply(out.stretch, scale_of(t));
+    } else if (is_scaled(t)) {
+      out.stretch = scale_of(t);
+      stretched = true;
+    }
+  }
+  return out;
 }
 
 }  // namespace peerd

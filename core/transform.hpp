@@ -39,4 +39,13 @@ struct Affine {
 // rotations.
 [[nodiscard]] Pose rigid_pose(std::span<const TransformFields> path);
 
+// The same, and what scales and shears the rest leaves of the path: its product's linear part is rotation * stretch.
+// Exactly the identity without scale, and exactly the scale where only the last transform has one. With R_i and S_i the
+// rotation and the scale (SR * S * SR^-1) of transform i, stretch_i = (R_i^T * stretch_(i-1) * R_i) * S_i.
+struct StretchedPose {
+  Pose pose;
+  Mat3 stretch = Mat3::Identity();
+};
+[[nodiscard]] StretchedPose stretched_pose(std::span<const TransformFields> path);
+
 }  // namespace peerd

@@ -1,3 +1,5 @@
+#include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <iostream>
 
@@ -6,6 +8,7 @@
 
 #include "core/key_codes.hpp"
 #include "peerd/check.hpp"
+#include "peerd/collide.hpp"
 #include "peerd/commands.hpp"
 #include "peerd/net/host_clock.hpp"
 #include "peerd/print.hpp"
@@ -161,6 +164,16 @@ int run(int argc, char** argv) {
   check_command->add_option("--write", check.copy, "write the world to a file, as one text that needs no other");
   check_command->add_option("--at", check.at_s, "say where its own movement has brought things after so many seconds");
 
+  CollideOptions collide;
+  CLI::App* collide_command =
+      app.add_subcommand("collide", "which objects of a world collide: all its interests, once");
+  collide_command->add_option("world", world, "the VRML97 world")->required();
+  collide_command->add_flag("--json", collide.json, "one JSON object");
+  collide_command->add_option("--at", collide.at_s, "when: the time of its TimeSensors [s]")
+      ->check([](const std::string& text) {
+        return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "a time is a finite number of seconds";
+      });
+
   CtlOptions ctl;
   KeyFlags key;
   CLI::App* ctl_command = app.add_subcommand("ctl", "asks or tells a peer that runs on this computer");
@@ -178,6 +191,7 @@ int run(int argc, char** argv) {
     return run_ctl(ctl);
   }
   if (*check_command) return run_check(world, check, std::cout, std::cerr);
+  if (*collide_command) return run_collide(world, collide, std::cout, std::cerr);
   if (*sim_command) return run_sim(sim);
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
   if (peer.config.empty() && flags.world.empty()) {

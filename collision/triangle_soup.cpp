@@ -1,0 +1,46 @@
+#include "collision/triangle_soup.hpp"
+
+#include <cmath>
+
+#include "core/transform.hpp"
+#include "core/triangulation.hpp"
+
+namespace peerd::collision {
+namespace {
+
+bool acceptable(const Vec3& v) {
+  // Not one comparison holds for what is no number.
+  return std::abs(v[0]) <= kLargestCoordinate_m && std::abs(v[1]) <= kLargestCoordinate_m &&
+         std::abs(v[2]) <= kLargestCoordinate_m;
+}
+
+}  // namespace
+
+std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh, const Mat3& stretch) {
+  TriangleSoup soup;
+  const bool stretched = stretch != Mat3::Identity();
+  soup.vertices.reserve(mesh.vertices.size());
+  for (const Eigen::Vector3f& v : mesh.vertices) {
+    const Vec3 parsed = v.cast<double>();
+    soup.vertices.push_back(stretched ? multiply(stretch, parsed) : parsed);
+  }
+  Triangulator triangulator;
+  for (std::uint32_t polygon = 0; polygon < mesh.polygon_count(); ++polygon) {
+    const auto corners = mesh.polygon(polygon);
+    for (const std::int32_t corner : corners) {
+      const Vec3& v = soup.vertices[static_cast<std::size_t>(corner)];
+      if (!acceptable(v)) {
+        return std::unexpected("vertex " + std::to_string(corner) + " of polygon " + std::to_string(polygon) +
+                               " is not within 2^100 m of its Shape's origin");
+      }
+      soup.box.merge(v);
+    }
+    for (const CornerTriangle& t : triangulator.triangulate(mesh, polygon)) {
+      const auto vertex = [&](std::uint32_t i) { return static_cast<std::uint32_t>(corners[i]); };
+      soup.faces.push_back({{vertex(t[0]), vertex(t[1]), vertex(t[2])}, polygon});
+    }
+  }
+  return soup;
+}
+
+}  // namespace peerd::collision

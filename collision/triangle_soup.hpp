@@ -1,0 +1,40 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <vector>
+
+#include "collision/triangle_pair.hpp"
+#include "core/box.hpp"
+#include "core/mesh.hpp"
+
+namespace peerd::collision {
+
+// What exact queries work on: the triangles of a mesh's polygons, cut by core/triangulation.hpp's fixed rule, in the
+// rigid frame of a Shape. Whatever the polygons were, cracked, doubled, crumpled or without an area, is still there.
+struct TriangleSoup {
+  struct Face {
+    std::array<std::uint32_t, 3> corners;  // into `vertices`
+    std::uint32_t polygon;                 // of the mesh, in file order
+  };
+  std::vector<Vec3> vertices;  // [m], one for each of the mesh's
+  std::vector<Face> faces;     // by polygon
+  WorldBox box;                // of the vertices that faces use, in the soup's frame
+
+  [[nodiscard]] Triangle triangle(std::uint32_t face) const {
+    const auto& c = faces[face].corners;
+    return {vertices[c[0]], vertices[c[1]], vertices[c[2]]};
+  }
+};
+
+// Coordinates beyond this [m] are refused: no world is a hundred million times the universe, and the products of three
+// of them must be far from an overflow.
+inline constexpr double kLargestCoordinate_m = 0x1p100;
+
+// `stretch` (core/transform.hpp, StretchedPose) is baked into the vertices: multiply(stretch, vertex) as binary64; the
+// identity leaves them as they were parsed. The error names the vertex that is too far out or no number at all.
+[[nodiscard]] std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh,
+                                                                 const Mat3& stretch = Mat3::Identity());
+
+}  // namespace peerd::collision

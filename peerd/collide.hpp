@@ -1,0 +1,27 @@
+#pragma once
+#include <iosfwd>
+#include <string>
+
+namespace peerd {
+
+// `peerd collide WORLD.wrl`: all registered interests, once. Problems of the world go to `err` as `peerd check` prints
+// them. Returns the exit code: 0 good, colliding or not; 1 the world has errors, or a Shape whose vertices can't be
+// used; 2 there is no such file; 3 it can't be read.
+//
+// With `json`, one object to `out` (nothing where there is no world to ask):
+//   world      the path as it was given
+//   time_s     when
+//   interests  [{collider, collidee, type, colliding, pairs}], one for each collidee of each CollisionInterest, in file
+//              order. `type` is box, witness or allpairs; `pairs` is [{a: [SHAPE, POLYGON], b: [SHAPE, POLYGON]}], a of
+//              the collider and b of the collidee: none for a box, one for a witness, for allpairs all, sorted by the
+//              Shapes' places in the file. A path is DEF names, or child indices where there is none, joined by '/'.
+//   counters   hierarchies_built, nodes_built, bv_tests, polygon_tests (of triangles of polygons), exact_tests
+//   micros     wall clock, from the world as read to the answers
+struct CollideOptions {
+  bool json = false;
+  double at_s = 0.0;  // TimeSensor time; velocityVectors have moved their objects since 0
+};
+[[nodiscard]] int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out,
+                              std::ostream& err);
+
+}  // namespace peerd
