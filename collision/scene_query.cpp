@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
+
+#include "collision/hierarchy_file.hpp"
 
 namespace peerd::collision {
 namespace {
@@ -24,9 +27,9 @@ bool finite(const WorldBox& box) { return box.is_empty() || std::isfinite(larges
 
 }  // namespace
 
-SceneQuery::SceneQuery(const Scene& scene, const SceneQueryOptions& options)
+SceneQuery::SceneQuery(const Scene& scene, HierarchyLoader load_hierarchy)
     : scene_(scene),
-      options_(options),
+      load_hierarchy_(std::move(load_hierarchy)),
       transforms_(scene.transforms),
       meshes_(scene.geometries.size()),
       local_boxes_(scene.geometries.size()),
@@ -98,14 +101,48 @@ std::expected<SceneQuery::Shaped*, std::string> SceneQuery::shaped(std::uint32_t
   return known.get();
 }
 
-KdopTree<18>& SceneQuery::tree(std::uint32_t shape, Shaped& shaped) {
-  const auto threshold = static_cast<std::uint32_t>(std::max(1, scene_.shape({shape}).split_threshold));
-  std::unique_ptr<KdopTree<18>>& tree = shaped.trees[threshold];
-  if (tree == nullptr) {
-    tree = std::make_unique<KdopTree<18>>(shaped.soup, TreeOptions{options_.rule, threshold});
+std::optional<WideTree> SceneQuery::read_tree(std::uint32_t shape, const TriangleSoup& soup) {
+  const std::string_view url = scene_.shape({shape}).hierarchy_file;
+  if (url.empty() || !load_hierarchy_) return std::nullopt;
+  const auto file = load_hierarchy_(url);
+  std::string why;
+  if (!file) {
+    why = file.error();
+  } else if (!*file) {
+    return std::nullopt;
+  } else if (auto tree = read_hierarchy(soup, (*file)->owner, (*file)->bytes)) {
+    ++counters_.hierarchies_read;
+    return std::move(*tree);
+  } else {
+    why = tree.error();
+  }
+  notes_.push_back(scene_.path_of({shape}) + ": hierarchyFile \"" + std::string(url) + "\" is not used: " + why);
+  return std::nullopt;
+}
+
+WideTree& SceneQuery::tree(std::uint32_t shape, Shaped& shaped) {
+  if (shaped.tree) return *shaped.tree;
+  shaped.tree = read_tree(shape, shaped.soup);
+  if (!shaped.tree) {
+    shaped.tree.emplace(shaped.soup);
     ++counters_.hierarchies_built;
   }
-  return *tree;
+  return *shaped.tree;
+}
+
+std::expected<std::vector<SceneQuery::Baked>, std::string> SceneQuery::bake() {
+  std::vector<Baked> files;
+  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+    if (!is_surface(i)) continue;
+    const std::string_view url = scene_.shape({i}).hierarchy_file;
+    if (url.empty() || std::ranges::find(files, url, &Baked::url) != files.end()) continue;
+    const auto shape = shaped(i);
+    if (!shape) return std::unexpected(shape.error());
+    if ((*shape)->soup.faces.empty()) continue;
+    WideTree tree((*shape)->soup);
+    files.push_back({url, write_hierarchy(tree)});
+  }
+  return files;
 }
 
 WorldBox SceneQuery::shape_box(std::uint32_t shape) {
@@ -209,8 +246,8 @@ struct SceneQuery::Search {
     if ((*of_collider)->soup.faces.empty() || (*of_collidee)->soup.faces.empty()) return false;
     const bool collider_first = collider < collidee;
     const std::uint32_t a = collider_first ? collider : collidee, b = collider_first ? collidee : collider;
-    KdopTree<18>& tree_a = query.tree(a, collider_first ? **of_collider : **of_collidee);
-    KdopTree<18>& tree_b = query.tree(b, collider_first ? **of_collidee : **of_collider);
+    WideTree& tree_a = query.tree(a, collider_first ? **of_collider : **of_collidee);
+    WideTree& tree_b = query.tree(b, collider_first ? **of_collidee : **of_collider);
     const RelativeMotion a_from_b(query.placed(a).pose, query.placed(b).pose);
     const auto report = [&](const PolygonPair& pair) {
       const ShapePolygon of_a{{a}, pair.a}, of_b{{b}, pair.b};
@@ -218,9 +255,9 @@ struct SceneQuery::Search {
     };
     if (type == CollisionType::kWitness) {
       PolygonPair pair{};
-      if (find_pair(tree_a, tree_b, a_from_b, query.counters_.queries, pair)) report(pair);
+      if (query.query_.find_pair(tree_a, tree_b, a_from_b, pair)) report(pair);
     } else {
-      for (const PolygonPair& pair : all_pairs(tree_a, tree_b, a_from_b, query.counters_.queries)) report(pair);
+      for (const PolygonPair& pair : query.query_.all_pairs(tree_a, tree_b, a_from_b)) report(pair);
     }
     return type == CollisionType::kWitness && !found.pairs.empty();
   }
@@ -245,9 +282,9 @@ std::expected<Collision, std::string> SceneQuery::collide(ObjectId collider, Obj
 
 SceneQueryCounters SceneQuery::counters() const {
   SceneQueryCounters out = counters_;
-  out.nodes_built = 0;
+  out.queries = query_.counters();
   for (const auto& [key, shaped] : shaped_) {
-    for (const auto& [threshold, tree] : shaped->trees) out.nodes_built += tree->nodes().size();
+    if (shaped->tree) out.nodes_built += shaped->tree->nodes_built();
   }
   return out;
 }

@@ -1,16 +1,18 @@
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <expected>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "collision/tree_query.hpp"
+#include "collision/wide_query.hpp"
 #include "core/scene.hpp"
 
 namespace peerd::collision {
@@ -36,15 +38,20 @@ struct SceneQueryCounters {
   std::uint64_t meshes_built = 0;       // geometries tessellated
   std::uint64_t soups_built = 0;        // triangulated
   std::uint64_t hierarchies_built = 0;  // begun: how far says nodes_built
+  std::uint64_t hierarchies_read = 0;   // from their files
   std::uint64_t nodes_built = 0;
   std::uint64_t boxes_placed = 0;     // boxes of shapes taken to the world
   std::uint64_t vertices_placed = 0;  // for kBox
   QueryCounters queries;
 };
 
-struct SceneQueryOptions {
-  SplitRule rule = SplitRule::kSplatter;
+// A file in memory, at an address that is a multiple of 32.
+struct MappedFile {
+  std::shared_ptr<const void> owner;
+  std::span<const std::byte> bytes;
 };
+// The file of a Shape's hierarchyFile; nothing where there is no such file; or why it can't be read, in a few words.
+using HierarchyLoader = std::function<std::expected<std::optional<MappedFile>, std::string>(std::string_view url)>;
 
 // Which of a scene's objects collide, at one time. Nothing is built that no question needs: kBox reads vertices only;
 // polygons are triangulated when the boxes of two shapes overlap, and a hierarchy is built as deep as it is visited.
@@ -56,7 +63,8 @@ struct SceneQueryOptions {
 // each Shape's pose takes them to the world, multiply(rotation, vertex) + position.
 class SceneQuery {
  public:
-  explicit SceneQuery(const Scene& scene, const SceneQueryOptions& options = {});  // the scene outlives it, at its place
+  // Without a loader hierarchyFile is not looked at.
+  explicit SceneQuery(const Scene& scene, HierarchyLoader load_hierarchy = {});  // the scene outlives it, at its place
 
   // Where the Transforms are now, by their index in Scene::transforms; what is built stays. Before the first call they
   // are where the file puts them.
@@ -66,12 +74,22 @@ class SceneQuery {
   // object. The error names a Shape whose vertices can't be used, and where.
   [[nodiscard]] std::expected<Collision, std::string> collide(ObjectId collider, ObjectId collidee, CollisionType type);
 
+  // The hierarchies of the Shapes below an object that collide and name a hierarchyFile, each file once: its URL and
+  // what belongs in it.
+  struct Baked {
+    std::string_view url;
+    std::string bytes;
+  };
+  [[nodiscard]] std::expected<std::vector<Baked>, std::string> bake();
+
+  // hierarchyFiles that were refused, each with its Shape and the reason; their hierarchies were built instead.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   [[nodiscard]] SceneQueryCounters counters() const;
 
  private:
   struct Shaped {  // by geometry and stretch
     TriangleSoup soup;
-    std::map<std::uint32_t, std::unique_ptr<KdopTree<18>>> trees;  // by splitThreshold
+    std::optional<WideTree> tree{};
   };
   struct StretchKey {
     std::uint32_t geometry = 0;
@@ -90,20 +108,23 @@ class SceneQuery {
   [[nodiscard]] const LocalBox& local_box(std::uint32_t geometry);
   [[nodiscard]] const StretchedPose& placed(std::uint32_t shape);
   [[nodiscard]] std::expected<Shaped*, std::string> shaped(std::uint32_t shape);
-  [[nodiscard]] KdopTree<18>& tree(std::uint32_t shape, Shaped& shaped);
+  [[nodiscard]] WideTree& tree(std::uint32_t shape, Shaped& shaped);
+  [[nodiscard]] std::optional<WideTree> read_tree(std::uint32_t shape, const TriangleSoup& soup);
   [[nodiscard]] const WorldBox& box(std::uint32_t instance);
   [[nodiscard]] WorldBox shape_box(std::uint32_t shape);
   [[nodiscard]] std::expected<WorldBox, std::string> tight_box(ObjectId object);
   [[nodiscard]] bool is_surface(std::uint32_t instance) const;
 
   const Scene& scene_;
-  SceneQueryOptions options_;
+  HierarchyLoader load_hierarchy_;
+  std::vector<std::string> notes_;
   std::vector<TransformFields> transforms_;
   std::vector<std::optional<Mesh>> meshes_;           // by geometry
   std::vector<std::optional<LocalBox>> local_boxes_;  // "
   std::map<StretchKey, std::unique_ptr<Shaped>> shaped_;
   std::vector<Placed> placed_;                  // by instance
   std::vector<std::optional<WorldBox>> boxes_;  // by instance: of its subtree, with room for all rounding
+  WideQuery query_;
   SceneQueryCounters counters_;
 };
 

@@ -151,7 +151,8 @@ Token Lexer::string() {
   return t;
 }
 
-Token Lexer::next() {
+template <bool kWholeNumbers>
+Token Lexer::cut() {
   skip_white_space();
   if (at_ >= text_.size()) return token(TokenKind::kEnd, 0);
   const char c = text_[at_];
@@ -159,6 +160,7 @@ Token Lexer::next() {
   const bool number =
       is_digit(c) || c == '+' || c == '-' || (c == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]));
   if (number) {
+    if (!kWholeNumbers) return token(TokenKind::kNumber, 0);
     std::size_t size = run(text_, at_, kNumeric);
     // "1.#QNAN", "-1.#IND", "1.#INF": how some exporters write NaN and infinity. Not a number and a comment.
     if (at_ + size < text_.size() && text_[at_ + size] == '#') {
@@ -193,6 +195,9 @@ Token Lexer::next() {
   }
   return token(TokenKind::kInvalid, size);
 }
+
+Token Lexer::next() { return cut<true>(); }
+Token Lexer::next_begin() { return cut<false>(); }
 
 std::expected<Header, std::string> read_header(std::string_view text) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
@@ -327,6 +332,8 @@ bool is_keyword(std::string_view word) {
   constexpr std::string_view kKeywords[] = {"DEF",     "EXTERNPROTO", "FALSE",        "IS",   "NULL",
                                             "PROTO",   "ROUTE",       "TO",           "TRUE", "USE",
                                             "eventIn", "eventOut",    "exposedField", "field"};
+  constexpr std::string_view kInitials = "DEFINPRTUef";
+  if (word.empty() || kInitials.find(word.front()) == std::string_view::npos) return false;
   return std::ranges::find(kKeywords, word) != std::end(kKeywords);
 }
 

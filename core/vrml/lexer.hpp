@@ -35,6 +35,8 @@ class Lexer {
  public:
   explicit Lexer(std::string_view text, std::size_t begin = 0) : text_(text), at_(begin) {}
   [[nodiscard]] Token next();
+  // The same, but of a number it takes nothing and gives no text: for callers of take_numbers() and then next().
+  [[nodiscard]] Token next_begin();
   void stop() { at_ = text_.size(); }
   void go_to(std::size_t offset) { at_ = offset; }
   [[nodiscard]] std::size_t offset() const { return at_; }
@@ -52,6 +54,8 @@ class Lexer {
   [[nodiscard]] Count count_numbers() const;
 
  private:
+  template <bool kWholeNumbers>
+  [[gnu::always_inline]] inline Token cut();
   void skip_white_space();
   Token token(TokenKind kind, std::size_t size);
   Token string();

@@ -20,9 +20,6 @@ class NameTable {
     const Slot& slot = slots_[place(name, hash(name))];
     return slot.entry == kFree ? nullptr : &entries_[slot.entry].second;
   }
-  [[nodiscard]] Value* find(std::string_view name) {
-    return const_cast<Value*>(static_cast<const NameTable*>(this)->find(name));
-  }
   // The value of `name`, made of nothing where it is new.
   Value& operator[](std::string_view name) {
     if (2 * entries_.size() >= slots_.size()) grow();
@@ -70,6 +67,26 @@ class NameTable {
 
   std::vector<std::pair<std::string_view, Value>> entries_;
   std::vector<Slot> slots_;  // a power of two
+};
+
+// A NameTable for names that most texts never look up: they wait in a list until one is looked for. Each costs a cache
+// miss, and those of names that follow one another overlap.
+template <class Value>
+class LateNameTable {
+ public:
+  // The last value of a name counts.
+  void set(std::string_view name, Value value) { waiting_.emplace_back(name, value); }
+
+  [[nodiscard]] const Value* find(std::string_view name) { return table().find(name); }
+  [[nodiscard]] const NameTable<Value>& table() {
+    for (const auto& [name, value] : waiting_) table_[name] = value;
+    waiting_.clear();
+    return table_;
+  }
+
+ private:
+  NameTable<Value> table_;
+  std::vector<std::pair<std::string_view, Value>> waiting_;
 };
 
 }  // namespace peerd::vrml

@@ -30,8 +30,8 @@ inline constexpr std::string_view kOwnNodes[] = {"CollisionInterest", "Collision
 // What a DEF names, from its node's '{' on.
 struct Definition {
   const NodeType* type = nullptr;        // its fields as ROUTEs and the file's author see them; null where it was lost
-  std::uint32_t node = NodeRef::kNull;   // kNull while it is open, and where an error made it unreadable
   const Prototype* prototype = nullptr;  // whose instance it is; its copy begins at `base`
+  std::uint32_t node = NodeRef::kNull;   // kNull while it is open, and where an error made it unreadable
   std::uint32_t base = 0;
   bool open = false;
 };
@@ -62,7 +62,7 @@ struct Scope {
   Prototype* prototype = nullptr;  // whose body this is, to which IS refers
   std::uint32_t id = 0;            // Node::scope
   std::deque<Definition> definitions{};
-  NameTable<Definition*> names{};
+  LateNameTable<Definition*> names{};
   std::vector<std::pair<const Definition*, NodeRef*>> waiting{};  // Scripts' fields that refer to open ones
   Declarations declarations{};
   std::vector<std::pair<RouteEnd, RouteEnd>> routes{};

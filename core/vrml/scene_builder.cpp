@@ -15,6 +15,7 @@ namespace peerd::vrml {
 namespace {
 
 constexpr std::uint32_t kNone = Instance::kNone;
+constexpr std::uint32_t kTop = kNone - 1;  // no instance: the top level
 
 Vec3 to_vec3(const Field& field) {
   const auto f = field.as<float>();
@@ -59,26 +60,40 @@ class Builder {
   Scene build();
 
  private:
-  // What instances of one node have in common.
+  // What the instances of one node have in common.
   struct Shared {
-    std::uint32_t transform = kNone, geometry = kNone, extension = kNone;
+    std::uint32_t node = kNone;
+    std::uint32_t first_child = 0, end_child = 0;  // in children_
+    std::uint32_t content = kNone;                 // a Transform's transform, a Shape's geometry
+    std::uint32_t extension = kNone;               // as in Instance
+    std::uint32_t name = kNone;                    // its number
+    std::uint32_t first_instance = kNone;          // whose copies the others are; kNone: none is
+    NodeKind kind = NodeKind::kGroup;
+    bool inner_name = false;
+    bool siblings = false;  // two of its children or more have names
   };
-  struct Children {
-    std::span<const NodeRef> refs;
-    std::uint32_t chosen = kNone;  // the only one that collides; kNone: all do
-    bool collide = true;           // false: none does
-    NodeRef proxy{};               // collides for all of them
+  // In file order, those that are no instances too; a Collision's proxy behind its children.
+  struct Child {
+    std::uint32_t shared = kNone;  // kNone: it is no instance
+    Position at = 0;
+    bool collides = true;
   };
 
   std::uint32_t add_geometry(std::uint32_t node);
-  Shared share(const Node& node);
+  void share(std::uint32_t node);
+  void share_children(const Node& node, Shared& shared);
   void share_transform(const Node& node, Shared& shared);
   void share_shape(const Node& node, Shared& shared);
   CollisionResponse make_response(const Node& node);
-  Children children(const Node& node) const;
+  [[nodiscard]] std::uint32_t shared_by(const NodeRef& ref) const {
+    return ref.is_node() ? shared_of_[ref.index] : kNone;
+  }
+  void add_child(const NodeRef& ref, bool collides) { children_.emplace_back(shared_by(ref), ref.at, collides); }
   bool measure_instances();
-  void instantiate(const NodeRef& ref, std::int32_t parent, std::uint32_t child_index, bool collides);
-  void mark_names();
+  void instantiate(const Child& child, std::int32_t parent, std::uint32_t child_index, bool collides);
+  void copy_instances(std::uint32_t first, std::int32_t parent, std::uint32_t child_index, bool collides);
+  void add_pending_inline(const Node& node, std::uint32_t id);
+  void mark_siblings(std::uint32_t parent, std::uint32_t begin, std::uint32_t end);
   std::optional<ObjectId> resolve(std::string_view path, std::uint32_t scope, Position at);
   void add_interest(const Node& node);
   void add_key_sensor(std::uint32_t node);
@@ -93,10 +108,12 @@ class Builder {
   Scene scene_;
   std::vector<std::uint32_t> geometry_of_;  // by node
   std::map<std::vector<const void*>, std::uint32_t> copied_geometry_;
-  std::vector<std::uint32_t> shared_of_;  // by node, into shared_
+  std::vector<std::uint32_t> shared_of_;  // by node, into shared_; kNone: it has no instances
   std::vector<Shared> shared_;
+  std::vector<Child> children_;               // of each Shared, side by side
   NameTable<std::uint32_t> name_numbers_;     // of all names of instances
   std::vector<std::uint32_t> first_of_name_;  // by number, the first instance; kNone: no name of the world's own
+  std::vector<std::uint32_t> last_parent_;    // by number, of the instance that was marked last
   std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_names_;
   std::unordered_set<std::uint32_t> routed_keys_;  // KeySensors that tell others
 };
@@ -146,7 +163,8 @@ CollisionResponse Builder::make_response(const Node& node) {
 }
 
 void Builder::share_transform(const Node& node, Shared& shared) {
-  TransformFields t;
+  shared.content = static_cast<std::uint32_t>(scene_.transforms.size());
+  TransformFields& t = scene_.transforms.emplace_back();
   ObjectFields object;
   bool extended = false;
   for (const Field& field : node.given()) {
@@ -175,8 +193,6 @@ void Builder::share_transform(const Node& node, Shared& shared) {
       extended = true;
     }
   }
-  shared.transform = static_cast<std::uint32_t>(scene_.transforms.size());
-  scene_.transforms.push_back(t);
   if (!extended) return;
   shared.extension = static_cast<std::uint32_t>(scene_.object_fields.size());
   scene_.object_fields.push_back(object);
@@ -189,7 +205,7 @@ void Builder::share_shape(const Node& node, Shared& shared) {
     const std::string_view name = field.spec->name;
     if (name == "geometry") {
       if (field.count == 1 && field.as<NodeRef>()[0].is_node()) {
-        shared.geometry = geometry_of_[field.as<NodeRef>()[0].index];
+        shared.content = geometry_of_[field.as<NodeRef>()[0].index];
       }
     } else if (name == "convexHull") {
       shape.convex_hull = {document_, {static_cast<const Eigen::Vector3f*>(field.data), field.count / 3}};
@@ -207,150 +223,173 @@ void Builder::share_shape(const Node& node, Shared& shared) {
   scene_.shape_fields.push_back(shape);
 }
 
-Builder::Shared Builder::share(const Node& node) {
-  Shared shared;
-  if (node.type->meaning == Meaning::kTransform) share_transform(node, shared);
-  if (node.type->meaning == Meaning::kShape) share_shape(node, shared);
-  return shared;
-}
-
-Builder::Children Builder::children(const Node& node) const {
-  const auto refs = [&](std::string_view field) { return value_of(node, field).as<NodeRef>(); };
+void Builder::share_children(const Node& node, Shared& shared) {
+  const auto refs = [&](std::string_view name) {
+    const Field* const field = node.find(name);
+    return field == nullptr ? std::span<const NodeRef>{} : field->as<NodeRef>();
+  };
+  shared.first_child = static_cast<std::uint32_t>(children_.size());
   switch (node.type->meaning) {
     case Meaning::kShape:
-      return {};
+      break;
     case Meaning::kLod:
-      return {.refs = refs("level"), .chosen = 0};
+      for (const NodeRef& ref : refs("level")) add_child(ref, children_.size() == shared.first_child);
+      break;
     case Meaning::kSwitch: {
-      const std::int32_t which = value_of(node, "whichChoice").as<std::int32_t>()[0];
-      return {.refs = refs("choice"), .chosen = static_cast<std::uint32_t>(std::max(which, 0)), .collide = which >= 0};
+      std::int64_t which = value_of(node, "whichChoice").as<std::int32_t>()[0];
+      for (const NodeRef& ref : refs("choice")) add_child(ref, which-- == 0);
+      break;
     }
     case Meaning::kCollision: {
-      Children all{.refs = refs("children"), .collide = value_of(node, "collide").as<bool>()[0]};
+      const bool collide = value_of(node, "collide").as<bool>()[0];
       const auto proxy = refs("proxy");
-      if (!proxy.empty()) all.proxy = proxy[0];
-      return all;
+      const bool proxied = !proxy.empty() && proxy[0].is_node();
+      for (const NodeRef& ref : refs("children")) add_child(ref, collide && !proxied);
+      if (proxied) add_child(proxy[0], collide);
+      break;
     }
     default:
-      return {.refs = refs("children")};
+      for (const NodeRef& ref : refs("children")) add_child(ref, true);
   }
+  shared.end_child = static_cast<std::uint32_t>(children_.size());
+}
+
+void Builder::share(std::uint32_t index) {
+  const Node& node = nodes_[index];
+  shared_of_[index] = static_cast<std::uint32_t>(shared_.size());
+  Shared& shared = shared_.emplace_back();
+  shared.node = index;
+  shared.kind = kind_of(node.type->meaning);
+  shared.inner_name = node.scope != 0;
+  if (node.type->meaning == Meaning::kTransform) share_transform(node, shared);
+  if (node.type->meaning == Meaning::kShape) share_shape(node, shared);
+  share_children(node, shared);
+  if (node.def.empty()) return;
+  // Each name is looked up once a node, however many instances there are of it.
+  const auto next = static_cast<std::uint32_t>(name_numbers_.size());
+  std::uint32_t& number = name_numbers_[node.def];
+  if (name_numbers_.size() > next) number = next;  // it was new
+  shared.name = number;
 }
 
 // Whether the scene is small enough to instantiate. Children stand before their parents in the document, so one pass
 // knows each node's instances and height; a chain of USE can be deeper and larger than any text.
 bool Builder::measure_instances() {
-  std::vector<std::uint32_t> count(nodes_.size(), 0);
-  std::vector<std::uint16_t> height(nodes_.size(), 0);
+  std::vector<std::uint32_t> count(shared_.size(), 0);
+  std::vector<std::uint16_t> height(shared_.size(), 0);
   const std::size_t errors = problems_.errors();
   bool too_many = false;
-  const auto add = [&](const NodeRef& ref, std::uint32_t& total) {
-    const std::uint64_t sum = std::uint64_t{total} + count[ref.index];
+  const auto add = [&](const Child& one, std::uint32_t& total) {
+    const std::uint64_t sum = std::uint64_t{total} + count[one.shared];
     if (sum > limits_.instances && !std::exchange(too_many, true)) {
-      problems_.error(ref.at,
+      problems_.error(one.at,
                       "with this node the world has more than " + std::to_string(limits_.instances) + " instances");
     }
     total = static_cast<std::uint32_t>(std::min<std::uint64_t>(sum, std::uint64_t{limits_.instances} + 1));
   };
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    const Node& node = nodes_[i];
-    if (!is_instance(node.type->meaning)) continue;
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    Shared& shared = shared_[i];
     count[i] = height[i] = 1;
-    const Children all = children(node);
-    const auto measure = [&](const NodeRef& child) {
-      if (!child.is_node()) return;
-      assert(child.index < i);
-      if (height[child.index] == kMaxNesting && errors == 0) {
-        problems_.error(child.at, "instances are nested more than " + std::to_string(kMaxNesting) + " deep here");
+    std::uint32_t named = 0;
+    for (std::uint32_t c = shared.first_child; c < shared.end_child; ++c) {
+      const Child& one = children_[c];
+      if (one.shared == kNone) continue;
+      assert(one.shared < i);
+      if (height[one.shared] == kMaxNesting && errors == 0) {
+        problems_.error(one.at, "instances are nested more than " + std::to_string(kMaxNesting) + " deep here");
       }
       height[i] = std::max<std::uint16_t>(
-          height[i], static_cast<std::uint16_t>(std::min<std::uint32_t>(height[child.index] + 1u, kMaxNesting + 1)));
-      add(child, count[i]);
-    };
-    for (const NodeRef& child : all.refs) measure(child);
-    measure(all.proxy);
+          height[i], static_cast<std::uint16_t>(std::min<std::uint32_t>(height[one.shared] + 1u, kMaxNesting + 1)));
+      add(one, count[i]);
+      named += shared_[one.shared].name == kNone ? 0 : 1;
+    }
+    shared.siblings = named > 1;
   }
   std::uint32_t total = 0;
   for (const NodeRef& ref : document_->top_level) {
-    if (ref.is_node()) add(ref, total);
+    if (const Child one{shared_by(ref), ref.at}; one.shared != kNone) add(one, total);
   }
   if (problems_.errors() != errors) return false;
   scene_.instances.reserve(total);
+  first_of_name_.assign(name_numbers_.size(), kNone);
+  last_parent_.assign(name_numbers_.size(), kNone);
   return true;
 }
 
-void Builder::instantiate(const NodeRef& ref, std::int32_t parent, std::uint32_t child_index, bool collides) {
-  if (!ref.is_node() || !is_instance(nodes_[ref.index].type->meaning)) return;
-  const Node& node = nodes_[ref.index];
+void Builder::instantiate(const Child& child, std::int32_t parent, std::uint32_t child_index, bool collides) {
+  if (child.shared == kNone) return;
+  Shared& shared = shared_[child.shared];
+  collides = collides && child.collides;
+  if (const std::uint32_t first = shared.first_instance;
+      first != kNone && (!collides || scene_.instances[first].collides)) {
+    return copy_instances(first, parent, child_index, collides);
+  }
   const auto id = static_cast<std::uint32_t>(scene_.instances.size());
   Instance& instance = scene_.instances.emplace_back();
-  instance.def = node.def;
+  if (shared.name != kNone) instance.def = nodes_[shared.node].def;
   instance.parent = parent;
   instance.child_index = child_index;
-  instance.node = ref.index;
-  instance.kind = kind_of(node.type->meaning);
-  instance.inner_name = node.scope != 0;
+  instance.node = shared.node;
+  if (shared.kind == NodeKind::kTransform) instance.transform = shared.content;
+  if (shared.kind == NodeKind::kShape) instance.geometry = shared.content;
+  instance.extension = shared.extension;
+  instance.kind = shared.kind;
+  instance.inner_name = shared.inner_name;
   instance.collides = collides;
-  if (shared_of_[ref.index] != kNone) {
-    const Shared& shared = shared_[shared_of_[ref.index]];
-    instance.transform = shared.transform;
-    instance.geometry = shared.geometry;
-    instance.extension = shared.extension;
+  if (shared.name != kNone && !shared.inner_name && first_of_name_[shared.name] == kNone) {
+    first_of_name_[shared.name] = id;
   }
-  const Children all = children(node);
-  const bool proxied = all.proxy.is_node();
-  std::uint32_t i = 0;
-  for (const NodeRef& child : all.refs) {
-    const bool chosen = all.collide && !proxied && (all.chosen == kNone || all.chosen == i);
-    instantiate(child, static_cast<std::int32_t>(id), i++, collides && chosen);
+  const std::size_t inlines = scene_.pending_inlines.size();
+  for (std::uint32_t c = shared.first_child; c < shared.end_child; ++c) {
+    instantiate(children_[c], static_cast<std::int32_t>(id), c - shared.first_child, collides);
   }
-  instantiate(all.proxy, static_cast<std::int32_t>(id), i, collides && all.collide);
-  scene_.instances[id].subtree_end = static_cast<std::uint32_t>(scene_.instances.size());
-  if (node.type->meaning == Meaning::kInline && node.find(inline_content().name) == nullptr) {
-    const Field* url = node.find("url");
-    const Vec3 size = to_vec3(value_of(node, "bboxSize"));
-    if (url != nullptr && url->count > 0 && size.minCoeff() >= 0.0) {
-      PendingInline& pending = scene_.pending_inlines.emplace_back();
-      pending.instance = {id};
-      pending.box_center = to_vec3(value_of(node, "bboxCenter")).cast<float>();
-      pending.box_size = size.cast<float>();
-      for (const std::string_view one : url->as<std::string_view>()) pending.urls.emplace_back(one);
-      pending.base = problems_.name_of(url->at);
-    }
-  }
+  const auto end = static_cast<std::uint32_t>(scene_.instances.size());
+  scene_.instances[id].subtree_end = end;
+  if (shared.siblings) mark_siblings(id, id + 1, end);
+  if (shared.kind == NodeKind::kInline) add_pending_inline(nodes_[shared.node], id);
+  // Each instance of an Inline that is left for later is pending by itself.
+  if (scene_.pending_inlines.size() == inlines) shared.first_instance = id;
 }
 
-void Builder::mark_names() {
+// An instance and all below it once more; where this one doesn't collide, nothing below it does.
+void Builder::copy_instances(std::uint32_t first, std::int32_t parent, std::uint32_t child_index, bool collides) {
   auto& instances = scene_.instances;
-  // Names by number: each is looked up once a node, however many instances there are of it.
-  std::vector<std::uint32_t> number_of(nodes_.size(), kNone);
-  for (std::uint32_t i = 0; i < instances.size(); ++i) {
-    if (instances[i].def.empty()) continue;
-    std::uint32_t& number = number_of[instances[i].node];
-    if (number == kNone) {
-      std::uint32_t& known = name_numbers_[instances[i].def];
-      if (name_numbers_.size() > first_of_name_.size()) {  // it was new
-        known = static_cast<std::uint32_t>(first_of_name_.size());
-        first_of_name_.push_back(kNone);
-      }
-      number = known;
-    }
-    if (!instances[i].inner_name && first_of_name_[number] == kNone) first_of_name_[number] = i;
+  const auto id = static_cast<std::uint32_t>(instances.size());
+  const std::uint32_t end = instances[first].subtree_end, distance = id - first;
+  for (std::uint32_t i = first; i < end; ++i) {
+    Instance& copy = instances.emplace_back(instances[i]);  // there is room: measure_instances() made it
+    copy.parent += static_cast<std::int32_t>(distance);
+    copy.subtree_end += distance;
+    copy.collides &= collides;
   }
-  // Among siblings of one name only the first is found by it.
-  constexpr std::uint32_t kTop = kNone - 1;
-  std::vector<std::uint32_t> last_parent(first_of_name_.size(), kNone);
-  const auto mark = [&](std::uint32_t parent, std::uint32_t begin, std::uint32_t end) {
-    for (std::uint32_t i = begin; i < end; i = instances[i].subtree_end) {
-      const std::uint32_t number = number_of[instances[i].node];
-      if (number == kNone) continue;
-      // A lone name means the first in the world, wherever that is.
-      const bool elsewhere = parent == kTop && first_of_name_[number] != i;
-      if (std::exchange(last_parent[number], parent) == parent || elsewhere) instances[i].name_shadowed = true;
-    }
-  };
-  const auto count = static_cast<std::uint32_t>(instances.size());
-  mark(kTop, 0, count);
-  for (std::uint32_t parent = 0; parent < count; ++parent) mark(parent, parent + 1, instances[parent].subtree_end);
+  instances[id].parent = parent;
+  instances[id].child_index = child_index;
+  instances[id].name_shadowed = false;
+}
+
+void Builder::add_pending_inline(const Node& node, std::uint32_t id) {
+  if (node.find(inline_content().name) != nullptr) return;
+  const Field* url = node.find("url");
+  const Vec3 size = to_vec3(value_of(node, "bboxSize"));
+  if (url == nullptr || url->count == 0 || !(size.minCoeff() >= 0.0)) return;
+  PendingInline& pending = scene_.pending_inlines.emplace_back();
+  pending.instance = {id};
+  pending.box_center = to_vec3(value_of(node, "bboxCenter")).cast<float>();
+  pending.box_size = size.cast<float>();
+  for (const std::string_view one : url->as<std::string_view>()) pending.urls.emplace_back(one);
+  pending.base = problems_.name_of(url->at);
+}
+
+// Among siblings of one name only the first is found by it. A lone name, at the top level, means the first in the
+// world, wherever that is.
+void Builder::mark_siblings(std::uint32_t parent, std::uint32_t begin, std::uint32_t end) {
+  auto& instances = scene_.instances;
+  for (std::uint32_t i = begin; i < end; i = instances[i].subtree_end) {
+    const std::uint32_t number = shared_[shared_of_[instances[i].node]].name;
+    if (number == kNone) continue;
+    const bool elsewhere = parent == kTop && first_of_name_[number] != i;
+    if (std::exchange(last_parent_[number], parent) == parent || elsewhere) instances[i].name_shadowed = true;
+  }
 }
 
 // What is named inside PROTOs and Inlines: the first instance of each name in each scope.
@@ -485,31 +524,36 @@ Scene Builder::build() {
   scene_.tessellation = tessellation_;
   geometry_of_.assign(nodes_.size(), kNone);
   shared_of_.assign(nodes_.size(), kNone);
-  const auto count = [&](Meaning meaning) {
-    return static_cast<std::size_t>(std::ranges::count(nodes_, meaning, [](const Node& n) { return n.type->meaning; }));
-  };
-  const std::size_t transforms = count(Meaning::kTransform);
+  std::size_t transforms = 0, geometries = 0, shared = 0;
+  for (const Node& node : nodes_) {
+    const Meaning meaning = node.type->meaning;
+    transforms += meaning == Meaning::kTransform ? 1 : 0;
+    geometries += meaning == Meaning::kGeometry && node.scope == 0 ? 1 : 0;  // PROTOs share theirs
+    shared += is_instance(meaning) ? 1 : 0;
+  }
   scene_.transforms.reserve(transforms);
-  scene_.geometries.reserve(static_cast<std::size_t>(std::ranges::count_if(nodes_, [](const Node& n) {
-    return n.type->meaning == Meaning::kGeometry && n.scope == 0;  // PROTOs share theirs
-  })));
-  shared_.reserve(transforms + count(Meaning::kShape));
+  scene_.geometries.reserve(geometries);
+  shared_.reserve(shared);
+  children_.reserve(shared);
   bool scripts = false;
+  std::vector<std::uint32_t> with_paths;  // nodes that name instances
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     const Node& node = nodes_[i];
-    if (node.type->meaning == Meaning::kGeometry) geometry_of_[i] = add_geometry(i);
-    if (node.type->meaning == Meaning::kScript && !std::exchange(scripts, true)) {
+    const Meaning meaning = node.type->meaning;
+    if (meaning == Meaning::kGeometry) geometry_of_[i] = add_geometry(i);
+    if (meaning == Meaning::kScript && !std::exchange(scripts, true)) {
       problems_.warning(node.at, "Scripts are kept and not run; this is the first one");
     }
-    if (node.type->meaning != Meaning::kTransform && node.type->meaning != Meaning::kShape) continue;
-    shared_of_[i] = static_cast<std::uint32_t>(shared_.size());
-    shared_.push_back(share(node));
+    if (meaning == Meaning::kCollisionInterest || meaning == Meaning::kKeySensor) with_paths.push_back(i);
+    if (is_instance(meaning)) share(i);
   }
   if (!measure_instances()) return {};
-  for (std::uint32_t i = 0; i < document_->top_level.size(); ++i) instantiate(document_->top_level[i], -1, i, true);
-  mark_names();
+  for (std::uint32_t i = 0; i < document_->top_level.size(); ++i) {
+    instantiate({shared_by(document_->top_level[i])}, -1, i, true);
+  }
+  mark_siblings(kTop, 0, static_cast<std::uint32_t>(scene_.instances.size()));
   check_key_routes();
-  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+  for (const std::uint32_t i : with_paths) {
     if (nodes_[i].type->meaning == Meaning::kCollisionInterest) add_interest(nodes_[i]);
     if (nodes_[i].type->meaning == Meaning::kKeySensor) add_key_sensor(i);
   }

@@ -9,7 +9,7 @@ using enum TokenKind;
 
 Definition& TextParser::define(std::string_view name) {
   scope_->definitions.emplace_back();
-  scope_->names[name] = &scope_->definitions.back();
+  scope_->names.set(name, &scope_->definitions.back());
   return scope_->definitions.back();
 }
 
@@ -45,11 +45,12 @@ bool TextParser::parse_statement() {
 
 std::optional<NodeRef> TextParser::parse_node_value(const FieldSpec& spec) {
   if (parse_statement()) return std::nullopt;
-  NodeRef ref = parse_node();
+  std::optional<NodeRef> value(parse_node());
+  NodeRef& ref = *value;
   const Field one{&spec, &ref, 1, ref.at};
   if (ref.is_node() && ref.index != kAround && !check_nodes(spec, one, scope_->body->nodes, problems_))
     ref.index = NodeRef::kNull;
-  return ref;
+  return value;
 }
 
 NodeRef TextParser::parse_node() {

@@ -22,7 +22,8 @@ bool TextParser::is_field_of_open_node(std::string_view word) const {
 }
 
 void TextParser::parse_fields(Open& open) {
-  const Token brace = tokens_.take();
+  const Position brace = tokens_.position();
+  tokens_.take();
   const auto type = [&] { return std::string(open.type->name); };
   while (true) {
     switch (tokens_.peek().kind) {
@@ -38,7 +39,7 @@ void TextParser::parse_fields(Open& open) {
         break;
       case kEnd:
         open.damaged = true;
-        tokens_.report_unclosed(tokens_.position_of(brace), type(), '}');
+        tokens_.report_unclosed(brace, type(), '}');
         return;
       case kCloseBracket:
         open.damaged = true;
@@ -85,13 +86,14 @@ void TextParser::parse_field(Open& open) {
     fields_.erase(std::remove_if(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), same),
                   fields_.end());
   }
-  const std::uint32_t before = tokens_.peek().offset;
+  const Position before = tokens_.position();
   if (const std::optional<Field> value = values_.read(*spec)) {
-    fields_.push_back(*value);
+    // Part by part, as it was written just before: a copy of the whole would wait for the parts.
+    fields_.emplace_back(spec, value->data, value->count, value->at);
   } else {
     open.damaged = true;
     // What is there instead is part of the same mistake; a word may be the next field.
-    if (tokens_.peek().offset == before && (tokens_.at(kString) || tokens_.at(kNumber))) skip_value();
+    if (tokens_.position() == before && (tokens_.at(kString) || tokens_.at(kNumber))) skip_value();
   }
 }
 

@@ -60,8 +60,8 @@ std::optional<RouteEnd> TextParser::parse_route_end() {
 Suggestion TextParser::names_like(std::string_view name) const {
   Suggestion suggestion(name);
   std::vector<std::string_view> names;  // in an order that doesn't depend on where they stand
-  if (scope_->names.size() <= kFewEnough) {
-    for (const auto& [known, definition] : scope_->names) names.push_back(known);
+  if (scope_->names.table().size() <= kFewEnough) {
+    for (const auto& [known, definition] : scope_->names.table()) names.push_back(known);
   }
   std::ranges::sort(names);
   for (const std::string_view known : names) suggestion.consider(known);
@@ -144,7 +144,7 @@ void TextParser::close(Scope& scope) {
   const bool lost =
       std::ranges::any_of(scope.definitions, [](const Definition& d) { return d.node == NodeRef::kNull; });
   if (!live() || !lost) return;
-  for (const auto& [name, definition] : scope.names) {
+  for (const auto& [name, definition] : scope.names.table()) {
     if (definition->node == NodeRef::kNull) reading_.document.lost_names.push_back(arena_.copy(name));
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <limits>
+#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,10 +16,13 @@ class TokenStream {
  public:
   TokenStream(std::string_view text, Position text_begin, std::size_t begin, Problems& problems)
       : problems_(problems), lexer_(text, begin), text_begin_(text_begin) {
-    take();
+    advance();
   }
 
-  [[nodiscard]] const Token& peek() const { return token_; }
+  [[nodiscard]] const Token& peek() {
+    if (is_begin()) ::new (&token_) Token(lexer_.next());
+    return token_;
+  }
   [[nodiscard]] bool at(TokenKind kind) const { return token_.kind == kind; }
   [[nodiscard]] bool at_word(std::string_view word) const {
     return at(TokenKind::kWord) && token_.text.front() == word.front() && token_.text == word;
@@ -26,15 +30,15 @@ class TokenStream {
   [[nodiscard]] Position position() const { return position_of(token_); }
   [[nodiscard]] Position position_of(const Token& token) const { return text_begin_ + token.offset; }
   // What the token after the next one is.
-  [[nodiscard]] TokenKind kind_after() const {
+  [[nodiscard]] TokenKind kind_after() {
+    static_cast<void>(peek());
     Lexer ahead = lexer_;
     return ahead.next().kind;
   }
 
   Token take() {
-    const Token taken = token_;
-    token_ = lexer_.next();
-    if (token_.kind == TokenKind::kInvalid || token_.kind == TokenKind::kUnterminatedString) pass_over_invalid();
+    const Token taken = peek();
+    advance();
     return taken;
   }
   bool accept(TokenKind kind);
@@ -46,7 +50,7 @@ class TokenStream {
   void take_numbers(Add add, std::size_t most = std::numeric_limits<std::size_t>::max()) {
     lexer_.go_to(token_.offset);
     lexer_.template take_numbers<T>(add, most);
-    take();
+    advance();
   }
   // At the '[' of a list: how many numbers it may hold. 0 inside a list that was counted before, so that a text of
   // brackets that never close is not counted over and over.
@@ -58,6 +62,13 @@ class TokenStream {
   void report_unclosed(Position open, const std::string& what, char missing);
 
  private:
+  // In place: a copy of what was written piece by piece just before would wait for the pieces.
+  void advance() {
+    ::new (&token_) Token(lexer_.next_begin());
+    if (at(TokenKind::kInvalid) || at(TokenKind::kUnterminatedString)) pass_over_invalid();
+  }
+  // Most numbers are taken by take_numbers(): only who looks at one otherwise has the lexer look for its end.
+  [[nodiscard]] bool is_begin() const { return at(TokenKind::kNumber) && token_.text.empty(); }
   void pass_over_invalid();
 
   Problems& problems_;

@@ -46,7 +46,8 @@ class Growing {
 
 std::optional<Field> ValueReader::read(const FieldSpec& spec, bool check) {
   using enum FieldType;
-  Field field{&spec, nullptr, 0, tokens_.position()};
+  std::optional<Field> value(Field{&spec, nullptr, 0, tokens_.position()});
+  Field& field = *value;
   bool good = false;
   switch (spec.type) {
     case kSFBool:
@@ -84,7 +85,8 @@ std::optional<Field> ValueReader::read(const FieldSpec& spec, bool check) {
       if (good && is_rotation(spec.type)) check_axes(spec, field);
   }
   if (good && check) good = check_range(spec, field, problems_);
-  return good ? std::optional(field) : std::nullopt;
+  if (!good) value.reset();
+  return value;
 }
 
 bool ValueReader::list_ends(const Token& open, bool& good) {
@@ -111,10 +113,10 @@ bool ValueReader::read_list(ReadOne read_one) {
   ++open_lists_;
   bool good = true;
   while (!list_ends(open, good)) {
-    const std::uint32_t before = tokens_.peek().offset;
+    const Position before = tokens_.position();
     if (read_one()) continue;
     good = false;
-    if (tokens_.peek().offset == before) skip(true);
+    if (tokens_.position() == before) skip(true);
   }
   return good;
 }
@@ -142,13 +144,13 @@ bool ValueReader::read_numbers(const FieldSpec& spec, Field& field) {
       if (!tokens_.at(kNumber)) continue;
     }
     T one{};
-    const std::uint32_t before = tokens_.peek().offset;
+    const Position before = tokens_.position();
     if (read_one(spec, one)) {
       list.add(one);
       continue;
     }
     good = false;
-    if (tokens_.peek().offset == before) skip(true);
+    if (tokens_.position() == before) skip(true);
   }
   field.data = list.elements().data();
   field.count = static_cast<std::uint32_t>(list.elements().size());
@@ -254,7 +256,7 @@ bool ValueReader::read_floats(const FieldSpec& spec, Field& field) {
   std::array<float, 4> floats{};
   bool good = true;
   std::size_t plain = 0;
-  if (width > 1 && tokens_.at(kNumber)) {
+  if (tokens_.at(kNumber)) {
     tokens_.take_numbers<float>([&](float value) { floats[plain++] = value; }, width);
   }
   for (std::size_t i = plain; i < width; ++i) {

@@ -1,0 +1,292 @@
+// This file is compiled once for each instruction set: Highway includes it again and again.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/wide_kernels.cpp"
+#include <hwy/foreach_target.h>  // NOLINT: before highway.h
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/wide_kernels.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace peerd::collision::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t kWidth = WideTree::kWidth;
+using Lanes = hn::CappedTag<float, kWidth>;
+using V = hn::Vec<Lanes>;
+using Row = std::array<float, kWidth>;
+using Rows = std::array<Row, 3>;  // x, y, z
+
+HWY_INLINE V load(const Row& row, std::size_t i) { return hn::LoadU(Lanes(), row.data() + i); }
+HWY_INLINE void store(V v, Row& row, std::size_t i) { hn::StoreU(v, Lanes(), row.data() + i); }
+HWY_INLINE V set(float x) { return hn::Set(Lanes(), x); }
+
+// The bits of the lanes from i on.
+template <class M>
+HWY_INLINE std::uint32_t bits(M mask, std::size_t i) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(Lanes(), mask, bytes);
+  return static_cast<std::uint32_t>(bytes[0]) << i;
+}
+
+struct V3 {
+  V x, y, z;
+};
+HWY_INLINE V3 load3(const Rows& rows, std::size_t i) { return {load(rows[0], i), load(rows[1], i), load(rows[2], i)}; }
+HWY_INLINE V3 set3(const Rows& rows, std::size_t lane) {
+  return {set(rows[0][lane]), set(rows[1][lane]), set(rows[2][lane])};
+}
+HWY_INLINE V3 minus(const V3& a, const V3& b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)}; }
+// No MulAdd: every instruction set gives the same bits, so that counters are the same too.
+HWY_INLINE V dot(const V3& a, const V3& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+
+using Matrix = std::array<std::array<float, 3>, 3>;
+HWY_INLINE V3 times(const Matrix& m, const V3& p) {
+  const auto row = [&](std::size_t i) { return dot({set(m[i][0]), set(m[i][1]), set(m[i][2])}, p); };
+  return {row(0), row(1), row(2)};
+}
+HWY_INLINE V3 transposed_times(const Matrix& m, const V3& p) {
+  const auto row = [&](std::size_t i) { return dot({set(m[0][i]), set(m[1][i]), set(m[2][i])}, p); };
+  return {row(0), row(1), row(2)};
+}
+HWY_INLINE V3 plus(const V3& a, const std::array<float, 3>& b) {
+  return {hn::Add(a.x, set(b[0])), hn::Add(a.y, set(b[1])), hn::Add(a.z, set(b[2]))};
+}
+
+struct Boxes {
+  Rows center, half;
+};
+
+// B's boxes as boxes of A's frame, wider by the slack; the box of a box that isn't there isn't there.
+HWY_INLINE void to_a(const WideTree::Node& b, const WideMotion& m, Boxes& out) {
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 center = plus(times(m.rotation, load3(b.center, i)), m.there);
+    const V3 half = plus(times(m.magnitude, load3(b.half, i)), {m.slack_m, m.slack_m, m.slack_m});
+    store(center.x, out.center[0], i), store(center.y, out.center[1], i), store(center.z, out.center[2], i);
+    store(half.x, out.half[0], i), store(half.y, out.half[1], i), store(half.z, out.half[2], i);
+  }
+}
+HWY_INLINE void to_b(const WideTree::Node& a, const WideMotion& m, Boxes& out) {
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 center = plus(transposed_times(m.rotation, load3(a.center, i)), m.back);
+    const V3 half = plus(transposed_times(m.magnitude, load3(a.half, i)), {m.slack_m, m.slack_m, m.slack_m});
+    store(center.x, out.center[0], i), store(center.y, out.center[1], i), store(center.z, out.center[2], i);
+    store(half.x, out.half[0], i), store(half.y, out.half[1], i), store(half.z, out.half[2], i);
+  }
+}
+
+HWY_INLINE auto overlap(const V3& center_a, const V3& half_a, const V3& center_b, const V3& half_b) {
+  const auto along = [](V ca, V ha, V cb, V hb) { return hn::Le(hn::Abs(hn::Sub(ca, cb)), hn::Add(ha, hb)); };
+  return hn::And(
+      hn::And(along(center_a.x, half_a.x, center_b.x, half_b.x), along(center_a.y, half_a.y, center_b.y, half_b.y)),
+      along(center_a.z, half_a.z, center_b.z, half_b.z));
+}
+
+void TestNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, Masks& masks) {
+  Boxes b_in_a, a_in_b;
+  to_a(b, m, b_in_a);
+  to_b(a, m, a_in_b);
+  masks.fill(0);
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 center_a = load3(a.center, i), half_a = load3(a.half, i);
+    const V3 center_in_b = load3(a_in_b.center, i), half_in_b = load3(a_in_b.half, i);
+    for (std::size_t row = 0; row < kWidth; ++row) {
+      const auto in_a = overlap(center_a, half_a, set3(b_in_a.center, row), set3(b_in_a.half, row));
+      const auto in_b = overlap(center_in_b, half_in_b, set3(b.center, row), set3(b.half, row));
+      masks[row] = static_cast<std::uint8_t>(masks[row] | bits(hn::And(in_a, in_b), i));
+    }
+  }
+}
+
+// One box against the children of a node, each in the frame of the other.
+HWY_INLINE std::uint8_t one_against(const std::array<float, 3>& center, const std::array<float, 3>& half,
+                                    const std::array<float, 3>& center_there, const std::array<float, 3>& half_there,
+                                    const WideTree::Node& node, const Boxes& node_here) {
+  std::uint32_t out = 0;
+  const auto all = [](const std::array<float, 3>& p) { return V3{set(p[0]), set(p[1]), set(p[2])}; };
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const auto there = overlap(load3(node.center, i), load3(node.half, i), all(center_there), all(half_there));
+    const auto here = overlap(load3(node_here.center, i), load3(node_here.half, i), all(center), all(half));
+    out |= bits(hn::And(there, here), i);
+  }
+  return static_cast<std::uint8_t>(out);
+}
+
+std::uint8_t TestNodeLeaf(const WideTree::Node& a, const WideTree::Leaf& b, const WideMotion& m) {
+  Boxes a_in_b;
+  to_b(a, m, a_in_b);
+  std::array<float, 3> center, half;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto &r = m.rotation[k], &s = m.magnitude[k];
+    center[k] = ((r[0] * b.center[0] + r[1] * b.center[1]) + r[2] * b.center[2]) + m.there[k];
+    half[k] = ((s[0] * b.half[0] + s[1] * b.half[1]) + s[2] * b.half[2]) + m.slack_m;
+  }
+  return one_against(b.center, b.half, center, half, a, a_in_b);
+}
+
+std::uint8_t TestLeafNode(const WideTree::Leaf& a, const WideTree::Node& b, const WideMotion& m) {
+  Boxes b_in_a;
+  to_a(b, m, b_in_a);
+  std::array<float, 3> center, half;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto &r = m.rotation, &s = m.magnitude;
+    center[k] = ((r[0][k] * a.center[0] + r[1][k] * a.center[1]) + r[2][k] * a.center[2]) + m.back[k];
+    half[k] = ((s[0][k] * a.half[0] + s[1][k] * a.half[1]) + s[2][k] * a.half[2]) + m.slack_m;
+  }
+  return one_against(a.center, a.half, center, half, b, b_in_a);
+}
+
+// Eight triangles.
+struct Corners {
+  V3 p, q, r;
+};
+
+// A normal, as rounded, of each plane, and the sum of the sizes of what its components were rounded from.
+struct Planes {
+  V3 normal;
+  V size;
+};
+HWY_INLINE Planes planes(const Corners& t) {
+  const V3 u = minus(t.q, t.p), v = minus(t.r, t.p);
+  const V a = hn::Mul(u.y, v.z), b = hn::Mul(u.z, v.y);
+  const V c = hn::Mul(u.z, v.x), d = hn::Mul(u.x, v.z);
+  const V e = hn::Mul(u.x, v.y), f = hn::Mul(u.y, v.x);
+  const auto sizes = [](V s, V t2) { return hn::Add(hn::Abs(s), hn::Abs(t2)); };
+  return {{hn::Sub(a, b), hn::Sub(c, d), hn::Sub(e, f)}, hn::Add(hn::Add(sizes(a, b), sizes(c, d)), sizes(e, f))};
+}
+
+HWY_INLINE Corners load_corners(const std::array<Rows, 3>& corners, std::size_t i) {
+  return {load3(corners[0], i), load3(corners[1], i), load3(corners[2], i)};
+}
+
+struct TriangleBoxes {
+  V3 lo, hi;
+};
+HWY_INLINE TriangleBoxes boxes(const Corners& t) {
+  const auto least = [](V a, V b, V c) { return hn::Min(hn::Min(a, b), c); };
+  const auto most = [](V a, V b, V c) { return hn::Max(hn::Max(a, b), c); };
+  return {{least(t.p.x, t.q.x, t.r.x), least(t.p.y, t.q.y, t.r.y), least(t.p.z, t.q.z, t.r.z)},
+          {most(t.p.x, t.q.x, t.r.x), most(t.p.y, t.q.y, t.r.y), most(t.p.z, t.q.z, t.r.z)}};
+}
+
+// B's triangles in A's frame, one to a lane.
+struct Moved {
+  std::array<Rows, 3> corners;
+  Rows lo, hi, normal;
+  Row size;
+};
+
+HWY_INLINE void move(const WideTree::Leaf& b, const WideMotion& m, Moved& out) {
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const auto moved = [&](std::size_t c) {
+      const V3 p = plus(times(m.rotation, load3(b.corners[c], i)), m.there);
+      store(p.x, out.corners[c][0], i), store(p.y, out.corners[c][1], i), store(p.z, out.corners[c][2], i);
+      return p;
+    };
+    const V3 p = moved(0), q = moved(1), r = moved(2);
+    const Corners corners{p, q, r};
+    const TriangleBoxes box = boxes(corners);
+    const V slack = set(m.slack_m);
+    store(hn::Sub(box.lo.x, slack), out.lo[0], i), store(hn::Sub(box.lo.y, slack), out.lo[1], i);
+    store(hn::Sub(box.lo.z, slack), out.lo[2], i), store(hn::Add(box.hi.x, slack), out.hi[0], i);
+    store(hn::Add(box.hi.y, slack), out.hi[1], i), store(hn::Add(box.hi.z, slack), out.hi[2], i);
+    const Planes plane = planes(corners);
+    store(plane.normal.x, out.normal[0], i), store(plane.normal.y, out.normal[1], i);
+    store(plane.normal.z, out.normal[2], i), store(plane.size, out.size, i);
+  }
+}
+
+// Triangles with a corner of the other one not certainly on the same side of a plane as the others.
+HWY_INLINE auto not_on_one_side(const V3& normal, V margin, const V3& origin, const Corners& of) {
+  const V d = dot(normal, minus(of.p, origin)), e = dot(normal, minus(of.q, origin)),
+          f = dot(normal, minus(of.r, origin));
+  const V least = hn::Min(hn::Min(d, e), f), most = hn::Max(hn::Max(d, e), f);
+  // What is no number is not certain: these comparisons are false then, and Not makes them true.
+  return hn::Not(hn::Or(hn::Gt(least, margin), hn::Lt(most, hn::Neg(margin))));
+}
+
+void TestLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& m, Masks& masks) {
+  Moved moved;
+  move(b, m, moved);
+  // Triangles whose boxes overlap have no coordinates farther apart than this.
+  float reach = 0.0f;
+  for (std::size_t k = 0; k < 3; ++k) reach = std::max({reach, a.half[k], b.half[k]});
+  reach = 8.0f * (reach + m.slack_m);
+  masks.fill(0);
+  const std::uint32_t present = (1u << a.count) - 1;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const Corners corners = load_corners(a.corners, i);
+    const TriangleBoxes box = boxes(corners);
+    const Planes plane = planes(corners);
+    // A plane separates where its normal does, whatever the normal. The corners of its own triangle are off it by what
+    // the normal's rounding makes of their distances, 11 units in the last place of size * reach together with the
+    // rounding of the dot products; both triangles' corners may be off by the slack.
+    const V per_size = set(0x1p-20f * reach + 2.0f * m.slack_m);
+    const V margin = hn::Mul(plane.size, per_size);
+    for (std::size_t row = 0; row < b.count; ++row) {
+      const V3 lo = set3(moved.lo, row), hi = set3(moved.hi, row);
+      auto mask = hn::And(hn::And(hn::Le(box.lo.x, hi.x), hn::Le(lo.x, box.hi.x)),
+                          hn::And(hn::Le(box.lo.y, hi.y), hn::Le(lo.y, box.hi.y)));
+      mask = hn::And(mask, hn::And(hn::Le(box.lo.z, hi.z), hn::Le(lo.z, box.hi.z)));
+      if (hn::AllFalse(Lanes(), mask)) continue;
+      const Corners other{set3(moved.corners[0], row), set3(moved.corners[1], row), set3(moved.corners[2], row)};
+      mask = hn::And(mask, not_on_one_side(plane.normal, margin, corners.p, other));
+      const V margin_b = hn::Mul(set(moved.size[row]), per_size);
+      mask = hn::And(mask, not_on_one_side(set3(moved.normal, row), margin_b, other.p, corners));
+      masks[row] = static_cast<std::uint8_t>(masks[row] | (bits(mask, i) & present));
+    }
+  }
+}
+
+}  // namespace peerd::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace peerd::collision {
+
+HWY_EXPORT(TestNodes);
+HWY_EXPORT(TestNodeLeaf);
+HWY_EXPORT(TestLeafNode);
+HWY_EXPORT(TestLeaves);
+
+WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& a_from_b) {
+  const Vec3 origin = a_from_b(b.origin()) - a.origin();
+  const Vec3 home = multiply(Mat3(a_from_b.rotation.transpose()), Vec3(-origin));
+  double farthest = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    for (int j = 0; j < 3; ++j) {
+      rotation[k][static_cast<std::size_t>(j)] = static_cast<float>(a_from_b.rotation(i, j));
+      magnitude[k][static_cast<std::size_t>(j)] = std::abs(rotation[k][static_cast<std::size_t>(j)]);
+    }
+    there[k] = static_cast<float>(origin[i]);
+    back[k] = static_cast<float>(home[i]);
+    farthest = std::max({farthest, std::abs(origin[i]), std::abs(home[i])});
+  }
+  // Each of some 20 roundings is of a number below the sum in brackets (its terms' factors are at most sqrt(3)), by at
+  // most 2^-24 of it. Binary64, in which vertices are moved for the exact test, is lost in that; but vertices far from
+  // their soup's origin lose more there.
+  const auto far = [](const WideTree& tree) { return tree.origin().cwiseAbs().maxCoeff() + tree.extent_m(); };
+  const double binary64 = 0x1p-46 * (far(a) + far(b) + a_from_b.translation.cwiseAbs().maxCoeff());
+  slack_m = static_cast<float>(0x1p-19 * (2.0 * a.extent_m() + 2.0 * b.extent_m() + farthest) + binary64 + 0x1p-120);
+}
+
+void test_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion, Masks& masks) {
+  HWY_DYNAMIC_DISPATCH(TestNodes)(a, b, motion, masks);
+}
+std::uint8_t test_node_leaf(const WideTree::Node& a, const WideTree::Leaf& b, const WideMotion& motion) {
+  return HWY_DYNAMIC_DISPATCH(TestNodeLeaf)(a, b, motion);
+}
+std::uint8_t test_leaf_node(const WideTree::Leaf& a, const WideTree::Node& b, const WideMotion& motion) {
+  return HWY_DYNAMIC_DISPATCH(TestLeafNode)(a, b, motion);
+}
+void test_leaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion, Masks& masks) {
+  HWY_DYNAMIC_DISPATCH(TestLeaves)(a, b, motion, masks);
+}
+
+}  // namespace peerd::collision
+#endif

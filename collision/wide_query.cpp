@@ -1,0 +1,91 @@
+#include "collision/wide_query.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "collision/wide_kernels.hpp"
+
+namespace peerd::collision {
+
+using Ref = WideTree::Ref;
+
+// Depth first, children in their order. What the kernels let through beyond what touches costs time and changes no
+// answer, and it changes no order: so the first pair found is the first that there is.
+template <class Found>
+bool WideQuery::descend(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Found found) {
+  const WideMotion motion(a, b, a_from_b);
+  Masks masks;
+  const auto for_bits_downwards = [](std::uint32_t bits, auto&& then) {
+    while (bits != 0) {
+      const auto i = static_cast<std::size_t>(std::bit_width(bits) - 1);
+      bits ^= 1u << i;
+      then(i);
+    }
+  };
+  const auto test_triangles = [&](const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+    test_leaves(leaf_a, leaf_b, motion, masks);
+    for (std::size_t row = 0; row < leaf_b.count; ++row) {
+      if (masks[row] == 0) continue;
+      const Triangle in_b = b.soup().triangle(leaf_b.faces[row]);
+      const Triangle moved = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
+      for (std::uint32_t bits = masks[row]; bits != 0; bits &= bits - 1) {
+        const std::uint32_t face_a = leaf_a.faces[static_cast<std::size_t>(std::countr_zero(bits))];
+        ++counters_.triangle_tests;
+        if (touch(a.soup().triangle(face_a), moved, counters_.orientation) &&
+            found(PolygonPair{a.soup().faces[face_a].polygon, b.soup().faces[leaf_b.faces[row]].polygon})) {
+          return true;
+        }
+      }
+    }
+    return false;
+  };
+
+  stack_.clear();
+  stack_.emplace_back(WideTree::kRoot, WideTree::kRoot);
+  while (!stack_.empty()) {
+    const auto [place_a, place_b] = stack_.back();
+    stack_.pop_back();
+    const Ref of_a = a.at(place_a), of_b = b.at(place_b);
+    const bool node_a = of_a.kind() == Ref::kNode, node_b = of_b.kind() == Ref::kNode;
+    if (node_a && node_b) {
+      counters_.bv_tests += 64;
+      test_nodes(a.node(of_a.index()), b.node(of_b.index()), motion, masks);
+      for (std::size_t row = WideTree::kWidth; row-- > 0;) {
+        for_bits_downwards(masks[row], [&](std::size_t i) {
+          stack_.emplace_back(WideTree::place(of_a, i), WideTree::place(of_b, row));
+        });
+      }
+    } else if (node_a) {
+      counters_.bv_tests += 8;
+      for_bits_downwards(test_node_leaf(a.node(of_a.index()), b.leaf(of_b.index()), motion),
+                         [&](std::size_t i) { stack_.emplace_back(WideTree::place(of_a, i), place_b); });
+    } else if (node_b) {
+      counters_.bv_tests += 8;
+      for_bits_downwards(test_leaf_node(a.leaf(of_a.index()), b.node(of_b.index()), motion),
+                         [&](std::size_t i) { stack_.emplace_back(place_a, WideTree::place(of_b, i)); });
+    } else if (test_triangles(a.leaf(of_a.index()), b.leaf(of_b.index()))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool WideQuery::find_pair(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, PolygonPair& pair) {
+  return descend(a, b, a_from_b, [&](const PolygonPair& found) {
+    pair = found;
+    return true;
+  });
+}
+
+const std::vector<PolygonPair>& WideQuery::all_pairs(WideTree& a, WideTree& b, const RelativeMotion& a_from_b) {
+  pairs_.clear();
+  (void)descend(a, b, a_from_b, [&](const PolygonPair& found) {
+    pairs_.push_back(found);
+    return false;
+  });
+  std::ranges::sort(pairs_);
+  pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+  return pairs_;
+}
+
+}  // namespace peerd::collision
