@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <functional>
-#include <numeric>
 
 namespace peerd {
 namespace {
@@ -48,9 +47,7 @@ void EarClipping::link() {
     const std::uint32_t j = count - 1 - i, after_j = corners_[j].next;
     corners_[j].next_distinct = points_[after_j] != points_[j] ? after_j : corners_[after_j].next_distinct;
   }
-  by_x_.resize(count);
-  std::iota(by_x_.begin(), by_x_.end(), 0U);
-  std::ranges::sort(by_x_, {}, [&](std::uint32_t i) { return std::pair(points_[i].x, i); });
+  tree_.build(points_);
 }
 
 void EarClipping::classify(std::uint32_t i) {
@@ -58,9 +55,7 @@ void EarClipping::classify(std::uint32_t i) {
   const PlanePoint &a = points_[corner.previous], &b = points_[i], &c = points_[corner.next];
   const int t = turn(a, b, c);
   if (t > 0) {
-    const auto first =
-        std::ranges::lower_bound(by_x_, std::min({a.x, b.x, c.x}), {}, [&](std::uint32_t j) { return points_[j].x; });
-    corner.blocker = static_cast<std::uint32_t>(first - by_x_.begin());
+    corner.searched = 0;
     find_blocker(i);
   } else if (t == 0 && !between(a, b, c)) {
     offer(Kind::kSpike, i);
@@ -69,23 +64,21 @@ void EarClipping::classify(std::uint32_t i) {
   }
 }
 
-// Goes on where it stopped: corners only disappear, and blocks() is about points that don't move.
+// Goes on where it stopped: corners only disappear, and blocks() is about points that don't move. The one that blocked
+// last mostly blocks the next triangle too.
 void EarClipping::find_blocker(std::uint32_t i) {
   Corner& corner = corners_[i];
   const PlanePoint &a = points_[corner.previous], &b = points_[i], &c = points_[corner.next];
-  const auto [y_min, y_max] = std::minmax({a.y, b.y, c.y});
-  const float x_max = std::max({a.x, b.x, c.x});
-  for (; corner.blocker < by_x_.size(); ++corner.blocker) {
-    const std::uint32_t j = by_x_[corner.blocker];
-    if (points_[j].x > x_max) break;
-    if (points_[j].y < y_min || points_[j].y > y_max || corners_[j].kind == Kind::kCut) continue;
-    if (j == i || j == corner.previous || j == corner.next || !blocks(i, j)) continue;
-    corner.kind = Kind::kBlocked;
-    waiting_.push_back({i, corners_[j].first_waiting});
-    corners_[j].first_waiting = static_cast<std::uint32_t>(waiting_.size() - 1);
-    return;
-  }
-  offer(Kind::kEar, i);
+  const auto is_blocker = [&](std::uint32_t j) {
+    return j != i && j != corner.previous && j != corner.next && blocks(i, j);
+  };
+  corner.kind = Kind::kBlocked;
+  if (corner.blocker != kNone && corners_[corner.blocker].kind != Kind::kCut && is_blocker(corner.blocker)) return;
+  corner.searched = tree_.find(corner.searched, a, b, c, is_blocker);
+  if (corner.searched == tree_.size()) return offer(Kind::kEar, i);
+  corner.blocker = tree_.corner_at(corner.searched);
+  waiting_.push_back({i, corners_[corner.blocker].first_waiting});
+  corners_[corner.blocker].first_waiting = static_cast<std::uint32_t>(waiting_.size() - 1);
 }
 
 // Does corner j keep triangle a b c from being cut off? Inside it and on the new edge, yes. On the polygon's own edges
@@ -106,13 +99,15 @@ bool EarClipping::blocks(std::uint32_t i, std::uint32_t j) const {
 void EarClipping::remove(std::uint32_t i) {
   const std::uint32_t previous = corners_[i].previous, next = corners_[i].next;
   corners_[i].kind = Kind::kCut;
+  tree_.remove(i);
   corners_[previous].next = next;
   corners_[next].previous = previous;
   classify(previous);
   classify(next);
   for (std::uint32_t entry = corners_[i].first_waiting; entry != kNone; entry = waiting_[entry].next_entry) {
     const std::uint32_t waiting = waiting_[entry].corner;  // or it did once
-    if (corners_[waiting].kind == Kind::kBlocked && by_x_[corners_[waiting].blocker] == i) find_blocker(waiting);
+    const Corner& corner = corners_[waiting];
+    if (corner.kind == Kind::kBlocked && corner.blocker == i) find_blocker(waiting);
   }
 }
 

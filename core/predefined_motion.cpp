@@ -128,6 +128,15 @@ Pose PredefinedMotion::rigid_pose(ObjectId id, double t_s) {
   return peerd::rigid_pose(fields);
 }
 
+Vec3 PredefinedMotion::to_world(ObjectId id, const Vec3& in_parent, double t_s) {
+  Affine world_from_parent;
+  for (const std::uint32_t i : path(id)) {
+    if (i == id.value || scene_.instances[i].transform == Instance::kNone) continue;
+    world_from_parent = multiply(world_from_parent, parent_from_local(transform({i}, t_s)));
+  }
+  return multiply(world_from_parent.linear, in_parent);
+}
+
 PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s) {
   const std::vector<std::uint32_t> way = path(id);
   struct Moving {

@@ -33,6 +33,8 @@ class PredefinedMotion {
   // The fields of a Transform at world time t.
   [[nodiscard]] TransformFields transform(ObjectId id, double t_s);
   [[nodiscard]] Pose rigid_pose(ObjectId id, double t_s);
+  // Scene::to_world() as the instance's parent stands at world time t.
+  [[nodiscard]] Vec3 to_world(ObjectId id, const Vec3& in_parent, double t_s);
 
   // How an instance's rigid pose goes on from t: it is advance(state, s - begin_s) at world time s from begin_s until
   // end_s, begin_s <= t < end_s. One driven translation, or its own driven rotation about its origin, or both, is
@@ -48,6 +50,11 @@ class PredefinedMotion {
   static constexpr double kPiece_s = 0x1p-7;
   [[nodiscard]] Piece piece(ObjectId id, double t_s);
 
+  // Since when TimeSensors that start each other stand still, as they have used up what one world may: see
+  // animation::AnimationOptions. As far as anybody has asked.
+  [[nodiscard]] std::optional<double> limited_at() const {
+    return animation_ ? animation_->limited_at() : std::nullopt;
+  }
   [[nodiscard]] animation::Animation* animation() { return animation_ ? &*animation_ : nullptr; }
 
  private:

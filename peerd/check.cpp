@@ -8,6 +8,7 @@
 #include <fstream>
 #include <optional>
 #include <ostream>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,6 +33,27 @@ constexpr std::size_t kShown = 20;  // of errors, of warnings, of what is unsupp
 // A short text can ask for many more. These take about 20 s, and 2 GB where half of them are one geometry's, the most
 // that the reader allows.
 constexpr std::uint64_t kMostPolygons = std::uint64_t{1} << 25;
+
+// Of the meshes that collision makes of the objects that interests name: one that stands inside another is made again.
+std::uint64_t polygons_of_bodies(const Scene& scene) {
+  std::vector<std::uint64_t> of_geometry;
+  for (const Geometry& geometry : scene.geometries) {
+    of_geometry.push_back(mesh_size(geometry, scene.tessellation).polygons);
+  }
+  std::vector<std::uint64_t> before = {0};  // by instance: those of the instances before it
+  for (const Instance& instance : scene.instances) {
+    const bool solid = instance.geometry != Instance::kNone && instance.collides;
+    before.push_back(before.back() + (solid ? of_geometry[instance.geometry] : 0));
+  }
+  std::set<ObjectId> named;
+  for (const CollisionInterest& interest : scene.interests) {
+    named.insert(interest.collider);
+    named.insert(interest.collidees.begin(), interest.collidees.end());
+  }
+  std::uint64_t polygons = 0;
+  for (const ObjectId id : named) polygons += before[scene.at(id).subtree_end] - before[id.value];
+  return polygons;
+}
 
 // All that there is to print. Without a file, only the first two.
 struct Finding {
@@ -245,7 +267,7 @@ double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-Json moving_at(const Scene& scene, double t_s) {
+Json moving_at(const Scene& scene, double t_s, std::vector<std::string>& unsupported) {
   Json list = Json::array();
   PredefinedMotion motion(scene);
   for (const ObjectId id : motion.driven_transforms()) {
@@ -255,6 +277,10 @@ Json moving_at(const Scene& scene, double t_s) {
     list.push_back({{"path", scene.path_of(id)},
                     {"position", {p.x(), p.y(), p.z()}},
                     {"orientation", {q.x(), q.y(), q.z(), q.w()}}});
+  }
+  if (const std::optional<double> since = motion.limited_at()) {
+    unsupported.push_back("TimeSensors that start each other so often: they stand still from " +
+                          std::to_string(*since) + " s on");
   }
   return list;
 }
@@ -288,7 +314,12 @@ int run_check(const std::string& path, const CheckOptions& options, std::ostream
   if (finding.good()) {
     const Scene& scene = *finding.result->scene;
     // What its interests ask for and collision can't answer yet: no error of the world's.
-    finding.unsupported = replication::make_world_model(scene)->unsupported;
+    if (polygons_of_bodies(scene) <= kMostPolygons) {
+      finding.unsupported = replication::make_world_model(scene)->unsupported;
+    } else {
+      finding.unsupported.push_back("interests in more than " + std::to_string(kMostPolygons) +
+                                    " polygons: they are not looked at");
+    }
     finding.statistics = statistics_of(scene);
     if (finding.statistics.polygons <= kMostPolygons) {
       const auto defects_start = std::chrono::steady_clock::now();
@@ -299,7 +330,9 @@ int run_check(const std::string& path, const CheckOptions& options, std::ostream
     }
   }
   Json moving = Json::array();
-  if (finding.good() && options.at_s) moving = moving_at(*finding.result->scene, *options.at_s);
+  if (finding.good() && options.at_s) {
+    moving = moving_at(*finding.result->scene, *options.at_s, finding.unsupported);
+  }
   if (options.json) {
     Json json = to_json(finding);
     if (options.at_s) json["moving"] = moving;

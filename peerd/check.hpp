@@ -15,7 +15,9 @@ namespace peerd {
 //   errors       [{file, line, column, message}], in the order of the texts; `file` is the Inline's where it's there.
 //                Lines and columns (bytes) count from 1; both are 0 where the file as a whole can't be read.
 //   warnings     likewise
-//   unsupported  [text]: what can't be answered of a good world: interests, or defects of more than 2^25 polygons
+//   unsupported  [text]: what can't be answered of a good world: interests, or interests in or defects of more than
+//   2^25
+//                polygons; with `at_s`, TimeSensors that have stopped for want of transitions
 //   statistics   counts; core/scene_statistics.hpp says of what. null unless good
 //   defects      counts of polygons and of edges; core/mesh_defects.hpp says of which. `first` has for each defect of
 //                polygons {shape, polygon}, or null where there is none; shape is null where no Shape has that

@@ -26,14 +26,30 @@ void print_objects(const json& reply) {
   if (!reply.at("next").is_null()) std::cout << "and more: see peerd ctl objects\n";
 }
 
+// The reply of a peer that did what it was asked.
+config::Result<json> read_reply(const std::filesystem::path& socket, const std::string& line) {
+  json reply = json::parse(line, nullptr, /*allow_exceptions=*/false);
+  const bool understood =
+      reply.is_object() && reply.contains("ok") && reply.at("ok").is_boolean() && reply.value("v", 0) == 1;
+  if (!understood) {
+    return std::unexpected(config::InputError{
+        "error: what listens at " + socket.string() + " is no peer of this version: " + line.substr(0, 200), 3});
+  }
+  if (!reply.at("ok").get<bool>()) {
+    return std::unexpected(config::InputError{"error: " + reply.value("error", std::string("no reason given")), 2});
+  }
+  return reply;
+}
+
 // A peer lists so many objects at a time; the rest is asked for until there is none.
 config::Result<void> fetch_rest(const std::filesystem::path& socket, json& reply) {
   while (!reply.at("next").is_null()) {
     const auto line = api::ask(socket, json{{"do", "objects"}, {"from", reply.at("next")}}.dump());
     if (!line) return std::unexpected(line.error());
-    json more = json::parse(*line);
-    for (json& row : more.at("objects")) reply.at("objects").push_back(std::move(row));
-    reply.at("next") = more.at("next");
+    auto more = read_reply(socket, *line);
+    if (!more) return std::unexpected(more.error());
+    for (json& row : more->at("objects")) reply.at("objects").push_back(std::move(row));
+    reply.at("next") = more->at("next");
   }
   return {};
 }
@@ -84,13 +100,9 @@ int run_ctl(const CtlOptions& options) {
   if (!socket) return failed(socket.error());
   const auto line = api::ask(*socket, options.request);
   if (!line) return failed(line.error());
-  json reply = json::parse(*line, nullptr, /*allow_exceptions=*/false);
-  const bool understood = reply.is_object() && reply.contains("ok") && reply.value("v", 0) == 1;
-  if (!understood) {
-    return failed(
-        {"error: what listens at " + socket->string() + " is no peer of this version: " + line->substr(0, 200), 3});
-  }
-  if (!reply.at("ok").get<bool>()) return failed({"error: " + reply.value("error", std::string("no reason given")), 2});
+  auto read = read_reply(*socket, *line);
+  if (!read) return failed(read.error());
+  json& reply = *read;
   if (reply.contains("objects") && !reply.contains("peer")) {
     if (const auto all = fetch_rest(*socket, reply); !all) return failed(all.error());
   }

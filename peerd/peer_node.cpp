@@ -180,7 +180,7 @@ KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
     KeyReport::Change& change = report.changes.emplace_back();
     change.sensor = hit;
     change.recipient = *sensor.recipient;
-    change.velocity_world = scene().to_world(*sensor.recipient, sensor.value);
+    change.velocity_world = peer_.to_world(peer_.clock().to_session(now), *sensor.recipient, sensor.value);
     change.absolute = sensor.absolute;
     change.refused = why_not(now, change);
     if (change.refused.empty() &&
@@ -303,6 +303,7 @@ const PeerLog& PeerNode::log() {
     n["key_changes"] = key_changes_;
     n["key_changes_refused"] = key_changes_refused_;
   }
+  if (peer_.time_sensors_limited_at()) n["time_sensors_stopped"] = 1;
   for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;
   return log_;
 }

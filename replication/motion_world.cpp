@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include "core/predefined_motion.hpp"
 #include "replication/response.hpp"
@@ -37,16 +39,17 @@ bool same_motion(const KinematicState& a, const KinematicState& b) {
          a.angular_velocity_body == b.angular_velocity_body;
 }
 
-void add_pair(WorldModel& model, const CollisionPair& pair) {
-  for (CollisionPair& known : model.pairs) {
-    if (known.type != pair.type) continue;
-    if (known.collider == pair.collider && known.collidee == pair.collidee) return;
-    if (known.collider == pair.collidee && known.collidee == pair.collider) {
-      known.mutual = true;
-      return;
-    }
+// By type and the lower and the higher of the two: which of the model's pairs that is.
+using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::size_t>;
+
+void add_pair(WorldModel& model, KnownPairs& known, const CollisionPair& pair) {
+  const auto [lower, higher] = std::minmax(pair.collider, pair.collidee);
+  const auto [it, is_new] = known.try_emplace({pair.type, lower, higher}, model.pairs.size());
+  if (is_new) {
+    model.pairs.push_back(pair);
+  } else if (model.pairs[it->second].collider != pair.collider) {
+    model.pairs[it->second].mutual = true;
   }
-  model.pairs.push_back(pair);
 }
 
 }  // namespace
@@ -74,6 +77,7 @@ std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
   auto model = std::make_unique<WorldModel>();
   model->scene = &scene;
   std::vector<ObjectId> named;
+  KnownPairs known;
   for (const CollisionInterest& interest : scene.interests) {
     for (ObjectId collidee : interest.collidees) {
       if (is_inside(scene, interest.collider, collidee) || is_inside(scene, collidee, interest.collider)) {
@@ -81,7 +85,7 @@ std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
                                      ": one contains the other; collisions within an object are not answered yet");
         continue;
       }
-      add_pair(*model, {interest.collider, collidee, interest.type, false});
+      add_pair(*model, known, {interest.collider, collidee, interest.type, false});
       named.push_back(interest.collider);
       named.push_back(collidee);
     }

@@ -157,6 +157,13 @@ class Peer {
   [[nodiscard]] std::optional<SimTime> due_tick(HostTime now) const;
   // Own objects that move by their velocityVector do so from `start` on, or from now if that has passed.
   void start_motions(HostTime now, SimTime start);
+  // A vector in the frame of the object's parent, as the file has velocities: in the world's, as the parent stands
+  // then.
+  [[nodiscard]] Vec3 to_world(SimTime at, ObjectId object, const Vec3& in_parent);
+  // PredefinedMotion::limited_at(): since when the world's TimeSensors stand still [s, world time].
+  [[nodiscard]] std::optional<double> time_sensors_limited_at() const {
+    return predefined_ ? predefined_->limited_at() : std::nullopt;
+  }
   // A key or a hand changes the velocity [m/s, world frame] of an object that this peer runs and does not drive:
   // replaces it, or adds to it. False, and nothing done, for any other object and before a session. The others are told
   // with the next tick.
@@ -209,7 +216,7 @@ class Peer {
 
   [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
   void enter_session(HostTime now);
-  [[nodiscard]] Vec3 file_velocity(ObjectId object) const;
+  [[nodiscard]] Vec3 file_velocity(SimTime at, ObjectId object);
   void change_session(SimTime before, SimTime now);
   void declare_all();
   void on_hello(HostTime now, PeerId sender, const Hello& hello);

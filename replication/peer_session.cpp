@@ -134,14 +134,19 @@ void Peer::enter_session(HostTime host_now) {
   restart_predefined();
   for (const auto& [object, own] : own_) {
     KinematicState initial = at_rest(model_.scene->rigid_pose(object));
-    if (!own.driven && !config_.wait_for_start) initial.velocity = file_velocity(object);
+    if (!own.driven && !config_.wait_for_start) initial.velocity = file_velocity(now, object);
     replica_->truth.set_base(object, now, initial);
   }
 }
 
+Vec3 Peer::to_world(SimTime at, ObjectId object, const Vec3& in_parent) {
+  if (!predefined_ || !world_zero_) return model_.scene->to_world(object, in_parent);
+  return predefined_->to_world(object, in_parent, to_seconds(at - *world_zero_));
+}
+
 // The world's velocityVector, which is in its parent's frame.
-Vec3 Peer::file_velocity(ObjectId object) const {
-  return model_.scene->to_world(object, model_.scene->object(object).velocity);
+Vec3 Peer::file_velocity(SimTime at, ObjectId object) {
+  return to_world(at, object, model_.scene->object(object).velocity);
 }
 
 bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute) {
@@ -163,7 +168,7 @@ void Peer::start_motions(HostTime now, SimTime start) {
   for (auto& [object, own] : own_) {
     if (own.driven) continue;
     KinematicState state = replica_->truth.at(object, from);
-    state.velocity = file_velocity(object);
+    state.velocity = file_velocity(from, object);
     replica_->truth.set_base(object, from, state);
     own.starts = from;
   }

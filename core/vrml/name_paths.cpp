@@ -49,7 +49,7 @@ std::optional<std::uint32_t> NamePaths::instance_of(std::string_view path, std::
     if (const auto it = inner_instances_.find({scope, path}); it != inner_instances_.end()) return it->second;
   }
   if (const auto first = first_of_the_world(path)) return first;
-  const auto id = scene_.find(path);
+  const auto id = paths_.find(path);
   return id ? std::optional(static_cast<std::uint32_t>(id->value)) : std::nullopt;
 }
 
@@ -84,7 +84,7 @@ void NamePaths::rename(const std::vector<std::string_view>& names, const std::ve
 
 std::optional<std::uint32_t> NamePaths::renamed_instance_of(std::string_view path) const {
   if (const auto it = first_renamed_.find(path); it != first_renamed_.end()) return it->second;
-  const auto id = renamed_.find(path);
+  const auto id = renamed_paths_.find(path);
   return id ? std::optional(static_cast<std::uint32_t>(id->value)) : std::nullopt;
 }
 

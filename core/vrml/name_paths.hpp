@@ -10,6 +10,7 @@
 
 #include "core/scene.hpp"
 #include "core/vrml/document.hpp"
+#include "core/vrml/path_finder.hpp"
 
 namespace peerd::vrml {
 
@@ -18,6 +19,8 @@ namespace peerd::vrml {
 class NamePaths {
  public:
   explicit NamePaths(const Scene& scene);
+  NamePaths(const NamePaths&) = delete;
+  NamePaths& operator=(const NamePaths&) = delete;
 
   // As the reader finds it: a name inside of a PROTO or an Inline means a node in there first.
   [[nodiscard]] std::optional<std::uint32_t> instance_of(std::string_view path, std::uint32_t scope) const;
@@ -41,6 +44,7 @@ class NamePaths {
   bool has_paths_ = false;
   Scene renamed_;  // its instances only
   std::unordered_map<std::string_view, std::uint32_t> first_renamed_;
+  mutable PathFinder paths_{scene_}, renamed_paths_{renamed_};  // they remember what they have looked at
 };
 
 }  // namespace peerd::vrml

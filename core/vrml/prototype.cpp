@@ -21,9 +21,18 @@ Field moved(const Field& field, std::uint32_t base, Arena& arena) {
   return out;
 }
 
-const Field* find(std::span<const Field> fields, const FieldSpec& spec) {
-  const auto it = std::ranges::find(fields, &spec, &Field::spec);
-  return it == fields.end() ? nullptr : &*it;
+// Most are in order, or nearly so.
+template <class Link, class Key>
+void sort_by(std::vector<Link>& links, Key Link::*key) {
+  if (!std::ranges::is_sorted(links, {}, key)) std::ranges::stable_sort(links, {}, key);
+}
+
+bool refers(const Node& node) {
+  return std::ranges::any_of(node.given(), [](const Field& f) { return holds_nodes(f.spec->type); });
+}
+
+std::size_t place_of(const Prototype& prototype, const FieldSpec& outer) {
+  return static_cast<std::size_t>(&outer - prototype.type.fields.data());
 }
 
 }  // namespace
@@ -89,6 +98,7 @@ NodeSet reach(const Body& body, std::uint32_t node) {
     const std::uint32_t at = open.back();
     open.pop_back();
     set.nodes.push_back(at);
+    set.cost += cost_of_fields(body.nodes[at].field_count);
     for (const Field& field : body.nodes[at].given()) {
       if (!holds_nodes(field.spec->type)) continue;
       set.references += field.count;
@@ -98,6 +108,7 @@ NodeSet reach(const Body& body, std::uint32_t node) {
       }
     }
   }
+  set.cost += set.references;
   std::ranges::sort(set.nodes);  // a node stands behind all that it refers to
   return set;
 }
@@ -126,55 +137,124 @@ std::uint32_t copy_nodes(const Body& from, const NodeSet& set, Body& to, Arena& 
   return place.at(set.nodes.back());
 }
 
+void sort_links(Prototype& prototype) {
+  prototype.value_of_field.assign(prototype.type.fields.size(), ValueLink::kNone);
+  for (const IsLink& link : prototype.links) {
+    // Where the outer one sends events the inner one does too, and likewise where it takes them (table 4.4).
+    if (link.outer->access != Access::kField && link.inner->access != Access::kField) {
+      prototype.event_links.push_back(link);
+    }
+    if (!has_value(link.outer->access) || !has_value(link.inner->access)) continue;
+    const std::size_t place = place_of(prototype, *link.outer);
+    std::uint32_t& number = prototype.value_of_field[place];
+    if (number == ValueLink::kNone) {
+      number = static_cast<std::uint32_t>(prototype.linked_fields.size());
+      prototype.linked_fields.push_back(static_cast<std::uint32_t>(place));
+      prototype.link_counts.push_back(0);
+    }
+    ++prototype.link_counts[number];
+    prototype.value_links.push_back({.node = link.node, .value = number, .inner = link.inner});
+  }
+  sort_by(prototype.links, &IsLink::outer);
+  sort_by(prototype.event_links, &IsLink::outer);
+  sort_by(prototype.value_links, &ValueLink::node);
+  std::unordered_map<const FieldSpec*, std::uint32_t> of_node;
+  auto link = prototype.value_links.begin();
+  for (std::uint32_t i = 0; i < prototype.body.nodes.size(); ++i) {
+    const Node& node = prototype.body.nodes[i];
+    const auto first = link;
+    of_node.clear();
+    for (; link != prototype.value_links.end() && link->node == i; ++link) {
+      const auto [it, is_new] = of_node.try_emplace(link->inner, static_cast<std::uint32_t>(of_node.size()));
+      link->field = it->second;
+      const auto own = is_new ? std::ranges::find(node.given(), link->inner, &Field::spec) : node.given().end();
+      if (own != node.given().end()) link->replaces = static_cast<std::uint32_t>(own - node.given().begin());
+    }
+    const auto links = static_cast<std::uint64_t>(link - first);
+    if (links > 0 || refers(node)) prototype.copied_references += cost_of_fields(node.field_count + links);
+  }
+}
+
+std::span<const IsLink> links_of(const std::vector<IsLink>& by_outer, const FieldSpec& outer) {
+  return std::ranges::equal_range(by_outer, &outer, {}, &IsLink::outer);
+}
+
+std::span<const ValueLink> value_links_of(const Prototype& prototype, std::uint32_t node) {
+  return std::ranges::equal_range(prototype.value_links, node, {}, &ValueLink::node);
+}
+
+std::vector<const Field*> linked_values(const Prototype& prototype, std::span<const Field> given) {
+  std::vector<const Field*> values(prototype.linked_fields.size(), nullptr);
+  if (values.empty()) return values;
+  for (const Field& field : given) {
+    const std::uint32_t value = prototype.value_of_field[place_of(prototype, *field.spec)];
+    if (value != ValueLink::kNone) values[value] = &field;
+  }
+  return values;
+}
+
+std::uint64_t cost_of_values(const Prototype& prototype, std::span<const Field> given) {
+  const std::vector<const Field*> values = linked_values(prototype, given);
+  std::uint64_t cost = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::uint64_t links = prototype.link_counts[i];
+    const FieldSpec& outer = prototype.type.fields[prototype.linked_fields[i]];
+    const std::optional<Field>& otherwise = prototype.defaults[prototype.linked_fields[i]];
+    const std::uint64_t count = values[i] != nullptr ? values[i]->count : otherwise ? otherwise->count : 0;
+    if (holds_nodes(outer.type)) cost += links * count;
+    if (!holds_nodes(outer.type) && is_list(outer.type) && values[i] != nullptr) cost += (links - 1) * count;
+  }
+  return cost;
+}
+
 Expansion expand(const Prototype& prototype, std::span<const Field> given, Body& out, Arena& arena,
                  Problems& problems) {
   const auto base = static_cast<std::uint32_t>(out.nodes.size());
   const Body& body = prototype.body;
-  // Links by node, so that one pass over the nodes serves them all.
-  std::vector<const IsLink*> links;
-  for (const IsLink& link : prototype.links) {
-    if (has_value(link.outer->access) && has_value(link.inner->access)) links.push_back(&link);
-  }
-  std::ranges::stable_sort(links, {}, &IsLink::node);
-  auto link = links.begin();
+  const std::vector<const Field*> values = linked_values(prototype, given);
   // Defaults as they stand in this copy, each made once however many fields take it.
-  std::vector<std::optional<Field>> defaults(prototype.defaults.size());
-  const auto default_of = [&](const FieldSpec& outer) -> const std::optional<Field>& {
-    const auto i = static_cast<std::size_t>(&outer - prototype.type.fields.data());
-    if (!defaults[i] && prototype.defaults[i]) {
-      defaults[i] = prototype.defaults[i];
-      if (holds_nodes(outer.type)) defaults[i] = moved(*defaults[i], base, arena);
+  std::vector<std::optional<Field>> defaults(values.size());
+  const auto default_of = [&](std::uint32_t value) -> const std::optional<Field>& {
+    const std::optional<Field>& original = prototype.defaults[prototype.linked_fields[value]];
+    if (!defaults[value] && original) {
+      defaults[value] = holds_nodes(original->spec->type) ? moved(*original, base, arena) : *original;
     }
-    return defaults[i];
+    return defaults[value];
   };
+  auto link = prototype.value_links.begin();
   std::vector<Field> fields;
+  std::vector<std::uint32_t> places;  // by ValueLink::field: where its value stands among them
   for (std::uint32_t i = 0; i < body.nodes.size(); ++i) {
     Node node = body.nodes[i];
     node.scope += out.scopes;
-    const bool linked = link != links.end() && (*link)->node == i;
-    const bool refers = std::ranges::any_of(node.given(), [](const Field& f) { return holds_nodes(f.spec->type); });
-    if (linked || refers) {
+    const bool linked = link != prototype.value_links.end() && link->node == i;
+    if (linked || refers(node)) {
       fields.assign(node.given().begin(), node.given().end());
       for (Field& field : fields) {
         if (holds_nodes(field.spec->type)) field = moved(field, base, arena);
       }
-      for (; link != links.end() && (*link)->node == i; ++link) {
-        const FieldSpec& inner = *(*link)->inner;
-        const Field* value = find(given, *(*link)->outer);
-        const std::optional<Field>& otherwise = default_of(*(*link)->outer);
+      places.clear();
+      for (; link != prototype.value_links.end() && link->node == i; ++link) {
+        if (link->field == places.size()) places.push_back(link->replaces);
+        const Field* value = values[link->value];
+        const std::optional<Field>& otherwise = default_of(link->value);
         if (value == nullptr && !otherwise) {
           node.damaged = true;
           continue;
         }
         Field field = value != nullptr ? *value : *otherwise;
-        field.spec = &inner;
+        field.spec = link->inner;
         // Defaults were checked with the PROTO; what an instance gives is its own.
-        const bool good =
-            value == nullptr || (check_nodes(inner, field, out.nodes, problems) & check_range(inner, field, problems));
-        std::erase_if(fields, [&](const Field& f) { return f.spec == &inner; });
+        const bool good = value == nullptr || (check_nodes(*link->inner, field, out.nodes, problems) &
+                                               check_range(*link->inner, field, problems));
+        std::uint32_t& place = places[link->field];
+        if (place != ValueLink::kNone) fields[place].spec = nullptr;
+        place = good ? static_cast<std::uint32_t>(fields.size()) : ValueLink::kNone;
         if (good) fields.push_back(field);
+        if (good && holds_nodes(field.spec->type)) out.references += field.count;
         node.damaged |= !good;
       }
+      if (linked) std::erase_if(fields, [](const Field& f) { return f.spec == nullptr; });
       const auto copy = arena.copy(std::span<const Field>(fields));
       node.fields = copy.data();
       node.field_count = static_cast<std::uint32_t>(copy.size());

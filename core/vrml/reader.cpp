@@ -1,8 +1,11 @@
 #include "core/vrml/reader.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <expected>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "core/vrml/network_reader.hpp"
 #include "core/vrml/parser.hpp"
@@ -14,16 +17,27 @@ namespace {
 
 // Where the Inlines stand that were left empty within something that collides.
 std::set<std::pair<std::string, std::size_t>> needed_inlines(const Scene& scene, const vrml::Problems& problems) {
-  std::set<std::pair<std::string, std::size_t>> needed;
+  // An object's pending Inlines are a range, as they stand in the order of their instances: how many ranges begin at
+  // each of them, less those that end before it.
+  std::vector<std::int64_t> begins(scene.pending_inlines.size() + 1, 0);
+  const auto from = [&](ObjectId first) -> std::int64_t& {
+    const auto it = std::ranges::lower_bound(scene.pending_inlines, first, {}, &PendingInline::instance);
+    return begins[static_cast<std::size_t>(it - scene.pending_inlines.begin())];
+  };
   const auto need = [&](ObjectId object) {
-    for (const PendingInline& pending : scene.pending_inlines) {
-      if (pending.instance < object || pending.instance.value >= scene.at(object).subtree_end) continue;
-      needed.insert(problems.place_of(scene.document->nodes[scene.at(pending.instance).node].at));
-    }
+    ++from(object);
+    --from(ObjectId{scene.at(object).subtree_end});
   };
   for (const CollisionInterest& interest : scene.interests) {
     need(interest.collider);
     for (const ObjectId collidee : interest.collidees) need(collidee);
+  }
+  std::set<std::pair<std::string, std::size_t>> needed;
+  std::int64_t ranges = 0;
+  for (std::size_t i = 0; i < scene.pending_inlines.size(); ++i) {
+    ranges += begins[i];
+    if (ranges == 0) continue;
+    needed.insert(problems.place_of(scene.document->nodes[scene.at(scene.pending_inlines[i].instance).node].at));
   }
   return needed;
 }

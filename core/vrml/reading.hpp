@@ -63,7 +63,7 @@ struct Scope {
   std::uint32_t id = 0;            // Node::scope
   std::deque<Definition> definitions{};
   LateNameTable<Definition*> names{};
-  std::vector<std::pair<const Definition*, NodeRef*>> waiting{};  // Scripts' fields that refer to open ones
+  std::unordered_map<const Definition*, std::vector<NodeRef*>> waiting{};  // Scripts' fields that refer to open ones
   Declarations declarations{};
   std::vector<std::pair<RouteEnd, RouteEnd>> routes{};
 };

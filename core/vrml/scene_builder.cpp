@@ -9,6 +9,7 @@
 #include "core/vrml/element_positions.hpp"
 #include "core/vrml/geometry_reader.hpp"
 #include "core/vrml/name_table.hpp"
+#include "core/vrml/path_finder.hpp"
 #include "core/vrml/rotation.hpp"
 
 namespace peerd::vrml {
@@ -55,7 +56,8 @@ class Builder {
         nodes_(document->nodes),
         tessellation_(tessellation),
         limits_(limits),
-        problems_(problems) {}
+        problems_(problems),
+        lost_names_(document->lost_names.begin(), document->lost_names.end()) {}
 
   Scene build();
 
@@ -114,6 +116,9 @@ class Builder {
   NameTable<std::uint32_t> name_numbers_;     // of all names of instances
   std::vector<std::uint32_t> first_of_name_;  // by number, the first instance; kNone: no name of the world's own
   std::vector<std::uint32_t> last_parent_;    // by number, of the instance that was marked last
+  PathFinder paths_{scene_};
+  std::unordered_set<std::string_view> lost_names_;
+  bool gathered_ = false;  // inner_names_
   std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_names_;
   std::unordered_set<std::uint32_t> routed_keys_;  // KeySensors that tell others
 };
@@ -411,15 +416,15 @@ void Builder::gather_inner_names() {
 std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t scope, Position at) {
   if (problems_.full()) return std::nullopt;
   if (scope != 0) {
-    if (inner_names_.empty()) gather_inner_names();
+    if (!std::exchange(gathered_, true)) gather_inner_names();
     if (const auto it = inner_names_.find({scope, path}); it != inner_names_.end()) return ObjectId{it->second};
   }
   if (const std::uint32_t* number = name_numbers_.find(path); number != nullptr && first_of_name_[*number] != kNone) {
     return ObjectId{first_of_name_[*number]};
   }
-  if (const auto id = scene_.find(path)) return id;
+  if (const auto id = paths_.find(path)) return id;
   const std::string_view first = path.substr(0, path.find('/'));
-  if (std::ranges::find(document_->lost_names, first) != document_->lost_names.end()) return std::nullopt;
+  if (lost_names_.contains(first)) return std::nullopt;
   const auto named = std::ranges::find(nodes_, path, &Node::def);
   if (named != nodes_.end() && !path.empty()) {
     problems_.error(at,
@@ -428,7 +433,7 @@ std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t sc
   }
   Suggestion suggestion(path);
   if (first_of_name_.size() <= kFewEnough) {
-    for (const Instance& instance : scene_.instances) suggestion.consider(instance.def);
+    for (const auto& [name, number] : name_numbers_) suggestion.consider(name);
   }
   problems_.error(at, "no node of the scene is named " + quoted(path) + did_you_mean(suggestion));
   return std::nullopt;

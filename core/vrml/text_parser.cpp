@@ -91,7 +91,7 @@ NodeRef TextParser::parse_use() {
     if (around != nullptr && !(*around)->open && (*around)->node != NodeRef::kNull) {
       const Body& from = *scope_->outer->body;
       const NodeSet reached = reach(from, (*around)->node);
-      if (!reading_.room_for(reached.nodes.size(), reached.references, null.at)) return null;
+      if (!reading_.room_for(reached.nodes.size(), reached.cost, null.at)) return null;
       return {copy_nodes(from, reached, *scope_->body, arena_), null.at};
     }
   }
@@ -176,10 +176,11 @@ NodeRef TextParser::parse_node_body(const Token& def, const Token& type_name, Po
   if (open.definition != nullptr) {
     open.definition->node = ref.index;
     open.definition->open = false;
-    std::erase_if(scope_->waiting, [&](const auto& waiting) {
-      if (waiting.first == open.definition) waiting.second->index = ref.index;
-      return waiting.first == open.definition;
-    });
+    const auto waiting = scope_->waiting.find(open.definition);
+    if (waiting != scope_->waiting.end()) {
+      for (NodeRef* const waiter : waiting->second) waiter->index = ref.index;
+      scope_->waiting.erase(waiting);
+    }
   }
   return ref;
 }
@@ -214,8 +215,9 @@ NodeRef TextParser::close_node(Open& open, const Token& def, Position at) {
 NodeRef TextParser::close_instance(Open& open, const Prototype& prototype, const Token& def, Position at) {
   const std::span<const Field> given = std::span<const Field>(fields_).subspan(open.first_field);
   const Body& copied = prototype.body;
-  if (!reading_.room_for(copied.nodes.size(), copied.references + 2 * copied.routes.size(), at))
-    return {NodeRef::kNull, at};
+  const std::uint64_t references =
+      copied.references + 2 * copied.routes.size() + prototype.copied_references + cost_of_values(prototype, given);
+  if (!reading_.room_for(copied.nodes.size(), references, at)) return {NodeRef::kNull, at};
   if (live()) load_inlines_of(prototype, given);
   Body& body = *scope_->body;
   const std::size_t first = body.nodes.size();
@@ -229,9 +231,8 @@ NodeRef TextParser::close_instance(Open& open, const Prototype& prototype, const
     }
   }
   for (const PendingLink& link : open.links) {
-    for (const IsLink& inner : prototype.links) {
-      if (inner.outer != link.inner) continue;
-      if (!reading_.room_for(0, 2, at)) break;
+    for (const IsLink& inner : links_of(prototype.links, *link.inner)) {
+      if (!reading_.room_for(0, 4, at)) break;  // sort_links() keeps it twice
       scope_->prototype->links.push_back({link.outer, copy.base + inner.node, inner.inner, link.at});
     }
   }

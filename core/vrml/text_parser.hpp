@@ -36,7 +36,6 @@ class TextParser {
     const FieldSpec* outer;
     const FieldSpec* inner;
     Position at;
-    bool value;  // it carries one, not only events
   };
   // A node between its braces.
   struct Open {
@@ -44,6 +43,8 @@ class TextParser {
     Open* outer = nullptr;
     std::size_t first_field = 0;  // of it in fields_
     std::vector<PendingLink> links{};
+    std::vector<const FieldSpec*>
+        linked{};                       // fields whose value comes by a link, each once: few, where links can be many
     std::list<FieldSpec> own_fields{};  // a Script's; they stay where they are, and most nodes have none
     Definition* definition = nullptr;
     bool damaged = false;
@@ -60,6 +61,8 @@ class TextParser {
   void parse_externproto();
   void check_name(const Token& name);
   bool parse_interface(std::string_view name, bool with_values, Prototype& prototype);
+  std::optional<std::pair<FieldType, Token>> parse_type_and_name();
+  std::optional<Field> parse_default(const FieldSpec& spec, Prototype& prototype);
   void parse_body_of(Prototype& prototype, std::string_view name);
   void add_native(Declaration& declaration, std::string_view name);
   bool fits(std::span<const FieldSpec> interface, const NodeType& type, Position at);
@@ -78,7 +81,11 @@ class TextParser {
   [[nodiscard]] Suggestion names_like(std::string_view name) const;
   struct Event {
     const FieldSpec* spec = nullptr;
-    std::vector<std::pair<std::uint32_t, const FieldSpec*>> nodes{};  // in the scope's body
+    // The nodes base + link.node of the scope's body, and their fields; of an instance as many as it has links.
+    [[nodiscard]] std::span<const IsLink> links() const { return inner ? *inner : std::span<const IsLink>(&own, 1); }
+    std::uint32_t base = 0;
+    IsLink own{};
+    std::optional<std::span<const IsLink>> inner{};
   };
   Event find_event(const RouteEnd& end, bool sends);
   void add_routes(const Scope& scope, const RouteEnd& from, const RouteEnd& to);

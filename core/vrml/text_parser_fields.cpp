@@ -78,7 +78,7 @@ void TextParser::parse_field(Open& open) {
     return skip_value();
   }
   const auto same = [&](const Field& f) { return f.spec == spec; };
-  if (std::ranges::any_of(open.links, [&](const PendingLink& link) { return link.inner == spec && link.value; })) {
+  if (std::ranges::find(open.linked, spec) != open.linked.end()) {
     tokens_.warning(tokens_.position_of(name), quoted(name.text) + " is given twice; the last IS counts");
   }
   if (std::any_of(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), same)) {
@@ -133,13 +133,14 @@ void TextParser::parse_is(Open& open, const FieldSpec& spec, Access access, Posi
                           std::string(name_of(outer->access)) + ' ' + quoted(outer->name));
   }
   const bool carries = has_value(access) && has_value(outer->access);
-  const auto same = [&](const PendingLink& other) { return other.inner == &spec && other.value && carries; };
-  const auto given = [&](const Field& f) { return f.spec == &spec && carries; };
-  if (std::ranges::any_of(open.links, same) ||
-      std::any_of(fields_.begin() + static_cast<std::ptrdiff_t>(open.first_field), fields_.end(), given)) {
+  open.links.push_back({outer, &spec, at});
+  if (!carries) return;
+  const bool linked = std::ranges::find(open.linked, &spec) != open.linked.end();
+  const auto own_fields = std::span(fields_).subspan(open.first_field);
+  if (linked || std::ranges::find(own_fields, &spec, &Field::spec) != own_fields.end()) {
     tokens_.warning(at, quoted(spec.name) + " is given twice; the last IS counts");
   }
-  open.links.push_back({outer, &spec, at, carries});
+  if (!linked) open.linked.push_back(&spec);
 }
 
 void TextParser::parse_script_declaration(Open& open) {
@@ -184,7 +185,7 @@ void TextParser::parse_script_declaration(Open& open) {
     auto around = script_uses_.begin();
     for (const NodeRef& ref : value->as<NodeRef>().first(script_uses_.empty() ? 0 : value->count)) {
       // The document's arena is ours to write until it is handed over.
-      if (ref.index == kAround) scope_->waiting.emplace_back(*around++, const_cast<NodeRef*>(&ref));
+      if (ref.index == kAround) scope_->waiting[*around++].push_back(const_cast<NodeRef*>(&ref));
     }
   } else {
     open.damaged = true;

@@ -81,21 +81,18 @@ const std::vector<NodeRef>* TextParser::load_content(const Field& url) {
 
 // Before a prototype's Inlines come into the world: nodes stand behind what they refer to.
 void TextParser::load_inlines_of(const Prototype& prototype, std::span<const Field> given) {
+  std::optional<std::vector<const Field*>> values;
   for (std::uint32_t i = 0; i < prototype.body.nodes.size(); ++i) {
     const Node& node = prototype.body.nodes[i];
     if (node.type->meaning != Meaning::kInline) continue;
+    if (!values) values = linked_values(prototype, given);
     const auto value = [&](std::string_view name) {
       const Field* field = node.find(name);
-      for (const IsLink& link : prototype.links) {
-        // An event of the interface carries no value.
-        if (link.node != i || link.inner->name != name || !has_value(link.outer->access) ||
-            !has_value(link.inner->access)) {
-          continue;
-        }
-        const auto it = std::ranges::find(given, link.outer, &Field::spec);
-        const auto& otherwise = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
-        if (it != given.end()) {
-          field = &*it;
+      for (const ValueLink& link : value_links_of(prototype, i)) {
+        if (link.inner->name != name) continue;
+        const std::optional<Field>& otherwise = prototype.defaults[prototype.linked_fields[link.value]];
+        if ((*values)[link.value] != nullptr) {
+          field = (*values)[link.value];
         } else if (otherwise) {
           field = &*otherwise;
         }

@@ -9,6 +9,44 @@ namespace peerd::vrml {
 
 using enum TokenKind;
 
+namespace {
+
+// What an interface declares, as it is read.
+struct Interface {
+  std::vector<FieldSpec> specs{};
+  std::vector<std::optional<Field>> defaults{};
+  std::unordered_set<std::string_view> names{};
+
+  [[nodiscard]] bool has(std::string_view name) const { return names.contains(name); }
+  // 4.7: an exposedField x is also set_x and x_changed.
+  [[nodiscard]] bool conflicts(std::string_view name, Access access) const {
+    if (has(name)) return true;
+    if (access == Access::kExposedField) return has("set_" + std::string(name)) || has(std::string(name) + "_changed");
+    const auto exposed = [&](std::string_view base) {
+      const auto it = std::ranges::find(specs, base, &FieldSpec::name);
+      return it != specs.end() && it->access == Access::kExposedField;
+    };
+    return (name.starts_with("set_") && exposed(name.substr(4))) ||
+           (name.ends_with("_changed") && exposed(name.substr(0, name.size() - 8)));
+  }
+  void add(const FieldSpec& spec, const std::optional<Field>& value) {
+    names.insert(spec.name);
+    specs.push_back(spec);
+    defaults.push_back(value);
+  }
+};
+
+void keep(Interface& interface, Prototype& prototype, Arena& arena) {
+  const auto kept = arena.copy(std::span<const FieldSpec>(interface.specs));
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (interface.defaults[i]) interface.defaults[i]->spec = &kept[i];
+  }
+  prototype.type.fields = kept;
+  prototype.defaults = std::move(interface.defaults);
+}
+
+}  // namespace
+
 void TextParser::check_name(const Token& name) {
   const bool own = std::ranges::find(kOwnNodes, name.text) != std::end(kOwnNodes);
   if (find_node_type(name.text) != nullptr && !own) {
@@ -66,6 +104,35 @@ void TextParser::parse_proto() {
   scope_->declarations[prototype.type.name] = declaration;
 }
 
+// FIELDTYPE NAME, or an error.
+std::optional<std::pair<FieldType, Token>> TextParser::parse_type_and_name() {
+  const auto type = tokens_.at(kWord) ? find_field_type(tokens_.peek().text) : std::nullopt;
+  if (!type) {
+    Suggestion suggestion(tokens_.peek().text);
+    for (int t = 0; t <= static_cast<int>(FieldType::kMFVec3f); ++t)
+      suggestion.consider(name_of(static_cast<FieldType>(t)));
+    tokens_.error(tokens_.position(),
+                  "expected a field type, found " + described(tokens_.peek()) + did_you_mean(suggestion));
+    return std::nullopt;
+  }
+  tokens_.take();
+  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
+    tokens_.error(tokens_.position(), "expected the name of a field, found " + described(tokens_.peek()));
+    return std::nullopt;
+  }
+  return std::pair(*type, tokens_.take());
+}
+
+// Its nodes stand in the prototype's body, and are in none of its names (4.4.3).
+std::optional<Field> TextParser::parse_default(const FieldSpec& spec, Prototype& prototype) {
+  Scope scope{.outer = scope_, .body = &prototype.body};
+  Scope* const outer = std::exchange(scope_, &scope);
+  const std::optional<Field> value = values_.read(spec);
+  close(scope);
+  scope_ = outer;
+  return value;
+}
+
 // The declarations between '[' and ']', with default values for a PROTO. Those that can be read are kept.
 bool TextParser::parse_interface(std::string_view name, bool with_values, Prototype& prototype) {
   if (!tokens_.at(kOpenBracket)) {
@@ -74,32 +141,17 @@ bool TextParser::parse_interface(std::string_view name, bool with_values, Protot
     return false;
   }
   const Token bracket = tokens_.take();
-  std::vector<FieldSpec> specs;
-  std::vector<std::optional<Field>> defaults;
-  std::unordered_set<std::string_view> names;
-  const auto known = [&](std::string_view field) { return names.contains(field); };
-  // 4.7: an exposedField x is also set_x and x_changed.
-  const auto conflict = [&](std::string_view field, Access access) {
-    if (known(field)) return true;
-    if (access == Access::kExposedField) {
-      return known("set_" + std::string(field)) || known(std::string(field) + "_changed");
-    }
-    const auto exposed = [&](std::string_view base) {
-      const auto it = std::ranges::find(specs, base, &FieldSpec::name);
-      return it != specs.end() && it->access == Access::kExposedField;
-    };
-    return (field.starts_with("set_") && exposed(field.substr(4))) ||
-           (field.ends_with("_changed") && exposed(field.substr(0, field.size() - 8)));
-  };
+  Interface interface;
   bool good = true;
   while (!tokens_.at(kCloseBracket)) {
+    if (tokens_.at(kEnd)) {
+      good = false;
+      tokens_.report_unclosed(tokens_.position_of(bracket), "interface", ']');
+      break;
+    }
     const auto access = tokens_.at(kWord) ? find_access(tokens_.peek().text) : std::nullopt;
     if (!access) {
       good = false;
-      if (tokens_.at(kEnd)) {
-        tokens_.report_unclosed(tokens_.position_of(bracket), "interface", ']');
-        break;
-      }
       tokens_.error(tokens_.position(), "expected eventIn, eventOut, field, exposedField or ']' in the interface of " +
                                             quoted(name) + ", found " + described(tokens_.peek()));
       if (tokens_.at(kCloseBrace) || tokens_.at(kOpenBrace)) break;  // the ']' is missing
@@ -107,56 +159,31 @@ bool TextParser::parse_interface(std::string_view name, bool with_values, Protot
       continue;
     }
     tokens_.take();
-    const auto type = tokens_.at(kWord) ? find_field_type(tokens_.peek().text) : std::nullopt;
-    if (!type) {
+    const auto type_and_name = parse_type_and_name();
+    if (!type_and_name) {
       good = false;
-      Suggestion suggestion(tokens_.peek().text);
-      for (int t = 0; t <= static_cast<int>(FieldType::kMFVec3f); ++t)
-        suggestion.consider(name_of(static_cast<FieldType>(t)));
-      tokens_.error(tokens_.position(),
-                    "expected a field type, found " + described(tokens_.peek()) + did_you_mean(suggestion));
       skip_to_declaration();
       continue;
     }
-    tokens_.take();
-    if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) {
-      good = false;
-      tokens_.error(tokens_.position(), "expected the name of a field, found " + described(tokens_.peek()));
-      skip_to_declaration();
-      continue;
-    }
-    const Token field = tokens_.take();
-    if (conflict(field.text, *access)) {
+    const auto& [type, field] = *type_and_name;
+    if (interface.conflicts(field.text, *access)) {
       good = false;
       tokens_.error(tokens_.position_of(field),
                     quoted(field.text) + " is in the interface of " + quoted(name) + " already");
     }
-    const FieldSpec spec{arena_.copy(field.text), *type, *access, {}, Range::kAny, kAnyClass};
+    const FieldSpec spec{arena_.copy(field.text), type, *access, {}, Range::kAny, kAnyClass};
     std::optional<Field> value;
-    const bool wanted = with_values && has_value(*access);
-    if (wanted) {
-      Scope scope{.outer = scope_, .body = &prototype.body};
-      Scope* const outer = std::exchange(scope_, &scope);
-      value = values_.read(spec);
-      close(scope);
-      scope_ = outer;
+    if (with_values && has_value(*access)) {
+      value = parse_default(spec, prototype);
+      good = good && value.has_value();
       if (!value) skip_to_declaration();
     }
-    good = good && (value.has_value() || !wanted);
-    if (known(field.text)) continue;
-    if (specs.size() == kMaxFields) too_many(tokens_.position_of(field));
-    if (specs.size() >= kMaxFields) continue;
-    names.insert(spec.name);
-    specs.push_back(spec);
-    defaults.push_back(value);
+    if (interface.has(field.text)) continue;
+    if (interface.specs.size() == kMaxFields) too_many(tokens_.position_of(field));
+    if (interface.specs.size() < kMaxFields) interface.add(spec, value);
   }
   tokens_.accept(kCloseBracket);
-  const auto kept = arena_.copy(std::span<const FieldSpec>(specs));
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    if (defaults[i]) defaults[i]->spec = &kept[i];
-  }
-  prototype.type.fields = kept;
-  prototype.defaults = std::move(defaults);
+  keep(interface, prototype, arena_);
   return good;
 }
 
@@ -204,6 +231,7 @@ void TextParser::parse_body_of(Prototype& prototype, std::string_view name) {
     check_nodes(*link.inner, *value, body.nodes, problems_);
     check_range(*link.inner, *value, problems_);
   }
+  sort_links(prototype);
 }
 
 void TextParser::parse_externproto() {

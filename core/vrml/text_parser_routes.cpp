@@ -110,16 +110,10 @@ TextParser::Event TextParser::find_event(const RouteEnd& end, bool sends) {
     tokens_.error(end.at, why);
     return {};
   }
-  Event event{found};
   if (definition.prototype == nullptr || definition.prototype->not_found != nullptr) {
-    event.nodes.emplace_back(definition.node, found);
-    return event;
+    return {.spec = found, .own = {.node = definition.node, .inner = found}};
   }
-  for (const IsLink& link : definition.prototype->links) {
-    const bool inner = sends ? sends_events(link.inner->access) : takes_events(link.inner->access);
-    if (link.outer == found && inner) event.nodes.emplace_back(definition.base + link.node, link.inner);
-  }
-  return event;
+  return {.spec = found, .base = definition.base, .inner = links_of(definition.prototype->event_links, *found)};
 }
 
 void TextParser::add_routes(const Scope& scope, const RouteEnd& from, const RouteEnd& to) {
@@ -131,10 +125,10 @@ void TextParser::add_routes(const Scope& scope, const RouteEnd& from, const Rout
                              std::string(name_of(target.spec->type)) + ": both must be of one type");
     return;
   }
-  for (const auto& [from_node, from_field] : source.nodes) {
-    for (const auto& [to_node, to_field] : target.nodes) {
+  for (const IsLink& out : source.links()) {
+    for (const IsLink& in : target.links()) {
       if (!reading_.room_for(0, 2, from.at)) return;
-      scope.body->routes.push_back({from_node, to_node, from_field, to_field, from.at});
+      scope.body->routes.push_back({source.base + out.node, target.base + in.node, out.inner, in.inner, from.at});
     }
   }
 }

@@ -36,17 +36,21 @@ std::unexpected<InputError> cannot_listen(const fs::path& path, const std::strin
   return std::unexpected(InputError{"error: can't listen for control at " + path.string() + ": " + why, code});
 }
 
-// Held while a stale socket is looked at and replaced: of two peers that start at once, the second finds the first.
-class FolderLock {
+// Held while a stale socket is looked at and replaced: of two peers that start at once, the second finds the first. A
+// file beside the socket that only this user may open: whoever may open a shared folder could hold that one for ever.
+class LockFile {
  public:
-  explicit FolderLock(const fs::path& folder) : fd_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    for (int tries = 0; fd_ >= 0 && !(held_ = flock(fd_, LOCK_EX | LOCK_NB) == 0) && tries < 100; ++tries) {
+  explicit LockFile(const fs::path& path)
+      : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0600)) {
+    struct stat found {};
+    if (fd_ < 0 || fstat(fd_, &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return;
+    for (int tries = 0; !(held_ = flock(fd_, LOCK_EX | LOCK_NB) == 0) && tries < 100; ++tries) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-  ~FolderLock() {
+  LockFile(const LockFile&) = delete;
+  LockFile& operator=(const LockFile&) = delete;
+  ~LockFile() {
     if (fd_ >= 0) close(fd_);
   }
   [[nodiscard]] bool held() const { return held_; }
@@ -88,8 +92,11 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
       : io_(io), path_(std::move(path)), answer_(std::move(answer)), acceptor_(io), again_(io) {}
 
   config::Result<void> listen() {
-    const FolderLock lock(path_.has_parent_path() ? path_.parent_path() : fs::path("."));
-    if (!lock.held()) return cannot_listen(path_, "its folder can't be opened, or is held by another program");
+    const LockFile lock(path_.string() + ".lock");
+    if (!lock.held()) {
+      return cannot_listen(path_,
+                           path_.string() + ".lock can't be made, is not this user's, or is held by another program");
+    }
     if (auto cleared = clear(io_, path_); !cleared) return cleared;
     error_code error;
     acceptor_.open(Protocol(), error);

@@ -26,7 +26,7 @@ class ControlServer {
   using Answer = std::function<std::string(std::string_view line)>;
 
   // Listens at `path` from now on. A socket that nobody listens on any more is replaced; anything else that stands
-  // there is left alone and is an error. The folder must exist.
+  // there is left alone and is an error. The folder must exist. PATH.lock beside it is made and stays.
   [[nodiscard]] static config::Result<std::unique_ptr<ControlServer>> open(boost::asio::io_context& io,
                                                                            const std::filesystem::path& path,
                                                                            Answer answer);

@@ -104,9 +104,19 @@ Request read_key(Members& members) {
 }  // namespace
 
 std::expected<Request, std::string> parse_request(std::string_view line) {
-  const json object = json::parse(line, nullptr, /*allow_exceptions=*/false);
+  // The library would keep the last of two members of one name without a word.
+  std::set<std::string> names;
+  std::optional<std::string> twice;
+  const auto note_name = [&](int depth, json::parse_event_t event, json& parsed) {
+    if (event != json::parse_event_t::key || depth != 1) return true;
+    const std::string& name = parsed.get_ref<const std::string&>();
+    if (!names.insert(name).second && !twice) twice = name;
+    return true;
+  };
+  const json object = json::parse(line, note_name, /*allow_exceptions=*/false);
   if (object.is_discarded()) return std::unexpected("this is not JSON; write one object on a line");
   if (!object.is_object()) return std::unexpected("this is JSON, but no object");
+  if (twice) return std::unexpected("\"" + *twice + "\" is given twice");
   Members members(object);
   const std::int64_t version = members.whole("v", kVersion, 0, kCodeMax);
   if (version != kVersion) {

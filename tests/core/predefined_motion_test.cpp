@@ -104,6 +104,18 @@ TEST(PredefinedMotion, PiecesDependOnTimeAloneAndNotOnTheQuestionsBefore) {
   }
 }
 
+TEST(PredefinedMotion, AVectorIsInTheFrameOfTheParentAsItStands) {
+  const Scene scene = scene_of("DEF ARM Transform { scale 2 2 2 children DEF HAND Transform { rotation 1 0 0 1 } }" +
+                               kClock + "ROUTE O.value_changed TO ARM.rotation");
+  PredefinedMotion motion(scene);
+  const ObjectId hand = *scene.find("ARM/HAND");
+  EXPECT_EQ(motion.to_world(hand, Vec3(1, 2, 3), -1), scene.to_world(hand, Vec3(1, 2, 3)));
+  for (const double t : {0.5, 1.3, 2.7}) {
+    const Quat turned = motion.rigid_pose(*scene.find("ARM"), t).orientation;
+    EXPECT_NEAR((motion.to_world(hand, Vec3(1, 2, 3), t) - 2 * (turned * Vec3(1, 2, 3))).norm(), 0, 1e-12) << t;
+  }
+}
+
 TEST(PredefinedMotion, SaysWhatIsNoRigidBody) {
   const std::string scaled = R"(DEF S ScalarInterpolator { key [ 0 1 ] keyValue [ 0 1 ] }
     DEF UNEVEN Transform { scale 1 2 1 children DEF TURNS Transform { } }

@@ -1,8 +1,11 @@
 #include "peerd/api/control_server.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -124,6 +127,35 @@ TEST_F(ControlServerTest, ALivingPeersSocketIsNot) {
   Protocol::socket a = connect();
   send(a, "one\n");
   EXPECT_EQ(receive(a, 1), "got one\n");
+}
+
+// As any user may hold a folder that is open to all.
+TEST_F(ControlServerTest, DoesNotWaitForWhoHoldsTheFolder) {
+  const int folder_fd = ::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_GE(folder_fd, 0);
+  ASSERT_EQ(flock(folder_fd, LOCK_EX), 0);
+  const auto server = open();
+  close(folder_fd);
+  struct stat found {};
+  ASSERT_EQ(stat((path.string() + ".lock").c_str(), &found), 0);
+  EXPECT_EQ(found.st_mode & 0777, 0600u);
+}
+
+TEST_F(ControlServerTest, WaitsForWhoHoldsTheLockFileAndFollowsNoLink) {
+  const std::string lock = path.string() + ".lock";
+  std::filesystem::create_symlink(folder / "elsewhere", lock);
+  const auto linked = ControlServer::open(io, path, {});
+  ASSERT_FALSE(linked);
+  EXPECT_THAT(linked.error().text, HasSubstr("c.sock.lock can't be made"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere"));
+  std::filesystem::remove(lock);
+  const int lock_fd = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_GE(lock_fd, 0);
+  ASSERT_EQ(flock(lock_fd, LOCK_EX), 0);
+  const auto held = ControlServer::open(io, path, {});
+  close(lock_fd);
+  ASSERT_FALSE(held);
+  EXPECT_THAT(held.error().text, HasSubstr("is held by another program"));
 }
 
 TEST_F(ControlServerTest, WhatIsNoSocketIsLeftAlone) {

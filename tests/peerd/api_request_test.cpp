@@ -71,6 +71,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"Negative", R"({"do":"key","value":-1})", "\"value\" must be a whole number"},
                     Wrong{"Huge", R"({"do":"key","value":18446744073709551615})", "\"value\" must be a whole number"},
                     Wrong{"TooManyObjects", R"({"do":"objects","count":257})", "from 1 to 256"},
+                    Wrong{"Twice", R"({"do":"status","do":"leave"})", "\"do\" is given twice"},
+                    Wrong{"TwiceTheSame", R"({"do":"key","key":"a","shift":true,"shift":true})",
+                          "\"shift\" is given twice"},
                     Wrong{"NoObjects", R"({"do":"objects","count":0})", "from 1 to 256"}),
     [](const auto& c) { return std::string(c.param.name); });
 

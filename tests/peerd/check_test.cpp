@@ -232,10 +232,8 @@ TEST(Check, TextShowsSomeProblemsAndJsonAll) {
   EXPECT_EQ(json["warnings"].size(), 120U);
 }
 
-// Nothing is built to say so: it would take tens of gigabytes.
-TEST(Check, DefectsOfBillionsOfPolygonsAreNotLookedFor) {
-  const ScratchFolder folder;
-  std::string body = "#\n";
+std::string shapes_of_36_million_polygons() {
+  std::string body;
   for (int i = 0; i < 9; ++i) {
     body += "Shape { geometry Extrusion { crossSection [";
     for (int k = 0; k < 2001; ++k) body += std::to_string(k) + " 0,";
@@ -243,12 +241,46 @@ TEST(Check, DefectsOfBillionsOfPolygonsAreNotLookedFor) {
     for (int k = 0; k < 2001; ++k) body += "0 " + std::to_string(k) + " 0,";
     body += "] } }\n";
   }
-  const Checked run = check(folder, body, true);
+  return body;
+}
+
+// Nothing is built to say so: it would take tens of gigabytes.
+TEST(Check, DefectsOfBillionsOfPolygonsAreNotLookedFor) {
+  const ScratchFolder folder;
+  const Checked run = check(folder, "#\n" + shapes_of_36_million_polygons(), true);
   EXPECT_EQ(run.exit_code, 0);
   const Json json = Json::parse(run.out);
   EXPECT_GT(json["statistics"]["polygons"], 1 << 25);
   EXPECT_TRUE(json["defects"].is_null());
   EXPECT_THAT(json["unsupported"].dump(), HasSubstr("defects of more than 33554432 polygons"));
+}
+
+TEST(Check, InterestsInBillionsOfPolygonsAreNotLookedAt) {
+  const ScratchFolder folder;
+  const std::string body = "DEF A Group { children [ " + shapes_of_36_million_polygons() +
+                           "] } DEF B Group { } CollisionInterest { objectPath \"A\" interests \"B\" }";
+  const Json json = Json::parse(check(folder, body, true).out);
+  EXPECT_TRUE(json["good"]);
+  EXPECT_THAT(json["unsupported"].dump(), HasSubstr("interests in more than 33554432 polygons"));
+}
+
+// A million starts and stops are used up before that day is over, and it is said that they are.
+TEST(Check, SensorsThatStopForWantOfTransitionsAreNamed) {
+  const ScratchFolder folder;
+  const std::string body =
+      "DEF A TimeSensor { cycleInterval 0.01 loop TRUE } DEF B TimeSensor { cycleInterval 0.01 }\n"
+      "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0 ] } DEF T Transform { }\n"
+      "ROUTE A.cycleTime TO B.startTime ROUTE B.fraction_changed TO P.set_fraction\n"
+      "ROUTE P.value_changed TO T.translation\n";
+  const auto unsupported_at = [&](double at_s) {
+    std::ostringstream out, err;
+    EXPECT_EQ(run_check(folder.write("world.wrl", std::string(kHeader) + body),
+                        {.json = true, .copy = {}, .at_s = at_s}, out, err),
+              0);
+    return Json::parse(out.str())["unsupported"].dump();
+  };
+  EXPECT_EQ(unsupported_at(10), "[]");
+  EXPECT_THAT(unsupported_at(86'400), HasSubstr("TimeSensors that start each other so often: they stand still from "));
 }
 
 TEST(Check, BytesThatAreNoUtf8DoNotBreakTheJson) {

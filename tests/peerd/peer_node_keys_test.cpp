@@ -25,6 +25,13 @@ KeySensor { recipient "DRIVEN" keyValue 65 value 2 0 0 consume FALSE }
 DEF SET KeySensor { recipient "A" keyValue 66 value 0 5 0 absoluteValue TRUE }
 DEF NEVER KeySensor { recipient "A" keyValue 66 value 0 100 0 }
 DEF TURN KeySensor { recipient "TURNED" keyValue 67 value 0 0 1 }
+DEF TABLE Transform { children DEF ON_TABLE Transform { children Shape { geometry Box { } } } }
+CollisionInterest { objectPath "TABLE/ON_TABLE" interests "FREE" }
+DEF CLOCK TimeSensor { loop TRUE startTime 0 cycleInterval 4 }
+DEF HALF_TURN OrientationInterpolator { key [ 0 1 ] keyValue [ 0 1 0 0, 0 1 0 3.14159 ] }
+ROUTE CLOCK.fraction_changed TO HALF_TURN.set_fraction
+ROUTE HALF_TURN.value_changed TO TABLE.rotation
+DEF PUSH KeySensor { recipient "ON_TABLE" keyValue 71 value 0 0 1 absoluteValue TRUE }
 DEF LOOSE KeySensor { recipient "FREE" keyValue 68 value 0 0 1 }
 DEF WARP KeySensor { recipient "A" keyValue 69 value 6e5 0 0 }
 DEF FAR KeySensor { recipient "A" keyValue 70 value 3e38 0 0 absoluteValue TRUE }
@@ -92,6 +99,14 @@ TEST_F(PeerNodeKeys, AValueIsInTheFrameOfTheParent) {
   run(1);
   EXPECT_TRUE(node->on_key(now, kC).done());
   EXPECT_NEAR((truth("TURNED").velocity - Vec3(2, 0, 0)).norm(), 0, 1e-6) << "turned by 90 degrees, scaled by 2";
+}
+
+TEST_F(PeerNodeKeys, AParentThatTheFileMovesCountsAsItStands) {
+  settings.enslaves.push_back("ON_TABLE");
+  make();
+  run(2);
+  EXPECT_TRUE(node->on_key(now, {'G', 0}).done());
+  EXPECT_NEAR((truth("ON_TABLE").velocity - Vec3(1, 0, 0)).norm(), 0, 0.02) << "after a quarter of a turn";
 }
 
 TEST_F(PeerNodeKeys, WhatThisPeerDoesNotMoveIsRefusedWithAReason) {

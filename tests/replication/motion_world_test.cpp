@@ -66,6 +66,23 @@ TEST(WorldModel, PairsAreUnorderedAndMutualWhereBothAreNamed) {
   EXPECT_THAT(w.model->unsupported, IsEmpty());
 }
 
+// Each pair is listed twice, and looked for among those before it.
+TEST(WorldModel, ManyPairsAreFoundInLinearTime) {
+  constexpr int kObjects = 500;
+  std::string text, all;
+  for (int i = 0; i < kObjects; ++i) all += " \"G" + std::to_string(i) + '"';
+  for (int i = 0; i < kObjects; ++i) text += "DEF G" + std::to_string(i) + " Transform { }\n";
+  for (int i = 0; i < kObjects; ++i) {
+    const std::string name = "G" + std::to_string(i);
+    std::string others = all;
+    others.erase(others.find(" \"" + name + '"'), name.size() + 3);
+    text += interest(name, others);
+  }
+  const World w(text);
+  EXPECT_EQ(w.model->pairs.size(), std::size_t{kObjects} * (kObjects - 1) / 2);
+  EXPECT_TRUE(std::ranges::all_of(w.model->pairs, &CollisionPair::mutual));
+}
+
 TEST(WorldModel, NamesWhatItCannotAnswer) {
   const World w("DEF GROUP Transform { children " + box("INNER", "1 1 1", "0 0 0") + "}" +
                 "DEF EGG Transform { children Shape { geometry Sphere { } } }" + interest("GROUP", "\"INNER\"") +

@@ -120,6 +120,39 @@ TEST(MemoryLimit, CountsRoutesOfCopies) {
   }
 }
 
+// .. nor ROUTEs, links, fields and lists that instances take as they are.
+TEST(MemoryLimit, CountsLinksOfCopies) {
+  const std::string body =
+      "PROTO P [ field SFFloat r 1 ] { Sphere { " + times(3000, "radius IS r ") + "} } " + times(50, "P { } ");
+  EXPECT_THAT(errors_of(body), IsEmpty());
+  EXPECT_THAT(errors_of(body, {}, with_limits({.nodes = 10'000})), ElementsAre(HasSubstr("more than 10000 nodes")));
+}
+TEST(MemoryLimit, CountsFieldsOfCopies) {
+  const std::string body = "PROTO P [ ] { Group { children Script { field SFNode n NULL " +
+                           numbered(3000, "field SFBool f% TRUE ") + "} } } " + times(50, "P { } ");
+  EXPECT_THAT(errors_of(body), IsEmpty());
+  EXPECT_THAT(errors_of(body, {}, with_limits({.nodes = 10'000})), ElementsAre(HasSubstr("more than 10000 nodes")));
+}
+TEST(MemoryLimit, CountsDefaultsOfCopies) {
+  const std::string body = "PROTO P [ field MFNode kids [ DEF S WorldInfo { } " + times(3000, "USE S ") +
+                           "] ] { Group { children IS kids } } " + times(50, "P { } ");
+  EXPECT_THAT(errors_of(body), IsEmpty());
+  EXPECT_THAT(errors_of(body, {}, with_limits({.nodes = 10'000})), ElementsAre(HasSubstr("more than 10000 nodes")));
+}
+TEST(MemoryLimit, CountsListsThatManyLinksTake) {
+  const std::string body =
+      "PROTO P [ field MFNode k [ ] ] { Group { children [ " + times(300, "Group { children IS k } ") +
+      "] } }\nPROTO R [ ] { P { k [ DEF S WorldInfo { } " + times(300, "USE S ") + "] } }\n" + times(50, "R { } ");
+  EXPECT_THAT(errors_of(body), IsEmpty());
+  EXPECT_THAT(errors_of(body, {}, with_limits({.nodes = 200'000})), ElementsAre(HasSubstr("more than 200000 nodes")));
+}
+// Nodes of as many fields as most have cost what they always did.
+TEST(MemoryLimit, CountsNoLinksOfSmallNodes) {
+  const std::string body = "PROTO P [ field SFFloat r 1 ] { Sphere { radius IS r } } " + times(8, "P { } ");
+  EXPECT_THAT(errors_of(body, {}, with_limits({.nodes = 9})), IsEmpty());
+  EXPECT_THAT(errors_of(body, {}, with_limits({.nodes = 8})), ElementsAre(HasSubstr("more than 8 nodes")));
+}
+
 TEST(TextLimit, IsOfAllTextsTogether) {
   const std::string body = "Inline { url \"a.wrl\" }";
   const Files files = {{"a.wrl", "Shape { }"}};
@@ -255,6 +288,28 @@ INSTANTIATE_TEST_SUITE_P(
                                                           "DEF A% Group { children Shape { } } CollisionInterest { "
                                                           "objectPath \"A%/0\" interests \"Z\" }\n");
                   }},
+        std::pair{"InterestsByNumber",
+                  +[] {
+                    return "DEF Z Group { } DEF A Group { children [ " + times(150'000, "Shape{}") +
+                           "] } CollisionInterest { objectPath \"Z\" interests [ " + numbered(150'000, "\"A/%\" ") +
+                           "] }";
+                  }},
+        std::pair{"InstancesWithInterestsAndNoNames",
+                  +[] {
+                    return "PROTO C [ ] { Group { children CollisionInterest { objectPath \"A\" interests \"B\" } } }\n"
+                           "DEF A Group { } DEF B Group { } " +
+                           times(80'000, "C { }\n");
+                  }},
+        std::pair{"InterestsInWhatIsLost",
+                  +[] {
+                    return "DEF Z Group { } Grop { " + numbered(100'000, "DEF L% Group { } ") +
+                           "} CollisionInterest { objectPath \"Z\" interests [ " + numbered(100'000, "\"L%\" ") + "] }";
+                  }},
+        std::pair{"WrongInterestsAmongManyInstances",
+                  +[] {
+                    return "DEF Thing Group { } " + times(200'000, "USE Thing ") +
+                           numbered(1'000, "CollisionInterest { objectPath \"Thung%\" interests \"Thing\" }\n");
+                  }},
         std::pair{"InterestsInNothing",
                   +[] {
                     return numbered(4'000, "DEF Wheel% Group { }\n") +
@@ -270,6 +325,58 @@ INSTANTIATE_TEST_SUITE_P(
                   +[] {
                     return "PROTO P [ field MFString u \"none\" ] { Group { children [ " +
                            times(20'000, "Inline { url IS u } ") + "] } } P { }";
+                  }},
+        std::pair{"InlinesBesideLinks",
+                  +[] {
+                    return "PROTO P [ field SFFloat r 1 ] { Group { children [ Shape { geometry Sphere { " +
+                           times(150'000, "radius IS r ") + "} } " + times(150'000, "Inline{}") + "] } } P { }";
+                  }},
+        std::pair{"InstancesOfManyLinks",
+                  +[] {
+                    return "PROTO P [ field SFFloat r 1 ] { Sphere { " + times(30'000, "radius IS r ") + "} }\n" +
+                           times(30'000, "P { } ");
+                  }},
+        std::pair{"ListThatManyLinksTake",
+                  +[] {
+                    return "PROTO P [ field MFNode k [ ] ] { Group { children [ " +
+                           times(60'000, "Group { children IS k } ") + "] } } P { k [ DEF S WorldInfo { } " +
+                           times(60'000, "USE S ") + "] }";
+                  }},
+        std::pair{"NumbersThatManyLinksTake",
+                  +[] {
+                    return "PROTO P [ field MFFloat r [ ] ] { Group { children [ " +
+                           times(60'000, "LOD { range IS r } ") + "] } } P { r [ " + times(300'000, "1 ") + "] }";
+                  }},
+        std::pair{
+            "LinksOfOneEvent",
+            +[] { return "PROTO P [ eventIn SFBool e ] { TimeSensor { " + times(250'000, "enabled IS e ") + "} }"; }},
+        std::pair{"LinksOfOneEventBeforeValues",
+                  +[] {
+                    return "PROTO P [ eventIn SFBool e field SFBool l TRUE ] { TimeSensor { " +
+                           times(150'000, "enabled IS e ") + times(150'000, "loop IS l ") + "} }";
+                  }},
+        std::pair{"LinksOfAnotherField",
+                  +[] {
+                    return "PROTO A [ field SFFloat r 1 field SFFloat s 1 ] { Sphere { " +
+                           times(150'000, "radius IS s ") + "} }\nPROTO B [ field SFFloat r 1 ] { A { " +
+                           times(150'000, "r IS r ") + "} } ";
+                  }},
+        std::pair{"LinksOfManyFieldsOfANode",
+                  +[] {
+                    const std::string fields = numbered(1'000, "field SFBool f% TRUE ");
+                    return "PROTO P [ " + fields + "] { Group { children Script { " +
+                           numbered(1'000, "field SFBool g% IS f% ") + "} } }\n" + times(70'000, "P { } ");
+                  }},
+        std::pair{"RoutesFromNoLinksToMany",
+                  +[] {
+                    return "PROTO Q [ eventOut SFBool o ] { Group { } } PROTO P [ eventIn SFBool i ] { TimeSensor { " +
+                           times(150'000, "enabled IS i ") + "} }\nDEF Q Q { } DEF P P { } " +
+                           times(150'000, "ROUTE Q.o TO P.i ");
+                  }},
+        std::pair{"ScriptsThatAreToldOfWhatIsAround",
+                  +[] {
+                    return "DEF A Group { children [ " + times(120'000, "Script{field SFNode a USE A}") +
+                           times(150'000, "DEF B Group{}") + "] }";
                   }},
         std::pair{"Rotations",
                   +[] { return "OrientationInterpolator { keyValue [ " + times(100'000, "0 0 0 1 ") + "] }"; }},
@@ -290,6 +397,19 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair{"ListsOfOne", +[] { return "LOD { level [ " + times(60'000, "LOD { range [ 1 ] } ") + "] }"; }},
         std::pair{"OpenLists", +[] { return times(60'000, "LOD { range [ 1 "); }}),
     [](const auto& text) { return std::string(text.param.first); });
+
+// Each interest names a range of instances, and each Inline that was left empty stands in some of them or in none.
+TEST(ManyInterests, BesideManyInlinesLeftEmpty) {
+  const std::string body =
+      "PROTO C [ ] { Group { children CollisionInterest { objectPath \"A\" interests \"B\" } } }\n"
+      "DEF A Group { } DEF B Group { } DEF I Inline { url \"a\" bboxSize 1 1 1 } " +
+      times(100'000, "USE I ") + times(80'000, "C{}");
+  ReadOptions options;
+  options.inlines_later = true;
+  const ReadResult result = read_body(body, {{"a", "Shape { }"}}, options);
+  ASSERT_TRUE(result.scene);
+  EXPECT_EQ(result.scene->pending_inlines.size(), 100'001u);
+}
 
 }  // namespace
 }  // namespace peerd::vrml

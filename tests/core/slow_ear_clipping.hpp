@@ -1,0 +1,176 @@
+#pragma once
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/ear_clipping.hpp"
+
+namespace peerd::testing_support {
+
+// EarClipping's rule with all corners sorted by x in place of a tree: a search goes through those of the triangle's
+// range of x. The twin that EarClipping is compared with; quadratic where many corners have one range of x.
+class SlowEarClipping {
+ public:
+  void cut(std::span<const PlanePoint> points, std::vector<CornerTriangle>& triangles);
+
+ private:
+  enum class Kind : std::uint8_t { kSpike, kEar, kBlocked, kOther, kCut };
+  struct Corner {
+    std::uint32_t previous = 0, next = 0;                    // of the polygon that is left
+    std::uint32_t previous_distinct = 0, next_distinct = 0;  // of the whole polygon: the nearest at another point
+    std::uint32_t blocker = 0;                               // place in by_x_; all before it don't block
+    std::uint32_t first_waiting = kNone;                     // entry of waiting_ for who is blocked by this corner
+    Kind kind = Kind::kOther;
+  };
+  struct Waiting {
+    std::uint32_t corner, next_entry;
+  };
+  static constexpr std::uint32_t kNone = 0xffff'ffff;
+
+  void link();
+  void classify(std::uint32_t i);
+  void find_blocker(std::uint32_t i);
+  [[nodiscard]] bool blocks(std::uint32_t i, std::uint32_t j) const;
+  void remove(std::uint32_t i);
+  void offer(Kind kind, std::uint32_t i);
+  [[nodiscard]] std::uint32_t take_next();
+
+  std::span<const PlanePoint> points_;
+  // Kept from call to call for their memory.
+  std::vector<Corner> corners_;
+  std::vector<std::uint32_t> by_x_;     // corners sorted by x
+  std::vector<Waiting> waiting_;        // lists
+  std::vector<std::uint64_t> offered_;  // heap of spikes and ears, the best on top; some are stale
+  std::uint32_t lowest_ = 0;            // no corner below it is left
+};
+
+// For three points of a line: b is inside the segment from a to c.
+inline bool between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
+  return (before(a, b) && before(b, c)) || (before(c, b) && before(b, a));
+}
+
+inline void SlowEarClipping::cut(std::span<const PlanePoint> points, std::vector<CornerTriangle>& triangles) {
+  assert(points.size() >= 3);
+  points_ = points;
+  link();
+  const auto count = static_cast<std::uint32_t>(points.size());
+  for (std::uint32_t i = 0; i < count; ++i) classify(i);
+  for (std::uint32_t left = count; left > 3; --left) {
+    const std::uint32_t i = take_next();
+    triangles.push_back({corners_[i].previous, i, corners_[i].next});
+    remove(i);
+  }
+  while (corners_[lowest_].kind == Kind::kCut) ++lowest_;
+  triangles.push_back({lowest_, corners_[lowest_].next, corners_[lowest_].previous});
+}
+
+inline void SlowEarClipping::link() {
+  const auto count = static_cast<std::uint32_t>(points_.size());
+  corners_.assign(count, {});
+  waiting_.clear();
+  offered_.clear();
+  lowest_ = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    corners_[i].previous = i == 0 ? count - 1 : i - 1;
+    corners_[i].next = i + 1 == count ? 0 : i + 1;
+  }
+  // Twice around: the first corner's neighbour may be behind many equal ones. Where all are equal they stay 0.
+  for (std::uint32_t step = 0; step < 2 * count; ++step) {
+    const std::uint32_t i = step % count, before_i = corners_[i].previous;
+    const bool distinct = points_[before_i] != points_[i];
+    corners_[i].previous_distinct = distinct ? before_i : corners_[before_i].previous_distinct;
+    const std::uint32_t j = count - 1 - i, after_j = corners_[j].next;
+    corners_[j].next_distinct = points_[after_j] != points_[j] ? after_j : corners_[after_j].next_distinct;
+  }
+  by_x_.resize(count);
+  std::iota(by_x_.begin(), by_x_.end(), 0U);
+  std::ranges::sort(by_x_, {}, [&](std::uint32_t i) { return std::pair(points_[i].x, i); });
+}
+
+inline void SlowEarClipping::classify(std::uint32_t i) {
+  Corner& corner = corners_[i];
+  const PlanePoint &a = points_[corner.previous], &b = points_[i], &c = points_[corner.next];
+  const int t = turn(a, b, c);
+  if (t > 0) {
+    const auto first =
+        std::ranges::lower_bound(by_x_, std::min({a.x, b.x, c.x}), {}, [&](std::uint32_t j) { return points_[j].x; });
+    corner.blocker = static_cast<std::uint32_t>(first - by_x_.begin());
+    find_blocker(i);
+  } else if (t == 0 && !between(a, b, c)) {
+    offer(Kind::kSpike, i);
+  } else {
+    corner.kind = Kind::kOther;
+  }
+}
+
+// Goes on where it stopped: corners only disappear, and blocks() is about points that don't move.
+inline void SlowEarClipping::find_blocker(std::uint32_t i) {
+  Corner& corner = corners_[i];
+  const PlanePoint &a = points_[corner.previous], &b = points_[i], &c = points_[corner.next];
+  const auto [y_min, y_max] = std::minmax({a.y, b.y, c.y});
+  const float x_max = std::max({a.x, b.x, c.x});
+  for (; corner.blocker < by_x_.size(); ++corner.blocker) {
+    const std::uint32_t j = by_x_[corner.blocker];
+    if (points_[j].x > x_max) break;
+    if (points_[j].y < y_min || points_[j].y > y_max || corners_[j].kind == Kind::kCut) continue;
+    if (j == i || j == corner.previous || j == corner.next || !blocks(i, j)) continue;
+    corner.kind = Kind::kBlocked;
+    waiting_.push_back({i, corners_[j].first_waiting});
+    corners_[j].first_waiting = static_cast<std::uint32_t>(waiting_.size() - 1);
+    return;
+  }
+  offer(Kind::kEar, i);
+}
+
+// Does corner j keep triangle a b c from being cut off? Inside it and on the new edge, yes. On the polygon's own edges
+// a b and b c, and at b, only if one of its edges leads inside: else it touches from outside, as corners at a seam do.
+// At a or c an edge that leads inside either ends there, which that end tells, or crosses the polygon.
+inline bool SlowEarClipping::blocks(std::uint32_t i, std::uint32_t j) const {
+  const PlanePoint &a = points_[corners_[i].previous], &b = points_[i], &c = points_[corners_[i].next];
+  const PlanePoint& p = points_[j];
+  if (p == a || p == c) return false;
+  const int ab = turn(a, b, p), bc = turn(b, c, p);
+  if (ab < 0 || bc < 0 || turn(c, a, p) < 0) return false;
+  const auto leads_inside = [&](const PlanePoint& q) {
+    return (ab > 0 || turn(a, b, q) > 0) && (bc > 0 || turn(b, c, q) > 0);
+  };
+  return leads_inside(points_[corners_[j].previous_distinct]) || leads_inside(points_[corners_[j].next_distinct]);
+}
+
+inline void SlowEarClipping::remove(std::uint32_t i) {
+  const std::uint32_t previous = corners_[i].previous, next = corners_[i].next;
+  corners_[i].kind = Kind::kCut;
+  corners_[previous].next = next;
+  corners_[next].previous = previous;
+  classify(previous);
+  classify(next);
+  for (std::uint32_t entry = corners_[i].first_waiting; entry != kNone; entry = waiting_[entry].next_entry) {
+    const std::uint32_t waiting = waiting_[entry].corner;  // or it did once
+    if (corners_[waiting].kind == Kind::kBlocked && by_x_[corners_[waiting].blocker] == i) find_blocker(waiting);
+  }
+}
+
+inline void SlowEarClipping::offer(Kind kind, std::uint32_t i) {
+  corners_[i].kind = kind;
+  offered_.push_back(std::uint64_t{kind == Kind::kEar} << 32 | i);
+  std::ranges::push_heap(offered_, std::greater());
+}
+
+inline std::uint32_t SlowEarClipping::take_next() {
+  while (!offered_.empty()) {
+    std::ranges::pop_heap(offered_, std::greater());
+    const std::uint64_t best = offered_.back();
+    offered_.pop_back();
+    const auto i = static_cast<std::uint32_t>(best);
+    if (corners_[i].kind == (best >> 32 != 0 ? Kind::kEar : Kind::kSpike)) return i;
+  }
+  while (corners_[lowest_].kind == Kind::kCut) ++lowest_;
+  return lowest_;
+}
+
+}  // namespace peerd::testing_support
