@@ -15,7 +15,7 @@ namespace {
 using Ref = WideTree::Ref;
 
 struct Header {
-  std::array<char, 8> magic = {'P', 'E', 'E', 'R', 'D', 'H', 'R', 'C'};
+  std::array<char, 8> magic{};
   std::uint32_t version = 1;
   std::uint32_t header_bytes = 64;
   std::uint64_t fingerprint = 0;
@@ -26,6 +26,12 @@ struct Header {
 static_assert(sizeof(Header) == 64 && std::is_trivially_copyable_v<Header>);
 static_assert(std::is_trivially_copyable_v<WideTree::Node> && sizeof(WideTree::Node) == 224);
 static_assert(std::is_trivially_copyable_v<WideTree::Leaf> && sizeof(WideTree::Leaf) == 352);
+
+Header new_header() {
+  Header header;
+  std::ranges::copy(kHierarchyMagic, header.magic.begin());
+  return header;
+}
 
 // FNV-1a over words of 64 bits, the last one filled up with zeros: against accidents, at the speed of memory.
 class Hash {
@@ -91,7 +97,7 @@ bool is_tree(const Header& header, std::span<const WideTree::Node> nodes, std::s
 std::string write_hierarchy(WideTree& tree) {
   tree.build_all();
   const auto nodes = std::as_bytes(tree.nodes()), leaves = std::as_bytes(tree.leaves());
-  Header header;
+  Header header = new_header();
   header.fingerprint = fingerprint(tree.soup());
   header.triangles = static_cast<std::uint32_t>(tree.soup().faces.size());
   header.nodes = static_cast<std::uint32_t>(tree.nodes().size());
@@ -110,7 +116,7 @@ std::string write_hierarchy(WideTree& tree) {
 std::expected<WideTree, std::string> read_hierarchy(const TriangleSoup& soup, std::shared_ptr<const void> owner,
                                                     std::span<const std::byte> bytes) {
   assert(reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(WideTree::Node) == 0);
-  const Header expected;
+  const Header expected = new_header();
   Header header;
   if (bytes.size() < sizeof header) return std::unexpected("it is no hierarchy file");
   std::memcpy(&header, bytes.data(), sizeof header);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "collision/wide_tree.hpp"
 
@@ -26,7 +27,9 @@ namespace peerd::collision {
 // Files are for one machine, or for machines that trust their writer: the checksum finds accidents. But nothing that a
 // file holds makes a query read beyond its arrays.
 
-// `tree` is built to the end.
+inline constexpr std::string_view kHierarchyMagic = "PEERDHRC";
+
+// Builds what is missing of the tree.
 [[nodiscard]] std::string write_hierarchy(WideTree& tree);
 
 // The tree in `bytes`, which stay where they are as long as `owner`, at an address that is a multiple of 32. The error

@@ -132,13 +132,19 @@ WideTree& SceneQuery::tree(std::uint32_t shape, Shaped& shaped) {
 
 std::expected<std::vector<SceneQuery::Baked>, std::string> SceneQuery::bake() {
   std::vector<Baked> files;
+  std::map<std::string_view, const Shaped*> of_file;
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-    if (!is_surface(i)) continue;
     const std::string_view url = scene_.shape({i}).hierarchy_file;
-    if (url.empty() || std::ranges::find(files, url, &Baked::url) != files.end()) continue;
+    if (url.empty() || !is_surface(i)) continue;
     const auto shape = shaped(i);
     if (!shape) return std::unexpected(shape.error());
     if ((*shape)->soup.faces.empty()) continue;
+    const auto [known, is_new] = of_file.try_emplace(url, *shape);
+    if (!is_new && known->second != *shape) {
+      return std::unexpected(scene_.path_of({i}) + ": hierarchyFile \"" + std::string(url) +
+                             "\" is another Shape's too, of another geometry or scale");
+    }
+    if (!is_new) continue;
     WideTree tree((*shape)->soup);
     files.push_back({url, write_hierarchy(tree)});
   }

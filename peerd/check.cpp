@@ -21,6 +21,7 @@
 #include "core/scene_statistics.hpp"
 #include "core/vrml/writer.hpp"
 #include "peerd/config/world_file.hpp"
+#include "peerd/problems.hpp"
 #include "replication/motion_world.hpp"
 
 namespace peerd {
@@ -28,7 +29,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kShown = 20;  // of errors, of warnings, of what is unsupported, each
+constexpr std::size_t kShown = kShownProblems;  // of what is unsupported
 
 // A short text can ask for many more. These take about 20 s, and 2 GB where half of them are one geometry's, the most
 // that the reader allows.
@@ -116,10 +117,6 @@ EdgeRows edge_rows_of(const SceneDefects& d) {
            {"edges_without_length", d.edges_without_length, ""}}};
 }
 
-std::string counted(std::size_t count, const std::string& what) {
-  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
-}
-
 void print_row(const Row& row, const std::string& where, std::ostream& out) {
   std::string label = std::string("  ") + row.name;
   for (char& c : label) c = c == '_' ? ' ' : c;
@@ -163,17 +160,8 @@ std::size_t bytes_of(const ReadResult& result) {
   return bytes;
 }
 
-struct ProblemCount {
-  std::size_t errors = 0, warnings = 0;
-};
-
-// Errors and warnings apart, so that many of the one don't hide the other.
 ProblemCount print_problems(const Finding& finding, std::ostream& err) {
-  ProblemCount count;
-  for (const Diagnostic& d : finding.result->diagnostics) {
-    std::size_t& of_its_kind = d.severity == Severity::kError ? count.errors : count.warnings;
-    if (++of_its_kind <= kShown) err << render(*finding.result, d);
-  }
+  const ProblemCount count = print_problems(*finding.result, err);
   for (std::size_t i = 0; i < std::min(kShown, finding.unsupported.size()); ++i) {
     err << finding.path << ": note: unsupported: " << finding.unsupported[i] << '\n';
   }

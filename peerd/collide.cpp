@@ -9,8 +9,9 @@
 
 #include "collision/scene_query.hpp"
 #include "core/predefined_motion.hpp"
-#include "core/vrml/reader.hpp"
+#include "peerd/config/hierarchy_files.hpp"
 #include "peerd/config/world_file.hpp"
+#include "peerd/problems.hpp"
 
 namespace peerd {
 namespace {
@@ -97,23 +98,24 @@ int run_collide(const std::string& path, const CollideOptions& options, std::ost
     return file.error().exit_code;
   }
   const ReadResult& read = (*file)->result;
-  for (const Diagnostic& d : read.diagnostics) err << render(read, d);
+  print_problems(read, err);
   if (!read.scene) return 1;
   const Scene& scene = *read.scene;
   const auto start = std::chrono::steady_clock::now();
-  collision::SceneQuery query(scene);
+  collision::SceneQuery query(scene, config::mapped_hierarchies(path));
   query.place(transforms_at(scene, options.at_s));
   std::vector<Answer> answers;
   for (const CollisionInterest& interest : scene.interests) {
     for (const ObjectId collidee : interest.collidees) {
       auto collision = query.collide(interest.collider, collidee, interest.type);
       if (!collision) {
-        err << path << ": " << collision.error() << '\n';
+        err << path << ": error: " << collision.error() << '\n';
         return 1;
       }
       answers.push_back({interest.collider, collidee, interest.type, std::move(*collision)});
     }
   }
+  for (const std::string& note : query.notes()) err << path << ": note: " << note << '\n';
   const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
   const collision::SceneQueryCounters counters = query.counters();
   if (options.json) {

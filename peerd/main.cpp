@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/key_codes.hpp"
+#include "peerd/bake.hpp"
 #include "peerd/check.hpp"
 #include "peerd/collide.hpp"
 #include "peerd/commands.hpp"
@@ -174,6 +175,11 @@ int run(int argc, char** argv) {
         return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "a time is a finite number of seconds";
       });
 
+  bool bake_json = false;
+  CLI::App* bake_command = app.add_subcommand("bake", "write the hierarchy files that a world's Shapes name");
+  bake_command->add_option("world", world, "the VRML97 world")->required();
+  bake_command->add_flag("--json", bake_json, "one JSON object");
+
   CtlOptions ctl;
   KeyFlags key;
   CLI::App* ctl_command = app.add_subcommand("ctl", "asks or tells a peer that runs on this computer");
@@ -192,6 +198,7 @@ int run(int argc, char** argv) {
   }
   if (*check_command) return run_check(world, check, std::cout, std::cerr);
   if (*collide_command) return run_collide(world, collide, std::cout, std::cerr);
+  if (*bake_command) return run_bake(world, bake_json, std::cout, std::cerr);
   if (*sim_command) return run_sim(sim);
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
   if (peer.config.empty() && flags.world.empty()) {

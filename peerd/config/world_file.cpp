@@ -4,10 +4,8 @@
 #include <utility>
 
 namespace peerd::config {
-namespace {
 
-// The path that a URL names, or nothing where it names no file of this machine.
-std::optional<std::filesystem::path> path_of(std::string_view url) {
+std::optional<std::filesystem::path> local_path(std::string_view url) {
   if (url.starts_with("file:")) {
     url.remove_prefix(5);
     if (url.starts_with("//localhost/")) url.remove_prefix(11);
@@ -32,11 +30,9 @@ std::optional<std::filesystem::path> path_of(std::string_view url) {
   return path;
 }
 
-}  // namespace
-
 FileLoader local_files() {
   return [](std::string_view url, std::string_view base) -> std::expected<LoadedFile, std::string> {
-    const auto named = path_of(url);
+    const auto named = local_path(url);
     if (!named) return std::unexpected("it is no file of this machine");
     const std::filesystem::path path = (std::filesystem::path(base).parent_path() / *named).lexically_normal();
     std::error_code error;

@@ -1,11 +1,16 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/vrml/reader.hpp"
 #include "peerd/config/toml_input.hpp"
 
 namespace peerd::config {
+
+// The path that a URL names, %-escapes resolved, or nothing where it names no file of this machine.
+[[nodiscard]] std::optional<std::filesystem::path> local_path(std::string_view url);
 
 // Reads the files behind the URLs of Inlines and EXTERNPROTOs: regular files of this machine, by relative or absolute
 // path or file: URL, %-escapes resolved. Anything else is refused by name; nothing is fetched over a network.

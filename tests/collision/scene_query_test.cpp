@@ -1,0 +1,176 @@
+#include "collision/scene_query.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tests/collision/soups.hpp"
+#include "tests/core/read_text.hpp"
+
+namespace peerd::collision {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+ObjectId id(const Scene& scene, std::string_view path) { return scene.find(path).value(); }
+
+Collision ask(SceneQuery& query, const Scene& scene, std::string_view a, std::string_view b, CollisionType type) {
+  const auto collision = query.collide(id(scene, a), id(scene, b), type);
+  EXPECT_TRUE(collision.has_value()) << collision.error();
+  return collision.value_or(Collision{});
+}
+
+// Every shape against every one, every triangle against every one, by the documented operations written out again.
+std::vector<ShapePair> expected_pairs(const Scene& scene, std::string_view collider, std::string_view collidee) {
+  std::vector<ShapePair> pairs;
+  const auto surfaces = [&](std::string_view path) {
+    std::vector<std::uint32_t> shapes;
+    const ObjectId object = id(scene, path);
+    for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
+      if (scene.geometry({i}) != nullptr && scene.at({i}).collides) shapes.push_back(i);
+    }
+    return shapes;
+  };
+  const auto placed = [&](std::uint32_t shape) {
+    std::vector<TransformFields> path;
+    for (std::int32_t i = static_cast<std::int32_t>(shape); i >= 0;
+         i = scene.instances[static_cast<std::size_t>(i)].parent) {
+      path.insert(path.begin(), scene.transform({static_cast<std::uint32_t>(i)}));
+    }
+    return stretched_pose(path);
+  };
+  for (const std::uint32_t s : surfaces(collider)) {
+    for (const std::uint32_t t : surfaces(collidee)) {
+      if (s == t) continue;
+      const std::uint32_t a = std::min(s, t), b = std::max(s, t);
+      const StretchedPose at_a = placed(a), at_b = placed(b);
+      const auto soup_a = make_soup(build_mesh(*scene.geometry({a})), at_a.stretch);
+      const auto soup_b = make_soup(build_mesh(*scene.geometry({b})), at_b.stretch);
+      for (const PolygonPair& pair : brute_force(*soup_a, *soup_b, RelativeMotion(at_a.pose, at_b.pose))) {
+        const ShapePolygon of_a{{a}, pair.a}, of_b{{b}, pair.b};
+        pairs.push_back(s == a ? ShapePair{of_a, of_b} : ShapePair{of_b, of_a});
+      }
+    }
+  }
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+constexpr std::string_view kGroups = R"(
+  DEF A Group { children [
+    Transform { rotation 1 2 3 0.7 scale 1.5 0.5 1 children DEF BALL Shape { geometry Sphere {} } }
+    Transform { translation 1 0.5 0 scale 2 2 2 scaleOrientation 0 0 1 0.3 children [
+      Transform { rotation 0 1 0 0.4 scale 0.5 1 0.25 children Shape { geometry Cone {} } }
+      Shape { geometry Box { size 0.5 0.5 0.5 } } ] } ] }
+  DEF B Transform { translation 0.8 0.2 0.1 rotation 0 1 1 1 center 0.1 0 0 children [
+    USE BALL
+    Transform { translation 0 1 0 children [ Shape { geometry Cylinder {} } Shape { geometry PointSet {} } ] }
+    Collision { collide FALSE children Shape { geometry Box { size 9 9 9 } } } ] })";
+
+TEST(SceneQuery, GroupsCollideAsAllPairsOfTheirShapesDo) {
+  const Scene scene = scene_of(std::string(kGroups));
+  SceneQuery query(scene);
+  const std::vector<ShapePair> expected = expected_pairs(scene, "A", "B");
+  ASSERT_THAT(expected, Not(IsEmpty()));
+  EXPECT_THAT(ask(query, scene, "A", "B", CollisionType::kAllPairs).pairs, ElementsAreArray(expected));
+  EXPECT_THAT(ask(query, scene, "B", "A", CollisionType::kAllPairs).pairs,
+              ElementsAreArray(expected_pairs(scene, "B", "A")));
+  const Collision witness = ask(query, scene, "A", "B", CollisionType::kWitness);
+  ASSERT_EQ(witness.pairs.size(), 1u);
+  EXPECT_TRUE(std::ranges::binary_search(expected, witness.pairs[0]));
+}
+
+TEST(SceneQuery, FollowsWhatMoves) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children Shape { geometry Box {} } }
+    DEF B Transform { translation 5 0 0 children Shape { geometry Box {} } })");
+  SceneQuery query(scene);
+  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  std::vector<TransformFields> transforms = scene.transforms;
+  for (TransformFields& t : transforms) t.translation *= 0.4;
+  query.place(transforms);
+  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  EXPECT_EQ(query.counters().meshes_built, 2u);
+}
+
+// Closed boxes, of the vertices that polygons use.
+TEST(SceneQuery, BoxesAreTightAndClosed) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { rotation 0 0 1 0.785398163 children Shape { geometry Box {} } }
+    DEF B Transform { translation 2.4 0 0 children Shape { geometry Box {} } }
+    DEF C Transform { translation 2.42 0 0 children Shape { geometry Box {} } }
+    DEF D Transform { translation 4.42 0 0 children Shape { geometry IndexedFaceSet {
+      coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0, -9 0 0 ] } coordIndex [ 0 1 2 ] } } })");
+  SceneQuery query(scene);
+  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kBox).colliding);
+  EXPECT_FALSE(ask(query, scene, "A", "C", CollisionType::kBox).colliding);
+  EXPECT_FALSE(ask(query, scene, "B", "D", CollisionType::kBox).colliding);
+  const SceneQueryCounters counters = query.counters();
+  EXPECT_EQ(counters.hierarchies_built, 0u);
+  EXPECT_EQ(counters.soups_built, 0u);
+  EXPECT_EQ(counters.nodes_built, 0u);
+}
+
+TEST(SceneQuery, BuildsNothingThatNoQuestionNeeds) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children Shape { geometry DEF S Sphere {} } }
+    DEF B Transform { translation 9 0 0 children Shape { geometry USE S } }
+    DEF C Transform { translation 1.2 0 0 children Shape { geometry USE S } }
+    DEF D Transform { translation 1.2 1 0 scale 2 2 2 children Shape { geometry USE S } }
+    DEF E Transform { children Shape { geometry Box {} } })");
+  SceneQuery query(scene);
+  EXPECT_EQ(query.counters().meshes_built, 0u);
+  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);  // their boxes are apart
+  EXPECT_EQ(query.counters().meshes_built, 1u);
+  EXPECT_EQ(query.counters().soups_built, 0u);
+  EXPECT_TRUE(ask(query, scene, "A", "C", CollisionType::kWitness).colliding);
+  EXPECT_EQ(query.counters().soups_built, 1u);
+  EXPECT_EQ(query.counters().hierarchies_built, 1u);  // of one mesh, however many instances
+  const std::uint64_t nodes = query.counters().nodes_built;
+  (void)ask(query, scene, "A", "D", CollisionType::kAllPairs);
+  EXPECT_EQ(query.counters().soups_built, 2u);  // stretched otherwise
+  EXPECT_GT(query.counters().nodes_built, nodes);
+  EXPECT_EQ(query.counters().meshes_built, 1u);
+}
+
+TEST(SceneQuery, RefusesWhatIsTooFarOutByName) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { scale 1e30 1 1 children DEF FAR Shape { geometry Box { size 10 10 10 } } }
+    DEF B Shape { geometry Box {} })");
+  SceneQuery query(scene);
+  const auto collision = query.collide(id(scene, "A"), id(scene, "B"), CollisionType::kWitness);
+  ASSERT_FALSE(collision.has_value());
+  EXPECT_THAT(collision.error(), HasSubstr("A/FAR: vertex"));
+}
+
+// Not rounded where only the last transform scales; with rotations between, rotation * stretch is the whole map.
+TEST(StretchedPose, IsThePathInTwoParts) {
+  TransformFields turn, stretch;
+  turn.rotation = normalized(Quat(0.9, 0.1, -0.3, 0.2));
+  turn.translation = {1, 2, 3};
+  stretch.scale = {2, 0.5, 3};
+  const StretchedPose simple = stretched_pose(std::array{turn, stretch});
+  EXPECT_EQ(simple.stretch, Mat3(stretch.scale.asDiagonal()));
+  EXPECT_EQ(stretched_pose(std::array{turn, turn}).stretch, Mat3::Identity());
+  TransformFields both = turn;
+  both.scale = {1, 4, 0.25};
+  both.scale_orientation = normalized(Quat(0.5, 0.5, 0.1, -0.7));
+  both.center = {0.5, -1, 2};
+  const std::array path = {both, turn, stretch, both};
+  const StretchedPose parts = stretched_pose(path);
+  Affine whole;
+  for (const TransformFields& t : path) whole = multiply(whole, parent_from_local(t));
+  const Mat3 product = parts.pose.orientation.toRotationMatrix() * parts.stretch;
+  EXPECT_LT((product - whole.linear).cwiseAbs().maxCoeff(), 1e-13);
+  EXPECT_LT((parts.pose.position - whole.offset).norm(), 1e-13);
+}
+
+}  // namespace
+}  // namespace peerd::collision
