@@ -59,13 +59,7 @@ const Mesh& SceneQuery::mesh(std::uint32_t geometry) {
 
 const LocalBox& SceneQuery::local_box(std::uint32_t geometry) {
   std::optional<LocalBox>& box = local_boxes_[geometry];
-  if (!box) {
-    box.emplace();
-    const Mesh& m = mesh(geometry);
-    for (const std::int32_t corner : m.corners) {
-      if (corner != Mesh::kEndOfPolygon) box->merge(m.vertices[static_cast<std::size_t>(corner)]);
-    }
-  }
+  if (!box) box = box_of(mesh(geometry));
   return *box;
 }
 

@@ -20,25 +20,31 @@ std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh, const Mat3&
   TriangleSoup soup;
   const bool stretched = stretch != Mat3::Identity();
   soup.vertices.reserve(mesh.vertices.size());
+  bool all_acceptable = true;
   for (const Eigen::Vector3f& v : mesh.vertices) {
     const Vec3 parsed = v.cast<double>();
     soup.vertices.push_back(stretched ? multiply(stretch, parsed) : parsed);
+    all_acceptable &= acceptable(soup.vertices.back());
   }
+  soup.faces.reserve(mesh.polygon_count());
+  std::vector<bool> used(mesh.vertices.size());
   Triangulator triangulator;
   for (std::uint32_t polygon = 0; polygon < mesh.polygon_count(); ++polygon) {
     const auto corners = mesh.polygon(polygon);
     for (const std::int32_t corner : corners) {
-      const Vec3& v = soup.vertices[static_cast<std::size_t>(corner)];
-      if (!acceptable(v)) {
+      used[static_cast<std::size_t>(corner)] = true;
+      if (!all_acceptable && !acceptable(soup.vertices[static_cast<std::size_t>(corner)])) {
         return std::unexpected("vertex " + std::to_string(corner) + " of polygon " + std::to_string(polygon) +
                                " is not within 2^100 m of its Shape's origin");
       }
-      soup.box.merge(v);
     }
     for (const CornerTriangle& t : triangulator.triangulate(mesh, polygon)) {
       const auto vertex = [&](std::uint32_t i) { return static_cast<std::uint32_t>(corners[i]); };
       soup.faces.push_back({{vertex(t[0]), vertex(t[1]), vertex(t[2])}, polygon});
     }
+  }
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (used[v]) soup.box.merge(soup.vertices[v]);
   }
   return soup;
 }

@@ -105,6 +105,7 @@ class WideTree {
   Ref make_node(Range range);
   Ref make_leaf(Range range);
   void split(Range range, std::uint32_t capacity, std::array<Range, kWidth>& parts, std::size_t& count);
+  void divide(Range range, std::uint32_t middle, std::size_t axis, float least, float most);
   [[nodiscard]] Box bound(Range range) const;
 
   void measure();

@@ -17,4 +17,24 @@ Mesh make_mesh(SharedArray<Eigen::Vector3f> vertices, SharedArray<std::int32_t> 
   return mesh;
 }
 
+LocalBox box_of(const Mesh& mesh) {
+  LocalBox box;
+  float lo[3], hi[3];
+  for (int k = 0; k < 3; ++k) {
+    lo[k] = box.lo[k];
+    hi[k] = box.hi[k];
+  }
+  for (const std::int32_t corner : mesh.corners) {
+    if (corner == Mesh::kEndOfPolygon) continue;
+    const float* const v = mesh.vertices[static_cast<std::size_t>(corner)].data();
+    for (int k = 0; k < 3; ++k) {
+      lo[k] = v[k] < lo[k] ? v[k] : lo[k];
+      hi[k] = v[k] > hi[k] ? v[k] : hi[k];
+    }
+  }
+  box.lo = {lo[0], lo[1], lo[2]};
+  box.hi = {hi[0], hi[1], hi[2]};
+  return box;
+}
+
 }  // namespace peerd

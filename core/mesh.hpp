@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/box.hpp"
 #include "core/shared_array.hpp"
 
 namespace peerd {
@@ -31,5 +32,8 @@ struct Mesh {
 
 // A mesh of those corners; finds where its polygons begin. A -1 behind a -1 makes no polygon.
 [[nodiscard]] Mesh make_mesh(SharedArray<Eigen::Vector3f> vertices, SharedArray<std::int32_t> corners, bool ccw = true);
+
+// Of the vertices that polygons use.
+[[nodiscard]] LocalBox box_of(const Mesh& mesh);
 
 }  // namespace peerd

@@ -3,20 +3,6 @@
 #include <algorithm>
 
 namespace peerd {
-namespace {
-
-LocalBox box_of(const Mesh& mesh) {
-  LocalBox box;
-  for (std::size_t i = 0; i < mesh.polygon_count(); ++i) {
-    for (const std::int32_t corner : mesh.polygon(i)) {
-      const Eigen::Vector3f& v = mesh.vertices[static_cast<std::size_t>(corner)];
-      box.merge(v);
-    }
-  }
-  return box;
-}
-
-}  // namespace
 
 MovingScene::Part::Part(const Scene& s, SceneGraph& graph, NodeHandle parent) : scene(s), motion(s) {
   std::vector<NodeSpec> specs;
