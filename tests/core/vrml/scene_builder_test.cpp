@@ -25,6 +25,26 @@ TEST(SceneBuilderUse, SharesTheGeometry) {
   EXPECT_EQ(scene.instances[5].node, scene.instances[0].node);
 }
 
+// What is instanced a second time has the names, children and shadows of the first.
+TEST(SceneBuilderUse, IsTheSameSubtreeAgain) {
+  const Scene scene = scene_of(R"(
+    DEF A Group { children [ DEF N Shape { } DEF N Group { children DEF M Shape { } } ] }
+    Group { children [ Shape { } USE A ] })");
+  EXPECT_THAT(paths_of(scene), ElementsAre("A", "A/N", "A/1", "A/1/M", "1", "1/0", "1/A", "1/A/N", "1/A/1", "1/A/1/M"));
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) EXPECT_EQ(scene.find(scene.path_of({i})), ObjectId{i});
+}
+
+TEST(SceneBuilderUse, LeavesEachInstanceOfALaterInlinePending) {
+  ReadOptions options;
+  options.inlines_later = true;
+  const Scene scene =
+      scene_of("DEF G Group { children Inline { url \"a.wrl\" bboxSize 1 1 1 } } Transform { children USE G }",
+               {{"a.wrl", "Shape { }"}}, options);
+  ASSERT_EQ(scene.pending_inlines.size(), 2u);
+  EXPECT_EQ(scene.path_of(scene.pending_inlines[0].instance), "G/0");
+  EXPECT_EQ(scene.path_of(scene.pending_inlines[1].instance), "1/G/0");
+}
+
 TEST(SceneBuilderFields, CarryTheSeedsExtensions) {
   const Scene scene = scene_of(R"(
     Transform {
