@@ -15,12 +15,17 @@ namespace {
 // About how many nodes a text has, so that their memory is neither moved nor left empty: its braces, but no more than
 // fit in it by far. Few in most of a large world's bytes, so that looking for them costs next to nothing.
 std::size_t guess_nodes(std::string_view text, const ReadLimits& limits) {
-  constexpr std::size_t kFewestBytes = 16;
-  const std::size_t most = std::min<std::size_t>(text.size() / kFewestBytes, limits.nodes);
-  std::size_t count = 0;
-  for (std::size_t at = text.find('{'); at != std::string_view::npos && count < most; at = text.find('{', at + 1))
-    ++count;
-  return count;
+  constexpr std::size_t kFewestBytes = 16, kSamples = 16, kSampleBytes = 1 << 14;
+  const std::size_t stride = std::max(kSampleBytes, text.size() / kSamples);
+  std::size_t count = 0, sampled = 0;
+  for (std::size_t at = 0; at < text.size(); at += stride) {
+    const std::string_view sample = text.substr(at, kSampleBytes);
+    count += static_cast<std::size_t>(std::ranges::count(sample, '{'));
+    sampled += sample.size();
+  }
+  if (sampled == 0) return 0;
+  const double whole = static_cast<double>(count) * static_cast<double>(text.size()) / static_cast<double>(sampled);
+  return std::min({static_cast<std::size_t>(whole), text.size() / kFewestBytes, std::size_t{limits.nodes}});
 }
 
 // 4.10.2: repeated ROUTEs are ignored; those of an interface may coincide.
