@@ -43,6 +43,36 @@ void SceneQuery::place(std::span<const TransformFields> transforms) {
   std::ranges::fill(boxes_, std::nullopt);
 }
 
+void SceneQuery::reshape(std::uint32_t geometry, const Geometry& form) {
+  meshes_[geometry] = build_mesh(form, scene_.tessellation);
+  ++counters_.meshes_built;
+  local_boxes_[geometry].reset();
+  std::ranges::fill(boxes_, std::nullopt);
+  for (auto entry = shaped_.begin(); entry != shaped_.end();) {
+    if (entry->first.geometry != geometry) {
+      ++entry;
+      continue;
+    }
+    Shaped& shaped = *entry->second;
+    Mat3 stretch;
+    for (int i = 0; i < 9; ++i) stretch(i / 3, i % 3) = entry->first.stretch[static_cast<std::size_t>(i)];
+    auto soup = make_soup(*meshes_[geometry], stretch);
+    // Other polygons, or others cut otherwise, or none that are finite: it is made anew, or refused, when it is asked
+    // for.
+    if (soup && soup->faces == shaped.soup.faces && shaped.tree && shaped.tree->refittable()) {
+      shaped.soup = std::move(*soup);
+      shaped.tree->refit();
+      ++counters_.hierarchies_refitted;
+      ++entry;
+      continue;
+    }
+    for (Placed& placed : placed_) {
+      if (placed.shaped == &shaped) placed.shaped = nullptr;
+    }
+    entry = shaped_.erase(entry);
+  }
+}
+
 bool SceneQuery::is_surface(std::uint32_t instance) const {
   const Instance& i = scene_.instances[instance];
   return i.geometry != Instance::kNone && i.collides;

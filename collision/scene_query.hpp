@@ -39,6 +39,7 @@ struct SceneQueryCounters {
   std::uint64_t soups_built = 0;        // triangulated
   std::uint64_t hierarchies_built = 0;  // begun: how far says nodes_built
   std::uint64_t hierarchies_read = 0;   // from their files
+  std::uint64_t hierarchies_refitted = 0;
   std::uint64_t nodes_built = 0;
   std::uint64_t boxes_placed = 0;     // boxes of shapes taken to the world
   std::uint64_t vertices_placed = 0;  // for kBox
@@ -69,6 +70,10 @@ class SceneQuery {
   // Where the Transforms are now, by their index in Scene::transforms; what is built stays. Before the first call they
   // are where the file puts them.
   void place(std::span<const TransformFields> transforms);
+
+  // A geometry has another form from now on: flexible objects (the seed's 3.2.1), such as what a CoordinateInterpolator
+  // moves. Where only vertices moved, hierarchies are refitted, as deep as they are.
+  void reshape(std::uint32_t geometry, const Geometry& form);
 
   // Between the shapes that collide below (or at) two objects; a Shape doesn't collide with itself. Not within an
   // object. The error names a Shape whose vertices can't be used, and where.

@@ -17,6 +17,7 @@ struct TriangleSoup {
   struct Face {
     std::array<std::uint32_t, 3> corners;  // into `vertices`
     std::uint32_t polygon;                 // of the mesh, in file order
+    friend bool operator==(const Face&, const Face&) = default;
   };
   std::vector<Vec3> vertices;  // [m], one for each of the mesh's
   std::vector<Face> faces;     // by polygon

@@ -21,6 +21,7 @@ std::uint32_t child_capacity(std::uint32_t count) {
 
 void WideTree::measure() {
   origin_ = soup_->box.lo / 2 + soup_->box.hi / 2;
+  extent_m_ = 0.0;
   for (int k = 0; k < 3; ++k) {
     extent_m_ = std::max({extent_m_, soup_->box.hi[k] - origin_[k], origin_[k] - soup_->box.lo[k]});
   }
@@ -39,16 +40,7 @@ WideTree::WideTree(const TriangleSoup& soup) : soup_(&soup) {
   measure();
   items_.reserve(soup.faces.size());
   for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
-    const auto& c = soup.faces[f].corners;
-    const Vec3 &p = soup.vertices[c[0]], &q = soup.vertices[c[1]], &r = soup.vertices[c[2]];
-    Item item{};
-    item.face = f;
-    for (int k = 0; k < 3; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      item.lo[i] = static_cast<float>(std::min({p[k], q[k], r[k]}) - origin_[k]);
-      item.hi[i] = static_cast<float>(std::max({p[k], q[k], r[k]}) - origin_[k]);
-    }
-    items_.push_back(item);
+    items_.push_back(make_item(f));
   }
   const auto count = static_cast<std::uint32_t>(items_.size());
   leaves_.reserve((count + kLeafSize - 1) / kLeafSize);
@@ -74,18 +66,35 @@ WideTree::Ref WideTree::resolve(Ref& ref) {
   return ref;
 }
 
-WideTree::Box WideTree::bound(Range range) const {
-  std::array<float, 3> lo = items_[range.begin].lo, hi = items_[range.begin].hi;
+WideTree::Item WideTree::make_item(std::uint32_t face) const {
+  const auto& c = soup_->faces[face].corners;
+  const Vec3 &p = soup_->vertices[c[0]], &q = soup_->vertices[c[1]], &r = soup_->vertices[c[2]];
+  Item item{};
+  item.face = face;
+  for (int k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    item.lo[i] = static_cast<float>(std::min({p[k], q[k], r[k]}) - origin_[k]);
+    item.hi[i] = static_cast<float>(std::max({p[k], q[k], r[k]}) - origin_[k]);
+  }
+  return item;
+}
+
+WideTree::Bounds WideTree::bound(Range range) const {
+  Bounds out{items_[range.begin].lo, items_[range.begin].hi};
   for (std::uint32_t i = range.begin + 1; i < range.end; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
-      lo[k] = items_[i].lo[k] < lo[k] ? items_[i].lo[k] : lo[k];
-      hi[k] = items_[i].hi[k] > hi[k] ? items_[i].hi[k] : hi[k];
+      out.lo[k] = items_[i].lo[k] < out.lo[k] ? items_[i].lo[k] : out.lo[k];
+      out.hi[k] = items_[i].hi[k] > out.hi[k] ? items_[i].hi[k] : out.hi[k];
     }
   }
+  return out;
+}
+
+WideTree::Box WideTree::box_of(const Bounds& bounds) {
   Box box{};
   for (std::size_t k = 0; k < 3; ++k) {
-    box.center[k] = 0.5f * lo[k] + 0.5f * hi[k];
-    box.half[k] = std::max(hi[k] - box.center[k], box.center[k] - lo[k]);
+    box.center[k] = 0.5f * bounds.lo[k] + 0.5f * bounds.hi[k];
+    box.half[k] = std::max(bounds.hi[k] - box.center[k], box.center[k] - bounds.lo[k]);
   }
   return box;
 }
@@ -153,7 +162,7 @@ WideTree::Ref WideTree::make_node(Range range) {
     node.half[k].fill(kNoBox);
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const Box box = bound(parts[i]);
+    const Box box = box_of(bound(parts[i]));
     for (std::size_t k = 0; k < 3; ++k) {
       node.center[k][i] = box.center[k];
       node.half[k][i] = box.half[k];
@@ -167,20 +176,72 @@ WideTree::Ref WideTree::make_leaf(Range range) {
   assert(leaves_.size() < leaves_.capacity());
   std::ranges::sort(items_.begin() + range.begin, items_.begin() + range.end, {}, &Item::face);
   Leaf& leaf = leaves_.emplace_back();
-  const Box box = bound(range);
+  const Box box = box_of(bound(range));
   leaf.center = box.center;
   leaf.half = box.half;
   leaf.count = range.count();
   for (std::size_t i = 0; i < kWidth; ++i) {
     // Lanes beyond the last repeat it; count says that they are none.
     leaf.faces[i] = items_[std::min(range.begin + static_cast<std::uint32_t>(i), range.end - 1)].face;
+  }
+  fill_corners(leaf);
+  return {Ref::kLeaf, static_cast<std::uint32_t>(leaves_.size() - 1)};
+}
+
+void WideTree::fill_corners(Leaf& leaf) const {
+  for (std::size_t i = 0; i < kWidth; ++i) {
     const auto& corners = soup_->faces[leaf.faces[i]].corners;
     for (std::size_t c = 0; c < 3; ++c) {
       const Vec3 p = soup_->vertices[corners[c]] - origin_;
       for (std::size_t k = 0; k < 3; ++k) leaf.corners[c][k][i] = static_cast<float>(p[static_cast<int>(k)]);
     }
   }
-  return {Ref::kLeaf, static_cast<std::uint32_t>(leaves_.size() - 1)};
+}
+
+// Of what hangs at a place, its own boxes being up to date.
+WideTree::Bounds WideTree::bound(Ref ref) const {
+  if (ref.kind() == Ref::kPending) return bound(ranges_[ref.index()]);
+  Bounds out;
+  out.lo.fill(std::numeric_limits<float>::infinity());
+  out.hi.fill(-std::numeric_limits<float>::infinity());
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (ref.kind() == Ref::kLeaf) {
+      for (const auto& corner : leaves_[ref.index()].corners) {
+        out.lo[k] = std::min(out.lo[k], *std::ranges::min_element(corner[k]));
+        out.hi[k] = std::max(out.hi[k], *std::ranges::max_element(corner[k]));
+      }
+      continue;
+    }
+    const Node& node = nodes_[ref.index()];
+    for (std::size_t i = 0; i < kWidth; ++i) {
+      if (node.children[i].kind() == Ref::kNone) continue;
+      out.lo[k] = std::min(out.lo[k], node.center[k][i] - node.half[k][i]);
+      out.hi[k] = std::max(out.hi[k], node.center[k][i] + node.half[k][i]);
+    }
+  }
+  return out;
+}
+
+void WideTree::refit() {
+  assert(owner_ == nullptr);
+  measure();
+  for (Item& item : items_) item = make_item(item.face);
+  for (std::uint32_t i = 0; i < leaves_.size(); ++i) {
+    fill_corners(leaves_[i]);
+    const Box box = box_of(bound(Ref(Ref::kLeaf, i)));
+    leaves_[i].center = box.center;
+    leaves_[i].half = box.half;
+  }
+  for (std::size_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
+    for (std::size_t i = 0; i < kWidth; ++i) {
+      if (nodes_[n].children[i].kind() == Ref::kNone) continue;
+      const Box box = box_of(bound(nodes_[n].children[i]));
+      for (std::size_t k = 0; k < 3; ++k) {
+        nodes_[n].center[k][i] = box.center[k];
+        nodes_[n].half[k][i] = box.half[k];
+      }
+    }
+  }
 }
 
 void WideTree::build_all() {

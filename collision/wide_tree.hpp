@@ -76,6 +76,9 @@ class WideTree {
     return resolve(place == kRoot ? root_ : nodes_[place / kWidth].children[place % kWidth]);
   }
   void build_all();
+  // The soup's vertices have moved, its faces have not: new boxes for what is built, over the same triangles. O(soup).
+  void refit();
+  [[nodiscard]] bool refittable() const { return owner_ == nullptr; }  // not what was built before and is only shown
 
   // Of a tree that was built before, none.
   [[nodiscard]] std::size_t nodes_built() const { return nodes_.size() + leaves_.size(); }
@@ -99,6 +102,9 @@ class WideTree {
   struct Box {
     std::array<float, 3> center, half;
   };
+  struct Bounds {
+    std::array<float, 3> lo, hi;
+  };
 
   Ref resolve(Ref& ref);
   Ref pending(Range range);
@@ -106,7 +112,11 @@ class WideTree {
   Ref make_leaf(Range range);
   void split(Range range, std::uint32_t capacity, std::array<Range, kWidth>& parts, std::size_t& count);
   void divide(Range range, std::uint32_t middle, std::size_t axis, float least, float most);
-  [[nodiscard]] Box bound(Range range) const;
+  [[nodiscard]] Item make_item(std::uint32_t face) const;
+  void fill_corners(Leaf& leaf) const;
+  [[nodiscard]] static Box box_of(const Bounds& bounds);
+  [[nodiscard]] Bounds bound(Range range) const;
+  [[nodiscard]] Bounds bound(Ref ref) const;
 
   void measure();
 

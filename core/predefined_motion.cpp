@@ -23,6 +23,27 @@ Vec3 quat_log(const Quat& q) {
   return v * (2.0 * atan2(sine, sign * q.w()) / sine);
 }
 
+// The Coordinates of IndexedFaceSets: document's node, geometry.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> coordinates_of(const Scene& scene) {
+  const std::vector<vrml::Node>& nodes = scene.document->nodes;
+  const auto below = [&](std::uint32_t node, std::string_view field) {
+    const vrml::Field* const f = nodes[node].find(field);
+    return f == nullptr || f->count == 0 ? vrml::NodeRef::kNull : f->as<vrml::NodeRef>()[0].index;
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
+  for (const Instance& i : scene.instances) {
+    if (i.geometry == Instance::kNone || !std::holds_alternative<FaceSetGeometry>(scene.geometries[i.geometry]))
+      continue;
+    const std::uint32_t geometry = below(i.node, "geometry");
+    if (geometry == vrml::NodeRef::kNull) continue;
+    const std::uint32_t coordinate = below(geometry, "coord");
+    if (coordinate != vrml::NodeRef::kNull) out.emplace_back(coordinate, i.geometry);
+  }
+  std::ranges::sort(out);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 Quat conjugate(const Quat& q) { return {q.w(), -q.x(), -q.y(), -q.z()}; }
 
 }  // namespace
@@ -36,11 +57,16 @@ PredefinedMotion::PredefinedMotion(const Scene& scene) : scene_(scene) {
     if (i.transform != Instance::kNone) transform_of.emplace_back(i.node, i.transform);
   }
   std::ranges::sort(transform_of);
+  const auto coordinate_of = coordinates_of(scene);
   const std::vector<std::uint32_t> nodes = std::move(reading.documents_node);
   // Chains of sensors that start each other are stepped through; a peer that joins late has 50 ns a step for it.
   animation_.emplace(reading.network, animation::AnimationOptions{.most_transitions = std::size_t{1} << 20});
   for (const animation::Field& field : animation_->driven()) {
     const std::uint32_t node = nodes[field.node];
+    if (field.name == "point" && field.type == animation::FieldType::kVec3s) {
+      const auto range = std::ranges::equal_range(coordinate_of, node, {}, [](const auto& c) { return c.first; });
+      for (const auto& [coordinate, geometry] : range) flexible_.emplace_back(geometry, field.id);
+    }
     const auto it = std::ranges::lower_bound(transform_of, std::pair(node, 0u));
     if (it == transform_of.end() || it->first != node) continue;
     constexpr std::string_view kParts[] = {"translation", "rotation", "scale", "scaleOrientation", "center"};
@@ -48,10 +74,31 @@ PredefinedMotion::PredefinedMotion(const Scene& scene) : scene_(scene) {
     if (part == std::end(kParts)) continue;
     driven_.push_back({it->second, static_cast<Part>(part - kParts), field.id});
   }
+  std::ranges::sort(flexible_);
   std::ranges::sort(driven_, {}, [](const Driven& d) { return std::pair(d.transform, d.part); });
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     if (!driven(scene.instances[i].transform).empty()) driven_ids_.push_back({i});
   }
+}
+
+std::vector<std::uint32_t> PredefinedMotion::flexible_geometries() const {
+  std::vector<std::uint32_t> out;
+  for (const auto& [geometry, points] : flexible_) out.push_back(geometry);
+  return out;
+}
+
+Geometry PredefinedMotion::geometry(std::uint32_t index, double t_s) {
+  Geometry out = scene_.geometries[index];
+  const auto it = std::ranges::find(flexible_, index, [](const auto& f) { return f.first; });
+  if (it == flexible_.end() || !animation_->value(it->second, t_s, value_)) return out;
+  auto& faces = std::get<FaceSetGeometry>(out);
+  std::vector<Eigen::Vector3f> points(faces.points.begin(), faces.points.end());
+  const std::size_t count = std::min(points.size(), value_.numbers.size() / 3);
+  for (std::size_t i = 0; i < count; ++i) {
+    points[i] = {value_.numbers[3 * i], value_.numbers[3 * i + 1], value_.numbers[3 * i + 2]};
+  }
+  faces.points = std::move(points);
+  return out;
 }
 
 std::span<const PredefinedMotion::Driven> PredefinedMotion::driven(std::uint32_t transform) const {

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/animation/animation.hpp"
@@ -35,6 +36,11 @@ class PredefinedMotion {
   [[nodiscard]] Pose rigid_pose(ObjectId id, double t_s);
   // Scene::to_world() as the instance's parent stands at world time t.
   [[nodiscard]] Vec3 to_world(ObjectId id, const Vec3& in_parent, double t_s);
+
+  // Geometries whose vertices move: IndexedFaceSets whose Coordinate is driven, by index into Scene::geometries.
+  [[nodiscard]] std::vector<std::uint32_t> flexible_geometries() const;
+  // One of them at world time t. Points that the event has no value for stay where the file has them.
+  [[nodiscard]] Geometry geometry(std::uint32_t index, double t_s);
 
   // How an instance's rigid pose goes on from t: it is advance(state, s - begin_s) at world time s from begin_s until
   // end_s, begin_s <= t < end_s. One driven translation, or its own driven rotation about its origin, or both, is
@@ -72,7 +78,8 @@ class PredefinedMotion {
   std::optional<animation::Animation> animation_;
   std::vector<Driven> driven_;  // by transform
   std::vector<ObjectId> driven_ids_;
-  animation::Value value_;  // scratch
+  std::vector<std::pair<std::uint32_t, animation::FieldId>> flexible_;  // geometry, points; by geometry
+  animation::Value value_;                                              // scratch
 };
 
 }  // namespace peerd

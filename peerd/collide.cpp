@@ -32,18 +32,20 @@ const char* name_of(CollisionType type) {
 
 // What the file says, what its own movement makes of it by then, and, where nothing else moves an object, its
 // velocityVector since time 0 (seed, equation C.1).
-std::vector<TransformFields> transforms_at(const Scene& scene, double t_s) {
-  std::vector<TransformFields> out = scene.transforms;
+void go_to(collision::SceneQuery& query, const Scene& scene, double t_s) {
+  std::vector<TransformFields> transforms = scene.transforms;
   PredefinedMotion motion(scene);
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     if (scene.instances[i].transform == Instance::kNone) continue;
-    TransformFields& fields = out[scene.instances[i].transform];
-    fields.translation += scene.object({i}).velocity * t_s;
+    TransformFields& fields = transforms[scene.instances[i].transform];
+    fields.translation = scene.transform({i}).translation + scene.object({i}).velocity * t_s;
   }
   for (const ObjectId id : motion.driven_transforms()) {
-    out[scene.at(id).transform] = motion.transform(id, t_s);
+    transforms[scene.at(id).transform] = motion.transform(id, t_s);
   }
-  return out;
+  query.place(transforms);
+  for (const std::uint32_t geometry : motion.flexible_geometries())
+    query.reshape(geometry, motion.geometry(geometry, t_s));
 }
 
 struct Answer {
@@ -103,7 +105,7 @@ int run_collide(const std::string& path, const CollideOptions& options, std::ost
   const Scene& scene = *read.scene;
   const auto start = std::chrono::steady_clock::now();
   collision::SceneQuery query(scene, config::mapped_hierarchies(path));
-  query.place(transforms_at(scene, options.at_s));
+  go_to(query, scene, options.at_s);
   std::vector<Answer> answers;
   for (const CollisionInterest& interest : scene.interests) {
     for (const ObjectId collidee : interest.collidees) {

@@ -100,6 +100,32 @@ TEST(SceneQuery, FollowsWhatMoves) {
   EXPECT_EQ(query.counters().meshes_built, 2u);
 }
 
+TEST(SceneQuery, FollowsWhatBends) {
+  const Scene scene = scene_of(R"(
+    DEF A Shape { geometry IndexedFaceSet {
+      coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0, 1 1 0 ] } coordIndex [ 0 1 2 -1 1 3 2 ] } }
+    DEF B Transform { translation 0 0 3 children Shape { geometry Sphere {} } })");
+  SceneQuery query(scene);
+  Geometry bent = scene.geometries[0];
+  auto& faces = std::get<FaceSetGeometry>(bent);
+  const auto lifted = [&](float by) {
+    std::vector<Eigen::Vector3f> points(faces.points.begin(), faces.points.end());
+    points[0][2] += by;
+    faces.points = std::move(points);
+  };
+  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  lifted(2.5f);
+  query.reshape(0, bent);
+  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  lifted(-0.25f);
+  query.reshape(0, bent);
+  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  EXPECT_EQ(query.counters().hierarchies_refitted, 1u);
+  lifted(-1.0f);
+  query.reshape(0, bent);
+  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+}
+
 // Closed boxes, of the vertices that polygons use.
 TEST(SceneQuery, BoxesAreTightAndClosed) {
   const Scene scene = scene_of(R"(

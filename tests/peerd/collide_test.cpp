@@ -122,6 +122,20 @@ TEST(Collide, WhatMovesByItselfIsWhereItIsByThen) {
   EXPECT_EQ(colliding(10.5), std::pair(true, false));
 }
 
+TEST(Collide, WhatBendsByItselfIsAsItIsByThen) {
+  const ScratchFolder folder;
+  const auto world = write(folder, R"(
+    DEF A Shape { geometry IndexedFaceSet { coord DEF C Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 ] } }
+    DEF B Transform { translation 0 5 0 children Shape { geometry Box { size 2 2 2 } } }
+    DEF T TimeSensor { cycleInterval 10 loop TRUE startTime 0 }
+    DEF P CoordinateInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0, 0 1 0, 0 0 0, 1 0 0, 0 11 0 ] }
+    ROUTE T.fraction_changed TO P.set_fraction
+    ROUTE P.value_changed TO C.set_point
+    CollisionInterest { objectPath "A" interests "B" collisionType 1 })");
+  EXPECT_EQ(collide(world, 2.5).json()["interests"][0]["colliding"], false);
+  EXPECT_EQ(collide(world, 3.5).json()["interests"][0]["colliding"], true);
+}
+
 TEST(Collide, WhatDoesNotCollideIsLeftOut) {
   const ScratchFolder folder;
   const Json json = collide(write(folder, R"(
