@@ -102,6 +102,30 @@ void TestNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotio
   }
 }
 
+void DelaysOfNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, const ClosingTimes& times,
+                   Delays& delays) {
+  Boxes b_in_a, a_in_b;
+  to_a(b, m, b_in_a);
+  to_b(a, m, a_in_b);
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    for (std::size_t row = 0; row < kWidth; ++row) {
+      V delay = hn::Zero(Lanes());
+      for (std::size_t k = 0; k < 3; ++k) {
+        // Distances of the middles, less the halves; the slack is in the moved boxes.
+        const V in_a = hn::Sub(set(b_in_a.center[k][row]), load(a.center[k], i));
+        const V reach_a = hn::Add(load(a.half[k], i), set(b_in_a.half[k][row]));
+        delay = hn::Max(delay, hn::Mul(hn::Sub(in_a, reach_a), set(times.in_a_positive[k])));
+        delay = hn::Max(delay, hn::Mul(hn::Sub(hn::Neg(in_a), reach_a), set(times.in_a_negative[k])));
+        const V in_b = hn::Sub(load(a_in_b.center[k], i), set(b.center[k][row]));
+        const V reach_b = hn::Add(load(a_in_b.half[k], i), set(b.half[k][row]));
+        delay = hn::Max(delay, hn::Mul(hn::Sub(in_b, reach_b), set(times.in_b_positive[k])));
+        delay = hn::Max(delay, hn::Mul(hn::Sub(hn::Neg(in_b), reach_b), set(times.in_b_negative[k])));
+      }
+      store(delay, delays[row], i);
+    }
+  }
+}
+
 // One box against the children of a node, each in the frame of the other.
 HWY_INLINE std::uint8_t one_against(const std::array<float, 3>& center, const std::array<float, 3>& half,
                                     const std::array<float, 3>& center_there, const std::array<float, 3>& half_there,
@@ -249,6 +273,7 @@ HWY_AFTER_NAMESPACE();
 namespace peerd::collision {
 
 HWY_EXPORT(TestNodes);
+HWY_EXPORT(DelaysOfNodes);
 HWY_EXPORT(TestNodeLeaf);
 HWY_EXPORT(TestLeafNode);
 HWY_EXPORT(TestLeaves);
@@ -278,6 +303,24 @@ WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotio
 void test_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion, Masks& masks) {
   HWY_DYNAMIC_DISPATCH(TestNodes)(a, b, motion, masks);
 }
+void delays_of_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
+                     const ClosingTimes& times, Delays& delays) {
+  HWY_DYNAMIC_DISPATCH(DelaysOfNodes)(a, b, motion, times, delays);
+}
+
+WideTree::Node boxes_of(const WideTree::Leaf& leaf) {
+  WideTree::Node node;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
+      const float p = leaf.corners[0][k][i], q = leaf.corners[1][k][i], r = leaf.corners[2][k][i];
+      const float lo = std::min({p, q, r}), hi = std::max({p, q, r});
+      node.center[k][i] = 0.5f * lo + 0.5f * hi;
+      node.half[k][i] = i < leaf.count ? std::max(hi - node.center[k][i], node.center[k][i] - lo) : WideTree::kNoBox;
+    }
+  }
+  return node;
+}
+
 std::uint8_t test_node_leaf(const WideTree::Node& a, const WideTree::Leaf& b, const WideMotion& motion) {
   return HWY_DYNAMIC_DISPATCH(TestNodeLeaf)(a, b, motion);
 }

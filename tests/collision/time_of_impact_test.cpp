@@ -1,0 +1,188 @@
+#include "collision/time_of_impact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "collision/triangle_distance.hpp"
+#include "tests/collision/soups.hpp"
+
+namespace peerd::collision {
+namespace {
+
+TriangleSoup soup_of(std::vector<Vec3> vertices, const std::vector<std::array<std::uint32_t, 3>>& faces) {
+  TriangleSoup soup;
+  soup.vertices = std::move(vertices);
+  for (const Vec3& v : soup.vertices) soup.box.merge(v);
+  for (std::uint32_t i = 0; i < faces.size(); ++i) soup.faces.push_back({faces[i], i});
+  return soup;
+}
+
+TriangleSoup box(const Vec3& half) {
+  std::vector<Vec3> v;
+  for (int i = 0; i < 8; ++i)
+    v.push_back({i & 1 ? half[0] : -half[0], i & 2 ? half[1] : -half[1], i & 4 ? half[2] : -half[2]});
+  return soup_of(v, {{0, 2, 1},
+                     {1, 2, 3},
+                     {4, 5, 6},
+                     {5, 7, 6},
+                     {0, 1, 4},
+                     {1, 5, 4},
+                     {2, 6, 3},
+                     {3, 6, 7},
+                     {0, 4, 2},
+                     {2, 4, 6},
+                     {1, 3, 5},
+                     {3, 7, 5}});
+}
+TriangleSoup point(const Vec3& p) { return soup_of({p}, {{0, 0, 0}}); }
+TriangleSoup rod(const Vec3& p, const Vec3& q) { return soup_of({p, q}, {{0, 1, 1}}); }
+TriangleSoup plate(double half) {
+  return soup_of({{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}}, {{0, 1, 2}, {0, 2, 3}});
+}
+
+constexpr double kTolerance = 1e-6;
+
+// Never later than the truth; never earlier than the tolerance at the speed of approach.
+void expect_hit(const TriangleSoup& a, const RigidMotion& of_a, const TriangleSoup& b, const RigidMotion& of_b,
+                double truth, double speed, double step = 10.0) {
+  WideTree tree_a(a), tree_b(b);
+  MeshImpactQuery query;
+  const MeshImpact impact = query.first_impact(tree_a, of_a, tree_b, of_b, step, {.tolerance_m = kTolerance});
+  ASSERT_EQ(impact.state, MeshImpactState::kHit);
+  ASSERT_LE(impact.time_s, truth * (1.0 + 1e-15));
+  ASSERT_GE(impact.time_s, truth - 1.1 * kTolerance / speed);
+  ASSERT_LE(impact.distance_m, 1.001 * kTolerance);
+}
+
+TEST(TimeOfImpact, PointsMeetPlanes) {
+  Numbers numbers(61);
+  const TriangleSoup floor = plate(100.0);
+  for (int i = 0; i < 3000; ++i) {
+    // In a frame of the plate's, which stands and moves anyhow in the world.
+    const Pose stand = random_pose(numbers, 5.0);
+    const Vec3 drift = numbers.point(1.0);
+    const double height = numbers.between(0.01, 5.0), speed = numbers.between(0.6, 50.0);
+    Vec3 slide = numbers.point(2.0);
+    slide[2] = -speed;
+    const RigidMotion of_floor{stand, drift, Vec3::Zero()};
+    const RigidMotion of_point{{stand * Vec3(numbers.between(-9, 9), numbers.between(-9, 9), height), Quat::Identity()},
+                               drift + stand.orientation * slide,
+                               Vec3::Zero()};
+    expect_hit(floor, of_floor, point({0, 0, 0}), of_point, height / speed, speed);
+  }
+}
+
+TEST(TimeOfImpact, BoxesMeetFaceToFace) {
+  Numbers numbers(62);
+  for (int i = 0; i < 3000; ++i) {
+    const Pose stand = random_pose(numbers, 5.0);
+    const Vec3 half_a(numbers.between(0.1, 2), 1, 1), half_b(numbers.between(0.1, 2), 0.5, 0.5);
+    const double gap = numbers.between(0.01, 5.0), speed = numbers.between(0.6, 50.0);
+    const Pose there = {stand * Vec3(half_a[0] + half_b[0] + gap, 0.3, -0.2), stand.orientation};
+    expect_hit(box(half_a), {stand, Vec3::Zero(), Vec3::Zero()}, box(half_b),
+               {there, stand.orientation * Vec3(-speed, 0, 0), Vec3::Zero()}, gap / speed, speed);
+  }
+}
+
+// The lowest vertex of a turned box meets a floor.
+TEST(TimeOfImpact, TurnedBoxesMeetTheFloorWithACorner) {
+  Numbers numbers(63);
+  const TriangleSoup floor = plate(100.0);
+  for (int i = 0; i < 2000; ++i) {
+    const TriangleSoup falling = box({0.5, 0.7, 0.3});
+    const Pose turned = random_pose(numbers, 1.0);
+    double lowest = 1e9;
+    for (const Vec3& v : falling.vertices) lowest = std::min(lowest, (turned * v)[2]);
+    const double height = numbers.between(0.01, 3.0), speed = numbers.between(0.6, 30.0);
+    Pose start = turned;
+    start.position[2] += height - lowest;
+    expect_hit(floor, {}, falling, {start, {0, 0, -speed}, Vec3::Zero()}, height / speed, speed);
+  }
+}
+
+// A rod that turns about one end comes to a pin at an angle.
+TEST(TimeOfImpact, SpinningRodsMeetPins) {
+  Numbers numbers(64);
+  for (int i = 0; i < 2000; ++i) {
+    const double length = numbers.between(0.5, 3.0), at = numbers.between(0.2, 0.95) * length;
+    const double angle = numbers.between(0.05, 6.0), rate = numbers.between(0.7, 40.0);
+    const TriangleSoup pin =
+        rod({at * std::cos(angle), at * std::sin(angle), -1}, {at * std::cos(angle), at * std::sin(angle), 1});
+    expect_hit(rod({0, 0, 0}, {length, 0, 0}), {Pose{}, Vec3::Zero(), {0, 0, rate}}, pin, {}, angle / rate, rate * at);
+  }
+}
+
+// 1 km in the step, through a plate without thickness; and by it.
+TEST(TimeOfImpact, WhatIsFastAndThinDoesNotTunnel) {
+  const TriangleSoup wall = plate(0.5), bullet = rod({0, 0, 0}, {0, 0, 0.01});
+  WideTree tree_a(wall), tree_b(bullet);
+  MeshImpactQuery query;
+  const RigidMotion of_bullet{{{0.1, 0.2, 500}, Quat::Identity()}, {0, 0, -1e5}, {0, 0, 300}};
+  const MeshImpact hit = query.first_impact(tree_a, {}, tree_b, of_bullet, 0.01);
+  EXPECT_EQ(hit.state, MeshImpactState::kHit);
+  EXPECT_NEAR(hit.time_s, 0.005, 1e-10);
+  EXPECT_LE(hit.time_s, 0.005);
+  RigidMotion beside = of_bullet;
+  beside.at_start.position[0] = 0.6;
+  const MeshImpact passes = query.first_impact(tree_a, {}, tree_b, beside, 0.01);
+  EXPECT_EQ(passes.state, MeshImpactState::kSeparated);
+  EXPECT_EQ(passes.time_s, 0.01);
+}
+
+TEST(TimeOfImpact, TellsWhatTouchesAtTheStartAndWhatItDidNotFind) {
+  const TriangleSoup cube = box({1, 1, 1});
+  WideTree left(cube), right(cube);
+  MeshImpactQuery query;
+  EXPECT_EQ(query.first_impact(left, {}, right, {{{2, 0, 0}, Quat::Identity()}}, 1.0).state,
+            MeshImpactState::kOverlapped);
+  const RigidMotion coming{{{9, 0, 0}, Quat::Identity()}, {-1, 0.1, 0}, {1, 2, 3}};
+  const MeshImpact failed = query.first_impact(left, {}, right, coming, 10.0, {.most_iterations = 20});
+  EXPECT_EQ(failed.state, MeshImpactState::kFailed);
+  const MeshImpact found = query.first_impact(left, {}, right, coming, 10.0);
+  EXPECT_EQ(found.state, MeshImpactState::kHit);
+  EXPECT_LE(failed.time_s, found.time_s);
+}
+
+// Random meshes on random ways, against the exact test at many instants.
+TEST(TimeOfImpact, IsBeforeTheFirstInstantThatTouches) {
+  Numbers numbers(65);
+  const TriangleSoup soup = random_soup(60, 0.3, 66), ring = torus(8, 12, true);
+  WideTree a(soup), b(ring);
+  MeshImpactQuery query;
+  WideQuery exact;
+  int hits = 0;
+  for (int i = 0; i < 300; ++i) {
+    RigidMotion of_a{random_pose(numbers, 1.0), numbers.point(2.0), numbers.point(3.0)};
+    RigidMotion of_b{random_pose(numbers, 1.0), numbers.point(2.0), numbers.point(3.0)};
+    of_b.at_start.position += Vec3(4, 0, 0);
+    of_b.velocity += Vec3(-3, 0, 0);
+    const MeshImpact impact = query.first_impact(a, of_a, b, of_b, 1.0);
+    ASSERT_NE(impact.state, MeshImpactState::kFailed);
+    PolygonPair pair{};
+    for (int n = 0; n <= 200; ++n) {
+      const double t = n / 200.0;
+      if (!exact.find_pair(a, b, RelativeMotion(of_a.at(t), of_b.at(t)), pair)) continue;
+      ASSERT_NE(impact.state, MeshImpactState::kSeparated) << i << " at " << t;
+      ASSERT_LE(impact.time_s, t);
+      ++hits;
+      break;
+    }
+  }
+  EXPECT_GT(hits, 50);
+}
+
+TEST(TriangleDistance, OfPairsThatAreEasilySeen) {
+  const Triangle floor = {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)};
+  const auto distance = [&](const Triangle& t) { return triangle_distance(floor, t).distance; };
+  EXPECT_EQ(distance({Vec3(1, 1, 2), Vec3(1, 1, 3), Vec3(2, 1, 3)}), 2.0);
+  EXPECT_EQ(distance({Vec3(1, 1, 1), Vec3(1, 1, -1), Vec3(2, 1, -1)}), 0.0);
+  EXPECT_EQ(distance({Vec3(-3, 0, 4), Vec3(-3, 0, 4), Vec3(-3, 0, 4)}), 5.0);
+  EXPECT_EQ(distance({Vec3(-1, -1, 1), Vec3(5, -1, 1), Vec3(5, -1, 1)}), std::sqrt(2.0));
+  EXPECT_EQ(distance({Vec3(1, 1, 0.5), Vec3(2, 1, 0.5), Vec3(1, 2, 0.5)}), 0.5);
+}
+
+}  // namespace
+}  // namespace peerd::collision
