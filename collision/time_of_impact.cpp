@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "collision/triangle_distance.hpp"
 #include "collision/wide_kernels.hpp"
@@ -17,16 +18,13 @@ Pose RigidMotion::at(double t_s) const {
 
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 // No point of the soup is farther from its frame's origin.
 double radius(const TriangleSoup& soup) {
   Vec3 far;
   for (int k = 0; k < 3; ++k) far[k] = std::max(std::abs(soup.box.lo[k]), std::abs(soup.box.hi[k]));
   return far.norm() * (1.0 + 0x1p-50);
-}
-
-double gap_along(const Vec3& direction, const Triangle& a, const Triangle& b) {
-  const auto at = [&](const Vec3& p) { return direction.dot(p); };
-  return std::min({at(b[0]), at(b[1]), at(b[2])}) - std::max({at(a[0]), at(a[1]), at(a[2])});
 }
 
 struct Earlier {
@@ -41,44 +39,77 @@ struct Earlier {
 
 }  // namespace
 
-// What is the same for the whole step, and the pose at which pairs are looked at.
+// The step, and what is known of the instant at which pairs are looked at.
 struct MeshImpactQuery::Step {
   WideTree &a, &b;
   const RigidMotion &motion_a, &motion_b;
-  Vec3 closing;    // of A towards B [m/s], world
-  double turning;  // no point of either moves faster than this by its body's turning [m/s]
+  double end_s;
+  double edge_m_s;   // no two points move faster by turning, together
+  double bend_m_s2;  // nor do their velocities change faster
+  double rounding_m_s;
 
-  Step(WideTree& tree_a, const RigidMotion& of_a, WideTree& tree_b, const RigidMotion& of_b)
-      : a(tree_a),
-        b(tree_b),
-        motion_a(of_a),
-        motion_b(of_b),
-        closing(of_a.velocity - of_b.velocity),
-        turning((of_a.angular_velocity.norm() * radius(tree_a.soup()) +
-                 of_b.angular_velocity.norm() * radius(tree_b.soup())) *
-                (1.0 + 0x1p-40)) {}
+  double time_s = -1.0;
+  Pose pose_a, pose_b;
+  RelativeMotion a_from_b{Pose{}, Pose{}};
+  std::optional<WideMotion> wide;
+  WideSpeeds speeds{};
 
-  // How fast a gap along a unit direction from A to B closes at most.
-  [[nodiscard]] double speed_along(const Vec3& direction) const {
-    return std::max(0.0, closing.dot(direction)) + turning + 0x1p-40 * closing.norm();
+  Step(WideTree& tree_a, const RigidMotion& of_a, WideTree& tree_b, const RigidMotion& of_b, double step_s)
+      : a(tree_a), b(tree_b), motion_a(of_a), motion_b(of_b), end_s(step_s) {
+    const double rate_a = of_a.angular_velocity.norm(), rate_b = of_b.angular_velocity.norm();
+    const double edge_a = rate_a * radius(a.soup()), edge_b = rate_b * radius(b.soup());
+    edge_m_s = (edge_a + edge_b) * (1.0 + 0x1p-40);
+    bend_m_s2 = (rate_a * edge_a + rate_b * edge_b) * (1.0 + 0x1p-40);
+    rounding_m_s = 0x1p-18 * (of_a.velocity.norm() + of_b.velocity.norm() + edge_a + edge_b);
+    speeds.rate_a = static_cast<float>(rate_a * (1.0 + 0x1p-20));
+    speeds.rate_b = static_cast<float>(rate_b * (1.0 + 0x1p-20));
   }
 
-  [[nodiscard]] ClosingTimes closing_times(const Pose& pose_a, const Pose& pose_b) const {
-    ClosingTimes times{};
-    const Mat3 axes_a = pose_a.orientation.toRotationMatrix(), axes_b = pose_b.orientation.toRotationMatrix();
-    const auto reciprocal = [&](const Vec3& direction) {
-      const double speed = speed_along(direction);
-      // Not infinite, since nothing may become no number: 10^30 s to the metre will do for standing still.
-      return static_cast<float>(std::min(1e30, (1.0 - 0x1p-20) / speed));
-    };
+  // What velocities may change by from now on, on average over any part of the rest of the step.
+  [[nodiscard]] double spare() const { return std::min(0.5 * bend_m_s2 * (end_s - time_s), 2.0 * edge_m_s); }
+
+  void go_to(double t) {
+    if (t == time_s) return;
+    time_s = t;
+    pose_a = motion_a.at(t);
+    pose_b = motion_b.at(t);
+    a_from_b = RelativeMotion(pose_a, pose_b);
+    wide.emplace(a, b, a_from_b);
+    fill(motion_a, pose_a, a.origin(), speeds.base_a, speeds.turn_a);
+    fill(motion_b, pose_b, b.origin(), speeds.base_b, speeds.turn_b);
+    speeds.spare_m_s = static_cast<float>((spare() + rounding_m_s) * (1.0 + 0x1p-20));
+  }
+  static void fill(const RigidMotion& motion, const Pose& pose, const Vec3& origin, std::array<float, 3>& base,
+                   std::array<float, 3>& turn) {
+    const Mat3 from_world = pose.orientation.toRotationMatrix().transpose();
+    const Vec3 w = multiply(from_world, motion.angular_velocity);
+    const Vec3 v = multiply(from_world, motion.velocity) + w.cross(origin);
     for (int k = 0; k < 3; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      times.in_a_positive[i] = reciprocal(axes_a.col(k));
-      times.in_a_negative[i] = reciprocal(-axes_a.col(k));
-      times.in_b_positive[i] = reciprocal(-axes_b.col(k));  // A on B's positive side: from A to B is the other way
-      times.in_b_negative[i] = reciprocal(axes_b.col(k));
+      base[static_cast<std::size_t>(k)] = static_cast<float>(v[k]);
+      turn[static_cast<std::size_t>(k)] = static_cast<float>(w[k]);
     }
-    return times;
+  }
+
+  // How long two triangles certainly don't meet: their gap along a direction (of A's frame, unit) over the speed at
+  // which their corners close it. Along the direction of their nearest points that is all there is to know; where those
+  // are rounded, it is still certain.
+  [[nodiscard]] double delay(const Vec3& direction, const Triangle& of_a, const Triangle& of_b, double rounding) const {
+    const Mat3 axes = pose_a.orientation.toRotationMatrix();
+    const Vec3 n = multiply(axes, direction);
+    const auto speed = [&](const RigidMotion& motion, const Pose& pose, const Vec3& in_a) {
+      const Vec3 from_center = multiply(axes, in_a) + (pose_a.position - pose.position);
+      return n.dot(motion.velocity + motion.angular_velocity.cross(from_center));
+    };
+    double last_a = -kInfinity, first_b = kInfinity, fastest_a = -kInfinity, slowest_b = kInfinity;
+    for (std::size_t i = 0; i < 3; ++i) {
+      last_a = std::max(last_a, direction.dot(of_a[i]));
+      first_b = std::min(first_b, direction.dot(of_b[i]));
+      fastest_a = std::max(fastest_a, speed(motion_a, pose_a, of_a[i]));
+      slowest_b = std::min(slowest_b, speed(motion_b, pose_b, of_b[i]));
+    }
+    const double gap = first_b - last_a - rounding;
+    const double closing = fastest_a - slowest_b + spare() + 0x1p-20 * rounding_m_s;
+    return gap <= 0.0 ? 0.0 : closing <= 0.0 ? kInfinity : gap / closing;
   }
 
   // A place as eight boxes: the node's children, the leaf's triangles, or the leaf itself as one.
@@ -105,7 +136,7 @@ MeshImpact MeshImpactQuery::first_impact(WideTree& a, const RigidMotion& motion_
     impact.state = MeshImpactState::kOverlapped;
     return impact;
   }
-  const Step step(a, motion_a, b, motion_b);
+  Step step(a, motion_a, b, motion_b, step_s);
   open_.clear();
   open_.push_back({0.0, WideTree::kRoot, WideTree::kRoot, false});
   const auto open_later = [&](const Open& pair) {
@@ -123,16 +154,17 @@ MeshImpact MeshImpactQuery::first_impact(WideTree& a, const RigidMotion& motion_
       return impact;
     }
     ++impact.iterations;
-    const Pose pose_a = motion_a.at(pair.time_s), pose_b = motion_b.at(pair.time_s);
-    const RelativeMotion a_from_b(pose_a, pose_b);
+    step.go_to(pair.time_s);
+    const RelativeMotion& a_from_b = step.a_from_b;
     if (pair.triangles) {
       const Triangle in_b = b.soup().triangle(pair.b);
       const Triangle triangle_a = a.soup().triangle(pair.a);
       const Triangle triangle_b = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
       const TriangleDistance found = triangle_distance(triangle_a, triangle_b);
       // Where the world's coordinates are large, places in it are known less well than the tolerance.
-      const double rounding = 0x1p-46 * (pose_a.position.cwiseAbs().maxCoeff() + pose_b.position.cwiseAbs().maxCoeff() +
-                                         a.extent_m() + b.extent_m() + a.origin().norm() + b.origin().norm());
+      const double rounding =
+          0x1p-46 * (step.pose_a.position.cwiseAbs().maxCoeff() + step.pose_b.position.cwiseAbs().maxCoeff() +
+                     a.extent_m() + b.extent_m() + a.origin().norm() + b.origin().norm());
       if (found.distance <= options.tolerance_m + rounding) {
         impact.state = MeshImpactState::kHit;
         impact.time_s = pair.time_s;
@@ -140,11 +172,8 @@ MeshImpact MeshImpactQuery::first_impact(WideTree& a, const RigidMotion& motion_
         impact.distance_m = found.distance;
         return impact;
       }
-      // The nearest points are rounded; the gap along their direction is certain, and as wide where they are right.
       const Vec3 direction = (found.on_b - found.on_a) / found.distance;
-      const double gap = gap_along(direction, triangle_a, triangle_b) - rounding;
-      open_later(
-          {pair.time_s + std::max(0.0, gap) / step.speed_along(pose_a.orientation * direction), pair.a, pair.b, true});
+      open_later({pair.time_s + step.delay(direction, triangle_a, triangle_b, rounding), pair.a, pair.b, true});
       continue;
     }
     using As = Step::As;
@@ -154,7 +183,7 @@ MeshImpact MeshImpactQuery::first_impact(WideTree& a, const RigidMotion& motion_
     const As as_b = !leaf_b ? As::kChildren : leaf_a ? As::kTriangles : As::kWhole;
     const WideTree::Node boxes_a = Step::boxes(a, of_a, as_a), boxes_b = Step::boxes(b, of_b, as_b);
     Delays delays;
-    delays_of_nodes(boxes_a, boxes_b, WideMotion(a, b, a_from_b), step.closing_times(pose_a, pose_b), delays);
+    delays_of_nodes(boxes_a, boxes_b, *step.wide, step.speeds, delays);
     const auto name = [](WideTree& tree, Ref ref, std::uint32_t place, As as, std::size_t i) {
       return as == As::kChildren    ? WideTree::place(ref, i)
              : as == As::kTriangles ? tree.leaf(ref.index()).faces[i]

@@ -102,24 +102,57 @@ void TestNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotio
   }
 }
 
-void DelaysOfNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, const ClosingTimes& times,
+HWY_INLINE V3 cross(const V3& a, const V3& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+
+// Velocities of the middles of a node's boxes, in either frame, and how much faster other points in them are at most.
+struct Velocities {
+  Rows in_own, in_other;
+  Row spread;
+};
+template <class ToOther>
+HWY_INLINE void velocities(const WideTree::Node& node, const std::array<float, 3>& base,
+                           const std::array<float, 3>& turn, float rate, ToOther to_other, Velocities& out) {
+  const V3 axis{set(turn[0]), set(turn[1]), set(turn[2])};
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 v = plus(cross(axis, load3(node.center, i)), base), other = to_other(v), half = load3(node.half, i);
+    store(v.x, out.in_own[0], i), store(v.y, out.in_own[1], i), store(v.z, out.in_own[2], i);
+    store(other.x, out.in_other[0], i), store(other.y, out.in_other[1], i), store(other.z, out.in_other[2], i);
+    store(hn::Mul(set(rate), hn::Sqrt(dot(half, half))), out.spread, i);
+  }
+}
+
+// Time until a gap along an axis is closed: it is the same whichever is on the positive side.
+HWY_INLINE V delay_along(V from_a_to_b, V reach, V velocity_a, V velocity_b, V spare) {
+  const V gap = hn::Sub(hn::Abs(from_a_to_b), reach);
+  const V closing =
+      hn::Add(hn::Xor(hn::Sub(velocity_a, velocity_b), hn::And(from_a_to_b, hn::SignBit(Lanes()))), spare);
+  return hn::Div(gap, hn::Max(closing, set(1e-30f)));
+}
+
+void DelaysOfNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, const WideSpeeds& s,
                    Delays& delays) {
   Boxes b_in_a, a_in_b;
   to_a(b, m, b_in_a);
   to_b(a, m, a_in_b);
+  Velocities of_a, of_b;
+  velocities(
+      a, s.base_a, s.turn_a, s.rate_a, [&](const V3& v) { return transposed_times(m.rotation, v); }, of_a);
+  velocities(
+      b, s.base_b, s.turn_b, s.rate_b, [&](const V3& v) { return times(m.rotation, v); }, of_b);
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     for (std::size_t row = 0; row < kWidth; ++row) {
+      const V spare = hn::Add(load(of_a.spread, i), set(of_b.spread[row] + s.spare_m_s));
       V delay = hn::Zero(Lanes());
       for (std::size_t k = 0; k < 3; ++k) {
-        // Distances of the middles, less the halves; the slack is in the moved boxes.
-        const V in_a = hn::Sub(set(b_in_a.center[k][row]), load(a.center[k], i));
-        const V reach_a = hn::Add(load(a.half[k], i), set(b_in_a.half[k][row]));
-        delay = hn::Max(delay, hn::Mul(hn::Sub(in_a, reach_a), set(times.in_a_positive[k])));
-        delay = hn::Max(delay, hn::Mul(hn::Sub(hn::Neg(in_a), reach_a), set(times.in_a_negative[k])));
-        const V in_b = hn::Sub(load(a_in_b.center[k], i), set(b.center[k][row]));
-        const V reach_b = hn::Add(load(a_in_b.half[k], i), set(b.half[k][row]));
-        delay = hn::Max(delay, hn::Mul(hn::Sub(in_b, reach_b), set(times.in_b_positive[k])));
-        delay = hn::Max(delay, hn::Mul(hn::Sub(hn::Neg(in_b), reach_b), set(times.in_b_negative[k])));
+        delay = hn::Max(delay, delay_along(hn::Sub(set(b_in_a.center[k][row]), load(a.center[k], i)),
+                                           hn::Add(load(a.half[k], i), set(b_in_a.half[k][row])),
+                                           load(of_a.in_own[k], i), set(of_b.in_other[k][row]), spare));
+        delay = hn::Max(delay, delay_along(hn::Sub(set(b.center[k][row]), load(a_in_b.center[k], i)),
+                                           hn::Add(load(a_in_b.half[k], i), set(b.half[k][row])),
+                                           load(of_a.in_other[k], i), set(of_b.in_own[k][row]), spare));
       }
       store(delay, delays[row], i);
     }
@@ -304,8 +337,8 @@ void test_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMoti
   HWY_DYNAMIC_DISPATCH(TestNodes)(a, b, motion, masks);
 }
 void delays_of_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
-                     const ClosingTimes& times, Delays& delays) {
-  HWY_DYNAMIC_DISPATCH(DelaysOfNodes)(a, b, motion, times, delays);
+                     const WideSpeeds& speeds, Delays& delays) {
+  HWY_DYNAMIC_DISPATCH(DelaysOfNodes)(a, b, motion, speeds, delays);
 }
 
 WideTree::Node boxes_of(const WideTree::Leaf& leaf) {

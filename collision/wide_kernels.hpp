@@ -32,17 +32,19 @@ void test_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMoti
 // Which triangles may touch: by their boxes in A's frame, and by the plane of either triangle.
 void test_leaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion, Masks& masks);
 
-// How fast gaps close at most, as reciprocals [s/m], a little less than they are: along the axes of A's frame with B on
-// the positive or on the negative side, and along those of B's frame with A there.
-struct ClosingTimes {
-  std::array<float, 3> in_a_positive, in_a_negative, in_b_positive, in_b_negative;
+// How material points move at an instant, relative to the trees' origins: base + turn x place, each in its tree's own
+// frame [m/s, rad/s].
+struct WideSpeeds {
+  std::array<float, 3> base_a, turn_a, base_b, turn_b;
+  float rate_a, rate_b;  // of turning, at least |turn| [rad/s]
+  float spare_m_s;       // what the velocities of points may change by, on average, until the end, and all rounding
 };
 
-// How long the boxes of children, or of triangles, can certainly not meet [s]: 0 where they overlap. By B's child, then
-// A's; for a leaf against a node by the node's child, in the first row.
+// How long the boxes of children can certainly not meet, as long as that lasts [s]: 0 where they overlap. By B's child,
+// then A's.
 using Delays = std::array<std::array<float, WideTree::kWidth>, WideTree::kWidth>;
 void delays_of_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
-                     const ClosingTimes& times, Delays& delays);
+                     const WideSpeeds& speeds, Delays& delays);
 
 // A leaf as a node: its triangles' boxes are its children. What isn't there has no box.
 [[nodiscard]] WideTree::Node boxes_of(const WideTree::Leaf& leaf);
