@@ -1,0 +1,56 @@
+// Counts what operator new gives out, for the whole program; sanitizers bring their own.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "collision/time_of_impact.hpp"
+#include "tests/collision/soups.hpp"
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+namespace {
+thread_local long allocations = 0;
+}
+// GCC sees free() of what a replaced operator new gave, and warns.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size > 0 ? size : 1)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+namespace peerd::collision {
+namespace {
+
+TEST(Allocation, QueriesMakeNoneOnceTheirMemoryHasGrown) {
+  const TriangleSoup soup = torus(16, 32, true), other = random_soup(400, 0.1, 71);
+  WideTree a(soup), b(other);
+  a.build_all();
+  b.build_all();
+  WideQuery query;
+  MeshImpactQuery impacts;
+  std::size_t pairs = 0;
+  const auto ask = [&] {
+    Numbers numbers(72);
+    for (int i = 0; i < 50; ++i) {
+      const Pose here = random_pose(numbers, 0.5), there = random_pose(numbers, 0.5);
+      PolygonPair pair{};
+      pairs += query.find_pair(a, b, RelativeMotion(here, there), pair);
+      pairs += query.all_pairs(a, b, RelativeMotion(here, there)).size();
+      RigidMotion coming{there, {-3, 0, 0}, {0, 1, 2}};
+      coming.at_start.position[0] += 4.0;
+      pairs += impacts.first_impact(a, {here}, b, coming, 0.5).iterations;
+    }
+  };
+  ask();
+  const long before = allocations;
+  ask();
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(pairs, 0u);
+}
+
+}  // namespace
+}  // namespace peerd::collision
+#endif
