@@ -1,0 +1,12 @@
+#include "tests/collision/scene_hash.hpp"
+
+#include <gtest/gtest.h>
+
+namespace peerd::collision {
+namespace {
+
+// tests/collision/hash_everywhere.sh asks other compilers, levels and instruction sets.
+TEST(SceneHash, IsTheSameEverywhere) { EXPECT_EQ(scene_hash(), kSceneHash); }
+
+}  // namespace
+}  // namespace peerd::collision
