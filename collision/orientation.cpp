@@ -59,7 +59,7 @@ struct Differences {
   }
 };
 
-// Shewchuk's stage B: exact for the rounded differences.
+// Shewchuk's stage B: exact for the heads.
 Expansion<24> determinant_of_heads(const Differences& m) {
   const auto minor = [&](int j, int k) {
     const auto exact_product = [](double a, double b) { return Expansion<2>(two_product(a, b, split(b))); };
@@ -69,20 +69,26 @@ Expansion<24> determinant_of_heads(const Differences& m) {
   return sum(sum(row(0), row(1)), row(2));
 }
 
-// Stage C adds what the tails change to first order; the sign is certain where the rest can't undo it. 0: uncertain.
-int sign_with_tails(const Differences& m, double of_heads) {
-  double change = 0.0, permanent = 0.0;
+// In place of Shewchuk's stage C: twice the precision, tails to first order, and without a branch. What it leaves out,
+// the products of two tails and its own roundings, is below 70 u^2 times the permanent. 0: uncertain.
+int sign_in_twice_the_precision(const Differences& m) {
+  double head = 0.0, tail = 0.0, permanent = 0.0;
   for (int i = 0; i < 3; ++i) {
     const int j = kNext[i], k = kAfterNext[i];
-    const TwoTerms &uj = m.u[j], &uk = m.u[k], &vj = m.v[j], &vk = m.v[k];
-    change += m.w[i].head * ((uj.head * vk.tail + vk.head * uj.tail) - (uk.head * vj.tail + vj.head * uk.tail)) +
-              m.w[i].tail * (uj.head * vk.head - uk.head * vj.head);
-    permanent += (std::abs(uj.head * vk.head) + std::abs(uk.head * vj.head)) * std::abs(m.w[i].head);
+    const TwoTerms &uj = m.u[j], &uk = m.u[k], &vj = m.v[j], &vk = m.v[k], &w = m.w[i];
+    const TwoTerms plus = two_product(uj.head, vk.head, split(vk.head));
+    const TwoTerms minus = two_product(uk.head, vj.head, split(vj.head));
+    const TwoTerms minor = two_difference(plus.head, minus.head);
+    const double minor_tail = (minor.tail + (plus.tail - minus.tail)) +
+                              ((uj.head * vk.tail + vk.head * uj.tail) - (uk.head * vj.tail + vj.head * uk.tail));
+    const TwoTerms term = two_product(w.head, minor.head, split(minor.head));
+    const TwoTerms sum = two_sum(head, term.head);
+    head = sum.head;
+    tail += sum.tail + (term.tail + (w.head * minor_tail + w.tail * minor.head));
+    permanent += (std::abs(plus.head) + std::abs(minus.head)) * std::abs(w.head);
   }
-  constexpr double u = kUnitRoundoff;
-  const double value = of_heads + change;
-  // The permanent is rounded here: 32 u^2 in place of Shewchuk's (26 + 288 u) u^2 covers that.
-  const double bound = 32.0 * u * u * permanent + 4.0 * u * std::abs(value);
+  const double value = head + tail;
+  const double bound = 128.0 * kUnitRoundoff * kUnitRoundoff * permanent;
   return (value > bound) - (-value > bound);
 }
 
@@ -126,9 +132,8 @@ int volume_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
   if (d == b || d == c || every_product_is_zero(a, b, c, d)) return 0;
   if (in_range({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], d[0], d[1], d[2]})) {
     const Differences differences(a, b, c, d);
-    const Expansion<24> of_heads = determinant_of_heads(differences);
-    if (differences.exact()) return of_heads.sign();
-    const int sign = sign_with_tails(differences, of_heads.estimate());
+    if (differences.exact()) return determinant_of_heads(differences).sign();
+    const int sign = sign_in_twice_the_precision(differences);
     return sign != 0 ? sign : full_determinant(a, b, c, d).sign();
   }
   ++counters.wide;

@@ -1,4 +1,8 @@
 // This file is compiled once for each instruction set: Highway includes it again and again.
+// Highway 1.0 doesn't make this set by itself, and stops where it is what the compiler may use anyway.
+#if defined(__AVX512VNNI__) && !defined(HWY_WANT_AVX3_DL)
+#define HWY_WANT_AVX3_DL
+#endif
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/wide_kernels.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h

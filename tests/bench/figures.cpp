@@ -58,17 +58,20 @@ bool write_figures(const Options& options, const std::vector<Figure>& figures) {
     std::snprintf(numbers, sizeof numbers, ",%.6g,%.6g\n", f.low, f.high);
     csv += numbers;
   }
+  return write_beside(options, BENCH_GROUP ".json", json.dump(2) + '\n') &&
+         write_beside(options, BENCH_GROUP ".csv", csv);
+}
+
+bool write_beside(const Options& options, const std::string& name, const std::string& text) {
+  if (options.out.empty()) return true;
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
-  const auto write = [&](const std::string& extension, const std::string& text) {
-    const auto path = std::filesystem::path(options.out) / (BENCH_GROUP + extension);
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file) std::fprintf(stderr, "error: %s cannot be written\n", path.c_str());
-    return static_cast<bool>(file);
-  };
-  return write(".json", json.dump(2) + '\n') && write(".csv", csv);
+  const auto path = std::filesystem::path(options.out) / name;
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) std::fprintf(stderr, "error: %s cannot be written\n", path.c_str());
+  return static_cast<bool>(file);
 }
 
 Quartiles quartiles(std::vector<double> samples) {

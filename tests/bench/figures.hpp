@@ -28,6 +28,9 @@ struct Figure {
 // the quartiles besides. False where a file cannot be written; says which.
 [[nodiscard]] bool write_figures(const Options& options, const std::vector<Figure>& figures);
 
+// Writes a file beside them, where they are written at all. False where it cannot be; says which.
+[[nodiscard]] bool write_beside(const Options& options, const std::string& name, const std::string& text);
+
 struct Quartiles {
   double low = 0, median = 0, high = 0;
 };
