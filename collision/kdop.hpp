@@ -57,12 +57,12 @@ using Kdop = BasicKdop<K, float>;
 template <int K>
 using WideKdop = BasicKdop<K, double>;
 
-// Closed.
+// Closed. What is no number, as where slabs are infinite, separates nothing.
 template <int K, class A, class B>
 [[nodiscard]] bool overlap(const BasicKdop<K, A>& a, const BasicKdop<K, B>& b) {
   for (std::size_t i = 0; i < a.kSlabs; ++i) {
-    if (!(static_cast<double>(a.lo[i]) <= static_cast<double>(b.hi[i]) &&
-          static_cast<double>(b.lo[i]) <= static_cast<double>(a.hi[i]))) {
+    if (static_cast<double>(a.lo[i]) > static_cast<double>(b.hi[i]) ||
+        static_cast<double>(b.lo[i]) > static_cast<double>(a.hi[i])) {
       return false;
     }
   }

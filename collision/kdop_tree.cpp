@@ -45,7 +45,8 @@ struct AreaBox {
     merge(other.hi.data());
   }
   [[nodiscard]] double half_area() const {
-    const double x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
+    const auto side = [&](std::size_t k) { return static_cast<double>(hi[k]) - static_cast<double>(lo[k]); };
+    const double x = side(0), y = side(1), z = side(2);
     return x < 0.0 ? 0.0 : x * y + y * z + z * x;
   }
 };
@@ -67,7 +68,8 @@ KdopTree<K>::KdopTree(const TriangleSoup& soup, const TreeOptions& options) : so
     const float* const a = projections_[face.corners[0]].data();
     const float* const b = projections_[face.corners[1]].data();
     const float* const c = projections_[face.corners[2]].data();
-    centroids_.push_back({a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]});
+    const auto middle = [&](std::size_t k) { return 0.25f * a[k] + 0.25f * b[k] + 0.25f * c[k]; };
+    centroids_.push_back({middle(0), middle(1), middle(2)});
   }
   order_.resize(soup.faces.size());
   std::iota(order_.begin(), order_.end(), 0u);
@@ -217,12 +219,12 @@ template <int K>
 std::uint32_t KdopTree<K>::partition_by_area(const Node& node) {
   AreaBox of_centroids;
   for (const std::uint32_t t : triangles(node)) of_centroids.merge(centroids_[t].data());
-  double least = std::numeric_limits<double>::infinity();
+  double least_cost = std::numeric_limits<double>::infinity();
   int axis = -1;
   std::size_t after = 0;
   const auto bin_of = [&](std::uint32_t t, std::size_t k) {
-    const float width = of_centroids.hi[k] - of_centroids.lo[k];
-    const float place = (centroids_[t][k] - of_centroids.lo[k]) / width * static_cast<float>(kBins);
+    const double least = of_centroids.lo[k], width = of_centroids.hi[k] - least;
+    const double place = (centroids_[t][k] - least) / width * static_cast<double>(kBins);
     return std::min(kBins - 1, static_cast<std::size_t>(place));
   };
   for (std::size_t k = 0; k < 3; ++k) {
@@ -245,8 +247,8 @@ std::uint32_t KdopTree<K>::partition_by_area(const Node& node) {
       left.box.merge(bins[b].box);
       left.count += bins[b].count;
       const double cost = left.box.half_area() * left.count + right_cost[b + 1];
-      if (cost < least && left.count > 0 && left.count < node.end - node.begin) {
-        least = cost;
+      if (cost < least_cost && left.count > 0 && left.count < node.end - node.begin) {
+        least_cost = cost;
         axis = static_cast<int>(k);
         after = b;
       }

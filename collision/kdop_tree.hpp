@@ -80,7 +80,7 @@ class KdopTree {
   // Of a vertex, rounded to nearest; padded with zeros, so that four make a vector register.
   using Projections = std::array<float, (K / 2 + 3) / 4 * 4>;
   std::vector<Projections> projections_;
-  std::vector<Centroid> centroids_;  // of the faces, times three
+  std::vector<Centroid> centroids_;  // of the faces, times three quarters, which is never too large
 };
 
 extern template class KdopTree<6>;

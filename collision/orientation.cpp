@@ -16,9 +16,13 @@ constexpr double kLeastCoordinate = 0x1p-300;
 constexpr double kLargestCoordinate = 0x1p300;
 
 bool in_range(std::initializer_list<double> coordinates) {
-  return std::ranges::all_of(coordinates, [](double x) {
-    return x == 0.0 || (kLeastCoordinate <= std::abs(x) && std::abs(x) <= kLargestCoordinate);
-  });
+  double least = kLeastCoordinate, most = 0.0;
+  for (const double x : coordinates) {
+    const double size = std::abs(x);
+    least = std::min(least, size == 0.0 ? kLeastCoordinate : size);
+    most = std::max(most, size);
+  }
+  return least >= kLeastCoordinate && most <= kLargestCoordinate;
 }
 
 Expansion<2> exact_difference(double a, double b) { return Expansion<2>(two_difference(a, b)); }

@@ -136,6 +136,10 @@ MeshImpact MeshImpactQuery::first_impact(WideTree& a, const RigidMotion& motion_
     impact.state = MeshImpactState::kOverlapped;
     return impact;
   }
+  if (a.scale() != 1.0 || b.scale() != 1.0) {
+    impact.state = MeshImpactState::kFailed;
+    return impact;
+  }
   Step step(a, motion_a, b, motion_b, step_s);
   open_.clear();
   open_.push_back({0.0, WideTree::kRoot, WideTree::kRoot, false});

@@ -20,7 +20,8 @@ enum class MeshImpactState : std::uint8_t {
   kSeparated,   // certainly no contact within the step
   kHit,         // nearer than the tolerance at `time_s`, and no contact before
   kOverlapped,  // they touch at the start: exact
-  kFailed,      // the iterations ran out: no contact before `time_s`, nothing is known of later
+  kFailed,  // no contact before `time_s`, nothing is known of later: the iterations ran out, or, with time_s 0 and no
+            // iterations, a soup is larger than 2^60 m
 };
 
 struct MeshImpact {

@@ -35,7 +35,7 @@ std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh, const Mat3&
       used[static_cast<std::size_t>(corner)] = true;
       if (!all_acceptable && !acceptable(soup.vertices[static_cast<std::size_t>(corner)])) {
         return std::unexpected("vertex " + std::to_string(corner) + " of polygon " + std::to_string(polygon) +
-                               " is not within 2^100 m of its Shape's origin");
+                               " is not within 2^128 m of its Shape's origin");
       }
     }
     for (const CornerTriangle& t : triangulator.triangulate(mesh, polygon)) {

@@ -29,9 +29,9 @@ struct TriangleSoup {
   }
 };
 
-// Coordinates beyond this [m] are refused: no world is a hundred million times the universe, and the products of three
-// of them must be far from an overflow.
-inline constexpr double kLargestCoordinate_m = 0x1p100;
+// Coordinates beyond this [m] are refused: what no binary32 number can be. Files do have its largest numbers, for half
+// spaces; only a scale leads beyond.
+inline constexpr double kLargestCoordinate_m = 0x1p128;
 
 // `stretch` (core/transform.hpp, StretchedPose) is baked into the vertices: multiply(stretch, vertex) as binary64; the
 // identity leaves them as they were parsed. The error names the vertex that is too far out or no number at all.

@@ -48,13 +48,9 @@ HWY_INLINE V dot(const V3& a, const V3& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 
-using Matrix = std::array<std::array<float, 3>, 3>;
+using Matrix = WideMotion::Matrix;
 HWY_INLINE V3 times(const Matrix& m, const V3& p) {
   const auto row = [&](std::size_t i) { return dot({set(m[i][0]), set(m[i][1]), set(m[i][2])}, p); };
-  return {row(0), row(1), row(2)};
-}
-HWY_INLINE V3 transposed_times(const Matrix& m, const V3& p) {
-  const auto row = [&](std::size_t i) { return dot({set(m[0][i]), set(m[1][i]), set(m[2][i])}, p); };
   return {row(0), row(1), row(2)};
 }
 HWY_INLINE V3 plus(const V3& a, const std::array<float, 3>& b) {
@@ -65,22 +61,21 @@ struct Boxes {
   Rows center, half;
 };
 
-// B's boxes as boxes of A's frame, wider by the slack; the box of a box that isn't there isn't there.
-HWY_INLINE void to_a(const WideTree::Node& b, const WideMotion& m, Boxes& out) {
+// Boxes as boxes of the other's frame, wider by the slack; the box of a box that isn't there isn't there.
+HWY_INLINE void transform(const WideTree::Node& node, const Matrix& rotation, const Matrix& sizes,
+                          const std::array<float, 3>& origin, float slack, Boxes& out) {
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const V3 center = plus(times(m.rotation, load3(b.center, i)), m.there);
-    const V3 half = plus(times(m.magnitude, load3(b.half, i)), {m.slack_m, m.slack_m, m.slack_m});
+    const V3 center = plus(times(rotation, load3(node.center, i)), origin);
+    const V3 half = plus(times(sizes, load3(node.half, i)), {slack, slack, slack});
     store(center.x, out.center[0], i), store(center.y, out.center[1], i), store(center.z, out.center[2], i);
     store(half.x, out.half[0], i), store(half.y, out.half[1], i), store(half.z, out.half[2], i);
   }
 }
+HWY_INLINE void to_a(const WideTree::Node& b, const WideMotion& m, Boxes& out) {
+  transform(b, m.a_from_b, m.a_from_b_sizes, m.b_in_a, m.slack_a, out);
+}
 HWY_INLINE void to_b(const WideTree::Node& a, const WideMotion& m, Boxes& out) {
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const V3 center = plus(transposed_times(m.rotation, load3(a.center, i)), m.back);
-    const V3 half = plus(transposed_times(m.magnitude, load3(a.half, i)), {m.slack_m, m.slack_m, m.slack_m});
-    store(center.x, out.center[0], i), store(center.y, out.center[1], i), store(center.z, out.center[2], i);
-    store(half.x, out.half[0], i), store(half.y, out.half[1], i), store(half.z, out.half[2], i);
-  }
+  transform(a, m.b_from_a, m.b_from_a_sizes, m.a_in_b, m.slack_b, out);
 }
 
 HWY_INLINE auto overlap(const V3& center_a, const V3& half_a, const V3& center_b, const V3& half_b) {
@@ -143,9 +138,9 @@ void DelaysOfNodes(const WideTree::Node& a, const WideTree::Node& b, const WideM
   to_b(a, m, a_in_b);
   Velocities of_a, of_b;
   velocities(
-      a, s.base_a, s.turn_a, s.rate_a, [&](const V3& v) { return transposed_times(m.rotation, v); }, of_a);
+      a, s.base_a, s.turn_a, s.rate_a, [&](const V3& v) { return times(m.b_from_a, v); }, of_a);
   velocities(
-      b, s.base_b, s.turn_b, s.rate_b, [&](const V3& v) { return times(m.rotation, v); }, of_b);
+      b, s.base_b, s.turn_b, s.rate_b, [&](const V3& v) { return times(m.a_from_b, v); }, of_b);
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     for (std::size_t row = 0; row < kWidth; ++row) {
       const V spare = hn::Add(load(of_a.spread, i), set(of_b.spread[row] + s.spare_m_s));
@@ -177,15 +172,22 @@ HWY_INLINE std::uint8_t one_against(const std::array<float, 3>& center, const st
   return static_cast<std::uint8_t>(out);
 }
 
+// A leaf's box as a box of the other's frame.
+HWY_INLINE void transform(const WideTree::Leaf& leaf, const Matrix& rotation, const Matrix& sizes,
+                          const std::array<float, 3>& origin, float slack, std::array<float, 3>& center,
+                          std::array<float, 3>& half) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto &r = rotation[k], &s = sizes[k];
+    center[k] = ((r[0] * leaf.center[0] + r[1] * leaf.center[1]) + r[2] * leaf.center[2]) + origin[k];
+    half[k] = ((s[0] * leaf.half[0] + s[1] * leaf.half[1]) + s[2] * leaf.half[2]) + slack;
+  }
+}
+
 std::uint8_t TestNodeLeaf(const WideTree::Node& a, const WideTree::Leaf& b, const WideMotion& m) {
   Boxes a_in_b;
   to_b(a, m, a_in_b);
   std::array<float, 3> center, half;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto &r = m.rotation[k], &s = m.magnitude[k];
-    center[k] = ((r[0] * b.center[0] + r[1] * b.center[1]) + r[2] * b.center[2]) + m.there[k];
-    half[k] = ((s[0] * b.half[0] + s[1] * b.half[1]) + s[2] * b.half[2]) + m.slack_m;
-  }
+  transform(b, m.a_from_b, m.a_from_b_sizes, m.b_in_a, m.slack_a, center, half);
   return one_against(b.center, b.half, center, half, a, a_in_b);
 }
 
@@ -193,11 +195,7 @@ std::uint8_t TestLeafNode(const WideTree::Leaf& a, const WideTree::Node& b, cons
   Boxes b_in_a;
   to_a(b, m, b_in_a);
   std::array<float, 3> center, half;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto &r = m.rotation, &s = m.magnitude;
-    center[k] = ((r[0][k] * a.center[0] + r[1][k] * a.center[1]) + r[2][k] * a.center[2]) + m.back[k];
-    half[k] = ((s[0][k] * a.half[0] + s[1][k] * a.half[1]) + s[2][k] * a.half[2]) + m.slack_m;
-  }
+  transform(a, m.b_from_a, m.b_from_a_sizes, m.a_in_b, m.slack_b, center, half);
   return one_against(a.center, a.half, center, half, b, b_in_a);
 }
 
@@ -244,14 +242,14 @@ struct Moved {
 HWY_INLINE void move(const WideTree::Leaf& b, const WideMotion& m, Moved& out) {
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const auto moved = [&](std::size_t c) {
-      const V3 p = plus(times(m.rotation, load3(b.corners[c], i)), m.there);
+      const V3 p = plus(times(m.a_from_b, load3(b.corners[c], i)), m.b_in_a);
       store(p.x, out.corners[c][0], i), store(p.y, out.corners[c][1], i), store(p.z, out.corners[c][2], i);
       return p;
     };
     const V3 p = moved(0), q = moved(1), r = moved(2);
     const Corners corners{p, q, r};
     const TriangleBoxes box = boxes(corners);
-    const V slack = set(m.slack_m);
+    const V slack = set(m.slack_a);
     store(hn::Sub(box.lo.x, slack), out.lo[0], i), store(hn::Sub(box.lo.y, slack), out.lo[1], i);
     store(hn::Sub(box.lo.z, slack), out.lo[2], i), store(hn::Add(box.hi.x, slack), out.hi[0], i);
     store(hn::Add(box.hi.y, slack), out.hi[1], i), store(hn::Add(box.hi.z, slack), out.hi[2], i);
@@ -275,8 +273,11 @@ void TestLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMoti
   move(b, m, moved);
   // Triangles whose boxes overlap have no coordinates farther apart than this.
   float reach = 0.0f;
-  for (std::size_t k = 0; k < 3; ++k) reach = std::max({reach, a.half[k], b.half[k]});
-  reach = 8.0f * (reach + m.slack_m);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& sizes = m.a_from_b_sizes[k];
+    reach = std::max({reach, a.half[k], (sizes[0] * b.half[0] + sizes[1] * b.half[1]) + sizes[2] * b.half[2]});
+  }
+  reach = 4.5f * (reach + m.slack_a);
   masks.fill(0);
   const std::uint32_t present = (1u << a.count) - 1;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
@@ -286,7 +287,7 @@ void TestLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMoti
     // A plane separates where its normal does, whatever the normal. The corners of its own triangle are off it by what
     // the normal's rounding makes of their distances, 11 units in the last place of size * reach together with the
     // rounding of the dot products; both triangles' corners may be off by the slack.
-    const V per_size = set(0x1p-20f * reach + 2.0f * m.slack_m);
+    const V per_size = set(0x1p-20f * reach + 2.0f * m.slack_a);
     const V margin = hn::Mul(plane.size, per_size);
     for (std::size_t row = 0; row < b.count; ++row) {
       const V3 lo = set3(moved.lo, row), hi = set3(moved.hi, row);
@@ -315,26 +316,32 @@ HWY_EXPORT(TestNodeLeaf);
 HWY_EXPORT(TestLeafNode);
 HWY_EXPORT(TestLeaves);
 
-WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& a_from_b) {
-  const Vec3 origin = a_from_b(b.origin()) - a.origin();
-  const Vec3 home = multiply(Mat3(a_from_b.rotation.transpose()), Vec3(-origin));
+WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion) {
+  const Vec3 origin = motion(b.origin()) - a.origin();
+  const Vec3 home = multiply(Mat3(motion.rotation.transpose()), Vec3(-origin));
+  const double to_a = a.scale() / b.scale(), to_b = b.scale() / a.scale();
   double farthest = 0.0;
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<std::size_t>(i);
     for (int j = 0; j < 3; ++j) {
-      rotation[k][static_cast<std::size_t>(j)] = static_cast<float>(a_from_b.rotation(i, j));
-      magnitude[k][static_cast<std::size_t>(j)] = std::abs(rotation[k][static_cast<std::size_t>(j)]);
+      const auto l = static_cast<std::size_t>(j);
+      a_from_b[k][l] = static_cast<float>(motion.rotation(i, j) * to_a);
+      b_from_a[k][l] = static_cast<float>(motion.rotation(j, i) * to_b);
+      a_from_b_sizes[k][l] = std::abs(a_from_b[k][l]);
+      b_from_a_sizes[k][l] = std::abs(b_from_a[k][l]);
     }
-    there[k] = static_cast<float>(origin[i]);
-    back[k] = static_cast<float>(home[i]);
+    b_in_a[k] = static_cast<float>(origin[i] * a.scale());
+    a_in_b[k] = static_cast<float>(home[i] * b.scale());
     farthest = std::max({farthest, std::abs(origin[i]), std::abs(home[i])});
   }
   // Each of some 20 roundings is of a number below the sum in brackets (its terms' factors are at most sqrt(3)), by at
   // most 2^-24 of it. Binary64, in which vertices are moved for the exact test, is lost in that; but vertices far from
   // their soup's origin lose more there.
   const auto far = [](const WideTree& tree) { return tree.origin().cwiseAbs().maxCoeff() + tree.extent_m(); };
-  const double binary64 = 0x1p-46 * (far(a) + far(b) + a_from_b.translation.cwiseAbs().maxCoeff());
-  slack_m = static_cast<float>(0x1p-19 * (2.0 * a.extent_m() + 2.0 * b.extent_m() + farthest) + binary64 + 0x1p-120);
+  const double binary64 = 0x1p-46 * (far(a) + far(b) + motion.translation.cwiseAbs().maxCoeff());
+  const double slack_m = 0x1p-19 * (2.0 * a.extent_m() + 2.0 * b.extent_m() + farthest) + binary64;
+  slack_a = static_cast<float>(slack_m * a.scale() + 0x1p-120);
+  slack_b = static_cast<float>(slack_m * b.scale() + 0x1p-120);
 }
 
 void test_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion, Masks& masks) {

@@ -10,16 +10,17 @@ namespace peerd::collision {
 // What the vector unit does of a query. All of it errs on the safe side only: what it leaves out certainly doesn't
 // touch.
 
-// Takes B's tree to A's, relative to their origins, in binary32.
+// Takes B's tree to A's and back, in binary32.
 struct WideMotion {
-  WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& a_from_b);
+  WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion);
 
-  std::array<std::array<float, 3>, 3> rotation, magnitude;  // A from B, and its absolute values
-  std::array<float, 3> there;                               // B's origin, in A's frame [m]
-  std::array<float, 3> back;                                // A's origin, in B's frame [m]
-  // More than all of this can be wrong about the place of a point [m]: the rounding of the trees, of the motion, of
-  // taking it there and of comparing it there.
-  float slack_m;
+  using Matrix = std::array<std::array<float, 3>, 3>;
+  Matrix a_from_b, b_from_a;              // the rotations, between the trees' scales
+  Matrix a_from_b_sizes, b_from_a_sizes;  // their absolute values
+  std::array<float, 3> b_in_a, a_in_b;    // the origins
+  // More than all of this can be wrong about the place of a point: the rounding of the trees, of the motion, of taking
+  // it there and of comparing it there. On A's scale, and on B's.
+  float slack_a, slack_b;
 };
 
 using Masks = std::array<std::uint8_t, WideTree::kWidth>;  // by B's child or triangle; bit i: A's child or triangle i

@@ -25,6 +25,8 @@ void WideTree::measure() {
   for (int k = 0; k < 3; ++k) {
     extent_m_ = std::max({extent_m_, soup_->box.hi[k] - origin_[k], origin_[k] - soup_->box.lo[k]});
   }
+  constexpr double kLargest = 0x1p60;  // far from an overflow even after a few products and sums
+  scale_ = extent_m_ <= kLargest ? 1.0 : kLargest * std::exp2(-std::ceil(std::log2(extent_m_)));
 }
 
 WideTree::WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, std::span<const Node> nodes,
@@ -73,8 +75,8 @@ WideTree::Item WideTree::make_item(std::uint32_t face) const {
   item.face = face;
   for (int k = 0; k < 3; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    item.lo[i] = static_cast<float>(std::min({p[k], q[k], r[k]}) - origin_[k]);
-    item.hi[i] = static_cast<float>(std::max({p[k], q[k], r[k]}) - origin_[k]);
+    item.lo[i] = static_cast<float>((std::min({p[k], q[k], r[k]}) - origin_[k]) * scale_);
+    item.hi[i] = static_cast<float>((std::max({p[k], q[k], r[k]}) - origin_[k]) * scale_);
   }
   return item;
 }
@@ -192,7 +194,7 @@ void WideTree::fill_corners(Leaf& leaf) const {
   for (std::size_t i = 0; i < kWidth; ++i) {
     const auto& corners = soup_->faces[leaf.faces[i]].corners;
     for (std::size_t c = 0; c < 3; ++c) {
-      const Vec3 p = soup_->vertices[corners[c]] - origin_;
+      const Vec3 p = (soup_->vertices[corners[c]] - origin_) * scale_;
       for (std::size_t k = 0; k < 3; ++k) leaf.corners[c][k][i] = static_cast<float>(p[static_cast<int>(k)]);
     }
   }

@@ -15,8 +15,8 @@ namespace peerd::collision {
 // triangles has n / 8 leaves. It is built from the top as deep as queries reach. KdopTree (kdop_tree.hpp) is its
 // readable twin; both give the same answers.
 //
-// Everything in it is binary32 and relative to `origin`, rounded to nearest: a coordinate may be off by 2^-23 of
-// `extent_m`, which is for the query to allow for. Nothing in it decides.
+// Everything in it is binary32, relative to `origin` and times `scale`, rounded to nearest: a coordinate may be off by
+// 2^-23 of `extent_m`, which is for the query to allow for. Nothing in it decides.
 class WideTree {
  public:
   static constexpr std::size_t kWidth = 8;
@@ -59,7 +59,9 @@ class WideTree {
 
   [[nodiscard]] const TriangleSoup& soup() const { return *soup_; }
   [[nodiscard]] const Vec3& origin() const { return origin_; }  // in the soup's frame
-  [[nodiscard]] double extent_m() const { return extent_m_; }   // no coordinate is farther from the origin
+  // A power of two: 1, but for soups so large that binary32 would overflow.
+  [[nodiscard]] double scale() const { return scale_; }
+  [[nodiscard]] double extent_m() const { return extent_m_; }  // no coordinate is farther from the origin
   [[nodiscard]] const Node& node(std::uint32_t i) const { return node_data_[i]; }
   [[nodiscard]] const Leaf& leaf(std::uint32_t i) const { return leaf_data_[i]; }
 
@@ -126,6 +128,7 @@ class WideTree {
   const Leaf* leaf_data_ = nullptr;
   Vec3 origin_;
   double extent_m_ = 0.0;
+  double scale_ = 1.0;
   Ref root_;
   std::vector<Node> nodes_;    // its capacity is that of the whole tree
   std::vector<Leaf> leaves_;   // "

@@ -13,7 +13,6 @@ flags=(-O0 -O3)
 if [ "$(uname -m)" = x86_64 ]; then
   if has avx2 bmi2 fma; then flags+=("-O3 -march=haswell"); fi
   if has avx512f avx512bw avx512cd avx512dq avx512vl; then flags+=("-O3 -march=x86-64-v4"); fi
-  # Highway 1.0.3 leaves AVX3_DL out by default, and then doesn't compile where that is what is native.
   flags+=("-O3 -march=native")
 fi
 

@@ -168,7 +168,7 @@ TEST(SceneQuery, BuildsNothingThatNoQuestionNeeds) {
 
 TEST(SceneQuery, RefusesWhatIsTooFarOutByName) {
   const Scene scene = scene_of(R"(
-    DEF A Transform { scale 1e30 1 1 children DEF FAR Shape { geometry Box { size 10 10 10 } } }
+    DEF A Transform { scale 1e38 1 1 children DEF FAR Shape { geometry Box { size 10 10 10 } } }
     DEF B Shape { geometry Box {} })");
   SceneQuery query(scene);
   const auto collision = query.collide(id(scene, "A"), id(scene, "B"), CollisionType::kWitness);

@@ -96,7 +96,7 @@ TEST(WideQuery, AllPairsAreThoseOfBruteForce) {
 
 TEST(WideQuery, SizesFromDenormalToAHundredDigitsAreTheSame) {
   WideQuery query;
-  for (const double factor : {0x1p-1040, 0x1p-300, 0x1p-130, 0x1p-60, 0x1p60, 0x1p99}) {
+  for (const double factor : {0x1p-1040, 0x1p-300, 0x1p-130, 0x1p-60, 0x1p60, 0x1p99, 0x1p126}) {
     std::vector<Case> all = cases();
     const bool subnormal = factor < 0x1p-500;  // integers are slow: small cases only
     for (std::size_t i = subnormal ? 2 : 0; i < all.size(); i += subnormal ? 6 : 4) {

@@ -149,12 +149,13 @@ TEST(Collide, WhatDoesNotCollideIsLeftOut) {
 TEST(Collide, VerticesBeyondAllMeasureAreRefusedByName) {
   const ScratchFolder folder;
   const std::string shapes = R"(
-    DEF A Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 3e38 0 ] } coordIndex [ 0 1 2 ] } }
+    Transform { scale 1 10 1 children DEF A Shape { geometry IndexedFaceSet {
+      coord Coordinate { point [ 0 0 0, 1 0 0, 0 3e38 0 ] } coordIndex [ 0 1 2 ] } } }
     DEF B Shape { geometry Box {} } )";
   const Outcome outcome =
       collide(write(folder, shapes + "CollisionInterest { objectPath \"A\" interests \"B\" collisionType 1 }"));
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("A: vertex 2 of polygon 0"));
+  EXPECT_THAT(outcome.err, HasSubstr("0/A: vertex 2 of polygon 0"));
 }
 
 TEST(Collide, AWorldWithErrorsOrNoneIsNoWorld) {
