@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -34,8 +35,9 @@ class WideTree {
     std::uint32_t bits_ = 0xffff'ffff;  // none
   };
 
-  // Half the side of a box that isn't there: it overlaps nothing.
-  static constexpr float kNoBox = -1e38f;
+  // Half the side of a box that isn't there: it overlaps nothing, however it is turned and scaled, since what becomes
+  // no number on the way overlaps nothing either.
+  static constexpr float kNoBox = -std::numeric_limits<float>::infinity();
 
   struct alignas(32) Node {
     std::array<std::array<float, kWidth>, 3> center, half;  // by axis, then child [m]

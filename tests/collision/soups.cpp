@@ -1,7 +1,9 @@
 #include "tests/collision/soups.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace peerd::collision {
@@ -43,6 +45,18 @@ TriangleSoup torus(std::uint32_t around, std::uint32_t along, bool quads) {
       soup.faces.push_back({{at(0, 0), at(1, 1), at(0, 1)}, quads ? polygon / 2 : polygon + 1});
     }
   }
+  return soup;
+}
+
+TriangleSoup half_space() {
+  constexpr double m = std::numeric_limits<float>::max();
+  TriangleSoup soup;
+  soup.vertices = {{-m, -m, 0}, {m, -m, 0}, {m, m, 0}, {-m, m, 0}, {-m, -m, -m}, {m, -m, -m}, {m, m, -m}, {-m, m, -m}};
+  for (const auto& corners :
+       {std::array{0u, 1u, 2u}, {0u, 2u, 3u}, {4u, 6u, 5u}, {4u, 7u, 6u}, {0u, 5u, 1u}, {2u, 7u, 3u}}) {
+    soup.faces.push_back({corners, static_cast<std::uint32_t>(soup.faces.size())});
+  }
+  for (const Vec3& v : soup.vertices) soup.box.merge(v);
   return soup;
 }
 

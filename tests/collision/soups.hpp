@@ -33,6 +33,9 @@ class Numbers {
 // A closed tube around a circle: 2 * around * along triangles, two to a polygon where `quads`.
 [[nodiscard]] TriangleSoup torus(std::uint32_t around, std::uint32_t along, bool quads);
 
+// Half a space as files have it: a box below z = 0, to the largest binary32 numbers. Six of its triangles.
+[[nodiscard]] TriangleSoup half_space();
+
 [[nodiscard]] Pose random_pose(Numbers& numbers, double distance);
 
 // All pairs of polygons with a common point, every triangle against every one.

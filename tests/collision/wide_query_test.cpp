@@ -111,6 +111,19 @@ TEST(WideQuery, SizesFromDenormalToAHundredDigitsAreTheSame) {
   }
 }
 
+TEST(WideQuery, HalfSpacesMeetSmallThingsAndEachOther) {
+  const TriangleSoup large = half_space(), small = torus(6, 8, false);
+  WideTree a(large), b(small), c(large);
+  WideQuery query;
+  Numbers numbers(33);
+  for (int i = 0; i < 30; ++i) {
+    const RelativeMotion motion(random_pose(numbers, 1.0), random_pose(numbers, 1.0));
+    EXPECT_THAT(query.all_pairs(a, b, motion), ElementsAreArray(brute_force(large, small, motion)));
+    EXPECT_THAT(query.all_pairs(b, a, motion), ElementsAreArray(brute_force(small, large, motion)));
+    EXPECT_THAT(query.all_pairs(a, c, motion), ElementsAreArray(brute_force(large, large, motion)));
+  }
+}
+
 // Which instructions run changes neither an answer nor a counter.
 TEST(WideQuery, EveryInstructionSetDoesTheSame) {
   std::vector<std::vector<PolygonPair>> of_target;

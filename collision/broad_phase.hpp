@@ -1,0 +1,68 @@
+#pragma once
+#include <compare>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/box.hpp"
+
+namespace peerd::collision {
+
+// Objects here have dense indices, which the caller gives out and may reuse once they were removed.
+using BroadIndex = std::uint32_t;
+using BroadGroup = std::uint32_t;  // dense, too
+
+struct BroadPair {
+  BroadIndex low = 0, high = 0;  // low < high
+  [[nodiscard]] std::uint64_t key() const { return std::uint64_t{low} << 32 | high; }
+  friend bool operator==(BroadPair a, BroadPair b) { return a.key() == b.key(); }
+  friend auto operator<=>(BroadPair a, BroadPair b) { return a.key() <=> b.key(); }
+};
+[[nodiscard]] inline BroadPair make_broad_pair(BroadIndex a, BroadIndex b) {
+  return a < b ? BroadPair{a, b} : BroadPair{b, a};
+}
+
+// Work done, since the beginning.
+struct BroadPhaseCounters {
+  std::uint64_t box_tests = 0;  // of a box with a box, at a node or end point of a structure as well
+  std::uint64_t moves = 0;      // objects whose box differed from that at the last tick
+  std::uint64_t refits = 0;     // of those, objects that had left their fat box
+};
+
+// How candidates are found. All give the same answers, in the same order.
+enum class BroadPhaseMethod : std::uint8_t {
+  kBruteForce,     // tests every interest in every tick: what the others are checked against
+  kSweepAndPrune,  // sorted ends of boxes along three axes, for pairs and for groups
+  kDynamicTree,    // a tree of fat boxes, for pairs and for groups
+  kInterestLists,  // an object's own list of interests for pairs, a tree for each group: the default
+};
+
+// Which interests are there, of those whose boxes overlap? Only pairs that someone is interested in exist at all: those
+// registered one by one, and those of two members of a group.
+//
+// Boxes are closed, in the world frame [m]: touching is overlapping. An empty box (and one with a NaN) overlaps
+// nothing; infinite ones are as good as any. Nothing is decided between two ticks. A tick costs what moved since the
+// last one and the length of the answer if that changed; one before which nothing moved, came or went tests nothing.
+class BroadPhase {
+ public:
+  virtual ~BroadPhase() = default;
+
+  virtual void add(BroadIndex object, const WorldBox& box) = 0;   // must not be there
+  virtual void remove(BroadIndex object) = 0;                     // with its interests, and out of its groups
+  virtual void move(BroadIndex object, const WorldBox& box) = 0;  // of no cost where the box is the same
+
+  // Of two objects that are there. False where it was (wasn't) registered already.
+  virtual bool register_interest(BroadIndex a, BroadIndex b) = 0;
+  virtual bool unregister_interest(BroadIndex a, BroadIndex b) = 0;
+  // All with all of a group. An object may be in several; a pair that has several reasons to be is reported once.
+  virtual bool join(BroadGroup group, BroadIndex object) = 0;
+  virtual bool leave(BroadGroup group, BroadIndex object) = 0;
+
+  // Interests whose boxes overlap now, by (low, high), each once. Valid until the next call of tick().
+  virtual std::span<const BroadPair> tick() = 0;
+  [[nodiscard]] virtual BroadPhaseCounters counters() const = 0;
+};
+
+[[nodiscard]] std::unique_ptr<BroadPhase> make_broad_phase(BroadPhaseMethod method = BroadPhaseMethod::kInterestLists);
+
+}  // namespace peerd::collision
