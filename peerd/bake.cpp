@@ -6,21 +6,14 @@
 
 #include "collision/scene_query.hpp"
 #include "peerd/config/hierarchy_files.hpp"
-#include "peerd/config/world_file.hpp"
 #include "peerd/problems.hpp"
 
 namespace peerd {
 
 int run_bake(const std::string& path, bool json, std::ostream& out, std::ostream& err) {
-  const auto file = config::read_world_file(path);
-  if (!file) {
-    err << file.error().text << '\n';
-    return file.error().exit_code;
-  }
-  const ReadResult& read = (*file)->result;
-  print_problems(read, err);
-  if (!read.scene) return 1;
-  collision::SceneQuery query(*read.scene);
+  const auto file = open_world(path, err);
+  if (!file) return file.error();
+  collision::SceneQuery query(*(*file)->result.scene);
   const auto baked = query.bake();
   if (!baked) {
     err << path << ": error: " << baked.error() << '\n';

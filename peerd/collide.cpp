@@ -10,7 +10,6 @@
 #include "collision/scene_query.hpp"
 #include "core/predefined_motion.hpp"
 #include "peerd/config/hierarchy_files.hpp"
-#include "peerd/config/world_file.hpp"
 #include "peerd/problems.hpp"
 
 namespace peerd {
@@ -94,15 +93,9 @@ void print_text(const Scene& scene, const Answer& answer, std::ostream& out) {
 }  // namespace
 
 int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out, std::ostream& err) {
-  const auto file = config::read_world_file(path);
-  if (!file) {
-    err << file.error().text << '\n';
-    return file.error().exit_code;
-  }
-  const ReadResult& read = (*file)->result;
-  print_problems(read, err);
-  if (!read.scene) return 1;
-  const Scene& scene = *read.scene;
+  const auto file = open_world(path, err);
+  if (!file) return file.error();
+  const Scene& scene = *(*file)->result.scene;
   const auto start = std::chrono::steady_clock::now();
   collision::SceneQuery query(scene, config::mapped_hierarchies(path));
   go_to(query, scene, options.at_s);

@@ -117,6 +117,38 @@ config::Result<std::string> ctl_request(const CtlCommands& commands, const KeyFl
   return nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}}.dump();
 }
 
+// What is asked of a world without a peer.
+struct WorldCommands {
+  std::string world;
+  CheckOptions check;
+  CollideOptions collide;
+  bool bake_json = false;
+  CLI::App *check_command = nullptr, *collide_command = nullptr, *bake_command = nullptr;
+};
+
+// The options live in `worlds`, which stays at its place.
+void add_world_commands(CLI::App& app, WorldCommands& worlds) {
+  const auto add = [&](const char* name, const char* what, bool& json) {
+    CLI::App* const command = app.add_subcommand(name, what);
+    command->add_option("world", worlds.world, "the VRML97 world")->required();
+    command->add_flag("--json", json, "one JSON object");
+    return command;
+  };
+  worlds.check_command =
+      add("check", "read a world; problems as FILE:LINE:COLUMN; statistics; polygons' defects", worlds.check.json);
+  worlds.check_command->add_option("--write", worlds.check.copy,
+                                   "write the world to a file, as one text that needs no other");
+  worlds.check_command->add_option("--at", worlds.check.at_s,
+                                   "say where its own movement has brought things after so many seconds");
+  worlds.collide_command =
+      add("collide", "which objects of a world collide: all its interests, once", worlds.collide.json);
+  worlds.collide_command->add_option("--at", worlds.collide.at_s, "when: the time of its TimeSensors [s]")
+      ->check([](const std::string& text) {
+        return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "a time is a finite number of seconds";
+      });
+  worlds.bake_command = add("bake", "write the hierarchy files that a world's Shapes name", worlds.bake_json);
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"peerd keeps a shared 3D world alive between computers without a server", "peerd"};
   app.require_subcommand(1);
@@ -156,29 +188,8 @@ int run(int argc, char** argv) {
   add_scenario_options(*scenario_command, real);
   scenario_command->add_option("--interface", real.interface, "network interface (default: the scenario's, else lo)");
 
-  std::string world;
-  CheckOptions check;
-  CLI::App* check_command =
-      app.add_subcommand("check", "read a world; problems as FILE:LINE:COLUMN; statistics; polygons' defects");
-  check_command->add_option("world", world, "the VRML97 world")->required();
-  check_command->add_flag("--json", check.json, "one JSON object");
-  check_command->add_option("--write", check.copy, "write the world to a file, as one text that needs no other");
-  check_command->add_option("--at", check.at_s, "say where its own movement has brought things after so many seconds");
-
-  CollideOptions collide;
-  CLI::App* collide_command =
-      app.add_subcommand("collide", "which objects of a world collide: all its interests, once");
-  collide_command->add_option("world", world, "the VRML97 world")->required();
-  collide_command->add_flag("--json", collide.json, "one JSON object");
-  collide_command->add_option("--at", collide.at_s, "when: the time of its TimeSensors [s]")
-      ->check([](const std::string& text) {
-        return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "a time is a finite number of seconds";
-      });
-
-  bool bake_json = false;
-  CLI::App* bake_command = app.add_subcommand("bake", "write the hierarchy files that a world's Shapes name");
-  bake_command->add_option("world", world, "the VRML97 world")->required();
-  bake_command->add_flag("--json", bake_json, "one JSON object");
+  WorldCommands worlds;
+  add_world_commands(app, worlds);
 
   CtlOptions ctl;
   KeyFlags key;
@@ -196,9 +207,9 @@ int run(int argc, char** argv) {
     ctl.request = *request;
     return run_ctl(ctl);
   }
-  if (*check_command) return run_check(world, check, std::cout, std::cerr);
-  if (*collide_command) return run_collide(world, collide, std::cout, std::cerr);
-  if (*bake_command) return run_bake(world, bake_json, std::cout, std::cerr);
+  if (*worlds.check_command) return run_check(worlds.world, worlds.check, std::cout, std::cerr);
+  if (*worlds.collide_command) return run_collide(worlds.world, worlds.collide, std::cout, std::cerr);
+  if (*worlds.bake_command) return run_bake(worlds.world, worlds.bake_json, std::cout, std::cerr);
   if (*sim_command) return run_sim(sim);
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
   if (peer.config.empty() && flags.world.empty()) {

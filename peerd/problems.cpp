@@ -1,6 +1,7 @@
 #include "peerd/problems.hpp"
 
 #include <ostream>
+#include <utility>
 
 namespace peerd {
 
@@ -11,6 +12,17 @@ ProblemCount print_problems(const ReadResult& result, std::ostream& err) {
     if (++of_its_kind <= kShownProblems) err << render(result, d);
   }
   return count;
+}
+
+std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(const std::string& path, std::ostream& err) {
+  auto file = config::read_world_file(path);
+  if (!file) {
+    err << file.error().text << '\n';
+    return std::unexpected(file.error().exit_code);
+  }
+  print_problems((*file)->result, err);
+  if (!(*file)->result.scene) return std::unexpected(1);
+  return std::move(*file);
 }
 
 std::string counted(std::size_t count, const std::string& what) {
