@@ -136,9 +136,8 @@ int volume_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
   if (d == b || d == c || every_product_is_zero(a, b, c, d)) return 0;
   if (in_range({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], d[0], d[1], d[2]})) {
     const Differences differences(a, b, c, d);
-    if (differences.exact()) return determinant_of_heads(differences).sign();
-    const int sign = sign_in_twice_the_precision(differences);
-    return sign != 0 ? sign : full_determinant(a, b, c, d).sign();
+    if (const int sign = sign_in_twice_the_precision(differences); sign != 0) return sign;
+    return differences.exact() ? determinant_of_heads(differences).sign() : full_determinant(a, b, c, d).sign();
   }
   ++counters.wide;
   const Integers of({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], d[0], d[1], d[2]});
