@@ -89,7 +89,10 @@ const Mesh& SceneQuery::mesh(std::uint32_t geometry) {
 
 const LocalBox& SceneQuery::local_box(std::uint32_t geometry) {
   std::optional<LocalBox>& box = local_boxes_[geometry];
-  if (!box) box = box_of(mesh(geometry));
+  if (!box) {
+    box.emplace();
+    for (const Eigen::Vector3f& v : mesh(geometry).vertices) box->merge(v);
+  }
   return *box;
 }
 

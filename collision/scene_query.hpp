@@ -125,7 +125,7 @@ class SceneQuery {
   std::vector<std::string> notes_;
   std::vector<TransformFields> transforms_;
   std::vector<std::optional<Mesh>> meshes_;           // by geometry
-  std::vector<std::optional<LocalBox>> local_boxes_;  // "
+  std::vector<std::optional<LocalBox>> local_boxes_;  // ", of all vertices: fewer than there are corners
   std::map<StretchKey, std::unique_ptr<Shaped>> shaped_;
   std::vector<Placed> placed_;                  // by instance
   std::vector<std::optional<WorldBox>> boxes_;  // by instance: of its subtree, with room for all rounding

@@ -27,12 +27,12 @@ std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh, const Mat3&
     all_acceptable &= acceptable(soup.vertices.back());
   }
   soup.faces.reserve(mesh.polygon_count());
-  std::vector<bool> used(mesh.vertices.size());
+  std::vector<std::uint8_t> used(mesh.vertices.size());  // a byte is set in one step, a bit in three
   Triangulator triangulator;
   for (std::uint32_t polygon = 0; polygon < mesh.polygon_count(); ++polygon) {
     const auto corners = mesh.polygon(polygon);
     for (const std::int32_t corner : corners) {
-      used[static_cast<std::size_t>(corner)] = true;
+      used[static_cast<std::size_t>(corner)] = 1;
       if (!all_acceptable && !acceptable(soup.vertices[static_cast<std::size_t>(corner)])) {
         return std::unexpected("vertex " + std::to_string(corner) + " of polygon " + std::to_string(polygon) +
                                " is not within 2^128 m of its Shape's origin");
@@ -44,7 +44,7 @@ std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh, const Mat3&
     }
   }
   for (std::size_t v = 0; v < used.size(); ++v) {
-    if (used[v]) soup.box.merge(soup.vertices[v]);
+    if (used[v] != 0) soup.box.merge(soup.vertices[v]);
   }
   return soup;
 }
