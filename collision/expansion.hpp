@@ -65,12 +65,6 @@ class Expansion {
   [[nodiscard]] double operator[](std::size_t i) const { return terms_[i]; }
   // The largest term outweighs all others.
   [[nodiscard]] int sign() const { return size_ == 0 ? 0 : terms_[size_ - 1] > 0.0 ? 1 : -1; }
-  // Within one rounding of its last bit.
-  [[nodiscard]] double estimate() const {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) sum += terms_[i];
-    return sum;
-  }
 
  private:
   std::array<double, N> terms_;  // what is beyond size_ is never read
