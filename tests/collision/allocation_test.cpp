@@ -1,26 +1,10 @@
-// Counts what operator new gives out, for the whole program; sanitizers bring their own.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "collision/time_of_impact.hpp"
+#include "tests/allocation_counter.hpp"
 #include "tests/collision/soups.hpp"
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-namespace {
-thread_local long allocations = 0;
-}
-// GCC sees free() of what a replaced operator new gave, and warns.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size > 0 ? size : 1)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-
+#if PEERD_COUNTS_ALLOCATIONS
 namespace peerd::collision {
 namespace {
 
@@ -45,9 +29,9 @@ TEST(Allocation, QueriesMakeNoneOnceTheirMemoryHasGrown) {
     }
   };
   ask();
-  const long before = allocations;
+  const long before = allocations();
   ask();
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(allocations(), before);
   EXPECT_GT(pairs, 0u);
 }
 

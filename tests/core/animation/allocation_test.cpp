@@ -1,25 +1,9 @@
-// Counts what operator new gives out, for the whole program; sanitizers bring their own.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "core/animation/animation.hpp"
+#include "tests/allocation_counter.hpp"
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-namespace {
-thread_local long allocations = 0;
-}
-// GCC sees free() of what a replaced operator new gave, and warns.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size > 0 ? size : 1)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-
+#if PEERD_COUNTS_ALLOCATIONS
 namespace peerd::animation {
 namespace {
 
@@ -44,7 +28,7 @@ TEST(Allocation, QuestionsMakeNoneOnceBuffersHaveGrown) {
   double sum = 0.0;
   long first = 0;
   for (int i = 0; i < 1000; ++i) {
-    if (i == 10) first = allocations;
+    if (i == 10) first = allocations();
     const double t = 0.01 * i;
     a.changing(t, t + 0.01, moving);
     for (const FieldId f : fields) {
@@ -53,7 +37,7 @@ TEST(Allocation, QuestionsMakeNoneOnceBuffersHaveGrown) {
       if (const auto s = a.segment(f, t)) sum += s->velocity.x();
     }
   }
-  EXPECT_EQ(allocations, first);
+  EXPECT_EQ(allocations(), first);
   EXPECT_NE(sum, 0.0);
 }
 
