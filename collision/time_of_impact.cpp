@@ -1,10 +1,12 @@
 #include "collision/time_of_impact.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cassert>
 #include <cmath>
 #include <limits>
-#include <optional>
 
+#include "collision/ordered_sums.hpp"
 #include "collision/triangle_distance.hpp"
 #include "collision/wide_kernels.hpp"
 
@@ -12,198 +14,377 @@ namespace peerd::collision {
 
 using Ref = WideTree::Ref;
 
-Pose RigidMotion::at(double t_s) const {
-  return {at_start.position + velocity * t_s, multiply(quat_exp(angular_velocity * t_s), at_start.orientation)};
-}
-
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// In a window nothing turns farther than this [rad], and nothing moves farther than this part of the larger mesh:
+// bounds of the way are loose beyond. Longer windows look at more pairs, shorter ones more often.
+constexpr double kWindow_rad = 0.25;
+constexpr double kWindowOfExtent = 0.5;
+// What a window may look at before it is given up and tried again: half of it, and so many times as much; then so many
+// windows are not longer. Where meshes are close along large parts shorter windows don't look at less, hence the 4.
+constexpr std::uint32_t kWindowWork = 128, kMoreWork = 4, kAsLong = 4;
 
 // No point of the soup is farther from its frame's origin.
 double radius(const TriangleSoup& soup) {
   Vec3 far;
   for (int k = 0; k < 3; ++k) far[k] = std::max(std::abs(soup.box.lo[k]), std::abs(soup.box.hi[k]));
-  return far.norm() * (1.0 + 0x1p-50);
+  return length(far) * (1.0 + 0x1p-50);
 }
 
-struct Earlier {
-  template <class Open>
-  bool operator()(const Open& a, const Open& b) const {
-    if (a.time_s != b.time_s) return a.time_s > b.time_s;
-    // Triangles first: one of them may be the answer.
-    if (a.triangles != b.triangles) return b.triangles;
-    return a.a != b.a ? a.a > b.a : a.b > b.b;
+// How material points of both move at an instant. In A's frame, as it stands then.
+struct Moment {
+  RelativeMotion a_from_b;
+  Mat3 world_from_a;
+  Vec3 velocity_a, velocity_b;  // of the bodies' origins [m/s]
+  Vec3 turn_a, turn_b;          // [rad/s]
+  Vec3 pressing;                // A's acceleration less B's [m/s^2]
+
+  Moment(const KinematicState& a, const KinematicState& b)
+      : a_from_b(a.pose(), b.pose()),
+        world_from_a(a.orientation.toRotationMatrix()),
+        velocity_a(rotate_back(world_from_a, a.velocity)),
+        velocity_b(rotate_back(world_from_a, b.velocity)),
+        turn_a(a.angular_velocity_body),
+        turn_b(multiply(a_from_b.rotation, b.angular_velocity_body)),
+        pressing(rotate_back(world_from_a, a.acceleration - b.acceleration)) {}
+
+  [[nodiscard]] Vec3 speed_of_a(const Vec3& p) const { return velocity_a + turn_a.cross(p); }
+  [[nodiscard]] Vec3 speed_of_b(const Vec3& p) const { return velocity_b + turn_b.cross(p - a_from_b.translation); }
+};
+
+// The time until a gap that closes at `closing` and ever faster, by `bend` [m/s^2] at most, is gone.
+double time_to_close(double gap, double closing, double bend) {
+  if (gap <= 0.0) return 0.0;
+  if (closing <= 0.0 && bend <= 0.0) return kInfinity;
+  const double root = std::sqrt(closing * closing + 2.0 * bend * gap);
+  const double s = closing > 0.0 ? 2.0 * gap / (closing + root) : (root - closing) / bend;
+  return s * (1.0 - 0x1p-45);
+}
+
+// Two triangles along a direction from A to B: what is between their corners, now and as they go on.
+struct Along {
+  std::array<double, 3> at_a, at_b, speed_a, speed_b;
+
+  Along(const Moment& now, const Vec3& n, const Triangle& a, const Triangle& b) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      at_a[i] = dot(n, a[i]);
+      at_b[i] = dot(n, b[i]);
+      speed_a[i] = dot(n, now.speed_of_a(a[i]));
+      speed_b[i] = dot(n, now.speed_of_b(b[i]));
+    }
+  }
+  [[nodiscard]] double gap() const { return *std::ranges::min_element(at_b) - *std::ranges::max_element(at_a); }
+
+  // How long at least the gap stays above `least`: corner against corner.
+  [[nodiscard]] double time_above(double least, double bend) const {
+    double s = kInfinity;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j)
+        s = std::min(s, time_to_close(at_b[j] - at_a[i] - least, speed_a[i] - speed_b[j], bend));
+    }
+    return s;
+  }
+
+  // Of the corners that are within `reach` of being the nearest.
+  [[nodiscard]] double closing_speed(double reach) const {
+    const double last = *std::ranges::max_element(at_a), first = *std::ranges::min_element(at_b);
+    double fastest = -kInfinity, slowest = kInfinity;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (at_a[i] >= last - reach) fastest = std::max(fastest, speed_a[i]);
+      if (at_b[i] <= first + reach) slowest = std::min(slowest, speed_b[i]);
+    }
+    return fastest - slowest;
   }
 };
+
+// Calls visit(n, noise) for directions that may have triangles that don't touch on either side, from A's to B's: of
+// faces, of their nearest points (`between`), of pairs of edges, until it returns false. `noise`: what rounding makes
+// of a direction between near points; a face's and an edge's hang on lengths that are not small.
+template <class Visit>
+void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& between, double noise, Visit&& visit) {
+  const auto go = [&](const Vec3& n) {
+    const double size = length(n);
+    if (!(size > 0.0) || !std::isfinite(size)) return true;
+    return visit(Vec3(n / (dot(n, between) < 0.0 ? -size : size)), 0.0);
+  };
+  for (const Triangle* face : {&b, &a}) {
+    if (!go(Vec3((*face)[1] - (*face)[0]).cross((*face)[2] - (*face)[0]))) return;
+  }
+  if (!visit(between, noise)) return;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      if (!go(Vec3(a[(i + 1) % 3] - a[i]).cross(b[(j + 1) % 3] - b[j]))) return;
+    }
+  }
+}
+
+// A place as eight boxes: a node's children, or a leaf as one.
+WideTree::Node boxes(WideTree& tree, Ref ref) {
+  if (ref.kind() == Ref::kNode) return tree.node(ref.index());
+  const WideTree::Leaf& leaf = tree.leaf(ref.index());
+  WideTree::Node node;
+  for (std::size_t k = 0; k < 3; ++k) {
+    node.center[k].fill(0.0f);
+    node.half[k].fill(WideTree::kNoBox);
+    node.center[k][0] = leaf.center[k];
+    node.half[k][0] = leaf.half[k];
+  }
+  return node;
+}
+
+template <class Then>
+void for_each_bit(std::uint32_t bits, Then&& then) {
+  for (; bits != 0; bits &= bits - 1) then(static_cast<std::size_t>(std::countr_zero(bits)));
+}
 
 }  // namespace
 
-// The step, and what is known of the instant at which pairs are looked at.
-struct MeshImpactQuery::Step {
-  WideTree &a, &b;
-  const RigidMotion &motion_a, &motion_b;
-  double end_s;
-  double edge_m_s;   // no two points move faster by turning, together
-  double bend_m_s2;  // nor do their velocities change faster
-  double rounding_m_s;
-
-  double time_s = -1.0;
-  Pose pose_a, pose_b;
-  RelativeMotion a_from_b{Pose{}, Pose{}};
-  std::optional<WideMotion> wide;
-  WideSpeeds speeds{};
-
-  Step(WideTree& tree_a, const RigidMotion& of_a, WideTree& tree_b, const RigidMotion& of_b, double step_s)
-      : a(tree_a), b(tree_b), motion_a(of_a), motion_b(of_b), end_s(step_s) {
-    const double rate_a = of_a.angular_velocity.norm(), rate_b = of_b.angular_velocity.norm();
-    const double edge_a = rate_a * radius(a.soup()), edge_b = rate_b * radius(b.soup());
-    edge_m_s = (edge_a + edge_b) * (1.0 + 0x1p-40);
-    bend_m_s2 = (rate_a * edge_a + rate_b * edge_b) * (1.0 + 0x1p-40);
-    rounding_m_s = 0x1p-18 * (of_a.velocity.norm() + of_b.velocity.norm() + edge_a + edge_b);
-    speeds.rate_a = static_cast<float>(rate_a * (1.0 + 0x1p-20));
-    speeds.rate_b = static_cast<float>(rate_b * (1.0 + 0x1p-20));
+class MeshImpactQuery::Search {
+ public:
+  Search(MeshImpactQuery& memory, WideTree& a, const KinematicState& motion_a, WideTree& b,
+         const KinematicState& motion_b, double step_s, const MeshImpactOptions& options)
+      : stack_(memory.stack_),
+        a_(a),
+        b_(b),
+        motion_a_(motion_a),
+        motion_b_(motion_b),
+        options_(options),
+        step_s_(step_s),
+        best_s_(step_s) {
+    rate_a_ = length(motion_a.angular_velocity_body) * (1.0 + 0x1p-40);
+    rate_b_ = length(motion_b.angular_velocity_body) * (1.0 + 0x1p-40);
+    const double edge_a = rate_a_ * radius(a.soup()), edge_b = rate_b_ * radius(b.soup());
+    edge_m_s_ = edge_a + edge_b;
+    bend_m_s2_ = (rate_a_ * edge_a + rate_b_ * edge_b) * (1.0 + 0x1p-40);
+    acceleration_m_s2_ = length(motion_a.acceleration - motion_b.acceleration) * (1.0 + 0x1p-40);
+    places_m_ = magnitude(motion_a.position) + magnitude(motion_b.position) + a.extent_m() + b.extent_m() +
+                magnitude(a.origin()) + magnitude(b.origin());
   }
 
-  // What velocities may change by from now on, on average over any part of the rest of the step.
-  [[nodiscard]] double spare() const { return std::min(0.5 * bend_m_s2 * (end_s - time_s), 2.0 * edge_m_s); }
-
-  void go_to(double t) {
-    if (t == time_s) return;
-    time_s = t;
-    pose_a = motion_a.at(t);
-    pose_b = motion_b.at(t);
-    a_from_b = RelativeMotion(pose_a, pose_b);
-    wide.emplace(a, b, a_from_b);
-    fill(motion_a, pose_a, a.origin(), speeds.base_a, speeds.turn_a);
-    fill(motion_b, pose_b, b.origin(), speeds.base_b, speeds.turn_b);
-    speeds.spare_m_s = static_cast<float>((spare() + rounding_m_s) * (1.0 + 0x1p-20));
-  }
-  static void fill(const RigidMotion& motion, const Pose& pose, const Vec3& origin, std::array<float, 3>& base,
-                   std::array<float, 3>& turn) {
-    const Mat3 from_world = pose.orientation.toRotationMatrix().transpose();
-    const Vec3 w = multiply(from_world, motion.angular_velocity);
-    const Vec3 v = multiply(from_world, motion.velocity) + w.cross(origin);
-    for (int k = 0; k < 3; ++k) {
-      base[static_cast<std::size_t>(k)] = static_cast<float>(v[k]);
-      turn[static_cast<std::size_t>(k)] = static_cast<float>(w[k]);
+  MeshImpact run() {
+    double from_s = 0.0, window_s = longest_window();
+    std::uint32_t most_work = kWindowWork, as_long = 0;
+    while (true) {
+      // Rounding must not stop the time.
+      const double until_s = std::min(best_s_, std::max(from_s + window_s, from_s * (1.0 + 0x1p-40)));
+      const std::uint32_t work = search_window(from_s, until_s, most_work);
+      if (exhausted_) {
+        impact_.state = MeshImpactState::kOutOfWork;
+        impact_.time_s = from_s;
+        return impact_;
+      }
+      if (work > most_work) {  // given up
+        window_s = 0.5 * (until_s - from_s);
+        most_work *= kMoreWork;
+        as_long = kAsLong;
+        continue;
+      }
+      if (until_s >= best_s_) break;
+      from_s = until_s;
+      most_work = std::max(kWindowWork, 2 * work);
+      if (as_long > 0) --as_long;
+      if (as_long == 0) window_s = std::min(2.0 * window_s, longest_window());
     }
+    impact_.state = hit_ ? MeshImpactState::kHit : MeshImpactState::kSeparated;
+    impact_.time_s = best_s_;
+    return impact_;
   }
 
-  // How long two triangles certainly don't meet: their gap along a direction (of A's frame, unit) over the speed at
-  // which their corners close it. Along the direction of their nearest points that is all there is to know; where those
-  // are rounded, it is still certain.
-  [[nodiscard]] double delay(const Vec3& direction, const Triangle& of_a, const Triangle& of_b, double rounding) const {
-    const Mat3 axes = pose_a.orientation.toRotationMatrix();
-    const Vec3 n = multiply(axes, direction);
-    const auto speed = [&](const RigidMotion& motion, const Pose& pose, const Vec3& in_a) {
-      const Vec3 from_center = multiply(axes, in_a) + (pose_a.position - pose.position);
-      return n.dot(motion.velocity + motion.angular_velocity.cross(from_center));
+ private:
+  // How long bounds that are taken at an instant hold well.
+  [[nodiscard]] double longest_window() const {
+    const double turning = rate_a_ + rate_b_;
+    const double by_turning = turning > 0.0 ? kWindow_rad / turning : kInfinity;
+    const double speed = length(motion_a_.velocity - motion_b_.velocity) + acceleration_m_s2_ * step_s_;
+    const double way = kWindowOfExtent * std::max(a_.extent_m(), b_.extent_m());
+    return std::min(by_turning, speed > 0.0 ? way / speed : kInfinity);
+  }
+
+  // Pairs of nodes and leaves looked at: more than `most_work` where it was given up.
+  std::uint32_t search_window(double from_s, double until_s, std::uint32_t most_work) {
+    const KinematicState at_a = advance(motion_a_, from_s), at_b = advance(motion_b_, from_s);
+    const Moment now(at_a, at_b);
+    const WideMotion wide(a_, b_, now.a_from_b);
+    const WideSpeeds speeds = speeds_at(at_a, at_b, until_s - from_s);
+    stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
+    Masks masks;
+    const std::uint32_t before = impact_.iterations;
+    while (!stack_.empty()) {
+      if (impact_.iterations - before > most_work || !work()) break;
+      const auto [place_a, place_b] = stack_.back();
+      stack_.pop_back();
+      const auto within_s = static_cast<float>((std::min(best_s_, until_s) - from_s) * (1.0 + 0x1p-20));
+      const Ref of_a = a_.at(place_a), of_b = b_.at(place_b);
+      const bool node_a = of_a.kind() == Ref::kNode, node_b = of_b.kind() == Ref::kNode;
+      if (node_a || node_b) {
+        nodes_may_meet(boxes(a_, of_a), boxes(b_, of_b), wide, speeds, within_s, masks);
+        for (std::size_t row = WideTree::kWidth; row-- > 0;) {
+          for_each_bit(masks[row], [&](std::size_t i) {
+            stack_.emplace_back(node_a ? WideTree::place(of_a, i) : place_a,
+                                node_b ? WideTree::place(of_b, row) : place_b);
+          });
+        }
+        continue;
+      }
+      const WideTree::Leaf &leaf_a = a_.leaf(of_a.index()), &leaf_b = b_.leaf(of_b.index());
+      leaves_may_meet(leaf_a, leaf_b, wide, speeds, within_s, masks);
+      for (std::size_t row = 0; row < leaf_b.count; ++row) {
+        for_each_bit(masks[row],
+                     [&](std::size_t i) { advance_pair(leaf_a.faces[i], leaf_b.faces[row], now, from_s, until_s); });
+      }
+    }
+    return impact_.iterations - before;
+  }
+
+  [[nodiscard]] WideSpeeds speeds_at(const KinematicState& a, const KinematicState& b, double window_s) const {
+    WideSpeeds speeds{};
+    const auto fill = [](const KinematicState& at, const Vec3& origin, auto& base, auto& turn) {
+      const Vec3& w = at.angular_velocity_body;
+      const Vec3 v = rotate_back(at.orientation.toRotationMatrix(), at.velocity) + w.cross(origin);
+      for (int k = 0; k < 3; ++k) {
+        base[static_cast<std::size_t>(k)] = static_cast<float>(v[k]);
+        turn[static_cast<std::size_t>(k)] = static_cast<float>(w[k]);
+      }
     };
-    double last_a = -kInfinity, first_b = kInfinity, fastest_a = -kInfinity, slowest_b = kInfinity;
-    for (std::size_t i = 0; i < 3; ++i) {
-      last_a = std::max(last_a, direction.dot(of_a[i]));
-      first_b = std::min(first_b, direction.dot(of_b[i]));
-      fastest_a = std::max(fastest_a, speed(motion_a, pose_a, of_a[i]));
-      slowest_b = std::min(slowest_b, speed(motion_b, pose_b, of_b[i]));
-    }
-    const double gap = first_b - last_a - rounding;
-    const double closing = fastest_a - slowest_b + spare() + 0x1p-20 * rounding_m_s;
-    return gap <= 0.0 ? 0.0 : closing <= 0.0 ? kInfinity : gap / closing;
+    fill(a, a_.origin(), speeds.base_a, speeds.turn_a);
+    fill(b, b_.origin(), speeds.base_b, speeds.turn_b);
+    speeds.rate_a = static_cast<float>(rate_a_ * (1.0 + 0x1p-20));
+    speeds.rate_b = static_cast<float>(rate_b_ * (1.0 + 0x1p-20));
+    const double rounding = 0x1p-18 * (length(a.velocity) + length(b.velocity) + edge_m_s_);
+    const double change = std::min(0.5 * bend_m_s2_ * window_s, 2.0 * edge_m_s_) + 0.5 * acceleration_m_s2_ * window_s;
+    speeds.spare_m_s = static_cast<float>((change + rounding) * (1.0 + 0x1p-20));
+    return speeds;
   }
 
-  // A place as eight boxes: the node's children, the leaf's triangles, or the leaf itself as one.
-  enum class As : std::uint8_t { kChildren, kTriangles, kWhole };
-  static WideTree::Node boxes(WideTree& tree, Ref ref, As as) {
-    if (as == As::kChildren) return tree.node(ref.index());
-    const WideTree::Leaf& leaf = tree.leaf(ref.index());
-    if (as == As::kTriangles) return boxes_of(leaf);
-    WideTree::Node node;
-    for (std::size_t k = 0; k < 3; ++k) {
-      node.center[k].fill(0.0f);
-      node.half[k].fill(WideTree::kNoBox);
-      node.center[k][0] = leaf.center[k];
-      node.half[k][0] = leaf.half[k];
+  // Follows two triangles from a window's begin until they can't meet before its end, or the best hit.
+  void advance_pair(std::uint32_t face_a, std::uint32_t face_b, const Moment& at_begin, double from_s, double until_s) {
+    const Triangle triangle_a = a_.soup().triangle(face_a), in_b = b_.soup().triangle(face_b);
+    double t = from_s;
+    std::optional<Moment> later;
+    while (work()) {
+      const Moment& now = later ? *later : at_begin;
+      const Triangle triangle_b = {now.a_from_b(in_b[0]), now.a_from_b(in_b[1]), now.a_from_b(in_b[2])};
+      const double step = look(face_a, face_b, now, t, triangle_a, triangle_b);
+      t += step;
+      if (!(t <= std::min(best_s_, until_s)) || step == 0.0) return;
+      later.emplace(advance(motion_a_, t), advance(motion_b_, t));
     }
-    return node;
   }
+
+  // How long they certainly don't touch; 0 where that is not known to be any longer, and they are the best hit now.
+  double look(std::uint32_t face_a, std::uint32_t face_b, const Moment& now, double t, const Triangle& a,
+              const Triangle& b) {
+    const TriangleDistance found = triangle_distance(a, b);
+    if (found.distance == 0.0) return hit(face_a, face_b, now, t, found, from_a_to_b(now), false);
+    // Where the world's coordinates are large, places in it are known less well than the tolerance.
+    const double rounding = 0x1p-46 * (magnitude(now.a_from_b.translation) + places_m_);
+    const double band = options_.tolerance_m + rounding;
+    const Vec3 between = (found.on_b - found.on_a) / found.distance;
+    if (found.distance > band) {
+      const double least = 0.5 * options_.tolerance_m + rounding;
+      const Along along(now, between, a, b);
+      double step = along.time_above(least, bend(now, between));
+      if (along.gap() < 0.5 * found.distance) {  // large triangles, tilted by rounding
+        for_each_direction(a, b, between, 0.0, [&](const Vec3& n, double) {
+          step = std::max(step, Along(now, n, a, b).time_above(least, bend(now, n)));
+          return true;
+        });
+      }
+      if (step > 0.0) return step;
+    }
+    // Near. No contact follows as long as there is a direction along which they have a gap and don't approach.
+    double free_s = 0.0;
+    std::optional<Vec3> closing;
+    bool rests = false;
+    for_each_direction(a, b, between, rounding / found.distance, [&](const Vec3& n, double noise) {
+      const Along along(now, n, a, b);
+      const double gap = along.gap();
+      if (gap < 0.25 * options_.tolerance_m) return true;
+      const Touch touch = judge(along, now, n, 2.0 * band, noise);
+      if (touch == Touch::kFree) {
+        free_s = along.time_above(0.5 * std::min(gap, options_.tolerance_m), bend(now, n));
+        return false;
+      }
+      if (!closing) {
+        closing = n;
+        rests = touch == Touch::kRests;
+      }
+      return true;
+    });
+    if (free_s > 0.0) return free_s;
+    return hit(face_a, face_b, now, t, found, closing.value_or(between), rests);
+  }
+
+  // Where they are in each other, which takes coordinates whose rounding is as large as the tolerance.
+  [[nodiscard]] static Vec3 from_a_to_b(const Moment& now) {
+    const double distance = length(now.a_from_b.translation);
+    return distance > 0.0 ? Vec3(now.a_from_b.translation / distance) : Vec3::UnitX();
+  }
+
+  enum class Touch : std::uint8_t { kCloses, kRests, kFree };
+  [[nodiscard]] Touch judge(const Along& along, const Moment& now, const Vec3& n, double reach, double noise) const {
+    const double unknown = 0x1p-40 + noise;
+    const double still = unknown * (length(now.velocity_a) + length(now.velocity_b) + edge_m_s_);
+    const double closing = along.closing_speed(reach), pressing = dot(n, now.pressing);
+    if (closing > still) return Touch::kCloses;
+    // What doesn't rise by the tolerance before it comes back rests.
+    if (closing < -still && closing * closing > 2.0 * pressing * options_.tolerance_m) return Touch::kFree;
+    // Of what turns only a bound of how it goes on is known.
+    return pressing > unknown * acceleration_m_s2_ || edge_m_s_ > 0.0 ? Touch::kRests : Touch::kFree;
+  }
+
+  double hit(std::uint32_t face_a, std::uint32_t face_b, const Moment& now, double t, const TriangleDistance& found,
+             const Vec3& direction, bool rests) {
+    if (hit_ && t >= best_s_) return 0.0;
+    hit_ = true;
+    best_s_ = t;
+    impact_.pair = {a_.soup().faces[face_a].polygon, b_.soup().faces[face_b].polygon};
+    impact_.distance_m = found.distance;
+    impact_.direction = rotate(now.world_from_a, direction);
+    impact_.resting = rests && t == 0.0;
+    return 0.0;
+  }
+
+  // How much faster points come nearer to each other along a direction, at most, than they do now.
+  [[nodiscard]] double bend(const Moment& now, const Vec3& direction) const {
+    return bend_m_s2_ + std::max(0.0, dot(direction, now.pressing) + 0x1p-40 * acceleration_m_s2_);
+  }
+
+  bool work() {
+    exhausted_ = exhausted_ || impact_.iterations >= options_.most_iterations;
+    impact_.iterations += !exhausted_;
+    return !exhausted_;
+  }
+
+  std::vector<std::pair<WideTree::Place, WideTree::Place>>& stack_;
+  WideTree &a_, &b_;
+  const KinematicState &motion_a_, &motion_b_;
+  const MeshImpactOptions& options_;
+  double step_s_, best_s_;
+  double rate_a_ = 0.0, rate_b_ = 0.0;  // [rad/s]
+  double edge_m_s_ = 0.0;               // no two points move faster by turning, together
+  double bend_m_s2_ = 0.0;              // nor do those velocities change faster
+  double acceleration_m_s2_ = 0.0;      // of one origin against the other
+  double places_m_ = 0.0;               // the sum of the largest coordinates at the start
+  bool hit_ = false, exhausted_ = false;
+  MeshImpact impact_;
 };
 
-MeshImpact MeshImpactQuery::first_impact(WideTree& a, const RigidMotion& motion_a, WideTree& b,
-                                         const RigidMotion& motion_b, double step_s, const MeshImpactOptions& options) {
+MeshImpact MeshImpactQuery::first_impact(WideTree& a, const KinematicState& motion_a, WideTree& b,
+                                         const KinematicState& motion_b, double step_s,
+                                         const MeshImpactOptions& options) {
+  assert(step_s >= 0.0 && std::isfinite(step_s));
   MeshImpact impact;
-  if (overlap_.find_pair(a, b, RelativeMotion(motion_a.at_start, motion_b.at_start), impact.pair)) {
+  if (overlap_.find_pair(a, b, RelativeMotion(motion_a.pose(), motion_b.pose()), impact.pair)) {
     impact.state = MeshImpactState::kOverlapped;
     return impact;
   }
   if (a.scale() != 1.0 || b.scale() != 1.0) {
-    impact.state = MeshImpactState::kFailed;
+    impact.state = MeshImpactState::kTooLarge;
     return impact;
   }
-  Step step(a, motion_a, b, motion_b, step_s);
-  open_.clear();
-  open_.push_back({0.0, WideTree::kRoot, WideTree::kRoot, false});
-  const auto open_later = [&](const Open& pair) {
-    if (!(pair.time_s <= step_s)) return;
-    open_.push_back(pair);
-    std::ranges::push_heap(open_, Earlier());
-  };
-  while (!open_.empty()) {
-    std::ranges::pop_heap(open_, Earlier());
-    const Open pair = open_.back();
-    open_.pop_back();
-    if (impact.iterations == options.most_iterations) {
-      impact.state = MeshImpactState::kFailed;
-      impact.time_s = pair.time_s;
-      return impact;
-    }
-    ++impact.iterations;
-    step.go_to(pair.time_s);
-    const RelativeMotion& a_from_b = step.a_from_b;
-    if (pair.triangles) {
-      const Triangle in_b = b.soup().triangle(pair.b);
-      const Triangle triangle_a = a.soup().triangle(pair.a);
-      const Triangle triangle_b = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
-      const TriangleDistance found = triangle_distance(triangle_a, triangle_b);
-      // Where the world's coordinates are large, places in it are known less well than the tolerance.
-      const double rounding =
-          0x1p-46 * (step.pose_a.position.cwiseAbs().maxCoeff() + step.pose_b.position.cwiseAbs().maxCoeff() +
-                     a.extent_m() + b.extent_m() + a.origin().norm() + b.origin().norm());
-      if (found.distance <= options.tolerance_m + rounding) {
-        impact.state = MeshImpactState::kHit;
-        impact.time_s = pair.time_s;
-        impact.pair = {a.soup().faces[pair.a].polygon, b.soup().faces[pair.b].polygon};
-        impact.distance_m = found.distance;
-        return impact;
-      }
-      const Vec3 direction = (found.on_b - found.on_a) / found.distance;
-      open_later({pair.time_s + step.delay(direction, triangle_a, triangle_b, rounding), pair.a, pair.b, true});
-      continue;
-    }
-    using As = Step::As;
-    const Ref of_a = a.at(pair.a), of_b = b.at(pair.b);
-    const bool leaf_a = of_a.kind() == Ref::kLeaf, leaf_b = of_b.kind() == Ref::kLeaf;
-    const As as_a = !leaf_a ? As::kChildren : leaf_b ? As::kTriangles : As::kWhole;
-    const As as_b = !leaf_b ? As::kChildren : leaf_a ? As::kTriangles : As::kWhole;
-    const WideTree::Node boxes_a = Step::boxes(a, of_a, as_a), boxes_b = Step::boxes(b, of_b, as_b);
-    Delays delays;
-    delays_of_nodes(boxes_a, boxes_b, *step.wide, step.speeds, delays);
-    const auto name = [](WideTree& tree, Ref ref, std::uint32_t place, As as, std::size_t i) {
-      return as == As::kChildren    ? WideTree::place(ref, i)
-             : as == As::kTriangles ? tree.leaf(ref.index()).faces[i]
-                                    : place;
-    };
-    for (std::size_t j = 0; j < WideTree::kWidth; ++j) {
-      if (boxes_b.half[0][j] == WideTree::kNoBox) continue;
-      for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
-        if (boxes_a.half[0][i] == WideTree::kNoBox) continue;
-        open_later({pair.time_s + static_cast<double>(delays[j][i]), name(a, of_a, pair.a, as_a, i),
-                    name(b, of_b, pair.b, as_b, j), leaf_a && leaf_b});
-      }
-    }
-  }
-  impact.time_s = step_s;
-  return impact;
+  return Search(*this, a, motion_a, b, motion_b, step_s, options).run();
 }
 
 }  // namespace peerd::collision

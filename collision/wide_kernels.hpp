@@ -41,13 +41,10 @@ struct WideSpeeds {
   float spare_m_s;       // what the velocities of points may change by, on average, until the end, and all rounding
 };
 
-// How long the boxes of children can certainly not meet, as long as that lasts [s]: 0 where they overlap. By B's child,
-// then A's.
-using Delays = std::array<std::array<float, WideTree::kWidth>, WideTree::kWidth>;
-void delays_of_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
-                     const WideSpeeds& speeds, Delays& delays);
-
-// A leaf as a node: its triangles' boxes are its children. What isn't there has no box.
-[[nodiscard]] WideTree::Node boxes_of(const WideTree::Leaf& leaf);
+// Which children's boxes may meet within that time; which triangles may.
+void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
+                    const WideSpeeds& speeds, float within_s, Masks& masks);
+void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
+                     const WideSpeeds& speeds, float within_s, Masks& masks);
 
 }  // namespace peerd::collision

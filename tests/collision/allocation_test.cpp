@@ -23,9 +23,11 @@ TEST(Allocation, QueriesMakeNoneOnceTheirMemoryHasGrown) {
       PolygonPair pair{};
       pairs += query.find_pair(a, b, RelativeMotion(here, there), pair);
       pairs += query.all_pairs(a, b, RelativeMotion(here, there)).size();
-      RigidMotion coming{there, {-3, 0, 0}, {0, 1, 2}};
-      coming.at_start.position[0] += 4.0;
-      pairs += impacts.first_impact(a, {here}, b, coming, 0.5).iterations;
+      KinematicState coming = at_rest(there);
+      coming.position[0] += 4.0;
+      coming.velocity = {-3, 0, 0};
+      coming.angular_velocity_body = {0, 1, 2};
+      pairs += impacts.first_impact(a, at_rest(here), b, coming, 0.5).iterations;
     }
   };
   ask();

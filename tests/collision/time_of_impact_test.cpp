@@ -45,8 +45,16 @@ TriangleSoup plate(double half) {
 
 constexpr double kTolerance = 1e-6;
 
+// Velocities in the world's frame [m/s, rad/s].
+KinematicState moving(const Pose& pose, const Vec3& velocity, const Vec3& turn = Vec3::Zero()) {
+  KinematicState s = at_rest(pose);
+  s.velocity = velocity;
+  s.angular_velocity_body = pose.orientation.conjugate() * turn;
+  return s;
+}
+
 // Never later than the truth; never earlier than the tolerance at the speed of approach.
-void expect_hit(const TriangleSoup& a, const RigidMotion& of_a, const TriangleSoup& b, const RigidMotion& of_b,
+void expect_hit(const TriangleSoup& a, const KinematicState& of_a, const TriangleSoup& b, const KinematicState& of_b,
                 double truth, double speed, double step = 10.0) {
   WideTree tree_a(a), tree_b(b);
   MeshImpactQuery query;
@@ -67,10 +75,10 @@ TEST(TimeOfImpact, PointsMeetPlanes) {
     const double height = numbers.between(0.01, 5.0), speed = numbers.between(0.6, 50.0);
     Vec3 slide = numbers.point(2.0);
     slide[2] = -speed;
-    const RigidMotion of_floor{stand, drift, Vec3::Zero()};
-    const RigidMotion of_point{{stand * Vec3(numbers.between(-9, 9), numbers.between(-9, 9), height), Quat::Identity()},
-                               drift + stand.orientation * slide,
-                               Vec3::Zero()};
+    const KinematicState of_floor = moving(stand, drift);
+    const KinematicState of_point =
+        moving({stand * Vec3(numbers.between(-9, 9), numbers.between(-9, 9), height), Quat::Identity()},
+               drift + stand.orientation * slide);
     expect_hit(floor, of_floor, point({0, 0, 0}), of_point, height / speed, speed);
   }
 }
@@ -82,8 +90,8 @@ TEST(TimeOfImpact, BoxesMeetFaceToFace) {
     const Vec3 half_a(numbers.between(0.1, 2), 1, 1), half_b(numbers.between(0.1, 2), 0.5, 0.5);
     const double gap = numbers.between(0.01, 5.0), speed = numbers.between(0.6, 50.0);
     const Pose there = {stand * Vec3(half_a[0] + half_b[0] + gap, 0.3, -0.2), stand.orientation};
-    expect_hit(box(half_a), {stand, Vec3::Zero(), Vec3::Zero()}, box(half_b),
-               {there, stand.orientation * Vec3(-speed, 0, 0), Vec3::Zero()}, gap / speed, speed);
+    expect_hit(box(half_a), at_rest(stand), box(half_b), moving(there, stand.orientation * Vec3(-speed, 0, 0)),
+               gap / speed, speed);
   }
 }
 
@@ -92,15 +100,76 @@ TEST(TimeOfImpact, TurnedBoxesMeetTheFloorWithACorner) {
   Numbers numbers(63);
   const TriangleSoup floor = plate(100.0);
   for (int i = 0; i < 2000; ++i) {
-    const TriangleSoup falling = box({0.5, 0.7, 0.3});
+    const TriangleSoup block = box({0.5, 0.7, 0.3});
     const Pose turned = random_pose(numbers, 1.0);
     double lowest = 1e9;
-    for (const Vec3& v : falling.vertices) lowest = std::min(lowest, (turned * v)[2]);
+    for (const Vec3& v : block.vertices) lowest = std::min(lowest, (turned * v)[2]);
     const double height = numbers.between(0.01, 3.0), speed = numbers.between(0.6, 30.0);
     Pose start = turned;
     start.position[2] += height - lowest;
-    expect_hit(floor, {}, falling, {start, {0, 0, -speed}, Vec3::Zero()}, height / speed, speed);
+    expect_hit(floor, {}, block, moving(start, {0, 0, -speed}), height / speed, speed);
   }
+}
+
+constexpr double kGravity = 9.81;
+
+KinematicState falling(const Pose& pose, const Vec3& velocity, const Vec3& turn = Vec3::Zero()) {
+  KinematicState s = moving(pose, velocity, turn);
+  s.acceleration = {0, 0, -kGravity};
+  return s;
+}
+
+// A point of a spinning rod that stands on its axis: the spin takes it nowhere.
+TEST(TimeOfImpact, WhatFallsAndSpinsMeetsTheFloorInTime) {
+  Numbers numbers(67);
+  const TriangleSoup floor = plate(100.0), pole = rod({0, 0, 0}, {0, 0, 1});
+  for (int i = 0; i < 2000; ++i) {
+    const double height = numbers.between(0.01, 20.0), up = numbers.between(-5.0, 5.0);
+    const double truth = (up + std::sqrt(up * up + 2.0 * kGravity * height)) / kGravity;
+    const KinematicState of_pole = falling({{0.1, 0.2, height}, Quat::Identity()}, {numbers.between(-3, 3), 0, up},
+                                           {0, 0, numbers.between(-30, 30)});
+    expect_hit(floor, {}, pole, of_pole, truth, kGravity * truth - up);
+  }
+}
+
+// As after a bounce: they are nearer than the tolerance.
+TEST(TimeOfImpact, ATouchThatPartsIsNoneUntilItComesBack) {
+  Numbers numbers(68);
+  const TriangleSoup floor = plate(100.0), cube = box({0.5, 0.5, 0.5});
+  WideTree a(floor), b(cube);
+  MeshImpactQuery query;
+  for (int i = 0; i < 500; ++i) {
+    const double gap = numbers.between(0.5, 1.0) * kTolerance, up = numbers.between(0.01, 5.0);
+    const KinematicState parting =
+        falling({{0, 0, 0.5 + gap}, Quat::Identity()}, {numbers.between(-3, 3), 0, up}, {0, 0, numbers.between(-9, 9)});
+    const double truth = (up + std::sqrt(up * up + 2.0 * kGravity * gap)) / kGravity;
+    const MeshImpact impact = query.first_impact(a, {}, b, parting, 2.0);
+    ASSERT_EQ(impact.state, MeshImpactState::kHit);
+    ASSERT_LE(impact.time_s, truth);
+    ASSERT_GE(impact.time_s, truth - 1.1 * kTolerance / up);
+    ASSERT_FALSE(impact.resting);
+    ASSERT_GT(impact.direction[2], 0.999);
+  }
+}
+
+TEST(TimeOfImpact, WhatSlidesIsFreeAndWhatIsPressedRests) {
+  const TriangleSoup floor = plate(100.0), cube = box({0.5, 0.5, 0.5});
+  WideTree a(floor), b(cube);
+  MeshImpactQuery query;
+  const Pose on_it = {{0, 0, 0.5 + 0.7 * kTolerance}, Quat::Identity()};
+  const MeshImpact slides = query.first_impact(a, {}, b, moving(on_it, {3, 1, 0}), 2.0);
+  EXPECT_EQ(slides.state, MeshImpactState::kSeparated);
+  EXPECT_LT(slides.iterations, 1000u);
+  for (const KinematicState& pressed :
+       {falling(on_it, {3, 1, 0}), falling(on_it, {3, 1, 1e-3}), moving(on_it, {3, 1, 0}, {0, 0, 1})}) {
+    const MeshImpact rests = query.first_impact(a, {}, b, pressed, 2.0);
+    EXPECT_EQ(rests.state, MeshImpactState::kHit);
+    EXPECT_EQ(rests.time_s, 0.0);
+    EXPECT_TRUE(rests.resting);
+  }
+  const MeshImpact driven = query.first_impact(a, {}, b, moving(on_it, {3, 1, -1e-3}), 2.0);
+  EXPECT_EQ(driven.time_s, 0.0);
+  EXPECT_FALSE(driven.resting);
 }
 
 // A rod that turns about one end comes to a pin at an angle.
@@ -111,7 +180,8 @@ TEST(TimeOfImpact, SpinningRodsMeetPins) {
     const double angle = numbers.between(0.05, 6.0), rate = numbers.between(0.7, 40.0);
     const TriangleSoup pin =
         rod({at * std::cos(angle), at * std::sin(angle), -1}, {at * std::cos(angle), at * std::sin(angle), 1});
-    expect_hit(rod({0, 0, 0}, {length, 0, 0}), {Pose{}, Vec3::Zero(), {0, 0, rate}}, pin, {}, angle / rate, rate * at);
+    expect_hit(rod({0, 0, 0}, {length, 0, 0}), moving(Pose{}, Vec3::Zero(), {0, 0, rate}), pin, {}, angle / rate,
+               rate * at);
   }
 }
 
@@ -120,13 +190,13 @@ TEST(TimeOfImpact, WhatIsFastAndThinDoesNotTunnel) {
   const TriangleSoup wall = plate(0.5), bullet = rod({0, 0, 0}, {0, 0, 0.01});
   WideTree tree_a(wall), tree_b(bullet);
   MeshImpactQuery query;
-  const RigidMotion of_bullet{{{0.1, 0.2, 500}, Quat::Identity()}, {0, 0, -1e5}, {0, 0, 300}};
+  const KinematicState of_bullet = moving({{0.1, 0.2, 500}, Quat::Identity()}, {0, 0, -1e5}, {0, 0, 300});
   const MeshImpact hit = query.first_impact(tree_a, {}, tree_b, of_bullet, 0.01);
   EXPECT_EQ(hit.state, MeshImpactState::kHit);
   EXPECT_NEAR(hit.time_s, 0.005, 1e-10);
   EXPECT_LE(hit.time_s, 0.005);
-  RigidMotion beside = of_bullet;
-  beside.at_start.position[0] = 0.6;
+  KinematicState beside = of_bullet;
+  beside.position[0] = 0.6;
   const MeshImpact passes = query.first_impact(tree_a, {}, tree_b, beside, 0.01);
   EXPECT_EQ(passes.state, MeshImpactState::kSeparated);
   EXPECT_EQ(passes.time_s, 0.01);
@@ -136,11 +206,11 @@ TEST(TimeOfImpact, TellsWhatTouchesAtTheStartAndWhatItDidNotFind) {
   const TriangleSoup cube = box({1, 1, 1});
   WideTree left(cube), right(cube);
   MeshImpactQuery query;
-  EXPECT_EQ(query.first_impact(left, {}, right, {{{2, 0, 0}, Quat::Identity()}}, 1.0).state,
+  EXPECT_EQ(query.first_impact(left, {}, right, at_rest({{2, 0, 0}, Quat::Identity()}), 1.0).state,
             MeshImpactState::kOverlapped);
-  const RigidMotion coming{{{9, 0, 0}, Quat::Identity()}, {-1, 0.1, 0}, {1, 2, 3}};
+  const KinematicState coming = moving({{9, 0, 0}, Quat::Identity()}, {-1, 0.1, 0}, {1, 2, 3});
   const MeshImpact failed = query.first_impact(left, {}, right, coming, 10.0, {.most_iterations = 20});
-  EXPECT_EQ(failed.state, MeshImpactState::kFailed);
+  EXPECT_EQ(failed.state, MeshImpactState::kOutOfWork);
   const MeshImpact found = query.first_impact(left, {}, right, coming, 10.0);
   EXPECT_EQ(found.state, MeshImpactState::kHit);
   EXPECT_LE(failed.time_s, found.time_s);
@@ -155,16 +225,16 @@ TEST(TimeOfImpact, IsBeforeTheFirstInstantThatTouches) {
   WideQuery exact;
   int hits = 0;
   for (int i = 0; i < 80; ++i) {
-    RigidMotion of_a{random_pose(numbers, 1.0), numbers.point(2.0), numbers.point(3.0)};
-    RigidMotion of_b{random_pose(numbers, 1.0), numbers.point(2.0), numbers.point(3.0)};
-    of_b.at_start.position += Vec3(4, 0, 0);
+    const KinematicState of_a = moving(random_pose(numbers, 1.0), numbers.point(2.0), numbers.point(3.0));
+    KinematicState of_b = moving(random_pose(numbers, 1.0), numbers.point(2.0), numbers.point(3.0));
+    of_b.position += Vec3(4, 0, 0);
     of_b.velocity += Vec3(-3, 0, 0);
     const MeshImpact impact = query.first_impact(a, of_a, b, of_b, 1.0);
-    ASSERT_NE(impact.state, MeshImpactState::kFailed);
+    ASSERT_NE(impact.state, MeshImpactState::kOutOfWork);
     PolygonPair pair{};
     for (int n = 0; n <= 200; ++n) {
       const double t = n / 200.0;
-      if (!exact.find_pair(a, b, RelativeMotion(of_a.at(t), of_b.at(t)), pair)) continue;
+      if (!exact.find_pair(a, b, RelativeMotion(advance(of_a, t).pose(), advance(of_b, t).pose()), pair)) continue;
       ASSERT_NE(impact.state, MeshImpactState::kSeparated) << i << " at " << t;
       ASSERT_LE(impact.time_s, t);
       ++hits;
