@@ -53,56 +53,60 @@ ConvexPiece place(const ConvexSurface& surface, ObjectId shape, const Placement&
 // The middle of the vertices' box and the farthest vertex from it: for a box of any orientation its centre and half
 // its diagonal; at worst sqrt(3) times the least sphere.
 void enclose(Body& body) {
-  if (body.vertices.empty()) return;
-  Vec3 low = body.vertices.front(), high = low;
-  for (const Vec3& v : body.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
-  body.center = 0.5 * low + 0.5 * high;
+  const WorldBox& box = body.surface->soup().box;
+  if (box.is_empty()) return;
+  body.center = 0.5 * box.lo + 0.5 * box.hi;
   double radius2 = 0.0;
-  for (const Vec3& v : body.vertices) radius2 = std::max(radius2, dot(v - body.center, v - body.center));
+  for (const Vec3& v : body.vertices()) radius2 = std::max(radius2, dot(v - body.center, v - body.center));
   body.radius_m = std::sqrt(radius2);
 }
 
-void append_vertices(Body& body, const Mesh& mesh, const Placement& placement) {
-  std::vector<bool> used(mesh.vertices.size());
-  for (const std::int32_t i : mesh.corners) {
-    if (i != Mesh::kEndOfPolygon) used[static_cast<std::size_t>(i)] = true;
+// Of several reasons the first, and how many more there are.
+class Reasons {
+ public:
+  Reasons(const Scene& scene, std::string& out) : scene_(scene), out_(out) {}
+  ~Reasons() {
+    if (count_ > 1) out_ += " (and " + std::to_string(count_ - 1) + " more)";
   }
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (used[i]) body.vertices.push_back(placement.point(mesh.vertices[i]));
+  void add(ObjectId shape, const std::string& why) {
+    if (count_++ == 0) out_ = scene_.path_of(shape) + ": " + why;
   }
-}
+
+ private:
+  const Scene& scene_;
+  std::string& out_;
+  std::size_t count_ = 0;
+};
 
 }  // namespace
 
 Body make_body(const Scene& scene, ObjectId object) {
   Body body;
   body.object = object;
-  std::size_t refused = 0;
-  const auto refuse = [&](ObjectId shape, const std::string& why) {
-    if (refused++ == 0) body.unsupported = scene.path_of(shape) + ": " + why;
-  };
-  for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
-    const ObjectId shape{i};
-    const Instance& instance = scene.at(shape);
-    const Geometry* const geometry = scene.geometry(shape);
-    if (geometry == nullptr || !instance.collides) continue;
-    const Mesh mesh = build_mesh(*geometry, scene.tessellation);
-    ++body.meshes_built;
-    if (mesh.polygon_count() == 0) continue;
-    const Placement placement(scene.object_from_shape(object, shape));
-    append_vertices(body, mesh, placement);
-    if (placement.determinant == 0.0) {
-      refuse(shape, "its transform leaves no volume");
-    } else if (const auto surface = convex_surface(mesh)) {
-      body.pieces.push_back(place(*surface, shape, placement));
-    } else {
-      refuse(shape, surface.error());
+  body.surface = std::make_shared<Surface>();
+  {
+    Reasons not_convex(scene, body.not_convex), unsupported(scene, body.unsupported);
+    for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
+      const ObjectId shape{i};
+      const Geometry* const geometry = scene.geometry(shape);
+      if (geometry == nullptr || !scene.at(shape).collides) continue;
+      const Mesh mesh = build_mesh(*geometry, scene.tessellation);
+      ++body.meshes_built;
+      if (mesh.polygon_count() == 0) continue;
+      const Placement placement(scene.object_from_shape(object, shape));
+      const auto placed =
+          body.surface->append(shape, mesh, [&](const Eigen::Vector3f& p) { return placement.point(p); });
+      if (!placed) {
+        unsupported.add(shape, placed.error());
+      } else if (placement.determinant == 0.0) {
+        not_convex.add(shape, "its transform leaves no volume");
+      } else if (const auto surface = convex_surface(mesh)) {
+        body.pieces.push_back(place(*surface, shape, placement));
+      } else {
+        not_convex.add(shape, surface.error());
+      }
     }
   }
-  if (refused > 1) body.unsupported += " (and " + std::to_string(refused - 1) + " more)";
   enclose(body);
   return body;
 }

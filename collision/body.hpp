@@ -1,8 +1,11 @@
 #pragma once
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "collision/surface.hpp"
 #include "core/scene.hpp"
 
 namespace peerd::collision {
@@ -20,14 +23,21 @@ struct ConvexPiece {
 // An object as collision sees it: everything below one node, in that node's rigid frame.
 struct Body {
   ObjectId object;
-  std::vector<ConvexPiece> pieces;  // depth-first order of their Shapes
-  Vec3 center = Vec3::Zero();       // of the bounding sphere, object frame [m]
-  double radius_m = 0.0;            // encloses every vertex; 0 when there are none
-  std::vector<Vec3> vertices;       // all that polygons use, of pieces and of what is unsupported, for BOX [m]
-  std::uint32_t meshes_built = 0;   // for it
-  // Why this body has no exact answer yet, naming the Shape and its reason; empty when it has. A body that can't be
+  std::vector<ConvexPiece> pieces;   // depth-first order of their Shapes
+  std::shared_ptr<Surface> surface;  // of all Shapes, convex or not; copies of a body share it
+  Vec3 center = Vec3::Zero();        // of the bounding sphere, object frame [m]
+  double radius_m = 0.0;             // encloses every vertex; 0 when there are none
+  std::uint32_t meshes_built = 0;    // for it
+  // Why not all of it are pieces, naming the Shape and its reason: then its surface is asked. Empty when they are.
+  std::string not_convex;
+  // Why this body has no exact answer, naming the Shape and its reason; empty when it has. A body that can't be
   // answered is never replaced by its hull or its box.
   std::string unsupported;
+
+  // All that polygons use, for BOX [m].
+  [[nodiscard]] std::span<const Vec3> vertices() const {
+    return surface ? std::span(surface->soup().vertices) : std::span<const Vec3>();
+  }
 };
 
 // Gathers the Shapes below `object`. Never fails: what it can't answer is named in Body::unsupported.

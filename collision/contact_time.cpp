@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "collision/mesh_contact.hpp"
 #include "collision/pair_contact.hpp"
 #include "collision/separating_axis.hpp"
 
@@ -61,6 +62,8 @@ bool comes_first(const Contact& candidate, const Contact& best) {
          (candidate.state == ContactState::kOverlapped && best.state != ContactState::kOverlapped);
 }
 
+bool both_convex(const Body& a, const Body& b) { return a.not_convex.empty() && b.not_convex.empty(); }
+
 class Query {
  public:
   Query(const MovingBody& collider, const MovingBody& collidee, double horizon_s)
@@ -79,7 +82,8 @@ class Query {
   }
 
   [[nodiscard]] Contact boxes() const {
-    return pair({a_.body.vertices, nullptr, a_.body.object}, {b_.body.vertices, nullptr, b_.body.object}, horizon_s_);
+    return pair({a_.body.vertices(), nullptr, a_.body.object}, {b_.body.vertices(), nullptr, b_.body.object},
+                horizon_s_);
   }
 
   [[nodiscard]] Contact pieces() const {
@@ -120,20 +124,26 @@ RoundingBound rounding_bound(const PairQuery& query, double radius_sum_m) {
           kRounding * 0.5 * sum_of_magnitudes(a.acceleration, b.acceleration)};
 }
 
+bool answerable(const Body& a, const Body& b) {
+  constexpr double kLargest_m = 0x1p58;  // MeshImpactQuery's, with room
+  if (!a.unsupported.empty() || !b.unsupported.empty()) return false;
+  return both_convex(a, b) || (a.radius_m <= kLargest_m && b.radius_m <= kLargest_m);
+}
+
 Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type, double horizon_s) {
   assert(horizon_s >= 0.0 && std::isfinite(horizon_s));
   assert(collider.motion.position.allFinite() && collidee.motion.position.allFinite());
   const bool box = type == CollisionType::kBox;
-  const auto unanswerable = [&](const Body& body) { return !box && !body.unsupported.empty(); };
-  if (unanswerable(collider.body) || unanswerable(collidee.body)) {
+  if (!box && !answerable(collider.body, collidee.body)) {
     Contact contact;
     contact.state = ContactState::kUnsupported;
     return contact;
   }
-  if (collider.body.vertices.empty() || collidee.body.vertices.empty()) return {};
+  if (collider.body.vertices().empty() || collidee.body.vertices().empty()) return {};
   const Query query(collider, collidee, horizon_s);
   if (query.hopeless(box ? kBoxReach : 1.0)) return {};
-  return box ? query.boxes() : query.pieces();
+  if (box) return query.boxes();
+  return both_convex(collider.body, collidee.body) ? query.pieces() : mesh_contact(collider, collidee, horizon_s);
 }
 
 }  // namespace peerd::collision

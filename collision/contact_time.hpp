@@ -10,7 +10,7 @@ enum class ContactState : std::uint8_t {
   kSeparated,    // no contact in [0, horizon]
   kContact,      // first contact at time_s
   kOverlapped,   // the bodies share more than touching points at 0, whichever way they move
-  kUnsupported,  // a body has no exact answer yet (Body::unsupported says which Shape and why)
+  kUnsupported,  // the two have no exact answer: see answerable()
   kFailed,       // the iteration cap was reached: certainly no contact before time_s, nothing is known of later
 };
 
@@ -55,6 +55,10 @@ struct MovingBody {
 // polygons are unsupported.
 [[nodiscard]] Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type,
                                     double horizon_s);
+
+// Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and
+// where a surface is asked, both are within 2^58 m.
+[[nodiscard]] bool answerable(const Body& a, const Body& b);
 
 // Times are handed on as SimTime, whole nanoseconds (core/time.hpp): where a body was told to touch, it may already be
 // this much of its motion inside. Longer, and a bounce of that length is taken for rest.

@@ -12,7 +12,8 @@ namespace peerd::collision {
 
 // Takes B's tree to A's and back, in binary32.
 struct WideMotion {
-  WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion);
+  // What is nearer than `room_m` overlaps, too.
+  WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion, double room_m = 0.0);
 
   using Matrix = std::array<std::array<float, 3>, 3>;
   Matrix a_from_b, b_from_a;              // the rotations, between the trees' scales

@@ -3,17 +3,26 @@
 #include <algorithm>
 #include <bit>
 
+#include "collision/triangle_distance.hpp"
 #include "collision/wide_kernels.hpp"
 
 namespace peerd::collision {
 
 using Ref = WideTree::Ref;
 
+namespace {
+
+PolygonPair polygons(const WideTree& a, const WideTree& b, const FacePair& faces) {
+  return {a.soup().faces[faces.a].polygon, b.soup().faces[faces.b].polygon};
+}
+
+}  // namespace
+
 // Depth first, children in their order. What the kernels let through beyond what touches costs time and changes no
 // answer, and it changes no order: so the first pair found is the first that there is.
-template <class Found>
-bool WideQuery::descend(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Found found) {
-  const WideMotion motion(a, b, a_from_b);
+template <class Test>
+bool WideQuery::descend(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double room_m, Test test) {
+  const WideMotion motion(a, b, a_from_b, room_m);
   Masks masks;
   const auto for_bits_downwards = [](std::uint32_t bits, auto&& then) {
     while (bits != 0) {
@@ -31,10 +40,7 @@ bool WideQuery::descend(WideTree& a, WideTree& b, const RelativeMotion& a_from_b
       for (std::uint32_t bits = masks[row]; bits != 0; bits &= bits - 1) {
         const std::uint32_t face_a = leaf_a.faces[static_cast<std::size_t>(std::countr_zero(bits))];
         ++counters_.triangle_tests;
-        if (touch(a.soup().triangle(face_a), moved, counters_.orientation) &&
-            found(PolygonPair{a.soup().faces[face_a].polygon, b.soup().faces[leaf_b.faces[row]].polygon})) {
-          return true;
-        }
+        if (test(FacePair{face_a, leaf_b.faces[row]}, moved)) return true;
       }
     }
     return false;
@@ -71,21 +77,33 @@ bool WideQuery::descend(WideTree& a, WideTree& b, const RelativeMotion& a_from_b
 }
 
 bool WideQuery::find_pair(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, PolygonPair& pair) {
-  return descend(a, b, a_from_b, [&](const PolygonPair& found) {
-    pair = found;
+  return descend(a, b, a_from_b, 0.0, [&](const FacePair& faces, const Triangle& of_b) {
+    if (!touch(a.soup().triangle(faces.a), of_b, counters_.orientation)) return false;
+    pair = polygons(a, b, faces);
     return true;
   });
 }
 
 const std::vector<PolygonPair>& WideQuery::all_pairs(WideTree& a, WideTree& b, const RelativeMotion& a_from_b) {
   pairs_.clear();
-  (void)descend(a, b, a_from_b, [&](const PolygonPair& found) {
-    pairs_.push_back(found);
+  (void)descend(a, b, a_from_b, 0.0, [&](const FacePair& faces, const Triangle& of_b) {
+    if (touch(a.soup().triangle(faces.a), of_b, counters_.orientation)) pairs_.push_back(polygons(a, b, faces));
     return false;
   });
   std::ranges::sort(pairs_);
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   return pairs_;
+}
+
+const std::vector<FacePair>& WideQuery::faces_within(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
+                                                     double distance_m) {
+  faces_.clear();
+  (void)descend(a, b, a_from_b, distance_m, [&](const FacePair& faces, const Triangle& of_b) {
+    if (triangle_distance(a.soup().triangle(faces.a), of_b).distance <= distance_m) faces_.push_back(faces);
+    return false;
+  });
+  std::ranges::sort(faces_);
+  return faces_;
 }
 
 }  // namespace peerd::collision

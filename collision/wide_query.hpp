@@ -9,6 +9,11 @@
 
 namespace peerd::collision {
 
+struct FacePair {
+  std::uint32_t a, b;  // of the soups
+  friend auto operator<=>(const FacePair&, const FacePair&) = default;
+};
+
 // The queries of tree_query.hpp on wide trees: the same answers. Eight boxes against eight, then eight triangles
 // against eight, in binary32 with room for all of its rounding; what is left goes to the exact test. Which vector
 // instructions run is found at run time; no answer, and no counter, depends on it.
@@ -21,14 +26,19 @@ class WideQuery {
   // All, sorted, each once; valid until the next query.
   [[nodiscard]] const std::vector<PolygonPair>& all_pairs(WideTree& a, WideTree& b, const RelativeMotion& a_from_b);
 
+  // Triangles no farther apart than that, by triangle_distance(), sorted; valid until the next query.
+  [[nodiscard]] const std::vector<FacePair>& faces_within(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
+                                                          double distance_m);
+
   [[nodiscard]] const QueryCounters& counters() const { return counters_; }
 
  private:
-  template <class Found>
-  bool descend(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Found found);
+  template <class Test>
+  bool descend(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double room_m, Test test);
 
   std::vector<std::pair<WideTree::Place, WideTree::Place>> stack_;  // pairs to visit
   std::vector<PolygonPair> pairs_;
+  std::vector<FacePair> faces_;
   QueryCounters counters_;
 };
 

@@ -105,12 +105,18 @@ struct Refused {
   Mesh mesh;
   const char* why;
 };
-class Unsupported : public testing::TestWithParam<Refused> {};
-TEST_P(Unsupported, NamesTheShapeAndTheReason) {
+class NotConvex : public testing::TestWithParam<Refused> {};
+TEST_P(NotConvex, IsASurfaceAndSaysWhy) {
   const Body body = make_body(scene_of({box_mesh(1, 1, 1), GetParam().mesh}), ObjectId{0});
-  EXPECT_THAT(body.unsupported, HasSubstr("OBJECT/1: "));
-  EXPECT_THAT(body.unsupported, HasSubstr(GetParam().why));
+  EXPECT_EQ(body.unsupported, "");
+  EXPECT_THAT(body.not_convex, HasSubstr("OBJECT/1: "));
+  EXPECT_THAT(body.not_convex, HasSubstr(GetParam().why));
   EXPECT_EQ(body.pieces.size(), 1U);
+  const Surface::Polygon first = body.surface->polygon(5), second = body.surface->polygon(6);
+  EXPECT_EQ(first.shape, ObjectId{1});
+  EXPECT_EQ(first.polygon, 5U);
+  EXPECT_EQ(second.shape, ObjectId{2});
+  EXPECT_EQ(second.polygon, 0U);
 }
 
 Mesh dented() {  // a box with one corner pushed in by the least binary32 step there is
@@ -149,7 +155,7 @@ Mesh huge() {
   return make_mesh(v, fan);
 }
 INSTANTIATE_TEST_SUITE_P(
-    Table, Unsupported,
+    Table, NotConvex,
     testing::Values(Refused{"Dented", dented(), "concave"}, Refused{"NoLid", without_lid(), "open surface"},
                     Refused{"TwoBoxes", two_boxes(), "several parts"},
                     Refused{"Bent", bent(), "polygon 0 is not planar"},

@@ -43,8 +43,8 @@ std::vector<Plane> hull_planes(const std::vector<Vec3>& cloud) {
 // All b - a, without the positions: where the collider's origin, seen from the collidee's, makes them touch.
 std::vector<Vec3> difference(const Body& a, const Quat& qa, const Body& b, const Quat& qb) {
   std::vector<Vec3> cloud;
-  for (const Vec3& vb : b.vertices) {
-    for (const Vec3& va : a.vertices) cloud.push_back(qb * vb - qa * va);
+  for (const Vec3& vb : b.vertices()) {
+    for (const Vec3& va : a.vertices()) cloud.push_back(qb * vb - qa * va);
   }
   return cloud;
 }
@@ -173,11 +173,11 @@ TEST(Oracle, BoxesAgreeWithThreeIntervals) {
       const KinematicState a = advance(e.at_a, t), b = advance(e.at_b, t);
       for (int k = 0; k < 3; ++k) {
         double al = 1e9, ah = -1e9, bl = 1e9, bh = -1e9;
-        for (const Vec3& v : e.a.vertices) {
+        for (const Vec3& v : e.a.vertices()) {
           al = std::min(al, (a.pose() * v)[k]);
           ah = std::max(ah, (a.pose() * v)[k]);
         }
-        for (const Vec3& v : e.b.vertices) {
+        for (const Vec3& v : e.b.vertices()) {
           bl = std::min(bl, (b.pose() * v)[k]);
           bh = std::max(bh, (b.pose() * v)[k]);
         }

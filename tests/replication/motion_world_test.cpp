@@ -85,8 +85,8 @@ TEST(WorldModel, ManyPairsAreFoundInLinearTime) {
 
 TEST(WorldModel, NamesWhatItCannotAnswer) {
   const World w("DEF GROUP Transform { children " + box("INNER", "1 1 1", "0 0 0") + "}" +
-                "DEF EGG Transform { children Shape { geometry Sphere { } } }" + interest("GROUP", "\"INNER\"") +
-                interest("INNER", "\"EGG\""));
+                "DEF EGG Transform { children Shape { geometry Sphere { radius 1e18 } } }" +
+                interest("GROUP", "\"INNER\"") + interest("INNER", "\"EGG\""));
   ASSERT_EQ(w.model->unsupported.size(), 2u);
   EXPECT_THAT(w.model->unsupported[0], testing::HasSubstr("INNER"));
   EXPECT_THAT(w.model->unsupported[1], testing::HasSubstr("EGG"));
@@ -443,6 +443,33 @@ TEST(MotionWorld, SetBackOnlyOnOverlapAndOnlyWhereAsked) {
   }
 }
 
+// As above where the ball is a mesh and the walls are.
+TEST(MotionWorld, WhatIsNotConvexAnswersAlike) {
+  for (const char* response : {kBounces, kStops}) {
+    const World w("DEF BALL Transform { " + std::string(response) +
+                  "children Shape { geometry Sphere { radius 0.25 } } }" + box("LEFT", "1 50 50", "-3.75 0 0") +
+                  box("RIGHT", "1 50 50", "3.75 0 0") + interest("BALL", "\"LEFT\" \"RIGHT\""));
+    ASSERT_NE(w.model->body(w["BALL"])->not_convex, "");
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kFirm);
+    world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0.5, 0}));
+    for (int i = 0; i < 600; ++i) world.advance(sim(i * 16ms));
+    const auto seen = contacts(world);
+    if (response == kStops) {
+      ASSERT_EQ(seen.size(), 1u);
+      EXPECT_EQ(seen[0].collider_after.velocity, Vec3(0, 0, 0));
+      continue;
+    }
+    ASSERT_EQ(seen.size(), 3u);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      EXPECT_NEAR(to_seconds(seen[i].at - sim(0s)), 1.5 + 3.0 * static_cast<double>(i), 1e-5);
+      EXPECT_EQ(seen[i].normal, Vec3(i == 1 ? 1.0 : -1.0, 0, 0));
+    }
+    EXPECT_EQ(world.counters().overlapped, 0u);
+    EXPECT_EQ(world.counters().failed, 0u);
+  }
+}
+
 TEST(MotionWorld, SetBackGoesToAPlaceOfThePast) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
@@ -561,7 +588,7 @@ TEST(MotionWorld, AnUnwatchedPairMeetsNothingAndAWatchedOneFromNowOn) {
 
 TEST(MotionWorld, WhatCannotBeAnsweredIsCountedOnceAndTheRestGoesOn) {
   const World w(corridor() +
-                "DEF EGG Transform { translation 1 0 0 children Shape { geometry Sphere { radius 0.1 } } }" +
+                "DEF EGG Transform { translation 1 0 0 children Shape { geometry Sphere { radius 1e18 } } }" +
                 interest("BALL", "\"EGG\""));
   MotionWorld world(*w.model, sim(0s));
   world.declare(w["BALL"], Role::kFirm);
