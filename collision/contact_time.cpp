@@ -64,6 +64,21 @@ bool comes_first(const Contact& candidate, const Contact& best) {
 
 bool both_convex(const Body& a, const Body& b) { return a.not_convex.empty() && b.not_convex.empty(); }
 
+WorldBox tight_box(const MovingBody& m) {
+  const Mat3 R = m.motion.orientation.toRotationMatrix();
+  WorldBox box;
+  for (const Vec3& v : m.body.vertices()) box.merge(Vec3(rotate(R, v) + m.motion.position));
+  return box;
+}
+
+bool boxes_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  const WorldBox of_a = tight_box(a), of_b = tight_box(b);
+  for (int k = 0; k < 3; ++k) {
+    if (!(of_a.lo[k] <= of_b.hi[k] + distance_m && of_b.lo[k] <= of_a.hi[k] + distance_m)) return false;
+  }
+  return true;
+}
+
 class Query {
  public:
   Query(const MovingBody& collider, const MovingBody& collidee, double horizon_s)
@@ -122,6 +137,14 @@ RoundingBound rounding_bound(const PairQuery& query, double radius_sum_m) {
   return {kRounding * (sum_of_magnitudes(a.position, b.position) + radius_sum_m),
           kRounding * sum_of_magnitudes(a.velocity, b.velocity),
           kRounding * 0.5 * sum_of_magnitudes(a.acceleration, b.acceleration)};
+}
+
+bool touching(const MovingBody& a, const MovingBody& b, CollisionType type) {
+  const ContactState now = first_contact(a, b, type, 0.0).state;
+  if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
+  constexpr double kNear_m = 2.0 * kAdvancementTolerance_m;
+  if (type == CollisionType::kBox) return boxes_within(a, b, kNear_m);
+  return answerable(a.body, b.body) && surfaces_within(a, b, kNear_m);
 }
 
 bool answerable(const Body& a, const Body& b) {

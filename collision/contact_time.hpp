@@ -56,6 +56,11 @@ struct MovingBody {
 [[nodiscard]] Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type,
                                     double horizon_s);
 
+// Whether they touch as they stand, or are nearer than contact times leave them: to within twice
+// kAdvancementTolerance_m. One that is wholly inside a convex piece touches it, too. Needs to be answerable() but for
+// kBox.
+[[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type);
+
 // Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and
 // where a surface is asked, both are within 2^58 m.
 [[nodiscard]] bool answerable(const Body& a, const Body& b);

@@ -14,7 +14,7 @@ namespace {
 
 // Between calls they keep memory, never values.
 thread_local MeshImpactQuery impacts;
-thread_local WideQuery touching;
+thread_local WideQuery near_by;
 
 void name(Contact& contact, const Surface& collidee, std::uint32_t polygon_of_soup) {
   const Surface::Polygon polygon = collidee.polygon(polygon_of_soup);
@@ -59,7 +59,7 @@ bool find_met(Contact& contact, Surface& collider, const KinematicState& a, Surf
   const RelativeMotion a_from_b(a.pose(), b.pose());
   std::optional<PolygonPair> least;
   for (const FacePair& faces :
-       touching.faces_within(collider.tree(), collidee.tree(), a_from_b, 2.0 * kAdvancementTolerance_m)) {
+       near_by.faces_within(collider.tree(), collidee.tree(), a_from_b, 2.0 * kAdvancementTolerance_m)) {
     const PolygonPair pair{collider.soup().faces[faces.a].polygon, collidee.soup().faces[faces.b].polygon};
     if (least && !(pair < *least)) continue;
     const auto normal = met(contact, collider, a, collidee, b, a_from_b, faces);
@@ -81,7 +81,7 @@ void name_hit(Contact& contact, const MovingBody& collider, const MovingBody& co
 void name_overlap(Contact& contact, const MovingBody& collider, const MovingBody& collidee) {
   Surface &a = *collider.body.surface, &b = *collidee.body.surface;
   const RelativeMotion a_from_b(collider.motion.pose(), collidee.motion.pose());
-  const auto& pairs = touching.all_pairs(a.tree(), b.tree(), a_from_b);
+  const auto& pairs = near_by.all_pairs(a.tree(), b.tree(), a_from_b);
   assert(!pairs.empty());
   name(contact, b, pairs.front().b);
   const Mat3 R_a = collider.motion.orientation.toRotationMatrix(), R_b = collidee.motion.orientation.toRotationMatrix();
@@ -99,6 +99,13 @@ void name_overlap(Contact& contact, const MovingBody& collider, const MovingBody
 }
 
 }  // namespace
+
+bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  Surface &of_a = *a.body.surface, &of_b = *b.body.surface;
+  if (of_a.soup().faces.empty() || of_b.soup().faces.empty()) return false;
+  const RelativeMotion a_from_b(a.motion.pose(), b.motion.pose());
+  return !near_by.faces_within(of_a.tree(), of_b.tree(), a_from_b, distance_m).empty();
+}
 
 Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
   Contact contact;

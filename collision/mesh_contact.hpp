@@ -12,4 +12,7 @@ namespace peerd::collision {
 // Overlapping at 0: the least pair that touches, facing the middle of the collider.
 [[nodiscard]] Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s);
 
+// Whether polygons of both are nearer than that.
+[[nodiscard]] bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m);
+
 }  // namespace peerd::collision

@@ -94,6 +94,10 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
                                        scene.path_of(c.contact.collidee), 1e3 * ago_s)};
           },
           [](const TakenBack&) -> Line { return std::nullopt; },
+          [&](const NotColliding& n) -> Line {
+            return LogLine{level_enum::debug,
+                           fmt::format("{} notColliding {}", scene.path_of(n.object), n.value ? "TRUE" : "FALSE")};
+          },
       },
       output);
 }

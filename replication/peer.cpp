@@ -36,7 +36,7 @@ const char* to_string(Drop drop) {
 }
 
 Peer::Peer(PeerConfig config, const WorldModel& model)
-    : config_(std::move(config)), model_(model), members_(config_.lost_after) {
+    : config_(std::move(config)), model_(model), members_(config_.lost_after), colliding_(model) {
   if (!model.moving.empty()) predefined_.emplace(*model.scene);
   assert(config_.id.value != 0 && config_.boot != 0 && config_.tick_hz > 0);
   for (const Enslaved& e : config_.enslaved) {

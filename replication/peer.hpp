@@ -12,6 +12,7 @@
 
 #include "core/predefined_motion.hpp"
 #include "replication/codec.hpp"
+#include "replication/colliding_objects.hpp"
 #include "replication/membership.hpp"
 #include "replication/motion_world.hpp"
 #include "replication/publisher.hpp"
@@ -115,7 +116,7 @@ struct ContactSeen {
   SimTime known_at;
 };
 using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, Slept, PeerJoined, PeerLost, Frozen,
-                            OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen, TakenBack>;
+                            OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen, TakenBack, NotColliding>;
 
 // Why a datagram, or a record in it, was not used.
 enum class Drop : std::uint8_t {
@@ -253,6 +254,7 @@ class Peer {
   std::map<ObjectId, PeerId> owners_;      // of what somebody runs, own objects included
   std::map<ObjectId, SimTime> decisions_;  // contact time of the last decision on an object that this peer knows
   std::optional<Replica> replica_;
+  CollidingObjects colliding_;  // in the world as this peer knows it
   std::optional<HostTime> started_;
   std::optional<SimTime> start_;
   std::optional<SimTime> world_zero_;

@@ -122,10 +122,10 @@ void Peer::on_decision(PeerId sender, const DecisionRecord& d, SimTime known_at)
     if (own != own_.end() && !own->second.driven) replica_->truth.set_base(object, d.contact, *after);
     set_ghost(object, d.contact, *after);
   }
-  outputs_.push_back(ContactSeen{ContactKind::kApplied,
-                                 {d.contact, d.collider, d.collidee, d.normal, d.collider_before, d.collidee_before,
-                                  d.collider_after, d.collidee_after},
-                                 known_at});
+  const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
+                             d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
+  colliding_.on_contact(contact);
+  outputs_.push_back(ContactSeen{ContactKind::kApplied, contact, known_at});
 }
 
 void Peer::set_ghost(ObjectId object, SimTime t, const KinematicState& state) {

@@ -178,6 +178,7 @@ void Peer::start_motions(HostTime now, SimTime start) {
 // other session's time; what was known of the past, and what the others were told in the old time, is void.
 void Peer::change_session(SimTime before, SimTime now) {
   const Replica old = std::move(*replica_);
+  colliding_.forget(now);
   ++sessions_;
   next_hello_ = clock_.to_host(now);
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));

@@ -36,6 +36,7 @@ void Peer::report_contacts(SimTime t) {
     if (!a && !b) continue;  // a partner's own contacts; the ghosts tell of them
     const bool shared = a != b && owner(contact->collider) != kNobody && owner(contact->collidee) != kNobody;
     if (shared) decide(*contact);
+    colliding_.on_contact(*contact);
     outputs_.push_back(ContactSeen{shared ? ContactKind::kDecided : ContactKind::kOwner, *contact, t});
   }
   const auto others = [&](ObjectId id) { return !own_.contains(id) && owner(id) != kNobody; };
@@ -44,9 +45,12 @@ void Peer::report_contacts(SimTime t) {
       if (others(taken_back->object)) outputs_.push_back(*taken_back);
     } else if (const auto& contact = std::get<ContactEvent>(*event);
                others(contact.collider) || others(contact.collidee)) {
+      colliding_.on_contact(contact);
       outputs_.push_back(ContactSeen{ContactKind::kPredicted, contact, t});
     }
   }
+  colliding_.update([&](ObjectId id) { return (own_.contains(id) ? replica_->truth : replica_->ghosts).at(id, t); }, t);
+  while (const auto change = colliding_.poll()) outputs_.push_back(*change);
 }
 
 void Peer::decide(const ContactEvent& c) {
