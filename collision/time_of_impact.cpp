@@ -280,7 +280,8 @@ class MeshImpactQuery::Search {
     // Where the world's coordinates are large, places in it are known less well than the tolerance.
     const double rounding = 0x1p-46 * (magnitude(now.a_from_b.translation) + places_m_);
     const double band = options_.tolerance_m + rounding;
-    const Vec3 between = (found.on_b - found.on_a) / found.distance;
+    const double apart = length(found.on_b - found.on_a);
+    const Vec3 between = apart > 0.0 ? Vec3((found.on_b - found.on_a) / apart) : from_a_to_b(now);
     if (found.distance > band) {
       const double least = 0.5 * options_.tolerance_m + rounding;
       const Along along(now, between, a, b);

@@ -3,11 +3,16 @@
 
 namespace peerd::collision {
 
-// The distance of two triangles and a pair of points that has it, as rounded: of a few units in the last place of their
-// largest coordinate. Triangles that cross have distance 0.
+// The distance of two triangles [m] and a pair of points that has it, as rounded, between bounds that are certain for
+// all finite corners. Triangles that touch (exact) have distance 0, others a positive upper bound.
+//
+// With M their largest coordinate, 2^-200 m < M < 2^250 m, upper - lower <= 2^-43 M in all tests: needles, edges that
+// are nearly parallel and triangles that nearly touch, for which binary64 finds points that are far from the nearest,
+// are computed again with twice the precision. Proven is only that the bounds are bounds.
 struct TriangleDistance {
   double distance = 0.0;
   Vec3 on_a = Vec3::Zero(), on_b = Vec3::Zero();
+  double lower = 0.0, upper = 0.0;
 };
 [[nodiscard]] TriangleDistance triangle_distance(const Triangle& a, const Triangle& b);
 

@@ -22,6 +22,7 @@ struct WideMotion {
   // More than all of this can be wrong about the place of a point: the rounding of the trees, of the motion, of taking
   // it there and of comparing it there. On A's scale, and on B's.
   float slack_a, slack_b;
+  float scale_a_from_b;  // A's scale over B's
 };
 
 using Masks = std::array<std::uint8_t, WideTree::kWidth>;  // by B's child or triangle; bit i: A's child or triangle i
@@ -47,5 +48,22 @@ void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const Wide
                     const WideSpeeds& speeds, float within_s, Masks& masks);
 void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
                      const WideSpeeds& speeds, float within_s, Masks& masks);
+
+// By B's child or triangle, then A's.
+using DistanceRows = std::array<std::array<float, WideTree::kWidth>, WideTree::kWidth>;
+// On A's scale: no two points are nearer. Only of what is there.
+struct Distances {
+  DistanceRows lower;
+  Masks below;    // which are below `most`
+  float skipped;  // the least of all others; +inf where there are none
+};
+// Of the first boxes of two nodes: the gaps along the axes of either frame, and along the line of their centers.
+void distances_of_nodes(const WideTree::Node& a, std::uint32_t count_a, const WideTree::Node& b, std::uint32_t count_b,
+                        const WideMotion& motion, float most, Distances& distances);
+// Of triangles: their gaps along the line of the leaves' centers and along `guess`, any direction from A to B; where
+// neither reaches `most`, along that of their nearest points. Those points' distances are `estimates` where `below`
+// says so, as rounded: nothing is certain of them.
+void distances_of_leaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
+                         const std::array<float, 3>& guess, float most, Distances& distances, DistanceRows& estimates);
 
 }  // namespace peerd::collision

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "collision/mesh_distance.hpp"
 #include "collision/time_of_impact.hpp"
 #include "tests/allocation_counter.hpp"
 #include "tests/collision/soups.hpp"
@@ -15,6 +16,7 @@ TEST(Allocation, QueriesMakeNoneOnceTheirMemoryHasGrown) {
   b.build_all();
   WideQuery query;
   MeshImpactQuery impacts;
+  MeshDistanceQuery distances;
   std::size_t pairs = 0;
   const auto ask = [&] {
     Numbers numbers(72);
@@ -27,6 +29,7 @@ TEST(Allocation, QueriesMakeNoneOnceTheirMemoryHasGrown) {
       coming.position[0] += 4.0;
       coming.velocity = {-3, 0, 0};
       coming.angular_velocity_body = {0, 1, 2};
+      pairs += distances.distance(a, b, RelativeMotion(here, coming.pose())).iterations;
       pairs += impacts.first_impact(a, at_rest(here), b, coming, 0.5).iterations;
     }
   };

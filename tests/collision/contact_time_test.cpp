@@ -209,10 +209,12 @@ TEST(ContactTime, UnsupportedIsSaidAndBoxAnswersAllTheSame) {
   Faces open = kBoxFaces;
   open.pop_back();
   const Body lidless = body_of(make_mesh(box_vertices(1, 1, 1), open)), cube = box(1, 1, 1);
+  const Body half_space = box(1, 1e30F, 1e30F);
   const KinematicState near = moving({3, 0, 0}, {-1, 0, 0}), there = moving(Vec3::Zero());
-  EXPECT_EQ(meet(cube, near, lidless, there).state, ContactState::kUnsupported);
-  EXPECT_EQ(meet(lidless, near, cube, there).state, ContactState::kUnsupported);
-  EXPECT_EQ(meet(cube, near, lidless, there, 10, kBox).time_s, 2.0);
+  EXPECT_EQ(meet(lidless, near, cube, there).state, ContactState::kContact);
+  EXPECT_EQ(meet(half_space, near, lidless, there).state, ContactState::kUnsupported);
+  EXPECT_EQ(meet(lidless, near, half_space, there).state, ContactState::kUnsupported);
+  EXPECT_EQ(meet(lidless, near, cube, there, 10, kBox).time_s, 2.0);
 }
 
 TEST(ContactTime, FarFromTheOrigin) {
