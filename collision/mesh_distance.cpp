@@ -7,7 +7,7 @@
 
 #include "collision/ordered_sums.hpp"
 #include "collision/triangle_distance.hpp"
-#include "collision/wide_kernels.hpp"
+#include "collision/wide_distance.hpp"
 
 namespace peerd::collision {
 

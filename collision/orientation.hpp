@@ -12,8 +12,9 @@ namespace peerd::collision {
 
 // The work that the filter could not do.
 struct OrientationCounters {
-  std::uint64_t exact = 0;  // signs that the filter left open
-  std::uint64_t wide = 0;   // of those, the ones beyond the range of expansions
+  std::uint64_t exact = 0;      // signs that the filter left open
+  std::uint64_t wide = 0;       // of those, the ones beyond the range of expansions
+  std::uint64_t quotients = 0;  // parameters that needed integers
 };
 
 // Relative rounding error of binary64, 2^-53: Shewchuk's epsilon.
@@ -25,6 +26,12 @@ inline constexpr double kUnitRoundoff = 0x1p-53;
 // Of |b - a, c - a| in the plane of the coordinates i and j: 1 when a b c turn to the left, i to the right and j up.
 [[nodiscard]] int turn_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
                                   OrientationCounters& counters);
+
+// The same with a direction in place of the last point: of |b - a, c - a, direction| and of |b - a, direction|.
+[[nodiscard]] int volume_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& direction,
+                                          OrientationCounters& counters);
+[[nodiscard]] int turn_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
+                                        OrientationCounters& counters);
 
 // Underflow: each of the few products of a determinant can lose 2^-1075, and what was lost is multiplied by at most one
 // more coordinate difference. Far above that, so that it never makes a subnormal number of an ordinary difference.
@@ -43,16 +50,18 @@ class PlaneFilter {
   // The sign of the volume of a, b, c, d, or 0 where rounding could have changed it. The bound is Shewchuk's of section
   // 4.4, (7 + 56 u) u times the permanent; the eighth u covers the roundings of the permanent itself. With an overflow
   // some number is infinite or none at all, and the comparisons fail.
-  [[nodiscard]] int sign(const Vec3& d) const {
-    const double x = d[0] - origin_[0], y = d[1] - origin_[1], z = d[2] - origin_[2];
+  [[nodiscard]] int sign(const Vec3& d) const { return sign(d[0] - origin_[0], d[1] - origin_[1], d[2] - origin_[2]); }
+  // Of the volume of a, b, c, a + direction: there is one rounding less in it.
+  [[nodiscard]] int sign_along(const Vec3& direction) const { return sign(direction[0], direction[1], direction[2]); }
+
+ private:
+  [[nodiscard]] int sign(double x, double y, double z) const {
     const double value = (normal_[0] * x + normal_[1] * y) + normal_[2] * z;
     const double ax = std::abs(x), ay = std::abs(y), az = std::abs(z);
     const double size = (size_[0] * ax + size_[1] * ay) + size_[2] * az;
     const double bound = 8.0 * kUnitRoundoff * size + (kUnderflow * ((ax + ay) + az) + kUnderflow);
     return (value > bound) - (-value > bound);
   }
-
- private:
   void set(int i, double plus, double minus) {
     normal_[i] = plus - minus;
     size_[i] = std::abs(plus) + std::abs(minus);
@@ -67,6 +76,12 @@ class PlaneFilter {
   return sign != 0 ? sign : volume_sign_exact(a, b, c, d, counters);
 }
 
+[[nodiscard]] inline int volume_sign_along(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& direction,
+                                           OrientationCounters& counters) {
+  const int sign = PlaneFilter(a, b, c).sign_along(direction);
+  return sign != 0 ? sign : volume_sign_along_exact(a, b, c, direction, counters);
+}
+
 // Bound: section 4.3, (3 + 16 u) u times the permanent.
 [[nodiscard]] inline int turn_sign(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
                                    OrientationCounters& counters) {
@@ -78,5 +93,29 @@ class PlaneFilter {
   if (-value > bound) return -1;
   return turn_sign_exact(a, b, c, i, j, counters);
 }
+
+[[nodiscard]] inline int turn_sign_along(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
+                                         OrientationCounters& counters) {
+  const double plus = (b[i] - a[i]) * direction[j];
+  const double minus = (b[j] - a[j]) * direction[i];
+  const double value = plus - minus;
+  const double bound = 4.0 * kUnitRoundoff * (std::abs(plus) + std::abs(minus)) + kUnderflow;
+  if (value > bound) return 1;
+  if (-value > bound) return -1;
+  return turn_sign_along_exact(a, b, direction, i, j, counters);
+}
+
+// Where origin + t * direction meets something, rounded to nearest, ties to even: the binary64 number that is closest
+// to the real t. For what is known to be met at some t >= 0, with divisors other than 0.
+//
+// The plane of a, b, c: |b - a, c - a, a - origin| / |b - a, c - a, direction|.
+[[nodiscard]] double plane_parameter(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& origin,
+                                     const Vec3& direction, OrientationCounters& counters);
+// The line of a, b in the plane of the coordinates i and j: |a - origin, b - origin| / |direction, b - a|.
+[[nodiscard]] double line_parameter(const Vec3& a, const Vec3& b, const Vec3& origin, const Vec3& direction, int i,
+                                    int j, OrientationCounters& counters);
+// A point on it: (a - origin) / direction, of the coordinate i.
+[[nodiscard]] double point_parameter(const Vec3& a, const Vec3& origin, const Vec3& direction, int i,
+                                     OrientationCounters& counters);
 
 }  // namespace peerd::collision

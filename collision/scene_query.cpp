@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "collision/hierarchy_file.hpp"
@@ -23,6 +24,38 @@ double largest(const WorldBox& box) {
   return most;
 }
 
+// Where a ray enters a box, or no later; nothing: it certainly has no point of what is in there. The room is for the
+// rounding of this, and of the ray on its way to a Shape's frame, which turns it by a few units in the last place.
+std::optional<double> entry(const Ray& ray, const WorldBox& box) {
+  if (box.is_empty()) return std::nullopt;
+  const double pad = 0x1p-44 * (largest(box) + ray.origin.cwiseAbs().maxCoeff());
+  double first = 0.0, last = ray.longest;
+  for (int k = 0; k < 3; ++k) {
+    const double to_lo = (box.lo[k] - pad) - ray.origin[k], to_hi = (box.hi[k] + pad) - ray.origin[k];
+    if (ray.direction[k] == 0.0) {
+      if (to_lo > 0.0 || to_hi < 0.0) return std::nullopt;
+      continue;
+    }
+    const double t_lo = to_lo / ray.direction[k], t_hi = to_hi / ray.direction[k];
+    first = std::max(first, std::min(t_lo, t_hi));
+    last = std::min(last, std::max(t_lo, t_hi));
+  }
+  if (first > last * (1.0 + 0x1p-50)) return std::nullopt;
+  return first;
+}
+
+// Of a triangle with these two sides, against a unit direction.
+Vec3 facing_normal(const Vec3& u, const Vec3& v, const Vec3& direction) {
+  const double size = std::max(u.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff());
+  if (!(size > 0.0)) return Vec3::Zero();
+  const Vec3 a = u / size, b = v / size;
+  const Vec3 n(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+  const double length = std::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
+  const double towards = (n[0] * direction[0] + n[1] * direction[1]) + n[2] * direction[2];
+  if (!(length > 0.0) || towards == 0.0) return Vec3::Zero();
+  return n / (towards > 0.0 ? -length : length);
+}
+
 bool finite(const WorldBox& box) { return box.is_empty() || std::isfinite(largest(box)); }
 
 }  // namespace
@@ -34,20 +67,21 @@ SceneQuery::SceneQuery(const Scene& scene, HierarchyLoader load_hierarchy)
       meshes_(scene.geometries.size()),
       local_boxes_(scene.geometries.size()),
       placed_(scene.instances.size()),
-      boxes_(scene.instances.size()) {}
+      boxes_({std::vector<std::optional<WorldBox>>(scene.instances.size()),
+              std::vector<std::optional<WorldBox>>(scene.instances.size())}) {}
 
 void SceneQuery::place(std::span<const TransformFields> transforms) {
   assert(transforms.size() == scene_.transforms.size());
   transforms_.assign(transforms.begin(), transforms.end());
   std::ranges::fill(placed_, Placed{});
-  std::ranges::fill(boxes_, std::nullopt);
+  for (auto& boxes : boxes_) std::ranges::fill(boxes, std::nullopt);
 }
 
 void SceneQuery::reshape(std::uint32_t geometry, const Geometry& form) {
   meshes_[geometry] = build_mesh(form, scene_.tessellation);
   ++counters_.meshes_built;
   local_boxes_[geometry].reset();
-  std::ranges::fill(boxes_, std::nullopt);
+  for (auto& boxes : boxes_) std::ranges::fill(boxes, std::nullopt);
   for (auto entry = shaped_.begin(); entry != shaped_.end();) {
     if (entry->first.geometry != geometry) {
       ++entry;
@@ -73,9 +107,9 @@ void SceneQuery::reshape(std::uint32_t geometry, const Geometry& form) {
   }
 }
 
-bool SceneQuery::is_surface(std::uint32_t instance) const {
+bool SceneQuery::is_surface(std::uint32_t instance, Surfaces which) const {
   const Instance& i = scene_.instances[instance];
-  return i.geometry != Instance::kNone && i.collides;
+  return i.geometry != Instance::kNone && (which == Surfaces::kDrawn ? i.drawn : i.collides);
 }
 
 const Mesh& SceneQuery::mesh(std::uint32_t geometry) {
@@ -201,18 +235,24 @@ WorldBox SceneQuery::shape_box(std::uint32_t shape) {
 }
 
 // From the end of the subtree, so that no recursion is as deep as the scene.
-const WorldBox& SceneQuery::box(std::uint32_t instance) {
-  if (boxes_[instance]) return *boxes_[instance];
+const WorldBox& SceneQuery::box(std::uint32_t instance, Surfaces which) {
+  auto& boxes = boxes_[static_cast<std::size_t>(which)];
+  auto& others = boxes_[1 - static_cast<std::size_t>(which)];
+  if (boxes[instance]) return *boxes[instance];
   for (std::uint32_t i = scene_.instances[instance].subtree_end; i-- > instance;) {
-    if (boxes_[i]) continue;
+    if (boxes[i]) continue;
     WorldBox box;
-    if (is_surface(i)) box = shape_box(i);
     const std::uint32_t end = scene_.instances[i].subtree_end;
-    for (std::uint32_t child = i + 1; child < end; child = scene_.instances[child].subtree_end)
-      box.merge(*boxes_[child]);
-    boxes_[i] = box;
+    if (is_surface(i, which)) {  // a Shape's box is the same whatever it is for
+      const bool other = end == i + 1 && is_surface(i, Surfaces::kDrawn) && is_surface(i, Surfaces::kColliding);
+      box = other && others[i] ? *others[i] : shape_box(i);
+    }
+    for (std::uint32_t child = i + 1; child < end; child = scene_.instances[child].subtree_end) {
+      box.merge(*boxes[child]);
+    }
+    boxes[i] = box;
   }
-  return *boxes_[instance];
+  return *boxes[instance];
 }
 
 // Of the vertices that polygons use.
@@ -313,9 +353,122 @@ std::expected<Collision, std::string> SceneQuery::collide(ObjectId collider, Obj
   return found;
 }
 
+void SceneQuery::enter(std::uint32_t instance, const Ray& world) {
+  const auto t = entry(world, box(instance, Surfaces::kDrawn));
+  if (!t || (picked_ && *t > picked_->t)) return;
+  entries_.push_back({*t, instance});
+  std::ranges::push_heap(entries_, std::greater());
+}
+
+// The nearest hit so far is the longest that the ray can be; what is hit there as well counts where its id is lower.
+std::expected<void, std::string> SceneQuery::pick_shape(std::uint32_t shape, const Ray& world) {
+  const auto of_shape = shaped(shape);
+  if (!of_shape) return std::unexpected(of_shape.error());
+  if ((*of_shape)->soup.faces.empty()) return {};
+  const Pose& pose = placed(shape).pose;
+  const Mat3 back = pose.orientation.toRotationMatrix().transpose();
+  const Ray ray{multiply(back, Vec3(world.origin - pose.position)), multiply(back, world.direction),
+                picked_ ? picked_->t : world.longest};
+  if (!is_usable(ray)) return std::unexpected(scene_.path_of({shape}) + ": it has no finite place near the ray");
+  const auto hit = rays_.nearest(tree(shape, **of_shape), ray);
+  if (!hit || (picked_ && hit->t == picked_->t && shape > picked_->shape)) return {};
+  picked_ = {hit->t, shape, *hit};
+  return {};
+}
+
+std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& origin_world, const Vec3& direction_world,
+                                                                 double longest_m) {
+  Ray world{origin_world, direction_world, longest_m};
+  if (!is_usable(world)) {
+    return std::unexpected("a ray needs a finite origin, a direction that is neither zero nor infinite, and a length");
+  }
+  const Vec3& d = world.direction;
+  const double length = std::sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);  // nothing over- or underflows
+  world.longest = longest_m / length;
+  picked_.reset();
+  entries_.clear();
+  for (std::uint32_t i = 0; i < scene_.instances.size(); i = scene_.instances[i].subtree_end) enter(i, world);
+  while (!entries_.empty()) {
+    std::ranges::pop_heap(entries_, std::greater());
+    const Entry next = entries_.back();
+    entries_.pop_back();
+    if (picked_ && next.t > picked_->t) break;  // and so are all others
+    if (is_surface(next.instance, Surfaces::kDrawn)) {
+      if (auto done = pick_shape(next.instance, world); !done) return std::unexpected(done.error());
+    }
+    const std::uint32_t end = scene_.instances[next.instance].subtree_end;
+    for (std::uint32_t child = next.instance + 1; child < end; child = scene_.instances[child].subtree_end) {
+      enter(child, world);
+    }
+  }
+  if (!picked_) return std::nullopt;
+  const Mat3 rotation = placed(picked_->shape).pose.orientation.toRotationMatrix();
+  const Triangle triangle = placed_[picked_->shape].shaped->soup.triangle(picked_->hit.face);
+  return Pick{{{picked_->shape}, picked_->hit.polygon},
+              picked_->t * length,
+              origin_world + picked_->t * direction_world,
+              facing_normal(multiply(rotation, Vec3(triangle[1] - triangle[0])),
+                            multiply(rotation, Vec3(triangle[2] - triangle[0])), direction_world / length)};
+}
+
+// In the scene's order: subtrees that are outside are skipped, and what one is wholly inside of isn't asked again
+// below.
+template <class Found>
+void SceneQuery::look(std::uint32_t begin, std::uint32_t end, const Frustum& frustum, Found found) {
+  open_.clear();
+  for (std::uint32_t i = begin; i < end;) {
+    while (!open_.empty() && open_.back().end <= i) open_.pop_back();
+    PlaneMask active = open_.empty() ? frustum.all() : open_.back().active;
+    const std::uint32_t subtree_end = scene_.instances[i].subtree_end;
+    if (collision::in_view(frustum, box(i, Surfaces::kDrawn), active) == InView::kOutside) {
+      i = subtree_end;
+      continue;
+    }
+    if (is_surface(i, Surfaces::kDrawn) && found(i, active)) return;
+    open_.push_back({subtree_end, active});
+    ++i;
+  }
+}
+
+std::expected<std::span<const ShapeInView>, std::string> SceneQuery::in_view(const Frustum& frustum, int levels) {
+  in_view_.clear();
+  std::string error;
+  look(0, static_cast<std::uint32_t>(scene_.instances.size()), frustum, [&](std::uint32_t shape, PlaneMask active) {
+    const auto seen = levels > 0 ? shape_in_view(shape, frustum, active, levels) : true;
+    if (!seen)
+      error = seen.error();
+    else if (*seen)
+      in_view_.push_back({{shape}, active == 0});
+    return !seen.has_value();
+  });
+  if (!error.empty()) return std::unexpected(error);
+  return in_view_;
+}
+
+std::expected<bool, std::string> SceneQuery::may_be_in_view(ObjectId object, const Frustum& frustum) {
+  std::expected<bool, std::string> answer = false;
+  look(object.value, scene_.at(object).subtree_end, frustum, [&](std::uint32_t shape, PlaneMask active) {
+    answer = shape_in_view(shape, frustum, active, ViewQuery::kAllLevels);
+    return !answer || *answer;
+  });
+  return answer;
+}
+
+// A Shape whose box may be in view.
+std::expected<bool, std::string> SceneQuery::shape_in_view(std::uint32_t shape, const Frustum& frustum,
+                                                           PlaneMask active, int levels) {
+  if (active == 0) return mesh(scene_.instances[shape].geometry).polygon_count() > 0;
+  const auto of_shape = shaped(shape);
+  if (!of_shape) return std::unexpected(of_shape.error());
+  if ((*of_shape)->soup.faces.empty()) return false;
+  return views_.may_be_in_view(tree(shape, **of_shape), placed(shape).pose, frustum, active, levels);
+}
+
 SceneQueryCounters SceneQuery::counters() const {
   SceneQueryCounters out = counters_;
   out.queries = query_.counters();
+  out.rays = rays_.counters();
+  out.views = views_.counters();
   for (const auto& [key, shaped] : shaped_) {
     if (shaped->tree) out.nodes_built += shaped->tree->nodes_built();
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include "collision/ray_query.hpp"
+#include "collision/view_query.hpp"
 #include "collision/wide_query.hpp"
 #include "core/scene.hpp"
 
@@ -33,6 +36,22 @@ struct Collision {
   std::vector<ShapePair> pairs;  // kWitness: one; kAllPairs: all, sorted, each once; kBox: none
 };
 
+// What a ray hits first.
+struct Pick {
+  ShapePolygon at;
+  double distance_m = 0.0;          // from the origin, rounded
+  Vec3 point_world = Vec3::Zero();  // origin + t * direction, rounded
+  // Unit, of the triangle that was hit, to the side from which the ray comes; zero where the triangle has no area, as
+  // rounded, or the ray is in its plane.
+  Vec3 normal_world = Vec3::Zero();
+};
+
+struct ShapeInView {
+  ObjectId shape;
+  bool wholly = false;  // certainly inside; else it may be in view
+  friend auto operator<=>(const ShapeInView&, const ShapeInView&) = default;
+};
+
 // Work done, since the beginning.
 struct SceneQueryCounters {
   std::uint64_t meshes_built = 0;       // geometries tessellated
@@ -44,6 +63,8 @@ struct SceneQueryCounters {
   std::uint64_t boxes_placed = 0;     // boxes of shapes taken to the world
   std::uint64_t vertices_placed = 0;  // for kBox
   QueryCounters queries;
+  RayCounters rays;
+  ViewCounters views;
 };
 
 // A file in memory, at an address that is a multiple of 32.
@@ -79,6 +100,30 @@ class SceneQuery {
   // object. The error names a Shape whose vertices can't be used, and where.
   [[nodiscard]] std::expected<Collision, std::string> collide(ObjectId collider, ObjectId collidee, CollisionType type);
 
+  // The nearest polygon of the Shapes that are drawn, whether they collide or not: what is seen can be picked, and a
+  // proxy can't. The direction's length is of no concern. Nothing: no Shape is hit within `longest_m`.
+  //
+  // The ray is taken to each Shape's frame, transpose(rotation) * (origin - position) and transpose(rotation) *
+  // direction, rounded there; of the real ray of those numbers a hit is exact (ray_query.hpp). The parameters of
+  // different Shapes are compared as they are rounded, equal ones by the Shape's id, then the polygon's number. So no
+  // ray slips through a Shape that is closed; between two that only touch one may.
+  //
+  // Shapes are asked in the order in which the ray enters their boxes, until one is entered behind the nearest hit:
+  // what isn't asked isn't triangulated, and its hierarchy isn't built. The error names a Shape that was asked and
+  // can't be used, or says what is wrong with the ray.
+  [[nodiscard]] std::expected<std::optional<Pick>, std::string> pick(
+      const Vec3& origin_world, const Vec3& direction_world,
+      double longest_m = std::numeric_limits<double>::infinity());
+
+  // The Shapes that are drawn and may be in view, in the scene's order, by the boxes of subtrees; valid until the next
+  // call. None that has a point in the frustum is left out. With `levels` above 0 a Shape whose box crosses the
+  // frustum's border is looked at by its hierarchy, to so many levels; without, nothing but boxes is made. The error
+  // names a Shape that was looked at and can't be used.
+  [[nodiscard]] std::expected<std::span<const ShapeInView>, std::string> in_view(const Frustum& frustum,
+                                                                                 int levels = 0);
+  // Whether any polygon that is drawn below (or at) an object may be in view; false is certain. To the last triangle.
+  [[nodiscard]] std::expected<bool, std::string> may_be_in_view(ObjectId object, const Frustum& frustum);
+
   // The hierarchies of the Shapes below an object that collide and name a hierarchyFile, each file once: its URL and
   // what belongs in it.
   struct Baked {
@@ -108,6 +153,7 @@ class SceneQuery {
     Shaped* shaped = nullptr;
   };
   struct Search;
+  enum class Surfaces : std::uint8_t { kColliding, kDrawn };
 
   [[nodiscard]] const Mesh& mesh(std::uint32_t geometry);
   [[nodiscard]] const LocalBox& local_box(std::uint32_t geometry);
@@ -115,10 +161,17 @@ class SceneQuery {
   [[nodiscard]] std::expected<Shaped*, std::string> shaped(std::uint32_t shape);
   [[nodiscard]] WideTree& tree(std::uint32_t shape, Shaped& shaped);
   [[nodiscard]] std::optional<WideTree> read_tree(std::uint32_t shape, const TriangleSoup& soup);
-  [[nodiscard]] const WorldBox& box(std::uint32_t instance);
+  [[nodiscard]] const WorldBox& box(std::uint32_t instance, Surfaces which = Surfaces::kColliding);
   [[nodiscard]] WorldBox shape_box(std::uint32_t shape);
   [[nodiscard]] std::expected<WorldBox, std::string> tight_box(ObjectId object);
-  [[nodiscard]] bool is_surface(std::uint32_t instance) const;
+  [[nodiscard]] bool is_surface(std::uint32_t instance, Surfaces which = Surfaces::kColliding) const;
+  [[nodiscard]] std::expected<void, std::string> pick_shape(std::uint32_t shape, const Ray& world);
+  void enter(std::uint32_t instance, const Ray& world);
+  [[nodiscard]] std::expected<bool, std::string> shape_in_view(std::uint32_t shape, const Frustum& frustum,
+                                                               PlaneMask active, int levels);
+  // found(shape, planes that its box is not certainly inside of) -> whether that was all, for each that may be in view.
+  template <class Found>
+  void look(std::uint32_t begin, std::uint32_t end, const Frustum& frustum, Found found);
 
   const Scene& scene_;
   HierarchyLoader load_hierarchy_;
@@ -127,9 +180,30 @@ class SceneQuery {
   std::vector<std::optional<Mesh>> meshes_;           // by geometry
   std::vector<std::optional<LocalBox>> local_boxes_;  // ", of all vertices: fewer than there are corners
   std::map<StretchKey, std::unique_ptr<Shaped>> shaped_;
-  std::vector<Placed> placed_;                  // by instance
-  std::vector<std::optional<WorldBox>> boxes_;  // by instance: of its subtree, with room for all rounding
+  std::vector<Placed> placed_;  // by instance
+  // By Surfaces and instance: of its subtree, with room for all rounding.
+  std::array<std::vector<std::optional<WorldBox>>, 2> boxes_;
   WideQuery query_;
+  RayQuery rays_;
+  ViewQuery views_;
+  struct Entry {
+    double t = 0.0;  // no later than where the ray enters the box
+    std::uint32_t instance = 0;
+    friend auto operator<=>(const Entry&, const Entry&) = default;
+  };
+  std::vector<Entry> entries_;  // of pick(): a heap, the first entered on top
+  struct Picked {
+    double t = 0.0;
+    std::uint32_t shape = 0;
+    RayHit hit;
+  };
+  std::optional<Picked> picked_;  // so far
+  struct OpenSubtree {
+    std::uint32_t end = 0;
+    PlaneMask active = 0;
+  };
+  std::vector<OpenSubtree> open_;  // of look()
+  std::vector<ShapeInView> in_view_;
   SceneQueryCounters counters_;
 };
 

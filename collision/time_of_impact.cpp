@@ -8,7 +8,7 @@
 
 #include "collision/ordered_sums.hpp"
 #include "collision/triangle_distance.hpp"
-#include "collision/wide_kernels.hpp"
+#include "collision/wide_impact.hpp"
 
 namespace peerd::collision {
 

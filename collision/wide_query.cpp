@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "collision/triangle_distance.hpp"
-#include "collision/wide_kernels.hpp"
+#include "collision/wide_overlap.hpp"
 
 namespace peerd::collision {
 

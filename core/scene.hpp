@@ -65,11 +65,13 @@ struct Instance {
   std::uint32_t geometry = kNone;   // into Scene::geometries, where it is a Shape that has one
   std::uint32_t extension = kNone;  // into Scene::object_fields or shape_fields; none where all are the defaults
   NodeKind kind = NodeKind::kGroup;
-  bool name_shadowed = false;  // find(def) finds another instance, so paths give the child index instead
-  bool inner_name = false;     // `def` is a name of a PROTO's or an Inline's own: find() takes the world's before it
+  bool name_shadowed : 1 = false;  // find(def) finds another instance, so paths give the child index instead
+  bool inner_name : 1 = false;  // `def` is a name of a PROTO's or an Inline's own: find() takes the world's before it
   // False where the standard takes it out of the world: below what a Switch has not chosen, beyond an LOD's level 0, in
   // a Collision that doesn't collide, or stood for by its proxy.
-  bool collides = true;
+  bool collides : 1 = true;
+  // False where nobody sees it: below what a Switch has not chosen, beyond an LOD's level 0, or a proxy.
+  bool drawn : 1 = true;
 };
 
 enum class CollisionType : std::uint8_t { kBox = 0, kWitness = 1, kAllPairs = 2 };  // seed, C.1

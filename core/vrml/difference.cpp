@@ -250,6 +250,7 @@ bool Comparison::compare_instance(std::uint32_t i) {
   if (a.parent != b.parent || a.child_index != b.child_index || a.subtree_end != b.subtree_end)
     return differs("its place");
   if (a.collides != b.collides) return differs("whether it collides");
+  if (a.drawn != b.drawn) return differs("whether it is drawn");
   const TransformFields &t = scene_a_.transform({i}), &u = scene_b_.transform({i});
   if (!same_bits(t.translation, u.translation) || !same_bits(t.rotation, u.rotation) || !same_bits(t.scale, u.scale) ||
       !same_bits(t.scale_orientation, u.scale_orientation) || !same_bits(t.center, u.center)) {

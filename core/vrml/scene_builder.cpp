@@ -74,11 +74,18 @@ class Builder {
     bool inner_name = false;
     bool siblings = false;  // two of its children or more have names
   };
+  // What the standard makes of a node's children, as Instance has it.
+  struct Presence {
+    bool collides = true, drawn = true;
+    [[nodiscard]] Presence below(Presence parent) const { return {collides && parent.collides, drawn && parent.drawn}; }
+    // What is as that instance is, or less, can be copied from it.
+    [[nodiscard]] bool within(const Instance& i) const { return (!collides || i.collides) && (!drawn || i.drawn); }
+  };
   // In file order, those that are no instances too; a Collision's proxy behind its children.
   struct Child {
     std::uint32_t shared = kNone;  // kNone: it is no instance
     Position at = 0;
-    bool collides = true;
+    Presence presence{};
   };
 
   std::uint32_t add_geometry(std::uint32_t node);
@@ -90,10 +97,10 @@ class Builder {
   [[nodiscard]] std::uint32_t shared_by(const NodeRef& ref) const {
     return ref.is_node() ? shared_of_[ref.index] : kNone;
   }
-  void add_child(const NodeRef& ref, bool collides) { children_.emplace_back(shared_by(ref), ref.at, collides); }
+  void add_child(const NodeRef& ref, Presence presence) { children_.emplace_back(shared_by(ref), ref.at, presence); }
   bool measure_instances();
-  void instantiate(const Child& child, std::int32_t parent, std::uint32_t child_index, bool collides);
-  void copy_instances(std::uint32_t first, std::int32_t parent, std::uint32_t child_index, bool collides);
+  void instantiate(const Child& child, std::int32_t parent, std::uint32_t child_index, Presence presence);
+  void copy_instances(std::uint32_t first, std::int32_t parent, std::uint32_t child_index, Presence presence);
   void add_pending_inline(const Node& node, std::uint32_t id);
   void mark_siblings(std::uint32_t parent, std::uint32_t begin, std::uint32_t end);
   std::optional<ObjectId> resolve(std::string_view path, std::uint32_t scope, Position at);
@@ -238,23 +245,29 @@ void Builder::share_children(const Node& node, Shared& shared) {
     case Meaning::kShape:
       break;
     case Meaning::kLod:
-      for (const NodeRef& ref : refs("level")) add_child(ref, children_.size() == shared.first_child);
+      for (const NodeRef& ref : refs("level")) {
+        const bool first = children_.size() == shared.first_child;
+        add_child(ref, {first, first});
+      }
       break;
     case Meaning::kSwitch: {
       std::int64_t which = value_of(node, "whichChoice").as<std::int32_t>()[0];
-      for (const NodeRef& ref : refs("choice")) add_child(ref, which-- == 0);
+      for (const NodeRef& ref : refs("choice")) {
+        const bool chosen = which-- == 0;
+        add_child(ref, {chosen, chosen});
+      }
       break;
     }
     case Meaning::kCollision: {
       const bool collide = value_of(node, "collide").as<bool>()[0];
       const auto proxy = refs("proxy");
       const bool proxied = !proxy.empty() && proxy[0].is_node();
-      for (const NodeRef& ref : refs("children")) add_child(ref, collide && !proxied);
-      if (proxied) add_child(proxy[0], collide);
+      for (const NodeRef& ref : refs("children")) add_child(ref, {collide && !proxied, true});
+      if (proxied) add_child(proxy[0], {collide, false});
       break;
     }
     default:
-      for (const NodeRef& ref : refs("children")) add_child(ref, true);
+      for (const NodeRef& ref : refs("children")) add_child(ref, {});
   }
   shared.end_child = static_cast<std::uint32_t>(children_.size());
 }
@@ -321,13 +334,12 @@ bool Builder::measure_instances() {
   return true;
 }
 
-void Builder::instantiate(const Child& child, std::int32_t parent, std::uint32_t child_index, bool collides) {
+void Builder::instantiate(const Child& child, std::int32_t parent, std::uint32_t child_index, Presence presence) {
   if (child.shared == kNone) return;
   Shared& shared = shared_[child.shared];
-  collides = collides && child.collides;
-  if (const std::uint32_t first = shared.first_instance;
-      first != kNone && (!collides || scene_.instances[first].collides)) {
-    return copy_instances(first, parent, child_index, collides);
+  presence = child.presence.below(presence);
+  if (const std::uint32_t first = shared.first_instance; first != kNone && presence.within(scene_.instances[first])) {
+    return copy_instances(first, parent, child_index, presence);
   }
   const auto id = static_cast<std::uint32_t>(scene_.instances.size());
   Instance& instance = scene_.instances.emplace_back();
@@ -340,13 +352,14 @@ void Builder::instantiate(const Child& child, std::int32_t parent, std::uint32_t
   instance.extension = shared.extension;
   instance.kind = shared.kind;
   instance.inner_name = shared.inner_name;
-  instance.collides = collides;
+  instance.collides = presence.collides;
+  instance.drawn = presence.drawn;
   if (shared.name != kNone && !shared.inner_name && first_of_name_[shared.name] == kNone) {
     first_of_name_[shared.name] = id;
   }
   const std::size_t inlines = scene_.pending_inlines.size();
   for (std::uint32_t c = shared.first_child; c < shared.end_child; ++c) {
-    instantiate(children_[c], static_cast<std::int32_t>(id), c - shared.first_child, collides);
+    instantiate(children_[c], static_cast<std::int32_t>(id), c - shared.first_child, presence);
   }
   const auto end = static_cast<std::uint32_t>(scene_.instances.size());
   scene_.instances[id].subtree_end = end;
@@ -356,8 +369,8 @@ void Builder::instantiate(const Child& child, std::int32_t parent, std::uint32_t
   if (scene_.pending_inlines.size() == inlines) shared.first_instance = id;
 }
 
-// An instance and all below it once more; where this one doesn't collide, nothing below it does.
-void Builder::copy_instances(std::uint32_t first, std::int32_t parent, std::uint32_t child_index, bool collides) {
+// An instance and all below it once more; where this one doesn't collide or isn't drawn, nothing below it does or is.
+void Builder::copy_instances(std::uint32_t first, std::int32_t parent, std::uint32_t child_index, Presence presence) {
   auto& instances = scene_.instances;
   const auto id = static_cast<std::uint32_t>(instances.size());
   const std::uint32_t end = instances[first].subtree_end, distance = id - first;
@@ -365,7 +378,8 @@ void Builder::copy_instances(std::uint32_t first, std::int32_t parent, std::uint
     Instance& copy = instances.emplace_back(instances[i]);  // there is room: measure_instances() made it
     copy.parent += static_cast<std::int32_t>(distance);
     copy.subtree_end += distance;
-    copy.collides &= collides;
+    copy.collides = copy.collides && presence.collides;
+    copy.drawn = copy.drawn && presence.drawn;
   }
   instances[id].parent = parent;
   instances[id].child_index = child_index;
@@ -554,7 +568,7 @@ Scene Builder::build() {
   }
   if (!measure_instances()) return {};
   for (std::uint32_t i = 0; i < document_->top_level.size(); ++i) {
-    instantiate({shared_by(document_->top_level[i])}, -1, i, true);
+    instantiate({shared_by(document_->top_level[i])}, -1, i, {});
   }
   mark_siblings(kTop, 0, static_cast<std::uint32_t>(scene_.instances.size()));
   check_key_routes();

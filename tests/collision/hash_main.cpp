@@ -1,10 +1,10 @@
-// collision_hash: prints scene_hash.hpp's number. Exit code 1: it is not the one that is written there.
+// collision_hash: prints scene_hash.hpp's numbers. Exit code 1: one is not what is written there.
 #include <cstdio>
 
 #include "tests/collision/scene_hash.hpp"
 
 int main() {
-  const auto hash = peerd::collision::scene_hash();
-  std::printf("%llu\n", static_cast<unsigned long long>(hash));
-  return hash == peerd::collision::kSceneHash ? 0 : 1;
+  const auto scene = peerd::collision::scene_hash(), view = peerd::collision::view_hash();
+  std::printf("%llu %llu\n", static_cast<unsigned long long>(scene), static_cast<unsigned long long>(view));
+  return scene == peerd::collision::kSceneHash && view == peerd::collision::kViewHash ? 0 : 1;
 }

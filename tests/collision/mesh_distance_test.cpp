@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "collision/triangle_distance.hpp"
-#include "collision/wide_kernels.hpp"
+#include "collision/wide_distance.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/oracle/distance_oracle.hpp"
 #include "tests/oracle/triangle_cases.hpp"

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "collision/ray_query.hpp"
+#include "collision/view_query.hpp"
 #include "collision/wide_query.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/oracle/triangle_cases.hpp"
@@ -195,7 +197,58 @@ void add_scene(Hash& hash) {
   trees.add_counters(hash);
 }
 
+// Views
+
+void add_rays(WideTree& tree, Numbers& numbers, RayQuery& query, Hash& hash) {
+  const TriangleSoup& soup = tree.soup();
+  for (int i = 0; i < 400; ++i) {
+    const Triangle t =
+        soup.triangle(static_cast<std::uint32_t>(numbers.unit() * static_cast<double>(soup.faces.size())));
+    Ray ray{numbers.point(i % 3 == 0 ? 1e5 : 2.0), numbers.point(1.0)};
+    if (i % 4 == 0) ray.direction = t[0] - ray.origin;
+    if (i % 4 == 1) ray.direction = (t[0] / 2 + t[1] / 2) - ray.origin;
+    if (i % 8 == 6) ray = {t[0] - 3 * (t[1] - t[0]), t[1] - t[0]};
+    if (!is_usable(ray)) continue;
+    const auto hit = query.nearest(tree, ray);
+    hash.add(std::uint64_t{hit ? hit->face : ~0u});
+    if (!hit) continue;
+    hash.add(hit->t);
+    for (int k = 0; k < 3; ++k) hash.add(hit->point[k]);
+  }
+}
+
+void add_looks(WideTree& tree, Numbers& numbers, ViewQuery& query, Hash& hash) {
+  for (int i = 0; i < 40; ++i) {
+    Frustum frustum;
+    for (int plane = 0; plane < 5; ++plane) {
+      const Vec3 normal = numbers.point(1.0);
+      hash.add(std::uint64_t{frustum.add(normal, numbers.between(-0.2, 1.0))});
+    }
+    for (const std::uint32_t face : query.faces_in_view(tree, random_pose(numbers, 0.5), frustum)) {
+      hash.add(std::uint64_t{face});
+    }
+  }
+}
+
 }  // namespace
+
+std::uint64_t view_hash() {
+  Hash hash;
+  Numbers numbers(53);
+  RayQuery rays;
+  ViewQuery views;
+  for (const TriangleSoup& soup : soups()) {
+    WideTree tree(soup);
+    add_rays(tree, numbers, rays, hash);
+    add_looks(tree, numbers, views, hash);
+  }
+  hash.add(rays.counters().bv_tests);
+  hash.add(rays.counters().triangle_tests);
+  hash.add(rays.counters().orientation);
+  hash.add(rays.counters().orientation.quotients);
+  hash.add(views.counters().plane_tests);
+  return hash.value();
+}
 
 std::uint64_t scene_hash() {
   Hash hash;

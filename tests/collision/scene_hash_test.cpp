@@ -7,6 +7,7 @@ namespace {
 
 // tests/collision/hash_everywhere.sh asks other compilers, levels and instruction sets.
 TEST(SceneHash, IsTheSameEverywhere) { EXPECT_EQ(scene_hash(), kSceneHash); }
+TEST(SceneHash, OfViewsIsTheSameEverywhere) { EXPECT_EQ(view_hash(), kViewHash); }
 
 }  // namespace
 }  // namespace peerd::collision

@@ -111,6 +111,13 @@ inline std::vector<std::string> solid_of(const Scene& scene) {
   }
   return paths;
 }
+inline std::vector<std::string> drawn_of(const Scene& scene) {
+  std::vector<std::string> paths;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (scene.instances[i].drawn) paths.push_back(scene.path_of(ObjectId{i}));
+  }
+  return paths;
+}
 
 namespace vrml {
 

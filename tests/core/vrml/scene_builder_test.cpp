@@ -123,6 +123,19 @@ TEST(SceneBuilderCollides, IsForEachInstanceByItself) {
   EXPECT_THAT(solid_of(scene), ElementsAre("0", "1", "1/0", "2"));
 }
 
+// What eyes see and what things collide with are two questions at a Collision, and one at a Switch or an LOD.
+TEST(SceneBuilderDrawn, IsWhatIsSeenWhetherItCollidesOrNot) {
+  EXPECT_THAT(drawn_of(scene_of("Collision { collide FALSE children [ Shape { } ] }")), ElementsAre("0", "0/0"));
+  EXPECT_THAT(drawn_of(scene_of("Collision { children Shape { } proxy Group { children Shape { } } }")),
+              ElementsAre("0", "0/0"));
+  EXPECT_THAT(drawn_of(scene_of("Switch { whichChoice 1 choice [ Shape { } Shape { } ] }")), ElementsAre("0", "0/1"));
+  EXPECT_THAT(drawn_of(scene_of("LOD { level [ Shape { } Shape { } ] }")), ElementsAre("0", "0/0"));
+  const Scene scene = scene_of(
+      "Collision { collide FALSE children DEF S Group { children Shape { } } } Collision { proxy USE S } USE S USE S");
+  EXPECT_THAT(drawn_of(scene), ElementsAre("0", "0/S", "0/S/0", "1", "2", "2/0", "3", "3/0"));
+  EXPECT_THAT(solid_of(scene), ElementsAre("0", "1", "1/S", "1/S/0", "2", "2/0", "3", "3/0"));
+}
+
 TEST(SceneBuilderCollides, LeavesAnchorsAndBillboardsAlone) {
   EXPECT_THAT(solid_of(scene_of("Anchor { children Billboard { axisOfRotation 0 0 0 children Shape { } } }")),
               ElementsAre("0", "0/0", "0/0/0"));
