@@ -153,6 +153,8 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
     const V far_a = hn::Max(hn::Max(farthest_of(of_a[0]), farthest_of(of_a[1])), farthest_of(of_a[2]));
     const Planes plane = planes(here);
     const Reach across = reach_along(plane.normal, here, there);
+    Shape shape_a;
+    bool has_shape = false;
     for (std::size_t row = 0; row < b.count; ++row) {
       // What corners are off by: rounding, on the way there and in dot products; and what their velocities change by.
       const V off = hn::Add(set(2.0f * m.slack_a + s.spare_m_s * within_s),
@@ -170,6 +172,14 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
       const V3 n = set3(normal, row);
       apart = hn::Or(apart, apart_along(reach_along(n, here, there), reach_along(n, other, other_later),
                                         hn::Mul(set(size[row]), off)));
+      // Most of what is left is apart along the line of their nearest points.
+      if (hn::AllTrue(Lanes(), apart)) continue;
+      if (!has_shape) shape_a = shape(here);
+      has_shape = true;
+      const V3 line = shortest(shape_a, shape(other)).gap;
+      const V length = hn::Add(hn::Add(hn::Abs(line.x), hn::Abs(line.y)), hn::Abs(line.z));  // at least that
+      apart = hn::Or(apart, apart_along(reach_along(line, here, there), reach_along(line, other, other_later),
+                                        hn::Mul(length, off)));
       masks[row] = static_cast<std::uint8_t>(masks[row] | (bits(hn::Not(apart), i) & present));
     }
   }
