@@ -167,4 +167,20 @@ std::vector<Score> contest(const TriangleMesh& mesh, const std::vector<Frame>& f
   return scores;
 }
 
+double first_answer_ms(const EngineKind& kind, const TriangleMesh& mesh, const Frame& frame) {
+  const Query& query = frame.queries.front();
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kBuilds; ++i) {
+    const auto engine = kind.make();
+    const Stopwatch watch;
+    engine->build(mesh);
+    engine->make_bodies(kBodies);
+    engine->move(frame.bodies);
+    const bool touches = engine->first(query.a, query.b);
+    best = std::min(best, watch.us() / 1e3);
+    if (touches != (query.pairs > 0)) return std::numeric_limits<double>::quiet_NaN();
+  }
+  return best;
+}
+
 }  // namespace peerd::bench::peers

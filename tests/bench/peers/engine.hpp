@@ -32,8 +32,9 @@ struct EngineKind {
 };
 
 [[nodiscard]] EngineKind peerd_engine();
-[[nodiscard]] EngineKind fcl_obb();     // as Debian has compiled it
-[[nodiscard]] EngineKind fcl_obbrss();  // "
+[[nodiscard]] EngineKind peerd_lazily();  // builds nothing but what queries come to
+[[nodiscard]] EngineKind fcl_obb();       // as Debian has compiled it
+[[nodiscard]] EngineKind fcl_obbrss();    // "
 [[nodiscard]] EngineKind fcl_obb_float();
 [[nodiscard]] EngineKind fcl_kdop18_float_refit();
 [[nodiscard]] EngineKind ode();

@@ -11,6 +11,8 @@ using collision::WideTree;
 
 class PeerdEngine final : public Engine {
  public:
+  explicit PeerdEngine(bool lazily) : lazily_(lazily) {}
+
   void build(const TriangleMesh& mesh) override {
     soup_.vertices.reserve(mesh.vertices.size());
     for (const Point& p : mesh.vertices) {
@@ -23,7 +25,7 @@ class PeerdEngine final : public Engine {
       soup_.faces.push_back({{corner(0), corner(1), corner(2)}, static_cast<std::uint32_t>(soup_.faces.size())});
     }
     tree_.emplace(soup_);
-    tree_->build_all();
+    if (!lazily_) tree_->build_all();
   }
   void make_bodies(std::size_t count) override { bodies_.resize(count); }
   void move(std::span<const Placement> bodies) override {
@@ -57,6 +59,7 @@ class PeerdEngine final : public Engine {
     motion_.translation = multiply(back, Vec3(bodies_[b].position - bodies_[a].position));
   }
 
+  bool lazily_;
   TriangleSoup soup_;
   std::optional<WideTree> tree_;
   std::vector<Body> bodies_;
@@ -67,7 +70,11 @@ class PeerdEngine final : public Engine {
 }  // namespace
 
 EngineKind peerd_engine() {
-  return {"peerd", Pairs::kAll, []() -> std::unique_ptr<Engine> { return std::make_unique<PeerdEngine>(); }};
+  return {"peerd", Pairs::kAll, []() -> std::unique_ptr<Engine> { return std::make_unique<PeerdEngine>(false); }};
+}
+
+EngineKind peerd_lazily() {
+  return {"peerd-lazily", Pairs::kAll, []() -> std::unique_ptr<Engine> { return std::make_unique<PeerdEngine>(true); }};
 }
 
 }  // namespace peerd::bench::peers

@@ -103,6 +103,12 @@ void print_cell(const Cell& cell) {
                   ratio(*peer, ours(cell), question, statistic));
     }
   }
+  if (cell.first_answer_ms) {
+    std::printf("ours, from nothing built to the first answer: %.2f ms;", *cell.first_answer_ms);
+    for (const Score& score : cell.scores)
+      std::printf(" %s's build is %.1f x that%c", score.engine.c_str(), score.build_ms / *cell.first_answer_ms,
+                  &score == &cell.scores.back() ? '\n' : ',');
+  }
   std::fflush(stdout);
 }
 
@@ -151,6 +157,7 @@ std::vector<Figure> to_figures(std::span<const Cell> cells) {
   }
   for (const Cell& cell : cells) {
     const std::string of = cell.mesh + '_' + std::to_string(cell.triangles) + '.';
+    if (cell.first_answer_ms) figures.push_back({of + "peerd.first_answer", *cell.first_answer_ms, "ms", "", {}});
     for (const Score& score : cell.scores) {
       const auto add = [&](const std::string& what, double value, const char* unit, double own) {
         const bool itself = &score == &ours(cell);

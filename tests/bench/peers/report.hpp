@@ -14,6 +14,8 @@ struct Cell {
   std::string mesh;
   std::size_t triangles = 0;
   std::size_t touching = 0, pairs = 0;  // in truth: queries, and pairs of triangles in all of them
+  std::optional<double>
+      first_answer_ms;  // ours, from nothing; none where no two bodies are near, NaN where it is wrong
   std::vector<Score> scores;
 };
 
