@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include "collision/hierarchy_file.hpp"
@@ -11,9 +12,10 @@
 namespace peerd::collision {
 namespace {
 
-bool overlap(const WorldBox& a, const WorldBox& b) {
+// Or are no farther apart than that.
+bool overlap(const WorldBox& a, const WorldBox& b, double gap_m = 0.0) {
   for (int i = 0; i < 3; ++i) {
-    if (!(a.lo[i] <= b.hi[i] && b.lo[i] <= a.hi[i])) return false;
+    if (!(a.lo[i] - gap_m <= b.hi[i] && b.lo[i] - gap_m <= a.hi[i])) return false;
   }
   return true;
 }
@@ -56,37 +58,128 @@ Vec3 facing_normal(const Vec3& u, const Vec3& v, const Vec3& direction) {
   return n / (towards > 0.0 ? -length : length);
 }
 
+// No point of the box goes farther [m]. The difference of two affine maps is one, so its length is greatest at a
+// corner. The rounding of all this is some 2^-50 of `reach`, and so is that of the vertices that decide.
+double largest_way(const Affine& from, const Affine& to, const LocalBox& box) {
+  if (box.is_empty()) return 0.0;
+  Vec3 middle = to.offset - from.offset, aside[3];
+  double reach = to.offset.cwiseAbs().maxCoeff() + from.offset.cwiseAbs().maxCoeff();
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 turned = to.linear.col(i) - from.linear.col(i);
+    const double lo = box.lo[i], hi = box.hi[i];
+    middle += turned * (0.5 * (lo + hi));
+    aside[i] = turned * (0.5 * (hi - lo));
+    const double linear = to.linear.col(i).cwiseAbs().maxCoeff() + from.linear.col(i).cwiseAbs().maxCoeff();
+    reach += 9.0 * linear * std::max(std::abs(lo), std::abs(hi));
+  }
+  double most = 0.0;
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      const Vec3 edge = middle + x * aside[0] + y * aside[1];
+      most = std::max({most, (edge + aside[2]).squaredNorm(), (edge - aside[2]).squaredNorm()});
+    }
+  }
+  return std::sqrt(most) * (1.0 + 0x1p-48) + 0x1p-41 * reach;
+}
+
 bool finite(const WorldBox& box) { return box.is_empty() || std::isfinite(largest(box)); }
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Before all others that are numbers.
+constexpr std::array<double, 9> kLeastStretch = [] {
+  std::array<double, 9> least{};
+  least.fill(-kInfinity);
+  return least;
+}();
+
+bool equal(const TransformFields& a, const TransformFields& b) {
+  return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs() && a.scale == b.scale &&
+         a.scale_orientation.coeffs() == b.scale_orientation.coeffs() && a.center == b.center;
+}
+
 }  // namespace
+
+SceneQuery::Users::Users(const Scene& scene, std::uint32_t Instance::*thing, std::size_t things) : begin_(things + 1) {
+  for (const Instance& i : scene.instances) {
+    if (i.*thing != Instance::kNone) ++begin_[i.*thing + 1];
+  }
+  for (std::size_t t = 0; t < things; ++t) begin_[t + 1] += begin_[t];
+  instances_.resize(begin_.back());
+  std::vector<std::uint32_t> next(begin_);
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (const std::uint32_t t = scene.instances[i].*thing; t != Instance::kNone) instances_[next[t]++] = i;
+  }
+}
 
 SceneQuery::SceneQuery(const Scene& scene, HierarchyLoader load_hierarchy)
     : scene_(scene),
       load_hierarchy_(std::move(load_hierarchy)),
       transforms_(scene.transforms),
+      moved_by_(scene, &Instance::transform, scene.transforms.size()),
+      shaped_by_(scene, &Instance::geometry, scene.geometries.size()),
       meshes_(scene.geometries.size()),
       local_boxes_(scene.geometries.size()),
       placed_(scene.instances.size()),
       boxes_({std::vector<std::optional<WorldBox>>(scene.instances.size()),
               std::vector<std::optional<WorldBox>>(scene.instances.size())}) {}
 
+bool SceneQuery::move(std::uint32_t transform, const TransformFields& fields) {
+  if (equal(transforms_[transform], fields)) return false;
+  transforms_[transform] = fields;
+  const auto moved = moved_by_.of(transform);
+  moved_.insert(moved_.end(), moved.begin(), moved.end());
+  return true;
+}
+
 void SceneQuery::place(std::span<const TransformFields> transforms) {
   assert(transforms.size() == scene_.transforms.size());
-  transforms_.assign(transforms.begin(), transforms.end());
-  std::ranges::fill(placed_, Placed{});
-  for (auto& boxes : boxes_) std::ranges::fill(boxes, std::nullopt);
+  for (std::uint32_t t = 0; t < transforms.size(); ++t) move(t, transforms[t]);
+}
+
+// What is below something that moved is passed over once, however much of it has moved as well.
+void SceneQuery::settle() {
+  if (moved_.empty()) return;
+  ++settled_;
+  std::ranges::sort(moved_);
+  std::uint32_t end = 0;
+  for (const std::uint32_t moved : moved_) {
+    if (moved < end) continue;
+    end = scene_.instances[moved].subtree_end;
+    forget_box(moved);
+    for (std::uint32_t i = moved; i < end; ++i) {
+      placed_[i].known = false;
+      for (auto& boxes : boxes_) boxes[i].reset();
+    }
+    if (!tight_boxes_.empty()) std::fill(tight_boxes_.begin() + moved, tight_boxes_.begin() + end, std::nullopt);
+  }
+  moved_.clear();
+}
+
+// And those above it that know theirs: above one that doesn't, none does.
+void SceneQuery::forget_box(std::uint32_t instance) {
+  for (auto& boxes : boxes_) {
+    for (auto i = static_cast<std::int32_t>(instance); i >= 0 && boxes[static_cast<std::size_t>(i)];) {
+      boxes[static_cast<std::size_t>(i)].reset();
+      i = scene_.instances[static_cast<std::size_t>(i)].parent;
+    }
+  }
+}
+
+void SceneQuery::forget(std::map<StretchKey, std::unique_ptr<Shaped>>::iterator shaped) {
+  if (shaped->second->tree) counters_.nodes_built += shaped->second->tree->nodes_built();
+  shaped_.erase(shaped);
 }
 
 void SceneQuery::reshape(std::uint32_t geometry, const Geometry& form) {
   meshes_[geometry] = build_mesh(form, scene_.tessellation);
   ++counters_.meshes_built;
   local_boxes_[geometry].reset();
-  for (auto& boxes : boxes_) std::ranges::fill(boxes, std::nullopt);
-  for (auto entry = shaped_.begin(); entry != shaped_.end();) {
-    if (entry->first.geometry != geometry) {
-      ++entry;
-      continue;
-    }
+  for (const std::uint32_t i : shaped_by_.of(geometry)) {
+    forget_box(i);
+    if (!tight_boxes_.empty()) tight_boxes_[i].reset();
+  }
+  for (auto entry = shaped_.lower_bound({geometry, kLeastStretch});
+       entry != shaped_.end() && entry->first.geometry == geometry;) {
     Shaped& shaped = *entry->second;
     Mat3 stretch;
     for (int i = 0; i < 9; ++i) stretch(i / 3, i % 3) = entry->first.stretch[static_cast<std::size_t>(i)];
@@ -95,15 +188,16 @@ void SceneQuery::reshape(std::uint32_t geometry, const Geometry& form) {
     // for.
     if (soup && soup->faces == shaped.soup.faces && shaped.tree && shaped.tree->refittable()) {
       shaped.soup = std::move(*soup);
+      shaped.form = ++forms_;
       shaped.tree->refit();
       ++counters_.hierarchies_refitted;
       ++entry;
       continue;
     }
-    for (Placed& placed : placed_) {
-      if (placed.shaped == &shaped) placed.shaped = nullptr;
+    for (const std::uint32_t i : shaped_by_.of(geometry)) {
+      if (placed_[i].shaped == &shaped) placed_[i].shaped = nullptr;
     }
-    entry = shaped_.erase(entry);
+    forget(entry++);
   }
 }
 
@@ -130,36 +224,47 @@ const LocalBox& SceneQuery::local_box(std::uint32_t geometry) {
   return *box;
 }
 
-const StretchedPose& SceneQuery::placed(std::uint32_t shape) {
+const SceneQuery::Placed& SceneQuery::placed(std::uint32_t shape) {
   Placed& at = placed_[shape];
-  if (!at.known) {
-    std::vector<TransformFields> path;
-    for (auto i = static_cast<std::int32_t>(shape); i >= 0; i = scene_.instances[static_cast<std::size_t>(i)].parent) {
-      const std::uint32_t t = scene_.instances[static_cast<std::size_t>(i)].transform;
-      if (t != Instance::kNone) path.push_back(transforms_[t]);
-    }
-    std::ranges::reverse(path);
-    at.at = stretched_pose(path);
-    at.known = true;
+  if (at.known) return at;
+  path_.clear();
+  for (auto i = static_cast<std::int32_t>(shape); i >= 0; i = scene_.instances[static_cast<std::size_t>(i)].parent) {
+    const std::uint32_t t = scene_.instances[static_cast<std::size_t>(i)].transform;
+    if (t != Instance::kNone) path_.push_back(transforms_[t]);
   }
-  return at.at;
+  std::ranges::reverse(path_);
+  const StretchedPose now = stretched_pose(path_);
+  if (at.shaped != nullptr && now.stretch != at.at.stretch) {
+    if (--at.shaped->users == 0) forget(shaped_.find(at.shaped->key));
+    at.shaped = nullptr;
+  }
+  const Affine from = at.world_from_shape;
+  at.at = now;
+  at.world_from_shape = {multiply(now.pose.orientation.toRotationMatrix(), now.stretch), now.pose.position};
+  at.settled_at = settled_;
+  if (std::exchange(at.was_known, true)) {
+    at.way_m = largest_way(from, at.world_from_shape, local_box(scene_.instances[shape].geometry));
+  }
+  at.known = true;
+  return at;
 }
 
 std::expected<SceneQuery::Shaped*, std::string> SceneQuery::shaped(std::uint32_t shape) {
+  const Mat3& stretch = placed(shape).at.stretch;
   if (placed_[shape].shaped != nullptr) return placed_[shape].shaped;
   const std::uint32_t geometry = scene_.instances[shape].geometry;
   StretchKey key{geometry, {}};
-  const Mat3& stretch = placed(shape).stretch;
   for (int i = 0; i < 9; ++i) key.stretch[static_cast<std::size_t>(i)] = stretch(i / 3, i % 3);
-  std::unique_ptr<Shaped>& known = shaped_[key];
-  if (known == nullptr) {
+  auto known = shaped_.find(key);
+  if (known == shaped_.end()) {
     auto soup = make_soup(mesh(geometry), stretch);
     if (!soup) return std::unexpected(scene_.path_of({shape}) + ": " + soup.error());
     ++counters_.soups_built;
-    known = std::make_unique<Shaped>(std::move(*soup));
+    known = shaped_.emplace(key, std::make_unique<Shaped>(key, ++forms_, std::move(*soup))).first;
   }
-  placed_[shape].shaped = known.get();
-  return known.get();
+  placed_[shape].shaped = known->second.get();
+  ++known->second->users;
+  return known->second.get();
 }
 
 std::optional<WideTree> SceneQuery::read_tree(std::uint32_t shape, const TriangleSoup& soup) {
@@ -177,7 +282,8 @@ std::optional<WideTree> SceneQuery::read_tree(std::uint32_t shape, const Triangl
   } else {
     why = tree.error();
   }
-  notes_.push_back(scene_.path_of({shape}) + ": hierarchyFile \"" + std::string(url) + "\" is not used: " + why);
+  std::string note = scene_.path_of({shape}) + ": hierarchyFile \"" + std::string(url) + "\" is not used: " + why;
+  if (std::ranges::find(notes_, note) == notes_.end()) notes_.push_back(std::move(note));
   return std::nullopt;
 }
 
@@ -192,6 +298,7 @@ WideTree& SceneQuery::tree(std::uint32_t shape, Shaped& shaped) {
 }
 
 std::expected<std::vector<SceneQuery::Baked>, std::string> SceneQuery::bake() {
+  settle();
   std::vector<Baked> files;
   std::map<std::string_view, const Shaped*> of_file;
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
@@ -214,19 +321,21 @@ std::expected<std::vector<SceneQuery::Baked>, std::string> SceneQuery::bake() {
 
 WorldBox SceneQuery::shape_box(std::uint32_t shape) {
   const LocalBox& local = local_box(scene_.instances[shape].geometry);
-  const StretchedPose& at = placed(shape);
-  const Mat3 rotation = at.pose.orientation.toRotationMatrix();
-  WorldBox box = transformed({multiply(rotation, at.stretch), at.pose.position}, local);
+  const Placed& placed_shape = placed(shape);
+  const Mat3& stretch = placed_shape.at.stretch;
+  WorldBox box = transformed(placed_shape.world_from_shape, local);
   ++counters_.boxes_placed;
   if (box.is_empty()) return box;
   // The vertices that decide are rounded on other ways, to the other shape's frame; these all err by a few units in the
   // last place of the largest numbers on their way.
   double linear = 0.0, reach = 0.0;
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) linear = std::max(linear, std::abs(at.stretch(i, j)));
+    for (int j = 0; j < 3; ++j) linear = std::max(linear, std::abs(stretch(i, j)));
     reach = std::max({reach, std::abs(static_cast<double>(local.lo[i])), std::abs(static_cast<double>(local.hi[i]))});
   }
   const double pad = 0x1p-44 * (largest(box) + 9.0 * linear * reach);
+  // Where numbers overflow, it is to be looked at and refused, not passed over.
+  if (!std::isfinite(pad)) return {Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity)};
   for (int i = 0; i < 3; ++i) {
     box.lo[i] -= pad;
     box.hi[i] += pad;
@@ -256,28 +365,35 @@ const WorldBox& SceneQuery::box(std::uint32_t instance, Surfaces which) {
 }
 
 // Of the vertices that polygons use.
+WorldBox SceneQuery::tight_shape_box(std::uint32_t shape) {
+  const Mesh& m = mesh(scene_.instances[shape].geometry);
+  const StretchedPose& at = placed(shape).at;
+  const Mat3 rotation = at.pose.orientation.toRotationMatrix();
+  const bool stretched = at.stretch != Mat3::Identity();
+  std::vector<bool> used(m.vertices.size());
+  for (const std::int32_t corner : m.corners) {
+    if (corner != Mesh::kEndOfPolygon) used[static_cast<std::size_t>(corner)] = true;
+  }
+  WorldBox box;
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (!used[v]) continue;
+    const Vec3 parsed = m.vertices[v].cast<double>();
+    box.merge(Vec3(multiply(rotation, stretched ? multiply(at.stretch, parsed) : parsed) + at.pose.position));
+    ++counters_.vertices_placed;
+  }
+  return box;
+}
+
 std::expected<WorldBox, std::string> SceneQuery::tight_box(ObjectId object) {
+  tight_boxes_.resize(scene_.instances.size());
   WorldBox box;
   for (std::uint32_t i = object.value; i < scene_.at(object).subtree_end; ++i) {
     if (!is_surface(i)) continue;
-    const Mesh& m = mesh(scene_.instances[i].geometry);
-    const StretchedPose& at = placed(i);
-    const Mat3 rotation = at.pose.orientation.toRotationMatrix();
-    const bool stretched = at.stretch != Mat3::Identity();
-    std::vector<bool> used(m.vertices.size());
-    for (const std::int32_t corner : m.corners) {
-      if (corner != Mesh::kEndOfPolygon) used[static_cast<std::size_t>(corner)] = true;
-    }
-    WorldBox of_shape;
-    for (std::size_t v = 0; v < used.size(); ++v) {
-      if (!used[v]) continue;
-      const Vec3 parsed = m.vertices[v].cast<double>();
-      of_shape.merge(Vec3(multiply(rotation, stretched ? multiply(at.stretch, parsed) : parsed) + at.pose.position));
-      ++counters_.vertices_placed;
-    }
-    if (!finite(of_shape))
+    std::optional<WorldBox>& of_shape = tight_boxes_[i];
+    if (!of_shape) of_shape = tight_shape_box(i);
+    if (!finite(*of_shape))
       return std::unexpected(scene_.path_of({i}) + ": its vertices have no finite place in the world");
-    box.merge(of_shape);
+    box.merge(*of_shape);
   }
   return box;
 }
@@ -285,8 +401,8 @@ std::expected<WorldBox, std::string> SceneQuery::tight_box(ObjectId object) {
 // The seed's listing 3.5: group against group, down to pairs of shapes whose boxes overlap.
 struct SceneQuery::Search {
   SceneQuery& query;
-  CollisionType type;
-  Collision& found;
+  const std::function<bool(const ClosePair&)>& visit;
+  double gap_m = 0.0;  // boxes that are no farther apart count as overlapping
   std::string error{};
 
   // True where the search is over.
@@ -294,13 +410,13 @@ struct SceneQuery::Search {
     const auto end = [&](std::uint32_t i) { return query.scene_.instances[i].subtree_end; };
     const std::uint32_t end_a = end(collider.value), end_b = end(collidee.value);
     for (std::uint32_t a = collider.value; a < end_a;) {
-      if (!overlap(query.box(a), query.box(collidee.value))) {
+      if (!overlap(query.box(a), query.box(collidee.value), gap_m)) {
         a = end(a);
         continue;
       }
       if (query.is_surface(a)) {
         for (std::uint32_t b = collidee.value; b < end_b;) {
-          const bool apart = !overlap(query.box(a), query.box(b));
+          const bool apart = !overlap(query.box(a), query.box(b), gap_m);
           if (!apart && a != b && query.is_surface(b) && shapes(a, b)) return true;
           b = apart ? end(b) : b + 1;
         }
@@ -319,24 +435,46 @@ struct SceneQuery::Search {
     if ((*of_collider)->soup.faces.empty() || (*of_collidee)->soup.faces.empty()) return false;
     const bool collider_first = collider < collidee;
     const std::uint32_t a = collider_first ? collider : collidee, b = collider_first ? collidee : collider;
-    WideTree& tree_a = query.tree(a, collider_first ? **of_collider : **of_collidee);
-    WideTree& tree_b = query.tree(b, collider_first ? **of_collidee : **of_collider);
-    const RelativeMotion a_from_b(query.placed(a).pose, query.placed(b).pose);
-    const auto report = [&](const PolygonPair& pair) {
-      const ShapePolygon of_a{{a}, pair.a}, of_b{{b}, pair.b};
-      found.pairs.push_back(collider_first ? ShapePair{of_a, of_b} : ShapePair{of_b, of_a});
-    };
-    if (type == CollisionType::kWitness) {
-      PolygonPair pair{};
-      if (query.query_.find_pair(tree_a, tree_b, a_from_b, pair)) report(pair);
-    } else {
-      for (const PolygonPair& pair : query.query_.all_pairs(tree_a, tree_b, a_from_b)) report(pair);
-    }
-    return type == CollisionType::kWitness && !found.pairs.empty();
+    Shaped& shaped_a = collider_first ? **of_collider : **of_collidee;
+    Shaped& shaped_b = collider_first ? **of_collidee : **of_collider;
+    return visit({a, b, shaped_a.form, shaped_b.form, &query.tree(a, shaped_a), &query.tree(b, shaped_b),
+                  RelativeMotion(query.placed(a).at.pose, query.placed(b).at.pose), collider_first});
   }
 };
 
+std::expected<void, std::string> SceneQuery::visit_close_pairs(ObjectId collider, ObjectId collidee,
+                                                               const std::function<bool(const ClosePair&)>& visit) {
+  settle();
+  Search search{*this, visit};
+  (void)search.run(collider, collidee);
+  if (!search.error.empty()) return std::unexpected(std::move(search.error));
+  return {};
+}
+
+bool SceneQuery::apart_by(ObjectId a, ObjectId b, double gap_m) {
+  settle();
+  bool apart = true;
+  const auto visit = [&](const ClosePair& close) {
+    apart = query_.apart_by(*close.tree_a, *close.tree_b, close.a_from_b, gap_m);
+    return !apart;
+  };
+  const std::function<bool(const ClosePair&)> visitor = std::ref(visit);
+  Search search{*this, visitor, gap_m};
+  (void)search.run(a, b);
+  return apart && search.error.empty();
+}
+
+double SceneQuery::way_m(ObjectId object) {
+  settle();
+  double most = 0.0;
+  for (std::uint32_t i = object.value; i < scene_.at(object).subtree_end; ++i) {
+    if (is_surface(i) && placed(i).settled_at == settled_) most = std::max(most, placed(i).way_m);
+  }
+  return most;
+}
+
 std::expected<Collision, std::string> SceneQuery::collide(ObjectId collider, ObjectId collidee, CollisionType type) {
+  settle();
   Collision found;
   if (type == CollisionType::kBox) {
     const auto a = tight_box(collider), b = tight_box(collidee);
@@ -345,9 +483,20 @@ std::expected<Collision, std::string> SceneQuery::collide(ObjectId collider, Obj
     found.colliding = overlap(*a, *b);
     return found;
   }
-  Search search{*this, type, found};
-  (void)search.run(collider, collidee);
-  if (!search.error.empty()) return std::unexpected(search.error);
+  const auto searched = visit_close_pairs(collider, collidee, [&](const ClosePair& close) {
+    const auto report = [&](const PolygonPair& pair) {
+      const ShapePolygon of_a{{close.a}, pair.a}, of_b{{close.b}, pair.b};
+      found.pairs.push_back(close.collider_first ? ShapePair{of_a, of_b} : ShapePair{of_b, of_a});
+    };
+    if (type == CollisionType::kWitness) {
+      PolygonPair pair{};
+      if (query_.find_pair(*close.tree_a, *close.tree_b, close.a_from_b, pair)) report(pair);
+      return !found.pairs.empty();
+    }
+    for (const PolygonPair& pair : query_.all_pairs(*close.tree_a, *close.tree_b, close.a_from_b)) report(pair);
+    return false;
+  });
+  if (!searched) return std::unexpected(searched.error());
   std::ranges::sort(found.pairs);
   found.colliding = !found.pairs.empty();
   return found;
@@ -365,7 +514,7 @@ std::expected<void, std::string> SceneQuery::pick_shape(std::uint32_t shape, con
   const auto of_shape = shaped(shape);
   if (!of_shape) return std::unexpected(of_shape.error());
   if ((*of_shape)->soup.faces.empty()) return {};
-  const Pose& pose = placed(shape).pose;
+  const Pose& pose = placed(shape).at.pose;
   const Mat3 back = pose.orientation.toRotationMatrix().transpose();
   const Ray ray{multiply(back, Vec3(world.origin - pose.position)), multiply(back, world.direction),
                 picked_ ? picked_->t : world.longest};
@@ -378,6 +527,7 @@ std::expected<void, std::string> SceneQuery::pick_shape(std::uint32_t shape, con
 
 std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& origin_world, const Vec3& direction_world,
                                                                  double longest_m) {
+  settle();
   Ray world{origin_world, direction_world, longest_m};
   if (!is_usable(world)) {
     return std::unexpected("a ray needs a finite origin, a direction that is neither zero nor infinite, and a length");
@@ -402,7 +552,7 @@ std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& ori
     }
   }
   if (!picked_) return std::nullopt;
-  const Mat3 rotation = placed(picked_->shape).pose.orientation.toRotationMatrix();
+  const Mat3 rotation = placed(picked_->shape).at.pose.orientation.toRotationMatrix();
   const Triangle triangle = placed_[picked_->shape].shaped->soup.triangle(picked_->hit.face);
   return Pick{{{picked_->shape}, picked_->hit.polygon},
               picked_->t * length,
@@ -415,6 +565,7 @@ std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& ori
 // below.
 template <class Found>
 void SceneQuery::look(std::uint32_t begin, std::uint32_t end, const Frustum& frustum, Found found) {
+  settle();
   open_.clear();
   for (std::uint32_t i = begin; i < end;) {
     while (!open_.empty() && open_.back().end <= i) open_.pop_back();
@@ -461,7 +612,7 @@ std::expected<bool, std::string> SceneQuery::shape_in_view(std::uint32_t shape, 
   const auto of_shape = shaped(shape);
   if (!of_shape) return std::unexpected(of_shape.error());
   if ((*of_shape)->soup.faces.empty()) return false;
-  return views_.may_be_in_view(tree(shape, **of_shape), placed(shape).pose, frustum, active, levels);
+  return views_.may_be_in_view(tree(shape, **of_shape), placed(shape).at.pose, frustum, active, levels);
 }
 
 SceneQueryCounters SceneQuery::counters() const {

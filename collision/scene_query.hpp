@@ -88,12 +88,15 @@ class SceneQuery {
   // Without a loader hierarchyFile is not looked at.
   explicit SceneQuery(const Scene& scene, HierarchyLoader load_hierarchy = {});  // the scene outlives it, at its place
 
-  // Where the Transforms are now, by their index in Scene::transforms; what is built stays. Before the first call they
-  // are where the file puts them.
-  void place(std::span<const TransformFields> transforms);
+  // Where a Transform is from now on, by its index in Scene::transforms; before, it is where the file puts it. Costs
+  // what is below it, when a question comes to that. What is built stays, but for forms that a scale made and no Shape
+  // has any more. False, and nothing is done, where it is there already.
+  bool move(std::uint32_t transform, const TransformFields& fields);
+  void place(std::span<const TransformFields> transforms);  // all; those that differ are moved
 
   // A geometry has another form from now on: flexible objects (the seed's 3.2.1), such as what a CoordinateInterpolator
-  // moves. Where only vertices moved, hierarchies are refitted, as deep as they are.
+  // moves. Where only vertices moved, hierarchies are refitted, as deep as they are; a witness that they find may then
+  // be another one than a new hierarchy finds.
   void reshape(std::uint32_t geometry, const Geometry& form);
 
   // Between the shapes that collide below (or at) two objects; a Shape doesn't collide with itself. Not within an
@@ -124,6 +127,35 @@ class SceneQuery {
   // Whether any polygon that is drawn below (or at) an object may be in view; false is certain. To the last triangle.
   [[nodiscard]] std::expected<bool, std::string> may_be_in_view(ObjectId object, const Frustum& frustum);
 
+  // A box of all that can collide below an object, with room for all rounding: objects whose boxes are apart don't
+  // collide, in any of the three ways. Valid until something moves.
+  [[nodiscard]] const WorldBox& box(ObjectId object) {
+    settle();
+    return box(object.value);
+  }
+  // How far what can collide below an object has gone from where it was when its box was asked for before [m]: no point
+  // farther, all rounding included. Only of what moved since the last question but these; reshaped ones don't count.
+  [[nodiscard]] double way_m(ObjectId object);
+  // Whether what can collide below two objects is certainly farther apart than that [m]; see WideQuery::apart_by().
+  [[nodiscard]] bool apart_by(ObjectId a, ObjectId b, double gap_m);
+
+  // Two Shapes whose boxes overlap, as the exact questions see them.
+  struct ClosePair {
+    std::uint32_t a = 0, b = 0;            // instances, a < b: a gives the frame
+    std::uint64_t form_a = 0, form_b = 0;  // another number, never used before, whenever the vertices are others
+    WideTree *tree_a = nullptr, *tree_b = nullptr;
+    RelativeMotion a_from_b;
+    bool collider_first = true;  // a is below the collider
+  };
+  // Those below two objects, in the order in which collide() looks for a witness, until `visit` says true. The error is
+  // collide()'s.
+  [[nodiscard]] std::expected<void, std::string> visit_close_pairs(ObjectId collider, ObjectId collidee,
+                                                                   const std::function<bool(const ClosePair&)>& visit);
+
+  // The instances that have a Transform, or a geometry: several where it is USEd.
+  [[nodiscard]] std::span<const std::uint32_t> instances_of_transform(std::uint32_t i) const { return moved_by_.of(i); }
+  [[nodiscard]] std::span<const std::uint32_t> instances_of_geometry(std::uint32_t i) const { return shaped_by_.of(i); }
+
   // The hierarchies of the Shapes below an object that collide and name a hierarchyFile, each file once: its URL and
   // what belongs in it.
   struct Baked {
@@ -135,35 +167,58 @@ class SceneQuery {
   // hierarchyFiles that were refused, each with its Shape and the reason; their hierarchies were built instead.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   [[nodiscard]] SceneQueryCounters counters() const;
+  [[nodiscard]] std::size_t forms() const { return shaped_.size(); }  // that are kept: geometries, each as it is scaled
 
  private:
-  struct Shaped {  // by geometry and stretch
-    TriangleSoup soup;
-    std::optional<WideTree> tree{};
-  };
   struct StretchKey {
     std::uint32_t geometry = 0;
     std::array<double, 9> stretch{};
     friend auto operator<=>(const StretchKey&, const StretchKey&) = default;
   };
+  struct Shaped {  // by geometry and stretch
+    StretchKey key;
+    std::uint64_t form = 0;
+    TriangleSoup soup;
+    std::optional<WideTree> tree{};
+    std::size_t users = 0;  // instances that were asked about
+  };
   // Of a placed instance: what is known of it now.
   struct Placed {
-    bool known = false;
+    bool known = false;  // `at` and what follows from it
+    bool was_known = false;
     StretchedPose at;
-    Shaped* shaped = nullptr;
+    Affine world_from_shape;
+    double way_m = 0.0;            // to there from where it was before
+    std::uint64_t settled_at = 0;  // when that was
+    Shaped* shaped = nullptr;      // of that stretch
+  };
+  // The instances that have each of a number of things, in order.
+  class Users {
+   public:
+    Users(const Scene& scene, std::uint32_t Instance::*thing, std::size_t things);
+    [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t thing) const {
+      return std::span(instances_).subspan(begin_[thing], begin_[thing + 1] - begin_[thing]);
+    }
+
+   private:
+    std::vector<std::uint32_t> begin_, instances_;
   };
   struct Search;
   enum class Surfaces : std::uint8_t { kColliding, kDrawn };
 
+  void settle();
+  void forget_box(std::uint32_t instance);
+  void forget(std::map<StretchKey, std::unique_ptr<Shaped>>::iterator shaped);
   [[nodiscard]] const Mesh& mesh(std::uint32_t geometry);
   [[nodiscard]] const LocalBox& local_box(std::uint32_t geometry);
-  [[nodiscard]] const StretchedPose& placed(std::uint32_t shape);
+  [[nodiscard]] const Placed& placed(std::uint32_t shape);
   [[nodiscard]] std::expected<Shaped*, std::string> shaped(std::uint32_t shape);
   [[nodiscard]] WideTree& tree(std::uint32_t shape, Shaped& shaped);
   [[nodiscard]] std::optional<WideTree> read_tree(std::uint32_t shape, const TriangleSoup& soup);
   [[nodiscard]] const WorldBox& box(std::uint32_t instance, Surfaces which = Surfaces::kColliding);
   [[nodiscard]] WorldBox shape_box(std::uint32_t shape);
   [[nodiscard]] std::expected<WorldBox, std::string> tight_box(ObjectId object);
+  [[nodiscard]] WorldBox tight_shape_box(std::uint32_t shape);
   [[nodiscard]] bool is_surface(std::uint32_t instance, Surfaces which = Surfaces::kColliding) const;
   [[nodiscard]] std::expected<void, std::string> pick_shape(std::uint32_t shape, const Ray& world);
   void enter(std::uint32_t instance, const Ray& world);
@@ -177,12 +232,17 @@ class SceneQuery {
   HierarchyLoader load_hierarchy_;
   std::vector<std::string> notes_;
   std::vector<TransformFields> transforms_;
+  Users moved_by_, shaped_by_;                        // by transform, by geometry
+  std::vector<std::uint32_t> moved_;                  // instances whose Transform has moved since the last question
   std::vector<std::optional<Mesh>> meshes_;           // by geometry
   std::vector<std::optional<LocalBox>> local_boxes_;  // ", of all vertices: fewer than there are corners
   std::map<StretchKey, std::unique_ptr<Shaped>> shaped_;
   std::vector<Placed> placed_;  // by instance
-  // By Surfaces and instance: of its subtree, with room for all rounding.
+  // By Surfaces and instance: of its subtree, with room for all rounding. Where one is known, all below it are.
   std::array<std::vector<std::optional<WorldBox>>, 2> boxes_;
+  std::vector<std::optional<WorldBox>> tight_boxes_;  // of an instance's own vertices; empty before kBox is asked
+  std::vector<TransformFields> path_;                 // scratch
+  std::uint64_t forms_ = 0, settled_ = 0;
   WideQuery query_;
   RayQuery rays_;
   ViewQuery views_;

@@ -73,6 +73,9 @@ class WideTree {
   [[nodiscard]] static constexpr Place place(Ref node, std::size_t i) {
     return node.index() * kWidth + static_cast<Place>(i);
   }
+  [[nodiscard]] static constexpr Ref parent(Place place) {
+    return {Ref::kNode, static_cast<std::uint32_t>(place / kWidth)};
+  }  // not of the root
   // What hangs there, built now if it never was: a node or a leaf. References to both stay valid.
   [[nodiscard]] Ref at(Place place) {
     const Ref ref = place == kRoot ? root_ : node_data_[place / kWidth].children[place % kWidth];

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <ostream>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "collision/collision_watch.hpp"
 #include "collision/scene_query.hpp"
 #include "core/predefined_motion.hpp"
 #include "peerd/config/hierarchy_files.hpp"
@@ -30,22 +34,42 @@ const char* name_of(CollisionType type) {
 }
 
 // What the file says, what its own movement makes of it by then, and, where nothing else moves an object, its
-// velocityVector since time 0 (seed, equation C.1).
-void go_to(collision::SceneQuery& query, const Scene& scene, double t_s) {
-  std::vector<TransformFields> transforms = scene.transforms;
-  PredefinedMotion motion(scene);
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (scene.instances[i].transform == Instance::kNone) continue;
-    TransformFields& fields = transforms[scene.instances[i].transform];
-    fields.translation = scene.transform({i}).translation + scene.object({i}).velocity * t_s;
+// velocityVector since time 0 (seed, equation C.1). For a SceneQuery or a CollisionWatch.
+class WorldMotion {
+ public:
+  explicit WorldMotion(const Scene& scene) : scene_(scene), motion_(scene), transforms_(scene.transforms) {}
+
+  template <class Target>
+  void go_to(Target& target, double t_s) {
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      if (scene_.instances[i].transform == Instance::kNone) continue;
+      TransformFields& fields = transforms_[scene_.instances[i].transform];
+      fields.translation = scene_.transform({i}).translation + scene_.object({i}).velocity * t_s;
+    }
+    for (const ObjectId id : motion_.driven_transforms()) {
+      transforms_[scene_.at(id).transform] = motion_.transform(id, t_s);
+    }
+    target.place(transforms_);
+    for (const std::uint32_t geometry : motion_.flexible_geometries()) bend(target, geometry, t_s);
   }
-  for (const ObjectId id : motion.driven_transforms()) {
-    transforms[scene.at(id).transform] = motion.transform(id, t_s);
+
+ private:
+  // Only where vertices have moved since the last time.
+  template <class Target>
+  void bend(Target& target, std::uint32_t geometry, double t_s) {
+    Geometry form = motion_.geometry(geometry, t_s);
+    const auto& points = std::get<FaceSetGeometry>(form).points;
+    const auto& [last, is_new] = points_.try_emplace(geometry, points);
+    if (!is_new && std::ranges::equal(last->second, points)) return;
+    last->second = points;
+    target.reshape(geometry, std::move(form));
   }
-  query.place(transforms);
-  for (const std::uint32_t geometry : motion.flexible_geometries())
-    query.reshape(geometry, motion.geometry(geometry, t_s));
-}
+
+  const Scene& scene_;
+  PredefinedMotion motion_;
+  std::vector<TransformFields> transforms_;
+  std::map<std::uint32_t, SharedArray<Eigen::Vector3f>> points_;  // by geometry
+};
 
 struct Answer {
   ObjectId collider, collidee;
@@ -90,15 +114,90 @@ void print_text(const Scene& scene, const Answer& answer, std::ostream& out) {
   if (pairs.size() > kShown) out << "  .. and " << pairs.size() - kShown << " more\n";
 }
 
+Json to_json(const Scene& scene, double time_s, const char* event, const collision::WatchedInterest& interest) {
+  return {{"time_s", time_s},
+          {"event", event},
+          {"collider", scene.path_of(interest.collider)},
+          {"collidee", scene.path_of(interest.collidee)},
+          {"type", name_of(interest.type)}};
+}
+
+// One tick's, as lines or into `events`.
+void report_tick(const Scene& scene, double time_s, const collision::CollisionWatch& watch,
+                 const collision::CollisionWatch::Tick& tick, bool json, Json& events, std::ostream& out) {
+  const auto report = [&](const char* event, std::uint32_t i) {
+    const collision::WatchedInterest& interest = watch.interests()[i];
+    if (json) {
+      events.push_back(to_json(scene, time_s, event, interest));
+    } else {
+      out << time_s << " s: " << scene.path_of(interest.collider) << " - " << scene.path_of(interest.collidee) << " ("
+          << name_of(interest.type) << ") " << event << '\n';
+    }
+  };
+  for (const std::uint32_t i : tick.ended) report("ended", i);
+  for (const std::uint32_t i : tick.began) report("began", i);
+  for (const auto& [object, value] : tick.not_colliding) {
+    if (json) {
+      events.push_back(
+          {{"time_s", time_s}, {"event", "notColliding"}, {"object", scene.path_of(object)}, {"value", value}});
+    } else {
+      out << time_s << " s: " << scene.path_of(object) << " notColliding " << (value ? "TRUE" : "FALSE") << '\n';
+    }
+  }
+}
+
+int watch_collisions(const std::string& path, const Scene& scene, const CollideOptions& options, std::ostream& out,
+                     std::ostream& err) {
+  const auto start = std::chrono::steady_clock::now();
+  collision::CollisionWatch watch(scene, config::mapped_hierarchies(path));
+  WorldMotion motion(scene);
+  Json events = Json::array();
+  std::uint64_t ticks = 0;
+  for (;; ++ticks) {
+    const double time_s = options.at_s + static_cast<double>(ticks) / options.hz;
+    if (!(time_s <= *options.until_s)) break;
+    motion.go_to(watch, time_s);
+    const collision::CollisionWatch::Tick& tick = watch.tick();
+    if (!tick.refused.empty()) {
+      err << path << ": error: " << tick.refused.front().why << '\n';
+      return 1;
+    }
+    report_tick(scene, time_s, watch, tick, options.json, events, out);
+  }
+  for (const std::string& note : watch.notes()) err << path << ": note: " << note << '\n';
+  const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
+  const collision::CollisionWatchCounters counters = watch.counters();
+  if (!options.json) {
+    out << ticks << " ticks; pairs of objects: " << counters.pairs_far << " far, " << counters.pairs_unmoved
+        << " unmoved, " << counters.pairs_separated << " separated, " << counters.pairs_asked
+        << " asked; of Shapes: " << counters.shapes.pairs_witnessed << " touching where they did, "
+        << counters.shapes.pairs_tested << " tested; " << micros.count() << " us\n";
+    return 0;
+  }
+  Json counted = to_json(counters.query);
+  counted.update({{"pairs_far", counters.pairs_far},
+                  {"pairs_unmoved", counters.pairs_unmoved},
+                  {"pairs_separated", counters.pairs_separated},
+                  {"pairs_asked", counters.pairs_asked},
+                  {"pairs_witnessed", counters.shapes.pairs_witnessed},
+                  {"pairs_tested", counters.shapes.pairs_tested}});
+  const Json json = {
+      {"world", path},  {"time_s", options.at_s},      {"until_s", *options.until_s},    {"hz", options.hz},
+      {"ticks", ticks}, {"events", std::move(events)}, {"counters", std::move(counted)}, {"micros", micros.count()}};
+  out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  return 0;
+}
+
 }  // namespace
 
 int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out, std::ostream& err) {
   const auto file = open_world(path, err);
   if (!file) return file.error();
   const Scene& scene = *(*file)->result.scene;
+  if (options.until_s) return watch_collisions(path, scene, options, out, err);
   const auto start = std::chrono::steady_clock::now();
   collision::SceneQuery query(scene, config::mapped_hierarchies(path));
-  go_to(query, scene, options.at_s);
+  WorldMotion(scene).go_to(query, options.at_s);
   std::vector<Answer> answers;
   for (const CollisionInterest& interest : scene.interests) {
     for (const ObjectId collidee : interest.collidees) {

@@ -141,10 +141,21 @@ void add_world_commands(CLI::App& app, WorldCommands& worlds) {
   worlds.check_command->add_option("--at", worlds.check.at_s,
                                    "say where its own movement has brought things after so many seconds");
   worlds.collide_command =
-      add("collide", "which objects of a world collide: all its interests, once", worlds.collide.json);
+      add("collide", "which objects of a world collide: all its interests, once or tick by tick", worlds.collide.json);
+  const auto is_time = [](const std::string& text) {
+    return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "a time is a finite number of seconds";
+  };
   worlds.collide_command->add_option("--at", worlds.collide.at_s, "when: the time of its TimeSensors [s]")
+      ->check(is_time);
+  auto* const until =
+      worlds.collide_command
+          ->add_option("--until", worlds.collide.until_s, "from then on until this time [s]: what begins and what ends")
+          ->check(is_time);
+  worlds.collide_command->add_option("--hz", worlds.collide.hz, "ticks a second (default: 60)")
+      ->needs(until)
       ->check([](const std::string& text) {
-        return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "a time is a finite number of seconds";
+        const double hz = std::strtod(text.c_str(), nullptr);
+        return std::isfinite(hz) && hz > 0.0 ? "" : "a frequency is a positive number of ticks a second";
       });
   worlds.bake_command = add("bake", "write the hierarchy files that a world's Shapes name", worlds.bake_json);
 }

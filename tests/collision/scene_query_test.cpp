@@ -107,6 +107,94 @@ TEST(SceneQuery, FollowsWhatMoves) {
   EXPECT_EQ(query.counters().meshes_built, 2u);
 }
 
+TEST(SceneQuery, MovingOneCostsWhatIsBelowIt) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children [
+      DEF B Transform { children [ Shape { geometry Box {} } Shape { geometry Cone {} } ] }
+      DEF C Transform { children Shape { geometry Sphere {} } } ] }
+    DEF D Transform { translation 9 0 0 children Shape { geometry Box {} } })");
+  SceneQuery query(scene);
+  const auto placed_for_a = [&] {
+    const std::uint64_t before = query.counters().boxes_placed;
+    (void)query.box(id(scene, "A"));
+    (void)query.box(id(scene, "D"));
+    return query.counters().boxes_placed - before;
+  };
+  EXPECT_EQ(placed_for_a(), 4u);
+  EXPECT_EQ(placed_for_a(), 0u);
+  TransformFields moved;
+  moved.translation = {0, 5, 0};
+  EXPECT_TRUE(query.move(scene.at(id(scene, "B")).transform, moved));
+  EXPECT_EQ(placed_for_a(), 2u);
+  EXPECT_GT(query.box(id(scene, "A")).hi[1], 5.9);
+  EXPECT_LT(query.box(id(scene, "C")).hi[1], 1.1);
+  EXPECT_FALSE(query.move(scene.at(id(scene, "B")).transform, moved));
+  query.move(scene.at(id(scene, "C")).transform, moved);
+  query.move(scene.at(id(scene, "A")).transform, moved);
+  query.move(scene.at(id(scene, "B")).transform, TransformFields{});
+  EXPECT_EQ(placed_for_a(), 3u);
+  EXPECT_GT(query.box(id(scene, "C")).hi[1], 10.9);
+}
+
+// No corner of a Shape's box goes farther than the way, however it is turned and scaled, and one goes as far.
+TEST(SceneQuery, WaysAreThoseOfTheFarthestCorners) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children DEF B Transform { translation 1 2 3 children [
+      Shape { geometry Box { size 1 2 3 } } Transform { translation 4 0 0 children DEF S Shape { geometry IndexedFaceSet {
+        coord Coordinate { point [ 3 0 0, 5 1 0, 3 2 2 ] } coordIndex [ 0 1 2 ] } } } ] } })");
+  SceneQuery query(scene);
+  std::vector<TransformFields> transforms = scene.transforms;
+  const auto corners = [&] {
+    std::vector<Vec3> all;
+    Scene now = scene;
+    now.transforms = transforms;
+    for (std::uint32_t i = 0; i < now.instances.size(); ++i) {
+      if (now.geometry({i}) == nullptr) continue;
+      const LocalBox box = box_of(build_mesh(*now.geometry({i})));
+      for (int corner = 0; corner < 8; ++corner) {
+        Vec3 p;
+        for (int k = 0; k < 3; ++k) p[k] = (corner >> k & 1) == 0 ? box.lo[k] : box.hi[k];
+        all.push_back(now.world_from_local({i}) * p);
+      }
+    }
+    return all;
+  };
+  (void)query.box(id(scene, "A"));
+  Numbers numbers(6);
+  for (int i = 0; i < 200; ++i) {
+    const std::vector<Vec3> before = corners();
+    TransformFields& moved = transforms[static_cast<std::size_t>(i) % transforms.size()];
+    const double size = std::exp2(numbers.between(-30, 2));
+    moved.translation += numbers.point(size);
+    moved.rotation = normalized(multiply(moved.rotation, quat_exp(numbers.point(size))));
+    if (i % 5 == 0) moved.scale = Vec3(1, 1, 1) + numbers.point(0.3);
+    query.place(transforms);
+    (void)query.box(id(scene, "A"));
+    const std::vector<Vec3> after = corners();
+    double farthest = 0.0;
+    for (std::size_t v = 0; v < after.size(); ++v) farthest = std::max(farthest, (after[v] - before[v]).norm());
+    EXPECT_GE(query.way_m(id(scene, "A")), farthest);
+    EXPECT_LE(query.way_m(id(scene, "A")), farthest * (1.0 + 1e-9) + 1e-9);
+    EXPECT_LE(query.way_m(id(scene, "S")), query.way_m(id(scene, "B")));
+  }
+}
+
+// What scales all the time doesn't fill the memory.
+TEST(SceneQuery, ForgetsFormsThatNoShapeHasAnyMore) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children Shape { geometry Box {} } }
+    DEF B Transform { translation 1 0 0 children Shape { geometry Sphere {} } })");
+  SceneQuery query(scene);
+  for (int i = 1; i <= 50; ++i) {
+    TransformFields scaled;
+    scaled.scale = {1.0 + 0.01 * i, 1, 1};
+    query.move(scene.at(id(scene, "A")).transform, scaled);
+    EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+    EXPECT_EQ(query.counters().soups_built, 1u + static_cast<unsigned>(i));
+    EXPECT_EQ(query.forms(), 2u);
+  }
+}
+
 TEST(SceneQuery, FollowsWhatBends) {
   const Scene scene = scene_of(R"(
     DEF A Shape { geometry IndexedFaceSet {

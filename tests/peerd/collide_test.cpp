@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -120,6 +121,94 @@ TEST(Collide, WhatMovesByItselfIsWhereItIsByThen) {
   EXPECT_EQ(colliding(7.5), std::pair(false, false));
   EXPECT_EQ(colliding(8.0), std::pair(true, true));
   EXPECT_EQ(colliding(10.5), std::pair(true, false));
+}
+
+Outcome watch(const std::filesystem::path& world, const CollideOptions& options) {
+  std::ostringstream out, err;
+  const int exit_code = run_collide(world.string(), options, out, err);
+  return {exit_code, out.str(), err.str()};
+}
+
+// B meets A at 8 s and leaves it at 12 s; C falls on A from 8 s to 10 s, where it still is at the end of the cycle. D
+// is a Shape: no eventOut.
+constexpr std::string_view kMoving = R"(
+    DEF A Transform { children Shape { geometry Box {} } }
+    DEF B Transform { translation 10 0 0 velocityVector -1 0 0 children DEF D Shape { geometry Box {} } }
+    DEF C Transform { children Shape { geometry Box {} } }
+    DEF T TimeSensor { cycleInterval 10 loop TRUE startTime 0 }
+    DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 10 0, 0 0 0 ] }
+    ROUTE T.fraction_changed TO P.set_fraction
+    ROUTE P.value_changed TO C.set_translation
+    CollisionInterest { objectPath "A" interests [ "D" "C" ] collisionType 1 })";
+
+TEST(Collide, UntilATimeSaysWhatBeginsAndEnds) {
+  const ScratchFolder folder;
+  const auto world = write(folder, kMoving);
+  const Outcome outcome = watch(world, {.json = true, .at_s = 7.0, .until_s = 12.75, .hz = 4.0});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = outcome.json();
+  EXPECT_THAT(keys_of(json), ElementsAre("world", "time_s", "until_s", "hz", "ticks", "events", "counters", "micros"));
+  EXPECT_EQ(json["ticks"], 24);
+  EXPECT_EQ(json["events"], Json::parse(R"([
+    {"time_s": 8.0, "event": "began", "collider": "A", "collidee": "B/D", "type": "witness"},
+    {"time_s": 8.0, "event": "began", "collider": "A", "collidee": "C", "type": "witness"},
+    {"time_s": 8.0, "event": "notColliding", "object": "A", "value": false},
+    {"time_s": 8.0, "event": "notColliding", "object": "C", "value": false},
+    {"time_s": 10.25, "event": "ended", "collider": "A", "collidee": "C", "type": "witness"},
+    {"time_s": 10.25, "event": "notColliding", "object": "C", "value": true},
+    {"time_s": 12.25, "event": "ended", "collider": "A", "collidee": "B/D", "type": "witness"},
+    {"time_s": 12.25, "event": "notColliding", "object": "A", "value": true}])"));
+  const Json& counters = json["counters"];
+  EXPECT_EQ(counters["pairs_far"].get<int>() + counters["pairs_unmoved"].get<int>() +
+                counters["pairs_separated"].get<int>() + counters["pairs_asked"].get<int>(),
+            48);
+  EXPECT_GT(counters["pairs_far"], 10);
+  EXPECT_THAT(
+      watch(world, {.until_s = 8.0}).out,
+      HasSubstr("8 s: A - C (witness) began\n8 s: A notColliding FALSE\n8 s: C notColliding FALSE\n481 ticks;"));
+}
+
+// Tick by tick is what asking at each time says, also of what bends.
+TEST(Collide, UntilATimeAgreesWithAskingAtEachTime) {
+  const ScratchFolder folder;
+  const auto world = write(folder, std::string(kMoving) + R"(
+    DEF E Shape { geometry IndexedFaceSet { coord DEF F Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 ] } }
+    DEF G Transform { translation 0 5 0 children Shape { geometry Box { size 2 2 2 } } }
+    DEF Q CoordinateInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0, 0 1 0, 0 0 0, 1 0 0, 0 11 0 ] }
+    ROUTE T.fraction_changed TO Q.set_fraction
+    ROUTE Q.value_changed TO F.set_point
+    CollisionInterest { objectPath "E" interests [ "G" "C" ] collisionType 2 })");
+  const Json events = watch(world, {.json = true, .until_s = 14.0, .hz = 8.0}).json()["events"];
+  std::map<std::string, bool> colliding;
+  std::size_t changes = 0, i = 0;
+  for (int tick = 0; tick <= 112; ++tick) {
+    for (; i < events.size() && events[i]["time_s"] == tick / 8.0; ++i) {
+      const Json& event = events[i];
+      if (event["event"] == "notColliding") continue;
+      colliding[event["collider"].get<std::string>() + event["collidee"].get<std::string>()] =
+          event["event"] == "began";
+      ++changes;
+    }
+    for (const Json& interest : collide(world, tick / 8.0).json()["interests"]) {
+      EXPECT_EQ(interest["colliding"],
+                colliding[interest["collider"].get<std::string>() + interest["collidee"].get<std::string>()])
+          << tick << interest;
+    }
+  }
+  EXPECT_EQ(i, events.size());
+  EXPECT_GT(changes, 8u);
+}
+
+TEST(Collide, UntilATimeRefusesByNameToo) {
+  const ScratchFolder folder;
+  const Outcome outcome = watch(write(folder, R"(
+    Transform { scale 1 10 1 children DEF A Shape { geometry IndexedFaceSet {
+      coord Coordinate { point [ 0 0 0, 1 0 0, 0 3e38 0 ] } coordIndex [ 0 1 2 ] } } }
+    DEF B Shape { geometry Box {} }
+    CollisionInterest { objectPath "A" interests "B" collisionType 1 })"),
+                                {.until_s = 1.0});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("0/A: vertex 2 of polygon 0"));
 }
 
 TEST(Collide, WhatBendsByItselfIsAsItIsByThen) {
