@@ -58,6 +58,9 @@ class CollisionWatch {
   // All interests, in file order: an interest is its place here.
   [[nodiscard]] std::span<const WatchedInterest> interests() const { return interests_; }
 
+  // What kBox compares, from the next tick on; before the first one.
+  void use_boxes(BoxBound bound) { query_.use_boxes(bound); }
+
   // What is said between two ticks counts from the next one on. Transforms and geometries by their indices in Scene;
   // before the first word of them they are as the file has them.
   void move(std::uint32_t transform, const TransformFields& fields);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "collision/hierarchy_file.hpp"
+#include "collision/realigned_box.hpp"
 
 namespace peerd::collision {
 namespace {
@@ -177,6 +178,7 @@ void SceneQuery::reshape(std::uint32_t geometry, const Geometry& form) {
   for (const std::uint32_t i : shaped_by_.of(geometry)) {
     forget_box(i);
     if (!tight_boxes_.empty()) tight_boxes_[i].reset();
+    if (!dops_.empty()) dops_[i].reset();
   }
   for (auto entry = shaped_.lower_bound({geometry, kLeastStretch});
        entry != shaped_.end() && entry->first.geometry == geometry;) {
@@ -384,13 +386,36 @@ WorldBox SceneQuery::tight_shape_box(std::uint32_t shape) {
   return box;
 }
 
+// Not beyond what broad phases are told, or they would pass over what it says.
+WorldBox SceneQuery::realigned_shape_box(std::uint32_t shape) {
+  const StretchedPose& at = placed(shape).at;
+  dops_.resize(scene_.instances.size());
+  std::optional<StretchedDop>& known = dops_[shape];
+  if (!known || known->stretch != at.stretch) {
+    known = {at.stretch, dop_of(mesh(scene_.instances[shape].geometry), at.stretch)};
+  }
+  WorldBox out = realigned_box(known->dop, at.pose);
+  if (out.is_empty()) return out;
+  const WorldBox& most = box(shape);
+  for (int k = 0; k < 3; ++k) {
+    out.lo[k] = std::max(out.lo[k], most.lo[k]);
+    out.hi[k] = std::min(out.hi[k], most.hi[k]);
+  }
+  return out;
+}
+
+void SceneQuery::use_boxes(BoxBound bound) {
+  box_bound_ = bound;
+  tight_boxes_.clear();
+}
+
 std::expected<WorldBox, std::string> SceneQuery::tight_box(ObjectId object) {
   tight_boxes_.resize(scene_.instances.size());
   WorldBox box;
   for (std::uint32_t i = object.value; i < scene_.at(object).subtree_end; ++i) {
     if (!is_surface(i)) continue;
     std::optional<WorldBox>& of_shape = tight_boxes_[i];
-    if (!of_shape) of_shape = tight_shape_box(i);
+    if (!of_shape) of_shape = box_bound_ == BoxBound::kVertices ? tight_shape_box(i) : realigned_shape_box(i);
     if (!finite(*of_shape))
       return std::unexpected(scene_.path_of({i}) + ": its vertices have no finite place in the world");
     box.merge(*of_shape);

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "collision/kdop.hpp"
 #include "collision/ray_query.hpp"
 #include "collision/view_query.hpp"
 #include "collision/wide_query.hpp"
@@ -75,6 +76,11 @@ struct MappedFile {
 // The file of a Shape's hierarchyFile; nothing where there is no such file; or why it can't be read, in a few words.
 using HierarchyLoader = std::function<std::expected<std::optional<MappedFile>, std::string>(std::string_view url)>;
 
+enum class BoxBound : std::uint8_t {
+  kVertices,   // the boxes of the vertices
+  kRealigned,  // the seed's (realigned_box.hpp), but no larger than box(): of no vertex's cost once a form was seen
+};
+
 // Which of a scene's objects collide, at one time. Nothing is built that no question needs: kBox reads vertices only;
 // polygons are triangulated when the boxes of two shapes overlap, and a hierarchy is built as deep as it is visited.
 // One mesh, soup and hierarchy serve all instances that have the same geometry, stretch and splitThreshold.
@@ -87,6 +93,9 @@ class SceneQuery {
  public:
   // Without a loader hierarchyFile is not looked at.
   explicit SceneQuery(const Scene& scene, HierarchyLoader load_hierarchy = {});  // the scene outlives it, at its place
+
+  // What kBox compares from now on.
+  void use_boxes(BoxBound bound);
 
   // Where a Transform is from now on, by its index in Scene::transforms; before, it is where the file puts it. Costs
   // what is below it, when a question comes to that. What is built stays, but for forms that a scale made and no Shape
@@ -219,6 +228,7 @@ class SceneQuery {
   [[nodiscard]] WorldBox shape_box(std::uint32_t shape);
   [[nodiscard]] std::expected<WorldBox, std::string> tight_box(ObjectId object);
   [[nodiscard]] WorldBox tight_shape_box(std::uint32_t shape);
+  [[nodiscard]] WorldBox realigned_shape_box(std::uint32_t shape);
   [[nodiscard]] bool is_surface(std::uint32_t instance, Surfaces which = Surfaces::kColliding) const;
   [[nodiscard]] std::expected<void, std::string> pick_shape(std::uint32_t shape, const Ray& world);
   void enter(std::uint32_t instance, const Ray& world);
@@ -241,7 +251,14 @@ class SceneQuery {
   // By Surfaces and instance: of its subtree, with room for all rounding. Where one is known, all below it are.
   std::array<std::vector<std::optional<WorldBox>>, 2> boxes_;
   std::vector<std::optional<WorldBox>> tight_boxes_;  // of an instance's own vertices; empty before kBox is asked
-  std::vector<TransformFields> path_;                 // scratch
+  BoxBound box_bound_ = BoxBound::kVertices;
+  // By instance, for kRealigned: of its form with that stretch.
+  struct StretchedDop {
+    Mat3 stretch;
+    Kdop<18> dop;
+  };
+  std::vector<std::optional<StretchedDop>> dops_;
+  std::vector<TransformFields> path_;  // scratch
   std::uint64_t forms_ = 0, settled_ = 0;
   WideQuery query_;
   RayQuery rays_;

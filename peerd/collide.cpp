@@ -21,6 +21,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+collision::BoxBound box_bound(const CollideOptions& options) {
+  return options.realigned_boxes ? collision::BoxBound::kRealigned : collision::BoxBound::kVertices;
+}
+
 const char* name_of(CollisionType type) {
   switch (type) {
     case CollisionType::kBox:
@@ -150,6 +154,7 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
                      std::ostream& err) {
   const auto start = std::chrono::steady_clock::now();
   collision::CollisionWatch watch(scene, config::mapped_hierarchies(path));
+  watch.use_boxes(box_bound(options));
   WorldMotion motion(scene);
   Json events = Json::array();
   std::uint64_t ticks = 0;
@@ -197,6 +202,7 @@ int run_collide(const std::string& path, const CollideOptions& options, std::ost
   if (options.until_s) return watch_collisions(path, scene, options, out, err);
   const auto start = std::chrono::steady_clock::now();
   collision::SceneQuery query(scene, config::mapped_hierarchies(path));
+  query.use_boxes(box_bound(options));
   WorldMotion(scene).go_to(query, options.at_s);
   std::vector<Answer> answers;
   for (const CollisionInterest& interest : scene.interests) {

@@ -38,6 +38,7 @@ struct CollideOptions {
   double at_s = 0.0;  // TimeSensor time; velocityVectors have moved their objects since 0
   std::optional<double> until_s{};
   double hz = 60.0;
+  bool realigned_boxes = false;  // type box by the seed's larger boxes: collision::BoxBound
 };
 [[nodiscard]] int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out,
                               std::ostream& err);

@@ -157,6 +157,8 @@ void add_world_commands(CLI::App& app, WorldCommands& worlds) {
         const double hz = std::strtod(text.c_str(), nullptr);
         return std::isfinite(hz) && hz > 0.0 ? "" : "a frequency is a positive number of ticks a second";
       });
+  worlds.collide_command->add_flag("--realigned-boxes", worlds.collide.realigned_boxes,
+                                   "type box by the seed's larger boxes, which no vertex is read for");
   worlds.bake_command = add("bake", "write the hierarchy files that a world's Shapes name", worlds.bake_json);
 }
 

@@ -505,6 +505,30 @@ TEST(SceneView, PickingAndLookingAllocateNothingOnceAllIsBuilt) {
 }
 #endif
 
+// The seed's box holds every vertex, is larger than theirs where an object is turned, and reads none again.
+TEST(SceneQuery, RealignedBoxesAreLargerAndReadNoVertexTwice) {
+  const std::string ball = "Shape { geometry Sphere { radius 1 } }";
+  const Scene scene = scene_of("DEF A Transform { rotation 1 1 0.3 0.7 children " + ball + "}" +
+                               "DEF B Transform { rotation 0.2 1 0.5 0.4 translation 3 0 0 children " + ball + "}" +
+                               "CollisionInterest { objectPath \"A\" interests \"B\" }");
+  const ObjectId a = scene.find("A").value(), b = scene.find("B").value();
+  SceneQuery tight(scene), loose(scene);
+  loose.use_boxes(BoxBound::kRealigned);
+  int only_loose = 0;
+  for (int i = 0; i < 400; ++i) {
+    TransformFields moved = scene.transform(b);
+    moved.translation = {1.9 + 0.001 * i, 0, 0};
+    for (SceneQuery* query : {&tight, &loose}) query->move(scene.at(b).transform, moved);
+    const bool by_vertices = tight.collide(a, b, CollisionType::kBox).value().colliding;
+    const bool realigned = loose.collide(a, b, CollisionType::kBox).value().colliding;
+    ASSERT_TRUE(realigned || !by_vertices) << i;
+    only_loose += realigned && !by_vertices;
+  }
+  EXPECT_GT(only_loose, 20);
+  EXPECT_EQ(loose.counters().vertices_placed, 0u);
+  EXPECT_EQ(loose.counters().soups_built, 0u);
+}
+
 // Not rounded where only the last transform scales; with rotations between, rotation * stretch is the whole map.
 TEST(StretchedPose, IsThePathInTwoParts) {
   TransformFields turn, stretch;

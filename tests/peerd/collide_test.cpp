@@ -86,6 +86,21 @@ TEST(Collide, JsonIsAsItIsPromised) {
   EXPECT_THAT(collide(folder.path() / "world.wrl", 0.0, false).out, HasSubstr("A - B (allpairs): colliding, 1 pair"));
 }
 
+// The boxes of their vertices are apart, the seed's overlap.
+TEST(Collide, BoxesCanBeTheSeedsLargerOnes) {
+  const ScratchFolder folder;
+  const auto world = write(folder, R"(
+    DEF A Transform { rotation 1 1 0.3 0.7 children Shape { geometry Sphere { } } }
+    DEF B Transform { rotation 0.2 1 0.5 0.4 translation 2.03 0 0 children Shape { geometry Sphere { } } }
+    CollisionInterest { objectPath "A" interests "B" }
+  )");
+  for (const bool realigned : {false, true}) {
+    std::ostringstream out, err;
+    ASSERT_EQ(run_collide(world, {.json = true, .realigned_boxes = realigned}, out, err), 0) << err.str();
+    EXPECT_EQ(Json::parse(out.str())["interests"][0]["colliding"], realigned);
+  }
+}
+
 // 2^-20 m at 10^6 m is no more than at the origin.
 TEST(Collide, FarFromTheOriginIsAsAtTheOrigin) {
   const ScratchFolder folder;
