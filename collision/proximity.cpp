@@ -3,8 +3,10 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/mesh_distance.hpp"
 #include "collision/ordered_sums.hpp"
 #include "collision/quadratic.hpp"
+#include "collision/time_of_impact.hpp"
 
 namespace peerd::collision {
 namespace {
@@ -12,6 +14,12 @@ namespace {
 Vec3 sphere_center(const MovingBody& m) {
   return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.center);
 }
+
+constexpr std::uint32_t kMost = 1024;
+
+// Between calls they keep memory, never values.
+thread_local MeshImpactQuery impacts;
+thread_local MeshDistanceQuery distances;
 
 }  // namespace
 
@@ -26,6 +34,19 @@ double proximity_time_s(const MovingBody& p, const MovingBody& q) {
   // Apart now, so both roots lie on the same side of 0: the nearer one is the answer.
   const auto [first, second] = roots(apart, d);
   return first >= 0.0 ? first : -2.0 * second;
+}
+
+bool may_come_near(const MovingBody& p, const MovingBody& q, double within_s, double margin_m) {
+  if (!answerable(p.body, q.body)) return true;
+  Surface &of_p = *p.body.surface, &of_q = *q.body.surface;
+  if (of_p.soup().faces.empty() || of_q.soup().faces.empty()) return false;
+  const MeshDistance now =
+      distances.distance(of_p.tree(), of_q.tree(), RelativeMotion(p.motion.pose(), q.motion.pose()),
+                         {.enough_m = margin_m, .near_m = margin_m, .most_iterations = kMost});
+  if (now.lower_m < margin_m) return true;
+  const MeshImpact impact = impacts.first_impact(of_p.tree(), p.motion, of_q.tree(), q.motion, within_s,
+                                                 {.tolerance_m = 2.0 * margin_m, .most_iterations = kMost});
+  return impact.state != MeshImpactState::kSeparated;
 }
 
 }  // namespace peerd::collision

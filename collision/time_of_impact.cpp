@@ -205,7 +205,7 @@ class MeshImpactQuery::Search {
   std::uint32_t search_window(double from_s, double until_s, std::uint32_t most_work) {
     const KinematicState at_a = advance(motion_a_, from_s), at_b = advance(motion_b_, from_s);
     const Moment now(at_a, at_b);
-    const WideMotion wide(a_, b_, now.a_from_b);
+    const WideMotion wide(a_, b_, now.a_from_b, 0.5 * options_.tolerance_m);
     const WideSpeeds speeds = speeds_at(at_a, at_b, until_s - from_s);
     stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
     Masks masks;

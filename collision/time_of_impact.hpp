@@ -11,7 +11,7 @@
 namespace peerd::collision {
 
 enum class MeshImpactState : std::uint8_t {
-  kSeparated,   // certainly no contact within the step
+  kSeparated,   // certainly no contact within the step: nothing came as near as half the tolerance, but to part
   kHit,         // nearer than the tolerance at `time_s` and not parting, and no contact before
   kOverlapped,  // they touch at the start: exact
   kOutOfWork,   // failed: no contact before `time_s`, nothing is known of later; the iterations ran out

@@ -287,6 +287,7 @@ const PeerLog& PeerNode::log() {
        {"updates_repeated", c.updates_repeated},
        {"updates_duplicate", c.updates_duplicate},
        {"proximity_tests", c.proximity_tests},
+       {"proximity_refined", c.proximity_refined},
        {"contact_searches", m.contact_searches},
        {"contact_searches_skipped", m.searches_skipped},
        {"contacts", m.contacts},

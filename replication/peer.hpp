@@ -143,6 +143,7 @@ class Peer {
     std::uint64_t updates_repeated = 0;   // second copies sent; not in updates_out
     std::uint64_t updates_duplicate = 0;  // copies of what was applied already
     std::uint64_t proximity_tests = 0;
+    std::uint64_t proximity_refined = 0;  // those that spheres didn't settle
   };
 
   // The model outlives the peer.
@@ -236,7 +237,7 @@ class Peer {
   [[nodiscard]] SimTime last_decision(ObjectId object) const;
   void publish(SimTime t);
   void repeat_updates();
-  [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t);
+  [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t, double threshold_m);
   void set_ghost(ObjectId object, SimTime t, const KinematicState& state);
   void flush_records(bool decisions);
   void send_hello(HostTime now, bool leaving);

@@ -77,7 +77,7 @@ void Peer::publish(SimTime t) {
     const KinematicState truth = replica_->truth.at(object, t);
     const GhostError error = ghost_error(truth, replica_->ghosts.at(object, t));
     double threshold_m = policy.error_threshold_m.value_or(model_.scene->object(object).distance_threshold_m);
-    if (policy.track_proximity && in_close_proximity(object, t)) {
+    if (policy.track_proximity && in_close_proximity(object, t, threshold_m)) {
       threshold_m = std::min(threshold_m, policy.tight_threshold_m);
     }
     if (own.starts && t >= *own.starts) {  // it has begun to move: nobody could know
@@ -99,7 +99,7 @@ void Peer::publish(SimTime t) {
   }
 }
 
-bool Peer::in_close_proximity(ObjectId object, SimTime t) {
+bool Peer::in_close_proximity(ObjectId object, SimTime t, double threshold_m) {
   const collision::Body* body = model_.body(object);
   if (body == nullptr) return false;
   const KinematicState state = replica_->truth.at(object, t);
@@ -110,8 +110,12 @@ bool Peer::in_close_proximity(ObjectId object, SimTime t) {
     if (other_owner == kNobody || other_owner == config_.id) return false;  // seed, table 4.1: remote-enslaved only
     ++counters_.proximity_tests;
     const KinematicState other_state = replica_->truth.at(other, t);
-    return collision::proximity_time_s({*body, state}, {*model_.body(other), other_state}) <
-           config_.policy.close_proximity_s;
+    const collision::MovingBody here{*body, state}, there{*model_.body(other), other_state};
+    const double within_s = config_.policy.close_proximity_s;
+    if (!(collision::proximity_time_s(here, there) < within_s)) return false;
+    if (!config_.policy.refine_proximity || pair.type == CollisionType::kBox) return true;
+    ++counters_.proximity_refined;
+    return collision::may_come_near(here, there, within_s, threshold_m);
   });
 }
 

@@ -19,6 +19,8 @@ struct PublishPolicy {
   double close_proximity_s = 0.5;  // the seed's close proximity threshold
   bool predict_collisions = true;  // remote collision prediction
   bool track_proximity = true;     // adaptive collision prediction tracking
+  // Of what bounding spheres say is close, only those whose polygons may come nearer than the object's own threshold.
+  bool refine_proximity = false;
 };
 
 enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner };

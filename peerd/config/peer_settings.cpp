@@ -64,6 +64,9 @@ ReplicationSettings read_replication(TomlReader reader) {
   reader.read("error_threshold_m", s.policy.error_threshold_m, 0.0, kFar_m);
   reader.read("close_threshold_m", s.policy.tight_threshold_m, 0.0, kFar_m);
   reader.read("close_proximity_s", s.policy.close_proximity_s, 0.0, kForever_s);
+  std::size_t proximity = 0;
+  reader.read_word("proximity", proximity, {"spheres", "surfaces"});
+  s.policy.refine_proximity = proximity == 1;
   double angle_deg = s.policy.angle_threshold_rad * 180.0 / std::numbers::pi;
   reader.read("angle_threshold_deg", angle_deg, 0.0, 180.0);
   s.policy.angle_threshold_rad = angle_deg * std::numbers::pi / 180.0;

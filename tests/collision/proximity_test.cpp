@@ -48,5 +48,28 @@ TEST(Proximity, CenterOffTheOriginTurnsWithTheBody) {
   EXPECT_NEAR(proximity_time_s({p, turned}, {q, there}), 10.0 - std::sqrt(3.0), 1e-6);
 }
 
+TEST(Proximity, OfALongWallOnlyWhatComesNear) {
+  const Body car = box(4, 1, 2), wall = box(100, 4, 0.5F);
+  const KinematicState still = moving({0, 0, -3.75});
+  const auto near = [&](const KinematicState& s) { return may_come_near({car, s}, {wall, still}, 0.5, 0.5); };
+  const KinematicState along = moving({-30, 0, 0}, {20, 0, 0});
+  EXPECT_EQ(proximity_time_s({car, along}, {wall, still}), 0.0) << "what its sphere says";
+  EXPECT_FALSE(near(along));
+  EXPECT_FALSE(near(moving({-30, 0, 0}, {20, 0, -2.9}))) << "2.5 m away: 1.05 m after half a second";
+  EXPECT_TRUE(near(moving({-30, 0, 0}, {20, 0, -4.1})));
+  EXPECT_TRUE(near(moving({-30, 0, 0}, {20, 0, 0}, {0, 0, -16.2}))) << "nor is it by its acceleration";
+  EXPECT_TRUE(near(moving({-30, 0, -2.01}, {20, 0, 10}))) << "0.49 m away, whichever way it goes";
+  EXPECT_FALSE(near(moving({-30, 0, -1.99}, {20, 0, 10})));
+}
+
+TEST(Proximity, WhatHasNoAnswerMayComeNear) {
+  Body car = box(4, 1, 2);
+  const KinematicState here = moving(Vec3::Zero()), there = moving({1000, 0, 0});
+  EXPECT_FALSE(may_come_near({car, here}, {car, there}, 0.5, 0.5));
+  Body unknown = car;
+  unknown.unsupported = "whatever";
+  EXPECT_TRUE(may_come_near({unknown, here}, {car, there}, 0.5, 0.5));
+}
+
 }  // namespace
 }  // namespace peerd::collision

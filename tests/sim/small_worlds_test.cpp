@@ -70,5 +70,15 @@ TEST(Ball, BouncesOffTheWallAsTheBoxDoes) {
   EXPECT_EQ(ran.summary["counters"]["contact_searches_unsupported"], 0);
 }
 
+// What a long wall's sphere says is near costs no update where the wall isn't.
+TEST(Street, AlongAWallOnlySpheresRaiseTraffic) {
+  const auto ran = run_scenario(kWorlds + "street.toml");
+  ASSERT_EQ(ran.size(), 2u);
+  const std::size_t spheres = ran[0].updates("CAR"), surfaces = ran[1].updates("CAR");
+  EXPECT_GT(spheres, 5 * surfaces);
+  EXPECT_LT(surfaces, 12u);
+  EXPECT_GT(ran[1].summary["counters"]["proximity_refined"], 400);
+}
+
 }  // namespace
 }  // namespace peerd::sim
