@@ -79,9 +79,7 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
       if (truth.ticks.empty()) continue;
       const double t_s = to_seconds(truth.session_time(b.true_at) - *start);
       if (!within(t_s)) continue;
-      const Pose ghost = b.state.pose();
-      // Nothing is smoothed yet: what is shown is the ghost.
-      record.beliefs.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), ghost, ghost});
+      record.beliefs.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), b.state.pose(), b.shown});
     }
     const auto since_start = [&](SimTime t) { return to_seconds(t - *start); };
     for (const PeerLog::Update& u : log.updates) {

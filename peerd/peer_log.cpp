@@ -33,6 +33,10 @@ class RowWriter {
   RowWriter& operator<<(ObjectId id) { return *this << id.value; }
   RowWriter& operator<<(PeerId id) { return *this << id.value; }
   RowWriter& operator<<(const Vec3& v) { return *this << v.x() << v.y() << v.z(); }
+  RowWriter& operator<<(const Pose& p) {
+    const Quat& q = p.orientation;
+    return *this << p.position << q.w() << q.x() << q.y() << q.z();
+  }
   RowWriter& operator<<(const KinematicState& s) {
     return *this << s.position << s.velocity << s.acceleration << s.orientation.w() << s.orientation.x()
                  << s.orientation.y() << s.orientation.z() << s.angular_velocity_body;
@@ -71,6 +75,10 @@ class RowReader {
     return *this >> id.value;
   }
   RowReader& operator>>(Vec3& v) { return *this >> v.x() >> v.y() >> v.z(); }
+  RowReader& operator>>(Pose& p) {
+    Quat& q = p.orientation;
+    return *this >> p.position >> q.w() >> q.x() >> q.y() >> q.z();
+  }
   RowReader& operator>>(KinematicState& s) {
     return *this >> s.position >> s.velocity >> s.acceleration >> s.orientation.w() >> s.orientation.x() >>
            s.orientation.y() >> s.orientation.z() >> s.angular_velocity_body;
@@ -93,7 +101,7 @@ bool read_row(const std::string& line, PeerLog& log) {
       break;
     case 'B': {
       auto& b = log.beliefs.emplace_back();
-      in >> b.at >> b.true_at >> b.object >> b.owner >> b.state;
+      in >> b.at >> b.true_at >> b.object >> b.owner >> b.state >> b.shown;
       break;
     }
     case 'U': {
@@ -130,7 +138,9 @@ config::Result<void> save(const PeerLog& log, const std::filesystem::path& path)
   RowWriter out;
   out.row('P') << log.peer << log.name << log.groups_joined << log.other_worlds;
   if (log.start) out.row('S') << *log.start;
-  for (const auto& b : log.beliefs) out.row('B') << b.at << b.true_at << b.object << b.owner << b.state;
+  for (const auto& b : log.beliefs) {
+    out.row('B') << b.at << b.true_at << b.object << b.owner << b.state << b.shown;
+  }
   for (const auto& u : log.updates) out.row('U') << u.at << u.object << u.bytes << u.threshold_m << u.reason;
   for (const auto& d : log.datagrams) out.row('D') << d.at << d.bytes;
   for (const auto& c : log.contacts) {

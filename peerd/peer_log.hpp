@@ -22,6 +22,7 @@ struct PeerLog {
     ObjectId object;
     PeerId owner;  // the peer itself: `state` is the truth
     KinematicState state;
+    Pose shown{};  // what a viewer draws; of an own object the truth
   };
   struct Update {
     SimTime at;

@@ -59,6 +59,7 @@ config::Result<std::unique_ptr<PeerNode>> PeerNode::make(const config::PeerSetti
   config.boot = options.boot;
   config.world_hash = shared.world.hash;
   config.policy = replication.policy;
+  config.convergence = replication.convergence;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
   config.wait_for_start = true;
   for (const std::string& path : settings.enslaves) {
@@ -219,7 +220,9 @@ std::optional<KeyReport> PeerNode::poll_key_report() {
 
 void PeerNode::record_truths(SimTime t) {
   for (const auto& [object, owner] : peer_.owners()) {
-    if (owner == config_.id) record(t, object, owner, peer_.truth(object, t));
+    if (owner != config_.id) continue;
+    const KinematicState truth = peer_.truth(object, t);
+    record(t, object, owner, truth, truth.pose());
   }
 }
 
@@ -232,12 +235,12 @@ void PeerNode::record_ghosts(HostTime now) {
   const SimTime t = sample_time(next_sample_++);
   peer_.look(t);
   for (const auto& [object, owner] : peer_.owners()) {
-    if (owner != config_.id) record(t, object, owner, peer_.ghost(object, t));
+    if (owner != config_.id) record(t, object, owner, peer_.ghost(object, t), peer_.shown(object, t));
   }
 }
 
-void PeerNode::record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state) {
-  log_.beliefs.push_back({t, peer_.clock().to_host(t) - options_.clock_offset, object, owner, state});
+void PeerNode::record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state, const Pose& shown) {
+  log_.beliefs.push_back({t, peer_.clock().to_host(t) - options_.clock_offset, object, owner, state, shown});
 }
 
 std::optional<replication::Output> PeerNode::poll_output() {
@@ -286,6 +289,7 @@ const PeerLog& PeerNode::log() {
        {"updates_out", c.updates_out},
        {"updates_repeated", c.updates_repeated},
        {"updates_duplicate", c.updates_duplicate},
+       {"convergence_blocked", c.convergence_blocked},
        {"proximity_tests", c.proximity_tests},
        {"proximity_refined", c.proximity_refined},
        {"contact_searches", m.contact_searches},

@@ -77,7 +77,7 @@ class PeerNode {
   [[nodiscard]] SimTime sample_time(std::int64_t number) const;
   void record_truths(SimTime t);
   void record_ghosts(HostTime now);
-  void record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state);
+  void record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state, const Pose& shown);
 
   const SharedWorld& shared_;
   Motions motions_;

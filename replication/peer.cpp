@@ -127,6 +127,33 @@ KinematicState Peer::ghost(ObjectId object, SimTime t) const {
   return replica_->ghosts.has(object) ? replica_->ghosts.at(object, t) : at_rest(model_.scene->rigid_pose(object));
 }
 
+// Straight, turned as the ghost is, past the others as they stand.
+bool Peer::may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const {
+  const collision::Body* body = model_.body(object);
+  if (body == nullptr) return true;
+  KinematicState way = at_rest({from, replica_->ghosts.at(object, t).orientation});
+  way.velocity = to - from;  // in one second
+  return std::ranges::none_of(model_.pairs, [&](const CollisionPair& pair) {
+    if (pair.collider != object && pair.collidee != object) return false;
+    const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
+    const KinematicState stands = at_rest(replica_->ghosts.at(other, t).pose());
+    const collision::ContactState met =
+        collision::first_contact({*body, way}, {*model_.body(other), stands}, pair.type, 1.0).state;
+    return met == collision::ContactState::kContact || met == collision::ContactState::kOverlapped;
+  });
+}
+
+Pose Peer::shown(ObjectId object, SimTime t) {
+  const KinematicState state = ghost(object, t);
+  if (own_.contains(object) || !replica_->ghosts.has(object)) return state.pose();
+  Convergence& convergence = shown_.try_emplace(object, config_.convergence).first->second;
+  const std::uint64_t before = convergence.blocked();
+  const Pose pose = convergence.shown(t, state, replica_->ghosts.base_time(object),
+                                      [&](const Vec3& from, const Vec3& to) { return may_pass(object, t, from, to); });
+  counters_.convergence_blocked += convergence.blocked() - before;
+  return pose;
+}
+
 MotionWorld::Counters Peer::motion_counters() const {
   MotionWorld::Counters sum;
   if (replica_) (sum += replica_->truth.counters()) += replica_->ghosts.counters();

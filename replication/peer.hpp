@@ -13,6 +13,7 @@
 #include "core/predefined_motion.hpp"
 #include "replication/codec.hpp"
 #include "replication/colliding_objects.hpp"
+#include "replication/convergence.hpp"
 #include "replication/membership.hpp"
 #include "replication/motion_world.hpp"
 #include "replication/publisher.hpp"
@@ -35,6 +36,7 @@ struct PeerConfig {
   std::uint64_t world_hash = 0;  // peers with another world are ignored, and named once
   std::vector<Enslaved> enslaved;
   PublishPolicy policy;
+  ConvergencePolicy convergence;
   std::uint32_t tick_hz = 60;
   Duration hello_period = std::chrono::milliseconds(250);
   Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
@@ -140,8 +142,9 @@ class Peer {
     std::map<std::string, std::uint64_t> drops;  // by reason
     std::uint64_t ticks = 0, ticks_missed = 0;
     std::uint64_t updates_in = 0, updates_out = 0;
-    std::uint64_t updates_repeated = 0;   // second copies sent; not in updates_out
-    std::uint64_t updates_duplicate = 0;  // copies of what was applied already
+    std::uint64_t updates_repeated = 0;     // second copies sent; not in updates_out
+    std::uint64_t updates_duplicate = 0;    // copies of what was applied already
+    std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
     std::uint64_t proximity_tests = 0;
     std::uint64_t proximity_refined = 0;  // those that spheres didn't settle
   };
@@ -198,6 +201,9 @@ class Peer {
   // What this peer knows of an object that it runs, and what everybody believes of any object. Need a session.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
+  // What a viewer draws of an object that another peer runs. For each object, t never goes back; after look(t). It
+  // doesn't go through what an interest pairs the object with, where the ghost didn't.
+  [[nodiscard]] Pose shown(ObjectId object, SimTime t);
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] MotionWorld::Counters motion_counters() const;
 
@@ -237,6 +243,7 @@ class Peer {
   [[nodiscard]] SimTime last_decision(ObjectId object) const;
   void publish(SimTime t);
   void repeat_updates();
+  [[nodiscard]] bool may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const;
   [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t, double threshold_m);
   void set_ghost(ObjectId object, SimTime t, const KinematicState& state);
   void flush_records(bool decisions);
@@ -256,6 +263,7 @@ class Peer {
   std::map<ObjectId, SimTime> decisions_;  // contact time of the last decision on an object that this peer knows
   std::optional<Replica> replica_;
   CollidingObjects colliding_;  // in the world as this peer knows it
+  std::map<ObjectId, Convergence> shown_;
   std::optional<HostTime> started_;
   std::optional<SimTime> start_;
   std::optional<SimTime> world_zero_;

@@ -179,6 +179,7 @@ void Peer::start_motions(HostTime now, SimTime start) {
 void Peer::change_session(SimTime before, SimTime now) {
   const Replica old = std::move(*replica_);
   colliding_.forget(now);
+  shown_.clear();
   ++sessions_;
   next_hello_ = clock_.to_host(now);
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));

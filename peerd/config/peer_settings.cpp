@@ -73,6 +73,12 @@ ReplicationSettings read_replication(TomlReader reader) {
   double time_threshold_s = to_seconds(s.policy.time_threshold);
   reader.read("time_threshold_s", time_threshold_s, 0.0, kForever_s);
   s.policy.time_threshold = from_seconds(time_threshold_s);
+  std::size_t convergence = 0;
+  reader.read_word("convergence", convergence, {"jump", "linear", "cubic", "parabola"});
+  s.convergence.method = static_cast<replication::ConvergenceMethod>(convergence);
+  double convergence_s = to_seconds(s.convergence.over);
+  reader.read("convergence_s", convergence_s, 0.0, kForever_s);
+  s.convergence.over = from_seconds(convergence_s);
   reader.read("tick_hz", s.tick_hz, 1, 1000);
   reader.finish();
   return s;

@@ -8,6 +8,7 @@
 #include "core/key_codes.hpp"
 #include "core/scene.hpp"
 #include "peerd/config/motion_source.hpp"
+#include "replication/convergence.hpp"
 #include "replication/publisher.hpp"
 
 namespace peerd::config {
@@ -15,6 +16,7 @@ namespace peerd::config {
 // The table [replication]: how updates are published and ghosts believed.
 struct ReplicationSettings {
   replication::PublishPolicy policy;
+  replication::ConvergencePolicy convergence;
   std::uint32_t tick_hz = 60;
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
