@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "collision/ordered_sums.hpp"
 #include "collision/triangle_distance.hpp"
@@ -17,13 +18,18 @@ using Ref = WideTree::Ref;
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// In a window nothing turns farther than this [rad], and nothing moves farther than this part of the larger mesh:
-// bounds of the way are loose beyond. Longer windows look at more pairs, shorter ones more often.
-constexpr double kWindow_rad = 0.25;
-constexpr double kWindowOfExtent = 0.5;
+// A window is so long that nothing turns farther than this [rad], and nothing moves farther than this part of the
+// larger mesh: bounds of the way are loose beyond, and more pairs are looked at. Where few are, it may be so many times
+// longer.
+constexpr double kWindow_rad = 0.0625;
+constexpr double kWindowOfExtent = 0.125;
+constexpr double kLongerIdle = 8.0;
+constexpr std::uint32_t kIdleWork = 16;
+// What the direction between two triangles needs to be known to: the gap along it is certain, whatever it is.
+constexpr double kEnough = 0.125;
 // What a window may look at before it is given up and tried again: half of it, and so many times as much; then so many
 // windows are not longer. Where meshes are close along large parts shorter windows don't look at less, hence the 4.
-constexpr std::uint32_t kWindowWork = 128, kMoreWork = 4, kAsLong = 4;
+constexpr std::uint32_t kWindowWork = 512, kMoreWork = 4, kAsLong = 4;
 
 // No point of the soup is farther from its frame's origin.
 double radius(const TriangleSoup& soup) {
@@ -119,10 +125,8 @@ void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& betwee
   }
 }
 
-// A place as eight boxes: a node's children, or a leaf as one.
-WideTree::Node boxes(WideTree& tree, Ref ref) {
-  if (ref.kind() == Ref::kNode) return tree.node(ref.index());
-  const WideTree::Leaf& leaf = tree.leaf(ref.index());
+// A leaf as a node with one child.
+WideTree::Node node_around(const WideTree::Leaf& leaf) {
   WideTree::Node node;
   for (std::size_t k = 0; k < 3; ++k) {
     node.center[k].fill(0.0f);
@@ -145,6 +149,7 @@ class MeshImpactQuery::Search {
   Search(MeshImpactQuery& memory, WideTree& a, const KinematicState& motion_a, WideTree& b,
          const KinematicState& motion_b, double step_s, const MeshImpactOptions& options)
       : stack_(memory.stack_),
+        pairs_(memory.pairs_),
         a_(a),
         b_(b),
         motion_a_(motion_a),
@@ -163,7 +168,8 @@ class MeshImpactQuery::Search {
   }
 
   MeshImpact run() {
-    double from_s = 0.0, window_s = longest_window();
+    const double usual_s = usual_window();
+    double from_s = 0.0, window_s = usual_s;
     std::uint32_t most_work = kWindowWork, as_long = 0;
     while (true) {
       // Rounding must not stop the time.
@@ -184,7 +190,7 @@ class MeshImpactQuery::Search {
       from_s = until_s;
       most_work = std::max(kWindowWork, 2 * work);
       if (as_long > 0) --as_long;
-      if (as_long == 0) window_s = std::min(2.0 * window_s, longest_window());
+      if (as_long == 0) window_s = std::min(2.0 * window_s, work > kIdleWork ? usual_s : kLongerIdle * usual_s);
     }
     impact_.state = hit_ ? MeshImpactState::kHit : MeshImpactState::kSeparated;
     impact_.time_s = best_s_;
@@ -193,7 +199,7 @@ class MeshImpactQuery::Search {
 
  private:
   // How long bounds that are taken at an instant hold well.
-  [[nodiscard]] double longest_window() const {
+  [[nodiscard]] double usual_window() const {
     const double turning = rate_a_ + rate_b_;
     const double by_turning = turning > 0.0 ? kWindow_rad / turning : kInfinity;
     const double speed = length(motion_a_.velocity - motion_b_.velocity) + acceleration_m_s2_ * step_s_;
@@ -205,20 +211,30 @@ class MeshImpactQuery::Search {
   std::uint32_t search_window(double from_s, double until_s, std::uint32_t most_work) {
     const KinematicState at_a = advance(motion_a_, from_s), at_b = advance(motion_b_, from_s);
     const Moment now(at_a, at_b);
-    const WideMotion wide(a_, b_, now.a_from_b, 0.5 * options_.tolerance_m);
+    // What is nearer than the tolerance is looked at: else it would come nearer before it is a hit.
+    const WideMotion wide(a_, b_, now.a_from_b, options_.tolerance_m);
     const WideSpeeds speeds = speeds_at(at_a, at_b, until_s - from_s);
     stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
+    pairs_.clear();
     Masks masks;
-    const std::uint32_t before = impact_.iterations;
+    Times times;
+    WideTree::Node around;  // a leaf beside a node
+    // With the pairs of triangles that wait.
+    const auto looked_at = [&, before = impact_.iterations] {
+      return impact_.iterations - before + static_cast<std::uint32_t>(pairs_.size());
+    };
     while (!stack_.empty()) {
-      if (impact_.iterations - before > most_work || !work()) break;
+      if (looked_at() > most_work || !work()) break;
       const auto [place_a, place_b] = stack_.back();
       stack_.pop_back();
       const auto within_s = static_cast<float>((std::min(best_s_, until_s) - from_s) * (1.0 + 0x1p-20));
       const Ref of_a = a_.at(place_a), of_b = b_.at(place_b);
       const bool node_a = of_a.kind() == Ref::kNode, node_b = of_b.kind() == Ref::kNode;
       if (node_a || node_b) {
-        nodes_may_meet(boxes(a_, of_a), boxes(b_, of_b), wide, speeds, within_s, masks);
+        if (!node_a) around = node_around(a_.leaf(of_a.index()));
+        if (!node_b) around = node_around(b_.leaf(of_b.index()));
+        nodes_may_meet(node_a ? a_.node(of_a.index()) : around, node_b ? b_.node(of_b.index()) : around, wide, speeds,
+                       within_s, masks);
         for (std::size_t row = WideTree::kWidth; row-- > 0;) {
           for_each_bit(masks[row], [&](std::size_t i) {
             stack_.emplace_back(node_a ? WideTree::place(of_a, i) : place_a,
@@ -228,13 +244,16 @@ class MeshImpactQuery::Search {
         continue;
       }
       const WideTree::Leaf &leaf_a = a_.leaf(of_a.index()), &leaf_b = b_.leaf(of_b.index());
-      leaves_may_meet(leaf_a, leaf_b, wide, speeds, within_s, masks);
+      leaves_may_meet(leaf_a, leaf_b, wide, speeds, within_s, masks, times);
       for (std::size_t row = 0; row < leaf_b.count; ++row) {
-        for_each_bit(masks[row],
-                     [&](std::size_t i) { advance_pair(leaf_a.faces[i], leaf_b.faces[row], now, from_s, until_s); });
+        for_each_bit(masks[row], [&](std::size_t i) {
+          pairs_.push_back({times[row][i], leaf_a.faces[i], leaf_b.faces[row]});
+        });
       }
     }
-    return impact_.iterations - before;
+    const std::uint32_t sum = looked_at();
+    if (sum <= most_work) follow_pairs(now, from_s, until_s);
+    return sum;
   }
 
   [[nodiscard]] WideSpeeds speeds_at(const KinematicState& a, const KinematicState& b, double window_s) const {
@@ -257,29 +276,37 @@ class MeshImpactQuery::Search {
     return speeds;
   }
 
-  // Follows two triangles from a window's begin until they can't meet before its end, or the best hit.
-  void advance_pair(std::uint32_t face_a, std::uint32_t face_b, const Moment& at_begin, double from_s, double until_s) {
-    const Triangle triangle_a = a_.soup().triangle(face_a), in_b = b_.soup().triangle(face_b);
-    double t = from_s;
+  // Those first that may meet first: what is found then ends the others.
+  void follow_pairs(const Moment& at_begin, double from_s, double until_s) {
+    std::ranges::sort(pairs_, {}, [](const TrianglePair& pair) { return std::tuple(pair.free_s, pair.b, pair.a); });
+    for (const TrianglePair& pair : pairs_) advance_pair(pair, at_begin, from_s, until_s);
+    pairs_.clear();
+  }
+
+  // Follows two triangles until they can't meet before a window's end, or the best hit.
+  void advance_pair(const TrianglePair& pair, const Moment& at_begin, double from_s, double until_s) {
+    const Triangle triangle_a = a_.soup().triangle(pair.a), in_b = b_.soup().triangle(pair.b);
+    double t = from_s + static_cast<double>(pair.free_s);
     std::optional<Moment> later;
-    while (work()) {
+    while (t <= std::min(best_s_, until_s) && work()) {
+      if (t > from_s) later.emplace(advance(motion_a_, t), advance(motion_b_, t));
       const Moment& now = later ? *later : at_begin;
       const Triangle triangle_b = {now.a_from_b(in_b[0]), now.a_from_b(in_b[1]), now.a_from_b(in_b[2])};
-      const double step = look(face_a, face_b, now, t, triangle_a, triangle_b);
+      const double step = look(pair.a, pair.b, now, t, triangle_a, triangle_b);
+      if (step == 0.0) return;
       t += step;
-      if (!(t <= std::min(best_s_, until_s)) || step == 0.0) return;
-      later.emplace(advance(motion_a_, t), advance(motion_b_, t));
     }
   }
 
   // How long they certainly don't touch; 0 where that is not known to be any longer, and they are the best hit now.
   double look(std::uint32_t face_a, std::uint32_t face_b, const Moment& now, double t, const Triangle& a,
               const Triangle& b) {
-    const TriangleDistance found = triangle_distance(a, b);
+    TriangleDistance found = triangle_distance(a, b, kEnough);
     if (found.distance == 0.0) return hit(face_a, face_b, now, t, found, from_a_to_b(now), false);
     // Where the world's coordinates are large, places in it are known less well than the tolerance.
     const double rounding = 0x1p-46 * (magnitude(now.a_from_b.translation) + places_m_);
     const double band = options_.tolerance_m + rounding;
+    if (found.lower <= band && found.upper - found.lower > 0x1p-20 * found.upper) found = triangle_distance(a, b);
     const double apart = length(found.on_b - found.on_a);
     const Vec3 between = apart > 0.0 ? Vec3((found.on_b - found.on_a) / apart) : from_a_to_b(now);
     if (found.distance > band) {
@@ -359,6 +386,7 @@ class MeshImpactQuery::Search {
   }
 
   std::vector<std::pair<WideTree::Place, WideTree::Place>>& stack_;
+  std::vector<TrianglePair>& pairs_;
   WideTree &a_, &b_;
   const KinematicState &motion_a_, &motion_b_;
   const MeshImpactOptions& options_;

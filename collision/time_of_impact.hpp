@@ -54,10 +54,15 @@ class MeshImpactQuery {
                                         const MeshImpactOptions& options = {});
 
  private:
+  struct TrianglePair {
+    float free_s;  // after a window's begin: they don't touch before
+    std::uint32_t a, b;
+  };
   class Search;
 
   WideQuery overlap_;
   std::vector<std::pair<WideTree::Place, WideTree::Place>> stack_;
+  std::vector<TrianglePair> pairs_;  // of a window's leaves
 };
 
 }  // namespace peerd::collision

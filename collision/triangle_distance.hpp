@@ -14,6 +14,8 @@ struct TriangleDistance {
   Vec3 on_a = Vec3::Zero(), on_b = Vec3::Zero();
   double lower = 0.0, upper = 0.0;
 };
-[[nodiscard]] TriangleDistance triangle_distance(const Triangle& a, const Triangle& b);
+//
+// `enough`: an interval is not made narrower that is no wider than this part of its upper bound.
+[[nodiscard]] TriangleDistance triangle_distance(const Triangle& a, const Triangle& b, double enough = 0.0);
 
 }  // namespace peerd::collision

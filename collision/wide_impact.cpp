@@ -5,6 +5,9 @@
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "collision/wide_impact.hpp"
 #include "collision/wide_nearest.hpp"
 
@@ -116,70 +119,118 @@ HWY_INLINE auto apart_along(const Reach& a, const Reach& b, V margin) {
   };
   return hn::Or(ahead(a, b), ahead(b, a));
 }
+// Where they aren't apart till later: the part of that time for which they are, since the gap is above its chord.
+HWY_INLINE V part_apart(const Reach& a, const Reach& b, V margin) {
+  const auto ahead = [&](const Reach& low, const Reach& high) {
+    const V now = hn::Sub(high.low, low.high), after = hn::Sub(high.low_later, low.high_later);
+    const V spare = hn::Sub(now, margin);
+    const V part = hn::Mul(hn::Div(spare, hn::Sub(now, after)), set(1.0f - 0x1p-20f));
+    const auto is_part = hn::And(hn::Gt(spare, hn::Zero(Lanes())), hn::Le(part, set(1.0f)));  // a number, too
+    return hn::IfThenElseZero(is_part, part);
+  };
+  return hn::Max(ahead(a, b), ahead(b, a));
+}
 
 // Of triangles one to a lane: by x, y and z.
 struct Reaches {
   Rows low, high, low_later, high_later;
 };
+HWY_INLINE void store_reach(const Reach& reach, Reaches& out, std::size_t k, std::size_t i) {
+  store(reach.low, out.low[k], i), store(reach.high, out.high[k], i);
+  store(reach.low_later, out.low_later[k], i), store(reach.high_later, out.high_later[k], i);
+}
+HWY_INLINE Reach set_reach(const Reaches& from, std::size_t k, std::size_t lane) {
+  return {set(from.low[k][lane]), set(from.high[k][lane]), set(from.low_later[k][lane]), set(from.high_later[k][lane])};
+}
+
+// What the box of a leaf's triangles takes up along an axis, and how far from the origin that is.
+struct BoxReach {
+  float low, high, low_later, high_later, far;
+};
+HWY_INLINE BoxReach reach_of(const WideTree::Leaf& leaf, const std::array<float, 3>& base,
+                             const std::array<float, 3>& turn, float rate, float within_s, std::size_t k) {
+  const std::size_t x = (k + 1) % 3, y = (k + 2) % 3;
+  const float way = (base[k] + (turn[x] * leaf.center[y] - turn[y] * leaf.center[x])) * within_s;
+  const float more = (rate * ((leaf.half[0] + leaf.half[1]) + leaf.half[2])) * within_s;
+  const float low = leaf.center[k] - leaf.half[k], high = leaf.center[k] + leaf.half[k];
+  const float far = std::abs(leaf.center[k]) + leaf.half[k] + std::abs(way) + more;
+  return {low, high, (low + way) - more, (high + way) + more, far};
+}
 
 void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& m, const WideSpeeds& s,
-                   float within_s, Masks& masks) {
+                   float within_s, Masks& masks, Times& times) {
+  masks.fill(0);
+  const BoxReach box_a[3] = {reach_of(a, s.base_a, s.turn_a, s.rate_a, within_s, 0),
+                             reach_of(a, s.base_a, s.turn_a, s.rate_a, within_s, 1),
+                             reach_of(a, s.base_a, s.turn_a, s.rate_a, within_s, 2)};
+  const float far_box = std::max({box_a[0].far, box_a[1].far, box_a[2].far});
+  // What corners are off by, besides their part of where they are: what their velocities change by, for one.
+  const V off_anywhere = set(2.0f * m.slack_a + s.spare_m_s * within_s), off_of_far = set(0x1p-19f);
   std::array<Rows, 3> corners, later;
   Reaches reaches;
-  Rows normal;
-  Row size, far;
+  Row far;
+  std::uint32_t rows = 0;  // of B's triangles: those that A's box may meet
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const Corners own = load_corners(b.corners, i);
     const Corners here = moved(own, m), there = moved(gone_on(own, s.base_b, s.turn_b, within_s), m);
-    const Planes plane = planes(here);
     store_corners(here, corners, i);
     store_corners(there, later, i);
-    store(plane.normal.x, normal[0], i), store(plane.normal.y, normal[1], i), store(plane.normal.z, normal[2], i);
-    store(plane.size, size, i);
-    V farthest = hn::Zero(Lanes());
+    const Reach of_b[3] = {reach_of(here, there, 0), reach_of(here, there, 1), reach_of(here, there, 2)};
+    const V farthest = hn::Max(hn::Max(farthest_of(of_b[0]), farthest_of(of_b[1])), farthest_of(of_b[2]));
+    const V off = hn::Add(off_anywhere, hn::Mul(hn::Add(set(far_box), farthest), off_of_far));
+    auto apart = hn::Lt(off, hn::Zero(Lanes()));  // none yet
     for (std::size_t k = 0; k < 3; ++k) {
-      const Reach reach = reach_of(here, there, k);
-      store(reach.low, reaches.low[k], i), store(reach.high, reaches.high[k], i);
-      store(reach.low_later, reaches.low_later[k], i), store(reach.high_later, reaches.high_later[k], i);
-      farthest = hn::Max(farthest, farthest_of(reach));
+      store_reach(of_b[k], reaches, k, i);
+      const BoxReach& of_a = box_a[k];
+      apart = hn::Or(
+          apart, apart_along({set(of_a.low), set(of_a.high), set(of_a.low_later), set(of_a.high_later)}, of_b[k], off));
     }
     store(farthest, far, i);
+    rows |= bits(hn::Not(apart), i);
   }
-  masks.fill(0);
+  rows &= (1u << b.count) - 1;
+  if (rows == 0) return;
+  Rows normal;
+  Row size;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const Planes plane = planes(load_corners(corners, i));
+    store(plane.normal.x, normal[0], i), store(plane.normal.y, normal[1], i), store(plane.normal.z, normal[2], i);
+    store(plane.size, size, i);
+  }
   const std::uint32_t present = (1u << a.count) - 1;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const Corners here = load_corners(a.corners, i), there = gone_on(here, s.base_a, s.turn_a, within_s);
     const Reach of_a[3] = {reach_of(here, there, 0), reach_of(here, there, 1), reach_of(here, there, 2)};
     const V far_a = hn::Max(hn::Max(farthest_of(of_a[0]), farthest_of(of_a[1])), farthest_of(of_a[2]));
     const Planes plane = planes(here);
-    const Reach across = reach_along(plane.normal, here, there);
+    const Reach across_a = reach_along(plane.normal, here, there);
     Shape shape_a;
     bool has_shape = false;
     for (std::size_t row = 0; row < b.count; ++row) {
-      // What corners are off by: rounding, on the way there and in dot products; and what their velocities change by.
-      const V off = hn::Add(set(2.0f * m.slack_a + s.spare_m_s * within_s),
-                            hn::Mul(hn::Add(far_a, set(far[row])), set(0x1p-19f)));
+      if ((rows >> row & 1) == 0) continue;
+      const V off = hn::Add(off_anywhere, hn::Mul(hn::Add(far_a, set(far[row])), off_of_far));
       auto apart = hn::Lt(off, hn::Zero(Lanes()));  // none yet
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Reach of_b{set(reaches.low[k][row]), set(reaches.high[k][row]), set(reaches.low_later[k][row]),
-                         set(reaches.high_later[k][row])};
-        apart = hn::Or(apart, apart_along(of_a[k], of_b, off));
-      }
+      for (std::size_t k = 0; k < 3; ++k) apart = hn::Or(apart, apart_along(of_a[k], set_reach(reaches, k, row), off));
       if (hn::AllTrue(Lanes(), apart)) continue;
       const Corners other = set_corners(corners, row), other_later = set_corners(later, row);
-      apart =
-          hn::Or(apart, apart_along(across, reach_along(plane.normal, other, other_later), hn::Mul(plane.size, off)));
+      const auto along = [&](const V3& n, const Reach& reach_a, V n_size, V& part) {
+        const Reach reach_b = reach_along(n, other, other_later);
+        const V margin = hn::Mul(n_size, off);
+        part = part_apart(reach_a, reach_b, margin);
+        apart = hn::Or(apart, apart_along(reach_a, reach_b, margin));
+      };
+      V part_a, part_b, part_line;
       const V3 n = set3(normal, row);
-      apart = hn::Or(apart, apart_along(reach_along(n, here, there), reach_along(n, other, other_later),
-                                        hn::Mul(set(size[row]), off)));
+      along(plane.normal, across_a, plane.size, part_a);
+      along(n, reach_along(n, here, there), set(size[row]), part_b);
       // Most of what is left is apart along the line of their nearest points.
       if (hn::AllTrue(Lanes(), apart)) continue;
       if (!has_shape) shape_a = shape(here);
       has_shape = true;
       const V3 line = shortest(shape_a, shape(other)).gap;
       const V length = hn::Add(hn::Add(hn::Abs(line.x), hn::Abs(line.y)), hn::Abs(line.z));  // at least that
-      apart = hn::Or(apart, apart_along(reach_along(line, here, there), reach_along(line, other, other_later),
-                                        hn::Mul(length, off)));
+      along(line, reach_along(line, here, there), length, part_line);
+      store(hn::Mul(hn::Max(hn::Max(part_a, part_b), part_line), set(within_s)), times[row], i);
       masks[row] = static_cast<std::uint8_t>(masks[row] | (bits(hn::Not(apart), i) & present));
     }
   }
@@ -199,8 +250,8 @@ void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const Wide
   HWY_DYNAMIC_DISPATCH(NodesMayMeet)(a, b, motion, speeds, within_s, masks);
 }
 void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
-                     const WideSpeeds& speeds, float within_s, Masks& masks) {
-  HWY_DYNAMIC_DISPATCH(LeavesMayMeet)(a, b, motion, speeds, within_s, masks);
+                     const WideSpeeds& speeds, float within_s, Masks& masks, Times& times) {
+  HWY_DYNAMIC_DISPATCH(LeavesMayMeet)(a, b, motion, speeds, within_s, masks, times);
 }
 
 }  // namespace peerd::collision

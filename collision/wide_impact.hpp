@@ -14,10 +14,12 @@ struct WideSpeeds {
   float spare_m_s;       // what the velocities of points may change by, on average, until the end, and all rounding
 };
 
-// Which children's boxes may meet within that time; which triangles may.
+using Times = std::array<std::array<float, WideTree::kWidth>, WideTree::kWidth>;  // [s], by B's triangle, A's triangle
+
+// Which children's boxes may meet within that time; which triangles may, and of those: not before which time.
 void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
                     const WideSpeeds& speeds, float within_s, Masks& masks);
 void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
-                     const WideSpeeds& speeds, float within_s, Masks& masks);
+                     const WideSpeeds& speeds, float within_s, Masks& masks, Times& times);
 
 }  // namespace peerd::collision

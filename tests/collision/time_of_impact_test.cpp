@@ -216,6 +216,30 @@ TEST(TimeOfImpact, TellsWhatTouchesAtTheStartAndWhatItDidNotFind) {
   EXPECT_LE(failed.time_s, found.time_s);
 }
 
+// As small as this, binary32 knows places to less than the tolerance, and could tell that they touch later.
+TEST(TimeOfImpact, WhatIsSmallHitsBeforeItIsNearerThanHalfTheTolerance) {
+  Numbers numbers(69);
+  for (int i = 0; i < 500; ++i) {
+    const double size = 1e-3, gap = numbers.between(2.0, 500.0) * kTolerance, speed = numbers.between(1e-3, 1.0);
+    const KinematicState coming = moving({{0, 0, 0.5 * size + gap}, Quat::Identity()}, {0, 0, -speed});
+    const TriangleSoup ground = plate(10.0 * size), block = box({0.5 * size, 0.5 * size, 0.5 * size});
+    WideTree floor(ground), cube(block);
+    MeshImpactQuery query;
+    const MeshImpact impact = query.first_impact(floor, {}, cube, coming, 10.0, {.tolerance_m = kTolerance});
+    ASSERT_EQ(impact.state, MeshImpactState::kHit);
+    ASSERT_GE(impact.distance_m, 0.499 * kTolerance);
+    ASSERT_LE(impact.time_s, gap / speed);
+  }
+  const TriangleSoup floor = plate(0.01), cube = box({5e-4, 5e-4, 5e-4});
+  WideTree a(floor), b(cube);
+  MeshImpactQuery query;
+  const MeshImpact rests =
+      query.first_impact(a, {}, b, falling({{0, 0, 5e-4 + 0.7 * kTolerance}, Quat::Identity()}, {0, 0, 0}), 2.0);
+  EXPECT_EQ(rests.state, MeshImpactState::kHit);
+  EXPECT_EQ(rests.time_s, 0.0);
+  EXPECT_TRUE(rests.resting);
+}
+
 // Random meshes on random ways, against the exact test at many instants.
 TEST(TimeOfImpact, IsBeforeTheFirstInstantThatTouches) {
   Numbers numbers(65);

@@ -17,6 +17,7 @@
 #include "collision/mesh_distance.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/peers/fcl_distance.hpp"
+#include "tests/bench/peers/soup.hpp"
 
 namespace peerd::bench::peers {
 namespace {
@@ -26,19 +27,6 @@ using collision::MeshDistanceQuery;
 using collision::RelativeMotion;
 using collision::TriangleSoup;
 using collision::WideTree;
-
-TriangleSoup soup_of(const TriangleMesh& mesh) {
-  TriangleSoup soup;
-  for (const Point& p : mesh.vertices) {
-    soup.vertices.emplace_back(p.x, p.y, p.z);
-    soup.box.merge(soup.vertices.back());
-  }
-  for (const auto& t : mesh.triangles) {
-    const auto corner = [&](std::size_t k) { return static_cast<std::uint32_t>(t[k]); };
-    soup.faces.push_back({{corner(0), corner(1), corner(2)}, static_cast<std::uint32_t>(soup.faces.size())});
-  }
-  return soup;
-}
 
 Placement placement_of(const Mat3& rotation, const Vec3& position) {
   Placement out{};

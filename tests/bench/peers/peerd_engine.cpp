@@ -1,5 +1,6 @@
 #include "collision/wide_query.hpp"
 #include "tests/bench/peers/engine.hpp"
+#include "tests/bench/peers/soup.hpp"
 
 namespace peerd::bench::peers {
 namespace {
@@ -14,16 +15,7 @@ class PeerdEngine final : public Engine {
   explicit PeerdEngine(bool lazily) : lazily_(lazily) {}
 
   void build(const TriangleMesh& mesh) override {
-    soup_.vertices.reserve(mesh.vertices.size());
-    for (const Point& p : mesh.vertices) {
-      soup_.vertices.emplace_back(p.x, p.y, p.z);
-      soup_.box.merge(soup_.vertices.back());
-    }
-    soup_.faces.reserve(mesh.triangles.size());
-    for (const auto& t : mesh.triangles) {
-      const auto corner = [&](std::size_t k) { return static_cast<std::uint32_t>(t[k]); };
-      soup_.faces.push_back({{corner(0), corner(1), corner(2)}, static_cast<std::uint32_t>(soup_.faces.size())});
-    }
+    soup_ = soup_of(mesh);
     tree_.emplace(soup_);
     if (!lazily_) tree_->build_all();
   }
