@@ -9,55 +9,10 @@
 
 #include "collision/hierarchy_file.hpp"
 #include "collision/realigned_box.hpp"
+#include "collision/world_box.hpp"
 
 namespace peerd::collision {
 namespace {
-
-// Or are no farther apart than that.
-bool overlap(const WorldBox& a, const WorldBox& b, double gap_m = 0.0) {
-  for (int i = 0; i < 3; ++i) {
-    if (!(a.lo[i] - gap_m <= b.hi[i] && b.lo[i] - gap_m <= a.hi[i])) return false;
-  }
-  return true;
-}
-
-double largest(const WorldBox& box) {
-  double most = 0.0;
-  for (int i = 0; i < 3; ++i) most = std::max({most, std::abs(box.lo[i]), std::abs(box.hi[i])});
-  return most;
-}
-
-// Where a ray enters a box, or no later; nothing: it certainly has no point of what is in there. The room is for the
-// rounding of this, and of the ray on its way to a Shape's frame, which turns it by a few units in the last place.
-std::optional<double> entry(const Ray& ray, const WorldBox& box) {
-  if (box.is_empty()) return std::nullopt;
-  const double pad = 0x1p-44 * (largest(box) + ray.origin.cwiseAbs().maxCoeff());
-  double first = 0.0, last = ray.longest;
-  for (int k = 0; k < 3; ++k) {
-    const double to_lo = (box.lo[k] - pad) - ray.origin[k], to_hi = (box.hi[k] + pad) - ray.origin[k];
-    if (ray.direction[k] == 0.0) {
-      if (to_lo > 0.0 || to_hi < 0.0) return std::nullopt;
-      continue;
-    }
-    const double t_lo = to_lo / ray.direction[k], t_hi = to_hi / ray.direction[k];
-    first = std::max(first, std::min(t_lo, t_hi));
-    last = std::min(last, std::max(t_lo, t_hi));
-  }
-  if (first > last * (1.0 + 0x1p-50)) return std::nullopt;
-  return first;
-}
-
-// Of a triangle with these two sides, against a unit direction.
-Vec3 facing_normal(const Vec3& u, const Vec3& v, const Vec3& direction) {
-  const double size = std::max(u.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff());
-  if (!(size > 0.0)) return Vec3::Zero();
-  const Vec3 a = u / size, b = v / size;
-  const Vec3 n(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
-  const double length = std::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
-  const double towards = (n[0] * direction[0] + n[1] * direction[1]) + n[2] * direction[2];
-  if (!(length > 0.0) || towards == 0.0) return Vec3::Zero();
-  return n / (towards > 0.0 ? -length : length);
-}
 
 // No point of the box goes farther [m]. The difference of two affine maps is one, so its length is greatest at a
 // corner. The rounding of all this is some 2^-50 of `reach`, and so is that of the vertices that decide.
@@ -83,7 +38,7 @@ double largest_way(const Affine& from, const Affine& to, const LocalBox& box) {
   return std::sqrt(most) * (1.0 + 0x1p-48) + 0x1p-41 * reach;
 }
 
-bool finite(const WorldBox& box) { return box.is_empty() || std::isfinite(largest(box)); }
+bool finite(const WorldBox& box) { return box.is_empty() || std::isfinite(largest_coordinate(box)); }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Before all others that are numbers.
@@ -335,7 +290,7 @@ WorldBox SceneQuery::shape_box(std::uint32_t shape) {
     for (int j = 0; j < 3; ++j) linear = std::max(linear, std::abs(stretch(i, j)));
     reach = std::max({reach, std::abs(static_cast<double>(local.lo[i])), std::abs(static_cast<double>(local.hi[i]))});
   }
-  const double pad = 0x1p-44 * (largest(box) + 9.0 * linear * reach);
+  const double pad = 0x1p-44 * (largest_coordinate(box) + 9.0 * linear * reach);
   // Where numbers overflow, it is to be looked at and refused, not passed over.
   if (!std::isfinite(pad)) return {Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity)};
   for (int i = 0; i < 3; ++i) {
@@ -421,223 +376,6 @@ std::expected<WorldBox, std::string> SceneQuery::tight_box(ObjectId object) {
     box.merge(*of_shape);
   }
   return box;
-}
-
-// The seed's listing 3.5: group against group, down to pairs of shapes whose boxes overlap.
-struct SceneQuery::Search {
-  SceneQuery& query;
-  const std::function<bool(const ClosePair&)>& visit;
-  double gap_m = 0.0;  // boxes that are no farther apart count as overlapping
-  std::string error{};
-
-  // True where the search is over.
-  bool run(ObjectId collider, ObjectId collidee) {
-    const auto end = [&](std::uint32_t i) { return query.scene_.instances[i].subtree_end; };
-    const std::uint32_t end_a = end(collider.value), end_b = end(collidee.value);
-    for (std::uint32_t a = collider.value; a < end_a;) {
-      if (!overlap(query.box(a), query.box(collidee.value), gap_m)) {
-        a = end(a);
-        continue;
-      }
-      if (query.is_surface(a)) {
-        for (std::uint32_t b = collidee.value; b < end_b;) {
-          const bool apart = !overlap(query.box(a), query.box(b), gap_m);
-          if (!apart && a != b && query.is_surface(b) && shapes(a, b)) return true;
-          b = apart ? end(b) : b + 1;
-        }
-      }
-      ++a;
-    }
-    return false;
-  }
-
-  bool shapes(std::uint32_t collider, std::uint32_t collidee) {
-    const auto of_collider = query.shaped(collider), of_collidee = query.shaped(collidee);
-    if (!of_collider || !of_collidee) {
-      error = of_collider ? of_collidee.error() : of_collider.error();
-      return true;
-    }
-    if ((*of_collider)->soup.faces.empty() || (*of_collidee)->soup.faces.empty()) return false;
-    const bool collider_first = collider < collidee;
-    const std::uint32_t a = collider_first ? collider : collidee, b = collider_first ? collidee : collider;
-    Shaped& shaped_a = collider_first ? **of_collider : **of_collidee;
-    Shaped& shaped_b = collider_first ? **of_collidee : **of_collider;
-    return visit({a, b, shaped_a.form, shaped_b.form, &query.tree(a, shaped_a), &query.tree(b, shaped_b),
-                  RelativeMotion(query.placed(a).at.pose, query.placed(b).at.pose), collider_first});
-  }
-};
-
-std::expected<void, std::string> SceneQuery::visit_close_pairs(ObjectId collider, ObjectId collidee,
-                                                               const std::function<bool(const ClosePair&)>& visit) {
-  settle();
-  Search search{*this, visit};
-  (void)search.run(collider, collidee);
-  if (!search.error.empty()) return std::unexpected(std::move(search.error));
-  return {};
-}
-
-bool SceneQuery::apart_by(ObjectId a, ObjectId b, double gap_m) {
-  settle();
-  bool apart = true;
-  const auto visit = [&](const ClosePair& close) {
-    apart = query_.apart_by(*close.tree_a, *close.tree_b, close.a_from_b, gap_m);
-    return !apart;
-  };
-  const std::function<bool(const ClosePair&)> visitor = std::ref(visit);
-  Search search{*this, visitor, gap_m};
-  (void)search.run(a, b);
-  return apart && search.error.empty();
-}
-
-double SceneQuery::way_m(ObjectId object) {
-  settle();
-  double most = 0.0;
-  for (std::uint32_t i = object.value; i < scene_.at(object).subtree_end; ++i) {
-    if (is_surface(i) && placed(i).settled_at == settled_) most = std::max(most, placed(i).way_m);
-  }
-  return most;
-}
-
-std::expected<Collision, std::string> SceneQuery::collide(ObjectId collider, ObjectId collidee, CollisionType type) {
-  settle();
-  Collision found;
-  if (type == CollisionType::kBox) {
-    const auto a = tight_box(collider), b = tight_box(collidee);
-    if (!a) return std::unexpected(a.error());
-    if (!b) return std::unexpected(b.error());
-    found.colliding = overlap(*a, *b);
-    return found;
-  }
-  const auto searched = visit_close_pairs(collider, collidee, [&](const ClosePair& close) {
-    const auto report = [&](const PolygonPair& pair) {
-      const ShapePolygon of_a{{close.a}, pair.a}, of_b{{close.b}, pair.b};
-      found.pairs.push_back(close.collider_first ? ShapePair{of_a, of_b} : ShapePair{of_b, of_a});
-    };
-    if (type == CollisionType::kWitness) {
-      PolygonPair pair{};
-      if (query_.find_pair(*close.tree_a, *close.tree_b, close.a_from_b, pair)) report(pair);
-      return !found.pairs.empty();
-    }
-    for (const PolygonPair& pair : query_.all_pairs(*close.tree_a, *close.tree_b, close.a_from_b)) report(pair);
-    return false;
-  });
-  if (!searched) return std::unexpected(searched.error());
-  std::ranges::sort(found.pairs);
-  found.colliding = !found.pairs.empty();
-  return found;
-}
-
-void SceneQuery::enter(std::uint32_t instance, const Ray& world) {
-  const auto t = entry(world, box(instance, Surfaces::kDrawn));
-  if (!t || (picked_ && *t > picked_->t)) return;
-  entries_.push_back({*t, instance});
-  std::ranges::push_heap(entries_, std::greater());
-}
-
-// The nearest hit so far is the longest that the ray can be; what is hit there as well counts where its id is lower.
-std::expected<void, std::string> SceneQuery::pick_shape(std::uint32_t shape, const Ray& world) {
-  const auto of_shape = shaped(shape);
-  if (!of_shape) return std::unexpected(of_shape.error());
-  if ((*of_shape)->soup.faces.empty()) return {};
-  const Pose& pose = placed(shape).at.pose;
-  const Mat3 back = pose.orientation.toRotationMatrix().transpose();
-  const Ray ray{multiply(back, Vec3(world.origin - pose.position)), multiply(back, world.direction),
-                picked_ ? picked_->t : world.longest};
-  if (!is_usable(ray)) return std::unexpected(scene_.path_of({shape}) + ": it has no finite place near the ray");
-  const auto hit = rays_.nearest(tree(shape, **of_shape), ray);
-  if (!hit || (picked_ && hit->t == picked_->t && shape > picked_->shape)) return {};
-  picked_ = {hit->t, shape, *hit};
-  return {};
-}
-
-std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& origin_world, const Vec3& direction_world,
-                                                                 double longest_m) {
-  settle();
-  Ray world{origin_world, direction_world, longest_m};
-  if (!is_usable(world)) {
-    return std::unexpected("a ray needs a finite origin, a direction that is neither zero nor infinite, and a length");
-  }
-  const Vec3& d = world.direction;
-  const double length = std::sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);  // nothing over- or underflows
-  world.longest = longest_m / length;
-  picked_.reset();
-  entries_.clear();
-  for (std::uint32_t i = 0; i < scene_.instances.size(); i = scene_.instances[i].subtree_end) enter(i, world);
-  while (!entries_.empty()) {
-    std::ranges::pop_heap(entries_, std::greater());
-    const Entry next = entries_.back();
-    entries_.pop_back();
-    if (picked_ && next.t > picked_->t) break;  // and so are all others
-    if (is_surface(next.instance, Surfaces::kDrawn)) {
-      if (auto done = pick_shape(next.instance, world); !done) return std::unexpected(done.error());
-    }
-    const std::uint32_t end = scene_.instances[next.instance].subtree_end;
-    for (std::uint32_t child = next.instance + 1; child < end; child = scene_.instances[child].subtree_end) {
-      enter(child, world);
-    }
-  }
-  if (!picked_) return std::nullopt;
-  const Mat3 rotation = placed(picked_->shape).at.pose.orientation.toRotationMatrix();
-  const Triangle triangle = placed_[picked_->shape].shaped->soup.triangle(picked_->hit.face);
-  return Pick{{{picked_->shape}, picked_->hit.polygon},
-              picked_->t * length,
-              origin_world + picked_->t * direction_world,
-              facing_normal(multiply(rotation, Vec3(triangle[1] - triangle[0])),
-                            multiply(rotation, Vec3(triangle[2] - triangle[0])), direction_world / length)};
-}
-
-// In the scene's order: subtrees that are outside are skipped, and what one is wholly inside of isn't asked again
-// below.
-template <class Found>
-void SceneQuery::look(std::uint32_t begin, std::uint32_t end, const Frustum& frustum, Found found) {
-  settle();
-  open_.clear();
-  for (std::uint32_t i = begin; i < end;) {
-    while (!open_.empty() && open_.back().end <= i) open_.pop_back();
-    PlaneMask active = open_.empty() ? frustum.all() : open_.back().active;
-    const std::uint32_t subtree_end = scene_.instances[i].subtree_end;
-    if (collision::in_view(frustum, box(i, Surfaces::kDrawn), active) == InView::kOutside) {
-      i = subtree_end;
-      continue;
-    }
-    if (is_surface(i, Surfaces::kDrawn) && found(i, active)) return;
-    open_.push_back({subtree_end, active});
-    ++i;
-  }
-}
-
-std::expected<std::span<const ShapeInView>, std::string> SceneQuery::in_view(const Frustum& frustum, int levels) {
-  in_view_.clear();
-  std::string error;
-  look(0, static_cast<std::uint32_t>(scene_.instances.size()), frustum, [&](std::uint32_t shape, PlaneMask active) {
-    const auto seen = levels > 0 ? shape_in_view(shape, frustum, active, levels) : true;
-    if (!seen)
-      error = seen.error();
-    else if (*seen)
-      in_view_.push_back({{shape}, active == 0});
-    return !seen.has_value();
-  });
-  if (!error.empty()) return std::unexpected(error);
-  return in_view_;
-}
-
-std::expected<bool, std::string> SceneQuery::may_be_in_view(ObjectId object, const Frustum& frustum) {
-  std::expected<bool, std::string> answer = false;
-  look(object.value, scene_.at(object).subtree_end, frustum, [&](std::uint32_t shape, PlaneMask active) {
-    answer = shape_in_view(shape, frustum, active, ViewQuery::kAllLevels);
-    return !answer || *answer;
-  });
-  return answer;
-}
-
-// A Shape whose box may be in view.
-std::expected<bool, std::string> SceneQuery::shape_in_view(std::uint32_t shape, const Frustum& frustum,
-                                                           PlaneMask active, int levels) {
-  if (active == 0) return mesh(scene_.instances[shape].geometry).polygon_count() > 0;
-  const auto of_shape = shaped(shape);
-  if (!of_shape) return std::unexpected(of_shape.error());
-  if ((*of_shape)->soup.faces.empty()) return false;
-  return views_.may_be_in_view(tree(shape, **of_shape), placed(shape).at.pose, frustum, active, levels);
 }
 
 SceneQueryCounters SceneQuery::counters() const {

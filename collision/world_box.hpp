@@ -1,0 +1,24 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "core/box.hpp"
+
+// What questions about scenes ask of boxes.
+namespace peerd::collision {
+
+// Or are no farther apart than that, along each axis.
+[[nodiscard]] inline bool overlap(const WorldBox& a, const WorldBox& b, double gap_m = 0.0) {
+  for (int i = 0; i < 3; ++i) {
+    if (!(a.lo[i] - gap_m <= b.hi[i] && b.lo[i] - gap_m <= a.hi[i])) return false;
+  }
+  return true;
+}
+
+[[nodiscard]] inline double largest_coordinate(const WorldBox& box) {
+  double most = 0.0;
+  for (int i = 0; i < 3; ++i) most = std::max({most, std::abs(box.lo[i]), std::abs(box.hi[i])});
+  return most;
+}
+
+}  // namespace peerd::collision
