@@ -44,8 +44,9 @@ bool may_come_near(const MovingBody& p, const MovingBody& q, double within_s, do
       distances.distance(of_p.tree(), of_q.tree(), RelativeMotion(p.motion.pose(), q.motion.pose()),
                          {.enough_m = margin_m, .near_m = margin_m, .most_iterations = kMost});
   if (now.lower_m < margin_m) return true;
-  const MeshImpact impact = impacts.first_impact(of_p.tree(), p.motion, of_q.tree(), q.motion, within_s,
-                                                 {.tolerance_m = 2.0 * margin_m, .most_iterations = kMost});
+  const MeshImpact impact =
+      impacts.first_impact(of_p.tree(), p.motion, of_q.tree(), q.motion, within_s,
+                           {.tolerance_m = 2.0 * margin_m, .most_iterations = kMost, .only_distance = true});
   return impact.state != MeshImpactState::kSeparated;
 }
 

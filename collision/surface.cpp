@@ -15,6 +15,7 @@ std::expected<void, std::string> Surface::append(ObjectId shape, const Mesh& mes
   const auto cut = make_soup(mesh);
   if (!cut) return std::unexpected(cut.error());
   constexpr std::uint32_t kUnused = ~0u;
+  std::expected<void, std::string> good;
   std::vector<std::uint32_t> number(mesh.vertices.size(), kUnused);
   for (const std::int32_t corner : mesh.corners) {
     if (corner == Mesh::kEndOfPolygon) continue;
@@ -22,11 +23,13 @@ std::expected<void, std::string> Surface::append(ObjectId shape, const Mesh& mes
     if (number[v] != kUnused) continue;
     number[v] = static_cast<std::uint32_t>(soup_.vertices.size());
     const Vec3 there = place(mesh.vertices[v]);
-    if (!(there.cwiseAbs().maxCoeff() <= kLargestCoordinate_m))
-      return std::unexpected("vertex " + std::to_string(v) + " is not within 2^128 m of its object's origin");
+    if (!is_place(there) && good) {
+      good = std::unexpected("vertex " + std::to_string(v) + " is not within 2^128 m of its object's origin");
+    }
     soup_.vertices.push_back(there);
     soup_.box.merge(there);
   }
+  if (!good) return good;
   for (const TriangleSoup::Face& face : cut->faces) {
     const auto& c = face.corners;
     soup_.faces.push_back({{number[c[0]], number[c[1]], number[c[2]]}, polygons_ + face.polygon});

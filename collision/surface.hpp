@@ -15,6 +15,9 @@ namespace peerd::collision {
 // All polygons below an object, in its frame, as one soup whose polygons are numbered through its Shapes.
 class Surface {
  public:
+  Surface() = default;
+  Surface(Surface&&) = delete;  // its tree knows where its soup is
+
   struct Polygon {
     ObjectId shape;
     std::uint32_t polygon = 0;  // of the Shape, in file order
@@ -28,7 +31,7 @@ class Surface {
   [[nodiscard]] WideTree& tree();
 
   // A Shape's polygons behind those that are there, taken to the object's frame by `place`. The error names a vertex
-  // that has no place there.
+  // that has no place there; the vertices are there even so, the polygons aren't.
   [[nodiscard]] std::expected<void, std::string> append(ObjectId shape, const Mesh& mesh,
                                                         const std::function<Vec3(const Eigen::Vector3f&)>& place);
 

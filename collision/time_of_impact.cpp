@@ -190,7 +190,9 @@ class MeshImpactQuery::Search {
       from_s = until_s;
       most_work = std::max(kWindowWork, 2 * work);
       if (as_long > 0) --as_long;
-      if (as_long == 0) window_s = std::min(2.0 * window_s, work > kIdleWork ? usual_s : kLongerIdle * usual_s);
+      // While the roots alone are looked at, they are far: ever longer.
+      const double most_s = work > kIdleWork ? usual_s : work > 1 ? kLongerIdle * usual_s : kInfinity;
+      if (as_long == 0) window_s = std::min(2.0 * window_s, most_s);
     }
     impact_.state = hit_ ? MeshImpactState::kHit : MeshImpactState::kSeparated;
     impact_.time_s = best_s_;
@@ -321,6 +323,7 @@ class MeshImpactQuery::Search {
       }
       if (step > 0.0) return step;
     }
+    if (options_.only_distance) return hit(face_a, face_b, now, t, found, between, false);
     // Near. No contact follows as long as there is a direction along which they have a gap and don't approach.
     double free_s = 0.0;
     std::optional<Vec3> closing;

@@ -11,7 +11,7 @@
 namespace peerd::collision {
 
 enum class MeshImpactState : std::uint8_t {
-  kSeparated,   // certainly no contact within the step: nothing came as near as half the tolerance, but to part
+  kSeparated,   // certainly no contact within the step
   kHit,         // nearer than the tolerance at `time_s` and not parting, and no contact before
   kOverlapped,  // they touch at the start: exact
   kOutOfWork,   // failed: no contact before `time_s`, nothing is known of later; the iterations ran out
@@ -35,6 +35,9 @@ struct MeshImpactOptions {
   // world, 2^-46 of its largest coordinate, or else that counts. They stay at least half of it apart until then.
   double tolerance_m = 1e-6;
   std::uint32_t most_iterations = 1u << 18;
+  // What is nearer than the tolerance is a hit however it goes on: how near things come, not when they touch. Then
+  // kSeparated says that nothing comes as near as half of it.
+  bool only_distance = false;
 };
 
 // When two meshes come to touch, both moving as their states say from time 0 on. A touch that parts is none: what was

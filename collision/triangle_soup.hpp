@@ -33,6 +33,9 @@ struct TriangleSoup {
 // spaces; only a scale leads beyond.
 inline constexpr double kLargestCoordinate_m = 0x1p128;
 
+// Each coordinate; not what is no number.
+[[nodiscard]] bool is_place(const Vec3& vertex);
+
 // `stretch` (core/transform.hpp, StretchedPose) is baked into the vertices: multiply(stretch, vertex) as binary64; the
 // identity leaves them as they were parsed. The error names the vertex that is too far out or no number at all.
 [[nodiscard]] std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh,

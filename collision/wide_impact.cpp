@@ -215,7 +215,7 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
       const Corners other = set_corners(corners, row), other_later = set_corners(later, row);
       const auto along = [&](const V3& n, const Reach& reach_a, V n_size, V& part) {
         const Reach reach_b = reach_along(n, other, other_later);
-        const V margin = hn::Mul(n_size, off);
+        const V margin = certain_margin(n_size, off);
         part = part_apart(reach_a, reach_b, margin);
         apart = hn::Or(apart, apart_along(reach_a, reach_b, margin));
       };

@@ -8,6 +8,8 @@
 #endif
 #include <hwy/highway.h>
 
+#include <limits>
+
 #include "collision/wide_motion.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -107,6 +109,13 @@ HWY_INLINE Planes planes(const Corners& t) {
   const V e = hn::Mul(u.x, v.y), f = hn::Mul(u.y, v.x);
   const auto sizes = [](V s, V t2) { return hn::Add(hn::Abs(s), hn::Abs(t2)); };
   return {{hn::Sub(a, b), hn::Sub(c, d), hn::Sub(e, f)}, hn::Add(hn::Add(sizes(a, b), sizes(c, d)), sizes(e, f))};
+}
+
+// What is to be left between corners along a normal of that size, for `off` [m]. Of smaller normals products underflow
+// by more than such a margin: then no plane separates. (A size of 2^-80 takes a reach of 2^-43, and so a margin of
+// 2^-140.)
+HWY_INLINE V certain_margin(V size, V off) {
+  return hn::IfThenElse(hn::Gt(size, set(0x1p-80f)), hn::Mul(size, off), set(std::numeric_limits<float>::infinity()));
 }
 
 HWY_INLINE Corners load_corners(const std::array<Rows, 3>& corners, std::size_t i) {

@@ -132,7 +132,7 @@ void TestLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMoti
     // the normal's rounding makes of their distances, 11 units in the last place of size * reach together with the
     // rounding of the dot products; both triangles' corners may be off by the slack.
     const V per_size = set(0x1p-20f * reach + 2.0f * m.slack_a);
-    const V margin = hn::Mul(plane.size, per_size);
+    const V margin = certain_margin(plane.size, per_size);
     for (std::size_t row = 0; row < b.count; ++row) {
       const V3 lo = set3(moved.lo, row), hi = set3(moved.hi, row);
       auto mask = hn::And(hn::And(hn::Le(box.lo.x, hi.x), hn::Le(lo.x, box.hi.x)),
@@ -141,7 +141,7 @@ void TestLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMoti
       if (hn::AllFalse(Lanes(), mask)) continue;
       const Corners other{set3(moved.corners[0], row), set3(moved.corners[1], row), set3(moved.corners[2], row)};
       mask = hn::And(mask, not_on_one_side(plane.normal, margin, corners.p, other));
-      const V margin_b = hn::Mul(set(moved.size[row]), per_size);
+      const V margin_b = certain_margin(set(moved.size[row]), per_size);
       mask = hn::And(mask, not_on_one_side(set3(moved.normal, row), margin_b, other.p, corners));
       masks[row] = static_cast<std::uint8_t>(masks[row] | (bits(mask, i) & present));
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <map>
 #include <ostream>
 #include <utility>
@@ -158,9 +159,11 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
   WorldMotion motion(scene);
   Json events = Json::array();
   std::uint64_t ticks = 0;
-  for (;; ++ticks) {
+  for (double before_s = -std::numeric_limits<double>::infinity();; ++ticks) {
     const double time_s = options.at_s + static_cast<double>(ticks) / options.hz;
-    if (!(time_s <= *options.until_s)) break;
+    // So late that a tick is less than a step of the numbers, time stands still.
+    if (!(time_s <= *options.until_s && time_s > before_s)) break;
+    before_s = time_s;
     motion.go_to(watch, time_s);
     const collision::CollisionWatch::Tick& tick = watch.tick();
     if (!tick.refused.empty()) {

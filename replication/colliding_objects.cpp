@@ -5,19 +5,22 @@
 
 namespace peerd::replication {
 
+CollidingObjects::CollidingObjects(const WorldModel& model) : model_(model) {
+  for (const CollisionPair& p : model.pairs) types_[Pair(std::minmax(p.collider, p.collidee))].push_back(p.type);
+}
+
 void CollidingObjects::on_contact(const ContactEvent& contact) {
-  const auto [lower, higher] = std::minmax(contact.collider, contact.collidee);
-  if (!touching_.emplace(lower, higher).second) return;
-  for (const ObjectId object : {lower, higher}) {
+  const Pair pair(std::minmax(contact.collider, contact.collidee));
+  if (!types_.contains(pair) || !touching_.insert(pair).second) return;
+  for (const ObjectId object : {pair.first, pair.second}) {
     if (partners_[object]++ == 0) events_.push_back({object, contact.at, false});
   }
 }
 
 bool CollidingObjects::touching(const Pair& pair, const StateOf& state_of) const {
-  const auto is_of = [&](const CollisionPair& p) { return Pair(std::minmax(p.collider, p.collidee)) == pair; };
   const KinematicState a = state_of(pair.first), b = state_of(pair.second);
-  return std::ranges::any_of(model_.pairs, [&](const CollisionPair& p) {
-    return is_of(p) && collision::touching({*model_.body(pair.first), a}, {*model_.body(pair.second), b}, p.type);
+  return std::ranges::any_of(types_.at(pair), [&](CollisionType type) {
+    return collision::touching({*model_.body(pair.first), a}, {*model_.body(pair.second), b}, type);
   });
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "replication/motion_world.hpp"
 
@@ -22,8 +23,9 @@ struct NotColliding {
 // until the next tick, what lies on a floor collides until it is taken away.
 class CollidingObjects {
  public:
-  explicit CollidingObjects(const WorldModel& model) : model_(model) {}
+  explicit CollidingObjects(const WorldModel& model);
 
+  // Of a pair that no interest names it is not said.
   void on_contact(const ContactEvent& contact);
   // Looks at pairs that touched: how objects stand at t.
   using StateOf = std::function<KinematicState(ObjectId)>;
@@ -40,6 +42,7 @@ class CollidingObjects {
   void part(const Pair& pair, SimTime t);
 
   const WorldModel& model_;
+  std::map<Pair, std::vector<CollisionType>> types_;  // of the model's pairs
   std::set<Pair> touching_;
   std::map<ObjectId, std::size_t> partners_;  // of what touches anything
   std::deque<NotColliding> events_;

@@ -45,7 +45,10 @@ void Peer::report_contacts(SimTime t) {
       if (others(taken_back->object)) outputs_.push_back(*taken_back);
     } else if (const auto& contact = std::get<ContactEvent>(*event);
                others(contact.collider) || others(contact.collidee)) {
-      colliding_.on_contact(contact);
+      // What this peer decides, its truth tells.
+      const bool decided_here = own_.contains(contact.collider) != own_.contains(contact.collidee) &&
+                                decider_by_id(owner(contact.collider), owner(contact.collidee)) == config_.id;
+      if (!decided_here) colliding_.on_contact(contact);
       outputs_.push_back(ContactSeen{ContactKind::kPredicted, contact, t});
     }
   }

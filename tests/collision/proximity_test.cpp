@@ -59,7 +59,21 @@ TEST(Proximity, OfALongWallOnlyWhatComesNear) {
   EXPECT_TRUE(near(moving({-30, 0, 0}, {20, 0, -4.1})));
   EXPECT_TRUE(near(moving({-30, 0, 0}, {20, 0, 0}, {0, 0, -16.2}))) << "nor is it by its acceleration";
   EXPECT_TRUE(near(moving({-30, 0, -2.01}, {20, 0, 10}))) << "0.49 m away, whichever way it goes";
-  EXPECT_FALSE(near(moving({-30, 0, -1.99}, {20, 0, 10})));
+  EXPECT_FALSE(near(moving({-30, 0, -1.4}, {20, 0, 10})));
+}
+
+// What glides by at a height, from beside the floor: however it goes, it is that near in the end.
+TEST(Proximity, WhatSlidesAlongComesNearToo) {
+  const Body floor = test::body_of(test::floor_mesh(10, 5));
+  const Body flake = test::body_of(test::make_mesh({{0, 0, 0}, {0.02F, 0, 0}, {0, 0, 0.02F}}, {{0, 1, 2}}));
+  const KinematicState still = moving(Vec3::Zero());
+  for (const double height : {0.04, 0.06, 0.08, 0.095}) {
+    for (const double beside : {0.12, 0.3, 1.0}) {
+      const KinematicState glides = moving({5.0 + beside, height, 0}, {-4, 0, 0});
+      EXPECT_TRUE(may_come_near({flake, glides}, {floor, still}, 0.5, 0.1)) << height << ' ' << beside;
+    }
+  }
+  EXPECT_FALSE(may_come_near({flake, moving({5.3, 0.21, 0}, {-4, 0, 0})}, {floor, still}, 0.5, 0.1));
 }
 
 TEST(Proximity, WhatHasNoAnswerMayComeNear) {

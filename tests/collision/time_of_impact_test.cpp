@@ -172,6 +172,16 @@ TEST(TimeOfImpact, WhatSlidesIsFreeAndWhatIsPressedRests) {
   EXPECT_FALSE(driven.resting);
 }
 
+TEST(TimeOfImpact, WhatIsFarAndFastTakesFewLooks) {
+  const TriangleSoup wall = plate(0.5), bullet = rod({0, 0, 0}, {0, 0, 0.01});
+  WideTree a(wall), b(bullet);
+  MeshImpactQuery query;
+  const MeshImpact hit = query.first_impact(a, {}, b, moving({{0.1, 0.2, 2e8}, Quat::Identity()}, {0, 0, -1e9}), 0.25);
+  EXPECT_EQ(hit.state, MeshImpactState::kHit);
+  EXPECT_NEAR(hit.time_s, 0.2, 1e-9);
+  EXPECT_LT(hit.iterations, 5000u);
+}
+
 // A rod that turns about one end comes to a pin at an angle.
 TEST(TimeOfImpact, SpinningRodsMeetPins) {
   Numbers numbers(64);

@@ -188,5 +188,40 @@ TEST(WideQuery, BuildsOnlyWhatItVisits) {
   EXPECT_LT(10 * visited, a.nodes_built());
 }
 
+// The normal of a triangle of 1e-22 m is a few of binary32's least numbers: no plane separates by it.
+TEST(WideQuery, FindsWhatATinyTriangleTouches) {
+  constexpr double e = 0x1p-73;
+  TriangleSoup tiny, large;
+  tiny.vertices = {{0, 0, 0}, {e, -e, 0}, {0, e, -e}};
+  large.vertices = {{0.350585938, -0.310546875, -0.0537109375},
+                    {-0.295898438, 0.709960938, -0.419921875},
+                    {-0.0546875, -0.399414062, 0.473632812}};
+  for (TriangleSoup* soup : {&tiny, &large}) {
+    for (Vec3& v : soup->vertices) soup->box.merge(v = v.cast<float>().cast<double>());
+    soup->faces.push_back({{0, 1, 2}, 0});
+  }
+  OrientationCounters counters;
+  Numbers numbers(91);
+  int touching = 0;
+  for (int i = 0; i < 20000; ++i) {
+    // Planes through, or very near to, the tiny one.
+    TriangleSoup turned = large;
+    if (i > 0) {
+      turned.box = {};
+      const Vec3 normal = numbers.point(1.0).normalized(), u = normal.unitOrthogonal(), v = normal.cross(u);
+      turned.vertices = {u, -0.5 * u + 0.8 * v, -0.5 * u - 0.8 * v};
+      for (Vec3& p : turned.vertices) turned.box.merge(p = p.cast<float>().cast<double>());
+    }
+    WideTree a(tiny), b(turned);
+    WideQuery query;
+    PolygonPair pair{};
+    const RelativeMotion here{Pose{}, Pose{}};
+    const bool truth = touch(tiny.triangle(0), turned.triangle(0), counters);
+    touching += truth;
+    ASSERT_EQ(query.find_pair(a, b, here, pair), truth) << i;
+  }
+  EXPECT_GT(touching, 0);
+}
+
 }  // namespace
 }  // namespace peerd::collision
