@@ -45,8 +45,13 @@ void put(const UpdateRecord& u, proto::Update* out) {
   out->set_object(u.object.value);
   out->set_sequence(u.sequence);
   out->set_session_ns(u.at.time_since_epoch().count());
-  out->set_order(static_cast<std::uint32_t>(u.order));
-  put(u.state, out->mutable_state());
+  out->set_model(static_cast<std::uint32_t>(u.model.kind));
+  put(u.model.state, out->mutable_state());
+  if (!u.model.jerk.isZero(0.0)) put(u.model.jerk, out->mutable_jerk());
+  if (!u.model.rate_rad_s.isZero(0.0)) put(u.model.rate_rad_s, out->mutable_rate());
+  if (!u.model.angular_acceleration_body.isZero(0.0)) {
+    put(u.model.angular_acceleration_body, out->mutable_angular_acceleration_body());
+  }
   out->set_decision_ns(u.decision.time_since_epoch().count());
 }
 
@@ -107,13 +112,18 @@ bool take(std::int64_t ns, Time& t) {
   return in_range(ns);
 }
 
+bool knows(std::uint32_t model) {
+  return std::ranges::any_of(kMotionKinds, [&](MotionKind kind) { return static_cast<std::uint32_t>(kind) == model; });
+}
+
 bool take(const proto::Update& in, UpdateRecord& u) {
   u.object = ObjectId{in.object()};
   u.sequence = in.sequence();
-  if (in.order() != 1 && in.order() != 2) return false;
-  u.order = static_cast<ModelOrder>(in.order());
   if (u.sequence == 0 || !take(in.session_ns(), u.at) || !take(in.decision_ns(), u.decision)) return false;
-  return take(in.state(), u.state) && (u.order == ModelOrder::kSecond || u.state.acceleration.isZero(0.0));
+  MotionModel& m = u.model;
+  m.kind = static_cast<MotionKind>(in.model());
+  return take(in.state(), m.state) && take(in.jerk(), m.jerk) && take(in.rate(), m.rate_rad_s) &&
+         take(in.angular_acceleration_body(), m.angular_acceleration_body) && within_limits(m);
 }
 
 bool take(const proto::Decision& in, DecisionRecord& d) {
@@ -201,7 +211,11 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram) 
   m.has_hello = d.has_hello();
   if (m.has_hello && !take(d.hello(), m.hello)) return std::unexpected(DecodeError::kValue);
   for (const proto::Update& u : d.updates()) {
-    if (!take(u, m.updates.emplace_back())) return std::unexpected(DecodeError::kValue);
+    if (u.model() != 0 && !knows(u.model())) {
+      ++m.unknown_models;
+      continue;
+    }
+    if (!knows(u.model()) || !take(u, m.updates.emplace_back())) return std::unexpected(DecodeError::kValue);
   }
   for (const proto::Decision& c : d.decisions()) {
     if (!take(c, m.decisions.emplace_back())) return std::unexpected(DecodeError::kValue);

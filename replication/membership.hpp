@@ -21,6 +21,7 @@ struct Member {
   std::uint32_t sessions = 0;
   Duration session_minus_host{0};
   std::optional<SimTime> start;
+  std::optional<Duration> latency;                  // of its hellos, one way, smoothed; what ours take is taken as much
   std::map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied
 };
 

@@ -172,12 +172,12 @@ void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
   }
 }
 
-void MotionWorld::set_base(ObjectId object, SimTime t, const KinematicState& state) {
+void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model) {
   const std::size_t index = index_of(object);
   Object& o = objects_[index];
   events_.push_back(TakenBack{object, t - Duration{1}});
   take_back(index, t);
-  o.timeline.replace_from(t, state, std::nullopt);
+  o.timeline.replace_from(t, model, std::nullopt);
   o.base_time = t;
   o.recent.clear();
   reopen(index, t);
@@ -297,8 +297,8 @@ void MotionWorld::search(Pair& pair, SimTime to) {
   while (!pair.contact && !pair.unsupported && pair.clear_until <= to) search_window(pair);
 }
 
-KinematicState MotionWorld::answered(std::size_t object, const Pair& pair, const KinematicState& self,
-                                     const KinematicState& other, bool other_answers, const Vec3& n) {
+MotionModel MotionWorld::answered(std::size_t object, const Pair& pair, const MotionModel& self,
+                                  const KinematicState& other, bool other_answers, const Vec3& n) {
   Object& o = objects_[object];
   const CollisionResponse& response = *model_.scene->object(o.id).response;
   const SimTime t = *pair.contact;
@@ -306,36 +306,37 @@ KinematicState MotionWorld::answered(std::size_t object, const Pair& pair, const
   o.recent.push_back(t);
   if (o.recent.size() > 2 * kBouncesMax) {  // between two that leave it no room
     ++counters_.jammed;
-    return respond(ResponseType::kZero, self, other, other_answers, n);
+    return respond(ResponseType::kZero, self.state, other, other_answers, n);
   }
   if (pair.resting || o.recent.size() > kBouncesMax) {
     ++counters_.came_to_rest;
-    return rest_against(self, other, n);
+    return rest_against(self.state, other, n);
   }
-  KinematicState after = respond(response.type, self, other, other_answers, n);
+  KinematicState after = respond(response.type, self.state, other, other_answers, n);
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
   if (pair.overlapped && response.set_back && pair.free_at) after.position = o.timeline.at(*pair.free_at).position;
-  return after;
+  if (same_motion(after, self.state)) return self;
+  return after_contact(self, after, n, response.type == ResponseType::kInverse);
 }
 
 void MotionWorld::answer(Pair& pair) {
   const SimTime t = *pair.contact;
   Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
-  ContactEvent event{t, a.id, b.id, pair.normal, a.timeline.at(t), b.timeline.at(t), {}, {}};
-  event.collider_after = event.collider_before;
-  event.collidee_after = event.collidee_before;
+  const MotionModel model_a = a.timeline.model_at(t), model_b = b.timeline.model_at(t);
+  MotionModel after_a = model_a, after_b = model_b;
+  const KinematicState &before_a = model_a.state, &before_b = model_b.state;
   const bool a_answers = will_answer(a, pair.collider_answers, t), b_answers = will_answer(b, pair.collidee_answers, t);
-  const KinematicState &before_a = event.collider_before, &before_b = event.collidee_before;
-  if (a_answers) event.collider_after = answered(pair.collider, pair, before_a, before_b, b_answers, event.normal);
-  if (b_answers) event.collidee_after = answered(pair.collidee, pair, before_b, before_a, a_answers, -event.normal);
+  if (a_answers) after_a = answered(pair.collider, pair, model_a, before_b, b_answers, pair.normal);
+  if (b_answers) after_b = answered(pair.collidee, pair, model_b, before_a, a_answers, -pair.normal);
+  const ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, after_a.state, after_b.state};
   pair.contact.reset();
   for (const auto& [answers, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
     if (!answers) continue;
-    if (objects_[index].timeline.next_change_after(t)) events_.push_back(TakenBack{objects_[index].id, t});
+    if (objects_[index].timeline.segments().back().from > t) events_.push_back(TakenBack{objects_[index].id, t});
     take_back(index, t);
   }
-  if (a_answers) a.timeline.replace_from(t, event.collider_after, b.id);
-  if (b_answers) b.timeline.replace_from(t, event.collidee_after, a.id);
+  if (a_answers) a.timeline.replace_from(t, after_a, b.id);
+  if (b_answers) b.timeline.replace_from(t, after_b, a.id);
   if (a_answers) reopen(pair.collider, t);
   if (b_answers) reopen(pair.collidee, t);
   // Where no answer changes anything (nobody answers; an object that was stopped is run into) the contact goes on.
@@ -378,6 +379,10 @@ std::vector<ObjectId> MotionWorld::objects() const {
 }
 
 KinematicState MotionWorld::at(ObjectId object, SimTime t) const { return objects_[index_of(object)].timeline.at(t); }
+
+MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
+  return objects_[index_of(object)].timeline.model_at(t);
+}
 
 SimTime MotionWorld::base_time(ObjectId object) const { return objects_[index_of(object)].base_time; }
 

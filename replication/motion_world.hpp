@@ -82,7 +82,7 @@ class MotionWorld {
 
   // From t on, the object moves so: an update, a sample, a decision. t may lie in the past; beliefs that followed from
   // what is replaced are taken back and found anew by the next advance().
-  void set_base(ObjectId object, SimTime t, const KinematicState& state);
+  void set_base(ObjectId object, SimTime t, const MotionModel& model);
 
   // Answers all contacts up to `to`, in time order.
   void advance(SimTime to);
@@ -90,6 +90,7 @@ class MotionWorld {
   [[nodiscard]] bool has(ObjectId object) const;
   [[nodiscard]] std::vector<ObjectId> objects() const;
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
+  [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
   // When the last told (not predicted) piece of its timeline began.
   [[nodiscard]] SimTime base_time(ObjectId object) const;
   // What happened, in order; drain after advance().
@@ -127,8 +128,8 @@ class MotionWorld {
   void search(Pair& pair, SimTime to);
   void search_window(Pair& pair);
   void answer(Pair& pair);
-  [[nodiscard]] KinematicState answered(std::size_t object, const Pair& pair, const KinematicState& self,
-                                        const KinematicState& other, bool other_answers, const Vec3& n);
+  [[nodiscard]] MotionModel answered(std::size_t object, const Pair& pair, const MotionModel& self,
+                                     const KinematicState& other, bool other_answers, const Vec3& n);
   void take_back(std::size_t cause, SimTime t);
   void reopen(std::size_t object, SimTime t);
 

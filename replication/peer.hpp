@@ -16,6 +16,7 @@
 #include "replication/convergence.hpp"
 #include "replication/membership.hpp"
 #include "replication/motion_world.hpp"
+#include "replication/position_history.hpp"
 #include "replication/publisher.hpp"
 #include "replication/session_clock.hpp"
 #include "replication/wire.hpp"
@@ -50,6 +51,8 @@ struct PeerConfig {
 struct OwnSample {
   ObjectId object;
   KinematicState state;
+  bool has_derivatives =
+      true;  // false: only the pose is known; the rest is found from those before (position_history.hpp)
 };
 
 // ---- outputs, to be drained by poll_output() after every call that takes a time ----
@@ -220,6 +223,11 @@ class Peer {
     bool resend = false;            // somebody joined
     std::optional<SimTime> starts;  // it stands until then
     std::optional<UpdateRecord> to_repeat;
+    std::uint32_t copies = 0;  // of to_repeat that go out with the next ticks
+    std::optional<ModelChooser> models;
+    PoseHistory poses;  // of samples without derivatives
+    UpdateBudget budget;
+    double interval_s = 0.25;  // between updates, of late
   };
 
   [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
@@ -245,7 +253,13 @@ class Peer {
   void repeat_updates();
   [[nodiscard]] bool may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const;
   [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t, double threshold_m);
-  void set_ghost(ObjectId object, SimTime t, const KinematicState& state);
+  void set_ghost(ObjectId object, SimTime t, const MotionModel& model);
+  void measure_latency(HostTime now, const Hello& hello, Member& member) const;
+  [[nodiscard]] Duration farthest_latency() const;
+  [[nodiscard]] Horizon horizon(const Own& own) const;
+  void observe(SimTime t);
+  [[nodiscard]] bool gains(ObjectId object, Own& own, SimTime t, const GhostError& error);
+  void send_copies();
   void flush_records(bool decisions);
   void send_hello(HostTime now, bool leaving);
   void send(const Message& message);
@@ -280,7 +294,7 @@ class Peer {
   std::uint32_t sessions_ = 0;  // entered
   std::int64_t last_tick_ = 0;
   std::size_t hellos_ = 0;  // sent; their lists take turns
-  std::vector<UpdateRecord> updates_due_;
+  std::vector<UpdateRecord> updates_due_, copies_due_;
   std::vector<std::pair<DecisionRecord, int>> decisions_due_;  // how often still to be sent
   std::set<PeerId> other_worlds_;                              // told once each
   bool id_in_use_told_ = false;

@@ -40,6 +40,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
     if (m.updates.empty() && m.decisions.empty()) return {};
     return dropped(Drop::kNotYetInSession);
   }
+  if (m.unknown_models > 0) counters_.drops["unknown_model"] += m.unknown_models;
   const SimTime session_now = clock_.to_session(now);
   for (const UpdateRecord& u : m.updates) {
     if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
@@ -107,7 +108,7 @@ void Peer::on_update(PeerId sender, const UpdateRecord& u) {
   ++counters_.updates_in;
   const SimTime decided = last_decision(u.object);
   if (u.decision < decided && u.at < decided + kDecisionStands) return drop("before_decision");
-  set_ghost(u.object, u.at, u.state);
+  set_ghost(u.object, u.at, u.model);
 }
 
 void Peer::on_decision(PeerId sender, const DecisionRecord& d, SimTime known_at) {
@@ -128,9 +129,9 @@ void Peer::on_decision(PeerId sender, const DecisionRecord& d, SimTime known_at)
   outputs_.push_back(ContactSeen{ContactKind::kApplied, contact, known_at});
 }
 
-void Peer::set_ghost(ObjectId object, SimTime t, const KinematicState& state) {
-  replica_->ghosts.set_base(object, t, state);
-  if (!own_.contains(object)) replica_->truth.set_base(object, t, state);
+void Peer::set_ghost(ObjectId object, SimTime t, const MotionModel& model) {
+  replica_->ghosts.set_base(object, t, model);
+  if (!own_.contains(object)) replica_->truth.set_base(object, t, model);
 }
 
 }  // namespace peerd::replication

@@ -36,6 +36,17 @@ void Peer::repeat_updates() {
   }
 }
 
+// Where an update's loss would cost more than its bytes: again at once in another datagram, then with the ticks that
+// follow, while nothing newer goes.
+void Peer::send_copies() {
+  for (auto& [object, own] : own_) {
+    if (own.copies == 0 || !own.to_repeat) continue;
+    --own.copies;
+    copies_due_.push_back(*own.to_repeat);
+    ++counters_.updates_repeated;
+  }
+}
+
 // Updates and decisions, as few datagrams as hold them. A decision's copies go out a tick apart.
 void Peer::flush_records(bool decisions) {
   Message m = blank();
@@ -48,11 +59,10 @@ void Peer::flush_records(bool decisions) {
     }
     used_bytes += size_bytes;
   };
-  for (const UpdateRecord& update : updates_due_) {
+  for (const UpdateRecord& update : std::exchange(updates_due_, {})) {
     make_room(encoded_size_bytes(update));
     m.updates.push_back(update);
   }
-  updates_due_.clear();
   for (auto& [decision, copies] : decisions_due_) {
     if (!decisions) break;
     make_room(encoded_size_bytes(decision));
@@ -61,6 +71,9 @@ void Peer::flush_records(bool decisions) {
   }
   std::erase_if(decisions_due_, [](const auto& due) { return due.second == 0; });
   if (used_bytes > 0) send(m);
+  if (copies_due_.empty()) return;
+  updates_due_ = std::exchange(copies_due_, {});
+  flush_records(false);
 }
 
 void Peer::send_hello(HostTime now, bool leaving) {

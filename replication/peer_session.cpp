@@ -13,6 +13,9 @@ namespace {
 // meanwhile is not made up: for everybody else its objects stood still.
 constexpr Duration kSlept = std::chrono::seconds(4);
 
+// What takes longer comes from a wrong clock: updates so late are of no use anyway.
+constexpr Duration kLatencyMax = std::chrono::seconds(2);
+
 // World time beyond which a nanosecond count would overflow: 100 years.
 constexpr double kFarthest_s = 3.2e9;
 
@@ -100,6 +103,7 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
   member.synchronised = hello.synchronised;
   member.session_minus_host = hello.session_minus_host;
   member.start = hello.start;
+  measure_latency(now, hello, member);
   if (hello.synchronised) claim(sender, hello.enslaved);
 
   const bool zero_counts = sender == follows_ || (!world_zero_ && !clock_stepped_);
@@ -122,6 +126,22 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
     outputs_.push_back(Synchronised{sender, clock_.session_minus_host(), clock_.error_bound()});
     enter_session(now);
   }
+}
+
+// Both clocks know session time, so one hello is enough; clocks that are off by as much as the way is long say nothing.
+void Peer::measure_latency(HostTime now, const Hello& hello, Member& member) const {
+  if (!hello.synchronised || !clock_.synchronised()) return;
+  const Duration at = hello.host_tx.time_since_epoch() + hello.session_minus_host;  // both within 2^62
+  const Duration way = clock_.to_session(now).time_since_epoch() - at;
+  if (way < Duration{0} || way > kLatencyMax) return;
+  member.latency = member.latency ? *member.latency + (way - *member.latency) / 8 : way;
+}
+
+// How long the farthest of the others waits for what is sent now.
+Duration Peer::farthest_latency() const {
+  Duration farthest{0};
+  for (const auto& [peer, member] : members_.all()) farthest = std::max(farthest, member.latency.value_or(Duration{0}));
+  return farthest;
 }
 
 void Peer::enter_session(HostTime host_now) {
@@ -192,11 +212,16 @@ void Peer::change_session(SimTime before, SimTime now) {
       replica_->truth.declare(object, Role::kScene);
       replica_->ghosts.declare(object, Role::kScene);
     }
-    replica_->truth.set_base(object, now, old.truth.at(object, before));
-    replica_->ghosts.set_base(object, now, old.ghosts.at(object, before));
+    replica_->truth.set_base(object, now, old.truth.model_at(object, before));
+    replica_->ghosts.set_base(object, now, old.ghosts.model_at(object, before));
   }
   restart_predefined();
-  for (auto& [object, own] : own_) own.last_sent.reset();
+  for (auto& [object, own] : own_) {
+    own.last_sent.reset();
+    own.models.reset();  // their samples are of the other time
+    own.poses = {};
+    own.budget = {};
+  }
 }
 
 void Peer::declare_all() {

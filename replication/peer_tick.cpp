@@ -11,6 +11,8 @@ namespace {
 
 // A decision is not acknowledged; this many copies, one a tick, survive bursts of loss.
 constexpr int kDecisionCopies = 3;
+// What the next interval between two updates may be expected to be.
+constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
 
 }  // namespace
 
@@ -21,7 +23,8 @@ void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
     const auto own = own_.find(sample.object);
     if (own == own_.end()) continue;  // lost to another peer
     assert(own->second.driven);
-    replica_->truth.set_base(sample.object, t, sample.state);
+    replica_->truth.set_base(sample.object, t,
+                             sample.has_derivatives ? sample.state : own->second.poses.derive(t, sample.state.pose()));
   }
   replica_->ghosts.advance(t);
   report_contacts(t);
@@ -74,8 +77,34 @@ SimTime Peer::last_decision(ObjectId object) const {
   return at == decisions_.end() ? SimTime{} : at->second;
 }
 
+Horizon Peer::horizon(const Own& own) const { return {to_seconds(farthest_latency()), own.interval_s}; }
+
+// Hands every own object's state to what chooses its models.
+void Peer::observe(SimTime t) {
+  if (!config_.policy.models) return;
+  for (auto& [object, own] : own_) {
+    if (!own.models) own.models.emplace(*config_.policy.models);
+    own.models->push(t, replica_->truth.at(object, t), horizon(own));
+  }
+}
+
+// Whether an update is worth one of the budget: the others are wrong by more, or will be: the velocity has jumped where
+// the ghost's has not. Nothing is known yet of how the new run goes on, so only what it begins with is compared.
+bool Peer::gains(ObjectId object, Own& own, SimTime t, const GhostError& error) {
+  const PublishPolicy& policy = config_.policy;
+  if (policy.wanted_error_m == 0.0) return false;
+  const auto worth_m = own.budget.worth_m(policy, t);
+  if (!worth_m) return false;
+  if (error.distance_m > *worth_m) return true;
+  if (!policy.at_corners || !own.models || !own.models->at_corner()) return false;
+  const double ahead_s = horizon(own).middle_s();
+  const auto straight_on = [&](const KinematicState& s) { return Vec3(s.position + ahead_s * s.velocity); };
+  return (straight_on(replica_->ghosts.at(object, t)) - straight_on(replica_->truth.at(object, t))).norm() > *worth_m;
+}
+
 void Peer::publish(SimTime t) {
   const PublishPolicy& policy = config_.policy;
+  observe(t);
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t);
     const GhostError error = ghost_error(truth, replica_->ghosts.at(object, t));
@@ -89,17 +118,25 @@ void Peer::publish(SimTime t) {
     }
     std::optional<PublishReason> reason = due(policy, threshold_m, error, own.last_sent, t);
     if (!reason && own.resend) reason = PublishReason::kJoiner;
+    if (!reason && gains(object, own, t, error)) reason = PublishReason::kGain;
     if (!reason) continue;
+    own.budget.spend(policy, t);
+    if (own.last_sent) {
+      const double interval_s = std::clamp(to_seconds(t - *own.last_sent), kIntervalMin_s, kIntervalMax_s);
+      own.interval_s += (interval_s - own.interval_s) / 4.0;
+    }
     own.last_sent = t;
     own.resend = false;
-    const UpdateRecord record{
-        object, ++own.sequence, t, policy.order, as_model(policy.order, truth), last_decision(object)};
-    replica_->ghosts.set_base(object, t, record.state);
+    const MotionModel model = own.models ? own.models->choose() : as_model(policy.order, truth);
+    const UpdateRecord record{object, ++own.sequence, t, model, last_decision(object)};
+    replica_->ghosts.set_base(object, t, record.model);
     ++counters_.updates_out;
     outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, *reason});
     updates_due_.push_back(record);
     own.to_repeat = record;
+    own.copies = policy.copies - 1;
   }
+  send_copies();
 }
 
 bool Peer::in_close_proximity(ObjectId object, SimTime t, double threshold_m) {

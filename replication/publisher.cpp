@@ -1,5 +1,7 @@
 #include "replication/publisher.hpp"
 
+#include <algorithm>
+
 namespace peerd::replication {
 
 const char* to_string(PublishReason reason) {
@@ -12,6 +14,8 @@ const char* to_string(PublishReason reason) {
       return "time";
     case PublishReason::kJoiner:
       return "joiner";
+    case PublishReason::kGain:
+      return "gain";
   }
   return "?";
 }
@@ -28,10 +32,32 @@ std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m
   return std::nullopt;
 }
 
-KinematicState as_model(ModelOrder order, const KinematicState& truth) {
-  KinematicState model = truth;
-  if (order == ModelOrder::kFirst) model.acceleration.setZero();
+MotionModel as_model(ModelOrder order, const KinematicState& truth) {
+  MotionModel model = truth;
+  if (order == ModelOrder::kFirst) {
+    model.kind = MotionKind::kFirst;
+    model.state.acceleration.setZero();
+  }
   return model;
+}
+
+void UpdateBudget::fill(const PublishPolicy& policy, SimTime now) {
+  if (!filled_) left_ = policy.updates_saved;
+  if (filled_ && now > *filled_) {
+    left_ = std::min(policy.updates_saved, left_ + policy.updates_per_s * to_seconds(now - *filled_));
+  }
+  filled_ = now;
+}
+
+std::optional<double> UpdateBudget::worth_m(const PublishPolicy& policy, SimTime now) {
+  fill(policy, now);
+  if (left_ < 1.0) return std::nullopt;
+  return policy.wanted_error_m * policy.updates_saved / left_;
+}
+
+void UpdateBudget::spend(const PublishPolicy& policy, SimTime now) {
+  fill(policy, now);
+  left_ = std::max(0.0, left_ - 1.0);
 }
 
 }  // namespace peerd::replication

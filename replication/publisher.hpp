@@ -5,9 +5,11 @@
 
 #include "core/kinematics.hpp"
 #include "core/time.hpp"
-#include "replication/wire.hpp"
+#include "replication/model_choice.hpp"
 
 namespace peerd::replication {
+
+enum class ModelOrder : std::uint8_t { kFirst = 1, kSecond = 2 };
 
 // When a peer tells the others how an object of its own moves (seed 4.2.2 and 4.4.2).
 struct PublishPolicy {
@@ -21,9 +23,17 @@ struct PublishPolicy {
   bool track_proximity = true;     // adaptive collision prediction tracking
   // Of what bounding spheres say is close, only those whose polygons may come nearer than the object's own threshold.
   bool refine_proximity = false;
+  // Beyond the seed. None: every update is of `order`.
+  std::optional<ModelPolicy> models;
+  // Below the thresholds above, updates go out by what they gain, as far as the budget allows. 0 m: not.
+  double wanted_error_m = 0.0;
+  bool at_corners = true;      // at once when the velocity jumps; needs `models`
+  double updates_per_s = 2.0;  // the budget's rate, for each object
+  double updates_saved = 6.0;  // how much of it can be saved up for corners; >= 1
+  std::uint32_t copies = 1;    // of each update: two at once, then one a tick until a newer update goes out
 };
 
-enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner };
+enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner, kGain };
 [[nodiscard]] const char* to_string(PublishReason);
 
 // How far the ghost that the others hold is from the truth.
@@ -38,6 +48,21 @@ struct GhostError {
                                                std::optional<SimTime> last_sent, SimTime now);
 
 // What goes into the update: the truth as the model's order can express it.
-[[nodiscard]] KinematicState as_model(ModelOrder order, const KinematicState& truth);
+[[nodiscard]] MotionModel as_model(ModelOrder order, const KinematicState& truth);
+
+// What may be spent on updates that no threshold asks for: a bucket that fills at a rate and holds so many.
+class UpdateBudget {
+ public:
+  // The error [m] beyond which an update is worth one of what is left: `wanted_m` when the bucket is full, more the
+  // emptier it is; none when it holds less than one.
+  [[nodiscard]] std::optional<double> worth_m(const PublishPolicy& policy, SimTime now);
+  // Any update takes one; what thresholds ask for is not refused, but paid for.
+  void spend(const PublishPolicy& policy, SimTime now);
+
+ private:
+  void fill(const PublishPolicy& policy, SimTime now);
+  std::optional<SimTime> filled_;
+  double left_ = 0.0;
+};
 
 }  // namespace peerd::replication

@@ -10,9 +10,9 @@ constexpr auto begins_after = [](SimTime t, const Timeline::Segment& s) { return
 
 }  // namespace
 
-void Timeline::replace_from(SimTime t, const KinematicState& state, std::optional<ObjectId> cause) {
+void Timeline::replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause) {
   while (!segments_.empty() && segments_.back().from >= t) segments_.pop_back();
-  segments_.push_back({t, state, cause});
+  segments_.push_back({t, model, cause});
 }
 
 void Timeline::truncate_from(SimTime t) {
@@ -32,13 +32,31 @@ const Timeline::Segment& Timeline::segment_at(SimTime t) const {
 
 std::optional<SimTime> Timeline::next_change_after(SimTime t) const {
   const auto next = std::upper_bound(segments_.begin(), segments_.end(), t, begins_after);
-  if (next == segments_.end()) return std::nullopt;
-  return next->from;
+  std::optional<SimTime> change;
+  if (next != segments_.end()) change = next->from;
+  if (next == segments_.begin()) return change;
+  const Segment& s = *(next - 1);
+  if (const auto end = piece_end(s.model, t - s.from); end && (!change || s.from + *end < *change)) {
+    change = s.from + *end;
+  }
+  return change;
 }
 
 KinematicState Timeline::at(SimTime t) const {
   const Segment& s = segment_at(t);
-  return t <= s.from ? s.state : advance(s.state, to_seconds(t - s.from));
+  if (t <= s.from) return s.model.state;
+  const MotionPiece piece = piece_at(s.model, t - s.from);
+  return advance(piece.state, to_seconds(t - s.from - piece.begin));
+}
+
+MotionModel Timeline::model_at(SimTime t) const {
+  const Segment& s = segment_at(t);
+  if (t <= s.from) return s.model;
+  MotionModel model = rebased(s.model, to_seconds(t - s.from));
+  const KinematicState state = at(t);
+  model.state.position = state.position;
+  model.state.orientation = state.orientation;
+  return model;
 }
 
 }  // namespace peerd::replication

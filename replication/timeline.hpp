@@ -5,31 +5,35 @@
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
 #include "core/time.hpp"
+#include "replication/motion_model.hpp"
 
 namespace peerd::replication {
 
-// Where one object is over time: pieces of constant acceleration, each from its own instant to the next one's.
-// Evaluation always starts from the piece's base state, so nothing accumulates.
+// Where one object is over time: models, each from its own instant to the next one's, as pieces of constant
+// acceleration and spin (motion_model.hpp). Evaluation always starts from the model's base state, so nothing
+// accumulates.
 class Timeline {
  public:
   struct Segment {
     SimTime from;
-    KinematicState state;           // at `from`
-    std::optional<ObjectId> cause;  // the other object of the contact that began this piece; none: told from outside
+    MotionModel model;              // its base is `from`
+    std::optional<ObjectId> cause;  // the other object of the contact that began it; none: told from outside
   };
 
-  Timeline(SimTime from, const KinematicState& state) : segments_{{from, state, std::nullopt}} {}
+  Timeline(SimTime from, const MotionModel& model) : segments_{{from, model, std::nullopt}} {}
 
   // From t on, the object moves so; whatever was believed of t and later is gone.
-  void replace_from(SimTime t, const KinematicState& state, std::optional<ObjectId> cause);
-  // Forgets the pieces that begin at t or later; the first piece always stays.
+  void replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause);
+  // Forgets the segments that begin at t or later; the first one always stays.
   void truncate_from(SimTime t);
-  // Forgets pieces that ended before t.
+  // Forgets segments that ended before t.
   void forget_before(SimTime t);
 
-  // Before the first piece the object has not moved yet.
+  // By the piece in force at t. Before the first segment the object has not moved yet.
   [[nodiscard]] KinematicState at(SimTime t) const;
-  // The piece in force at t, and when the next one begins (none: never).
+  // The law in force at t, based there: where at(t) has the object, with the derivatives of the closed form.
+  [[nodiscard]] MotionModel model_at(SimTime t) const;
+  // The segment in force at t, and when the next segment or piece begins (none: never).
   [[nodiscard]] const Segment& segment_at(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> next_change_after(SimTime t) const;
 

@@ -8,6 +8,7 @@
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
 #include "core/time.hpp"
+#include "replication/motion_model.hpp"
 
 namespace peerd::replication {
 
@@ -18,15 +19,12 @@ inline constexpr RegionId kWholeScene{0};
 
 // What travels, as the rest of this folder sees it. proto/README.md specifies the bytes and limits.
 
-enum class ModelOrder : std::uint8_t { kFirst = 1, kSecond = 2 };
-
-// A dead-reckoning update: from `at` on, `object` moves as `state` says.
+// A dead-reckoning update: from `at` on, `object` moves as `model` says.
 struct UpdateRecord {
   ObjectId object;
   std::uint32_t sequence = 0;  // per sender and boot, from 1; a lower one never replaces a higher one
   SimTime at{};
-  ModelOrder order = ModelOrder::kSecond;
-  KinematicState state;
+  MotionModel model;
   // Contact time of the last decision on the object that the sender knew; none: SimTime{}. A state from before a
   // decision must not undo it, although it may be of a later time.
   SimTime decision{};
@@ -73,6 +71,7 @@ struct Message {
   std::vector<UpdateRecord> updates;
   std::vector<DecisionRecord> decisions;
   bool leaving = false;
+  std::uint32_t unknown_models = 0;  // updates left out by decode(): they name a model that this build does not know
 };
 
 }  // namespace peerd::replication

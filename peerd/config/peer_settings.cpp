@@ -50,6 +50,37 @@ ScriptedKey read_scripted_key(TomlReader reader) {
   return scripted;
 }
 
+// Which models the sender may name, and what makes it send beyond the seed's thresholds.
+void read_models(TomlReader& reader, replication::PublishPolicy& policy) {
+  std::size_t model = 0;
+  reader.read_word("model", model, {"order", "best"});
+  replication::ModelPolicy models;
+  std::vector<std::string> names;
+  reader.read("models", names);
+  if (reader.has("models")) {
+    models.allowed.fill(false);
+    for (const std::string& name : names) {
+      const auto kind =
+          std::ranges::find(replication::kMotionKinds, name, [](auto k) { return std::string(to_string(k)); });
+      if (kind == std::end(replication::kMotionKinds)) {
+        reader.fail(reader.raw().get("models"), reader.dotted("models") + ": no model is called \"" + name + "\"");
+        continue;
+      }
+      models.allowed[static_cast<std::size_t>(kind - std::begin(replication::kMotionKinds))] = true;
+    }
+  }
+  reader.read("model_memory_s", models.memory_s, 0.01, 60.0);
+  reader.read("model_horizon_s", models.horizon_max_s, 0.01, 2.0);
+  models.first = policy.order == replication::ModelOrder::kFirst ? replication::MotionKind::kFirst
+                                                                 : replication::MotionKind::kSecond;
+  if (model == 1) policy.models = models;
+  reader.read("wanted_error_m", policy.wanted_error_m, 0.0, kFar_m);
+  reader.read("send_at_corners", policy.at_corners);
+  reader.read("updates_per_s", policy.updates_per_s, 0.0, 1000.0);
+  reader.read("updates_saved", policy.updates_saved, 1.0, 1000.0);
+  reader.read("update_copies", policy.copies, 1, 10);
+}
+
 }  // namespace
 
 ReplicationSettings read_replication(TomlReader reader) {
@@ -61,6 +92,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   std::uint32_t order = 2;
   reader.read("order", order, 1, 2);
   s.policy.order = static_cast<replication::ModelOrder>(order);
+  read_models(reader, s.policy);
   reader.read("error_threshold_m", s.policy.error_threshold_m, 0.0, kFar_m);
   reader.read("close_threshold_m", s.policy.tight_threshold_m, 0.0, kFar_m);
   reader.read("close_proximity_s", s.policy.close_proximity_s, 0.0, kForever_s);

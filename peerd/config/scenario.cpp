@@ -128,7 +128,8 @@ nlohmann::ordered_json to_json(const toml::node& node) {
 
 // Keys whose one value is a list: setting them does not sweep.
 bool takes_list(std::string_view key) {
-  return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key");
+  return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
+         key == "replication.models";
 }
 
 struct SweptKey {

@@ -64,7 +64,7 @@ class Driver {
     const auto taken = peer_.on_packet(now_, RegionId{0}, datagram);
     require(message.has_value() || !taken.has_value());
     if (message) {
-      for (const UpdateRecord& u : message->updates) check(u.state);
+      for (const UpdateRecord& u : message->updates) check(u.model.state);
       const Bytes again = encode(*message);
       require(again.size() > kDatagramMax_bytes || decode(again).has_value());
     }

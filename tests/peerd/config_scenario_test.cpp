@@ -90,6 +90,22 @@ TEST_F(ScenarioTest, ReadsWhatTheFileSays) {
   EXPECT_EQ(run.peers[0].motion.at("CAR").x, "t");
 }
 
+TEST_F(ScenarioTest, ModelsAndBudget) {
+  const auto plain = read("world = \"w\"\n[peer.a]\nid = 1").runs.front().replication.policy;
+  EXPECT_FALSE(plain.models) << "of `order`, as the seed has it";
+  EXPECT_EQ(plain.wanted_error_m, 0.0);
+  EXPECT_EQ(plain.copies, 1u);
+  const Scenario s =
+      read("world = \"w\"\n[peer.a]\nid = 1", {"replication.model=best", R"(replication.models=["second", "sliding"])",
+                                               "replication.wanted_error_m=0.25", "replication.update_copies=3"});
+  ASSERT_EQ(s.runs.size(), 1u) << "a list of models is one value";
+  const auto& policy = s.runs.front().replication.policy;
+  ASSERT_TRUE(policy.models);
+  EXPECT_THAT(policy.models->allowed, ElementsAre(false, true, false, false, false, false, true));
+  EXPECT_EQ(policy.wanted_error_m, 0.25);
+  EXPECT_EQ(policy.copies, 3u);
+}
+
 TEST_F(ScenarioTest, Defaults) {
   const RunSettings run = read("world = \"w\"\n[peer.a]\nid = 1").runs.front();
   EXPECT_EQ(run.duration_s, 15.0);
@@ -270,6 +286,10 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"NoWorld", "world = \"some.wrl\"", "", "", "world is missing"},
         Bad{"NoId", "id = 3", "", "", "peer.zoe.id is missing"},
         Bad{"IdZero", "id = 3", "id = 0", "15:6: ", "peer.zoe.id = 0 is out of range"},
+        Bad{"NoSuchModel", "order = 1", "order = 1\nmodels = [\"first\", \"fifth\"]",
+            "6:10: ", "replication.models: no model is called \"fifth\""},
+        Bad{"NoSuchChoice", "order = 1", "model = \"worst\"", "5:9: ", "replication.model"},
+        Bad{"NoCopyAtAll", "order = 1", "update_copies = 0", "5:17: ", "replication.update_copies"},
         Bad{"OrderThree", "order = 1", "order = 3", "5:9: ", "replication.order = 3 is out of range: 1 to 2"},
         Bad{"LossAboveOne", "0.25", "1.25", "12:8: ", "network.link.a.b.loss = 1.25 is out of range: 0 to 1"},
         Bad{"NegativeLatency", "latency_ms = 5", "latency_ms = -5",

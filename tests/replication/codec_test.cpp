@@ -61,7 +61,7 @@ Message updating(const std::function<void(UpdateRecord&)>& change) {
   Message m;
   m.sender = PeerId{1};
   m.boot = 1;
-  m.updates.push_back({ObjectId{1}, 1, sim(1s), ModelOrder::kSecond, moving({1, 2, 3}, {4, 5, 6})});
+  m.updates.push_back({ObjectId{1}, 1, sim(1s), moving({1, 2, 3}, {4, 5, 6})});
   change(m.updates.front());
   return m;
 }
@@ -96,35 +96,98 @@ TEST_P(Value, IsChecked) {
     EXPECT_EQ(decoded.error(), DecodeError::kValue);
   }
 }
+
+// A newer build's models must not cost the rest of its datagrams.
+TEST(UnknownModel, IsLeftOutAndCounted) {
+  Message m = updating([](auto& u) { u.model.kind = MotionKind{8}; });
+  m.updates.push_back({ObjectId{2}, 7, sim(2s), moving({1, 2, 3})});
+  m.updates.push_back({ObjectId{3}, 8, sim(2s), moving({1, 2, 3})});
+  m.updates.back().model.kind = MotionKind{255};
+  const auto decoded = decode(encode(m));
+  ASSERT_TRUE(decoded);
+  ASSERT_EQ(decoded->updates.size(), 1u);
+  EXPECT_EQ(decoded->updates[0].object, ObjectId{2});
+  EXPECT_EQ(decoded->unknown_models, 2u);
+}
+
 constexpr std::int64_t kFarthest_ns = std::int64_t{1} << 62;
 INSTANTIATE_TEST_SUITE_P(
     Update, Value,
     testing::Values(
         Case{"Good", updating([](auto&) {}), true},
-        Case{"NaNPosition", updating([](auto& u) { u.state.position.y() = kNaN; }), false},
-        Case{"InfPosition", updating([](auto& u) { u.state.position.z() = kInf; }), false},
-        Case{"FarPosition", updating([](auto& u) { u.state.position.x() = 1e12; }), true},
-        Case{"TooFarPosition", updating([](auto& u) { u.state.position.x() = -1.0001e12; }), false},
-        Case{"HugePosition", updating([](auto& u) { u.state.position.x() = 1e300; }), false},
-        Case{"NaNVelocity", updating([](auto& u) { u.state.velocity.x() = kNaN; }), false},
-        Case{"HugeVelocity", updating([](auto& u) { u.state.velocity.x() = 1e200; }), false},
-        Case{"InfAcceleration", updating([](auto& u) { u.state.acceleration.x() = -kInf; }), false},
-        Case{"NaNSpin", updating([](auto& u) { u.state.angular_velocity_body.z() = kNaN; }), false},
-        Case{"FastestSpin", updating([](auto& u) { u.state.angular_velocity_body.z() = -1e4; }), true},
-        Case{"TooFastASpin", updating([](auto& u) { u.state.angular_velocity_body.z() = 1.0001e4; }), false},
+        Case{"NaNPosition", updating([](auto& u) { u.model.state.position.y() = kNaN; }), false},
+        Case{"InfPosition", updating([](auto& u) { u.model.state.position.z() = kInf; }), false},
+        Case{"FarPosition", updating([](auto& u) { u.model.state.position.x() = 1e12; }), true},
+        Case{"TooFarPosition", updating([](auto& u) { u.model.state.position.x() = -1.0001e12; }), false},
+        Case{"HugePosition", updating([](auto& u) { u.model.state.position.x() = 1e300; }), false},
+        Case{"NaNVelocity", updating([](auto& u) { u.model.state.velocity.x() = kNaN; }), false},
+        Case{"HugeVelocity", updating([](auto& u) { u.model.state.velocity.x() = 1e200; }), false},
+        Case{"InfAcceleration", updating([](auto& u) { u.model.state.acceleration.x() = -kInf; }), false},
+        Case{"NaNSpin", updating([](auto& u) { u.model.state.angular_velocity_body.z() = kNaN; }), false},
+        Case{"FastestSpin", updating([](auto& u) { u.model.state.angular_velocity_body.z() = -1e4; }), true},
+        Case{"TooFastASpin", updating([](auto& u) { u.model.state.angular_velocity_body.z() = 1.0001e4; }), false},
         Case{"AccelerationAtOrderOne", updating([](auto& u) {
-               u.order = ModelOrder::kFirst;
-               u.state.acceleration.x() = 1e-9;
+               u.model.kind = MotionKind::kFirst;
+               u.model.state.acceleration.x() = 1e-9;
              }),
              false},
-        Case{"ZeroQuaternion", updating([](auto& u) { u.state.orientation = Quat(0, 0, 0, 0); }), false},
-        Case{"LongQuaternion", updating([](auto& u) { u.state.orientation = Quat(2, 0, 0, 0); }), false},
-        Case{"NaNQuaternion", updating([](auto& u) { u.state.orientation = Quat(kNaN, 0, 0, 1); }), false},
-        Case{"UnitQuaternion", updating([](auto& u) { u.state.orientation = Quat(0.6, 0, -0.8, 0); }), true},
+        Case{"ZeroQuaternion", updating([](auto& u) { u.model.state.orientation = Quat(0, 0, 0, 0); }), false},
+        Case{"LongQuaternion", updating([](auto& u) { u.model.state.orientation = Quat(2, 0, 0, 0); }), false},
+        Case{"NaNQuaternion", updating([](auto& u) { u.model.state.orientation = Quat(kNaN, 0, 0, 1); }), false},
+        Case{"UnitQuaternion", updating([](auto& u) { u.model.state.orientation = Quat(0.6, 0, -0.8, 0); }), true},
         Case{"SequenceZero", updating([](auto& u) { u.sequence = 0; }), false},
         Case{"SequenceLast", updating([](auto& u) { u.sequence = 0xFFFF'FFFF; }), true},
-        Case{"OrderZero", updating([](auto& u) { u.order = ModelOrder{0}; }), false},
-        Case{"OrderThree", updating([](auto& u) { u.order = ModelOrder{3}; }), false},
+        Case{"NoModel", updating([](auto& u) { u.model.kind = MotionKind{0}; }), false},
+        Case{"JerkAtSecondOrder", updating([](auto& u) { u.model.jerk.x() = 1e-9; }), false},
+        Case{"RateAtSecondOrder", updating([](auto& u) { u.model.rate_rad_s.y() = 1e-9; }), false},
+        Case{"MostJerk", updating([](auto& u) {
+               u.model.kind = MotionKind::kThird;
+               u.model.jerk.x() = -1e9;
+             }),
+             true},
+        Case{"TooMuchJerk", updating([](auto& u) {
+               u.model.kind = MotionKind::kThird;
+               u.model.jerk = Vec3::Constant(1e9);
+             }),
+             false},
+        Case{"NaNJerk", updating([](auto& u) {
+               u.model.kind = MotionKind::kOscillating;
+               u.model.jerk.z() = kNaN;
+             }),
+             false},
+        Case{"FastestTurn", updating([](auto& u) {
+               u.model.kind = MotionKind::kTurning;
+               u.model.rate_rad_s.z() = -100;
+             }),
+             true},
+        Case{"TooFastATurn", updating([](auto& u) {
+               u.model.kind = MotionKind::kTurning;
+               u.model.rate_rad_s = {80, 0, 80};
+             }),
+             false},
+        Case{"FastestWaves", updating([](auto& u) {
+               u.model.kind = MotionKind::kOscillating;
+               u.model.rate_rad_s = Vec3::Constant(100);
+             }),
+             true},
+        Case{"TooFastAWave", updating([](auto& u) {
+               u.model.kind = MotionKind::kOscillating;
+               u.model.rate_rad_s.y() = 100.001;
+             }),
+             false},
+        Case{"NegativeRateOfAWave", updating([](auto& u) {
+               u.model.kind = MotionKind::kOscillating;
+               u.model.rate_rad_s.y() = -1e-9;
+             }),
+             false},
+        Case{"NaNRate", updating([](auto& u) {
+               u.model.kind = MotionKind::kTurning;
+               u.model.rate_rad_s.x() = kNaN;
+             }),
+             false},
+        Case{"MostSpinAcceleration", updating([](auto& u) { u.model.angular_acceleration_body.x() = 2e3; }), true},
+        Case{"TooMuchSpinAcceleration", updating([](auto& u) { u.model.angular_acceleration_body.x() = 2001; }), false},
+        Case{"NaNSpinAcceleration", updating([](auto& u) { u.model.angular_acceleration_body.y() = kNaN; }), false},
         Case{"Farthest", updating([](auto& u) { u.at = sim(Duration{-kFarthest_ns}); }), true},
         Case{"TooFarAhead", updating([](auto& u) { u.at = sim(Duration{kFarthest_ns + 1}); }), false},
         Case{"EndOfTime", updating([](auto& u) { u.at = SimTime::max(); }), false},

@@ -24,14 +24,19 @@ class MessageMaker {
   }
 
   UpdateRecord update() {
-    UpdateRecord u{ObjectId{number<std::uint32_t>()},
-                   1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
-                   SimTime{time()},
-                   coin() ? ModelOrder::kFirst : ModelOrder::kSecond,
-                   state(),
-                   SimTime{coin() ? time() : 0ns}};
-    if (u.order == ModelOrder::kFirst) u.state.acceleration.setZero();
-    return u;
+    return {ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU, SimTime{time()}, model(),
+            SimTime{coin() ? time() : 0ns}};
+  }
+  // Of any kind, with what that kind names.
+  MotionModel model() {
+    MotionModel m = state();
+    m.kind = kMotionKinds[number<std::size_t>() % std::size(kMotionKinds)];
+    if (m.kind == MotionKind::kFirst) m.state.acceleration.setZero();
+    if (m.kind == MotionKind::kThird || m.kind == MotionKind::kOscillating) m.jerk = vector().normalized() * 1e3;
+    if (m.kind == MotionKind::kTurning) m.rate_rad_s = vector().normalized() * (0.99 * kRateMax_rad_s);
+    if (m.kind == MotionKind::kOscillating) m.rate_rad_s = vector().normalized().cwiseAbs() * kRateMax_rad_s * 0.99;
+    if (coin()) m.angular_acceleration_body = vector().normalized() * 20.0;
+    return m;
   }
   DecisionRecord decision() {
     return {ObjectId{number<std::uint32_t>()},
@@ -97,9 +102,11 @@ inline bool same_bits(const Message& a, const Message& b) {
   const auto& h = a.hello;
   const auto& g = b.hello;
   const auto same_vector = [](const Vec3& v, const Vec3& w) { return same_bits(moving(v), moving(w)); };
-  const auto same_update = [](const UpdateRecord& u, const UpdateRecord& v) {
-    return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.order == v.order &&
-           u.decision == v.decision && same_bits(u.state, v.state);
+  const auto same_update = [&](const UpdateRecord& u, const UpdateRecord& v) {
+    return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.model.kind == v.model.kind &&
+           u.decision == v.decision && same_bits(u.model.state, v.model.state) &&
+           same_vector(u.model.jerk, v.model.jerk) && same_vector(u.model.rate_rad_s, v.model.rate_rad_s) &&
+           same_vector(u.model.angular_acceleration_body, v.model.angular_acceleration_body);
   };
   const auto same_decision = [&](const DecisionRecord& d, const DecisionRecord& e) {
     return d.collider == e.collider && d.collidee == e.collidee && d.contact == e.contact && d.rule == e.rule &&
@@ -123,6 +130,11 @@ inline bool is_sound(const KinematicState& s) {
   return good(s.position) && good(s.velocity) && good(s.acceleration) && good(s.angular_velocity_body) &&
          std::abs(s.orientation.norm() - 1.0) <= 1e-6;
 }
+inline bool is_sound(const MotionModel& m) {
+  return is_sound(m.state) && std::ranges::find(kMotionKinds, m.kind) != std::end(kMotionKinds) &&
+         m.jerk.norm() <= 1e9 && m.rate_rad_s.cwiseAbs().maxCoeff() <= kRateMax_rad_s &&
+         m.angular_acceleration_body.norm() <= 2e3;
+}
 inline bool is_sound(std::chrono::nanoseconds t) { return std::abs(to_seconds(t)) < 4.7e9; }
 
 // What codec.hpp promises of every message that decode() lets through.
@@ -134,7 +146,7 @@ inline bool is_sound(const Message& m) {
   }
   for (const UpdateRecord& u : m.updates) {
     sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) && is_sound(u.decision.time_since_epoch()) &&
-            is_sound(u.state) && (u.order == ModelOrder::kFirst || u.order == ModelOrder::kSecond);
+            is_sound(u.model);
   }
   for (const DecisionRecord& d : m.decisions) {
     sound = sound && is_sound(d.contact.time_since_epoch()) && std::abs(d.normal.norm() - 1.0) <= 1e-6 &&

@@ -710,5 +710,85 @@ TEST(WorldModel, BuildsNothingThatNoInterestNames) {
   for (const collision::Body& body : asked.model->bodies) EXPECT_EQ(body.meshes_built, 1u);
 }
 
+// ---- laws that are no constant acceleration ----
+
+MotionModel spring(double amplitude, double rate) {  // from x = 0 to the right, with a drift along z
+  MotionModel m = moving({0, 0, 0}, {amplitude * rate, 0, 1});
+  m.kind = MotionKind::kOscillating;
+  m.jerk.x() = -amplitude * rate * rate * rate;
+  m.rate_rad_s.x() = rate;
+  return m;
+}
+
+// A spring of 4 m between walls 3 m to either side: the law goes on after each bounce as in the mirror. The contacts'
+// times have the pieces' error, and no more after ten bounces than after one.
+TEST(MotionWorld, ALawGoesOnAfterItsBounces) {
+  const World w(corridor());
+  const double rate = 0.9, hit = std::asin(0.75) / rate;  // 4 sin(rate t) = 3
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), spring(4, rate));
+  std::vector<SimTime> contacts;
+  for (Duration t = 0s; t <= 20 * seconds(hit); t += 10ms) {
+    world.advance(sim(t));
+    while (const auto event = world.poll_event()) {
+      if (const auto* c = std::get_if<ContactEvent>(&*event)) contacts.push_back(c->at);
+    }
+    EXPECT_LE(std::abs(world.at(w["BALL"], sim(t)).position.x()), 3.0 + 1e-9);
+    const double phase = std::fmod(to_seconds(t), 4 * hit);
+    const double x = phase <= hit       ? 4 * std::sin(rate * phase)
+                     : phase <= 3 * hit ? 4 * std::sin(rate * (2 * hit - phase))
+                                        : 4 * std::sin(rate * (phase - 4 * hit));
+    EXPECT_NEAR(world.at(w["BALL"], sim(t)).position.x(), x, 1e-3) << to_seconds(t);
+  }
+  ASSERT_EQ(contacts.size(), 10u);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    EXPECT_NEAR(to_seconds(contacts[i] - sim(0s)), (2.0 * static_cast<double>(i) + 1) * hit, 1e-4 * (i + 1.0)) << i;
+  }
+}
+
+// As for constant accelerations: when advance() is called changes nothing.
+TEST(MotionWorld, LawsDoNotDependOnHowOftenTheyAreLookedAt) {
+  const World w(corridor());
+  const auto lived = [&](Duration step) {
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kBelief);
+    world.set_base(w["BALL"], sim(0s), spring(4, 0.9));
+    for (Duration t = 0s; t < 12s; t += step) world.advance(sim(t));
+    world.advance(sim(12s));
+    return world.at(w["BALL"], sim(12s));
+  };
+  const KinematicState once = lived(12s);
+  EXPECT_TRUE(same_bits(lived(7ms), once));
+  EXPECT_TRUE(same_bits(lived(333ms), once));
+}
+
+TEST(MotionWorld, AStoppedLawIsForgotten) {
+  const World w(corridor(kStops));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), spring(4, 0.9));
+  world.advance(sim(10s));
+  const KinematicState s = world.at(w["BALL"], sim(10s));
+  EXPECT_NEAR(s.position.x(), 3.0, 1e-6);
+  EXPECT_TRUE(s.velocity.isZero(0.0) && s.acceleration.isZero(0.0));
+}
+
+// What slides stops short of the wall, and is not searched for ever.
+TEST(MotionWorld, WhatSlidesComesToRestAndCostsNothingThen) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  MotionModel m = moving({0, 0, 0}, {2, 0, 0}, {-1, 0, 0});
+  m.kind = MotionKind::kSliding;
+  world.set_base(w["BALL"], sim(0s), m);
+  world.advance(sim(3s));
+  EXPECT_EQ(world.at(w["BALL"], sim(3s)).position, Vec3(2, 0, 0));
+  const std::uint64_t searches = world.counters().contact_searches;
+  world.advance(sim(100s));
+  EXPECT_EQ(world.counters().contact_searches, searches);
+  EXPECT_EQ(world.counters().contacts, 0u);
+}
+
 }  // namespace
 }  // namespace peerd::replication

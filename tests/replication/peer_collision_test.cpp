@@ -319,7 +319,7 @@ TEST_F(Decided, AStateFromBeforeTheDecisionDoesNotUndoIt) {
   lan.inject(self, encode(decision(1, "CAR", 300ms, {1, 0, 0})));
   Message m = message_of(1);
   const SimTime now = lan.session_now(self);
-  m.updates = {{world["CAR"], 1, now - 100ms, ModelOrder::kSecond, moving({0, 0, 0}, {5, 0, 0}), {}}};
+  m.updates = {{world["CAR"], 1, now - 100ms, moving({0, 0, 0}, {5, 0, 0}), {}}};
   lan.inject(self, encode(m));
   EXPECT_EQ(lan.peer(self).ghost(world["CAR"], now).position, Vec3(9, 9, 9));
   EXPECT_EQ(lan.drops(self, "before_decision"), 1u);

@@ -30,7 +30,7 @@ class InSession : public testing::Test {
   }
   Message update(std::uint32_t sequence, Duration ago, double x, const char* object = "O1") {
     Message m = message_of(7);
-    m.updates = {{world[object], sequence, lan.session_now(self) - ago, ModelOrder::kSecond, moving({x, 0, 0}), {}}};
+    m.updates = {{world[object], sequence, lan.session_now(self) - ago, moving({x, 0, 0}), {}}};
     return m;
   }
   std::expected<void, Drop> receive(const Message& m) { return lan.inject(self, encode(m)); }
@@ -238,7 +238,7 @@ TEST(Peer, UpdatesBeforeThereIsASessionAreDropped) {
   lan.run_until(100ms);
   lan.inject(0, encode(hello_of(7, lan.host_now(0), {world["O1"]})));
   Message m = message_of(7);
-  m.updates = {{world["O1"], 1, sim(kEpoch), ModelOrder::kSecond, moving({8, 0, 0}), {}}};
+  m.updates = {{world["O1"], 1, sim(kEpoch), moving({8, 0, 0}), {}}};
   EXPECT_EQ(lan.inject(0, encode(m)).error(), Drop::kNotYetInSession);
 }
 
@@ -460,6 +460,144 @@ TEST(Peer, ALostUpdateComesAgainWithTheNextHello) {
   const SimTime t = lan.session_now(1);
   EXPECT_GT(lost, 1);
   EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - lan.peer(0).truth(world["O0"], t).position).norm(), 1e-6);
+}
+
+// ---- models ----
+
+PeerConfig choosing(std::uint32_t id, std::vector<Enslaved> enslaved = {}) {
+  PeerConfig c = config(id, std::move(enslaved));
+  c.policy.models.emplace();
+  c.policy.wanted_error_m = 0.005;
+  return c;
+}
+
+// Chosen models, too, are one belief on all peers, whatever their tick rates and however the network behaves.
+TEST(Models, AreObeyedAlikeByAll) {
+  const World world(field(1));
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Lan lan(world, {20ms, 100ms, 0, 0.3}, seed);
+    const auto weaves = [](SimTime t) {
+      const double s = to_seconds(t.time_since_epoch() - kEpoch);
+      return moving({4 * std::sin(1.1 * s), s, 3 * std::sin(0.7 * s)},
+                    {4.4 * std::cos(1.1 * s), 1, 2.1 * std::cos(0.7 * s)},
+                    {-4.84 * std::sin(1.1 * s), 0, -1.47 * std::sin(0.7 * s)});
+    };
+    lan.add(choosing(1, {{world["O0"], true}}), 0s, {{world["O0"], weaves}});
+    PeerConfig slow = choosing(2);
+    slow.tick_hz = 30;
+    lan.add(slow, 3s);
+    lan.run_until(10s);
+    const SimTime t = lan.session_now(0);
+    EXPECT_TRUE(same_bits(lan.peer(1).ghost(world["O0"], t), lan.peer(0).ghost(world["O0"], t))) << seed;
+    EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - weaves(t).position).norm(), 1e-3) << seed;
+    EXPECT_LT(lan.peer(0).counters().updates_out, 12u) << "exact after few";
+  }
+}
+
+// What falls and what spins is exact after one update, for as long as it goes on.
+TEST(Models, OfFallingAndSpinningNeedOneUpdate) {
+  const World world(field(1));
+  Lan lan(world);
+  const auto falls = [](SimTime t) {
+    KinematicState s = moving({0, 5'000, 0}, {3, 0, 0}, {0, -9.81, 0});
+    s.angular_velocity_body = {0, 30, 0};
+    return advance(s, to_seconds(t.time_since_epoch() - kEpoch));
+  };
+  PeerConfig c = choosing(1, {{world["O0"], true}});
+  c.policy.time_threshold = 1000s;
+  lan.add(c, 0s, {{world["O0"], falls}});
+  lan.add(choosing(2));
+  lan.run_until(3s);
+  const std::uint64_t then = lan.peer(0).counters().updates_out;
+  lan.run_until(20s);
+  EXPECT_EQ(lan.peer(0).counters().updates_out, then);
+  const SimTime t = lan.session_now(1);
+  EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - falls(t).position).norm(), 1e-6);
+  EXPECT_LT(angle_between(lan.peer(1).ghost(world["O0"], t).orientation, falls(t).orientation), 1e-6);
+}
+
+// A source without derivatives is believed as well as one with them, but for the first samples.
+TEST(Models, AreFoundWithoutDerivativesToo) {
+  const World world(field(1));
+  PeerConfig c = choosing(1, {{world["O0"], true}});
+  Peer peer(c, *world.model);
+  const auto drain = [&] {
+    while (peer.poll_output()) {
+    }
+  };
+  for (int i = 0; i < 400; ++i) {
+    const HostTime now = host(kEpoch + i * 16ms);
+    std::vector<OwnSample> samples;
+    if (const auto due = peer.due_tick(now)) {
+      samples.push_back({world["O0"], at_rest(on_a_circle(*due).pose()), false});
+    }
+    peer.on_tick(now, samples);
+    drain();
+  }
+  const SimTime t = peer.clock().to_session(host(kEpoch + 399 * 16ms));
+  EXPECT_LT((peer.ghost(world["O0"], t).position - on_a_circle(t).position).norm(), 0.05);
+  EXPECT_LT((peer.truth(world["O0"], t).velocity - on_a_circle(t).velocity).norm(), 0.3);
+  EXPECT_LT(peer.counters().updates_out, 30u);
+}
+
+TEST_F(InSession, AModelUnknownToThisBuildIsCountedAndTheRestOfItsDatagramCounts) {
+  Message m = update(1, 10ms, 77);
+  m.updates.push_back(update(1, 10ms, 8, "O2").updates[0]);
+  m.updates[0].model.kind = MotionKind{77};
+  EXPECT_TRUE(receive(m));
+  EXPECT_EQ(lan.drops(self, "unknown_model"), 1u);
+  EXPECT_NE(ghost_x(), 77);
+  EXPECT_EQ(ghost_x("O2"), 8);
+}
+
+TEST(Models, AreChosenForTheLatencyThatHellosMeasure) {
+  const World world(field(1));
+  for (const Duration latency : {5ms, 80ms, 300ms}) {
+    Lan lan(world, {latency, 0ms, 0, 0});
+    lan.add(choosing(1, {{world["O0"], true}}), 0s, {{world["O0"], on_a_circle}});
+    lan.add(choosing(2), 7s);  // its clock is another
+    lan.run_until(6s);
+    const Member& other = lan.peer(0).members().all().at(PeerId{2});
+    ASSERT_TRUE(other.latency);
+    EXPECT_NEAR(to_seconds(*other.latency), to_seconds(latency), 1e-3);
+  }
+}
+
+// A healed partition puts one of them into another time: what it chose by is void, what it believes goes on.
+TEST(Models, SurviveAChangeOfSession) {
+  const World world(field(1));
+  Lan lan(world);
+  lan.add(choosing(1));
+  lan.add(choosing(2, {{world["O0"], true}}), 30s, {{world["O0"], on_a_circle}});
+  lan.part({0});
+  lan.run_until(5s);
+  lan.part({});
+  lan.run_until(12s);
+  ASSERT_FALSE(lan.seen<ClockStepped>(1).empty());
+  const SimTime t = lan.session_now(0);
+  EXPECT_LT((lan.peer(0).ghost(world["O0"], t).position - on_a_circle(t).position).norm(), 0.01);
+  EXPECT_TRUE(same_bits(lan.peer(0).ghost(world["O0"], t), lan.peer(1).ghost(world["O0"], t)));
+}
+
+TEST(Peer, CopiesOfAnUpdateSurviveTheLossOfTheFirst) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 3 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  PeerConfig c = config(1, {{world["O0"], false}});
+  c.policy.copies = 4;
+  lan.add(c);
+  lan.add(config(2));
+  std::vector<Duration> sent;
+  lan.filter = [&](std::size_t, std::size_t to, const Message& m) {
+    if (to != 1 || m.updates.empty()) return true;
+    sent.push_back(lan.now());
+    return sent.size() > 3;
+  };
+  lan.run_until(3s);
+  ASSERT_GE(sent.size(), 4u);
+  EXPECT_EQ(sent[1], sent[0]) << "one at once";
+  EXPECT_LE(sent[3] - sent[0], 40ms) << "the others with the next ticks";
+  EXPECT_GE(lan.peer(0).counters().updates_repeated, 3u);
+  EXPECT_EQ(lan.peer(1).counters().updates_in, 1u);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/replication/worlds.hpp"
 
 namespace peerd::replication {
@@ -49,13 +51,80 @@ TEST(GhostError, TakesTheSmallestAngleWhateverTheQuaternionsSign) {
   EXPECT_NEAR(ghost_error(truth, ghost).angle_rad, 0.0, 1e-7);
 }
 
+// A displacement along the diagonal of the axes counts as what it is long: at the threshold it is still well, whichever
+// way it points, and a hair beyond it is not.
+TEST(GhostError, OnTheDiagonalIsHeldAgainstTheThresholdLikeAnyOther) {
+  PublishPolicy policy;
+  const SimTime now = sim(100s);
+  for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 1), Vec3(1, -1, -1)}) {
+    const Vec3 at_threshold = 0.5 * way.normalized();
+    const GhostError at = ghost_error(moving(Vec3::Zero()), moving((1 - 1e-15) * at_threshold));
+    const GhostError beyond = ghost_error(moving(Vec3::Zero()), moving((1 + 1e-12) * at_threshold));
+    EXPECT_EQ(due(policy, 0.5, at, now - 1s, now), std::nullopt) << way.transpose();
+    EXPECT_EQ(due(policy, 0.5, beyond, now - 1s, now), PublishReason::kError) << way.transpose();
+  }
+}
+
+// Half a turn: the farthest that two orientations can be apart, and where q and -q are equally near.
+TEST(GhostError, OfTwoOrientationsHalfATurnApartIsPi) {
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 2, 2)}) {
+    for (const double sign : {1.0, -1.0}) {
+      const Vec3 n = axis.normalized();
+      KinematicState truth = moving({1, 2, 3}), ghost = truth;
+      truth.orientation = Quat(0.5, 0.5, -0.5, 0.5);
+      ghost.orientation = truth.orientation * Quat(0.0, n.x(), n.y(), n.z());
+      ghost.orientation.coeffs() *= sign;
+      const GhostError error = ghost_error(truth, ghost);
+      EXPECT_EQ(error.distance_m, 0.0);
+      EXPECT_NEAR(error.angle_rad, std::numbers::pi, 1e-15);
+      EXPECT_EQ(due({}, 0.5, error, sim(99s), sim(100s)), PublishReason::kError);
+    }
+  }
+}
+
+// ---- the budget ----
+
+TEST(UpdateBudget, IsFullAtFirstAndDearerTheEmptierItIs) {
+  PublishPolicy policy;
+  policy.wanted_error_m = 0.01;
+  policy.updates_per_s = 2;
+  policy.updates_saved = 4;
+  UpdateBudget budget;
+  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.01);
+  budget.spend(policy, sim(0s));
+  budget.spend(policy, sim(0s));
+  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.02);
+  budget.spend(policy, sim(0s));
+  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.04);
+  budget.spend(policy, sim(0s));
+  EXPECT_EQ(budget.worth_m(policy, sim(0s)), std::nullopt);
+  EXPECT_EQ(budget.worth_m(policy, sim(500ms)), 0.04) << "one more after half a second";
+  EXPECT_EQ(budget.worth_m(policy, sim(100s)), 0.01) << "never more than can be saved";
+}
+
+TEST(UpdateBudget, BoundsWhatIsSentOfItsOwn) {
+  PublishPolicy policy;
+  policy.wanted_error_m = 1e-6;
+  policy.updates_per_s = 1.9;
+  policy.updates_saved = 6;
+  UpdateBudget budget;
+  int sent = 0;
+  for (Duration t = 0s; t < 15s; t += 16ms) {
+    if (!budget.worth_m(policy, sim(t))) continue;
+    budget.spend(policy, sim(t));
+    ++sent;
+  }
+  EXPECT_LE(sent, 6 + 1.9 * 15);
+  EXPECT_GE(sent, 33);
+}
+
 TEST(AsModel, FirstOrderDropsTheAccelerationAlone) {
   KinematicState truth = moving({1, 2, 3}, {4, 5, 6}, {7, 8, 9});
   truth.angular_velocity_body = {1, 0, 0};
-  EXPECT_TRUE(same_bits(as_model(ModelOrder::kSecond, truth), truth));
+  EXPECT_TRUE(same_bits(as_model(ModelOrder::kSecond, truth).state, truth));
   KinematicState expected = truth;
   expected.acceleration.setZero();
-  EXPECT_TRUE(same_bits(as_model(ModelOrder::kFirst, truth), expected));
+  EXPECT_TRUE(same_bits(as_model(ModelOrder::kFirst, truth).state, expected));
 }
 
 TEST(PublishReasonName, IsDistinctForEach) {
@@ -63,6 +132,7 @@ TEST(PublishReasonName, IsDistinctForEach) {
   EXPECT_STREQ(to_string(PublishReason::kError), "error");
   EXPECT_STREQ(to_string(PublishReason::kTime), "time");
   EXPECT_STREQ(to_string(PublishReason::kJoiner), "joiner");
+  EXPECT_STREQ(to_string(PublishReason::kGain), "gain");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -53,9 +54,10 @@ struct Ran {
 };
 
 // Its runs, in order. Throws the error's sentence.
-inline std::vector<Ran> run_scenario(const std::string& file, const std::vector<std::string>& sets = {}) {
+inline std::vector<Ran> run_scenario(const std::string& file, const std::vector<std::string>& sets = {},
+                                     const std::vector<std::filesystem::path>& configs = {}) {
   const config::Scenario scenario =
-      must(config::read_scenario({.file = file, .configs = {}, .sets = sets, .seed = {}}));
+      must(config::read_scenario({.file = file, .configs = configs, .sets = sets, .seed = {}}));
   const auto shared = must(share_world(scenario.world));
   std::vector<Ran> runs;
   for (const config::RunSettings& settings : scenario.runs) {

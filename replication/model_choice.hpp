@@ -1,0 +1,73 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "core/time.hpp"
+#include "replication/motion_model.hpp"
+
+namespace peerd::replication {
+
+// Which models a sender may choose from, and by what evidence.
+struct ModelPolicy {
+  std::array<bool, std::size(kMotionKinds)> allowed{true, true, true, true, true, true, true};  // by kMotionKinds
+  double memory_s = 0.5;                   // how fast the outcome of an old prediction is forgotten (time constant)
+  double horizon_max_s = 1;                // the farthest ahead that a prediction is judged by
+  MotionKind first = MotionKind::kSecond;  // before there is any evidence
+};
+
+// When a receiver will use what is sent now: from `latency_s` on, for `interval_s`.
+struct Horizon {
+  double latency_s = 0.0, interval_s = 0.25;
+  [[nodiscard]] double end_s() const { return latency_s + interval_s; }
+  [[nodiscard]] double middle_s() const { return latency_s + 0.5 * interval_s; }
+};
+
+// Which model an object's next update should name: the one that, made from what was known a horizon ago, would have
+// been nearest to what has followed. It sees samples up to now, nothing else.
+//
+// A *run* is the samples since the last corner (a jump of velocity or acceleration, as a bounce makes): derivatives are
+// not taken across one, and no prediction is blamed for one. In a young run only short predictions have an outcome yet;
+// an error e at h counts as e (H/h)^p at the horizon H, p being the first power of time that the model leaves out.
+class ModelChooser {
+ public:
+  explicit ModelChooser(const ModelPolicy& policy) : policy_(policy) {}
+
+  // The object's state at t, later than all before.
+  void push(SimTime t, const KinematicState& state, const Horizon& horizon);
+
+  // Based on the last sample. Ties go to the simpler model, then to the one chosen before.
+  [[nodiscard]] MotionModel choose();
+  // Whether the last sample is the first after a corner.
+  [[nodiscard]] bool at_corner() const { return samples_.size() > 1 && samples_.back().run == 1; }
+
+ private:
+  static constexpr std::size_t kKinds = std::size(kMotionKinds);
+  struct Sample {
+    SimTime at;
+    KinematicState state;
+    std::size_t run = 1;  // samples of its run so far, itself included; at most kSamplesMax
+  };
+  struct Score {
+    double weight = 0.0, error = 0.0;  // error [m, rad]: weighted mean
+    void add(double e, double share);
+  };
+
+  [[nodiscard]] std::optional<MotionModel> make(MotionKind kind, std::size_t i) const;
+  [[nodiscard]] Vec3 rate_of_change(std::size_t i, Vec3 KinematicState::*what) const;
+  [[nodiscard]] std::optional<MotionModel> make_oscillating(std::size_t i) const;
+  [[nodiscard]] std::optional<MotionModel> make_history(std::size_t i) const;
+  [[nodiscard]] bool is_corner(const Sample& before, const Sample& now) const;
+  void learn_what_is_usual(const Sample& before, const Sample& now);
+  void judge(const Horizon& horizon);
+
+  ModelPolicy policy_;
+  std::deque<Sample> samples_;
+  std::array<Score, kKinds> scores_{};
+  Score spin_constant_, spin_accelerated_;
+  double usual_jump_m_s_ = 0.0, usual_change_m_s2_ = 0.0;  // of velocity and acceleration, sample to sample
+  std::optional<MotionKind> chosen_;
+};
+
+}  // namespace peerd::replication
