@@ -50,9 +50,9 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
   return out;
 }
 
-Pose Convergence::shown(SimTime t, const KinematicState& ghost, SimTime told, const MayPass& may_pass) {
-  const bool news = told_ && *told_ != told;
-  told_ = told;
+Pose Convergence::shown(SimTime t, const KinematicState& ghost, std::uint64_t revision, const MayPass& may_pass) {
+  const bool news = revision_ && *revision_ != revision;
+  revision_ = revision;
   if (news && last_ && policy_.method != ConvergenceMethod::kJump && policy_.over > Duration{0}) from_ = last_;
   if (from_ && t - from_->at >= policy_.over) from_.reset();
   Drawn drawn{t, ghost.pose(), ghost.velocity};

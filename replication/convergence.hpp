@@ -30,9 +30,9 @@ class Convergence {
   // Whether the object may be drawn on its straight way from one place to the other.
   using MayPass = std::function<bool(const Vec3& from, const Vec3& to)>;
 
-  // At t, which never goes back. `told`: which news the ghost follows; when that is other news than at the last call,
-  // the way back begins where the object was drawn then. Where it may not pass it jumps.
-  [[nodiscard]] Pose shown(SimTime t, const KinematicState& ghost, SimTime told, const MayPass& may_pass);
+  // At t, which never goes back. `revision`: of the ghost's future; when that is another one than at the last call, the
+  // way back begins where the object was drawn then. Where it may not pass it jumps.
+  [[nodiscard]] Pose shown(SimTime t, const KinematicState& ghost, std::uint64_t revision, const MayPass& may_pass);
 
   [[nodiscard]] std::uint64_t blocked() const { return blocked_; }  // ways that ended in a jump
 
@@ -45,7 +45,7 @@ class Convergence {
   [[nodiscard]] Drawn blended(SimTime t, const KinematicState& ghost) const;
 
   ConvergencePolicy policy_;
-  std::optional<SimTime> told_;
+  std::optional<std::uint64_t> revision_;
   std::optional<Drawn> last_;
   std::optional<Drawn> from_;  // where the way back began; none: on the ghost
   std::uint64_t blocked_ = 0;

@@ -179,6 +179,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   take_back(index, t);
   o.timeline.replace_from(t, model, std::nullopt);
   o.base_time = t;
+  ++o.revision;
   o.recent.clear();
   reopen(index, t);
 }
@@ -195,6 +196,7 @@ void MotionWorld::take_back(std::size_t cause, SimTime t) {
     const SimTime from = wrong->from;
     if (o.base_time >= from) continue;  // its owner has spoken since
     o.timeline.truncate_from(from);
+    ++o.revision;
     events_.push_back(TakenBack{o.id, from - Duration{1}});
     ++counters_.contacts_undone;
     reopen(i, from);
@@ -385,6 +387,8 @@ MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
 }
 
 SimTime MotionWorld::base_time(ObjectId object) const { return objects_[index_of(object)].base_time; }
+
+std::uint64_t MotionWorld::revision(ObjectId object) const { return objects_[index_of(object)].revision; }
 
 std::optional<MotionWorld::Event> MotionWorld::poll_event() {
   if (events_.empty()) return std::nullopt;

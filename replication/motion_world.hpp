@@ -93,6 +93,8 @@ class MotionWorld {
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
   // When the last told (not predicted) piece of its timeline began.
   [[nodiscard]] SimTime base_time(ObjectId object) const;
+  // Another number whenever its future became another one: it was told, or what it had answered was taken back.
+  [[nodiscard]] std::uint64_t revision(ObjectId object) const;
   // What happened, in order; drain after advance().
   using Event = std::variant<ContactEvent, TakenBack>;
   [[nodiscard]] std::optional<Event> poll_event();
@@ -105,6 +107,7 @@ class MotionWorld {
     Timeline timeline;
     SimTime base_time;
     std::vector<SimTime> recent;  // of its last contacts, for ever lower bounces
+    std::uint64_t revision = 0;
   };
   struct Pair {
     std::size_t collider, collidee;  // into objects_

@@ -148,7 +148,7 @@ Pose Peer::shown(ObjectId object, SimTime t) {
   if (own_.contains(object) || !replica_->ghosts.has(object)) return state.pose();
   Convergence& convergence = shown_.try_emplace(object, config_.convergence).first->second;
   const std::uint64_t before = convergence.blocked();
-  const Pose pose = convergence.shown(t, state, replica_->ghosts.base_time(object),
+  const Pose pose = convergence.shown(t, state, replica_->ghosts.revision(object),
                                       [&](const Vec3& from, const Vec3& to) { return may_pass(object, t, from, to); });
   counters_.convergence_blocked += convergence.blocked() - before;
   return pose;

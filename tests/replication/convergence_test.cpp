@@ -39,7 +39,7 @@ TEST_P(Converging, GoesFromWhereItWasToTheGhostInTime) {
   for (Duration t = 0s; t <= 1500ms; t += kFrame) {
     const bool told = t >= 1s;
     const KinematicState ghost = told ? after(sim(t)) : before(sim(t));
-    const Pose shown = convergence.shown(sim(t), ghost, sim(told ? 1s : 0s), kFree);
+    const Pose shown = convergence.shown(sim(t), ghost, told ? 1u : 0u, kFree);
     way.push_back(shown.position);
     const bool on_it = t < 1s || t >= 1s - kFrame + kOver || GetParam().method == ConvergenceMethod::kJump;
     if (on_it) {
@@ -70,22 +70,22 @@ INSTANTIATE_TEST_SUITE_P(Table, Converging,
 TEST(Convergence, OppositeOrientationsAreNoWay) {
   Convergence convergence({ConvergenceMethod::kLinear, kOver});
   KinematicState ghost = moving({0, 0, 0});
-  (void)convergence.shown(sim(0s), ghost, sim(0s), kFree);
+  (void)convergence.shown(sim(0s), ghost, 0, kFree);
   ghost.orientation = Quat(0, 0, 0, 1);  // half a turn
   for (Duration t = kFrame; t < 400ms; t += kFrame) {
-    const Pose shown = convergence.shown(sim(t), ghost, sim(1ms), kFree);
+    const Pose shown = convergence.shown(sim(t), ghost, 1, kFree);
     ASSERT_NEAR(shown.orientation.norm(), 1.0, 1e-12);
   }
 }
 
 TEST(Convergence, WhatMayNotPassJumps) {
   Convergence convergence({ConvergenceMethod::kLinear, kOver});
-  (void)convergence.shown(sim(0s), moving({-1, 0, 0}), sim(0s), kFree);
+  (void)convergence.shown(sim(0s), moving({-1, 0, 0}), 0, kFree);
   const auto wall = [](const Vec3& from, const Vec3& to) { return (from.x() < 0) == (to.x() < 0); };
   const KinematicState behind = moving({1, 0, 0});
   bool jumped = false;
   for (Duration t = kFrame; t < 400ms; t += kFrame) {
-    const Vec3 shown = convergence.shown(sim(t), behind, sim(1ms), wall).position;
+    const Vec3 shown = convergence.shown(sim(t), behind, 1, wall).position;
     jumped |= shown == behind.position;
     ASSERT_TRUE(shown.x() < 0 || shown == behind.position);
   }
