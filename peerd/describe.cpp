@@ -93,6 +93,10 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
                            fmt::format("{} {} {}, {:.1f} ms ago", scene.path_of(c.contact.collider), verb(c.kind),
                                        scene.path_of(c.contact.collidee), 1e3 * ago_s)};
           },
+          [&](const Overruled& o) -> Line {
+            return LogLine{level_enum::info, fmt::format("{} on {}: another peer's decision counts",
+                                                         scene.path_of(o.collider), scene.path_of(o.collidee))};
+          },
           [](const TakenBack&) -> Line { return std::nullopt; },
           [&](const NotColliding& n) -> Line {
             return LogLine{level_enum::debug,

@@ -1,6 +1,7 @@
 #include "peerd/peer_node.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include "replication/decision.hpp"
 
@@ -62,6 +63,22 @@ config::Result<std::unique_ptr<PeerNode>> PeerNode::make(const config::PeerSetti
   config.convergence = replication.convergence;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
   config.wait_for_start = true;
+  config.decisions = replication.decisions;
+  if (settings.viewpoint) {
+    const config::ViewpointSettings& v = *settings.viewpoint;
+    replication::Viewpoint& viewpoint = config.decisions.viewpoint.emplace();
+    if (!v.object.empty()) {
+      const auto object = config::find_object(shared.world.scene, v.object, "peer." + settings.name + ".viewpoint");
+      if (!object) return std::unexpected(object.error());
+      viewpoint.object = *object;
+    }
+    constexpr double kRadians = std::numbers::pi / 180.0;
+    viewpoint.pose = {
+        Vec3(v.position[0], v.position[1], v.position[2]),
+        Quat(Eigen::AngleAxisd(v.angle_deg * kRadians, Vec3(v.axis[0], v.axis[1], v.axis[2]).normalized()))};
+    viewpoint.field_of_view = v.field_of_view_deg * kRadians;
+    viewpoint.aspect = v.aspect;
+  }
   for (const std::string& path : settings.enslaves) {
     const auto object = config::find_object(shared.world.scene, path, "peer." + settings.name + ".enslaves");
     if (!object) return std::unexpected(object.error());
@@ -267,6 +284,11 @@ std::optional<replication::Output> PeerNode::poll_output() {
   } else if (const auto* c = std::get_if<ContactSeen>(&*out)) {
     log_.contacts.push_back({c->contact.at, peerd::to_string(c->kind), c->contact.collider, c->contact.collidee,
                              c->contact.normal, c->known_at});
+  } else if (const auto* o = std::get_if<Overruled>(&*out)) {
+    std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
+      return (row.kind == "decided" || row.kind == "applied") && row.at == o->contact && row.collider == o->collider &&
+             row.collidee == o->collidee;
+    });
   } else if (const auto* b = std::get_if<TakenBack>(&*out)) {
     std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
       return row.kind == "predicted" && row.at > b->since && (row.collider == b->object || row.collidee == b->object);
@@ -292,6 +314,12 @@ const PeerLog& PeerNode::log() {
        {"convergence_blocked", c.convergence_blocked},
        {"proximity_tests", c.proximity_tests},
        {"proximity_refined", c.proximity_refined},
+       {"decisions", c.decisions},
+       {"decisions_fallback", c.decisions_fallback},
+       {"decisions_repeated", c.decisions_repeated},
+       {"decisions_overruled", c.decisions_overruled},
+       {"contacts_held", c.contacts_held},
+       {"contacts_refuted", c.contacts_refuted},
        {"contact_searches", m.contact_searches},
        {"contact_searches_skipped", m.searches_skipped},
        {"contacts", m.contacts},

@@ -18,7 +18,7 @@ int print_report(const report::ScenarioInfo& info, std::span<const report::RunRe
   if (const auto written = report::write_report(out, info, runs, summary); !written) {
     return failed({"error: " + written.error(), 3});
   }
-  std::cout << (json ? summary.dump(2) + "\n" : report::table(summary));
+  std::cout << (json ? summary.dump(2) + "\n" : report::table(summary) + report::wrong_outcomes_table(summary));
   return 0;
 }
 

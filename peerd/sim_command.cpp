@@ -10,6 +10,7 @@
 #include "peerd/commands.hpp"
 #include "peerd/describe.hpp"
 #include "peerd/print.hpp"
+#include "peerd/report/wrong_outcomes.hpp"
 #include "peerd/sim/simulation.hpp"
 
 namespace peerd {
@@ -59,6 +60,14 @@ int run_sim(const ScenarioOptions& options) {
     if (!logs) return failed(logs.error());
     auto record = assemble(run, **shared, *logs);
     if (!record) return failed(record.error());
+    if (run.compare_outcomes) {
+      const config::RunSettings ideal = sim::without_latency(run);
+      const auto true_logs = sim::simulate(ideal, **shared);
+      if (!true_logs) return failed(true_logs.error());
+      const auto truth = assemble(ideal, **shared, *true_logs);
+      if (!truth) return failed(truth.error());
+      record->wrong = report::wrong_outcomes(*record, *truth);
+    }
     simulated_s += run.duration_s;
     records.push_back(std::move(*record));
   }

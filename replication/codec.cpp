@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 #include "proto/peerd.pb.h"
 
@@ -27,17 +28,20 @@ void put(const Vec3& v, proto::Vec3* out) {
   out->set_z(v.z());
 }
 
+void put(const Quat& q, proto::Quat* out) {
+  out->set_w(q.w());
+  out->set_x(q.x());
+  out->set_y(q.y());
+  out->set_z(q.z());
+}
+
+bool is_identity(const Quat& q) { return q.coeffs().isApprox(Quat::Identity().coeffs(), 0.0); }
+
 void put(const KinematicState& s, proto::Kinematics* out) {
   put(s.position, out->mutable_position());
   if (!s.velocity.isZero(0.0)) put(s.velocity, out->mutable_velocity());
   if (!s.acceleration.isZero(0.0)) put(s.acceleration, out->mutable_acceleration());
-  if (!s.orientation.coeffs().isApprox(Quat::Identity().coeffs(), 0.0)) {
-    proto::Quat* q = out->mutable_orientation();
-    q->set_w(s.orientation.w());
-    q->set_x(s.orientation.x());
-    q->set_y(s.orientation.y());
-    q->set_z(s.orientation.z());
-  }
+  if (!is_identity(s.orientation)) put(s.orientation, out->mutable_orientation());
   if (!s.angular_velocity_body.isZero(0.0)) put(s.angular_velocity_body, out->mutable_angular_velocity_body());
 }
 
@@ -65,6 +69,23 @@ void put(const DecisionRecord& d, proto::Decision* out) {
   put(d.collider_after, out->mutable_collider_after());
   put(d.collidee_after, out->mutable_collidee_after());
   out->set_rule(static_cast<std::uint32_t>(d.rule));
+  out->set_known_ns(d.known.time_since_epoch().count());
+}
+
+void put(const Viewpoint& v, proto::Viewpoint* out) {
+  if (v.object) out->set_object(v.object->value);
+  put(v.pose.position, out->mutable_position());
+  put(v.pose.orientation, out->mutable_orientation());
+  out->set_field_of_view(v.field_of_view);
+  out->set_aspect(v.aspect);
+}
+
+void put(const ContactNote& n, proto::ContactNote* out) {
+  out->set_collider(n.collider.value);
+  out->set_collidee(n.collidee.value);
+  out->set_contact_ns(n.contact.time_since_epoch().count());
+  out->set_held(n.held);
+  out->set_by(n.by.value);
 }
 
 void put(const Hello& h, proto::Hello* out) {
@@ -83,6 +104,10 @@ void put(const Hello& h, proto::Hello* out) {
   for (ObjectId id : h.enslaved) out->add_enslaved(id.value);
   if (h.start) out->set_start_ns(h.start->time_since_epoch().count());
   if (h.world_zero) out->set_world_zero_ns(h.world_zero->time_since_epoch().count());
+  out->set_latency_ms(
+      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(h.latency).count()));
+  if (h.viewpoint) put(*h.viewpoint, out->mutable_viewpoint());
+  for (const ContactNote& n : h.notes) put(n, out->add_notes());
 }
 
 // ---- from Protobuf: each take() answers whether the value may be used ----
@@ -129,12 +154,23 @@ bool take(const proto::Update& in, UpdateRecord& u) {
 bool take(const proto::Decision& in, DecisionRecord& d) {
   d.collider = ObjectId{in.collider()};
   d.collidee = ObjectId{in.collidee()};
-  if (in.rule() != static_cast<std::uint32_t>(DecisionRule::kId)) return false;
-  d.rule = DecisionRule::kId;
-  return take(in.contact_ns(), d.contact) && take(in.normal(), d.normal) &&
+  if (in.rule() < static_cast<std::uint32_t>(DecisionRule::kId) ||
+      in.rule() > static_cast<std::uint32_t>(DecisionRule::kServer)) {
+    return false;
+  }
+  d.rule = static_cast<DecisionRule>(in.rule());
+  return take(in.contact_ns(), d.contact) && take(in.known_ns(), d.known) && take(in.normal(), d.normal) &&
          std::abs(d.normal.norm() - 1.0) <= kUnitSlack && take(in.collider_before(), d.collider_before) &&
          take(in.collidee_before(), d.collidee_before) && take(in.collider_after(), d.collider_after) &&
          take(in.collidee_after(), d.collidee_after);
+}
+
+bool take(const proto::Viewpoint& in, Viewpoint& v) {
+  if (in.has_object()) v.object = ObjectId{in.object()};
+  v.field_of_view = in.field_of_view();
+  v.aspect = in.aspect();
+  return take(in.position(), v.pose.position) && take(in.orientation(), v.pose.orientation) && v.field_of_view > 0.0 &&
+         v.field_of_view < std::numbers::pi && v.aspect > 0.0 && v.aspect <= kMagnitudeMax;
 }
 
 bool take(const proto::Hello& in, Hello& h) {
@@ -152,6 +188,14 @@ bool take(const proto::Hello& in, Hello& h) {
   }
   for (std::uint32_t id : in.enslaved()) h.enslaved.push_back(ObjectId{id});
   if (in.has_start_ns() && !take(in.start_ns(), h.start.emplace())) return false;
+  if (in.latency_ms() > static_cast<std::uint32_t>(kLatencyMax.count()) || in.notes_size() > kListMax) return false;
+  h.latency = std::chrono::milliseconds(in.latency_ms());
+  if (in.has_viewpoint() && !take(in.viewpoint(), h.viewpoint.emplace())) return false;
+  for (const proto::ContactNote& n : in.notes()) {
+    ContactNote note{ObjectId{n.collider()}, ObjectId{n.collidee()}, {}, PeerId{n.by()}, n.held()};
+    if (!take(n.contact_ns(), note.contact)) return false;
+    h.notes.push_back(note);
+  }
   return !in.has_world_zero_ns() || take(in.world_zero_ns(), h.world_zero.emplace());
 }
 

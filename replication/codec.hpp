@@ -16,6 +16,9 @@ inline constexpr std::size_t kDatagramMax_bytes = 1200;
 inline constexpr std::size_t kNameMax_bytes = 64;
 [[nodiscard]] bool is_name(std::string_view text);
 
+// More than peers that decide collisions together can wait for each other.
+inline constexpr std::chrono::milliseconds kLatencyMax{2000};
+
 enum class DecodeError : std::uint8_t {
   kTooLong,       // more than kDatagramMax_bytes
   kNotADatagram,  // Protobuf can't parse it

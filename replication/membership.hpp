@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -21,7 +22,12 @@ struct Member {
   std::uint32_t sessions = 0;
   Duration session_minus_host{0};
   std::optional<SimTime> start;
-  std::optional<Duration> latency;                  // of its hellos, one way, smoothed; what ours take is taken as much
+  std::optional<Duration> one_way;  // of its hellos, one way, smoothed; what ours take is taken as much
+  static constexpr std::size_t kDelays = 16;
+  std::array<Duration, kDelays> delays{};  // of its last hellos, session time to session time
+  std::size_t delays_known = 0;            // ever measured
+  Duration latency{0};                     // how late it hears of others, as it says
+  std::optional<Viewpoint> viewpoint;
   std::map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied
 };
 

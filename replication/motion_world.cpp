@@ -330,8 +330,15 @@ void MotionWorld::answer(Pair& pair) {
   const bool a_answers = will_answer(a, pair.collider_answers, t), b_answers = will_answer(b, pair.collidee_answers, t);
   if (a_answers) after_a = answered(pair.collider, pair, model_a, before_b, b_answers, pair.normal);
   if (b_answers) after_b = answered(pair.collidee, pair, model_b, before_a, a_answers, -pair.normal);
-  const ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, after_a.state, after_b.state};
+  ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, after_a.state, after_b.state};
   pair.contact.reset();
+  ++counters_.contacts;
+  if (answers_ && !answers_(a.id, b.id, t)) {
+    pair.inside = true;
+    event.held = true;
+    events_.push_back(event);
+    return;
+  }
   for (const auto& [answers, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
     if (!answers) continue;
     if (objects_[index].timeline.segments().back().from > t) events_.push_back(TakenBack{objects_[index].id, t});
@@ -343,7 +350,6 @@ void MotionWorld::answer(Pair& pair) {
   if (b_answers) reopen(pair.collidee, t);
   // Where no answer changes anything (nobody answers; an object that was stopped is run into) the contact goes on.
   pair.inside = same_motion(before_a, event.collider_after) && same_motion(before_b, event.collidee_after);
-  ++counters_.contacts;
   events_.push_back(event);
 }
 
@@ -384,6 +390,11 @@ KinematicState MotionWorld::at(ObjectId object, SimTime t) const { return object
 
 MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
   return objects_[index_of(object)].timeline.model_at(t);
+}
+
+bool MotionWorld::knows(ObjectId object, SimTime t) const {
+  const Object* o = find(object);
+  return o != nullptr && o->timeline.begin() <= t;
 }
 
 SimTime MotionWorld::base_time(ObjectId object) const { return objects_[index_of(object)].base_time; }

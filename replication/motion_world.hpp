@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,6 +46,7 @@ struct ContactEvent {
   ObjectId collider, collidee;
   Vec3 normal = Vec3::Zero();  // world frame, of the collidee's polygon, facing the collider
   KinematicState collider_before, collidee_before, collider_after, collidee_after;
+  bool held = false;  // nobody answered: another peer decides. The states after are what it would come to here
 };
 
 // Contacts of `object` after `since` that were told are believed no more; those that still hold are told again.
@@ -80,6 +82,10 @@ class MotionWorld {
   // Turns watching of a pair on or off; all pairs start watched.
   void watch(ObjectId a, ObjectId b, bool on);
 
+  // Asked at each contact whether this world answers it; one that it doesn't is told once, `held`, and the two go on.
+  using Answers = std::function<bool(ObjectId collider, ObjectId collidee, SimTime contact)>;
+  void set_answers(Answers answers) { answers_ = std::move(answers); }
+
   // From t on, the object moves so: an update, a sample, a decision. t may lie in the past; beliefs that followed from
   // what is replaced are taken back and found anew by the next advance().
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
@@ -91,6 +97,8 @@ class MotionWorld {
   [[nodiscard]] std::vector<ObjectId> objects() const;
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
+  // Whether its timeline reaches back to t.
+  [[nodiscard]] bool knows(ObjectId object, SimTime t) const;
   // When the last told (not predicted) piece of its timeline began.
   [[nodiscard]] SimTime base_time(ObjectId object) const;
   // Another number whenever its future became another one: it was told, or what it had answered was taken back.
@@ -140,6 +148,7 @@ class MotionWorld {
   SimTime start_, advanced_;
   std::vector<Object> objects_;  // sorted by id
   std::vector<Pair> pairs_;
+  Answers answers_;  // none: it answers all
   std::deque<Event> events_;
   Counters counters_;
 };

@@ -14,6 +14,8 @@
 #include "replication/codec.hpp"
 #include "replication/colliding_objects.hpp"
 #include "replication/convergence.hpp"
+#include "replication/decision.hpp"
+#include "replication/decision_log.hpp"
 #include "replication/membership.hpp"
 #include "replication/motion_world.hpp"
 #include "replication/position_history.hpp"
@@ -30,6 +32,16 @@ struct Enslaved {
   bool driven = false;
 };
 
+// How collisions between objects of two peers are decided. All peers of a session should say the same.
+struct DecisionSettings {
+  DecisionPolicy policy = DecisionPolicy::kId;
+  PeerId server = kNobody;             // decides all by kServer
+  std::optional<Duration> lookback;    // none: the longest latency that any peer says it hears others with
+  bool repeat = true;                  // with each hello, until everybody has heard
+  bool fallback = true;                // the lower id decides what nobody else has said a word about
+  std::optional<Viewpoint> viewpoint;  // of this peer
+};
+
 struct PeerConfig {
   PeerId id{1};
   std::string name;
@@ -38,6 +50,7 @@ struct PeerConfig {
   std::vector<Enslaved> enslaved;
   PublishPolicy policy;
   ConvergencePolicy convergence;
+  DecisionSettings decisions;
   std::uint32_t tick_hz = 60;
   Duration hello_period = std::chrono::milliseconds(250);
   Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
@@ -115,13 +128,19 @@ enum class ContactKind : std::uint8_t {
   kPredicted,  // on ghosts: remote collision prediction
   kApplied,    // another peer's decision
 };
+// A decision that was made or applied here counts no more: another on the same collision does.
+struct Overruled {
+  ObjectId collider, collidee;
+  SimTime contact;
+};
 struct ContactSeen {
   ContactKind kind;
   ContactEvent contact;
   SimTime known_at;
 };
-using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, Slept, PeerJoined, PeerLost, Frozen,
-                            OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen, TakenBack, NotColliding>;
+using Output =
+    std::variant<Send, Join, Leave, Synchronised, ClockStepped, Slept, PeerJoined, PeerLost, Frozen, OtherWorld,
+                 IdInUse, OwnershipConflict, Published, ContactSeen, Overruled, TakenBack, NotColliding>;
 
 // Why a datagram, or a record in it, was not used.
 enum class Drop : std::uint8_t {
@@ -149,11 +168,19 @@ class Peer {
     std::uint64_t updates_duplicate = 0;    // copies of what was applied already
     std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
     std::uint64_t proximity_tests = 0;
-    std::uint64_t proximity_refined = 0;  // those that spheres didn't settle
+    std::uint64_t proximity_refined = 0;    // those that spheres didn't settle
+    std::uint64_t decisions = 0;            // made here, fallback included
+    std::uint64_t decisions_fallback = 0;   // because nobody else did
+    std::uint64_t decisions_repeated = 0;   // copies sent after the first ones
+    std::uint64_t decisions_overruled = 0;  // known here that no longer stand
+    std::uint64_t contacts_held = 0;        // left to another peer to decide
+    std::uint64_t contacts_refuted = 0;     // of those, which that peer did not find
   };
 
   // The model outlives the peer.
   Peer(PeerConfig config, const WorldModel& model);
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
 
   // A datagram from the network: hostile until proven otherwise. An error says why it changed nothing.
   std::expected<void, Drop> on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
@@ -221,6 +248,7 @@ class Peer {
     std::optional<SimTime> last_sent;
     std::uint32_t sequence = 0;
     bool resend = false;            // somebody joined
+    bool retell = false;            // what was told last was not true
     std::optional<SimTime> starts;  // it stands until then
     std::optional<UpdateRecord> to_repeat;
     std::uint32_t copies = 0;  // of to_repeat that go out with the next ticks
@@ -247,14 +275,36 @@ class Peer {
   bool keep_session(HostTime now);
   void tick(SimTime t, std::span<const OwnSample> samples);
   void report_contacts(SimTime t);
-  void decide(const ContactEvent& contact);
-  [[nodiscard]] SimTime last_decision(ObjectId object) const;
+  // Decisions (peer_decisions.cpp).
+  [[nodiscard]] bool is_shared(ObjectId a, ObjectId b) const;
+  [[nodiscard]] bool serves() const;
+  [[nodiscard]] bool may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) const;
+  [[nodiscard]] bool finds(ObjectId a, ObjectId b) const;
+  [[nodiscard]] PeerId decider_of(ObjectId a, ObjectId b, SimTime contact) const;
+  [[nodiscard]] bool answers(ObjectId a, ObjectId b, SimTime contact) const;
+  [[nodiscard]] Stake stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
+  [[nodiscard]] Duration own_latency() const;
+  [[nodiscard]] Duration lookback() const;
+  void begin_worlds(SimTime now);
+  void measure_latency(Member& member, HostTime now, const Hello& hello);
+  void decide(const ContactEvent& contact, SimTime known_at);
+  void hold(const ContactEvent& contact);
+  void on_notes(PeerId sender, const Hello& hello, SimTime known_at);
+  void release_held(SimTime t);
+  void fall_back(const ContactEvent& contact, SimTime known_at);
+  [[nodiscard]] DecisionRecord record_of(const ContactEvent& contact, DecisionRule rule) const;
+  std::vector<DecisionLog::Change> add_own(const DecisionRecord& record);
+  void follow(const std::vector<DecisionLog::Change>& changes, SimTime known_at);
+  void apply(const DecisionRecord& decision, PeerId author, SimTime known_at);
+  void rebase(ObjectId object, SimTime from);
+  void repeat_decisions();
+  [[nodiscard]] std::vector<ContactNote> notes() const;
   void publish(SimTime t);
   void repeat_updates();
   [[nodiscard]] bool may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const;
   [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t, double threshold_m);
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model);
-  void measure_latency(HostTime now, const Hello& hello, Member& member) const;
+  void smooth_latency(HostTime now, const Hello& hello, Member& member) const;
   [[nodiscard]] Duration farthest_latency() const;
   [[nodiscard]] Horizon horizon(const Own& own) const;
   void observe(SimTime t);
@@ -273,8 +323,15 @@ class Peer {
   SessionClock clock_;
   Membership members_;
   std::map<ObjectId, Own> own_;
-  std::map<ObjectId, PeerId> owners_;      // of what somebody runs, own objects included
-  std::map<ObjectId, SimTime> decisions_;  // contact time of the last decision on an object that this peer knows
+  std::map<ObjectId, PeerId> owners_;  // of what somebody runs, own objects included
+  DecisionLog decisions_;
+  // Contacts that this peer has found and another is to decide.
+  struct Held {
+    ContactEvent contact;
+    PeerId decider;
+  };
+  std::vector<Held> held_;
+  std::map<ObjectId, UpdateRecord> told_;  // of others' objects: the last update that was applied
   std::optional<Replica> replica_;
   CollidingObjects colliding_;  // in the world as this peer knows it
   std::map<ObjectId, Convergence> shown_;
@@ -295,8 +352,7 @@ class Peer {
   std::int64_t last_tick_ = 0;
   std::size_t hellos_ = 0;  // sent; their lists take turns
   std::vector<UpdateRecord> updates_due_, copies_due_;
-  std::vector<std::pair<DecisionRecord, int>> decisions_due_;  // how often still to be sent
-  std::set<PeerId> other_worlds_;                              // told once each
+  std::set<PeerId> other_worlds_;  // told once each
   bool id_in_use_told_ = false;
   std::deque<Output> outputs_;
   Counters counters_;

@@ -106,27 +106,11 @@ void Peer::on_update(PeerId sender, const UpdateRecord& u) {
   if (u.sequence < last) return drop("old_sequence");
   last = u.sequence;
   ++counters_.updates_in;
-  const SimTime decided = last_decision(u.object);
+  const SimTime decided = decisions_.last(u.object);
   if (u.decision < decided && u.at < decided + kDecisionStands) return drop("before_decision");
+  if (decisions_.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) return drop("before_decision");
+  told_.insert_or_assign(u.object, u);
   set_ghost(u.object, u.at, u.model);
-}
-
-void Peer::on_decision(PeerId sender, const DecisionRecord& d, SimTime known_at) {
-  const PeerId owner_a = owner(d.collider), owner_b = owner(d.collidee);
-  if (owner_a == kNobody || owner_b == kNobody || decider_by_id(owner_a, owner_b) != sender) return drop("not_decider");
-  if (d.contact <= last_decision(d.collider) && d.contact <= last_decision(d.collidee)) return drop("decision_known");
-  for (const auto& [object, after] :
-       {std::pair{d.collider, &d.collider_after}, std::pair{d.collidee, &d.collidee_after}}) {
-    if (d.contact <= last_decision(object)) continue;
-    decisions_[object] = d.contact;
-    const auto own = own_.find(object);
-    if (own != own_.end() && !own->second.driven) replica_->truth.set_base(object, d.contact, *after);
-    set_ghost(object, d.contact, *after);
-  }
-  const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
-                             d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
-  colliding_.on_contact(contact);
-  outputs_.push_back(ContactSeen{ContactKind::kApplied, contact, known_at});
 }
 
 void Peer::set_ghost(ObjectId object, SimTime t, const MotionModel& model) {

@@ -10,9 +10,10 @@ namespace {
 
 // What a datagram's header (version, sender, boot) leaves for records.
 constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 32;
-// Per hello. 16 echoes of at most 26 bytes and 100 objects of at most 5 fit.
+// Per hello. 16 echoes of at most 26 bytes, 50 objects of at most 5, kNotesMax notes of at most 31 and a viewpoint of
+// at most 97 fit.
 constexpr std::size_t kEchoesMax = 16;
-constexpr std::size_t kEnslavedMax = 100;
+constexpr std::size_t kEnslavedMax = 50;
 
 }  // namespace
 
@@ -63,13 +64,13 @@ void Peer::flush_records(bool decisions) {
     make_room(encoded_size_bytes(update));
     m.updates.push_back(update);
   }
-  for (auto& [decision, copies] : decisions_due_) {
+  for (DecisionLog::Entry& entry : decisions_.entries()) {
     if (!decisions) break;
-    make_room(encoded_size_bytes(decision));
-    m.decisions.push_back(decision);
-    --copies;
+    if (entry.copies == 0) continue;
+    make_room(encoded_size_bytes(entry.record));
+    m.decisions.push_back(entry.record);
+    --entry.copies;
   }
-  std::erase_if(decisions_due_, [](const auto& due) { return due.second == 0; });
   if (used_bytes > 0) send(m);
   if (copies_due_.empty()) return;
   updates_due_ = std::exchange(copies_due_, {});
@@ -80,9 +81,19 @@ void Peer::send_hello(HostTime now, bool leaving) {
   Message m = blank();
   m.has_hello = true;
   m.leaving = leaving;
-  m.hello = {
-      config_.name, config_.world_hash, now, clock_.synchronised(), clock_.session_minus_host(), sessions_, {}, {},
-      start_,       world_zero_};
+  m.hello = {config_.name,
+             config_.world_hash,
+             now,
+             clock_.synchronised(),
+             clock_.session_minus_host(),
+             sessions_,
+             {},
+             {},
+             start_,
+             world_zero_,
+             own_latency(),
+             config_.decisions.viewpoint,
+             notes()};
   // Lists too long for one datagram take turns, hello by hello.
   const auto turns = [&](std::size_t size, std::size_t most, auto take) {
     for (std::size_t i = 0; i < std::min(size, most); ++i) take((hellos_ * most + i) % size);

@@ -13,9 +13,6 @@ namespace {
 // meanwhile is not made up: for everybody else its objects stood still.
 constexpr Duration kSlept = std::chrono::seconds(4);
 
-// What takes longer comes from a wrong clock: updates so late are of no use anyway.
-constexpr Duration kLatencyMax = std::chrono::seconds(2);
-
 // World time beyond which a nanosecond count would overflow: 100 years.
 constexpr double kFarthest_s = 3.2e9;
 
@@ -103,8 +100,14 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
   member.synchronised = hello.synchronised;
   member.session_minus_host = hello.session_minus_host;
   member.start = hello.start;
-  measure_latency(now, hello, member);
+  smooth_latency(now, hello, member);
+  member.latency = hello.latency;
+  member.viewpoint = hello.viewpoint;
   if (hello.synchronised) claim(sender, hello.enslaved);
+  if (hello.synchronised && replica_) {
+    measure_latency(member, now, hello);
+    on_notes(sender, hello, clock_.to_session(now));
+  }
 
   const bool zero_counts = sender == follows_ || (!world_zero_ && !clock_stepped_);
   if (hello.synchronised && hello.world_zero && zero_counts && hello.world_zero != world_zero_) {
@@ -129,18 +132,18 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
 }
 
 // Both clocks know session time, so one hello is enough; clocks that are off by as much as the way is long say nothing.
-void Peer::measure_latency(HostTime now, const Hello& hello, Member& member) const {
+void Peer::smooth_latency(HostTime now, const Hello& hello, Member& member) const {
   if (!hello.synchronised || !clock_.synchronised()) return;
   const Duration at = hello.host_tx.time_since_epoch() + hello.session_minus_host;  // both within 2^62
   const Duration way = clock_.to_session(now).time_since_epoch() - at;
-  if (way < Duration{0} || way > kLatencyMax) return;
-  member.latency = member.latency ? *member.latency + (way - *member.latency) / 8 : way;
+  if (way < Duration{0} || way > kLatencyMax) return;  // of a wrong clock; updates so late are of no use anyway
+  member.one_way = member.one_way ? *member.one_way + (way - *member.one_way) / 8 : way;
 }
 
 // How long the farthest of the others waits for what is sent now.
 Duration Peer::farthest_latency() const {
   Duration farthest{0};
-  for (const auto& [peer, member] : members_.all()) farthest = std::max(farthest, member.latency.value_or(Duration{0}));
+  for (const auto& [peer, member] : members_.all()) farthest = std::max(farthest, member.one_way.value_or(Duration{0}));
   return farthest;
 }
 
@@ -148,7 +151,7 @@ void Peer::enter_session(HostTime host_now) {
   const SimTime now = clock_.to_session(host_now);
   ++sessions_;
   next_hello_ = host_now;
-  replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
+  begin_worlds(now);
   last_tick_ = tick_number(now);
   declare_all();
   restart_predefined();
@@ -202,10 +205,11 @@ void Peer::change_session(SimTime before, SimTime now) {
   shown_.clear();
   ++sessions_;
   next_hello_ = clock_.to_host(now);
-  replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
+  begin_worlds(now);
   last_tick_ = tick_number(now);
   decisions_.clear();
-  decisions_due_.clear();
+  held_.clear();
+  told_.clear();
   declare_all();
   for (const ObjectId object : old.ghosts.objects()) {
     if (!replica_->ghosts.has(object)) {  // frozen: nobody runs it, no interest names it
@@ -234,22 +238,22 @@ void Peer::declare_all() {
   watch_decided_pairs();
 }
 
-// The truth watches what this peer decides. Ghosts are watched wherever they may meet something, own ones included:
+// The truth watches what this peer finds. Ghosts are watched wherever they may meet something, own ones included:
 // the sender must know what every receiver predicts, or a predicted collision would cost an update.
 void Peer::watch_decided_pairs() {
   if (!replica_) return;
   const auto ours = [&](ObjectId id) { return own_.contains(id); };
-  std::set<ObjectId> partners;  // remote objects whose collisions with ours this peer decides
+  std::set<ObjectId> partners;  // remote objects whose collisions with ours this peer finds, or with any as the server
   for (const CollisionPair& pair : model_.pairs) {
-    const PeerId a = owner(pair.collider), b = owner(pair.collidee);
-    if (ours(pair.collider) == ours(pair.collidee) || decider_by_id(a, b) != config_.id) continue;
-    partners.insert(ours(pair.collider) ? pair.collidee : pair.collider);
+    if (!finds(pair.collider, pair.collidee)) continue;
+    for (const ObjectId object : {pair.collider, pair.collidee}) {
+      if (!ours(object) && owner(object) != kNobody) partners.insert(object);
+    }
   }
   for (const CollisionPair& pair : model_.pairs) {
     const bool mine = ours(pair.collider) || ours(pair.collidee);
-    const bool decided_here = decider_by_id(owner(pair.collider), owner(pair.collidee)) == config_.id;
     const bool partner = partners.contains(pair.collider) || partners.contains(pair.collidee);
-    replica_->truth.watch(pair.collider, pair.collidee, mine ? decided_here : partner);
+    replica_->truth.watch(pair.collider, pair.collidee, mine ? finds(pair.collider, pair.collidee) : partner);
     replica_->ghosts.watch(pair.collider, pair.collidee, config_.policy.predict_collisions);
   }
 }
@@ -298,6 +302,7 @@ void Peer::release(PeerId peer, HostTime now) {
       replica_->truth.declare(at->first, Role::kScene);
       replica_->ghosts.declare(at->first, Role::kScene);
       outputs_.push_back(Frozen{at->first, peer});
+      told_.erase(at->first);
     }
     at = owners_.erase(at);
   }

@@ -9,8 +9,6 @@
 namespace peerd::replication {
 namespace {
 
-// A decision is not acknowledged; this many copies, one a tick, survive bursts of loss.
-constexpr int kDecisionCopies = 3;
 // What the next interval between two updates may be expected to be.
 constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
 
@@ -36,45 +34,29 @@ void Peer::report_contacts(SimTime t) {
     const auto* contact = std::get_if<ContactEvent>(&*event);
     if (contact == nullptr) continue;
     const bool a = own_.contains(contact->collider), b = own_.contains(contact->collidee);
-    if (!a && !b) continue;  // a partner's own contacts; the ghosts tell of them
-    const bool shared = a != b && owner(contact->collider) != kNobody && owner(contact->collidee) != kNobody;
-    if (shared) decide(*contact);
+    const bool shared = is_shared(contact->collider, contact->collidee);
+    if (!a && !b && !(shared && serves())) continue;  // a partner's own contacts; the ghosts tell of them
+    if (shared) {
+      contact->held ? hold(*contact) : decide(*contact, t);
+      continue;
+    }
     colliding_.on_contact(*contact);
-    outputs_.push_back(ContactSeen{shared ? ContactKind::kDecided : ContactKind::kOwner, *contact, t});
+    outputs_.push_back(ContactSeen{ContactKind::kOwner, *contact, t});
   }
+  release_held(t);
   const auto others = [&](ObjectId id) { return !own_.contains(id) && owner(id) != kNobody; };
   while (const auto event = replica_->ghosts.poll_event()) {
     if (const auto* taken_back = std::get_if<TakenBack>(&*event)) {
       if (others(taken_back->object)) outputs_.push_back(*taken_back);
     } else if (const auto& contact = std::get<ContactEvent>(*event);
                others(contact.collider) || others(contact.collidee)) {
-      // What this peer decides, its truth tells.
-      const bool decided_here = own_.contains(contact.collider) != own_.contains(contact.collidee) &&
-                                decider_by_id(owner(contact.collider), owner(contact.collidee)) == config_.id;
-      if (!decided_here) colliding_.on_contact(contact);
+      // Of an own object its truth tells, or a decision.
+      if (!own_.contains(contact.collider) && !own_.contains(contact.collidee)) colliding_.on_contact(contact);
       outputs_.push_back(ContactSeen{ContactKind::kPredicted, contact, t});
     }
   }
   colliding_.update([&](ObjectId id) { return (own_.contains(id) ? replica_->truth : replica_->ghosts).at(id, t); }, t);
   while (const auto change = colliding_.poll()) outputs_.push_back(*change);
-}
-
-void Peer::decide(const ContactEvent& c) {
-  std::erase_if(decisions_due_, [&](const auto& due) {  // of one pair, the last outcome counts
-    return due.first.collider == c.collider && due.first.collidee == c.collidee;
-  });
-  decisions_due_.emplace_back(DecisionRecord{c.collider, c.collidee, c.at, c.normal, c.collider_before,
-                                             c.collidee_before, c.collider_after, c.collidee_after, DecisionRule::kId},
-                              kDecisionCopies);
-  decisions_[c.collider] = decisions_[c.collidee] = c.at;
-  // As all who hear of it will: the own object's ghost too, or this peer's copy of their ghosts would not be theirs.
-  replica_->ghosts.set_base(c.collider, c.at, c.collider_after);
-  replica_->ghosts.set_base(c.collidee, c.at, c.collidee_after);
-}
-
-SimTime Peer::last_decision(ObjectId object) const {
-  const auto at = decisions_.find(object);
-  return at == decisions_.end() ? SimTime{} : at->second;
 }
 
 Horizon Peer::horizon(const Own& own) const { return {to_seconds(farthest_latency()), own.interval_s}; }
@@ -117,6 +99,7 @@ void Peer::publish(SimTime t) {
       own.last_sent.reset();
     }
     std::optional<PublishReason> reason = due(policy, threshold_m, error, own.last_sent, t);
+    if (!reason && own.retell) reason = PublishReason::kDecision;
     if (!reason && own.resend) reason = PublishReason::kJoiner;
     if (!reason && gains(object, own, t, error)) reason = PublishReason::kGain;
     if (!reason) continue;
@@ -126,9 +109,9 @@ void Peer::publish(SimTime t) {
       own.interval_s += (interval_s - own.interval_s) / 4.0;
     }
     own.last_sent = t;
-    own.resend = false;
+    own.resend = own.retell = false;
     const MotionModel model = own.models ? own.models->choose() : as_model(policy.order, truth);
-    const UpdateRecord record{object, ++own.sequence, t, model, last_decision(object)};
+    const UpdateRecord record{object, ++own.sequence, t, model, decisions_.last(object)};
     replica_->ghosts.set_base(object, t, record.model);
     ++counters_.updates_out;
     outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, *reason});

@@ -16,6 +16,8 @@ const char* to_string(PublishReason reason) {
       return "joiner";
     case PublishReason::kGain:
       return "gain";
+    case PublishReason::kDecision:
+      return "decision";
   }
   return "?";
 }

@@ -7,7 +7,9 @@
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
+#include "core/math.hpp"
 #include "core/time.hpp"
+#include "replication/decision.hpp"
 #include "replication/motion_model.hpp"
 
 namespace peerd::replication {
@@ -30,7 +32,8 @@ struct UpdateRecord {
   SimTime decision{};
 };
 
-enum class DecisionRule : std::uint8_t { kId = 1 };
+// By which policy the sender was to decide; kId also where nobody else had (fallback).
+using DecisionRule = DecisionPolicy;
 
 // The one outcome of a collision, stated by the peer that decides it. Receiving it twice changes nothing.
 struct DecisionRecord {
@@ -40,6 +43,26 @@ struct DecisionRecord {
   KinematicState collider_before, collidee_before;
   KinematicState collider_after, collidee_after;
   DecisionRule rule = DecisionRule::kId;
+  SimTime known{};  // contact time of the last decision on this pair that the sender knew; none: SimTime{}
+};
+
+// In a hello: a contact of two peers' objects that the sender knows of.
+struct ContactNote {
+  ObjectId collider, collidee;
+  SimTime contact{};
+  PeerId by;          // whose decision it is, or is to be
+  bool held = false;  // found, and left to `by` to decide; else a decision that the sender has made or heard
+};
+
+// As many notes as fit into a hello whose other lists are full.
+inline constexpr std::size_t kNotesMax = 8;
+
+// Where a peer looks from: a fixed pose, or one in the frame of an object, whose dead reckoning takes it along.
+struct Viewpoint {
+  std::optional<ObjectId> object;
+  Pose pose;                        // a camera's: looks along -z, y up
+  double field_of_view = 0.785398;  // the smaller of the angles of width and height [rad], in (0, pi)
+  double aspect = 1.0;              // width / height, > 0
 };
 
 // "I got your hello that you sent at their_tx at our_rx": two of NTP's four stamps; the carrying Hello's host_tx is the
@@ -61,6 +84,9 @@ struct Hello {
   std::vector<ObjectId> enslaved;
   std::optional<SimTime> start;       // when this peer lets motions by formula begin, if it says so
   std::optional<SimTime> world_zero;  // time 0 of the world's TimeSensors
+  Duration latency{0};                // how late the sender hears of others (latency_bound), a whole millisecond
+  std::optional<Viewpoint> viewpoint;
+  std::vector<ContactNote> notes;  // of the last seconds: what is held first, then the newest decisions
 };
 
 struct Message {

@@ -81,7 +81,45 @@ void read_models(TomlReader& reader, replication::PublishPolicy& policy) {
   reader.read("update_copies", policy.copies, 1, 10);
 }
 
+ViewpointSettings read_viewpoint(TomlReader reader) {
+  ViewpointSettings v;
+  reader.read("object", v.object);
+  reader.read("position", v.position, 3);
+  reader.read("axis", v.axis, 3);
+  reader.read("angle_deg", v.angle_deg, -360.0, 360.0);
+  reader.read("field_of_view_deg", v.field_of_view_deg, 1.0, 179.0);
+  reader.read("aspect", v.aspect, 0.01, 100.0);
+  if (Vec3(v.axis[0], v.axis[1], v.axis[2]).isZero(0.0)) {
+    reader.fail(reader.raw().get("axis"), reader.dotted("axis") + " must not be zero");
+  }
+  reader.finish();
+  return v;
+}
+
 }  // namespace
+
+replication::DecisionSettings read_decisions(TomlReader& reader, const std::vector<PeerSettings>& peers) {
+  replication::DecisionSettings s;
+  std::size_t policy = 0;
+  reader.read_word("policy", policy, {"id", "velocity", "field-of-view", "expected-error", "server"});
+  s.policy = static_cast<replication::DecisionPolicy>(policy + 1);
+  std::string server;
+  reader.read("server", server);
+  const auto named = std::ranges::find(peers, server, &PeerSettings::name);
+  if (named != peers.end()) {
+    s.server = PeerId{named->id};
+  } else if (reader.has("server")) {
+    reader.fail(reader.raw().get("server"), reader.dotted("server") + ": the scenario has no peer \"" + server + "\"");
+  } else if (s.policy == replication::DecisionPolicy::kServer) {
+    reader.require("server");
+  }
+  std::optional<double> lookback_ms;
+  reader.read("lookback_ms", lookback_ms, 0.0, 2000.0);
+  if (lookback_ms) s.lookback = from_seconds(*lookback_ms * 1e-3);
+  reader.read("repeat", s.repeat);
+  reader.read("fallback", s.fallback);
+  return s;
+}
 
 ReplicationSettings read_replication(TomlReader reader) {
   ReplicationSettings s;
@@ -146,6 +184,9 @@ PeerSettings read_peer(TomlReader reader, const std::string& name) {
       TomlReader sub(*value.as_table(), reader.dotted("motion." + path), reader.error());
       s.motion.emplace(path, read_motion_formula(sub));
     }
+  }
+  if (const toml::table* viewpoint = reader.table("viewpoint")) {
+    s.viewpoint = read_viewpoint(TomlReader(*viewpoint, reader.dotted("viewpoint"), reader.error()));
   }
   for (const toml::table* key : reader.tables("key")) {
     s.keys.push_back(read_scripted_key(TomlReader(*key, reader.dotted("key"), reader.error())));

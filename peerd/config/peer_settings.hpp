@@ -8,18 +8,27 @@
 #include "core/key_codes.hpp"
 #include "core/scene.hpp"
 #include "peerd/config/motion_source.hpp"
-#include "replication/convergence.hpp"
-#include "replication/publisher.hpp"
+#include "replication/peer.hpp"
 
 namespace peerd::config {
 
-// The table [replication]: how updates are published and ghosts believed.
+// The tables [replication] and [decisions]: how updates are published and ghosts believed, and who decides collisions.
 struct ReplicationSettings {
   replication::PublishPolicy policy;
   replication::ConvergencePolicy convergence;
+  replication::DecisionSettings decisions;  // no viewpoint: that is a peer's
   std::uint32_t tick_hz = 60;
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
+
+// The table [peer.NAME.viewpoint]: where its user looks from, for decisions by field of view.
+struct ViewpointSettings {
+  std::string object;  // path of what it moves with; empty: it stands
+  std::vector<double> position{0, 0, 0}, axis{0, 1, 0};
+  double angle_deg = 0.0;
+  double field_of_view_deg = 45.0;
+  double aspect = 4.0 / 3.0;
+};
 
 // [[peer.NAME.key]]: a key that goes down by itself.
 struct ScriptedKey {
@@ -34,10 +43,14 @@ struct PeerSettings {
   std::vector<std::string> enslaves;            // paths of nodes of the world
   std::map<std::string, MotionFormula> motion;  // by path; the others move by their velocityVector
   std::vector<ScriptedKey> keys;                // by time, then as in the file
-  std::optional<std::uint32_t> tick_hz;         // instead of replication.tick_hz
-  double clock_offset_s = 0.0;                  // test setting: this host's clock is so far ahead
+  std::optional<ViewpointSettings> viewpoint;
+  std::optional<std::uint32_t> tick_hz;  // instead of replication.tick_hz
+  double clock_offset_s = 0.0;           // test setting: this host's clock is so far ahead
 };
 [[nodiscard]] PeerSettings read_peer(TomlReader reader, const std::string& name);
+
+// The table [decisions]; `peers` are those that may be named the server.
+[[nodiscard]] replication::DecisionSettings read_decisions(TomlReader& reader, const std::vector<PeerSettings>& peers);
 
 // How a real peer reaches the others: the table [transport].
 struct TransportSettings {

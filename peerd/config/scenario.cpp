@@ -95,6 +95,10 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   reader.read("sample_hz", run.sample_hz, 1, 1000);
   run.replication = read_replication(TomlReader(table_or_empty(reader, "replication"), "replication", error));
   read_peers(reader, run);
+  TomlReader decisions(table_or_empty(reader, "decisions"), "decisions", error);
+  run.replication.decisions = read_decisions(decisions, run.peers);
+  decisions.read("compare", run.compare_outcomes);
+  decisions.finish();
   read_network(TomlReader(table_or_empty(reader, "network"), "network", error), run);
   run.control = read_control(TomlReader(table_or_empty(reader, "control"), "control", error));
   if (run.control.socket && !run.control.socket->empty()) {
@@ -129,7 +133,7 @@ nlohmann::ordered_json to_json(const toml::node& node) {
 // Keys whose one value is a list: setting them does not sweep.
 bool takes_list(std::string_view key) {
   return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
-         key == "replication.models";
+         key == "replication.models" || key.ends_with(".position");
 }
 
 struct SweptKey {

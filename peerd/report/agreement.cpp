@@ -105,13 +105,16 @@ bool same_side(const ContactRow& a, const ContactRow& b) {
   return na.dot(nb) > 0.0 || (na.isZero(0.0) && nb.isZero(0.0));
 }
 
-// One peer's words on one outcome, as row indices. The last word counts. It has been held since the first of the
+// One peer's words on one outcome, as row indices. The last word counts, and none comes after taking over the very
+// decision: what is predicted later is another contact. It has been held since the first of the
 // unbroken run of words at the end that say the same: saying it again is no delay.
 void judge_words(const RunRecord& run, const Outcome& outcome, std::vector<std::size_t> words, Agreement& result) {
-  std::ranges::sort(words, {}, [&](std::size_t i) {
-    return std::tuple(run.contacts[i].reported_at_s, run.contacts[i].kind == "applied", run.contacts[i].t_s, i);
-  });
   const ContactRow& truth = run.contacts[outcome.row];
+  const auto taken_over = [&](const ContactRow& row) { return row.kind == "applied" && row.t_s == truth.t_s; };
+  std::ranges::sort(words, {}, [&](std::size_t i) {
+    const ContactRow& row = run.contacts[i];
+    return std::tuple(taken_over(row), row.reported_at_s, row.kind == "applied", row.t_s, i);
+  });
   const bool agrees = same_side(truth, run.contacts[words.back()]);
   std::size_t held = words.size() - 1;
   while (held > 0 && same_side(truth, run.contacts[words[held - 1]]) == agrees) --held;

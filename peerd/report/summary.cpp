@@ -73,13 +73,17 @@ Json collisions_json(const RunRecord& run) {
     if (std::isfinite(s)) latency_ms.push_back(1e3 * s);
   }
   const Statistics latency = statistics(std::move(latency_ms));
-  return {{"decided", a.decided},
-          {"agreed", a.agreed},
-          {"disagreed", a.disagreed},
-          {"spurious", a.spurious},
-          {"missed", a.missed},
-          {"revised", a.revised},
-          {"decision_latency_ms", {{"mean", latency.mean}, {"p99", latency.p99}, {"max", latency.max}}}};
+  Json json = {{"decided", a.decided},
+               {"agreed", a.agreed},
+               {"disagreed", a.disagreed},
+               {"spurious", a.spurious},
+               {"missed", a.missed},
+               {"revised", a.revised},
+               {"decision_latency_ms", {{"mean", latency.mean}, {"p99", latency.p99}, {"max", latency.max}}}};
+  if (run.wrong) {
+    json["wrong"] = {{"truth", run.wrong->truth}, {"missing", run.wrong->missing}, {"spurious", run.wrong->spurious}};
+  }
+  return json;
 }
 
 Json traffic_json(const RunRecord& run) {

@@ -128,6 +128,38 @@ void append_line(std::string& out, std::string line) {
   out += line + '\n';
 }
 
+void append_rows(std::string& out, const std::vector<Column>& columns) {
+  std::vector<std::size_t> widths;
+  for (const Column& c : columns) {
+    std::size_t width = width_of(c.name);
+    for (const std::string& cell : c.cells) width = std::max(width, width_of(cell));
+    widths.push_back(width);
+  }
+  std::string groups;
+  std::string names;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const bool starts_group = !columns[c].group.empty() && (c == 0 || columns[c - 1].group != columns[c].group);
+    const std::string gap(c == 0 ? 0 : starts_group ? 4 : 2, ' ');
+    if (starts_group) groups = padded(groups, width_of(names) + gap.size(), false) + columns[c].group;
+    names += gap + padded(columns[c].name, widths[c], columns[c].numeric);
+  }
+  if (!groups.empty()) append_line(out, groups);
+  append_line(out, names);
+  const std::size_t rows = columns.front().cells.size();
+  for (std::size_t r = 0; r < rows; ++r) {
+    std::string line;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const bool starts_group = !columns[c].group.empty() && columns[c - 1].group != columns[c].group;
+      line += std::string(c == 0         ? 0
+                          : starts_group ? 4
+                                         : 2,
+                          ' ') +
+              padded(columns[c].cells[r], widths[c], columns[c].numeric);
+    }
+    append_line(out, line);
+  }
+}
+
 std::string heading(const Json& summary, const std::string& path) {
   const std::size_t count = summary.at("runs").size();
   std::string text = summary.at("scenario").get<std::string>() + " (" + summary.at("mode").get<std::string>() +
@@ -166,38 +198,48 @@ std::string table(const Json& summary) {
   append_line(out, heading(summary, path));
   const std::vector<Column> columns = lay_out(summary, path);
 
-  std::vector<std::size_t> widths;
-  for (const Column& c : columns) {
-    std::size_t width = width_of(c.name);
-    for (const std::string& cell : c.cells) width = std::max(width, width_of(cell));
-    widths.push_back(width);
-  }
-  std::string groups;
-  std::string names;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const bool starts_group = !columns[c].group.empty() && (c == 0 || columns[c - 1].group != columns[c].group);
-    const std::string gap(c == 0 ? 0 : starts_group ? 4 : 2, ' ');
-    if (starts_group) groups = padded(groups, width_of(names) + gap.size(), false) + columns[c].group;
-    names += gap + padded(columns[c].name, widths[c], columns[c].numeric);
-  }
-  if (!groups.empty()) append_line(out, groups);
-  append_line(out, names);
-  const std::size_t rows = columns.front().cells.size();
-  for (std::size_t r = 0; r < rows; ++r) {
-    std::string line;
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      const bool starts_group = !columns[c].group.empty() && columns[c - 1].group != columns[c].group;
-      line += std::string(c == 0         ? 0
-                          : starts_group ? 4
-                                         : 2,
-                          ' ') +
-              padded(columns[c].cells[r], widths[c], columns[c].numeric);
-    }
-    append_line(out, line);
-  }
+  append_rows(out, columns);
   if (summary.contains("warnings")) {
     for (const Json& warning : summary.at("warnings")) append_line(out, "warning: " + warning.get<std::string>());
   }
+  return out;
+}
+
+std::string wrong_outcomes_table(const Json& summary) {
+  const std::vector<Params> params = params_of(summary);
+  std::vector<std::string> keys = varying_keys(params);
+  std::erase(keys, "decisions.policy");
+  std::vector<Column> columns{{"", "wrong outcomes", false, {}}};
+  std::vector<std::vector<std::uint64_t>> wrong;  // by row, then column
+  std::uint64_t truth = 0;
+  const auto index_in = [](std::vector<std::string>& names, const std::string& name) {
+    const auto at = std::ranges::find(names, name);
+    if (at == names.end()) names.push_back(name);
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  };
+  std::vector<std::string> policies, situations;
+  for (std::size_t i = 0; i < params.size(); ++i) {
+    const Json& collisions = summary.at("runs")[i].at("collisions");
+    if (!collisions.contains("wrong")) continue;
+    const Json& w = collisions.at("wrong");
+    const std::size_t row = index_in(policies, value_text(params[i], "decisions.policy"));
+    const std::size_t column = index_in(situations, describe(params[i], keys));
+    if (wrong.size() <= row) wrong.resize(row + 1);
+    if (wrong[row].size() <= column) wrong[row].resize(column + 1);
+    wrong[row][column] += w.at("missing").get<std::uint64_t>() + w.at("spurious").get<std::uint64_t>();
+    truth = std::max(truth, w.at("truth").get<std::uint64_t>());
+  }
+  if (wrong.empty()) return "";
+  for (const std::string& situation : situations) columns.push_back({"", situation, true, {}});
+  for (std::size_t row = 0; row < wrong.size(); ++row) {
+    columns[0].cells.push_back(policies[row].empty() ? "-" : policies[row]);
+    wrong[row].resize(situations.size());
+    for (std::size_t c = 0; c < situations.size(); ++c) columns[c + 1].cells.push_back(std::to_string(wrong[row][c]));
+  }
+  std::string out;
+  append_line(out, "");
+  append_line(out, "of up to " + std::to_string(truth) + " outcomes a run without latency:");
+  append_rows(out, columns);
   return out;
 }
 

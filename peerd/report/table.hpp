@@ -13,4 +13,8 @@ namespace peerd::report {
 // is a run and an observer. Ends with a line feed.
 [[nodiscard]] std::string table(const nlohmann::ordered_json& summary);
 
+// Collisions that peers decided wrongly against the truth without latency, summed: a row for each policy, a column for
+// each combination of the other swept keys. "" where no run was compared. Ends with a line feed.
+[[nodiscard]] std::string wrong_outcomes_table(const nlohmann::ordered_json& summary);
+
 }  // namespace peerd::report

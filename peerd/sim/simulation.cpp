@@ -51,6 +51,16 @@ config::Result<std::vector<SimulatedPeer>> make_peers(const config::RunSettings&
 
 }  // namespace
 
+config::RunSettings without_latency(config::RunSettings run) {
+  run.network = {};
+  run.links.clear();
+  run.replication.policy.error_threshold_m = 0.0;
+  run.replication.policy.order = replication::ModelOrder::kSecond;
+  run.replication.policy.predict_collisions = true;
+  run.replication.decisions = {};
+  return run;
+}
+
 config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
                                               const Observer& observer, const KeyObserver& key_observer) {
   auto made = make_peers(run, shared);

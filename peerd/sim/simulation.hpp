@@ -19,4 +19,8 @@ using KeyObserver = std::function<void(HostTime true_now, const PeerNode&, const
                                                             const Observer& observer = {},
                                                             const KeyObserver& key_observer = {});
 
+// The same run where everybody knows everything at once: no latency, no loss, an update each tick, the lower id
+// decides.
+[[nodiscard]] config::RunSettings without_latency(config::RunSettings run);
+
 }  // namespace peerd::sim

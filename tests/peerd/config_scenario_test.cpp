@@ -362,5 +362,46 @@ TEST(LoadWorld, AMalformedWorldIsAFindingAboutTheInput) {
   EXPECT_EQ(load_world(folder / "none.wrl").error().exit_code, 2);
 }
 
+TEST_F(ScenarioTest, Decisions) {
+  using replication::DecisionPolicy;
+  const replication::DecisionSettings none = read(kTwoPeers).runs[0].replication.decisions;
+  EXPECT_EQ(none.policy, DecisionPolicy::kId);
+  EXPECT_FALSE(none.lookback);
+  EXPECT_TRUE(none.repeat);
+  EXPECT_TRUE(none.fallback);
+  const char* const words[] = {"id", "velocity", "field-of-view", "expected-error", "server"};
+  for (std::uint8_t i = 0; i < 5; ++i) {
+    const auto run = read(kTwoPeers, {std::string("decisions.policy=") + words[i], "decisions.server=zoe"}).runs[0];
+    EXPECT_EQ(static_cast<int>(run.replication.decisions.policy), i + 1);
+    EXPECT_EQ(run.replication.decisions.server, PeerId{3});
+    EXPECT_FALSE(run.compare_outcomes);
+  }
+  const auto set = read(kTwoPeers, {"decisions.repeat=false", "decisions.fallback=false", "decisions.lookback_ms=150",
+                                    "decisions.compare=true"})
+                       .runs[0];
+  EXPECT_FALSE(set.replication.decisions.repeat);
+  EXPECT_FALSE(set.replication.decisions.fallback);
+  EXPECT_EQ(set.replication.decisions.lookback, std::chrono::milliseconds(150));
+  EXPECT_TRUE(set.compare_outcomes);
+  EXPECT_THAT(error(kTwoPeers, {"decisions.policy=luck"}), HasSubstr("decisions.policy"));
+  EXPECT_THAT(error(kTwoPeers, {"decisions.policy=server"}), HasSubstr("decisions.server"));
+  EXPECT_THAT(error(kTwoPeers, {"decisions.server=nobody"}), HasSubstr("no peer \"nobody\""));
+  EXPECT_THAT(error(kTwoPeers, {"decisions.lookback_ms=2001"}), HasSubstr("decisions.lookback_ms"));
+}
+
+TEST_F(ScenarioTest, Viewpoints) {
+  const auto run = read(kTwoPeers, {"peer.a.viewpoint.object=CAR", "peer.a.viewpoint.position=[1, 2, 3]",
+                                    "peer.a.viewpoint.angle_deg=90", "peer.a.viewpoint.field_of_view_deg=60"})
+                       .runs.at(0);
+  ASSERT_TRUE(run.peers[0].viewpoint);
+  EXPECT_EQ(run.peers[0].viewpoint->object, "CAR");
+  EXPECT_THAT(run.peers[0].viewpoint->position, ElementsAre(1, 2, 3));
+  EXPECT_EQ(run.peers[0].viewpoint->angle_deg, 90);
+  EXPECT_EQ(run.peers[0].viewpoint->field_of_view_deg, 60);
+  EXPECT_FALSE(run.peers[1].viewpoint);
+  EXPECT_THAT(error(kTwoPeers, {"peer.a.viewpoint.axis=[0, 0, 0]"}), HasSubstr("must not be zero"));
+  EXPECT_THAT(error(kTwoPeers, {"peer.a.viewpoint.field_of_view_deg=180"}), HasSubstr("field_of_view_deg"));
+}
+
 }  // namespace
 }  // namespace peerd::config

@@ -73,6 +73,17 @@ Message deciding(const std::function<void(DecisionRecord&)>& change) {
   change(m.decisions.front());
   return m;
 }
+Message looking(const std::function<void(Hello&)>& change) {
+  Message m;
+  m.sender = PeerId{1};
+  m.boot = 1;
+  m.has_hello = true;
+  m.hello.name = "a";
+  m.hello.viewpoint = Viewpoint{ObjectId{3}, {Vec3(1, 2, 3), Quat::Identity()}, 1.0, 1.5};
+  m.hello.notes = {{ObjectId{1}, ObjectId{2}, sim(1s), PeerId{3}, true}};
+  change(m.hello);
+  return m;
+}
 Message greeting(const std::function<void(Hello&)>& change) {
   Message m;
   m.sender = PeerId{1};
@@ -204,12 +215,28 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"NaNCollideeBefore", deciding([](auto& d) { d.collidee_before.velocity.x() = kNaN; }), false},
                     Case{"InfAfter", deciding([](auto& d) { d.collider_after.velocity.x() = kInf; }), false},
                     Case{"InfCollideeAfter", deciding([](auto& d) { d.collidee_after.velocity.x() = kInf; }), false},
-                    Case{"UnknownRule", deciding([](auto& d) { d.rule = DecisionRule{2}; }), false},
+                    Case{"LastRule", deciding([](auto& d) { d.rule = DecisionRule::kServer; }), true},
+                    Case{"NoRule", deciding([](auto& d) { d.rule = DecisionRule{0}; }), false},
+                    Case{"KnewTheEndOfTime", deciding([](auto& d) { d.known = SimTime::max(); }), false},
+                    Case{"UnknownRule", deciding([](auto& d) { d.rule = DecisionRule{6}; }), false},
                     Case{"EndOfTime", deciding([](auto& d) { d.contact = SimTime::max(); }), false}),
     [](const auto& c) { return std::string(c.param.name); });
 INSTANTIATE_TEST_SUITE_P(
     Hello, Value,
     testing::Values(Case{"Good", greeting([](auto& h) { h.name = "a"; }), true},
+                    Case{"LongestLatency", looking([](auto& h) { h.latency = kLatencyMax; }), true},
+                    Case{"TooLongALatency", looking([](auto& h) { h.latency = kLatencyMax + 1ms; }), false},
+                    Case{"Looks", looking([](auto&) {}), true},
+                    Case{"LooksFromNowhere", looking([](auto& h) { h.viewpoint->pose.position.x() = kNaN; }), false},
+                    Case{"LooksNowhere", looking([](auto& h) { h.viewpoint->pose.orientation = Quat(0, 0, 0, 0); }),
+                         false},
+                    Case{"SeesNothing", looking([](auto& h) { h.viewpoint->field_of_view = 0.0; }), false},
+                    Case{"SeesAll", looking([](auto& h) { h.viewpoint->field_of_view = 3.2; }), false},
+                    Case{"NaNView", looking([](auto& h) { h.viewpoint->field_of_view = kNaN; }), false},
+                    Case{"NoAspect", looking([](auto& h) { h.viewpoint->aspect = -1.0; }), false},
+                    Case{"NaNAspect", looking([](auto& h) { h.viewpoint->aspect = kNaN; }), false},
+                    Case{"InfAspect", looking([](auto& h) { h.viewpoint->aspect = kInf; }), false},
+                    Case{"NoteOfTheEndOfTime", looking([](auto& h) { h.notes[0].contact = SimTime::max(); }), false},
                     Case{"NoName", greeting([](auto& h) { h.name.clear(); }), false},
                     Case{"NameWithABlank", greeting([](auto& h) { h.name = "a b"; }), false},
                     Case{"NameThatIsAPath", greeting([](auto& h) { h.name = "a/b"; }), false},
@@ -292,6 +319,29 @@ TEST(DecodeErrorName, IsDistinctForEach) {
   for (int i = 0; i <= static_cast<int>(DecodeError::kValue); ++i) names.insert(to_string(static_cast<DecodeError>(i)));
   EXPECT_EQ(names.size(), 5u);
   EXPECT_FALSE(names.contains("?"));
+}
+
+// The longest of everything that a peer puts into one hello.
+TEST(HelloSize, AFullHelloFits) {
+  constexpr std::uint32_t kHigh = 0xFFFF'FFFF;
+  Message m;
+  m.sender = PeerId{kHigh};
+  m.boot = ~std::uint64_t{0};
+  m.has_hello = m.leaving = true;
+  Hello& h = m.hello;
+  h.name.assign(kNameMax_bytes, 'n');
+  h.world_hash = ~std::uint64_t{0};
+  h.host_tx = HostTime{1s};
+  h.synchronised = true;
+  h.session_minus_host = 1s;
+  h.sessions = kHigh;
+  h.start = h.world_zero = sim(1s);
+  h.latency = kLatencyMax;
+  h.viewpoint = Viewpoint{ObjectId{kHigh}, {Vec3(1, 2, 3), Quat(0.5, 0.5, 0.5, 0.5)}, 1.0, 1.5};
+  h.echoes.assign(16, {PeerId{kHigh}, HostTime{1s}, HostTime{1s}});
+  h.enslaved.assign(50, ObjectId{kHigh});
+  h.notes.assign(kNotesMax, {ObjectId{kHigh}, ObjectId{kHigh}, sim(1s), PeerId{kHigh}, true});
+  EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ class MessageMaker {
             state(),
             state(),
             state(),
-            DecisionRule::kId};
+            static_cast<DecisionRule>(1 + number<std::uint32_t>() % 5),
+            SimTime{coin() ? time() : 0ns}};
   }
   Hello hello() {
     Hello h;
@@ -64,6 +65,18 @@ class MessageMaker {
       h.enslaved.push_back(ObjectId{number<std::uint32_t>()});
     if (coin()) h.start = SimTime{time()};
     if (coin()) h.world_zero = SimTime{time()};
+    h.latency = std::chrono::milliseconds(number<std::uint32_t>() % 2001);
+    if (coin()) {
+      Viewpoint& v = h.viewpoint.emplace();
+      if (coin()) v.object = ObjectId{number<std::uint32_t>()};
+      v.pose = state().pose();
+      v.field_of_view = 0.1 + 0.001 * (number<std::uint32_t>() % 3000);
+      v.aspect = 1e-3 * (1 + number<std::uint32_t>() % 4000);
+    }
+    for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
+      h.notes.push_back({ObjectId{number<std::uint32_t>()}, ObjectId{number<std::uint32_t>()}, SimTime{time()},
+                         PeerId{number<std::uint32_t>()}, coin()});
+    }
     return h;
   }
   // Parts that stand still or are the identity come often: they are absent on the wire.
@@ -110,17 +123,27 @@ inline bool same_bits(const Message& a, const Message& b) {
   };
   const auto same_decision = [&](const DecisionRecord& d, const DecisionRecord& e) {
     return d.collider == e.collider && d.collidee == e.collidee && d.contact == e.contact && d.rule == e.rule &&
-           same_vector(d.normal, e.normal) && same_bits(d.collider_before, e.collider_before) &&
+           d.known == e.known && same_vector(d.normal, e.normal) && same_bits(d.collider_before, e.collider_before) &&
            same_bits(d.collidee_before, e.collidee_before) && same_bits(d.collider_after, e.collider_after) &&
            same_bits(d.collidee_after, e.collidee_after);
   };
   const auto same_echo = [](const ClockEcho& e, const ClockEcho& f) {
     return e.peer == f.peer && e.their_tx == f.their_tx && e.our_rx == f.our_rx;
   };
-  return a.sender == b.sender && a.boot == b.boot && a.has_hello == b.has_hello && a.leaving == b.leaving &&
-         h.name == g.name && h.world_hash == g.world_hash && h.host_tx == g.host_tx &&
-         h.synchronised == g.synchronised && h.session_minus_host == g.session_minus_host && h.sessions == g.sessions &&
-         h.start == g.start && h.world_zero == g.world_zero && h.enslaved == g.enslaved &&
+  const auto same_note = [](const ContactNote& n, const ContactNote& o) {
+    return n.collider == o.collider && n.collidee == o.collidee && n.contact == o.contact && n.held == o.held &&
+           n.by == o.by;
+  };
+  const auto same_viewpoint = [](const std::optional<Viewpoint>& v, const std::optional<Viewpoint>& w) {
+    if (!v || !w) return !v && !w;
+    return v->object == w->object && v->field_of_view == w->field_of_view && v->aspect == w->aspect &&
+           same_bits(at_rest(v->pose), at_rest(w->pose));
+  };
+  return h.latency == g.latency && same_viewpoint(h.viewpoint, g.viewpoint) &&
+         std::ranges::equal(h.notes, g.notes, same_note) && a.sender == b.sender && a.boot == b.boot &&
+         a.has_hello == b.has_hello && a.leaving == b.leaving && h.name == g.name && h.world_hash == g.world_hash &&
+         h.host_tx == g.host_tx && h.synchronised == g.synchronised && h.session_minus_host == g.session_minus_host &&
+         h.sessions == g.sessions && h.start == g.start && h.world_zero == g.world_zero && h.enslaved == g.enslaved &&
          std::ranges::equal(h.echoes, g.echoes, same_echo) && std::ranges::equal(a.updates, b.updates, same_update) &&
          std::ranges::equal(a.decisions, b.decisions, same_decision);
 }

@@ -1,0 +1,81 @@
+#include "replication/decision_log.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace peerd::replication {
+namespace {
+
+bool involves(const DecisionRecord& d, ObjectId object) { return d.collider == object || d.collidee == object; }
+
+bool conflict(const DecisionLog::Entry& a, const DecisionLog::Entry& b) {
+  if (a.author == b.author) return false;  // one peer's word after the other
+  const Duration apart = a.record.contact - b.record.contact;
+  if (apart > DecisionLog::kSameCollision || -apart > DecisionLog::kSameCollision) return false;
+  return a.record.known < b.record.contact && b.record.known < a.record.contact;
+}
+
+// Strongest first.
+auto rank(const DecisionLog::Entry& e) {
+  return std::tuple(e.record.rule == DecisionRule::kId, e.author, e.record.contact);
+}
+
+}  // namespace
+
+bool of_pair(const DecisionRecord& d, ObjectId a, ObjectId b) {
+  return (d.collider == a && d.collidee == b) || (d.collider == b && d.collidee == a);
+}
+
+std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionRecord& record, PeerId author) {
+  const auto before = [](const Entry& e, const std::pair<SimTime, PeerId>& key) {
+    return std::pair(e.record.contact, e.author) < key;
+  };
+  auto at = std::lower_bound(entries_.begin(), entries_.end(), std::pair(record.contact, author), before);
+  for (auto same = at; same != entries_.end() && same->record.contact == record.contact && same->author == author;
+       ++same) {
+    if (of_pair(same->record, record.collider, record.collidee)) return std::nullopt;
+  }
+  entries_.insert(at, Entry{record, author, false, 0, {}});
+
+  std::vector<Entry*> pair;
+  for (Entry& e : entries_) {
+    if (of_pair(e.record, record.collider, record.collidee)) pair.push_back(&e);
+  }
+  std::ranges::sort(pair, {}, [](const Entry* e) { return rank(*e); });
+  std::vector<const Entry*> standing;
+  std::vector<Change> changes;
+  for (Entry* e : pair) {
+    const bool stands = std::ranges::none_of(standing, [&](const Entry* s) { return conflict(*s, *e); });
+    if (stands) standing.push_back(e);
+    if (stands == e->stands) continue;
+    e->stands = stands;
+    changes.push_back({e->record, e->author, stands});
+  }
+  std::ranges::stable_sort(changes, {}, [](const Change& c) { return std::pair(c.stands, c.record.contact); });
+  return changes;
+}
+
+void DecisionLog::forget_before(SimTime contact) {
+  std::erase_if(entries_, [&](const Entry& e) { return e.record.contact < contact; });
+}
+
+SimTime DecisionLog::last(ObjectId object) const {
+  for (auto e = entries_.rbegin(); e != entries_.rend(); ++e) {
+    if (e->stands && involves(e->record, object)) return e->record.contact;
+  }
+  return SimTime{};
+}
+
+SimTime DecisionLog::last(ObjectId a, ObjectId b) const {
+  for (auto e = entries_.rbegin(); e != entries_.rend(); ++e) {
+    if (e->stands && of_pair(e->record, a, b)) return e->record.contact;
+  }
+  return SimTime{};
+}
+
+bool DecisionLog::overruled(ObjectId object, SimTime contact) const {
+  return std::ranges::any_of(
+      entries_, [&](const Entry& e) { return !e.stands && e.record.contact == contact && involves(e.record, object); });
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,310 @@
+// Peer: who decides collisions between objects of two peers, and what becomes of what was decided.
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "replication/peer.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// So many copies, one a tick, survive bursts of loss without waiting for a hello.
+constexpr int kDecisionCopies = 3;
+// Decisions are told again, and noted in hellos, until they are so old: receivers drop those of more than 4 s, and a
+// latency has to fit between.
+constexpr Duration kToldFor = std::chrono::milliseconds(3500);
+// Longer than any decision that a receiver would take can be on its way.
+constexpr Duration kRememberedFor = std::chrono::seconds(6);
+// What hangs between two others bounces many times a second: of one pair only the newest are repeated.
+constexpr int kRepeatedOfPair = static_cast<int>(kNotesMax);
+
+}  // namespace
+
+bool Peer::is_shared(ObjectId a, ObjectId b) const {
+  const PeerId owner_a = owner(a), owner_b = owner(b);
+  return owner_a != kNobody && owner_b != kNobody && owner_a != owner_b;
+}
+
+bool Peer::serves() const {
+  return config_.decisions.policy == DecisionPolicy::kServer && config_.decisions.server == config_.id;
+}
+
+bool Peer::may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) const {
+  if (owner_a == kNobody || owner_b == kNobody || owner_a == owner_b) return false;
+  if (config_.decisions.policy == DecisionPolicy::kId) return peer == decider_by_id(owner_a, owner_b);
+  const bool is_server = config_.decisions.policy == DecisionPolicy::kServer && peer == config_.decisions.server;
+  return peer == owner_a || peer == owner_b || is_server;
+}
+
+// Whether this peer looks for contacts of the two. By id, who doesn't decide has no need to; else both owners look:
+// which of them is to decide depends on when, and it may fall back to the other.
+bool Peer::finds(ObjectId a, ObjectId b) const {
+  const bool mine = own_.contains(a) || own_.contains(b);
+  if (!is_shared(a, b)) return mine;
+  if (config_.decisions.policy == DecisionPolicy::kId) return decider_by_id(owner(a), owner(b)) == config_.id;
+  return mine || serves();
+}
+
+Duration Peer::own_latency() const {
+  Duration longest{0};
+  for (const auto& [peer, member] : members_.all()) {
+    const std::size_t known = std::min(member.delays_known, member.delays.size());
+    for (std::size_t i = 0; i < known; ++i) longest = std::max(longest, member.delays[i]);
+  }
+  return std::min<Duration>(latency_bound(longest), kLatencyMax);
+}
+
+// Both owners' states so far back have reached everybody.
+Duration Peer::lookback() const {
+  if (config_.decisions.lookback) return *config_.decisions.lookback;
+  Duration longest = own_latency();
+  for (const auto& [peer, member] : members_.all()) longest = std::max(longest, member.latency);
+  return longest;
+}
+
+// Stamps are other people's: in doubles, no sum of them overflows.
+void Peer::measure_latency(Member& member, HostTime now, const Hello& hello) {
+  const auto ns = [](Duration d) { return static_cast<double>(d.count()); };
+  const double late_ns = ns(clock_.to_session(now).time_since_epoch()) - ns(hello.host_tx.time_since_epoch()) -
+                         ns(hello.session_minus_host);
+  const double clamped_ns = std::clamp(late_ns, 0.0, ns(kLatencyMax));
+  member.delays[member.delays_known++ % member.delays.size()] = Duration{static_cast<std::int64_t>(clamped_ns)};
+}
+
+Stake Peer::stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const {
+  Stake s{owner(object), std::nullopt, own_latency(), false};
+  const MotionWorld& ghosts = replica_->ghosts;
+  if (ghosts.knows(object, at)) s.state = ghosts.at(object, at);
+  std::optional<Viewpoint> viewpoint = config_.decisions.viewpoint;
+  if (s.owner != config_.id) {
+    const auto member = members_.all().find(s.owner);
+    if (member == members_.all().end()) return s;
+    s.latency = member->second.latency;
+    viewpoint = member->second.viewpoint;
+  }
+  if (config_.decisions.policy != DecisionPolicy::kFieldOfView || !viewpoint) return s;
+  Pose eye = viewpoint->pose;
+  if (viewpoint->object) {
+    if (!ghosts.knows(*viewpoint->object, at)) return s;
+    const Pose carrier = ghosts.at(*viewpoint->object, at).pose();
+    eye = {carrier * eye.position, (carrier.orientation * eye.orientation).normalized()};
+  }
+  // Both of them: who rides on one has that one in view wherever he looks.
+  const collision::Camera camera{eye, viewpoint->field_of_view, viewpoint->aspect};
+  s.sees = std::ranges::all_of(meeting, [&](const WorldBox& box) { return sees(camera, box); });
+  return s;
+}
+
+PeerId Peer::decider_of(ObjectId a, ObjectId b, SimTime contact) const {
+  const SimTime at = decided_as_of(contact, lookback());
+  std::vector<WorldBox> meeting;  // where the two then are
+  for (const ObjectId object : {a, b}) {
+    const collision::Body& body = *model_.body(object);
+    const Vec3 center = replica_->ghosts.at(object, at).pose() * body.center;
+    meeting.push_back(WorldBox{center.array() - body.radius_m, center.array() + body.radius_m});
+  }
+  const PeerId server = config_.decisions.server;
+  const bool here = server == config_.id || members_.all().contains(server);
+  return decider(config_.decisions.policy, stake(a, at, meeting), stake(b, at, meeting), here ? server : kNobody);
+}
+
+// Of a contact that the truth has found. A belief of two others' objects is answered: it is nothing but a belief.
+bool Peer::answers(ObjectId a, ObjectId b, SimTime contact) const {
+  if (config_.decisions.policy == DecisionPolicy::kId || !is_shared(a, b)) return true;
+  if (!own_.contains(a) && !own_.contains(b) && !serves()) return true;
+  return decider_of(a, b, contact) == config_.id;
+}
+
+void Peer::begin_worlds(SimTime now) {
+  replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
+  replica_->truth.set_answers([this](ObjectId a, ObjectId b, SimTime contact) { return answers(a, b, contact); });
+}
+
+DecisionRecord Peer::record_of(const ContactEvent& c, DecisionRule rule) const {
+  return {c.collider,
+          c.collidee,
+          c.at,
+          c.normal,
+          c.collider_before,
+          c.collidee_before,
+          c.collider_after,
+          c.collidee_after,
+          rule,
+          decisions_.last(c.collider, c.collidee)};
+}
+
+std::vector<DecisionLog::Change> Peer::add_own(const DecisionRecord& d) {
+  ++counters_.decisions;
+  auto changes = decisions_.add(d, config_.id);
+  int newer = 0;
+  for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
+    if (entry->author != config_.id || !of_pair(entry->record, d.collider, d.collidee)) continue;
+    if (entry->record.contact == d.contact && entry->stands) entry->copies = kDecisionCopies;
+    if (newer++ >= kRepeatedOfPair) entry->copies = 0;
+  }
+  return changes.value_or(std::vector<DecisionLog::Change>{});
+}
+
+// A contact that the truth has answered, for all.
+void Peer::decide(const ContactEvent& c, SimTime known_at) {
+  const auto changes = add_own(record_of(c, config_.decisions.policy));
+  // As all who hear of it will: the own object's ghost too, or this peer's copy of their ghosts would not be theirs.
+  replica_->ghosts.set_base(c.collider, c.at, c.collider_after);
+  replica_->ghosts.set_base(c.collidee, c.at, c.collidee_after);
+  colliding_.on_contact(c);
+  outputs_.push_back(ContactSeen{ContactKind::kDecided, c, known_at});
+  const bool alone = changes.size() == 1 && changes.front().author == config_.id;
+  if (!alone) follow(changes, known_at);
+}
+
+void Peer::hold(const ContactEvent& c) {
+  ++counters_.contacts_held;
+  held_.push_back({c, decider_of(c.collider, c.collidee, c.at)});
+}
+
+// What this peer has found, and the one that is to decide it says nothing of, in time.
+void Peer::release_held(SimTime t) {
+  decisions_.forget_before(t - kRememberedFor);
+  const Duration patience = 2 * lookback() + 3 * config_.hello_period;
+  std::vector<Held> over;
+  for (const Held& h : held_) {
+    if (t >= h.contact.at + patience || !members_.all().contains(h.decider)) over.push_back(h);
+  }
+  for (const Held& h : over) fall_back(h.contact, t);
+}
+
+void Peer::fall_back(const ContactEvent& c, SimTime known_at) {
+  std::erase_if(held_, [&](const Held& h) {
+    return h.contact.at == c.at && h.contact.collider == c.collider && h.contact.collidee == c.collidee;
+  });
+  const bool ours = config_.decisions.fallback && is_shared(c.collider, c.collidee) &&
+                    decider_by_id(owner(c.collider), owner(c.collidee)) == config_.id;
+  if (!ours) return;
+  ++counters_.decisions_fallback;
+  follow(add_own(record_of(c, DecisionRule::kId)), known_at);
+}
+
+// What the sender's hello says of contacts: which decisions it has heard, and whether it has found what this peer
+// left to it.
+void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
+  const auto is_note_of = [](const ContactNote& n, const DecisionLog::Entry& e) {
+    return !n.held && n.by == e.author && n.contact == e.record.contact && of_pair(e.record, n.collider, n.collidee);
+  };
+  for (DecisionLog::Entry& e : decisions_.entries()) {
+    if (e.author != config_.id) continue;
+    if (std::ranges::any_of(hello.notes, [&](const auto& n) { return is_note_of(n, e); })) e.heard.insert(sender);
+  }
+  const Member& member = *members_.find(sender);
+  const SimTime said_at = known_at - member.delays[(member.delays_known - 1) % Member::kDelays];
+  const std::vector<Held> waiting = held_;
+  for (const Held& h : waiting) {
+    if (h.decider != sender) continue;
+    const auto same = [&](const ContactNote& n) {
+      const bool pair = (n.collider == h.contact.collider && n.collidee == h.contact.collidee) ||
+                        (n.collider == h.contact.collidee && n.collidee == h.contact.collider);
+      return pair && n.contact >= h.contact.at - DecisionLog::kSameCollision &&
+             n.contact <= h.contact.at + DecisionLog::kSameCollision;
+    };
+    const auto note = std::ranges::find_if(hello.notes, same);
+    if (note != hello.notes.end() && note->held) {  // each left it to the other
+      if (decider_by_id(config_.id, sender) == config_.id) fall_back(h.contact, known_at);
+    } else if (note == hello.notes.end() && said_at >= h.contact.at + lookback() && hello.notes.size() < kNotesMax) {
+      ++counters_.contacts_refuted;
+      std::erase_if(held_,
+                    [&](const Held& other) { return other.contact.at == h.contact.at && other.decider == sender; });
+    }
+  }
+}
+
+void Peer::on_decision(PeerId sender, const DecisionRecord& d, SimTime known_at) {
+  if (!may_decide(sender, owner(d.collider), owner(d.collidee))) return drop("not_decider");
+  const auto changes = decisions_.add(d, sender);
+  if (!changes) return drop("decision_known");
+  if (changes->empty()) return drop("decision_overruled");
+  follow(*changes, known_at);
+}
+
+void Peer::follow(const std::vector<DecisionLog::Change>& changes, SimTime known_at) {
+  for (const DecisionLog::Change& change : changes) {
+    const DecisionRecord& d = change.record;
+    if (change.stands) {
+      apply(d, change.author, known_at);
+      continue;
+    }
+    ++counters_.decisions_overruled;
+    outputs_.push_back(Overruled{d.collider, d.collidee, d.contact});
+    for (const ObjectId object : {d.collider, d.collidee}) {
+      if (const auto own = own_.find(object); own != own_.end()) own->second.retell = true;
+    }
+  }
+}
+
+// As of the contact time, not of arrival.
+void Peer::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
+  std::erase_if(held_, [&](const Held& h) { return of_pair(d, h.contact.collider, h.contact.collidee); });
+  for (const ObjectId object : {d.collider, d.collidee}) {
+    rebase(object, d.contact);
+    const auto own = own_.find(object);
+    if (own == own_.end()) continue;
+    if (own->second.last_sent && *own->second.last_sent > d.contact) own->second.retell = true;
+  }
+  const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
+                             d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
+  colliding_.on_contact(contact);
+  outputs_.push_back(
+      ContactSeen{author == config_.id ? ContactKind::kDecided : ContactKind::kApplied, contact, known_at});
+}
+
+// The object's way from there on, by all that is known: the decisions that stand, and its owner's last update if that
+// knew of them. Leaving out what came earlier but was heard later would leave a gap in which the two meet once more.
+void Peer::rebase(ObjectId object, SimTime from) {
+  const auto own = own_.find(object);
+  SimTime last = from;
+  for (const DecisionLog::Entry& e : decisions_.entries()) {
+    const DecisionRecord& d = e.record;
+    if (!e.stands || d.contact < from || (d.collider != object && d.collidee != object)) continue;
+    const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
+    if (own != own_.end() && !own->second.driven) replica_->truth.set_base(object, d.contact, after);
+    set_ghost(object, d.contact, after);
+    last = d.contact;
+  }
+  const auto told = told_.find(object);
+  if (own != own_.end() || told == told_.end()) return;
+  const UpdateRecord& u = told->second;
+  if (u.at > last && u.decision >= last && !decisions_.overruled(object, u.decision)) set_ghost(object, u.at, u.model);
+}
+
+// Those that somebody in the session could have said to have heard, and has not.
+void Peer::repeat_decisions() {
+  if (!replica_ || !config_.decisions.repeat) return;
+  const SimTime since = tick_time(last_tick_) - kToldFor;
+  const SimTime answered = tick_time(last_tick_) - 2 * lookback() - config_.hello_period;
+  std::map<std::pair<ObjectId, ObjectId>, int> newer;
+  for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
+    if (entry->author != config_.id || !entry->stands || entry->record.contact < since) continue;
+    if (entry->record.contact > answered) continue;
+    if (newer[std::minmax(entry->record.collider, entry->record.collidee)]++ >= kRepeatedOfPair) continue;
+    const bool all_heard = std::ranges::all_of(members_.all(), [&](const auto& member) {
+      return !member.second.synchronised || entry->heard.contains(member.first);
+    });
+    if (all_heard || entry->copies > 0) continue;
+    entry->copies = 1;
+    ++counters_.decisions_repeated;
+  }
+}
+
+std::vector<ContactNote> Peer::notes() const {
+  std::vector<ContactNote> notes;
+  const auto add = [&](ObjectId a, ObjectId b, SimTime contact, PeerId by, bool held) {
+    if (notes.size() < kNotesMax) notes.push_back({a, b, contact, by, held});
+  };
+  for (const Held& h : held_) add(h.contact.collider, h.contact.collidee, h.contact.at, h.decider, true);
+  const SimTime since = replica_ ? tick_time(last_tick_) - kToldFor : SimTime{};
+  for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
+    const DecisionRecord& d = entry->record;
+    if (d.contact >= since) add(d.collider, d.collidee, d.contact, entry->author, false);
+  }
+  return notes;
+}
+
+}  // namespace peerd::replication
