@@ -1,7 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,11 +24,17 @@ struct Member {
   std::uint32_t sessions = 0;
   Duration session_minus_host{0};
   std::optional<SimTime> start;
-  std::optional<Duration> one_way;  // of its hellos, one way, smoothed; what ours take is taken as much
   static constexpr std::size_t kDelays = 16;
   std::array<Duration, kDelays> delays{};  // of its last hellos, session time to session time
   std::size_t delays_known = 0;            // ever measured
-  Duration latency{0};                     // how late it hears of others, as it says
+  // Their mean; none before the first.
+  [[nodiscard]] std::optional<Duration> mean_delay() const {
+    const std::size_t known = std::min(delays_known, delays.size());
+    if (known == 0) return std::nullopt;
+    const auto last = delays.begin() + static_cast<std::ptrdiff_t>(known);
+    return std::accumulate(delays.begin(), last, Duration{0}) / static_cast<std::int64_t>(known);
+  }
+  Duration latency{0};  // how late it hears of others, as it says
   std::optional<Viewpoint> viewpoint;
   std::map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied
 };

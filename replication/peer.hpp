@@ -304,7 +304,6 @@ class Peer {
   [[nodiscard]] bool may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const;
   [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t, double threshold_m);
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model);
-  void smooth_latency(HostTime now, const Hello& hello, Member& member) const;
   [[nodiscard]] Duration farthest_latency() const;
   [[nodiscard]] Horizon horizon(const Own& own) const;
   void observe(SimTime t);

@@ -100,7 +100,6 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
   member.synchronised = hello.synchronised;
   member.session_minus_host = hello.session_minus_host;
   member.start = hello.start;
-  smooth_latency(now, hello, member);
   member.latency = hello.latency;
   member.viewpoint = hello.viewpoint;
   if (hello.synchronised) claim(sender, hello.enslaved);
@@ -131,19 +130,11 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
   }
 }
 
-// Both clocks know session time, so one hello is enough; clocks that are off by as much as the way is long say nothing.
-void Peer::smooth_latency(HostTime now, const Hello& hello, Member& member) const {
-  if (!hello.synchronised || !clock_.synchronised()) return;
-  const Duration at = hello.host_tx.time_since_epoch() + hello.session_minus_host;  // both within 2^62
-  const Duration way = clock_.to_session(now).time_since_epoch() - at;
-  if (way < Duration{0} || way > kLatencyMax) return;  // of a wrong clock; updates so late are of no use anyway
-  member.one_way = member.one_way ? *member.one_way + (way - *member.one_way) / 8 : way;
-}
-
 // How long the farthest of the others waits for what is sent now.
 Duration Peer::farthest_latency() const {
   Duration farthest{0};
-  for (const auto& [peer, member] : members_.all()) farthest = std::max(farthest, member.one_way.value_or(Duration{0}));
+  for (const auto& [peer, member] : members_.all())
+    farthest = std::max(farthest, member.mean_delay().value_or(Duration{0}));
   return farthest;
 }
 
