@@ -1,7 +1,5 @@
 #include "replication/convergence.hpp"
 
-#include <algorithm>
-
 namespace peerd::replication {
 namespace {
 
@@ -14,6 +12,7 @@ Quat between(const Quat& from, const Quat& to, double part) {
 
 }  // namespace
 
+// After last_, and before the end of the way.
 Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) const {
   const double s = to_seconds(t - from_->at), over = to_seconds(policy_.over), part = s / over;
   const Vec3& p0 = from_->pose.position;
@@ -35,6 +34,7 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
       const Vec3 blended_velocity = v0 + (ghost.velocity - v0) * part;
       const Vec3 old = p0 + s * (blended_velocity + (0.5 * s) * ghost.acceleration);
       out.pose.position = old + (ghost.position - old) * part;
+      out.velocity = (out.pose.position - last_->pose.position) / to_seconds(t - last_->at);
       break;
     }
     case ConvergenceMethod::kParabola: {
@@ -43,9 +43,6 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
       out.velocity = v0 + (2.0 * s) * bend;
       break;
     }
-  }
-  if (policy_.method == ConvergenceMethod::kCubic && t > last_->at) {
-    out.velocity = (out.pose.position - last_->pose.position) / to_seconds(t - last_->at);
   }
   return out;
 }

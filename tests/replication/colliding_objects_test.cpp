@@ -107,5 +107,30 @@ TEST(CollidingObjects, AllPeersSayTheSameOfABounce) {
   EXPECT_NEAR(to_seconds(began[0][0] - start), 1.5, 0.02);
 }
 
+// The ghost runs on into what the car has stopped in front of. Its owner knows better.
+TEST(CollidingObjects, OfAnOwnObjectTheTruthTellsNotItsGhost) {
+  const World world(box("CAR", "1 1 1", "-5 0 0") + box("CUBE", "1 1 1", "0 0 0") + interest("CAR", "\"CUBE\""));
+  Lan lan(world, {5ms, 0ms, 0, 0});
+  const auto stops_before_it = [](SimTime t) {
+    const double x = -5.0 + to_seconds(t.time_since_epoch() - kEpoch - 3s);
+    return x < -1.1 ? moving({x, 0, 0}, {1, 0, 0}) : moving({-1.1, 0, 0});
+  };
+  for (const std::uint32_t id : {1u, 2u}) {
+    PeerConfig config;
+    config.id = PeerId{id};
+    config.name = id == 1 ? "one" : "two";
+    config.policy.track_proximity = false;
+    config.enslaved.push_back({world[id == 1 ? "CAR" : "CUBE"], id == 1});
+    lan.add(
+        config, 0s,
+        id == 1 ? std::map<ObjectId, Lan::Motion>{{world["CAR"], stops_before_it}} : std::map<ObjectId, Lan::Motion>{});
+  }
+  lan.run_until(9s);
+  std::size_t predicted = 0;
+  for (const ContactSeen& c : lan.seen<ContactSeen>(0)) predicted += c.kind == ContactKind::kPredicted;
+  ASSERT_GE(predicted, 1u) << "its ghost does run into it";
+  EXPECT_THAT(lan.seen<NotColliding>(0), IsEmpty());
+}
+
 }  // namespace
 }  // namespace peerd::replication
