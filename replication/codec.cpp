@@ -100,6 +100,7 @@ void put(const Hello& h, proto::Hello* out) {
     o->set_peer(e.peer.value);
     o->set_their_tx_ns(e.their_tx.time_since_epoch().count());
     o->set_our_rx_ns(e.our_rx.time_since_epoch().count());
+    o->set_loss_permille(static_cast<std::uint32_t>(std::lround(1000.0 * e.loss)));
   }
   for (ObjectId id : h.enslaved) out->add_enslaved(id.value);
   if (h.start) out->set_start_ns(h.start->time_since_epoch().count());
@@ -182,8 +183,8 @@ bool take(const proto::Hello& in, Hello& h) {
   h.sessions = in.sessions();
   if (!take(in.host_tx_ns(), h.host_tx) || !in_range(in.session_minus_host_ns())) return false;
   for (const proto::ClockEcho& e : in.echoes()) {
-    ClockEcho echo{PeerId{e.peer()}, {}, {}};
-    if (!take(e.their_tx_ns(), echo.their_tx) || !take(e.our_rx_ns(), echo.our_rx)) return false;
+    ClockEcho echo{PeerId{e.peer()}, {}, {}, 1e-3 * e.loss_permille()};
+    if (!take(e.their_tx_ns(), echo.their_tx) || !take(e.our_rx_ns(), echo.our_rx) || echo.loss > 1.0) return false;
     h.echoes.push_back(echo);
   }
   for (std::uint32_t id : in.enslaved()) h.enslaved.push_back(ObjectId{id});
@@ -231,6 +232,7 @@ Bytes encode(const Message& m) {
   d.set_version(kProtocolVersion);
   d.set_sender(m.sender.value);
   d.set_boot(m.boot);
+  d.set_number(m.number);
   if (m.has_hello) put(m.hello, d.mutable_hello());
   for (const UpdateRecord& u : m.updates) put(u, d.add_updates());
   for (const DecisionRecord& c : m.decisions) put(c, d.add_decisions());
@@ -251,6 +253,7 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram) 
   Message m;
   m.sender = PeerId{d.sender()};
   m.boot = d.boot();
+  m.number = d.number();
   m.leaving = d.leaving();
   m.has_hello = d.has_hello();
   if (m.has_hello && !take(d.hello(), m.hello)) return std::unexpected(DecodeError::kValue);

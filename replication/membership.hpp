@@ -10,6 +10,7 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "replication/loss_meter.hpp"
 #include "replication/wire.hpp"
 
 namespace peerd::replication {
@@ -24,6 +25,8 @@ struct Member {
   std::uint32_t sessions = 0;
   Duration session_minus_host{0};
   std::optional<SimTime> start;
+  LossMeter received;                  // of its datagrams
+  std::optional<double> loss_of_ours;  // of our datagrams on their way to it, as it says
   static constexpr std::size_t kDelays = 16;
   std::array<Duration, kDelays> delays{};  // of its last hellos, session time to session time
   std::size_t delays_known = 0;            // ever measured

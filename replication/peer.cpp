@@ -58,7 +58,7 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
   }
   if (now >= *next_hello_) {  // before the records: who has not heard of a peer can't use its updates
     send_hello(now, false);
-    repeat_updates();
+    repeat_updates(now);
     repeat_decisions();
     next_hello_ = now + (replica_ ? config_.hello_period : kJoiningHelloPeriod);
   }

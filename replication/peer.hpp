@@ -300,7 +300,7 @@ class Peer {
   void repeat_decisions();
   [[nodiscard]] std::vector<ContactNote> notes() const;
   void publish(SimTime t);
-  void repeat_updates();
+  void repeat_updates(HostTime now);
   [[nodiscard]] bool may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const;
   [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t, double threshold_m);
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model);
@@ -311,7 +311,8 @@ class Peer {
   void send_copies();
   void flush_records(bool decisions);
   void send_hello(HostTime now, bool leaving);
-  void send(const Message& message);
+  [[nodiscard]] double loss() const;
+  void send(Message& message);
   [[nodiscard]] Message blank() const;
   [[nodiscard]] std::int64_t tick_number(SimTime t) const;
   [[nodiscard]] SimTime tick_time(std::int64_t number) const;
@@ -350,6 +351,7 @@ class Peer {
   std::uint32_t sessions_ = 0;  // entered
   std::int64_t last_tick_ = 0;
   std::size_t hellos_ = 0;  // sent; their lists take turns
+  std::uint32_t datagram_number_ = 0;
   std::vector<UpdateRecord> updates_due_, copies_due_;
   std::set<PeerId> other_worlds_;  // told once each
   bool id_in_use_told_ = false;

@@ -31,6 +31,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   if (const auto admitted = admit(now, m); !admitted) return dropped(admitted.error());
   ++counters_.datagrams_in;
   counters_.bytes_in += datagram.size();
+  if (m.number > 0) members_.find(m.sender)->received.on_datagram(m.number);
   if (m.has_hello) on_hello(now, m.sender, m.hello);
   if (m.leaving) {
     lose(m.sender, members_.remove(m.sender)->name, now, true);

@@ -10,10 +10,12 @@ namespace {
 
 // What a datagram's header (version, sender, boot) leaves for records.
 constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 32;
-// Per hello. 16 echoes of at most 26 bytes, 50 objects of at most 5, kNotesMax notes of at most 31 and a viewpoint of
+// Per hello. 15 echoes of at most 29 bytes, 50 objects of at most 5, kNotesMax notes of at most 31 and a viewpoint of
 // at most 97 fit.
-constexpr std::size_t kEchoesMax = 16;
+constexpr std::size_t kEchoesMax = 15;
 constexpr std::size_t kEnslavedMax = 50;
+// A state that has not been replaced for so long is one that stays for a while.
+constexpr Duration kStandsFor = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -24,17 +26,29 @@ Message Peer::blank() const {
   return m;
 }
 
-// A state that nothing newer has replaced goes out once more with the next hello: a lost one would stand wrong until
-// the time threshold. Where updates come fast there is nothing to repeat.
-void Peer::repeat_updates() {
+// A state that nothing newer has replaced goes out once more with a hello: a lost one would stand wrong until the time
+// threshold. With the next one where datagrams do get lost; elsewhere when it has stood for a while, so that where
+// updates come fast there is nothing to repeat.
+void Peer::repeat_updates(HostTime now) {
+  const bool lossy = copies_against(loss(), 2) > 1;
   for (auto& [object, own] : own_) {
     if (!own.to_repeat) continue;
+    if (!lossy && clock_.to_session(now) - own.to_repeat->at < kStandsFor) continue;
     const bool due_anyway =
         std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
     if (due_anyway) continue;  // it goes out for the first time just now
     updates_due_.push_back(*std::exchange(own.to_repeat, std::nullopt));
     ++counters_.updates_repeated;
   }
+}
+
+// What the worst of the others says it loses of what this peer sends.
+double Peer::loss() const {
+  double worst = 0.0;
+  for (const auto& [peer, member] : members_.all()) {
+    worst = std::max(worst, member.loss_of_ours.value_or(LossMeter{}.loss()));
+  }
+  return worst;
 }
 
 // Where an update's loss would cost more than its bytes: again at once in another datagram, then with the ticks that
@@ -100,7 +114,7 @@ void Peer::send_hello(HostTime now, bool leaving) {
   };
   std::vector<ClockEcho> echoes;
   for (const auto& [peer, member] : members_.all()) {
-    if (member.hello_tx) echoes.push_back({peer, *member.hello_tx, *member.hello_rx});
+    if (member.hello_tx) echoes.push_back({peer, *member.hello_tx, *member.hello_rx, member.received.loss()});
   }
   turns(echoes.size(), kEchoesMax, [&](std::size_t i) { m.hello.echoes.push_back(echoes[i]); });
   std::vector<ObjectId> enslaved;
@@ -110,7 +124,8 @@ void Peer::send_hello(HostTime now, bool leaving) {
   send(m);
 }
 
-void Peer::send(const Message& message) {
+void Peer::send(Message& message) {
+  message.number = ++datagram_number_;
   Bytes datagram = encode(message);
   assert(datagram.size() <= kDatagramMax_bytes);
   ++counters_.datagrams_out;

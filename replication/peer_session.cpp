@@ -120,9 +120,10 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
     follows_ = follow;
     clock_.follow_another();
   }
-  if (follows_ != sender) return;
   const auto echo = std::ranges::find(hello.echoes, config_.id, &ClockEcho::peer);
   if (echo == hello.echoes.end()) return;
+  member.loss_of_ours = echo->loss;
+  if (follows_ != sender) return;
   clock_.on_exchange({echo->their_tx, echo->our_rx, hello.host_tx, now, hello.session_minus_host});
   if (clock_.synchronised() && !replica_) {
     outputs_.push_back(Synchronised{sender, clock_.session_minus_host(), clock_.error_bound()});

@@ -87,6 +87,7 @@ bool Peer::gains(ObjectId object, Own& own, SimTime t, const GhostError& error) 
 void Peer::publish(SimTime t) {
   const PublishPolicy& policy = config_.policy;
   observe(t);
+  const std::uint32_t copies = copies_against(loss(), policy.copies);
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t);
     const GhostError error = ghost_error(truth, replica_->ghosts.at(object, t));
@@ -117,7 +118,7 @@ void Peer::publish(SimTime t) {
     outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, *reason});
     updates_due_.push_back(record);
     own.to_repeat = record;
-    own.copies = policy.copies - 1;
+    own.copies = copies - 1;
   }
   send_copies();
 }

@@ -71,6 +71,7 @@ struct ClockEcho {
   PeerId peer;
   HostTime their_tx{};
   HostTime our_rx{};
+  double loss = 0.0;  // of that peer's datagrams on their way to the sender (LossMeter), in thousandths
 };
 
 struct Hello {
@@ -91,7 +92,8 @@ struct Hello {
 
 struct Message {
   PeerId sender;
-  std::uint64_t boot = 0;  // grows with each start of that peer
+  std::uint64_t boot = 0;    // grows with each start of that peer
+  std::uint32_t number = 0;  // of the sender's datagrams since then, from 1; 0: not counted
   bool has_hello = false;
   Hello hello;
   std::vector<UpdateRecord> updates;

@@ -1,0 +1,26 @@
+#pragma once
+#include <cstdint>
+
+namespace peerd::replication {
+
+// How many of another peer's datagrams get lost on their way here, by the numbers that they carry. Old ones are
+// forgotten (the last thousand or so count); one that comes late is no loss, a duplicate is nothing.
+class LossMeter {
+ public:
+  // `number`: the sender's count of its datagrams, from 1.
+  void on_datagram(std::uint32_t number);
+  // The part that gets lost, in (0, 1): before anything has come one in ten, afterwards ever nearer to what was seen.
+  [[nodiscard]] double loss() const { return (lost_ + 1.0) / (sent_ + 10.0); }
+
+ private:
+  std::uint32_t highest_ = 0;
+  std::uint64_t seen_ = 0;  // bit k: highest_ - k has come
+  double sent_ = 0.0, lost_ = 0.0;
+};
+
+// How often to send what should arrive at once: the fewest copies, 1 .. most, of which all get lost with a probability
+// of at most kAllLostMax, each by `loss` and by itself. A loss below kLossMin is not worth twice the bytes.
+inline constexpr double kAllLostMax = 0.001, kLossMin = 0.006;
+[[nodiscard]] std::uint32_t copies_against(double loss, std::uint32_t most);
+
+}  // namespace peerd::replication
