@@ -22,14 +22,27 @@ struct Truth {
   }
   [[nodiscard]] Pose pose(HostTime t, SimTime start) const {
     if (formula != nullptr) return formula->pose(to_seconds(session_time(t) - start));
+    const PeerLog::Belief* before = last_not_after(t);
+    const bool last = before == ticks.back();
+    if (before != nullptr && last) return advance(before->state, to_seconds(t - before->true_at)).pose();
+    return between(t, [](const PeerLog::Belief& b) { return b.state.pose(); });
+  }
+  // What the owner's user sees then.
+  [[nodiscard]] Pose seen(HostTime t, SimTime start) const {
+    const PeerLog::Belief* b = last_not_after(t);
+    if (b == nullptr || b->shown.position == b->state.position) return pose(t, start);
+    return between(t, [](const PeerLog::Belief& tick) { return tick.shown; });
+  }
+
+ private:
+  template <class PoseOf>
+  [[nodiscard]] Pose between(HostTime t, PoseOf pose_of) const {
     const auto next = std::ranges::upper_bound(ticks, t, {}, [](const auto* b) { return b->true_at; });
-    if (next == ticks.begin()) return (*next)->state.pose();
+    if (next == ticks.begin()) return pose_of(**next);
     const PeerLog::Belief& before = **(next - 1);
-    if (next == ticks.end() || before.true_at == t) {
-      return advance(before.state, to_seconds(t - before.true_at)).pose();
-    }
+    if (next == ticks.end() || before.true_at == t) return pose_of(before);
     const double s = to_seconds(t - before.true_at) / to_seconds((*next)->true_at - before.true_at);
-    const Pose a = before.state.pose(), b = (*next)->state.pose();
+    const Pose a = pose_of(before), b = pose_of(**next);
     return {(1.0 - s) * a.position + s * b.position, a.orientation.slerp(s, b.orientation)};
   }
 };
@@ -79,7 +92,8 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
       if (truth.ticks.empty()) continue;
       const double t_s = to_seconds(truth.session_time(b.true_at) - *start);
       if (!within(t_s)) continue;
-      record.beliefs.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), b.state.pose(), b.shown});
+      record.beliefs.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), b.state.pose(), b.shown,
+                                truth.seen(b.true_at, *start)});
     }
     const auto since_start = [&](SimTime t) { return to_seconds(t - *start); };
     for (const PeerLog::Update& u : log.updates) {

@@ -22,7 +22,7 @@ struct PeerLog {
     ObjectId object;
     PeerId owner;  // the peer itself: `state` is the truth
     KinematicState state;
-    Pose shown{};  // what a viewer draws; of an own object the truth
+    Pose shown{};  // what a viewer draws
   };
   struct Update {
     SimTime at;

@@ -61,6 +61,8 @@ config::Result<std::unique_ptr<PeerNode>> PeerNode::make(const config::PeerSetti
   config.world_hash = shared.world.hash;
   config.policy = replication.policy;
   config.convergence = replication.convergence;
+  config.relay = replication.relay;
+  config.display_delay = replication.display_delay;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
   config.wait_for_start = true;
   config.decisions = replication.decisions;
@@ -238,8 +240,7 @@ std::optional<KeyReport> PeerNode::poll_key_report() {
 void PeerNode::record_truths(SimTime t) {
   for (const auto& [object, owner] : peer_.owners()) {
     if (owner != config_.id) continue;
-    const KinematicState truth = peer_.truth(object, t);
-    record(t, object, owner, truth, truth.pose());
+    record(t, object, owner, peer_.truth(object, t), peer_.shown(object, t));
   }
 }
 
@@ -311,6 +312,7 @@ const PeerLog& PeerNode::log() {
        {"updates_out", c.updates_out},
        {"updates_repeated", c.updates_repeated},
        {"updates_duplicate", c.updates_duplicate},
+       {"updates_relayed", c.updates_relayed},
        {"convergence_blocked", c.convergence_blocked},
        {"proximity_tests", c.proximity_tests},
        {"proximity_refined", c.proximity_refined},

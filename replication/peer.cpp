@@ -144,9 +144,19 @@ bool Peer::may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to
   });
 }
 
+Duration Peer::display_delay() const {
+  const DisplayDelay& delay = config_.display_delay;
+  if (!delay.measured) return delay.fixed;
+  const std::uint32_t hz = config_.policy.snapshots_hz;
+  return delay.fixed + oldest_update_ + (hz > 0 ? Duration{std::chrono::seconds(1)} / hz : Duration{0});
+}
+
 Pose Peer::shown(ObjectId object, SimTime t) {
+  const Duration delay = display_delay();
+  if (own_.contains(object)) return truth(object, config_.display_delay.own ? t - delay : t).pose();
+  if (delay > Duration{0}) return ghost(object, t - delay).pose();
   const KinematicState state = ghost(object, t);
-  if (own_.contains(object) || !replica_->ghosts.has(object)) return state.pose();
+  if (!replica_->ghosts.has(object)) return state.pose();
   Convergence& convergence = shown_.try_emplace(object, config_.convergence).first->second;
   const std::uint64_t before = convergence.blocked();
   const Pose pose = convergence.shown(t, state, replica_->ghosts.revision(object),

@@ -42,6 +42,23 @@ struct DecisionSettings {
   std::optional<Viewpoint> viewpoint;  // of this peer
 };
 
+// For the baselines of others: a peer through which all states go, as a central server has it. Who hears of an object
+// from anybody else takes no notice; hellos and decisions go to everybody as always.
+struct RelaySettings {
+  PeerId through = kNobody;
+  // What is passed on counts from when the relay heard it, as a server without lag compensation has it.
+  bool restamps = false;
+};
+
+// How late objects are shown: by `fixed`, and, if `measured`, by the age of the oldest update so far and the interval
+// between snapshots besides, so that nothing has to be extrapolated. Others' objects; own ones as well if `own`, as in
+// lockstep, where a user's input takes effect for everybody at once.
+struct DisplayDelay {
+  Duration fixed{0};
+  bool measured = false;
+  bool own = false;
+};
+
 struct PeerConfig {
   PeerId id{1};
   std::string name;
@@ -51,6 +68,8 @@ struct PeerConfig {
   PublishPolicy policy;
   ConvergencePolicy convergence;
   DecisionSettings decisions;
+  RelaySettings relay;
+  DisplayDelay display_delay;
   std::uint32_t tick_hz = 60;
   Duration hello_period = std::chrono::milliseconds(250);
   Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
@@ -164,8 +183,9 @@ class Peer {
     std::map<std::string, std::uint64_t> drops;  // by reason
     std::uint64_t ticks = 0, ticks_missed = 0;
     std::uint64_t updates_in = 0, updates_out = 0;
-    std::uint64_t updates_repeated = 0;     // second copies sent; not in updates_out
-    std::uint64_t updates_duplicate = 0;    // copies of what was applied already
+    std::uint64_t updates_repeated = 0;   // second copies sent; not in updates_out
+    std::uint64_t updates_duplicate = 0;  // copies of what was applied already
+    std::uint64_t updates_relayed = 0;
     std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
     std::uint64_t proximity_tests = 0;
     std::uint64_t proximity_refined = 0;    // those that spheres didn't settle
@@ -231,8 +251,8 @@ class Peer {
   // What this peer knows of an object that it runs, and what everybody believes of any object. Need a session.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
-  // What a viewer draws of an object that another peer runs. For each object, t never goes back; after look(t). It
-  // doesn't go through what an interest pairs the object with, where the ghost didn't.
+  // What a viewer draws. For each object, t never goes back; after look(t). It doesn't go through what an interest
+  // pairs the object with, where the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] MotionWorld::Counters motion_counters() const;
@@ -264,7 +284,7 @@ class Peer {
   void change_session(SimTime before, SimTime now);
   void declare_all();
   void on_hello(HostTime now, PeerId sender, const Hello& hello);
-  void on_update(PeerId sender, const UpdateRecord& update);
+  void on_update(PeerId sender, UpdateRecord update, SimTime session_now);
   void on_decision(PeerId sender, const DecisionRecord& decision, SimTime known_at);
   void claim(PeerId peer, std::span<const ObjectId> objects);
   void release(PeerId peer, HostTime now);
@@ -303,6 +323,7 @@ class Peer {
   void repeat_updates(HostTime now);
   [[nodiscard]] bool may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const;
   [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t, double threshold_m);
+  [[nodiscard]] Duration display_delay() const;
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model);
   [[nodiscard]] Duration farthest_latency() const;
   [[nodiscard]] Horizon horizon(const Own& own) const;
@@ -335,6 +356,7 @@ class Peer {
   std::optional<Replica> replica_;
   CollidingObjects colliding_;  // in the world as this peer knows it
   std::map<ObjectId, Convergence> shown_;
+  Duration oldest_update_{0};  // when it came
   std::optional<HostTime> started_;
   std::optional<SimTime> start_;
   std::optional<SimTime> world_zero_;

@@ -47,7 +47,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
     if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
       drop("update_time");
     } else {
-      on_update(m.sender, u);
+      on_update(m.sender, u, session_now);
     }
   }
   for (const DecisionRecord& d : m.decisions) {
@@ -96,10 +96,16 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
   return {};
 }
 
-void Peer::on_update(PeerId sender, const UpdateRecord& u) {
-  if (owner(u.object) == kNobody) claim(sender, {&u.object, 1});  // its hello may have been lost
-  if (owner(u.object) != sender) return drop("not_owner");
-  std::uint32_t& last = members_.find(sender)->last_sequence[u.object];
+void Peer::on_update(PeerId sender, UpdateRecord u, SimTime session_now) {
+  const RelaySettings& relay = config_.relay;
+  const bool relayed = relay.through == sender;
+  if (relay.through != kNobody && !relayed && relay.through != config_.id) return;  // the relay will say
+  if (owner(u.object) == kNobody && !relayed) claim(sender, {&u.object, 1});        // its hello may have been lost
+  oldest_update_ = std::max(oldest_update_, session_now - u.at);
+  if (relayed && own_.contains(u.object)) return;
+  Member* owning = members_.find(owner(u.object));
+  if (owning == nullptr || (owner(u.object) != sender && !relayed)) return drop("not_owner");
+  std::uint32_t& last = owning->last_sequence[u.object];
   if (u.sequence == last) {
     ++counters_.updates_duplicate;
     return;
@@ -107,6 +113,11 @@ void Peer::on_update(PeerId sender, const UpdateRecord& u) {
   if (u.sequence < last) return drop("old_sequence");
   last = u.sequence;
   ++counters_.updates_in;
+  if (relay.through == config_.id) {
+    if (relay.restamps) u.at = session_now;
+    updates_due_.push_back(u);
+    ++counters_.updates_relayed;
+  }
   const SimTime decided = decisions_.last(u.object);
   if (u.decision < decided && u.at < decided + kDecisionStands) return drop("before_decision");
   if (decisions_.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) return drop("before_decision");

@@ -29,6 +29,11 @@ GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost)
 std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                                  std::optional<SimTime> last_sent, SimTime now) {
   if (!last_sent) return PublishReason::kFirst;
+  if (policy.snapshots_hz > 0) {
+    // Half a millisecond of slack: ticks are whole nanoseconds, and 1/60 s is none.
+    const Duration period = Duration{std::chrono::seconds(1)} / policy.snapshots_hz - std::chrono::microseconds(500);
+    return now - *last_sent >= period ? std::optional(PublishReason::kTime) : std::nullopt;
+  }
   if (error.distance_m > threshold_m || error.angle_rad > policy.angle_threshold_rad) return PublishReason::kError;
   if (now - *last_sent >= policy.time_threshold) return PublishReason::kTime;
   return std::nullopt;

@@ -18,6 +18,7 @@ struct PublishPolicy {
   double tight_threshold_m = 0.01;                  // in close proximity
   double angle_threshold_rad = 0.0523598775598299;  // 3 degrees
   Duration time_threshold = std::chrono::seconds(5);
+  std::uint32_t snapshots_hz = 0;  // > 0: a state of every object at this rate, whatever the others believe
   double close_proximity_s = 0.5;  // the seed's close proximity threshold
   bool predict_collisions = true;  // remote collision prediction
   bool track_proximity = true;     // adaptive collision prediction tracking

@@ -81,6 +81,14 @@ void read_models(TomlReader& reader, replication::PublishPolicy& policy) {
   reader.read("update_copies", policy.copies, 1, 10);
 }
 
+void read_display_delay(TomlReader& reader, replication::DisplayDelay& delay) {
+  double fixed_ms = 0.0;
+  reader.read("display_delay_ms", fixed_ms, 0.0, 2000.0);
+  delay.fixed = from_seconds(1e-3 * fixed_ms);
+  reader.read("display_delay_measured", delay.measured);
+  reader.read("delay_own", delay.own);
+}
+
 ViewpointSettings read_viewpoint(TomlReader reader) {
   ViewpointSettings v;
   reader.read("object", v.object);
@@ -96,7 +104,26 @@ ViewpointSettings read_viewpoint(TomlReader reader) {
   return v;
 }
 
+PeerId peer_named(TomlReader& reader, const char* key, const std::string& name,
+                  const std::vector<PeerSettings>& peers) {
+  if (name.empty()) return replication::kNobody;
+  const auto named = std::ranges::find(peers, name, &PeerSettings::name);
+  if (named != peers.end()) return PeerId{named->id};
+  reader.fail(reader.raw().get(key), reader.dotted(key) + ": the scenario has no peer \"" + name + "\"");
+  return replication::kNobody;
+}
+
 }  // namespace
+
+replication::RelaySettings read_relay(TomlReader reader, const std::vector<PeerSettings>& peers) {
+  replication::RelaySettings s;
+  std::string through;
+  reader.read("through", through);
+  s.through = peer_named(reader, "through", through, peers);
+  reader.read("restamps", s.restamps);
+  reader.finish();
+  return s;
+}
 
 replication::DecisionSettings read_decisions(TomlReader& reader, const std::vector<PeerSettings>& peers) {
   replication::DecisionSettings s;
@@ -105,14 +132,8 @@ replication::DecisionSettings read_decisions(TomlReader& reader, const std::vect
   s.policy = static_cast<replication::DecisionPolicy>(policy + 1);
   std::string server;
   reader.read("server", server);
-  const auto named = std::ranges::find(peers, server, &PeerSettings::name);
-  if (named != peers.end()) {
-    s.server = PeerId{named->id};
-  } else if (reader.has("server")) {
-    reader.fail(reader.raw().get("server"), reader.dotted("server") + ": the scenario has no peer \"" + server + "\"");
-  } else if (s.policy == replication::DecisionPolicy::kServer) {
-    reader.require("server");
-  }
+  s.server = peer_named(reader, "server", server, peers);
+  if (server.empty() && s.policy == replication::DecisionPolicy::kServer) reader.require("server");
   std::optional<double> lookback_ms;
   reader.read("lookback_ms", lookback_ms, 0.0, 2000.0);
   if (lookback_ms) s.lookback = from_seconds(*lookback_ms * 1e-3);
@@ -143,6 +164,8 @@ ReplicationSettings read_replication(TomlReader reader) {
   double time_threshold_s = to_seconds(s.policy.time_threshold);
   reader.read("time_threshold_s", time_threshold_s, 0.0, kForever_s);
   s.policy.time_threshold = from_seconds(time_threshold_s);
+  reader.read("snapshots_hz", s.policy.snapshots_hz, 0, 1000);
+  read_display_delay(reader, s.display_delay);
   std::size_t convergence = 0;
   reader.read_word("convergence", convergence, {"jump", "linear", "cubic", "parabola"});
   s.convergence.method = static_cast<replication::ConvergenceMethod>(convergence);

@@ -12,11 +12,14 @@
 
 namespace peerd::config {
 
-// The tables [replication] and [decisions]: how updates are published and ghosts believed, and who decides collisions.
+// The tables [replication], [decisions] and [relay]: how updates are published and ghosts believed, who decides
+// collisions, and which way states go.
 struct ReplicationSettings {
   replication::PublishPolicy policy;
   replication::ConvergencePolicy convergence;
   replication::DecisionSettings decisions;  // no viewpoint: that is a peer's
+  replication::RelaySettings relay;
+  replication::DisplayDelay display_delay;
   std::uint32_t tick_hz = 60;
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
@@ -51,6 +54,9 @@ struct PeerSettings {
 
 // The table [decisions]; `peers` are those that may be named the server.
 [[nodiscard]] replication::DecisionSettings read_decisions(TomlReader& reader, const std::vector<PeerSettings>& peers);
+
+// The table [relay].
+[[nodiscard]] replication::RelaySettings read_relay(TomlReader reader, const std::vector<PeerSettings>& peers);
 
 // How a real peer reaches the others: the table [transport].
 struct TransportSettings {

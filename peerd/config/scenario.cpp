@@ -99,6 +99,7 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   run.replication.decisions = read_decisions(decisions, run.peers);
   decisions.read("compare", run.compare_outcomes);
   decisions.finish();
+  run.replication.relay = read_relay(TomlReader(table_or_empty(reader, "relay"), "relay", error), run.peers);
   read_network(TomlReader(table_or_empty(reader, "network"), "network", error), run);
   run.control = read_control(TomlReader(table_or_empty(reader, "control"), "control", error));
   if (run.control.socket && !run.control.socket->empty()) {

@@ -20,6 +20,10 @@ namespace peerd::report {
 [[nodiscard]] inline double ghost_error_m(const BeliefSample& s) {
   return (s.ghost.position - s.truth.position).norm();
 }
+// What the two users would disagree about.
+[[nodiscard]] inline double view_difference_m(const BeliefSample& s) {
+  return (s.shown.position - s.seen.position).norm();
+}
 [[nodiscard]] inline double shown_error_m(const BeliefSample& s) {
   return (s.shown.position - s.truth.position).norm();
 }

@@ -33,6 +33,7 @@ struct BeliefSample {
   Pose truth;  // the owner's, at t_s
   Pose ghost;  // dead reckoning with prediction
   Pose shown;  // what a viewer draws
+  Pose seen;   // what a viewer at its owner draws then: the truth, unless input is delayed there
 };
 
 struct UpdateSent {

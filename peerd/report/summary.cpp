@@ -43,6 +43,7 @@ Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo&
   std::vector<TimedValue> ghost;
   std::vector<double> ghost_m;
   std::vector<double> shown_m;
+  std::vector<double> difference_m;
   for (const BeliefSample& s : beliefs_of(run, observer.peer, object.object)) {
     const double g = ghost_error_m(s);
     const double d = shown_error_m(s);
@@ -53,6 +54,7 @@ Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo&
     ghost.push_back({s.t_s, g});
     ghost_m.push_back(g);
     shown_m.push_back(d);
+    difference_m.push_back(view_difference_m(s));
   }
   const std::size_t samples = ghost.size();
   return {{"path", object.path},
@@ -63,6 +65,7 @@ Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo&
           {"samples", samples},
           {"ghost_error_m", error_json(statistics(std::move(ghost_m)))},
           {"shown_error_m", error_json(statistics(std::move(shown_m)))},
+          {"view_difference_m", error_json(statistics(std::move(difference_m)))},
           {"inconsistency_m_s", integral(ghost)}};
 }
 

@@ -29,6 +29,7 @@ inline BeliefSample belief(double t_s, PeerId observer, ObjectId object, const V
   s.truth.position = truth;
   s.ghost.position = ghost;
   s.shown.position = 0.5 * (truth + ghost);
+  s.seen = s.truth;
   return s;
 }
 

@@ -32,7 +32,8 @@ TEST(Summary, HasTheShapeOfTheDesign) {
                                                  "state_roots_equal", "counters"));
   EXPECT_THAT(keys_of(run["objects"][0]),
               testing::ElementsAre("path", "owner", "observer", "updates_sent", "bytes_sent", "samples",
-                                   "ghost_error_m", "shown_error_m", "inconsistency_m_s"));
+                                   "ghost_error_m", "shown_error_m", "view_difference_m",
+                                   "inconsistency_m_s"));
   EXPECT_THAT(keys_of(run["objects"][0]["ghost_error_m"]), testing::ElementsAre("mean", "rms", "p99", "max"));
   EXPECT_THAT(keys_of(run["collisions"]), testing::ElementsAre("decided", "agreed", "disagreed", "spurious", "missed",
                                                                "revised", "decision_latency_ms"));
@@ -62,6 +63,7 @@ TEST(Summary, HandNumbers) {
   EXPECT_DOUBLE_EQ(row["ghost_error_m"]["mean"], 2.0);
   EXPECT_DOUBLE_EQ(row["ghost_error_m"]["max"], 5.0);
   EXPECT_DOUBLE_EQ(row["shown_error_m"]["max"], 2.5);
+  EXPECT_DOUBLE_EQ(row["view_difference_m"]["max"], 2.5);
   EXPECT_DOUBLE_EQ(row["inconsistency_m_s"], 2.5 + 6.0);
   EXPECT_EQ(s["objects"][1]["observer"], "c");
   EXPECT_EQ(s["objects"][1]["samples"], 0);

@@ -338,7 +338,7 @@ TEST(HelloSize, AFullHelloFits) {
   h.start = h.world_zero = sim(1s);
   h.latency = kLatencyMax;
   h.viewpoint = Viewpoint{ObjectId{kHigh}, {Vec3(1, 2, 3), Quat(0.5, 0.5, 0.5, 0.5)}, 1.0, 1.5};
-  h.echoes.assign(16, {PeerId{kHigh}, HostTime{1s}, HostTime{1s}});
+  h.echoes.assign(15, {PeerId{kHigh}, HostTime{1s}, HostTime{1s}, 1.0});
   h.enslaved.assign(50, ObjectId{kHigh});
   h.notes.assign(kNotesMax, {ObjectId{kHigh}, ObjectId{kHigh}, sim(1s), PeerId{kHigh}, true});
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
