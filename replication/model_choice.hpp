@@ -21,7 +21,6 @@ struct ModelPolicy {
 struct Horizon {
   double latency_s = 0.0, interval_s = 0.25;
   [[nodiscard]] double end_s() const { return latency_s + interval_s; }
-  [[nodiscard]] double middle_s() const { return latency_s + 0.5 * interval_s; }
 };
 
 // Which model an object's next update should name: the one that, made from what was known a horizon ago, would have
@@ -39,8 +38,6 @@ class ModelChooser {
 
   // Based on the last sample. Ties go to the simpler model, then to the one chosen before.
   [[nodiscard]] MotionModel choose();
-  // Whether the last sample is the first after a corner.
-  [[nodiscard]] bool at_corner() const { return samples_.size() > 1 && samples_.back().run == 1; }
 
  private:
   static constexpr std::size_t kKinds = std::size(kMotionKinds);

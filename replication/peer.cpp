@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "core/reach.hpp"
 #include "replication/decision.hpp"
 
 namespace peerd::replication {
@@ -41,6 +42,7 @@ Peer::Peer(PeerConfig config, const WorldModel& model)
   assert(config_.id.value != 0 && config_.boot != 0 && config_.tick_hz > 0);
   for (const Enslaved& e : config_.enslaved) {
     own_[e.object].driven = e.driven;
+    if (config_.policy.surface_error) own_[e.object].reach_m = reach_m(*model.scene, e.object);
     owners_[e.object] = config_.id;
   }
   outputs_.push_back(Join{kWholeScene});

@@ -276,6 +276,7 @@ class Peer {
     PoseHistory poses;  // of samples without derivatives
     UpdateBudget budget;
     double interval_s = 0.25;  // between updates, of late
+    double reach_m = 0.0;      // of its vertices, where errors count by its surface
   };
 
   [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
@@ -322,13 +323,14 @@ class Peer {
   void publish(SimTime t);
   void repeat_updates(HostTime now);
   [[nodiscard]] bool may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const;
-  [[nodiscard]] bool in_close_proximity(ObjectId object, SimTime t, double threshold_m);
+  [[nodiscard]] double threshold_now_m(ObjectId object, SimTime t);
+  [[nodiscard]] double time_to_contact_s(ObjectId object, SimTime t, double threshold_m);
   [[nodiscard]] Duration display_delay() const;
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model);
   [[nodiscard]] Duration farthest_latency() const;
   [[nodiscard]] Horizon horizon(const Own& own) const;
   void observe(SimTime t);
-  [[nodiscard]] bool gains(ObjectId object, Own& own, SimTime t, const GhostError& error);
+  [[nodiscard]] bool gains(Own& own, SimTime t, const GhostError& error);
   void send_copies();
   void flush_records(bool decisions);
   void send_hello(HostTime now, bool leaving);

@@ -11,6 +11,8 @@ namespace {
 
 // What the next interval between two updates may be expected to be.
 constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
+// A time to contact is known to one in so many of close proximity.
+constexpr double kTimeSteps = 16.0;
 
 }  // namespace
 
@@ -70,18 +72,11 @@ void Peer::observe(SimTime t) {
   }
 }
 
-// Whether an update is worth one of the budget: the others are wrong by more, or will be: the velocity has jumped where
-// the ghost's has not. Nothing is known yet of how the new run goes on, so only what it begins with is compared.
-bool Peer::gains(ObjectId object, Own& own, SimTime t, const GhostError& error) {
-  const PublishPolicy& policy = config_.policy;
-  if (policy.wanted_error_m == 0.0) return false;
-  const auto worth_m = own.budget.worth_m(policy, t);
-  if (!worth_m) return false;
-  if (error.distance_m > *worth_m) return true;
-  if (!policy.at_corners || !own.models || !own.models->at_corner()) return false;
-  const double ahead_s = horizon(own).middle_s();
-  const auto straight_on = [&](const KinematicState& s) { return Vec3(s.position + ahead_s * s.velocity); };
-  return (straight_on(replica_->ghosts.at(object, t)) - straight_on(replica_->truth.at(object, t))).norm() > *worth_m;
+// Whether an update is worth one of the budget.
+bool Peer::gains(Own& own, SimTime t, const GhostError& error) {
+  if (config_.policy.wanted_error_m == 0.0) return false;
+  const auto worth_m = own.budget.worth_m(config_.policy, t);
+  return worth_m && error.distance_m > *worth_m;
 }
 
 void Peer::publish(SimTime t) {
@@ -90,11 +85,8 @@ void Peer::publish(SimTime t) {
   const std::uint32_t copies = copies_against(loss(), policy.copies);
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t);
-    const GhostError error = ghost_error(truth, replica_->ghosts.at(object, t));
-    double threshold_m = policy.error_threshold_m.value_or(model_.scene->object(object).distance_threshold_m);
-    if (policy.track_proximity && in_close_proximity(object, t, threshold_m)) {
-      threshold_m = std::min(threshold_m, policy.tight_threshold_m);
-    }
+    const GhostError error = ghost_error(truth, replica_->ghosts.at(object, t), own.reach_m);
+    const double threshold_m = threshold_now_m(object, t);
     if (own.starts && t >= *own.starts) {  // it has begun to move: nobody could know
       own.starts.reset();
       own.last_sent.reset();
@@ -102,7 +94,7 @@ void Peer::publish(SimTime t) {
     std::optional<PublishReason> reason = due(policy, threshold_m, error, own.last_sent, t);
     if (!reason && own.retell) reason = PublishReason::kDecision;
     if (!reason && own.resend) reason = PublishReason::kJoiner;
-    if (!reason && gains(object, own, t, error)) reason = PublishReason::kGain;
+    if (!reason && gains(own, t, error)) reason = PublishReason::kGain;
     if (!reason) continue;
     own.budget.spend(policy, t);
     if (own.last_sent) {
@@ -123,24 +115,52 @@ void Peer::publish(SimTime t) {
   send_copies();
 }
 
-bool Peer::in_close_proximity(ObjectId object, SimTime t, double threshold_m) {
+// The error threshold in force: the tight one in close proximity.
+double Peer::threshold_now_m(ObjectId object, SimTime t) {
+  const PublishPolicy& policy = config_.policy;
+  const double usual_m = policy.error_threshold_m.value_or(model_.scene->object(object).distance_threshold_m);
+  const double tight_m = std::min(usual_m, policy.tight_threshold_m);
+  if (!policy.track_proximity || tight_m == usual_m) return usual_m;
+  const double left_s = time_to_contact_s(object, t, usual_m);
+  if (!(left_s < policy.close_proximity_s)) return usual_m;
+  return policy.threshold_by_time ? tight_m + (usual_m - tight_m) * left_s / policy.close_proximity_s : tight_m;
+}
+
+// Until the object could meet one of another peer (seed, table 4.1: remote-enslaved pairs only), not more than that; at
+// least the policy's close proximity where nothing is close.
+double Peer::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) {
+  const double within_s = config_.policy.close_proximity_s;
   const collision::Body* body = model_.body(object);
-  if (body == nullptr) return false;
+  if (body == nullptr) return within_s;
   const KinematicState state = replica_->truth.at(object, t);
-  return std::ranges::any_of(model_.pairs, [&](const CollisionPair& pair) {
-    if (pair.collider != object && pair.collidee != object) return false;
+  double least_s = within_s;
+  for (const CollisionPair& pair : model_.pairs) {
+    if (pair.collider != object && pair.collidee != object) continue;
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
     const PeerId other_owner = owner(other);
-    if (other_owner == kNobody || other_owner == config_.id) return false;  // seed, table 4.1: remote-enslaved only
+    if (other_owner == kNobody || other_owner == config_.id) continue;
     ++counters_.proximity_tests;
     const KinematicState other_state = replica_->truth.at(other, t);
     const collision::MovingBody here{*body, state}, there{*model_.body(other), other_state};
-    const double within_s = config_.policy.close_proximity_s;
-    if (!(collision::proximity_time_s(here, there) < within_s)) return false;
-    if (!config_.policy.refine_proximity || pair.type == CollisionType::kBox) return true;
-    ++counters_.proximity_refined;
-    return collision::may_come_near(here, there, within_s, threshold_m);
-  });
+    double left_s = collision::proximity_time_s(here, there);
+    if (!(left_s < least_s)) continue;
+    if (config_.policy.refine_proximity && pair.type != CollisionType::kBox) {
+      const auto near_within = [&](double s) {
+        ++counters_.proximity_refined;
+        return collision::may_come_near(here, there, s, threshold_m);
+      };
+      if (!near_within(least_s)) continue;
+      // By halves: the surfaces meet later than the spheres.
+      for (double s = 0.5 * least_s; config_.policy.threshold_by_time && s >= within_s / kTimeSteps; s *= 0.5) {
+        if (near_within(s)) continue;
+        left_s = std::max(left_s, s);
+        break;
+      }
+    }
+    least_s = left_s;
+    if (!config_.policy.threshold_by_time || least_s == 0.0) break;
+  }
+  return least_s;
 }
 
 }  // namespace peerd::replication

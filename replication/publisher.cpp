@@ -1,6 +1,7 @@
 #include "replication/publisher.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace peerd::replication {
 
@@ -22,8 +23,9 @@ const char* to_string(PublishReason reason) {
   return "?";
 }
 
-GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost) {
-  return {(truth.position - ghost.position).norm(), angle_between(truth.orientation, ghost.orientation)};
+GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double reach_m) {
+  const double angle_rad = angle_between(truth.orientation, ghost.orientation);
+  return {(truth.position - ghost.position).norm() + 2.0 * reach_m * std::sin(0.5 * angle_rad), angle_rad};
 }
 
 std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
@@ -58,13 +60,13 @@ void UpdateBudget::fill(const PublishPolicy& policy, SimTime now) {
 
 std::optional<double> UpdateBudget::worth_m(const PublishPolicy& policy, SimTime now) {
   fill(policy, now);
-  if (left_ < 1.0) return std::nullopt;
-  return policy.wanted_error_m * policy.updates_saved / left_;
+  if (left_ < 0.0) return std::nullopt;
+  return policy.wanted_error_m * std::exp2(policy.updates_saved - left_);
 }
 
 void UpdateBudget::spend(const PublishPolicy& policy, SimTime now) {
   fill(policy, now);
-  left_ = std::max(0.0, left_ - 1.0);
+  left_ = std::max(-1.0, left_ - 1.0);
 }
 
 }  // namespace peerd::replication

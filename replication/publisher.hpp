@@ -17,6 +17,8 @@ struct PublishPolicy {
   std::optional<double> error_threshold_m;          // none: each object's own distanceThreshold
   double tight_threshold_m = 0.01;                  // in close proximity
   double angle_threshold_rad = 0.0523598775598299;  // 3 degrees
+  // Errors count by how far the surface is from where it is believed: a turn moves the farthest vertex by so much.
+  bool surface_error = false;
   Duration time_threshold = std::chrono::seconds(5);
   std::uint32_t snapshots_hz = 0;  // > 0: a state of every object at this rate, whatever the others believe
   double close_proximity_s = 0.5;  // the seed's close proximity threshold
@@ -24,13 +26,14 @@ struct PublishPolicy {
   bool track_proximity = true;     // adaptive collision prediction tracking
   // Of what bounding spheres say is close, only those whose polygons may come nearer than the object's own threshold.
   bool refine_proximity = false;
+  // The threshold falls in proportion to the time that is left, down to the tight one at contact; else at once.
+  bool threshold_by_time = false;
   // Beyond the seed. None: every update is of `order`.
   std::optional<ModelPolicy> models;
   // Below the thresholds above, updates go out by what they gain, as far as the budget allows. 0 m: not.
   double wanted_error_m = 0.0;
-  bool at_corners = true;      // at once when the velocity jumps; needs `models`
   double updates_per_s = 2.0;  // the budget's rate, for each object
-  double updates_saved = 6.0;  // how much of it can be saved up for corners; >= 1
+  double updates_saved = 6.0;  // how much of it can be saved up; >= 1
   std::uint32_t copies = 1;    // of each update: two at once, then one a tick until a newer update goes out
 };
 
@@ -42,7 +45,8 @@ struct GhostError {
   double distance_m = 0.0;  // Euclidean, not per axis: a cube of that edge would let 1.7 times as much through
   double angle_rad = 0.0;
 };
-[[nodiscard]] GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost);
+// `reach_m`: of the object's farthest vertex from its origin, which the turn moves besides; 0: the origin's error.
+[[nodiscard]] GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double reach_m = 0.0);
 
 // Why an update is due now; none when the others still believe well enough.
 [[nodiscard]] std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
@@ -54,10 +58,11 @@ struct GhostError {
 // What may be spent on updates that no threshold asks for: a bucket that fills at a rate and holds so many.
 class UpdateBudget {
  public:
-  // The error [m] beyond which an update is worth one of what is left: `wanted_m` when the bucket is full, more the
-  // emptier it is; none when it holds less than one.
+  // The error [m] beyond which an update is worth one of what is left: `wanted_m` when the bucket is full, twice as
+  // much for each that is gone, so that it settles where the object's motion asks for as many as the rate allows: for a
+  // given number of updates the mean error is least where the threshold stays the same. None when one is owed.
   [[nodiscard]] std::optional<double> worth_m(const PublishPolicy& policy, SimTime now);
-  // Any update takes one; what thresholds ask for is not refused, but paid for.
+  // Any update takes one; what thresholds ask for is not refused, but paid for, down to one that is owed.
   void spend(const PublishPolicy& policy, SimTime now);
 
  private:

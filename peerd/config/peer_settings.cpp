@@ -75,7 +75,6 @@ void read_models(TomlReader& reader, replication::PublishPolicy& policy) {
                                                                  : replication::MotionKind::kSecond;
   if (model == 1) policy.models = models;
   reader.read("wanted_error_m", policy.wanted_error_m, 0.0, kFar_m);
-  reader.read("send_at_corners", policy.at_corners);
   reader.read("updates_per_s", policy.updates_per_s, 0.0, 1000.0);
   reader.read("updates_saved", policy.updates_saved, 1.0, 1000.0);
   reader.read("update_copies", policy.copies, 1, 10);
@@ -158,9 +157,13 @@ ReplicationSettings read_replication(TomlReader reader) {
   std::size_t proximity = 0;
   reader.read_word("proximity", proximity, {"spheres", "surfaces"});
   s.policy.refine_proximity = proximity == 1;
+  std::size_t tightening = 0;
+  reader.read_word("tightening", tightening, {"step", "by-time"});
+  s.policy.threshold_by_time = tightening == 1;
   double angle_deg = s.policy.angle_threshold_rad * 180.0 / std::numbers::pi;
   reader.read("angle_threshold_deg", angle_deg, 0.0, 180.0);
   s.policy.angle_threshold_rad = angle_deg * std::numbers::pi / 180.0;
+  reader.read("surface_error", s.policy.surface_error);
   double time_threshold_s = to_seconds(s.policy.time_threshold);
   reader.read("time_threshold_s", time_threshold_s, 0.0, kForever_s);
   s.policy.time_threshold = from_seconds(time_threshold_s);

@@ -56,7 +56,6 @@ TEST(Best, NeedsItsMechanisms) {
   EXPECT_GT(total({"replication.model=order"}), 1.5 * best);
   EXPECT_GT(total({R"(replication.models=["first", "second"])"}), 1.5 * best);
   EXPECT_GT(total({"replication.wanted_error_m=0"}), 1.2 * best);
-  EXPECT_GT(total({"replication.send_at_corners=false"}), 1.02 * best);
   EXPECT_GT(total({"replication.approach=dr"}), 1.5 * best);
 }
 
