@@ -7,8 +7,8 @@ namespace {
 
 // The truth of one object as its owner logged it, in true time.
 struct Truth {
-  const config::MotionSource* formula = nullptr;
-  std::vector<const PeerLog::Belief*> ticks;  // by true_at
+  const config::MotionSource* motion = nullptr;  // what drives it
+  std::vector<const PeerLog::Belief*> ticks;     // by true_at
 
   [[nodiscard]] const PeerLog::Belief* last_not_after(HostTime t) const {
     const auto next = std::ranges::upper_bound(ticks, t, {}, [](const auto* b) { return b->true_at; });
@@ -21,7 +21,7 @@ struct Truth {
     return b->at + (t - b->true_at);
   }
   [[nodiscard]] Pose pose(HostTime t, SimTime start) const {
-    if (formula != nullptr) return formula->pose(to_seconds(session_time(t) - start));
+    if (motion != nullptr) return motion->pose(to_seconds(session_time(t) - start));
     const PeerLog::Belief* before = last_not_after(t);
     const bool last = before == ticks.back();
     if (before != nullptr && last) return advance(before->state, to_seconds(t - before->true_at)).pose();
@@ -58,7 +58,8 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
 
   std::map<ObjectId, Truth> truths;
   std::map<ObjectId, PeerId> owners;
-  std::vector<Motions> formulas;
+  const auto objects = config::resolve(run, scene);
+  if (!objects) return std::unexpected(objects.error());
   std::optional<SimTime> start;
   for (const PeerLog& log : logs) {
     if (!log.start)
@@ -69,18 +70,12 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
       if (b.owner == log.peer) truths[b.object].ticks.push_back(&b);
     }
     const auto settings = std::ranges::find(run.peers, log.name, &config::PeerSettings::name);
-    auto motions = make_motions(*settings, scene, run.duration_s);
-    if (!motions) return std::unexpected(motions.error());
-    for (const std::string& path : settings->enslaves) {
-      const auto object = config::find_object(scene, path, "peer." + log.name + ".enslaves");
-      if (!object) return std::unexpected(object.error());
-      owners[*object] = log.peer;
-      record.objects.push_back({*object, scene.path_of(*object), log.peer});
+    const config::PeerObjects& own = (*objects)[static_cast<std::size_t>(settings - run.peers.begin())];
+    for (const ObjectId object : own.enslaved) {
+      owners[object] = log.peer;
+      record.objects.push_back({object, scene.path_of(object), log.peer});
     }
-    formulas.push_back(std::move(*motions));
-  }
-  for (const Motions& motions : formulas) {
-    for (const auto& [object, motion] : motions) truths[object].formula = &motion;
+    for (const auto& [object, motion] : own.motions) truths[object].motion = &motion;
   }
   std::ranges::sort(record.objects, {}, &report::ObjectInfo::object);
 

@@ -7,7 +7,7 @@
 namespace peerd {
 
 // Puts the peers' logs of one run side by side: every belief against the truth at the same true instant. The truth of a
-// driven object is its formula; that of any other is interpolated between the ticks of the peer that runs it.
+// driven object is its motion; that of any other is interpolated between the ticks of the peer that runs it.
 [[nodiscard]] config::Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedWorld& shared,
                                                          const std::vector<PeerLog>& logs);
 

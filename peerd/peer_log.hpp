@@ -45,7 +45,7 @@ struct PeerLog {
 
   PeerId peer;
   std::string name;
-  std::optional<SimTime> start;  // of the motions by formula
+  std::optional<SimTime> start;  // of the motions
   std::vector<Belief> beliefs;
   std::vector<Update> updates;
   std::vector<Datagram> datagrams;

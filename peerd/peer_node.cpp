@@ -38,22 +38,9 @@ config::Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesy
   return shared;
 }
 
-config::Result<Motions> make_motions(const config::PeerSettings& peer, const Scene& scene, double duration_s) {
-  Motions motions;
-  for (const auto& [path, formula] : peer.motion) {
-    const std::string key = "peer." + peer.name + ".motion." + path;
-    const auto object = config::find_object(scene, path, key);
-    if (!object) return std::unexpected(object.error());
-    auto motion = config::MotionSource::make(formula, key, duration_s);
-    if (!motion) return std::unexpected(motion.error());
-    motions.emplace(*object, std::move(*motion));
-  }
-  return motions;
-}
-
-config::Result<std::unique_ptr<PeerNode>> PeerNode::make(const config::PeerSettings& settings,
-                                                         const config::ReplicationSettings& replication,
-                                                         const SharedWorld& shared, Motions motions, Options options) {
+std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
+                                         const config::ReplicationSettings& replication, const SharedWorld& shared,
+                                         config::PeerObjects objects, Options options) {
   replication::PeerConfig config;
   config.id = PeerId{settings.id};
   config.name = settings.name;
@@ -69,11 +56,7 @@ config::Result<std::unique_ptr<PeerNode>> PeerNode::make(const config::PeerSetti
   if (settings.viewpoint) {
     const config::ViewpointSettings& v = *settings.viewpoint;
     replication::Viewpoint& viewpoint = config.decisions.viewpoint.emplace();
-    if (!v.object.empty()) {
-      const auto object = config::find_object(shared.world.scene, v.object, "peer." + settings.name + ".viewpoint");
-      if (!object) return std::unexpected(object.error());
-      viewpoint.object = *object;
-    }
+    viewpoint.object = objects.viewpoint;
     constexpr double kRadians = std::numbers::pi / 180.0;
     viewpoint.pose = {
         Vec3(v.position[0], v.position[1], v.position[2]),
@@ -81,16 +64,14 @@ config::Result<std::unique_ptr<PeerNode>> PeerNode::make(const config::PeerSetti
     viewpoint.field_of_view = v.field_of_view_deg * kRadians;
     viewpoint.aspect = v.aspect;
   }
-  for (const std::string& path : settings.enslaves) {
-    const auto object = config::find_object(shared.world.scene, path, "peer." + settings.name + ".enslaves");
-    if (!object) return std::unexpected(object.error());
-    config.enslaved.push_back({*object, motions.contains(*object)});
+  for (const ObjectId object : objects.enslaved) {
+    config.enslaved.push_back({object, objects.motions.contains(object)});
   }
   return std::unique_ptr<PeerNode>(
-      new PeerNode(std::move(config), shared, std::move(motions), settings.keys, std::move(options)));
+      new PeerNode(std::move(config), shared, std::move(objects.motions), settings.keys, std::move(options)));
 }
 
-PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, Motions motions,
+PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, config::Motions motions,
                    std::vector<config::ScriptedKey> keys, Options options)
     : shared_(shared),
       motions_(std::move(motions)),
@@ -223,7 +204,7 @@ std::string PeerNode::why_not(HostTime now, const KeyReport::Change& change) con
     return member == peer_.members().all().end() ? "peer " + id + " runs it"
                                                  : "peer " + member->second.name + " (id " + id + ") runs it";
   }
-  if (drives(object)) return "a formula of the configuration moves it";
+  if (drives(object)) return "a motion of the configuration moves it";
   Vec3 velocity = change.velocity_world;
   if (!change.absolute) velocity += peer_.truth(object, peer_.clock().to_session(now)).velocity;
   // Written so that what is no number is refused too.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/key_sensors.hpp"
+#include "peerd/config/resolve.hpp"
 #include "peerd/config/scenario.hpp"
 #include "peerd/key_report.hpp"
 #include "peerd/peer_log.hpp"
@@ -21,28 +22,24 @@ struct SharedWorld {
 [[nodiscard]] config::Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
                                                                              bool inlines_when_needed = false);
 
-// Motions of one peer's driven objects.
-using Motions = std::map<ObjectId, config::MotionSource>;
-[[nodiscard]] config::Result<Motions> make_motions(const config::PeerSettings& peer, const Scene& scene,
-                                                   double duration_s);
-
 // A peer with what moves its objects and what keeps its log: the part of a driver that the real and the simulated world
 // share. Still no clock and no socket.
 class PeerNode {
  public:
   struct Options {
     std::uint64_t boot = 1;
-    std::vector<PeerId> wait_for;  // motions by formula begin when all of these are here; empty: at once
+    std::vector<PeerId> wait_for;  // motions begin when all of these are here; empty: at once
     Duration start_lead{0};        // from then to the first whole second that is at least so far ahead
     Duration clock_offset{0};      // test setting: what this host's clock is ahead of the shared one
     bool keep_log = true;
     std::uint32_t sample_hz = 60;  // how often the log looks at the ghosts, whatever the tick rate
   };
 
-  [[nodiscard]] static config::Result<std::unique_ptr<PeerNode>> make(const config::PeerSettings& settings,
-                                                                      const config::ReplicationSettings& replication,
-                                                                      const SharedWorld& shared, Motions motions,
-                                                                      Options options);
+  // `objects` are those of the settings.
+  [[nodiscard]] static std::unique_ptr<PeerNode> make(const config::PeerSettings& settings,
+                                                      const config::ReplicationSettings& replication,
+                                                      const SharedWorld& shared, config::PeerObjects objects,
+                                                      Options options);
 
   void on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
   void on_tick(HostTime now);
@@ -59,15 +56,15 @@ class PeerNode {
   [[nodiscard]] const replication::Peer& peer() const { return peer_; }
   [[nodiscard]] const Scene& scene() const { return shared_.world.scene; }
   [[nodiscard]] const std::string& name() const { return config_.name; }
-  // Moved by a formula here, so not by keys or collisions.
+  // Driven here, so not by keys or collisions.
   [[nodiscard]] bool drives(ObjectId object) const { return motions_.contains(object); }
-  // When motions by formula begin; none until everybody is here.
+  // When motions begin; none until everybody is here.
   [[nodiscard]] std::optional<SimTime> start() const { return log_.start; }
   // The log with the counters as they stand now.
   [[nodiscard]] const PeerLog& log();
 
  private:
-  PeerNode(replication::PeerConfig config, const SharedWorld& shared, Motions motions,
+  PeerNode(replication::PeerConfig config, const SharedWorld& shared, config::Motions motions,
            std::vector<config::ScriptedKey> keys, Options options);
   KeyReport press(HostTime now, const KeyEvent& key);
   [[nodiscard]] std::string why_not(HostTime now, const KeyReport::Change& change) const;
@@ -80,7 +77,7 @@ class PeerNode {
   void record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state, const Pose& shown);
 
   const SharedWorld& shared_;
-  Motions motions_;
+  config::Motions motions_;
   Options options_;
   replication::PeerConfig config_;
   replication::Peer peer_;

@@ -215,8 +215,8 @@ int run_peer(const PeerOptions& options) {
   const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
-  auto motions = make_motions(**settings, scene, run.duration_s);
-  if (!motions) return failed(motions.error());
+  auto objects = config::resolve(run, scene);
+  if (!objects) return failed(objects.error());
 
   const net::HostClock clock(from_seconds((*settings)->clock_offset_s));
   PeerNode::Options node_options;
@@ -227,8 +227,8 @@ int run_peer(const PeerOptions& options) {
   node_options.clock_offset = from_seconds((*settings)->clock_offset_s);
   node_options.keep_log = !options.record.empty();
   node_options.sample_hz = run.sample_hz;
-  const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(*motions), std::move(node_options));
-  if (!node) return failed(node.error());
+  auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
+  const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), std::move(node_options));
 
   const auto port = static_cast<std::uint16_t>(run.transport.port.value_or(kDefaultPort));
   const auto plan = net::parse_group_plan(run.transport.group, port);
@@ -239,7 +239,7 @@ int run_peer(const PeerOptions& options) {
   if (!socket) return failed({"error: " + socket.error().sentence, exit_code(socket.error().kind)});
 
   if (!options.record.empty()) {  // before the run, not after it, if the file can't be written
-    if (const auto saved = save((*node)->log(), options.record); !saved) return failed(saved.error());
+    if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
 
   Log log((*settings)->name, options.json, options.verbose);
@@ -248,7 +248,7 @@ int run_peer(const PeerOptions& options) {
                   scenario->world.filename().string(), run.transport.group, port, (*socket)->chosen_interface().why));
   for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
 
-  Daemon daemon(io, **node, **socket, clock, log, scene,
+  Daemon daemon(io, *node, **socket, clock, log, scene,
                 options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt);
   std::unique_ptr<api::ControlServer> control;
   if (const ControlPlace place = control_place(options, run.control, (*settings)->name); !place.socket.empty()) {
@@ -273,12 +273,12 @@ int run_peer(const PeerOptions& options) {
     }
   }
   control.reset();
-  const PeerLog& record = (*node)->log();
+  const PeerLog& record = node->log();
   const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
   log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
                                        count("datagrams_out"), count("updates_out"), count("datagrams_in"),
                                        count("updates_in"), count("ticks_missed"), count("ticks")));
-  for (const auto& [reason, dropped] : (*node)->peer().counters().drops) {
+  for (const auto& [reason, dropped] : node->peer().counters().drops) {
     log(spdlog::level::info, fmt::format("dropped {}: {}", dropped, reason));
   }
   for (const auto& [name, n] : (*socket)->counters().named()) {

@@ -1,46 +1,33 @@
 #pragma once
-#include <memory>
-#include <string>
+#include <span>
+#include <variant>
 #include <vector>
 
-#include "core/kinematics.hpp"
-#include "peerd/config/toml_input.hpp"
+#include "peerd/config/motion_path.hpp"
+#include "peerd/config/motion_settings.hpp"
 
 namespace peerd::config {
 
-// Motion by formula in t [s] since the scenario's start (t < 0 before it), in muParser's syntax plus `pi`, floor(x) and
-// mod(x, y) (with the sign of y).
-//
-// It stands for whatever moves an object in earnest (a hand, a vehicle model, a motion capture): it hands out samples,
-// and replication never sees the formula. Velocity and acceleration are right-hand derivatives, so at a corner they are
-// those of what follows.
-struct MotionFormula {
-  std::vector<std::string> define;        // "name = expression", in order; later ones and the rest may use them
-  std::string x = "0", y = "0", z = "0";  // position, world frame [m]
-  std::vector<double> axis{0, 1, 0};      // of the rotation, world frame
-  std::string angle = "0";                // about axis [rad]
-  bool hold_before_start = false;         // stand at the pose of t = 0 until then, instead of being under way
-};
-
-// Reads the table [peer.NAME.motion.OBJECT].
-[[nodiscard]] MotionFormula read_motion_formula(TomlReader& reader);
-
+// What moves one object: formulas or a path. Velocity, acceleration and spin of a sample are right-hand derivatives.
 class MotionSource {
  public:
-  // Errors: a formula that doesn't parse, or isn't finite at the times tried (-2 s to 0 and the duration's ends).
-  [[nodiscard]] static Result<MotionSource> make(const MotionFormula& formula, const std::string& what,
-                                                 double duration_s);
-  MotionSource(MotionSource&&) noexcept;
-  MotionSource& operator=(MotionSource&&) noexcept;
-  ~MotionSource();
+  explicit MotionSource(FormulaMotion formula) : motion_(std::move(formula)) {}
+  // With `hold`, stands at the pose of t = 0 before that.
+  MotionSource(MotionPath path, bool hold) : motion_(std::move(path)), hold_(hold) {}
 
   [[nodiscard]] Pose pose(double t_s) const;
   [[nodiscard]] KinematicState sample(double t_s) const;
 
  private:
-  struct Formulas;
-  explicit MotionSource(std::unique_ptr<Formulas> formulas);
-  std::unique_ptr<Formulas> formulas_;
+  std::variant<FormulaMotion, MotionPath> motion_;
+  bool hold_ = false;
 };
+
+// What moves those that `numbers` names of all that share the motion; `places` are theirs in the world's file. `what`
+// begins its errors.
+[[nodiscard]] Result<std::vector<MotionSource>> make_sources(const MotionSettings& motion, const std::string& what,
+                                                             std::span<const Pose> places,
+                                                             std::span<const std::size_t> numbers,
+                                                             std::uint64_t scenario_seed, double duration_s);
 
 }  // namespace peerd::config

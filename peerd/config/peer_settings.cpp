@@ -180,7 +180,22 @@ ReplicationSettings read_replication(TomlReader reader) {
   return s;
 }
 
-PeerSettings read_peer(TomlReader reader, const std::string& name) {
+std::map<std::string, MotionSettings> read_motions(TomlReader& reader, const std::filesystem::path& folder) {
+  std::map<std::string, MotionSettings> motions;
+  const toml::table* tables = reader.table("motion");
+  if (tables == nullptr) return motions;
+  for (const auto& [object, value] : *tables) {
+    const std::string pattern(object.str()), key = reader.dotted("motion." + pattern);
+    if (!value.is_table()) {
+      reader.fail(&value, key + " must be a table that says how it moves");
+      continue;
+    }
+    motions.emplace(pattern, read_motion(TomlReader(*value.as_table(), key, reader.error()), folder));
+  }
+  return motions;
+}
+
+PeerSettings read_peer(TomlReader reader, const std::string& name, const std::filesystem::path& folder) {
   PeerSettings s;
   s.name = name;
   if (!replication::is_name(name)) {
@@ -190,27 +205,17 @@ PeerSettings read_peer(TomlReader reader, const std::string& name) {
   }
   reader.require("id");
   reader.read("id", s.id, 1, std::numeric_limits<std::uint32_t>::max());
-  reader.read("enslaves", s.enslaves);
+  std::vector<std::string> enslaves;
+  reader.read("enslaves", enslaves);
+  const toml::node* given = reader.raw().get("enslaves");
+  for (std::size_t i = 0; i < enslaves.size(); ++i) {
+    s.enslaves.emplace_back(enslaves[i], reader.place(given->as_array()->get(i)));
+  }
   std::uint32_t tick_hz = 0;
   reader.read("tick_hz", tick_hz, 1, 1000);
   if (tick_hz != 0) s.tick_hz = tick_hz;
   reader.read("clock_offset_s", s.clock_offset_s, -kForever_s, kForever_s);
-  if (const toml::table* motion = reader.table("motion")) {
-    for (const auto& [object, value] : *motion) {
-      const std::string path(object.str());
-      if (!value.is_table()) {
-        reader.fail(&value, reader.dotted("motion." + path) + " must be a table of formulas");
-        continue;
-      }
-      if (std::ranges::find(s.enslaves, path) == s.enslaves.end()) {
-        reader.fail(&value, reader.dotted("motion." + path) + ": the peer moves only what it enslaves; add \"" + path +
-                                "\" to " + reader.dotted("enslaves"));
-        continue;
-      }
-      TomlReader sub(*value.as_table(), reader.dotted("motion." + path), reader.error());
-      s.motion.emplace(path, read_motion_formula(sub));
-    }
-  }
+  s.motion = read_motions(reader, folder);
   if (const toml::table* viewpoint = reader.table("viewpoint")) {
     s.viewpoint = read_viewpoint(TomlReader(*viewpoint, reader.dotted("viewpoint"), reader.error()));
   }

@@ -7,7 +7,8 @@
 
 #include "core/key_codes.hpp"
 #include "core/scene.hpp"
-#include "peerd/config/motion_source.hpp"
+#include "peerd/config/motion_settings.hpp"
+#include "peerd/config/node_pattern.hpp"
 #include "replication/peer.hpp"
 
 namespace peerd::config {
@@ -43,14 +44,19 @@ struct ScriptedKey {
 struct PeerSettings {
   std::string name;
   std::uint32_t id = 0;
-  std::vector<std::string> enslaves;            // paths of nodes of the world
-  std::map<std::string, MotionFormula> motion;  // by path; the others move by their velocityVector
-  std::vector<ScriptedKey> keys;                // by time, then as in the file
+  std::vector<NodePattern> enslaves;
+  std::map<std::string, MotionSettings> motion;  // by path or pattern, before those of the scenario
+  std::vector<ScriptedKey> keys;                 // by time, then as in the file
   std::optional<ViewpointSettings> viewpoint;
   std::optional<std::uint32_t> tick_hz;  // instead of replication.tick_hz
   double clock_offset_s = 0.0;           // test setting: this host's clock is so far ahead
 };
-[[nodiscard]] PeerSettings read_peer(TomlReader reader, const std::string& name);
+// `folder`: what files are relative to.
+[[nodiscard]] PeerSettings read_peer(TomlReader reader, const std::string& name, const std::filesystem::path& folder);
+
+// The tables below `motion`, by path or pattern.
+[[nodiscard]] std::map<std::string, MotionSettings> read_motions(TomlReader& reader,
+                                                                 const std::filesystem::path& folder);
 
 // The table [decisions]; `peers` are those that may be named the server.
 [[nodiscard]] replication::DecisionSettings read_decisions(TomlReader& reader, const std::vector<PeerSettings>& peers);

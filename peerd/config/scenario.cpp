@@ -53,7 +53,7 @@ const toml::table& table_or_empty(TomlReader& reader, std::string_view key) {
   return table != nullptr ? *table : empty;
 }
 
-void read_peers(TomlReader& root, RunSettings& run) {
+void read_peers(TomlReader& root, RunSettings& run, const std::filesystem::path& folder) {
   root.require("peer");
   for (const auto& [name, value] : table_or_empty(root, "peer")) {
     const std::string key = "peer." + std::string(name.str());
@@ -61,15 +61,11 @@ void read_peers(TomlReader& root, RunSettings& run) {
       root.fail(&value, key + " must be a table");
       continue;
     }
-    run.peers.push_back(read_peer(TomlReader(*value.as_table(), key, root.error()), std::string(name.str())));
+    run.peers.push_back(read_peer(TomlReader(*value.as_table(), key, root.error()), std::string(name.str()), folder));
     const PeerSettings& peer = run.peers.back();
     for (const PeerSettings& other : run.peers) {
       if (&other == &peer) break;
       if (other.id == peer.id) root.fail(&value, key + ".id: peer " + other.name + " has that id too");
-      for (const std::string& object : peer.enslaves) {
-        if (std::ranges::find(other.enslaves, object) == other.enslaves.end()) continue;
-        root.fail(&value, key + ".enslaves: peer " + other.name + " enslaves \"" + object + "\" too");
-      }
     }
   }
   std::ranges::sort(run.peers, {}, &PeerSettings::id);
@@ -94,7 +90,8 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   reader.read("seed", run.seed);
   reader.read("sample_hz", run.sample_hz, 1, 1000);
   run.replication = read_replication(TomlReader(table_or_empty(reader, "replication"), "replication", error));
-  read_peers(reader, run);
+  read_peers(reader, run, file.parent_path());
+  run.motion = read_motions(reader, file.parent_path());
   TomlReader decisions(table_or_empty(reader, "decisions"), "decisions", error);
   run.replication.decisions = read_decisions(decisions, run.peers);
   decisions.read("compare", run.compare_outcomes);
@@ -134,7 +131,9 @@ nlohmann::ordered_json to_json(const toml::node& node) {
 // Keys whose one value is a list: setting them does not sweep.
 bool takes_list(std::string_view key) {
   return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
-         key == "replication.models" || key.ends_with(".position");
+         key == "replication.models" || key.ends_with(".position") || key.ends_with(".offset") ||
+         key.ends_with(".spin_axis") || key.ends_with(".waypoints") || key.ends_with(".within_m") ||
+         key.ends_with(".origin_m");
 }
 
 struct SweptKey {

@@ -29,8 +29,9 @@ struct RunSettings {
   std::uint64_t seed = 1;
   std::uint32_t sample_hz = 60;  // how often each observer's error is measured, whatever its tick rate
   ReplicationSettings replication;
-  bool compare_outcomes = false;    // with those of the same run without latency; simulated runs only
-  std::vector<PeerSettings> peers;  // by id
+  bool compare_outcomes = false;                 // with those of the same run without latency; simulated runs only
+  std::vector<PeerSettings> peers;               // by id
+  std::map<std::string, MotionSettings> motion;  // by path or pattern: of whoever runs the object
   LinkSettings network;
   std::map<std::pair<std::string, std::string>, LinkSettings> links;
   TransportSettings transport;

@@ -12,13 +12,16 @@
 namespace peerd::config {
 namespace {
 
-std::string located(const toml::source_region& at, const std::string& sentence) {
+std::string place_of(const toml::source_region& at) {
   std::ostringstream out;
   if (at.path) out << *at.path << ':';
   if (at.begin) out << at.begin.line << ':' << at.begin.column << ':';
   if (out.tellp() > 0) out << ' ';
-  out << "error: " << sentence;
   return out.str();
+}
+
+std::string located(const toml::source_region& at, const std::string& sentence) {
+  return place_of(at) + "error: " + sentence;
 }
 
 std::string shown(double x) {
@@ -40,9 +43,12 @@ std::string TomlReader::dotted(std::string_view key) const {
   return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
 }
 
+std::string TomlReader::place(const toml::node* at) const {
+  return place_of((at != nullptr ? *at : static_cast<const toml::node&>(table_)).source());
+}
+
 void TomlReader::fail(const toml::node* at, const std::string& sentence) {
-  if (!error_)
-    error_ = InputError{located((at != nullptr ? *at : static_cast<const toml::node&>(table_)).source(), sentence)};
+  if (!error_) error_ = InputError{place(at) + "error: " + sentence};
 }
 
 const toml::node* TomlReader::node(std::string_view key) {
@@ -87,6 +93,12 @@ void TomlReader::read(std::string_view key, std::uint64_t& value) {
   value = static_cast<std::uint64_t>(*x);
 }
 
+void TomlReader::read(std::string_view key, std::optional<std::uint64_t>& value) {
+  std::uint64_t given = 0;
+  read(key, given);
+  if (has(key)) value = given;
+}
+
 void TomlReader::read(std::string_view key, bool& value) {
   const toml::node* n = node(key);
   if (n == nullptr) return;
@@ -128,6 +140,34 @@ void TomlReader::read(std::string_view key, std::vector<double>& value, std::siz
     if (!x || !item.is_number() || !std::isfinite(*x)) return fail(&item, wanted);
     value.push_back(*x);
   }
+}
+
+std::vector<std::vector<double>> TomlReader::rows(std::string_view key, std::size_t size) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return {};
+  const std::string wanted = dotted(key) + " must be a list of lists of " + std::to_string(size) + " numbers";
+  const toml::array* list = n->as_array();
+  if (list == nullptr || list->empty()) {
+    fail(n, wanted);
+    return {};
+  }
+  std::vector<std::vector<double>> rows;
+  for (const toml::node& item : *list) {
+    const toml::array* row = item.as_array();
+    if (row == nullptr || row->size() != size) {
+      fail(&item, wanted);
+      return {};
+    }
+    for (std::vector<double>& numbers = rows.emplace_back(); const toml::node& number : *row) {
+      const auto x = number.value<double>();
+      if (!x || !number.is_number() || !std::isfinite(*x)) {
+        fail(&number, wanted);
+        return {};
+      }
+      numbers.push_back(*x);
+    }
+  }
+  return rows;
 }
 
 void TomlReader::read_word(std::string_view key, std::size_t& index, std::initializer_list<std::string_view> words) {

@@ -36,6 +36,9 @@ class TomlReader {
   void read(std::string_view key, std::string& value);
   void read(std::string_view key, std::vector<std::string>& value);
   void read(std::string_view key, std::vector<double>& value, std::size_t size);
+  void read(std::string_view key, std::optional<std::uint64_t>& value);
+  // A list of at least one list of `size` numbers.
+  [[nodiscard]] std::vector<std::vector<double>> rows(std::string_view key, std::size_t size);
   // One of `words`; gives its index.
   void read_word(std::string_view key, std::size_t& index, std::initializer_list<std::string_view> words);
   // A sub-table, or none. Its own reader must finish() it.
@@ -49,6 +52,8 @@ class TomlReader {
   void finish();
 
   void fail(const toml::node* at, const std::string& sentence);
+  // FILE:LINE:COLUMN: and a blank, of a node or (null) of this table; empty where that is unknown, as with --set.
+  [[nodiscard]] std::string place(const toml::node* at) const;
   [[nodiscard]] const toml::table& raw() const { return table_; }
   [[nodiscard]] std::string dotted(std::string_view key) const;
   [[nodiscard]] std::optional<InputError>& error() { return error_; }

@@ -31,20 +31,20 @@ double longest_delay_s(const config::RunSettings& run) {
 }
 
 config::Result<std::vector<SimulatedPeer>> make_peers(const config::RunSettings& run, const SharedWorld& shared) {
+  auto objects = config::resolve(run, shared.world.scene);
+  if (!objects) return std::unexpected(objects.error());
   std::vector<SimulatedPeer> peers;
-  for (const config::PeerSettings& settings : run.peers) {
+  for (std::size_t i = 0; i < run.peers.size(); ++i) {
+    const config::PeerSettings& settings = run.peers[i];
     PeerNode::Options options;
     for (const config::PeerSettings& p : run.peers) options.wait_for.push_back(PeerId{p.id});
     // Everybody must have heard of the start, and of the objects that already move, before it comes.
     options.start_lead = from_seconds(1.0 + 2.0 * longest_delay_s(run));
     options.clock_offset = from_seconds(settings.clock_offset_s);
     options.sample_hz = run.sample_hz;
-    auto motions = make_motions(settings, shared.world.scene, run.duration_s);
-    if (!motions) return std::unexpected(motions.error());
     const Duration offset = options.clock_offset;
-    auto node = PeerNode::make(settings, run.replication, shared, std::move(*motions), std::move(options));
-    if (!node) return std::unexpected(node.error());
-    peers.push_back({std::move(*node), offset});
+    auto node = PeerNode::make(settings, run.replication, shared, std::move((*objects)[i]), std::move(options));
+    peers.push_back({std::move(node), offset});
   }
   return peers;
 }

@@ -48,8 +48,9 @@ class Driver {
     config::PeerSettings settings;
     settings.name = "fuzzed";
     settings.id = 1;
-    settings.enslaves = {"A"};
-    node_ = PeerNode::make(settings, {}, world_, {}, {}).value();
+    config::PeerObjects objects;
+    objects.enslaved = {*world_.world.scene.find("A")};
+    node_ = PeerNode::make(settings, {}, world_, std::move(objects), {});
     while (!node_->start() || node_->peer().clock().to_session(now_) < *node_->start()) pass();
   }
 

@@ -26,7 +26,7 @@ class AssembleTest : public testing::Test {
     run.duration_s = 10;
     run.params = {{"replication.order", 2}};
     config::PeerSettings a, b;
-    a.name = "a", a.id = 1, a.enslaves = {"CAR"}, a.motion["CAR"].x = "t^2";
+    a.name = "a", a.id = 1, a.enslaves = {"CAR"}, std::get<config::MotionFormula>(a.motion["CAR"].kind).x = "t^2";
     b.name = "b", b.id = 2, b.enslaves = {"CUBE"};
     run.peers = {a, b};
     for (const auto& [peer, name] : {std::pair{kA, "a"}, std::pair{kB, "b"}}) {

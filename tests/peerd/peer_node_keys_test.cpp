@@ -48,11 +48,13 @@ class PeerNodeKeys : public testing::Test {
     settings.name = "a";
     settings.id = 1;
     settings.enslaves = {"A", "TURNED", "DRIVEN"};
-    settings.motion["DRIVEN"].x = "t";
+    std::get<config::MotionFormula>(settings.motion["DRIVEN"].kind).x = "t";
   }
   PeerNode& make(std::vector<config::ScriptedKey> keys = {}) {
     settings.keys = std::move(keys);
-    node = *PeerNode::make(settings, {}, *shared, *make_motions(settings, shared->world.scene, 10), {});
+    config::RunSettings settled;
+    settled.peers = {settings};
+    node = PeerNode::make(settings, {}, *shared, std::move(config::resolve(settled, shared->world.scene)->front()), {});
     return *node;
   }
   // Until that time after the start.
@@ -115,7 +117,7 @@ TEST_F(PeerNodeKeys, WhatThisPeerDoesNotMoveIsRefusedWithAReason) {
   const KeyReport a = node->on_key(now, kA);
   ASSERT_EQ(a.changes.size(), 2u);
   EXPECT_EQ(a.changes[0].refused, "");
-  EXPECT_THAT(a.changes[1].refused, HasSubstr("a formula"));
+  EXPECT_THAT(a.changes[1].refused, HasSubstr("a motion"));
   EXPECT_FALSE(a.done());
   const KeyReport d = node->on_key(now, kD);
   EXPECT_THAT(d.changes.at(0).refused, HasSubstr("no peer runs it"));
@@ -216,7 +218,7 @@ TEST_F(PeerNodeKeys, AKeysReplySaysWhatItDid) {
   EXPECT_EQ(reply["changes"][0]["recipient"], "A");
   EXPECT_EQ(reply["changes"][0]["done"], true);
   EXPECT_EQ(reply["changes"][1]["sensor"], "KeySensor 1");
-  EXPECT_THAT(reply["changes"][1]["refused"].get<std::string>(), HasSubstr("a formula"));
+  EXPECT_THAT(reply["changes"][1]["refused"].get<std::string>(), HasSubstr("a motion"));
 }
 
 TEST_F(PeerNodeKeys, RubbishGetsAReasonAndLeavesThePeerAlone) {

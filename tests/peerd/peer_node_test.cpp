@@ -19,12 +19,12 @@ TEST(PeerNode, WhoSleepsThroughTheStartBeginsWhenItWakes) {
   config::PeerSettings settings;
   settings.name = "a";
   settings.id = 1;
-  settings.enslaves = {"A"};
+  config::PeerObjects objects;
+  objects.enslaved = {*(*shared)->world.scene.find("A")};
   PeerNode::Options options;
   options.start_lead = 4s;
-  const auto made = PeerNode::make(settings, {}, **shared, {}, options);
-  ASSERT_TRUE(made.has_value());
-  PeerNode& node = **made;
+  const auto made = PeerNode::make(settings, {}, **shared, std::move(objects), options);
+  PeerNode& node = *made;
   const auto run = [&](HostTime from, HostTime until) {
     for (HostTime now = from; now < until; now += 10ms) {
       node.on_tick(now);

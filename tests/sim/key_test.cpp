@@ -119,7 +119,7 @@ TEST(Keys, ForAnotherPeersCarAreRefusedAndSaySo) {
 TEST(Keys, OfACarThatAFormulaMovesAreRefused) {
   const std::vector<std::string> lines =
       key_lines({"peer.a.motion.RED.x=t", R"(peer.a.key=[{at_s = 1, key = "ArrowUp"}])", "peer.b.key=[]"});
-  EXPECT_THAT(lines, ElementsAre("a: ArrowUp: FASTER does not move RED: a formula of the configuration moves it"));
+  EXPECT_THAT(lines, ElementsAre("a: ArrowUp: FASTER does not move RED: a motion of the configuration moves it"));
 }
 
 TEST(Keys, OfACarThatNobodyRunsAreRefused) {

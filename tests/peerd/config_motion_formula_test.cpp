@@ -1,4 +1,4 @@
-#include "peerd/config/motion_source.hpp"
+#include "peerd/config/motion_formula.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@ namespace {
 using std::numbers::pi;
 using testing::HasSubstr;
 
-MotionSource motion(const MotionFormula& formula) {
-  auto source = MotionSource::make(formula, "m", 15.0);
+FormulaMotion motion(const MotionFormula& formula) {
+  auto source = FormulaMotion::make(formula, "m", 15.0);
   if (!source) throw std::runtime_error(source.error().text);
   return *std::move(source);
 }
@@ -111,7 +111,7 @@ const Formula kFormulas[] = {
 
 class FormulaTest : public testing::TestWithParam<Formula> {
  protected:
-  static void check_at(const MotionSource& source, double t) {
+  static void check_at(const FormulaMotion& source, double t) {
     const Formula& f = GetParam();
     const KinematicState s = source.sample(t);
     EXPECT_NEAR(s.position.y(), f.value(t), 1e-12 * std::max(1.0, std::abs(f.value(t)))) << "t = " << t;
@@ -122,7 +122,7 @@ class FormulaTest : public testing::TestWithParam<Formula> {
   }
 };
 TEST_P(FormulaTest, HasItsRightDerivatives) {
-  const MotionSource source = motion(path("0", GetParam().text));
+  const FormulaMotion source = motion(path("0", GetParam().text));
   for (const double t : GetParam().times) check_at(source, t);
   for (int tick = -60; tick <= 900; ++tick) check_at(source, tick / 60.0);
 }
@@ -152,7 +152,7 @@ double eq47_ddx(double s) {
 // The table above has one corner at a time; here all the corners lie on ticks or shortly after one: |z| = 10 pi at
 // 3.75 s, 20 pi at 7.5 s, 25, 30 and 35 pi at 9.375, 11.25 and 13.125 s.
 TEST(Eq47, HasItsRightDerivativesAtEveryTickOfEveryRate) {
-  const MotionSource car = motion(
+  const FormulaMotion car = motion(
       defining({"s = 40*pi*t/15"}, path("s < 10*pi ? s/6 : s <= 20*pi ? (20*pi - s)/6 : abs(5*sin(s/5))", "0", "-s")));
   for (const int tick_hz : {30, 60, 64, 144, 1000}) {
     for (int tick = -tick_hz; tick < 15 * tick_hz; ++tick) {
@@ -172,14 +172,15 @@ TEST(Eq47, HasItsRightDerivativesAtEveryTickOfEveryRate) {
 // ---- the language ----
 
 TEST(Motion, LaterDefinitionsUseEarlierOnes) {
-  const MotionSource m = motion(defining({"a = 2*t", "b=a + 1", "long_name2   =   b*b"}, path("long_name2", "a", "b")));
+  const FormulaMotion m =
+      motion(defining({"a = 2*t", "b=a + 1", "long_name2   =   b*b"}, path("long_name2", "a", "b")));
   EXPECT_EQ(m.pose(3.0).position, Vec3(49, 6, 7));
   EXPECT_EQ(m.pose(1.0).position, Vec3(9, 2, 3)) << "again, at another time";
   EXPECT_NEAR(m.sample(3.0).velocity.x(), 28.0, 1e-5);
 }
 
 TEST(Motion, SamplesAndPosesAreOne) {
-  const MotionSource m = motion(turning({1, 2, 2}, "t^2", path("sin(t)")));
+  const FormulaMotion m = motion(turning({1, 2, 2}, "t^2", path("sin(t)")));
   for (const double t : {-1.0, 0.0, 0.3, 7.7}) {
     const KinematicState s = m.sample(t);
     EXPECT_EQ(s.position, m.pose(t).position);
@@ -188,28 +189,70 @@ TEST(Motion, SamplesAndPosesAreOne) {
 }
 
 TEST(Motion, TurnsAboutItsAxis) {
-  const MotionSource m = motion(turning({0, 0, 5}, "pi/2*t"));
+  const FormulaMotion m = motion(turning({0, 0, 5}, "pi/2*t"));
   const KinematicState s = m.sample(1.0);
   EXPECT_LT((s.orientation * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-12) << "right-handed, the axis normalised";
   EXPECT_LT((s.angular_velocity_body - Vec3(0, 0, pi / 2)).norm(), 1e-5);
-  const MotionSource tilted = motion(turning({1, 1, 1}, "abs(t - 2)"));
+  const FormulaMotion tilted = motion(turning({1, 1, 1}, "abs(t - 2)"));
   EXPECT_NEAR(tilted.sample(2.0).angular_velocity_body.norm(), 1.0, 1e-5) << "a right derivative too";
   EXPECT_GT(tilted.sample(2.0).angular_velocity_body.x(), 0.0);
   EXPECT_LT(tilted.sample(1.9).angular_velocity_body.x(), 0.0);
 }
 
+TEST(Motion, FormulasKnowTheObjectsNumber) {
+  const auto made = FormulaMotion::make(defining({"twice = 2*n"}, path("twice + t", "n")), "m", 15.0, 3);
+  ASSERT_TRUE(made.has_value()) << made.error().text;
+  EXPECT_EQ(made->pose(1.0).position, Vec3(7, 3, 0));
+  EXPECT_EQ(motion(path("n")).pose(1.0).position.x(), 0.0) << "alone";
+}
+
+MotionFormula orbiting() {
+  MotionFormula f = turning({1, 2, -1}, "0.4*t^2 + t", path("sin(t)", "2", "-t"));
+  f.offset = {3, -1, 2};
+  f.spin_axis = {0, 1, 1};
+  f.spin_angle = "2*sin(t)";
+  return f;
+}
+
+// Every part of a sample against differences of poses; they are right to about h^2.
+TEST(Motion, AnOffsetTurnsAndASpinIsInTheBody) {
+  const FormulaMotion m = motion(orbiting());
+  constexpr double h = 1e-4;
+  for (const double t : {-1.0, 0.0, 0.7, 3.0}) {
+    SCOPED_TRACE(t);
+    const KinematicState s = m.sample(t);
+    const Pose before = m.pose(t - h), now = m.pose(t), after = m.pose(t + h);
+    EXPECT_LT((s.position - now.position).norm(), 1e-12);
+    EXPECT_LT(angle_between(s.orientation, now.orientation), 1e-7);
+    EXPECT_LT((s.velocity - (after.position - before.position) / (2 * h)).norm(), 1e-5);
+    EXPECT_LT((s.acceleration - (after.position - 2.0 * now.position + before.position) / (h * h)).norm(), 1e-3);
+    const Vec3 spin = 2.0 * (before.orientation.conjugate() * after.orientation).vec() / (2 * h);
+    EXPECT_LT((s.angular_velocity_body - spin).norm(), 1e-5);
+  }
+  const Quat turn(Eigen::AngleAxisd(1.4, Vec3(1, 2, -1).normalized()));
+  EXPECT_LT((m.pose(1.0).position - (Vec3(std::sin(1.0), 2, -1) + turn * Vec3(3, -1, 2))).norm(), 1e-12);
+  EXPECT_LT(angle_between(m.pose(0.0).orientation, Quat::Identity()), 1e-12);
+}
+
+TEST(Motion, AnOffsetCountsWhereNothingTurns) {
+  MotionFormula f = path("t");
+  f.offset = {0, 5, 0};
+  EXPECT_EQ(motion(f).pose(2.0).position, Vec3(2, 5, 0));
+  EXPECT_EQ(motion(f).sample(2.0).position, Vec3(2, 5, 0));
+}
+
 // Where a body is in a moment is what its sample says: turning for dt with that spin gives the next sample.
 TEST(Motion, SpinPredictsTheOrientation) {
-  const MotionSource m = motion(turning({3, -1, 2}, "0.7*t"));
+  const FormulaMotion m = motion(turning({3, -1, 2}, "0.7*t"));
   const KinematicState later = advance(m.sample(1.0), 0.25);
   EXPECT_LT(angle_between(later.orientation, m.pose(1.25).orientation), 1e-6);
 }
 
 TEST(Motion, HoldsStillBeforeTheStartOrRuns) {
-  const MotionSource runs = motion(path("t"));
+  const FormulaMotion runs = motion(path("t"));
   EXPECT_EQ(runs.pose(-2.0).position.x(), -2.0);
   EXPECT_NEAR(runs.sample(-2.0).velocity.x(), 1.0, 1e-6);
-  const MotionSource holds = motion(held(turning({0, 1, 0}, "t", path("1 + t"))));
+  const FormulaMotion holds = motion(held(turning({0, 1, 0}, "t", path("1 + t"))));
   const KinematicState before = holds.sample(-0.001);
   EXPECT_EQ(before.position.x(), 1.0);
   EXPECT_EQ(before.velocity.x(), 0.0);
@@ -219,14 +262,14 @@ TEST(Motion, HoldsStillBeforeTheStartOrRuns) {
 }
 
 TEST(Motion, IsMovedWithItsFormulas) {
-  MotionSource first = motion(defining({"a = t"}, path("a")));
-  const MotionSource second = std::move(first);
+  FormulaMotion first = motion(defining({"a = t"}, path("a")));
+  const FormulaMotion second = std::move(first);
   EXPECT_EQ(second.pose(4.0).position.x(), 4.0);
 }
 
 TEST(Motion, WrongFormulasAreNamed) {
   const auto error = [](const MotionFormula& formula) {
-    const auto made = MotionSource::make(formula, "peer.a.motion.CAR", 15.0);
+    const auto made = FormulaMotion::make(formula, "peer.a.motion.CAR", 15.0);
     if (made) return std::string("accepted");
     EXPECT_EQ(made.error().exit_code, 2);
     return made.error().text;

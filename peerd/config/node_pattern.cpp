@@ -1,0 +1,51 @@
+#include "peerd/config/node_pattern.hpp"
+
+#include "peerd/config/peer_settings.hpp"
+
+namespace peerd::config {
+
+bool matches(std::string_view pattern, std::string_view text) {
+  std::size_t p = 0, t = 0;
+  std::size_t star = std::string_view::npos, taken = 0;  // the last `*`, and where the text begins behind what it took
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      taken = t;
+    } else if (p < pattern.size() && (pattern[p] == text[t] || (pattern[p] == '?' && text[t] != '/'))) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos && text[taken] != '/') {
+      p = star + 1;
+      t = ++taken;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+Result<std::vector<ObjectId>> find_objects(const Scene& scene, const NodePattern& pattern,
+                                           const std::string& asked_by) {
+  // A name may hold such characters itself.
+  if (pattern.is_path() || scene.find(pattern.text)) {
+    const auto object = find_object(scene, pattern.text, asked_by);
+    if (!object) return std::unexpected(InputError{pattern.at + object.error().text});
+    return std::vector{*object};
+  }
+  const bool by_name = pattern.text.find('/') == std::string::npos;
+  std::vector<ObjectId> found;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    // The names inside of PROTOs and Inlines are nobody's business unless their paths are written out.
+    const bool named = by_name && !instance.def.empty() && !instance.name_shadowed && !instance.inner_name;
+    if (matches(pattern.text, named ? std::string(instance.def) : scene.path_of(ObjectId{i}))) {
+      found.push_back(ObjectId{i});
+    }
+  }
+  if (!found.empty()) return found;
+  return std::unexpected(InputError{pattern.at + "error: " + asked_by + ": no object of the world is called like \"" +
+                                    pattern.text + "\""});
+}
+
+}  // namespace peerd::config

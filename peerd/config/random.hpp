@@ -1,0 +1,43 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+namespace peerd::config {
+
+// SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014): the same numbers from
+// every library, as std::'s distributions don't promise.
+class Random {
+ public:
+  // Object `n` of those that share a seed draws from a sequence of its own.
+  Random(std::uint64_t seed, std::uint64_t n) : state_(seed) { state_ = bits() ^ (n * 0xD1B54A32D192ED03u); }
+
+  std::uint64_t bits() {
+    std::uint64_t z = state_ += 0x9E3779B97F4A7C15u;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return z ^ (z >> 31);
+  }
+  // In [0, 1).
+  double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+  double uniform(double from, double to) { return from + (to - from) * uniform(); }
+  // Of mean 0 and variance 1: twelve uniform ones, so never beyond 6, and without a libm.
+  double normal() {
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += uniform();
+    return sum;
+  }
+  // One of 0 .. count - 1.
+  std::uint64_t below(std::uint64_t count) { return bits() % count; }
+
+ private:
+  std::uint64_t state_;
+};
+
+// One step of an Ornstein-Uhlenbeck process of mean 0 (exact in distribution): `sd` in the long run, forgotten over
+// `memory_s`.
+inline double wander(double value, double sd, double memory_s, double step_s, Random& random) {
+  const double kept = std::exp(-step_s / memory_s);
+  return kept * value + sd * std::sqrt(1.0 - kept * kept) * random.normal();
+}
+
+}  // namespace peerd::config

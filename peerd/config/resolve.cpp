@@ -1,0 +1,114 @@
+#include "peerd/config/resolve.hpp"
+
+#include <algorithm>
+
+namespace peerd::config {
+namespace {
+
+// Who runs what, then who drives what: of each object the first motion that claims it, the peers' own before the rest.
+class Resolver {
+ public:
+  Resolver(const RunSettings& run, const Scene& scene) : run_(run), scene_(scene), peers_(run.peers.size()) {}
+
+  Result<std::vector<PeerObjects>> all() {
+    for (std::size_t p = 0; p < peers_.size(); ++p) enslave(p);
+    for (std::size_t p = 0; p < peers_.size(); ++p) {
+      const PeerSettings& peer = run_.peers[p];
+      std::map<ObjectId, std::string> claimed;
+      for (const auto& [pattern, motion] : peer.motion) {
+        move(motion, pattern, "peer." + peer.name + ".motion." + pattern, claimed, p);
+      }
+    }
+    std::map<ObjectId, std::string> claimed;
+    for (const auto& [pattern, motion] : run_.motion) move(motion, pattern, "motion." + pattern, claimed, std::nullopt);
+    for (std::size_t p = 0; p < peers_.size(); ++p) look(p);
+    if (error_) return std::unexpected(*error_);
+    return std::move(peers_);
+  }
+
+ private:
+  // The first error counts, and nothing after it.
+  std::vector<ObjectId> find(const NodePattern& pattern, const std::string& key) {
+    if (error_) return {};
+    auto found = find_objects(scene_, pattern, key);
+    if (found) return *std::move(found);
+    error_ = found.error();
+    return {};
+  }
+  void fail(const std::string& at, const std::string& sentence) {
+    if (!error_) error_ = InputError{at + "error: " + sentence};
+  }
+
+  void enslave(std::size_t p) {
+    const std::string key = "peer." + run_.peers[p].name + ".enslaves";
+    for (const NodePattern& pattern : run_.peers[p].enslaves) {
+      for (const ObjectId object : find(pattern, key)) {
+        const auto [at, added] = runs_.try_emplace(object, p);
+        if (added) peers_[p].enslaved.push_back(object);
+        if (at->second == p) continue;
+        fail(pattern.at,
+             key + ": peer " + run_.peers[at->second].name + " enslaves \"" + scene_.path_of(object) + "\" too");
+      }
+    }
+  }
+
+  // `only`: a peer's own motion, for what that peer runs.
+  void move(const MotionSettings& motion, const std::string& pattern, const std::string& key,
+            std::map<ObjectId, std::string>& claimed, std::optional<std::size_t> only) {
+    const NodePattern asked(pattern, motion.at);
+    const std::vector<ObjectId> objects = find(asked, key);
+    std::vector<std::size_t> numbers;
+    bool runs_any = false;
+    for (std::size_t n = 0; n < objects.size(); ++n) {
+      const auto runner = runs_.find(objects[n]);
+      const bool here = runner != runs_.end() && (!only || runner->second == *only);
+      runs_any = runs_any || here;
+      if (only && !here) continue;
+      const auto [other, added] = claimed.try_emplace(objects[n], key);
+      if (!added)
+        fail(motion.at, key + ": \"" + scene_.path_of(objects[n]) + "\" is moved by " + other->second + " too");
+      if (here && !peers_[runner->second].motions.contains(objects[n])) numbers.push_back(n);
+    }
+    if (only && !runs_any) {
+      fail(motion.at, key + ": the peer moves only what it enslaves; add \"" + pattern + "\" to peer." +
+                          run_.peers[*only].name + ".enslaves");
+    }
+    if (error_ || numbers.empty()) return;
+    std::vector<Pose> places;
+    for (const ObjectId object : objects) places.push_back(scene_.rigid_pose(object));
+    auto sources = make_sources(motion, motion.at + "error: " + key, places, numbers, run_.seed, run_.duration_s);
+    if (!sources) {
+      error_ = sources.error();
+      return;
+    }
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const ObjectId object = objects[numbers[i]];
+      peers_[runs_.at(object)].motions.emplace(object, std::move((*sources)[i]));
+    }
+  }
+
+  void look(std::size_t p) {
+    const auto& viewpoint = run_.peers[p].viewpoint;
+    if (error_ || !viewpoint || viewpoint->object.empty()) return;
+    const auto object = find_object(scene_, viewpoint->object, "peer." + run_.peers[p].name + ".viewpoint");
+    if (object) {
+      peers_[p].viewpoint = *object;
+    } else {
+      error_ = object.error();
+    }
+  }
+
+  const RunSettings& run_;
+  const Scene& scene_;
+  std::vector<PeerObjects> peers_;
+  std::map<ObjectId, std::size_t> runs_;  // by which peer
+  std::optional<InputError> error_;
+};
+
+}  // namespace
+
+Result<std::vector<PeerObjects>> resolve(const RunSettings& run, const Scene& scene) {
+  return Resolver(run, scene).all();
+}
+
+}  // namespace peerd::config

@@ -1,0 +1,25 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "core/scene.hpp"
+#include "peerd/config/motion_source.hpp"
+#include "peerd/config/scenario.hpp"
+
+namespace peerd::config {
+
+// What drives objects. Those that it does not hold move by their velocityVector.
+using Motions = std::map<ObjectId, MotionSource>;
+
+// A peer's paths and patterns as nodes of the scene.
+struct PeerObjects {
+  std::vector<ObjectId> enslaved;  // in the order of the settings, none twice
+  Motions motions;                 // of enslaved ones
+  std::optional<ObjectId> viewpoint;
+};
+
+// Who runs and drives what: the one place where settings meet the scene. For each of run.peers, in their order.
+[[nodiscard]] Result<std::vector<PeerObjects>> resolve(const RunSettings& run, const Scene& scene);
+
+}  // namespace peerd::config

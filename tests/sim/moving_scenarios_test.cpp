@@ -1,0 +1,72 @@
+// configs/scenarios of many things that move: crowd, traffic, flock and orbit, in short.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/sim/run_scenario.hpp"
+
+namespace peerd::sim {
+namespace {
+
+using testing_support::Ran;
+using testing_support::run_scenario;
+
+const std::string kScenarios = PEERD_SOURCE_DIR "/configs/scenarios/";
+const std::vector<std::filesystem::path> kBest{PEERD_SOURCE_DIR "/configs/best.toml"};
+
+Ran run_short(const std::string& name, std::vector<std::string> sets) {
+  sets.insert(sets.end(), {"duration_s=8", "network.latency_ms=200", "network.loss=0.05"});
+  auto runs = run_scenario(kScenarios + name + ".toml", sets, kBest);
+  EXPECT_EQ(runs.size(), 1u);
+  return std::move(runs.front());
+}
+
+class Traffic : public testing::TestWithParam<const char*> {};  // policies
+TEST_P(Traffic, OneOutcomeEverywhere) {
+  const Ran ran = run_short("traffic", {std::string("decisions.policy=") + GetParam()});
+  const auto& collisions = ran.summary["collisions"];
+  EXPECT_GE(collisions["decided"], 5);
+  EXPECT_EQ(collisions["agreed"], 2 * collisions["decided"].get<int>());
+  EXPECT_EQ(collisions["disagreed"], 0);
+  EXPECT_EQ(collisions["missed"], 0);
+}
+INSTANTIATE_TEST_SUITE_P(Policies, Traffic,
+                         testing::Values("id", "velocity", "field-of-view", "expected-error", "server"),
+                         [](const auto& c) {
+                           std::string name = c.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+struct Mover {
+  const char* name;
+  std::size_t objects, observers;  // of each object
+  double way_m;                    // every object comes at least so far in 8 s ..
+  double mean_error_m;             // .. and is nowhere off by more than this on average, 200 ms away
+};
+class Movers : public testing::TestWithParam<Mover> {};
+TEST_P(Movers, AreFollowed) {
+  const Ran ran = run_short(GetParam().name, {});
+  std::set<std::string> paths;
+  for (const auto& o : ran.summary["objects"]) {
+    paths.insert(o["path"].get<std::string>());
+    EXPECT_LT(o["ghost_error_m"]["mean"].get<double>(), GetParam().mean_error_m) << o["path"];
+  }
+  EXPECT_EQ(paths.size(), GetParam().objects);
+  EXPECT_EQ(ran.summary["objects"].size(), GetParam().objects * GetParam().observers);
+  std::map<ObjectId, std::pair<Vec3, double>> ways;  // where it was, how far it has come
+  for (const auto& b : ran.record.beliefs) {
+    if (b.observer != PeerId{1} && b.observer != PeerId{2}) continue;
+    const auto [way, first] = ways.try_emplace(b.object, b.truth.position, 0.0);
+    if (!first) way->second.second += (b.truth.position - way->second.first).norm();
+    way->second.first = b.truth.position;
+  }
+  for (const auto& [object, way] : ways) EXPECT_GT(way.second, GetParam().way_m) << object.value;
+}
+INSTANTIATE_TEST_SUITE_P(Table, Movers,
+                         testing::Values(Mover{"crowd", 100, 2, 0.0, 0.1}, Mover{"flock", 64, 3, 70.0, 0.2},
+                                         Mover{"orbit", 12, 2, 50.0, 0.05}),
+                         [](const auto& c) { return std::string(c.param.name); });
+
+}  // namespace
+}  // namespace peerd::sim
