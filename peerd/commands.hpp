@@ -48,7 +48,8 @@ struct CtlOptions {
   bool json = false;    // print the reply as it came
 };
 
-// peerd ctl: asks or tells a peer that runs on this computer. 1 when a key did not do all that it should.
+// peerd ctl: asks or tells a peer that runs on this computer. 1 when a key did not do all that it should, or a pose is
+// not used.
 [[nodiscard]] int run_ctl(const CtlOptions& options);
 
 }  // namespace peerd

@@ -17,11 +17,16 @@ std::string vector(const json& v) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>());
 }
 
+std::string motion_of(const json& object) {
+  if (object.value("outside", false)) return " by a program outside";
+  return object.at("driven").get<bool>() ? " by a formula" : "";
+}
+
 void print_objects(const json& reply) {
   for (const json& o : reply.at("objects")) {
     std::cout << fmt::format("{}, run by peer {}{}: at {} m, velocity {} m/s\n", o.at("path").get<std::string>(),
-                             o.at("owner").get<std::uint64_t>(), o.at("driven").get<bool>() ? " by a formula" : "",
-                             vector(o.at("position_m")), vector(o.at("velocity_m_s")));
+                             o.at("owner").get<std::uint64_t>(), motion_of(o), vector(o.at("position_m")),
+                             vector(o.at("velocity_m_s")));
   }
   if (!reply.at("next").is_null()) std::cout << "and more: see peerd ctl objects\n";
 }
@@ -74,6 +79,13 @@ void print_status(const json& reply) {
   }
 }
 
+void print_pose(const json& reply) {
+  for (const json& refused : reply.at("refused")) {
+    std::cout << fmt::format("the pose of {} is not used: {}\n", refused.at("object").get<std::string>(),
+                             refused.at("why").get<std::string>());
+  }
+}
+
 void print_key(const json& reply) {
   const std::string key = reply.at("key").get<std::string>();
   if (reply.contains("refused"))
@@ -112,6 +124,8 @@ int run_ctl(const CtlOptions& options) {
     print_status(reply);
   } else if (reply.contains("key")) {
     print_key(reply);
+  } else if (reply.contains("taken")) {
+    print_pose(reply);
   } else if (reply.contains("objects")) {
     print_objects(reply);
   }

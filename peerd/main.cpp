@@ -71,11 +71,17 @@ struct KeyFlags {
   std::int32_t state = 0;
 };
 
-struct CtlCommands {
-  CLI::App *status, *objects, *key, *leave;
+// The pose of `peerd ctl pose`.
+struct PoseFlags {
+  std::string object;
+  std::vector<double> position_m, orientation_xyzw;
 };
 
-CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key) {
+struct CtlCommands {
+  CLI::App *status, *objects, *key, *pose, *leave;
+};
+
+CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, PoseFlags& pose) {
   ctl.require_subcommand(1);
   auto* control = ctl.add_option("--control", options.socket, "the peer's control socket");
   ctl.add_option("--name", options.name, "the peer's name (default: the only one that this user runs)")
@@ -93,14 +99,28 @@ CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key) 
   commands.key->add_flag("--keypad", key.keypad, "on the numeric keypad");
   commands.key->add_option("--value", key.value, "instead of a name: the Qt::Key");
   commands.key->add_option("--state", key.state, "with --value: the Qt::ButtonState");
+  commands.pose =
+      ctl.add_subcommand("pose", "puts an object somewhere that a program outside moves: where it stands then");
+  commands.pose->add_option("object", pose.object, "its path, as in the configuration")->required();
+  commands.pose->add_option("position", pose.position_m, "x y z in the world [m]")->required()->expected(3);
+  commands.pose->add_option("--orientation", pose.orientation_xyzw, "a quaternion, x y z w (default: as before)")
+      ->expected(4);
   commands.leave = ctl.add_subcommand("leave", "leaves the session and ends");
-  for (CLI::App* command : {commands.status, commands.objects, commands.key, commands.leave}) command->fallthrough();
+  for (CLI::App* command : {commands.status, commands.objects, commands.key, commands.pose, commands.leave})
+    command->fallthrough();
   return commands;
 }
 
-config::Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key) {
+std::string pose_request(const PoseFlags& pose) {
+  nlohmann::json request{{"do", "pose"}, {"object", pose.object}, {"position_m", pose.position_m}, {"jump", true}};
+  if (!pose.orientation_xyzw.empty()) request["orientation_xyzw"] = pose.orientation_xyzw;
+  return request.dump();
+}
+
+config::Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key, const PoseFlags& pose) {
   if (*commands.status) return R"({"do":"status"})";
   if (*commands.objects) return R"({"do":"objects"})";
+  if (*commands.pose) return pose_request(pose);
   if (*commands.leave) return R"({"do":"leave"})";
   if (key.name.empty() == !key.value) {
     return std::unexpected(config::InputError{"error: which key? Say its name, such as ArrowUp, or --value NUMBER"});
@@ -206,8 +226,9 @@ int run(int argc, char** argv) {
 
   CtlOptions ctl;
   KeyFlags key;
+  PoseFlags pose;
   CLI::App* ctl_command = app.add_subcommand("ctl", "asks or tells a peer that runs on this computer");
-  const CtlCommands ctl_commands = add_ctl_commands(*ctl_command, ctl, key);
+  const CtlCommands ctl_commands = add_ctl_commands(*ctl_command, ctl, key, pose);
 
   try {
     app.parse(argc, argv);
@@ -215,7 +236,7 @@ int run(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : kWrongUse;
   }
   if (*ctl_command) {
-    const auto request = ctl_request(ctl_commands, key);
+    const auto request = ctl_request(ctl_commands, key, pose);
     if (!request) return failed(request.error());
     ctl.request = *request;
     return run_ctl(ctl);

@@ -65,16 +65,20 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
     viewpoint.aspect = v.aspect;
   }
   for (const ObjectId object : objects.enslaved) {
-    config.enslaved.push_back({object, objects.motions.contains(object)});
+    const bool outside =
+        std::ranges::any_of(objects.outside, [&](const auto& named) { return named.second == object; });
+    config.enslaved.push_back({object, outside || objects.motions.contains(object)});
   }
-  return std::unique_ptr<PeerNode>(
-      new PeerNode(std::move(config), shared, std::move(objects.motions), settings.keys, std::move(options)));
+  feed::PoseFeeds feeds({std::move(objects.outside), from_seconds(settings.feed.stale_s)}, shared.world.scene);
+  return std::unique_ptr<PeerNode>(new PeerNode(std::move(config), shared, std::move(objects.motions), std::move(feeds),
+                                                settings.keys, std::move(options)));
 }
 
 PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, config::Motions motions,
-                   std::vector<config::ScriptedKey> keys, Options options)
+                   feed::PoseFeeds feeds, std::vector<config::ScriptedKey> keys, Options options)
     : shared_(shared),
       motions_(std::move(motions)),
+      feeds_(std::move(feeds)),
       options_(std::move(options)),
       config_(std::move(config)),
       peer_(config_, *shared.model),
@@ -124,6 +128,9 @@ void PeerNode::on_tick(HostTime now) {
       // Until it is known when the motion begins, the object stands where the world's file put it.
       samples.push_back({object, log_.start ? motion.sample(to_seconds(*due - *log_.start))
                                             : at_rest(shared_.world.scene.rigid_pose(object))});
+    }
+    for (const ObjectId object : feeds_.objects()) {
+      samples.push_back({object, feeds_.sample(object, peer_.clock().to_host(*due))});
     }
   }
   peer_.on_tick(now, samples);
@@ -204,6 +211,7 @@ std::string PeerNode::why_not(HostTime now, const KeyReport::Change& change) con
     return member == peer_.members().all().end() ? "peer " + id + " runs it"
                                                  : "peer " + member->second.name + " (id " + id + ") runs it";
   }
+  if (feeds(object)) return "a program outside moves it";
   if (drives(object)) return "a motion of the configuration moves it";
   Vec3 velocity = change.velocity_world;
   if (!change.absolute) velocity += peer_.truth(object, peer_.clock().to_session(now)).velocity;
@@ -319,6 +327,7 @@ const PeerLog& PeerNode::log() {
     n["key_changes"] = key_changes_;
     n["key_changes_refused"] = key_changes_refused_;
   }
+  feeds_.count(n);
   if (peer_.time_sensors_limited_at()) n["time_sensors_stopped"] = 1;
   for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;
   return log_;

@@ -8,6 +8,7 @@
 #include "core/key_sensors.hpp"
 #include "peerd/config/resolve.hpp"
 #include "peerd/config/scenario.hpp"
+#include "peerd/feed/pose_feeds.hpp"
 #include "peerd/key_report.hpp"
 #include "peerd/peer_log.hpp"
 #include "replication/peer.hpp"
@@ -46,25 +47,35 @@ class PeerNode {
   // A key goes down at this peer: its KeySensors change the velocity of objects that it runs. A release means nothing,
   // and each repeat of a key that is held down counts if the caller passes it on, as in the seed's toolkit.
   KeyReport on_key(HostTime now, const KeyEvent& key);
+  // A program outside says where objects are that it moves; each takes up with the next tick. host_minus_wall: what
+  // this host's time is ahead of Unix time.
+  feed::Outcome on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses) {
+    return feeds_.push(now, host_minus_wall, poses);
+  }
+  void refuse_poses(const std::string& why) { feeds_.refuse_message(why); }
   void leave(HostTime now) { peer_.leave(now); }
   // The next output, already in the log.
   [[nodiscard]] std::optional<replication::Output> poll_output();
   // What became of the next key, whether it came by on_key() or from the settings: for a log.
   [[nodiscard]] std::optional<KeyReport> poll_key_report();
+  // What is new of the programs that move objects: for a log.
+  [[nodiscard]] std::optional<feed::Notice> poll_feed_notice() { return feeds_.poll_notice(); }
   [[nodiscard]] HostTime next_deadline() const;
 
   [[nodiscard]] const replication::Peer& peer() const { return peer_; }
   [[nodiscard]] const Scene& scene() const { return shared_.world.scene; }
   [[nodiscard]] const std::string& name() const { return config_.name; }
   // Driven here, so not by keys or collisions.
-  [[nodiscard]] bool drives(ObjectId object) const { return motions_.contains(object); }
+  [[nodiscard]] bool drives(ObjectId object) const { return motions_.contains(object) || feeds(object); }
+  // Moved by a program outside.
+  [[nodiscard]] bool feeds(ObjectId object) const { return feeds_.feeds(object); }
   // When motions begin; none until everybody is here.
   [[nodiscard]] std::optional<SimTime> start() const { return log_.start; }
   // The log with the counters as they stand now.
   [[nodiscard]] const PeerLog& log();
 
  private:
-  PeerNode(replication::PeerConfig config, const SharedWorld& shared, config::Motions motions,
+  PeerNode(replication::PeerConfig config, const SharedWorld& shared, config::Motions motions, feed::PoseFeeds feeds,
            std::vector<config::ScriptedKey> keys, Options options);
   KeyReport press(HostTime now, const KeyEvent& key);
   [[nodiscard]] std::string why_not(HostTime now, const KeyReport::Change& change) const;
@@ -78,6 +89,7 @@ class PeerNode {
 
   const SharedWorld& shared_;
   config::Motions motions_;
+  feed::PoseFeeds feeds_;
   Options options_;
   replication::PeerConfig config_;
   replication::Peer peer_;

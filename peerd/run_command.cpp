@@ -17,6 +17,7 @@
 #include "peerd/api/control_server.hpp"
 #include "peerd/commands.hpp"
 #include "peerd/describe.hpp"
+#include "peerd/feed/udp_port.hpp"
 #include "peerd/net/host_clock.hpp"
 #include "peerd/net/multicast_socket.hpp"
 #include "peerd/peer_node.hpp"
@@ -70,7 +71,7 @@ class Daemon {
   // One line of the control protocol; the reply to "leave" is out before the peer is gone.
   std::string on_control(std::string_view line) {
     if (over_) return api::refusal("this peer is leaving");
-    api::Answer answer = api::answer(node_, clock_.now(), line);
+    api::Answer answer = api::answer(node_, clock_.now(), line, clock_.minus_wall());
     drain();
     if (answer.leave) {
       asio::post(io_, [this] {
@@ -80,6 +81,13 @@ class Daemon {
       });
     }
     return std::move(answer.line);
+  }
+
+  // One datagram of a program that moves objects.
+  void on_poses(std::string_view datagram) {
+    if (over_) return;
+    api::take_datagram(node_, clock_.now(), datagram, clock_.minus_wall());
+    drain();
   }
 
   // Until a signal comes or the scenario is over. The exit code.
@@ -141,6 +149,10 @@ class Daemon {
     }
     while (const auto key = node_.poll_key_report()) {
       for (const LogLine& line : describe(*key, scene_)) log_(line.level, line.text);
+    }
+    while (const auto notice = node_.poll_feed_notice()) {
+      const LogLine line = feed::describe(*notice);
+      log_(line.level, line.text);
     }
   }
 
@@ -262,6 +274,19 @@ int run_peer(const PeerOptions& options) {
       log(spdlog::level::warn, "runs without peerd ctl: " + opened.error().text);
     }
   }
+  std::unique_ptr<feed::UdpPort> poses;
+  if (const std::string& address = (*settings)->feed.udp; !address.empty()) {
+    auto opened = feed::UdpPort::open(io, address, "peer." + (*settings)->name + ".feed.udp",
+                                      [&](std::string_view datagram) { daemon.on_poses(datagram); });
+    if (!opened) return failed(opened.error());
+    poses = std::move(*opened);
+    const auto endpoint = poses->endpoint();
+    log(spdlog::level::info,
+        fmt::format("takes poses by UDP at {} port {}", endpoint.address().to_string(), endpoint.port()));
+    if (!endpoint.address().is_loopback()) {
+      log(spdlog::level::warn, "whoever reaches that port, from other computers too, moves this peer's objects");
+    }
+  }
   const int code = daemon.run();
   if (control) {
     const api::ControlServer::Counters& c = control->counters();
@@ -272,12 +297,22 @@ int run_peer(const PeerOptions& options) {
                       c.refused, c.clients, c.too_long, c.too_slow));
     }
   }
+  if (poses && poses->counters().lost + poses->counters().errors > 0) {
+    log(spdlog::level::warn,
+        fmt::format("poses: {} of {} datagrams were lost for want of room, {} reads failed", poses->counters().lost,
+                    poses->counters().datagrams + poses->counters().lost, poses->counters().errors));
+  }
   control.reset();
   const PeerLog& record = node->log();
   const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
   log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
                                        count("datagrams_out"), count("updates_out"), count("datagrams_in"),
                                        count("updates_in"), count("ticks_missed"), count("ticks")));
+  if (record.counters.contains("poses_taken")) {
+    log(spdlog::level::info,
+        fmt::format("took {} poses, refused {} and {} messages; {} silences", count("poses_taken"),
+                    count("poses_refused"), count("pose_messages_refused"), count("feeds_silent")));
+  }
   for (const auto& [reason, dropped] : node->peer().counters().drops) {
     log(spdlog::level::info, fmt::format("dropped {}: {}", dropped, reason));
   }

@@ -28,6 +28,7 @@ ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId
           {"owner", owner.value},
           {"own", own},
           {"driven", own && node.drives(object)},
+          {"outside", own && node.feeds(object)},
           {"position_m", numbers(s.position)},
           {"orientation_xyzw", {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()}},
           {"velocity_m_s", numbers(s.velocity)},
@@ -97,13 +98,24 @@ ordered_json key_reply(const KeyReport& report, const Scene& scene) {
   return reply;
 }
 
+ordered_json pose_reply(const feed::Outcome& outcome) {
+  ordered_json reply = good();
+  reply["done"] = outcome.refused.empty();
+  reply["taken"] = outcome.taken;
+  reply["refused"] = ordered_json::array();
+  for (const auto& [object, why] : outcome.refused) {
+    reply["refused"].push_back({{"object", object}, {"why", feed::sentence(why)}});
+  }
+  return reply;
+}
+
 }  // namespace
 
 std::string refusal(const std::string& sentence) {
   return line_of({{"v", kVersion}, {"ok", false}, {"error", sentence}});
 }
 
-Answer answer(PeerNode& node, HostTime now, std::string_view line) {
+Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall) {
   const auto request = parse_request(line);
   if (!request) return {refusal(request.error())};
   if (const auto* key = std::get_if<KeyRequest>(&*request)) {
@@ -114,8 +126,20 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line) {
     add_objects(reply, node, now, *objects, /*own=*/false);
     return {line_of(reply)};
   }
+  if (const auto* poses = std::get_if<PoseRequest>(&*request)) {
+    const feed::Outcome outcome = node.on_poses(now, host_minus_wall, poses->poses);
+    return {poses->reply ? line_of(pose_reply(outcome)) : ""};
+  }
   if (std::holds_alternative<LeaveRequest>(*request)) return {line_of(good()), /*leave=*/true};
   return {line_of(status(node, now))};
+}
+
+void take_datagram(PeerNode& node, HostTime now, std::string_view datagram, Duration host_minus_wall) {
+  const auto request = parse_request(datagram);
+  if (!request) return node.refuse_poses(request.error());
+  const auto* poses = std::get_if<PoseRequest>(&*request);
+  if (poses == nullptr) return node.refuse_poses("by UDP \"do\" must be \"pose\"");
+  (void)node.on_poses(now, host_minus_wall, poses->poses);
 }
 
 }  // namespace peerd::api

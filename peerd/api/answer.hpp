@@ -7,12 +7,17 @@
 namespace peerd::api {
 
 struct Answer {
-  std::string line;    // JSON, without its end
+  std::string line;    // JSON, without its end; empty: no reply is wanted
   bool leave = false;  // the peer was told to leave
 };
 
-// Does what one line asks of the peer. The node's outputs are to be drained after it.
-[[nodiscard]] Answer answer(PeerNode& node, HostTime now, std::string_view request);
+// Does what one line asks of the peer. The node's outputs are to be drained after it. host_minus_wall: what this host's
+// time is ahead of Unix time, for poses that tell theirs.
+[[nodiscard]] Answer answer(PeerNode& node, HostTime now, std::string_view request,
+                            Duration host_minus_wall = Duration{0});
+
+// A datagram to the port for poses: the same request, of poses only, and no reply. What is wrong is counted.
+void take_datagram(PeerNode& node, HostTime now, std::string_view datagram, Duration host_minus_wall);
 
 // A reply that says why nothing was done.
 [[nodiscard]] std::string refusal(const std::string& sentence);

@@ -193,7 +193,9 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     const std::string line = client->in.substr(0, size_bytes - 1);
     client->in.erase(0, size_bytes);
     std::string answer = answer_(line);
-    if (clients_.contains(client)) reply(client, std::move(answer));
+    if (!clients_.contains(client)) return;
+    if (answer.empty()) return read(client);
+    reply(client, std::move(answer));
   }
 
   // As much as fits leaves at once, so that the reply to "leave" is out before the peer is gone; the rest has a time

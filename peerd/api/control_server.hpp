@@ -22,7 +22,7 @@ class ControlServer {
   static constexpr std::size_t kClientsMax = 16;
   static constexpr std::chrono::seconds kReplyWithin{2};  // a client must take its reply in
 
-  // One request without its end to one reply without its end. Must not destroy the server.
+  // One request without its end to one reply without its end, empty for none. Must not destroy the server.
   using Answer = std::function<std::string(std::string_view line)>;
 
   // Listens at `path` from now on. A socket that nobody listens on any more is replaced; anything else that stands

@@ -5,14 +5,16 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "core/key_codes.hpp"
+#include "peerd/feed/pose_feeds.hpp"
 
 namespace peerd::api {
 
 // One line of the control protocol; README.md in this folder specifies it.
 inline constexpr int kVersion = 1;
-inline constexpr std::size_t kLineMax_bytes = 4096;  // of a request, its end included
+inline constexpr std::size_t kLineMax_bytes = 65'536;  // of a request, its end included: no UDP datagram is longer
 inline constexpr std::uint32_t kObjectsMax =
     256;  // in one reply: nobody's list of objects may hold up the peer's ticks
 
@@ -25,7 +27,11 @@ struct ObjectsRequest {
   std::uint32_t count = kObjectsMax;
 };
 struct LeaveRequest {};
-using Request = std::variant<KeyRequest, StatusRequest, ObjectsRequest, LeaveRequest>;
+struct PoseRequest {
+  std::vector<feed::FedPose> poses;
+  bool reply = true;  // false: none at all, so that the program need not read
+};
+using Request = std::variant<KeyRequest, StatusRequest, ObjectsRequest, LeaveRequest, PoseRequest>;
 
 // Hostile input. The error is one sentence for whoever sent it.
 [[nodiscard]] std::expected<Request, std::string> parse_request(std::string_view line);

@@ -83,6 +83,16 @@ Waypoints read_waypoints(TomlReader& reader) {
 MotionSettings read_motion(TomlReader reader, const std::filesystem::path& folder) {
   MotionSettings m;
   m.at = reader.place(nullptr);
+  bool outside = false;
+  reader.read("outside", outside);
+  if (outside) {
+    m.kind = Outside{};
+    for (const auto& [key, value] : reader.raw()) {
+      if (key.str() == "outside") continue;
+      reader.fail(&value, reader.dotted(key.str()) + ": outside = true leaves all to a program; it has no other key");
+    }
+    return m;
+  }
   constexpr std::array kKinds{"waypoints", "track", "walk", "drive", "flock"};
   const char* kind = nullptr;
   for (const char* k : kKinds) {

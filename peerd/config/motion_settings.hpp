@@ -16,12 +16,15 @@
 
 namespace peerd::config {
 
+// Samples come from a program, while the peer runs.
+struct Outside {};
+
 // A table [motion.PATTERN] or [peer.NAME.motion.OBJECT]: one way to move the objects that it names. It stands for
 // whatever moves an object in earnest (a hand, a vehicle model, a motion capture): it hands out samples, and
 // replication never sees what is behind them.
 struct MotionSettings {
   std::string at;  // FILE:LINE:COLUMN: of the table; empty where none is known
-  std::variant<MotionFormula, Waypoints, Track, WalkSettings, DriveSettings, FlockSettings> kind;
+  std::variant<MotionFormula, Waypoints, Track, WalkSettings, DriveSettings, FlockSettings, Outside> kind;
   bool face_forward = false;          // of all but formulas: look along the velocity
   bool hold_before_start = false;     // stand at the pose of t = 0 until then, instead of being under way
   std::optional<std::uint64_t> seed;  // of what is random; none: the scenario's

@@ -1,6 +1,7 @@
 #include "peerd/config/motion_source.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <map>
 
 namespace peerd::config {
@@ -87,6 +88,7 @@ struct Maker {
     }
     add_same(loaded->knots, track.loop, loaded->turns);
   }
+  void operator()(const Outside&) { assert(false && "what drives it is no source"); }
   void operator()(const auto& random) {  // a walk, a drive or a flock
     if (duration_s > kGeneratedMax_s) return fail("such a motion is made before the run, so for 3600 s at most");
     if (const auto wrong = misplaced(random)) return fail(*wrong);

@@ -112,6 +112,14 @@ PeerId peer_named(TomlReader& reader, const char* key, const std::string& name,
   return replication::kNobody;
 }
 
+FeedSettings read_feed(TomlReader reader) {
+  FeedSettings s;
+  reader.read("udp", s.udp);
+  reader.read("stale_s", s.stale_s, 0.02, 60.0);
+  reader.finish();
+  return s;
+}
+
 }  // namespace
 
 replication::RelaySettings read_relay(TomlReader reader, const std::vector<PeerSettings>& peers) {
@@ -216,6 +224,9 @@ PeerSettings read_peer(TomlReader reader, const std::string& name, const std::fi
   if (tick_hz != 0) s.tick_hz = tick_hz;
   reader.read("clock_offset_s", s.clock_offset_s, -kForever_s, kForever_s);
   s.motion = read_motions(reader, folder);
+  if (const toml::table* feed = reader.table("feed")) {
+    s.feed = read_feed(TomlReader(*feed, reader.dotted("feed"), reader.error()));
+  }
   if (const toml::table* viewpoint = reader.table("viewpoint")) {
     s.viewpoint = read_viewpoint(TomlReader(*viewpoint, reader.dotted("viewpoint"), reader.error()));
   }

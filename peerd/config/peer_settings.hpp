@@ -40,12 +40,19 @@ struct ScriptedKey {
   KeyEvent key;
 };
 
+// The table [peer.NAME.feed]: how programs tell where the objects are that they move.
+struct FeedSettings {
+  std::string udp;       // "127.0.0.1:PORT" for datagrams too; empty: by the control socket alone
+  double stale_s = 0.5;  // without a pose for so long an object stands
+};
+
 // The table [peer.NAME].
 struct PeerSettings {
   std::string name;
   std::uint32_t id = 0;
   std::vector<NodePattern> enslaves;
   std::map<std::string, MotionSettings> motion;  // by path or pattern, before those of the scenario
+  FeedSettings feed;
   std::vector<ScriptedKey> keys;                 // by time, then as in the file
   std::optional<ViewpointSettings> viewpoint;
   std::optional<std::uint32_t> tick_hz;  // instead of replication.tick_hz

@@ -1,6 +1,7 @@
 #include "peerd/config/resolve.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace peerd::config {
 namespace {
@@ -21,7 +22,12 @@ class Resolver {
     }
     std::map<ObjectId, std::string> claimed;
     for (const auto& [pattern, motion] : run_.motion) move(motion, pattern, "motion." + pattern, claimed, std::nullopt);
-    for (std::size_t p = 0; p < peers_.size(); ++p) look(p);
+    for (std::size_t p = 0; p < peers_.size(); ++p) {
+      look(p);
+      if (run_.peers[p].feed.udp.empty() || !peers_[p].outside.empty()) continue;
+      fail("", "peer." + run_.peers[p].name +
+                   ".feed.udp: no program moves anything here; write outside = true in a motion");
+    }
     if (error_) return std::unexpected(*error_);
     return std::move(peers_);
   }
@@ -67,13 +73,21 @@ class Resolver {
       const auto [other, added] = claimed.try_emplace(objects[n], key);
       if (!added)
         fail(motion.at, key + ": \"" + scene_.path_of(objects[n]) + "\" is moved by " + other->second + " too");
-      if (here && !peers_[runner->second].motions.contains(objects[n])) numbers.push_back(n);
+      if (here && !moved_.contains(objects[n])) numbers.push_back(n);
     }
     if (only && !runs_any) {
       fail(motion.at, key + ": the peer moves only what it enslaves; add \"" + pattern + "\" to peer." +
                           run_.peers[*only].name + ".enslaves");
     }
     if (error_ || numbers.empty()) return;
+    for (const std::size_t n : numbers) moved_.insert(objects[n]);
+    if (std::holds_alternative<Outside>(motion.kind)) {
+      for (const std::size_t n : numbers) {
+        const std::string name = asked.is_path() ? pattern : scene_.path_of(objects[n]);
+        peers_[runs_.at(objects[n])].outside.emplace(name, objects[n]);
+      }
+      return;
+    }
     std::vector<Pose> places;
     for (const ObjectId object : objects) places.push_back(scene_.rigid_pose(object));
     auto sources = make_sources(motion, motion.at + "error: " + key, places, numbers, run_.seed, run_.duration_s);
@@ -102,6 +116,7 @@ class Resolver {
   const Scene& scene_;
   std::vector<PeerObjects> peers_;
   std::map<ObjectId, std::size_t> runs_;  // by which peer
+  std::set<ObjectId> moved_;              // what has its motion
   std::optional<InputError> error_;
 };
 

@@ -16,6 +16,7 @@ using Motions = std::map<ObjectId, MotionSource>;
 struct PeerObjects {
   std::vector<ObjectId> enslaved;  // in the order of the settings, none twice
   Motions motions;                 // of enslaved ones
+  std::map<std::string, ObjectId> outside;  // enslaved ones that a program moves, by what it calls them
   std::optional<ObjectId> viewpoint;
 };
 

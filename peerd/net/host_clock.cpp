@@ -14,16 +14,20 @@ Duration read_clock(clockid_t id) {
   return std::chrono::seconds{t.tv_sec} + std::chrono::nanoseconds{t.tv_nsec};
 }
 
-}  // namespace
-
-HostClock::HostClock(Duration test_offset) {
-  // The wall clock between two readings of the other: the midpoint halves what a badly timed preemption can cost.
+// The wall clock between two readings of the other: the midpoint halves what a badly timed preemption can cost.
+Duration wall_minus_boot_time() {
   const Duration before = read_clock(CLOCK_BOOTTIME);
   const Duration wall = read_clock(CLOCK_REALTIME);
   const Duration after = read_clock(CLOCK_BOOTTIME);
-  epoch_minus_boot_time_ = wall - (before + (after - before) / 2) + test_offset;
+  return wall - (before + (after - before) / 2);
 }
 
+}  // namespace
+
+HostClock::HostClock(Duration test_offset) : epoch_minus_boot_time_(wall_minus_boot_time() + test_offset) {}
+
 HostTime HostClock::now() const { return HostTime{epoch_minus_boot_time_ + read_clock(CLOCK_BOOTTIME)}; }
+
+Duration HostClock::minus_wall() const { return epoch_minus_boot_time_ - wall_minus_boot_time(); }
 
 }  // namespace peerd::net

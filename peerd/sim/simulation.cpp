@@ -36,6 +36,12 @@ config::Result<std::vector<SimulatedPeer>> make_peers(const config::RunSettings&
   std::vector<SimulatedPeer> peers;
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
     const config::PeerSettings& settings = run.peers[i];
+    if (!(*objects)[i].outside.empty()) {  // what it sends would depend on how fast this computer simulates
+      return std::unexpected(config::InputError{
+          "error: peer." + settings.name + " leaves \"" + (*objects)[i].outside.begin()->first +
+          "\" to a program outside, which runs in real time, and a simulation does not; use peerd run or peerd "
+          "scenario, or move it by a formula or a recorded track"});
+    }
     PeerNode::Options options;
     for (const config::PeerSettings& p : run.peers) options.wait_for.push_back(PeerId{p.id});
     // Everybody must have heard of the start, and of the objects that already move, before it comes.

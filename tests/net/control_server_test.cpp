@@ -32,6 +32,7 @@ class ControlServerTest : public testing::Test {
   ControlServerTest() : path(folder / "c.sock") {}
   std::unique_ptr<ControlServer> open() {
     auto server = ControlServer::open(io, path, [this](std::string_view line) {
+      if (line == "quiet") return std::string();
       return line == "much" ? std::string(kMuch_bytes, 'x') : "got " + std::string(line);
     });
     if (!server) {
@@ -76,11 +77,13 @@ TEST_F(ControlServerTest, OneLineInOneLineOut) {
   Protocol::socket a = connect(), b = connect();
   send(a, "one\ntwo\nthr");
   EXPECT_EQ(receive(a, 2), "got one\ngot two\n");
+  send(b, "quiet\nquiet\nloud\n");
+  EXPECT_EQ(receive(b, 1), "got loud\n") << "no reply where none is wanted";
   send(b, "other\n");
   EXPECT_EQ(receive(b, 1), "got other\n");
   send(a, "ee\n");
   EXPECT_EQ(receive(a, 1), "got three\n");
-  EXPECT_EQ(server->counters().requests, 4u);
+  EXPECT_EQ(server->counters().requests, 7u);
 }
 
 TEST_F(ControlServerTest, OnlyThisUserMayConnect) {
@@ -180,7 +183,7 @@ TEST_F(ControlServerTest, ALineWithoutAnEndIsRefused) {
   const auto server = open();
   Protocol::socket a = connect();
   send(a, std::string(kLineMax_bytes, 'x'));
-  EXPECT_THAT(receive(a, 2), AllOf(HasSubstr("may have 4096 bytes"), HasSubstr("<end>")));
+  EXPECT_THAT(receive(a, 2), AllOf(HasSubstr("may have 65536 bytes"), HasSubstr("<end>")));
   EXPECT_EQ(server->counters().too_long, 1u);
   Protocol::socket b = connect();
   send(b, std::string(kLineMax_bytes - 1, 'x') + "\n");

@@ -16,6 +16,21 @@ TEST(HostClock, IsTheTimeOfThisComputer) {
   EXPECT_LT(std::chrono::abs(now - wall), 1s);
 }
 
+// However far its own time is from the wall clock's, what is stamped by that one can be told in its own.
+TEST(HostClock, TurnsUnixTimeIntoItsOwn) {
+  const auto wall = [] {
+    return std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch());
+  };
+  for (const Duration offset : {Duration{0}, Duration{-24h}}) {
+    const HostClock clock(offset);
+    const Duration before = wall();
+    const Duration found = clock.now().time_since_epoch() - clock.minus_wall();
+    const Duration after = wall(), span = after - before;  // no reading is off by more than all of them took
+    EXPECT_GE(found, before - span);
+    EXPECT_LE(found, after + span);
+  }
+}
+
 TEST(HostClock, NeverRunsBackwards) {
   const HostClock clock;
   HostTime last = clock.now();

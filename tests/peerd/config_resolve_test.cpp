@@ -169,5 +169,12 @@ TEST_F(ResolveTest, ARandomMotionOfHoursIsRefused) {
   EXPECT_THAT(r.error().text, HasSubstr("motion.VAN: such a motion is made before the run, so for 3600 s at most"));
 }
 
+TEST_F(ResolveTest, AProgramOutsideCallsThemAsTheSettingsDo) {
+  const auto all = peers(kTwo + "[motion.\"CAR_*\"]\noutside = true\n[peer.a.motion.CAR_A]\nx = \"t\"\n");
+  EXPECT_EQ(all[0].outside, (std::map<std::string, ObjectId>{{"CAR_B", kCarB}, {"CAR_C", kCarC}}));
+  EXPECT_EQ(moved(all[0]), std::vector{kCarA}) << "a peer's own motion comes first";
+  EXPECT_TRUE(all[1].outside.empty());
+}
+
 }  // namespace
 }  // namespace peerd::config

@@ -1,0 +1,121 @@
+#include "peerd/feed/pose_feeds.hpp"
+
+#include <cassert>
+#include <numeric>
+
+namespace peerd::feed {
+namespace {
+
+constexpr double kUnixTimeMax_s = 1e10;  // the year 2286; int64 nanoseconds end later
+
+// A stranger's words as they may stand in a log: one short line of visible characters.
+std::string printable(std::string_view text) {
+  std::string line(text.substr(0, 160));
+  for (char& c : line) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return line;
+}
+
+}  // namespace
+
+LogLine describe(const Notice& notice) {
+  using spdlog::level::level_enum;
+  const auto once = notice.again ? level_enum::debug : level_enum::warn;
+  switch (notice.kind) {
+    case Notice::Kind::kBegan:
+      return {level_enum::info, "a program moves " + notice.what};
+    case Notice::Kind::kSilent:
+      return {once, notice.what + " stands still: the program that moves it is silent"};
+    case Notice::Kind::kResumed:
+      return {notice.again ? level_enum::debug : level_enum::info, notice.what + " gets poses again"};
+    case Notice::Kind::kRefused:
+      return {once, "a pose of " + notice.what + "; more such are only counted"};
+    case Notice::Kind::kNotUnderstood:
+      return {once, "a datagram that is no message of poses: " + notice.what + "; more such are only counted"};
+  }
+  return {level_enum::err, "?"};
+}
+
+PoseFeeds::PoseFeeds(Settings settings, const Scene& scene) {
+  for (const auto& [path, object] : settings.objects) {
+    by_path_.emplace(path, object);
+    feeds_.emplace(object, Fed{path, PoseFeed(scene.rigid_pose(object), settings.stale)});
+  }
+}
+
+Outcome PoseFeeds::push(HostTime now, Duration host_minus_wall, std::span<const FedPose> poses) {
+  Outcome outcome;
+  const auto push_one = [&](const FedPose& fed) -> std::expected<void, Refusal> {
+    const auto at = by_path_.find(fed.object);
+    if (at == by_path_.end()) return std::unexpected(Refusal::kObject);
+    std::optional<HostTime> stamp;
+    if (fed.time_s) {
+      if (!(*fed.time_s >= 0.0 && *fed.time_s <= kUnixTimeMax_s)) return std::unexpected(Refusal::kTime);
+      stamp = HostTime{from_seconds(*fed.time_s) + host_minus_wall};
+    }
+    return feeds_.at(at->second).feed.push(now, stamp, fed.pose);
+  };
+  for (const FedPose& fed : poses) {
+    if (const auto pushed = push_one(fed); pushed) {
+      ++outcome.taken;
+    } else {
+      const Refusal why = pushed.error();
+      if (refused_[static_cast<std::size_t>(why)]++ == 0) {
+        notice(Notice::Kind::kRefused, printable(fed.object) + " is not used: " + sentence(why));
+      }
+      outcome.refused.push_back({fed.object, why});
+    }
+  }
+  taken_ += outcome.taken;
+  return outcome;
+}
+
+void PoseFeeds::refuse_message(const std::string& why) {
+  if (messages_refused_++ == 0) notice(Notice::Kind::kNotUnderstood, printable(why));
+}
+
+std::vector<ObjectId> PoseFeeds::objects() const {
+  std::vector<ObjectId> objects;
+  for (const auto& [object, fed] : feeds_) objects.push_back(object);
+  return objects;
+}
+
+KinematicState PoseFeeds::sample(ObjectId object, HostTime t) {
+  Fed& fed = feeds_.at(object);
+  if (fed.feed.begun() && !fed.begun) {
+    fed.begun = true;
+    notice(Notice::Kind::kBegan, fed.path);
+  }
+  if (const bool silent = fed.feed.silent(t); silent != fed.silent) {
+    fed.silent = silent;
+    fed.silences += silent;
+    notice(silent ? Notice::Kind::kSilent : Notice::Kind::kResumed, fed.path, fed.silences > 1);
+  }
+  return fed.feed.at(t);
+}
+
+std::optional<Notice> PoseFeeds::poll_notice() {
+  if (notices_.empty()) return std::nullopt;
+  Notice notice = std::move(notices_.front());
+  notices_.pop_front();
+  return notice;
+}
+
+void PoseFeeds::notice(Notice::Kind kind, std::string what, bool again) {
+  notices_.push_back({kind, std::move(what), again});
+}
+
+void PoseFeeds::count(std::map<std::string, std::uint64_t>& counters) const {
+  if (feeds_.empty()) return;
+  counters["poses_taken"] = taken_;
+  counters["poses_refused"] = std::accumulate(refused_.begin(), refused_.end(), std::uint64_t{0});
+  for (std::size_t i = 0; i < refused_.size(); ++i) {
+    if (refused_[i] > 0) counters[std::string("poses_refused_") + to_string(static_cast<Refusal>(i))] = refused_[i];
+  }
+  counters["pose_messages_refused"] = messages_refused_;
+  counters["feeds_silent"] = std::accumulate(feeds_.begin(), feeds_.end(), std::uint64_t{0},
+                                             [](std::uint64_t n, const auto& f) { return n + f.second.silences; });
+}
+
+}  // namespace peerd::feed

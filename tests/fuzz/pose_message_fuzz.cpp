@@ -1,0 +1,107 @@
+// Any datagrams at all to the port of programs that move objects: objects stay where an update can tell of them, and
+// every pose is taken or counted as refused.
+//
+// An input is a row of datagrams, one a line; the peer's clock is Unix time, 1,000 s at first, and goes on by 5 ms
+// each.
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "core/vrml/reader.hpp"
+#include "peerd/api/answer.hpp"
+#include "peerd/api/request.hpp"
+#include "replication/codec.hpp"
+
+namespace {
+
+using namespace peerd;
+
+// Not assert: it must hold in every build.
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+constexpr const char* kWorld = R"(#VRML V2.0 utf8
+DEF A Transform { children Shape { geometry Box { } } }
+DEF B Transform { translation 9 9 9 children Shape { geometry Box { } } }
+)";
+constexpr int kLinesMax = 256;  // of an input
+
+SharedWorld make_world() {
+  SharedWorld shared;
+  shared.world.scene = read_world(kWorld).scene.value();
+  shared.model = replication::make_world_model(shared.world.scene);
+  return shared;
+}
+
+class Driver {
+ public:
+  Driver() : world_(make_world()) {
+    config::PeerSettings settings;
+    settings.name = "fuzzed";
+    settings.id = 1;
+    config::PeerObjects objects;
+    for (const char* path : {"A", "B"}) {
+      objects.enslaved.push_back(*world_.world.scene.find(path));
+      objects.outside.emplace(path, objects.enslaved.back());
+    }
+    config::ReplicationSettings replication;
+    replication.policy.models = replication::ModelPolicy{};
+    node_ = PeerNode::make(settings, replication, world_, std::move(objects), {});
+    now_ -= std::chrono::seconds(2);
+    while (now_ < HostTime{std::chrono::seconds(1'000)}) pass();
+  }
+
+  void pass() {
+    now_ += std::chrono::milliseconds(5);
+    node_->on_tick(now_);
+    while (auto out = node_->poll_output()) {
+      if (const auto* send = std::get_if<replication::Send>(&*out)) {
+        require(replication::decode(send->datagram).has_value());
+      }
+    }
+    while (const auto notice = node_->poll_feed_notice()) {
+      const LogLine line = feed::describe(*notice);
+      require(line.text.size() < 500);
+      require(std::ranges::all_of(line.text, [](char c) { return c >= ' ' && c <= '~'; }));
+    }
+  }
+
+  void hear(std::string_view datagram) {
+    const auto request = api::parse_request(datagram);
+    const auto* poses = request ? std::get_if<api::PoseRequest>(&*request) : nullptr;
+    const std::uint64_t before = count("poses_taken") + count("poses_refused");
+    const std::uint64_t messages_before = count("pose_messages_refused");
+    api::take_datagram(*node_, now_, datagram, Duration{0});
+    require(count("poses_taken") + count("poses_refused") == before + (poses == nullptr ? 0 : poses->poses.size()));
+    require(count("pose_messages_refused") == messages_before + (poses == nullptr ? 1 : 0));
+    pass();
+    for (const ObjectId object : {*world_.world.scene.find("A"), *world_.world.scene.find("B")}) {
+      const KinematicState s = node_->peer().truth(object, node_->peer().clock().to_session(now_));
+      require(s.position.norm() < 1e12 && s.velocity.norm() < 1e12 && s.acceleration.norm() < 1e12);
+      require(s.angular_velocity_body.norm() <= 1.0001e4 && s.orientation.coeffs().allFinite());
+    }
+  }
+
+ private:
+  std::uint64_t count(const char* name) { return node_->log().counters.at(name); }
+
+  SharedWorld world_;
+  std::unique_ptr<PeerNode> node_;
+  HostTime now_{std::chrono::seconds(1'000)};
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Driver driver;
+  std::string_view rest(reinterpret_cast<const char*>(data), size);
+  for (int i = 0; i < kLinesMax && !rest.empty(); ++i) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    driver.hear(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  for (int i = 0; i < 200; ++i) driver.pass();  // until it stands
+  return 0;
+}

@@ -1,0 +1,178 @@
+// Objects that a program outside moves, at one peer and through its control interface.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/api/answer.hpp"
+#include "peerd/peer_node.hpp"
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr const char* kWorld = R"(#VRML V2.0 utf8
+DEF CAR Transform { translation 1 2 3 velocityVector 9 0 0 children Shape { geometry Box { } } }
+DEF ARM Transform { children Shape { geometry Box { } } }
+DEF FREE Transform { translation 0 50 0 children Shape { geometry Box { } } }
+DEF PUSH KeySensor { recipient "CAR" keyValue 65 value 2 0 0 }
+)";
+constexpr Duration kWallBehind = 3s;  // what the host's time is ahead of Unix time in these tests
+
+class PeerNodeFeed : public testing::Test {
+ protected:
+  PeerNodeFeed() {
+    folder.write("w.wrl", kWorld);
+    shared = std::move(*share_world(folder / "w.wrl"));
+    settings.name = "a";
+    settings.id = 1;
+    begin({"CAR", "ARM"});
+  }
+  void begin(const std::vector<std::string>& outside) {
+    const auto id = [&](const std::string& path) { return *shared->world.scene.find(path); };
+    config::PeerObjects objects;
+    objects.enslaved = {id("CAR"), id("ARM"), id("FREE")};
+    for (const std::string& path : outside) objects.outside.emplace(path, id(path));
+    node = PeerNode::make(settings, {}, *shared, std::move(objects), {});
+  }
+  void run(
+      Duration time, const std::function<void()>& meanwhile = [] {}) {
+    for (const HostTime end = now + time; now < end; now += 1ms) {
+      meanwhile();
+      node->on_tick(now);
+      while (node->poll_output()) {
+      }
+      while (const auto notice = node->poll_feed_notice()) {
+        const LogLine line = feed::describe(*notice);
+        if (line.level != spdlog::level::debug) said += line.text + "\n";
+      }
+    }
+  }
+  [[nodiscard]] KinematicState truth(const char* path) const {
+    return node->peer().truth(*shared->world.scene.find(path), node->peer().clock().to_session(now));
+  }
+  json ask(const json& request) { return json::parse(api::answer(*node, now, request.dump(), kWallBehind).line); }
+  void datagram(const std::string& text) { api::take_datagram(*node, now, text, kWallBehind); }
+  [[nodiscard]] double unix_s() const { return to_seconds(now.time_since_epoch() - kWallBehind); }
+  std::uint64_t count(const std::string& name) { return node->log().counters.at(name); }
+
+  testing_support::ScratchFolder folder;
+  std::unique_ptr<const SharedWorld> shared;
+  config::PeerSettings settings;
+  std::unique_ptr<PeerNode> node;
+  HostTime now{1000s};
+  std::string said;
+};
+
+TEST_F(PeerNodeFeed, StandsUntilTheFirstPoseAndFollowsFromThen) {
+  run(3s);
+  ASSERT_TRUE(node->start());
+  EXPECT_EQ(truth("CAR").position, Vec3(1, 2, 3)) << "its velocityVector is not for it";
+  int i = 0;
+  run(1s, [&] {  // 30 Hz, 4 m/s, told 5 ms late
+    if (i++ % 33 != 0) return;
+    const double t = to_seconds(now - HostTime{1003s}) - 0.005;
+    datagram(
+        json{{"do", "pose"}, {"object", "CAR"}, {"position_m", {4 * t, 0, 0}}, {"time_s", unix_s() - 0.005}}.dump());
+  });
+  const double t = to_seconds(now - HostTime{1003s});
+  EXPECT_NEAR(truth("CAR").position.x(), 4 * t, 1e-4) << "at the instant, not at the last pose or the last tick";
+  EXPECT_NEAR(truth("CAR").velocity.x(), 4.0, 1e-4);
+  EXPECT_EQ(truth("ARM").position, Vec3::Zero());
+  EXPECT_EQ(count("poses_taken"), 31u);
+  EXPECT_EQ(said, "a program moves CAR\n");
+}
+
+TEST_F(PeerNodeFeed, SilenceIsToldOnceAndCounted) {
+  run(2s);
+  for (int silence = 0; silence < 3; ++silence) {
+    run(200ms, [&] { ask({{"do", "pose"}, {"object", "CAR"}, {"position_m", {unix_s(), 0, 0}}}); });
+    run(700ms);
+    EXPECT_EQ(truth("CAR").velocity, Vec3::Zero());
+  }
+  EXPECT_EQ(said, "a program moves CAR\nCAR stands still: the program that moves it is silent\nCAR gets poses again\n");
+  EXPECT_EQ(count("feeds_silent"), 3u);
+}
+
+TEST_F(PeerNodeFeed, AMessageHasManyPosesAndItsReplySaysWhatBecameOfEach) {
+  run(2s);
+  const json reply = ask({{"do", "pose"},
+                          {"time_s", unix_s()},
+                          {"poses",
+                           {{{"object", "CAR"}, {"position_m", {1, 1, 1}}, {"orientation_xyzw", {0, 0, 1, 0}}},
+                            {{"object", "ARM"}, {"position_m", {2, 2, 2}}, {"time_s", unix_s() + 9}},
+                            {{"object", "FREE"}, {"position_m", {3, 3, 3}}},
+                            {{"object", "ARM"}, {"position_m", {2e9, 2, 2}}}}}});
+  EXPECT_EQ(reply["ok"], true);
+  EXPECT_EQ(reply["done"], false);
+  EXPECT_EQ(reply["taken"], 1);
+  ASSERT_EQ(reply["refused"].size(), 3u);
+  EXPECT_EQ(reply["refused"][0]["object"], "ARM");
+  EXPECT_THAT(reply["refused"][0]["why"].get<std::string>(), HasSubstr("ahead of this computer's clock"));
+  EXPECT_THAT(reply["refused"][1]["why"].get<std::string>(), HasSubstr("outside = true"));
+  EXPECT_THAT(reply["refused"][2]["why"].get<std::string>(), HasSubstr("1e9 m"));
+  run(20ms);
+  EXPECT_EQ(truth("CAR").position, Vec3(1, 1, 1));
+  EXPECT_EQ(truth("CAR").orientation.z(), 1.0) << "x y z w";
+  EXPECT_EQ(count("poses_refused"), 3u);
+  EXPECT_EQ(count("poses_refused_too_far_ahead"), 1u);
+  EXPECT_EQ(count("poses_refused_object"), 1u);
+  EXPECT_EQ(count("poses_refused_position"), 1u);
+  EXPECT_THAT(said, HasSubstr("a pose of FREE is not used: no object of that name"));
+}
+
+TEST_F(PeerNodeFeed, AProgramNeedNotReadReplies) {
+  const json request = {{"do", "pose"}, {"object", "CAR"}, {"position_m", {0, 0, 0}}, {"reply", false}};
+  EXPECT_EQ(api::answer(*node, now, request.dump()).line, "");
+  EXPECT_EQ(count("poses_taken"), 1u);
+}
+
+TEST_F(PeerNodeFeed, ByUdpNothingButPosesIsTaken) {
+  datagram(R"({"do":"leave"})");
+  datagram("rubbish");
+  datagram("");
+  EXPECT_EQ(count("pose_messages_refused"), 3u);
+  run(1500ms);
+  EXPECT_EQ(said,
+            "a datagram that is no message of poses: by UDP \"do\" must be \"pose\"; more such are only counted\n");
+}
+
+// A log line is one line, and can be put into JSON.
+TEST_F(PeerNodeFeed, AStrangersWordsAreMadeFitForALog) {
+  const std::string name = std::string(159, 'x') + "\u00e4\n" + std::string(1000, 'y');
+  ask({{"do", "pose"}, {"object", name}, {"position_m", {0, 0, 0}}});
+  datagram(R"({"do":"pose","\u000a\u0000\u00e4":1})");
+  run(10ms);
+  EXPECT_EQ(said, "a pose of " + std::string(159, 'x') +
+                      "? is not used: no object of that name is moved by a program here (motion.OBJECT.outside = "
+                      "true); more such are only counted\na datagram that is no message of poses: \"object\" is "
+                      "missing; more such are only counted\n");
+  begin({"CAR", "ARM"});
+  said.clear();
+  datagram(R"({"do":"pose","poses":[],"\u000a\u0000\u00e4":1})");
+  run(10ms);
+  EXPECT_THAT(said, HasSubstr("unknown member \"????\""));
+}
+
+TEST_F(PeerNodeFeed, AKeyDoesNotMoveWhatAProgramMoves) {
+  run(3s);
+  EXPECT_THAT(node->on_key(now, {'A', 0}).changes.at(0).refused, HasSubstr("a program outside moves it"));
+  const json objects = ask({{"do", "objects"}})["objects"];
+  ASSERT_EQ(objects.size(), 3u);
+  EXPECT_EQ(objects[0]["outside"], true);
+  EXPECT_EQ(objects[0]["driven"], true);
+  EXPECT_EQ(objects[2]["outside"], false);
+}
+
+TEST_F(PeerNodeFeed, APeerWithoutSuchObjectsSaysSo) {
+  begin({});
+  EXPECT_EQ(ask({{"do", "pose"}, {"object", "CAR"}, {"position_m", {0, 0, 0}}})["taken"], 0);
+  EXPECT_FALSE(node->log().counters.contains("poses_taken"));
+}
+
+}  // namespace
+}  // namespace peerd
