@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,11 +21,19 @@ struct ConvexPiece {
   std::vector<Vec3> edge_axes;                    // the distinct edge directions, unit
 };
 
+// What a body is that consists of one VRML Sphere, moved and evenly scaled: exactly round, where its polygons are not.
+struct Round {
+  ObjectId shape;
+  Vec3 center;      // object frame [m]
+  double radius_m;  // > 0
+};
+
 // An object as collision sees it: everything below one node, in that node's rigid frame.
 struct Body {
   ObjectId object;
   std::vector<ConvexPiece> pieces;   // depth-first order of their Shapes
   std::shared_ptr<Surface> surface;  // of all Shapes, convex or not; copies of a body share it
+  std::optional<Round> round;        // two such bodies meet as spheres
   Vec3 center = Vec3::Zero();        // of the bounding sphere, object frame [m]
   double radius_m = 0.0;             // encloses every vertex; 0 when there are none
   std::uint32_t meshes_built = 0;    // for it

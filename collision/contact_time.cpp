@@ -7,6 +7,7 @@
 #include "collision/mesh_contact.hpp"
 #include "collision/pair_contact.hpp"
 #include "collision/separating_axis.hpp"
+#include "collision/sphere_contact.hpp"
 
 namespace peerd::collision {
 namespace {
@@ -144,6 +145,7 @@ bool touching(const MovingBody& a, const MovingBody& b, CollisionType type) {
   if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
   constexpr double kNear_m = 2.0 * kAdvancementTolerance_m;
   if (type == CollisionType::kBox) return boxes_within(a, b, kNear_m);
+  if (meet_as_spheres(a, b)) return spheres_within(a, b, kNear_m);
   return answerable(a.body, b.body) && surfaces_within(a, b, kNear_m);
 }
 
@@ -163,6 +165,7 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
     return contact;
   }
   if (collider.body.vertices().empty() || collidee.body.vertices().empty()) return {};
+  if (!box && meet_as_spheres(collider, collidee)) return sphere_contact(collider, collidee, horizon_s);
   const Query query(collider, collidee, horizon_s);
   if (query.hopeless(box ? kBoxReach : 1.0)) return {};
   if (box) return query.boxes();

@@ -51,6 +51,9 @@ struct MovingBody {
 // rotation it is conservative advancement (Mirtich, PhD, Berkeley 1996) on the largest gap: never later than the truth,
 // at most kAdvancementTolerance_m short of it, so that a pass within that tolerance may be taken for a contact.
 //
+// Two bodies that are one Sphere each (Body::round) meet as the spheres they are, not as their polygons, and the normal
+// is the line of their centres: a ball doesn't bounce off its facets.
+//
 // CollisionType::kBox uses the tight world boxes of all vertices in place of the polygons, and answers where only
 // polygons are unsupported.
 [[nodiscard]] Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type,

@@ -334,7 +334,12 @@ class MeshImpactQuery::Search {
       if (gap < 0.25 * options_.tolerance_m) return true;
       const Touch touch = judge(along, now, n, 2.0 * band, noise);
       if (touch == Touch::kFree) {
-        free_s = along.time_above(0.5 * std::min(gap, options_.tolerance_m), bend(now, n));
+        // What parts comes back to half the tolerance, or to where it is: half of that with each bounce, and soon there
+        // would be no gap left to find.
+        const double half_m = 0.5 * std::min(gap, options_.tolerance_m);
+        const bool parts = along.closing_speed(2.0 * band) < 0.0;
+        const double least_m = parts ? std::min(0.5 * options_.tolerance_m, (1.0 - 0x1p-10) * gap) : half_m;
+        free_s = along.time_above(least_m, bend(now, n));
         return false;
       }
       if (!closing) {

@@ -28,11 +28,16 @@ enum class NodeKind : std::uint8_t {
   kShape,
 };
 
-enum class ResponseType : std::uint8_t { kInverse = 0, kZero = 1 };  // seed, C.2: CRT_INVERSE, CRT_ZERO
+// The seed's C.2 has CRT_INVERSE and CRT_ZERO; CRT_IMPULSE is ours.
+enum class ResponseType : std::uint8_t { kInverse = 0, kZero = 1, kImpulse = 2 };
 
 struct CollisionResponse {
   ResponseType type = ResponseType::kInverse;
   bool set_back = true;
+  // Of kImpulse alone.
+  double mass_kg = 1.0;        // > 0
+  double restitution = 1.0;    // 0 to 1: what is left of the speed at which two meet; of a pair the smaller counts
+  double friction_m_s2 = 0.0;  // >= 0: deceleration with which it slides to rest; 0: none
 };
 
 // What the seed's appendix C.5 adds to a Transform.

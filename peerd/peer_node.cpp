@@ -67,7 +67,9 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   for (const ObjectId object : objects.enslaved) {
     const bool outside =
         std::ranges::any_of(objects.outside, [&](const auto& named) { return named.second == object; });
-    config.enslaved.push_back({object, outside || objects.motions.contains(object)});
+    const auto launch = objects.launches.find(object);
+    config.enslaved.push_back({object, outside || objects.motions.contains(object),
+                               launch == objects.launches.end() ? replication::Launch{} : launch->second});
   }
   feed::PoseFeeds feeds({std::move(objects.outside), from_seconds(settings.feed.stale_s)}, shared.world.scene);
   return std::unique_ptr<PeerNode>(new PeerNode(std::move(config), shared, std::move(objects.motions), std::move(feeds),
@@ -303,6 +305,7 @@ const PeerLog& PeerNode::log() {
        {"updates_duplicate", c.updates_duplicate},
        {"updates_relayed", c.updates_relayed},
        {"convergence_blocked", c.convergence_blocked},
+       {"convergence_detours", c.convergence_detours},
        {"proximity_tests", c.proximity_tests},
        {"proximity_refined", c.proximity_refined},
        {"decisions", c.decisions},

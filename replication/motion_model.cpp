@@ -146,9 +146,10 @@ Duration piece_length(const MotionModel& m) {
   return Duration{std::int64_t{1} << log2_ns};
 }
 
-// Rounded up, so that what has stopped stands; the way left before that is below a nanosecond's.
+// Rounded up, so that what has stopped stands; the way left before that is below a nanosecond's. Later than in 31 years
+// (more nanoseconds than fit) is never.
 std::optional<Duration> stop_after(const std::optional<double>& stop) {
-  if (!stop || *stop > kModelLasts_s) return std::nullopt;
+  if (!stop || *stop > 1e9) return std::nullopt;
   return Duration{static_cast<std::int64_t>(std::ceil(*stop * 1e9))};
 }
 
@@ -244,6 +245,8 @@ MotionModel rebased(const MotionModel& m, double dt_s) {
   return out;
 }
 
+Duration piece_begin(const MotionModel& m, Duration since_base) { return bounds_at(m, since_base).begin; }
+
 std::optional<Duration> piece_end(const MotionModel& m, Duration since_base) { return bounds_at(m, since_base).end; }
 
 MotionPiece piece_at(const MotionModel& m, Duration since_base) {
@@ -267,6 +270,15 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
     }
   }
   return piece;
+}
+
+MotionModel sliding_to_rest(const KinematicState& state, double friction_m_s2) {
+  MotionModel m = state;
+  m.kind = MotionKind::kSliding;
+  const double speed = state.velocity.norm();
+  m.state.acceleration.setZero();
+  if (speed > 0.0) m.state.acceleration = -(friction_m_s2 / speed) * state.velocity;
+  return m;
 }
 
 MotionModel after_contact(const MotionModel& m, const KinematicState& after, const Vec3& n, bool mirrored) {

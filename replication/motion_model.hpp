@@ -66,8 +66,12 @@ struct MotionPiece {
   KinematicState state;         // at begin
 };
 [[nodiscard]] MotionPiece piece_at(const MotionModel& model, Duration since_base);
-// When the piece in force then ends; without the work of making it.
+// When the piece in force then begins and ends; without the work of making it.
+[[nodiscard]] Duration piece_begin(const MotionModel& model, Duration since_base);
 [[nodiscard]] std::optional<Duration> piece_end(const MotionModel& model, Duration since_base);
+
+// Sliding to rest from that velocity with that deceleration [m/s^2], >= 0.
+[[nodiscard]] MotionModel sliding_to_rest(const KinematicState& state, double friction_m_s2);
 
 // What becomes of a model whose state a contact changed from model.state to `after`; n is the contact's normal, a unit
 // vector. Where the velocity was mirrored the law goes on, as of a force that depends on where the object is: odd

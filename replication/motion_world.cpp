@@ -12,7 +12,8 @@
 namespace peerd::replication {
 namespace {
 
-// How far one search looks ahead. Longer finds contacts that the next update makes void; shorter searches more often.
+// A search looks no farther than to the next multiple of this. Longer finds contacts that the next update makes void;
+// shorter searches more often.
 constexpr Duration kLookahead = std::chrono::milliseconds(250);
 // While two objects are inside each other and move apart, look again after this long. A fixed step, not the tick, so
 // that peers with other tick rates see the same.
@@ -21,6 +22,9 @@ constexpr Duration kOverlapRetry = std::chrono::milliseconds(10);
 // acceleration up to 1 km/s^2): it is put to rest instead of bounced on for ever.
 constexpr std::size_t kBouncesMax = 8;
 constexpr Duration kBouncesWithin = std::chrono::milliseconds(1);
+// Those that answer by impulse are handed on among many (a rack that is broken), so what bounces ever lower is counted
+// by pair there, and one that has no room left by this many contacts.
+constexpr std::size_t kImpulsesMax = 64;
 // A bound on the work of one advance(); reached only by objects squeezed between others.
 constexpr std::size_t kContactsMax = 1024;
 // Timelines keep this much past, for updates that arrive late.
@@ -32,6 +36,17 @@ bool is_inside(const Scene& scene, ObjectId inner, ObjectId outer) {
 
 bool is_still(const KinematicState& s) {
   return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
+}
+
+SimTime grid_floor(SimTime t) {
+  const std::int64_t ns = t.time_since_epoch().count(), step = kLookahead.count();
+  return SimTime{Duration{(ns >= 0 ? ns / step : -((-ns + step - 1) / step)) * step}};
+}
+
+// Leaves those that count for one at t, which is added.
+void remember(std::vector<SimTime>& recent, SimTime t) {
+  std::erase_if(recent, [&](SimTime r) { return r + kBouncesWithin < t || r > t; });
+  recent.push_back(t);
 }
 
 bool same_motion(const KinematicState& a, const KinematicState& b) {
@@ -128,7 +143,8 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start) : model_(model)
                       .collidee_answers = p.mutual && answers(p.collidee),
                       .clear_until = start,
                       .contact = {},
-                      .free_at = {}});
+                      .free_at = {},
+                      .recent = {}});
   }
 }
 
@@ -180,8 +196,16 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   o.timeline.replace_from(t, model, std::nullopt);
   o.base_time = t;
   ++o.revision;
-  o.recent.clear();
+  forget_bounces(index, SimTime::min());
   reopen(index, t);
+}
+
+void MotionWorld::forget_bounces(std::size_t object, SimTime from) {
+  const auto later = [&](SimTime t) { return t >= from; };
+  std::erase_if(objects_[object].recent, later);
+  for (Pair& pair : pairs_) {
+    if (pair.collider == object || pair.collidee == object) std::erase_if(pair.recent, later);
+  }
 }
 
 // What followed from a contact with `cause` at t or later is believed no more. Firm answers stand.
@@ -196,6 +220,7 @@ void MotionWorld::take_back(std::size_t cause, SimTime t) {
     const SimTime from = wrong->from;
     if (o.base_time >= from) continue;  // its owner has spoken since
     o.timeline.truncate_from(from);
+    forget_bounces(i, from);
     ++o.revision;
     events_.push_back(TakenBack{o.id, from - Duration{1}});
     ++counters_.contacts_undone;
@@ -224,23 +249,47 @@ bool MotionWorld::will_answer(const Object& o, bool registered, SimTime t) {
   return registered && o.role >= Role::kFirm && o.base_time <= t;
 }
 
-// One search over the time in which both objects keep their pieces, or over kLookahead.
+// Where a search begins: not where this peer happens to have got to, but the last instant until s that the timelines
+// alone decide, so that where they are equal contact times are, to the last bit.
+SimTime MotionWorld::search_begin(const Pair& pair, SimTime s) const {
+  SimTime begin = grid_floor(s);
+  for (const std::size_t index : {pair.collider, pair.collidee}) {
+    if (const auto change = objects_[index].timeline.last_change_until(s)) begin = std::max(begin, *change);
+  }
+  return begin;
+}
+
+// One search over the time in which both objects keep their pieces, or until the next multiple of kLookahead.
 void MotionWorld::search_window(Pair& pair) {
   const Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
   const SimTime s = pair.clear_until;
-  SimTime end = s + kLookahead;
-  if (const auto change = a.timeline.next_change_after(s)) end = std::min(end, *change);
-  if (const auto change = b.timeline.next_change_after(s)) end = std::min(end, *change);
+  const SimTime grid_end = grid_floor(s) + kLookahead;
+  SimTime end = grid_end;
+  const auto change_a = a.timeline.next_change_after(s), change_b = b.timeline.next_change_after(s);
+  if (change_a) end = std::min(end, *change_a);
+  if (change_b) end = std::min(end, *change_b);
 
-  const KinematicState state_a = a.timeline.at(s), state_b = b.timeline.at(s);
-  if (is_still(state_a) && is_still(state_b)) {  // nothing that stands meets anything
+  if (is_still(a.timeline.at(s)) && is_still(b.timeline.at(s))) {  // nothing that stands meets anything
     ++counters_.searches_skipped;
-    pair.clear_until = end < s + kLookahead ? end : SimTime::max();
+    pair.clear_until = change_a || change_b ? end : SimTime::max();
     return;
   }
-  ++counters_.contact_searches;
-  const collision::Contact c = collision::first_contact({*pair.collider_body, state_a}, {*pair.collidee_body, state_b},
-                                                        pair.type, to_seconds(end - s));
+  SimTime begin = search_begin(pair, s);
+  KinematicState state_a, state_b;
+  const auto search_from = [&](SimTime from) {
+    begin = from;
+    state_a = a.timeline.at(begin);
+    state_b = b.timeline.at(begin);
+    ++counters_.contact_searches;
+    return collision::first_contact({*pair.collider_body, state_a}, {*pair.collidee_body, state_b}, pair.type,
+                                    to_seconds(end - begin));
+  };
+  const auto time_of = [&](const collision::Contact& found) {
+    return begin + Duration{static_cast<std::int64_t>(std::floor(found.time_s * 1e9))};
+  };
+  collision::Contact c = search_from(begin);
+  // What came before s has been dealt with.
+  if (begin < s && c.state != collision::ContactState::kSeparated && time_of(c) < s) c = search_from(s);
   const auto contact_at = [&](SimTime t, bool overlapped) {
     pair.contact = t;
     pair.clear_until = t;
@@ -255,17 +304,17 @@ void MotionWorld::search_window(Pair& pair) {
       pair.clear_until = end;
       return;
     case collision::ContactState::kContact: {
-      const SimTime t = s + Duration{static_cast<std::int64_t>(std::floor(c.time_s * 1e9))};
+      const SimTime t = time_of(c);
       if (t > s) {
         pair.inside = false;
         pair.free_at = s;
       }
       if (pair.inside) {
         pair.clear_until = std::min(s + kOverlapRetry, end);
-      } else if (t >= end && end < s + kLookahead) {
-        pair.clear_until = end;  // the next pieces begin first, and are searched from there
+      } else if (t >= end) {
+        pair.clear_until = end;  // the next pieces, or the next search, begin first
       } else {
-        contact_at(std::min(t, end), false);
+        contact_at(t, false);
       }
       return;
     }
@@ -286,7 +335,7 @@ void MotionWorld::search_window(Pair& pair) {
       return;
     case collision::ContactState::kFailed:
       ++counters_.failed;
-      pair.clear_until = std::min(s + std::max(kOverlapRetry, from_seconds(c.time_s)), end);
+      pair.clear_until = std::min(std::max(s + kOverlapRetry, begin + from_seconds(c.time_s)), end);
       return;
   }
 }
@@ -302,23 +351,35 @@ void MotionWorld::search(Pair& pair, SimTime to) {
 MotionModel MotionWorld::answered(std::size_t object, const Pair& pair, const MotionModel& self,
                                   const KinematicState& other, bool other_answers, const Vec3& n) {
   Object& o = objects_[object];
-  const CollisionResponse& response = *model_.scene->object(o.id).response;
+  const CollisionResponse* const response = response_of(o.id);
+  const Object& met = objects_[pair.collider == object ? pair.collidee : pair.collider];
+  const Meeting meeting{*response, response_of(met.id), other_answers, self.state, other, n};
   const SimTime t = *pair.contact;
-  std::erase_if(o.recent, [&](SimTime r) { return r + kBouncesWithin < t || r > t; });
-  o.recent.push_back(t);
-  if (o.recent.size() > 2 * kBouncesMax) {  // between two that leave it no room
+  const bool impulse = response->type == ResponseType::kImpulse;
+  remember(o.recent, t);
+  const std::size_t bounces = impulse ? pair.recent.size() : o.recent.size();
+  if (o.recent.size() > (impulse ? kImpulsesMax : 2 * kBouncesMax)) {  // between two that leave it no room
     ++counters_.jammed;
-    return respond(ResponseType::kZero, self.state, other, other_answers, n);
+    CollisionResponse stops = *response;
+    stops.type = ResponseType::kZero;
+    return respond({stops, meeting.other_response, other_answers, self.state, other, n});
   }
-  if (pair.resting || o.recent.size() > kBouncesMax) {
+  if (pair.resting || bounces > kBouncesMax) {
     ++counters_.came_to_rest;
-    return rest_against(self.state, other, n);
+    const KinematicState after = rest_against(meeting, pair.resting);
+    return impulse ? law_after(response, self, after) : MotionModel(after);
   }
-  KinematicState after = respond(response.type, self.state, other, other_answers, n);
+  KinematicState after = respond(meeting);
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
-  if (pair.overlapped && response.set_back && pair.free_at) after.position = o.timeline.at(*pair.free_at).position;
+  if (pair.overlapped && response->set_back && pair.free_at) after.position = o.timeline.at(*pair.free_at).position;
   if (same_motion(after, self.state)) return self;
-  return after_contact(self, after, n, response.type == ResponseType::kInverse);
+  if (impulse) return law_after(response, self, after);
+  return after_contact(self, after, n, response->type == ResponseType::kInverse);
+}
+
+const CollisionResponse* MotionWorld::response_of(ObjectId object) const {
+  const auto& response = model_.scene->object(object).response;
+  return response ? &*response : nullptr;
 }
 
 void MotionWorld::answer(Pair& pair) {
@@ -328,6 +389,7 @@ void MotionWorld::answer(Pair& pair) {
   MotionModel after_a = model_a, after_b = model_b;
   const KinematicState &before_a = model_a.state, &before_b = model_b.state;
   const bool a_answers = will_answer(a, pair.collider_answers, t), b_answers = will_answer(b, pair.collidee_answers, t);
+  remember(pair.recent, t);
   if (a_answers) after_a = answered(pair.collider, pair, model_a, before_b, b_answers, pair.normal);
   if (b_answers) after_b = answered(pair.collidee, pair, model_b, before_a, a_answers, -pair.normal);
   ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, after_a.state, after_b.state};
@@ -343,6 +405,7 @@ void MotionWorld::answer(Pair& pair) {
     if (!answers) continue;
     if (objects_[index].timeline.segments().back().from > t) events_.push_back(TakenBack{objects_[index].id, t});
     take_back(index, t);
+    forget_bounces(index, t + Duration{1});
   }
   if (a_answers) a.timeline.replace_from(t, after_a, b.id);
   if (b_answers) b.timeline.replace_from(t, after_b, a.id);
@@ -395,6 +458,10 @@ MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
 bool MotionWorld::knows(ObjectId object, SimTime t) const {
   const Object* o = find(object);
   return o != nullptr && o->timeline.begin() <= t;
+}
+
+SimTime MotionWorld::law_since(ObjectId object, SimTime t) const {
+  return objects_[index_of(object)].timeline.segment_at(t).from;
 }
 
 SimTime MotionWorld::base_time(ObjectId object) const { return objects_[index_of(object)].base_time; }

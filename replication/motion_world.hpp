@@ -55,8 +55,9 @@ struct TakenBack {
   SimTime since;
 };
 
-// Objects on timelines that meet each other at contact *times*. Results do not depend on how often advance() is called:
-// a pair's next contact is computed from the pieces' base states, once, and kept until one of the pieces changes.
+// Objects on timelines that meet each other at contact *times*. Results do not depend on how often advance() is called,
+// nor on when what was told came: a pair's next contact is computed once, from an instant that their timelines decide,
+// and kept until one of the pieces changes. Worlds with equal timelines find equal contacts, bit for bit.
 class MotionWorld {
  public:
   struct Counters {
@@ -99,6 +100,8 @@ class MotionWorld {
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
   // Whether its timeline reaches back to t.
   [[nodiscard]] bool knows(ObjectId object, SimTime t) const;
+  // Since when the law that is in force at t is.
+  [[nodiscard]] SimTime law_since(ObjectId object, SimTime t) const;
   // When the last told (not predicted) piece of its timeline began.
   [[nodiscard]] SimTime base_time(ObjectId object) const;
   // Another number whenever its future became another one: it was told, or what it had answered was taken back.
@@ -130,12 +133,15 @@ class MotionWorld {
     std::optional<SimTime> free_at;  // when the two were last known apart: setBack goes there
     bool overlapped = false;         // `contact` is an overlap found, not a touch
     bool resting = false;            // `contact` is one pressed against the other, not one that comes in
+    std::vector<SimTime> recent;     // of its last contacts, for those that answer by impulse
     bool inside = false;             // a contact that nobody answers goes on; it is told once
   };
 
   [[nodiscard]] const Object* find(ObjectId id) const;
   [[nodiscard]] std::size_t index_of(ObjectId id) const;
   [[nodiscard]] static bool will_answer(const Object& o, bool registered, SimTime t);
+  [[nodiscard]] const CollisionResponse* response_of(ObjectId object) const;
+  [[nodiscard]] SimTime search_begin(const Pair& pair, SimTime s) const;
   void search(Pair& pair, SimTime to);
   void search_window(Pair& pair);
   void answer(Pair& pair);
@@ -143,6 +149,7 @@ class MotionWorld {
                                      const KinematicState& other, bool other_answers, const Vec3& n);
   void take_back(std::size_t cause, SimTime t);
   void reopen(std::size_t object, SimTime t);
+  void forget_bounces(std::size_t object, SimTime from);
 
   const WorldModel& model_;
   SimTime start_, advanced_;

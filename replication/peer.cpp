@@ -43,6 +43,7 @@ Peer::Peer(PeerConfig config, const WorldModel& model)
   for (const Enslaved& e : config_.enslaved) {
     own_[e.object].driven = e.driven;
     if (config_.policy.surface_error) own_[e.object].reach_m = reach_m(*model.scene, e.object);
+    own_[e.object].launch = e.launch;
     owners_[e.object] = config_.id;
   }
   outputs_.push_back(Join{kWholeScene});
@@ -115,6 +116,11 @@ HostTime Peer::next_deadline() const {
   return next;
 }
 
+const CollisionResponse* Peer::response_of(ObjectId object) const {
+  const auto& response = model_.scene->object(object).response;
+  return response ? &*response : nullptr;
+}
+
 PeerId Peer::owner(ObjectId object) const {
   const auto at = owners_.find(object);
   return at == owners_.end() ? kNobody : at->second;
@@ -130,8 +136,8 @@ KinematicState Peer::ghost(ObjectId object, SimTime t) const {
   return replica_->ghosts.has(object) ? replica_->ghosts.at(object, t) : at_rest(model_.scene->rigid_pose(object));
 }
 
-// Straight, turned as the ghost is, past the others as they stand.
-bool Peer::may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const {
+// Straight, turned as the ghost is, past the others as they go from where they were drawn with it last.
+bool Peer::may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const {
   const collision::Body* body = model_.body(object);
   if (body == nullptr) return true;
   KinematicState way = at_rest({from, replica_->ghosts.at(object, t).orientation});
@@ -139,9 +145,12 @@ bool Peer::may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to
   return std::ranges::none_of(model_.pairs, [&](const CollisionPair& pair) {
     if (pair.collider != object && pair.collidee != object) return false;
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
-    const KinematicState stands = at_rest(replica_->ghosts.at(other, t).pose());
+    const MotionWorld& drawn = own_.contains(other) ? replica_->truth : replica_->ghosts;
+    const Pose now = drawn.at(other, t).pose();
+    KinematicState goes = at_rest({drawn.at(other, since).position, now.orientation});
+    goes.velocity = now.position - goes.position;
     const collision::ContactState met =
-        collision::first_contact({*body, way}, {*model_.body(other), stands}, pair.type, 1.0).state;
+        collision::first_contact({*body, way}, {*model_.body(other), goes}, pair.type, 1.0).state;
     return met == collision::ContactState::kContact || met == collision::ContactState::kOverlapped;
   });
 }
@@ -160,10 +169,17 @@ Pose Peer::shown(ObjectId object, SimTime t) {
   const KinematicState state = ghost(object, t);
   if (!replica_->ghosts.has(object)) return state.pose();
   Convergence& convergence = shown_.try_emplace(object, config_.convergence).first->second;
-  const std::uint64_t before = convergence.blocked();
-  const Pose pose = convergence.shown(t, state, replica_->ghosts.revision(object),
-                                      [&](const Vec3& from, const Vec3& to) { return may_pass(object, t, from, to); });
-  counters_.convergence_blocked += convergence.blocked() - before;
+  const std::uint64_t blocked = convergence.blocked(), detours = convergence.detours();
+  const MotionWorld& ghosts = replica_->ghosts;
+  const SimTime since = convergence.last_shown().value_or(t);
+  const Pose pose = convergence.shown(
+      t, state, ghosts.revision(object),
+      [&](const Vec3& from, const Vec3& to) { return may_pass(object, since, t, from, to); },
+      [&](SimTime at) {
+        return ghosts.knows(object, at) ? std::optional(ghosts.at(object, at).pose()) : std::nullopt;
+      });
+  counters_.convergence_blocked += convergence.blocked() - blocked;
+  counters_.convergence_detours += convergence.detours() - detours;
   return pose;
 }
 

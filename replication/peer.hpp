@@ -25,11 +25,19 @@
 
 namespace peerd::replication {
 
-// An object that this peer runs. A driven one is moved by samples that come with each tick; the others move by the
-// world's velocityVector and answer their contacts.
+// How an object that nothing drives begins to move; from then on physics moves it.
+struct Launch {
+  Duration after{0};                 // the start of motions
+  std::optional<Vec3> velocity;      // [m/s], world frame; none: the world's velocityVector
+  Vec3 acceleration = Vec3::Zero();  // [m/s^2], world frame: gravity. It stays through bounces
+};
+
+// An object that this peer runs. A driven one is moved by samples that come with each tick; the others move by their
+// launch and answer their contacts.
 struct Enslaved {
   ObjectId object;
   bool driven = false;
+  Launch launch = {};
 };
 
 // How collisions between objects of two peers are decided. All peers of a session should say the same.
@@ -74,7 +82,7 @@ struct PeerConfig {
   Duration hello_period = std::chrono::milliseconds(250);
   Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
   Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
-  // Objects that move by their velocityVector stand until start_motions(); else they go from the session's begin.
+  // Objects that nothing drives stand until start_motions(); else their launches count from the session's begin.
   bool wait_for_start = false;
 };
 
@@ -187,6 +195,7 @@ class Peer {
     std::uint64_t updates_duplicate = 0;  // copies of what was applied already
     std::uint64_t updates_relayed = 0;
     std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
+    std::uint64_t convergence_detours = 0;  // those that followed the ghost's own way past it
     std::uint64_t proximity_tests = 0;
     std::uint64_t proximity_refined = 0;    // those that spheres didn't settle
     std::uint64_t decisions = 0;            // made here, fallback included
@@ -210,7 +219,7 @@ class Peer {
   // The tick that on_tick(now) would do: the last point of the session's tick grid not after now. None: not due, or
   // not synchronised yet.
   [[nodiscard]] std::optional<SimTime> due_tick(HostTime now) const;
-  // Own objects that move by their velocityVector do so from `start` on, or from now if that has passed.
+  // The launches of own objects count from `start`, or from now if that has passed.
   void start_motions(HostTime now, SimTime start);
   // A vector in the frame of the object's parent, as the file has velocities: in the world's, as the parent stands
   // then.
@@ -267,9 +276,11 @@ class Peer {
     bool driven = false;
     std::optional<SimTime> last_sent;
     std::uint32_t sequence = 0;
-    bool resend = false;            // somebody joined
-    bool retell = false;            // what was told last was not true
-    std::optional<SimTime> starts;  // it stands until then
+    bool resend = false;  // somebody joined
+    bool retell = false;  // what was told last was not true
+    Launch launch;
+    std::optional<SimTime> starts;   // it stands until then
+    std::optional<SimTime> changed;  // then it began to move as nobody could know; not told yet
     std::optional<UpdateRecord> to_repeat;
     std::uint32_t copies = 0;  // of to_repeat that go out with the next ticks
     std::optional<ModelChooser> models;
@@ -281,7 +292,9 @@ class Peer {
 
   [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
   void enter_session(HostTime now);
-  [[nodiscard]] Vec3 file_velocity(SimTime at, ObjectId object);
+  void launch(SimTime at, ObjectId object, Own& own);
+  void begin_motions(SimTime until);
+  [[nodiscard]] const CollisionResponse* response_of(ObjectId object) const;
   void change_session(SimTime before, SimTime now);
   void declare_all();
   void on_hello(HostTime now, PeerId sender, const Hello& hello);
@@ -322,7 +335,8 @@ class Peer {
   [[nodiscard]] std::vector<ContactNote> notes() const;
   void publish(SimTime t);
   void repeat_updates(HostTime now);
-  [[nodiscard]] bool may_pass(ObjectId object, SimTime t, const Vec3& from, const Vec3& to) const;
+  void tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m);
+  [[nodiscard]] bool may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const;
   [[nodiscard]] double threshold_now_m(ObjectId object, SimTime t);
   [[nodiscard]] double time_to_contact_s(ObjectId object, SimTime t, double threshold_m);
   [[nodiscard]] Duration display_delay() const;

@@ -5,6 +5,7 @@
 
 #include "replication/decision.hpp"
 #include "replication/peer.hpp"
+#include "replication/response.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -147,10 +148,14 @@ void Peer::enter_session(HostTime host_now) {
   last_tick_ = tick_number(now);
   declare_all();
   restart_predefined();
-  for (const auto& [object, own] : own_) {
-    KinematicState initial = at_rest(model_.scene->rigid_pose(object));
-    if (!own.driven && !config_.wait_for_start) initial.velocity = file_velocity(now, object);
-    replica_->truth.set_base(object, now, initial);
+  for (auto& [object, own] : own_) {
+    replica_->truth.set_base(object, now, at_rest(model_.scene->rigid_pose(object)));
+    if (own.driven || config_.wait_for_start) continue;
+    if (own.launch.after > Duration{0}) {
+      own.starts = now + own.launch.after;
+    } else {
+      launch(now, object, own);
+    }
   }
 }
 
@@ -159,21 +164,45 @@ Vec3 Peer::to_world(SimTime at, ObjectId object, const Vec3& in_parent) {
   return predefined_->to_world(object, in_parent, to_seconds(at - *world_zero_));
 }
 
-// The world's velocityVector, which is in its parent's frame.
-Vec3 Peer::file_velocity(SimTime at, ObjectId object) {
-  return to_world(at, object, model_.scene->object(object).velocity);
+// The world's velocityVector is in its parent's frame.
+void Peer::launch(SimTime at, ObjectId object, Own& own) {
+  KinematicState state = replica_->truth.at(object, at);
+  state.velocity =
+      own.launch.velocity ? *own.launch.velocity : to_world(at, object, model_.scene->object(object).velocity);
+  state.acceleration = own.launch.acceleration;
+  replica_->truth.set_base(object, at, law_after(response_of(object), MotionModel{}, state));
+}
+
+// The launches that are due, in order of time.
+void Peer::begin_motions(SimTime until) {
+  for (;;) {
+    auto first = own_.end();
+    for (auto own = own_.begin(); own != own_.end(); ++own) {
+      if (!own->second.starts || *own->second.starts > until) continue;
+      if (first == own_.end() || *own->second.starts < *first->second.starts) first = own;
+    }
+    if (first == own_.end()) return;
+    Own& own = first->second;
+    const SimTime at = *own.starts;
+    replica_->truth.advance(at);
+    launch(at, first->first, own);
+    own.changed = at;
+    own.starts.reset();
+  }
 }
 
 bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute) {
   const auto own = own_.find(object);
   if (!replica_ || own == own_.end() || own->second.driven) return false;
   const SimTime t = std::max(clock_.to_session(now), tick_time(last_tick_));
+  begin_motions(t);
   replica_->truth.advance(t);
-  KinematicState state = replica_->truth.at(object, t);
+  const MotionModel law = replica_->truth.model_at(object, t);
+  KinematicState state = law.state;
   state.velocity = absolute ? velocity : Vec3(state.velocity + velocity);
-  replica_->truth.set_base(object, t, state);
+  replica_->truth.set_base(object, t, law_after(response_of(object), law, state));
   own->second.starts.reset();
-  own->second.last_sent.reset();  // nobody could know
+  own->second.changed = t;  // nobody could know
   return true;
 }
 
@@ -181,11 +210,7 @@ void Peer::start_motions(HostTime now, SimTime start) {
   if (!replica_) return;
   const SimTime from = std::max(start, clock_.to_session(now));
   for (auto& [object, own] : own_) {
-    if (own.driven) continue;
-    KinematicState state = replica_->truth.at(object, from);
-    state.velocity = file_velocity(from, object);
-    replica_->truth.set_base(object, from, state);
-    own.starts = from;
+    if (!own.driven) own.starts = from + own.launch.after;
   }
 }
 
@@ -214,6 +239,8 @@ void Peer::change_session(SimTime before, SimTime now) {
   restart_predefined();
   for (auto& [object, own] : own_) {
     own.last_sent.reset();
+    own.changed.reset();
+    if (own.starts) *own.starts += now - before;
     own.models.reset();  // their samples are of the other time
     own.poses = {};
     own.budget = {};

@@ -18,6 +18,7 @@ constexpr double kTimeSteps = 16.0;
 
 void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
   tell_predefined(t);
+  begin_motions(t);
   replica_->truth.advance(t);
   for (const OwnSample& sample : samples) {
     const auto own = own_.find(sample.object);
@@ -82,37 +83,54 @@ bool Peer::gains(Own& own, SimTime t, const GhostError& error) {
 void Peer::publish(SimTime t) {
   const PublishPolicy& policy = config_.policy;
   observe(t);
-  const std::uint32_t copies = copies_against(loss(), policy.copies);
+  // What nobody could know comes first, and of the instant at which it began: what follows from it the others find
+  // themselves, and so do this peer's ghosts, before they are asked whether anything else is worth an update.
+  bool told = false;
   for (auto& [object, own] : own_) {
-    const KinematicState truth = replica_->truth.at(object, t);
-    const GhostError error = ghost_error(truth, replica_->ghosts.at(object, t), own.reach_m);
+    if (!own.changed) continue;
+    const bool follows = policy.predict_collisions || replica_->truth.law_since(object, t) == *own.changed;
+    tell(object, own, follows ? *own.changed : t, t, PublishReason::kFirst, threshold_now_m(object, t));
+    told = true;
+  }
+  if (told) replica_->ghosts.advance(t);
+  for (auto& [object, own] : own_) {
+    const GhostError error = ghost_error(replica_->truth.at(object, t), replica_->ghosts.at(object, t), own.reach_m);
     const double threshold_m = threshold_now_m(object, t);
-    if (own.starts && t >= *own.starts) {  // it has begun to move: nobody could know
-      own.starts.reset();
-      own.last_sent.reset();
-    }
     std::optional<PublishReason> reason = due(policy, threshold_m, error, own.last_sent, t);
     if (!reason && own.retell) reason = PublishReason::kDecision;
     if (!reason && own.resend) reason = PublishReason::kJoiner;
     if (!reason && gains(own, t, error)) reason = PublishReason::kGain;
-    if (!reason) continue;
-    own.budget.spend(policy, t);
-    if (own.last_sent) {
-      const double interval_s = std::clamp(to_seconds(t - *own.last_sent), kIntervalMin_s, kIntervalMax_s);
-      own.interval_s += (interval_s - own.interval_s) / 4.0;
-    }
-    own.last_sent = t;
-    own.resend = own.retell = false;
-    const MotionModel model = own.models ? own.models->choose() : as_model(policy.order, truth);
-    const UpdateRecord record{object, ++own.sequence, t, model, decisions_.last(object)};
-    replica_->ghosts.set_base(object, t, record.model);
-    ++counters_.updates_out;
-    outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, *reason});
-    updates_due_.push_back(record);
-    own.to_repeat = record;
-    own.copies = copies - 1;
+    if (reason) tell(object, own, t, t, *reason, threshold_m);
   }
   send_copies();
+}
+
+// The update goes out at tick t and is of `at`, not after it. What physics moves names its law as it is. Where it
+// answers by impulse it goes on from what was told: its truth and its ghost are one motion, to the last bit, which many
+// collisions would else draw apart.
+void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m) {
+  const PublishPolicy& policy = config_.policy;
+  own.budget.spend(policy, t);
+  if (own.last_sent) {
+    const double interval_s = std::clamp(to_seconds(t - *own.last_sent), kIntervalMin_s, kIntervalMax_s);
+    own.interval_s += (interval_s - own.interval_s) / 4.0;
+  }
+  own.last_sent = t;
+  own.resend = own.retell = false;
+  own.changed.reset();
+  const MotionModel law = replica_->truth.model_at(object, at);
+  const bool exact = !own.driven && (policy.models || policy.order == ModelOrder::kSecond);
+  const MotionModel model = exact ? law : own.models ? own.models->choose() : as_model(policy.order, law.state);
+  const CollisionResponse* const response = response_of(object);
+  const bool shared_motion = exact && response != nullptr && response->type == ResponseType::kImpulse;
+  if (shared_motion && at == t) replica_->truth.set_base(object, t, model);
+  const UpdateRecord record{object, ++own.sequence, at, model, decisions_.last(object)};
+  replica_->ghosts.set_base(object, at, record.model);
+  ++counters_.updates_out;
+  outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, reason});
+  updates_due_.push_back(record);
+  own.to_repeat = record;
+  own.copies = copies_against(loss(), policy.copies) - 1;
 }
 
 // The error threshold in force: the tight one in close proximity.

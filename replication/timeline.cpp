@@ -30,6 +30,16 @@ const Timeline::Segment& Timeline::segment_at(SimTime t) const {
   return next == segments_.begin() ? segments_.front() : *(next - 1);
 }
 
+std::optional<SimTime> Timeline::last_change_until(SimTime t) const {
+  const Segment& s = segment_at(t);
+  const KinematicState& base = s.model.state;
+  const bool stands = base.velocity.isZero(0.0) && base.acceleration.isZero(0.0) &&
+                      base.angular_velocity_body.isZero(0.0) && s.model.jerk.isZero(0.0) &&
+                      s.model.angular_acceleration_body.isZero(0.0);
+  if (t < s.from || (&s == segments_.data() && stands)) return std::nullopt;
+  return s.from + piece_begin(s.model, t - s.from);
+}
+
 std::optional<SimTime> Timeline::next_change_after(SimTime t) const {
   const auto next = std::upper_bound(segments_.begin(), segments_.end(), t, begins_after);
   std::optional<SimTime> change;

@@ -33,8 +33,10 @@ class Timeline {
   [[nodiscard]] KinematicState at(SimTime t) const;
   // The law in force at t, based there: where at(t) has the object, with the derivatives of the closed form.
   [[nodiscard]] MotionModel model_at(SimTime t) const;
-  // The segment in force at t, and when the next segment or piece begins (none: never).
+  // The segment in force at t, when it or its piece in force began (none: it has not moved yet, or it always stood
+  // there), and when the next segment or piece begins (none: never).
   [[nodiscard]] const Segment& segment_at(SimTime t) const;
+  [[nodiscard]] std::optional<SimTime> last_change_until(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> next_change_after(SimTime t) const;
 
   [[nodiscard]] SimTime begin() const { return segments_.front().from; }

@@ -258,8 +258,8 @@ bool Comparison::compare_instance(std::uint32_t i) {
   }
   const ObjectFields &o = scene_a_.object({i}), &p = scene_b_.object({i});
   const auto response = [](const ObjectFields& f) {
-    return f.response ? std::tuple(true, f.response->type, f.response->set_back)
-                      : std::tuple(false, ResponseType{}, false);
+    const CollisionResponse r = f.response.value_or(CollisionResponse{});
+    return std::tuple(f.response.has_value(), r.type, r.set_back, r.mass_kg, r.restitution, r.friction_m_s2);
   };
   if (!same_bits(o.velocity, p.velocity) || !same_bits(o.distance_threshold_m, p.distance_threshold_m) ||
       response(o) != response(p)) {

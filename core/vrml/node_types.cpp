@@ -98,6 +98,9 @@ constexpr FieldSpec kCollisionInterestFields[] = {
 constexpr FieldSpec kCollisionResponseFields[] = {
     field("responseType", kSFInt32, "0", kNonNegative),
     field("setBack", kSFBool, "TRUE"),
+    field("mass", kSFFloat, "1", kPositive),
+    field("restitution", kSFFloat, "1", kNonNegative),
+    field("friction", kSFFloat, "0", kNonNegative),
 };
 constexpr FieldSpec kColorFields[] = {
     exposed("color", kMFColor, "[ ]"),

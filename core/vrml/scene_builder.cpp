@@ -166,11 +166,26 @@ CollisionResponse Builder::make_response(const Node& node) {
   if (node.type->name != "CollisionResponse") return response;  // an EXTERNPROTO that was not found
   const Field& type = value_of(node, "responseType");
   const std::int32_t written = type.as<std::int32_t>()[0];
-  if (written > 1) {
-    problems_.error(type.at, "responseType must be 0 (CRT_INVERSE) or 1 (CRT_ZERO), found " + std::to_string(written));
+  if (written > 2) {
+    problems_.error(type.at, "responseType must be 0 (CRT_INVERSE), 1 (CRT_ZERO) or 2 (CRT_IMPULSE), found " +
+                                 std::to_string(written));
   }
   response.type = static_cast<ResponseType>(written);
   response.set_back = value_of(node, "setBack").as<bool>()[0];
+  const auto number = [&](std::string_view name) { return static_cast<double>(value_of(node, name).as<float>()[0]); };
+  response.mass_kg = number("mass");
+  response.restitution = number("restitution");
+  response.friction_m_s2 = number("friction");
+  if (response.restitution > 1.0) {
+    problems_.error(value_of(node, "restitution").at, "restitution must be 0 to 1: more would make speed of nothing");
+  }
+  for (const Field& field : node.given()) {
+    const std::string_view name = field.spec->name;
+    if (response.type == ResponseType::kImpulse || (name != "mass" && name != "restitution" && name != "friction")) {
+      continue;
+    }
+    problems_.warning(field.at, std::string(name) + " counts with responseType 2 (CRT_IMPULSE) only");
+  }
   return response;
 }
 

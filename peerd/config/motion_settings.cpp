@@ -78,6 +78,21 @@ Waypoints read_waypoints(TomlReader& reader) {
   return w;
 }
 
+// How the object begins to move by itself.
+replication::Launch read_physics(TomlReader reader) {
+  replication::Launch launch;
+  std::vector<double> velocity(3), acceleration(3);
+  double at_s = 0.0;
+  reader.read("velocity", velocity, 3);
+  reader.read("acceleration", acceleration, 3);
+  reader.read("at_s", at_s, 0.0, kForever_s);
+  if (reader.has("velocity")) launch.velocity = Vec3(velocity[0], velocity[1], velocity[2]);
+  launch.acceleration = Vec3(acceleration[0], acceleration[1], acceleration[2]);
+  launch.after = from_seconds(at_s);
+  reader.finish();
+  return launch;
+}
+
 }  // namespace
 
 MotionSettings read_motion(TomlReader reader, const std::filesystem::path& folder) {
@@ -91,6 +106,11 @@ MotionSettings read_motion(TomlReader reader, const std::filesystem::path& folde
       if (key.str() == "outside") continue;
       reader.fail(&value, reader.dotted(key.str()) + ": outside = true leaves all to a program; it has no other key");
     }
+    return m;
+  }
+  if (const toml::table* physics = reader.table("physics")) {
+    m.kind = read_physics(TomlReader(*physics, reader.dotted("physics"), reader.error()));
+    reader.finish();  // it has no other key
     return m;
   }
   constexpr std::array kKinds{"waypoints", "track", "walk", "drive", "flock"};

@@ -13,6 +13,7 @@
 #include "peerd/config/track.hpp"
 #include "peerd/config/walk.hpp"
 #include "peerd/config/waypoints.hpp"
+#include "replication/peer.hpp"
 
 namespace peerd::config {
 
@@ -24,7 +25,9 @@ struct Outside {};
 // replication never sees what is behind them.
 struct MotionSettings {
   std::string at;  // FILE:LINE:COLUMN: of the table; empty where none is known
-  std::variant<MotionFormula, Waypoints, Track, WalkSettings, DriveSettings, FlockSettings, Outside> kind;
+  std::variant<MotionFormula, Waypoints, Track, WalkSettings, DriveSettings, FlockSettings, Outside,
+               replication::Launch>
+      kind;
   bool face_forward = false;          // of all but formulas: look along the velocity
   bool hold_before_start = false;     // stand at the pose of t = 0 until then, instead of being under way
   std::optional<std::uint64_t> seed;  // of what is random; none: the scenario's

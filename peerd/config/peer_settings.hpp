@@ -53,7 +53,7 @@ struct PeerSettings {
   std::vector<NodePattern> enslaves;
   std::map<std::string, MotionSettings> motion;  // by path or pattern, before those of the scenario
   FeedSettings feed;
-  std::vector<ScriptedKey> keys;                 // by time, then as in the file
+  std::vector<ScriptedKey> keys;  // by time, then as in the file
   std::optional<ViewpointSettings> viewpoint;
   std::optional<std::uint32_t> tick_hz;  // instead of replication.tick_hz
   double clock_offset_s = 0.0;           // test setting: this host's clock is so far ahead

@@ -88,6 +88,10 @@ class Resolver {
       }
       return;
     }
+    if (const auto* launch = std::get_if<replication::Launch>(&motion.kind)) {
+      for (const std::size_t n : numbers) peers_[runs_.at(objects[n])].launches.emplace(objects[n], *launch);
+      return;
+    }
     std::vector<Pose> places;
     for (const ObjectId object : objects) places.push_back(scene_.rigid_pose(object));
     auto sources = make_sources(motion, motion.at + "error: " + key, places, numbers, run_.seed, run_.duration_s);

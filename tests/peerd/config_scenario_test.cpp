@@ -73,6 +73,36 @@ class ScenarioTest : public testing::Test {
   ScenarioRequest request;
 };
 
+TEST_F(ScenarioTest, PhysicsStandsInPlaceOfFormulas) {
+  const std::string text = R"(world = "some.wrl"
+[peer.a]
+id = 1
+enslaves = ["BALL", "BOX"]
+[peer.a.motion.BALL]
+physics = { velocity = [1, 2, 3], acceleration = [0, -9.81, 0], at_s = 1.5 }
+[peer.a.motion.BOX]
+physics = { }
+)";
+  const RunSettings run = read(text).runs.front();
+  const auto launch = [](const RunSettings& r, const char* name) {
+    return std::get<replication::Launch>(r.peers[0].motion.at(name).kind);
+  };
+  const replication::Launch ball = launch(run, "BALL");
+  EXPECT_EQ(ball.velocity, Vec3(1, 2, 3));
+  EXPECT_EQ(ball.acceleration, Vec3(0, -9.81, 0));
+  EXPECT_EQ(ball.after, from_seconds(1.5));
+  const replication::Launch box = launch(run, "BOX");
+  EXPECT_FALSE(box.velocity.has_value());
+  EXPECT_EQ(box.acceleration, Vec3::Zero());
+  EXPECT_EQ(box.after, Duration{0});
+  const auto swept = read(text, {"peer.a.motion.BALL.physics.velocity=[4, 5, 6]"}).runs;
+  ASSERT_EQ(swept.size(), 1u);
+  EXPECT_EQ(launch(swept.front(), "BALL").velocity, Vec3(4, 5, 6));
+  EXPECT_THAT(error(text, {"peer.a.motion.BALL.x=t"}), HasSubstr("peer.a.motion.BALL.x"));
+  EXPECT_THAT(error(text, {"peer.a.motion.BALL.physics.speed=1"}), HasSubstr("peer.a.motion.BALL.physics.speed"));
+  EXPECT_THAT(error(text, {"peer.a.motion.BALL.physics.at_s=-1"}), HasSubstr("peer.a.motion.BALL.physics.at_s"));
+}
+
 TEST_F(ScenarioTest, ReadsWhatTheFileSays) {
   const Scenario s = read(kTwoPeers);
   EXPECT_EQ(s.name, "my");

@@ -93,6 +93,39 @@ TEST(Convergence, WhatMayNotPassJumps) {
   EXPECT_EQ(convergence.blocked(), 1u);
 }
 
+// The news is that it was thrown over the wall half a second ago.
+TEST(Convergence, WhatMayNotPassFollowsTheGhostsOwnWay) {
+  for (const auto method : {ConvergenceMethod::kLinear, ConvergenceMethod::kCubic, ConvergenceMethod::kParabola}) {
+    Convergence convergence({method, kOver});
+    const SimTime thrown = sim(1s), heard = sim(1500ms);
+    const KinematicState ball = moving({-5, 0, 0}, {20, 15, 0}, {0, -30, 0});
+    const auto over = [&](SimTime t) {
+      return t < thrown ? at_rest(ball.pose()) : advance(ball, to_seconds(t - thrown));
+    };
+    const auto was = [&](SimTime t) { return std::optional(over(t).pose()); };
+    // Up to y = 2 at x = 0.
+    const auto wall = [](const Vec3& from, const Vec3& to) {
+      if ((from.x() < 0) == (to.x() < 0)) return true;
+      return from.y() + (to.y() - from.y()) * from.x() / (from.x() - to.x()) > 2.0;
+    };
+    Vec3 last(-5, 0, 0);
+    std::size_t frames = 0;
+    for (SimTime t = sim(0s); t < sim(2s); t += kFrame) {
+      const bool told = t >= heard;
+      const KinematicState ghost = told ? over(t) : at_rest(ball.pose());
+      const Vec3 now = convergence.shown(t, ghost, told ? 1u : 0u, wall, was).position;
+      ASSERT_TRUE(wall(last, now)) << "from " << last.transpose() << " to " << now.transpose();
+      frames += told && now != ghost.position;
+      last = now;
+    }
+    EXPECT_EQ(last, over(sim(1990ms)).position);
+    EXPECT_GT(frames, 5u) << "it doesn't jump";
+    EXPECT_LT(frames, 30u) << "it catches up";
+    EXPECT_EQ(convergence.detours(), 1u);
+    EXPECT_EQ(convergence.blocked(), 0u);
+  }
+}
+
 // A ball that its owner has carried around a wall is not drawn through it.
 TEST(Convergence, APeerDrawsNothingThroughAWall) {
   const World world(box("BALL", "0.5 0.5 0.5", "-1 0 0", kBounces) + box("WALL", "0.2 9 9", "0 0 0") +

@@ -63,7 +63,17 @@ TEST(SceneBuilderFields, CarryTheSeedsExtensions) {
   EXPECT_THAT(s.convex_hull.span(), ElementsAre(Eigen::Vector3f(1, 2, 3), Eigen::Vector3f(4, 5, 6)));
   EXPECT_EQ(s.hierarchy_file, "a.hier");
   EXPECT_EQ(s.split_threshold, 3);
+  const Scene struck = scene_of(
+      "Transform { collisionResponse CollisionResponse { responseType 2 mass 0.25 restitution 0.5 friction 0.125 } }");
+  const CollisionResponse& impulse = *struck.object({0}).response;
+  EXPECT_EQ(impulse.type, ResponseType::kImpulse);
+  EXPECT_EQ(impulse.mass_kg, 0.25);
+  EXPECT_EQ(impulse.restitution, 0.5);
+  EXPECT_EQ(impulse.friction_m_s2, 0.125);
   // and the defaults
+  EXPECT_EQ(scene.object({2}).response->mass_kg, 1.0);
+  EXPECT_EQ(scene.object({2}).response->restitution, 1.0);
+  EXPECT_EQ(scene.object({2}).response->friction_m_s2, 0.0);
   EXPECT_EQ(scene.object({2}).distance_threshold_m, 0.5);
   EXPECT_EQ(scene.object({2}).response->type, ResponseType::kInverse);
   EXPECT_TRUE(scene.object({2}).response->set_back);
@@ -224,8 +234,20 @@ TEST(SceneBuilderInterests, SayNothingTwiceOfALostNode) {
 }
 
 TEST(SceneBuilderResponse, ChecksItsType) {
-  EXPECT_THAT(problems_of("Transform { collisionResponse CollisionResponse { responseType 2 } }"),
-              ElementsAre("2:64: responseType must be 0 (CRT_INVERSE) or 1 (CRT_ZERO), found 2"));
+  EXPECT_THAT(problems_of("Transform { collisionResponse CollisionResponse { responseType 3 } }"),
+              ElementsAre("2:64: responseType must be 0 (CRT_INVERSE), 1 (CRT_ZERO) or 2 (CRT_IMPULSE), found 3"));
+}
+
+TEST(SceneBuilderResponse, ChecksWhatAnImpulseIsOf) {
+  const auto of = [](const std::string& fields) {
+    return problems_of("Transform { collisionResponse CollisionResponse { " + fields + " } }");
+  };
+  EXPECT_THAT(of("responseType 2 mass 0"), ElementsAre(HasSubstr("'mass' must be > 0, found '0'")));
+  EXPECT_THAT(of("responseType 2 restitution -0.5"), ElementsAre(HasSubstr("'restitution' must be >= 0")));
+  EXPECT_THAT(of("responseType 2 restitution 1.5"), ElementsAre(HasSubstr("restitution must be 0 to 1")));
+  EXPECT_THAT(of("responseType 2 friction -1"), ElementsAre(HasSubstr("'friction' must be >= 0")));
+  EXPECT_THAT(of("friction 1"), ElementsAre(HasSubstr("friction counts with responseType 2 (CRT_IMPULSE) only")));
+  EXPECT_THAT(of("responseType 2 mass 2 restitution 0 friction 1"), IsEmpty());
 }
 
 // Of a lost node inside of other things too.

@@ -145,6 +145,8 @@ INSTANTIATE_TEST_SUITE_P(
         Same{"Interest",
              "DEF A Transform {\n  collisionResponse CollisionResponse {\n    setBack FALSE\n  }\n}\n"
              "Group {\n  children [\n    DEF B Shape { }\n  ]\n}\n"
+             "Transform {\n  collisionResponse CollisionResponse {\n    responseType 2\n    mass 0.142\n"
+             "    restitution 0.95\n    friction 0.2\n  }\n}\n"
              "CollisionInterest {\n  objectPath \"A\"\n  interests [ \"1/B\" ]\n}\n"
              "KeySensor {\n  recipient \"A\"\n  value 1 -0 0\n}\n"}),
     [](const auto& test) {
