@@ -10,7 +10,7 @@ class LossMeter {
   // `number`: the sender's count of its datagrams, from 1.
   void on_datagram(std::uint32_t number);
   // The part that gets lost, in (0, 1): before anything has come one in ten, afterwards ever nearer to what was seen.
-  [[nodiscard]] double loss() const { return (lost_ + 1.0) / (sent_ + 10.0); }
+  [[nodiscard]] double loss() const { return (lost_ + 0.5) / (sent_ + 5.0); }
 
  private:
   std::uint32_t highest_ = 0;

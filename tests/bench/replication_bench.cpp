@@ -1,0 +1,251 @@
+// Question: what does it cost, in bytes, to be wrong by how much; and what do others' approaches cost on the same
+// motion?
+//
+// replication_bench [--quick] [--out DIR] [--commit NAME]: crowd, traffic, flock and orbit at 5, 100, 200 and 500 ms on
+// the simulated network. Each approach is a curve, swept over what trades bytes for error: configs/best.toml over
+// wanted_error_m, the dead reckonings of configs/baselines over error_threshold_m; server and lockstep are points.
+// error: mean ghost error of all objects at all observers, against the truth at that instant. Bytes: UDP payload of all
+// datagrams, hellos included, of all peers, a second. Then best.toml without one mechanism at a time, at 200 ms.
+//
+// Writes replication-pareto.svg, replication-mechanisms.svg and replication-curves.csv. Exit code 1: a run in which
+// peers don't agree on an outcome, or in which nobody saw anything.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "collision_chart.hpp"
+#include "figures.hpp"
+#include "peerd/assemble.hpp"
+#include "peerd/report/summary.hpp"
+#include "peerd/sim/simulation.hpp"
+
+namespace peerd::bench {
+namespace {
+
+const std::filesystem::path kConfigs = PEERD_SOURCE_DIR "/configs";
+
+// One run: what it cost and how wrong everybody was.
+struct Outcome {
+  double bytes_per_s = 0.0;
+  double ghost_error_m = 0.0;      // against the truth
+  double view_difference_m = 0.0;  // between what an observer's and the owner's user see
+  double updates_per_object_s = 0.0;
+};
+
+struct Curve {
+  std::string name;
+  std::vector<Outcome> points;
+};
+
+template <class T>
+T must(config::Result<T> result) {
+  if (!result) throw std::runtime_error(result.error().text);
+  return *std::move(result);
+}
+
+struct Mean {
+  double sum = 0.0;
+  std::size_t count = 0;
+  void add(double x) { sum += x, ++count; }
+  [[nodiscard]] double value() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
+};
+
+class Bench {
+ public:
+  explicit Bench(const Options& options) : options_(options) {}
+
+  int run() {
+    const std::vector<std::string> scenarios = options_.quick
+                                                   ? std::vector<std::string>{"orbit"}
+                                                   : std::vector<std::string>{"crowd", "traffic", "flock", "orbit"};
+    const std::vector<double> latencies_ms =
+        options_.quick ? std::vector<double>{200} : std::vector<double>{5, 100, 200, 500};
+    std::vector<Chart> pareto, mechanisms;
+    for (const std::string& scenario : scenarios) {
+      for (const double latency_ms : latencies_ms) pareto.push_back(compare(scenario, latency_ms));
+      mechanisms.push_back(without_one(scenario, 200.0));
+    }
+    const bool written = write_figures(options_, figures_) && write_beside(options_, "replication-curves.csv", csv_) &&
+                         write_beside(options_, "replication-pareto.svg", draw(pareto, latencies_ms.size())) &&
+                         write_beside(options_, "replication-mechanisms.svg", draw(mechanisms, 2));
+    return written && sound_ ? 0 : 1;
+  }
+
+ private:
+  Outcome simulate_one(const std::string& scenario, const std::string& config, double latency_ms,
+                       std::vector<std::string> sets) {
+    sets.push_back("network.latency_ms=" + std::to_string(latency_ms));
+    sets.push_back("duration_s=" + std::string(options_.quick ? "3" : "20"));
+    if (scenario == "traffic" && !config.starts_with("baselines/server"))
+      sets.push_back("decisions.policy=expected-error");
+    config::ScenarioRequest request;
+    request.file = kConfigs / "scenarios" / (scenario + ".toml");
+    request.configs = {kConfigs / (config + ".toml")};
+    request.sets = std::move(sets);
+    const config::Scenario read = must(config::read_scenario(request));
+    if (read.runs.size() != 1) throw std::runtime_error(config + " on " + scenario + ": one run was meant");
+    const config::RunSettings& settings = read.runs.front();
+    const auto shared = must(share_world(read.world));
+    const report::RunRecord record = must(assemble(settings, *shared, must(sim::simulate(settings, *shared))));
+    const auto summary = report::summarise({scenario, "sim", read.seed, {}}, {&record, 1})["runs"][0];
+    if (summary["collisions"]["disagreed"] != 0 || summary["objects"].empty()) {
+      std::printf("error: %s on %s at %g ms: %s\n", config.c_str(), scenario.c_str(), latency_ms,
+                  summary["objects"].empty() ? "nobody saw anything" : "peers disagree on an outcome");
+      sound_ = false;
+    }
+    Outcome outcome;
+    Mean error, difference, updates;
+    for (const auto& row : summary["objects"]) {
+      error.add(row["ghost_error_m"]["mean"].get<double>());
+      difference.add(row["view_difference_m"]["mean"].get<double>());
+      updates.add(row["updates_sent"].get<double>() / settings.duration_s);
+    }
+    outcome.bytes_per_s = summary["traffic"]["bytes_per_s"].get<double>();
+    outcome.ghost_error_m = error.value();
+    outcome.view_difference_m = difference.value();
+    outcome.updates_per_object_s = updates.value();
+    return outcome;
+  }
+
+  Curve sweep(const std::string& scenario, const std::string& name, const std::string& config, double latency_ms,
+              const std::vector<std::vector<std::string>>& settings) {
+    Curve curve{name, {}};
+    for (const auto& sets : settings) {
+      const Outcome& o = curve.points.emplace_back(simulate_one(scenario, config, latency_ms, sets));
+      char row[300];
+      std::snprintf(row, sizeof row, "%s,%g,%s,\"%s\",%.0f,%.6f,%.6f,%.4f\n", scenario.c_str(), latency_ms,
+                    name.c_str(), sets.empty() ? "" : sets.front().c_str(), o.bytes_per_s, o.ghost_error_m,
+                    o.view_difference_m, o.updates_per_object_s);
+      csv_ += row;
+      std::printf("%s", row);
+      std::fflush(stdout);
+    }
+    return curve;
+  }
+
+  [[nodiscard]] std::vector<double> thresholds_m() const {
+    return options_.quick ? std::vector<double>{1.0, 0.1}
+                          : std::vector<double>{2.0, 1.0, 0.5, 0.2, 0.1, 0.05};
+  }
+  [[nodiscard]] std::vector<std::vector<std::string>> by_threshold() const {
+    std::vector<std::vector<std::string>> all;
+    for (const double m : thresholds_m()) all.push_back({"replication.error_threshold_m=" + std::to_string(m)});
+    return all;
+  }
+  [[nodiscard]] std::vector<std::vector<std::string>> by_wanted_error(
+      const std::vector<std::string>& besides = {}) const {
+    std::vector<std::vector<std::string>> all;
+    for (const double m : thresholds_m()) {
+      all.push_back({"replication.wanted_error_m=" + std::to_string(m),
+                     "replication.error_threshold_m=" + std::to_string(std::max(1.0, m))});
+      all.back().insert(all.back().end(), besides.begin(), besides.end());
+    }
+    return all;
+  }
+
+  // Bytes that the curve takes for an error of at most that; none where it never gets there. Straight between points,
+  // as logarithms.
+  static std::optional<double> bytes_for(const Curve& curve, double error_m) {
+    std::optional<double> least;
+    const auto take = [&](double bytes) { least = std::min(least.value_or(bytes), bytes); };
+    for (std::size_t i = 0; i < curve.points.size(); ++i) {
+      const Outcome& p = curve.points[i];
+      if (p.ghost_error_m <= error_m) take(p.bytes_per_s);
+      if (i == 0) continue;
+      const Outcome& q = curve.points[i - 1];
+      if ((p.ghost_error_m < error_m) == (q.ghost_error_m < error_m)) continue;
+      const double s = std::log(error_m / q.ghost_error_m) / std::log(p.ghost_error_m / q.ghost_error_m);
+      take(q.bytes_per_s * std::pow(p.bytes_per_s / q.bytes_per_s, s));
+    }
+    return least;
+  }
+
+  Chart compare(const std::string& scenario, double latency_ms) {
+    std::vector<Curve> curves{sweep(scenario, "best", "best", latency_ms, by_wanted_error())};
+    for (const char* name : {"dis", "npsnet", "position-history", "seed"}) {
+      curves.push_back(sweep(scenario, name, "baselines/" + std::string(name), latency_ms, by_threshold()));
+    }
+    const std::string at = scenario + "." + std::to_string(static_cast<int>(latency_ms)) + "ms.";
+    for (std::size_t i = 1; i < curves.size(); ++i) {
+      std::optional<double> least;
+      std::size_t beyond = 0;
+      for (const Outcome& p : curves[i].points) {
+        const auto bytes = bytes_for(curves.front(), p.ghost_error_m);
+        if (bytes) least = std::min(least.value_or(1e9), p.bytes_per_s / *bytes);
+        beyond += !bytes;
+      }
+      figures_.push_back({at + curves[i].name + ".least_bytes_over_best", least.value_or(0.0), "ratio", "1", least});
+      figures_.push_back({at + curves[i].name + ".points_beyond_best", static_cast<double>(beyond), "points", "0", {}});
+    }
+    const Outcome& dis = curves[1].points[options_.quick ? 0 : 1];  // at 1 m
+    const auto bytes = bytes_for(curves.front(), dis.ghost_error_m);
+    figures_.push_back({at + "dis_1m.bytes_over_best", bytes ? dis.bytes_per_s / *bytes : 0.0, "ratio", "2", {}});
+    for (const char* name : {"server", "server-bare", "lockstep"}) {
+      curves.push_back(sweep(scenario, name, "baselines/" + std::string(name), latency_ms, {{}}));
+      // Dead reckoning whose users' input waits as long as the network takes, as lockstep's and the bare server's does.
+      if (std::string(name) == "lockstep") {
+        curves.push_back(sweep(
+            scenario, "best, input delayed", "best", latency_ms,
+            {{"replication.display_delay_ms=" + std::to_string(latency_ms + 17.0), "replication.delay_own=true"}}));
+      }
+    }
+    return chart(scenario + ", " + std::to_string(static_cast<int>(latency_ms)) + " ms", curves);
+  }
+
+  Chart without_one(const std::string& scenario, double latency_ms) {
+    struct Without {
+      const char* name;
+      std::vector<std::string> sets;
+    };
+    const Without kinds[] = {
+        {"best", {}},
+        {"without model choice", {"replication.model=order"}},
+        {"without surface error", {"replication.surface_error=false", "replication.angle_threshold_deg=3"}},
+        {"without prediction of collisions", {"replication.approach=dr"}},
+        {"proximity by spheres", {"replication.proximity=spheres"}}};
+    std::vector<Curve> curves;
+    for (const Without& kind : kinds) {
+      curves.push_back(sweep(scenario, kind.name, "best", latency_ms, by_wanted_error(kind.sets)));
+    }
+    return chart(scenario + ", " + std::to_string(static_cast<int>(latency_ms)) + " ms, without one mechanism", curves);
+  }
+
+  static Chart chart(const std::string& title, const std::vector<Curve>& curves) {
+    Chart c{title, {"kB/s of all peers", true, false}, {"mean error [m]", true, false}, {}};
+    for (const Curve& curve : curves) {
+      Series series{curve.name, {}, curve.points.size() == 1};
+      const bool delayed =
+          curve.name == "lockstep" || curve.name == "server-bare" || curve.name == "best, input delayed";
+      for (const Outcome& p : curve.points) {
+        series.points.push_back(
+            {1e-3 * p.bytes_per_s, delayed || curve.name == "server" ? p.view_difference_m : p.ghost_error_m});
+      }
+      c.series.push_back(std::move(series));
+    }
+    return c;
+  }
+
+  Options options_;
+  std::vector<Figure> figures_;
+  std::string csv_ =
+      "scenario,latency_ms,approach,set,bytes_per_s,ghost_error_m,view_difference_m,updates_per_object_s\n";
+  bool sound_ = true;
+};
+
+}  // namespace
+}  // namespace peerd::bench
+
+int main(int argc, char** argv) {
+  const peerd::bench::Options options = peerd::bench::parse_options(argc, argv);
+  try {
+    return peerd::bench::Bench(options).run();
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 1;
+  }
+}
