@@ -301,6 +301,7 @@ const PeerLog& PeerNode::log() {
        {"ticks_missed", c.ticks_missed},
        {"updates_in", c.updates_in},
        {"updates_out", c.updates_out},
+       {"update_bytes_out", c.update_bytes_out},
        {"updates_repeated", c.updates_repeated},
        {"updates_duplicate", c.updates_duplicate},
        {"updates_relayed", c.updates_relayed},
@@ -324,6 +325,12 @@ const PeerLog& PeerNode::log() {
        {"contacts_capped", m.capped},
        {"came_to_rest", m.came_to_rest},
        {"jammed", m.jammed}};
+  for (std::size_t i = 0; i < c.update_sizes_out.size(); ++i) {
+    const bool longer = i == replication::kRecordSizes.size();
+    const std::size_t size_bytes = replication::kRecordSizes[longer ? i - 1 : i];
+    n[(longer ? "updates_out_longer_than_" : "updates_out_up_to_") + std::to_string(size_bytes) + "_bytes"] =
+        c.update_sizes_out[i];
+  }
   if (keys_pressed_ > 0) {
     n["keys"] = keys_pressed_;
     n["keys_unheard"] = keys_unheard_;

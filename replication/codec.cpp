@@ -1,23 +1,19 @@
 #include "replication/codec.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numbers>
 
 #include "proto/peerd.pb.h"
+#include "replication/record.hpp"
+#include "replication/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {
 
-// Farther or faster than this is not a world of metres and seconds but a damaged datagram; squares of it stay finite.
-constexpr double kMagnitudeMax = 1e12;
-// 1,600 turns a second. Faster ones only make contact searches long: their steps are as short as the spin is fast.
-constexpr double kSpinMax = 1e4;  // [rad/s]
-// Quaternions and normals are sent as doubles; what is this far off unit length was not sent by us.
-constexpr double kUnitSlack = 1e-6;
-// A year on either side of any epoch a clock counts from would do; this keeps differences of two stamps within int64.
-constexpr std::int64_t kTimeMax_ns = std::int64_t{1} << 62;
+constexpr std::size_t kUsualRecord_bytes = 24;
 constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes cannot hold more
 
 // ---- to Protobuf ----
@@ -45,18 +41,17 @@ void put(const KinematicState& s, proto::Kinematics* out) {
   if (!s.angular_velocity_body.isZero(0.0)) put(s.angular_velocity_body, out->mutable_angular_velocity_body());
 }
 
-void put(const UpdateRecord& u, proto::Update* out) {
-  out->set_object(u.object.value);
-  out->set_sequence(u.sequence);
-  out->set_session_ns(u.at.time_since_epoch().count());
-  out->set_model(static_cast<std::uint32_t>(u.model.kind));
-  put(u.model.state, out->mutable_state());
-  if (!u.model.jerk.isZero(0.0)) put(u.model.jerk, out->mutable_jerk());
-  if (!u.model.rate_rad_s.isZero(0.0)) put(u.model.rate_rad_s, out->mutable_rate());
-  if (!u.model.angular_acceleration_body.isZero(0.0)) {
-    put(u.model.angular_acceleration_body, out->mutable_angular_acceleration_body());
+// All in one field, one behind the other; times count from the first one's.
+void put(const std::vector<UpdateRecord>& updates, proto::Datagram* out) {
+  if (updates.empty()) return;
+  const SimTime base = updates.front().at;
+  out->set_base_ns(base.time_since_epoch().count());
+  std::string& bytes = *out->mutable_records();
+  bytes.reserve(kDatagramMax_bytes);
+  std::array<std::byte, kRecordMax_bytes> record;
+  for (const UpdateRecord& u : updates) {
+    bytes.append(reinterpret_cast<const char*>(record.data()), encode_record(u, base, record));
   }
-  out->set_decision_ns(u.decision.time_since_epoch().count());
 }
 
 void put(const DecisionRecord& d, proto::Decision* out) {
@@ -115,13 +110,12 @@ void put(const Hello& h, proto::Hello* out) {
 
 bool take(const proto::Vec3& in, Vec3& v) {
   v = Vec3(in.x(), in.y(), in.z());
-  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMagnitudeMax;
+  return acceptable(v);
 }
 
 bool take(const proto::Quat& in, Quat& q) {
   q = Quat(in.w(), in.x(), in.y(), in.z());
-  if (!q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > kUnitSlack) return false;
-  return true;
+  return acceptable(q);
 }
 
 bool take(const proto::Kinematics& in, KinematicState& s) {
@@ -130,26 +124,29 @@ bool take(const proto::Kinematics& in, KinematicState& s) {
          take(in.angular_velocity_body(), s.angular_velocity_body) && s.angular_velocity_body.norm() <= kSpinMax;
 }
 
-bool in_range(std::int64_t ns) { return ns >= -kTimeMax_ns && ns <= kTimeMax_ns; }
-
 template <class Time>
 bool take(std::int64_t ns, Time& t) {
   t = Time{Duration{ns}};
   return in_range(ns);
 }
 
-bool knows(std::uint32_t model) {
-  return std::ranges::any_of(kMotionKinds, [&](MotionKind kind) { return static_cast<std::uint32_t>(kind) == model; });
-}
-
-bool take(const proto::Update& in, UpdateRecord& u) {
-  u.object = ObjectId{in.object()};
-  u.sequence = in.sequence();
-  if (u.sequence == 0 || !take(in.session_ns(), u.at) || !take(in.decision_ns(), u.decision)) return false;
-  MotionModel& m = u.model;
-  m.kind = static_cast<MotionKind>(in.model());
-  return take(in.state(), m.state) && take(in.jerk(), m.jerk) && take(in.rate(), m.rate_rad_s) &&
-         take(in.angular_acceleration_body(), m.angular_acceleration_body) && within_limits(m);
+// An update of a later version's model is left out; it must not cost the rest of its datagram.
+bool take_records(const proto::Datagram& in, Message& m) {
+  SimTime base;
+  if (!take(in.base_ns(), base)) return false;
+  auto rest = std::as_bytes(std::span(in.records()));
+  m.updates.reserve(rest.size() / kUsualRecord_bytes);
+  while (!rest.empty()) {
+    const auto update = decode_record(rest, base);
+    if (update) {
+      m.updates.push_back(*update);
+    } else if (update.error() == RecordError::kUnknownModel) {
+      ++m.unknown_models;
+    } else {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool take(const proto::Decision& in, DecisionRecord& d) {
@@ -200,14 +197,6 @@ bool take(const proto::Hello& in, Hello& h) {
   return !in.has_world_zero_ns() || take(in.world_zero_ns(), h.world_zero.emplace());
 }
 
-template <class Record, class Proto>
-std::size_t framed_size_bytes(const Record& record) {
-  Proto p;
-  put(record, &p);
-  const std::size_t body = p.ByteSizeLong();
-  return 1 + (body < 128 ? 1 : 2) + body;  // tag, length varint, body
-}
-
 }  // namespace
 
 const char* to_string(DecodeError e) {
@@ -234,7 +223,7 @@ Bytes encode(const Message& m) {
   d.set_boot(m.boot);
   d.set_number(m.number);
   if (m.has_hello) put(m.hello, d.mutable_hello());
-  for (const UpdateRecord& u : m.updates) put(u, d.add_updates());
+  put(m.updates, &d);
   for (const DecisionRecord& c : m.decisions) put(c, d.add_decisions());
   d.set_leaving(m.leaving);
   Bytes out(d.ByteSizeLong());
@@ -257,13 +246,7 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram) 
   m.leaving = d.leaving();
   m.has_hello = d.has_hello();
   if (m.has_hello && !take(d.hello(), m.hello)) return std::unexpected(DecodeError::kValue);
-  for (const proto::Update& u : d.updates()) {
-    if (u.model() != 0 && !knows(u.model())) {
-      ++m.unknown_models;
-      continue;
-    }
-    if (!knows(u.model()) || !take(u, m.updates.emplace_back())) return std::unexpected(DecodeError::kValue);
-  }
+  if (!take_records(d, m)) return std::unexpected(DecodeError::kValue);
   for (const proto::Decision& c : d.decisions()) {
     if (!take(c, m.decisions.emplace_back())) return std::unexpected(DecodeError::kValue);
   }
@@ -275,11 +258,16 @@ bool is_name(std::string_view text) {
   return !text.empty() && text.size() <= kNameMax_bytes && std::ranges::all_of(text, visible);
 }
 
-std::size_t encoded_size_bytes(const UpdateRecord& record) {
-  return framed_size_bytes<UpdateRecord, proto::Update>(record);
+std::size_t encoded_size_bytes(const UpdateRecord& record, SimTime first) {
+  std::array<std::byte, kRecordMax_bytes> bytes;
+  return encode_record(record, first, bytes);
 }
+
 std::size_t encoded_size_bytes(const DecisionRecord& record) {
-  return framed_size_bytes<DecisionRecord, proto::Decision>(record);
+  proto::Decision decision;
+  put(record, &decision);
+  const std::size_t body = decision.ByteSizeLong();
+  return 1 + (body < 128 ? 1 : 2) + body;  // tag, length varint, body
 }
 
 }  // namespace peerd::replication

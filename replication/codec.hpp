@@ -7,7 +7,7 @@
 
 namespace peerd::replication {
 
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
 // Never fragmented: below every tunnel's MTU once UDP, IP and a link's headers are added.
 inline constexpr std::size_t kDatagramMax_bytes = 1200;
 
@@ -35,8 +35,10 @@ enum class DecodeError : std::uint8_t {
 // Trusts nothing: every value that comes back is finite and in range, unit vectors and quaternions unit within 1e-6.
 [[nodiscard]] std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram);
 
-// What one record adds to a datagram.
-[[nodiscard]] std::size_t encoded_size_bytes(const UpdateRecord& record);
+// What one record adds to a datagram: an update behind others of which the first is of the time `first`. The first of
+// all adds kUpdatesHeader_bytes besides: the base time, and the length of them all.
+[[nodiscard]] std::size_t encoded_size_bytes(const UpdateRecord& record, SimTime first);
 [[nodiscard]] std::size_t encoded_size_bytes(const DecisionRecord& record);
+inline constexpr std::size_t kUpdatesHeader_bytes = 12;
 
 }  // namespace peerd::replication

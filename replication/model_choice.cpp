@@ -247,7 +247,9 @@ MotionModel ModelChooser::choose() {
     if (best && error > kBetterBy * best_error - kBetterBy_m) continue;
     best = std::move(model);
     best_error = error;
+    expected_error_m_ = score.error;
   }
+  if (!best) expected_error_m_ = std::numeric_limits<double>::infinity();
   if (!best) best = make(policy_.first, n);
   if (!best) best = samples_[n].state;
   chosen_ = best->kind;

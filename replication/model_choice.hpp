@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 
 #include "core/time.hpp"
@@ -38,6 +39,8 @@ class ModelChooser {
 
   // Based on the last sample. Ties go to the simpler model, then to the one chosen before.
   [[nodiscard]] MotionModel choose();
+  // How far off the model chosen last would have been at the horizon; infinite where nothing is known.
+  [[nodiscard]] double expected_error_m() const { return expected_error_m_; }
 
  private:
   static constexpr std::size_t kKinds = std::size(kMotionKinds);
@@ -65,6 +68,7 @@ class ModelChooser {
   Score spin_constant_, spin_accelerated_;
   double usual_jump_m_s_ = 0.0, usual_change_m_s2_ = 0.0;  // of velocity and acceleration, sample to sample
   std::optional<MotionKind> chosen_;
+  double expected_error_m_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace peerd::replication

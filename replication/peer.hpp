@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <expected>
@@ -169,6 +170,9 @@ using Output =
     std::variant<Send, Join, Leave, Synchronised, ClockStepped, Slept, PeerJoined, PeerLost, Frozen, OtherWorld,
                  IdInUse, OwnershipConflict, Published, ContactSeen, Overruled, TakenBack, NotColliding>;
 
+// Record sizes that counters tell apart [bytes].
+inline constexpr std::array<std::size_t, 4> kRecordSizes{16, 24, 32, 64};
+
 // Why a datagram, or a record in it, was not used.
 enum class Drop : std::uint8_t {
   kOwn,          // multicast loopback brings back what this peer sent
@@ -191,8 +195,10 @@ class Peer {
     std::map<std::string, std::uint64_t> drops;  // by reason
     std::uint64_t ticks = 0, ticks_missed = 0;
     std::uint64_t updates_in = 0, updates_out = 0;
-    std::uint64_t updates_repeated = 0;   // second copies sent; not in updates_out
-    std::uint64_t updates_duplicate = 0;  // copies of what was applied already
+    std::uint64_t update_bytes_out = 0;                                     // of updates_out
+    std::array<std::uint64_t, kRecordSizes.size() + 1> update_sizes_out{};  // how many of updates_out fit each; longer
+    std::uint64_t updates_repeated = 0;                                     // second copies sent; not in updates_out
+    std::uint64_t updates_duplicate = 0;                                    // copies of what was applied already
     std::uint64_t updates_relayed = 0;
     std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
     std::uint64_t convergence_detours = 0;  // those that followed the ghost's own way past it

@@ -158,7 +158,11 @@ void Peer::decide(const ContactEvent& c, SimTime known_at) {
   if (!alone) follow(changes, known_at);
 }
 
+// A contact just before one that has been decided is the same collision, found here by somewhat other states than the
+// decider's: its decision has come before this peer's own tick.
 void Peer::hold(const ContactEvent& c) {
+  const SimTime decided = decisions_.last(c.collider, c.collidee);
+  if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
   ++counters_.contacts_held;
   held_.push_back({c, decider_of(c.collider, c.collidee, c.at)});
 }

@@ -8,8 +8,8 @@
 namespace peerd::replication {
 namespace {
 
-// What a datagram's header (version, sender, boot) leaves for records.
-constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 32;
+// What a datagram's header (version, sender, boot, number) leaves for records.
+constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 28 - kUpdatesHeader_bytes;
 // Per hello. 15 echoes of at most 29 bytes, 50 objects of at most 5, kNotesMax notes of at most 31 and a viewpoint of
 // at most 97 fit.
 constexpr std::size_t kEchoesMax = 15;
@@ -75,7 +75,7 @@ void Peer::flush_records(bool decisions) {
     used_bytes += size_bytes;
   };
   for (const UpdateRecord& update : std::exchange(updates_due_, {})) {
-    make_room(encoded_size_bytes(update));
+    make_room(encoded_size_bytes(update, m.updates.empty() ? update.at : m.updates.front().at));
     m.updates.push_back(update);
   }
   for (DecisionLog::Entry& entry : decisions_.entries()) {

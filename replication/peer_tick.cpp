@@ -5,6 +5,7 @@
 #include "collision/proximity.hpp"
 #include "replication/decision.hpp"
 #include "replication/peer.hpp"
+#include "replication/record.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -13,6 +14,18 @@ namespace {
 constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
 // A time to contact is known to one in so many of close proximity.
 constexpr double kTimeSteps = 16.0;
+
+// Of a model that is expected to be far better than the thresholds ask: it will not be corrected for long, and few
+// updates may take some bytes more.
+constexpr double kFinest = 1.0 / 64.0;
+
+// The tightest threshold in force. What physics moves is told exactly: resting against something and rounded, it could
+// lie inside it. Where snapshots go out whatever the thresholds, the tight one says what is close.
+Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, double expected_error_m) {
+  double distance_m = policy.snapshots_hz > 0 ? std::min(threshold_m, policy.tight_threshold_m) : threshold_m;
+  if (policy.wanted_error_m > 0.0) distance_m = std::min(distance_m, policy.wanted_error_m);
+  return {std::clamp(expected_error_m, kFinest * distance_m, distance_m), policy.angle_threshold_rad};
+}
 
 }  // namespace
 
@@ -124,10 +137,17 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   const CollisionResponse* const response = response_of(object);
   const bool shared_motion = exact && response != nullptr && response->type == ResponseType::kImpulse;
   if (shared_motion && at == t) replica_->truth.set_base(object, t, model);
-  const UpdateRecord record{object, ++own.sequence, at, model, decisions_.last(object)};
+  const double expected_error_m = own.models ? own.models->expected_error_m() : threshold_m;
+  const Tolerance tolerance =
+      own.driven ? rounding_tolerance(policy, threshold_m, expected_error_m) : Tolerance{};  // none: exact
+  const UpdateRecord record = quantised({object, ++own.sequence, at, model, decisions_.last(object)}, tolerance);
   replica_->ghosts.set_base(object, at, record.model);
+  const std::size_t size_bytes = encoded_size_bytes(record, t);
   ++counters_.updates_out;
-  outputs_.push_back(Published{t, object, encoded_size_bytes(record), threshold_m, reason});
+  counters_.update_bytes_out += size_bytes;
+  ++counters_.update_sizes_out[static_cast<std::size_t>(std::ranges::lower_bound(kRecordSizes, size_bytes) -
+                                                        kRecordSizes.begin())];
+  outputs_.push_back(Published{t, object, size_bytes, threshold_m, reason});
   updates_due_.push_back(record);
   own.to_repeat = record;
   own.copies = copies_against(loss(), policy.copies) - 1;

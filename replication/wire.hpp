@@ -30,6 +30,9 @@ struct UpdateRecord {
   // Contact time of the last decision on the object that the sender knew; none: SimTime{}. A state from before a
   // decision must not undo it, although it may be of a later time.
   SimTime decision{};
+  // log2 of the step [m] that the position is whole multiples of; the other components' steps follow (record.hpp).
+  // None: all components are exact.
+  std::optional<int> position_step_log2{};
 };
 
 // By which policy the sender was to decide; kId also where nobody else had (fallback).

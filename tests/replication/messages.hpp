@@ -1,7 +1,10 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <random>
 
 #include "replication/codec.hpp"
+#include "replication/record.hpp"
 #include "tests/replication/worlds.hpp"
 
 // Random messages as a peer could send them, and what every decoded message must keep.
@@ -23,9 +26,11 @@ class MessageMaker {
     return m;
   }
 
+  // Rounded, to any tolerance, or exact.
   UpdateRecord update() {
-    return {ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU, SimTime{time()}, model(),
-            SimTime{coin() ? time() : 0ns}};
+    return quantised({ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU, SimTime{time()},
+                      model(), SimTime{coin() ? time() : 0ns}},
+                     {coin() ? 0.0 : std::ldexp(1.0, -static_cast<int>(rng_() % 24)), 0.05});
   }
   // Of any kind, with what that kind names.
   MotionModel model() {
@@ -111,14 +116,34 @@ class MessageMaker {
   std::mt19937_64 rng_;
 };
 
+// The message's bytes with others before and behind those of its records, which are few.
+inline Bytes with_records(const Message& m, const std::vector<int>& before, const std::vector<int>& behind) {
+  const Bytes bytes = encode(m);
+  std::size_t size = 0;
+  for (const UpdateRecord& u : m.updates) size += encoded_size_bytes(u, m.updates.front().at);
+  const auto begin = bytes.end() - 9 - static_cast<long>(size);  // behind them stands the base time
+  EXPECT_EQ(begin[-1], static_cast<std::byte>(size));
+  EXPECT_EQ(begin[-2], std::byte{9 << 3 | 2});
+  Bytes out(bytes.begin(), begin - 1);
+  const std::size_t size_now = size + before.size() + behind.size();
+  EXPECT_LT(size_now, 128u);
+  out.push_back(static_cast<std::byte>(size_now));
+  for (const int b : before) out.push_back(static_cast<std::byte>(b));
+  out.insert(out.end(), begin, begin + static_cast<long>(size));
+  for (const int b : behind) out.push_back(static_cast<std::byte>(b));
+  out.insert(out.end(), begin + static_cast<long>(size), bytes.end());
+  return out;
+}
+
 inline bool same_bits(const Message& a, const Message& b) {
   const auto& h = a.hello;
   const auto& g = b.hello;
   const auto same_vector = [](const Vec3& v, const Vec3& w) { return same_bits(moving(v), moving(w)); };
   const auto same_update = [&](const UpdateRecord& u, const UpdateRecord& v) {
     return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.model.kind == v.model.kind &&
-           u.decision == v.decision && same_bits(u.model.state, v.model.state) &&
-           same_vector(u.model.jerk, v.model.jerk) && same_vector(u.model.rate_rad_s, v.model.rate_rad_s) &&
+           u.decision == v.decision && u.position_step_log2 == v.position_step_log2 &&
+           same_bits(u.model.state, v.model.state) && same_vector(u.model.jerk, v.model.jerk) &&
+           same_vector(u.model.rate_rad_s, v.model.rate_rad_s) &&
            same_vector(u.model.angular_acceleration_body, v.model.angular_acceleration_body);
   };
   const auto same_decision = [&](const DecisionRecord& d, const DecisionRecord& e) {
