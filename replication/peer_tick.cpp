@@ -15,16 +15,17 @@ constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
 // A time to contact is known to one in so many of close proximity.
 constexpr double kTimeSteps = 16.0;
 
-// Of a model that is expected to be far better than the thresholds ask: it will not be corrected for long, and few
-// updates may take some bytes more.
-constexpr double kFinest = 1.0 / 64.0;
+// A model that is expected to err by less than so much of what the thresholds ask will not be corrected for long, and
+// few updates may take some bytes more: it is rounded so much finer.
+constexpr double kNothing = 1.0 / 16.0, kFinest = 1.0 / 64.0;
 
 // The tightest threshold in force. What physics moves is told exactly: resting against something and rounded, it could
 // lie inside it. Where snapshots go out whatever the thresholds, the tight one says what is close.
 Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, double expected_error_m) {
   double distance_m = policy.snapshots_hz > 0 ? std::min(threshold_m, policy.tight_threshold_m) : threshold_m;
   if (policy.wanted_error_m > 0.0) distance_m = std::min(distance_m, policy.wanted_error_m);
-  return {std::clamp(expected_error_m, kFinest * distance_m, distance_m), policy.angle_threshold_rad};
+  if (expected_error_m < kNothing * distance_m) distance_m *= kFinest;
+  return {distance_m, policy.angle_threshold_rad};
 }
 
 }  // namespace

@@ -386,7 +386,9 @@ std::optional<int> position_step_log2(MotionKind kind, double tolerance_m) {
   return step < kStepLeast_log2 ? std::nullopt : std::optional(std::min(step, kStepMost_log2));
 }
 
-int horizon_log2_s(MotionKind kind) { return kind == MotionKind::kSecond || kind == MotionKind::kHistory ? 0 : 2; }
+int horizon_log2_s(MotionKind kind) {
+  return kind == MotionKind::kSecond || kind == MotionKind::kHistory || kind == MotionKind::kThird ? 0 : 2;
+}
 
 UpdateRecord quantised(const UpdateRecord& record, const Tolerance& tolerance) {
   assert(acceptable(record.model.state) && within_limits(record.model));
