@@ -75,6 +75,33 @@ std::string drive_by(const char* interests) {
   return box("CAR", "2 1 1", "20 0 0") + box("CUBE", "1 1 1", "20 2 0") + interests;
 }
 
+// A car passes a cube at 10 m/s, 1.5 m beside it: their spheres will meet, they won't.
+TEST(TrackingByTime, TightensInProportionToWhatIsLeft) {
+  const World world(box("CAR", "2 1 1", "-40 0 0") + box("CUBE", "1 1 1", "0 1.5 0") + interest("CAR", "\"CUBE\""));
+  const auto passes = [](SimTime t) {
+    return moving({10.0 * (to_seconds(t.time_since_epoch() - kEpoch) - 4.0), 0, 0}, {10, 0, 0});
+  };
+  Lan lan(world, {5ms, 0ms, 0, 0});
+  PeerConfig c = config(1, {{world["CAR"], true}});
+  c.policy.threshold_by_time = true;
+  c.policy.time_threshold = 0s;  // each tick tells its threshold
+  lan.add(c, 0s, {{world["CAR"], passes}});
+  lan.add(config(2, {{world["CUBE"], false}}));
+  lan.run_until(6s);
+  const double meet_m = std::sqrt(1.5) + std::sqrt(0.75);  // the spheres' radii
+  const double meet_x = -std::sqrt(meet_m * meet_m - 1.5 * 1.5);
+  int partly = 0;
+  for (const Published& p : lan.seen<Published>(0)) {
+    const double x = passes(p.at).position.x();
+    if (p.at < sim(2s) || x > meet_x) continue;  // the cube's owner isn't known yet; it is past
+    const double left_s = (meet_x - x) / 10.0;
+    const double expected = 0.01 + 0.49 * std::min(1.0, left_s / 0.5);
+    EXPECT_NEAR(p.threshold_m, expected, 1e-6) << left_s << " s are left";
+    partly += expected < 0.49 && expected > 0.02;
+  }
+  EXPECT_GT(partly, 20);
+}
+
 struct Case {
   const char* name;
   std::string interests;

@@ -51,6 +51,14 @@ TEST(GhostError, TakesTheSmallestAngleWhateverTheQuaternionsSign) {
   EXPECT_NEAR(ghost_error(truth, ghost).angle_rad, 0.0, 1e-7);
 }
 
+// A turn moves the farthest vertex along a chord.
+TEST(GhostError, OfTheSurfaceCountsTheTurnByWhatItMoves) {
+  KinematicState truth = moving({3, 0, 0}), ghost = moving({3, 4, 0});
+  truth.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 3, Vec3::UnitZ()));
+  EXPECT_NEAR(ghost_error(truth, ghost, 2.5).distance_m, 4.0 + 2.5, 1e-12);
+  EXPECT_EQ(ghost_error(truth, ghost).distance_m, 4.0);
+}
+
 // A displacement along the diagonal of the axes counts as what it is long: at the threshold it is still well, whichever
 // way it points, and a hair beyond it is not.
 TEST(GhostError, OnTheDiagonalIsHeldAgainstTheThresholdLikeAnyOther) {
