@@ -82,8 +82,10 @@ class Bench {
                        std::vector<std::string> sets) {
     sets.push_back("network.latency_ms=" + std::to_string(latency_ms));
     sets.push_back("duration_s=" + std::string(options_.quick ? "3" : "12"));
-    if (scenario == "traffic" && !config.starts_with("baselines/server"))
-      sets.push_back("decisions.policy=expected-error");
+    if (scenario == "traffic") {
+      const bool serves = config.starts_with("baselines/server");
+      sets.push_back(serves ? "decisions.policy=server" : "decisions.policy=expected-error");
+    }
     config::ScenarioRequest request;
     request.file = kConfigs / "scenarios" / (scenario + ".toml");
     request.configs = {kConfigs / (config + ".toml")};
