@@ -283,7 +283,8 @@ std::optional<replication::Output> PeerNode::poll_output() {
     });
   } else if (const auto* b = std::get_if<TakenBack>(&*out)) {
     std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
-      return row.kind == "predicted" && row.at > b->since && (row.collider == b->object || row.collidee == b->object);
+      return (row.kind == "predicted" || row.kind == "owner") && row.at > b->since &&
+             (row.collider == b->object || row.collidee == b->object);
     });
   }
   return out;
@@ -315,6 +316,7 @@ const PeerLog& PeerNode::log() {
        {"decisions_overruled", c.decisions_overruled},
        {"contacts_held", c.contacts_held},
        {"contacts_refuted", c.contacts_refuted},
+       {"contacts_too_late", c.contacts_too_late},
        {"contact_searches", m.contact_searches},
        {"contact_searches_skipped", m.searches_skipped},
        {"contacts", m.contacts},

@@ -210,6 +210,7 @@ class Peer {
     std::uint64_t decisions_overruled = 0;  // known here that no longer stand
     std::uint64_t contacts_held = 0;        // left to another peer to decide
     std::uint64_t contacts_refuted = 0;     // of those, which that peer did not find
+    std::uint64_t contacts_too_late = 0;    // found so late that nobody decides them
   };
 
   // The model outlives the peer.
@@ -321,6 +322,7 @@ class Peer {
   [[nodiscard]] bool may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) const;
   [[nodiscard]] bool finds(ObjectId a, ObjectId b) const;
   [[nodiscard]] PeerId decider_of(ObjectId a, ObjectId b, SimTime contact) const;
+  [[nodiscard]] bool in_time(SimTime contact) const;
   [[nodiscard]] bool answers(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Stake stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
   [[nodiscard]] Duration own_latency() const;

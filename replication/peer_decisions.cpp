@@ -11,13 +11,19 @@ namespace {
 
 // So many copies, one a tick, survive bursts of loss without waiting for a hello.
 constexpr int kDecisionCopies = 3;
-// Decisions are told again, and noted in hellos, until they are so old: receivers drop those of more than 4 s, and a
+// What happened longer ago, as it turns out now (a decision heard late has put an object on another way), nobody
+// decides any more: who hears of it would be too late to take it, and another not.
+constexpr Duration kDecidedWithin = std::chrono::seconds(3);
+// Decisions are told again until they are so old: receivers drop those of more than 6 s (peer_intake.cpp), and a
 // latency has to fit between.
-constexpr Duration kToldFor = std::chrono::milliseconds(3500);
+constexpr Duration kToldFor = std::chrono::seconds(5);
+// .. and noted in hellos so long, where there is little room.
+constexpr Duration kNotedFor = std::chrono::milliseconds(3500);
 // Longer than any decision that a receiver would take can be on its way.
-constexpr Duration kRememberedFor = std::chrono::seconds(6);
-// What hangs between two others bounces many times a second: of one pair only the newest are repeated.
-constexpr int kRepeatedOfPair = static_cast<int>(kNotesMax);
+constexpr Duration kRememberedFor = std::chrono::seconds(8);
+// What hangs between two others touches them many times a second. Of one pair only the newest are repeated, as many as
+// there can be from one hello to the next (4 ms apart: peer_tick.cpp, kOneTouch), so that each is at least once.
+constexpr int kRepeatedOfPair = 64;
 
 }  // namespace
 
@@ -109,9 +115,14 @@ PeerId Peer::decider_of(ObjectId a, ObjectId b, SimTime contact) const {
   return decider(config_.decisions.policy, stake(a, at, meeting), stake(b, at, meeting), here ? server : kNobody);
 }
 
+// Whether what is decided of it now reaches everybody in time.
+bool Peer::in_time(SimTime contact) const { return contact >= tick_time(last_tick_) - kDecidedWithin; }
+
 // Of a contact that the truth has found. A belief of two others' objects is answered: it is nothing but a belief.
 bool Peer::answers(ObjectId a, ObjectId b, SimTime contact) const {
-  if (config_.decisions.policy == DecisionPolicy::kId || !is_shared(a, b)) return true;
+  if (!is_shared(a, b)) return true;
+  if (!in_time(contact) && finds(a, b)) return false;
+  if (config_.decisions.policy == DecisionPolicy::kId) return true;
   if (!own_.contains(a) && !own_.contains(b) && !serves()) return true;
   return decider_of(a, b, contact) == config_.id;
 }
@@ -137,11 +148,10 @@ DecisionRecord Peer::record_of(const ContactEvent& c, DecisionRule rule) const {
 std::vector<DecisionLog::Change> Peer::add_own(const DecisionRecord& d) {
   ++counters_.decisions;
   auto changes = decisions_.add(d, config_.id);
-  int newer = 0;
-  for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
-    if (entry->author != config_.id || !of_pair(entry->record, d.collider, d.collidee)) continue;
-    if (entry->record.contact == d.contact && entry->stands) entry->copies = kDecisionCopies;
-    if (newer++ >= kRepeatedOfPair) entry->copies = 0;
+  for (DecisionLog::Entry& e : decisions_.entries()) {
+    const bool added =
+        e.author == config_.id && e.record.contact == d.contact && of_pair(e.record, d.collider, d.collidee);
+    if (added && e.stands) e.copies = kDecisionCopies;
   }
   return changes.value_or(std::vector<DecisionLog::Change>{});
 }
@@ -163,6 +173,10 @@ void Peer::decide(const ContactEvent& c, SimTime known_at) {
 void Peer::hold(const ContactEvent& c) {
   const SimTime decided = decisions_.last(c.collider, c.collidee);
   if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
+  if (!in_time(c.at)) {
+    ++counters_.contacts_too_late;
+    return;
+  }
   ++counters_.contacts_held;
   held_.push_back({c, decider_of(c.collider, c.collidee, c.at)});
 }
@@ -182,7 +196,7 @@ void Peer::fall_back(const ContactEvent& c, SimTime known_at) {
   std::erase_if(held_, [&](const Held& h) {
     return h.contact.at == c.at && h.contact.collider == c.collider && h.contact.collidee == c.collidee;
   });
-  const bool ours = config_.decisions.fallback && is_shared(c.collider, c.collidee) &&
+  const bool ours = config_.decisions.fallback && is_shared(c.collider, c.collidee) && in_time(c.at) &&
                     decider_by_id(owner(c.collider), owner(c.collidee)) == config_.id;
   if (!ours) return;
   ++counters_.decisions_fallback;
@@ -264,6 +278,8 @@ void Peer::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
 // knew of them. Leaving out what came earlier but was heard later would leave a gap in which the two meet once more.
 void Peer::rebase(ObjectId object, SimTime from) {
   const auto own = own_.find(object);
+  // What it met by itself from there on it may not have met.
+  if (own != own_.end() && !own->second.driven) outputs_.push_back(TakenBack{object, from});
   SimTime last = from;
   for (const DecisionLog::Entry& e : decisions_.entries()) {
     const DecisionRecord& d = e.record;
@@ -305,7 +321,7 @@ std::vector<ContactNote> Peer::notes() const {
     if (notes.size() < kNotesMax) notes.push_back({a, b, contact, by, held});
   };
   for (const Held& h : held_) add(h.contact.collider, h.contact.collidee, h.contact.at, h.decider, true);
-  const SimTime since = replica_ ? tick_time(last_tick_) - kToldFor : SimTime{};
+  const SimTime since = replica_ ? tick_time(last_tick_) - kNotedFor : SimTime{};
   for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
     const DecisionRecord& d = entry->record;
     if (d.contact >= since) add(d.collider, d.collidee, d.contact, entry->author, false);

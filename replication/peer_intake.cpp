@@ -12,6 +12,8 @@ constexpr Duration kDecisionStands = std::chrono::seconds(2);
 // An update from farther back than timelines reach, or from this far ahead, comes from a broken clock or a forger.
 constexpr Duration kUpdateAgeMax = std::chrono::seconds(4);
 constexpr Duration kUpdateAheadMax = std::chrono::seconds(1);
+// .. and decisions: of what happened up to 3 s ago (peer_decisions.cpp), told again where datagrams get lost.
+constexpr Duration kDecisionAgeMax = std::chrono::seconds(6);
 // More peers than one network carries: somebody invents them.
 constexpr std::size_t kMembersMax = 4096;
 
@@ -51,7 +53,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
     }
   }
   for (const DecisionRecord& d : m.decisions) {
-    if (d.contact < session_now - kUpdateAgeMax || d.contact > session_now + kUpdateAheadMax) {
+    if (d.contact < session_now - kDecisionAgeMax || d.contact > session_now + kUpdateAheadMax) {
       drop("decision_time");
     } else {
       on_decision(m.sender, d, session_now);

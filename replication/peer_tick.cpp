@@ -14,6 +14,15 @@ namespace {
 constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
 // A time to contact is known to one in so many of close proximity.
 constexpr double kTimeSteps = 16.0;
+// What is squeezed between two others touches each of them many times a millisecond. Contacts of one pair no farther
+// apart are one touch, and the last of them is what becomes of it.
+constexpr Duration kOneTouch = std::chrono::milliseconds(4);
+
+bool one_touch(const ContactEvent& a, const ContactEvent& b) {
+  const bool pair =
+      (a.collider == b.collider && a.collidee == b.collidee) || (a.collider == b.collidee && a.collidee == b.collider);
+  return pair && a.at <= b.at + kOneTouch && b.at <= a.at + kOneTouch;
+}
 
 // A model that is expected to err by less than so much of what the thresholds ask will not be corrected for long, and
 // few updates may take some bytes more: it is rounded so much finer.
@@ -47,6 +56,7 @@ void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
 }
 
 void Peer::report_contacts(SimTime t) {
+  std::vector<ContactEvent> decided;  // in the order of what happened, of one touch the last
   while (const auto event = replica_->truth.poll_event()) {
     const auto* contact = std::get_if<ContactEvent>(&*event);
     if (contact == nullptr) continue;
@@ -54,12 +64,18 @@ void Peer::report_contacts(SimTime t) {
     const bool shared = is_shared(contact->collider, contact->collidee);
     if (!a && !b && !(shared && serves())) continue;  // a partner's own contacts; the ghosts tell of them
     if (shared) {
-      contact->held ? hold(*contact) : decide(*contact, t);
+      if (contact->held) {
+        hold(*contact);
+      } else {
+        std::erase_if(decided, [&](const ContactEvent& c) { return one_touch(c, *contact); });
+        decided.push_back(*contact);
+      }
       continue;
     }
     colliding_.on_contact(*contact);
     outputs_.push_back(ContactSeen{ContactKind::kOwner, *contact, t});
   }
+  for (const ContactEvent& contact : decided) decide(contact, t);
   release_held(t);
   const auto others = [&](ObjectId id) { return !own_.contains(id) && owner(id) != kNobody; };
   while (const auto event = replica_->ghosts.poll_event()) {

@@ -127,6 +127,39 @@ void judge_words(const RunRecord& run, const Outcome& outcome, std::vector<std::
   result.verdicts[words.back()] = agrees ? Verdict::kAgreed : Verdict::kDisagreed;
 }
 
+// What each peer has made or taken over of one decision is its last row of exactly that contact.
+Agreement::Shared compare_shared(const RunRecord& run) {
+  struct Decision {
+    const ContactRow* stated = nullptr;              // by the first that decided it
+    std::map<PeerId, const ContactRow*> taken_over;  // and by whom
+  };
+  std::map<std::pair<Pair, double>, Decision> decisions;
+  for (const ContactRow& row : run.contacts) {
+    if (row.kind != "decided" && row.kind != "applied") continue;
+    Decision& decision = decisions[{pair_of(row), row.t_s}];
+    decision.taken_over[row.peer] = &row;
+    if (row.kind == "decided" && decision.stated == nullptr) decision.stated = &row;
+  }
+  Agreement::Shared shared;
+  for (const auto& [contact, decision] : decisions) {
+    if (decision.stated == nullptr) {
+      shared.spurious += decision.taken_over.size();
+      continue;
+    }
+    ++shared.decided;
+    for (const PeerInfo& peer : run.peers) {
+      if (peer.peer == decision.stated->peer) continue;
+      const auto held = decision.taken_over.find(peer.peer);
+      if (held == decision.taken_over.end()) {
+        ++shared.missed;
+      } else {
+        ++(same_side(*decision.stated, *held->second) ? shared.agreed : shared.disagreed);
+      }
+    }
+  }
+  return shared;
+}
+
 }  // namespace
 
 std::string_view to_string(Verdict v) {
@@ -152,6 +185,7 @@ std::string_view to_string(Verdict v) {
 
 Agreement agreement(const RunRecord& run) {
   Agreement result;
+  result.shared = compare_shared(run);
   result.verdicts.resize(run.contacts.size(), Verdict::kOwn);
   OutcomesByPair by_pair = collect_outcomes(run, result);
   for (auto& [key, pair] : by_pair) pair.window_s = window_s(run, by_pair, pair);

@@ -27,6 +27,12 @@ struct Agreement {
   std::uint64_t missed = 0;
   std::uint64_t spurious = 0;
   std::uint64_t revised = 0;
+  // Of collisions between objects of two peers alone (kind decided), not by words but by what a peer has taken over:
+  // decided x (peers - 1) = agreed + disagreed + missed here too. One that is taken over and nobody's is spurious.
+  struct Shared {
+    std::uint64_t decided = 0, agreed = 0, disagreed = 0, missed = 0, spurious = 0;
+  };
+  Shared shared;
   std::vector<double> latency_s;  // one per agreed or disagreed word: from its contact time to when the peer held it
   std::vector<Verdict> verdicts;  // of RunRecord::contacts, by index
 };

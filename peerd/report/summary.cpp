@@ -82,6 +82,12 @@ Json collisions_json(const RunRecord& run) {
                {"spurious", a.spurious},
                {"missed", a.missed},
                {"revised", a.revised},
+               {"shared",
+                {{"decided", a.shared.decided},
+                 {"agreed", a.shared.agreed},
+                 {"disagreed", a.shared.disagreed},
+                 {"missed", a.shared.missed},
+                 {"spurious", a.shared.spurious}}},
                {"decision_latency_ms", {{"mean", latency.mean}, {"p99", latency.p99}, {"max", latency.max}}}};
   if (run.wrong) {
     json["wrong"] = {{"truth", run.wrong->truth}, {"missing", run.wrong->missing}, {"spurious", run.wrong->spurious}};

@@ -21,6 +21,8 @@ struct SimulatedPeer {
   [[nodiscard]] VirtualTime virtual_time(HostTime t) const { return VirtualTime{t.time_since_epoch() - clock_offset}; }
 };
 
+constexpr double kFallback_s = 1.0;
+
 double longest_delay_s(const config::RunSettings& run) {
   const auto longest_ms = [](const config::LinkSettings& link) {
     return (link.latency_ms + link.jitter_ms) * (link.reordering > 0.0 ? 2.0 : 1.0);
@@ -95,7 +97,9 @@ config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, co
   };
   for (std::size_t i = 0; i < peers.size(); ++i) drain(i);
 
-  const Duration linger = from_seconds(run.duration_s + longest_delay_s(run));  // late updates end no belief early
+  // Late updates end no belief early, and what is held back is decided and heard of: a fallback waits for two latencies
+  // and three hellos.
+  const Duration linger = from_seconds(run.duration_s + 3.0 * longest_delay_s(run) + kFallback_s);
   for (;;) {
     std::size_t next = 0;
     for (std::size_t i = 1; i < peers.size(); ++i) {

@@ -121,6 +121,20 @@ TEST(Agreement, SingleContactTakesItsCollidersGap) {  // CAR meets the wall at 3
   EXPECT_THAT(agreement(run).verdicts, testing::ElementsAre(kOutcome, kOutcome, kAgreed, kSpurious));
 }
 
+// Of decisions alone, by what has been taken over: contact times must be the same.
+TEST(Agreement, SharedCountsDecisionsThatWereTakenOver) {
+  RunRecord run = samples::quiet_run();
+  run.contacts = {row(1, kA, "owner"),          row(1, kB, "predicted"), row(3, kA, "decided"), row(3, kB, "applied"),
+                  row(3, kC, "applied", kLeft), row(5, kA, "decided"),   row(5, kB, "applied"), row(5, kC, "predicted"),
+                  row(5.001, kC, "applied"),    row(7, kA, "decided"),   row(7, kB, "decided"), row(7, kC, "applied")};
+  const Agreement::Shared s = agreement(run).shared;
+  EXPECT_EQ(s.decided, 3u);
+  EXPECT_EQ(s.agreed, 4u);     // b at 3 and 5, b and c at 7
+  EXPECT_EQ(s.disagreed, 1u);  // c at 3
+  EXPECT_EQ(s.missed, 1u);     // c at 5: a prediction is not that decision, nor is another one
+  EXPECT_EQ(s.spurious, 1u);
+}
+
 TEST(Agreement, LatencyRunsToTheFirstOfTheWordsThatStay) {
   RunRecord run = samples::quiet_run();
   run.contacts = {row(3, kA, "owner"), row(3, kB, "predicted", kLeft, 0.1), row(3, kB, "predicted", kRight, 0.25),

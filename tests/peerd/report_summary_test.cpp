@@ -35,7 +35,7 @@ TEST(Summary, HasTheShapeOfTheDesign) {
                                    "ghost_error_m", "shown_error_m", "view_difference_m", "inconsistency_m_s"));
   EXPECT_THAT(keys_of(run["objects"][0]["ghost_error_m"]), testing::ElementsAre("mean", "rms", "p99", "max"));
   EXPECT_THAT(keys_of(run["collisions"]), testing::ElementsAre("decided", "agreed", "disagreed", "spurious", "missed",
-                                                               "revised", "decision_latency_ms"));
+                                                               "revised", "shared", "decision_latency_ms"));
   EXPECT_THAT(keys_of(run["collisions"]["decision_latency_ms"]), testing::ElementsAre("mean", "p99", "max"));
   EXPECT_THAT(keys_of(run["traffic"]), testing::ElementsAre("packets", "bytes", "bytes_per_s"));
   EXPECT_EQ(run["params"]["network.latency_ms"], 5);

@@ -335,7 +335,7 @@ TEST_F(Decided, AnEarlierDecisionThatArrivesLateChangesNothing) {
 }
 
 TEST_F(Decided, DecisionsFromAnotherAgeAreDropped) {
-  for (const Duration ago : {4100ms, -1100ms, 3'600'000ms})
+  for (const Duration ago : {6100ms, -1100ms, 3'600'000ms})
     lan.inject(self, encode(decision(1, "CAR", ago, {1, 0, 0})));
   EXPECT_EQ(velocity(), Vec3::Zero());
   EXPECT_EQ(lan.drops(self, "decision_time"), 3u);

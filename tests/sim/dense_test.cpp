@@ -1,0 +1,32 @@
+// tests/sim/worlds/dense.toml: chains of collisions between objects of two peers, shorter than a round trip.
+#include <gtest/gtest.h>
+
+#include "tests/sim/run_scenario.hpp"
+
+namespace peerd::sim {
+namespace {
+
+using testing_support::Ran;
+using testing_support::run_scenario;
+
+const std::string kDense = PEERD_SOURCE_DIR "/tests/sim/worlds/dense.toml";
+const std::vector<std::filesystem::path> kBest{PEERD_SOURCE_DIR "/configs/best.toml"};
+
+class Dense : public testing::TestWithParam<int> {};  // seeds
+TEST_P(Dense, OneOutcomeEverywhere) {
+  const auto runs = run_scenario(kDense, {"seed=" + std::to_string(GetParam())}, kBest);
+  ASSERT_EQ(runs.size(), 30u);
+  for (const Ran& ran : runs) {
+    SCOPED_TRACE(ran.settings.params.dump());
+    const auto& shared = ran.summary["collisions"]["shared"];
+    EXPECT_GE(shared["decided"], 5);
+    EXPECT_EQ(shared["agreed"], 2 * shared["decided"].get<int>());
+    EXPECT_EQ(shared["disagreed"], 0);
+    EXPECT_EQ(shared["missed"], 0);
+    EXPECT_EQ(shared["spurious"], 0);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, Dense, testing::Values(1, 2));
+
+}  // namespace
+}  // namespace peerd::sim
