@@ -306,6 +306,7 @@ const PeerLog& PeerNode::log() {
        {"updates_repeated", c.updates_repeated},
        {"updates_duplicate", c.updates_duplicate},
        {"updates_relayed", c.updates_relayed},
+       {"states_out_of_range", c.states_out_of_range},
        {"convergence_blocked", c.convergence_blocked},
        {"convergence_detours", c.convergence_detours},
        {"proximity_tests", c.proximity_tests},

@@ -200,6 +200,7 @@ class Peer {
     std::uint64_t updates_repeated = 0;                                     // second copies sent; not in updates_out
     std::uint64_t updates_duplicate = 0;                                    // copies of what was applied already
     std::uint64_t updates_relayed = 0;
+    std::uint64_t states_out_of_range = 0;  // told as standing, for receivers would refuse them
     std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
     std::uint64_t convergence_detours = 0;  // those that followed the ghost's own way past it
     std::uint64_t proximity_tests = 0;

@@ -103,8 +103,10 @@ void Peer::on_update(PeerId sender, UpdateRecord u, SimTime session_now) {
   const bool relayed = relay.through == sender;
   if (relay.through != kNobody && !relayed && relay.through != config_.id) return;  // the relay will say
   if (owner(u.object) == kNobody && !relayed) claim(sender, {&u.object, 1});        // its hello may have been lost
-  oldest_update_ = std::max(oldest_update_, session_now - u.at);
-  if (relayed && own_.contains(u.object)) return;
+  if (relayed && own_.contains(u.object)) {
+    oldest_update_ = std::max(oldest_update_, session_now - u.at);
+    return;
+  }
   Member* owning = members_.find(owner(u.object));
   if (owning == nullptr || (owner(u.object) != sender && !relayed)) return drop("not_owner");
   std::uint32_t& last = owning->last_sequence[u.object];
@@ -114,6 +116,7 @@ void Peer::on_update(PeerId sender, UpdateRecord u, SimTime session_now) {
   }
   if (u.sequence < last) return drop("old_sequence");
   last = u.sequence;
+  oldest_update_ = std::max(oldest_update_, session_now - u.at);
   ++counters_.updates_in;
   if (relay.through == config_.id) {
     if (relay.restamps) u.at = session_now;

@@ -227,6 +227,9 @@ void Peer::change_session(SimTime before, SimTime now) {
   decisions_.clear();
   held_.clear();
   told_.clear();
+  updates_due_.clear();
+  copies_due_.clear();
+  oldest_update_ = Duration{0};
   declare_all();
   for (const ObjectId object : old.ghosts.objects()) {
     if (!replica_->ghosts.has(object)) {  // frozen: nobody runs it, no interest names it
@@ -240,6 +243,8 @@ void Peer::change_session(SimTime before, SimTime now) {
   for (auto& [object, own] : own_) {
     own.last_sent.reset();
     own.changed.reset();
+    own.to_repeat.reset();
+    own.copies = 0;
     if (own.starts) *own.starts += now - before;
     own.models.reset();  // their samples are of the other time
     own.poses = {};

@@ -6,6 +6,7 @@
 #include "replication/decision.hpp"
 #include "replication/peer.hpp"
 #include "replication/record.hpp"
+#include "replication/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -35,6 +36,20 @@ Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, do
   if (policy.wanted_error_m > 0.0) distance_m = std::min(distance_m, policy.wanted_error_m);
   if (expected_error_m < kNothing * distance_m) distance_m *= kFinest;
   return {distance_m, policy.angle_threshold_rad};
+}
+
+// Farther or faster than receivers take it: nobody could be told. What drives an object may do that, and what falls for
+// days, or a decision that somebody made up.
+bool sendable(const MotionModel& model) { return acceptable(model.state) && within_limits(model); }
+
+Pose inside_limits(const Pose& pose) {
+  Pose inside;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double p = pose.position[axis];
+    inside.position[axis] = std::isfinite(p) ? std::clamp(p, -kMagnitudeMax, kMagnitudeMax) : 0.0;
+  }
+  if (acceptable(pose.orientation)) inside.orientation = pose.orientation;
+  return inside;
 }
 
 }  // namespace
@@ -148,9 +163,19 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   own.last_sent = t;
   own.resend = own.retell = false;
   own.changed.reset();
-  const MotionModel law = replica_->truth.model_at(object, at);
+  MotionModel law = replica_->truth.model_at(object, at);
+  if (!own.driven && !sendable(law)) {
+    law = at_rest(inside_limits(replica_->truth.at(object, t).pose()));
+    at = t;
+    replica_->truth.set_base(object, t, law);
+    ++counters_.states_out_of_range;
+  }
   const bool exact = !own.driven && (policy.models || policy.order == ModelOrder::kSecond);
-  const MotionModel model = exact ? law : own.models ? own.models->choose() : as_model(policy.order, law.state);
+  MotionModel model = exact ? law : own.models ? own.models->choose() : as_model(policy.order, law.state);
+  if (!sendable(model)) {
+    model = at_rest(inside_limits(law.state.pose()));
+    ++counters_.states_out_of_range;
+  }
   const CollisionResponse* const response = response_of(object);
   const bool shared_motion = exact && response != nullptr && response->type == ResponseType::kImpulse;
   if (shared_motion && at == t) replica_->truth.set_base(object, t, model);

@@ -29,8 +29,8 @@ inline constexpr double kCoarsestAngle_rad = 4.0 * kOrientationError_rad;
 inline constexpr int kStepLeast_log2 = -23, kStepMost_log2 = -9;
 
 // For how long [s, log2] rounding stays small: steps of derivatives are such that each of velocity, acceleration and
-// jerk, and the rate, moves no axis by more than one step of the position by then. 1 s; 4 s for laws that are chosen
-// because they last.
+// jerk, and the rate, moves no axis by more than one step of the position by then. 1 s for second, history and
+// third; 4 s for the others, which are chosen because they last.
 [[nodiscard]] int horizon_log2_s(MotionKind kind);
 
 // The position's step: the largest that is at most a 16th of the tolerance; a 64th for laws that last. None: finer

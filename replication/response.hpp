@@ -46,7 +46,8 @@ struct Meeting {
 [[nodiscard]] MotionModel law_after(const CollisionResponse* response, const MotionModel& law,
                                     const KinematicState& after);
 
-// What a decision says, which carries states and no laws: friction is told by an acceleration that is exactly its.
+// What a decision says, which carries states and no laws: friction is told by an acceleration that is its, within
+// 1e-9 of it.
 [[nodiscard]] MotionModel law_of_outcome(const CollisionResponse* response, const KinematicState& after);
 
 }  // namespace peerd::replication

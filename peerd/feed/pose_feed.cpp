@@ -139,7 +139,11 @@ KinematicState PoseFeed::advanced_from(const Known& base, double dt_s) const {
   } else if (one != nullptr) {
     s.velocity = (pose.position - one->pose.position) / to_seconds(base.at - one->at);
   }
-  if (!(s.velocity.norm() <= kSpeedMax_m_s)) s.velocity = s.acceleration = Vec3::Zero();  // a jump that nobody named
+  if (!(s.acceleration.norm() <= kAccelerationMax_m_s2)) {  // a jump that nobody named
+    s.acceleration = Vec3::Zero();
+    if (!pose.velocity) s.velocity = Vec3::Zero();
+  }
+  if (!(s.velocity.norm() <= kSpeedMax_m_s)) s.velocity = s.acceleration = Vec3::Zero();
   if (pose.acceleration) {
     s.acceleration = *pose.acceleration;
     reach_s = to_seconds(stale_);

@@ -4,7 +4,8 @@
 // replication_bench [--quick] [--out DIR] [--commit NAME]: crowd, traffic, flock and orbit at 5, 100, 200 and 500 ms on
 // the simulated network. Each approach is a curve, swept over what trades bytes for error: configs/best.toml over
 // wanted_error_m, the dead reckonings of configs/baselines over error_threshold_m; server and lockstep are points.
-// error: mean ghost error of all objects at all observers, against the truth at that instant. Bytes: UDP payload of all
+// error: mean ghost error of all objects at all observers, against the truth at that instant; in the pictures that of the
+// server, of lockstep and of "best, input delayed" is the difference of what an observer and the owner are shown. Bytes: UDP payload of all
 // datagrams, hellos included, of all peers, a second. Then best.toml without one mechanism at a time, at 200 ms.
 //
 // Writes replication-pareto.svg, replication-mechanisms.svg and replication-curves.csv. Exit code 1: a run in which

@@ -317,6 +317,23 @@ TEST(PoseFeed, FasterThanAnUpdateCanTellIsAJumpThatNobodyNamed) {
 }
 
 // A ball turns round at a wall: nothing beyond the turn is made of what was before it.
+// .. and so is what would have to accelerate more, though its speed at the last pose is none.
+TEST(PoseFeed, AccelerationsBeyondTheLimitAreNotBelieved) {
+  for (const bool with_velocity : {false, true}) {
+    PoseFeed feed({}, kStale);
+    int i = 0;
+    for (const double x : {-1e9, -2.5e8, 0.0}) {
+      PoseSample p{.position = {x, 0, 0}, .orientation = Quat::Identity()};
+      if (with_velocity) p.velocity = Vec3(1, 0, 0);
+      const HostTime at = after(0.01 * i++);
+      ASSERT_TRUE(feed.push(at, at, p));
+    }
+    const KinematicState s = feed.at(after(0.02));
+    EXPECT_LE(s.acceleration.norm(), kAccelerationMax_m_s2);
+    EXPECT_EQ(s.velocity, with_velocity ? Vec3(1, 0, 0) : Vec3(Vec3::Zero()));
+  }
+}
+
 TEST(PoseFeed, AtASharpTurnTheNewestPosesCountAlone) {
   for (const bool with_velocity : {false, true}) {
     PoseFeed feed({}, kStale);

@@ -101,6 +101,17 @@ TEST(Evaluate, SlidingComesToRestWhereFrictionEndsItAndStays) {
   }
 }
 
+// Where a stop in nanoseconds rounds to a whole number from above, the piece behind it must not begin before it.
+TEST(Pieces, OfWhatHasSlidToRestStand) {
+  for (const auto& [v, by] : {std::pair{3.45, 1.25}, {0.47, 0.5}, {0.47, 1.0}, {1.88, 0.5}, {4.0, 2.0}}) {
+    const MotionPiece last = piece_at(sliding({v, 0, 0}, {-by, 0, 0}), from_seconds(10.0));
+    EXPECT_TRUE(last.state.velocity.isZero(0.0)) << v;
+    EXPECT_TRUE(last.state.acceleration.isZero(0.0)) << v;
+    EXPECT_NEAR(last.state.position.x(), 1.0 + 0.5 * v * v / by, 1e-9);
+    EXPECT_FALSE(last.end);
+  }
+}
+
 TEST(Evaluate, SpinsSlideToRestToo) {
   MotionModel m = sliding({4, 0, 0}, {-2, 0, 0});
   m.state.angular_velocity_body = {0, 3, 0};

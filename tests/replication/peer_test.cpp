@@ -625,6 +625,24 @@ TEST(Peer, CopiesOfAnUpdateSurviveTheLossOfTheFirst) {
   EXPECT_EQ(lan.peer(1).counters().updates_in, 1u);
 }
 
+// What drives an object, or how the world launches it, may be farther and faster than anybody would take.
+TEST(Peer, StatesOutOfRangeAreToldAsStanding) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 1e13 0 0") + box("O1", "1 1 1", "0 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  const auto far = [](SimTime t) {
+    return t < sim(2s) ? moving({1, 0, 0}) : moving({1e13, 0, 0}, {std::numeric_limits<double>::infinity(), 0, 0});
+  };
+  PeerConfig c = config(1, {{world["O0"], false}, {world["O1"], true}});
+  c.policy.models = ModelPolicy{};
+  lan.add(c, 0s, {{world["O1"], far}});
+  lan.add(config(2));
+  lan.run_until(4s);
+  EXPECT_GT(lan.peer(0).counters().states_out_of_range, 1u);
+  EXPECT_TRUE(lan.peer(1).counters().drops.empty());
+  EXPECT_TRUE(lan.peer(1).ghost(world["O1"], sim(4s)).velocity.isZero(0.0));
+  EXPECT_LE(lan.peer(1).ghost(world["O0"], sim(4s)).position.norm(), 1e12);
+}
+
 TEST(Peer, NoCopiesWhereNothingGetsLost) {
   const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 3 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
