@@ -4,12 +4,13 @@
 // replication_bench [--quick] [--out DIR] [--commit NAME]: crowd, traffic, flock and orbit at 5, 100, 200 and 500 ms on
 // the simulated network. Each approach is a curve, swept over what trades bytes for error: configs/best.toml over
 // wanted_error_m, the dead reckonings of configs/baselines over error_threshold_m; server and lockstep are points.
-// error: mean ghost error of all objects at all observers, against the truth at that instant; in the pictures that of the
-// server, of lockstep and of "best, input delayed" is the difference of what an observer and the owner are shown. Bytes: UDP payload of all
-// datagrams, hellos included, of all peers, a second. Then best.toml without one mechanism at a time, at 200 ms.
+// error: mean ghost error of all objects at all observers, against the truth at that instant; in the pictures that of
+// the server, of lockstep and of "best, input delayed" is the difference of what an observer and the owner are shown.
+// Bytes: UDP payload of all datagrams, hellos included, of all peers, a second. Then best.toml without one mechanism at
+// a time, at 200 ms.
 //
 // Writes replication-pareto.svg, replication-mechanisms.svg and replication-curves.csv. Exit code 1: a run in which
-// peers don't agree on an outcome, or in which nobody saw anything.
+// peers don't agree on a decided outcome, or in which nobody saw anything.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -97,7 +98,7 @@ class Bench {
     const auto shared = must(share_world(read.world));
     const report::RunRecord record = must(assemble(settings, *shared, must(sim::simulate(settings, *shared))));
     const auto summary = report::summarise({scenario, "sim", read.seed, {}}, {&record, 1})["runs"][0];
-    if (summary["collisions"]["disagreed"] != 0 || summary["objects"].empty()) {
+    if (summary["collisions"]["shared"]["disagreed"] != 0 || summary["objects"].empty()) {
       std::printf("error: %s on %s at %g ms: %s\n", config.c_str(), scenario.c_str(), latency_ms,
                   summary["objects"].empty() ? "nobody saw anything" : "peers disagree on an outcome");
       sound_ = false;
