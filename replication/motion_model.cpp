@@ -151,8 +151,8 @@ Duration piece_length(const MotionModel& m) {
 std::optional<Duration> stop_after(const std::optional<double>& stop) {
   if (!stop || *stop > 1e9) return std::nullopt;
   const Duration after{static_cast<std::int64_t>(std::ceil(*stop * 1e9))};
-  return to_seconds(after) < *stop ? after + Duration{1}
-                                   : after;  // the product may have been rounded down to a whole one
+  // The product may have been rounded down to a whole number.
+  return to_seconds(after) < *stop ? after + Duration{1} : after;
 }
 
 struct Bounds {

@@ -88,6 +88,11 @@ const collision::Body* WorldModel::body(ObjectId id) const {
   return at != bodies.end() && at->object == id ? &*at : nullptr;
 }
 
+const CollisionResponse* WorldModel::response_of(ObjectId id) const {
+  const auto& response = scene->object(id).response;
+  return response ? &*response : nullptr;
+}
+
 std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
   auto model = std::make_unique<WorldModel>();
   model->scene = &scene;
@@ -351,9 +356,9 @@ void MotionWorld::search(Pair& pair, SimTime to) {
 MotionModel MotionWorld::answered(std::size_t object, const Pair& pair, const MotionModel& self,
                                   const KinematicState& other, bool other_answers, const Vec3& n) {
   Object& o = objects_[object];
-  const CollisionResponse* const response = response_of(o.id);
+  const CollisionResponse* const response = model_.response_of(o.id);
   const Object& met = objects_[pair.collider == object ? pair.collidee : pair.collider];
-  const Meeting meeting{*response, response_of(met.id), other_answers, self.state, other, n};
+  const Meeting meeting{*response, model_.response_of(met.id), other_answers, self.state, other, n};
   const SimTime t = *pair.contact;
   const bool impulse = response->type == ResponseType::kImpulse;
   remember(o.recent, t);
@@ -377,11 +382,6 @@ MotionModel MotionWorld::answered(std::size_t object, const Pair& pair, const Mo
   return after_contact(self, after, n, response->type == ResponseType::kInverse);
 }
 
-const CollisionResponse* MotionWorld::response_of(ObjectId object) const {
-  const auto& response = model_.scene->object(object).response;
-  return response ? &*response : nullptr;
-}
-
 void MotionWorld::answer(Pair& pair) {
   const SimTime t = *pair.contact;
   Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
@@ -392,7 +392,13 @@ void MotionWorld::answer(Pair& pair) {
   remember(pair.recent, t);
   if (a_answers) after_a = answered(pair.collider, pair, model_a, before_b, b_answers, pair.normal);
   if (b_answers) after_b = answered(pair.collidee, pair, model_b, before_a, a_answers, -pair.normal);
-  ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, after_a.state, after_b.state};
+  // What slides by the world's friction is told with just the deceleration that whoever hears of it knows it by
+  // (law_of_outcome), also where it does not answer: its own law's has been turned and rounded since its base.
+  const auto told = [&](ObjectId id, const MotionModel& after) {
+    const bool slides = after.kind == MotionKind::kSliding;
+    return slides ? law_after(model_.response_of(id), after, after.state).state : after.state;
+  };
+  ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, told(a.id, after_a), told(b.id, after_b)};
   pair.contact.reset();
   ++counters_.contacts;
   if (answers_ && !answers_(a.id, b.id, t)) {
@@ -412,7 +418,7 @@ void MotionWorld::answer(Pair& pair) {
   if (a_answers) reopen(pair.collider, t);
   if (b_answers) reopen(pair.collidee, t);
   // Where no answer changes anything (nobody answers; an object that was stopped is run into) the contact goes on.
-  pair.inside = same_motion(before_a, event.collider_after) && same_motion(before_b, event.collidee_after);
+  pair.inside = same_motion(before_a, after_a.state) && same_motion(before_b, after_b.state);
   events_.push_back(event);
 }
 

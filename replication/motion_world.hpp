@@ -30,6 +30,7 @@ struct WorldModel {
   std::vector<ObjectId> moving;          // bodies that the file itself moves (PredefinedMotion), sorted
 
   [[nodiscard]] const collision::Body* body(ObjectId id) const;
+  [[nodiscard]] const CollisionResponse* response_of(ObjectId id) const;  // null where it has none
 };
 [[nodiscard]] std::unique_ptr<const WorldModel> make_world_model(const Scene& scene);
 
@@ -140,7 +141,6 @@ class MotionWorld {
   [[nodiscard]] const Object* find(ObjectId id) const;
   [[nodiscard]] std::size_t index_of(ObjectId id) const;
   [[nodiscard]] static bool will_answer(const Object& o, bool registered, SimTime t);
-  [[nodiscard]] const CollisionResponse* response_of(ObjectId object) const;
   [[nodiscard]] SimTime search_begin(const Pair& pair, SimTime s) const;
   void search(Pair& pair, SimTime to);
   void search_window(Pair& pair);

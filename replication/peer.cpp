@@ -41,9 +41,10 @@ Peer::Peer(PeerConfig config, const WorldModel& model)
   if (!model.moving.empty()) predefined_.emplace(*model.scene);
   assert(config_.id.value != 0 && config_.boot != 0 && config_.tick_hz > 0);
   for (const Enslaved& e : config_.enslaved) {
-    own_[e.object].driven = e.driven;
-    if (config_.policy.surface_error) own_[e.object].reach_m = reach_m(*model.scene, e.object);
-    own_[e.object].launch = e.launch;
+    Own& own = own_[e.object];
+    own.driven = e.driven;
+    own.launch = e.launch;
+    if (config_.policy.surface_error) own.reach_m = reach_m(*model.scene, e.object);
     owners_[e.object] = config_.id;
   }
   outputs_.push_back(Join{kWholeScene});
@@ -114,11 +115,6 @@ HostTime Peer::next_deadline() const {
   if (replica_) next = std::min(next, clock_.to_host(tick_time(last_tick_ + 1)));
   if (const auto expiry = members_.next_expiry()) next = std::min(next, *expiry);
   return next;
-}
-
-const CollisionResponse* Peer::response_of(ObjectId object) const {
-  const auto& response = model_.scene->object(object).response;
-  return response ? &*response : nullptr;
 }
 
 PeerId Peer::owner(ObjectId object) const {

@@ -290,7 +290,7 @@ class Peer {
     std::optional<SimTime> starts;   // it stands until then
     std::optional<SimTime> changed;  // then it began to move as nobody could know; not told yet
     std::optional<UpdateRecord> to_repeat;
-    std::uint32_t copies = 0;  // of to_repeat that go out with the next ticks
+    std::uint32_t times_sent = 0;  // to_repeat
     std::optional<ModelChooser> models;
     PoseHistory poses;  // of samples without derivatives
     UpdateBudget budget;
@@ -302,7 +302,6 @@ class Peer {
   void enter_session(HostTime now);
   void launch(SimTime at, ObjectId object, Own& own);
   void begin_motions(SimTime until);
-  [[nodiscard]] const CollisionResponse* response_of(ObjectId object) const;
   void change_session(SimTime before, SimTime now);
   void declare_all();
   void on_hello(HostTime now, PeerId sender, const Hello& hello);

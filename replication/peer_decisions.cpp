@@ -160,8 +160,8 @@ std::vector<DecisionLog::Change> Peer::add_own(const DecisionRecord& d) {
 void Peer::decide(const ContactEvent& c, SimTime known_at) {
   const auto changes = add_own(record_of(c, config_.decisions.policy));
   // As all who hear of it will: the own object's ghost too, or this peer's copy of their ghosts would not be theirs.
-  replica_->ghosts.set_base(c.collider, c.at, law_of_outcome(response_of(c.collider), c.collider_after));
-  replica_->ghosts.set_base(c.collidee, c.at, law_of_outcome(response_of(c.collidee), c.collidee_after));
+  replica_->ghosts.set_base(c.collider, c.at, law_of_outcome(model_.response_of(c.collider), c.collider_after));
+  replica_->ghosts.set_base(c.collidee, c.at, law_of_outcome(model_.response_of(c.collidee), c.collidee_after));
   colliding_.on_contact(c);
   outputs_.push_back(ContactSeen{ContactKind::kDecided, c, known_at});
   const bool alone = changes.size() == 1 && changes.front().author == config_.id;
@@ -285,7 +285,7 @@ void Peer::rebase(ObjectId object, SimTime from) {
     const DecisionRecord& d = e.record;
     if (!e.stands || d.contact < from || (d.collider != object && d.collidee != object)) continue;
     const MotionModel after =
-        law_of_outcome(response_of(object), d.collider == object ? d.collider_after : d.collidee_after);
+        law_of_outcome(model_.response_of(object), d.collider == object ? d.collider_after : d.collidee_after);
     if (own != own_.end() && !own->second.driven) replica_->truth.set_base(object, d.contact, after);
     set_ghost(object, d.contact, after);
     last = d.contact;

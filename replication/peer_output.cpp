@@ -54,9 +54,11 @@ double Peer::loss() const {
 // Where an update's loss would cost more than its bytes: again at once in another datagram, then with the ticks that
 // follow, while nothing newer goes.
 void Peer::send_copies() {
+  const std::uint32_t times = copies_against(loss(), config_.policy.copies);
+  if (times == 1) return;
   for (auto& [object, own] : own_) {
-    if (own.copies == 0 || !own.to_repeat) continue;
-    --own.copies;
+    if (!own.to_repeat || own.times_sent >= times) continue;
+    ++own.times_sent;
     copies_due_.push_back(*own.to_repeat);
     ++counters_.updates_repeated;
   }

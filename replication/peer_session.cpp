@@ -170,7 +170,7 @@ void Peer::launch(SimTime at, ObjectId object, Own& own) {
   state.velocity =
       own.launch.velocity ? *own.launch.velocity : to_world(at, object, model_.scene->object(object).velocity);
   state.acceleration = own.launch.acceleration;
-  replica_->truth.set_base(object, at, law_after(response_of(object), MotionModel{}, state));
+  replica_->truth.set_base(object, at, law_after(model_.response_of(object), MotionModel{}, state));
 }
 
 // The launches that are due, in order of time.
@@ -200,7 +200,7 @@ bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, 
   const MotionModel law = replica_->truth.model_at(object, t);
   KinematicState state = law.state;
   state.velocity = absolute ? velocity : Vec3(state.velocity + velocity);
-  replica_->truth.set_base(object, t, law_after(response_of(object), law, state));
+  replica_->truth.set_base(object, t, law_after(model_.response_of(object), law, state));
   own->second.starts.reset();
   own->second.changed = t;  // nobody could know
   return true;
@@ -244,7 +244,6 @@ void Peer::change_session(SimTime before, SimTime now) {
     own.last_sent.reset();
     own.changed.reset();
     own.to_repeat.reset();
-    own.copies = 0;
     if (own.starts) *own.starts += now - before;
     own.models.reset();  // their samples are of the other time
     own.poses = {};

@@ -13,7 +13,7 @@ namespace {
 
 // What the next interval between two updates may be expected to be.
 constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
-// A time to contact is known to one in so many of close proximity.
+// To how small a part of the time within which surfaces may meet the search for their time goes.
 constexpr double kTimeSteps = 16.0;
 // What is squeezed between two others touches each of them many times a millisecond. Contacts of one pair no farther
 // apart are one touch, and the last of them is what becomes of it.
@@ -27,20 +27,29 @@ bool one_touch(const ContactEvent& a, const ContactEvent& b) {
 
 // A model that is expected to err by less than so much of what the thresholds ask will not be corrected for long, and
 // few updates may take some bytes more: it is rounded so much finer.
-constexpr double kNothing = 1.0 / 16.0, kFinest = 1.0 / 64.0;
+constexpr double kAllButExact = 1.0 / 16.0, kFinest = 1.0 / 64.0;
 
 // The tightest threshold in force. What physics moves is told exactly: resting against something and rounded, it could
 // lie inside it. Where snapshots go out whatever the thresholds, the tight one says what is close.
 Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, double expected_error_m) {
   double distance_m = policy.snapshots_hz > 0 ? std::min(threshold_m, policy.tight_threshold_m) : threshold_m;
   if (policy.wanted_error_m > 0.0) distance_m = std::min(distance_m, policy.wanted_error_m);
-  if (expected_error_m < kNothing * distance_m) distance_m *= kFinest;
+  if (expected_error_m < kAllButExact * distance_m) distance_m *= kFinest;
   return {distance_m, policy.angle_threshold_rad};
 }
 
 // Farther or faster than receivers take it: nobody could be told. What drives an object may do that, and what falls for
 // days, or a decision that somebody made up.
 bool sendable(const MotionModel& model) { return acceptable(model.state) && within_limits(model); }
+
+// So long two that may come near each other within within_s certainly don't, by halves of it: surfaces meet later than
+// their spheres. 0 where that is less than a part in kTimeSteps.
+double apart_for_s(const collision::MovingBody& a, const collision::MovingBody& b, double within_s, double margin_m) {
+  for (double s = 0.5 * within_s; s >= within_s / kTimeSteps; s *= 0.5) {
+    if (!collision::may_come_near(a, b, s, margin_m)) return s;
+  }
+  return 0.0;
+}
 
 Pose inside_limits(const Pose& pose) {
   Pose inside;
@@ -176,7 +185,7 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
     model = at_rest(inside_limits(law.state.pose()));
     ++counters_.states_out_of_range;
   }
-  const CollisionResponse* const response = response_of(object);
+  const CollisionResponse* const response = model_.response_of(object);
   const bool shared_motion = exact && response != nullptr && response->type == ResponseType::kImpulse;
   if (shared_motion && at == t) replica_->truth.set_base(object, t, model);
   const double expected_error_m = own.models ? own.models->expected_error_m() : threshold_m;
@@ -192,7 +201,7 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   outputs_.push_back(Published{t, object, size_bytes, threshold_m, reason});
   updates_due_.push_back(record);
   own.to_repeat = record;
-  own.copies = copies_against(loss(), policy.copies) - 1;
+  own.times_sent = 1;
 }
 
 // The error threshold in force: the tight one in close proximity.
@@ -207,13 +216,13 @@ double Peer::threshold_now_m(ObjectId object, SimTime t) {
 }
 
 // Until the object could meet one of another peer (seed, table 4.1: remote-enslaved pairs only), not more than that; at
-// least the policy's close proximity where nothing is close.
+// least the policy's close proximity where nothing is close. By steps 0 where anything is.
 double Peer::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) {
-  const double within_s = config_.policy.close_proximity_s;
+  const bool by_time = config_.policy.threshold_by_time;
+  double least_s = config_.policy.close_proximity_s;
   const collision::Body* body = model_.body(object);
-  if (body == nullptr) return within_s;
+  if (body == nullptr) return least_s;
   const KinematicState state = replica_->truth.at(object, t);
-  double least_s = within_s;
   for (const CollisionPair& pair : model_.pairs) {
     if (pair.collider != object && pair.collidee != object) continue;
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
@@ -225,20 +234,12 @@ double Peer::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) {
     double left_s = collision::proximity_time_s(here, there);
     if (!(left_s < least_s)) continue;
     if (config_.policy.refine_proximity && pair.type != CollisionType::kBox) {
-      const auto near_within = [&](double s) {
-        ++counters_.proximity_refined;
-        return collision::may_come_near(here, there, s, threshold_m);
-      };
-      if (!near_within(least_s)) continue;
-      // By halves: the surfaces meet later than the spheres.
-      for (double s = 0.5 * least_s; config_.policy.threshold_by_time && s >= within_s / kTimeSteps; s *= 0.5) {
-        if (near_within(s)) continue;
-        left_s = std::max(left_s, s);
-        break;
-      }
+      ++counters_.proximity_refined;
+      if (!collision::may_come_near(here, there, least_s, threshold_m)) continue;
+      if (by_time) left_s = std::max(left_s, apart_for_s(here, there, least_s, threshold_m));
     }
+    if (!by_time || left_s == 0.0) return 0.0;
     least_s = left_s;
-    if (!config_.policy.threshold_by_time || least_s == 0.0) break;
   }
   return least_s;
 }

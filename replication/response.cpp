@@ -77,9 +77,7 @@ MotionModel law_of_outcome(const CollisionResponse* response, const KinematicSta
   const double by = friction(response);
   if (by == 0.0) return after;
   const MotionModel slides = sliding_to_rest(after, by);
-  // An object that has not answered has the acceleration of its law's base, rounded otherwise.
-  const double off = (slides.state.acceleration - after.acceleration).norm();
-  return off <= 1e-9 * by ? slides : MotionModel(after);
+  return slides.state.acceleration == after.acceleration ? slides : MotionModel(after);
 }
 
 }  // namespace peerd::replication

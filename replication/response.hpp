@@ -46,8 +46,7 @@ struct Meeting {
 [[nodiscard]] MotionModel law_after(const CollisionResponse* response, const MotionModel& law,
                                     const KinematicState& after);
 
-// What a decision says, which carries states and no laws: friction is told by an acceleration that is its, within
-// 1e-9 of it.
+// What a decision says, which carries states and no laws: friction is told by an acceleration that is exactly its.
 [[nodiscard]] MotionModel law_of_outcome(const CollisionResponse* response, const KinematicState& after);
 
 }  // namespace peerd::replication

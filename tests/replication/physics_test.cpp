@@ -2,6 +2,7 @@
 // the same they find the same, to the last bit.
 #include <gtest/gtest.h>
 
+#include "replication/response.hpp"
 #include "tests/replication/worlds.hpp"
 
 namespace peerd::replication {
@@ -141,6 +142,31 @@ TEST(Sliding, StopsHoweverLongItTakes) {
   EXPECT_NEAR(timeline.at(sim(39s)).position.x(), 79.95, 1e-9);
   EXPECT_NEAR(timeline.at(sim(60s)).position.x(), 80.0, 1e-6);
   EXPECT_EQ(timeline.at(sim(60s)).velocity, Vec3::Zero());
+}
+
+// Of an interest that is one's alone only one answers; whoever hears of the outcome must know that the other slides on.
+TEST(Outcome, TellsOfWhatSlidesThoughItDoesNotAnswer) {
+  const World world(ball("A", "0 0 0", answers(1.0)) + ball("B", "3 0 0.7", answers(1.0, 0.2)) +
+                    interest("A", "\"B\""));
+  int met = 0;
+  for (int i = 0; i < 40; ++i) {
+    MotionWorld motions(*world.model, sim(0s));
+    motions.declare(world["A"], Role::kFirm);
+    motions.declare(world["B"], Role::kFirm);
+    motions.set_base(world["A"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+    const KinematicState slides = moving({3, 0, 0.7}, {-2.3 - 0.013 * i, 0, -1.1});
+    motions.set_base(world["B"], sim(0s), sliding_to_rest(slides, 0.2F));
+    motions.advance(sim(2s));
+    while (const auto event = motions.poll_event()) {
+      const auto* contact = std::get_if<ContactEvent>(&*event);
+      if (contact == nullptr) continue;
+      ++met;
+      const MotionModel told = law_of_outcome(world.model->response_of(world["B"]), contact->collidee_after);
+      EXPECT_EQ(told.kind, MotionKind::kSliding) << i;
+      EXPECT_EQ(contact->collidee_after.velocity, contact->collidee_before.velocity);
+    }
+  }
+  EXPECT_GT(met, 10);
 }
 
 }  // namespace
