@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "proto/peerd.pb.h"
+#include "replication/hello_lists.hpp"
 #include "replication/record.hpp"
 #include "replication/wire_limits.hpp"
 
@@ -14,7 +15,8 @@ namespace peerd::replication {
 namespace {
 
 constexpr std::size_t kUsualRecord_bytes = 24;
-constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes cannot hold more
+// Of a time, what travels with records: 18 minutes, of which the receiver's own time says which.
+constexpr int kBase_bytes = 5;
 
 // ---- to Protobuf ----
 
@@ -41,13 +43,14 @@ void put(const KinematicState& s, proto::Kinematics* out) {
   if (!s.angular_velocity_body.isZero(0.0)) put(s.angular_velocity_body, out->mutable_angular_velocity_body());
 }
 
-// All in one field, one behind the other; times count from the first one's.
+// All in one field, one behind the other; times count from the first one's, whose low bytes come first.
 void put(const std::vector<UpdateRecord>& updates, proto::Datagram* out) {
   if (updates.empty()) return;
   const SimTime base = updates.front().at;
-  out->set_base_ns(base.time_since_epoch().count());
   std::string& bytes = *out->mutable_records();
   bytes.reserve(kDatagramMax_bytes);
+  auto low = static_cast<std::uint64_t>(base.time_since_epoch().count());
+  for (int i = 0; i < kBase_bytes; ++i, low >>= 8) bytes.push_back(static_cast<char>(low & 0xFF));
   std::array<std::byte, kRecordMax_bytes> record;
   for (const UpdateRecord& u : updates) {
     bytes.append(reinterpret_cast<const char*>(record.data()), encode_record(u, base, record));
@@ -75,35 +78,24 @@ void put(const Viewpoint& v, proto::Viewpoint* out) {
   out->set_aspect(v.aspect);
 }
 
-void put(const ContactNote& n, proto::ContactNote* out) {
-  out->set_collider(n.collider.value);
-  out->set_collidee(n.collidee.value);
-  out->set_contact_ns(n.contact.time_since_epoch().count());
-  out->set_held(n.held);
-  out->set_by(n.by.value);
+void put(const Introduction& i, std::uint64_t boot, proto::Introduction* out) {
+  out->set_name(i.name);
+  out->set_world_hash(i.world_hash);
+  out->set_boot(boot);
+  out->set_enslaved(packed(i.enslaved));
+  if (i.start) out->set_start_ns(i.start->time_since_epoch().count());
+  if (i.world_zero) out->set_world_zero_ns(i.world_zero->time_since_epoch().count());
+  if (i.viewpoint) put(*i.viewpoint, out->mutable_viewpoint());
 }
 
-void put(const Hello& h, proto::Hello* out) {
-  out->set_name(h.name);
-  out->set_world_hash(h.world_hash);
-  out->set_host_tx_ns(h.host_tx.time_since_epoch().count());
-  out->set_synchronised(h.synchronised);
-  out->set_session_minus_host_ns(h.session_minus_host.count());
+void put(const Hello& h, std::uint64_t boot, proto::Hello* out) {
+  if (h.session_tx) out->set_session_tx_ns(h.session_tx->time_since_epoch().count());
   out->set_sessions(h.sessions);
-  for (const ClockEcho& e : h.echoes) {
-    proto::ClockEcho* o = out->add_echoes();
-    o->set_peer(e.peer.value);
-    o->set_their_tx_ns(e.their_tx.time_since_epoch().count());
-    o->set_our_rx_ns(e.our_rx.time_since_epoch().count());
-    o->set_loss_permille(static_cast<std::uint32_t>(std::lround(1000.0 * e.loss)));
-  }
-  for (ObjectId id : h.enslaved) out->add_enslaved(id.value);
-  if (h.start) out->set_start_ns(h.start->time_since_epoch().count());
-  if (h.world_zero) out->set_world_zero_ns(h.world_zero->time_since_epoch().count());
   out->set_latency_ms(
       static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(h.latency).count()));
-  if (h.viewpoint) put(*h.viewpoint, out->mutable_viewpoint());
-  for (const ContactNote& n : h.notes) put(n, out->add_notes());
+  out->set_echoes(packed(h.echoes));
+  out->set_notes(packed(h.notes, h.session_tx.value_or(SimTime{})));
+  if (h.introduction) put(*h.introduction, boot, out->mutable_introduction());
 }
 
 // ---- from Protobuf: each take() answers whether the value may be used ----
@@ -124,17 +116,29 @@ bool take(const proto::Kinematics& in, KinematicState& s) {
          take(in.angular_velocity_body(), s.angular_velocity_body) && s.angular_velocity_body.norm() <= kSpinMax;
 }
 
-template <class Time>
-bool take(std::int64_t ns, Time& t) {
-  t = Time{Duration{ns}};
+bool take(std::int64_t ns, SimTime& t) {
+  t = SimTime{Duration{ns}};
   return in_range(ns);
 }
 
+// The time with those low bytes that is nearest to `near`.
+bool take_base(std::span<const std::byte, kBase_bytes> bytes, SimTime near, SimTime& base) {
+  std::uint64_t low = 0;
+  for (int i = kBase_bytes - 1; i >= 0; --i) low = low << 8 | std::to_integer<std::uint64_t>(bytes[i]);
+  constexpr int kAbove_bits = 64 - 8 * kBase_bytes;
+  const auto here = static_cast<std::uint64_t>(near.time_since_epoch().count());
+  // Shifted up and down again, the difference's highest bit that travels is its sign.
+  const std::int64_t ahead = static_cast<std::int64_t>((low - here) << kAbove_bits) >> kAbove_bits;
+  return take(static_cast<std::int64_t>(here + static_cast<std::uint64_t>(ahead)), base);
+}
+
 // An update of a later version's model is left out; it must not cost the rest of its datagram.
-bool take_records(const proto::Datagram& in, Message& m) {
-  SimTime base;
-  if (!take(in.base_ns(), base)) return false;
+bool take_records(const proto::Datagram& in, SimTime near, Message& m) {
   auto rest = std::as_bytes(std::span(in.records()));
+  if (rest.empty()) return true;
+  SimTime base;
+  if (rest.size() <= kBase_bytes || !take_base(rest.first<kBase_bytes>(), near, base)) return false;
+  rest = rest.subspan(kBase_bytes);
   m.updates.reserve(rest.size() / kUsualRecord_bytes);
   while (!rest.empty()) {
     const auto update = decode_record(rest, base);
@@ -171,30 +175,22 @@ bool take(const proto::Viewpoint& in, Viewpoint& v) {
          v.field_of_view < std::numbers::pi && v.aspect > 0.0 && v.aspect <= kMagnitudeMax;
 }
 
+bool take(const proto::Introduction& in, Introduction& i) {
+  if (!is_name(in.name()) || !take_objects(in.enslaved(), i.enslaved)) return false;
+  i.name = in.name();
+  i.world_hash = in.world_hash();
+  if (in.has_start_ns() && !take(in.start_ns(), i.start.emplace())) return false;
+  if (in.has_world_zero_ns() && !take(in.world_zero_ns(), i.world_zero.emplace())) return false;
+  return !in.has_viewpoint() || take(in.viewpoint(), i.viewpoint.emplace());
+}
+
 bool take(const proto::Hello& in, Hello& h) {
-  if (!is_name(in.name()) || in.echoes_size() > kListMax || in.enslaved_size() > kListMax) return false;
-  h.name = in.name();
-  h.world_hash = in.world_hash();
-  h.synchronised = in.synchronised();
-  h.session_minus_host = Duration{in.session_minus_host_ns()};
+  if (in.has_session_tx_ns() && !take(in.session_tx_ns(), h.session_tx.emplace())) return false;
+  if (in.latency_ms() > static_cast<std::uint32_t>(kLatencyMax.count())) return false;
   h.sessions = in.sessions();
-  if (!take(in.host_tx_ns(), h.host_tx) || !in_range(in.session_minus_host_ns())) return false;
-  for (const proto::ClockEcho& e : in.echoes()) {
-    ClockEcho echo{PeerId{e.peer()}, {}, {}, 1e-3 * e.loss_permille()};
-    if (!take(e.their_tx_ns(), echo.their_tx) || !take(e.our_rx_ns(), echo.our_rx) || echo.loss > 1.0) return false;
-    h.echoes.push_back(echo);
-  }
-  for (std::uint32_t id : in.enslaved()) h.enslaved.push_back(ObjectId{id});
-  if (in.has_start_ns() && !take(in.start_ns(), h.start.emplace())) return false;
-  if (in.latency_ms() > static_cast<std::uint32_t>(kLatencyMax.count()) || in.notes_size() > kListMax) return false;
   h.latency = std::chrono::milliseconds(in.latency_ms());
-  if (in.has_viewpoint() && !take(in.viewpoint(), h.viewpoint.emplace())) return false;
-  for (const proto::ContactNote& n : in.notes()) {
-    ContactNote note{ObjectId{n.collider()}, ObjectId{n.collidee()}, {}, PeerId{n.by()}, n.held()};
-    if (!take(n.contact_ns(), note.contact)) return false;
-    h.notes.push_back(note);
-  }
-  return !in.has_world_zero_ns() || take(in.world_zero_ns(), h.world_zero.emplace());
+  return take_echoes(in.echoes(), h.echoes) && take_notes(in.notes(), h.session_tx.value_or(SimTime{}), h.notes) &&
+         (!in.has_introduction() || take(in.introduction(), h.introduction.emplace()));
 }
 
 }  // namespace
@@ -220,9 +216,9 @@ Bytes encode(const Message& m) {
   proto::Datagram d;
   d.set_version(kProtocolVersion);
   d.set_sender(m.sender.value);
-  d.set_boot(m.boot);
   d.set_number(m.number);
-  if (m.has_hello) put(m.hello, d.mutable_hello());
+  if (m.introduction() == nullptr) d.set_boot_low(static_cast<std::uint32_t>(boot_low(m.boot)));
+  if (m.hello) put(*m.hello, m.boot, d.mutable_hello());
   put(m.updates, &d);
   for (const DecisionRecord& c : m.decisions) put(c, d.add_decisions());
   d.set_leaving(m.leaving);
@@ -231,7 +227,7 @@ Bytes encode(const Message& m) {
   return out;
 }
 
-std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram) {
+std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, SimTime near) {
   if (datagram.size() > kDatagramMax_bytes) return std::unexpected(DecodeError::kTooLong);
   proto::Datagram d;
   if (!d.ParseFromArray(datagram.data(), static_cast<int>(datagram.size()))) {
@@ -241,12 +237,11 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram) 
   if (d.sender() == 0) return std::unexpected(DecodeError::kSender);
   Message m;
   m.sender = PeerId{d.sender()};
-  m.boot = d.boot();
   m.number = d.number();
   m.leaving = d.leaving();
-  m.has_hello = d.has_hello();
-  if (m.has_hello && !take(d.hello(), m.hello)) return std::unexpected(DecodeError::kValue);
-  if (!take_records(d, m)) return std::unexpected(DecodeError::kValue);
+  if (d.has_hello() && !take(d.hello(), m.hello.emplace())) return std::unexpected(DecodeError::kValue);
+  m.boot = m.introduction() != nullptr ? d.hello().introduction().boot() : boot_low(d.boot_low());
+  if (!take_records(d, near, m)) return std::unexpected(DecodeError::kValue);
   for (const proto::Decision& c : d.decisions()) {
     if (!take(c, m.decisions.emplace_back())) return std::unexpected(DecodeError::kValue);
   }

@@ -27,14 +27,11 @@ bool of_pair(const DecisionRecord& d, ObjectId a, ObjectId b) {
 }
 
 std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionRecord& record, PeerId author) {
+  if (knows(record.contact, author, record.collider, record.collidee)) return std::nullopt;
   const auto before = [](const Entry& e, const std::pair<SimTime, PeerId>& key) {
     return std::pair(e.record.contact, e.author) < key;
   };
-  auto at = std::lower_bound(entries_.begin(), entries_.end(), std::pair(record.contact, author), before);
-  for (auto same = at; same != entries_.end() && same->record.contact == record.contact && same->author == author;
-       ++same) {
-    if (of_pair(same->record, record.collider, record.collidee)) return std::nullopt;
-  }
+  const auto at = std::lower_bound(entries_.begin(), entries_.end(), std::pair(record.contact, author), before);
   entries_.insert(at, Entry{record, author, false, 0, {}});
 
   std::vector<Entry*> pair;
@@ -53,6 +50,12 @@ std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionR
   }
   std::ranges::stable_sort(changes, {}, [](const Change& c) { return std::pair(c.stands, c.record.contact); });
   return changes;
+}
+
+bool DecisionLog::knows(SimTime contact, PeerId author, ObjectId a, ObjectId b) const {
+  return std::ranges::any_of(entries_, [&](const Entry& e) {
+    return e.author == author && e.record.contact == contact && of_pair(e.record, a, b);
+  });
 }
 
 void DecisionLog::forget_before(SimTime contact) {

@@ -14,7 +14,8 @@ void LossMeter::on_datagram(std::uint32_t number) {
   if (number > highest_) {
     const std::uint32_t ahead = number - highest_;
     const bool first = highest_ == 0;  // what went before this peer listened is no loss
-    seen_ = ahead < kWindow ? seen_ << ahead | 1 : 1;
+    seen_ = first ? ~std::uint64_t{0} : ahead < kWindow ? seen_ << ahead | 1 : 1;
+    if (!first) missing_ += ahead - 1;
     highest_ = number;
     const double newly = first ? 1 : std::min(ahead, kWindow);
     sent_ = sent_ * (1.0 - kForgets) + newly;
@@ -25,6 +26,7 @@ void LossMeter::on_datagram(std::uint32_t number) {
   if (behind >= kWindow || (seen_ >> behind & 1) != 0) return;
   seen_ |= std::uint64_t{1} << behind;
   lost_ = std::max(0.0, lost_ - 1.0);
+  --missing_;
 }
 
 std::uint32_t copies_against(double loss, std::uint32_t most) {

@@ -9,11 +9,14 @@ class LossMeter {
  public:
   // `number`: the sender's count of its datagrams, from 1.
   void on_datagram(std::uint32_t number);
+  [[nodiscard]] std::uint32_t highest() const { return highest_; }
+  // Of those from the first that came to highest(): how many have not.
+  [[nodiscard]] std::uint32_t missing() const { return missing_; }
   // The part that gets lost, in (0, 1): before anything has come one in ten, afterwards ever nearer to what was seen.
-  [[nodiscard]] double loss() const { return (lost_ + 0.5) / (sent_ + 5.0); }
+  [[nodiscard]] double loss() const { return (lost_ + 0.1) / (sent_ + 5.0); }
 
  private:
-  std::uint32_t highest_ = 0;
+  std::uint32_t highest_ = 0, missing_ = 0;
   std::uint64_t seen_ = 0;  // bit k: highest_ - k has come
   double sent_ = 0.0, lost_ = 0.0;
 };

@@ -4,6 +4,13 @@
 
 namespace peerd::replication {
 
+void Receipt::on_echo(const Echo& echo) {
+  if (echo.highest < highest) return;  // overtaken by a later one
+  if (echo.missing != missing) clean_from = echo.highest;
+  highest = echo.highest;
+  missing = echo.missing;
+}
+
 Membership::Heard Membership::on_datagram(HostTime now, PeerId peer, std::uint64_t boot) {
   const auto [at, added] = members_.try_emplace(peer);
   Member& member = at->second;

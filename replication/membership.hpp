@@ -15,18 +15,28 @@
 
 namespace peerd::replication {
 
+// Which datagrams of ours another peer has, by what its echoes say of the highest number and of how many are missing:
+// all from the one after `clean_from` to `highest`. None is missing since then.
+struct Receipt {
+  std::uint32_t clean_from = 0, highest = 0, missing = 0;
+  [[nodiscard]] bool has(std::uint32_t number) const { return number > clean_from && number <= highest; }
+  void on_echo(const Echo& echo);
+};
+
 // One other peer, as far as it has been heard.
 struct Member {
   std::uint64_t boot = 0;
   std::string name;
-  HostTime last_heard{};                       // our clock
-  std::optional<HostTime> hello_tx, hello_rx;  // of its last hello: its clock, ours
+  HostTime last_heard{};    // our clock
+  std::uint32_t hello = 0;  // the number of its last hello's datagram; 0: none
+  HostTime hello_rx{};      // when that came, our clock
   bool synchronised = false;
   std::uint32_t sessions = 0;
-  Duration session_minus_host{0};
   std::optional<SimTime> start;
   LossMeter received;                  // of its datagrams
+  bool knows_us = false;               // its hellos echo ours
   std::optional<double> loss_of_ours;  // of our datagrams on their way to it, as it says
+  std::optional<Receipt> receipt;      // for our datagrams, as it says
   static constexpr std::size_t kDelays = 16;
   std::array<Duration, kDelays> delays{};  // of its last hellos, session time to session time
   std::size_t delays_known = 0;            // ever measured

@@ -20,6 +20,8 @@ constexpr double kSpanMax_s = 0.25;
 // A model takes another's place if it is expected to be this much better: enough not to flap between equals.
 constexpr double kBetterBy = 0.8;
 constexpr double kBetterBy_m = 1e-6;
+// .. and an acceleration of the spin, which an update that doesn't have it saves, by this.
+constexpr double kSpinBetterBy = 0.4;
 
 std::size_t index_of(MotionKind kind) {
   return static_cast<std::size_t>(std::ranges::find(kMotionKinds, kind) - std::begin(kMotionKinds));
@@ -52,6 +54,28 @@ double power(double x, int n) {
   double p = 1.0;
   for (; n > 0; --n) p *= x;
   return p;
+}
+
+// What an error of that kind of model counts, beside one of second order: the square of what its update takes beside
+// one of that, some 34 bytes with its share of a datagram's header. The square is what errors and bytes are traded at
+// between thresholds (README.md).
+double price(MotionKind kind) {
+  switch (kind) {
+    case MotionKind::kFirst:
+      return 0.78;
+    case MotionKind::kSecond:
+    case MotionKind::kHistory:
+      return 1.0;
+    case MotionKind::kSliding:
+      return 1.12;
+    case MotionKind::kThird:
+      return 1.25;
+    case MotionKind::kTurning:
+      return 1.53;
+    case MotionKind::kOscillating:
+      return 1.83;
+  }
+  return 1.0;
 }
 
 bool same_length(double a_s, double b_s) { return std::abs(a_s - b_s) < 1e-6 * (a_s + b_s); }
@@ -243,7 +267,7 @@ MotionModel ModelChooser::choose() {
     if (!policy_.allowed[index_of(kind)] || score.weight == 0.0) continue;
     auto model = make(kind, n);
     if (!model || !within_limits(*model)) continue;
-    const double error = kind == chosen_ ? kBetterBy * score.error : score.error;
+    const double error = (kind == chosen_ ? kBetterBy : 1.0) * price(kind) * score.error;
     if (best && error > kBetterBy * best_error - kBetterBy_m) continue;
     best = std::move(model);
     best_error = error;
@@ -253,7 +277,7 @@ MotionModel ModelChooser::choose() {
   if (!best) best = make(policy_.first, n);
   if (!best) best = samples_[n].state;
   chosen_ = best->kind;
-  if (spin_accelerated_.weight > 0.0 && spin_accelerated_.error < kBetterBy * spin_constant_.error - 1e-6) {
+  if (spin_accelerated_.weight > 0.0 && spin_accelerated_.error < kSpinBetterBy * spin_constant_.error - 1e-6) {
     const Vec3 acceleration = rate_of_change(n, &KinematicState::angular_velocity_body);
     if (acceleration.norm() <= kSpinAccelerationMax_rad_s2) best->angular_acceleration_body = acceleration;
   }

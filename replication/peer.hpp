@@ -251,6 +251,7 @@ class Peer {
   void announce_start(SimTime start) {
     start_ = start;
     if (!world_zero_) world_zero_ = start;
+    introduce_anew();
   }
   // Session time at which the world's TimeSensors began, the same on all peers; none until one of them has said.
   [[nodiscard]] std::optional<SimTime> world_zero() const { return world_zero_; }
@@ -291,6 +292,7 @@ class Peer {
     std::optional<SimTime> changed;  // then it began to move as nobody could know; not told yet
     std::optional<UpdateRecord> to_repeat;
     std::uint32_t times_sent = 0;  // to_repeat
+    std::uint32_t told_in = 0;     // the number of the datagram that said last how it moves
     std::optional<ModelChooser> models;
     PoseHistory poses;  // of samples without derivatives
     UpdateBudget budget;
@@ -304,7 +306,7 @@ class Peer {
   void begin_motions(SimTime until);
   void change_session(SimTime before, SimTime now);
   void declare_all();
-  void on_hello(HostTime now, PeerId sender, const Hello& hello);
+  void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
   void on_update(PeerId sender, UpdateRecord update, SimTime session_now);
   void on_decision(PeerId sender, const DecisionRecord& decision, SimTime known_at);
   void claim(PeerId peer, std::span<const ObjectId> objects);
@@ -328,7 +330,7 @@ class Peer {
   [[nodiscard]] Duration own_latency() const;
   [[nodiscard]] Duration lookback() const;
   void begin_worlds(SimTime now);
-  void measure_latency(Member& member, HostTime now, const Hello& hello);
+  void measure_latency(Member& member, HostTime now, SimTime sent);
   void decide(const ContactEvent& contact, SimTime known_at);
   void hold(const ContactEvent& contact);
   void on_notes(PeerId sender, const Hello& hello, SimTime known_at);
@@ -356,6 +358,10 @@ class Peer {
   void send_copies();
   void flush_records(bool decisions);
   void send_hello(HostTime now, bool leaving);
+  void introduce_anew();
+  [[nodiscard]] bool introduces() const;
+  [[nodiscard]] Introduction introduction();
+  [[nodiscard]] bool has_arrived(const Own& own) const;
   [[nodiscard]] double loss() const;
   void send(Message& message);
   [[nodiscard]] Message blank() const;
@@ -396,7 +402,13 @@ class Peer {
   std::optional<PeerId> follows_;
   std::uint32_t sessions_ = 0;  // entered
   std::int64_t last_tick_ = 0;
-  std::size_t hellos_ = 0;  // sent; their lists take turns
+  std::size_t hellos_ = 0, introductions_ = 0;  // sent; their lists take turns
+  std::size_t introductions_due_ = 0;           // with the next hellos: something new is in them
+  struct SentHello {
+    std::uint32_t number;
+    HostTime at;
+  };
+  std::deque<SentHello> sent_hellos_;  // of the last kHeldMax
   std::uint32_t datagram_number_ = 0;
   std::vector<UpdateRecord> updates_due_, copies_due_;
   std::set<PeerId> other_worlds_;  // told once each

@@ -10,7 +10,7 @@ namespace peerd::replication {
 namespace {
 
 // So many copies, one a tick, survive bursts of loss without waiting for a hello.
-constexpr int kDecisionCopies = 3;
+constexpr std::uint32_t kDecisionCopies = 3;
 // What happened longer ago, as it turns out now (a decision heard late has put an object on another way), nobody
 // decides any more: who hears of it would be too late to take it, and another not.
 constexpr Duration kDecidedWithin = std::chrono::seconds(3);
@@ -69,13 +69,10 @@ Duration Peer::lookback() const {
   return longest;
 }
 
-// Stamps are other people's: in doubles, no sum of them overflows.
-void Peer::measure_latency(Member& member, HostTime now, const Hello& hello) {
-  const auto ns = [](Duration d) { return static_cast<double>(d.count()); };
-  const double late_ns = ns(clock_.to_session(now).time_since_epoch()) - ns(hello.host_tx.time_since_epoch()) -
-                         ns(hello.session_minus_host);
-  const double clamped_ns = std::clamp(late_ns, 0.0, ns(kLatencyMax));
-  member.delays[member.delays_known++ % member.delays.size()] = Duration{static_cast<std::int64_t>(clamped_ns)};
+void Peer::measure_latency(Member& member, HostTime now, SimTime sent) {
+  // Both within wire_limits: their difference is within int64.
+  const Duration late = std::clamp(clock_.to_session(now) - sent, Duration{0}, Duration{kLatencyMax});
+  member.delays[member.delays_known++ % member.delays.size()] = late;
 }
 
 Stake Peer::stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const {
@@ -151,13 +148,17 @@ std::vector<DecisionLog::Change> Peer::add_own(const DecisionRecord& d) {
   for (DecisionLog::Entry& e : decisions_.entries()) {
     const bool added =
         e.author == config_.id && e.record.contact == d.contact && of_pair(e.record, d.collider, d.collidee);
-    if (added && e.stands) e.copies = kDecisionCopies;
+    if (added && e.stands) e.copies = static_cast<int>(copies_against(loss(), kDecisionCopies));
   }
   return changes.value_or(std::vector<DecisionLog::Change>{});
 }
 
-// A contact that the truth has answered, for all.
-void Peer::decide(const ContactEvent& c, SimTime known_at) {
+// A contact that the truth has answered, for all. One that was decided here before and overruled, and is found again on
+// the way that the others' decision gave, is another decision: a nanosecond later, for they are told apart by their
+// times.
+void Peer::decide(const ContactEvent& contact, SimTime known_at) {
+  ContactEvent c = contact;
+  while (decisions_.knows(c.at, config_.id, c.collider, c.collidee)) c.at += Duration{1};
   const auto changes = add_own(record_of(c, config_.decisions.policy));
   // As all who hear of it will: the own object's ghost too, or this peer's copy of their ghosts would not be theirs.
   replica_->ghosts.set_base(c.collider, c.at, law_of_outcome(model_.response_of(c.collider), c.collider_after));

@@ -24,7 +24,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
     if (why != Drop::kOwn) drop(to_string(why));  // what comes back by loopback is no news
     return std::unexpected(why);
   };
-  const auto message = decode(datagram);
+  const auto message = decode(datagram, clock_.to_session(now));
   if (!message) {
     ++counters_.drops[std::string("undecodable_") + to_string(message.error())];  // which of them
     return dropped(Drop::kUndecodable);
@@ -34,7 +34,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   ++counters_.datagrams_in;
   counters_.bytes_in += datagram.size();
   if (m.number > 0) members_.find(m.sender)->received.on_datagram(m.number);
-  if (m.has_hello) on_hello(now, m.sender, m.hello);
+  if (m.hello) on_hello(now, m.sender, m.number, *m.hello);
   if (m.leaving) {
     lose(m.sender, members_.remove(m.sender)->name, now, true);
     return {};
@@ -62,37 +62,44 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   return {};
 }
 
-// Whether a sound message is one for us: of another peer, in its present life, with our world.
+// Whether a sound message is one for us: of another peer, in its present life, with our world. What does not introduce
+// its sender counts if that is known.
 std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
+  const Introduction* introduction = m.introduction();
   if (m.sender == config_.id) {
-    if (m.boot == config_.boot) return std::unexpected(Drop::kOwn);
+    if (m.boot == (introduction != nullptr ? config_.boot : boot_low(config_.boot))) return std::unexpected(Drop::kOwn);
     // What this peer sent in its last life may still be under way.
     const bool just_started = !started_ || now - *started_ < config_.lost_after;
-    if (m.boot < config_.boot && just_started) return std::unexpected(Drop::kStaleBoot);
+    if (just_started && (introduction == nullptr || m.boot < config_.boot)) return std::unexpected(Drop::kStaleBoot);
     if (!std::exchange(id_in_use_told_, true)) outputs_.push_back(IdInUse{m.sender});
     return std::unexpected(Drop::kIdInUse);
   }
   const Member* known = members_.find(m.sender);
+  if (introduction == nullptr) {
+    if (known == nullptr) return std::unexpected(Drop::kStranger);
+    if (boot_low(known->boot) != m.boot) return std::unexpected(Drop::kStaleBoot);
+    members_.on_datagram(now, m.sender, known->boot);
+    return {};
+  }
   if (known == nullptr && members_.all().size() == kMembersMax) return std::unexpected(Drop::kTooMany);
-  if (m.has_hello && m.hello.world_hash != config_.world_hash) {
+  if (introduction->world_hash != config_.world_hash) {
     if (known != nullptr && m.boot < known->boot) return std::unexpected(Drop::kStaleBoot);
     if (other_worlds_.size() == kMembersMax) other_worlds_.clear();
-    if (other_worlds_.insert(m.sender).second) outputs_.push_back(OtherWorld{m.sender, m.hello.name});
+    if (other_worlds_.insert(m.sender).second) outputs_.push_back(OtherWorld{m.sender, introduction->name});
     if (const auto member = members_.remove(m.sender)) lose(m.sender, member->name, now, true);
     return std::unexpected(Drop::kOtherWorld);
   }
-  if (!m.has_hello && known == nullptr) return std::unexpected(Drop::kStranger);
   switch (members_.on_datagram(now, m.sender, m.boot)) {
     case Membership::Heard::kStale:
       return std::unexpected(Drop::kStaleBoot);
     case Membership::Heard::kKnown:
       break;
     case Membership::Heard::kJoined:
-      outputs_.push_back(PeerJoined{m.sender, m.hello.name, false});
+      outputs_.push_back(PeerJoined{m.sender, introduction->name, false});
       break;
     case Membership::Heard::kRestarted:
       release(m.sender, now);
-      outputs_.push_back(PeerJoined{m.sender, m.hello.name, true});
+      outputs_.push_back(PeerJoined{m.sender, introduction->name, true});
       break;
   }
   return {};

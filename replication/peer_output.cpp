@@ -3,19 +3,28 @@
 #include <cassert>
 #include <utility>
 
+#include "replication/hello_lists.hpp"
 #include "replication/peer.hpp"
 
 namespace peerd::replication {
 namespace {
 
-// What a datagram's header (version, sender, boot, number) leaves for records.
-constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 28 - kUpdatesHeader_bytes;
-// Per hello. 15 echoes of at most 29 bytes, 50 objects of at most 5, kNotesMax notes of at most 31 and a viewpoint of
-// at most 97 fit.
-constexpr std::size_t kEchoesMax = 15;
+// What a datagram's header (version, sender, number, the boot's low bits) leaves for records.
+constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHeader_bytes;
+// Per introduction. 15 echoes of at most 27 bytes, 50 objects of at most 5, kNotesMax notes of at most 25, a viewpoint
+// of at most 97 and a name of 64 fit.
 constexpr std::size_t kEnslavedMax = 50;
+// With one hello in so many a peer says who it is, to whom it may concern; and with so many in a row that something
+// new.
+constexpr std::size_t kIntroductionEvery = 8, kNewsRepeated = 3;
 // A state that has not been replaced for so long is one that stays for a while.
 constexpr Duration kStandsFor = std::chrono::seconds(1);
+
+// Lists too long for one datagram take turns: of `size` entries at most `most`, each time the next ones.
+template <class Take>
+void take_turns(std::size_t time, std::size_t size, std::size_t most, Take take) {
+  for (std::size_t i = 0; i < std::min(size, most); ++i) take((time * most + i) % size);
+}
 
 }  // namespace
 
@@ -28,18 +37,27 @@ Message Peer::blank() const {
 
 // A state that nothing newer has replaced goes out once more with a hello: a lost one would stand wrong until the time
 // threshold. With the next one where datagrams do get lost; elsewhere when it has stood for a while, so that where
-// updates come fast there is nothing to repeat.
+// updates come fast there is nothing to repeat, and unless everybody has it.
 void Peer::repeat_updates(HostTime now) {
   const bool lossy = copies_against(loss(), 2) > 1;
   for (auto& [object, own] : own_) {
     if (!own.to_repeat) continue;
     if (!lossy && clock_.to_session(now) - own.to_repeat->at < kStandsFor) continue;
+    if (!lossy && has_arrived(own)) continue;
     const bool due_anyway =
         std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
     if (due_anyway) continue;  // it goes out for the first time just now
     updates_due_.push_back(*std::exchange(own.to_repeat, std::nullopt));
     ++counters_.updates_repeated;
   }
+}
+
+// Everybody says so.
+bool Peer::has_arrived(const Own& own) const {
+  return std::ranges::all_of(members_.all(), [&](const auto& entry) {
+    const auto& receipt = entry.second.receipt;
+    return receipt && receipt->has(own.told_in);
+  });
 }
 
 // What the worst of the others says it loses of what this peer sends.
@@ -93,37 +111,46 @@ void Peer::flush_records(bool decisions) {
   flush_records(false);
 }
 
-void Peer::send_hello(HostTime now, bool leaving) {
-  Message m = blank();
-  m.has_hello = true;
-  m.leaving = leaving;
-  m.hello = {config_.name,
-             config_.world_hash,
-             now,
-             clock_.synchronised(),
-             clock_.session_minus_host(),
-             sessions_,
-             {},
-             {},
-             start_,
-             world_zero_,
-             own_latency(),
-             config_.decisions.viewpoint,
-             notes()};
-  // Lists too long for one datagram take turns, hello by hello.
-  const auto turns = [&](std::size_t size, std::size_t most, auto take) {
-    for (std::size_t i = 0; i < std::min(size, most); ++i) take((hellos_ * most + i) % size);
-  };
-  std::vector<ClockEcho> echoes;
-  for (const auto& [peer, member] : members_.all()) {
-    if (member.hello_tx) echoes.push_back({peer, *member.hello_tx, *member.hello_rx, member.received.loss()});
-  }
-  turns(echoes.size(), kEchoesMax, [&](std::size_t i) { m.hello.echoes.push_back(echoes[i]); });
+void Peer::introduce_anew() { introductions_due_ = kNewsRepeated * (1 + own_.size() / kEnslavedMax); }
+
+// Whoever is new here, or has news, or is not known to somebody, says who it is.
+bool Peer::introduces() const {
+  return !clock_.synchronised() || introductions_due_ > 0 || hellos_ % kIntroductionEvery == 0 ||
+         std::ranges::any_of(members_.all(), [](const auto& entry) { return !entry.second.knows_us; });
+}
+
+Introduction Peer::introduction() {
+  Introduction i{config_.name, config_.world_hash, {}, start_, world_zero_, config_.decisions.viewpoint};
   std::vector<ObjectId> enslaved;
   for (const auto& [object, own] : own_) enslaved.push_back(object);
-  turns(enslaved.size(), kEnslavedMax, [&](std::size_t i) { m.hello.enslaved.push_back(enslaved[i]); });
+  take_turns(introductions_, enslaved.size(), kEnslavedMax, [&](std::size_t k) { i.enslaved.push_back(enslaved[k]); });
+  std::ranges::sort(i.enslaved);
+  ++introductions_;
+  if (introductions_due_ > 0) --introductions_due_;
+  return i;
+}
+
+void Peer::send_hello(HostTime now, bool leaving) {
+  Message m = blank();
+  m.leaving = leaving;
+  Hello& hello = m.hello.emplace();
+  if (clock_.synchronised()) hello.session_tx = clock_.to_session(now);
+  hello.sessions = sessions_;
+  hello.latency = own_latency();
+  hello.notes = notes();
+  std::vector<Echo> echoes;
+  for (const auto& [peer, member] : members_.all()) {
+    const Duration held = now - member.hello_rx;
+    if (member.hello == 0 || held > kHeldMax) continue;
+    const LossMeter& received = member.received;
+    echoes.push_back({peer, member.hello, held, received.highest(), received.missing(), received.loss()});
+  }
+  take_turns(hellos_, echoes.size(), kEchoesMax, [&](std::size_t i) { hello.echoes.push_back(echoes[i]); });
+  if (introduces()) hello.introduction = introduction();
   ++hellos_;
   send(m);
+  while (!sent_hellos_.empty() && now - sent_hellos_.front().at > kHeldMax) sent_hellos_.pop_front();
+  sent_hellos_.push_back({m.number, now});
 }
 
 void Peer::send(Message& message) {
@@ -133,6 +160,10 @@ void Peer::send(Message& message) {
   ++counters_.datagrams_out;
   counters_.bytes_out += datagram.size();
   outputs_.push_back(Send{kWholeScene, std::move(datagram)});
+  for (const UpdateRecord& u : message.updates) {
+    const auto own = own_.find(u.object);
+    if (own != own_.end() && own->second.sequence == u.sequence) own->second.told_in = message.number;
+  }
 }
 
 }  // namespace peerd::replication

@@ -89,29 +89,33 @@ bool Peer::keep_session(HostTime now) {
   return true;
 }
 
-void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
+void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello) {
   Member& member = *members_.find(sender);
-  member.name = hello.name;
-  member.hello_tx = hello.host_tx;
+  const Introduction* introduction = hello.introduction ? &*hello.introduction : nullptr;
+  member.hello = number;
   member.hello_rx = now;
   if (hello.sessions != member.sessions) {  // it knows of no updates yet
     for (auto& [object, own] : own_) own.resend = true;
   }
   member.sessions = hello.sessions;
-  member.synchronised = hello.synchronised;
-  member.session_minus_host = hello.session_minus_host;
-  member.start = hello.start;
+  member.synchronised = hello.session_tx.has_value();
   member.latency = hello.latency;
-  member.viewpoint = hello.viewpoint;
-  if (hello.synchronised) claim(sender, hello.enslaved);
-  if (hello.synchronised && replica_) {
-    measure_latency(member, now, hello);
+  if (introduction != nullptr) {
+    member.name = introduction->name;
+    member.start = introduction->start;
+    member.viewpoint = introduction->viewpoint;
+    if (hello.session_tx) claim(sender, introduction->enslaved);
+  }
+  if (hello.session_tx && replica_) {
+    measure_latency(member, now, *hello.session_tx);
     on_notes(sender, hello, clock_.to_session(now));
   }
 
   const bool zero_counts = sender == follows_ || (!world_zero_ && !clock_stepped_);
-  if (hello.synchronised && hello.world_zero && zero_counts && hello.world_zero != world_zero_) {
-    world_zero_ = hello.world_zero;
+  const auto zero = introduction != nullptr && hello.session_tx ? introduction->world_zero : std::nullopt;
+  if (zero && zero_counts && zero != world_zero_) {
+    world_zero_ = zero;
+    introduce_anew();
     restart_predefined();
   }
   const std::optional<PeerId> lowest = members_.lowest_synchronised();
@@ -121,11 +125,19 @@ void Peer::on_hello(HostTime now, PeerId sender, const Hello& hello) {
     follows_ = follow;
     clock_.follow_another();
   }
-  const auto echo = std::ranges::find(hello.echoes, config_.id, &ClockEcho::peer);
-  if (echo == hello.echoes.end()) return;
+  const auto echo = std::ranges::find(hello.echoes, config_.id, &Echo::peer);
+  if (echo == hello.echoes.end()) {
+    if (hello.echoes.size() < kEchoesMax) member.knows_us = false;
+    return;
+  }
+  member.knows_us = true;
   member.loss_of_ours = echo->loss;
-  if (follows_ != sender) return;
-  clock_.on_exchange({echo->their_tx, echo->our_rx, hello.host_tx, now, hello.session_minus_host});
+  if (!member.receipt) member.receipt = {echo->highest, echo->highest, echo->missing};
+  member.receipt->on_echo(*echo);
+  const auto sent = std::ranges::find(sent_hellos_, echo->hello, &SentHello::number);
+  if (follows_ != sender || !hello.session_tx || sent == sent_hellos_.end()) return;
+  const HostTime theirs{hello.session_tx->time_since_epoch()};  // their session's clock stands for their host's
+  clock_.on_exchange({sent->at, theirs - echo->held, theirs, now, Duration{0}});
   if (clock_.synchronised() && !replica_) {
     outputs_.push_back(Synchronised{sender, clock_.session_minus_host(), clock_.error_bound()});
     enter_session(now);
@@ -143,6 +155,7 @@ Duration Peer::farthest_latency() const {
 void Peer::enter_session(HostTime host_now) {
   const SimTime now = clock_.to_session(host_now);
   ++sessions_;
+  introduce_anew();
   next_hello_ = host_now;
   begin_worlds(now);
   last_tick_ = tick_number(now);
@@ -221,6 +234,7 @@ void Peer::change_session(SimTime before, SimTime now) {
   colliding_.forget(now);
   shown_.clear();
   ++sessions_;
+  introduce_anew();
   next_hello_ = clock_.to_host(now);
   begin_worlds(now);
   last_tick_ = tick_number(now);

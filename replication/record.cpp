@@ -8,6 +8,7 @@
 
 #include "replication/bit_stream.hpp"
 #include "replication/smallest_three.hpp"
+#include "replication/varint.hpp"
 #include "replication/wire_limits.hpp"
 
 namespace peerd::replication {
@@ -131,22 +132,6 @@ void drop_signs_of_zero(MotionModel& m) {
 
 // ---- to bits ----
 
-void put_varint(BitWriter& out, std::uint64_t value) {
-  for (; value >= 128; value >>= 7) out.put((value & 127) | 128, 8);
-  out.put(value, 8);
-}
-
-// Differences of times are taken modulo 2^64, which undoes itself; small ones of either sign become small numbers.
-std::uint64_t difference(SimTime from, SimTime to) {
-  const auto d = static_cast<std::uint64_t>(to.time_since_epoch().count()) -
-                 static_cast<std::uint64_t>(from.time_since_epoch().count());
-  return (d << 1) ^ (d >> 63 == 0 ? 0 : ~std::uint64_t{0});
-}
-SimTime plus(SimTime from, std::uint64_t difference) {
-  const std::uint64_t d = (difference >> 1) ^ ((difference & 1) == 0 ? 0 : ~std::uint64_t{0});
-  return SimTime{Duration{static_cast<std::int64_t>(static_cast<std::uint64_t>(from.time_since_epoch().count()) + d)}};
-}
-
 void put_sign_and_magnitude(BitWriter& out, std::int64_t n, int magnitude_bits) {
   out.put((static_cast<std::uint64_t>(std::abs(n)) << 1) | (n < 0 ? 1 : 0), magnitude_bits + 1);
 }
@@ -236,30 +221,6 @@ void put_steps(BitWriter& out, const MotionModel& m, int position_log2) {
 
 // ---- from bits: each take() answers whether encode_record() could have made it; what the reader gives beyond its end
 // is refused when all is read ----
-
-bool take_varint(BitReader& in, std::uint64_t& value) {
-  value = 0;
-  for (int shift = 0; shift < 64; shift += 7) {
-    const std::uint64_t group = in.get(8);
-    value |= (group & 127) << shift;
-    if (shift == 63 && group > 1) return false;
-    if (group < 128) return shift == 0 || group != 0;
-  }
-  return false;
-}
-bool take_varint(BitReader& in, std::uint32_t& value) {
-  std::uint64_t wide = 0;
-  if (!take_varint(in, wide) || wide > 0xFFFF'FFFF) return false;
-  value = static_cast<std::uint32_t>(wide);
-  return true;
-}
-
-bool take_time(BitReader& in, SimTime from, SimTime& t) {
-  std::uint64_t d = 0;
-  if (!take_varint(in, d)) return false;
-  t = plus(from, d);
-  return in_range(t.time_since_epoch().count());
-}
 
 bool take_mask(BitReader& in, bool may_be_empty, unsigned& mask) {
   mask = 7;
@@ -424,8 +385,8 @@ std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::by
   out.put(is_zero(u.model.angular_acceleration_body) ? 0 : 1, 1);
   put_varint(out, u.object.value);
   put_varint(out, u.sequence);
-  if (later) put_varint(out, difference(base, u.at));
-  if (decided) put_varint(out, difference(u.at, u.decision));
+  if (later) put_time(out, base, u.at);
+  if (decided) put_time(out, u.at, u.decision);
   u.position_step_log2 ? put_steps(out, u.model, *u.position_step_log2) : put_exact(out, u.model);
   return out.finish();
 }

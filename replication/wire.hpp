@@ -68,41 +68,58 @@ struct Viewpoint {
   double aspect = 1.0;              // width / height, > 0
 };
 
-// "I got your hello that you sent at their_tx at our_rx": two of NTP's four stamps; the carrying Hello's host_tx is the
-// third, its arrival the fourth.
-struct ClockEcho {
+// In a hello, to each peer heard: when its last hello came, and what of its datagrams did. The carrying hello's own
+// time and its arrival are the other two of NTP's four stamps.
+struct Echo {
   PeerId peer;
-  HostTime their_tx{};
-  HostTime our_rx{};
-  double loss = 0.0;  // of that peer's datagrams on their way to the sender (LossMeter), in thousandths
+  std::uint32_t hello = 0;    // the number of its last hello's datagram
+  Duration held{0};           // from that one's arrival to this hello
+  std::uint32_t highest = 0;  // number of its datagrams that has come, not below `hello`
+  std::uint32_t missing = 0;  // of its datagrams since the first that came, at least until they come late
+  double loss = 0.0;          // what gets lost on the way (LossMeter), in thousandths
 };
 
-struct Hello {
+// As many as a hello carries; more take turns.
+inline constexpr std::size_t kEchoesMax = 15;
+
+// Who the sender is. What changes seldom; it goes with some hellos only.
+struct Introduction {
   std::string name;
   std::uint64_t world_hash = 0;
-  HostTime host_tx{};
-  bool synchronised = false;  // session_minus_host means something
-  Duration session_minus_host{};
-  std::uint32_t sessions = 0;  // how many the sender has entered; each began without any updates
-  std::vector<ClockEcho> echoes;
   std::vector<ObjectId> enslaved;
   std::optional<SimTime> start;       // when this peer lets motions by formula begin, if it says so
   std::optional<SimTime> world_zero;  // time 0 of the world's TimeSensors
-  Duration latency{0};                // how late the sender hears of others (latency_bound), a whole millisecond
   std::optional<Viewpoint> viewpoint;
-  std::vector<ContactNote> notes;  // of the last seconds: what is held first, then the newest decisions
 };
+
+struct Hello {
+  std::optional<SimTime> session_tx;  // when it left; none: the sender has no session time
+  std::uint32_t sessions = 0;         // how many the sender has entered; each began without any updates
+  Duration latency{0};                // how late the sender hears of others (latency_bound), a whole millisecond
+  std::vector<Echo> echoes;
+  std::vector<ContactNote> notes;  // of the last seconds: what is held first, then the newest decisions
+  std::optional<Introduction> introduction;
+};
+
+// Of a boot number, what goes with every datagram; the whole of it goes with introductions.
+inline constexpr int kBootLow_bits = 21;
+[[nodiscard]] constexpr std::uint64_t boot_low(std::uint64_t boot) {
+  return boot & ((std::uint64_t{1} << kBootLow_bits) - 1);
+}
 
 struct Message {
   PeerId sender;
-  std::uint64_t boot = 0;    // grows with each start of that peer
+  std::uint64_t boot = 0;    // grows with each start of that peer; boot_low() of it where nothing introduces
   std::uint32_t number = 0;  // of the sender's datagrams since then, from 1; 0: not counted
-  bool has_hello = false;
-  Hello hello;
+  std::optional<Hello> hello;
   std::vector<UpdateRecord> updates;
   std::vector<DecisionRecord> decisions;
   bool leaving = false;
   std::uint32_t unknown_models = 0;  // updates left out by decode(): they name a model that this build does not know
+
+  [[nodiscard]] const Introduction* introduction() const {
+    return hello && hello->introduction ? &*hello->introduction : nullptr;
+  }
 };
 
 }  // namespace peerd::replication

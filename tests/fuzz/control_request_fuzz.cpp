@@ -59,7 +59,7 @@ class Driver {
     node_->on_tick(now_);
     while (auto out = node_->poll_output()) {
       if (const auto* send = std::get_if<replication::Send>(&*out)) {
-        require(replication::decode(send->datagram).has_value());
+        require(replication::decode(send->datagram, SimTime{}).has_value());
       }
     }
     while (node_->poll_key_report()) {

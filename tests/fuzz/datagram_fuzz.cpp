@@ -60,14 +60,15 @@ class Driver {
   }
 
   void receive(std::span<const std::byte> datagram) {
-    const auto message = decode(datagram);
+    const SimTime near = peer_.clock().to_session(now_);
+    const auto message = decode(datagram, near);
     const auto taken = peer_.on_packet(now_, RegionId{0}, datagram);
     require(message.has_value() || !taken.has_value());
     if (message) {
       for (const UpdateRecord& u : message->updates) check(u.model.state);
       const Bytes again = encode(*message);
       if (again.size() <= kDatagramMax_bytes) {
-        const auto same = decode(again);
+        const auto same = decode(again, near);
         require(same.has_value() && encode(*same) == again);
       }
     }
@@ -102,7 +103,8 @@ class Driver {
     while (auto out = peer_.poll_output()) {
       require(++outputs < 100'000);
       if (const auto* send = std::get_if<Send>(&*out)) {
-        require(send->datagram.size() <= kDatagramMax_bytes && decode(send->datagram).has_value());
+        require(send->datagram.size() <= kDatagramMax_bytes &&
+                decode(send->datagram, peer_.clock().to_session(now_)).has_value());
       }
     }
   }

@@ -22,7 +22,7 @@ TEST(Codec, RoundTripsBitForBit) {
     const Message m = make.message(seed % 4, seed % 3 == 0, seed % 2 == 0);
     const Bytes bytes = encode(m);
     if (bytes.size() > kDatagramMax_bytes) continue;
-    const auto back = decode(bytes);
+    const auto back = received(bytes, m);
     ASSERT_TRUE(back.has_value()) << to_string(back.error());
     ASSERT_TRUE(same_bits(m, *back));
     ASSERT_EQ(encode(*back), bytes);
@@ -33,8 +33,8 @@ TEST(Codec, TheSmallestMessageIsFewBytes) {
   Message m;
   m.sender = PeerId{1};
   m.boot = 1;
-  EXPECT_EQ(encode(m).size(), 13u);  // version, sender, boot
-  const auto back = decode(encode(m));
+  EXPECT_EQ(encode(m).size(), 6u);  // version, sender, boot
+  const auto back = received(encode(m), m);
   ASSERT_TRUE(back.has_value());
   EXPECT_TRUE(same_bits(m, *back));
 }
@@ -50,7 +50,7 @@ TEST(Codec, RecordsTakeWhatTheySay) {
     for (int i = 0; i < 3; ++i) {
       m.updates.push_back(make.update());
       records += encoded_size_bytes(m.updates.back(), m.updates.front().at);
-      const std::size_t length_bytes = records < 128 ? 1 : 2;  // of the two that kUpdatesHeader_bytes counts
+      const std::size_t length_bytes = records + 5 < 128 ? 1 : 2;  // of the two that kUpdatesHeader_bytes counts
       EXPECT_EQ(encode(m).size() - empty, kUpdatesHeader_bytes - 2 + length_bytes + records);
     }
     const std::size_t with_update = encode(m).size();
@@ -77,25 +77,24 @@ Message deciding(const std::function<void(DecisionRecord&)>& change) {
   change(m.decisions.front());
   return m;
 }
-Message looking(const std::function<void(Hello&)>& change) {
-  Message m;
-  m.sender = PeerId{1};
-  m.boot = 1;
-  m.has_hello = true;
-  m.hello.name = "a";
-  m.hello.viewpoint = Viewpoint{ObjectId{3}, {Vec3(1, 2, 3), Quat::Identity()}, 1.0, 1.5};
-  m.hello.notes = {{ObjectId{1}, ObjectId{2}, sim(1s), PeerId{3}, true}};
-  change(m.hello);
-  return m;
-}
 Message greeting(const std::function<void(Hello&)>& change) {
   Message m;
   m.sender = PeerId{1};
   m.boot = 1;
-  m.has_hello = true;
-  m.hello.name = "a";
-  change(m.hello);
+  m.hello.emplace();
+  m.hello->session_tx = sim(2s);
+  m.hello->echoes = {{PeerId{2}, 7, 1s, 9, 3, 0.5}};
+  m.hello->notes = {{ObjectId{1}, ObjectId{2}, sim(1s), PeerId{3}, true}};
+  change(*m.hello);
   return m;
+}
+Message introducing(const std::function<void(Introduction&)>& change) {
+  return greeting([&](Hello& h) {
+    Introduction& i = h.introduction.emplace();
+    i.name = "a";
+    i.viewpoint = Viewpoint{ObjectId{3}, {Vec3(1, 2, 3), Quat::Identity()}, 1.0, 1.5};
+    change(i);
+  });
 }
 
 struct Case {
@@ -105,7 +104,7 @@ struct Case {
 };
 class Value : public testing::TestWithParam<Case> {};
 TEST_P(Value, IsChecked) {
-  const auto decoded = decode(encode(GetParam().message));
+  const auto decoded = received(encode(GetParam().message), GetParam().message);
   EXPECT_EQ(decoded.has_value(), GetParam().accepted);
   if (!decoded) {
     EXPECT_EQ(decoded.error(), DecodeError::kValue);
@@ -115,14 +114,14 @@ TEST_P(Value, IsChecked) {
 // A newer build's models must not cost the rest of its datagrams: its records above kind 7 begin with their length.
 TEST(UnknownModel, IsLeftOutAndCounted) {
   const Message good = updating([](auto& u) { u.object = ObjectId{77}; });
-  const auto decoded = decode(with_records(good, {0x08, 3, 1, 2, 3}, {0xFF, 0}));
+  const auto decoded = received(with_records(good, {0x08, 3, 1, 2, 3}, {0xFF, 0}), good);
   ASSERT_TRUE(decoded);
   ASSERT_EQ(decoded->updates.size(), 1u);
   EXPECT_EQ(decoded->updates[0].object, ObjectId{77});
   EXPECT_EQ(decoded->unknown_models, 2u);
-  EXPECT_FALSE(decode(with_records(good, {}, {0x08})));           // no length
-  EXPECT_FALSE(decode(with_records(good, {}, {0x08, 2, 1})));     // cut short
-  EXPECT_FALSE(decode(with_records(good, {0x00, 2, 1, 1}, {})));  // no kind
+  EXPECT_FALSE(received(with_records(good, {}, {0x08}), good));           // no length
+  EXPECT_FALSE(received(with_records(good, {}, {0x08, 2, 1}), good));     // cut short
+  EXPECT_FALSE(received(with_records(good, {0x00, 2, 1, 1}, {}), good));  // no kind
 }
 
 constexpr std::int64_t kFarthest_ns = std::int64_t{1} << 62;
@@ -220,52 +219,52 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& c) { return std::string(c.param.name); });
 INSTANTIATE_TEST_SUITE_P(
     Hello, Value,
-    testing::Values(Case{"Good", greeting([](auto& h) { h.name = "a"; }), true},
-                    Case{"LongestLatency", looking([](auto& h) { h.latency = kLatencyMax; }), true},
-                    Case{"TooLongALatency", looking([](auto& h) { h.latency = kLatencyMax + 1ms; }), false},
-                    Case{"Looks", looking([](auto&) {}), true},
-                    Case{"LooksFromNowhere", looking([](auto& h) { h.viewpoint->pose.position.x() = kNaN; }), false},
-                    Case{"LooksNowhere", looking([](auto& h) { h.viewpoint->pose.orientation = Quat(0, 0, 0, 0); }),
-                         false},
-                    Case{"SeesNothing", looking([](auto& h) { h.viewpoint->field_of_view = 0.0; }), false},
-                    Case{"SeesAll", looking([](auto& h) { h.viewpoint->field_of_view = 3.2; }), false},
-                    Case{"NaNView", looking([](auto& h) { h.viewpoint->field_of_view = kNaN; }), false},
-                    Case{"NoAspect", looking([](auto& h) { h.viewpoint->aspect = -1.0; }), false},
-                    Case{"NaNAspect", looking([](auto& h) { h.viewpoint->aspect = kNaN; }), false},
-                    Case{"InfAspect", looking([](auto& h) { h.viewpoint->aspect = kInf; }), false},
-                    Case{"NoteOfTheEndOfTime", looking([](auto& h) { h.notes[0].contact = SimTime::max(); }), false},
-                    Case{"NoName", greeting([](auto& h) { h.name.clear(); }), false},
-                    Case{"NameWithABlank", greeting([](auto& h) { h.name = "a b"; }), false},
-                    Case{"NameThatIsAPath", greeting([](auto& h) { h.name = "a/b"; }), false},
-                    Case{"NameThatIsNoText", greeting([](auto& h) { h.name = "\xff\n"; }), false},
-                    Case{"LongestName", greeting([](auto& h) { h.name.assign(kNameMax_bytes, 'n'); }), true},
-                    Case{"TooLongAName", greeting([](auto& h) { h.name.assign(kNameMax_bytes + 1, 'n'); }), false},
-                    Case{"EndOfItsClock", greeting([](auto& h) { h.host_tx = HostTime::max(); }), false},
-                    Case{"OffsetTooFar", greeting([](auto& h) { h.session_minus_host = Duration::min(); }), false},
-                    Case{"StartTooFar", greeting([](auto& h) { h.start = SimTime::max(); }), false},
-                    Case{"EchoTooFar", greeting([](auto& h) {
-                           h.echoes = {{PeerId{2}, HostTime::max(), {}}};
-                         }),
-                         false},
-                    Case{"EchoArrivalTooFar", greeting([](auto& h) {
-                           h.echoes = {{PeerId{2}, {}, HostTime::min()}};
-                         }),
-                         false}),
+    testing::Values(Case{"Good", greeting([](auto&) {}), true},
+                    Case{"WithoutASession", greeting([](auto& h) { h.session_tx.reset(); }), true},
+                    Case{"LongestLatency", greeting([](auto& h) { h.latency = kLatencyMax; }), true},
+                    Case{"TooLongALatency", greeting([](auto& h) { h.latency = kLatencyMax + 1ms; }), false},
+                    Case{"EndOfItsClock", greeting([](auto& h) { h.session_tx = SimTime::max(); }), false},
+                    Case{"NoteOfTheEndOfTime", greeting([](auto& h) { h.notes[0].contact = SimTime::max(); }), false},
+                    Case{"LongestHeld", greeting([](auto& h) { h.echoes[0].held = 10s; }), true},
+                    Case{"HeldForTooLong", greeting([](auto& h) { h.echoes[0].held = 10s + 1ns; }), false},
+                    Case{"LosesAll", greeting([](auto& h) { h.echoes[0].loss = 1.0; }), true},
+                    Case{"LosesMoreThanAll", greeting([](auto& h) { h.echoes[0].loss = 1.001; }), false}),
+    [](const auto& c) { return std::string(c.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Introduction, Value,
+    testing::Values(
+        Case{"Good", introducing([](auto&) {}), true},
+        Case{"LooksFromNowhere", introducing([](auto& i) { i.viewpoint->pose.position.x() = kNaN; }), false},
+        Case{"LooksNowhere", introducing([](auto& i) { i.viewpoint->pose.orientation = Quat(0, 0, 0, 0); }), false},
+        Case{"SeesNothing", introducing([](auto& i) { i.viewpoint->field_of_view = 0.0; }), false},
+        Case{"SeesAll", introducing([](auto& i) { i.viewpoint->field_of_view = 3.2; }), false},
+        Case{"NaNView", introducing([](auto& i) { i.viewpoint->field_of_view = kNaN; }), false},
+        Case{"NoAspect", introducing([](auto& i) { i.viewpoint->aspect = -1.0; }), false},
+        Case{"NaNAspect", introducing([](auto& i) { i.viewpoint->aspect = kNaN; }), false},
+        Case{"InfAspect", introducing([](auto& i) { i.viewpoint->aspect = kInf; }), false},
+        Case{"NoName", introducing([](auto& i) { i.name.clear(); }), false},
+        Case{"NameWithABlank", introducing([](auto& i) { i.name = "a b"; }), false},
+        Case{"NameThatIsAPath", introducing([](auto& i) { i.name = "a/b"; }), false},
+        Case{"NameThatIsNoText", introducing([](auto& i) { i.name = "\xff\n"; }), false},
+        Case{"LongestName", introducing([](auto& i) { i.name.assign(kNameMax_bytes, 'n'); }), true},
+        Case{"TooLongAName", introducing([](auto& i) { i.name.assign(kNameMax_bytes + 1, 'n'); }), false},
+        Case{"StartTooFar", introducing([](auto& i) { i.start = SimTime::max(); }), false},
+        Case{"ZeroTooFar", introducing([](auto& i) { i.world_zero = SimTime::min(); }), false}),
     [](const auto& c) { return std::string(c.param.name); });
 
 TEST(Decode, SaysWhyItRefuses) {
   const Bytes good = encode(updating([](auto&) {}));
-  EXPECT_EQ(decode(Bytes{}).error(), DecodeError::kVersion);
-  EXPECT_EQ(decode(Bytes(kDatagramMax_bytes + 1)).error(), DecodeError::kTooLong);
-  EXPECT_EQ(decode(Bytes(100, std::byte{0xFF})).error(), DecodeError::kNotADatagram);
+  EXPECT_EQ(decode(Bytes{}, SimTime{}).error(), DecodeError::kVersion);
+  EXPECT_EQ(decode(Bytes(kDatagramMax_bytes + 1), SimTime{}).error(), DecodeError::kTooLong);
+  EXPECT_EQ(decode(Bytes(100, std::byte{0xFF}), SimTime{}).error(), DecodeError::kNotADatagram);
   Bytes next_version = good;
   ASSERT_EQ(next_version[1], std::byte{kProtocolVersion});
   next_version[1] = std::byte{kProtocolVersion + 1};
-  EXPECT_EQ(decode(next_version).error(), DecodeError::kVersion);
+  EXPECT_EQ(decode(next_version, SimTime{}).error(), DecodeError::kVersion);
   Bytes from_nobody = good;
   ASSERT_EQ(from_nobody[3], std::byte{1});
   from_nobody[3] = std::byte{0};
-  EXPECT_EQ(decode(from_nobody).error(), DecodeError::kSender);
+  EXPECT_EQ(decode(from_nobody, SimTime{}).error(), DecodeError::kSender);
 }
 
 // The first update's time is the base that the others' count from; each is checked.
@@ -275,21 +274,57 @@ TEST(Update, TimesOfABatchAreCheckedOneByOne) {
     m.updates.push_back(m.updates.front());
     m.updates.back().at = sim(Duration{ns});
   }
-  const auto decoded = decode(encode(m));
+  const auto decoded = received(encode(m), m);
   ASSERT_TRUE(decoded);
   EXPECT_TRUE(same_bits(m, *decoded));
   m.updates.back().at = sim(Duration{kFarthest_ns + 1});
-  EXPECT_FALSE(decode(encode(m)));
+  EXPECT_FALSE(received(encode(m), m));
+}
+
+// What travels of a time is enough for whoever is within nine minutes of it, on either side of any round number.
+TEST(Update, TimesAreTakenToBeNear) {
+  constexpr Duration kNear{(std::int64_t{1} << 39) - 1};
+  for (const std::int64_t ns : {std::int64_t{0}, std::int64_t{1} << 40, -(std::int64_t{1} << 40) - 1,
+                                std::int64_t{1'700'000'000'123'456'789}}) {
+    const SimTime at{Duration{ns}};
+    const Bytes bytes = encode(updating([&](auto& u) { u.at = at; }));
+    for (const Duration off : {-kNear, Duration{-1}, Duration{0}, Duration{1}, kNear}) {
+      EXPECT_EQ(decode(bytes, at + off)->updates[0].at, at) << ns << " from " << off.count();
+    }
+    EXPECT_NE(decode(bytes, at + 2 * kNear)->updates[0].at, at);
+  }
+}
+
+// The boot's low bits go with all, the whole with an introduction.
+TEST(Boot, IsWholeWhereTheSenderIsIntroduced) {
+  Message m = introducing([](auto&) {});
+  m.boot = 0x0123'4567'89AB'CDEF;
+  EXPECT_EQ(received(encode(m), m)->boot, m.boot);
+  m.hello->introduction.reset();
+  EXPECT_EQ(received(encode(m), m)->boot, boot_low(m.boot));
+}
+
+// What is sent most: a quarter of a second's hello among three, and a batch of one.
+TEST(Sizes, AreFewBytes) {
+  Message m = greeting([](Hello& h) {
+    h.session_tx = sim(1'000'000s);
+    h.sessions = 1;
+    h.latency = 100ms;
+    h.notes.clear();
+    h.echoes = {{PeerId{2}, 5000, 150ms, 5003, 0, 0.0}, {PeerId{3}, 5000, 150ms, 5003, 0, 0.0}};
+  });
+  m.number = 5000;
+  EXPECT_EQ(encode(m).size(), 46u);
 }
 
 // ---- damage ----
 
 // Either refused, or a message that keeps every promise and survives being sent on.
 void expect_refused_or_sound(const Bytes& bytes) {
-  const auto m = decode(bytes);
+  const auto m = decode(bytes, SimTime{});
   if (!m) return;
   ASSERT_TRUE(is_sound(*m));
-  const auto again = decode(encode(*m));
+  const auto again = received(encode(*m), *m);
   ASSERT_TRUE(again.has_value());
   ASSERT_TRUE(same_bits(*m, *again));
 }
@@ -340,20 +375,20 @@ TEST(HelloSize, AFullHelloFits) {
   Message m;
   m.sender = PeerId{kHigh};
   m.boot = ~std::uint64_t{0};
-  m.has_hello = m.leaving = true;
-  Hello& h = m.hello;
-  h.name.assign(kNameMax_bytes, 'n');
-  h.world_hash = ~std::uint64_t{0};
-  h.host_tx = HostTime{1s};
-  h.synchronised = true;
-  h.session_minus_host = 1s;
+  m.leaving = true;
+  m.number = kHigh;
+  Hello& h = m.hello.emplace();
+  h.session_tx = sim(1s);
   h.sessions = kHigh;
-  h.start = h.world_zero = sim(1s);
   h.latency = kLatencyMax;
-  h.viewpoint = Viewpoint{ObjectId{kHigh}, {Vec3(1, 2, 3), Quat(0.5, 0.5, 0.5, 0.5)}, 1.0, 1.5};
-  h.echoes.assign(15, {PeerId{kHigh}, HostTime{1s}, HostTime{1s}, 1.0});
-  h.enslaved.assign(50, ObjectId{kHigh});
-  h.notes.assign(kNotesMax, {ObjectId{kHigh}, ObjectId{kHigh}, sim(1s), PeerId{kHigh}, true});
+  h.echoes.assign(kEchoesMax, {PeerId{kHigh}, 0x7FFF'FFFF, 10s, kHigh, kHigh, 1.0});
+  h.notes.assign(kNotesMax, {ObjectId{kHigh}, ObjectId{kHigh}, SimTime{Duration{kFarthest_ns}}, PeerId{kHigh}, true});
+  Introduction& i = h.introduction.emplace();
+  i.name.assign(kNameMax_bytes, 'n');
+  i.world_hash = ~std::uint64_t{0};
+  i.start = i.world_zero = sim(1s);
+  i.viewpoint = Viewpoint{ObjectId{kHigh}, {Vec3(1, 2, 3), Quat(0.5, 0.5, 0.5, 0.5)}, 1.0, 1.5};
+  for (std::uint32_t k = 0; k < 50; ++k) i.enslaved.push_back(ObjectId{(k + 1) * 0x0400'0000});  // five bytes each
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
 }
 

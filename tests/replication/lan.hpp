@@ -170,7 +170,7 @@ class Lan {
   }
   void transmit(std::size_t from, const Bytes& datagram) {
     EXPECT_LE(datagram.size(), kDatagramMax_bytes);
-    const auto message = decode(datagram);
+    const auto message = decode(datagram, session_now(from));
     ASSERT_TRUE(message.has_value()) << to_string(message.error());
     std::uniform_real_distribution<double> u(0.0, 1.0);
     for (std::size_t to = 0; to < nodes_.size(); ++to) {  // multicast comes back to its sender too
@@ -213,12 +213,13 @@ inline Message message_of(std::uint32_t id, std::uint64_t boot = 100) {
 }
 inline Message hello_of(std::uint32_t id, HostTime now, std::vector<ObjectId> enslaved = {}, std::uint64_t boot = 100) {
   Message m = message_of(id, boot);
-  m.has_hello = true;
-  m.hello.name = "forged" + std::to_string(id);
-  m.hello.world_hash = 0xC0FFEE;
-  m.hello.host_tx = now;
-  m.hello.synchronised = true;
-  m.hello.enslaved = std::move(enslaved);
+  m.number = 1;
+  Hello& hello = m.hello.emplace();
+  hello.session_tx = SimTime{now.time_since_epoch()};
+  Introduction& introduction = hello.introduction.emplace();
+  introduction.name = "forged" + std::to_string(id);
+  introduction.world_hash = 0xC0FFEE;
+  introduction.enslaved = std::move(enslaved);
   return m;
 }
 

@@ -5,7 +5,7 @@
 namespace peerd::replication {
 namespace {
 
-TEST(LossMeter, OneInTenBeforeAnythingIsKnown) { EXPECT_DOUBLE_EQ(LossMeter{}.loss(), 0.1); }
+TEST(LossMeter, OneInFiftyBeforeAnythingIsKnown) { EXPECT_DOUBLE_EQ(LossMeter{}.loss(), 0.02); }
 
 // lost: every k-th; 0: none.
 double after(std::uint32_t datagrams, std::uint32_t every) {
@@ -17,7 +17,7 @@ double after(std::uint32_t datagrams, std::uint32_t every) {
 }
 
 TEST(LossMeter, ComesToWhatIsLost) {
-  EXPECT_LT(after(90, 0), kLossMin);
+  EXPECT_LT(after(13, 0), kLossMin);
   EXPECT_NEAR(after(5000, 10), 0.1, 0.002);
   EXPECT_NEAR(after(5000, 2), 0.5, 0.006);
 }
@@ -47,6 +47,23 @@ TEST(LossMeter, AGapCountsForNoMoreThanTheWindow) {
   EXPECT_LT(meter.loss(), 0.95);
   for (std::uint32_t i = 1; i < 3000; ++i) meter.on_datagram(4'000'000'000U + i);
   EXPECT_LT(meter.loss(), 0.01);
+}
+
+TEST(LossMeter, CountsWhatIsMissingSinceTheFirst) {
+  LossMeter meter;
+  meter.on_datagram(10);
+  meter.on_datagram(9);  // from before it listened
+  EXPECT_EQ(meter.missing(), 0U);
+  meter.on_datagram(14);
+  EXPECT_EQ(meter.missing(), 3U);
+  meter.on_datagram(12);
+  meter.on_datagram(12);
+  meter.on_datagram(8);
+  EXPECT_EQ(meter.missing(), 2U);
+  meter.on_datagram(200);  // 13 and 11 are too late from here on
+  meter.on_datagram(13);
+  EXPECT_EQ(meter.missing(), 2U + 185U);
+  EXPECT_EQ(meter.highest(), 200U);
 }
 
 TEST(CopiesAgainst, FewestThatSuffice) {

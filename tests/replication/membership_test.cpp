@@ -12,6 +12,22 @@ using namespace test;
 using Heard = Membership::Heard;
 constexpr PeerId kTwo{2}, kThree{3}, kFive{5};
 
+Echo echo(std::uint32_t highest, std::uint32_t missing) { return {kTwo, highest, 0s, highest, missing, 0.0}; }
+
+TEST(Receipt, HasWhatCameSinceTheLastLoss) {
+  Receipt receipt{10, 10, 3};  // the first echo: of what came before nothing is known
+  EXPECT_FALSE(receipt.has(10));
+  receipt.on_echo(echo(15, 3));
+  EXPECT_TRUE(receipt.has(11) && receipt.has(15));
+  EXPECT_FALSE(receipt.has(16));
+  receipt.on_echo(echo(20, 4));  // one of 16 to 20 was lost, or one came late: which is not said
+  for (std::uint32_t number = 1; number < 30; ++number) EXPECT_FALSE(receipt.has(number));
+  receipt.on_echo(echo(18, 3));  // overtaken
+  receipt.on_echo(echo(25, 4));
+  EXPECT_FALSE(receipt.has(20));
+  EXPECT_TRUE(receipt.has(21));
+}
+
 TEST(Membership, KnowsOnePeerByItsBoot) {
   Membership members(2s);
   EXPECT_EQ(members.on_datagram(host(0s), kTwo, 10), Heard::kJoined);

@@ -1,6 +1,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "replication/codec.hpp"
@@ -18,8 +19,8 @@ class MessageMaker {
     Message m;
     m.sender = PeerId{1 + number<std::uint32_t>() % 0xFFFF'FFFEU};
     m.boot = number<std::uint64_t>();
-    m.has_hello = with_hello;
     if (with_hello) m.hello = hello();
+    if (m.introduction() == nullptr) m.boot = boot_low(m.boot);
     for (std::size_t i = 0; i < updates; ++i) m.updates.push_back(update());
     for (std::size_t i = 0; i < decisions; ++i) m.decisions.push_back(decision());
     m.leaving = coin();
@@ -28,8 +29,12 @@ class MessageMaker {
 
   // Rounded, to any tolerance, or exact.
   UpdateRecord update() {
-    return quantised({ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU, SimTime{time()},
-                      model(), SimTime{coin() ? time() : 0ns}},
+    return quantised({ObjectId{number<std::uint32_t>()},
+                      1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
+                      SimTime{time()},
+                      model(),
+                      SimTime{coin() ? time() : 0ns},
+                      {}},
                      {coin() ? 0.0 : std::ldexp(1.0, -static_cast<int>(rng_() % 24)), 0.05});
   }
   // Of any kind, with what that kind names.
@@ -57,32 +62,38 @@ class MessageMaker {
   }
   Hello hello() {
     Hello h;
-    h.name = std::string(1 + number<std::uint32_t>() % kNameMax_bytes, 'x');
-    h.world_hash = number<std::uint64_t>();
-    h.host_tx = HostTime{time()};
-    h.synchronised = coin();
-    h.session_minus_host = time();
+    if (coin()) h.session_tx = SimTime{time()};
     h.sessions = number<std::uint32_t>();
-    for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
-      h.echoes.push_back({PeerId{number<std::uint32_t>()}, HostTime{time()}, HostTime{time()}});
-    }
-    for (std::uint32_t i = number<std::uint32_t>() % 9; i > 0; --i)
-      h.enslaved.push_back(ObjectId{number<std::uint32_t>()});
-    if (coin()) h.start = SimTime{time()};
-    if (coin()) h.world_zero = SimTime{time()};
     h.latency = std::chrono::milliseconds(number<std::uint32_t>() % 2001);
-    if (coin()) {
-      Viewpoint& v = h.viewpoint.emplace();
-      if (coin()) v.object = ObjectId{number<std::uint32_t>()};
-      v.pose = state().pose();
-      v.field_of_view = 0.1 + 0.001 * (number<std::uint32_t>() % 3000);
-      v.aspect = 1e-3 * (1 + number<std::uint32_t>() % 4000);
+    for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
+      const std::uint32_t heard = number<std::uint32_t>() / 2;
+      h.echoes.push_back({PeerId{number<std::uint32_t>()}, heard, Duration{number<std::uint32_t>()},
+                          heard + number<std::uint32_t>() / 4, number<std::uint32_t>(), 1e-3 * (rng_() % 1001)});
     }
     for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
       h.notes.push_back({ObjectId{number<std::uint32_t>()}, ObjectId{number<std::uint32_t>()}, SimTime{time()},
                          PeerId{number<std::uint32_t>()}, coin()});
     }
+    if (coin()) h.introduction = introduction();
     return h;
+  }
+  Introduction introduction() {
+    Introduction n;
+    n.name = std::string(1 + number<std::uint32_t>() % kNameMax_bytes, 'x');
+    n.world_hash = number<std::uint64_t>();
+    for (std::uint32_t i = number<std::uint32_t>() % 9; i > 0; --i)
+      n.enslaved.push_back(ObjectId{number<std::uint32_t>()});
+    std::ranges::sort(n.enslaved);
+    if (coin()) n.start = SimTime{time()};
+    if (coin()) n.world_zero = SimTime{time()};
+    if (coin()) {
+      Viewpoint& v = n.viewpoint.emplace();
+      if (coin()) v.object = ObjectId{number<std::uint32_t>()};
+      v.pose = state().pose();
+      v.field_of_view = 0.1 + 0.001 * (number<std::uint32_t>() % 3000);
+      v.aspect = 1e-3 * (1 + number<std::uint32_t>() % 4000);
+    }
+    return n;
   }
   // Parts that stand still or are the identity come often: they are absent on the wire.
   KinematicState state() {
@@ -116,28 +127,31 @@ class MessageMaker {
   std::mt19937_64 rng_;
 };
 
+// By a receiver whose own time is that of the first update.
+inline std::expected<Message, DecodeError> received(const Bytes& bytes, const Message& sent) {
+  return decode(bytes, sent.updates.empty() ? SimTime{} : sent.updates.front().at);
+}
+
 // The message's bytes with others before and behind those of its records, which are few.
 inline Bytes with_records(const Message& m, const std::vector<int>& before, const std::vector<int>& behind) {
   const Bytes bytes = encode(m);
   std::size_t size = 0;
   for (const UpdateRecord& u : m.updates) size += encoded_size_bytes(u, m.updates.front().at);
-  const auto begin = bytes.end() - 9 - static_cast<long>(size);  // behind them stands the base time
-  EXPECT_EQ(begin[-1], static_cast<std::byte>(size));
-  EXPECT_EQ(begin[-2], std::byte{9 << 3 | 2});
-  Bytes out(bytes.begin(), begin - 1);
-  const std::size_t size_now = size + before.size() + behind.size();
+  const auto records = bytes.end() - static_cast<long>(size), field = records - 5;  // it begins with the base time
+  EXPECT_EQ(field[-1], static_cast<std::byte>(size + 5));
+  EXPECT_EQ(field[-2], std::byte{8 << 3 | 2});
+  Bytes out(bytes.begin(), field - 1);
+  const std::size_t size_now = 5 + size + before.size() + behind.size();
   EXPECT_LT(size_now, 128u);
   out.push_back(static_cast<std::byte>(size_now));
+  out.insert(out.end(), field, records);
   for (const int b : before) out.push_back(static_cast<std::byte>(b));
-  out.insert(out.end(), begin, begin + static_cast<long>(size));
+  out.insert(out.end(), records, bytes.end());
   for (const int b : behind) out.push_back(static_cast<std::byte>(b));
-  out.insert(out.end(), begin + static_cast<long>(size), bytes.end());
   return out;
 }
 
 inline bool same_bits(const Message& a, const Message& b) {
-  const auto& h = a.hello;
-  const auto& g = b.hello;
   const auto same_vector = [](const Vec3& v, const Vec3& w) { return same_bits(moving(v), moving(w)); };
   const auto same_update = [&](const UpdateRecord& u, const UpdateRecord& v) {
     return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.model.kind == v.model.kind &&
@@ -152,8 +166,9 @@ inline bool same_bits(const Message& a, const Message& b) {
            same_bits(d.collidee_before, e.collidee_before) && same_bits(d.collider_after, e.collider_after) &&
            same_bits(d.collidee_after, e.collidee_after);
   };
-  const auto same_echo = [](const ClockEcho& e, const ClockEcho& f) {
-    return e.peer == f.peer && e.their_tx == f.their_tx && e.our_rx == f.our_rx;
+  const auto same_echo = [](const Echo& e, const Echo& f) {
+    return e.peer == f.peer && e.hello == f.hello && e.held == f.held && e.highest == f.highest &&
+           e.missing == f.missing && e.loss == f.loss;
   };
   const auto same_note = [](const ContactNote& n, const ContactNote& o) {
     return n.collider == o.collider && n.collidee == o.collidee && n.contact == o.contact && n.held == o.held &&
@@ -164,12 +179,19 @@ inline bool same_bits(const Message& a, const Message& b) {
     return v->object == w->object && v->field_of_view == w->field_of_view && v->aspect == w->aspect &&
            same_bits(at_rest(v->pose), at_rest(w->pose));
   };
-  return h.latency == g.latency && same_viewpoint(h.viewpoint, g.viewpoint) &&
-         std::ranges::equal(h.notes, g.notes, same_note) && a.sender == b.sender && a.boot == b.boot &&
-         a.has_hello == b.has_hello && a.leaving == b.leaving && h.name == g.name && h.world_hash == g.world_hash &&
-         h.host_tx == g.host_tx && h.synchronised == g.synchronised && h.session_minus_host == g.session_minus_host &&
-         h.sessions == g.sessions && h.start == g.start && h.world_zero == g.world_zero && h.enslaved == g.enslaved &&
-         std::ranges::equal(h.echoes, g.echoes, same_echo) && std::ranges::equal(a.updates, b.updates, same_update) &&
+  const auto same_introduction = [&](const std::optional<Introduction>& i, const std::optional<Introduction>& j) {
+    if (!i || !j) return !i && !j;
+    return i->name == j->name && i->world_hash == j->world_hash && i->enslaved == j->enslaved && i->start == j->start &&
+           i->world_zero == j->world_zero && same_viewpoint(i->viewpoint, j->viewpoint);
+  };
+  const auto same_hello = [&](const std::optional<Hello>& h, const std::optional<Hello>& g) {
+    if (!h || !g) return !h && !g;
+    return h->session_tx == g->session_tx && h->sessions == g->sessions && h->latency == g->latency &&
+           std::ranges::equal(h->echoes, g->echoes, same_echo) && std::ranges::equal(h->notes, g->notes, same_note) &&
+           same_introduction(h->introduction, g->introduction);
+  };
+  return a.sender == b.sender && a.boot == b.boot && a.number == b.number && a.leaving == b.leaving &&
+         same_hello(a.hello, b.hello) && std::ranges::equal(a.updates, b.updates, same_update) &&
          std::ranges::equal(a.decisions, b.decisions, same_decision);
 }
 
@@ -187,10 +209,17 @@ inline bool is_sound(std::chrono::nanoseconds t) { return std::abs(to_seconds(t)
 
 // What codec.hpp promises of every message that decode() lets through.
 inline bool is_sound(const Message& m) {
-  bool sound = m.sender.value != 0 && m.hello.name.size() <= kNameMax_bytes &&
-               is_sound(m.hello.host_tx.time_since_epoch()) && is_sound(m.hello.session_minus_host);
-  for (const ClockEcho& e : m.hello.echoes) {
-    sound = sound && is_sound(e.their_tx.time_since_epoch()) && is_sound(e.our_rx.time_since_epoch());
+  bool sound = m.sender.value != 0;
+  if (m.hello) {
+    const Hello& h = *m.hello;
+    sound = sound && h.latency <= kLatencyMax && is_sound(h.session_tx.value_or(SimTime{}).time_since_epoch());
+    for (const Echo& e : h.echoes) sound = sound && e.held >= 0s && e.held <= 10s && e.loss <= 1.0;
+    for (const Echo& e : h.echoes) sound = sound && e.highest >= e.hello;
+    for (const ContactNote& n : h.notes) sound = sound && is_sound(n.contact.time_since_epoch());
+  }
+  if (const Introduction* i = m.introduction()) {
+    sound = sound && is_name(i->name) && is_sound(i->start.value_or(SimTime{}).time_since_epoch()) &&
+            is_sound(i->world_zero.value_or(SimTime{}).time_since_epoch()) && std::ranges::is_sorted(i->enslaved);
   }
   for (const UpdateRecord& u : m.updates) {
     sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) && is_sound(u.decision.time_since_epoch()) &&

@@ -317,11 +317,16 @@ TEST(PeerSession, StampsFromTheEndsOfTimeDoNoHarm) {
     SCOPED_TRACE(signs);
     Lan lan(world);
     lan.add(config(5, {{world["A"], false}}));
+    std::uint32_t last_hello = 0;
+    lan.filter = [&](std::size_t, std::size_t, const Message& m) {
+      if (m.hello) last_hello = m.number;
+      return true;
+    };
     lan.run_until(2s);
     for (int i = 0; i < 8; ++i) {
       Message m = hello_of(1, HostTime{signs & 1 ? far : -far});
-      m.hello.session_minus_host = signs & 2 ? far : -far;
-      m.hello.echoes = {{PeerId{5}, HostTime{signs & 4 ? far : -far}, HostTime{signs & 8 ? far : -far}}};
+      const std::uint32_t echoed = signs & 2 ? last_hello : last_hello / 2;
+      m.hello->echoes = {{PeerId{5}, echoed, signs & 4 ? 10s : 0s, signs & 8 ? 0xFFFF'FFFF : echoed, 0, 0.0}};
       lan.inject(0, encode(m));
       lan.run_until(lan.now() + 50ms);
     }

@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "core/time.hpp"
+#include "replication/bit_stream.hpp"
+#include "replication/wire_limits.hpp"
+
+namespace peerd::replication {
+
+// Whole numbers as Protobuf's varints: 7 bits a byte, the lowest first, and 1 in the eighth if more follow. Each has
+// one form, the shortest; take_..() answers whether what it read was that.
+
+inline void put_varint(BitWriter& out, std::uint64_t value) {
+  for (; value >= 128; value >>= 7) out.put((value & 127) | 128, 8);
+  out.put(value, 8);
+}
+
+template <class Number>
+[[nodiscard]] bool take_varint(BitReader& in, Number& value) {
+  std::uint64_t wide = 0;
+  for (int shift = 0; shift < 64; shift += 7) {
+    const std::uint64_t group = in.get(8);
+    if (shift == 63 && group > 1) return false;
+    wide |= (group & 127) << shift;
+    if (group >= 128) continue;
+    if (shift > 0 && group == 0) return false;
+    if (wide > std::numeric_limits<Number>::max()) return false;
+    value = static_cast<Number>(wide);
+    return true;
+  }
+  return false;
+}
+
+// A time by its difference from another, modulo 2^64, which undoes itself; small ones of either sign are short.
+inline void put_time(BitWriter& out, SimTime from, SimTime t) {
+  const auto d = static_cast<std::uint64_t>(t.time_since_epoch().count()) -
+                 static_cast<std::uint64_t>(from.time_since_epoch().count());
+  put_varint(out, (d << 1) ^ (d >> 63 == 0 ? 0 : ~std::uint64_t{0}));
+}
+[[nodiscard]] inline bool take_time(BitReader& in, SimTime from, SimTime& t) {
+  std::uint64_t zigzag = 0;
+  if (!take_varint(in, zigzag)) return false;
+  const std::uint64_t d = (zigzag >> 1) ^ ((zigzag & 1) == 0 ? 0 : ~std::uint64_t{0});
+  t = SimTime{Duration{static_cast<std::int64_t>(static_cast<std::uint64_t>(from.time_since_epoch().count()) + d)}};
+  return in_range(t.time_since_epoch().count());
+}
+
+}  // namespace peerd::replication
