@@ -13,7 +13,7 @@ class LossMeter {
   // Of those from the first that came to highest(): how many have not.
   [[nodiscard]] std::uint32_t missing() const { return missing_; }
   // The part that gets lost, in (0, 1): before anything has come one in ten, afterwards ever nearer to what was seen.
-  [[nodiscard]] double loss() const { return (lost_ + 0.1) / (sent_ + 5.0); }
+  [[nodiscard]] double loss() const { return (lost_ + 0.2) / (sent_ + 2.0); }
 
  private:
   std::uint32_t highest_ = 0, missing_ = 0;
