@@ -36,6 +36,20 @@ std::uint32_t number_by_clock() {
   return 1'000'000'000 + static_cast<std::uint32_t>(us % 3'000'000'000);
 }
 
+void add_network_options(CLI::App& command, RunFlags& flags) {
+  command.add_option("--interface", flags.interface, "network interface, such as eth0 or lo");
+  command.add_option("--group", flags.group, "multicast group of region 0, IPv4 or IPv6");
+  command.add_option("--port", flags.port, "UDP port");
+}
+
+std::vector<std::string> network_settings(const RunFlags& flags) {
+  std::vector<std::string> sets;
+  if (!flags.interface.empty()) sets.push_back("transport.interface=" + quoted(flags.interface));
+  if (!flags.group.empty()) sets.push_back("transport.group=" + quoted(flags.group));
+  if (flags.port) sets.push_back("transport.port=" + std::to_string(*flags.port));
+  return sets;
+}
+
 // The flags as the settings that they stand for. Without a configuration there is one peer, which the flags describe.
 std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options) {
   std::vector<std::string> sets;
@@ -45,9 +59,7 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
     sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : number_by_clock()));
     sets.push_back("peer." + options.peer + ".enslaves=" + nlohmann::json(flags.enslaves).dump());
   }
-  if (!flags.interface.empty()) sets.push_back("transport.interface=" + quoted(flags.interface));
-  if (!flags.group.empty()) sets.push_back("transport.group=" + quoted(flags.group));
-  if (flags.port) sets.push_back("transport.port=" + std::to_string(*flags.port));
+  for (const std::string& set : network_settings(flags)) sets.push_back(set);
   sets.insert(sets.end(), options.sets.begin(), options.sets.end());
   return sets;
 }
@@ -201,9 +213,7 @@ int run(int argc, char** argv) {
   run_command->add_option("--id", flags.id, "this peer's number; each peer needs its own");
   run_command->add_option("--enslave", flags.enslaves, "a node of the world that this peer runs (repeatable)")
       ->allow_extra_args(false);
-  run_command->add_option("--interface", flags.interface, "network interface, such as eth0 or lo");
-  run_command->add_option("--group", flags.group, "multicast group of region 0, IPv4 or IPv6");
-  run_command->add_option("--port", flags.port, "UDP port");
+  add_network_options(*run_command, flags);
   run_command->add_option("--control", peer.control,
                           "where peerd ctl reaches this peer: the path of a socket, or \"\" for none");
   run_command->add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
@@ -224,6 +234,15 @@ int run(int argc, char** argv) {
   WorldCommands worlds;
   add_world_commands(app, worlds);
 
+  DoctorOptions doctor;
+  RunFlags doctor_flags;
+  CLI::App* doctor_command = app.add_subcommand("doctor", "whether a peer could reach others from here, and how");
+  doctor_command->add_option("-c,--config", doctor.config, "a scenario file, of which the table [transport] counts");
+  doctor_command->add_option("--set", doctor.sets, "KEY=VALUE over it, such as transport.ttl=4 (repeatable)")
+      ->allow_extra_args(false);
+  add_network_options(*doctor_command, doctor_flags);
+  doctor_command->add_flag("--json", doctor.json, "one JSON object");
+
   CtlOptions ctl;
   KeyFlags key;
   PoseFlags pose;
@@ -240,6 +259,12 @@ int run(int argc, char** argv) {
     if (!request) return failed(request.error());
     ctl.request = *request;
     return run_ctl(ctl);
+  }
+  if (*doctor_command) {
+    auto sets = network_settings(doctor_flags);
+    sets.insert(sets.end(), doctor.sets.begin(), doctor.sets.end());
+    doctor.sets = std::move(sets);
+    return run_doctor(doctor);
   }
   if (*worlds.check_command) return run_check(worlds.world, worlds.check, std::cout, std::cerr);
   if (*worlds.collide_command) return run_collide(worlds.world, worlds.collide, std::cout, std::cerr);

@@ -18,19 +18,16 @@
 #include "peerd/commands.hpp"
 #include "peerd/describe.hpp"
 #include "peerd/feed/udp_port.hpp"
+#include "peerd/net/forward_time.hpp"
 #include "peerd/net/host_clock.hpp"
-#include "peerd/net/multicast_socket.hpp"
 #include "peerd/peer_node.hpp"
 #include "peerd/print.hpp"
+#include "peerd/transport_options.hpp"
 
 namespace peerd {
 namespace {
 
 namespace asio = boost::asio;
-
-constexpr std::uint32_t kDefaultPort = 47474;
-
-int exit_code(net::NetError::Kind kind) { return kind == net::NetError::Kind::kBadSetting ? 2 : 3; }
 
 // One line a fact: text with the time and the level, or one JSON object.
 class Log {
@@ -53,16 +50,20 @@ class Log {
   bool json_;
 };
 
-// The driver of DESIGN section 5, over a real clock and a real socket. One thread.
+// The driver of DESIGN section 5, over a real clock and a real network. One thread.
+//
+// The peer is told when a datagram came, not when it was read, and its `now` must not run backwards: what came before
+// something that the peer has been told of already counts as having come with that. A tick reads what waits first, so
+// that this is rare and short; it is counted.
 class Daemon {
  public:
-  Daemon(asio::io_context& io, PeerNode& node, net::MulticastSocket& socket, const net::HostClock& clock, Log& log,
+  Daemon(asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock, Log& log,
          const Scene& scene, std::optional<Duration> leave_after)
       : io_(io),
         timer_(io),
         signals_(io, SIGINT, SIGTERM),
         node_(node),
-        socket_(socket),
+        transport_(transport),
         clock_(clock),
         log_(log),
         scene_(scene),
@@ -71,7 +72,7 @@ class Daemon {
   // One line of the control protocol; the reply to "leave" is out before the peer is gone.
   std::string on_control(std::string_view line) {
     if (over_) return api::refusal("this peer is leaving");
-    api::Answer answer = api::answer(node_, clock_.now(), line, clock_.minus_wall());
+    api::Answer answer = api::answer(node_, now(), line, clock_.minus_wall());
     drain();
     if (answer.leave) {
       asio::post(io_, [this] {
@@ -86,7 +87,7 @@ class Daemon {
   // One datagram of a program that moves objects.
   void on_poses(std::string_view datagram) {
     if (over_) return;
-    api::take_datagram(node_, clock_.now(), datagram, clock_.minus_wall());
+    api::take_datagram(node_, now(), datagram, clock_.minus_wall());
     drain();
   }
 
@@ -97,8 +98,9 @@ class Daemon {
       log_(spdlog::level::info, fmt::format("leaving: got {}", signal == SIGINT ? "SIGINT" : "SIGTERM"));
       leave();
     });
-    socket_.on_receive([this](RegionId region, std::span<const std::byte> datagram, const asio::ip::udp::endpoint&) {
-      node_.on_packet(clock_.now(), region, datagram);
+    transport_.on_receive([this](const net::Arrival& arrival) {
+      if (over_) return;
+      node_.on_packet(forward_(arrival.at), arrival.region, arrival.datagram);
       drain();
     });
     drain();
@@ -107,10 +109,17 @@ class Daemon {
     return exit_code_;
   }
 
+  // Counts the datagrams that came before something that the peer had been told of.
+  [[nodiscard]] const net::ForwardTime& forward() const { return forward_; }
+
  private:
+  HostTime now() { return forward_(clock_.now()); }
+
   void wake() {
     if (over_) return;
-    const HostTime now = clock_.now();
+    transport_.receive_pending();
+    if (over_) return;
+    const HostTime now = this->now();
     node_.on_tick(now);
     drain();
     if (over_) return;
@@ -126,7 +135,7 @@ class Daemon {
 
   void leave() {
     if (over_) return;
-    node_.leave(clock_.now());
+    node_.leave(now());
     drain();
     stop();
   }
@@ -140,13 +149,14 @@ class Daemon {
     while (auto out = node_.poll_output()) {
       if (const auto line = describe(*out, scene_)) log_(line->level, line->text);
       if (const auto* send = std::get_if<replication::Send>(&*out)) {
-        (void)socket_.send(send->region, send->datagram);  // a datagram that doesn't leave is counted as lost
+        transport_.send(send->region, send->datagram);
       } else if (const auto* join = std::get_if<replication::Join>(&*out)) {
-        check(socket_.join(join->region));
+        check(transport_.join(join->region));
       } else if (const auto* left = std::get_if<replication::Leave>(&*out)) {
-        check(socket_.leave(left->region));
+        check(transport_.leave(left->region));
       }
     }
+    transport_.flush();
     while (const auto key = node_.poll_key_report()) {
       for (const LogLine& line : describe(*key, scene_)) log_(line.level, line.text);
     }
@@ -159,7 +169,7 @@ class Daemon {
   void check(const std::expected<void, net::NetError>& done) {
     if (done) return;
     log_(spdlog::level::err, done.error().sentence);
-    exit_code_ = exit_code(done.error().kind);
+    exit_code_ = input_error(done.error()).exit_code;
     stop();
   }
 
@@ -167,11 +177,12 @@ class Daemon {
   asio::steady_timer timer_;
   asio::signal_set signals_;
   PeerNode& node_;
-  net::MulticastSocket& socket_;
+  net::Transport& transport_;
   const net::HostClock& clock_;
   Log& log_;
   const Scene& scene_;
   std::optional<Duration> leave_after_;
+  net::ForwardTime forward_;
   bool over_ = false;
   int exit_code_ = 0;
 };
@@ -233,7 +244,8 @@ int run_peer(const PeerOptions& options) {
   const net::HostClock clock(from_seconds((*settings)->clock_offset_s));
   PeerNode::Options node_options;
   // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
-  node_options.boot = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
+  const auto node_boot = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
+  node_options.boot = node_boot;
   for (const config::PeerSettings& p : run.peers) node_options.wait_for.push_back(PeerId{p.id});
   node_options.start_lead = std::chrono::milliseconds(1000);  // a few hellos must have told everybody
   node_options.clock_offset = from_seconds((*settings)->clock_offset_s);
@@ -242,25 +254,27 @@ int run_peer(const PeerOptions& options) {
   auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
   const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), std::move(node_options));
 
-  const auto port = static_cast<std::uint16_t>(run.transport.port.value_or(kDefaultPort));
-  const auto plan = net::parse_group_plan(run.transport.group, port);
-  if (!plan) return failed({"error: " + plan.error().sentence, exit_code(plan.error().kind)});
+  const auto reach = transport_options(run.transport, node_boot);
+  if (!reach) return failed(reach.error());
   asio::io_context io(1);
-  const auto socket = net::MulticastSocket::open(
-      io, {.interface = run.transport.interface, .groups = *plan, .ttl = static_cast<int>(run.transport.ttl)});
-  if (!socket) return failed({"error: " + socket.error().sentence, exit_code(socket.error().kind)});
+  const auto reached = net::open_transport(io, clock, *reach);
+  if (!reached) return failed(input_error(reached.error()));
+  const auto& transport = reached->transport;
 
   if (!options.record.empty()) {  // before the run, not after it, if the file can't be written
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
 
   Log log((*settings)->name, options.json, options.verbose);
-  log(spdlog::level::info,
-      fmt::format("peer {} (id {}) in {}, group {} port {} over {}", (*settings)->name, (*settings)->id,
-                  scenario->world.filename().string(), run.transport.group, port, (*socket)->chosen_interface().why));
+  log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, {}", (*settings)->name, (*settings)->id,
+                                       scenario->world.filename().string(), transport->describe()));
+  if (!reached->why_unicast.empty()) log(spdlog::level::warn, "no multicast: " + reached->why_unicast);
+  if (const std::string less = buffer_warning(run.transport, transport->receive_buffer_bytes()); !less.empty()) {
+    log(spdlog::level::warn, less);
+  }
   for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
 
-  Daemon daemon(io, *node, **socket, clock, log, scene,
+  Daemon daemon(io, *node, *transport, clock, log, scene,
                 options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt);
   std::unique_ptr<api::ControlServer> control;
   if (const ControlPlace place = control_place(options, run.control, (*settings)->name); !place.socket.empty()) {
@@ -316,9 +330,14 @@ int run_peer(const PeerOptions& options) {
   for (const auto& [reason, dropped] : node->peer().counters().drops) {
     log(spdlog::level::info, fmt::format("dropped {}: {}", dropped, reason));
   }
-  for (const auto& [name, n] : (*socket)->counters().named()) {
+  for (const auto& [name, n] : transport->counters().named()) {
     if (n > 0 && !(name.ends_with("_in") || name.ends_with("_out")))
       log(spdlog::level::info, fmt::format("{}: {}", name, n));
+  }
+  if (const net::ForwardTime& forward = daemon.forward(); forward.count() > 0) {
+    log(spdlog::level::info,
+        fmt::format("{} datagrams were read after a tick that they came before, by {:.1f} us at most", forward.count(),
+                    to_seconds(forward.most()) * 1e6));
   }
   if (!options.record.empty()) {
     if (const auto saved = save(record, options.record); !saved) return failed(saved.error());

@@ -130,7 +130,17 @@ std::vector<std::string> peer_command(const Launch& launch, const config::RunSet
   const auto set = [&](const std::string& assignment) { command.insert(command.end(), {"--set", assignment}); };
   for (const std::string& s : launch.options.sets) set(s);
   for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));
-  set("transport.port=" + std::to_string(run.transport.port.value_or(static_cast<std::uint32_t>(launch.port))));
+  const std::uint32_t port = run.transport.port.value_or(static_cast<std::uint32_t>(launch.port));
+  if (run.transport.multicast == config::kMulticastNever) {  // by unicast each has a port of its own
+    std::string all;
+    for (std::uint32_t i = 0; i < run.peers.size(); ++i) {
+      if (run.peers[i].id == peer.id) set("transport.port=" + std::to_string(port + i));
+      all += (i == 0 ? "" : ", ") + nlohmann::json("127.0.0.1:" + std::to_string(port + i)).dump();
+    }
+    set("transport.peers=[" + all + "]");
+  } else {
+    set("transport.port=" + std::to_string(port));
+  }
   const std::string& wanted = launch.options.interface.empty() ? run.transport.interface : launch.options.interface;
   set("transport.interface=" + nlohmann::json(wanted.empty() ? "lo" : wanted).dump());
   for (const fs::path& overlay : launch.options.configs) command.insert(command.end(), {"--overlay", overlay.string()});

@@ -242,10 +242,15 @@ TransportSettings read_transport(TomlReader reader) {
   TransportSettings s;
   reader.read("interface", s.interface);
   reader.read("group", s.group);
+  reader.read("group_pool", s.group_pool, 0, 65536);
   std::uint32_t port = 0;
   reader.read("port", port, 1, 65535);
   if (port != 0) s.port = port;
   reader.read("ttl", s.ttl, 0, 255);
+  reader.read("dscp", s.dscp, 0, 63);
+  reader.read("receive_buffer_bytes", s.receive_buffer_bytes, 4096, 1u << 30);
+  reader.read_word("multicast", s.multicast, {"auto", "always", "never"});
+  reader.read("peers", s.peers);
   reader.finish();
   return s;
 }

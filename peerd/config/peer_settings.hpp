@@ -75,9 +75,15 @@ struct PeerSettings {
 struct TransportSettings {
   std::string interface;               // empty: the only one that can multicast, else lo
   std::string group = "239.192.80.0";  // of region 0
+  std::uint32_t group_pool = 0;        // groups that all regions share; 0: each has its own
   std::optional<std::uint32_t> port;   // 47474, and for `peerd scenario` one of its own
   std::uint32_t ttl = 1;
+  std::uint32_t dscp = 0;
+  std::uint32_t receive_buffer_bytes = 1024 * 1024;
+  std::size_t multicast = 0;       // kMulticastAuto and its like
+  std::vector<std::string> peers;  // "HOST:PORT": whom unicast greets first
 };
+inline constexpr std::size_t kMulticastAuto = 0, kMulticastAlways = 1, kMulticastNever = 2;  // TransportSettings
 [[nodiscard]] TransportSettings read_transport(TomlReader reader);
 
 // Where a real peer can be asked and told things: the table [control].

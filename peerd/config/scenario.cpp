@@ -131,9 +131,10 @@ nlohmann::ordered_json to_json(const toml::node& node) {
 // Keys whose one value is a list: setting them does not sweep.
 bool takes_list(std::string_view key) {
   return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
-         key == "replication.models" || key.ends_with(".position") || key.ends_with(".offset") ||
-         key.ends_with(".spin_axis") || key.ends_with(".waypoints") || key.ends_with(".within_m") ||
-         key.ends_with(".origin_m") || key.ends_with(".physics.velocity") || key.ends_with(".physics.acceleration");
+         key == "replication.models" || key == "transport.peers" || key.ends_with(".position") ||
+         key.ends_with(".offset") || key.ends_with(".spin_axis") || key.ends_with(".waypoints") ||
+         key.ends_with(".within_m") || key.ends_with(".origin_m") || key.ends_with(".physics.velocity") ||
+         key.ends_with(".physics.acceleration");
 }
 
 struct SweptKey {

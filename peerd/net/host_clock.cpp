@@ -14,7 +14,7 @@ Duration read_clock(clockid_t id) {
   return std::chrono::seconds{t.tv_sec} + std::chrono::nanoseconds{t.tv_nsec};
 }
 
-// The wall clock between two readings of the other: the midpoint halves what a badly timed preemption can cost.
+// The midpoint halves what a badly timed preemption can cost.
 Duration wall_minus_boot_time() {
   const Duration before = read_clock(CLOCK_BOOTTIME);
   const Duration wall = read_clock(CLOCK_REALTIME);
@@ -27,6 +27,12 @@ Duration wall_minus_boot_time() {
 HostClock::HostClock(Duration test_offset) : epoch_minus_boot_time_(wall_minus_boot_time() + test_offset) {}
 
 HostTime HostClock::now() const { return HostTime{epoch_minus_boot_time_ + read_clock(CLOCK_BOOTTIME)}; }
+
+HostClock::Pair HostClock::pair_with_wall() const {
+  const HostTime before = now();
+  const Duration wall = read_clock(CLOCK_REALTIME);
+  return {before, wall, now()};
+}
 
 Duration HostClock::minus_wall() const { return epoch_minus_boot_time_ - wall_minus_boot_time(); }
 

@@ -17,6 +17,13 @@ class HostClock {
   // What now() is ahead of the wall clock at this instant: turns what another program of this computer stamped by the
   // wall clock (Unix time) into this clock's time, whatever has been done to the wall clock since construction.
   [[nodiscard]] Duration minus_wall() const;
+  // A reading of the wall clock (Unix time) between two of this one.
+  struct Pair {
+    HostTime before;
+    Duration wall;
+    HostTime after;
+  };
+  [[nodiscard]] Pair pair_with_wall() const;
 
  private:
   Duration epoch_minus_boot_time_;  // test offset included

@@ -3,14 +3,16 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <array>
 #include <cassert>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <initializer_list>
-#include <optional>
-#include <system_error>
+#include <limits>
 #include <utility>
+
+#include "peerd/net/udp_socket.hpp"
+#include "peerd/net/unicast_frame.hpp"
 
 // linux/in6.h has it since 4.20, but cannot be included beside netinet/in.h
 #ifndef IPV6_MULTICAST_ALL
@@ -23,195 +25,87 @@ namespace {
 using asio::ip::udp;
 using boost::system::error_code;
 
-// Datagrams read in one go before timers and signals get their turn; the rest stays in the kernel's queue.
-constexpr int kMaxReadsPerWake = 64;
-
-// What recvmsg may put beside a datagram: where it was sent to, and how many were lost before it.
-constexpr std::size_t kControlBytes = CMSG_SPACE(sizeof(in6_pktinfo)) + CMSG_SPACE(sizeof(std::uint32_t));
-
-std::string text_of(int error) { return std::generic_category().message(error); }
-
-std::unexpected<NetError> fail(NetError::Kind kind, std::string sentence) {
-  return std::unexpected(NetError{kind, std::move(sentence)});
-}
-
 IpFamily family_of(const GroupPlan& groups) { return groups.base.is_v4() ? IpFamily::kV4 : IpFamily::kV6; }
 
-template <class Value>
-int set_option(int fd, int level, int name, const Value& value) {
-  return setsockopt(fd, level, name, &value, sizeof value) == 0 ? 0 : errno;
-}
-
-SendDrop drop_of(int error) {
-  switch (error) {
-    case EAGAIN:
-    case ENOBUFS:
-    case ENOMEM:
-      return SendDrop::kQueueFull;
-    case ENETUNREACH:
-    case EHOSTUNREACH:
-    case ENETDOWN:
-    case ENODEV:
-    case ENXIO:
-    case EADDRNOTAVAIL:
-      return SendDrop::kUnreachable;
-    case EPERM:
-    case EACCES:
-      return SendDrop::kBlocked;
-    case EMSGSIZE:
-      return SendDrop::kTooLarge;
-    default:
-      return SendDrop::kOther;
-  }
-}
-
-std::uint64_t& counter_of(TrafficCounters& counters, SendDrop drop) {
-  switch (drop) {
-    case SendDrop::kQueueFull:
-      return counters.out_queue_full;
-    case SendDrop::kUnreachable:
-      return counters.out_unreachable;
-    case SendDrop::kBlocked:
-      return counters.out_blocked;
-    case SendDrop::kTooLarge:
-      return counters.out_too_large;
-    case SendDrop::kNoGroup:
-      return counters.out_no_group;
-    case SendDrop::kOther:
-      break;
-  }
-  return counters.out_errors;
-}
-
-// Where a datagram was sent to, read from the control messages beside it.
-struct Destination {
-  std::optional<asio::ip::address> group;
-  unsigned interface_index = 0;
-  std::optional<std::uint32_t> lost_before;  // by this socket since it was opened, modulo 2^32; none when none
-};
-
-// The structures are copied out: a control message's data is aligned for its header only.
-template <class Value>
-Value data_of(const cmsghdr* control) {
-  Value value;
-  std::memcpy(&value, CMSG_DATA(control), sizeof value);
-  return value;
-}
-
-Destination destination_of(msghdr& message) {
-  Destination to;
-  for (cmsghdr* control = CMSG_FIRSTHDR(&message); control; control = CMSG_NXTHDR(&message, control)) {
-    if (control->cmsg_level == IPPROTO_IP && control->cmsg_type == IP_PKTINFO) {
-      const auto info = data_of<in_pktinfo>(control);
-      to.group = asio::ip::address_v4(ntohl(info.ipi_addr.s_addr));
-      to.interface_index = static_cast<unsigned>(info.ipi_ifindex);
-    } else if (control->cmsg_level == IPPROTO_IPV6 && control->cmsg_type == IPV6_PKTINFO) {
-      const auto info = data_of<in6_pktinfo>(control);
-      to.group = asio::ip::address_v6(std::to_array(info.ipi6_addr.s6_addr));
-      to.interface_index = info.ipi6_ifindex;
-    } else if (control->cmsg_level == SOL_SOCKET && control->cmsg_type == SO_RXQ_OVFL) {
-      to.lost_before = data_of<std::uint32_t>(control);
-    }
-  }
-  return to;
+// Where regions share groups each datagram says its own.
+std::size_t most_bytes(const GroupPlan& groups) {
+  return kMaxDatagramBytes + (groups.pool > 0 ? kRegionHeaderBytes : 0);
 }
 
 }  // namespace
 
+std::optional<std::size_t> memberships_limit(IpFamily family) {
+  if (family == IpFamily::kV6) return std::nullopt;  // by memory, net.core.optmem_max
+  std::size_t limit = 0;
+  if (!(std::ifstream("/proc/sys/net/ipv4/igmp_max_memberships") >> limit)) return std::nullopt;
+  return limit;
+}
+
 std::expected<std::unique_ptr<MulticastSocket>, NetError> MulticastSocket::open(asio::io_context& io,
+                                                                                const HostClock& clock,
                                                                                 const MulticastOptions& options) {
-  if (auto good = check_plan(options.groups); !good) return std::unexpected(good.error());
+  GroupPlan checked = options.groups;
+  if (options.any_port) checked.port = 1;
+  if (auto good = check_plan(checked); !good) return std::unexpected(good.error());
   if (options.ttl < 0 || options.ttl > 255) {
-    return fail(NetError::Kind::kBadSetting,
-                "a TTL is a number of hops from 0 to 255, not " + std::to_string(options.ttl) + "; 1 stays on the LAN");
+    return failure(NetError::Kind::kBadSetting, "a TTL is a number of hops from 0 to 255, not " +
+                                                    std::to_string(options.ttl) + "; 1 stays on the LAN");
+  }
+  if (options.dscp < 0 || options.dscp > 63) {
+    return failure(NetError::Kind::kBadSetting, "a DSCP is a number from 0 to 63, not " + std::to_string(options.dscp));
   }
   const auto interfaces = list_interfaces();
   if (!interfaces) return std::unexpected(interfaces.error());
   auto chosen = choose_interface(*interfaces, options.interface, family_of(options.groups));
   if (!chosen) return std::unexpected(chosen.error());
 
-  std::unique_ptr<MulticastSocket> opened(new MulticastSocket(io, options.groups, *std::move(chosen)));
-  if (auto good = opened->configure(options); !good) return std::unexpected(good.error());
-  if (auto good = opened->bind_port(); !good) return std::unexpected(good.error());
+  std::unique_ptr<MulticastSocket> opened(new MulticastSocket(io, clock, options, *std::move(chosen)));
+  if (auto good = opened->add_socket(); !good) return std::unexpected(good.error());
   if (auto good = opened->probe_route(); !good) return std::unexpected(good.error());
   return opened;
 }
 
-MulticastSocket::MulticastSocket(asio::io_context& io, GroupPlan groups, ChosenInterface chosen)
-    : groups_(std::move(groups)), chosen_(std::move(chosen)), socket_(io) {}
+MulticastSocket::MulticastSocket(asio::io_context& io, const HostClock& clock, const MulticastOptions& options,
+                                 ChosenInterface chosen)
+    : io_(io),
+      options_(options),
+      chosen_(std::move(chosen)),
+      reading_(clock, counters_, most_bytes(options.groups)),
+      memberships_max_(memberships_limit(family_of(options.groups)).value_or(std::numeric_limits<std::size_t>::max())),
+      queue_(most_bytes(options.groups)) {}
 
-// Each option's reason is in README.md.
-std::expected<void, NetError> MulticastSocket::configure(const MulticastOptions& options) {
-  const bool v4 = groups_.base.is_v4();
-  error_code ec;
-  socket_.open(v4 ? udp::v4() : udp::v6(), ec);
-  if (ec.value() == EAFNOSUPPORT) {
-    return fail(NetError::Kind::kNoMulticast,
-                "this computer has IPv6 switched off; use an IPv4 group such as 239.192.0.0");
-  }
-  if (ec.value() == EMFILE || ec.value() == ENFILE) {
-    return fail(NetError::Kind::kLimit, "no file descriptor left for a socket; raise the limit (ulimit -n)");
-  }
-  if (ec.value() == EPERM || ec.value() == EACCES) {
-    return fail(NetError::Kind::kPermission, "the system does not let this process open a UDP socket: " + ec.message());
-  }
-  if (ec) return fail(NetError::Kind::kOther, "cannot open a UDP socket: " + ec.message());
-  socket_.non_blocking(true, ec);
-  if (ec) return fail(NetError::Kind::kOther, "cannot make a socket non-blocking: " + ec.message());
-
-  const int fd = socket_.native_handle();
-  struct Option {
-    int level, name, value;
-    const char* text;
-  };
-  const auto set_all = [&](std::initializer_list<Option> table) -> std::expected<void, NetError> {
-    for (const auto& [level, name, value, text] : table) {
-      if (const int error = set_option(fd, level, name, value)) {
-        return fail(NetError::Kind::kOther, std::string("the system refuses socket option ") + text + ": " +
-                                                text_of(error) + "; Linux 4.20 or later is needed");
-      }
-    }
-    return {};
-  };
-  if (auto good = set_all({{SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR"}, {SOL_SOCKET, SO_RXQ_OVFL, 1, "SO_RXQ_OVFL"}});
-      !good) {
+// All hear the same port. A datagram goes to each that has joined its group, and each group has one.
+std::expected<void, NetError> MulticastSocket::add_socket() {
+  auto made = std::make_unique<Socket>(io_, reading_);
+  udp::socket& socket = made->receiver.socket();
+  GroupPlan& groups = options_.groups;
+  const UdpOptions wanted{groups.base.is_v4(), options_.dscp, options_.receive_buffer_bytes};
+  if (auto good = open_udp(socket, wanted); !good) return good;
+  if (auto good = configure(socket.native_handle()); !good) return good;
+  const bool choose_port = options_.any_port && sockets_.empty();
+  if (auto good = bind_udp(socket, choose_port ? 0 : groups.port, "choose another port for all peers"); !good)
     return good;
-  }
-  auto good = v4 ? set_all({{IPPROTO_IP, IP_MULTICAST_ALL, 0, "IP_MULTICAST_ALL"},
-                            {IPPROTO_IP, IP_MULTICAST_LOOP, 1, "IP_MULTICAST_LOOP"},
-                            {IPPROTO_IP, IP_MULTICAST_TTL, options.ttl, "IP_MULTICAST_TTL"},
-                            {IPPROTO_IP, IP_PKTINFO, 1, "IP_PKTINFO"}})
-                 : set_all({{IPPROTO_IPV6, IPV6_V6ONLY, 1, "IPV6_V6ONLY"},
-                            {IPPROTO_IPV6, IPV6_MULTICAST_ALL, 0, "IPV6_MULTICAST_ALL"},
-                            {IPPROTO_IPV6, IPV6_MULTICAST_LOOP, 1, "IPV6_MULTICAST_LOOP"},
-                            {IPPROTO_IPV6, IPV6_MULTICAST_HOPS, options.ttl, "IPV6_MULTICAST_HOPS"},
-                            {IPPROTO_IPV6, IPV6_RECVPKTINFO, 1, "IPV6_RECVPKTINFO"}});
-  if (!good) return good;
-
-  if (const int error = send_over_our_interface(fd)) {
-    return fail(NetError::Kind::kNoMulticast, "cannot send multicast over \"" + chosen_.interface.name +
-                                                  "\": " + text_of(error) + "; name another interface");
-  }
-  // Asked, not demanded: the kernel caps it without a word, and receive_buffer_bytes() tells what came of it.
-  socket_.set_option(asio::socket_base::receive_buffer_size(options.receive_buffer_bytes), ec);
+  if (choose_port) groups.port = socket.local_endpoint().port();
+  sockets_.push_back(std::move(made));
+  if (handler_) start(*sockets_.back());
   return {};
 }
 
-std::expected<void, NetError> MulticastSocket::bind_port() {
-  error_code ec;
-  socket_.bind(udp::endpoint(groups_.base.is_v4() ? udp::v4() : udp::v6(), groups_.port), ec);
-  const std::string port = std::to_string(groups_.port);
-  if (ec.value() == EADDRINUSE) {
-    return fail(NetError::Kind::kPortBusy, "UDP port " + port +
-                                               " is held by another program that does not share it; stop that one "
-                                               "(ss -ulnp \"sport = :" +
-                                               port + "\" names it) or choose another port for all peers");
+// Each option's reason is in README.md.
+std::expected<void, NetError> MulticastSocket::configure(int fd) const {
+  const std::array<SocketOption, 1> common{{{SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR"}}};
+  const std::array<SocketOption, 3> v4{{{IPPROTO_IP, IP_MULTICAST_ALL, 0, "IP_MULTICAST_ALL"},
+                                        {IPPROTO_IP, IP_MULTICAST_LOOP, 1, "IP_MULTICAST_LOOP"},
+                                        {IPPROTO_IP, IP_MULTICAST_TTL, options_.ttl, "IP_MULTICAST_TTL"}}};
+  const std::array<SocketOption, 3> v6{{{IPPROTO_IPV6, IPV6_MULTICAST_ALL, 0, "IPV6_MULTICAST_ALL"},
+                                        {IPPROTO_IPV6, IPV6_MULTICAST_LOOP, 1, "IPV6_MULTICAST_LOOP"},
+                                        {IPPROTO_IPV6, IPV6_MULTICAST_HOPS, options_.ttl, "IPV6_MULTICAST_HOPS"}}};
+  if (auto good = set_options(fd, common); !good) return good;
+  if (auto good = options_.groups.base.is_v4() ? set_options(fd, v4) : set_options(fd, v6); !good) return good;
+  if (const int error = send_over_our_interface(fd)) {
+    return failure(NetError::Kind::kNoMulticast, "cannot send multicast over \"" + chosen_.interface.name +
+                                                     "\": " + text_of(error) + "; name another interface");
   }
-  if (ec.value() == EACCES || ec.value() == EPERM) {
-    return fail(NetError::Kind::kPermission,
-                "UDP port " + port + " needs privileges that this process lacks; choose one from 1024 to 65535");
-  }
-  if (ec) return fail(NetError::Kind::kOther, "cannot bind UDP port " + port + ": " + ec.message());
   return {};
 }
 
@@ -219,49 +113,87 @@ std::expected<void, NetError> MulticastSocket::bind_port() {
 // socket sends nothing; it is another socket, since a connected one hears its peer only.
 std::expected<void, NetError> MulticastSocket::probe_route() {
   error_code ec;
-  udp::socket probe(socket_.get_executor());
-  probe.open(groups_.base.is_v4() ? udp::v4() : udp::v6(), ec);
-  if (ec) return fail(NetError::Kind::kOther, "cannot open a UDP socket: " + ec.message());
+  udp::socket probe(io_);
+  probe.open(options_.groups.base.is_v4() ? udp::v4() : udp::v6(), ec);
+  if (ec) return failure(NetError::Kind::kOther, "cannot open a UDP socket: " + ec.message());
   const int error = send_over_our_interface(probe.native_handle());
-  if (!error) probe.connect(on_our_interface(udp::endpoint(groups_.base, groups_.port)), ec);
+  if (!error) probe.connect(on_our_interface(udp::endpoint(options_.groups.base, options_.groups.port)), ec);
   const int reason = error ? error : ec.value();
   if (reason == 0) return {};
   const std::string where =
-      "cannot multicast to " + groups_.base.to_string() + " over \"" + chosen_.interface.name + "\"";
-  if (groups_.base.is_v6()) {
-    return fail(NetError::Kind::kNoMulticast,
-                where + ": " + text_of(reason) +
-                    (chosen_.interface.loopback ? "; lo carries no IPv6 multicast: use an IPv4 group such as "
-                                                  "239.192.0.0, or name an interface that reaches other computers"
-                                                : "; use an IPv4 group such as 239.192.0.0 or name another interface"));
+      "cannot multicast to " + options_.groups.base.to_string() + " over \"" + chosen_.interface.name + "\"";
+  if (options_.groups.base.is_v6()) {
+    return failure(
+        NetError::Kind::kNoMulticast,
+        where + ": " + text_of(reason) +
+            (chosen_.interface.loopback ? "; lo carries no IPv6 multicast: use an IPv4 group such as "
+                                          "239.192.0.0, or name an interface that reaches other computers"
+                                        : "; use an IPv4 group such as 239.192.0.0 or name another interface"));
   }
-  return fail(NetError::Kind::kNoMulticast, where + ": " + text_of(reason) + "; name another interface");
+  return failure(NetError::Kind::kNoMulticast, where + ": " + text_of(reason) + "; name another interface");
 }
 
 int MulticastSocket::receive_buffer_bytes() const {
-  asio::socket_base::receive_buffer_size size;
-  error_code ec;
-  socket_.get_option(size, ec);
-  return ec ? 0 : size.value();
+  return granted_receive_buffer(sockets_.front()->receiver.socket());
+}
+
+std::string MulticastSocket::describe() const {
+  const GroupPlan& groups = options_.groups;
+  return "group " + groups.base.to_string() + (groups.pool > 0 ? " and on, " + std::to_string(groups.pool) : "") +
+         " port " + std::to_string(groups.port) + " over " + chosen_.why;
 }
 
 std::expected<void, NetError> MulticastSocket::join(RegionId region) {
   if (joined_.contains(region)) return {};
-  const auto group = group_endpoint(groups_, region);
+  const auto group = group_endpoint(options_.groups, region);
   if (!group) return std::unexpected(group.error());
-  if (const int error = change_membership(true, group->address())) return std::unexpected(join_error(region, error));
+  const std::uint32_t number = group_number(options_.groups, region);
+  auto membership = memberships_.find(number);
+  if (membership == memberships_.end()) {
+    const auto socket = add_membership(region, group->address());
+    if (!socket) return std::unexpected(socket.error());
+    membership = memberships_.emplace(number, Membership{*socket}).first;
+  }
+  ++membership->second.regions;
   joined_.insert(region);
   return {};
 }
 
+// The kernel's limit may be lower than it said at the start, or count memory: a socket that is full by surprise is no
+// end as long as a new one takes the group.
+std::expected<MulticastSocket::Socket*, NetError> MulticastSocket::add_membership(RegionId region,
+                                                                                  const asio::ip::address& group) {
+  for (const auto& socket : sockets_) {
+    if (socket->memberships >= memberships_max_) continue;
+    const int error = change_membership(*socket, true, group);
+    if (error == ENOBUFS || error == ENOMEM) continue;
+    if (error) return std::unexpected(join_error(region, error));
+    ++socket->memberships;
+    return socket.get();
+  }
+  if (auto good = add_socket(); !good) return std::unexpected(good.error());
+  Socket& added = *sockets_.back();
+  if (const int error = change_membership(added, true, group)) {
+    sockets_.pop_back();
+    return std::unexpected(join_error(region, error));
+  }
+  ++added.memberships;
+  return &added;
+}
+
 std::expected<void, NetError> MulticastSocket::leave(RegionId region) {
   if (joined_.erase(region) == 0) return {};
-  const auto group = group_endpoint(groups_, region);
-  assert(group);  // it was joined
-  if (const int error = change_membership(false, group->address())) {
-    return fail(NetError::Kind::kOther, "cannot leave multicast group " + group->address().to_string() + " on \"" +
-                                            chosen_.interface.name + "\": " + text_of(error) +
-                                            "; its datagrams are dropped here all the same");
+  const auto membership = memberships_.find(group_number(options_.groups, region));
+  assert(membership != memberships_.end());  // it was joined
+  if (--membership->second.regions > 0) return {};
+  Socket& socket = *membership->second.socket;
+  memberships_.erase(membership);
+  --socket.memberships;
+  const auto group = group_endpoint(options_.groups, region);
+  if (const int error = change_membership(socket, false, group->address())) {
+    return failure(NetError::Kind::kOther, "cannot leave multicast group " + group->address().to_string() + " on \"" +
+                                               chosen_.interface.name + "\": " + text_of(error) +
+                                               "; its datagrams are dropped here all the same");
   }
   return {};
 }
@@ -269,7 +201,7 @@ std::expected<void, NetError> MulticastSocket::leave(RegionId region) {
 // By interface index, here and when joining: addresses come and go, and an interface may have none of its own.
 int MulticastSocket::send_over_our_interface(int fd) const {
   const int index = static_cast<int>(chosen_.interface.index);
-  if (groups_.base.is_v6()) return set_option(fd, IPPROTO_IPV6, IPV6_MULTICAST_IF, index);
+  if (options_.groups.base.is_v6()) return set_option(fd, IPPROTO_IPV6, IPV6_MULTICAST_IF, index);
   ip_mreqn outgoing{};
   outgoing.imr_ifindex = index;
   // Linux does not take lo's own address for multicast: datagrams would come from another interface's address, or from
@@ -278,8 +210,8 @@ int MulticastSocket::send_over_our_interface(int fd) const {
   return set_option(fd, IPPROTO_IP, IP_MULTICAST_IF, outgoing);
 }
 
-int MulticastSocket::change_membership(bool join, const asio::ip::address& group) {
-  const int fd = socket_.native_handle();
+int MulticastSocket::change_membership(Socket& socket, bool join, const asio::ip::address& group) {
+  const int fd = socket.receiver.socket().native_handle();
   if (group.is_v4()) {
     ip_mreqn request{};
     request.imr_multiaddr.s_addr = htonl(group.to_v4().to_uint());
@@ -297,14 +229,9 @@ NetError MulticastSocket::join_error(RegionId region, int error) const {
   const std::string what = "cannot join the multicast group of region " + std::to_string(region.value) + " on \"" +
                            chosen_.interface.name + "\": ";
   if (error == ENOBUFS || error == ENOMEM) {
-    // IPv4 counts groups (20 by default), IPv6 the memory that they take.
-    const bool v4 = groups_.base.is_v4();
-    const char* setting = v4 ? "net.ipv4.igmp_max_memberships" : "net.core.optmem_max";
-    std::string limit = "unknown";
-    std::ifstream(v4 ? "/proc/sys/net/ipv4/igmp_max_memberships" : "/proc/sys/net/core/optmem_max") >> limit;
-    return {NetError::Kind::kLimit, what + std::to_string(joined_.size()) +
-                                        " groups are joined and the system allows no more (" + setting + " is " +
-                                        limit + "); raise it with sysctl -w or join fewer regions"};
+    const char* setting = options_.groups.base.is_v4() ? "net.ipv4.igmp_max_memberships" : "net.core.optmem_max";
+    return {NetError::Kind::kLimit,
+            what + "the system lets a socket join none (" + setting + "); raise it with sysctl -w"};
   }
   if (error == ENODEV)
     return {NetError::Kind::kNoMulticast, what + "the interface is gone; bring it back or name another"};
@@ -317,79 +244,76 @@ udp::endpoint MulticastSocket::on_our_interface(const udp::endpoint& group) cons
   return {asio::ip::address_v6(group.address().to_v6().to_bytes(), chosen_.interface.index), group.port()};
 }
 
-std::expected<void, SendDrop> MulticastSocket::send(RegionId region, std::span<const std::byte> datagram) {
-  const auto drop = [&](SendDrop reason) {
-    ++counter_of(counters_, reason);
-    return std::unexpected(reason);
-  };
-  if (datagram.size() > kMaxDatagramBytes) return drop(SendDrop::kTooLarge);
-  const auto group = group_endpoint(groups_, region);
-  if (!group) return drop(SendDrop::kNoGroup);
-  error_code ec;
-  socket_.send_to(asio::buffer(datagram.data(), datagram.size()), on_our_interface(*group), 0, ec);
-  if (ec) return drop(drop_of(ec.value()));
-  ++counters_.packets_out;
-  counters_.bytes_out += datagram.size();
-  return {};
+void MulticastSocket::send(RegionId region, std::span<const std::byte> datagram) {
+  if (datagram.size() > kMaxDatagramBytes) {
+    ++counters_.out_too_large;
+    return;
+  }
+  const auto group = group_endpoint(options_.groups, region);
+  if (!group) {
+    ++counters_.out_no_group;
+    return;
+  }
+  if (queue_.full()) flush();
+  const auto header = region_header(region);
+  queue_.push(on_our_interface(*group), std::span(header).first(options_.groups.pool > 0 ? header.size() : 0),
+              datagram);
 }
+
+void MulticastSocket::flush() { queue_.flush(native_handle(), counters_); }
 
 void MulticastSocket::on_receive(ReceiveHandler handler) {
   assert(handler && !handler_);
   handler_ = std::move(handler);
-  wait_readable();
+  for (const auto& socket : sockets_) start(*socket);
 }
 
-void MulticastSocket::wait_readable() {
-  socket_.async_wait(udp::socket::wait_read, [this, alive = std::weak_ptr(alive_)](const error_code& ec) {
-    if (alive.expired() || ec) return;  // a wait fails only when its socket is closed
-    drain();
-    wait_readable();
-  });
+void MulticastSocket::start(Socket& socket) {
+  socket.receiver.start([this](const Received& received, HostTime at) { take(received, at); });
 }
 
-void MulticastSocket::drain() {
-  for (int reads = 0; reads < kMaxReadsPerWake && receive_one(); ++reads) {
+void MulticastSocket::receive_pending() {
+  // By number: the handler may join, which may add a socket.
+  for (std::size_t i = 0; i < sockets_.size(); ++i) sockets_[i]->receiver.read();
+}
+
+void MulticastSocket::take(const Received& received, HostTime at) {
+  if (received.truncated) {
+    ++counters_.in_truncated;
+    return;
   }
-}
-
-bool MulticastSocket::receive_one() {
-  udp::endpoint from;
-  iovec into{buffer_.data(), buffer_.size()};
-  alignas(cmsghdr) std::array<std::byte, kControlBytes> control;
-  msghdr message{};
-  message.msg_name = from.data();
-  message.msg_namelen = static_cast<socklen_t>(from.capacity());
-  message.msg_iov = &into;
-  message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-
-  const ssize_t received = recvmsg(socket_.native_handle(), &message, 0);
-  if (received < 0) {
-    if (errno == EINTR) return true;
-    if (errno != EAGAIN) ++counters_.in_errors;
-    return false;
+  if (!received.to) {
+    ++counters_.in_no_destination;
+    return;
   }
-  const Destination to = destination_of(message);
-  if (to.lost_before) counters_.in_queue_overflow = *to.lost_before;
-
-  const auto drop = [](std::uint64_t& counter) {
-    ++counter;
-    return true;
-  };
-  if (message.msg_flags & MSG_TRUNC) return drop(counters_.in_truncated);
-  if (!to.group) return drop(counters_.in_no_destination);
   // IPv6 matches a datagram's group with this socket's, but not the interface that it came over.
-  if (to.interface_index != chosen_.interface.index) return drop(counters_.in_other_interface);
-  const auto region = region_of(groups_, *to.group);
-  if (!region || !joined_.contains(*region)) return drop(counters_.in_other_group);
-
-  from.resize(message.msg_namelen);
-  const auto size_bytes = static_cast<std::size_t>(received);
+  if (received.interface_index != chosen_.interface.index) {
+    ++counters_.in_other_interface;
+    return;
+  }
+  const auto group = group_number(options_.groups, *received.to);
+  if (!group || !memberships_.contains(*group)) {
+    ++counters_.in_other_group;
+    return;
+  }
+  RegionId region{*group};
+  std::span<const std::byte> datagram = received.bytes;
+  if (options_.groups.pool > 0) {
+    const auto said = read_region_header(datagram);
+    if (!said || group_number(options_.groups, *said) != *group) {
+      ++counters_.in_malformed;
+      return;
+    }
+    if (!joined_.contains(*said)) {
+      ++counters_.in_other_region;
+      return;
+    }
+    region = *said;
+    datagram = datagram.subspan(kRegionHeaderBytes);
+  }
   ++counters_.packets_in;
-  counters_.bytes_in += size_bytes;
-  handler_(*region, std::span<const std::byte>(buffer_.data(), size_bytes), from);
-  return true;
+  counters_.bytes_in += received.bytes.size();
+  handler_({region, datagram, at, received.from});
 }
 
 }  // namespace peerd::net

@@ -1,96 +1,105 @@
 #pragma once
-#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
-#include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/ids.hpp"
 #include "peerd/net/interfaces.hpp"
 #include "peerd/net/net_error.hpp"
 #include "peerd/net/region_groups.hpp"
-#include "peerd/net/traffic_counters.hpp"
+#include "peerd/net/transport.hpp"
+#include "peerd/net/udp_receiver.hpp"
 
 namespace peerd::net {
-
-// Longest UDP payload that is read or sent. Peers send at most 1,200 bytes; an Ethernet frame holds 1,472.
-inline constexpr std::size_t kMaxDatagramBytes = 1500;
 
 struct MulticastOptions {
   std::string interface = "";  // "lo", "eth0"; empty: choose_interface picks
   GroupPlan groups;
   int ttl = 1;                             // hops, 0 to 255. 0: this computer only; 1: this LAN
+  int dscp = 0;                            // 0 to 63: how routers and wireless links should treat what is sent
   int receive_buffer_bytes = 1024 * 1024;  // asked of the kernel, which may grant less (net.core.rmem_max)
+  bool any_port = false;                   // the system chooses, whatever the plan says: for a probe
 };
 
-// Why a datagram did not leave; each has its counter. Dead reckoning bears losses, so none of these is an error.
-enum class SendDrop : std::uint8_t { kQueueFull, kUnreachable, kBlocked, kTooLarge, kNoGroup, kOther };
-
-// One UDP socket for all regions: sends to any, hears those that it joined, over one interface. Single-threaded, as is
-// its io_context.
+// All regions of a session over one interface: sends to any, hears those that it joined. One UDP socket sends and
+// hears; as the kernel lets each hear so many groups only, more are opened when those are used up.
 //
-// Datagrams that this socket sent to a group that it joined come back to it: loopback must be on for peers that share a
+// Datagrams that were sent here to a group that is joined come back: loopback must be on for peers that share a
 // computer to hear each other, and the kernel cannot tell them apart. The peer above drops its own by their sender.
-class MulticastSocket {
+class MulticastSocket final : public Transport {
  public:
-  // The datagram is only valid during the call. The handler may join, leave and send; it must not destroy the socket.
-  using ReceiveHandler =
-      std::function<void(RegionId, std::span<const std::byte> datagram, const asio::ip::udp::endpoint& from)>;
-
+  // `io` and `clock` outlive it.
   [[nodiscard]] static std::expected<std::unique_ptr<MulticastSocket>, NetError> open(asio::io_context& io,
+                                                                                      const HostClock& clock,
                                                                                       const MulticastOptions& options);
-  MulticastSocket(const MulticastSocket&) = delete;
-  MulticastSocket& operator=(const MulticastSocket&) = delete;
-  ~MulticastSocket() = default;
 
-  // Starts reading; once, with a handler that can be called. Before that the kernel queues what arrives.
-  void on_receive(ReceiveHandler handler);
+  void on_receive(ReceiveHandler handler) override;
+  void receive_pending() override;
+  std::expected<void, NetError> join(RegionId region) override;
+  std::expected<void, NetError> leave(RegionId region) override;
+  void send(RegionId region, std::span<const std::byte> datagram) override;
+  void flush() override;
 
-  // Both may be repeated: joining what is joined and leaving what is not do nothing. After leave() the handler is not
-  // called for that region any more, not even for what the kernel had queued.
-  std::expected<void, NetError> join(RegionId region);
-  std::expected<void, NetError> leave(RegionId region);
-
-  // Never blocks. No need to have joined the region.
-  std::expected<void, SendDrop> send(RegionId region, std::span<const std::byte> datagram);
-
-  [[nodiscard]] const TrafficCounters& counters() const { return counters_; }
+  [[nodiscard]] const TrafficCounters& counters() const override { return counters_; }
+  [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }
+  [[nodiscard]] int receive_buffer_bytes() const override;
+  [[nodiscard]] std::string describe() const override;
   [[nodiscard]] const ChosenInterface& chosen_interface() const { return chosen_; }
-  [[nodiscard]] std::size_t joined_count() const { return joined_.size(); }
-  [[nodiscard]] int receive_buffer_bytes() const;  // granted by the kernel
-  [[nodiscard]] int native_handle() { return socket_.native_handle(); }
+  [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
+  // Of the one that sends.
+  [[nodiscard]] int native_handle() { return sockets_.front()->receiver.socket().native_handle(); }
 
  private:
-  MulticastSocket(asio::io_context& io, GroupPlan groups, ChosenInterface chosen);
+  struct Socket {
+    Socket(asio::io_context& io, Reading& reading) : receiver(io, reading) {}
+    UdpReceiver receiver;
+    std::size_t memberships = 0;
+  };
+  struct Membership {
+    Socket* socket;
+    std::size_t regions = 0;  // that are joined and have this group
+  };
 
-  std::expected<void, NetError> configure(const MulticastOptions& options);
-  std::expected<void, NetError> bind_port();
+  MulticastSocket(asio::io_context& io, const HostClock& clock, const MulticastOptions& options,
+                  ChosenInterface chosen);
+
+  std::expected<void, NetError> add_socket();
+  std::expected<void, NetError> configure(int fd) const;
   std::expected<void, NetError> probe_route();
 
-  [[nodiscard]] int send_over_our_interface(int fd) const;                         // errno, 0 = done
-  [[nodiscard]] int change_membership(bool join, const asio::ip::address& group);  // errno, 0 = done
+  [[nodiscard]] int send_over_our_interface(int fd) const;  // errno, 0 = done
+  [[nodiscard]] int change_membership(Socket& socket, bool join,
+                                      const asio::ip::address& group);  // errno, 0 = done
+  std::expected<Socket*, NetError> add_membership(RegionId region, const asio::ip::address& group);
   [[nodiscard]] NetError join_error(RegionId region, int error) const;
   [[nodiscard]] asio::ip::udp::endpoint on_our_interface(const asio::ip::udp::endpoint& group) const;
 
-  void wait_readable();
-  void drain();
-  bool receive_one();  // false when there is nothing left to read
+  void start(Socket& socket);
+  void take(const Received& received, HostTime at);
 
-  GroupPlan groups_;
+  asio::io_context& io_;
+  MulticastOptions options_;
   ChosenInterface chosen_;
-  asio::ip::udp::socket socket_;
-  std::set<RegionId> joined_;
-  ReceiveHandler handler_;
   TrafficCounters counters_;
-  std::array<std::byte, kMaxDatagramBytes> buffer_{};
-  // Closing a socket does not call back completions that are already queued (Asio, cancel()): they look here first.
-  std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);
+  Reading reading_;
+  std::vector<std::unique_ptr<Socket>> sockets_;
+  std::size_t memberships_max_;  // of one socket
+  std::set<RegionId> joined_;
+  std::map<std::uint32_t, Membership> memberships_;  // by the number of the group
+  ReceiveHandler handler_;
+  SendQueue queue_;
 };
+
+// How many groups one socket may join, as the system is set up; none: it counts otherwise, or doesn't say.
+[[nodiscard]] std::optional<std::size_t> memberships_limit(IpFamily family);
 
 }  // namespace peerd::net

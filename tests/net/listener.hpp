@@ -24,19 +24,29 @@ inline std::uint16_t own_port(unsigned slot) {
 
 inline std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
+inline std::string text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// One for all sockets of the tests, as a peer has.
+inline const HostClock& clock() {
+  static const HostClock host_clock;
+  return host_clock;
+}
+
 // A socket that remembers what it heard.
 struct Listener {
   Listener(asio::io_context& io, const MulticastOptions& options) {
-    auto opened = MulticastSocket::open(io, options);
+    auto opened = MulticastSocket::open(io, clock(), options);
     if (!opened) {
       ADD_FAILURE() << opened.error().sentence;
       throw std::runtime_error(opened.error().sentence);
     }
     socket = *std::move(opened);
-    socket->on_receive([this](RegionId region, std::span<const std::byte> datagram,
-                              const asio::ip::udp::endpoint& sender) {
-      heard.emplace_back(region.value, std::string(reinterpret_cast<const char*>(datagram.data()), datagram.size()));
-      from.push_back(sender);
+    socket->on_receive([this](const Arrival& arrival) {
+      heard.emplace_back(arrival.region.value, text_of(arrival.datagram));
+      from.push_back(arrival.from);
+      at.push_back(arrival.at);
     });
   }
   void join(std::uint32_t region) {
@@ -48,12 +58,14 @@ struct Listener {
     EXPECT_TRUE(left) << left.error().sentence;
   }
   void send(std::uint32_t region, std::string_view text) {
-    EXPECT_TRUE(socket->send(RegionId{region}, bytes_of(text)));
+    socket->send(RegionId{region}, bytes_of(text));
+    socket->flush();
   }
 
   using Heard = std::vector<std::pair<std::uint32_t, std::string>>;
   Heard heard;
   std::vector<asio::ip::udp::endpoint> from;
+  std::vector<HostTime> at;
   std::unique_ptr<MulticastSocket> socket;
 };
 

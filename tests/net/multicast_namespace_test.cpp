@@ -1,24 +1,13 @@
 // Multicast between two network namespaces of the test's own, joined by a veth pair: the only way to have IPv6
 // multicast on any computer (lo has none), and datagrams that really leave an interface.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
-#include <sched.h>
 #include <sys/socket.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <cerrno>
-#include <chrono>
-#include <cstdlib>
-#include <exception>
-#include <functional>
-#include <system_error>
-#include <thread>
 
 #include "peerd/net/multicast_socket.hpp"
 #include "tests/net/listener.hpp"
+#include "tests/net/wire.hpp"
 
 namespace peerd::net {
 namespace {
@@ -27,85 +16,12 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
 using testing_support::Listener;
+using testing_support::Namespace;
 using testing_support::own_port;
 using testing_support::run_until;
-
-// A network namespace belongs to a thread, a socket stays in the one where it was opened, and a namespace goes away
-// with its last thread, descriptor and socket: nothing to clean up, not even after a crash.
-class Namespace {
- public:
-  // Moves the calling thread into a new one.
-  Namespace() : fd_(unshare(CLONE_NEWNET) == 0 ? ::open("/proc/thread-self/ns/net", O_RDONLY) : -1) {
-    if (fd_ < 0) problem_ = std::generic_category().message(errno);
-  }
-  Namespace(const Namespace&) = delete;
-  Namespace& operator=(const Namespace&) = delete;
-  ~Namespace() {
-    if (fd_ >= 0) close(fd_);
-  }
-  void enter() const { ASSERT_EQ(setns(fd_, CLONE_NEWNET), 0) << std::generic_category().message(errno); }
-  [[nodiscard]] const std::string& problem() const { return problem_; }
-  [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(fd_); }  // of whoever inherits it
-
- private:
-  int fd_;
-  std::string problem_;
-};
-
-bool shell(const std::string& command) { return std::system((command + " 2>/dev/null").c_str()) == 0; }
-
-// left (interface va: 192.0.2.1, fe80::1) ---- right (interface vb: 192.0.2.2, fe80::2)
-struct Wire {
-  // Empty, or why there is none.
-  std::string lay() {
-    if (!left.problem().empty() || !right.problem().empty()) {
-      return "no network namespaces here: " + left.problem() + right.problem();
-    }
-    left.enter();
-    if (!shell("ip link add va type veth peer name vb && ip link set vb netns " + right.path())) {
-      return "no veth pair here (package iproute2, kernel module veth)";
-    }
-    if (!address("va", "1")) return "the veth pair takes no IPv4 and IPv6 addresses";
-    right.enter();
-    if (!address("vb", "2")) return "the veth pair takes no IPv4 and IPv6 addresses";
-    const bool right_up = comes_up("vb");
-    left.enter();
-    return right_up && comes_up("va") ? "" : "the veth pair does not come up within 5 s";
-  }
-  // The carrier is there some milliseconds after the second end is up.
-  static bool comes_up(const std::string& name) {
-    for (int tries = 0; tries < 500; ++tries) {
-      const auto interfaces = list_interfaces();
-      const auto is_up = [&](const Interface& i) { return i.name == name && i.running && i.has_ipv6; };
-      if (interfaces && std::ranges::any_of(*interfaces, is_up)) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return false;
-  }
-  // nodad: an address is of no use while its uniqueness is being checked, for a second or two.
-  static bool address(const std::string& name, const std::string& host) {
-    return shell("ip link set lo up && ip link set " + name + " addrgenmode none && ip addr add 192.0.2." + host +
-                 "/24 dev " + name + " && ip addr add fe80::" + host + "/64 dev " + name + " nodad && ip link set " +
-                 name + " up");
-  }
-
-  Namespace left, right;
-};
-
-// Runs `body` on a thread of its own, with a wire; skips the test when there can be none.
-void with_wire(const std::function<void(const Wire&)>& body) {
-  std::string missing;
-  std::thread([&] {
-    try {
-      Wire wire;
-      missing = wire.lay();
-      if (missing.empty()) body(wire);
-    } catch (const std::exception& e) {  // GoogleTest catches on its own thread only
-      ADD_FAILURE() << e.what();
-    }
-  }).join();
-  if (!missing.empty()) GTEST_SKIP() << missing;
-}
+using testing_support::shell;
+using testing_support::Wire;
+using testing_support::with_wire;
 
 class OverAWire : public testing::TestWithParam<const char*> {
  protected:
@@ -151,6 +67,9 @@ TEST_P(OverAWire, DatagramsCrossIt) {
     EXPECT_THAT(b.heard, testing::UnorderedElementsAre(Pair(2, "to two"), Pair(1, "ping"), Pair(1, "pong")));
     EXPECT_THAT(a.heard, testing::UnorderedElementsAre(Pair(1, "ping"), Pair(1, "pong")));
     for (const auto& sender : b.from) EXPECT_EQ(sender.port(), own_port(1));
+    for (const Listener* l : {&a, &b}) {
+      EXPECT_EQ(l->socket->counters().in_unstamped + l->socket->counters().in_stamp_refused, 0u);
+    }
   });
 }
 
@@ -177,11 +96,10 @@ TEST_P(OverAWire, AnInterfaceThatGoesDownDropsAndCounts) {
     wire.left.enter();
     Listener a(io, options(3, "va"));
     ASSERT_TRUE(shell("ip link set va down"));
-    const auto sent = a.socket->send(RegionId{1}, testing_support::bytes_of("x"));
-    ASSERT_FALSE(sent);
-    EXPECT_EQ(sent.error(), SendDrop::kUnreachable);
+    a.send(1, "x");
+    EXPECT_EQ(a.socket->counters().packets_out, 0u);
     EXPECT_EQ(a.socket->counters().out_unreachable, 1u);
-    const auto again = MulticastSocket::open(io, options(3, "va"));
+    const auto again = MulticastSocket::open(io, testing_support::clock(), options(3, "va"));
     ASSERT_FALSE(again);
     EXPECT_EQ(again.error().kind, NetError::Kind::kNoMulticast);
     EXPECT_THAT(again.error().sentence, HasSubstr("interface \"va\" is down: bring it up"));
@@ -195,6 +113,7 @@ TEST_P(OverAWire, AnotherInterfaceInTheSameGroupIsNotHeard) {
     Listener sender(io, options(4, "vb"));
     wire.left.enter();
     ASSERT_TRUE(shell("ip link add vc type veth peer name vd && ip link set vd up") && Wire::address("vc", "9"));
+    ASSERT_TRUE(Wire::comes_up("vc"));
     Listener on_va(io, options(4, "va")), on_vc(io, options(4, "vc"));
     on_va.join(1), on_vc.join(1);
     sender.send(1, "over va");
@@ -203,6 +122,59 @@ TEST_P(OverAWire, AnotherInterfaceInTheSameGroupIsNotHeard) {
     EXPECT_THAT(on_va.heard, ElementsAre(Pair(1, "over va")));
     EXPECT_THAT(on_vc.heard, ElementsAre(Pair(1, "over vc")));
   });
+}
+
+// ---- limits that are met in the middle ----
+
+void write_limit(const char* path, int value) { ASSERT_TRUE(shell("echo " + std::to_string(value) + " > " + path)); }
+constexpr const char* kIpv4Limit = "/proc/sys/net/ipv4/igmp_max_memberships";  // each namespace has its own
+constexpr const char* kIpv6Limit = "/proc/sys/net/core/optmem_max";            // since Linux 6.8
+
+TEST(Memberships, ALimitThatIsLoweredMeanwhileTakesMoreSockets) {
+  with_wire([](const Wire& wire) {
+    wire.left.enter();
+    asio::io_context io;
+    Listener a(io, {.interface = "va", .groups = {asio::ip::make_address("239.192.0.0"), own_port(8)}});
+    write_limit(kIpv4Limit, 4);
+    for (std::uint32_t region = 0; region < 10; ++region) a.join(region);
+    EXPECT_EQ(a.socket->socket_count(), 3u);
+    for (std::uint32_t region = 0; region < 10; ++region) a.send(region, "x");
+    EXPECT_TRUE(run_until(io, [&] { return a.heard.size() == 10; }));
+  });
+}
+
+TEST(Memberships, ALimitOfNoneIsAnErrorThatSaysSo) {
+  with_wire([](const Wire& wire) {
+    wire.left.enter();
+    write_limit(kIpv4Limit, 0);
+    asio::io_context io;
+    Listener a(io, {.interface = "va", .groups = {asio::ip::make_address("239.192.0.0"), own_port(8)}});
+    for (int tries = 0; tries < 3; ++tries) {
+      const auto refused = a.socket->join(RegionId{1});
+      ASSERT_FALSE(refused);
+      EXPECT_EQ(refused.error().kind, NetError::Kind::kLimit);
+      EXPECT_THAT(refused.error().sentence, HasSubstr("net.ipv4.igmp_max_memberships"));
+    }
+    EXPECT_EQ(a.socket->socket_count(), 1u) << "none is left over";
+  });
+}
+
+TEST(Memberships, Ipv6CountsMemoryAndTakesMoreSocketsToo) {
+  bool own_limit = true;
+  with_wire([&](const Wire& wire) {
+    wire.left.enter();
+    own_limit = shell("echo 4096 > " + std::string(kIpv6Limit));
+    if (!own_limit) return;
+    asio::io_context io;
+    Listener a(io, {.interface = "va", .groups = {asio::ip::make_address("ff15::1:0:0"), own_port(8)}});
+    constexpr std::uint32_t kMany = 200;
+    for (std::uint32_t region = 0; region < kMany; ++region) a.join(region);
+    EXPECT_GT(a.socket->socket_count(), 1u);
+    for (std::uint32_t region = 0; region < kMany; ++region) a.send(region, "x");
+    EXPECT_TRUE(run_until(io, [&] { return a.heard.size() == kMany; }));
+    EXPECT_EQ(a.socket->counters().packets_in, kMany);
+  });
+  if (!own_limit) GTEST_SKIP() << "net.core.optmem_max is not this namespace's own (Linux 6.8)";
 }
 
 // A computer with no network at all is enough for IPv4.
@@ -236,7 +208,8 @@ TEST(Ipv6OverLo, IsRefusedWithAWayOut) {
     asio::io_context io;
     wire.left.enter();
     const auto opened =
-        MulticastSocket::open(io, {.interface = "lo", .groups = {asio::ip::make_address("ff15::1:0:0"), own_port(5)}});
+        MulticastSocket::open(io, testing_support::clock(),
+                              {.interface = "lo", .groups = {asio::ip::make_address("ff15::1:0:0"), own_port(5)}});
     ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().kind, NetError::Kind::kNoMulticast);
     EXPECT_THAT(opened.error().sentence, HasSubstr("lo carries no IPv6 multicast: use an IPv4 group"));

@@ -5,8 +5,11 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <algorithm>
+#include <array>
 #include <boost/asio/ip/multicast.hpp>
 #include <fstream>
+#include <thread>
 
 #include "tests/net/listener.hpp"
 
@@ -30,7 +33,7 @@ class MulticastSocketTest : public testing::Test {
     return {.interface = "lo", .groups = {asio::ip::make_address(base), own_port(slot)}};
   }
   NetError error_of(const MulticastOptions& refused) {
-    const auto opened = MulticastSocket::open(io, refused);
+    const auto opened = MulticastSocket::open(io, testing_support::clock(), refused);
     EXPECT_FALSE(opened);
     return opened ? NetError{} : opened.error();
   }
@@ -141,19 +144,23 @@ TEST_F(MulticastSocketTest, AFullReceiveBufferLosesDatagramsAndSaysHowMany) {
   ASSERT_TRUE(run_until(io, [&] { return b.heard.size() == before_marker + 1; }));
   EXPECT_LT(before_marker, kFlood);
   EXPECT_EQ(b.socket->counters().in_queue_overflow, kFlood - before_marker);
+  a.send(1, "marker");  // says the same again
+  ASSERT_TRUE(run_until(io, [&] { return b.heard.size() == before_marker + 2; }));
+  EXPECT_EQ(b.socket->counters().in_queue_overflow, kFlood - before_marker);
 }
 
 TEST_F(MulticastSocketTest, TheHandlerMayJoinLeaveAndSend) {
   Listener a(io, options(8));
   Listener::Heard heard;
-  auto b = MulticastSocket::open(io, options(8));
+  auto b = MulticastSocket::open(io, testing_support::clock(), options(8));
   ASSERT_TRUE(b) << b.error().sentence;
   MulticastSocket& echo = **b;
   ASSERT_TRUE(echo.join(RegionId{1}));
-  echo.on_receive([&](RegionId region, std::span<const std::byte> datagram, const udp::endpoint&) {
-    EXPECT_TRUE(echo.leave(region));
+  echo.on_receive([&](const Arrival& arrival) {
+    EXPECT_TRUE(echo.leave(arrival.region));
     EXPECT_TRUE(echo.join(RegionId{2}));
-    EXPECT_TRUE(echo.send(RegionId{3}, datagram));
+    echo.send(RegionId{3}, arrival.datagram);
+    echo.flush();
   });
   a.join(3);
   a.send(1, "ping");
@@ -201,9 +208,8 @@ TEST_F(MulticastSocketTest, StrangeDatagramsAreCountedAndDropped) {
 
 TEST_F(MulticastSocketTest, WhatCannotBeSentIsACountedDrop) {
   Listener a(io, options(11, "239.255.255.255"));
-  const std::vector<std::byte> too_large(kMaxDatagramBytes + 1);
-  EXPECT_EQ(a.socket->send(RegionId{0}, too_large).error(), SendDrop::kTooLarge);
-  EXPECT_EQ(a.socket->send(RegionId{1}, bytes_of("x")).error(), SendDrop::kNoGroup);
+  a.send(0, std::string(kMaxDatagramBytes + 1, 'x'));
+  a.send(1, "x");
   EXPECT_EQ(a.socket->counters().out_too_large, 1u);
   EXPECT_EQ(a.socket->counters().out_no_group, 1u);
   EXPECT_EQ(a.socket->counters().packets_out, 0u);
@@ -230,18 +236,196 @@ TEST_F(MulticastSocketTest, SocketOptionsAreAsAsked) {
   }
 }
 
-TEST_F(MulticastSocketTest, MoreGroupsThanTheKernelAllowsIsALimit) {
-  std::uint32_t limit = 0;
-  std::ifstream("/proc/sys/net/ipv4/igmp_max_memberships") >> limit;
-  if (limit == 0 || limit > 2000) GTEST_SKIP() << "igmp_max_memberships is " << limit;
+TEST_F(MulticastSocketTest, DscpIsOnTheWire) {
+  MulticastOptions asked = options(12);
+  asked.dscp = 46;  // expedited forwarding
+  Listener a(io, asked), b(io, options(12));
+  const int wanted = 1;
+  ASSERT_EQ(setsockopt(b.socket->native_handle(), IPPROTO_IP, IP_RECVTOS, &wanted, sizeof wanted), 0);
+  ASSERT_TRUE(b.socket->join(RegionId{1}));
+  a.send(1, "x");
+  std::array<std::byte, 16> bytes{};
+  alignas(cmsghdr) std::array<std::byte, 256> control{};
+  iovec into{bytes.data(), bytes.size()};
+  msghdr message{};
+  message.msg_iov = &into;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  ASSERT_EQ(recvmsg(b.socket->native_handle(), &message, 0), 1);
+  int traffic_class = -1;
+  for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+    if (c->cmsg_level == IPPROTO_IP && c->cmsg_type == IP_TOS)
+      traffic_class = std::to_integer<int>(*reinterpret_cast<std::byte*>(CMSG_DATA(c)));
+  }
+  EXPECT_EQ(traffic_class, 46 << 2);
+}
+
+TEST_F(MulticastSocketTest, TheReceiveBufferIsAsAskedOrWhatTheKernelGrants) {
+  int most = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> most;
+  ASSERT_GT(most, 0);
+  for (const int asked_bytes : {16 * 1024, most, 2 * most}) {
+    MulticastOptions asked = options(12);
+    asked.receive_buffer_bytes = asked_bytes;
+    const Listener a(io, asked);
+    EXPECT_EQ(a.socket->receive_buffer_bytes(), std::min(asked_bytes, most));
+  }
+}
+
+// ---- more groups than a socket may join ----
+
+TEST_F(MulticastSocketTest, AsManyGroupsAsWanted) {
+  const auto limit = memberships_limit(IpFamily::kV4);
+  if (!limit || *limit == 0 || *limit > 500) GTEST_SKIP() << "igmp_max_memberships is " << limit.value_or(0);
+  const auto count = static_cast<std::uint32_t>(3 * *limit + 1);
+  Listener a(io, options(13)), b(io, options(13));
+  for (std::uint32_t region = 0; region < count; ++region) b.join(region);
+  EXPECT_EQ(b.socket->socket_count(), 4u);
+  EXPECT_EQ(b.socket->joined_count(), count);
+  for (std::uint32_t region = 0; region < count; ++region) a.send(region, std::to_string(region));
+  ASSERT_TRUE(run_until(io, [&] { return b.heard.size() == count; }));
+  b.socket->receive_pending();
+  std::ranges::sort(b.heard, {}, &Listener::Heard::value_type::first);
+  for (std::uint32_t region = 0; region < count; ++region) {
+    EXPECT_THAT(b.heard[region], Pair(region, std::to_string(region))) << "each once, though four sockets share a port";
+  }
+  EXPECT_EQ(b.socket->counters().in_other_group, 0u);
+}
+
+TEST_F(MulticastSocketTest, WhatLeavesMakesRoom) {
+  const auto limit = memberships_limit(IpFamily::kV4);
+  if (!limit || *limit < 2 || *limit > 500) GTEST_SKIP() << "igmp_max_memberships is " << limit.value_or(0);
+  Listener a(io, options(13)), b(io, options(13));
+  const auto count = static_cast<std::uint32_t>(*limit);
+  for (std::uint32_t region = 0; region < count; ++region) b.join(region);
+  for (std::uint32_t region = 0; region < 200; ++region) {
+    b.leave(region);
+    b.join(region + count);
+  }
+  EXPECT_EQ(b.socket->socket_count(), 1u);
+  a.send(199, "left");
+  a.send(200, "marker");
+  ASSERT_TRUE(run_until(io, [&] { return !b.heard.empty(); }));
+  EXPECT_THAT(b.heard, ElementsAre(Pair(200, "marker")));
+}
+
+// The kernel's limit counts for each socket; a handler may need another one in the middle of a batch.
+TEST_F(MulticastSocketTest, TheHandlerMayJoinMoreThanASocketHolds) {
   Listener a(io, options(13));
-  for (std::uint32_t region = 0; region < limit; ++region) a.join(region);
-  const auto refused = a.socket->join(RegionId{limit});
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, NetError::Kind::kLimit);
-  EXPECT_THAT(refused.error().sentence, HasSubstr("net.ipv4.igmp_max_memberships is " + std::to_string(limit)));
-  a.leave(0);
-  a.join(limit);
+  auto b = MulticastSocket::open(io, testing_support::clock(), options(13));
+  ASSERT_TRUE(b) << b.error().sentence;
+  MulticastSocket& socket = **b;
+  ASSERT_TRUE(socket.join(RegionId{0}));
+  std::vector<std::uint32_t> heard;
+  socket.on_receive([&](const Arrival& arrival) {
+    heard.push_back(arrival.region.value);
+    if (arrival.region.value > 0) return;
+    for (std::uint32_t region = 1; region <= 60; ++region) EXPECT_TRUE(socket.join(RegionId{region}));
+    for (std::uint32_t region = 1; region <= 60; ++region) a.send(region, "x");
+  });
+  a.send(0, "go");
+  ASSERT_TRUE(run_until(io, [&] { return heard.size() == 61; }));
+}
+
+// ---- regions that share groups ----
+
+class SharedGroups : public MulticastSocketTest {
+ protected:
+  MulticastOptions pool_of(unsigned slot, std::uint32_t pool) const {
+    MulticastOptions o = options(slot, "239.192.2.0");
+    o.groups.pool = pool;
+    return o;
+  }
+};
+
+TEST_F(SharedGroups, EachRegionIsHeardByWhoJoinedItAlone) {
+  Listener a(io, pool_of(14, 4)), b(io, pool_of(14, 4));
+  for (const std::uint32_t region : {3u, 70'000u, 4'000'000'000u}) b.join(region);
+  EXPECT_EQ(b.socket->socket_count(), 1u);
+  for (std::uint32_t region = 0; region < 100; ++region) a.send(region, std::to_string(region));
+  a.send(70'000, "seventy");
+  a.send(4'000'000'000u, std::string(kMaxDatagramBytes, 'x'));
+  ASSERT_TRUE(run_until(io, [&] { return b.heard.size() == 3; }));
+  EXPECT_THAT(b.heard, ElementsAre(Pair(3, "3"), Pair(70'000, "seventy"),
+                                   Pair(4'000'000'000u, std::string(kMaxDatagramBytes, 'x'))));
+  const TrafficCounters& c = b.socket->counters();
+  EXPECT_GT(c.in_other_region, 0u) << "what shares its groups came to this socket, too";
+  EXPECT_EQ(c.in_malformed, 0u);
+}
+
+TEST_F(SharedGroups, TheGroupStaysUntilItsLastRegionIsLeft) {
+  Listener a(io, pool_of(14, 1)), b(io, pool_of(14, 1));
+  b.join(1), b.join(2);
+  b.leave(1);
+  a.send(1, "no"), a.send(2, "yes");
+  ASSERT_TRUE(run_until(io, [&] { return !b.heard.empty(); }));
+  EXPECT_THAT(b.heard, ElementsAre(Pair(2, "yes")));
+  EXPECT_EQ(b.socket->counters().in_other_region, 1u);
+  b.leave(2);
+  a.join(2);  // the computer stays in the group, the socket does not
+  a.send(2, "gone");
+  ASSERT_TRUE(run_until(io, [&] { return !a.heard.empty(); }));
+  b.socket->receive_pending();
+  EXPECT_EQ(b.heard.size(), 1u);
+  EXPECT_EQ(b.socket->counters().in_other_group, 0u);
+}
+
+TEST_F(SharedGroups, WhatDoesNotSayItsRegionIsDropped) {
+  Listener b(io, pool_of(14, 2));
+  Listener plain(io, options(14, "239.192.2.0"));  // a peer with another plan
+  b.join(0), b.join(1), b.join(2), b.join(3);
+  plain.send(0, ""), plain.send(0, "no header"), plain.send(1, "R\0\0"), plain.send(1, "no header");
+  Listener a(io, pool_of(14, 2));
+  a.send(0, "marker");
+  ASSERT_TRUE(run_until(io, [&] { return !b.heard.empty(); }));
+  EXPECT_THAT(b.heard, ElementsAre(Pair(0, "marker")));
+  EXPECT_EQ(b.socket->counters().in_malformed, 4u);
+}
+
+// ---- one system call for many ----
+
+TEST_F(MulticastSocketTest, WhatIsSentInOneGoLeavesAndComesInOneCall) {
+  Listener a(io, options(12)), b(io, options(12));
+  b.join(1);
+  for (std::size_t i = 0; i < kBatch; ++i) a.socket->send(RegionId{1}, bytes_of(std::to_string(i)));
+  EXPECT_EQ(a.socket->counters().packets_out, 0u);
+  a.socket->flush();
+  EXPECT_EQ(a.socket->counters().packets_out, kBatch);
+  EXPECT_EQ(a.socket->counters().calls_out, 1u);
+  a.socket->flush();
+  EXPECT_EQ(a.socket->counters().calls_out, 1u) << "nothing waits";
+  b.socket->receive_pending();
+  EXPECT_EQ(b.heard.size(), kBatch);
+  EXPECT_EQ(b.socket->counters().calls_in, 2u) << "one that is full, and one that finds nothing more";
+}
+
+TEST_F(MulticastSocketTest, MoreThanABatchLeavesByItself) {
+  Listener a(io, options(12)), b(io, options(12));
+  b.join(1);
+  for (std::size_t i = 0; i < kBatch + 1; ++i) a.socket->send(RegionId{1}, bytes_of("x"));
+  EXPECT_EQ(a.socket->counters().packets_out, kBatch);
+  a.socket->flush();
+  EXPECT_EQ(a.socket->counters().packets_out, kBatch + 1);
+  EXPECT_EQ(a.socket->counters().calls_out, 2u);
+}
+
+// ---- when it came ----
+
+TEST_F(MulticastSocketTest, TheTimeIsThatOfComingNotOfReading) {
+  Listener a(io, options(12)), b(io, options(12));
+  b.join(1);
+  const HostTime before = testing_support::clock().now();
+  a.send(1, "x");
+  const HostTime sent = testing_support::clock().now();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const HostTime read = testing_support::clock().now();
+  b.socket->receive_pending();
+  ASSERT_EQ(b.at.size(), 1u);
+  EXPECT_GE(b.at[0] + ArrivalClock::kRounding, before);
+  EXPECT_LE(b.at[0], sent + ArrivalClock::kRounding) << "lo hands it on before send returns";
+  EXPECT_LT(b.at[0], read);
+  EXPECT_EQ(b.socket->counters().in_unstamped + b.socket->counters().in_stamp_refused, 0u);
 }
 
 TEST_F(MulticastSocketTest, UnknownInterfaceIsRefused) {

@@ -5,8 +5,10 @@
 
 #include <cstdint>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace peerd::net {
 namespace {
@@ -39,7 +41,7 @@ TEST_P(RegionGroups, MapThereAndBack) {
   ASSERT_TRUE(endpoint) << endpoint.error().sentence;
   EXPECT_EQ(endpoint->address().to_string(), c.group);
   EXPECT_EQ(endpoint->port(), 4000);
-  EXPECT_EQ(region_of(plan, endpoint->address()), RegionId{c.region});
+  EXPECT_EQ(group_number(plan, endpoint->address()), c.region);
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, RegionGroups,
@@ -65,14 +67,14 @@ TEST(RegionGroups, AnyRegionMapsThereAndBack) {
       const RegionId region{plan.base.is_v4() ? number >> 10 : number};  // 2^22 groups from 239.192.0.0 on
       const auto endpoint = group_endpoint(plan, region);
       ASSERT_TRUE(endpoint) << endpoint.error().sentence;
-      ASSERT_EQ(region_of(plan, endpoint->address()), region) << endpoint->address();
+      ASSERT_EQ(group_number(plan, endpoint->address()), region.value) << endpoint->address();
     }
   }
 }
 
 TEST(RegionGroups, AddressesOutsideOfThePlanHaveNoRegion) {
   const auto region = [](const char* base, const char* group) {
-    return region_of(plan_of(base), asio::ip::make_address(group));
+    return group_number(plan_of(base), asio::ip::make_address(group));
   };
   EXPECT_FALSE(region("239.192.0.1", "239.192.0.0"));
   EXPECT_FALSE(region("239.192.0.0", "240.0.0.0"));
@@ -82,6 +84,67 @@ TEST(RegionGroups, AddressesOutsideOfThePlanHaveNoRegion) {
   EXPECT_FALSE(region("ff15::", "ff18::"));
   EXPECT_FALSE(region("ff15::", "2001:db8::1"));
   EXPECT_FALSE(region("ff15::", "239.192.0.0"));
+}
+
+// ---- a pool ----
+
+TEST(GroupPool, AnyRegionHasOneOfItsGroups) {
+  std::mt19937 random(7);
+  for (const char* base : {"239.192.0.0", "ff15::"}) {
+    for (const std::uint32_t pool : {1u, 2u, 7u, 64u, 65'536u}) {
+      const auto plan = parse_group_plan(base, 4000, pool);
+      ASSERT_TRUE(plan) << plan.error().sentence;
+      for (int i = 0; i < 1000; ++i) {
+        const RegionId region{static_cast<std::uint32_t>(random())};
+        const auto endpoint = group_endpoint(*plan, region);
+        ASSERT_TRUE(endpoint) << endpoint.error().sentence;
+        ASSERT_LT(group_number(*plan, region), pool);
+        ASSERT_EQ(group_number(*plan, endpoint->address()), group_number(*plan, region));
+      }
+    }
+  }
+}
+
+// All peers, of any build, must send a region to one group.
+TEST(GroupPool, WhichOneIsFixedForEver) {
+  const auto plan = parse_group_plan("239.192.80.0", 4000, 64);
+  ASSERT_TRUE(plan);
+  std::vector<std::uint32_t> numbers;
+  for (const std::uint32_t region : {0u, 1u, 2u, 3u, 1000u, 0xFFFF'FFFFu})
+    numbers.push_back(group_number(*plan, RegionId{region}));
+  EXPECT_THAT(numbers, testing::ElementsAre(0u, 0x514E28B7u % 64, 0x30F4C306u % 64, 0x85F0B427u % 64, 0x66692658u % 64,
+                                            0x81F16F39u % 64));
+}
+
+// The rows and columns of a grid spread over the pool, although its side is a multiple of the pool's size.
+TEST(GroupPool, NeighboursOfAGridAreSpread) {
+  const auto plan = parse_group_plan("239.192.0.0", 4000, 16);
+  ASSERT_TRUE(plan);
+  for (std::uint32_t line = 0; line < 64; ++line) {
+    std::set<std::uint32_t> row, column;
+    for (std::uint32_t i = 0; i < 64; ++i) {
+      row.insert(group_number(*plan, RegionId{line * 64 + i}));
+      column.insert(group_number(*plan, RegionId{i * 64 + line}));
+    }
+    EXPECT_GE(row.size(), 12u) << line;
+    EXPECT_GE(column.size(), 12u) << line;
+  }
+}
+
+TEST(GroupPool, AGroupPastItIsNone) {
+  const auto plan = parse_group_plan("239.192.0.0", 4000, 4);
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(group_number(*plan, asio::ip::make_address("239.192.0.3")), 3u);
+  EXPECT_FALSE(group_number(*plan, asio::ip::make_address("239.192.0.4")));
+}
+
+TEST(GroupPool, MustFitBehindItsBase) {
+  EXPECT_TRUE(parse_group_plan("239.255.255.0", 4000, 256));
+  const auto plan = parse_group_plan("239.255.255.0", 4000, 257);
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error().kind, NetError::Kind::kBadSetting);
+  EXPECT_THAT(plan.error().sentence,
+              HasSubstr("a pool of 257 groups from 239.255.255.0 on leaves the multicast range"));
 }
 
 struct Garbage {

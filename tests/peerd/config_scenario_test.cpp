@@ -156,6 +156,35 @@ TEST_F(ScenarioTest, Defaults) {
   EXPECT_EQ(run.network.latency_ms, 0.0);
   EXPECT_EQ(run.transport.port, std::nullopt);
   EXPECT_EQ(run.transport.ttl, 1u);
+  EXPECT_EQ(run.transport.dscp, 0u);
+  EXPECT_EQ(run.transport.group_pool, 0u);
+  EXPECT_EQ(run.transport.receive_buffer_bytes, 1024u * 1024);
+  EXPECT_EQ(run.transport.multicast, kMulticastAuto);
+  EXPECT_TRUE(run.transport.peers.empty());
+}
+
+TEST_F(ScenarioTest, TransportSaysHowToReachTheOthers) {
+  const RunSettings run = read(R"(world = "w"
+[peer.a]
+id = 1
+[transport]
+dscp = 46
+group_pool = 64
+receive_buffer_bytes = 4096
+multicast = "never"
+peers = ["192.0.2.1:4000", "host.example:4001"])")
+                              .runs.front();
+  EXPECT_EQ(run.transport.dscp, 46u);
+  EXPECT_EQ(run.transport.group_pool, 64u);
+  EXPECT_EQ(run.transport.receive_buffer_bytes, 4096u);
+  EXPECT_EQ(run.transport.multicast, kMulticastNever);
+  EXPECT_THAT(run.transport.peers, ElementsAre("192.0.2.1:4000", "host.example:4001"));
+}
+
+TEST_F(ScenarioTest, AListOfSeedsIsOneValueAndSweepsNothing) {
+  const Scenario s = read("world = \"w\"\n[peer.a]\nid = 1", {R"(transport.peers=["192.0.2.1:1", "192.0.2.2:2"])"});
+  ASSERT_EQ(s.runs.size(), 1u);
+  EXPECT_THAT(s.runs.front().transport.peers, ElementsAre("192.0.2.1:1", "192.0.2.2:2"));
 }
 
 TEST_F(ScenarioTest, ApproachesSwitchPredictionAndTracking) {

@@ -1,0 +1,19 @@
+#pragma once
+#include <cstdint>
+
+#include "peerd/config/peer_settings.hpp"
+#include "peerd/net/open_transport.hpp"
+
+namespace peerd {
+
+// How to reach other peers, from the table [transport]; `instance` as TransportOptions has it. The error is a person's.
+[[nodiscard]] config::Result<net::TransportOptions> transport_options(const config::TransportSettings& settings,
+                                                                      std::uint64_t instance);
+
+// The error of the network as that of a command: 2 where a setting is wrong, else 3.
+[[nodiscard]] config::InputError input_error(const net::NetError& error);
+
+// Empty, or that the kernel grants less of a receive buffer than was asked, and what to do.
+[[nodiscard]] std::string buffer_warning(const config::TransportSettings& settings, int granted_bytes);
+
+}  // namespace peerd

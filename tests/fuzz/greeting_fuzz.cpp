@@ -1,0 +1,48 @@
+// Any datagram at all at a unicast peer's port: decode_greeting() lets only whole greetings through, each with one
+// text, and the table of peers stays within its bounds whatever they say.
+//
+// The first byte picks the family (its lowest bit) and the sender's port; the rest is the datagram.
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "peerd/net/known_peers.hpp"
+
+namespace {
+
+using namespace peerd;
+using namespace peerd::net;
+
+// Not assert: it must hold in every build.
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const bool v4 = (data[0] & 1) != 0;
+  const auto datagram = std::as_bytes(std::span(data, size)).subspan(1);
+  (void)read_region_header(datagram);
+  const auto greeting = decode_greeting(datagram, v4);
+  if (!greeting) return 0;
+  const auto again = encode(*greeting, v4);
+  require(std::vector(datagram.begin(), datagram.end()) == again);
+
+  const asio::ip::udp::endpoint from(
+      v4 ? asio::ip::address(asio::ip::address_v4::loopback()) : asio::ip::address(asio::ip::address_v6::loopback()),
+      data[0]);
+  KnownPeers known({.instance = greeting->echo, .most = 4});  // so that it is believed
+  HostTime now{std::chrono::seconds(1)};
+  for (int i = 0; i < 2; ++i) (void)known.on_greeting(now, from, *greeting);
+  require(known.peers().size() <= 1);
+  require(known.candidates().size() <= 4);
+  for (const auto& peer : known.peers()) {
+    require(known.introductions(peer, greeting->instance).empty());
+    for (const RegionId region : peer.regions) require(KnownPeers::wants(peer, region));
+  }
+  known.forget(now + std::chrono::seconds(100));
+  require(known.peers().empty() && known.candidates().empty());
+  return 0;
+}
