@@ -21,7 +21,8 @@ SinCos sin_cos_small(double x) {
 SinCos sin_cos(double x) {
   constexpr double kHalfPi = std::numbers::pi / 2.0;
   constexpr double kHalfPiRest = 6.123233995736766e-17;  // pi/2 - kHalfPi
-  x = std::remainder(x, 2.0 * std::numbers::pi);
+  // Of what is smaller the remainder is x itself.
+  if (!(std::abs(x) <= std::numbers::pi)) x = std::remainder(x, 2.0 * std::numbers::pi);
   const double quarter = std::nearbyint(x / kHalfPi);  // -2 .. 2
   const auto [s, c] = sin_cos_small((x - quarter * kHalfPi) - quarter * kHalfPiRest);
   switch (static_cast<int>(quarter)) {

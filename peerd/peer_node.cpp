@@ -319,6 +319,7 @@ const PeerLog& PeerNode::log() {
        {"contacts_refuted", c.contacts_refuted},
        {"contacts_too_late", c.contacts_too_late},
        {"contact_searches", m.contact_searches},
+       {"contact_searches_far", m.searches_far},
        {"contact_searches_skipped", m.searches_skipped},
        {"contacts", m.contacts},
        {"contacts_undone", m.contacts_undone},

@@ -246,15 +246,15 @@ void ModelChooser::judge(const Horizon& horizon) {
     if (!policy_.allowed[index_of(kind)]) continue;
     const auto model = make(kind, base);
     if (!model || !within_limits(*model)) continue;
-    const double error = (evaluate(*model, h).position - samples_[n].state.position).norm();
+    const double error = (position_after(*model, h) - samples_[n].state.position).norm();
     scores_[index_of(kind)].add(error * power(farther, leaves_out(kind)),
                                 farther > 1.0 ? std::max(share, 0.25) : share);
   }
   MotionModel spinning = samples_[base].state;
   const Quat& truth = samples_[n].state.orientation;
-  spin_constant_.add(angle_between(evaluate(spinning, h).orientation, truth), share);
+  spin_constant_.add(angle_between(orientation_after(spinning, h), truth), share);
   spinning.angular_acceleration_body = rate_of_change(base, &KinematicState::angular_velocity_body);
-  spin_accelerated_.add(angle_between(evaluate(spinning, h).orientation, truth), share);
+  spin_accelerated_.add(angle_between(orientation_after(spinning, h), truth), share);
 }
 
 MotionModel ModelChooser::choose() {

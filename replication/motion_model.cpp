@@ -1,6 +1,7 @@
 #include "replication/motion_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -14,19 +15,27 @@ constexpr int kShortestPiece_log2_ns = 22, kLongestPiece_log2_ns = 27;
 
 bool is_zero(const Vec3& v) { return v.isZero(0.0); }
 
+// For n = 0 to 3 the sum of (-x2)^k / ((n+1)(n+2)..(n+2k)), k <= 6: (n + 2k - 1)(n + 2k), from the last k on.
+constexpr auto kSeriesSteps = [] {
+  std::array<std::array<double, 4>, 6> steps{};
+  for (int k = 6; k > 0; --k) {
+    for (int n = 0; n < 4; ++n) steps[std::size_t(6 - k)][std::size_t(n)] = (n + 2 * k - 1) * (n + 2 * k);
+  }
+  return steps;
+}();
+
 // With w = rate and x = w t: cos x, (sin x)/w, (1 - cos x)/w^2, (t - (sin x)/w)/w^2, and 1, t, t^2/2, t^3/6 as w -> 0.
 struct Waves {
   double c0, c1, c2, c3;
 };
 Waves waves(double rate, double t) {
+  if (rate == 0.0) return {1.0, t, 0.5 * t * t, t * t * t / 6.0};
   const double x = rate * t, x2 = x * x;
-  if (x2 < 0.01) {                     // the next terms are below 1e-18 of the first
-    const auto series = [x2](int n) {  // sum of (-x2)^k / ((n+1)(n+2)..(n+2k))
-      double s = 1.0;
-      for (int k = 6; k > 0; --k) s = 1.0 - s * x2 / ((n + 2 * k - 1) * (n + 2 * k));
-      return s;
-    };
-    return {series(0), t * series(1), 0.5 * t * t * series(2), t * t * t / 6.0 * series(3)};
+  if (x2 < 0.01) {  // the next terms are below 1e-18 of the first
+    using Lanes = Eigen::Array4d;
+    Lanes s = Lanes::Ones();
+    for (const auto& steps : kSeriesSteps) s = 1.0 - s * x2 / Eigen::Map<const Lanes>(steps.data());
+    return {s[0], t * s[1], 0.5 * t * t * s[2], t * t * t / 6.0 * s[3]};
   }
   const auto [sin, cos] = sin_cos(x);
   const double w2 = rate * rate;
@@ -98,6 +107,12 @@ Translation translation(const MotionModel& m, double t) {
       break;
   }
   return polynomial(m.state, Vec3::Zero(), t);
+}
+
+void place(const MotionModel& m, const Translation& moved, KinematicState& out) {
+  out.position = m.state.position + moved.displacement;
+  out.velocity = moved.velocity;
+  out.acceleration = moved.acceleration;
 }
 
 void turn(const MotionModel& m, double t, KinematicState& out) {
@@ -227,12 +242,22 @@ KinematicState evaluate(const MotionModel& m, double dt_s) {
   const bool ends = is_cut(m) && dt_s > kModelLasts_s;
   const double t = ends ? kModelLasts_s : dt_s;
   KinematicState out = m.state;
-  const Translation moved = translation(m, t);
-  out.position = m.state.position + moved.displacement;
-  out.velocity = moved.velocity;
-  out.acceleration = ends ? Vec3(Vec3::Zero()) : moved.acceleration;
+  place(m, translation(m, t), out);
+  if (ends) out.acceleration.setZero();
   turn(m, t, out);
   return ends ? advance(out, dt_s - t) : out;
+}
+
+Vec3 position_after(const MotionModel& m, double dt_s) {
+  if (is_cut(m) && dt_s > kModelLasts_s) return evaluate(m, dt_s).position;
+  return m.state.position + translation(m, dt_s).displacement;
+}
+
+Quat orientation_after(const MotionModel& m, double dt_s) {
+  if (is_cut(m) && dt_s > kModelLasts_s) return evaluate(m, dt_s).orientation;
+  KinematicState out = m.state;
+  turn(m, dt_s, out);
+  return out.orientation;
 }
 
 MotionModel rebased(const MotionModel& m, double dt_s) {
@@ -254,18 +279,22 @@ std::optional<Duration> piece_end(const MotionModel& m, Duration since_base) { r
 MotionPiece piece_at(const MotionModel& m, Duration since_base) {
   assert(since_base >= Duration{0});
   const Bounds b = bounds_at(m, since_base);
-  MotionPiece piece{b.begin, b.end, evaluate(m, to_seconds(b.begin))};
-  if (!b.cut) return piece;
-  const double h = to_seconds(*b.end - b.begin), begin_s = to_seconds(b.begin);
+  const double begin_s = to_seconds(b.begin);
+  if (!b.cut) return {b.begin, b.end, evaluate(m, begin_s)};
+  MotionPiece piece{b.begin, b.end, m.state};
+  const double h = to_seconds(*b.end - b.begin);
+  const Translation at_begin = translation(m, begin_s);
+  place(m, at_begin, piece.state);
+  turn(m, begin_s, piece.state);
   if (translates_by_pieces(m)) {
-    const Vec3 p0 = translation(m, begin_s).displacement;
+    const Vec3& p0 = at_begin.displacement;
     const Vec3 pm = translation(m, begin_s + 0.5 * h).displacement - p0;
     const Vec3 p1 = translation(m, begin_s + h).displacement - p0;
     piece.state.velocity = (4.0 * pm - p1) / h;
     piece.state.acceleration = (4.0 / (h * h)) * (p1 - 2.0 * pm);
   }
   if (!is_zero(m.angular_acceleration_body)) {
-    const Quat end = evaluate(m, begin_s + h).orientation;
+    const Quat end = orientation_after(m, begin_s + h);
     // More than half a turn within a piece has no shortest way to tell its turns from; such spins keep their own.
     if (piece.state.angular_velocity_body.norm() * h < 2.0) {
       piece.state.angular_velocity_body = spin_between(piece.state.orientation, end, h);

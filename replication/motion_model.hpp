@@ -49,6 +49,9 @@ inline constexpr double kSpinAccelerationMax_rad_s2 = 2e3;
 
 // Pose and derivatives dt_s >= 0 after the base, in closed form, not accumulated.
 [[nodiscard]] KinematicState evaluate(const MotionModel& model, double dt_s);
+// Its position and its orientation, each without the work of the other.
+[[nodiscard]] Vec3 position_after(const MotionModel& model, double dt_s);
+[[nodiscard]] Quat orientation_after(const MotionModel& model, double dt_s);
 // The same motion, based dt_s later.
 [[nodiscard]] MotionModel rebased(const MotionModel& model, double dt_s);
 

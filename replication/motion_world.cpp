@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <map>
-#include <tuple>
+#include <limits>
 
-#include "core/predefined_motion.hpp"
 #include "replication/response.hpp"
 
 namespace peerd::replication {
@@ -30,13 +28,7 @@ constexpr std::size_t kContactsMax = 1024;
 // Timelines keep this much past, for updates that arrive late.
 constexpr Duration kHistory = std::chrono::seconds(4);
 
-bool is_inside(const Scene& scene, ObjectId inner, ObjectId outer) {
-  return inner.value >= outer.value && inner.value < scene.at(outer).subtree_end;
-}
-
-bool is_still(const KinematicState& s) {
-  return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
-}
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 SimTime grid_floor(SimTime t) {
   const std::int64_t ns = t.time_since_epoch().count(), step = kLookahead.count();
@@ -54,23 +46,11 @@ bool same_motion(const KinematicState& a, const KinematicState& b) {
          a.angular_velocity_body == b.angular_velocity_body;
 }
 
-// By type and the lower and the higher of the two: which of the model's pairs that is.
-using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::size_t>;
-
-void add_pair(WorldModel& model, KnownPairs& known, const CollisionPair& pair) {
-  const auto [lower, higher] = std::minmax(pair.collider, pair.collidee);
-  const auto [it, is_new] = known.try_emplace({pair.type, lower, higher}, model.pairs.size());
-  if (is_new) {
-    model.pairs.push_back(pair);
-  } else if (model.pairs[it->second].collider != pair.collider) {
-    model.pairs[it->second].mutual = true;
-  }
-}
-
 }  // namespace
 
 MotionWorld::Counters& MotionWorld::Counters::operator+=(const Counters& other) {
   contact_searches += other.contact_searches;
+  searches_far += other.searches_far;
   searches_skipped += other.searches_skipped;
   contacts += other.contacts;
   contacts_undone += other.contacts_undone;
@@ -83,113 +63,115 @@ MotionWorld::Counters& MotionWorld::Counters::operator+=(const Counters& other) 
   return *this;
 }
 
-const collision::Body* WorldModel::body(ObjectId id) const {
-  const auto at = std::ranges::lower_bound(bodies, id, {}, &collision::Body::object);
-  return at != bodies.end() && at->object == id ? &*at : nullptr;
-}
-
-const CollisionResponse* WorldModel::response_of(ObjectId id) const {
-  const auto& response = scene->object(id).response;
-  return response ? &*response : nullptr;
-}
-
-std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
-  auto model = std::make_unique<WorldModel>();
-  model->scene = &scene;
-  std::vector<ObjectId> named;
-  KnownPairs known;
-  for (const CollisionInterest& interest : scene.interests) {
-    for (ObjectId collidee : interest.collidees) {
-      if (is_inside(scene, interest.collider, collidee) || is_inside(scene, collidee, interest.collider)) {
-        model->unsupported.push_back(scene.path_of(interest.collider) + " against " + scene.path_of(collidee) +
-                                     ": one contains the other; collisions within an object are not answered yet");
-        continue;
-      }
-      add_pair(*model, known, {interest.collider, collidee, interest.type, false});
-      named.push_back(interest.collider);
-      named.push_back(collidee);
-    }
-  }
-  std::ranges::sort(named);
-  named.erase(std::ranges::unique(named).begin(), named.end());
-  if (named.empty()) return model;
-  const PredefinedMotion predefined(scene);
-  for (ObjectId id : named) {
-    model->bodies.push_back(collision::make_body(scene, id));
-    if (predefined.moves(id)) model->moving.push_back(id);
-    if (!predefined.stays_rigid(id)) {
-      model->bodies.back().unsupported = scene.path_of(id) + ": the file changes its shape as it moves";
-    }
-    if (!model->bodies.back().unsupported.empty()) model->unsupported.push_back(model->bodies.back().unsupported);
-  }
-  for (const CollisionPair& pair : model->pairs) {
-    const collision::Body &a = *model->body(pair.collider), &b = *model->body(pair.collidee);
-    const bool said = !a.unsupported.empty() || !b.unsupported.empty();
-    if (pair.type == CollisionType::kBox || said || collision::answerable(a, b)) continue;
-    model->unsupported.push_back(scene.path_of(pair.collider) + " against " + scene.path_of(pair.collidee) +
-                                 ": one is not convex, and one is larger than 2^58 m");
-  }
-  return model;
-}
-
-MotionWorld::MotionWorld(const WorldModel& model, SimTime start) : model_(model), start_(start), advanced_(start) {
-  for (const collision::Body& body : model.bodies) {
-    const KinematicState initial = at_rest(model.scene->rigid_pose(body.object));
-    objects_.push_back({body.object, Role::kScene, Timeline(start, initial), start, {}});
-  }
+MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
+    : model_(model),
+      start_(start),
+      advanced_(start),
+      index_by_id_(model.scene->instances.size(), kNone),
+      looks_(model.pairs.size()),
+      in_looks_(model.pairs.size()) {
+  for (const collision::Body& b : model.bodies) declare(b.object, Role::kScene);
   for (const CollisionPair& p : model.pairs) {
     const auto answers = [&](ObjectId id) { return model.scene->object(id).response.has_value(); };
-    pairs_.push_back({.collider = index_of(p.collider),
-                      .collidee = index_of(p.collidee),
-                      .collider_body = model.body(p.collider),
-                      .collidee_body = model.body(p.collidee),
-                      .type = p.type,
-                      .collider_answers = answers(p.collider),
-                      .collidee_answers = p.mutual && answers(p.collidee),
-                      .clear_until = start,
-                      .contact = {},
-                      .free_at = {},
-                      .recent = {}});
+    const std::size_t collider = index_of(p.collider), collidee = index_of(p.collidee);
+    pairs_.push_back(
+        {.collider = static_cast<std::uint32_t>(collider),
+         .collidee = static_cast<std::uint32_t>(collidee),
+         .type = p.type,
+         .collider_answers = answers(p.collider),
+         .collidee_answers = p.mutual && answers(p.collidee),
+         .may_be_spared = p.type == CollisionType::kBox || collision::answerable(body(collider), body(collidee)),
+         .clear_until = start,
+         .contact = {},
+         .free_at = {},
+         .recent = {}});
   }
 }
 
 const MotionWorld::Object* MotionWorld::find(ObjectId id) const {
-  const auto at = std::ranges::lower_bound(objects_, id, {}, &Object::id);
-  return at != objects_.end() && at->id == id ? &*at : nullptr;
+  const bool known = id.value < index_by_id_.size() && index_by_id_[id.value] != kNone;
+  return known ? &objects_[index_by_id_[id.value]] : nullptr;
 }
 
 std::size_t MotionWorld::index_of(ObjectId id) const {
-  const Object* object = find(id);
-  assert(object != nullptr);
-  return static_cast<std::size_t>(object - objects_.data());
+  assert(find(id) != nullptr);
+  return index_by_id_[id.value];
+}
+
+std::span<const std::uint32_t> MotionWorld::pairs_of(std::size_t object) const {
+  if (object >= model_.pairs_of_body.size()) return {};
+  return model_.pairs_of_body[object];
 }
 
 void MotionWorld::declare(ObjectId object, Role role) {
-  if (find(object) == nullptr) {  // no interest names it: it moves and meets nothing
-    const auto at = std::ranges::lower_bound(objects_, object, {}, &Object::id);
-    const std::size_t index = static_cast<std::size_t>(at - objects_.begin());
+  if (find(object) == nullptr) {  // but for bodies: no interest names it, it moves and meets nothing
     const KinematicState initial = at_rest(model_.scene->rigid_pose(object));
-    objects_.insert(at, {object, role, Timeline(start_, initial), start_, {}});
-    for (Pair& pair : pairs_) {
-      pair.collider += pair.collider >= index;
-      pair.collidee += pair.collidee >= index;
-    }
+    index_by_id_[object.value] = static_cast<std::uint32_t>(objects_.size());
+    objects_.push_back({.id = object,
+                        .role = role,
+                        .timeline = Timeline(start_, initial),
+                        .base_time = start_,
+                        .recent = {},
+                        .bound = {}});
     return;
   }
   const std::size_t index = index_of(object);
   objects_[index].role = role;
-  for (Pair& pair : pairs_) {
-    if (pair.collider == index || pair.collidee == index) pair.clear_until = std::max(pair.clear_until, advanced_);
+  for (const std::uint32_t i : pairs_of(index)) {
+    pairs_[i].clear_until = std::max(pairs_[i].clear_until, advanced_);
+    reschedule(i);
   }
 }
 
 void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
-  for (Pair& pair : pairs_) {
+  const auto of_a = model_.pairs_of(a), of_b = model_.pairs_of(b);
+  const bool a_has_fewer = of_a.size() < of_b.size();
+  const ObjectId other = a_has_fewer ? b : a;
+  for (const std::uint32_t i : a_has_fewer ? of_a : of_b) {
+    Pair& pair = pairs_[i];
     const ObjectId collider = objects_[pair.collider].id, collidee = objects_[pair.collidee].id;
-    if (!((collider == a && collidee == b) || (collider == b && collidee == a)) || pair.watched == on) continue;
+    if ((collider != other && collidee != other) || pair.watched == on) continue;
     pair.watched = on;
     pair.contact.reset();
     pair.clear_until = std::max(pair.clear_until, advanced_);
+    reschedule(i);
+  }
+}
+
+// After any change of what the pair is asked for, or of what it knows.
+void MotionWorld::reschedule(std::size_t i) {
+  const Pair& pair = pairs_[i];
+  const bool scene = objects_[pair.collider].role == Role::kScene && objects_[pair.collidee].role == Role::kScene;
+  const bool in_looks = pair.watched && !pair.unsupported && !scene;
+  if (in_looks != in_looks_[i]) {
+    in_looks_[i] = in_looks;
+    in_looks ? ++watched_ : --watched_;
+  }
+  looks_.set(i, in_looks ? pair.contact.value_or(pair.clear_until) : SimTime::max());
+}
+
+// After any change of its timeline.
+void MotionWorld::timeline_changed(std::size_t index) {
+  Object& o = objects_[index];
+  o.bound.until = SimTime::min();
+  const auto segments = o.timeline.segments();
+  if (segments.size() < 2 || segments[1].from >= o.forgets) return;
+  o.forgets = segments[1].from;
+  forgetting_.push_back({o.forgets, static_cast<std::uint32_t>(index)});
+  std::ranges::push_heap(forgetting_, std::greater{});
+}
+
+void MotionWorld::forget() {
+  const SimTime before = advanced_ - kHistory;
+  while (!forgetting_.empty() && forgetting_.front().at <= before) {
+    const Forgetting due = forgetting_.front();
+    std::ranges::pop_heap(forgetting_, std::greater{});
+    forgetting_.pop_back();
+    Object& o = objects_[due.object];
+    if (o.forgets != due.at) continue;  // an earlier one has taken its place
+    o.forgets = SimTime::max();
+    o.timeline.forget_before(before);
+    timeline_changed(due.object);
   }
 }
 
@@ -199,6 +181,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   events_.push_back(TakenBack{object, t - Duration{1}});
   take_back(index, t);
   o.timeline.replace_from(t, model, std::nullopt);
+  timeline_changed(index);
   o.base_time = t;
   ++o.revision;
   forget_bounces(index, SimTime::min());
@@ -208,23 +191,23 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
 void MotionWorld::forget_bounces(std::size_t object, SimTime from) {
   const auto later = [&](SimTime t) { return t >= from; };
   std::erase_if(objects_[object].recent, later);
-  for (Pair& pair : pairs_) {
-    if (pair.collider == object || pair.collidee == object) std::erase_if(pair.recent, later);
-  }
+  for (const std::uint32_t i : pairs_of(object)) std::erase_if(pairs_[i].recent, later);
 }
 
 // What followed from a contact with `cause` at t or later is believed no more. Firm answers stand.
 void MotionWorld::take_back(std::size_t cause, SimTime t) {
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
+  if (cause >= model_.partners_of_body.size()) return;  // it meets nothing
+  for (const std::uint32_t i : model_.partners_of_body[cause]) {
     Object& o = objects_[i];
-    if (i == cause || o.role != Role::kBelief) continue;
-    const auto& segments = o.timeline.segments();
+    if (o.role != Role::kBelief) continue;
+    const auto segments = o.timeline.segments();
     const auto wrong = std::ranges::find_if(
         segments, [&](const Timeline::Segment& s) { return s.from >= t && s.cause == objects_[cause].id; });
     if (wrong == segments.end() || wrong == segments.begin()) continue;
     const SimTime from = wrong->from;
     if (o.base_time >= from) continue;  // its owner has spoken since
     o.timeline.truncate_from(from);
+    timeline_changed(i);
     forget_bounces(i, from);
     ++o.revision;
     events_.push_back(TakenBack{o.id, from - Duration{1}});
@@ -238,14 +221,15 @@ void MotionWorld::take_back(std::size_t cause, SimTime t) {
 // searched in the past that this peer has already lived because another moved otherwise; its own change (a decision)
 // is.
 void MotionWorld::reopen(std::size_t object, SimTime t) {
-  for (Pair& pair : pairs_) {
-    if (pair.collider != object && pair.collidee != object) continue;
+  for (const std::uint32_t i : pairs_of(object)) {
+    Pair& pair = pairs_[i];
     const Role other = objects_[pair.collider == object ? pair.collidee : pair.collider].role;
     const bool lived = other == Role::kFirm || other == Role::kDriven;
     const SimTime from = std::max(t, advanced_ - (lived ? Duration{0} : kHistory));
     if (pair.contact && *pair.contact >= from) pair.contact.reset();
     if (pair.free_at && *pair.free_at >= from) pair.free_at.reset();
     pair.clear_until = std::min(pair.clear_until, from);
+    reschedule(i);
   }
 }
 
@@ -254,39 +238,47 @@ bool MotionWorld::will_answer(const Object& o, bool registered, SimTime t) {
   return registered && o.role >= Role::kFirm && o.base_time <= t;
 }
 
-// Where a search begins: not where this peer happens to have got to, but the last instant until s that the timelines
-// alone decide, so that where they are equal contact times are, to the last bit.
-SimTime MotionWorld::search_begin(const Pair& pair, SimTime s) const {
-  SimTime begin = grid_floor(s);
-  for (const std::size_t index : {pair.collider, pair.collidee}) {
-    if (const auto change = objects_[index].timeline.last_change_until(s)) begin = std::max(begin, *change);
+const SweptBound& MotionWorld::bound_of(std::size_t object, SimTime s) {
+  Object& o = objects_[object];
+  if (!o.bound.answers_for(s)) {
+    o.bound = swept_bound(o.timeline, body(object), s, grid_floor(s), grid_floor(s) + kLookahead);
   }
-  return begin;
+  return o.bound;
 }
 
 // One search over the time in which both objects keep their pieces, or until the next multiple of kLookahead.
 void MotionWorld::search_window(Pair& pair) {
   const Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
   const SimTime s = pair.clear_until;
-  const SimTime grid_end = grid_floor(s) + kLookahead;
-  SimTime end = grid_end;
-  const auto change_a = a.timeline.next_change_after(s), change_b = b.timeline.next_change_after(s);
-  if (change_a) end = std::min(end, *change_a);
-  if (change_b) end = std::min(end, *change_b);
+  const SweptBound &bound_a = bound_of(pair.collider, s), &bound_b = bound_of(pair.collidee, s);
+  SimTime end = grid_floor(s) + kLookahead;
+  if (bound_a.next_change) end = std::min(end, *bound_a.next_change);
+  if (bound_b.next_change) end = std::min(end, *bound_b.next_change);
 
-  if (is_still(a.timeline.at(s)) && is_still(b.timeline.at(s))) {  // nothing that stands meets anything
+  if (bound_a.still && bound_b.still) {  // nothing that stands meets anything
     ++counters_.searches_skipped;
-    pair.clear_until = change_a || change_b ? end : SimTime::max();
+    pair.clear_until = bound_a.next_change || bound_b.next_change ? end : SimTime::max();
     return;
   }
-  SimTime begin = search_begin(pair, s);
+  if (pair.may_be_spared && apart(bound_a, bound_b, pair.type)) {
+    ++counters_.searches_far;
+    pair.inside = false;
+    pair.free_at = s;
+    pair.clear_until = end;
+    return;
+  }
+  // Where a search begins: not where this peer happens to have got to, but the last instant until s that the timelines
+  // alone decide, so that where they are equal contact times are, to the last bit.
+  SimTime begin = grid_floor(s);
+  if (bound_a.last_change) begin = std::max(begin, *bound_a.last_change);
+  if (bound_b.last_change) begin = std::max(begin, *bound_b.last_change);
   KinematicState state_a, state_b;
   const auto search_from = [&](SimTime from) {
     begin = from;
     state_a = a.timeline.at(begin);
     state_b = b.timeline.at(begin);
     ++counters_.contact_searches;
-    return collision::first_contact({*pair.collider_body, state_a}, {*pair.collidee_body, state_b}, pair.type,
+    return collision::first_contact({body(pair.collider), state_a}, {body(pair.collidee), state_b}, pair.type,
                                     to_seconds(end - begin));
   };
   const auto time_of = [&](const collision::Contact& found) {
@@ -415,8 +407,11 @@ void MotionWorld::answer(Pair& pair) {
   }
   if (a_answers) a.timeline.replace_from(t, after_a, b.id);
   if (b_answers) b.timeline.replace_from(t, after_b, a.id);
-  if (a_answers) reopen(pair.collider, t);
-  if (b_answers) reopen(pair.collidee, t);
+  for (const auto& [answers, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
+    if (!answers) continue;
+    timeline_changed(index);
+    reopen(index, t);
+  }
   // Where no answer changes anything (nobody answers; an object that was stopped is run into) the contact goes on.
   pair.inside = same_motion(before_a, after_a.state) && same_motion(before_b, after_b.state);
   events_.push_back(event);
@@ -424,27 +419,35 @@ void MotionWorld::answer(Pair& pair) {
 
 void MotionWorld::advance(SimTime to) {
   for (std::size_t contacts = 0;; ++contacts) {
-    Pair* first = nullptr;
-    for (Pair& pair : pairs_) {
-      if (!pair.watched || pair.unsupported) continue;
-      if (objects_[pair.collider].role == Role::kScene && objects_[pair.collidee].role == Role::kScene) continue;
-      search(pair, first == nullptr ? to : *first->contact);
-      if (pair.contact && *pair.contact <= to && (first == nullptr || *pair.contact < *first->contact)) first = &pair;
+    std::optional<std::size_t> first;
+    const std::size_t watched = watched_;
+    std::size_t looked_at = 0;
+    for (std::size_t i = looks_.next_due(0, to); i != pairs_.size(); i = looks_.next_due(i + 1, to)) {
+      Pair& pair = pairs_[i];
+      ++looked_at;
+      search(pair, first ? *pairs_[*first].contact : to);
+      reschedule(i);
+      const bool due = pair.contact && *pair.contact <= to;
+      if (due && (!first || *pair.contact < *pairs_[*first].contact)) first = i;
     }
-    if (first == nullptr) break;
+    counters_.searches_skipped += watched - looked_at;
+    if (!first) break;
     if (contacts == kContactsMax) {
       ++counters_.capped;
-      for (Pair& pair : pairs_) {
+      for (std::size_t i = 0; i < pairs_.size(); ++i) {
+        Pair& pair = pairs_[i];
         if (!pair.contact || *pair.contact > to) continue;
         pair.contact.reset();
         pair.clear_until = to + Duration{1};
+        reschedule(i);
       }
       break;
     }
-    answer(*first);
+    answer(pairs_[*first]);
+    reschedule(*first);
   }
   advanced_ = std::max(advanced_, to);
-  for (Object& o : objects_) o.timeline.forget_before(advanced_ - kHistory);
+  forget();
 }
 
 bool MotionWorld::has(ObjectId object) const { return find(object) != nullptr; }
@@ -452,6 +455,7 @@ bool MotionWorld::has(ObjectId object) const { return find(object) != nullptr; }
 std::vector<ObjectId> MotionWorld::objects() const {
   std::vector<ObjectId> ids;
   for (const Object& o : objects_) ids.push_back(o.id);
+  std::ranges::sort(ids);
   return ids;
 }
 
@@ -475,10 +479,10 @@ SimTime MotionWorld::base_time(ObjectId object) const { return objects_[index_of
 std::uint64_t MotionWorld::revision(ObjectId object) const { return objects_[index_of(object)].revision; }
 
 std::optional<MotionWorld::Event> MotionWorld::poll_event() {
-  if (events_.empty()) return std::nullopt;
-  Event event = events_.front();
-  events_.pop_front();
-  return event;
+  if (polled_ < events_.size()) return std::move(events_[polled_++]);
+  events_.clear();
+  polled_ = 0;
+  return std::nullopt;
 }
 
 }  // namespace peerd::replication

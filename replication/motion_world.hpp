@@ -1,38 +1,18 @@
 #pragma once
 #include <cstdint>
-#include <deque>
 #include <functional>
-#include <memory>
 #include <optional>
-#include <string>
 #include <variant>
 #include <vector>
 
 #include "collision/contact_time.hpp"
-#include "core/scene.hpp"
 #include "core/time.hpp"
+#include "replication/schedule.hpp"
+#include "replication/swept_bound.hpp"
 #include "replication/timeline.hpp"
+#include "replication/world_model.hpp"
 
 namespace peerd::replication {
-
-// The geometry that all peers share: one Body for each node that an interest names, and the pairs to watch. Built once
-// per world; a peer's two MotionWorlds and every peer of a simulation read the same one.
-struct CollisionPair {
-  ObjectId collider, collidee;
-  CollisionType type = CollisionType::kWitness;
-  bool mutual = false;  // the collidee is registered for the collider as well, and so answers too
-};
-struct WorldModel {
-  const Scene* scene = nullptr;          // outlives the model
-  std::vector<collision::Body> bodies;   // sorted by object
-  std::vector<CollisionPair> pairs;      // in the file's order, each unordered pair once a type
-  std::vector<std::string> unsupported;  // a line per body that has no exact answer yet
-  std::vector<ObjectId> moving;          // bodies that the file itself moves (PredefinedMotion), sorted
-
-  [[nodiscard]] const collision::Body* body(ObjectId id) const;
-  [[nodiscard]] const CollisionResponse* response_of(ObjectId id) const;  // null where it has none
-};
-[[nodiscard]] std::unique_ptr<const WorldModel> make_world_model(const Scene& scene);
 
 // What an object does in a MotionWorld when it touches something. Those from kFirm on answer.
 enum class Role : std::uint8_t {
@@ -59,10 +39,14 @@ struct TakenBack {
 // Objects on timelines that meet each other at contact *times*. Results do not depend on how often advance() is called,
 // nor on when what was told came: a pair's next contact is computed once, from an instant that their timelines decide,
 // and kept until one of the pieces changes. Worlds with equal timelines find equal contacts, bit for bit.
+//
+// A tick costs what is due: pairs wait for the instant at which they need a look, objects for that at which something
+// of theirs is to be forgotten. What no interest names costs nothing between two changes of how it moves.
 class MotionWorld {
  public:
   struct Counters {
     std::uint64_t contact_searches = 0;  // calls into collision
+    std::uint64_t searches_far = 0;      // spared those calls: where the two can be doesn't meet
     std::uint64_t searches_skipped = 0;  // pairs whose cached answer still stood
     std::uint64_t contacts = 0;
     std::uint64_t contacts_undone = 0;  // beliefs taken back
@@ -120,30 +104,43 @@ class MotionWorld {
     SimTime base_time;
     std::vector<SimTime> recent;  // of its last contacts, for ever lower bounces
     std::uint64_t revision = 0;
+    SimTime forgets = SimTime::max();  // its entry in forgetting_ that counts
+    SweptBound bound;                  // what was asked for last; it answers for nothing once the timeline changes
   };
   struct Pair {
-    std::size_t collider, collidee;  // into objects_
-    const collision::Body *collider_body, *collidee_body;
+    std::uint32_t collider, collidee;  // into objects_
     CollisionType type;
     bool collider_answers, collidee_answers;
+    bool may_be_spared;  // collision has an answer
     bool watched = true;
     bool unsupported = false;        // told once, then left alone
-    SimTime clear_until;             // no contact before this that is not already answered
-    std::optional<SimTime> contact;  // the next one, at clear_until, if the search found one
-    Vec3 normal = Vec3::Zero();
-    std::optional<SimTime> free_at;  // when the two were last known apart: setBack goes there
     bool overlapped = false;         // `contact` is an overlap found, not a touch
     bool resting = false;            // `contact` is one pressed against the other, not one that comes in
-    std::vector<SimTime> recent;     // of its last contacts, for those that answer by impulse
     bool inside = false;             // a contact that nobody answers goes on; it is told once
+    SimTime clear_until;             // no contact before this that is not already answered
+    std::optional<SimTime> contact;  // the next one, at clear_until, if the search found one
+    std::optional<SimTime> free_at;  // when the two were last known apart: setBack goes there
+    Vec3 normal = Vec3::Zero();
+    std::vector<SimTime> recent;  // of its last contacts, for those that answer by impulse
+  };
+  // When a timeline's second segment will be old enough for the first one to be forgotten.
+  struct Forgetting {
+    SimTime at;
+    std::uint32_t object;
+    bool operator>(const Forgetting& other) const { return at > other.at; }
   };
 
   [[nodiscard]] const Object* find(ObjectId id) const;
   [[nodiscard]] std::size_t index_of(ObjectId id) const;
+  [[nodiscard]] std::span<const std::uint32_t> pairs_of(std::size_t object) const;
+  [[nodiscard]] const collision::Body& body(std::size_t object) const { return model_.bodies[object]; }
   [[nodiscard]] static bool will_answer(const Object& o, bool registered, SimTime t);
-  [[nodiscard]] SimTime search_begin(const Pair& pair, SimTime s) const;
+  [[nodiscard]] const SweptBound& bound_of(std::size_t object, SimTime s);
   void search(Pair& pair, SimTime to);
   void search_window(Pair& pair);
+  void reschedule(std::size_t pair);
+  void timeline_changed(std::size_t object);
+  void forget();
   void answer(Pair& pair);
   [[nodiscard]] MotionModel answered(std::size_t object, const Pair& pair, const MotionModel& self,
                                      const KinematicState& other, bool other_answers, const Vec3& n);
@@ -153,10 +150,16 @@ class MotionWorld {
 
   const WorldModel& model_;
   SimTime start_, advanced_;
-  std::vector<Object> objects_;  // sorted by id
-  std::vector<Pair> pairs_;
-  Answers answers_;  // none: it answers all
-  std::deque<Event> events_;
+  std::vector<Object> objects_;             // the model's bodies, then what else was declared, as it came
+  std::vector<std::uint32_t> index_by_id_;  // into objects_; kNone
+  std::vector<Pair> pairs_;                 // the model's
+  Schedule looks_;                          // pairs: when the next look is due
+  std::size_t watched_ = 0;                 // pairs in looks_, whenever that is
+  std::vector<bool> in_looks_;
+  std::vector<Forgetting> forgetting_;  // a heap, the earliest first
+  Answers answers_;                     // none: it answers all
+  std::vector<Event> events_;
+  std::size_t polled_ = 0;  // of events_
   Counters counters_;
 };
 

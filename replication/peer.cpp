@@ -138,8 +138,8 @@ bool Peer::may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from,
   if (body == nullptr) return true;
   KinematicState way = at_rest({from, replica_->ghosts.at(object, t).orientation});
   way.velocity = to - from;  // in one second
-  return std::ranges::none_of(model_.pairs, [&](const CollisionPair& pair) {
-    if (pair.collider != object && pair.collidee != object) return false;
+  return std::ranges::none_of(model_.pairs_of(object), [&](std::uint32_t number) {
+    const CollisionPair& pair = model_.pairs[number];
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
     const MotionWorld& drawn = own_.contains(other) ? replica_->truth : replica_->ghosts;
     const Pose now = drawn.at(other, t).pose();

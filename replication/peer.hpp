@@ -352,7 +352,6 @@ class Peer {
   [[nodiscard]] Duration display_delay() const;
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model);
   [[nodiscard]] Duration farthest_latency() const;
-  [[nodiscard]] Horizon horizon(const Own& own) const;
   void observe(SimTime t);
   [[nodiscard]] bool gains(Own& own, SimTime t, const GhostError& error);
   void send_copies();

@@ -116,14 +116,13 @@ void Peer::report_contacts(SimTime t) {
   while (const auto change = colliding_.poll()) outputs_.push_back(*change);
 }
 
-Horizon Peer::horizon(const Own& own) const { return {to_seconds(farthest_latency()), own.interval_s}; }
-
 // Hands every own object's state to what chooses its models.
 void Peer::observe(SimTime t) {
   if (!config_.policy.models) return;
+  const double latency_s = to_seconds(farthest_latency());
   for (auto& [object, own] : own_) {
     if (!own.models) own.models.emplace(*config_.policy.models);
-    own.models->push(t, replica_->truth.at(object, t), horizon(own));
+    own.models->push(t, replica_->truth.at(object, t), Horizon{latency_s, own.interval_s});
   }
 }
 
@@ -223,8 +222,8 @@ double Peer::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) {
   const collision::Body* body = model_.body(object);
   if (body == nullptr) return least_s;
   const KinematicState state = replica_->truth.at(object, t);
-  for (const CollisionPair& pair : model_.pairs) {
-    if (pair.collider != object && pair.collidee != object) continue;
+  for (const std::uint32_t number : model_.pairs_of(object)) {
+    const CollisionPair& pair = model_.pairs[number];
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
     const PeerId other_owner = owner(other);
     if (other_owner == kNobody || other_owner == config_.id) continue;

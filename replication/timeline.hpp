@@ -1,5 +1,7 @@
 #pragma once
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/ids.hpp"
@@ -11,7 +13,7 @@ namespace peerd::replication {
 
 // Where one object is over time: models, each from its own instant to the next one's, as pieces of constant
 // acceleration and spin (motion_model.hpp). Evaluation always starts from the model's base state, so nothing
-// accumulates.
+// accumulates. For one thread at a time, reading included.
 class Timeline {
  public:
   struct Segment {
@@ -39,11 +41,23 @@ class Timeline {
   [[nodiscard]] std::optional<SimTime> last_change_until(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> next_change_after(SimTime t) const;
 
-  [[nodiscard]] SimTime begin() const { return segments_.front().from; }
-  [[nodiscard]] const std::vector<Segment>& segments() const { return segments_; }
+  [[nodiscard]] SimTime begin() const { return segments_[forgotten_].from; }
+  // Strictly increasing `from`; never empty.
+  [[nodiscard]] std::span<const Segment> segments() const { return std::span(segments_).subspan(forgotten_); }
 
  private:
-  std::vector<Segment> segments_;  // strictly increasing `from`; never empty
+  // The piece asked for last. A law's closed form costs up to ten times what its piece does, and whoever asks where
+  // something is now asks again soon. Only what at() says is kept, so no answer depends on what was asked before.
+  struct Piece {
+    SimTime first = SimTime::max(), end = SimTime::min();  // of the instants that it answers for: [first, end)
+    SimTime begin{};
+    KinematicState state;  // at begin
+  };
+  [[nodiscard]] bool in_piece(SimTime t) const { return t >= piece_.first && t < piece_.end; }
+
+  std::vector<Segment> segments_;  // those that are forgotten come first
+  std::size_t forgotten_ = 0;
+  mutable Piece piece_;
 };
 
 }  // namespace peerd::replication

@@ -280,5 +280,27 @@ TEST(MotionKindName, IsDistinctForEach) {
   EXPECT_EQ(std::ranges::count(names, "?"), 0);
 }
 
+// ---- parts of the closed form ----
+
+TEST(Evaluate, ItsPartsAreTheSameToTheLastBit) {
+  std::mt19937_64 rng(11);
+  const auto draw = [&] { return 4.0 * std::ldexp(static_cast<double>(rng() >> 11), -53) - 2.0; };
+  const auto vec = [&] { return Vec3(draw(), draw(), draw()); };
+  for (int round = 0; round < 2000; ++round) {
+    MotionModel m = moving(vec(), vec(), vec());
+    m.kind = kMotionKinds[rng() % std::size(kMotionKinds)];
+    m.jerk = m.kind == MotionKind::kThird || m.kind == MotionKind::kOscillating ? vec() : Vec3(Vec3::Zero());
+    if (m.kind == MotionKind::kTurning) m.rate_rad_s = vec();
+    if (m.kind == MotionKind::kOscillating) m.rate_rad_s = Vec3(std::abs(draw()), 0.0, 3.0 * std::abs(draw()));
+    m.state.orientation = quat_exp(vec());
+    if (rng() % 4 > 0) m.state.angular_velocity_body = vec();
+    if (rng() % 2 > 0) m.angular_acceleration_body = vec();
+    const double t = 3.0 * (draw() + 2.0);  // beyond kModelLasts_s, too
+    const KinematicState all = evaluate(m, t);
+    ASSERT_EQ(position_after(m, t), all.position);
+    ASSERT_EQ(orientation_after(m, t).coeffs(), all.orientation.coeffs());
+  }
+}
+
 }  // namespace
 }  // namespace peerd::replication

@@ -710,6 +710,137 @@ TEST(WorldModel, BuildsNothingThatNoInterestNames) {
   for (const collision::Body& body : asked.model->bodies) EXPECT_EQ(body.meshes_built, 1u);
 }
 
+TEST(WorldModel, FindsAnObjectsPairsAndPartners) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "3 0 0") + box("C", "1 1 1", "6 0 0") +
+                box("ALONE", "1 1 1", "9 0 0") + interest("C", "\"A\"") + interest("A", "\"B\" \"C\"") +
+                "CollisionInterest { objectPath \"B\" interests [\"A\"] collisionType 0 }\n");
+  const auto pairs_of = [&](const char* path) {
+    const auto found = w.model->pairs_of(w[path]);
+    return std::vector<std::uint32_t>(found.begin(), found.end());
+  };
+  ASSERT_EQ(w.model->pairs.size(), 3u);
+  EXPECT_THAT(pairs_of("A"), ElementsAre(0, 1, 2));
+  EXPECT_THAT(pairs_of("B"), ElementsAre(1, 2));  // of two types
+  EXPECT_THAT(pairs_of("C"), ElementsAre(0));
+  EXPECT_THAT(pairs_of("ALONE"), IsEmpty());
+  EXPECT_THAT(w.model->partners_of_body[0], ElementsAre(1, 2));
+  EXPECT_THAT(w.model->partners_of_body[1], ElementsAre(0));
+}
+
+// ---- what a scene doesn't need is not done ----
+
+std::uint64_t looks(const MotionWorld& world) {
+  const MotionWorld::Counters& c = world.counters();
+  return c.contact_searches + c.searches_far + c.searches_skipped;
+}
+
+TEST(MotionWorld, AWorldWithoutInterestsLooksAtNothing) {
+  const World w(box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "0.5 0 0", kBounces));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"B", "A"}) world.declare(w[mover], Role::kBelief);
+  for (Duration t = 0s; t < 5s; t += 100ms) {
+    world.set_base(w["A"], sim(t), moving({0, 0, 0}, {1, 0, 0}));
+    world.advance(sim(t));
+  }
+  EXPECT_EQ(looks(world), 0u);
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_THAT(world.objects(), ElementsAre(w["A"], w["B"]));  // in the file's order, whatever that of declaring
+}
+
+TEST(MotionWorld, APairFarApartIsSparedItsSearch) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-20, 0, 0}, {4, 0, 0}));
+  world.advance(sim(3s));
+  EXPECT_EQ(world.counters().contact_searches, 0u);
+  EXPECT_EQ(world.counters().searches_far, 13u);  // one a multiple of 250 ms, that of 3 s included
+  EXPECT_THAT(contacts(world), IsEmpty());
+  world.advance(sim(6s));  // they meet at 4.875 s
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(4875ms)));
+  EXPECT_GE(world.counters().contact_searches, 1u);
+  EXPECT_LE(world.counters().contact_searches, 3u);
+}
+
+// What was spared was apart: what went on before is over, and setBack goes there.
+TEST(MotionWorld, APairThatWasSparedWasApart) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kFirm);
+  bool answers = false;
+  world.set_answers([&](ObjectId, ObjectId, SimTime) { return answers; });
+  world.set_base(w["BALL"], sim(0s), moving({-0.75, 0, 0}, {1, 0, 0}));
+  world.advance(sim(300ms));
+  EXPECT_EQ(contact_times(world).size(), 1u);  // held: another peer decides
+  answers = true;
+  world.set_base(w["BALL"], sim(1s), moving({-20, 0, 0}, {1, 0, 0}));
+  world.advance(sim(1600ms));
+  EXPECT_GE(world.counters().searches_far, 3u);
+  world.set_base(w["BALL"], sim(1700ms), moving({-0.3, 0, 0}, {1, 0, 0}));  // its owner puts it into the other
+  world.advance(sim(1800ms));
+  const auto seen = contacts(world);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].at, sim(1700ms));
+  EXPECT_NEAR(seen[0].collider_after.position.x(), -19.5, 1e-12);  // where it was at 1.5 s
+}
+
+TEST(MotionWorld, APairOfTheSceneIsNotLookedAt) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-20, 0, 0}, {1, 0, 0}));
+  world.declare(w["BALL"], Role::kScene);  // its peer is lost
+  world.advance(sim(5s));
+  EXPECT_EQ(looks(world), 0u);
+  world.declare(w["BALL"], Role::kBelief);
+  world.advance(sim(6s));
+  EXPECT_GT(looks(world), 0u);
+}
+
+TEST(MotionWorld, APairThatIsNotWatchedIsNotLookedAt) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kBelief);
+  world.watch(w["CUBE"], w["BALL"], false);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.advance(sim(5s));
+  EXPECT_EQ(looks(world), 0u);
+  EXPECT_THAT(contacts(world), IsEmpty());
+}
+
+// Each timeline forgets what ended more than 4 s before the latest advance(), then and not later, however it was told.
+TEST(MotionWorld, ForgetsWhatIsOld) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + box("C", "1 1 1", "0 0 9") +
+                interest("A", "\"B\""));
+  std::mt19937_64 rng(5);
+  MotionWorld world(*w.model, sim(0s));
+  struct Line {
+    ObjectId id;
+    std::vector<SimTime> told;
+  };
+  std::vector<Line> lines = {{w["A"], {sim(0s)}}, {w["B"], {sim(0s)}}, {w["C"], {sim(0s)}}};
+  for (const Line& line : lines) world.declare(line.id, Role::kBelief);
+  for (Duration now = 0s; now < 60s; now += 1ms + Duration{rng() % 700'000'000}) {
+    for (Line& line : lines) {
+      for (auto tells = rng() % 3; tells > 0; --tells) {
+        const SimTime t = sim(now - Duration{rng() % 3'900'000'000});
+        std::erase_if(line.told, [&](SimTime told) { return told >= t; });
+        line.told.push_back(t);
+        world.set_base(line.id, t, moving({0, 50, 0}));
+      }
+    }
+    world.advance(sim(now));
+    drain(world);
+    for (Line& line : lines) {
+      while (line.told.size() > 1 && line.told[1] <= sim(now - 4s)) line.told.erase(line.told.begin());
+      ASSERT_TRUE(world.knows(line.id, line.told.front()));
+      ASSERT_FALSE(world.knows(line.id, line.told.front() - 1ns));
+      ASSERT_EQ(world.law_since(line.id, sim(now)),
+                line.told.back() <= sim(now) ? line.told.back() : line.told.front());
+    }
+  }
+}
+
 // ---- laws that are no constant acceleration ----
 
 MotionModel spring(double amplitude, double rate) {  // from x = 0 to the right, with a drift along z

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <random>
 
@@ -84,6 +85,53 @@ TEST(Timeline, AgreesWithAMapOfPieces) {
         auto next = oracle.upper_bound(sim(Duration{ns}));
         const double expected = next == oracle.begin() ? next->second : std::prev(next)->second;
         ASSERT_EQ(line.at(sim(Duration{ns})).position.x(), expected) << "step " << step << " at " << ns;
+      }
+    }
+  }
+}
+
+// The piece that was asked for last is kept: what is asked when, and what is told or forgotten between, changes no bit.
+TEST(Timeline, AnswersDoNotDependOnWhatWasAskedBefore) {
+  std::mt19937_64 rng(3);
+  const auto draw = [&](double most) { return most * (2.0 * std::ldexp(static_cast<double>(rng() >> 11), -53) - 1.0); };
+  const auto time = [&] { return sim(Duration{rng() % 2'000'000'000}); };
+  for (int round = 0; round < 40; ++round) {
+    const auto model = [&] {
+      MotionModel m = moving({draw(9), draw(9), draw(9)}, {draw(9), draw(9), draw(9)}, {draw(9), draw(9), draw(9)});
+      m.kind = kMotionKinds[rng() % std::size(kMotionKinds)];
+      if (m.kind == MotionKind::kThird || m.kind == MotionKind::kOscillating) m.jerk = {draw(50), draw(50), draw(50)};
+      if (m.kind == MotionKind::kOscillating) m.rate_rad_s = {3.0, 0.0, 0.1};
+      if (m.kind == MotionKind::kTurning) m.rate_rad_s = {draw(3), draw(3), draw(3)};
+      m.state.angular_velocity_body = {draw(3), 0, 0};
+      if (rng() % 2 == 0) m.angular_acceleration_body = {0, draw(3), 0};
+      return m;
+    };
+    Timeline asked(sim(0s), model());
+    for (int step = 0; step < 200; ++step) {
+      const SimTime t = time();
+      switch (rng() % 6) {
+        case 0:
+          asked.replace_from(t, model(), std::nullopt);
+          break;
+        case 1:
+          asked.truncate_from(t);
+          break;
+        case 2:
+          if (rng() % 4 == 0) asked.forget_before(t);
+          break;
+        default:
+          break;
+      }
+      Timeline fresh(asked.begin(), asked.segments().front().model);
+      for (const auto& s : asked.segments().subspan(1)) fresh.replace_from(s.from, s.model, s.cause);
+      const SimTime begins = asked.segments()[rng() % asked.segments().size()].from;
+      std::vector<SimTime> times = {t, t + 1ns, t + 10ms, begins - 1ns, begins, begins + 1ns, time()};
+      std::ranges::shuffle(times, rng);
+      for (const SimTime at : times) {
+        ASSERT_EQ(asked.last_change_until(at), Timeline(fresh).last_change_until(at));
+        ASSERT_EQ(asked.next_change_after(at), Timeline(fresh).next_change_after(at));
+        ASSERT_TRUE(same_bits(asked.at(at), Timeline(fresh).at(at)));
+        ASSERT_EQ(asked.last_change_until(at), Timeline(fresh).last_change_until(at));
       }
     }
   }

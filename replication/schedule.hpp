@@ -1,0 +1,57 @@
+#pragma once
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <vector>
+
+#include "core/time.hpp"
+
+namespace peerd::replication {
+
+// When each of a fixed number of things needs a look, and which of them do by some time, in the order of their numbers:
+// a tree of least times. Setting a time and finding the next one due take the logarithm of their number at most.
+class Schedule {
+ public:
+  Schedule() = default;
+  // All never.
+  explicit Schedule(std::size_t count) : count_(count) {
+    while (leaves_ < count) leaves_ *= 2;
+    least_.assign(2 * leaves_, SimTime::max());
+  }
+
+  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] SimTime at(std::size_t number) const { return least_[leaves_ + number]; }
+
+  // SimTime::max(): never.
+  void set(std::size_t number, SimTime t) {
+    assert(number < count_);
+    std::size_t node = leaves_ + number;
+    least_[node] = t;
+    for (; node > 1; node /= 2) {
+      const SimTime least = std::min(least_[node], least_[node ^ 1]);
+      if (least_[node / 2] == least) return;
+      least_[node / 2] = least;
+    }
+  }
+
+  // The first one from that number on that is due at `until` or earlier; size() where none is. `until` is before never.
+  [[nodiscard]] std::size_t next_due(std::size_t number, SimTime until) const {
+    assert(until < SimTime::max());
+    if (number >= count_) return count_;
+    std::size_t node = leaves_ + number;
+    while (least_[node] > until) {  // what lies to the right, in ever larger steps
+      while (node % 2 == 1) node /= 2;
+      if (node == 0) return count_;
+      ++node;
+    }
+    while (node < leaves_) node = least_[2 * node] <= until ? 2 * node : 2 * node + 1;
+    return node - leaves_;
+  }
+
+ private:
+  std::size_t count_ = 0, leaves_ = 1;
+  // A binary tree: 1 is its root, the children of i are 2i and 2i + 1, the last half are the things.
+  std::vector<SimTime> least_ = {SimTime::max(), SimTime::max()};
+};
+
+}  // namespace peerd::replication
