@@ -73,7 +73,7 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
           [&](const OtherWorld& o) -> Line {
             return LogLine{level_enum::warn, named(o.peer, o.name) +
                                                  " has another world and is ignored; give both the "
-                                                 "same file"};
+                                                 "same file, and the same [regions]"};
           },
           [](const IdInUse& i) -> Line {
             return LogLine{level_enum::err,

@@ -45,11 +45,13 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.id = PeerId{settings.id};
   config.name = settings.name;
   config.boot = options.boot;
-  config.world_hash = shared.world.hash;
+  config.world_hash = replication.regions.session_hash(shared.world.hash);
   config.policy = replication.policy;
   config.convergence = replication.convergence;
   config.relay = replication.relay;
   config.display_delay = replication.display_delay;
+  config.regions = replication.regions;
+  config.interest_radius_m = settings.interest_radius_m;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
   config.wait_for_start = true;
   config.decisions = replication.decisions;
@@ -244,7 +246,8 @@ void PeerNode::record_ghosts(HostTime now) {
   const SimTime t = sample_time(next_sample_++);
   peer_.look(t);
   for (const auto& [object, owner] : peer_.owners()) {
-    if (owner != config_.id) record(t, object, owner, peer_.ghost(object, t), peer_.shown(object, t));
+    if (owner != config_.id && peer_.holds(object))
+      record(t, object, owner, peer_.ghost(object, t), peer_.shown(object, t));
   }
 }
 
@@ -256,7 +259,8 @@ std::optional<replication::Output> PeerNode::poll_output() {
   auto out = peer_.poll_output();
   if (!out) return out;
   using namespace replication;
-  if (const auto* join = std::get_if<Join>(&*out); join != nullptr) ++log_.groups_joined;
+  if (std::holds_alternative<Join>(*out)) log_.groups_joined = std::max(log_.groups_joined, ++groups_);
+  if (std::holds_alternative<Leave>(*out)) --groups_;
   if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;
   // The motions go on from where they are; if the other session has begun its own, its start is taken over.
   if (const auto* stepped = std::get_if<ClockStepped>(&*out); stepped != nullptr && log_.start) {
@@ -342,6 +346,12 @@ const PeerLog& PeerNode::log() {
     n["key_changes_refused"] = key_changes_refused_;
   }
   feeds_.count(n);
+  if (config_.regions.cell_m > 0.0) {
+    n["regions_joined"] = c.regions_joined;
+    n["regions_left"] = c.regions_left;
+    n["handovers"] = c.handovers;
+    n["sights_lost"] = c.sights_lost;
+  }
   if (peer_.time_sensors_limited_at()) n["time_sensors_stopped"] = 1;
   for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;
   return log_;

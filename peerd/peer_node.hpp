@@ -65,6 +65,7 @@ class PeerNode {
   [[nodiscard]] const replication::Peer& peer() const { return peer_; }
   [[nodiscard]] const Scene& scene() const { return shared_.world.scene; }
   [[nodiscard]] const std::string& name() const { return config_.name; }
+  [[nodiscard]] const std::optional<replication::Viewpoint>& viewpoint() const { return config_.decisions.viewpoint; }
   // Driven here, so not by keys or collisions.
   [[nodiscard]] bool drives(ObjectId object) const { return motions_.contains(object) || feeds(object); }
   // Moved by a program outside.
@@ -94,6 +95,7 @@ class PeerNode {
   replication::PeerConfig config_;
   replication::Peer peer_;
   PeerLog log_;
+  std::uint32_t groups_ = 0;            // that it listens to now
   SimTime logged_at_{};                 // the last tick
   std::optional<SimTime> started_for_;  // the start that the peer was told
   std::int64_t next_sample_ = 0;        // counted from the start

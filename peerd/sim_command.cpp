@@ -56,10 +56,12 @@ int run_sim(const ScenarioOptions& options) {
   std::vector<report::RunRecord> records;
   for (const config::RunSettings& run : scenario->runs) {
     if (show_progress) std::cerr << "\rrun " << records.size() + 1 << " of " << scenario->runs.size() << std::flush;
-    const auto logs = sim::simulate(run, **shared, observer, key_observer);
+    std::optional<report::InterestRecord> interest;
+    const auto logs = sim::simulate(run, **shared, observer, key_observer, &interest);
     if (!logs) return failed(logs.error());
     auto record = assemble(run, **shared, *logs);
     if (!record) return failed(record.error());
+    record->interest = std::move(interest);
     if (run.compare_outcomes) {
       const config::RunSettings ideal = sim::without_latency(run);
       const auto true_logs = sim::simulate(ideal, **shared);

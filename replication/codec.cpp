@@ -15,6 +15,7 @@ namespace peerd::replication {
 namespace {
 
 constexpr std::size_t kUsualRecord_bytes = 24;
+constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes cannot hold more
 // Of a time, what travels with records: 18 minutes, of which the receiver's own time says which.
 constexpr int kBase_bytes = 5;
 
@@ -98,6 +99,24 @@ void put(const Hello& h, std::uint64_t boot, proto::Hello* out) {
   if (h.introduction) put(*h.introduction, boot, out->mutable_introduction());
 }
 
+void put(const std::vector<Entered>& entered, proto::Datagram* out) {
+  if (entered.empty()) return;
+  const SimTime latest = std::ranges::max(entered, {}, &Entered::since).since;
+  out->set_entered_ns(latest.time_since_epoch().count());
+  for (const Entered& e : entered) {
+    out->add_entered(e.region.value);
+    out->add_entered(static_cast<std::uint32_t>((latest - e.since) / std::chrono::milliseconds(1)));
+  }
+}
+
+void put(const std::vector<Gone>& gone, proto::Datagram* out) {
+  for (const Gone& g : gone) {
+    out->add_gone(g.object.value);
+    out->add_gone(g.sequence);
+    out->add_gone(g.to.value);
+  }
+}
+
 // ---- from Protobuf: each take() answers whether the value may be used ----
 
 bool take(const proto::Vec3& in, Vec3& v) {
@@ -149,6 +168,26 @@ bool take_records(const proto::Datagram& in, SimTime near, Message& m) {
     } else {
       return false;
     }
+  }
+  return true;
+}
+
+bool take_entered(const proto::Datagram& in, std::vector<Entered>& entered) {
+  SimTime latest;
+  if (in.entered_size() % 2 != 0 || in.entered_size() > kListMax || !take(in.entered_ns(), latest)) return false;
+  for (int i = 0; i < in.entered_size(); i += 2) {
+    const SimTime since = latest - std::chrono::milliseconds(in.entered(i + 1));
+    if (!in_range(since.time_since_epoch().count())) return false;
+    entered.push_back({RegionId{in.entered(i)}, since});
+  }
+  return true;
+}
+
+bool take_gone(const proto::Datagram& in, std::vector<Gone>& gone) {
+  if (in.gone_size() % 3 != 0 || in.gone_size() > kListMax) return false;
+  for (int i = 0; i < in.gone_size(); i += 3) {
+    if (in.gone(i + 1) == 0) return false;
+    gone.push_back({ObjectId{in.gone(i)}, in.gone(i + 1), RegionId{in.gone(i + 2)}});
   }
   return true;
 }
@@ -221,6 +260,8 @@ Bytes encode(const Message& m) {
   if (m.hello) put(*m.hello, m.boot, d.mutable_hello());
   put(m.updates, &d);
   for (const DecisionRecord& c : m.decisions) put(c, d.add_decisions());
+  put(m.entered, &d);
+  put(m.gone, &d);
   d.set_leaving(m.leaving);
   Bytes out(d.ByteSizeLong());
   d.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(out.data()));
@@ -245,6 +286,7 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, 
   for (const proto::Decision& c : d.decisions()) {
     if (!take(c, m.decisions.emplace_back())) return std::unexpected(DecodeError::kValue);
   }
+  if (!take_entered(d, m.entered) || !take_gone(d, m.gone)) return std::unexpected(DecodeError::kValue);
   return m;
 }
 

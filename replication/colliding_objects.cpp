@@ -45,6 +45,13 @@ void CollidingObjects::forget(SimTime t) {
   while (!touching_.empty()) part(*touching_.begin(), t);
 }
 
+void CollidingObjects::forget(ObjectId object, SimTime t) {
+  const std::vector<Pair> before(touching_.begin(), touching_.end());
+  for (const Pair& pair : before) {
+    if (pair.first == object || pair.second == object) part(pair, t);
+  }
+}
+
 std::optional<NotColliding> CollidingObjects::poll() {
   if (events_.empty()) return std::nullopt;
   const NotColliding event = events_.front();

@@ -32,6 +32,8 @@ class CollidingObjects {
   void update(const StateOf& state_of, SimTime t);
   // Another world: nothing touches that has not a contact there.
   void forget(SimTime t);
+  // It is not heard of any more, so it touches nothing.
+  void forget(ObjectId object, SimTime t);
 
   [[nodiscard]] std::optional<NotColliding> poll();
 

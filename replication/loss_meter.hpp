@@ -14,6 +14,15 @@ class LossMeter {
   [[nodiscard]] std::uint32_t missing() const { return missing_; }
   // The part that gets lost, in (0, 1): before anything has come one in ten, afterwards ever nearer to what was seen.
   [[nodiscard]] double loss() const { return (lost_ + 0.2) / (sent_ + 2.0); }
+  // The same where so much of others gets lost on average: what to believe before anything has come, in place of one
+  // in ten.
+  [[nodiscard]] double loss(double of_others) const { return (lost_ + 2.0 * of_others) / (sent_ + 2.0); }
+  // What of both together gets lost, where each has its own numbers.
+  LossMeter& operator+=(const LossMeter& other) {
+    sent_ += other.sent_;
+    lost_ += other.lost_;
+    return *this;
+  }
 
  private:
   std::uint32_t highest_ = 0, missing_ = 0;

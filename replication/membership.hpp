@@ -33,7 +33,12 @@ struct Member {
   bool synchronised = false;
   std::uint32_t sessions = 0;
   std::optional<SimTime> start;
-  LossMeter received;                  // of its datagrams
+  std::map<RegionId, LossMeter> received;  // of its datagrams, which are numbered by region
+  [[nodiscard]] LossMeter received_in_all() const {
+    LossMeter all;
+    for (const auto& [region, meter] : received) all += meter;
+    return all;
+  }
   bool knows_us = false;               // its hellos echo ours
   std::optional<double> loss_of_ours;  // of our datagrams on their way to it, as it says
   std::optional<Receipt> receipt;      // for our datagrams, as it says
@@ -68,6 +73,16 @@ class Membership {
   void excuse(HostTime now);
 
   [[nodiscard]] Member* find(PeerId peer);
+  // Of the datagrams of all.
+  [[nodiscard]] double mean_loss() const {
+    LossMeter all;
+    for (const auto& [peer, member] : members_) all += member.received_in_all();
+    return all.loss();
+  }
+  // What was not listened to is no loss: counts a region's datagrams anew.
+  void count_anew(RegionId region) {
+    for (auto& [peer, member] : members_) member.received.erase(region);
+  }
   // The lowest synchronised peer: the one whose session time the others follow.
   [[nodiscard]] std::optional<PeerId> lowest_synchronised() const;
   [[nodiscard]] const std::map<PeerId, Member>& all() const { return members_; }

@@ -37,7 +37,12 @@ const char* to_string(Drop drop) {
 }
 
 Peer::Peer(PeerConfig config, const WorldModel& model)
-    : config_(std::move(config)), model_(model), members_(config_.lost_after), colliding_(model) {
+    : config_(std::move(config)),
+      model_(model),
+      members_(config_.lost_after),
+      colliding_(model),
+      grid_(config_.regions.grid()),
+      interest_(grid_, config_.regions.hysteresis) {
   if (!model.moving.empty()) predefined_.emplace(*model.scene);
   assert(config_.id.value != 0 && config_.boot != 0 && config_.tick_hz > 0);
   for (const Enslaved& e : config_.enslaved) {
@@ -59,6 +64,8 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     counters_.ticks_missed += static_cast<std::uint64_t>(number - last_tick_ - 1);
     last_tick_ = number;
     tick(*due, samples);
+    follow_interest(*due);
+    announce_entered();
   }
   if (now >= *next_hello_) {  // before the records: who has not heard of a peer can't use its updates
     send_hello(now, false);
@@ -141,6 +148,7 @@ bool Peer::may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from,
   return std::ranges::none_of(model_.pairs_of(object), [&](std::uint32_t number) {
     const CollisionPair& pair = model_.pairs[number];
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
+    if (!holds(other)) return false;
     const MotionWorld& drawn = own_.contains(other) ? replica_->truth : replica_->ghosts;
     const Pose now = drawn.at(other, t).pose();
     KinematicState goes = at_rest({drawn.at(other, since).position, now.orientation});

@@ -17,6 +17,7 @@
 #include "replication/convergence.hpp"
 #include "replication/decision.hpp"
 #include "replication/decision_log.hpp"
+#include "replication/interest.hpp"
 #include "replication/membership.hpp"
 #include "replication/motion_world.hpp"
 #include "replication/position_history.hpp"
@@ -79,6 +80,10 @@ struct PeerConfig {
   DecisionSettings decisions;
   RelaySettings relay;
   DisplayDelay display_delay;
+  RegionSettings regions;
+  // Where the scene is cut into regions, this peer hears of what is so near to its viewpoint, or, where it has none, to
+  // an object that it runs; and of what these could collide with. None: of everything.
+  std::optional<double> interest_radius_m;
   std::uint32_t tick_hz = 60;
   Duration hello_period = std::chrono::milliseconds(250);
   Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
@@ -204,14 +209,17 @@ class Peer {
     std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
     std::uint64_t convergence_detours = 0;  // those that followed the ghost's own way past it
     std::uint64_t proximity_tests = 0;
-    std::uint64_t proximity_refined = 0;    // those that spheres didn't settle
-    std::uint64_t decisions = 0;            // made here, fallback included
-    std::uint64_t decisions_fallback = 0;   // because nobody else did
-    std::uint64_t decisions_repeated = 0;   // copies sent after the first ones
-    std::uint64_t decisions_overruled = 0;  // known here that no longer stand
-    std::uint64_t contacts_held = 0;        // left to another peer to decide
-    std::uint64_t contacts_refuted = 0;     // of those, which that peer did not find
-    std::uint64_t contacts_too_late = 0;    // found so late that nobody decides them
+    std::uint64_t proximity_refined = 0;                 // those that spheres didn't settle
+    std::uint64_t decisions = 0;                         // made here, fallback included
+    std::uint64_t decisions_fallback = 0;                // because nobody else did
+    std::uint64_t decisions_repeated = 0;                // copies sent after the first ones
+    std::uint64_t decisions_overruled = 0;               // known here that no longer stand
+    std::uint64_t contacts_held = 0;                     // left to another peer to decide
+    std::uint64_t contacts_refuted = 0;                  // of those, which that peer did not find
+    std::uint64_t contacts_too_late = 0;                 // found so late that nobody decides them
+    std::uint64_t regions_joined = 0, regions_left = 0;  // kWholeScene aside
+    std::uint64_t handovers = 0;                         // updates in another region than the last one
+    std::uint64_t sights_lost = 0;                       // objects that this peer no longer hears of
   };
 
   // The model outlives the peer.
@@ -269,6 +277,12 @@ class Peer {
   // What this peer knows of an object that it runs, and what everybody believes of any object. Need a session.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
+  // Whether this peer hears of the object: false for what is in regions that it does not listen to. What it says of
+  // those is void; they meet nothing here.
+  [[nodiscard]] bool holds(ObjectId object) const { return !unheard_.contains(object); }
+  // The last update that counted, of others' objects; null before the first.
+  [[nodiscard]] const UpdateRecord* last_told(ObjectId object) const;
+  [[nodiscard]] const Interest& interest() const { return interest_; }
   // What a viewer draws. For each object, t never goes back; after look(t). It doesn't go through what an interest
   // pairs the object with, where the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
@@ -298,6 +312,11 @@ class Peer {
     UpdateBudget budget;
     double interval_s = 0.25;  // between updates, of late
     double reach_m = 0.0;      // of its vertices, where errors count by its surface
+    // Regions (peer_regions.cpp).
+    std::optional<Vec3> told_at;        // where the last update had it
+    std::optional<RegionId> came_from;  // where others are told that it is gone, with the last update
+    bool must_arrive = false;           // somebody may know nothing of the object but by that update
+    double meets_within_m = 0.0;  // what others run and it may collide with touches it from no farther; 0: nothing
   };
 
   [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
@@ -312,7 +331,7 @@ class Peer {
   void claim(PeerId peer, std::span<const ObjectId> objects);
   void release(PeerId peer, HostTime now);
   void lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye);
-  void watch_decided_pairs();
+  void watch_decided_pairs(std::optional<ObjectId> only = {});
   void restart_predefined();
   void tell_predefined(SimTime to);
   bool keep_session(HostTime now);
@@ -328,6 +347,7 @@ class Peer {
   [[nodiscard]] bool answers(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Stake stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
   [[nodiscard]] Duration own_latency() const;
+  [[nodiscard]] Duration longest_latency() const;
   [[nodiscard]] Duration lookback() const;
   void begin_worlds(SimTime now);
   void measure_latency(Member& member, HostTime now, SimTime sent);
@@ -354,15 +374,40 @@ class Peer {
   [[nodiscard]] Duration farthest_latency() const;
   void observe(SimTime t);
   [[nodiscard]] bool gains(Own& own, SimTime t, const GhostError& error);
+  // Regions (peer_regions.cpp).
+  [[nodiscard]] Duration lookahead() const;
+  [[nodiscard]] std::optional<std::vector<Area>> areas(SimTime t) const;
+  void follow_interest(SimTime t);
+  void join(RegionId region, SimTime t);
+  void leave_region(RegionId region, SimTime t);
+  void announce_entered();
+  void on_entered(std::span<const Entered> entered, SimTime session_now);
+  [[nodiscard]] bool hear(const UpdateRecord& update, SimTime session_now);
+  void lose_sight(ObjectId object, SimTime t);
+  void forget_silent(SimTime t);
+  [[nodiscard]] bool has_crossed(const Own& own, const Vec3& position) const;
+  void note_told(Own& own, const UpdateRecord& update, PublishReason reason);
+  [[nodiscard]] RegionId home(ObjectId object) const;
+  void retell_across(const ContactEvent& contact);
+  // What goes to one region.
+  struct Due {
+    std::vector<Gone> gone;
+    std::vector<UpdateRecord> updates;
+  };
+  void sort_by_region(const UpdateRecord& update, std::map<RegionId, Due>& due) const;
+  void on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now);
+  void measure_meetings();
   void send_copies();
   void flush_records(bool decisions);
+  void flush_region(RegionId region, const Due& due, bool decisions);
   void send_hello(HostTime now, bool leaving);
   void introduce_anew();
   [[nodiscard]] bool introduces() const;
   [[nodiscard]] Introduction introduction();
   [[nodiscard]] bool has_arrived(const Own& own) const;
   [[nodiscard]] double loss() const;
-  void send(Message& message);
+  [[nodiscard]] double loss_of(const Member& member) const;
+  void send(Message& message, RegionId region = kWholeScene);
   [[nodiscard]] Message blank() const;
   [[nodiscard]] std::int64_t tick_number(SimTime t) const;
   [[nodiscard]] SimTime tick_time(std::int64_t number) const;
@@ -408,7 +453,16 @@ class Peer {
     HostTime at;
   };
   std::deque<SentHello> sent_hellos_;  // of the last kHeldMax
-  std::uint32_t datagram_number_ = 0;
+  std::map<RegionId, std::uint32_t> datagram_numbers_;
+  RegionGrid grid_;
+  Interest interest_;
+  std::map<ObjectId, RegionId> heard_in_;  // others' objects: where they were told of last
+  std::set<ObjectId> unheard_;             // .. and those that this peer does not hear of
+  struct Entering {
+    Entered entered;
+    std::uint32_t copies;  // still to be sent
+  };
+  std::vector<Entering> entering_;
   std::vector<UpdateRecord> updates_due_, copies_due_;
   std::set<PeerId> other_worlds_;  // told once each
   bool id_in_use_told_ = false;

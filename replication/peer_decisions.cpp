@@ -61,13 +61,15 @@ Duration Peer::own_latency() const {
   return std::min<Duration>(latency_bound(longest), kLatencyMax);
 }
 
-// Both owners' states so far back have reached everybody.
-Duration Peer::lookback() const {
-  if (config_.decisions.lookback) return *config_.decisions.lookback;
+// Of any peer of the session.
+Duration Peer::longest_latency() const {
   Duration longest = own_latency();
   for (const auto& [peer, member] : members_.all()) longest = std::max(longest, member.latency);
   return longest;
 }
+
+// Both owners' states so far back have reached everybody.
+Duration Peer::lookback() const { return config_.decisions.lookback ? *config_.decisions.lookback : longest_latency(); }
 
 void Peer::measure_latency(Member& member, HostTime now, SimTime sent) {
   // Both within wire_limits: their difference is within int64.

@@ -19,7 +19,7 @@ constexpr std::size_t kMembersMax = 4096;
 
 }  // namespace
 
-std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<const std::byte> datagram) {
+std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram) {
   const auto dropped = [&](Drop why) {
     if (why != Drop::kOwn) drop(to_string(why));  // what comes back by loopback is no news
     return std::unexpected(why);
@@ -33,7 +33,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   if (const auto admitted = admit(now, m); !admitted) return dropped(admitted.error());
   ++counters_.datagrams_in;
   counters_.bytes_in += datagram.size();
-  if (m.number > 0) members_.find(m.sender)->received.on_datagram(m.number);
+  if (m.number > 0) members_.find(m.sender)->received[region].on_datagram(m.number);
   if (m.hello) on_hello(now, m.sender, m.number, *m.hello);
   if (m.leaving) {
     lose(m.sender, members_.remove(m.sender)->name, now, true);
@@ -45,6 +45,8 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId, std::span<cons
   }
   if (m.unknown_models > 0) counters_.drops["unknown_model"] += m.unknown_models;
   const SimTime session_now = clock_.to_session(now);
+  on_entered(m.entered, session_now);
+  on_gone(m.sender, m.gone, session_now);
   for (const UpdateRecord& u : m.updates) {
     if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
       drop("update_time");
@@ -117,7 +119,7 @@ void Peer::on_update(PeerId sender, UpdateRecord u, SimTime session_now) {
   Member* owning = members_.find(owner(u.object));
   if (owning == nullptr || (owner(u.object) != sender && !relayed)) return drop("not_owner");
   std::uint32_t& last = owning->last_sequence[u.object];
-  if (u.sequence == last) {
+  if (u.sequence == last && (holds(u.object) || !interest_.hears(u.model.state.position))) {
     ++counters_.updates_duplicate;
     return;
   }
@@ -130,6 +132,7 @@ void Peer::on_update(PeerId sender, UpdateRecord u, SimTime session_now) {
     updates_due_.push_back(u);
     ++counters_.updates_relayed;
   }
+  if (!hear(u, session_now)) return;
   const SimTime decided = decisions_.last(u.object);
   if (u.decision < decided && u.at < decided + kDecisionStands) return drop("before_decision");
   if (decisions_.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) return drop("before_decision");

@@ -19,6 +19,10 @@ constexpr std::size_t kEnslavedMax = 50;
 constexpr std::size_t kIntroductionEvery = 8, kNewsRepeated = 3;
 // A state that has not been replaced for so long is one that stays for a while.
 constexpr Duration kStandsFor = std::chrono::seconds(1);
+// A Gone: three varints; the first also takes the list's tag and length.
+constexpr std::size_t kGoneMax_bytes = 15 + 4;
+// At most, of what somebody may know nothing without: enough for one in five lost (0.2^4 = 0.0016).
+constexpr std::uint32_t kCopiesToArrive = 4;
 
 // Lists too long for one datagram take turns: of `size` entries at most `most`, each time the next ones.
 template <class Take>
@@ -69,12 +73,21 @@ double Peer::loss() const {
   return worst;
 }
 
+// .. and this peer of what comes from that one. Where regions keep most of a far peer's datagrams away, hellos alone
+// would take 20 s to tell a good link: what comes from the others tells too.
+double Peer::loss_of(const Member& member) const {
+  const LossMeter meter = member.received_in_all();
+  return grid_.cuts() ? meter.loss(members_.mean_loss()) : meter.loss();
+}
+
 // Where an update's loss would cost more than its bytes: again at once in another datagram, then with the ticks that
 // follow, while nothing newer goes.
 void Peer::send_copies() {
-  const std::uint32_t times = copies_against(loss(), config_.policy.copies);
-  if (times == 1) return;
+  const double loss_now = loss();
   for (auto& [object, own] : own_) {
+    const std::uint32_t most =
+        own.must_arrive ? std::max(config_.policy.copies, kCopiesToArrive) : config_.policy.copies;
+    const std::uint32_t times = copies_against(loss_now, most);
     if (!own.to_repeat || own.times_sent >= times) continue;
     ++own.times_sent;
     copies_due_.push_back(*own.to_repeat);
@@ -82,19 +95,34 @@ void Peer::send_copies() {
   }
 }
 
-// Updates and decisions, as few datagrams as hold them. A decision's copies go out a tick apart.
+// Updates and decisions, as few datagrams as hold them, each region's by themselves. A decision's copies go out a tick
+// apart.
 void Peer::flush_records(bool decisions) {
+  std::map<RegionId, Due> due;
+  if (decisions) due[kWholeScene];
+  for (const UpdateRecord& update : std::exchange(updates_due_, {})) sort_by_region(update, due);
+  for (const auto& [region, records] : due) flush_region(region, records, decisions && region == kWholeScene);
+  if (copies_due_.empty()) return;
+  updates_due_ = std::exchange(copies_due_, {});
+  flush_records(false);
+}
+
+void Peer::flush_region(RegionId region, const Due& due, bool decisions) {
   Message m = blank();
   std::size_t used_bytes = 0;
   const auto make_room = [&](std::size_t size_bytes) {
     if (used_bytes > 0 && used_bytes + size_bytes > kRecordsMax_bytes) {
-      send(m);
+      send(m, region);
       m = blank();
       used_bytes = 0;
     }
     used_bytes += size_bytes;
   };
-  for (const UpdateRecord& update : std::exchange(updates_due_, {})) {
+  for (const Gone& gone : due.gone) {
+    make_room(kGoneMax_bytes);
+    m.gone.push_back(gone);
+  }
+  for (const UpdateRecord& update : due.updates) {
     make_room(encoded_size_bytes(update, m.updates.empty() ? update.at : m.updates.front().at));
     m.updates.push_back(update);
   }
@@ -105,10 +133,7 @@ void Peer::flush_records(bool decisions) {
     m.decisions.push_back(entry.record);
     --entry.copies;
   }
-  if (used_bytes > 0) send(m);
-  if (copies_due_.empty()) return;
-  updates_due_ = std::exchange(copies_due_, {});
-  flush_records(false);
+  if (used_bytes > 0) send(m, region);
 }
 
 void Peer::introduce_anew() { introductions_due_ = kNewsRepeated * (1 + own_.size() / kEnslavedMax); }
@@ -142,8 +167,10 @@ void Peer::send_hello(HostTime now, bool leaving) {
   for (const auto& [peer, member] : members_.all()) {
     const Duration held = now - member.hello_rx;
     if (member.hello == 0 || held > kHeldMax) continue;
-    const LossMeter& received = member.received;
-    echoes.push_back({peer, member.hello, held, received.highest(), received.missing(), received.loss()});
+    const auto received = member.received.find(kWholeScene);
+    if (received == member.received.end()) continue;
+    const LossMeter& meter = received->second;
+    echoes.push_back({peer, member.hello, held, meter.highest(), meter.missing(), loss_of(member)});
   }
   take_turns(hellos_, echoes.size(), kEchoesMax, [&](std::size_t i) { hello.echoes.push_back(echoes[i]); });
   if (introduces()) hello.introduction = introduction();
@@ -153,16 +180,17 @@ void Peer::send_hello(HostTime now, bool leaving) {
   sent_hellos_.push_back({m.number, now});
 }
 
-void Peer::send(Message& message) {
-  message.number = ++datagram_number_;
+void Peer::send(Message& message, RegionId region) {
+  message.number = ++datagram_numbers_[region];
   Bytes datagram = encode(message);
   assert(datagram.size() <= kDatagramMax_bytes);
   ++counters_.datagrams_out;
   counters_.bytes_out += datagram.size();
-  outputs_.push_back(Send{kWholeScene, std::move(datagram)});
+  outputs_.push_back(Send{region, std::move(datagram)});
   for (const UpdateRecord& u : message.updates) {
     const auto own = own_.find(u.object);
-    if (own != own_.end() && own->second.sequence == u.sequence) own->second.told_in = message.number;
+    if (own != own_.end() && own->second.sequence == u.sequence)
+      own->second.told_in = region == kWholeScene ? message.number : 0;
   }
 }
 

@@ -241,6 +241,8 @@ void Peer::change_session(SimTime before, SimTime now) {
   decisions_.clear();
   held_.clear();
   told_.clear();
+  entering_.clear();  // all others tell everything anew
+  interest_.redate(now);
   updates_due_.clear();
   copies_due_.clear();
   oldest_update_ = Duration{0};
@@ -277,7 +279,9 @@ void Peer::declare_all() {
 
 // The truth watches what this peer finds. Ghosts are watched wherever they may meet something, own ones included:
 // the sender must know what every receiver predicts, or a predicted collision would cost an update.
-void Peer::watch_decided_pairs() {
+// What this peer does not hear of meets nothing. `only`: pairs of that object.
+void Peer::watch_decided_pairs(std::optional<ObjectId> only) {
+  if (!only) measure_meetings();
   if (!replica_) return;
   const auto ours = [&](ObjectId id) { return own_.contains(id); };
   std::set<ObjectId> partners;  // remote objects whose collisions with ours this peer finds, or with any as the server
@@ -288,10 +292,12 @@ void Peer::watch_decided_pairs() {
     }
   }
   for (const CollisionPair& pair : model_.pairs) {
+    if (only && pair.collider != *only && pair.collidee != *only) continue;
+    const bool here = holds(pair.collider) && holds(pair.collidee);
     const bool mine = ours(pair.collider) || ours(pair.collidee);
     const bool partner = partners.contains(pair.collider) || partners.contains(pair.collidee);
-    replica_->truth.watch(pair.collider, pair.collidee, mine ? finds(pair.collider, pair.collidee) : partner);
-    replica_->ghosts.watch(pair.collider, pair.collidee, config_.policy.predict_collisions);
+    replica_->truth.watch(pair.collider, pair.collidee, here && (mine ? finds(pair.collider, pair.collidee) : partner));
+    replica_->ghosts.watch(pair.collider, pair.collidee, here && config_.policy.predict_collisions);
   }
 }
 
@@ -312,6 +318,7 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
     }
     if (!added && !taken) continue;
     changed = true;
+    if (grid_.cuts() && !heard_in_.contains(object)) unheard_.insert(object);
     if (replica_) {
       replica_->truth.declare(object, Role::kBelief);
       replica_->ghosts.declare(object, Role::kBelief);

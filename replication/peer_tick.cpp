@@ -103,6 +103,7 @@ void Peer::report_contacts(SimTime t) {
   release_held(t);
   const auto others = [&](ObjectId id) { return !own_.contains(id) && owner(id) != kNobody; };
   while (const auto event = replica_->ghosts.poll_event()) {
+    if (const auto* met = std::get_if<ContactEvent>(&*event)) retell_across(*met);
     if (const auto* taken_back = std::get_if<TakenBack>(&*event)) {
       if (others(taken_back->object)) outputs_.push_back(*taken_back);
     } else if (const auto& contact = std::get<ContactEvent>(*event);
@@ -152,6 +153,7 @@ void Peer::publish(SimTime t) {
     std::optional<PublishReason> reason = due(policy, threshold_m, error, own.last_sent, t);
     if (!reason && own.retell) reason = PublishReason::kDecision;
     if (!reason && own.resend) reason = PublishReason::kJoiner;
+    if (!reason && has_crossed(own, replica_->truth.at(object, t).position)) reason = PublishReason::kRegion;
     if (!reason && gains(own, t, error)) reason = PublishReason::kGain;
     if (reason) tell(object, own, t, t, *reason, threshold_m);
   }
@@ -198,6 +200,7 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   ++counters_.update_sizes_out[static_cast<std::size_t>(std::ranges::lower_bound(kRecordSizes, size_bytes) -
                                                         kRecordSizes.begin())];
   outputs_.push_back(Published{t, object, size_bytes, threshold_m, reason});
+  note_told(own, record, reason);
   updates_due_.push_back(record);
   own.to_repeat = record;
   own.times_sent = 1;
@@ -226,7 +229,7 @@ double Peer::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) {
     const CollisionPair& pair = model_.pairs[number];
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
     const PeerId other_owner = owner(other);
-    if (other_owner == kNobody || other_owner == config_.id) continue;
+    if (other_owner == kNobody || other_owner == config_.id || !holds(other)) continue;
     ++counters_.proximity_tests;
     const KinematicState other_state = replica_->truth.at(other, t);
     const collision::MovingBody here{*body, state}, there{*model_.body(other), other_state};

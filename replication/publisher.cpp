@@ -19,6 +19,8 @@ const char* to_string(PublishReason reason) {
       return "gain";
     case PublishReason::kDecision:
       return "decision";
+    case PublishReason::kRegion:
+      return "region";
   }
   return "?";
 }

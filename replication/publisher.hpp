@@ -37,7 +37,7 @@ struct PublishPolicy {
   std::uint32_t copies = 1;    // of each update: two at once, then one a tick until a newer update goes out
 };
 
-enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner, kGain, kDecision };
+enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner, kGain, kDecision, kRegion };
 [[nodiscard]] const char* to_string(PublishReason);
 
 // How far the ghost that the others hold is from the truth.

@@ -11,13 +11,11 @@
 #include "core/time.hpp"
 #include "replication/decision.hpp"
 #include "replication/motion_model.hpp"
+#include "replication/region_grid.hpp"
 
 namespace peerd::replication {
 
 using Bytes = std::vector<std::byte>;
-
-// The one region that there is yet.
-inline constexpr RegionId kWholeScene{0};
 
 // What travels, as the rest of this folder sees it. proto/README.md specifies the bytes and limits.
 
@@ -107,13 +105,30 @@ inline constexpr int kBootLow_bits = 21;
   return boot & ((std::uint64_t{1} << kBootLow_bits) - 1);
 }
 
+// "I listen to that region since then": whoever has an object there and has not told of it since tells its state anew.
+struct Entered {
+  RegionId region;
+  SimTime since{};  // on the wire, milliseconds before the latest of a message's; rounded towards that
+};
+// As many as fit into a datagram of their own.
+inline constexpr std::size_t kEnteredMax = 150;
+
+// "It is told elsewhere from now on": who does not listen there knows nothing of it any more.
+struct Gone {
+  ObjectId object;
+  std::uint32_t sequence = 0;  // of the update that is told there
+  RegionId to;
+};
+
 struct Message {
   PeerId sender;
   std::uint64_t boot = 0;    // grows with each start of that peer; boot_low() of it where nothing introduces
-  std::uint32_t number = 0;  // of the sender's datagrams since then, from 1; 0: not counted
+  std::uint32_t number = 0;  // of the sender's datagrams to that region since then, from 1; 0: not counted
   std::optional<Hello> hello;
   std::vector<UpdateRecord> updates;
   std::vector<DecisionRecord> decisions;
+  std::vector<Entered> entered;
+  std::vector<Gone> gone;  // from the region that the message goes to
   bool leaving = false;
   std::uint32_t unknown_models = 0;  // updates left out by decode(): they name a model that this build does not know
 

@@ -23,16 +23,19 @@ ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId
   const replication::Peer& peer = node.peer();
   const bool own = owner == peer.id();
   const KinematicState s = own ? peer.truth(object, t) : peer.ghost(object, t);
-  return {{"id", object.value},
-          {"path", node.scene().path_of(object)},
-          {"owner", owner.value},
-          {"own", own},
-          {"driven", own && node.drives(object)},
-          {"outside", own && node.feeds(object)},
-          {"position_m", numbers(s.position)},
-          {"orientation_xyzw", {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()}},
-          {"velocity_m_s", numbers(s.velocity)},
-          {"angular_velocity_rad_s", numbers(s.angular_velocity_body)}};
+  ordered_json row = {
+      {"id", object.value},
+      {"path", node.scene().path_of(object)},
+      {"owner", owner.value},
+      {"own", own},
+      {"driven", own && node.drives(object)},
+      {"outside", own && node.feeds(object)},
+      {"position_m", numbers(s.position)},
+      {"orientation_xyzw", {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()}},
+      {"velocity_m_s", numbers(s.velocity)},
+      {"angular_velocity_rad_s", numbers(s.angular_velocity_body)}};
+  if (!peer.holds(object)) row["heard"] = false;
+  return row;
 }
 
 // Objects that somebody runs, from a number on. `next` is where to go on; null where this was the last.

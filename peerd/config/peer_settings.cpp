@@ -1,6 +1,7 @@
 #include "peerd/config/peer_settings.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -12,6 +13,9 @@ namespace {
 
 constexpr double kForever_s = 1e6;
 constexpr double kFar_m = 1e9;
+// Smaller cells are crossed with every other step of a walker; each region is a multicast group.
+constexpr double kCellMin_m = 1.0;
+constexpr int kRegionsMax = 65536;
 
 // By its name and what is held down with it, or by its numbers.
 ScriptedKey read_scripted_key(TomlReader reader) {
@@ -149,6 +153,35 @@ replication::DecisionSettings read_decisions(TomlReader& reader, const std::vect
   return s;
 }
 
+replication::RegionSettings read_regions(TomlReader reader) {
+  replication::RegionSettings s;
+  reader.read("cell_m", s.cell_m, 0.0, kFar_m);
+  if (s.cell_m > 0.0 && s.cell_m < kCellMin_m) {
+    reader.fail(reader.raw().get("cell_m"), reader.dotted("cell_m") + " must be 0 (not cut) or at least 1 m");
+  }
+  std::vector<double> counts{s.regions.begin(), s.regions.end()};
+  reader.read("counts", counts, 3);
+  const bool whole =
+      std::ranges::all_of(counts, [](double n) { return n >= 1.0 && n <= kRegionsMax && n == std::floor(n); });
+  if (!whole || counts[0] * counts[1] * counts[2] > kRegionsMax) {
+    reader.fail(reader.raw().get("counts"), reader.dotted("counts") +
+                                                " must be whole numbers from 1, of which the product is at most " +
+                                                std::to_string(kRegionsMax));
+  } else {
+    std::ranges::transform(counts, s.regions.begin(), [](double n) { return static_cast<std::uint32_t>(n); });
+  }
+  reader.read("margin_m", s.hysteresis.margin_m, 0.01, kFar_m);
+  double stay_s = to_seconds(s.hysteresis.stay);
+  reader.read("stay_s", stay_s, 0.0, kForever_s);
+  s.hysteresis.stay = from_seconds(stay_s);
+  std::optional<double> lookahead_s;
+  reader.read("lookahead_s", lookahead_s, 0.0, 60.0);
+  if (lookahead_s) s.lookahead = from_seconds(*lookahead_s);
+  reader.read("fastest_m_s", s.fastest_m_s, 0.0, 1e6);
+  reader.finish();
+  return s;
+}
+
 ReplicationSettings read_replication(TomlReader reader) {
   ReplicationSettings s;
   std::size_t approach = 2;
@@ -222,6 +255,7 @@ PeerSettings read_peer(TomlReader reader, const std::string& name, const std::fi
   std::uint32_t tick_hz = 0;
   reader.read("tick_hz", tick_hz, 1, 1000);
   if (tick_hz != 0) s.tick_hz = tick_hz;
+  reader.read("interest_radius_m", s.interest_radius_m, 0.0, kFar_m);
   reader.read("clock_offset_s", s.clock_offset_s, -kForever_s, kForever_s);
   s.motion = read_motions(reader, folder);
   if (const toml::table* feed = reader.table("feed")) {

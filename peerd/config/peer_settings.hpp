@@ -21,6 +21,7 @@ struct ReplicationSettings {
   replication::DecisionSettings decisions;  // no viewpoint: that is a peer's
   replication::RelaySettings relay;
   replication::DisplayDelay display_delay;
+  replication::RegionSettings regions;  // the table [regions]
   std::uint32_t tick_hz = 60;
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
@@ -55,6 +56,7 @@ struct PeerSettings {
   FeedSettings feed;
   std::vector<ScriptedKey> keys;  // by time, then as in the file
   std::optional<ViewpointSettings> viewpoint;
+  std::optional<double> interest_radius_m;
   std::optional<std::uint32_t> tick_hz;  // instead of replication.tick_hz
   double clock_offset_s = 0.0;           // test setting: this host's clock is so far ahead
 };
@@ -70,6 +72,9 @@ struct PeerSettings {
 
 // The table [relay].
 [[nodiscard]] replication::RelaySettings read_relay(TomlReader reader, const std::vector<PeerSettings>& peers);
+
+// The table [regions]: how the scene is cut, and how eagerly regions are left.
+[[nodiscard]] replication::RegionSettings read_regions(TomlReader reader);
 
 // How a real peer reaches the others: the table [transport].
 struct TransportSettings {

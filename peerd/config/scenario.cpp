@@ -97,6 +97,10 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   decisions.read("compare", run.compare_outcomes);
   decisions.finish();
   run.replication.relay = read_relay(TomlReader(table_or_empty(reader, "relay"), "relay", error), run.peers);
+  run.replication.regions = read_regions(TomlReader(table_or_empty(reader, "regions"), "regions", error));
+  if (run.replication.regions.cell_m > 0.0 && run.replication.relay.through != replication::kNobody) {
+    reader.fail(root.get("regions"), "regions: a relay passes all states on to everybody; leave out one of the two");
+  }
   read_network(TomlReader(table_or_empty(reader, "network"), "network", error), run);
   run.control = read_control(TomlReader(table_or_empty(reader, "control"), "control", error));
   if (run.control.socket && !run.control.socket->empty()) {
@@ -133,8 +137,8 @@ bool takes_list(std::string_view key) {
   return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
          key == "replication.models" || key == "transport.peers" || key.ends_with(".position") ||
          key.ends_with(".offset") || key.ends_with(".spin_axis") || key.ends_with(".waypoints") ||
-         key.ends_with(".within_m") || key.ends_with(".origin_m") || key.ends_with(".physics.velocity") ||
-         key.ends_with(".physics.acceleration");
+         key.ends_with(".within_m") || key.ends_with(".origin_m") || key == "regions.counts" ||
+         key.ends_with(".physics.velocity") || key.ends_with(".physics.acceleration");
 }
 
 struct SweptKey {

@@ -68,6 +68,25 @@ struct WrongOutcomes {
   std::uint64_t spurious = 0;  // decided, and not true
 };
 
+// What a simulated peer heard of what was in its area of interest, as somebody found who sees everything.
+struct PeerInterest {
+  PeerId peer;
+  double objects = 0.0;              // others' objects in its area, on average
+  std::uint64_t received_bytes = 0;  // that came its way but hellos and decisions, lost datagrams included
+  std::uint64_t interest_bytes = 0;  // of all with updates, the part that told of objects while in its area
+  std::uint32_t joins = 0, leaves = 0;
+  std::uint32_t joins_in_a_second = 0;  // at most
+  double groups = 0.0;                  // that it listened to, on average
+};
+struct InterestRecord {
+  double latency_ms = 0.0;           // the longest of any link, for comparison
+  double longest_missing_ms = 0.0;   // an object in an area, of which that peer held nothing
+  double longest_outdated_ms = 0.0;  // .. of which it did not hold what had been told of it so long before
+  std::uint64_t gaps = 0;            // how often an object was missing
+  std::uint64_t samples = 0, missing_samples = 0;
+  std::vector<PeerInterest> peers;
+};
+
 struct RunRecord {
   nlohmann::ordered_json params;  // every swept key by its dotted name
   double duration_s = 0.0;
@@ -78,7 +97,8 @@ struct RunRecord {
   std::vector<UpdateSent> updates;              // sorted by t_s
   std::vector<DatagramSent> datagrams;
   std::vector<ContactRow> contacts;
-  std::optional<WrongOutcomes> wrong;  // none: not compared
+  std::optional<WrongOutcomes> wrong;      // none: not compared
+  std::optional<InterestRecord> interest;  // none: nobody has an area of interest, or a real network
   std::uint32_t groups_joined = 0;
   bool worlds_equal = true;
   std::map<std::string, std::uint64_t> counters;  // summed over the peers

@@ -102,6 +102,36 @@ Json traffic_json(const RunRecord& run) {
   return {{"packets", run.datagrams.size()}, {"bytes", bytes}, {"bytes_per_s", per_s}};
 }
 
+Json interest_json(const RunRecord& run) {
+  const InterestRecord& interest = *run.interest;
+  Json peers = Json::array();
+  std::uint64_t received = 0, wanted = 0;
+  const auto ratio = [](std::uint64_t a, std::uint64_t b) {
+    return b > 0 ? static_cast<double>(a) / static_cast<double>(b) : 0.0;
+  };
+  for (const PeerInterest& p : interest.peers) {
+    received += p.received_bytes;
+    wanted += p.interest_bytes;
+    peers.push_back({{"peer", peer_name(run, p.peer)},
+                     {"objects", p.objects},
+                     {"received_bytes", p.received_bytes},
+                     {"interest_bytes", p.interest_bytes},
+                     {"received_over_interest", ratio(p.received_bytes, p.interest_bytes)},
+                     {"groups", p.groups},
+                     {"joins", p.joins},
+                     {"leaves", p.leaves},
+                     {"joins_in_a_second", p.joins_in_a_second}});
+  }
+  return {{"latency_ms", interest.latency_ms},
+          {"longest_missing_ms", interest.longest_missing_ms},
+          {"longest_outdated_ms", interest.longest_outdated_ms},
+          {"gaps", interest.gaps},
+          {"samples", interest.samples},
+          {"missing_samples", interest.missing_samples},
+          {"received_over_interest", ratio(received, wanted)},
+          {"peers", std::move(peers)}};
+}
+
 Json run_json(const RunRecord& run) {
   assert(std::ranges::is_sorted(run.beliefs, {},
                                 [](const BeliefSample& s) { return std::tuple(s.observer, s.object, s.t_s); }));
@@ -117,13 +147,15 @@ Json run_json(const RunRecord& run) {
   Json counters = Json::object();
   for (const auto& [name, count] : run.counters) counters[name] = count;
   if (not_finite > 0) counters["report.samples_not_finite"] = not_finite;
-  return {{"params", run.params.is_null() ? Json::object() : run.params},
-          {"objects", std::move(objects)},
-          {"collisions", collisions_json(run)},
-          {"traffic", traffic_json(run)},
-          {"groups_joined", run.groups_joined},
-          {"state_roots_equal", run.worlds_equal},
-          {"counters", std::move(counters)}};
+  Json json = {{"params", run.params.is_null() ? Json::object() : run.params},
+               {"objects", std::move(objects)},
+               {"collisions", collisions_json(run)},
+               {"traffic", traffic_json(run)},
+               {"groups_joined", run.groups_joined},
+               {"state_roots_equal", run.worlds_equal},
+               {"counters", std::move(counters)}};
+  if (run.interest) json["interest"] = interest_json(run);
+  return json;
 }
 
 }  // namespace

@@ -54,10 +54,14 @@ void Network::join(std::size_t peer, RegionId region) {
 
 void Network::leave(std::size_t peer, RegionId region) { std::erase(joined_[peer], region); }
 
+bool Network::joined(std::size_t peer, RegionId region) const {
+  return std::ranges::binary_search(joined_[peer], region);
+}
+
 void Network::send(VirtualTime now, std::size_t from, RegionId region, replication::Bytes datagram) {
   const auto shared = std::make_shared<const replication::Bytes>(std::move(datagram));
   for (std::size_t to = 0; to < peers_; ++to) {
-    if (to == from || !std::ranges::binary_search(joined_[to], region)) continue;
+    if (to == from || !joined(to, region)) continue;
     for (const Duration delay : links_[from * peers_ + to].delays()) {
       queue_.push({now + delay, sent_++, to, region, shared});
     }

@@ -52,6 +52,7 @@ class Network {
 
   void join(std::size_t peer, RegionId region);
   void leave(std::size_t peer, RegionId region);
+  [[nodiscard]] bool joined(std::size_t peer, RegionId region) const;
   void send(VirtualTime now, std::size_t from, RegionId region, replication::Bytes datagram);
 
   [[nodiscard]] bool idle() const { return queue_.empty(); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "peerd/sim/interest_oracle.hpp"
 #include "peerd/sim/network.hpp"
 
 namespace peerd::sim {
@@ -70,21 +71,31 @@ config::RunSettings without_latency(config::RunSettings run) {
 }
 
 config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
-                                              const Observer& observer, const KeyObserver& key_observer) {
+                                              const Observer& observer, const KeyObserver& key_observer,
+                                              std::optional<report::InterestRecord>* interest) {
   auto made = make_peers(run, shared);
   if (!made) return std::unexpected(made.error());
   std::vector<SimulatedPeer>& peers = *made;
   Network network(run);
+  std::optional<InterestOracle> oracle;
+  if (interest != nullptr && InterestOracle::has_areas(run)) {
+    std::vector<WatchedPeer> watched;
+    for (const SimulatedPeer& p : peers) watched.push_back({p.node.get(), p.clock_offset});
+    oracle.emplace(run, std::move(watched));
+  }
 
   VirtualTime now = kBegin;
   const auto drain = [&](std::size_t i) {
     while (auto out = peers[i].node->poll_output()) {
       if (auto* send = std::get_if<replication::Send>(&*out)) {
+        if (oracle) oracle->on_send(now, i, send->region, send->datagram, network);
         network.send(now, i, send->region, std::move(send->datagram));
         continue;
       }
       if (const auto* join = std::get_if<replication::Join>(&*out)) network.join(i, join->region);
       if (const auto* leave = std::get_if<replication::Leave>(&*out)) network.leave(i, leave->region);
+      const bool joins = std::holds_alternative<replication::Join>(*out);
+      if (oracle && (joins || std::holds_alternative<replication::Leave>(*out))) oracle->on_membership(now, i, joins);
       if (observer) observer(HostTime{now.time_since_epoch()}, *peers[i].node, *out);
     }
     while (const auto key = peers[i].node->poll_key_report()) {
@@ -106,6 +117,8 @@ config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, co
       if (deadline(peers[i]) < deadline(peers[next])) next = i;
     }
     const VirtualTime tick_at = std::max(now, deadline(peers[next]));
+    const VirtualTime event_at = network.idle() ? tick_at : std::min(tick_at, network.next_delivery());
+    while (oracle && oracle->next_look() && *oracle->next_look() < event_at) oracle->look();
     if (!network.idle() && network.next_delivery() <= tick_at) {  // datagrams first: a tick begins by draining them
       const Delivery d = network.take_next();
       now = d.at;
@@ -124,6 +137,7 @@ config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, co
     }
     if (node.start() && node.peer().clock().to_session(host) > *node.start() + linger) break;
   }
+  if (oracle) *interest = oracle->record();
   std::vector<PeerLog> logs;
   for (SimulatedPeer& p : peers) logs.push_back(p.node->log());
   return logs;

@@ -14,10 +14,12 @@ using Observer = std::function<void(HostTime true_now, const PeerNode&, const re
 using KeyObserver = std::function<void(HostTime true_now, const PeerNode&, const KeyReport&)>;
 
 // One run of a scenario on a simulated network, as fast as it goes: the peers are the daemon's own, only clock and
-// network are not. The same settings give the same logs, byte for byte.
+// network are not. The same settings give the same logs, byte for byte. `interest`, if given and a peer has an area of
+// interest: what was found about those.
 [[nodiscard]] config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
                                                             const Observer& observer = {},
-                                                            const KeyObserver& key_observer = {});
+                                                            const KeyObserver& key_observer = {},
+                                                            std::optional<report::InterestRecord>* interest = nullptr);
 
 // The same run where everybody knows everything at once: no latency, no loss, an update each tick, the lower id
 // decides.

@@ -281,7 +281,7 @@ class Town {
       used = measured_.on_packet(now_, kWholeScene, flight.datagram).has_value();
       drain(measured_, false);
     });
-    const Message m = decode(flight.datagram).value();
+    const Message m = decode(flight.datagram, measured_.clock().to_session(now_)).value();
     std::uint64_t applied = 0;
     for (const UpdateRecord& u : m.updates) {
       if (!used) continue;
@@ -310,14 +310,16 @@ class Town {
     }
   }
   void say_for_all(const Bytes& datagram) {
-    const Message said = decode(datagram).value();
+    const Message said = decode(datagram, sender_.clock().to_session(now_)).value();
     for (std::uint32_t k = 1; k <= kOthers; ++k) {
       Message m = said;
       const auto shifted = [&](ObjectId o) {
         return ObjectId{o.value - static_cast<std::uint32_t>((kOthers - k) * own_count_)};
       };
       m.sender = PeerId{1 + k};
-      for (ObjectId& o : m.hello.enslaved) o = shifted(o);
+      if (m.introduction() != nullptr) {
+        for (ObjectId& o : m.hello->introduction->enslaved) o = shifted(o);
+      }
       for (UpdateRecord& u : m.updates) u.object = shifted(u.object);
       flights_.push_back({now_ + kLatency, false, encode(m)});
     }
@@ -420,14 +422,13 @@ class Bench {
     Message m;
     m.sender = PeerId{2};
     m.boot = 1;
-    m.has_hello = true;
-    m.hello.name = "peer2";
-    m.hello.world_hash = 1;
-    m.hello.host_tx = now;
-    m.hello.synchronised = true;
+    Hello& hello = m.hello.emplace();
+    hello.session_tx = peer.clock().to_session(now);
+    Introduction& introduction = hello.introduction.emplace();
+    introduction.name = "peer2";
+    introduction.world_hash = 1;
     wrong("hello", !peer.on_packet(now, kWholeScene, encode(m)).has_value());
-    m.has_hello = false;
-    m.hello = {};
+    m.hello.reset();
     Updates updates(crowd, objects);
     std::vector<UpdateRecord> last(objects);
     std::vector<double> per_s, records_per_s;
@@ -503,7 +504,7 @@ class Bench {
       std::uint64_t others = 0;
       for (std::size_t i = 0; i < batches; ++i) {
         bytes += sent[i].size();
-        const auto decoded = decode(sent[i]);
+        const auto decoded = decode(sent[i], SimTime{10s});
         const bool all = decoded && decoded->updates.size() == kBatch;
         for (std::size_t k = 0; k < kBatch; ++k) {
           others += !all || !same_record(decoded->updates[k], messages[i].updates[k]);

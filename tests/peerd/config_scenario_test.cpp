@@ -483,5 +483,34 @@ TEST_F(ScenarioTest, Viewpoints) {
   EXPECT_THAT(error(kTwoPeers, {"peer.a.viewpoint.field_of_view_deg=180"}), HasSubstr("field_of_view_deg"));
 }
 
+TEST_F(ScenarioTest, RegionsAreOffUntilACellIsGiven) {
+  const auto off = read(kTwoPeers).runs.front();
+  EXPECT_EQ(off.replication.regions.cell_m, 0.0);
+  EXPECT_EQ(off.peers.front().interest_radius_m, std::nullopt);
+  const auto on =
+      read(kTwoPeers, {"regions.cell_m=75", "regions.counts=[4, 2, 16]", "regions.margin_m=2.5", "regions.stay_s=3",
+                       "regions.lookahead_s=0.5", "regions.fastest_m_s=9", "peer.a.interest_radius_m=120"})
+          .runs.front();
+  const replication::RegionSettings& r = on.replication.regions;
+  EXPECT_EQ(r.cell_m, 75.0);
+  EXPECT_EQ(r.regions, (std::array<std::uint32_t, 3>{4, 2, 16})) << "one list, not a sweep";
+  EXPECT_EQ(r.hysteresis.margin_m, 2.5);
+  EXPECT_EQ(r.hysteresis.stay, std::chrono::seconds(3));
+  EXPECT_EQ(r.lookahead, std::chrono::milliseconds(500));
+  EXPECT_EQ(r.fastest_m_s, 9.0);
+  EXPECT_EQ(on.peers.front().interest_radius_m, 120.0);
+}
+
+TEST_F(ScenarioTest, RegionsThatCannotBeAreRefused) {
+  EXPECT_THAT(error(kTwoPeers, {"regions.cell_m=0.5"}),
+              HasSubstr("regions.cell_m must be 0 (not cut) or at least 1 m"));
+  EXPECT_THAT(error(kTwoPeers, {"regions.counts=[0, 1, 1]"}), HasSubstr("regions.counts must be whole numbers"));
+  EXPECT_THAT(error(kTwoPeers, {"regions.counts=[2.5, 1, 1]"}), HasSubstr("regions.counts must be whole numbers"));
+  EXPECT_THAT(error(kTwoPeers, {"regions.counts=[256, 2, 256]"}), HasSubstr("at most 65536"));
+  EXPECT_THAT(error(kTwoPeers, {"regions.margin_m=0"}), HasSubstr("regions.margin_m"));
+  EXPECT_THAT(error(kTwoPeers, {"peer.a.interest_radius_m=-1"}), HasSubstr("interest_radius_m"));
+  EXPECT_THAT(error(kTwoPeers, {"regions.cell_m=75", "relay.through=b"}), HasSubstr("leave out one of the two"));
+}
+
 }  // namespace
 }  // namespace peerd::config

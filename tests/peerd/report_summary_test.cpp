@@ -72,6 +72,26 @@ TEST(Summary, HandNumbers) {
   EXPECT_EQ(s["state_roots_equal"], false);
 }
 
+TEST(Summary, AreasOfInterestAreThereWhereSomebodyAsked) {
+  RunRecord run = samples::quiet_run();
+  EXPECT_FALSE(summarise(kInfo, {&run, 1})["runs"][0].contains("interest"));
+  InterestRecord& interest = run.interest.emplace();
+  interest.latency_ms = 100;
+  interest.longest_missing_ms = 50;
+  interest.samples = 1000;
+  interest.missing_samples = 3;
+  interest.gaps = 1;
+  interest.peers = {{kA, 2.5, 300, 200, 4, 3, 2, 9.5}, {kB, 0.0, 100, 0, 0, 0, 0, 1.0}};
+  const Json s = summarise(kInfo, {&run, 1})["runs"][0]["interest"];
+  EXPECT_EQ(s["longest_missing_ms"], 50.0);
+  EXPECT_EQ(s["missing_samples"], 3);
+  EXPECT_DOUBLE_EQ(s["received_over_interest"], 2.0) << "of all together";
+  EXPECT_DOUBLE_EQ(s["peers"][0]["received_over_interest"], 1.5);
+  EXPECT_DOUBLE_EQ(s["peers"][1]["received_over_interest"], 0.0) << "no number, and JSON has no NaN";
+  EXPECT_EQ(s["peers"][0]["peer"], "a");
+  EXPECT_EQ(s["peers"][0]["joins_in_a_second"], 2);
+}
+
 TEST(Summary, NothingInItIsNull) {
   RunRecord run = samples::quiet_run();
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -46,6 +46,8 @@ class Lan {
                       0,
                       Duration{-1},
                       0});
+    joined_.emplace_back();
+    drain(nodes_.size() - 1);
     return nodes_.size() - 1;
   }
   // The same computer starts another life of a peer; what was sent to it is still under way.
@@ -63,6 +65,8 @@ class Lan {
   void part(std::set<std::size_t> side) { apart_ = std::move(side); }
   // Sees each datagram on each link before it is sent; false loses it.
   std::function<bool(std::size_t from, std::size_t to, const Message&)> filter;
+  // Sees each datagram once, as it leaves.
+  std::function<void(std::size_t from, RegionId, const Message&)> on_send;
   // Delays a datagram on top of its link's latency.
   std::function<Duration(std::size_t from, std::size_t to, const Message&)> delay;
 
@@ -74,7 +78,7 @@ class Lan {
         const Flight f = flights_.top();
         flights_.pop();
         now_ = std::max(now_, f.at);
-        if (nodes_[f.to].running) inject(f.to, f.datagram);
+        if (nodes_[f.to].running) inject(f.to, f.datagram, f.region);
         continue;
       }
       if (tick_at > t) break;
@@ -88,8 +92,8 @@ class Lan {
     }
     now_ = t;
   }
-  std::expected<void, Drop> inject(std::size_t to, const Bytes& datagram) {
-    const auto result = nodes_[to].peer->on_packet(host_now(to), RegionId{0}, datagram);
+  std::expected<void, Drop> inject(std::size_t to, const Bytes& datagram, RegionId region = kWholeScene) {
+    const auto result = nodes_[to].peer->on_packet(host_now(to), region, datagram);
     drain(to);
     return result;
   }
@@ -115,6 +119,7 @@ class Lan {
   [[nodiscard]] Peer& peer(std::size_t i) const { return *nodes_[i].peer; }
   [[nodiscard]] Node& node(std::size_t i) { return nodes_[i]; }
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
+  [[nodiscard]] const std::set<RegionId>& joined(std::size_t i) const { return joined_[i]; }
 
   // Outputs of one kind, in order.
   template <class Kind>
@@ -145,6 +150,7 @@ class Lan {
     std::uint64_t order;
     std::size_t to;
     Bytes datagram;
+    RegionId region;
     bool operator<(const Flight& other) const { return std::tie(other.at, other.order) < std::tie(at, order); }
   };
 
@@ -162,24 +168,27 @@ class Lan {
   void drain(std::size_t i) {
     while (auto out = nodes_[i].peer->poll_output()) {
       if (const auto* send = std::get_if<Send>(&*out)) {
-        transmit(i, send->datagram);
+        transmit(i, send->datagram, send->region);
       } else {
+        if (const auto* join = std::get_if<Join>(&*out)) joined_[i].insert(join->region);
+        if (const auto* leave = std::get_if<Leave>(&*out)) joined_[i].erase(leave->region);
         nodes_[i].outputs.emplace_back(now_, std::move(*out));
       }
     }
   }
-  void transmit(std::size_t from, const Bytes& datagram) {
+  void transmit(std::size_t from, const Bytes& datagram, RegionId region) {
     EXPECT_LE(datagram.size(), kDatagramMax_bytes);
     const auto message = decode(datagram, session_now(from));
     ASSERT_TRUE(message.has_value()) << to_string(message.error());
+    if (on_send) on_send(from, region, *message);
     std::uniform_real_distribution<double> u(0.0, 1.0);
     for (std::size_t to = 0; to < nodes_.size(); ++to) {  // multicast comes back to its sender too
-      if (apart_.contains(from) != apart_.contains(to)) continue;
+      if (apart_.contains(from) != apart_.contains(to) || !joined_[to].contains(region)) continue;
       if (filter && !filter(from, to, *message)) continue;
       const int copies = (u(rng_) < link_.loss ? 0 : 1) + (u(rng_) < link_.duplicates ? 1 : 0);
       for (int c = 0; c < copies; ++c) {
         const Duration late = seconds(to_seconds(link_.jitter) * u(rng_)) + (delay ? delay(from, to, *message) : 0s);
-        flights_.push({now_ + (to == from ? 0ms : link_.latency + late), ++sent_, to, datagram});
+        flights_.push({now_ + (to == from ? 0ms : link_.latency + late), ++sent_, to, datagram, region});
       }
     }
   }
@@ -188,6 +197,7 @@ class Lan {
   Link link_;
   std::mt19937_64 rng_;
   std::vector<Node> nodes_;
+  std::vector<std::set<RegionId>> joined_;  // by node
   std::priority_queue<Flight> flights_;
   std::set<std::size_t> apart_;
   Duration now_{0};

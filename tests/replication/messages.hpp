@@ -24,6 +24,15 @@ class MessageMaker {
     for (std::size_t i = 0; i < updates; ++i) m.updates.push_back(update());
     for (std::size_t i = 0; i < decisions; ++i) m.decisions.push_back(decision());
     m.leaving = coin();
+    const SimTime latest{coin() ? 0ns : 12345678901234567ns};
+    for (std::uint32_t i = number<std::uint32_t>() % 3; i > 0; --i) {
+      const auto age = std::chrono::milliseconds(m.entered.empty() ? 0 : number<std::uint32_t>());
+      m.entered.push_back({RegionId{number<std::uint32_t>()}, latest - age});
+    }
+    for (std::uint32_t i = number<std::uint32_t>() % 3; i > 0; --i) {
+      m.gone.push_back({ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
+                        RegionId{number<std::uint32_t>()}});
+    }
     return m;
   }
 
@@ -174,6 +183,12 @@ inline bool same_bits(const Message& a, const Message& b) {
     return n.collider == o.collider && n.collidee == o.collidee && n.contact == o.contact && n.held == o.held &&
            n.by == o.by;
   };
+  const auto same_entered = [](const Entered& e, const Entered& f) {
+    return e.region == f.region && e.since == f.since;
+  };
+  const auto same_gone = [](const Gone& one, const Gone& other) {
+    return one.object == other.object && one.sequence == other.sequence && one.to == other.to;
+  };
   const auto same_viewpoint = [](const std::optional<Viewpoint>& v, const std::optional<Viewpoint>& w) {
     if (!v || !w) return !v && !w;
     return v->object == w->object && v->field_of_view == w->field_of_view && v->aspect == w->aspect &&
@@ -190,7 +205,8 @@ inline bool same_bits(const Message& a, const Message& b) {
            std::ranges::equal(h->echoes, g->echoes, same_echo) && std::ranges::equal(h->notes, g->notes, same_note) &&
            same_introduction(h->introduction, g->introduction);
   };
-  return a.sender == b.sender && a.boot == b.boot && a.number == b.number && a.leaving == b.leaving &&
+  return std::ranges::equal(a.entered, b.entered, same_entered) && std::ranges::equal(a.gone, b.gone, same_gone) &&
+         a.sender == b.sender && a.boot == b.boot && a.number == b.number && a.leaving == b.leaving &&
          same_hello(a.hello, b.hello) && std::ranges::equal(a.updates, b.updates, same_update) &&
          std::ranges::equal(a.decisions, b.decisions, same_decision);
 }

@@ -144,9 +144,9 @@ TEST_P(Tennis, NobodySeesTheBallGoThroughAnything) {
   EXPECT_EQ(ran.summary["collisions"]["missed"], 0);
 }
 
-// By the ghost's own way: with 250 ms the straight way back would lead through the net.
+// By the ghost's own way: with 240 ms the straight way back would lead through the net.
 TEST(TennisRally, IsSeenToComeOverTheNetWhereTheStraightWayLeadsThroughIt) {
-  const Ran ran = run_scenario(kTennis, {"network.latency_ms=250", "network.jitter_ms=30", "sample_hz=120"}).front();
+  const Ran ran = run_scenario(kTennis, {"network.latency_ms=240", "sample_hz=120"}).front();
   EXPECT_GE(ran.record.counters.at("convergence_detours"), 1u);
   EXPECT_EQ(ran.record.counters.at("convergence_blocked"), 0u);
 }

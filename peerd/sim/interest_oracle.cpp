@@ -1,0 +1,192 @@
+#include "peerd/sim/interest_oracle.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "replication/codec.hpp"
+
+namespace peerd::sim {
+namespace {
+
+// More updates of one object than can be under way.
+constexpr std::size_t kToldMax = 1024;
+
+double ms(Duration d) { return 1e3 * to_seconds(d); }
+
+}  // namespace
+
+bool InterestOracle::has_areas(const config::RunSettings& run) {
+  return std::ranges::any_of(run.peers, [](const config::PeerSettings& p) { return p.interest_radius_m.has_value(); });
+}
+
+InterestOracle::InterestOracle(const config::RunSettings& run, std::vector<WatchedPeer> peers)
+    : run_(run), peers_(std::move(peers)), grid_(run.replication.regions.grid()) {
+  assert(run_.peers.size() == peers_.size());
+  for (std::size_t i = 0; i < peers_.size(); ++i) {
+    const config::PeerSettings& settings = run_.peers[i];
+    if (settings.interest_radius_m)
+      asked_.push_back({i, *settings.interest_radius_m, {PeerId{settings.id}}, 0, 0, {}, {}});
+  }
+  for (const config::PeerSettings& from : run_.peers) {
+    for (const config::PeerSettings& to : run_.peers) {
+      const config::LinkSettings& link = config::link(run_, from.name, to.name);
+      const double longest_ms = (link.latency_ms + link.jitter_ms) * (link.reordering > 0.0 ? 2.0 : 1.0);
+      if (from.id != to.id) found_.latency_ms = std::max(found_.latency_ms, longest_ms);
+    }
+  }
+}
+
+SimTime InterestOracle::session_time(std::size_t peer, VirtualTime t) const {
+  return peers_[peer].node->peer().clock().to_session(HostTime{t.time_since_epoch() + peers_[peer].clock_offset});
+}
+
+std::optional<VirtualTime> InterestOracle::next_look() {
+  if (!begin_) {
+    const bool ready = std::ranges::all_of(peers_, [](const WatchedPeer& p) { return p.node->start().has_value(); });
+    if (!ready) return std::nullopt;
+    const WatchedPeer& first = peers_.front();
+    const HostTime host = first.node->peer().clock().to_host(*first.node->start());
+    begin_ = VirtualTime{host.time_since_epoch() - first.clock_offset};
+  }
+  const VirtualTime at = *begin_ + from_seconds(static_cast<double>(looks_) / run_.sample_hz);
+  return in_run(at) ? std::optional(at) : std::nullopt;
+}
+
+bool InterestOracle::in_run(VirtualTime t) {
+  return begin_ && t >= *begin_ && t <= *begin_ + from_seconds(run_.duration_s);
+}
+
+Vec3 InterestOracle::truth(ObjectId object, VirtualTime t) const {
+  const std::size_t owner = owners_.at(object);
+  return peers_[owner].node->peer().truth(object, session_time(owner, t)).position;
+}
+
+bool InterestOracle::in_area(const Asked& asked, const Vec3& position, VirtualTime t) const {
+  const auto near = [&](const Vec3& center) {
+    Vec3 apart = position - center;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (run_.replication.regions.regions[static_cast<std::size_t>(axis)] == 1) apart[axis] = 0.0;
+    }
+    return apart.norm() <= asked.radius_m;
+  };
+  const WatchedPeer& self = peers_[asked.peer];
+  const auto& viewpoint = self.node->viewpoint();
+  if (!viewpoint) {
+    return std::ranges::any_of(owners_,
+                               [&](const auto& o) { return o.second == asked.peer && near(truth(o.first, t)); });
+  }
+  if (!viewpoint->object || !owners_.contains(*viewpoint->object)) return near(viewpoint->pose.position);
+  const std::size_t owner = owners_.at(*viewpoint->object);
+  const KinematicState carrier = peers_[owner].node->peer().truth(*viewpoint->object, session_time(owner, t));
+  return near(carrier.pose() * viewpoint->pose.position);
+}
+
+void InterestOracle::look() {
+  const VirtualTime t = *next_look();
+  ++looks_;
+  owners_.clear();
+  for (std::size_t i = 0; i < peers_.size(); ++i) {
+    for (const auto& [object, owner] : peers_[i].node->peer().owners()) {
+      if (owner == peers_[i].node->peer().id()) owners_.emplace(object, i);
+    }
+  }
+  for (Asked& asked : asked_) look(asked, t);
+}
+
+void InterestOracle::look(Asked& asked, VirtualTime t) {
+  const replication::Peer& peer = peers_[asked.peer].node->peer();
+  asked.groups += 1 + peer.interest().regions().size();
+  for (const auto& [object, owner] : owners_) {
+    if (owner == asked.peer) continue;
+    const auto gap = asked.missing_since.find(object);
+    const bool inside = in_area(asked, truth(object, t), t);
+    const replication::UpdateRecord* told = peer.last_told(object);
+    const bool missing = inside && (!peer.holds(object) || told == nullptr);
+    if (inside) ++asked.objects, ++found_.samples;
+    if (missing) ++found_.missing_samples;
+    if (missing && gap == asked.missing_since.end()) asked.missing_since.emplace(object, t);
+    if (!missing && gap != asked.missing_since.end()) {
+      close_gap(t - gap->second);
+      asked.missing_since.erase(gap);
+    }
+    if (!inside || missing) continue;
+    if (const auto since = outdated_since(object, told->sequence)) {
+      found_.longest_outdated_ms = std::max(found_.longest_outdated_ms, ms(t - *since));
+    }
+  }
+}
+
+void InterestOracle::close_gap(Duration length) {
+  ++found_.gaps;
+  found_.longest_missing_ms = std::max(found_.longest_missing_ms, ms(length));
+}
+
+// When something newer was first sent than the update of that number; none where that is the newest.
+std::optional<VirtualTime> InterestOracle::outdated_since(ObjectId object, std::uint32_t sequence) const {
+  const auto told = told_.find(object);
+  if (told == told_.end()) return std::nullopt;
+  const auto newer = std::ranges::upper_bound(told->second, sequence, {}, &Told::sequence);
+  return newer == told->second.end() ? std::nullopt : std::optional(newer->at);
+}
+
+void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region, std::span<const std::byte> datagram,
+                             const Network& network) {
+  const auto message = replication::decode(datagram, session_time(from, now));
+  if (!message || (message->updates.empty() && message->gone.empty() && message->entered.empty())) return;
+  double records_bytes = 0.0;
+  const auto size_bytes = [&](const replication::UpdateRecord& u) {
+    return static_cast<double>(replication::encoded_size_bytes(u, message->updates.front().at));
+  };
+  for (const replication::UpdateRecord& u : message->updates) {
+    records_bytes += size_bytes(u);
+    std::deque<Told>& told = told_[u.object];
+    if (told.empty() || u.sequence > told.back().sequence) told.push_back({now, u.sequence});
+    if (told.size() > kToldMax) told.pop_front();
+  }
+  if (!in_run(now)) return;
+  for (Asked& asked : asked_) {
+    if (asked.peer == from) continue;
+    if (network.joined(asked.peer, region)) asked.found.received_bytes += datagram.size();
+    double wanted_bytes = 0.0;
+    for (const replication::UpdateRecord& u : message->updates) {
+      const bool own_region = !grid_.cuts() || grid_.region_of(u.model.state.position) == region;
+      if (own_region && owners_.contains(u.object) && in_area(asked, truth(u.object, now), now)) {
+        wanted_bytes += size_bytes(u);
+      }
+    }
+    const double share = records_bytes > 0.0 ? wanted_bytes / records_bytes : 0.0;
+    asked.found.interest_bytes += static_cast<std::uint64_t>(share * static_cast<double>(datagram.size()) + 0.5);
+  }
+}
+
+void InterestOracle::on_membership(VirtualTime now, std::size_t peer, bool joined) {
+  if (!in_run(now)) return;
+  for (Asked& asked : asked_) {
+    if (asked.peer != peer) continue;
+    if (!joined) {
+      ++asked.found.leaves;
+      continue;
+    }
+    ++asked.found.joins;
+    std::deque<VirtualTime>& late = asked.joins_of_late;
+    late.push_back(now);
+    while (late.front() <= now - std::chrono::seconds(1)) late.pop_front();
+    asked.found.joins_in_a_second = std::max(asked.found.joins_in_a_second, static_cast<std::uint32_t>(late.size()));
+  }
+}
+
+report::InterestRecord InterestOracle::record() const {
+  InterestOracle all = *this;
+  for (Asked& asked : all.asked_) {
+    for (const auto& [object, since] : asked.missing_since) {  // gaps that the run's end has cut
+      all.close_gap(*begin_ + from_seconds(static_cast<double>(looks_) / run_.sample_hz) - since);
+    }
+    const double looks = static_cast<double>(std::max<std::uint64_t>(looks_, 1));
+    asked.found.objects = static_cast<double>(asked.objects) / looks;
+    asked.found.groups = static_cast<double>(asked.groups) / looks;
+    all.found_.peers.push_back(asked.found);
+  }
+  return all.found_;
+}
+
+}  // namespace peerd::sim
