@@ -27,7 +27,7 @@ bool of_pair(const DecisionRecord& d, ObjectId a, ObjectId b) {
 }
 
 std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionRecord& record, PeerId author) {
-  if (knows(record.contact, author, record.collider, record.collidee)) return std::nullopt;
+  if (find(record.contact, author, record.collider, record.collidee) != nullptr) return std::nullopt;
   const auto before = [](const Entry& e, const std::pair<SimTime, PeerId>& key) {
     return std::pair(e.record.contact, e.author) < key;
   };
@@ -52,10 +52,11 @@ std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionR
   return changes;
 }
 
-bool DecisionLog::knows(SimTime contact, PeerId author, ObjectId a, ObjectId b) const {
-  return std::ranges::any_of(entries_, [&](const Entry& e) {
+const DecisionLog::Entry* DecisionLog::find(SimTime contact, PeerId author, ObjectId a, ObjectId b) const {
+  const auto found = std::ranges::find_if(entries_, [&](const Entry& e) {
     return e.author == author && e.record.contact == contact && of_pair(e.record, a, b);
   });
+  return found == entries_.end() ? nullptr : &*found;
 }
 
 void DecisionLog::forget_before(SimTime contact) {

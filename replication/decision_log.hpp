@@ -32,8 +32,8 @@ class DecisionLog {
 
   // What is different now, those that no longer stand first. None: it is known already.
   std::optional<std::vector<Change>> add(const DecisionRecord& record, PeerId author);
-  // Whether exactly that contact of the two, decided by that peer, is known, whether it stands or not.
-  [[nodiscard]] bool knows(SimTime contact, PeerId author, ObjectId a, ObjectId b) const;
+  // That peer's decision on exactly that contact of the two; null where none is known.
+  [[nodiscard]] const Entry* find(SimTime contact, PeerId author, ObjectId a, ObjectId b) const;
   void forget_before(SimTime contact);
   void clear() { entries_.clear(); }
 

@@ -26,7 +26,6 @@ void LossMeter::on_datagram(std::uint32_t number) {
   if (behind >= kWindow || (seen_ >> behind & 1) != 0) return;
   seen_ |= std::uint64_t{1} << behind;
   lost_ = std::max(0.0, lost_ - 1.0);
-  --missing_;
 }
 
 std::uint32_t copies_against(double loss, std::uint32_t most) {

@@ -10,7 +10,8 @@ class LossMeter {
   // `number`: the sender's count of its datagrams, from 1.
   void on_datagram(std::uint32_t number);
   [[nodiscard]] std::uint32_t highest() const { return highest_; }
-  // Of those from the first that came to highest(): how many have not.
+  // Of those from the first that came to highest(): how many had not come when a later one did. Never less than before,
+  // so that what is as much as before tells that all since then have come.
   [[nodiscard]] std::uint32_t missing() const { return missing_; }
   // The part that gets lost, in (0, 1): before anything has come one in ten, afterwards ever nearer to what was seen.
   [[nodiscard]] double loss() const { return (lost_ + 0.2) / (sent_ + 2.0); }

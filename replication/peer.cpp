@@ -30,6 +30,8 @@ const char* to_string(Drop drop) {
       return "too_many";
     case Drop::kStranger:
       return "stranger";
+    case Drop::kRegion:
+      return "region";
     case Drop::kNotYetInSession:
       return "not_yet_in_session";
   }

@@ -188,6 +188,7 @@ enum class Drop : std::uint8_t {
   kTooMany,          // more peers than can be
   kStranger,         // no hello of that peer has named its world yet
   kNotYetInSession,  // this peer has no session time yet
+  kRegion,           // said in one region what concerns everybody
 };
 [[nodiscard]] const char* to_string(Drop);
 
@@ -406,7 +407,7 @@ class Peer {
   [[nodiscard]] Introduction introduction();
   [[nodiscard]] bool has_arrived(const Own& own) const;
   [[nodiscard]] double loss() const;
-  [[nodiscard]] double loss_of(const Member& member) const;
+  [[nodiscard]] double loss_of(const Member& member, double others) const;
   void send(Message& message, RegionId region = kWholeScene);
   [[nodiscard]] Message blank() const;
   [[nodiscard]] std::int64_t tick_number(SimTime t) const;
@@ -465,6 +466,7 @@ class Peer {
   std::vector<Entering> entering_;
   std::vector<UpdateRecord> updates_due_, copies_due_;
   std::set<PeerId> other_worlds_;  // told once each
+  std::set<PeerId> forgotten_;     // lost; what they said is to be said again when they come back
   bool id_in_use_told_ = false;
   std::deque<Output> outputs_;
   Counters counters_;

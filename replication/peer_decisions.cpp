@@ -72,8 +72,10 @@ Duration Peer::longest_latency() const {
 Duration Peer::lookback() const { return config_.decisions.lookback ? *config_.decisions.lookback : longest_latency(); }
 
 void Peer::measure_latency(Member& member, HostTime now, SimTime sent) {
-  // Both within wire_limits: their difference is within int64.
-  const Duration late = std::clamp(clock_.to_session(now) - sent, Duration{0}, Duration{kLatencyMax});
+  const SimTime came = clock_.to_session(now);
+  const Duration late = sent >= came                 ? Duration{0}
+                        : sent <= came - kLatencyMax ? Duration{kLatencyMax}  // before a difference could overflow
+                                                     : came - sent;
   member.delays[member.delays_known++ % member.delays.size()] = late;
 }
 
@@ -160,7 +162,10 @@ std::vector<DecisionLog::Change> Peer::add_own(const DecisionRecord& d) {
 // times.
 void Peer::decide(const ContactEvent& contact, SimTime known_at) {
   ContactEvent c = contact;
-  while (decisions_.knows(c.at, config_.id, c.collider, c.collidee)) c.at += Duration{1};
+  while (const auto* known = decisions_.find(c.at, config_.id, c.collider, c.collidee)) {
+    if (known->stands) break;  // the same once more
+    c.at += Duration{1};
+  }
   const auto changes = add_own(record_of(c, config_.decisions.policy));
   // As all who hear of it will: the own object's ghost too, or this peer's copy of their ghosts would not be theirs.
   replica_->ghosts.set_base(c.collider, c.at, law_of_outcome(model_.response_of(c.collider), c.collider_after));

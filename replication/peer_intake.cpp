@@ -30,6 +30,8 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
     return dropped(Drop::kUndecodable);
   }
   const Message& m = *message;
+  const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.entered.empty();
+  if (for_all && region != kWholeScene) return dropped(Drop::kRegion);
   if (const auto admitted = admit(now, m); !admitted) return dropped(admitted.error());
   ++counters_.datagrams_in;
   counters_.bytes_in += datagram.size();
@@ -97,6 +99,7 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
     case Membership::Heard::kKnown:
       break;
     case Membership::Heard::kJoined:
+      members_.find(m.sender)->come_back = forgotten_.erase(m.sender) > 0;
       outputs_.push_back(PeerJoined{m.sender, introduction->name, false});
       break;
     case Membership::Heard::kRestarted:

@@ -73,11 +73,11 @@ double Peer::loss() const {
   return worst;
 }
 
-// .. and this peer of what comes from that one. Where regions keep most of a far peer's datagrams away, hellos alone
-// would take 20 s to tell a good link: what comes from the others tells too.
-double Peer::loss_of(const Member& member) const {
+// .. and this peer of what comes from that one; `others`: on average of what comes from all. Where regions keep most of
+// a far peer's datagrams away, hellos alone would take long to tell a good link: what comes from the others tells too.
+double Peer::loss_of(const Member& member, double others) const {
   const LossMeter meter = member.received_in_all();
-  return grid_.cuts() ? meter.loss(members_.mean_loss()) : meter.loss();
+  return grid_.cuts() ? meter.loss(others) : meter.loss();
 }
 
 // Where an update's loss would cost more than its bytes: again at once in another datagram, then with the ticks that
@@ -163,16 +163,19 @@ void Peer::send_hello(HostTime now, bool leaving) {
   hello.sessions = sessions_;
   hello.latency = own_latency();
   hello.notes = notes();
-  std::vector<Echo> echoes;
-  for (const auto& [peer, member] : members_.all()) {
-    const Duration held = now - member.hello_rx;
-    if (member.hello == 0 || held > kHeldMax) continue;
+  std::vector<std::pair<PeerId, const Member*>> heard;
+  for (auto& [peer, member] : members_.all()) {
     const auto received = member.received.find(kWholeScene);
-    if (received == member.received.end()) continue;
-    const LossMeter& meter = received->second;
-    echoes.push_back({peer, member.hello, held, meter.highest(), meter.missing(), loss_of(member)});
+    if (std::exchange(member.come_back, false) || member.hello == 0 || now - member.hello_rx > kHeldMax) continue;
+    if (received != member.received.end()) heard.emplace_back(peer, &member);
   }
-  take_turns(hellos_, echoes.size(), kEchoesMax, [&](std::size_t i) { hello.echoes.push_back(echoes[i]); });
+  const double others = members_.mean_loss();
+  take_turns(hellos_, heard.size(), kEchoesMax, [&](std::size_t i) {
+    const auto& [peer, member] = heard[i];
+    const LossMeter& meter = member->received.at(kWholeScene);
+    hello.echoes.push_back(
+        {peer, member->hello, now - member->hello_rx, meter.highest(), meter.missing(), loss_of(*member, others)});
+  });
   if (introduces()) hello.introduction = introduction();
   ++hellos_;
   send(m);

@@ -14,6 +14,8 @@ namespace {
 // meanwhile is not made up: for everybody else its objects stood still.
 constexpr Duration kSlept = std::chrono::seconds(4);
 
+// Of lost peers, so many are told that they were. More than one network carries.
+constexpr std::size_t kForgottenMax = 4096;
 // World time beyond which a nanosecond count would overflow: 100 years.
 constexpr double kFarthest_s = 3.2e9;
 
@@ -127,10 +129,18 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   }
   const auto echo = std::ranges::find(hello.echoes, config_.id, &Echo::peer);
   if (echo == hello.echoes.end()) {
-    if (hello.echoes.size() < kEchoesMax) member.knows_us = false;
+    // With more peers than echoes in a hello they take turns.
+    if (++member.unechoed > members_.all().size() / kEchoesMax && std::exchange(member.knows_us, false)) {
+      member.forgot_us = true;
+      member.receipt.reset();
+    }
     return;
   }
+  member.unechoed = 0;
   member.knows_us = true;
+  if (std::exchange(member.forgot_us, false)) {  // what it has forgotten stands still there
+    for (auto& [object, own] : own_) own.resend = true;
+  }
   member.loss_of_ours = echo->loss;
   if (!member.receipt) member.receipt = {echo->highest, echo->highest, echo->missing};
   member.receipt->on_echo(*echo);
@@ -329,6 +339,7 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
 
 void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye) {
   release(peer, now);
+  if (forgotten_.size() < kForgottenMax) forgotten_.insert(peer);
   if (follows_ == peer) follows_.reset();
   outputs_.push_back(PeerLost{peer, name, said_goodbye});
 }

@@ -73,7 +73,7 @@ struct Echo {
   std::uint32_t hello = 0;    // the number of its last hello's datagram
   Duration held{0};           // from that one's arrival to this hello
   std::uint32_t highest = 0;  // number of its datagrams that has come, not below `hello`
-  std::uint32_t missing = 0;  // of its datagrams since the first that came, at least until they come late
+  std::uint32_t missing = 0;  // of its datagrams since the first that came: not there when a later one was
   double loss = 0.0;          // what gets lost on the way (LossMeter), in thousandths
 };
 

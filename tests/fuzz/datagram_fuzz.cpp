@@ -2,7 +2,8 @@
 // bounded work, with finite ghosts, and sends only what others can read.
 //
 // An input is a row of datagrams, each after two bytes of its length (low byte first) and one of the time that passes
-// before it comes [10 ms]. What is left over is the last one.
+// before it comes [10 ms, 6 bits] and the region that it comes in (2 bits above). What is left over is the last one.
+// Each input goes to a peer that cuts the scene into regions and to one that doesn't.
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -41,7 +42,7 @@ struct World {
 
 class Driver {
  public:
-  explicit Driver(const World& world) : world_(world), peer_(config(world.scene), *world.model) {
+  Driver(const World& world, bool cuts) : world_(world), peer_(config(world.scene, cuts), *world.model) {
     pass(std::chrono::milliseconds(1200));  // alone, it founds a session
     require(peer_.clock().synchronised());
   }
@@ -59,10 +60,10 @@ class Driver {
     now_ = until;
   }
 
-  void receive(std::span<const std::byte> datagram) {
+  void receive(RegionId region, std::span<const std::byte> datagram) {
     const SimTime near = peer_.clock().to_session(now_);
     const auto message = decode(datagram, near);
-    const auto taken = peer_.on_packet(now_, RegionId{0}, datagram);
+    const auto taken = peer_.on_packet(now_, region, datagram);
     require(message.has_value() || !taken.has_value());
     if (message) {
       for (const UpdateRecord& u : message->updates) check(u.model.state);
@@ -83,12 +84,13 @@ class Driver {
   }
 
  private:
-  static PeerConfig config(const Scene& scene) {
+  static PeerConfig config(const Scene& scene, bool cuts) {
     PeerConfig c;
     c.id = PeerId{2};
     c.name = "fuzzed";
     c.boot = 7;
     c.world_hash = 1;
+    if (cuts) c.regions.cell_m = 4.0;
     c.enslaved = {{scene.find("BALL").value(), false}};
     return c;
   }
@@ -114,22 +116,27 @@ class Driver {
   Peer peer_;
 };
 
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+void run(std::span<const std::byte> rest, bool cuts) {
   static const World world;
-  Driver driver(world);
-  auto rest = std::as_bytes(std::span(data, size));
+  Driver driver(world, cuts);
   for (int i = 0; i < kDatagramsMax && rest.size() > 3; ++i) {
     const auto length = std::to_integer<std::size_t>(rest[0]) | std::to_integer<std::size_t>(rest[1]) << 8;
-    const auto pause = std::to_integer<std::int64_t>(rest[2]);
+    const auto pause_and_region = std::to_integer<std::uint32_t>(rest[2]);
     rest = rest.subspan(3);
-    driver.pass(std::chrono::milliseconds(10 * pause));
+    driver.pass(std::chrono::milliseconds(10 * (pause_and_region & 63)));
     const auto datagram = rest.first(std::min(length, rest.size()));
-    driver.receive(datagram);
+    driver.receive(RegionId{pause_and_region >> 6}, datagram);
     rest = rest.subspan(datagram.size());
   }
   driver.pass(std::chrono::milliseconds(50));
   driver.check_ghosts();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto input = std::as_bytes(std::span(data, size));
+  run(input, false);
+  run(input, true);
   return 0;
 }

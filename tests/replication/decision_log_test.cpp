@@ -42,10 +42,10 @@ TEST(DecisionLog, ACopyChangesNothing) {
   EXPECT_EQ(log.last(kCar), sim(1s));
   EXPECT_EQ(log.last(kLorry), SimTime{});
   EXPECT_EQ(log.last(kCube, kCar), sim(1s));
-  EXPECT_TRUE(log.knows(sim(1s), PeerId{2}, kCube, kCar));
-  EXPECT_FALSE(log.knows(sim(1s) + 1ns, PeerId{2}, kCube, kCar));
-  EXPECT_FALSE(log.knows(sim(1s), PeerId{1}, kCube, kCar));
-  EXPECT_FALSE(log.knows(sim(1s), PeerId{2}, kLorry, kCar));
+  EXPECT_NE(log.find(sim(1s), PeerId{2}, kCube, kCar), nullptr);
+  EXPECT_EQ(log.find(sim(1s) + 1ns, PeerId{2}, kCube, kCar), nullptr);
+  EXPECT_EQ(log.find(sim(1s), PeerId{1}, kCube, kCar), nullptr);
+  EXPECT_EQ(log.find(sim(1s), PeerId{2}, kLorry, kCar), nullptr);
 }
 
 struct Conflict {

@@ -473,6 +473,38 @@ TEST(Peer, WhatHasArrivedIsNotRepeated) {
   }
 }
 
+// A link that is dead one way for longer than a peer is waited for: who was forgotten says where everything is.
+TEST(Peer, WhoWasForgottenTellsItsStatesAnew) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 4 0 0"));
+  for (const Duration dead : {1800ms, 1900ms, 2000ms, 2100ms, 2200ms, 2300ms}) {
+    SCOPED_TRACE(dead.count());
+    Lan lan(world, {20ms, 0ms, 0, 0});
+    PeerConfig c = config(1, {{world["O0"], false}});
+    c.policy.time_threshold = 60s;
+    lan.add(c);
+    lan.add(config(2));
+    lan.run_until(6s);
+    lan.filter = [&](std::size_t from, std::size_t to, const Message&) { return from != 0 || to != 1; };
+    lan.run_until(6s + dead);
+    lan.filter = nullptr;
+    lan.run_until(9500ms);
+    const SimTime t = lan.session_now(1);
+    EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - lan.peer(0).truth(world["O0"], t).position).norm(), 1e-6);
+  }
+}
+
+// What concerns everybody is not taken from one region: numbers there count by themselves.
+TEST_F(InSession, HellosAreForTheWholeScene) {
+  Message m = hello_of(7, lan.host_now(self));
+  m.number = 1'000'000;
+  EXPECT_EQ(lan.peer(self).on_packet(lan.host_now(self), RegionId{1}, encode(m)).error(), Drop::kRegion);
+  m.hello.reset();
+  m.leaving = true;
+  EXPECT_EQ(lan.peer(self).on_packet(lan.host_now(self), RegionId{1}, encode(m)).error(), Drop::kRegion);
+  lan.run_until(lan.now() + 1s);  // its hellos go on
+  EXPECT_EQ(lan.peer(self).members().all().size(), 1u);
+}
+
 // Once all know each other, who they are goes with one hello in eight; a newcomer hears it with the next.
 TEST(Peer, IntroducesItselfToWhoDoesNotKnowIt) {
   const World world(box("O0", "1 1 1", "0 0 0"));
