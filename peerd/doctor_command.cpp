@@ -128,7 +128,7 @@ std::string as_text(const Findings& f, const config::TransportSettings& settings
 int run_doctor(const DoctorOptions& options) {
   const auto settings = read_settings(options);
   if (!settings) return failed(settings.error());
-  const auto reach = transport_options(*settings, /*instance=*/1);
+  const auto reach = transport_options(*settings, random_key());
   if (!reach) return failed(reach.error());
   const Findings found = examine(*reach);
   if (options.json) {

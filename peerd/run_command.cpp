@@ -244,8 +244,7 @@ int run_peer(const PeerOptions& options) {
   const net::HostClock clock(from_seconds((*settings)->clock_offset_s));
   PeerNode::Options node_options;
   // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
-  const auto node_boot = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
-  node_options.boot = node_boot;
+  node_options.boot = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
   for (const config::PeerSettings& p : run.peers) node_options.wait_for.push_back(PeerId{p.id});
   node_options.start_lead = std::chrono::milliseconds(1000);  // a few hellos must have told everybody
   node_options.clock_offset = from_seconds((*settings)->clock_offset_s);
@@ -254,7 +253,7 @@ int run_peer(const PeerOptions& options) {
   auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
   const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), std::move(node_options));
 
-  const auto reach = transport_options(run.transport, node_boot);
+  const auto reach = transport_options(run.transport, random_key());
   if (!reach) return failed(reach.error());
   asio::io_context io(1);
   const auto reached = net::open_transport(io, clock, *reach);

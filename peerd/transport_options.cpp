@@ -1,6 +1,10 @@
 #include "peerd/transport_options.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
 
 namespace peerd {
 namespace {
@@ -25,7 +29,7 @@ config::InputError input_error(const net::NetError& error) {
 }
 
 config::Result<net::TransportOptions> transport_options(const config::TransportSettings& settings,
-                                                        std::uint64_t instance) {
+                                                        const net::SipKey& key) {
   const auto port = static_cast<std::uint16_t>(settings.port.value_or(kDefaultPort));
   const auto plan = net::parse_group_plan(settings.group, port, settings.group_pool);
   if (!plan) return std::unexpected(input_error(plan.error()));
@@ -37,8 +41,15 @@ config::Result<net::TransportOptions> transport_options(const config::TransportS
   options.multicast.receive_buffer_bytes = static_cast<int>(settings.receive_buffer_bytes);
   options.use = use_of(settings.multicast);
   options.peers = settings.peers;
-  options.instance = instance;
+  options.key = key;
   return options;
+}
+
+net::SipKey random_key() {
+  net::SipKey key;
+  static_assert(sizeof key == 16);
+  if (getentropy(&key, sizeof key) != 0) throw std::system_error(errno, std::generic_category(), "getentropy");
+  return key;
 }
 
 std::string buffer_warning(const config::TransportSettings& settings, int granted_bytes) {

@@ -1,14 +1,15 @@
 #pragma once
-#include <cstdint>
-
 #include "peerd/config/peer_settings.hpp"
 #include "peerd/net/open_transport.hpp"
 
 namespace peerd {
 
-// How to reach other peers, from the table [transport]; `instance` as TransportOptions has it. The error is a person's.
+// How to reach other peers, from the table [transport]; `key` as TransportOptions has it. The error is a person's.
 [[nodiscard]] config::Result<net::TransportOptions> transport_options(const config::TransportSettings& settings,
-                                                                      std::uint64_t instance);
+                                                                      const net::SipKey& key);
+
+// 128 bits of the kernel's randomness: once for each start of a process. Throws std::system_error if it has none.
+[[nodiscard]] net::SipKey random_key();
 
 // The error of the network as that of a command: 2 where a setting is wrong, else 3.
 [[nodiscard]] config::InputError input_error(const net::NetError& error);

@@ -1,26 +1,68 @@
 #include "peerd/net/known_peers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace peerd::net {
 
 using asio::ip::udp;
 
-KnownPeers::KnownPeers(Options options) : options_(std::move(options)) {}
+namespace {
+
+// Port, address and, of an IPv6 address that each link has for itself, the link.
+struct EndpointBytes {
+  std::array<std::byte, 22> bytes{};
+  std::size_t size = 0;
+
+  void put(std::uint64_t value, int size_bytes) {
+    for (int i = 0; i < size_bytes; ++i) bytes[size++] = static_cast<std::byte>(value >> (8 * i));
+  }
+};
+
+EndpointBytes bytes_of(const udp::endpoint& at) {
+  EndpointBytes out;
+  out.put(at.port(), 2);
+  if (at.address().is_v4()) {
+    out.put(at.address().to_v4().to_uint(), 4);
+  } else {
+    const auto address = at.address().to_v6();
+    for (const unsigned char byte : address.to_bytes()) out.put(byte, 1);
+    out.put(static_cast<std::uint32_t>(address.scope_id()), 4);
+  }
+  return out;
+}
+
+}  // namespace
+
+// No endpoint is hashed from no bytes: what all may read says nothing of any number.
+KnownPeers::KnownPeers(Options options)
+    : options_(std::move(options)), instance_(static_cast<std::uint32_t>(sip_hash(options_.key, {}))) {}
+
+std::uint64_t KnownPeers::number_for(const udp::endpoint& at) const {
+  const EndpointBytes input = bytes_of(at);
+  return sip_hash(options_.key, std::span(input.bytes).first(input.size)) >> (64 - kAddressNumberBits) | 1;
+}
+
+bool KnownPeers::has_echoed(const udp::endpoint& from) const {
+  return std::ranges::any_of(peers_, [&](const Peer& peer) { return peer.at == from || peer.also == from; });
+}
 
 bool KnownPeers::is_known(const udp::endpoint& at) const {
   return std::ranges::find(peers_, at, &Peer::at) != peers_.end();
 }
 
 KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& from, const Greeting& greeting) {
-  if (greeting.instance == options_.instance) {
-    own_.insert(from);
+  if (greeting.instance == instance_) {
+    on_own(now, from, greeting);
     return Outcome::kOwn;
   }
-  if (greeting.echo != options_.instance) return Outcome::kStranger;
+  if (greeting.echo != number_for(from)) return Outcome::kStranger;
   auto known = std::ranges::find(peers_, greeting.instance, &Peer::instance);
-  if (known != peers_.end() && known->at != from) return Outcome::kTwice;
+  if (known != peers_.end() && known->at != from) {
+    known->also = from;  // it may hold us by another of our addresses, and send from there
+    return Outcome::kTwice;
+  }
   if (greeting.leaving) {
     if (known != peers_.end()) peers_.erase(known);
     return Outcome::kLeft;
@@ -34,6 +76,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   }
   introduced_.erase(from);
   known->heard = now;
+  known->number = greeting.number;
   known->all_regions = greeting.all_regions;
   known->regions = greeting.regions;
   for (const udp::endpoint& other : greeting.peers) {
@@ -46,9 +89,18 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   return is_new ? Outcome::kNew : Outcome::kKnown;
 }
 
+// Only who receives at `from` can send our own number for it back to us, and only a candidate needs to be remembered.
+void KnownPeers::on_own(HostTime now, const udp::endpoint& from, const Greeting& greeting) {
+  const bool candidate = introduced_.contains(from) || std::ranges::find(options_.seeds, from) != options_.seeds.end();
+  if (greeting.number != number_for(from) || !candidate) return;
+  if (own_.size() < options_.most || own_.contains(from)) own_[from] = now + options_.own;
+  introduced_.erase(from);
+}
+
 void KnownPeers::forget(HostTime now) {
   std::erase_if(peers_, [&](const Peer& peer) { return now - peer.heard > options_.silence; });
   std::erase_if(introduced_, [&](const auto& entry) { return now > entry.second; });
+  std::erase_if(own_, [&](const auto& entry) { return now > entry.second; });
 }
 
 bool KnownPeers::wants(const Peer& peer, RegionId region) {

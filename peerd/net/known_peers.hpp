@@ -3,38 +3,42 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <set>
+#include <optional>
 #include <vector>
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "peerd/net/sip_hash.hpp"
 #include "peerd/net/unicast_frame.hpp"
 
 namespace peerd::net {
 
 // Whom unicast goes to, and whom to greet in the hope of it. Pure: no socket, no clock.
 //
-// Known is who has echoed our instance of late. Candidates are the seeds of the configuration, for as long as they
-// don't answer, and whom a known peer says that it hears, for some rounds.
+// Known is who has echoed the number of its address of late. Candidates are the seeds of the configuration, for as long
+// as they don't answer, and whom a known peer says that it hears, for some rounds.
 class KnownPeers {
  public:
   struct Options {
-    std::uint64_t instance = 0;  // our own, as a Greeting has it
+    SipKey key = {};  // of this process alone, and secret: else others know what to echo
     std::vector<asio::ip::udp::endpoint> seeds = {};
     Duration silence = std::chrono::seconds(5);       // who hasn't greeted for so long is gone
     Duration introduction = std::chrono::seconds(3);  // for so long who was named by others is greeted
-    std::size_t most = 256;                           // of known peers, and of those named by others
+    Duration own = std::chrono::seconds(60);          // for so long an address that is ours isn't greeted
+    std::size_t most = 256;                           // of known peers, of those named by others, of our own
   };
   struct Peer {
     asio::ip::udp::endpoint at;
-    std::uint64_t instance = 0;
+    std::uint32_t instance = 0;
+    std::uint64_t number = 0;  // to echo to it
     HostTime heard{};
     bool all_regions = false;
-    std::vector<RegionId> regions = {};  // that it wants, ascending
+    std::vector<RegionId> regions = {};                // that it wants, ascending
+    std::optional<asio::ip::udp::endpoint> also = {};  // where it echoed, too; nothing is sent there
   };
   enum class Outcome : std::uint8_t {
     kOwn,       // we greeted ourselves: by an address of this computer that is among the seeds
-    kStranger,  // hasn't echoed our instance: answer it shortly, believe it nothing
+    kStranger,  // hasn't echoed its number: answer it shortly, believe it nothing
     kNew,
     kKnown,
     kTwice,  // known by another address already
@@ -47,8 +51,16 @@ class KnownPeers {
   Outcome on_greeting(HostTime now, const asio::ip::udp::endpoint& from, const Greeting& greeting);
   void forget(HostTime now);
 
+  // Our process, and the number that who receives at `at` is to echo: a keyed hash of it, so that knowing that of one
+  // address tells nothing of others. Never 0.
+  [[nodiscard]] std::uint32_t instance() const { return instance_; }
+  [[nodiscard]] std::uint64_t number_for(const asio::ip::udp::endpoint& at) const;
+  // Whether a known peer has echoed from there.
+  [[nodiscard]] bool has_echoed(const asio::ip::udp::endpoint& from) const;
+
   [[nodiscard]] const std::vector<Peer>& peers() const { return peers_; }      // in the order in which they came
   [[nodiscard]] std::size_t introduced() const { return introduced_.size(); }  // by others, and not known yet
+  [[nodiscard]] std::size_t own() const { return own_.size(); }                // candidates that are ourselves
   [[nodiscard]] static bool wants(const Peer& peer, RegionId region);
   [[nodiscard]] std::vector<asio::ip::udp::endpoint> candidates() const;
   // The peers to name in a greeting, kGreetingPeersMax of them; `round` picks which where there are more. Addresses of
@@ -57,10 +69,12 @@ class KnownPeers {
 
  private:
   [[nodiscard]] bool is_known(const asio::ip::udp::endpoint& at) const;
+  void on_own(HostTime now, const asio::ip::udp::endpoint& from, const Greeting& greeting);
 
   Options options_;
+  std::uint32_t instance_;
   std::vector<Peer> peers_;
-  std::set<asio::ip::udp::endpoint> own_;                   // that turned out to be ours
+  std::map<asio::ip::udp::endpoint, HostTime> own_;         // candidates that are ourselves, and until when
   std::map<asio::ip::udp::endpoint, HostTime> introduced_;  // until when to greet them
 };
 

@@ -44,7 +44,7 @@ std::expected<std::unique_ptr<Transport>, NetError> open_unicast(asio::io_contex
                               .interface = m.interface,
                               .port = m.groups.port,
                               .seeds = *std::move(seeds),
-                              .instance = options.instance,
+                              .key = options.key,
                               .dscp = m.dscp,
                               .receive_buffer_bytes = m.receive_buffer_bytes});
 }

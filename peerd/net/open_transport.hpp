@@ -22,7 +22,7 @@ struct TransportOptions {
   MulticastOptions multicast;  // the port, the interface, the family of the group and what follows hold for unicast too
   MulticastUse use = MulticastUse::kAuto;
   std::vector<std::string> peers = {};  // "host:port", "[2001:db8::1]:port": seeds of unicast
-  std::uint64_t instance = 0;           // of this process, for unicast
+  SipKey key = {};                      // of this process alone, and secret; for unicast (KnownPeers)
 };
 
 struct OpenedTransport {

@@ -13,6 +13,7 @@ std::map<std::string, std::uint64_t> TrafficCounters::named() const {
       {"net.in_truncated", in_truncated},
       {"net.in_other_group", in_other_group},
       {"net.in_other_region", in_other_region},
+      {"net.in_stranger", in_stranger},
       {"net.in_other_interface", in_other_interface},
       {"net.in_no_destination", in_no_destination},
       {"net.in_malformed", in_malformed},

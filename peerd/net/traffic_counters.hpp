@@ -17,6 +17,7 @@ struct TrafficCounters {
   std::uint64_t in_truncated = 0;        // longer than kMaxDatagramBytes
   std::uint64_t in_other_group = 0;      // to a group that is not joined (or just left), or to this host alone
   std::uint64_t in_other_region = 0;     // of a region that is not joined, in a group that is, or by unicast
+  std::uint64_t in_stranger = 0;         // by unicast, from where no known peer has echoed
   std::uint64_t in_other_interface = 0;  // a joined group, but over an interface that is not ours
   std::uint64_t in_no_destination = 0;   // the kernel did not say which group it was sent to
   std::uint64_t in_malformed = 0;        // does not say its region where it must

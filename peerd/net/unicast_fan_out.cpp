@@ -53,7 +53,7 @@ UnicastFanOut::UnicastFanOut(asio::io_context& io, const HostClock& clock, const
       reading_(clock, counters_, kMaxDatagramBytes + kRegionHeaderBytes),
       receiver_(io, reading_),
       queue_(kMaxDatagramBytes + kRegionHeaderBytes),
-      known_({.instance = options.instance, .seeds = options.seeds}),
+      known_({.key = options.key, .seeds = options.seeds}),
       timer_(io),
       hurried_rounds_(kShortRoundsAtStart) {}
 
@@ -132,6 +132,10 @@ void UnicastFanOut::take(const Received& received, HostTime at) {
 }
 
 void UnicastFanOut::take_datagram(const Received& received, HostTime at) {
+  if (!known_.has_echoed(received.from)) {
+    ++counters_.in_stranger;
+    return;
+  }
   const RegionId region = *read_region_header(received.bytes);
   if (!joined_.contains(region)) {
     ++counters_.in_other_region;
@@ -155,18 +159,20 @@ void UnicastFanOut::on_greeting(const Received& received, HostTime at) {
   if (outcome == Outcome::kFull) ++counters_.peers_refused;
   // The others are to be told of a new one, and who was named is to be greeted.
   if (outcome == Outcome::kNew || known_.introduced() > introduced) round_due_ = true;
-  // Who greets a stranger by the instance of a process that is no more is told of this one, asked or not.
+  // Who echoes the number of a process that is no more is told of this one, asked or not.
   const bool stranger = outcome == Outcome::kStranger && !greeting->leaving;
   const bool known = outcome == Outcome::kNew || outcome == Outcome::kKnown;
   const bool told = outcome == Outcome::kKnown && !greeting->reply;  // what we want
   if (!(known && !told) && !(stranger && (greeting->reply || greeting->echo != 0))) return;
-  Greeting reply{.instance = options_.instance, .echo = greeting->instance, .reply = stranger};
+  Greeting reply{.echo = greeting->number, .reply = stranger};
   if (known) reply.regions.assign(joined_.begin(), joined_.end());
-  greet(received.from, reply);
+  greet(received.from, std::move(reply));
   queue_.flush(native_handle(), counters_);
 }
 
-void UnicastFanOut::greet(const udp::endpoint& to, const Greeting& greeting) {
+void UnicastFanOut::greet(const udp::endpoint& to, Greeting greeting) {
+  greeting.instance = known_.instance();
+  greeting.number = known_.number_for(to);
   const auto bytes = encode(greeting, options_.family == IpFamily::kV4);
   push(to, {}, bytes);
   ++counters_.greetings_out;
@@ -174,15 +180,13 @@ void UnicastFanOut::greet(const udp::endpoint& to, const Greeting& greeting) {
 
 void UnicastFanOut::greet_all(bool leaving) {
   for (const KnownPeers::Peer& peer : known_.peers()) {
-    Greeting greeting{.instance = options_.instance, .echo = peer.instance, .leaving = leaving};
+    Greeting greeting{.echo = peer.number, .leaving = leaving};
     greeting.regions.assign(joined_.begin(), joined_.end());
     if (!leaving) greeting.peers = known_.introductions(peer, round_);
-    greet(peer.at, greeting);
+    greet(peer.at, std::move(greeting));
   }
   if (leaving) return;
-  for (const udp::endpoint& candidate : known_.candidates()) {
-    greet(candidate, {.instance = options_.instance, .reply = true});
-  }
+  for (const udp::endpoint& candidate : known_.candidates()) greet(candidate, {.reply = true});
 }
 
 void UnicastFanOut::next_round() {

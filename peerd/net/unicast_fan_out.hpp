@@ -24,7 +24,7 @@ struct UnicastOptions {
   std::string interface = "";  // hears what comes over this one and lo; empty: over any
   std::uint16_t port = 0;      // of this peer alone
   std::vector<asio::ip::udp::endpoint> seeds = {};
-  std::uint64_t instance = 0;  // of this process; another one's must differ
+  SipKey key = {};  // KnownPeers'
   int dscp = 0;
   int receive_buffer_bytes = 1024 * 1024;
 };
@@ -61,7 +61,7 @@ class UnicastFanOut final : public Transport {
   void on_greeting(const Received& received, HostTime at);
   void take_datagram(const Received& received, HostTime at);
   void push(const asio::ip::udp::endpoint& to, std::span<const std::byte> header, std::span<const std::byte> datagram);
-  void greet(const asio::ip::udp::endpoint& to, const Greeting& greeting);
+  void greet(const asio::ip::udp::endpoint& to, Greeting greeting);
   void greet_all(bool leaving);
   void changed();
   void next_round();

@@ -11,6 +11,7 @@ using asio::ip::udp;
 constexpr std::byte kRegionMark{0x52}, kGreetingMark{0x47};
 constexpr std::uint64_t kReply = 1, kLeaving = 2, kFlags = 3;
 constexpr std::uint64_t kAllRegions = 0xFF;
+constexpr int kInstanceBytes = 4, kNumberBytes = kAddressNumberBits / 8;
 
 void put(std::vector<std::byte>& out, std::uint64_t value, int size_bytes) {
   for (int shift = 8 * (size_bytes - 1); shift >= 0; shift -= 8) out.push_back(static_cast<std::byte>(value >> shift));
@@ -63,8 +64,9 @@ std::vector<std::byte> encode(const Greeting& greeting, bool v4) {
   const bool all = greeting.all_regions || greeting.regions.size() > kGreetingRegionsMax;
   const std::size_t peers = std::min(greeting.peers.size(), kGreetingPeersMax);
   std::vector<std::byte> out{kGreetingMark};
-  put(out, greeting.instance, 8);
-  put(out, greeting.echo, 8);
+  put(out, greeting.instance, kInstanceBytes);
+  put(out, greeting.number, kNumberBytes);
+  put(out, greeting.echo, kNumberBytes);
   put(out, (greeting.reply ? kReply : 0) | (greeting.leaving ? kLeaving : 0), 1);
   put(out, all ? kAllRegions : greeting.regions.size(), 1);
   put(out, peers, 1);
@@ -80,8 +82,9 @@ std::optional<Greeting> decode_greeting(std::span<const std::byte> bytes, bool v
   if (bytes.empty() || bytes.front() != kGreetingMark) return std::nullopt;
   Cursor cursor{bytes.subspan(1)};
   Greeting greeting;
-  greeting.instance = cursor.take(8);
-  greeting.echo = cursor.take(8);
+  greeting.instance = static_cast<std::uint32_t>(cursor.take(kInstanceBytes));
+  greeting.number = cursor.take(kNumberBytes);
+  greeting.echo = cursor.take(kNumberBytes);
   const std::uint64_t flags = cursor.take(1);
   greeting.reply = (flags & kReply) != 0;
   greeting.leaving = (flags & kLeaving) != 0;

@@ -27,17 +27,20 @@ inline constexpr std::size_t kRegionHeaderBytes = 5;
 
 // By unicast alone: who is here, what it wants to hear, and whom it hears.
 //
-//    0        1            9            17       18       19       20
-//   +--------+- - - - - - +- - - - - - +--------+--------+--------+- - - - - - - +- - - - - - - - - - - - - -+
-//   |  0x47  |  instance  |    echo    | flags  |#regions| #peers |  #regions    |  #peers x (port 2,        |
-//   |        |            |            |        |0xFF all|        |  x 4         |  address 4 or, IPv6, 16)  |
-//   +--------+- - - - - - +- - - - - - +--------+--------+--------+- - - - - - - +- - - - - - - - - - - - - -+
+//    0        1          5          11         17       18       19       20
+//   +--------+- - - - - +- - - - - +- - - - - +--------+--------+--------+- - - - - - - +- - - - - - - - - - - - - -+
+//   |  0x47  | instance |  number  |   echo   | flags  |#regions| #peers |  #regions    |  #peers x (port 2,        |
+//   |        |          |          |          |        |0xFF all|        |  x 4         |  address 4 or, IPv6, 16)  |
+//   +--------+- - - - - +- - - - - +- - - - - +--------+--------+--------+- - - - - - - +- - - - - - - - - - - - - -+
 //
-// Who echoes our instance gets our datagrams where it says it is, and nobody else: an address that somebody made up
-// does not, and is never sent more than it seemed to send.
+// The number is another one for each address that is greeted (KnownPeers::number_for). Who echoes that of the address
+// it greets from gets our datagrams there, and nobody else: an address that somebody made up doesn't hear its number,
+// no other address's will do, and it is never sent more than it seemed to send.
+inline constexpr int kAddressNumberBits = 48;
 struct Greeting {
-  std::uint64_t instance = 0;          // of the sender's process; its two addresses, where it has two, are one peer
-  std::uint64_t echo = 0;              // the receiver's, if the sender has heard it
+  std::uint32_t instance = 0;          // of the sender's process; its two addresses, where it has two, are one peer
+  std::uint64_t number = 0;            // for the receiver to echo, kAddressNumberBits
+  std::uint64_t echo = 0;              // the last number that the sender had from the receiver; 0: none
   bool reply = false;                  // wants one back
   bool leaving = false;                // sends and wants no more
   bool all_regions = false;            // more than fit; else `regions`, ascending

@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool v4 = (data[0] & 1) != 0;
   const auto datagram = std::as_bytes(std::span(data, size)).subspan(1);
   (void)read_region_header(datagram);
-  const auto greeting = decode_greeting(datagram, v4);
+  auto greeting = decode_greeting(datagram, v4);
   if (!greeting) return 0;
   const auto again = encode(*greeting, v4);
   require(std::vector(datagram.begin(), datagram.end()) == again);
@@ -33,7 +33,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const asio::ip::udp::endpoint from(
       v4 ? asio::ip::address(asio::ip::address_v4::loopback()) : asio::ip::address(asio::ip::address_v6::loopback()),
       data[0]);
-  KnownPeers known({.instance = greeting->echo, .most = 4});  // so that it is believed
+  KnownPeers known({.key = {1, 2}, .most = 4});
+  greeting->echo = known.number_for(from);  // so that it is believed
   HostTime now{std::chrono::seconds(1)};
   for (int i = 0; i < 2; ++i) (void)known.on_greeting(now, from, *greeting);
   require(known.peers().size() <= 1);

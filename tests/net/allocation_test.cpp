@@ -56,7 +56,7 @@ TEST(UnicastAllocations, NoneForADatagram) {
   const auto peer = [&](unsigned slot) {
     const asio::ip::udp::endpoint seed(asio::ip::address_v4::loopback(), own_port(1));
     return UnicastFanOut::open(io, testing_support::clock(),
-                               {.interface = "lo", .port = own_port(slot), .seeds = {seed}, .instance = slot});
+                               {.interface = "lo", .port = own_port(slot), .seeds = {seed}, .key = {slot, 0}});
   };
   auto a = peer(1), b = peer(2);
   ASSERT_TRUE(a && b);

@@ -25,7 +25,7 @@ TransportOptions over(const char* interface, MulticastUse use, std::vector<std::
   options.multicast.groups = {asio::ip::make_address(group), own_port(0)};
   options.use = use;
   options.peers = std::move(peers);
-  options.instance = 1;
+  options.key = {1, 0};
   return options;
 }
 

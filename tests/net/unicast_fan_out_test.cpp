@@ -26,12 +26,9 @@ udp::endpoint address(unsigned slot) { return {asio::ip::address_v4::loopback(),
 
 // A peer on lo that remembers what it heard.
 struct UnicastPeer {
-  UnicastPeer(asio::io_context& io, unsigned slot, std::vector<udp::endpoint> seeds, std::uint64_t instance = 0) {
-    auto opened = UnicastFanOut::open(io, clock(),
-                                      {.interface = "lo",
-                                       .port = own_port(slot),
-                                       .seeds = std::move(seeds),
-                                       .instance = instance == 0 ? 100 + slot : instance});
+  UnicastPeer(asio::io_context& io, unsigned slot, std::vector<udp::endpoint> seeds, std::uint64_t start = 1) {
+    auto opened = UnicastFanOut::open(
+        io, clock(), {.interface = "lo", .port = own_port(slot), .seeds = std::move(seeds), .key = {start, slot}});
     if (!opened) throw std::runtime_error(opened.error().sentence);
     transport = *std::move(opened);
     transport->on_receive([this](const Arrival& arrival) {
@@ -152,9 +149,9 @@ TEST_F(UnicastFanOutTest, WhoLeavesIsSentNothingMore) {
 TEST_F(UnicastFanOutTest, AProcessThatStartsAgainIsKnownAgain) {
   UnicastPeer b(io, 1, {address(0)});
   b.join(1);
-  for (const std::uint64_t instance : {7u, 8u}) {
-    UnicastPeer a(io, 0, {}, instance);
-    ASSERT_TRUE(run_until(io, [&] { return a.knows(1, 1); })) << instance;
+  for (const std::uint64_t start : {7u, 8u}) {
+    UnicastPeer a(io, 0, {}, start);
+    ASSERT_TRUE(run_until(io, [&] { return a.knows(1, 1); })) << start;
     a.send(1, "hello");
     ASSERT_TRUE(run_until(io, [&] { return !b.heard.empty(); }));
     b.heard.clear();
@@ -174,10 +171,11 @@ TEST_F(UnicastFanOutTest, WhoTakesUsForAnotherProcessIsToldSo) {
     const std::size_t size = other.receive(asio::buffer(bytes), 0, ec);
     return ec ? std::nullopt : decode_greeting(std::span(bytes).first(size), true);
   };
-  const auto told = answer_to({.instance = 5, .echo = 12345});
+  const auto told = answer_to({.instance = 5, .number = 6, .echo = 12345});
   ASSERT_TRUE(told);
-  EXPECT_EQ(told->instance, 100u);
-  EXPECT_EQ(told->echo, 5u);
+  EXPECT_NE(told->instance, 5u);
+  EXPECT_NE(told->number, 0u);
+  EXPECT_EQ(told->echo, 6u);
   EXPECT_TRUE(told->reply);
   EXPECT_FALSE(answer_to({.instance = 5, .echo = 12345, .leaving = true}));
   EXPECT_FALSE(answer_to({.instance = 5}));
@@ -206,6 +204,80 @@ TEST_F(UnicastFanOutTest, StrangeDatagramsAreCountedAndMakeNobodyAPeer) {
   EXPECT_LE(answered, forged.size()) << "no more comes back than went there";
 }
 
+// A program that is no peer, at a port of its own.
+struct Outsider {
+  explicit Outsider(asio::io_context& io) : socket(io, udp::endpoint(asio::ip::address_v4::loopback(), 0)) {
+    socket.non_blocking(true);
+  }
+  void send(const std::vector<std::byte>& bytes) { socket.send_to(asio::buffer(bytes), address(0)); }
+  void send_datagram(std::uint32_t region, std::string_view text) {
+    const auto header = region_header(RegionId{region});
+    std::vector<std::byte> bytes(header.begin(), header.end());
+    for (const char letter : text) bytes.push_back(static_cast<std::byte>(letter));
+    send(bytes);
+  }
+  // The next that waits; empty: none.
+  std::vector<std::byte> receive() {
+    std::vector<std::byte> bytes(2000);
+    boost::system::error_code ec;
+    bytes.resize(socket.receive(asio::buffer(bytes), 0, ec));
+    return bytes;
+  }
+  udp::socket socket;
+};
+
+TEST_F(UnicastFanOutTest, NobodyIsHeardBeforeItHasEchoed) {
+  UnicastPeer a(io, 0, {});
+  a.join(1);
+  const TrafficCounters& counters = a.transport->counters();
+  Outsider other(io);
+  other.send_datagram(1, "never greeted");
+  a.transport->receive_pending();
+  EXPECT_EQ(counters.in_stranger, 1u);
+
+  other.send(encode({.instance = 5, .number = 6, .reply = true}, true));
+  a.transport->receive_pending();
+  const auto answer = decode_greeting(other.receive(), true);
+  ASSERT_TRUE(answer);
+  other.send_datagram(1, "greeted, not echoed");
+  a.transport->receive_pending();
+  EXPECT_EQ(counters.in_stranger, 2u);
+  EXPECT_THAT(a.heard, IsEmpty());
+
+  other.send(encode({.instance = 5, .number = 6, .echo = answer->number}, true));
+  other.send_datagram(1, "echoed");
+  a.transport->receive_pending();
+  EXPECT_THAT(a.heard, ElementsAre(Pair(1, "echoed")));
+  other.send(encode({.instance = 5, .number = 6, .echo = answer->number, .leaving = true}, true));
+  other.send_datagram(1, "left");
+  a.transport->receive_pending();
+  EXPECT_EQ(a.heard.size(), 1u);
+  EXPECT_EQ(counters.in_stranger, 3u);
+  EXPECT_EQ(counters.packets_in, 1u);
+}
+
+// What one socket was told does not make another address a receiver.
+TEST_F(UnicastFanOutTest, TheNumberOfOneAddressSendsNothingToAnother) {
+  UnicastPeer a(io, 0, {});
+  Outsider attacker(io), victim(io);
+  attacker.send(encode({.instance = 5, .number = 6, .reply = true}, true));
+  a.transport->receive_pending();
+  const auto answer = decode_greeting(attacker.receive(), true);
+  ASSERT_TRUE(answer);
+  // As if forged: lo lets the test send from the victim's address.
+  const auto forged = encode({.instance = 5, .number = 6, .echo = answer->number, .all_regions = true}, true);
+  victim.send(forged);
+  a.transport->receive_pending();
+  EXPECT_THAT(a.transport->peers(), IsEmpty());
+  a.send(1, std::string(1000, 'x'));
+  std::size_t bytes = 0;
+  for (auto got = victim.receive(); !got.empty(); got = victim.receive()) bytes += got.size();
+  EXPECT_LE(bytes, forged.size()) << "no more comes to the victim than seemed to come from it";
+  attacker.send(forged);
+  a.transport->receive_pending();
+  EXPECT_EQ(a.transport->peers().size(), 1u) << "where the number is right";
+}
+
 TEST_F(UnicastFanOutTest, WhatIsTooLargeIsACountedDropAndTheLongestIsNot) {
   UnicastPeer a(io, 0, {}), b(io, 1, {address(0)});
   b.join(1);
@@ -224,7 +296,8 @@ TEST_F(UnicastFanOutTest, WhatComesOverAnotherInterfaceIsDropped) {
     std::vector<std::unique_ptr<UnicastFanOut>> peers;
     for (const char* interface : {"lo", "va", ""}) {
       const auto slot = static_cast<unsigned>(peers.size());
-      auto opened = UnicastFanOut::open(io, clock(), {.interface = interface, .port = own_port(slot), .instance = 9});
+      auto opened =
+          UnicastFanOut::open(io, clock(), {.interface = interface, .port = own_port(slot), .key = {9, slot}});
       ASSERT_TRUE(opened) << opened.error().sentence;
       peers.push_back(*std::move(opened));
       peers.back()->on_receive([](const Arrival&) {});
@@ -254,7 +327,7 @@ TEST_F(UnicastFanOutTest, WhatComesOverAnotherInterfaceIsDropped) {
 
 TEST_F(UnicastFanOutTest, APortOfSomebodyElseIsRefused) {
   const UnicastPeer a(io, 0, {});
-  const auto second = UnicastFanOut::open(io, clock(), {.port = own_port(0), .instance = 2});
+  const auto second = UnicastFanOut::open(io, clock(), {.port = own_port(0), .key = {2, 0}});
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().kind, NetError::Kind::kPortBusy);
   EXPECT_THAT(second.error().sentence, HasSubstr("give this peer another port"));

@@ -18,7 +18,7 @@ constexpr const char* kV4[] = {"192.0.2.1", "203.0.113.254"};
 constexpr const char* kV6[] = {"2001:db8::1", "2001:db8:ffff:ffff:ffff:ffff:ffff:fffe"};
 
 Greeting greeting(bool v4) {
-  Greeting g{.instance = 0x0102030405060708, .echo = 0xF1F2F3F4F5F6F7F8, .reply = true};
+  Greeting g{.instance = 0x81020304, .number = 0xA1A2A3A4A5A6, .echo = 0xF1F2F3F4F5F6, .reply = true};
   g.regions = {RegionId{0}, RegionId{7}, RegionId{0xFFFF'FFFF}};
   for (const char* address : v4 ? kV4 : kV6) g.peers.emplace_back(asio::ip::make_address(address), 47474);
   return g;
@@ -45,6 +45,7 @@ TEST_P(Greetings, ComeBackAsTheyWere) {
       const auto got = decode_greeting(encode(sent, v4), v4);
       ASSERT_TRUE(got);
       EXPECT_EQ(got->instance, sent.instance);
+      EXPECT_EQ(got->number, sent.number);
       EXPECT_EQ(got->echo, sent.echo);
       EXPECT_EQ(got->reply, reply);
       EXPECT_EQ(got->leaving, leaving);
@@ -56,8 +57,8 @@ TEST_P(Greetings, ComeBackAsTheyWere) {
 }
 
 TEST_P(Greetings, TheShortestIsNoLongerThanTheOneThatAsksForIt) {
-  EXPECT_EQ(encode({.instance = 1, .reply = true}, GetParam()).size(),
-            encode({.instance = 1, .echo = 2}, GetParam()).size());
+  EXPECT_EQ(encode({.instance = 1, .number = 2, .reply = true}, GetParam()).size(), 20u);
+  EXPECT_EQ(encode({.instance = 1, .number = 2, .echo = 3}, GetParam()).size(), 20u);
 }
 
 TEST_P(Greetings, WhatDoesNotFitIsAllRegionsAndFewerPeers) {
