@@ -73,6 +73,7 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     send_hello(now, false);
     repeat_updates(now);
     repeat_decisions();
+    repeat_announcements();
     next_hello_ = now + (replica_ ? config_.hello_period : kJoiningHelloPeriod);
   }
   flush_records(ticks);

@@ -314,9 +314,8 @@ class Peer {
     double interval_s = 0.25;  // between updates, of late
     double reach_m = 0.0;      // of its vertices, where errors count by its surface
     // Regions (peer_regions.cpp).
-    std::optional<Vec3> told_at;        // where the last update had it
-    std::optional<RegionId> came_from;  // where others are told that it is gone, with the last update
-    bool must_arrive = false;           // somebody may know nothing of the object but by that update
+    std::optional<Vec3> told_at;  // where the last update had it
+    bool must_arrive = false;     // somebody may know nothing of the object but by that update
     double meets_within_m = 0.0;  // what others run and it may collide with touches it from no farther; 0: nothing
   };
 
@@ -385,9 +384,12 @@ class Peer {
   void on_entered(std::span<const Entered> entered, SimTime session_now);
   [[nodiscard]] bool hear(const UpdateRecord& update, SimTime session_now);
   void lose_sight(ObjectId object, SimTime t);
+  void unhear(ObjectId object);
   void forget_silent(SimTime t);
   [[nodiscard]] bool has_crossed(const Own& own, const Vec3& position) const;
-  void note_told(Own& own, const UpdateRecord& update, PublishReason reason);
+  void note_told(Own& own, const UpdateRecord& update, bool somebody_knows_nothing);
+  void announce_gone(const UpdateRecord& update, RegionId from, RegionId to);
+  void repeat_announcements();
   [[nodiscard]] RegionId home(ObjectId object) const;
   void retell_across(const ContactEvent& contact);
   // What goes to one region.
@@ -395,7 +397,7 @@ class Peer {
     std::vector<Gone> gone;
     std::vector<UpdateRecord> updates;
   };
-  void sort_by_region(const UpdateRecord& update, std::map<RegionId, Due>& due) const;
+  void sort_gone(std::map<RegionId, Due>& due);
   void on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now);
   void measure_meetings();
   void send_copies();
@@ -457,13 +459,25 @@ class Peer {
   std::map<RegionId, std::uint32_t> datagram_numbers_;
   RegionGrid grid_;
   Interest interest_;
-  std::map<ObjectId, RegionId> heard_in_;  // others' objects: where they were told of last
-  std::set<ObjectId> unheard_;             // .. and those that this peer does not hear of
+  struct Heard {
+    RegionId in;
+    SimTime at{};  // when this peer heard it
+  };
+  std::map<ObjectId, Heard> heard_in_;  // others' objects: where they were told of last
+  std::set<ObjectId> unheard_;          // .. and those that this peer does not hear of
   struct Entering {
     Entered entered;
     std::uint32_t copies;  // still to be sent
+    std::uint32_t hellos;  // .. and then one with each of so many
   };
   std::vector<Entering> entering_;
+  // Of own objects, in no region that they are told in.
+  struct Departure {
+    Gone gone;
+    RegionId from;
+    std::uint32_t copies, hellos;  // as above
+  };
+  std::vector<Departure> departures_;
   std::vector<UpdateRecord> updates_due_, copies_due_;
   std::set<PeerId> other_worlds_;  // told once each
   std::set<PeerId> forgotten_;     // lost; what they said is to be said again when they come back

@@ -275,6 +275,7 @@ void Peer::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
     if (own == own_.end()) continue;
     if (own->second.last_sent && *own->second.last_sent > d.contact) own->second.retell = true;
   }
+  if (!holds(d.collider) || !holds(d.collidee)) return;  // nobody is told of what is not heard of
   const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
                              d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
   colliding_.on_contact(contact);

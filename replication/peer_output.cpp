@@ -95,12 +95,15 @@ void Peer::send_copies() {
   }
 }
 
-// Updates and decisions, as few datagrams as hold them, each region's by themselves. A decision's copies go out a tick
-// apart.
+// Updates, decisions and what has gone, as few datagrams as hold them, each region's by themselves. Copies of decisions
+// and of what has gone go out a tick apart.
 void Peer::flush_records(bool decisions) {
   std::map<RegionId, Due> due;
   if (decisions) due[kWholeScene];
-  for (const UpdateRecord& update : std::exchange(updates_due_, {})) sort_by_region(update, due);
+  for (const UpdateRecord& update : std::exchange(updates_due_, {})) {
+    due[grid_.region_of(update.model.state.position)].updates.push_back(update);
+  }
+  if (decisions) sort_gone(due);
   for (const auto& [region, records] : due) flush_region(region, records, decisions && region == kWholeScene);
   if (copies_due_.empty()) return;
   updates_due_ = std::exchange(copies_due_, {});

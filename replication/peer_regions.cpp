@@ -11,6 +11,10 @@ namespace {
 constexpr Duration kEnteredAgeMax = std::chrono::seconds(10), kEnteredAheadMax = std::chrono::seconds(1);
 // That somebody has entered a region is told so often at most: enough for one datagram in five lost.
 constexpr std::uint32_t kEnteredCopies = 4;
+// .. and that an object has gone.
+constexpr std::uint32_t kGoneCopies = 4;
+// Then once with each of so many hellos, on the best of links too: nothing else tells of a datagram that was lost.
+constexpr std::uint32_t kEnteredHellos = 2, kGoneHellos = 1;
 // From a need to the states: a tick until this peer notices, one until the others answer, one to spare.
 constexpr int kTicksToStates = 3;
 
@@ -93,7 +97,7 @@ void Peer::join(RegionId region, SimTime t) {
   ++counters_.regions_joined;
   members_.count_anew(region);
   outputs_.push_back(Join{region});
-  entering_.push_back({{region, t}, copies_against(loss(), kEnteredCopies)});
+  entering_.push_back({{region, t}, copies_against(loss(), kEnteredCopies), kEnteredHellos});
 }
 
 void Peer::leave_region(RegionId region, SimTime t) {
@@ -101,8 +105,8 @@ void Peer::leave_region(RegionId region, SimTime t) {
   outputs_.push_back(Leave{region});
   std::erase_if(entering_, [&](const Entering& e) { return e.entered.region == region; });
   std::vector<ObjectId> gone;
-  for (const auto& [object, heard_in] : heard_in_) {
-    if (heard_in == region) gone.push_back(object);
+  for (const auto& [object, heard] : heard_in_) {
+    if (heard.in == region) gone.push_back(object);
   }
   for (const ObjectId object : gone) lose_sight(object, t);
 }
@@ -111,6 +115,7 @@ void Peer::leave_region(RegionId region, SimTime t) {
 void Peer::announce_entered() {
   Message m = blank();
   for (Entering& e : entering_) {
+    if (e.copies == 0) continue;
     if (m.entered.size() == kEnteredMax) {
       send(m);
       m = blank();
@@ -119,7 +124,18 @@ void Peer::announce_entered() {
     --e.copies;
   }
   if (!m.entered.empty()) send(m);
-  std::erase_if(entering_, [](const Entering& e) { return e.copies == 0; });
+  std::erase_if(entering_, [](const Entering& e) { return e.copies == 0 && e.hellos == 0; });
+}
+
+// With a hello: of what has had its copies, one more.
+void Peer::repeat_announcements() {
+  const auto repeat = [](auto& announced) {
+    if (announced.copies > 0 || announced.hellos == 0) return;
+    announced.copies = 1;
+    --announced.hellos;
+  };
+  std::ranges::for_each(entering_, repeat);
+  std::ranges::for_each(departures_, repeat);
 }
 
 // ---- what this peer hears of ----
@@ -132,7 +148,7 @@ bool Peer::hear(const UpdateRecord& update, SimTime session_now) {
     lose_sight(update.object, session_now);
     return false;
   }
-  heard_in_.insert_or_assign(update.object, grid_.region_of(position));
+  heard_in_.insert_or_assign(update.object, Heard{grid_.region_of(position), session_now});
   // Watched before it is told where it is: what it has met since then counts.
   if (unheard_.erase(update.object) > 0) {
     shown_.erase(update.object);  // what has been drawn since means nothing: it is shown at once where it is
@@ -141,11 +157,16 @@ bool Peer::hear(const UpdateRecord& update, SimTime session_now) {
   return true;
 }
 
-void Peer::lose_sight(ObjectId object, SimTime t) {
-  if (!unheard_.insert(object).second) return;
-  ++counters_.sights_lost;
+void Peer::unhear(ObjectId object) {
+  unheard_.insert(object);
   heard_in_.erase(object);
   told_.erase(object);
+}
+
+void Peer::lose_sight(ObjectId object, SimTime t) {
+  if (!holds(object)) return;
+  ++counters_.sights_lost;
+  unhear(object);
   colliding_.forget(object, t);
   watch_decided_pairs(object);
 }
@@ -154,8 +175,8 @@ void Peer::lose_sight(ObjectId object, SimTime t) {
 void Peer::forget_silent(SimTime t) {
   const Duration patience = 2 * config_.policy.time_threshold + longest_latency();
   std::vector<ObjectId> silent;
-  for (const auto& [object, update] : told_) {
-    if (t - update.at > patience && heard_in_.contains(object) && owner(object) != kNobody) silent.push_back(object);
+  for (const auto& [object, heard] : heard_in_) {
+    if (t - heard.at > patience) silent.push_back(object);
   }
   for (const ObjectId object : silent) lose_sight(object, t);
 }
@@ -166,7 +187,7 @@ RegionId Peer::home(ObjectId object) const {
   const auto own = own_.find(object);
   if (own != own_.end() && own->second.told_at) return grid_.region_of(*own->second.told_at);
   const auto heard = heard_in_.find(object);
-  return heard == heard_in_.end() ? kWholeScene : heard->second;
+  return heard == heard_in_.end() ? kWholeScene : heard->second.in;
 }
 
 // Whether it is farther from the cell that it was told in than others grow their areas for.
@@ -176,23 +197,37 @@ bool Peer::has_crossed(const Own& own, const Vec3& position) const {
 }
 
 // The region is that of the position as it was rounded, so that receivers know it too.
-void Peer::note_told(Own& own, const UpdateRecord& update, PublishReason reason) {
+void Peer::note_told(Own& own, const UpdateRecord& update, bool somebody_knows_nothing) {
   if (!grid_.cuts()) return;
   const RegionId now = grid_.region_of(update.model.state.position);
   const RegionId before = own.told_at ? grid_.region_of(*own.told_at) : now;
-  own.came_from = before == now ? std::nullopt : std::optional(before);
-  own.must_arrive = own.came_from || reason == PublishReason::kJoiner || reason == PublishReason::kFirst;
+  own.must_arrive = before != now || somebody_knows_nothing;
   own.told_at = update.model.state.position;
-  if (own.came_from) ++counters_.handovers;
+  if (before == now) return;
+  ++counters_.handovers;
+  announce_gone(update, before, now);
 }
 
-// An update goes to its region; where the object was told before, that it is gone.
-void Peer::sort_by_region(const UpdateRecord& update, std::map<RegionId, Due>& due) const {
-  const RegionId region = grid_.region_of(update.model.state.position);
-  due[region].updates.push_back(update);
-  const auto own = own_.find(update.object);
-  if (own == own_.end() || !own->second.came_from || *own->second.came_from == region) return;
-  due[*own->second.came_from].gone.push_back({update.object, update.sequence, region});
+// Where the object was told before, that it is gone. What is told next in its new region takes none of that back; only
+// its return does. Regions that it left earlier hear where it is now.
+void Peer::announce_gone(const UpdateRecord& update, RegionId from, RegionId to) {
+  const Gone gone{update.object, update.sequence, to};
+  std::erase_if(departures_,
+                [&](const Departure& d) { return d.gone.object == gone.object && (d.from == from || d.from == to); });
+  for (Departure& d : departures_) {
+    if (d.gone.object == gone.object) d.gone = gone;
+  }
+  departures_.push_back({gone, from, copies_against(loss(), kGoneCopies), kGoneHellos});
+}
+
+// Copies go out a tick apart.
+void Peer::sort_gone(std::map<RegionId, Due>& due) {
+  for (Departure& d : departures_) {
+    if (d.copies == 0) continue;
+    due[d.from].gone.push_back(d.gone);
+    --d.copies;
+  }
+  std::erase_if(departures_, [](const Departure& d) { return d.copies == 0 && d.hellos == 0; });
 }
 
 void Peer::on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now) {
@@ -204,7 +239,7 @@ void Peer::on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_no
     std::uint32_t& last = members_.find(sender)->last_sequence[g.object];
     if (g.sequence < last) continue;  // it has come back, or farther, since
     if (interest_.joined(g.to)) {     // its update is on the way; if this peer leaves before it comes, it is gone
-      if (holds(g.object)) heard_in_.insert_or_assign(g.object, g.to);
+      if (const auto heard = heard_in_.find(g.object); heard != heard_in_.end()) heard->second.in = g.to;
       continue;
     }
     last = g.sequence;
@@ -221,7 +256,7 @@ void Peer::on_entered(std::span<const Entered> entered, SimTime session_now) {
       continue;
     }
     for (auto& [object, own] : own_) {
-      const bool there = own.told_at && (grid_.region_of(*own.told_at) == e.region || own.came_from == e.region);
+      const bool there = own.told_at && grid_.region_of(*own.told_at) == e.region;
       if (there && (!own.last_sent || *own.last_sent <= e.since)) own.resend = true;
     }
   }

@@ -253,6 +253,9 @@ void Peer::change_session(SimTime before, SimTime now) {
   told_.clear();
   entering_.clear();  // all others tell everything anew
   interest_.redate(now);
+  for (const auto& [object, peer] : owners_) {
+    if (grid_.cuts() && peer != config_.id) unhear(object);  // it may have gone anywhere
+  }
   updates_due_.clear();
   copies_due_.clear();
   oldest_update_ = Duration{0};
@@ -324,12 +327,15 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
     if (taken) {
       outputs_.push_back(OwnershipConflict{object, peer});
       if (at->second == config_.id) own_.erase(object);
+      std::erase_if(departures_, [&](const Departure& d) { return d.gone.object == object; });
       at->second = peer;
     }
     if (!added && !taken) continue;
     changed = true;
-    if (grid_.cuts() && !heard_in_.contains(object)) unheard_.insert(object);
+    // Where an owner has it who was away, nobody here has heard.
+    if (grid_.cuts()) unhear(object);
     if (replica_) {
+      if (grid_.cuts()) colliding_.forget(object, tick_time(last_tick_));
       replica_->truth.declare(object, Role::kBelief);
       replica_->ghosts.declare(object, Role::kBelief);
     }
@@ -356,9 +362,10 @@ void Peer::release(PeerId peer, HostTime now) {
       set_ghost(at->first, t, at_rest(replica_->ghosts.at(at->first, t).pose()));
       replica_->truth.declare(at->first, Role::kScene);
       replica_->ghosts.declare(at->first, Role::kScene);
-      outputs_.push_back(Frozen{at->first, peer});
+      if (holds(at->first)) outputs_.push_back(Frozen{at->first, peer});
       told_.erase(at->first);
     }
+    heard_in_.erase(at->first);  // it stays where it is: who leaves its region keeps it
     at = owners_.erase(at);
   }
   watch_decided_pairs();

@@ -1,6 +1,7 @@
 // Peer: one tick, from contacts to the updates that are due.
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "collision/proximity.hpp"
 #include "replication/decision.hpp"
@@ -171,7 +172,8 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
     own.interval_s += (interval_s - own.interval_s) / 4.0;
   }
   own.last_sent = t;
-  own.resend = own.retell = false;
+  own.retell = false;
+  const bool answers = std::exchange(own.resend, false);
   own.changed.reset();
   MotionModel law = replica_->truth.model_at(object, at);
   if (!own.driven && !sendable(law)) {
@@ -200,7 +202,7 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   ++counters_.update_sizes_out[static_cast<std::size_t>(std::ranges::lower_bound(kRecordSizes, size_bytes) -
                                                         kRecordSizes.begin())];
   outputs_.push_back(Published{t, object, size_bytes, threshold_m, reason});
-  note_told(own, record, reason);
+  note_told(own, record, answers || reason == PublishReason::kFirst);
   updates_due_.push_back(record);
   own.to_repeat = record;
   own.times_sent = 1;

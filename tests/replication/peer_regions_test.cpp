@@ -264,6 +264,193 @@ TEST_F(Regions, OneThatFallsSilentIsForgotten) {
   EXPECT_FALSE(holds(1, "A"));
 }
 
+// Shakes along the border, not over it, so that it is told every few ticks.
+Lan::Motion shaking(const Lan& lan, double x, double v) {
+  return [&lan, x, v](SimTime t) {
+    const double s = to_seconds(t - (lan.session_now(0) - lan.now())) - 3.0;
+    return moving({x + v * s, 0, 0.3 * std::sin(40 * s)}, {v, 0, 12.0 * std::cos(40 * s)});
+  };
+}
+
+// What is told next in the new region takes nothing back of the word in the old one.
+TEST_F(Regions, ThatItHasGoneIsSaidAgainWithAHelloWhateverIsToldMeanwhile) {
+  lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], shaking(lan, 5, 2)}});
+  const auto b = lan.add(looking_from(in_regions(2, {}, 3.0), 5));
+  std::optional<Duration> first;
+  lan.filter = [&](std::size_t, std::size_t to, const Message& m) {
+    if (to != b || m.gone.empty() || lan.now() < 4s || first) return true;
+    first = lan.now();
+    return false;
+  };
+  lan.run_until(5s);
+  while (!first && lan.now() < 9s) lan.run_until(lan.now() + 10ms);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(lan.joined(b).contains(RegionId{2}));
+  EXPECT_TRUE(holds(b, "A"));
+  lan.run_until(*first + 250ms + 2 * 17ms + 40ms);
+  EXPECT_GE(updates_of("A", *first), 3u) << "it was told since";
+  EXPECT_FALSE(holds(b, "A"));
+}
+
+// It was away for longer than others wait, and comes back while its last word of having gone is still due.
+TEST_F(Regions, WhatHasComeBackIsNotSaidToHaveGone) {
+  const auto jumps = [&](SimTime t) {
+    const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
+    return moving({s >= 5.0 && s < 5.05 ? 15.0 : 5.0, 0, 0});
+  };
+  lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], jumps}});
+  lan.add(looking_from(in_regions(2, {}, 3.0), 5));
+  lan.run_until(5500ms);
+  std::set<std::uint32_t> before, after;  // regions in which it is said to have gone
+  for (const Sent& s : sent) {
+    for (const Gone& g : s.message.gone) {
+      EXPECT_NE(s.region, g.to);
+      (s.at < 5050ms ? before : after).insert(s.region.value);
+    }
+  }
+  EXPECT_EQ(before, std::set<std::uint32_t>{1});
+  EXPECT_EQ(after, std::set<std::uint32_t>{2});
+  EXPECT_TRUE(holds(1, "A"));
+}
+
+// Who listens to the first and the second hears at last that it is in neither.
+TEST_F(Regions, WhereItWasEarlierItIsSaidWhereItIsNow) {
+  const auto jumps = [&](SimTime t) {
+    const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
+    return moving({s < 5.0 ? 5.0 : s < 5.05 ? 15.0 : 25.0, 0, 0});
+  };
+  lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], jumps}});
+  lan.add(in_regions(2));
+  lan.run_until(5500ms);
+  std::map<RegionId, RegionId> last;
+  for (const Sent& s : sent) {
+    for (const Gone& g : s.message.gone) last[s.region] = g.to;
+  }
+  EXPECT_EQ(last, (std::map<RegionId, RegionId>{{RegionId{1}, RegionId{3}}, {RegionId{2}, RegionId{3}}}));
+}
+
+// What its last owner told of it is not its new one's word.
+TEST_F(Regions, WhatALowerPeerTakesOverIsNotHeldUntilTold) {
+  const auto self = lan.add(looking_from(in_regions(1, {}, 1.0), 5.0));
+  lan.run_until(2s);
+  const auto tell = [&](std::uint32_t by) {
+    lan.inject(self, encode(hello_of(by, lan.host_now(self), {world["A"]})));
+    EXPECT_FALSE(holds(self, "A"));
+    Message told = message_of(by);
+    told.updates = {{world["A"], 5, lan.session_now(self), moving({5, 0, 0}), {}}};
+    lan.inject(self, encode(told), RegionId{1});
+    EXPECT_TRUE(holds(self, "A"));
+  };
+  tell(8);
+  tell(7);
+  EXPECT_EQ(lan.peer(self).owner(world["A"]), PeerId{7});
+}
+
+// Its owner was away, and has it elsewhere now.
+TEST_F(Regions, WhatWentElsewhereInAPartitionIsNotHeld) {
+  const auto goes = [&](SimTime t) {
+    const double s = to_seconds(t - (lan.session_now(1) - lan.now()));
+    const double x = s < 6 ? 5 : s < 8 ? 5 + 20 * (s - 6) : 45;
+    return moving({x, 0, 0}, {s < 6 || s > 8 ? 0.0 : 20.0, 0, 0});
+  };
+  lan.add(looking_from(in_regions(1, {}, 3.0), 5));
+  lan.add(looking_from(in_regions(2, {{world["A"], true}}, 3.0), 5), 0s, {{world["A"], goes}});
+  lan.run_until(5500ms);
+  EXPECT_TRUE(holds(0, "A"));
+  lan.part({1});
+  lan.run_until(8500ms);
+  EXPECT_EQ(lan.peer(0).owner(world["A"]), kNobody);
+  EXPECT_TRUE(holds(0, "A")) << "frozen where it was";
+  lan.part({});
+  lan.run_until(11s);
+  EXPECT_EQ(lan.peer(0).owner(world["A"]), PeerId{2});
+  EXPECT_FALSE(holds(0, "A"));
+}
+
+TEST_F(Regions, WhatARestartedPeerHasElsewhereIsNotHeld) {
+  const auto stands = [](double x) { return [x](SimTime) { return moving({x, 0, 0}); }; };
+  lan.add(looking_from(in_regions(1, {{world["A"], true}}, 4.0), 5), 0s, {{world["A"], stands(5)}});
+  lan.add(looking_from(in_regions(2, {}, 3.0), 5));
+  lan.run_until(5s);
+  EXPECT_TRUE(holds(1, "A"));
+  PeerConfig again = looking_from(in_regions(1, {{world["A"], true}}, 4.0), 45);
+  again.boot = 101;
+  lan.node(0).motions = {{world["A"], stands(45)}};
+  lan.restart(0, again);
+  lan.run_until(9s);
+  EXPECT_EQ(lan.peer(1).owner(world["A"]), PeerId{1});
+  EXPECT_FALSE(holds(1, "A"));
+}
+
+TEST_F(Regions, WhatWentWhileAPeerSleptIsNotHeld) {
+  lan.add(looking_from(in_regions(1, {{world["A"], true}, {world["B"], true}}, 4.0), 5), 0s,
+          {{world["A"], steady(lan, 5, 4)}, {world["B"], [](SimTime) {
+                                               return moving({7, 0, 0});
+                                             }}});
+  lan.add(looking_from(in_regions(2, {}, 3.0), 5));
+  lan.run_until(3500ms);
+  EXPECT_TRUE(holds(1, "A"));
+  lan.kill(1);
+  lan.run_until(9500ms);
+  lan.node(1).running = true;
+  lan.run_until(11500ms);  // sooner than silence makes it forgotten
+  ASSERT_THAT(lan.seen<Slept>(1), testing::SizeIs(1));
+  EXPECT_EQ(lan.peer(1).owner(world["A"]), PeerId{1});
+  EXPECT_FALSE(holds(1, "A"));
+  EXPECT_TRUE(holds(1, "B")) << "it is told anew where it has stayed";
+}
+
+// Its owner is gone: nobody could tell of it again.
+TEST_F(Regions, WhatIsFrozenStaysWithWhoLeavesItsRegion) {
+  const auto there_and_back = [&](SimTime t) {
+    const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
+    const double x = s < 9 ? 5 : s < 13 ? 5 + 10 * (s - 9) : s < 17 ? 45 - 10 * (s - 13) : 5;
+    return moving({x, 0, 0}, {s < 9 || s > 17 ? 0.0 : s < 13 ? 10.0 : -10.0, 0, 0});
+  };
+  lan.add(looking_from(in_regions(1, {}, 3.0), 5));
+  const auto visitor = lan.add(in_regions(2, {{world["B"], true}}, 3.0), 0s, {{world["B"], there_and_back}});
+  const auto stands = [](double x) { return [x](SimTime) { return moving({x, 0, 0}); }; };
+  const auto owner = lan.add(in_regions(3, {{world["A"], true}, {world["C"], true}}, 3.0), 0s,
+                             {{world["A"], stands(7)}, {world["C"], stands(65)}});
+  lan.run_until(5s);
+  EXPECT_TRUE(holds(visitor, "A"));
+  EXPECT_FALSE(holds(visitor, "C"));
+  lan.kill(owner);
+  lan.run_until(13s);
+  EXPECT_EQ(lan.peer(visitor).owner(world["A"]), kNobody);
+  EXPECT_FALSE(lan.joined(visitor).contains(RegionId{1}));
+  lan.run_until(19s);
+  EXPECT_TRUE(lan.joined(visitor).contains(RegionId{1}));
+  EXPECT_TRUE(holds(visitor, "A"));
+  const auto frozen = lan.seen<Frozen>(visitor);
+  ASSERT_THAT(frozen, testing::SizeIs(1)) << "of what it does not hear nobody is told";
+  EXPECT_EQ(frozen.front().object, world["A"]);
+}
+
+TEST_F(Regions, ThatAPeerHasEnteredIsSaidAgainWithTwoHellos) {
+  const auto comes = [&](SimTime t) {
+    const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
+    const double x = s < 9 ? 5 : s < 13 ? 5 + 10 * (s - 9) : 45;
+    return moving({x, 0, 0}, {s < 9 || s > 13 ? 0.0 : 10.0, 0, 0});
+  };
+  lan.add(in_regions(1, {{world["B"], true}}, 3.0), 0s, {{world["B"], comes}});
+  lan.add(in_regions(3, {{world["A"], true}}, 3.0), 0s, {{world["A"], [](SimTime) { return moving({41, 0, 0}); }}});
+  lan.run_until(9s);
+  std::vector<Duration> said;
+  lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
+    const bool entered = std::ranges::any_of(m.entered, [](const Entered& e) { return e.region == RegionId{5}; });
+    if (from != 0 || to != 1 || !entered) return true;
+    said.push_back(lan.now());
+    return said.size() == 3;
+  };
+  lan.run_until(15s);
+  ASSERT_EQ(said.size(), 3u);
+  EXPECT_LE(said[1] - said[0], 250ms + 2 * 17ms);
+  EXPECT_LE(said[2] - said[1], 250ms + 2 * 17ms);
+  EXPECT_TRUE(holds(0, "A"));
+  EXPECT_EQ(updates_of("A", said[0]), 1u) << "one answer, to the last";
+}
+
 TEST_F(Regions, AStandingObjectThatIsHeardOfIsNotForgotten) {
   PeerConfig a = in_regions(1, {{world["A"], true}});
   PeerConfig b = looking_from(in_regions(2, {}, 2.0), 5.0);
@@ -327,6 +514,34 @@ TEST(RegionsInLoss, WhatSomebodyMayKnowNothingWithoutGoesOutMoreOften) {
     EXPECT_GE(times, 3) << sequence;
     EXPECT_GE(sends[sequence], 3) << sequence;
   }
+}
+
+// Whatever else is a reason to tell: here its error is.
+TEST(RegionsInLoss, AnAnswerToAJoinerGoesOutMoreOften) {
+  const World world(box("A", "1 1 1", "0 0 0"));
+  Lan lan(world, {.latency = 20ms, .loss = 0.1});
+  bool jumped = false;
+  const auto jumps = [&](SimTime) { return moving({jumped ? 6.0 : 5.0, 0, 0}); };
+  PeerConfig c = in_regions(1, {{world["A"], true}});
+  c.policy.copies = 1;
+  const auto self = lan.add(c, 0s, {{world["A"], jumps}});
+  lan.add(in_regions(2));
+  lan.run_until(4s);
+  const Duration asked = lan.now();
+  std::map<std::uint32_t, int> sends;
+  lan.on_send = [&](std::size_t from, RegionId, const Message& m) {
+    for (const UpdateRecord& u : m.updates) sends[u.sequence] += from == self ? 1 : 0;
+  };
+  Message m = message_of(2);
+  m.entered = {{RegionId{1}, lan.session_now(self)}};
+  jumped = true;
+  lan.inject(self, encode(m));
+  lan.run_until(asked + 100ms);
+  const auto told = lan.seen<Published>(self);
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.back().reason, PublishReason::kError);
+  ASSERT_FALSE(sends.empty());
+  EXPECT_GE(sends.rbegin()->second, 3);
 }
 
 TEST(RegionsInLoss, ThatSomebodyHasEnteredIsSaidMoreOften) {
@@ -429,6 +644,41 @@ TEST(RegionsCollide, AcrossABorderTheOutcomeIsTold) {
   ASSERT_TRUE(lan.peer(b).holds(world["A"]));
   EXPECT_LT(lan.peer(0).truth(world["A"], t).velocity.x(), 0.0) << "it has bounced";
   EXPECT_TRUE(same_bits(lan.peer(b).ghost(world["A"], t), lan.peer(0).ghost(world["A"], t)));
+}
+
+// Others decide what becomes of two objects far away: no log or viewer is told.
+TEST(RegionsCollide, ADecisionOnWhatIsNotHeardOfIsNotShown) {
+  const World world(box("A", "1 1 1", "5 0 0", kBounces) + box("B", "1 1 1", "6 0 0", kBounces) +
+                    interest("A", "\"B\"") + interest("B", "\"A\""));
+  Lan lan(world, {.latency = 20ms});
+  const auto self = lan.add(looking_from(in_regions(1, {}, 1.0), 5.0));
+  lan.run_until(2s);
+  lan.inject(self, encode(hello_of(7, lan.host_now(self), {world["A"]})));
+  lan.inject(self, encode(hello_of(8, lan.host_now(self), {world["B"]})));
+  const auto applied = [&] {
+    Message m = message_of(7);
+    m.decisions = {{world["A"],
+                    world["B"],
+                    lan.session_now(self) - 20ms,
+                    Vec3::UnitX(),
+                    {},
+                    {},
+                    moving({5, 0, 0}),
+                    moving({6, 0, 0}),
+                    DecisionRule::kId}};
+    lan.inject(self, encode(m));
+    return lan.contacts(self, ContactKind::kApplied).size();
+  };
+  EXPECT_EQ(applied(), 0u);
+  for (const std::uint32_t id : {7u, 8u}) {
+    Message told = message_of(id);
+    told.updates = {{world[id == 7 ? "A" : "B"], 5, lan.session_now(self), moving({id == 7 ? 5.0 : 6.0, 0, 0}), {}}};
+    told.updates.front().decision = lan.session_now(self) - 20ms;
+    lan.inject(self, encode(told), RegionId{1});
+  }
+  ASSERT_TRUE(lan.peer(self).holds(world["A"]) && lan.peer(self).holds(world["B"]));
+  lan.run_until(3s);
+  EXPECT_EQ(applied(), 1u) << "and these it hears of";
 }
 
 // Whatever the objects do and wherever peers look: who holds an object, and has had the time to hear, believes what its
