@@ -221,6 +221,81 @@ config::Result<const config::PeerSettings*> choose_peer(const config::RunSetting
   return std::unexpected(config::InputError{"error: there is no peer \"" + name + "\"; there are " + all});
 }
 
+// Null: runs without; nobody has asked for it in so many words.
+config::Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, const ControlPlace& place,
+                                                                 Daemon& daemon, Log& log) {
+  if (place.socket.empty()) return nullptr;
+  auto opened =
+      api::ControlServer::open(io, place.socket, [&daemon](std::string_view line) { return daemon.on_control(line); });
+  if (!opened && place.asked_for) return std::unexpected(opened.error());
+  if (!opened) {
+    log(spdlog::level::warn, "runs without peerd ctl: " + opened.error().text);
+    return nullptr;
+  }
+  log(spdlog::level::info, fmt::format("listens for peerd ctl at {}", place.socket.string()));
+  return opened;
+}
+
+// Null: the peer takes no poses by UDP.
+config::Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io,
+                                                              const config::PeerSettings& settings, Daemon& daemon,
+                                                              Log& log) {
+  if (settings.feed.udp.empty()) return nullptr;
+  auto opened = feed::UdpPort::open(io, settings.feed.udp, "peer." + settings.name + ".feed.udp",
+                                    [&daemon](std::string_view datagram) { daemon.on_poses(datagram); });
+  if (!opened) return opened;
+  const auto endpoint = (*opened)->endpoint();
+  log(spdlog::level::info,
+      fmt::format("takes poses by UDP at {} port {}", endpoint.address().to_string(), endpoint.port()));
+  if (!endpoint.address().is_loopback()) {
+    log(spdlog::level::warn, "whoever reaches that port, from other computers too, moves this peer's objects");
+  }
+  return opened;
+}
+
+// What clients and programs said that was not taken.
+void tell_refused(const api::ControlServer* control, const feed::UdpPort* poses, Log& log) {
+  if (control) {
+    const api::ControlServer::Counters& c = control->counters();
+    if (c.refused + c.too_long + c.too_slow > 0) {
+      log(spdlog::level::warn,
+          fmt::format("control: {} of {} clients were one too many, {} sent no end of line, {} did "
+                      "not read their reply",
+                      c.refused, c.clients, c.too_long, c.too_slow));
+    }
+  }
+  if (poses && poses->counters().lost + poses->counters().errors > 0) {
+    log(spdlog::level::warn,
+        fmt::format("poses: {} of {} datagrams were lost for want of room, {} reads failed", poses->counters().lost,
+                    poses->counters().datagrams + poses->counters().lost, poses->counters().errors));
+  }
+}
+
+void tell_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport,
+                 const net::ForwardTime& forward, Log& log) {
+  const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
+  log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
+                                       count("datagrams_out"), count("updates_out"), count("datagrams_in"),
+                                       count("updates_in"), count("ticks_missed"), count("ticks")));
+  if (record.counters.contains("poses_taken")) {
+    log(spdlog::level::info,
+        fmt::format("took {} poses, refused {} and {} messages; {} silences", count("poses_taken"),
+                    count("poses_refused"), count("pose_messages_refused"), count("feeds_silent")));
+  }
+  for (const auto& [reason, dropped] : node.peer().counters().drops) {
+    log(spdlog::level::info, fmt::format("dropped {}: {}", dropped, reason));
+  }
+  for (const auto& [name, n] : transport.counters().named()) {
+    if (n > 0 && !(name.ends_with("_in") || name.ends_with("_out")))
+      log(spdlog::level::info, fmt::format("{}: {}", name, n));
+  }
+  if (forward.count() > 0) {
+    log(spdlog::level::info,
+        fmt::format("{} datagrams were read after a tick that they came before, by {:.1f} us at most", forward.count(),
+                    to_seconds(forward.most()) * 1e6));
+  }
+}
+
 }  // namespace
 
 int run_peer(const PeerOptions& options) {
@@ -275,69 +350,15 @@ int run_peer(const PeerOptions& options) {
 
   Daemon daemon(io, *node, *transport, clock, log, scene,
                 options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt);
-  std::unique_ptr<api::ControlServer> control;
-  if (const ControlPlace place = control_place(options, run.control, (*settings)->name); !place.socket.empty()) {
-    auto opened =
-        api::ControlServer::open(io, place.socket, [&](std::string_view line) { return daemon.on_control(line); });
-    if (!opened && place.asked_for) return failed(opened.error());
-    if (opened) {
-      control = std::move(*opened);
-      log(spdlog::level::info, fmt::format("listens for peerd ctl at {}", place.socket.string()));
-    } else {
-      log(spdlog::level::warn, "runs without peerd ctl: " + opened.error().text);
-    }
-  }
-  std::unique_ptr<feed::UdpPort> poses;
-  if (const std::string& address = (*settings)->feed.udp; !address.empty()) {
-    auto opened = feed::UdpPort::open(io, address, "peer." + (*settings)->name + ".feed.udp",
-                                      [&](std::string_view datagram) { daemon.on_poses(datagram); });
-    if (!opened) return failed(opened.error());
-    poses = std::move(*opened);
-    const auto endpoint = poses->endpoint();
-    log(spdlog::level::info,
-        fmt::format("takes poses by UDP at {} port {}", endpoint.address().to_string(), endpoint.port()));
-    if (!endpoint.address().is_loopback()) {
-      log(spdlog::level::warn, "whoever reaches that port, from other computers too, moves this peer's objects");
-    }
-  }
+  auto control = open_control(io, control_place(options, run.control, (*settings)->name), daemon, log);
+  if (!control) return failed(control.error());
+  const auto poses = open_pose_port(io, **settings, daemon, log);
+  if (!poses) return failed(poses.error());
   const int code = daemon.run();
-  if (control) {
-    const api::ControlServer::Counters& c = control->counters();
-    if (c.refused + c.too_long + c.too_slow > 0) {
-      log(spdlog::level::warn,
-          fmt::format("control: {} of {} clients were one too many, {} sent no end of line, {} did "
-                      "not read their reply",
-                      c.refused, c.clients, c.too_long, c.too_slow));
-    }
-  }
-  if (poses && poses->counters().lost + poses->counters().errors > 0) {
-    log(spdlog::level::warn,
-        fmt::format("poses: {} of {} datagrams were lost for want of room, {} reads failed", poses->counters().lost,
-                    poses->counters().datagrams + poses->counters().lost, poses->counters().errors));
-  }
-  control.reset();
+  tell_refused(control->get(), poses->get(), log);
+  control->reset();
   const PeerLog& record = node->log();
-  const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
-  log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
-                                       count("datagrams_out"), count("updates_out"), count("datagrams_in"),
-                                       count("updates_in"), count("ticks_missed"), count("ticks")));
-  if (record.counters.contains("poses_taken")) {
-    log(spdlog::level::info,
-        fmt::format("took {} poses, refused {} and {} messages; {} silences", count("poses_taken"),
-                    count("poses_refused"), count("pose_messages_refused"), count("feeds_silent")));
-  }
-  for (const auto& [reason, dropped] : node->peer().counters().drops) {
-    log(spdlog::level::info, fmt::format("dropped {}: {}", dropped, reason));
-  }
-  for (const auto& [name, n] : transport->counters().named()) {
-    if (n > 0 && !(name.ends_with("_in") || name.ends_with("_out")))
-      log(spdlog::level::info, fmt::format("{}: {}", name, n));
-  }
-  if (const net::ForwardTime& forward = daemon.forward(); forward.count() > 0) {
-    log(spdlog::level::info,
-        fmt::format("{} datagrams were read after a tick that they came before, by {:.1f} us at most", forward.count(),
-                    to_seconds(forward.most()) * 1e6));
-  }
+  tell_totals(*node, record, *transport, daemon.forward(), log);
   if (!options.record.empty()) {
     if (const auto saved = save(record, options.record); !saved) return failed(saved.error());
   }

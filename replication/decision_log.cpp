@@ -6,6 +6,15 @@
 namespace peerd::replication {
 namespace {
 
+// Entries are by contact time, then author: the first that is not before that.
+template <class Entries>
+auto not_before(Entries& entries, SimTime contact, PeerId author) {
+  const auto before = [](const DecisionLog::Entry& e, const std::pair<SimTime, PeerId>& key) {
+    return std::pair(e.record.contact, e.author) < key;
+  };
+  return std::lower_bound(entries.begin(), entries.end(), std::pair(contact, author), before);
+}
+
 bool involves(const DecisionRecord& d, ObjectId object) { return d.collider == object || d.collidee == object; }
 
 bool conflict(const DecisionLog::Entry& a, const DecisionLog::Entry& b) {
@@ -28,11 +37,7 @@ bool of_pair(const DecisionRecord& d, ObjectId a, ObjectId b) {
 
 std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionRecord& record, PeerId author) {
   if (find(record.contact, author, record.collider, record.collidee) != nullptr) return std::nullopt;
-  const auto before = [](const Entry& e, const std::pair<SimTime, PeerId>& key) {
-    return std::pair(e.record.contact, e.author) < key;
-  };
-  const auto at = std::lower_bound(entries_.begin(), entries_.end(), std::pair(record.contact, author), before);
-  entries_.insert(at, Entry{record, author, false, 0, {}});
+  entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, 0, {}});
 
   std::vector<Entry*> pair;
   for (Entry& e : entries_) {
@@ -53,10 +58,11 @@ std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionR
 }
 
 const DecisionLog::Entry* DecisionLog::find(SimTime contact, PeerId author, ObjectId a, ObjectId b) const {
-  const auto found = std::ranges::find_if(entries_, [&](const Entry& e) {
-    return e.author == author && e.record.contact == contact && of_pair(e.record, a, b);
-  });
-  return found == entries_.end() ? nullptr : &*found;
+  for (auto e = not_before(entries_, contact, author); e != entries_.end(); ++e) {
+    if (e->record.contact != contact || e->author != author) return nullptr;
+    if (of_pair(e->record, a, b)) return &*e;
+  }
+  return nullptr;
 }
 
 void DecisionLog::forget_before(SimTime contact) {

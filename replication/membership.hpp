@@ -42,7 +42,6 @@ struct Member {
   bool knows_us = false;               // its hellos echo ours
   bool forgot_us = false;              // they did, until it lost us
   std::size_t unechoed = 0;            // hellos without our echo since the last with one
-  bool come_back = false;              // we have lost it, and not said so yet: by a hello without its echo
   std::optional<double> loss_of_ours;  // of our datagrams on their way to it, as it says
   std::optional<Receipt> receipt;      // for our datagrams, as it says
   static constexpr std::size_t kDelays = 16;
@@ -89,7 +88,6 @@ class Membership {
   // The lowest synchronised peer: the one whose session time the others follow.
   [[nodiscard]] std::optional<PeerId> lowest_synchronised() const;
   [[nodiscard]] const std::map<PeerId, Member>& all() const { return members_; }
-  [[nodiscard]] std::map<PeerId, Member>& all() { return members_; }
   [[nodiscard]] std::optional<HostTime> next_expiry() const;
 
  private:

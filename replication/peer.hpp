@@ -331,7 +331,8 @@ class Peer {
   void claim(PeerId peer, std::span<const ObjectId> objects);
   void release(PeerId peer, HostTime now);
   void lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye);
-  void watch_decided_pairs(std::optional<ObjectId> only = {});
+  void watch_decided_pairs();
+  void watch_decided_pairs(std::span<const std::uint32_t> pairs);
   void restart_predefined();
   void tell_predefined(SimTime to);
   bool keep_session(HostTime now);
@@ -407,7 +408,7 @@ class Peer {
   void introduce_anew();
   [[nodiscard]] bool introduces() const;
   [[nodiscard]] Introduction introduction();
-  [[nodiscard]] bool has_arrived(const Own& own) const;
+  [[nodiscard]] std::optional<Receipt> common_receipt() const;
   [[nodiscard]] double loss() const;
   [[nodiscard]] double loss_of(const Member& member, double others) const;
   void send(Message& message, RegionId region = kWholeScene);

@@ -9,7 +9,7 @@
 namespace peerd::replication {
 namespace {
 
-// So many copies, one a tick, survive bursts of loss without waiting for a hello.
+// So many copies at most, one a tick, as the loss asks: they survive its bursts without waiting for a hello.
 constexpr std::uint32_t kDecisionCopies = 3;
 // What happened longer ago, as it turns out now (a decision heard late has put an object on another way), nobody
 // decides any more: who hears of it would be too late to take it, and another not.

@@ -99,7 +99,6 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
     case Membership::Heard::kKnown:
       break;
     case Membership::Heard::kJoined:
-      members_.find(m.sender)->come_back = forgotten_.erase(m.sender) > 0;
       outputs_.push_back(PeerJoined{m.sender, introduction->name, false});
       break;
     case Membership::Heard::kRestarted:

@@ -1,6 +1,7 @@
 // Peer: what goes out.
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 #include "replication/hello_lists.hpp"
@@ -44,10 +45,11 @@ Message Peer::blank() const {
 // updates come fast there is nothing to repeat, and unless everybody has it.
 void Peer::repeat_updates(HostTime now) {
   const bool lossy = copies_against(loss(), 2) > 1;
+  const auto receipt = common_receipt();
   for (auto& [object, own] : own_) {
     if (!own.to_repeat) continue;
     if (!lossy && clock_.to_session(now) - own.to_repeat->at < kStandsFor) continue;
-    if (!lossy && has_arrived(own)) continue;
+    if (!lossy && receipt && receipt->has(own.told_in)) continue;
     const bool due_anyway =
         std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
     if (due_anyway) continue;  // it goes out for the first time just now
@@ -56,12 +58,15 @@ void Peer::repeat_updates(HostTime now) {
   }
 }
 
-// Everybody says so.
-bool Peer::has_arrived(const Own& own) const {
-  return std::ranges::all_of(members_.all(), [&](const auto& entry) {
-    const auto& receipt = entry.second.receipt;
-    return receipt && receipt->has(own.told_in);
-  });
+// Which of this peer's datagrams all the others have, as they say; none while one of them has said nothing.
+std::optional<Receipt> Peer::common_receipt() const {
+  Receipt common{0, std::numeric_limits<std::uint32_t>::max(), 0};
+  for (const auto& [peer, member] : members_.all()) {
+    if (!member.receipt) return std::nullopt;
+    common.clean_from = std::max(common.clean_from, member.receipt->clean_from);
+    common.highest = std::min(common.highest, member.receipt->highest);
+  }
+  return common;
 }
 
 // What the worst of the others says it loses of what this peer sends.
@@ -167,9 +172,10 @@ void Peer::send_hello(HostTime now, bool leaving) {
   hello.latency = own_latency();
   hello.notes = notes();
   std::vector<std::pair<PeerId, const Member*>> heard;
-  for (auto& [peer, member] : members_.all()) {
+  for (const auto& [peer, member] : members_.all()) {
     const auto received = member.received.find(kWholeScene);
-    if (std::exchange(member.come_back, false) || member.hello == 0 || now - member.hello_rx > kHeldMax) continue;
+    if (forgotten_.erase(peer) > 0) continue;  // without its echo it knows that it was
+    if (member.hello == 0 || now - member.hello_rx > kHeldMax) continue;
     if (received != member.received.end()) heard.emplace_back(peer, &member);
   }
   const double others = members_.mean_loss();

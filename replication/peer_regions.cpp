@@ -152,7 +152,7 @@ bool Peer::hear(const UpdateRecord& update, SimTime session_now) {
   // Watched before it is told where it is: what it has met since then counts.
   if (unheard_.erase(update.object) > 0) {
     shown_.erase(update.object);  // what has been drawn since means nothing: it is shown at once where it is
-    watch_decided_pairs(update.object);
+    watch_decided_pairs(model_.pairs_of(update.object));
   }
   return true;
 }
@@ -168,7 +168,7 @@ void Peer::lose_sight(ObjectId object, SimTime t) {
   ++counters_.sights_lost;
   unhear(object);
   colliding_.forget(object, t);
-  watch_decided_pairs(object);
+  watch_decided_pairs(model_.pairs_of(object));
 }
 
 // The word that an object has gone may be lost, all its copies. Every owner speaks once in the time threshold.

@@ -1,6 +1,7 @@
 // Peer: entering, changing and keeping a session; who runs what in it.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "replication/decision.hpp"
@@ -146,8 +147,7 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   member.receipt->on_echo(*echo);
   const auto sent = std::ranges::find(sent_hellos_, echo->hello, &SentHello::number);
   if (follows_ != sender || !hello.session_tx || sent == sent_hellos_.end()) return;
-  const HostTime theirs{hello.session_tx->time_since_epoch()};  // their session's clock stands for their host's
-  clock_.on_exchange({sent->at, theirs - echo->held, theirs, now, Duration{0}});
+  clock_.on_exchange({sent->at, *hello.session_tx - echo->held, *hello.session_tx, now});
   if (clock_.synchronised() && !replica_) {
     outputs_.push_back(Synchronised{sender, clock_.session_minus_host(), clock_.error_bound()});
     enter_session(now);
@@ -292,25 +292,33 @@ void Peer::declare_all() {
 
 // The truth watches what this peer finds. Ghosts are watched wherever they may meet something, own ones included:
 // the sender must know what every receiver predicts, or a predicted collision would cost an update.
-// What this peer does not hear of meets nothing. `only`: pairs of that object.
-void Peer::watch_decided_pairs(std::optional<ObjectId> only) {
-  if (!only) measure_meetings();
+// What this peer does not hear of meets nothing.
+void Peer::watch_decided_pairs() {
+  measure_meetings();
+  std::vector<std::uint32_t> all(model_.pairs.size());
+  std::iota(all.begin(), all.end(), 0U);
+  watch_decided_pairs(all);
+}
+
+void Peer::watch_decided_pairs(std::span<const std::uint32_t> pairs) {
   if (!replica_) return;
   const auto ours = [&](ObjectId id) { return own_.contains(id); };
-  std::set<ObjectId> partners;  // remote objects whose collisions with ours this peer finds, or with any as the server
-  for (const CollisionPair& pair : model_.pairs) {
-    if (!finds(pair.collider, pair.collidee)) continue;
-    for (const ObjectId object : {pair.collider, pair.collidee}) {
-      if (!ours(object) && owner(object) != kNobody) partners.insert(object);
+  std::map<ObjectId, bool> partners;
+  // A remote object whose collisions with ours this peer finds, or with any as the server.
+  const auto is_partner = [&](ObjectId object) {
+    const auto [at, is_new] = partners.try_emplace(object, false);
+    if (is_new && !ours(object) && owner(object) != kNobody) {
+      at->second = std::ranges::any_of(model_.pairs_of(object), [&](std::uint32_t number) {
+        return finds(model_.pairs[number].collider, model_.pairs[number].collidee);
+      });
     }
-  }
-  for (const CollisionPair& pair : model_.pairs) {
-    if (only && pair.collider != *only && pair.collidee != *only) continue;
-    const bool here = holds(pair.collider) && holds(pair.collidee);
-    const bool mine = ours(pair.collider) || ours(pair.collidee);
-    const bool partner = partners.contains(pair.collider) || partners.contains(pair.collidee);
-    replica_->truth.watch(pair.collider, pair.collidee, here && (mine ? finds(pair.collider, pair.collidee) : partner));
-    replica_->ghosts.watch(pair.collider, pair.collidee, here && config_.policy.predict_collisions);
+    return at->second;
+  };
+  for (const std::uint32_t number : pairs) {
+    const auto& [a, b, type, mutual] = model_.pairs[number];
+    const bool here = holds(a) && holds(b), mine = ours(a) || ours(b);
+    replica_->truth.watch(a, b, here && (mine ? finds(a, b) : is_partner(a) || is_partner(b)));
+    replica_->ghosts.watch(a, b, here && config_.policy.predict_collisions);
   }
 }
 

@@ -23,9 +23,7 @@ double ns(Duration d) { return static_cast<double>(d.count()); }
 bool plausible(const SessionClock::Exchange& e) {
   if (e.t1 > e.t4 || e.t4 - e.t1 > kEchoAgeMax) return false;
   const double t2 = ns(e.t2.time_since_epoch()), t3 = ns(e.t3.time_since_epoch()), t4 = ns(e.t4.time_since_epoch());
-  const double offset = t3 - t4 + ns(e.their_session_minus_host);
-  return t3 >= t2 && t3 - t2 <= ns(kEchoAgeMax) && std::abs(t3 - t4) < kTimeMax_ns / 2.0 &&
-         std::abs(offset) < kTimeMax_ns / 2.0 && std::abs(t4 + offset) < kTimeMax_ns;
+  return t3 >= t2 && t3 - t2 <= ns(kEchoAgeMax) && std::abs(t3 - t4) < kTimeMax_ns / 2.0;
 }
 
 }  // namespace
@@ -42,7 +40,7 @@ void SessionClock::on_exchange(const Exchange& e) {
   const Duration behind = e.t3.time_since_epoch() - e.t4.time_since_epoch();
   const Duration round_trip = (e.t4 - e.t1) - (e.t3 - e.t2);
   if (round_trip < Duration{0}) return;  // a clock was set meanwhile
-  samples_[sample_count_ % kSamples] = {ahead + (behind - ahead) / 2 + e.their_session_minus_host, round_trip};
+  samples_[sample_count_ % kSamples] = {ahead + (behind - ahead) / 2, round_trip};
   ++sample_count_;
   if (sample_count_ >= kSamplesToStart) error_bound_ = best().round_trip / 2;
   if (!synchronised_ && sample_count_ >= kSamplesToStart) {

@@ -14,10 +14,12 @@ namespace peerd::replication {
 // slewed, except into another session whose time is farther away than slewing could mend.
 class SessionClock {
  public:
-  // t1 our hello left, t2 they got it, t3 theirs left, t4 we got it; t1 and t4 on our clock, t2 and t3 on theirs.
+  // Our hello left at t1, they got it at t2, theirs left at t3, we got it at t4: t1 and t4 on our clock, t2 and t3 as
+  // they had the session's time at t3.
   struct Exchange {
-    HostTime t1, t2, t3, t4;
-    Duration their_session_minus_host;
+    HostTime t1;
+    SimTime t2, t3;
+    HostTime t4;
   };
 
   [[nodiscard]] bool synchronised() const { return synchronised_; }

@@ -15,8 +15,8 @@ using namespace test;
 // `session`. `sent` is when our hello left, on our clock.
 SessionClock::Exchange exchange(HostTime sent, Duration ahead, Duration there, Duration back, Duration session = 0s) {
   const Duration hold = 30ms;
-  const HostTime t2 = sent + there + ahead, t3 = t2 + hold;
-  return {sent, t2, t3, t3 - ahead + back, session};
+  const SimTime t2{(sent + there + ahead + session).time_since_epoch()};
+  return {sent, t2, t2 + hold, sent + there + hold + back};
 }
 
 TEST(SessionClock, SaysNothingBeforeItKnows) {
