@@ -7,8 +7,10 @@
 #include <numbers>
 
 #include "proto/peerd.pb.h"
+#include "replication/decision_bits.hpp"
 #include "replication/hello_lists.hpp"
 #include "replication/record.hpp"
+#include "replication/varint.hpp"
 #include "replication/wire_limits.hpp"
 
 namespace peerd::replication {
@@ -16,8 +18,7 @@ namespace {
 
 constexpr std::size_t kUsualRecord_bytes = 24;
 constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes cannot hold more
-// Of a time, what travels with records: 18 minutes, of which the receiver's own time says which.
-constexpr int kBase_bytes = 5;
+constexpr int kBase_bytes = kLowTime_bits / 8;
 
 // ---- to Protobuf ----
 
@@ -34,23 +35,13 @@ void put(const Quat& q, proto::Quat* out) {
   out->set_z(q.z());
 }
 
-bool is_identity(const Quat& q) { return q.coeffs().isApprox(Quat::Identity().coeffs(), 0.0); }
-
-void put(const KinematicState& s, proto::Kinematics* out) {
-  put(s.position, out->mutable_position());
-  if (!s.velocity.isZero(0.0)) put(s.velocity, out->mutable_velocity());
-  if (!s.acceleration.isZero(0.0)) put(s.acceleration, out->mutable_acceleration());
-  if (!is_identity(s.orientation)) put(s.orientation, out->mutable_orientation());
-  if (!s.angular_velocity_body.isZero(0.0)) put(s.angular_velocity_body, out->mutable_angular_velocity_body());
-}
-
 // All in one field, one behind the other; times count from the first one's, whose low bytes come first.
 void put(const std::vector<UpdateRecord>& updates, proto::Datagram* out) {
   if (updates.empty()) return;
   const SimTime base = updates.front().at;
   std::string& bytes = *out->mutable_records();
   bytes.reserve(kDatagramMax_bytes);
-  auto low = static_cast<std::uint64_t>(base.time_since_epoch().count());
+  std::uint64_t low = low_time(base);
   for (int i = 0; i < kBase_bytes; ++i, low >>= 8) bytes.push_back(static_cast<char>(low & 0xFF));
   std::array<std::byte, kRecordMax_bytes> record;
   for (const UpdateRecord& u : updates) {
@@ -58,17 +49,11 @@ void put(const std::vector<UpdateRecord>& updates, proto::Datagram* out) {
   }
 }
 
-void put(const DecisionRecord& d, proto::Decision* out) {
-  out->set_collider(d.collider.value);
-  out->set_collidee(d.collidee.value);
-  out->set_contact_ns(d.contact.time_since_epoch().count());
-  put(d.normal, out->mutable_normal());
-  put(d.collider_before, out->mutable_collider_before());
-  put(d.collidee_before, out->mutable_collidee_before());
-  put(d.collider_after, out->mutable_collider_after());
-  put(d.collidee_after, out->mutable_collidee_after());
-  out->set_rule(static_cast<std::uint32_t>(d.rule));
-  out->set_known_ns(d.known.time_since_epoch().count());
+void put(const std::vector<DecisionRecord>& decisions, proto::Datagram* out) {
+  std::array<std::byte, kDecisionMax_bytes> bytes;
+  for (const DecisionRecord& d : decisions) {
+    out->mutable_decisions()->append(reinterpret_cast<const char*>(bytes.data()), encode_decision(d, bytes));
+  }
 }
 
 void put(const Viewpoint& v, proto::Viewpoint* out) {
@@ -129,26 +114,15 @@ bool take(const proto::Quat& in, Quat& q) {
   return acceptable(q);
 }
 
-bool take(const proto::Kinematics& in, KinematicState& s) {
-  return take(in.position(), s.position) && take(in.velocity(), s.velocity) &&
-         take(in.acceleration(), s.acceleration) && (!in.has_orientation() || take(in.orientation(), s.orientation)) &&
-         take(in.angular_velocity_body(), s.angular_velocity_body) && s.angular_velocity_body.norm() <= kSpinMax;
-}
-
 bool take(std::int64_t ns, SimTime& t) {
   t = SimTime{Duration{ns}};
   return in_range(ns);
 }
 
-// The time with those low bytes that is nearest to `near`.
 bool take_base(std::span<const std::byte, kBase_bytes> bytes, SimTime near, SimTime& base) {
   std::uint64_t low = 0;
   for (int i = kBase_bytes - 1; i >= 0; --i) low = low << 8 | std::to_integer<std::uint64_t>(bytes[i]);
-  constexpr int kAbove_bits = 64 - 8 * kBase_bytes;
-  const auto here = static_cast<std::uint64_t>(near.time_since_epoch().count());
-  // Shifted up and down again, the difference's highest bit that travels is its sign.
-  const std::int64_t ahead = static_cast<std::int64_t>((low - here) << kAbove_bits) >> kAbove_bits;
-  return take(static_cast<std::int64_t>(here + static_cast<std::uint64_t>(ahead)), base);
+  return take_low_time(low, near, base);
 }
 
 // An update of a later version's model is left out; it must not cost the rest of its datagram.
@@ -192,18 +166,13 @@ bool take_gone(const proto::Datagram& in, std::vector<Gone>& gone) {
   return true;
 }
 
-bool take(const proto::Decision& in, DecisionRecord& d) {
-  d.collider = ObjectId{in.collider()};
-  d.collidee = ObjectId{in.collidee()};
-  if (in.rule() < static_cast<std::uint32_t>(DecisionRule::kId) ||
-      in.rule() > static_cast<std::uint32_t>(DecisionRule::kServer)) {
-    return false;
+bool take_decisions(const proto::Datagram& in, SimTime near, std::vector<DecisionRecord>& decisions) {
+  for (auto rest = std::as_bytes(std::span(in.decisions())); !rest.empty();) {
+    const auto decision = decode_decision(rest, near);
+    if (!decision) return false;
+    decisions.push_back(*decision);
   }
-  d.rule = static_cast<DecisionRule>(in.rule());
-  return take(in.contact_ns(), d.contact) && take(in.known_ns(), d.known) && take(in.normal(), d.normal) &&
-         std::abs(d.normal.norm() - 1.0) <= kUnitSlack && take(in.collider_before(), d.collider_before) &&
-         take(in.collidee_before(), d.collidee_before) && take(in.collider_after(), d.collider_after) &&
-         take(in.collidee_after(), d.collidee_after);
+  return true;
 }
 
 bool take(const proto::Viewpoint& in, Viewpoint& v) {
@@ -259,7 +228,7 @@ Bytes encode(const Message& m) {
   if (m.introduction() == nullptr) d.set_boot_low(static_cast<std::uint32_t>(boot_low(m.boot)));
   if (m.hello) put(*m.hello, m.boot, d.mutable_hello());
   put(m.updates, &d);
-  for (const DecisionRecord& c : m.decisions) put(c, d.add_decisions());
+  put(m.decisions, &d);
   put(m.entered, &d);
   put(m.gone, &d);
   d.set_leaving(m.leaving);
@@ -283,9 +252,7 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, 
   if (d.has_hello() && !take(d.hello(), m.hello.emplace())) return std::unexpected(DecodeError::kValue);
   m.boot = m.introduction() != nullptr ? d.hello().introduction().boot() : boot_low(d.boot_low());
   if (!take_records(d, near, m)) return std::unexpected(DecodeError::kValue);
-  for (const proto::Decision& c : d.decisions()) {
-    if (!take(c, m.decisions.emplace_back())) return std::unexpected(DecodeError::kValue);
-  }
+  if (!take_decisions(d, near, m.decisions)) return std::unexpected(DecodeError::kValue);
   if (!take_entered(d, m.entered) || !take_gone(d, m.gone)) return std::unexpected(DecodeError::kValue);
   return m;
 }
@@ -301,10 +268,8 @@ std::size_t encoded_size_bytes(const UpdateRecord& record, SimTime first) {
 }
 
 std::size_t encoded_size_bytes(const DecisionRecord& record) {
-  proto::Decision decision;
-  put(record, &decision);
-  const std::size_t body = decision.ByteSizeLong();
-  return 1 + (body < 128 ? 1 : 2) + body;  // tag, length varint, body
+  std::array<std::byte, kDecisionMax_bytes> bytes;
+  return encode_decision(record, bytes);
 }
 
 }  // namespace peerd::replication

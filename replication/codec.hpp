@@ -7,7 +7,7 @@
 
 namespace peerd::replication {
 
-inline constexpr std::uint32_t kProtocolVersion = 3;
+inline constexpr std::uint32_t kProtocolVersion = 4;
 // Never fragmented: below every tunnel's MTU once UDP, IP and a link's headers are added.
 inline constexpr std::size_t kDatagramMax_bytes = 1200;
 
@@ -33,13 +33,16 @@ enum class DecodeError : std::uint8_t {
 [[nodiscard]] Bytes encode(const Message& message);
 
 // Trusts nothing: every value that comes back is finite and in range, unit vectors and quaternions unit within 1e-6.
-// Updates' times travel without what all who hear them know: they are taken to be within 9 minutes of `near`.
+// Times of updates and decisions travel without what all who hear them know: they are taken to be within 9 minutes of
+// `near`.
 [[nodiscard]] std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, SimTime near);
 
 // What one record adds to a datagram: an update behind others of which the first is of the time `first`. The first of
 // all adds kUpdatesHeader_bytes besides: the base time, and the length of them all.
 [[nodiscard]] std::size_t encoded_size_bytes(const UpdateRecord& record, SimTime first);
-[[nodiscard]] std::size_t encoded_size_bytes(const DecisionRecord& record);
 inline constexpr std::size_t kUpdatesHeader_bytes = 8;
+// .. and a decision; the first adds kDecisionsHeader_bytes.
+[[nodiscard]] std::size_t encoded_size_bytes(const DecisionRecord& record);
+inline constexpr std::size_t kDecisionsHeader_bytes = 3;
 
 }  // namespace peerd::replication

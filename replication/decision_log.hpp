@@ -23,6 +23,7 @@ class DecisionLog {
     bool stands = false;
     int copies = 0;          // of our own: how often still to be sent
     std::set<PeerId> heard;  // of our own: who has said so
+    bool to_note = false;    // of others': to be told with the next hello that it has come
   };
   struct Change {
     DecisionRecord record;

@@ -27,9 +27,10 @@ struct Receipt {
 struct Member {
   std::uint64_t boot = 0;
   std::string name;
-  HostTime last_heard{};    // our clock
-  std::uint32_t hello = 0;  // the number of its last hello's datagram; 0: none
-  HostTime hello_rx{};      // when that came, our clock
+  HostTime last_heard{};        // our clock
+  std::uint32_t hello = 0;      // the number of its last hello's datagram; 0: none
+  HostTime hello_rx{};          // when that came, our clock
+  bool holds_contacts = false;  // that others are to decide, as it says
   bool synchronised = false;
   std::uint32_t sessions = 0;
   std::optional<SimTime> start;

@@ -69,14 +69,19 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     follow_interest(*due);
     announce_entered();
   }
+  const std::uint32_t said = datagram_numbers_[kWholeScene];
+  if (!settled(now)) next_hello_ = std::min(*next_hello_, last_hello_ + config_.hello_period);
   if (now >= *next_hello_) {  // before the records: who has not heard of a peer can't use its updates
     send_hello(now, false);
     repeat_updates(now);
     repeat_decisions();
     repeat_announcements();
-    next_hello_ = now + (replica_ ? config_.hello_period : kJoiningHelloPeriod);
+    last_hello_ = now;
+    next_hello_ = now + (replica_ ? config_.settled_hello_period : kJoiningHelloPeriod);
   }
   flush_records(ticks);
+  if (datagram_numbers_[kWholeScene] == said && now - last_said_ >= config_.hello_period) say_nothing();
+  if (datagram_numbers_[kWholeScene] != said) last_said_ = now;
 }
 
 std::int64_t Peer::tick_number(SimTime t) const {
@@ -121,7 +126,7 @@ std::optional<Output> Peer::poll_output() {
 
 HostTime Peer::next_deadline() const {
   if (!next_hello_) return HostTime::min();
-  HostTime next = *next_hello_;
+  HostTime next = std::min(*next_hello_, last_said_ + config_.hello_period);
   if (replica_) next = std::min(next, clock_.to_host(tick_time(last_tick_ + 1)));
   if (const auto expiry = members_.next_expiry()) next = std::min(next, *expiry);
   return next;

@@ -86,6 +86,8 @@ struct PeerConfig {
   std::optional<double> interest_radius_m;
   std::uint32_t tick_hz = 60;
   Duration hello_period = std::chrono::milliseconds(250);
+  // .. once there is nothing that the others wait for; between them, a datagram that says only that this peer is here.
+  Duration settled_hello_period = std::chrono::milliseconds(1000);
   Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
   Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
   // Objects that nothing drives stand until start_motions(); else their launches count from the session's begin.
@@ -325,6 +327,7 @@ class Peer {
   void begin_motions(SimTime until);
   void change_session(SimTime before, SimTime now);
   void declare_all();
+  void on_stranger(HostTime now, PeerId stranger);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
   void on_update(PeerId sender, UpdateRecord update, SimTime session_now);
   void on_decision(PeerId sender, const DecisionRecord& decision, SimTime known_at);
@@ -363,7 +366,8 @@ class Peer {
   void apply(const DecisionRecord& decision, PeerId author, SimTime known_at);
   void rebase(ObjectId object, SimTime from);
   void repeat_decisions();
-  [[nodiscard]] std::vector<ContactNote> notes() const;
+  [[nodiscard]] bool all_heard(const DecisionLog::Entry& own) const;
+  [[nodiscard]] std::vector<ContactNote> take_notes();
   void publish(SimTime t);
   void repeat_updates(HostTime now);
   void tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m);
@@ -404,9 +408,11 @@ class Peer {
   void send_copies();
   void flush_records(bool decisions);
   void flush_region(RegionId region, const Due& due, bool decisions);
+  [[nodiscard]] bool settled(HostTime now) const;
   void send_hello(HostTime now, bool leaving);
+  void say_nothing();
   void introduce_anew();
-  [[nodiscard]] bool introduces() const;
+  [[nodiscard]] bool has_news() const;
   [[nodiscard]] Introduction introduction();
   [[nodiscard]] std::optional<Receipt> common_receipt() const;
   [[nodiscard]] double loss() const;
@@ -447,6 +453,11 @@ class Peer {
   };
   std::vector<Predefined> predefined_told_;
   std::optional<HostTime> next_hello_;
+  HostTime last_hello_{}, last_said_{};  // last_said_: anything, to all
+  // Whoever comes measures its clock and its loss with hellos: so long they are not rare.
+  static constexpr Duration kSettling = std::chrono::seconds(4);
+  HostTime settles_{};
+  std::optional<HostTime> stranger_heard_;  // somebody is here who has not introduced itself yet
   std::optional<PeerId> follows_;
   std::uint32_t sessions_ = 0;  // entered
   std::int64_t last_tick_ = 0;

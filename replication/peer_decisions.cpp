@@ -246,6 +246,10 @@ void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
 void Peer::on_decision(PeerId sender, const DecisionRecord& d, SimTime known_at) {
   if (!may_decide(sender, owner(d.collider), owner(d.collidee))) return drop("not_decider");
   const auto changes = decisions_.add(d, sender);
+  for (DecisionLog::Entry& e : decisions_.entries()) {  // its copies too: who repeats it has not heard that it came
+    if (e.author == sender && e.record.contact == d.contact && of_pair(e.record, d.collider, d.collidee))
+      e.to_note = true;
+  }
   if (!changes) return drop("decision_known");
   if (changes->empty()) return drop("decision_overruled");
   follow(*changes, known_at);
@@ -305,6 +309,13 @@ void Peer::rebase(ObjectId object, SimTime from) {
   if (u.at > last && u.decision >= last && !decisions_.overruled(object, u.decision)) set_ghost(object, u.at, u.model);
 }
 
+// Everybody in the session, as their hellos say.
+bool Peer::all_heard(const DecisionLog::Entry& own) const {
+  return std::ranges::all_of(members_.all(), [&](const auto& member) {
+    return !member.second.synchronised || own.heard.contains(member.first);
+  });
+}
+
 // Those that somebody in the session could have said to have heard, and has not.
 void Peer::repeat_decisions() {
   if (!replica_ || !config_.decisions.repeat) return;
@@ -315,25 +326,27 @@ void Peer::repeat_decisions() {
     if (entry->author != config_.id || !entry->stands || entry->record.contact < since) continue;
     if (entry->record.contact > answered) continue;
     if (newer[std::minmax(entry->record.collider, entry->record.collidee)]++ >= kRepeatedOfPair) continue;
-    const bool all_heard = std::ranges::all_of(members_.all(), [&](const auto& member) {
-      return !member.second.synchronised || entry->heard.contains(member.first);
-    });
-    if (all_heard || entry->copies > 0) continue;
+    if (all_heard(*entry) || entry->copies > 0) continue;
     entry->copies = 1;
     ++counters_.decisions_repeated;
   }
 }
 
-std::vector<ContactNote> Peer::notes() const {
+// What this peer holds; what it has decided, until all have heard: who holds the same contact waits for it; and once
+// what has come of others, for whoever decides repeats it until that is said.
+std::vector<ContactNote> Peer::take_notes() {
   std::vector<ContactNote> notes;
-  const auto add = [&](ObjectId a, ObjectId b, SimTime contact, PeerId by, bool held) {
-    if (notes.size() < kNotesMax) notes.push_back({a, b, contact, by, held});
-  };
-  for (const Held& h : held_) add(h.contact.collider, h.contact.collidee, h.contact.at, h.decider, true);
+  for (const Held& h : held_) {
+    if (notes.size() == kNotesMax) return notes;
+    notes.push_back({h.contact.collider, h.contact.collidee, h.contact.at, h.decider, true});
+  }
   const SimTime since = replica_ ? tick_time(last_tick_) - kNotedFor : SimTime{};
   for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
     const DecisionRecord& d = entry->record;
-    if (d.contact >= since) add(d.collider, d.collidee, d.contact, entry->author, false);
+    const bool says = d.contact >= since && (entry->author == config_.id ? !all_heard(*entry) : entry->to_note);
+    if (says && notes.size() == kNotesMax) break;
+    if (says) notes.push_back({d.collider, d.collidee, d.contact, entry->author, false});
+    entry->to_note = false;
   }
   return notes;
 }

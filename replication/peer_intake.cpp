@@ -1,4 +1,5 @@
 // Peer: what comes in.
+#include <algorithm>
 #include <utility>
 
 #include "replication/decision.hpp"
@@ -80,7 +81,10 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
   }
   const Member* known = members_.find(m.sender);
   if (introduction == nullptr) {
-    if (known == nullptr) return std::unexpected(Drop::kStranger);
+    if (known == nullptr) {
+      on_stranger(now, m.sender);
+      return std::unexpected(Drop::kStranger);
+    }
     if (boot_low(known->boot) != m.boot) return std::unexpected(Drop::kStaleBoot);
     members_.on_datagram(now, m.sender, known->boot);
     return {};
@@ -93,7 +97,9 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
     if (const auto member = members_.remove(m.sender)) lose(m.sender, member->name, now, true);
     return std::unexpected(Drop::kOtherWorld);
   }
-  switch (members_.on_datagram(now, m.sender, m.boot)) {
+  const Membership::Heard heard = members_.on_datagram(now, m.sender, m.boot);
+  if (heard == Membership::Heard::kJoined || heard == Membership::Heard::kRestarted) settles_ = now + kSettling;
+  switch (heard) {
     case Membership::Heard::kStale:
       return std::unexpected(Drop::kStaleBoot);
     case Membership::Heard::kKnown:
@@ -107,6 +113,14 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
       break;
   }
   return {};
+}
+
+// Somebody who says nothing of himself knows nobody new: who hears him introduces itself, and will be answered.
+void Peer::on_stranger(HostTime now, PeerId stranger) {
+  if (other_worlds_.contains(stranger)) return;
+  stranger_heard_ = now;
+  settles_ = now + kSettling;
+  introductions_due_ = std::max<std::size_t>(introductions_due_, 1);
 }
 
 void Peer::on_update(PeerId sender, UpdateRecord u, SimTime session_now) {

@@ -11,7 +11,7 @@ namespace peerd::replication {
 namespace {
 
 // What a datagram's header (version, sender, number, the boot's low bits) leaves for records.
-constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHeader_bytes;
+constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHeader_bytes - kDecisionsHeader_bytes;
 // Per introduction. 15 echoes of at most 27 bytes, 50 objects of at most 5, kNotesMax notes of at most 25, a viewpoint
 // of at most 97 and a name of 64 fit.
 constexpr std::size_t kEnslavedMax = 50;
@@ -147,9 +147,19 @@ void Peer::flush_region(RegionId region, const Due& due, bool decisions) {
 void Peer::introduce_anew() { introductions_due_ = kNewsRepeated * (1 + own_.size() / kEnslavedMax); }
 
 // Whoever is new here, or has news, or is not known to somebody, says who it is.
-bool Peer::introduces() const {
-  return !clock_.synchronised() || introductions_due_ > 0 || hellos_ % kIntroductionEvery == 0 ||
+bool Peer::has_news() const {
+  return !clock_.synchronised() || introductions_due_ > 0 ||
          std::ranges::any_of(members_.all(), [](const auto& entry) { return !entry.second.knows_us; });
+}
+
+// Nobody waits for what this peer's next hello says: all know each other and each other's clocks, what is sent arrives,
+// no contact is open, and what is to be said again with hellos has been.
+bool Peer::settled(HostTime now) const {
+  const auto holds_contacts = [](const auto& entry) { return entry.second.holds_contacts; };
+  return replica_ && now >= settles_ && !has_news() && copies_against(loss(), 2) == 1 && entering_.empty() &&
+         departures_.empty() && held_.empty() &&
+         std::ranges::none_of(decisions_.entries(), &DecisionLog::Entry::to_note) &&
+         std::ranges::none_of(members_.all(), holds_contacts);
 }
 
 Introduction Peer::introduction() {
@@ -170,7 +180,7 @@ void Peer::send_hello(HostTime now, bool leaving) {
   if (clock_.synchronised()) hello.session_tx = clock_.to_session(now);
   hello.sessions = sessions_;
   hello.latency = own_latency();
-  hello.notes = notes();
+  hello.notes = take_notes();
   std::vector<std::pair<PeerId, const Member*>> heard;
   for (const auto& [peer, member] : members_.all()) {
     const auto received = member.received.find(kWholeScene);
@@ -185,11 +195,17 @@ void Peer::send_hello(HostTime now, bool leaving) {
     hello.echoes.push_back(
         {peer, member->hello, now - member->hello_rx, meter.highest(), meter.missing(), loss_of(*member, others)});
   });
-  if (introduces()) hello.introduction = introduction();
+  if (has_news() || hellos_ % kIntroductionEvery == 0) hello.introduction = introduction();
   ++hellos_;
   send(m);
   while (!sent_hellos_.empty() && now - sent_hellos_.front().at > kHeldMax) sent_hellos_.pop_front();
   sent_hellos_.push_back({m.number, now});
+}
+
+// That this peer is here, and nothing else.
+void Peer::say_nothing() {
+  Message m = blank();
+  send(m);
 }
 
 void Peer::send(Message& message, RegionId region) {

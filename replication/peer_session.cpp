@@ -17,6 +17,9 @@ constexpr Duration kSlept = std::chrono::seconds(4);
 
 // Of lost peers, so many are told that they were. More than one network carries.
 constexpr std::size_t kForgottenMax = 4096;
+// So many times as long as it listens anyway, a peer waits for somebody heard to introduce itself, who may have a
+// session.
+constexpr int kStrangersAwaited = 3;
 // World time beyond which a nanosecond count would overflow: 100 years.
 constexpr double kFarthest_s = 3.2e9;
 
@@ -71,7 +74,10 @@ bool Peer::keep_session(HostTime now) {
   for (auto& [peer, member] : members_.expire(now)) {
     lose(peer, member.name, now, false);
   }
-  if (!clock_.synchronised() && now - *started_ >= config_.listen_first && !members_.lowest_synchronised()) {
+  const bool awaits_stranger = stranger_heard_ && now - *stranger_heard_ < config_.listen_first &&
+                               now - *started_ < kStrangersAwaited * config_.listen_first;
+  if (!clock_.synchronised() && now - *started_ >= config_.listen_first && !awaits_stranger &&
+      !members_.lowest_synchronised()) {
     const bool lowest = members_.all().empty() || config_.id < members_.all().begin()->first;
     if (lowest) {
       clock_.found_session();
@@ -97,6 +103,7 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   const Introduction* introduction = hello.introduction ? &*hello.introduction : nullptr;
   member.hello = number;
   member.hello_rx = now;
+  member.holds_contacts = std::ranges::any_of(hello.notes, &ContactNote::held);
   if (hello.sessions != member.sessions) {  // it knows of no updates yet
     for (auto& [object, own] : own_) own.resend = true;
   }
@@ -167,6 +174,7 @@ void Peer::enter_session(HostTime host_now) {
   ++sessions_;
   introduce_anew();
   next_hello_ = host_now;
+  settles_ = host_now + kSettling;
   begin_worlds(now);
   last_tick_ = tick_number(now);
   declare_all();
@@ -246,6 +254,7 @@ void Peer::change_session(SimTime before, SimTime now) {
   ++sessions_;
   introduce_anew();
   next_hello_ = clock_.to_host(now);
+  settles_ = *next_hello_ + kSettling;
   begin_worlds(now);
   last_tick_ = tick_number(now);
   decisions_.clear();

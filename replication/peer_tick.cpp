@@ -62,6 +62,10 @@ Pose inside_limits(const Pose& pose) {
   return inside;
 }
 
+bool rests(const KinematicState& s) {
+  return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
+}
+
 }  // namespace
 
 void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
@@ -148,13 +152,18 @@ void Peer::publish(SimTime t) {
     told = true;
   }
   if (told) replica_->ghosts.advance(t);
+  const std::optional<Receipt> receipt = common_receipt();
   for (auto& [object, own] : own_) {
-    const GhostError error = ghost_error(replica_->truth.at(object, t), replica_->ghosts.at(object, t), own.reach_m);
+    const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
+    const GhostError error = ghost_error(truth, ghost, own.reach_m);
     const double threshold_m = threshold_now_m(object, t);
-    std::optional<PublishReason> reason = due(policy, threshold_m, error, own.last_sent, t);
+    // Receipts are of what goes to all; regions forget what they do not hear of.
+    const bool known = !grid_.cuts() && receipt && receipt->has(own.told_in);
+    std::optional<PublishReason> reason =
+        due(policy, threshold_m, error, own.last_sent, t, known && rests(truth) && rests(ghost));
     if (!reason && own.retell) reason = PublishReason::kDecision;
     if (!reason && own.resend) reason = PublishReason::kJoiner;
-    if (!reason && has_crossed(own, replica_->truth.at(object, t).position)) reason = PublishReason::kRegion;
+    if (!reason && has_crossed(own, truth.position)) reason = PublishReason::kRegion;
     if (!reason && gains(own, t, error)) reason = PublishReason::kGain;
     if (reason) tell(object, own, t, t, *reason, threshold_m);
   }

@@ -6,9 +6,9 @@
 #include <cassert>
 #include <cmath>
 
-#include "replication/bit_stream.hpp"
 #include "replication/smallest_three.hpp"
 #include "replication/varint.hpp"
+#include "replication/vector_bits.hpp"
 #include "replication/wire_limits.hpp"
 
 namespace peerd::replication {
@@ -24,7 +24,6 @@ constexpr int kLongWidth_bits = 6, kWidth_bits = 5;
 constexpr int kComponentMax_bits = 52;  // whole numbers up to there are binary64's
 
 bool is_zero(const Vec3& v) { return v.isZero(0.0); }
-bool is_identity(const Quat& q) { return q.coeffs() == Quat::Identity().coeffs(); }
 bool has_acceleration(MotionKind kind) { return kind != MotionKind::kFirst; }
 bool has_jerk(MotionKind kind) { return kind == MotionKind::kThird || kind == MotionKind::kOscillating; }
 bool has_rate(MotionKind kind) { return kind == MotionKind::kTurning || kind == MotionKind::kOscillating; }
@@ -136,16 +135,6 @@ void put_sign_and_magnitude(BitWriter& out, std::int64_t n, int magnitude_bits) 
   out.put((static_cast<std::uint64_t>(std::abs(n)) << 1) | (n < 0 ? 1 : 0), magnitude_bits + 1);
 }
 
-// Where an axis is zero a mask says which are not.
-template <class Steps3>
-unsigned put_mask(BitWriter& out, const Steps3& steps) {
-  unsigned mask = 0;
-  for (unsigned i = 0; i < 3; ++i) mask |= (steps[i] != 0 ? 1u : 0u) << i;
-  out.put(mask == 7 ? 0 : 1, 1);
-  if (mask != 7) out.put(mask, 3);
-  return mask;
-}
-
 void put_steps(BitWriter& out, const Vec3& v, int step_log2, int width_bits) {
   const double per_step = power_of_two(-step_log2);
   std::array<std::int64_t, 3> n{};
@@ -173,22 +162,6 @@ void put_orientation(BitWriter& out, const Quat& q) {
   }
 }
 
-void put_exact(BitWriter& out, double value) {
-  const auto bits = std::bit_cast<std::uint64_t>(value);
-  out.put(bits & 0xFFFF'FFFF, 32);
-  out.put(bits >> 32, 32);
-}
-void put_exact(BitWriter& out, const Vec3& v) {
-  const auto bits = std::bit_cast<std::array<std::uint64_t, 3>>(std::array{v.x(), v.y(), v.z()});
-  const bool absent = bits == std::array<std::uint64_t, 3>{};
-  out.put(absent ? 0 : 1, 1);
-  if (absent) return;
-  const unsigned mask = put_mask(out, bits);
-  for (int i = 0; i < 3; ++i) {
-    if ((mask >> i & 1) != 0) put_exact(out, v[i]);
-  }
-}
-
 void put_exact(BitWriter& out, const MotionModel& m) {
   put_exact(out, m.state.position);
   put_exact(out, m.state.velocity);
@@ -196,9 +169,7 @@ void put_exact(BitWriter& out, const MotionModel& m) {
   if (has_jerk(m.kind)) put_exact(out, m.jerk);
   if (has_rate(m.kind)) put_exact(out, m.rate_rad_s);
   const Quat& q = m.state.orientation;
-  if (!is_identity(q)) {
-    for (const double component : {q.w(), q.x(), q.y(), q.z()}) put_exact(out, component);
-  }
+  if (!is_identity(q)) put_exact(out, q);
   put_exact(out, m.state.angular_velocity_body);
   if (!is_zero(m.angular_acceleration_body)) put_exact(out, m.angular_acceleration_body);
 }
@@ -221,13 +192,6 @@ void put_steps(BitWriter& out, const MotionModel& m, int position_log2) {
 
 // ---- from bits: each take() answers whether encode_record() could have made it; what the reader gives beyond its end
 // is refused when all is read ----
-
-bool take_mask(BitReader& in, bool may_be_empty, unsigned& mask) {
-  mask = 7;
-  if (in.get(1) == 0) return true;
-  mask = static_cast<unsigned>(in.get(3));
-  return mask != 7 && (mask != 0 || may_be_empty);
-}
 
 bool take_sign_and_magnitude(BitReader& in, int magnitude_bits, std::int64_t& n) {
   const std::uint64_t bits = in.get(magnitude_bits + 1);
@@ -267,22 +231,6 @@ bool take_orientation(BitReader& in, Quat& q) {
   return taken.has_value();
 }
 
-double take_exact(BitReader& in) {
-  const std::uint64_t low = in.get(32);
-  return std::bit_cast<double>(in.get(32) << 32 | low);
-}
-bool take_exact(BitReader& in, Vec3& v) {
-  unsigned mask = 0;
-  if (in.get(1) == 0) return true;
-  if (!take_mask(in, false, mask)) return false;
-  for (int i = 0; i < 3; ++i) {
-    if ((mask >> i & 1) == 0) continue;
-    v[i] = take_exact(in);
-    if (std::bit_cast<std::uint64_t>(v[i]) == 0) return false;
-  }
-  return true;
-}
-
 struct Present {
   bool orientation, spin_acceleration;
 };
@@ -292,12 +240,7 @@ bool take_exact(BitReader& in, const Present& present, MotionModel& m) {
   if (has_acceleration(m.kind) && !take_exact(in, m.state.acceleration)) return false;
   if (has_jerk(m.kind) && !take_exact(in, m.jerk)) return false;
   if (has_rate(m.kind) && !take_exact(in, m.rate_rad_s)) return false;
-  if (present.orientation) {
-    std::array<double, 4> q{};
-    for (double& component : q) component = take_exact(in);
-    m.state.orientation = Quat(q[0], q[1], q[2], q[3]);
-    if (is_identity(m.state.orientation)) return false;
-  }
+  if (present.orientation && !take_exact(in, m.state.orientation)) return false;
   if (!take_exact(in, m.state.angular_velocity_body)) return false;
   return !present.spin_acceleration ||
          (take_exact(in, m.angular_acceleration_body) && !is_zero(m.angular_acceleration_body));

@@ -47,4 +47,20 @@ inline void put_time(BitWriter& out, SimTime from, SimTime t) {
   return in_range(t.time_since_epoch().count());
 }
 
+// Of a time its lowest five bytes: 18 minutes, of which the receiver's own time says which.
+inline constexpr int kLowTime_bits = 40;
+[[nodiscard]] inline std::uint64_t low_time(SimTime t) {
+  return static_cast<std::uint64_t>(t.time_since_epoch().count()) & ((std::uint64_t{1} << kLowTime_bits) - 1);
+}
+// The time with those low bits that is nearest to `near`.
+[[nodiscard]] inline bool take_low_time(std::uint64_t low, SimTime near, SimTime& t) {
+  constexpr int kAbove_bits = 64 - kLowTime_bits;
+  const auto here = static_cast<std::uint64_t>(near.time_since_epoch().count());
+  // Shifted up and down again, the difference's highest bit that travels is its sign.
+  const std::int64_t ahead = static_cast<std::int64_t>((low - here) << kAbove_bits) >> kAbove_bits;
+  const auto ns = static_cast<std::int64_t>(here + static_cast<std::uint64_t>(ahead));
+  t = SimTime{Duration{ns}};
+  return in_range(ns);
+}
+
 }  // namespace peerd::replication

@@ -22,7 +22,11 @@ class MessageMaker {
     if (with_hello) m.hello = hello();
     if (m.introduction() == nullptr) m.boot = boot_low(m.boot);
     for (std::size_t i = 0; i < updates; ++i) m.updates.push_back(update());
-    for (std::size_t i = 0; i < decisions; ++i) m.decisions.push_back(decision());
+    for (std::size_t i = 0; i < decisions; ++i) {
+      m.decisions.push_back(decision());
+      const SimTime near = m.updates.empty() ? m.decisions.front().contact : m.updates.front().at;
+      m.decisions.back().contact = near + std::chrono::milliseconds(rng_() % 1000);
+    }
     m.leaving = coin();
     const SimTime latest{coin() ? 0ns : 12345678901234567ns};
     for (std::uint32_t i = number<std::uint32_t>() % 3; i > 0; --i) {
@@ -58,16 +62,19 @@ class MessageMaker {
     return m;
   }
   DecisionRecord decision() {
-    return {ObjectId{number<std::uint32_t>()},
-            ObjectId{number<std::uint32_t>()},
-            SimTime{time()},
-            vector().normalized(),
-            state(),
-            state(),
-            state(),
-            state(),
-            static_cast<DecisionRule>(1 + number<std::uint32_t>() % 5),
-            SimTime{coin() ? time() : 0ns}};
+    DecisionRecord d{ObjectId{number<std::uint32_t>()},
+                     ObjectId{number<std::uint32_t>()},
+                     SimTime{time()},
+                     vector().normalized(),
+                     state(),
+                     state(),
+                     state(),
+                     state(),
+                     static_cast<DecisionRule>(1 + number<std::uint32_t>() % 5),
+                     SimTime{coin() ? time() : 0ns}};
+    if (coin()) d.collider_after = d.collider_before;
+    if (coin()) d.collidee_after.position = d.collidee_before.position;
+    return d;
   }
   Hello hello() {
     Hello h;
@@ -136,9 +143,10 @@ class MessageMaker {
   std::mt19937_64 rng_;
 };
 
-// By a receiver whose own time is that of the first update.
+// By a receiver whose own time is that of the first update, or else decision.
 inline std::expected<Message, DecodeError> received(const Bytes& bytes, const Message& sent) {
-  return decode(bytes, sent.updates.empty() ? SimTime{} : sent.updates.front().at);
+  if (!sent.updates.empty()) return decode(bytes, sent.updates.front().at);
+  return decode(bytes, sent.decisions.empty() ? SimTime{} : sent.decisions.front().contact);
 }
 
 // The message's bytes with others before and behind those of its records, which are few.

@@ -338,6 +338,7 @@ TEST(Peer, AStandingObjectCostsAnUpdateEachTimeThreshold) {
   Lan lan(world);
   PeerConfig c = config(1, {{world["O0"], false}});
   c.policy.time_threshold = 2s;
+  c.policy.resting_time_threshold = 0s;
   lan.add(c);
   lan.run_until(12s);
   const auto published = lan.seen<Published>(0);
@@ -505,26 +506,44 @@ TEST_F(InSession, HellosAreForTheWholeScene) {
   EXPECT_EQ(lan.peer(self).members().all().size(), 1u);
 }
 
-// Once all know each other, who they are goes with one hello in eight; a newcomer hears it with the next.
+// Once all know each other, a hello goes out each second, and who they are with one in eight; a newcomer hears it with
+// the next, which does not wait.
 TEST(Peer, IntroducesItselfToWhoDoesNotKnowIt) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
   lan.add(config(1, {{world["O0"], false}}));
   lan.add(config(2));
-  lan.run_until(5s);
-  int hellos = 0, introductions = 0;
+  lan.run_until(20s);
+  int hellos = 0, introductions = 0, empty = 0;
   lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
     hellos += from == 0 && to == 1 && m.hello;
     introductions += from == 0 && to == 1 && m.introduction() != nullptr;
+    empty += from == 0 && to == 1 && !m.hello && m.updates.empty();
     return true;
   };
-  lan.run_until(13s);
-  EXPECT_EQ(hellos, 32);
-  EXPECT_EQ(introductions, 4);
+  lan.run_until(36s);
+  EXPECT_NEAR(hellos, 16, 1);
+  EXPECT_EQ(introductions, 2);
+  EXPECT_NEAR(empty, 3 * hellos, 3);
   const Duration came = lan.now();
   const std::size_t third = lan.add(config(3));
   while (lan.now() < came + 1s && lan.peer(third).members().all().size() < 2) lan.run_until(lan.now() + 10ms);
   EXPECT_LE(lan.now() - came, 250ms + 2 * 20ms + 20ms);
+}
+
+// What stands, and all are known to have heard where, needs no heartbeat; where datagrams get lost it has one.
+TEST(Peer, WhatIsKnownToRestIsSeldomToldAgain) {
+  const World world(box("O0", "1 1 1", "0 0 0"));
+  for (const double loss : {0.0, 0.2}) {
+    Lan lan(world, {20ms, 0ms, loss, 0});
+    lan.add(config(1, {{world["O0"], false}}));
+    lan.add(config(2));
+    lan.run_until(10s);
+    const std::uint64_t told = lan.peer(0).counters().updates_out;
+    lan.run_until(50s);
+    EXPECT_EQ(lan.peer(0).counters().updates_out == told, loss == 0.0) << loss;
+    EXPECT_EQ(lan.peer(1).owner(world["O0"]), PeerId{1});
+  }
 }
 
 TEST(Peer, ALostUpdateComesAgainWithTheNextHello) {

@@ -38,6 +38,18 @@ INSTANTIATE_TEST_SUITE_P(Table, Due,
                                          Case{"Time", {0, 0}, 5s, PublishReason::kTime}),
                          [](const auto& c) { return std::string(c.param.name); });
 
+TEST(DueAtRest, WhatIsKnownToRestWaitsLonger) {
+  PublishPolicy policy;
+  policy.time_threshold = 5s;
+  policy.resting_time_threshold = 20s;
+  const auto after = [&](Duration ago) { return due(policy, 0.5, {}, sim(100s) - ago, sim(100s), true); };
+  EXPECT_EQ(after(20s - 1ns), std::nullopt);
+  EXPECT_EQ(after(20s), PublishReason::kTime);
+  policy.resting_time_threshold = 0s;  // not below what counts for all
+  EXPECT_EQ(after(5s - 1ns), std::nullopt);
+  EXPECT_EQ(after(5s), PublishReason::kTime);
+}
+
 TEST(GhostError, IsEuclideanNotPerAxis) {
   const GhostError e = ghost_error(moving({0.4, 0.4, 0.4}), moving({0, 0, 0}));
   EXPECT_NEAR(e.distance_m, 0.4 * std::sqrt(3.0), 1e-15);  // above 0.5, though no axis is
