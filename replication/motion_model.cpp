@@ -15,11 +15,11 @@ constexpr int kShortestPiece_log2_ns = 22, kLongestPiece_log2_ns = 27;
 
 bool is_zero(const Vec3& v) { return v.isZero(0.0); }
 
-// For n = 0 to 3 the sum of (-x2)^k / ((n+1)(n+2)..(n+2k)), k <= 6: (n + 2k - 1)(n + 2k), from the last k on.
+// For n = 0 to 3 the sum of (-x2)^k / ((n+1)(n+2)..(n+2k)), k <= 5: 1 / ((n + 2k - 1)(n + 2k)), from the last k on.
 constexpr auto kSeriesSteps = [] {
-  std::array<std::array<double, 4>, 6> steps{};
-  for (int k = 6; k > 0; --k) {
-    for (int n = 0; n < 4; ++n) steps[std::size_t(6 - k)][std::size_t(n)] = (n + 2 * k - 1) * (n + 2 * k);
+  std::array<std::array<double, 4>, 5> steps{};
+  for (int k = 5; k > 0; --k) {
+    for (int n = 0; n < 4; ++n) steps[std::size_t(5 - k)][std::size_t(n)] = 1.0 / ((n + 2 * k - 1) * (n + 2 * k));
   }
   return steps;
 }();
@@ -31,15 +31,15 @@ struct Waves {
 Waves waves(double rate, double t) {
   if (rate == 0.0) return {1.0, t, 0.5 * t * t, t * t * t / 6.0};
   const double x = rate * t, x2 = x * x;
-  if (x2 < 0.01) {  // the next terms are below 1e-18 of the first
+  if (x2 < 0.01) {  // the next terms are below 1e-20 of the first
     using Lanes = Eigen::Array4d;
     Lanes s = Lanes::Ones();
-    for (const auto& steps : kSeriesSteps) s = 1.0 - s * x2 / Eigen::Map<const Lanes>(steps.data());
+    for (const auto& steps : kSeriesSteps) s = 1.0 - s * (x2 * Eigen::Map<const Lanes>(steps.data()));
     return {s[0], t * s[1], 0.5 * t * t * s[2], t * t * t / 6.0 * s[3]};
   }
   const auto [sin, cos] = sin_cos(x);
-  const double w2 = rate * rate;
-  return {cos, sin / rate, (1.0 - cos) / w2, (t - sin / rate) / w2};
+  const double per_rate = 1.0 / rate, per_rate2 = per_rate * per_rate;
+  return {cos, sin * per_rate, (1.0 - cos) * per_rate2, (t - sin * per_rate) * per_rate2};
 }
 
 // Position relative to the base and derivatives of the translation.
