@@ -369,6 +369,7 @@ class Peer {
   [[nodiscard]] bool all_heard(const DecisionLog::Entry& own) const;
   [[nodiscard]] std::vector<ContactNote> take_notes();
   void publish(SimTime t);
+  void tell_along(SimTime t);
   void repeat_updates(HostTime now);
   void tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m);
   [[nodiscard]] bool may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const;
@@ -491,6 +492,14 @@ class Peer {
   };
   std::vector<Departure> departures_;
   std::vector<UpdateRecord> updates_due_, copies_due_;
+  // Own objects that no update is due of, at this tick.
+  struct Waiting {
+    ObjectId object;
+    Own* own;
+    GhostError error;
+    double threshold_m;
+  };
+  std::vector<Waiting> waiting_;
   std::set<PeerId> other_worlds_;  // told once each
   std::set<PeerId> forgotten_;     // lost; what they said is to be said again when they come back
   bool id_in_use_told_ = false;

@@ -153,6 +153,7 @@ void Peer::publish(SimTime t) {
   }
   if (told) replica_->ghosts.advance(t);
   const std::optional<Receipt> receipt = common_receipt();
+  waiting_.clear();
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
     const GhostError error = ghost_error(truth, ghost, own.reach_m);
@@ -165,9 +166,29 @@ void Peer::publish(SimTime t) {
     if (!reason && own.resend) reason = PublishReason::kJoiner;
     if (!reason && has_crossed(own, truth.position)) reason = PublishReason::kRegion;
     if (!reason && gains(own, t, error)) reason = PublishReason::kGain;
-    if (reason) tell(object, own, t, t, *reason, threshold_m);
+    if (reason) {
+      tell(object, own, t, t, *reason, threshold_m);
+    } else if (policy.along_at < 1.0) {
+      waiting_.push_back({object, &own, error, threshold_m});
+    }
   }
+  tell_along(t);
   send_copies();
+}
+
+// What is not due yet but has come so far goes with what is, in a datagram that goes anyway.
+void Peer::tell_along(SimTime t) {
+  std::set<RegionId> told_in;
+  for (const UpdateRecord& u : updates_due_) told_in.insert(grid_.region_of(u.model.state.position));
+  if (told_in.empty()) return;
+  const double share = config_.policy.along_at;
+  for (const Waiting& w : waiting_) {
+    if (!told_in.contains(grid_.region_of(replica_->truth.at(w.object, t).position))) continue;
+    const GhostError grown{w.error.distance_m / share, w.error.angle_rad / share};
+    auto reason = due(config_.policy, w.threshold_m, grown, w.own->last_sent, t, true);
+    if (!reason && gains(*w.own, t, grown)) reason = PublishReason::kGain;
+    if (reason) tell(w.object, *w.own, t, t, *reason, w.threshold_m);
+  }
 }
 
 // The update goes out at tick t and is of `at`, not after it. What physics moves names its law as it is. Where it

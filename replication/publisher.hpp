@@ -36,7 +36,10 @@ struct PublishPolicy {
   double wanted_error_m = 0.0;
   double updates_per_s = 2.0;  // the budget's rate, for each object
   double updates_saved = 6.0;  // how much of it can be saved up; >= 1
-  std::uint32_t copies = 1;    // of each update: two at once, then one a tick until a newer update goes out
+  // What shares a datagram costs its record and no header: it goes along with what is due from this share on of the
+  // error that it would wait for otherwise. 1: not before.
+  double along_at = 1.0;
+  std::uint32_t copies = 1;  // of each update: two at once, then one a tick until a newer update goes out
 };
 
 enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner, kGain, kDecision, kRegion };

@@ -211,6 +211,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   double resting_s = to_seconds(s.policy.resting_time_threshold);
   reader.read("resting_time_threshold_s", resting_s, 0.0, kForever_s);
   s.policy.resting_time_threshold = from_seconds(resting_s);
+  reader.read("along_at", s.policy.along_at, 0.1, 1.0);
   reader.read("snapshots_hz", s.policy.snapshots_hz, 0, 1000);
   read_display_delay(reader, s.display_delay);
   std::size_t convergence = 0;

@@ -531,6 +531,36 @@ TEST(Peer, IntroducesItselfToWhoDoesNotKnowIt) {
   EXPECT_LE(lan.now() - came, 250ms + 2 * 20ms + 20ms);
 }
 
+// O0 runs ahead of its ghost twice as fast as O1 does: when it is told, O1 is half as wrong as it may be.
+TEST(Peer, WhatIsHalfWrongGoesAlongWithWhatIsWrong) {
+  const World world(field(2));
+  for (const double along_at : {1.0, 0.4}) {
+    Lan lan(world);
+    PeerConfig c = config(1, {{world["O0"], true}, {world["O1"], true}});
+    c.policy.order = ModelOrder::kFirst;
+    c.policy.error_threshold_m = 0.5;
+    c.policy.along_at = along_at;
+    const auto speeding = [](double a) {
+      return [a](SimTime t) {
+        const double s = to_seconds(t.time_since_epoch() - kEpoch);
+        return moving({0.5 * a * s * s, 0, 0}, {a * s, 0, 0}, {a, 0, 0});
+      };
+    };
+    lan.add(c, 0s, {{world["O0"], speeding(2.0)}, {world["O1"], speeding(1.0)}});
+    lan.add(config(2));
+    lan.run_until(5s);
+    std::size_t alone = 0, together = 0;
+    lan.filter = [&](std::size_t, std::size_t, const Message& m) {
+      alone += m.updates.size() == 1;
+      together += m.updates.size() == 2;
+      return true;
+    };
+    lan.run_until(15s);
+    EXPECT_EQ(along_at < 1.0, alone < together / 4) << alone << " alone, " << together << " together";
+    EXPECT_GT(alone + together, 5u);
+  }
+}
+
 // What stands, and all are known to have heard where, needs no heartbeat; where datagrams get lost it has one.
 TEST(Peer, WhatIsKnownToRestIsSeldomToldAgain) {
   const World world(box("O0", "1 1 1", "0 0 0"));
