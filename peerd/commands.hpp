@@ -15,10 +15,11 @@ struct ScenarioOptions {
   std::vector<std::filesystem::path> configs;
   std::vector<std::string> sets;
   std::optional<std::uint64_t> seed;
-  std::filesystem::path out;  // empty: out/NAME
-  std::string interface;      // real runs only
-  bool json = false;          // summary.json instead of the table
-  bool verbose = false;       // the peers' logs too
+  std::filesystem::path out;       // empty: out/NAME
+  std::string interface;           // real runs only
+  std::filesystem::path captures;  // simulated runs only: a folder for each peer's capture; empty: none
+  bool json = false;               // summary.json instead of the table
+  bool verbose = false;            // the peers' logs too
 };
 
 // peerd sim: the scenario on a simulated network, as fast as it goes.
@@ -30,16 +31,30 @@ struct PeerOptions {
   std::filesystem::path config;                 // a scenario file; one of its peers is run
   std::vector<std::filesystem::path> overlays;  // merged over it, in order
   std::vector<std::string> sets;
-  std::string peer;                    // which; empty: the only one
-  std::filesystem::path record;        // where to leave the peer's log; empty: nowhere
+  std::string peer;               // which; empty: the only one
+  std::filesystem::path record;   // where to leave the peer's log; empty: nowhere
+  std::filesystem::path capture;  // where to keep all that it is told and sends (record/capture.hpp); empty: nowhere
   std::optional<std::string> control;  // of --control: where the control socket is; empty: nowhere
   bool once = false;                   // leave when the scenario's duration is over
   bool json = false;                   // log lines as JSON
   bool verbose = false;                // debug lines too
 };
 
-// peerd run: one peer in the foreground, until SIGTERM or SIGINT.
+// peerd run, and with a capture peerd record: one peer in the foreground, until SIGTERM or SIGINT.
 [[nodiscard]] int run_peer(const PeerOptions& options);
+
+struct ReplayOptions {
+  std::filesystem::path file;    // a capture
+  std::filesystem::path world;   // where its world is now; empty: where it was
+  std::filesystem::path record;  // as of PeerOptions
+  bool json = false;
+  bool verbose = false;  // the peer's log, too
+};
+
+// peerd replay: runs a recorded peer once more on what it was told. 1 when it does not send what it sent then, or the
+// file is no capture. As JSON: peer {id, name}, inputs, datagrams_in, datagrams_out (compared), begin_s, duration_s,
+// cut_off (the record ends in the middle of a packet), same, difference (null: none) {packet (0: the end), at_s, what}.
+[[nodiscard]] int run_replay(const ReplayOptions& options);
 
 struct DoctorOptions {
   std::filesystem::path config;   // whose table [transport] counts; empty: the defaults

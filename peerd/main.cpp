@@ -75,6 +75,26 @@ void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
   command.add_flag("--json", options.json, "print summary.json instead of the table");
 }
 
+void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
+  command.add_option("-c,--config", peer.config, "a scenario file; --peer says which of its peers this is");
+  command.add_option("--overlay", peer.overlays, "a TOML file whose settings replace the configuration's (repeatable)")
+      ->allow_extra_args(false);
+  command.add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
+  command.add_option("--world", flags.world, "the VRML97 world");
+  command.add_option("--peer", peer.peer, "which of the configuration's peers");
+  command.add_option("--name", flags.name, "this peer's name, without a configuration");
+  command.add_option("--id", flags.id, "this peer's number; each peer needs its own");
+  command.add_option("--enslave", flags.enslaves, "a node of the world that this peer runs (repeatable)")
+      ->allow_extra_args(false);
+  add_network_options(command, flags);
+  command.add_option("--control", peer.control,
+                     "where peerd ctl reaches this peer: the path of a socket, or \"\" for none");
+  command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
+  command.add_flag("--once", peer.once, "leave when the scenario is over; it begins when all its peers are here");
+  command.add_flag("--json", peer.json, "log lines as JSON");
+  command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
+}
+
 // The key of `peerd ctl key`, and what is held down with it.
 struct KeyFlags {
   std::string name;
@@ -202,28 +222,25 @@ int run(int argc, char** argv) {
   PeerOptions peer;
   RunFlags flags;
   CLI::App* run_command = app.add_subcommand("run", "a peer, in the foreground; SIGTERM leaves cleanly");
-  run_command->add_option("-c,--config", peer.config, "a scenario file; --peer says which of its peers this is");
-  run_command
-      ->add_option("--overlay", peer.overlays, "a TOML file whose settings replace the configuration's (repeatable)")
-      ->allow_extra_args(false);
-  run_command->add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
-  run_command->add_option("--world", flags.world, "the VRML97 world");
-  run_command->add_option("--peer", peer.peer, "which of the configuration's peers");
-  run_command->add_option("--name", flags.name, "this peer's name, without a configuration");
-  run_command->add_option("--id", flags.id, "this peer's number; each peer needs its own");
-  run_command->add_option("--enslave", flags.enslaves, "a node of the world that this peer runs (repeatable)")
-      ->allow_extra_args(false);
-  add_network_options(*run_command, flags);
-  run_command->add_option("--control", peer.control,
-                          "where peerd ctl reaches this peer: the path of a socket, or \"\" for none");
-  run_command->add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
-  run_command->add_flag("--once", peer.once, "leave when the scenario is over; it begins when all its peers are here");
-  run_command->add_flag("--json", peer.json, "log lines as JSON");
-  run_command->add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
+  add_run_options(*run_command, peer, flags);
+  CLI::App* record_command =
+      app.add_subcommand("record", "a peer, as run, that keeps all that it hears, is told and sends");
+  add_run_options(*record_command, peer, flags);
+  record_command->add_option("--out", peer.capture, "the file, pcapng: Wireshark opens it, too")->required();
+
+  ReplayOptions replay;
+  CLI::App* replay_command = app.add_subcommand("replay", "runs a recorded peer once more; does it send the same?");
+  replay_command->add_option("file", replay.file, "what peerd record or peerd sim --capture wrote")->required();
+  replay_command->add_option("--world", replay.world, "where the world is now, if not where it was");
+  replay_command->add_option("--record", replay.record, "write what the peer did and believed, as peerd run does");
+  replay_command->add_flag("--json", replay.json, "one JSON object");
+  replay_command->add_flag("-v,--verbose", replay.verbose, "print the peer's log");
 
   ScenarioOptions sim;
   CLI::App* sim_command = app.add_subcommand("sim", "a scenario on a simulated network, as fast as it goes");
   add_scenario_options(*sim_command, sim);
+  sim_command->add_option("--capture", sim.captures,
+                          "a folder for all that each peer hears and sends: PEER.pcapng, of a sweep in run-NNN");
   sim_command->add_flag("-v,--verbose", sim.verbose, "print the peers' logs");
 
   ScenarioOptions real;
@@ -269,6 +286,7 @@ int run(int argc, char** argv) {
   if (*worlds.check_command) return run_check(worlds.world, worlds.check, std::cout, std::cerr);
   if (*worlds.collide_command) return run_collide(worlds.world, worlds.collide, std::cout, std::cerr);
   if (*worlds.bake_command) return run_bake(worlds.world, worlds.bake_json, std::cout, std::cerr);
+  if (*replay_command) return run_replay(replay);
   if (*sim_command) return run_sim(sim);
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
   if (peer.config.empty() && flags.world.empty()) {

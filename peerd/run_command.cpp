@@ -22,6 +22,7 @@
 #include "peerd/net/host_clock.hpp"
 #include "peerd/peer_node.hpp"
 #include "peerd/print.hpp"
+#include "peerd/record/capture.hpp"
 #include "peerd/transport_options.hpp"
 
 namespace peerd {
@@ -58,7 +59,7 @@ class Log {
 class Daemon {
  public:
   Daemon(asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock, Log& log,
-         const Scene& scene, std::optional<Duration> leave_after)
+         const Scene& scene, std::optional<Duration> leave_after, record::CaptureWriter* capture)
       : io_(io),
         timer_(io),
         signals_(io, SIGINT, SIGTERM),
@@ -67,12 +68,16 @@ class Daemon {
         clock_(clock),
         log_(log),
         scene_(scene),
-        leave_after_(leave_after) {}
+        leave_after_(leave_after),
+        capture_(capture) {}
 
   // One line of the control protocol; the reply to "leave" is out before the peer is gone.
   std::string on_control(std::string_view line) {
     if (over_) return api::refusal("this peer is leaving");
-    api::Answer answer = api::answer(node_, now(), line, clock_.minus_wall());
+    const HostTime at = now();
+    const Duration host_minus_wall = clock_.minus_wall();
+    if (capture_) capture_->on_control(at, host_minus_wall, line);
+    api::Answer answer = api::answer(node_, at, line, host_minus_wall);
     drain();
     if (answer.leave) {
       asio::post(io_, [this] {
@@ -87,12 +92,16 @@ class Daemon {
   // One datagram of a program that moves objects.
   void on_poses(std::string_view datagram) {
     if (over_) return;
-    api::take_datagram(node_, now(), datagram, clock_.minus_wall());
+    const HostTime at = now();
+    const Duration host_minus_wall = clock_.minus_wall();
+    if (capture_) capture_->on_poses(at, host_minus_wall, datagram);
+    api::take_datagram(node_, at, datagram, host_minus_wall);
     drain();
   }
 
   // Until a signal comes or the scenario is over. The exit code.
   int run() {
+    (void)now();  // nothing counts as having come before the peer was made
     signals_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       log_(spdlog::level::info, fmt::format("leaving: got {}", signal == SIGINT ? "SIGINT" : "SIGTERM"));
@@ -100,11 +109,13 @@ class Daemon {
     });
     transport_.on_receive([this](const net::Arrival& arrival) {
       if (over_) return;
-      node_.on_packet(forward_(arrival.at), arrival.region, arrival.datagram);
+      const HostTime at = forward_(arrival.at);
+      if (capture_) capture_->on_packet(at, arrival.from, arrival.region, arrival.datagram);
+      node_.on_packet(at, arrival.region, arrival.datagram);
       drain();
     });
     drain();
-    if (exit_code_ == 0) wake();
+    wake();
     io_.run();
     return exit_code_;
   }
@@ -120,6 +131,7 @@ class Daemon {
     transport_.receive_pending();
     if (over_) return;
     const HostTime now = this->now();
+    if (capture_) capture_->on_tick(now);
     node_.on_tick(now);
     drain();
     if (over_) return;
@@ -135,7 +147,9 @@ class Daemon {
 
   void leave() {
     if (over_) return;
-    node_.leave(now());
+    const HostTime at = now();
+    if (capture_) capture_->on_leave(at);
+    node_.leave(at);
     drain();
     stop();
   }
@@ -149,6 +163,7 @@ class Daemon {
     while (auto out = node_.poll_output()) {
       if (const auto line = describe(*out, scene_)) log_(line->level, line->text);
       if (const auto* send = std::get_if<replication::Send>(&*out)) {
+        if (capture_) capture_->on_send(send->region, send->datagram);
         transport_.send(send->region, send->datagram);
       } else if (const auto* join = std::get_if<replication::Join>(&*out)) {
         check(transport_.join(join->region));
@@ -164,6 +179,17 @@ class Daemon {
       const LogLine line = feed::describe(*notice);
       log_(line.level, line.text);
     }
+    if (capture_) keep_capture();
+  }
+
+  // After each input, so that whatever ends this process leaves a capture of all that it did. Without one the peer goes
+  // on for the others' sake, and ends with the exit code of what went wrong.
+  void keep_capture() {
+    capture_->flush();
+    if (capture_->good()) return;
+    log_(spdlog::level::err, "the capture ends here: it can't be written any more; is the disk full?");
+    capture_ = nullptr;
+    exit_code_ = 3;
   }
 
   void check(const std::expected<void, net::NetError>& done) {
@@ -182,6 +208,7 @@ class Daemon {
   Log& log_;
   const Scene& scene_;
   std::optional<Duration> leave_after_;
+  record::CaptureWriter* capture_;  // null: none, or none any more
   net::ForwardTime forward_;
   bool over_ = false;
   int exit_code_ = 0;
@@ -219,6 +246,19 @@ config::Result<const config::PeerSettings*> choose_peer(const config::RunSetting
   }
   if (name.empty()) return std::unexpected(config::InputError{"error: which peer? Say --peer NAME; there are " + all});
   return std::unexpected(config::InputError{"error: there is no peer \"" + name + "\"; there are " + all});
+}
+
+// Null: none is asked for.
+config::Result<std::unique_ptr<record::CaptureWriter>> open_capture(
+    const PeerOptions& options, const config::Scenario& scenario, const config::PeerSettings& peer,
+    const SharedWorld& shared, const PeerNode::Options& node, const net::OpenedTransport& reached,
+    net::GroupPlan groups, HostTime now) {
+  if (options.capture.empty()) return nullptr;
+  // A datagram goes to many addresses by unicast, and stands in the capture once: as if all regions had one group.
+  if (reached.unicast()) groups.pool = 1;
+  const auto setup =
+      record::make_setup(scenario, scenario.runs.front(), peer, options.config, shared, node, std::move(groups));
+  return record::CaptureWriter::open(options.capture, setup, now, reached.transport->own_address());
 }
 
 // Null: runs without; nobody has asked for it in so many words.
@@ -326,7 +366,7 @@ int run_peer(const PeerOptions& options) {
   node_options.keep_log = !options.record.empty();
   node_options.sample_hz = run.sample_hz;
   auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
-  const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), std::move(node_options));
+  const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), node_options);
 
   const auto reach = transport_options(run.transport, random_key());
   if (!reach) return failed(reach.error());
@@ -339,6 +379,10 @@ int run_peer(const PeerOptions& options) {
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
 
+  const auto capture = open_capture(options, *scenario, **settings, **shared, node_options, *reached,
+                                    reach->multicast.groups, clock.now());
+  if (!capture) return failed(capture.error());
+
   Log log((*settings)->name, options.json, options.verbose);
   log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, {}", (*settings)->name, (*settings)->id,
                                        scenario->world.filename().string(), transport->describe()));
@@ -349,7 +393,7 @@ int run_peer(const PeerOptions& options) {
   for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
 
   Daemon daemon(io, *node, *transport, clock, log, scene,
-                options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt);
+                options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   auto control = open_control(io, control_place(options, run.control, (*settings)->name), daemon, log);
   if (!control) return failed(control.error());
   const auto poses = open_pose_port(io, **settings, daemon, log);

@@ -57,7 +57,16 @@ int run_sim(const ScenarioOptions& options) {
   for (const config::RunSettings& run : scenario->runs) {
     if (show_progress) std::cerr << "\rrun " << records.size() + 1 << " of " << scenario->runs.size() << std::flush;
     std::optional<report::InterestRecord> interest;
-    const auto logs = sim::simulate(run, **shared, observer, key_observer, &interest);
+    std::optional<sim::Captures> captures;
+    if (!options.captures.empty()) {
+      captures.emplace(options.captures, *scenario, options.scenario);
+      if (scenario->runs.size() > 1) captures->folder /= fmt::format("run-{:03}", records.size() + 1);
+      std::error_code error;
+      std::filesystem::create_directories(captures->folder, error);
+      if (error)
+        return failed({"error: can't make the folder " + captures->folder.string() + ": " + error.message(), 3});
+    }
+    const auto logs = sim::simulate(run, **shared, observer, key_observer, &interest, captures ? &*captures : nullptr);
     if (!logs) return failed(logs.error());
     auto record = assemble(run, **shared, *logs);
     if (!record) return failed(record.error());

@@ -132,6 +132,12 @@ nlohmann::ordered_json to_json(const toml::node& node) {
   return text.str();
 }
 
+std::string to_text(const toml::table& root) {
+  std::ostringstream text;
+  text << root << '\n';
+  return text.str();
+}
+
 // Keys whose one value is a list: setting them does not sweep.
 bool takes_list(std::string_view key) {
   return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
@@ -155,7 +161,9 @@ struct Sources {
 
 Result<Sources> read_sources(const ScenarioRequest& request) {
   Sources sources;
-  if (!request.file.empty()) {
+  if (request.text) {
+    sources.text = *request.text;
+  } else if (!request.file.empty()) {
     auto text = read_text_file(request.file);
     if (!text) return std::unexpected(text.error());
     sources.text = std::move(*text);
@@ -270,6 +278,7 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
     auto run = read_run(*root, scenario, request.file);
     if (!run) return std::unexpected(run.error());
     run->params = std::move(params);
+    run->toml = to_text(*root);
     scenario.runs.push_back(std::move(*run));
   }
   scenario.seed = scenario.runs.front().seed;

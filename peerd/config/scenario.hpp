@@ -25,6 +25,7 @@ struct LinkSettings {
 // One run: every swept key has one value.
 struct RunSettings {
   nlohmann::ordered_json params;  // the swept keys and those that were set, by dotted name
+  std::string toml;               // all that these settings were read from, as one text
   double duration_s = 15.0;
   std::uint64_t seed = 1;
   std::uint32_t sample_hz = 60;  // how often each observer's error is measured, whatever its tick rate
@@ -47,12 +48,13 @@ struct Scenario {
 };
 
 struct ScenarioRequest {
-  std::filesystem::path file;                  // empty: everything comes from `sets`
+  std::filesystem::path file;  // empty: everything comes from `sets`. Not read where `text` is its content
   std::vector<std::filesystem::path> configs;  // merged over the scenario, in order
   std::vector<std::string> sets;               // KEY=VALUE; a list sweeps, one value ends that key's sweep
   std::optional<std::uint64_t> seed;
   bool real = false;  // what only a simulated network can do is left out of the sweep
   bool sweep = true;  // false: one run, of the values outside of the sweep
+  std::optional<std::string> text = {};
 };
 
 [[nodiscard]] Result<Scenario> read_scenario(const ScenarioRequest& request);

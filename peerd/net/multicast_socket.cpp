@@ -118,6 +118,7 @@ std::expected<void, NetError> MulticastSocket::probe_route() {
   if (ec) return failure(NetError::Kind::kOther, "cannot open a UDP socket: " + ec.message());
   const int error = send_over_our_interface(probe.native_handle());
   if (!error) probe.connect(on_our_interface(udp::endpoint(options_.groups.base, options_.groups.port)), ec);
+  if (!error && !ec) own_address_ = probe.local_endpoint(ec).address();
   const int reason = error ? error : ec.value();
   if (reason == 0) return {};
   const std::string where =

@@ -52,6 +52,7 @@ class MulticastSocket final : public Transport {
   [[nodiscard]] const TrafficCounters& counters() const override { return counters_; }
   [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }
   [[nodiscard]] int receive_buffer_bytes() const override;
+  [[nodiscard]] asio::ip::address own_address() const override { return own_address_; }
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] const ChosenInterface& chosen_interface() const { return chosen_; }
   [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
@@ -89,6 +90,7 @@ class MulticastSocket final : public Transport {
   asio::io_context& io_;
   MulticastOptions options_;
   ChosenInterface chosen_;
+  asio::ip::address own_address_;
   TrafficCounters counters_;
   Reading reading_;
   std::vector<std::unique_ptr<Socket>> sockets_;

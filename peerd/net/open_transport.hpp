@@ -28,6 +28,7 @@ struct TransportOptions {
 struct OpenedTransport {
   std::unique_ptr<Transport> transport;
   std::string why_unicast;  // empty: it is multicast
+  [[nodiscard]] bool unicast() const { return !why_unicast.empty(); }
 };
 
 // `io` and `clock` outlive the transport.

@@ -63,6 +63,8 @@ class Transport {
   [[nodiscard]] virtual std::size_t joined_count() const = 0;  // regions
   // Granted by the kernel for each socket.
   [[nodiscard]] virtual int receive_buffer_bytes() const = 0;
+  // Where its datagrams come from; the unspecified address of its family where that depends on where they go.
+  [[nodiscard]] virtual asio::ip::address own_address() const = 0;
   // For the log: "group 239.192.80.0 port 47474 over lo, as configured".
   [[nodiscard]] virtual std::string describe() const = 0;
 };

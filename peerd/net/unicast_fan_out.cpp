@@ -65,6 +65,11 @@ UnicastFanOut::~UnicastFanOut() {
 
 int UnicastFanOut::receive_buffer_bytes() const { return granted_receive_buffer(receiver_.socket()); }
 
+asio::ip::address UnicastFanOut::own_address() const {
+  if (options_.family == IpFamily::kV4) return asio::ip::address_v4::any();
+  return asio::ip::address_v6::any();
+}
+
 std::string UnicastFanOut::describe() const {
   return "unicast at port " + std::to_string(options_.port) + " to " + std::to_string(options_.seeds.size()) +
          " configured peers and whoever greets" +

@@ -50,6 +50,7 @@ class UnicastFanOut final : public Transport {
   [[nodiscard]] const TrafficCounters& counters() const override { return counters_; }
   [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }
   [[nodiscard]] int receive_buffer_bytes() const override;
+  [[nodiscard]] asio::ip::address own_address() const override;
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] const std::vector<KnownPeers::Peer>& peers() const { return known_.peers(); }
   [[nodiscard]] int native_handle() { return receiver_.socket().native_handle(); }

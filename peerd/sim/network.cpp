@@ -63,7 +63,7 @@ void Network::send(VirtualTime now, std::size_t from, RegionId region, replicati
   for (std::size_t to = 0; to < peers_; ++to) {
     if (to == from || !joined(to, region)) continue;
     for (const Duration delay : links_[from * peers_ + to].delays()) {
-      queue_.push({now + delay, sent_++, to, region, shared});
+      queue_.push({now + delay, sent_++, from, to, region, shared});
     }
   }
 }

@@ -36,7 +36,7 @@ class Link {
 struct Delivery {
   VirtualTime at;
   std::uint64_t number;  // in order of sending: ties go to the older one
-  std::size_t to;        // peer's index
+  std::size_t from, to;  // peers' indices
   RegionId region;
   std::shared_ptr<const replication::Bytes> datagram;
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "peerd/record/capture.hpp"
 #include "peerd/sim/interest_oracle.hpp"
 #include "peerd/sim/network.hpp"
+#include "peerd/transport_options.hpp"
 
 namespace peerd::sim {
 namespace {
@@ -17,6 +19,8 @@ constexpr Duration kJoinWithin = std::chrono::seconds(600);
 struct SimulatedPeer {
   std::unique_ptr<PeerNode> node;
   Duration clock_offset;
+  PeerNode::Options options;
+  std::unique_ptr<record::CaptureWriter> capture;  // null: none
 
   [[nodiscard]] HostTime host(VirtualTime t) const { return HostTime{t.time_since_epoch() + clock_offset}; }
   [[nodiscard]] VirtualTime virtual_time(HostTime t) const { return VirtualTime{t.time_since_epoch() - clock_offset}; }
@@ -51,11 +55,33 @@ config::Result<std::vector<SimulatedPeer>> make_peers(const config::RunSettings&
     options.start_lead = from_seconds(1.0 + 2.0 * longest_delay_s(run));
     options.clock_offset = from_seconds(settings.clock_offset_s);
     options.sample_hz = run.sample_hz;
-    const Duration offset = options.clock_offset;
-    auto node = PeerNode::make(settings, run.replication, shared, std::move((*objects)[i]), std::move(options));
-    peers.push_back({std::move(node), offset});
+    auto node = PeerNode::make(settings, run.replication, shared, std::move((*objects)[i]), options);
+    peers.push_back({std::move(node), options.clock_offset, options, nullptr});
   }
   return peers;
+}
+
+// Where a simulated peer's datagrams come from, in its captures: 10.ID or fd00::ID.
+boost::asio::ip::udp::endpoint address_of(const config::PeerSettings& peer, const net::GroupPlan& groups) {
+  namespace ip = boost::asio::ip;
+  if (groups.base.is_v4()) return {ip::address_v4(10u << 24 | (peer.id & 0xFF'FFFF)), groups.port};
+  ip::address_v6::bytes_type bytes{0xFD};
+  for (std::size_t i = 0; i < 4; ++i) bytes[15 - i] = static_cast<unsigned char>(peer.id >> 8 * i);
+  return {ip::address_v6(bytes), groups.port};
+}
+
+config::Result<void> open_captures(const Captures& captures, const config::RunSettings& run, const SharedWorld& shared,
+                                   const net::GroupPlan& groups, std::vector<SimulatedPeer>& peers) {
+  for (std::size_t i = 0; i < peers.size(); ++i) {
+    const config::PeerSettings& settings = run.peers[i];
+    const auto setup =
+        record::make_setup(captures.scenario, run, settings, captures.file, shared, peers[i].options, groups);
+    auto opened = record::CaptureWriter::open(captures.folder / (settings.name + ".pcapng"), setup,
+                                              peers[i].host(kBegin), address_of(settings, groups).address());
+    if (!opened) return std::unexpected(opened.error());
+    peers[i].capture = *std::move(opened);
+  }
+  return {};
 }
 
 }  // namespace
@@ -72,10 +98,20 @@ config::RunSettings without_latency(config::RunSettings run) {
 
 config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
                                               const Observer& observer, const KeyObserver& key_observer,
-                                              std::optional<report::InterestRecord>* interest) {
+                                              std::optional<report::InterestRecord>* interest,
+                                              const Captures* captures) {
   auto made = make_peers(run, shared);
   if (!made) return std::unexpected(made.error());
   std::vector<SimulatedPeer>& peers = *made;
+  net::GroupPlan groups;
+  if (captures != nullptr) {
+    const auto reach = transport_options(run.transport, {});
+    if (!reach) return std::unexpected(reach.error());
+    groups = reach->multicast.groups;
+    if (auto opened = open_captures(*captures, run, shared, groups, peers); !opened) {
+      return std::unexpected(opened.error());
+    }
+  }
   Network network(run);
   std::optional<InterestOracle> oracle;
   if (interest != nullptr && InterestOracle::has_areas(run)) {
@@ -88,6 +124,7 @@ config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, co
   const auto drain = [&](std::size_t i) {
     while (auto out = peers[i].node->poll_output()) {
       if (auto* send = std::get_if<replication::Send>(&*out)) {
+        if (peers[i].capture) peers[i].capture->on_send(send->region, send->datagram);
         if (oracle) oracle->on_send(now, i, send->region, send->datagram, network);
         network.send(now, i, send->region, std::move(send->datagram));
         continue;
@@ -122,13 +159,18 @@ config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, co
     if (!network.idle() && network.next_delivery() <= tick_at) {  // datagrams first: a tick begins by draining them
       const Delivery d = network.take_next();
       now = d.at;
-      peers[d.to].node->on_packet(peers[d.to].host(now), d.region, *d.datagram);
+      const SimulatedPeer& to = peers[d.to];
+      if (to.capture) {
+        to.capture->on_packet(to.host(now), address_of(run.peers[d.from], groups), d.region, *d.datagram);
+      }
+      to.node->on_packet(to.host(now), d.region, *d.datagram);
       drain(d.to);
       continue;
     }
     now = tick_at;
     PeerNode& node = *peers[next].node;
     const HostTime host = peers[next].host(now);
+    if (peers[next].capture) peers[next].capture->on_tick(host);
     node.on_tick(host);
     drain(next);
     if (!node.start() && now - kBegin > kJoinWithin) {
@@ -139,7 +181,15 @@ config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, co
   }
   if (oracle) *interest = oracle->record();
   std::vector<PeerLog> logs;
-  for (SimulatedPeer& p : peers) logs.push_back(p.node->log());
+  for (SimulatedPeer& p : peers) {
+    logs.push_back(p.node->log());
+    if (!p.capture) continue;
+    p.capture->flush();
+    if (!p.capture->good()) {
+      return std::unexpected(config::InputError{
+          "error: can't write the captures to " + captures->folder.string() + "; is the disk full?", 3});
+    }
+  }
   return logs;
 }
 

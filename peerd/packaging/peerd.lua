@@ -1,0 +1,986 @@
+-- Wireshark and tshark (4.0 on) show peerd's datagrams with this file: copy it to ~/.local/lib/wireshark/plugins, or
+-- say `-X lua_script:peerd.lua`. The bytes are proto/README.md's; peerd/record/README.md says what to filter by.
+--
+-- Protobuf is read here and not by Wireshark's own dissector, which knows messages but not what is packed into their
+-- byte strings: records bit by bit, lists of varints. Bytes that no peer sends are marked as malformed, as peers refuse
+-- them; values beyond the limits of a peer's world are, too.
+
+local peerd = Proto("peerd", "peerd: a shared world")
+local inputs = Proto("peerd_input", "peerd: what a recorded peer was told")
+
+peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
+  "transport.group of the peers' configuration: a datagram to the n-th group after it is of region n")
+
+local VERSION = 4
+local MOST_BYTES = 1200
+local REGION_MARK, GREETING_MARK = 0x52, 0x47
+
+-- ---- fields -------------------------------------------------------------------------------------------------------
+
+local all_fields = {}
+local function field(kind, name, title, ...)
+  local f = ProtoField[kind]("peerd." .. name, title, ...)
+  all_fields[#all_fields + 1] = f
+  return f
+end
+local function vector(name, title, unit)
+  local at = {}
+  for i, axis in ipairs({ "x", "y", "z" }) do
+    at[i] = field("double", name .. "." .. axis, title .. " " .. axis .. (unit and " [" .. unit .. "]" or ""))
+  end
+  return at
+end
+local function quaternion(name, title)
+  local at = {}
+  for i, axis in ipairs({ "w", "x", "y", "z" }) do
+    at[i] = field("double", name .. "." .. axis, title .. " " .. axis)
+  end
+  return at
+end
+
+local KINDS = { "first order", "second order", "history", "third order", "turning", "oscillating", "sliding" }
+local RULES = { "id", "velocity", "field of view", "expected error", "server" }
+
+local F = {
+  kind = field("string", "kind", "Kind"),
+  region = field("uint32", "region", "Region"),
+  version = field("uint32", "version", "Version"),
+  sender = field("uint32", "sender", "Sender"),
+  number = field("uint32", "number", "Number of the sender's datagrams to the region"),
+  boot_low = field("uint32", "boot_low", "Boot, lowest 21 bits"),
+  leaving = field("bool", "leaving", "Leaving"),
+  unknown = field("uint32", "unknown_field", "Unknown field"),
+  hello = {
+    tx = field("int64", "hello.session_tx_ns", "Session time when it left [ns]"),
+    sessions = field("uint32", "hello.sessions", "Sessions entered"),
+    latency = field("uint32", "hello.latency_ms", "Hears others so late [ms]"),
+  },
+  echo = {
+    peer = field("uint32", "echo.peer", "Peer"),
+    hello = field("uint32", "echo.hello", "Number of its last hello"),
+    held = field("uint64", "echo.held_ns", "Held for [ns]"),
+    newer = field("uint32", "echo.newer", "Highest number, above that"),
+    missing = field("uint32", "echo.missing", "Missing"),
+    loss = field("uint32", "echo.loss_permille", "Lost, of a thousand"),
+  },
+  note = {
+    collider = field("uint32", "note.collider", "Collider"),
+    collidee = field("uint32", "note.collidee", "Collidee"),
+    contact = field("int64", "note.contact_ns", "Contact [ns]"),
+    by = field("uint32", "note.by", "Decided by"),
+    held = field("bool", "note.held", "Held"),
+  },
+  intro = {
+    name = field("string", "introduction.name", "Name"),
+    world = field("uint64", "introduction.world_hash", "World's hash", base.HEX),
+    boot = field("uint64", "introduction.boot", "Boot"),
+    enslaved = field("uint32", "introduction.enslaved", "Runs object"),
+    start = field("int64", "introduction.start_ns", "Motions begin [ns]"),
+    zero = field("int64", "introduction.world_zero_ns", "Time 0 of the world's TimeSensors [ns]"),
+  },
+  view = {
+    object = field("uint32", "viewpoint.object", "In the frame of object"),
+    position = vector("viewpoint.position", "Position", "m"),
+    orientation = quaternion("viewpoint.orientation", "Orientation"),
+    fov = field("double", "viewpoint.field_of_view", "Field of view [rad]"),
+    aspect = field("double", "viewpoint.aspect", "Aspect"),
+  },
+  decision = {
+    collider = field("uint32", "decision.collider", "Collider"),
+    collidee = field("uint32", "decision.collidee", "Collidee"),
+    contact = field("int64", "decision.contact_ns", "Contact [ns]"),
+    normal = vector("decision.normal", "Normal"),
+    rule = field("uint32", "decision.rule", "Rule", base.DEC, RULES),
+    known = field("int64", "decision.known_ns", "Last decision known [ns]"),
+  },
+  state = {
+    position = vector("decision.position", "Position", "m"),
+    velocity = vector("decision.velocity", "Velocity", "m/s"),
+    acceleration = vector("decision.acceleration", "Acceleration", "m/s^2"),
+    orientation = quaternion("decision.orientation", "Orientation"),
+    spin = vector("decision.spin", "Spin", "rad/s"),
+  },
+  entered = {
+    region = field("uint32", "entered.region", "Region"),
+    since = field("int64", "entered.since_ns", "Since [ns]"),
+    latest = field("int64", "entered.latest_ns", "Latest joined at [ns]"),
+  },
+  gone = {
+    object = field("uint32", "gone.object", "Object"),
+    sequence = field("uint32", "gone.sequence", "Sequence"),
+    to = field("uint32", "gone.region", "Told in region"),
+  },
+  base_low = field("uint64", "records.base_low", "Base time, lowest 5 bytes [ns]"),
+  base = field("int64", "records.base_ns", "Base time nearest to the capture's [ns]"),
+  record = {
+    kind = field("uint32", "record.kind", "Model", base.DEC, KINDS),
+    step = field("int32", "record.step_log2", "Step of the position, log2 [m]"),
+    exact = field("bool", "record.exact", "Exact"),
+    object = field("uint32", "record.object", "Object"),
+    sequence = field("uint32", "record.sequence", "Sequence"),
+    time = field("int64", "record.time_ns", "Time [ns]"),
+    decision = field("int64", "record.decision_ns", "Last decision known [ns]"),
+    position = vector("record.position", "Position", "m"),
+    velocity = vector("record.velocity", "Velocity", "m/s"),
+    acceleration = vector("record.acceleration", "Acceleration", "m/s^2"),
+    jerk = vector("record.jerk", "Jerk", "m/s^3"),
+    rate = vector("record.rate", "Rate", "rad/s"),
+    orientation = quaternion("record.orientation", "Orientation"),
+    spin = vector("record.spin", "Spin", "rad/s"),
+    spin_up = vector("record.spin_acceleration", "Spin acceleration", "rad/s^2"),
+    unknown = field("uint32", "record.unknown_kind", "Model of a later version"),
+  },
+  greeting = {
+    instance = field("uint32", "greeting.instance", "Instance", base.HEX),
+    number = field("uint64", "greeting.number", "Number to echo", base.HEX),
+    echo = field("uint64", "greeting.echo", "Echo", base.HEX),
+    reply = field("bool", "greeting.reply", "Wants a reply"),
+    leaving = field("bool", "greeting.leaving", "Leaving"),
+    all = field("bool", "greeting.all_regions", "Wants all regions"),
+    region = field("uint32", "greeting.region", "Wants region"),
+    peer = field("string", "greeting.peer", "Hears"),
+  },
+}
+peerd.fields = all_fields
+
+local malformed = ProtoExpert.new("peerd.malformed", "Malformed", expert.group.MALFORMED, expert.severity.ERROR)
+peerd.experts = { malformed }
+
+-- ---- refusing -----------------------------------------------------------------------------------------------------
+
+-- What a peer would refuse: thrown as a table, so that an error of this file's own is not taken for one of the bytes.
+local function refuse(why) error({ refused = why }, 0) end
+
+-- Runs `dissect`; what it refuses is marked in `tree`. Whether nothing was.
+local function guarded(tree, dissect)
+  local good, problem = pcall(dissect)
+  if good then return true end
+  if type(problem) ~= "table" or not problem.refused then error(problem, 0) end
+  tree:add_proto_expert_info(malformed, "Malformed: " .. problem.refused)
+  return false
+end
+
+-- ---- numbers ------------------------------------------------------------------------------------------------------
+
+local TWO32 = 2 ^ 32
+local ALL_ONES = UInt64.new(0xFFFFFFFF, 0xFFFFFFFF)
+
+local function signed(u) return Int64.new(u:lower(), u:higher()) end
+-- A varint's 0, 1, 2, 3 as 0, -1, 1, -2.
+local function unzigzag(u)
+  local half = u:rshift(1)
+  if u:lower() % 2 == 1 then half = half:bxor(ALL_ONES) end
+  return signed(half)
+end
+
+local TIME_MOST = Int64.new(0, 2 ^ 30)  -- 2^62 ns
+local function check_time(t)
+  if t > TIME_MOST or t < -TIME_MOST then refuse("a time out of range") end
+  return t
+end
+
+local function is_finite(x) return x == x and x ~= math.huge and x ~= -math.huge end
+local function norm(v)
+  local sum = 0
+  for _, x in ipairs(v) do sum = sum + x * x end
+  return math.sqrt(sum)
+end
+local function check_vector(v)
+  for _, x in ipairs(v) do
+    if not is_finite(x) or math.abs(x) > 1e12 then refuse("a number that is not finite or beyond 1e12") end
+  end
+  return v
+end
+local function check_finite(v)
+  for _, x in ipairs(v) do
+    if not is_finite(x) then refuse("a number that is not finite") end
+  end
+end
+local function check_unit(v, what)
+  check_finite(v)
+  if math.abs(norm(v) - 1) > 1e-6 then refuse(what .. " is not of unit length") end
+  return v
+end
+local function is_zero(v)
+  for _, x in ipairs(v) do
+    if x ~= 0 then return false end
+  end
+  return true
+end
+
+local function add_vector(tree, fields, range, v)
+  for i, f in ipairs(fields) do tree:add(f, range, v[i]) end
+end
+
+-- ---- Protobuf -----------------------------------------------------------------------------------------------------
+
+-- A varint at `at`, at most 10 bytes: its value and what comes after it.
+local function varint(tvb, at)
+  local value = UInt64.new(0)
+  for i = 0, 9 do
+    if at + i >= tvb:len() then refuse("a number is cut short") end
+    local byte = tvb(at + i, 1):uint()
+    value = value:bor(UInt64.new(byte % 128):lshift(7 * i))
+    if byte < 128 then return value, at + i + 1 end
+  end
+  refuse("a number of more than 10 bytes")
+end
+
+-- Calls handlers[number] with each field's value and range: of wire type "varint" a UInt64, of "fixed64" nothing, of
+-- "bytes" a Tvb. As to Protobuf's own readers, another type than the handler's is an unknown field, and of one that is
+-- there more than once, and not `repeated`, the last counts. Messages are shown as often as they are there; Protobuf
+-- merges them.
+local WIRE_TYPES = { [0] = "varint", [1] = "fixed64", [2] = "bytes", [5] = "fixed32" }
+local function each_field(tvb, tree, handlers)
+  local at, calls, last = 0, {}, {}
+  while at < tvb:len() do
+    local begin, tag, value, range = at, nil, nil, nil
+    tag, at = varint(tvb, at)
+    -- Of the fifth byte of a tag, Protobuf's C++ reader drops what is beyond 32 bits.
+    local number, wire = math.floor(tag:lower() / 8), WIRE_TYPES[tag:lower() % 8]
+    if number == 0 or at - begin > 5 then refuse("a field without a number") end
+    if wire == "varint" then
+      value, at = varint(tvb, at)
+      range = tvb(begin, at - begin)
+    elseif wire == "bytes" then
+      local size
+      size, at = varint(tvb, at)
+      if size:higher() ~= 0 or size:lower() > tvb:len() - at then refuse("field " .. number .. " is cut short") end
+      size = size:lower()
+      range = tvb(begin, at + size - begin)
+      value = size > 0 and tvb(at, size):tvb() or false
+      at = at + size
+    elseif wire then
+      local size = wire == "fixed64" and 8 or 4
+      if at + size > tvb:len() then refuse("field " .. number .. " is cut short") end
+      range = tvb(at, size)
+      at = at + size
+    else
+      refuse("field " .. number .. " is of no type that peers send")
+    end
+    local handler = handlers[number]
+    if handler and handler[wire] then
+      calls[#calls + 1] = { number, handler[wire], value, range }
+      last[number] = #calls
+    else
+      tree:add(F.unknown, range, number)
+    end
+  end
+  for i, call in ipairs(calls) do
+    local number, handle, value, range = table.unpack(call, 1, 4)
+    if i == last[number] or handlers[number].repeated then
+      handle(value, range)
+    else
+      tree:add(F.unknown, range, number)
+    end
+  end
+end
+
+local function uint32(tree, f, keep)
+  return { varint = function(value, range)
+    tree:add(f, range, value:lower())
+    if keep then keep(value:lower()) end
+  end }
+end
+local function time64(tree, f, keep)
+  return { fixed64 = function(_, range)
+    local t = check_time(range:le_int64())
+    tree:add(f, range, t)
+    if keep then keep(t) end
+  end }
+end
+local function double(into, name)
+  return { fixed64 = function(_, range) into[name] = range:le_float() end }
+end
+local function message(tree, title, dissect)
+  return { repeated = true, bytes = function(tvb, range) dissect(tvb, tree:add(range, title), range) end }
+end
+-- Absent bytes are an empty message.
+local function each_field_of(tvb, tree, handlers)
+  if tvb then each_field(tvb, tree, handlers) end
+end
+
+-- A Vec3 or Quat as a list of its components.
+local function components(names, into)
+  return { repeated = true, bytes = function(tvb, range)
+    local at = {}
+    local handlers = {}
+    for i, _ in ipairs(names) do handlers[i] = double(at, i) end
+    if tvb then each_field(tvb, into.tree, handlers) end
+    for i, _ in ipairs(names) do into[i] = at[i] or into[i] or 0 end
+    into.range = range
+  end }
+end
+local XYZ, WXYZ = { "x", "y", "z" }, { "w", "x", "y", "z" }
+
+-- ---- bits ---------------------------------------------------------------------------------------------------------
+
+-- The bits of a Tvb from a byte on, each byte's lowest first.
+local Bits = {}
+Bits.__index = Bits
+function Bits.new(tvb, at) return setmetatable({ tvb = tvb, begin = at, bit = 8 * at }, Bits) end
+function Bits:get(count)  -- at most 53, so that a Lua number holds them
+  if self.bit + count > 8 * self.tvb:len() then refuse("a record or a list is cut short") end
+  local value, weight = 0, 1
+  while count > 0 do
+    local at, low = math.floor(self.bit / 8), self.bit % 8
+    local take = math.min(8 - low, count)
+    local byte = self.tvb(at, 1):uint()
+    value = value + math.floor(byte / 2 ^ low) % 2 ^ take * weight
+    weight = weight * 2 ^ take
+    self.bit, count = self.bit + take, count - take
+  end
+  return value
+end
+-- A varint in its shortest form.
+function Bits:varint64()
+  local value = UInt64.new(0)
+  for i = 0, 9 do
+    local byte = self:get(8)
+    if i == 9 and byte > 1 then break end
+    value = value:bor(UInt64.new(byte % 128):lshift(7 * i))
+    if byte < 128 then
+      if i > 0 and byte == 0 then refuse("a number that is longer than needed") end
+      return value
+    end
+  end
+  refuse("a number of more than 64 bits")
+end
+function Bits:varint32()
+  local value = self:varint64()
+  if value:higher() ~= 0 then refuse("a number of more than 32 bits") end
+  return value:lower()
+end
+function Bits:time(from) return check_time(from + unzigzag(self:varint64())) end
+function Bits:at_end() return self.bit == 8 * self.tvb:len() end
+function Bits:pad()
+  if self.bit % 8 ~= 0 and self:get(8 - self.bit % 8) ~= 0 then refuse("padding that is not zeros") end
+end
+function Bits:range() return self.tvb(self.begin, self.bit / 8 - self.begin) end
+
+-- Which of three are there.
+function Bits:mask(may_be_empty)
+  if self:get(1) == 0 then return { true, true, true } end
+  local mask = self:get(3)
+  if mask == 7 or (mask == 0 and not may_be_empty) then refuse("a mask that says nothing") end
+  return { mask % 2 == 1, math.floor(mask / 2) % 2 == 1, mask >= 4 }
+end
+function Bits:signed(magnitude_bits)
+  local negative, magnitude = self:get(1) == 1, self:get(magnitude_bits)
+  if magnitude == 0 then refuse("a zero that is sent") end
+  return negative and -magnitude or magnitude
+end
+-- In steps: the vector, and the bits of its longest component.
+function Bits:steps(step_log2, width_bits)
+  local width = self:get(width_bits)
+  if width == 0 then return { 0, 0, 0 }, 0 end
+  if width > 52 then refuse("a component of " .. width .. " bits") end
+  local v, most = { 0, 0, 0 }, 0
+  for i, there in ipairs(self:mask(false)) do
+    if there then
+      local n = self:signed(width)
+      most = math.max(most, math.abs(n))
+      v[i] = math.ldexp(n, step_log2)
+    end
+  end
+  if most < 2 ^ (width - 1) then refuse("a width that is larger than needed") end
+  return v, width
+end
+-- binary64 by its bits.
+function Bits:double()
+  local low, high = self:get(32), self:get(32)
+  local sign = high >= 2 ^ 31 and -1 or 1
+  local exponent, fraction = math.floor(high / 2 ^ 20) % 2 ^ 11, high % 2 ^ 20 * TWO32 + low
+  local is_zero_bits = low == 0 and high == 0
+  if exponent == 2047 then return fraction == 0 and sign * math.huge or 0 / 0, is_zero_bits end
+  if exponent == 0 then return sign * math.ldexp(fraction, -1074), is_zero_bits end
+  return sign * math.ldexp(fraction + 2 ^ 52, exponent - 1075), is_zero_bits
+end
+function Bits:exact()
+  local v = { 0, 0, 0 }
+  if self:get(1) == 0 then return v end
+  for i, there in ipairs(self:mask(false)) do
+    if there then
+      local zero
+      v[i], zero = self:double()
+      if zero then refuse("a zero that is sent") end
+    end
+  end
+  return v
+end
+-- The smallest three of a unit quaternion: whole numbers of 1 / (sqrt(2) 4095).
+function Bits:orientation()
+  local largest, left = self:get(2), 2 * 4095 ^ 2
+  local steps = {}
+  for i, there in ipairs(self:mask(largest ~= 0)) do
+    steps[i] = there and self:signed(12) or 0
+    left = left - steps[i] ^ 2
+  end
+  if left < 0 then refuse("an orientation that is longer than 1") end
+  local step, q, next_step = 1 / (math.sqrt(2) * 4095), {}, 1
+  for i = 1, 4 do
+    if i == largest + 1 then
+      q[i] = left == 2 * 4095 ^ 2 and 1 or step * math.sqrt(left)
+    else
+      q[i] = step * steps[next_step]
+      next_step = next_step + 1
+    end
+  end
+  return q
+end
+
+-- ---- records ------------------------------------------------------------------------------------------------------
+
+local FIRST, SECOND, HISTORY, THIRD, TURNING, OSCILLATING, SLIDING = 1, 2, 3, 4, 5, 6, 7
+local UNKNOWN_KIND, EXACT = 8, 15
+
+local function take_in_steps(bits, kind, step, turned, spins_up)
+  local m = {}
+  local h = (kind == SECOND or kind == HISTORY or kind == THIRD) and 0 or 2
+  local a_step, j_step, a_width, j_width = step + 2 - 2 * h, step + 3 - 3 * h, 0, 0
+  m.position = bits:steps(step, 6)
+  m.velocity = bits:steps(step + 1 - h, 5)
+  if kind ~= FIRST then m.acceleration, a_width = bits:steps(a_step, 5) end
+  if kind == THIRD or kind == OSCILLATING then m.jerk, j_width = bits:steps(j_step, 5) end
+  if kind == TURNING or kind == OSCILLATING then
+    m.rate = { 0, 0, 0 }
+    local by_a, by_j = a_width + a_step + 3 * h, j_width + j_step + 4 * h - 2
+    local most = a_width > 0 and by_a or nil
+    if j_width > 0 then most = most and math.max(most, by_j) or by_j end
+    if most then m.rate = bits:steps(step + 2 - most, 6) end
+  end
+  if turned then m.orientation = bits:orientation() end
+  m.spin = bits:steps(-10 - h, 5)
+  if spins_up then m.spin_up = bits:steps(-9 - 2 * h, 5) end
+  return m
+end
+
+local function take_exactly(bits, kind, turned, spins_up)
+  local m = {}
+  m.position = bits:exact()
+  m.velocity = bits:exact()
+  if kind ~= FIRST then m.acceleration = bits:exact() end
+  if kind == THIRD or kind == OSCILLATING then m.jerk = bits:exact() end
+  if kind == TURNING or kind == OSCILLATING then m.rate = bits:exact() end
+  if turned then
+    m.orientation = {}
+    for i = 1, 4 do m.orientation[i] = bits:double() end
+    local q = m.orientation
+    if q[1] == 1 and q[2] == 0 and q[3] == 0 and q[4] == 0 then refuse("the identity, which is not sent") end
+  end
+  m.spin = bits:exact()
+  if spins_up then m.spin_up = bits:exact() end
+  return m
+end
+
+local function check_limits(kind, m)
+  check_vector(m.position)
+  check_vector(m.velocity)
+  if m.acceleration then check_vector(m.acceleration) end
+  if m.orientation then check_unit(m.orientation, "an orientation") end
+  check_vector(m.spin)
+  if norm(m.spin) > 1e4 then refuse("a spin beyond 10,000 rad/s") end
+  if m.jerk then
+    check_finite(m.jerk)
+    if norm(m.jerk) > 1e9 then refuse("a jerk beyond 1e9 m/s^3") end
+  end
+  if m.rate then
+    check_finite(m.rate)
+    local most = kind == TURNING and norm(m.rate) or 0
+    for _, x in ipairs(m.rate) do
+      if kind == OSCILLATING then
+        if x < 0 then refuse("a wave of negative rate") end
+        most = math.max(most, x)
+      end
+    end
+    if most > 100 then refuse("a rate beyond 100 rad/s") end
+  end
+  if m.spin_up then
+    check_finite(m.spin_up)
+    if is_zero(m.spin_up) then refuse("a zero that is sent") end
+    if norm(m.spin_up) > 2000 then refuse("a spin acceleration beyond 2,000 rad/s^2") end
+  end
+end
+
+local function dissect_record(tvb, tree, at, base_time)
+  local bits = Bits.new(tvb, at)
+  local kind, step = bits:get(4), bits:get(4)
+  if kind >= UNKNOWN_KIND then
+    local size = bits:get(8)
+    if at + 2 + size > tvb:len() then refuse("a record is cut short") end
+    tree:add(F.record.unknown, tvb(at, 2 + size), kind)
+    return at + 2 + size
+  end
+  if kind == 0 then refuse("a record of kind 0") end
+  local later, decided = bits:get(1) == 1, bits:get(1) == 1
+  local turned, spins_up = bits:get(1) == 1, bits:get(1) == 1
+  local object, sequence = bits:varint32(), bits:varint32()
+  if sequence == 0 then refuse("sequence 0") end
+  local time, decision = base_time, nil
+  if later then
+    time = bits:time(base_time)
+    if time == base_time then refuse("a zero that is sent") end
+  end
+  if decided then
+    decision = bits:time(time)
+    if decision == Int64.new(0) then refuse("a zero that is sent") end
+  end
+  local m
+  if step == EXACT then
+    m = take_exactly(bits, kind, turned, spins_up)
+  else
+    m = take_in_steps(bits, kind, step - 23, turned, spins_up)
+  end
+  bits:pad()
+  check_limits(kind, m)
+
+  local range = bits:range()
+  local sub = tree:add(range, string.format("Object %d, number %d: %s", object, sequence, KINDS[kind]))
+  local R = F.record
+  sub:add(R.object, range, object)
+  sub:add(R.sequence, range, sequence)
+  sub:add(R.kind, range, kind)
+  sub:add(R.time, range, time)
+  if decision then sub:add(R.decision, range, decision) end
+  if step == EXACT then sub:add(R.exact, range, true) else sub:add(R.step, range, step - 23) end
+  for _, name in ipairs({ "position", "velocity", "acceleration", "jerk", "rate", "orientation", "spin", "spin_up" }) do
+    if m[name] then add_vector(sub, R[name], range, m[name]) end
+  end
+  return at + range:len()
+end
+
+-- The time with those lowest 5 bytes that is nearest to the capture's. Receivers take their own, of the session.
+local function nearest_time(low, pinfo)
+  local near = tonumber(pinfo.abs_ts) * 1e9
+  local period = 2 ^ 40
+  local above = math.floor((near - low) / period + 0.5)
+  if above < 0 then above = 0 end
+  return Int64.new(low % TWO32, above * 256 + math.floor(low / TWO32))
+end
+
+local function dissect_records(tvb, tree, pinfo)
+  if not tvb then return 0 end
+  if tvb:len() <= 5 then refuse("a base time without records") end
+  local low = Bits.new(tvb, 0):get(40)
+  local base_time = nearest_time(low, pinfo)
+  tree:add(F.base_low, tvb(0, 5), UInt64.new(low % TWO32, math.floor(low / TWO32)))
+  tree:add(F.base, tvb(0, 5), base_time)
+  local at, count = 5, 0
+  while at < tvb:len() do
+    at = dissect_record(tvb, tree, at, base_time)
+    count = count + 1
+  end
+  return count
+end
+
+-- ---- hellos -------------------------------------------------------------------------------------------------------
+
+local function each_entry(tvb, take)
+  if not tvb then return end
+  local bits = Bits.new(tvb, 0)
+  while not bits:at_end() do
+    bits.begin = bits.bit / 8
+    take(bits)
+  end
+end
+
+local function dissect_echoes(tvb, tree)
+  each_entry(tvb, function(bits)
+    local E = F.echo
+    local peer, hello, held = bits:varint32(), bits:varint32(), bits:varint64()
+    local newer, missing, loss = bits:varint32(), bits:varint32(), bits:varint32()
+    if held > UInt64.new(10000000000 % TWO32, 2) or loss > 1000 or newer > TWO32 - 1 - hello then
+      refuse("an echo that nobody sends")
+    end
+    local sub = tree:add(bits:range(), "Echo to peer " .. peer)
+    sub:add(E.peer, bits:range(), peer)
+    sub:add(E.hello, bits:range(), hello)
+    sub:add(E.held, bits:range(), held)
+    sub:add(E.newer, bits:range(), newer)
+    sub:add(E.missing, bits:range(), missing)
+    sub:add(E.loss, bits:range(), loss)
+  end)
+end
+
+local function dissect_notes(tvb, tree, session_tx)
+  each_entry(tvb, function(bits)
+    local N = F.note
+    local collider, collidee = bits:varint32(), bits:varint32()
+    local contact, by = bits:time(session_tx), bits:varint64()
+    if by:higher() >= 2 then refuse("a peer of more than 32 bits") end
+    local sub = tree:add(bits:range(), string.format("Contact of %d with %d", collider, collidee))
+    sub:add(N.collider, bits:range(), collider)
+    sub:add(N.collidee, bits:range(), collidee)
+    sub:add(N.contact, bits:range(), contact)
+    sub:add(N.by, bits:range(), by:rshift(1):lower())
+    sub:add(N.held, bits:range(), by:lower() % 2 == 1)
+  end)
+end
+
+local function dissect_viewpoint(tvb, tree, range)
+  local V, position, orientation, angles = F.view, { tree = tree }, { tree = tree }, {}
+  each_field_of(tvb, tree, {
+    uint32(tree, V.object), components(XYZ, position), components(WXYZ, orientation),
+    double(angles, "fov"), double(angles, "aspect"),
+  })
+  local p = check_vector({ position[1] or 0, position[2] or 0, position[3] or 0 })
+  local q = check_unit({ orientation[1] or 0, orientation[2] or 0, orientation[3] or 0, orientation[4] or 0 },
+    "an orientation")
+  local fov, aspect = angles.fov or 0, angles.aspect or 0
+  if not (fov > 0 and fov < math.pi and aspect > 0 and aspect <= 1e12) then refuse("a view that nobody has") end
+  add_vector(tree, V.position, range, p)
+  add_vector(tree, V.orientation, range, q)
+  tree:add(V.fov, range, fov)
+  tree:add(V.aspect, range, aspect)
+end
+
+local function dissect_introduction(tvb, tree)
+  local I, named = F.intro, false
+  each_field_of(tvb, tree, {
+    { bytes = function(name, range)
+      local text = name and name:range():raw() or ""
+      if #text == 0 or #text > 64 or text:find("[^!-~]") or text:find("/", 1, true) then refuse("no name") end
+      named = true
+      tree:add(I.name, range, text)
+    end },
+    { fixed64 = function(_, range) tree:add_le(I.world, range) end },
+    { fixed64 = function(_, range) tree:add_le(I.boot, range) end },
+    { bytes = function(list)
+      local object = 0
+      each_entry(list, function(bits)
+        object = object + bits:varint32()
+        if object >= TWO32 then refuse("an object of more than 32 bits") end
+        tree:add(I.enslaved, bits:range(), object)
+      end)
+    end },
+    time64(tree, I.start), time64(tree, I.zero),
+    message(tree, "Viewpoint", dissect_viewpoint),
+  })
+  if not named then refuse("no name") end
+end
+
+local function dissect_hello(tvb, tree)
+  local H, notes, introductions = F.hello, false, {}
+  local session_tx = Int64.new(0)
+  each_field_of(tvb, tree, {
+    time64(tree, H.tx, function(t) session_tx = t end),
+    uint32(tree, H.sessions),
+    uint32(tree, H.latency, function(ms)
+      if ms > 2000 then refuse("a latency beyond 2 s") end
+    end),
+    { bytes = function(list) dissect_echoes(list, tree) end },
+    { bytes = function(list) notes = list end },  -- which needs the time, wherever that stands
+    { repeated = true, bytes = function(...) introductions[#introductions + 1] = { ... } end },
+  })
+  dissect_notes(notes, tree, session_tx)
+  for _, i in ipairs(introductions) do dissect_introduction(i[1], tree:add(i[2], "Introduction")) end
+  return #introductions > 0
+end
+
+-- ---- decisions, regions -------------------------------------------------------------------------------------------
+
+-- Four binary64, of which a mask says which are not zero.
+function Bits:quaternion()
+  local q, there = { 0, 0, 0, 0 }, {}
+  for i = 1, 4 do there[i] = self:get(1) == 1 end
+  for i = 1, 4 do
+    if there[i] then
+      local zero
+      q[i], zero = self:double()
+      if zero then refuse("a zero that is sent") end
+    end
+  end
+  return q
+end
+
+local STATE = { "position", "velocity", "acceleration", "orientation", "spin" }
+local AT_REST = {
+  position = { 0, 0, 0 }, velocity = { 0, 0, 0 }, acceleration = { 0, 0, 0 }, orientation = { 1, 0, 0, 0 }, spin = { 0, 0, 0 },
+}
+-- Bit for bit: 0 and -0 differ.
+local function same_bits(a, b)
+  for i = 1, #a do
+    if a[i] ~= b[i] or 1 / a[i] ~= 1 / b[i] then return false end
+  end
+  return true
+end
+-- A state by what differs from another.
+local function take_state(bits, was)
+  local is = {}
+  for _, name in ipairs(STATE) do
+    is[name] = was[name]
+    if bits:get(1) == 1 then
+      is[name] = name == "orientation" and bits:quaternion() or bits:exact()
+      if same_bits(is[name], was[name]) then refuse("a change that is none") end
+    end
+    if name == "orientation" then check_unit(is[name], "an orientation") else check_vector(is[name]) end
+  end
+  if norm(is.spin) > 1e4 then refuse("a spin beyond 10,000 rad/s") end
+  return is
+end
+-- 0 and -0 are one.
+local function same_value(a, b)
+  for i = 1, #a do
+    if a[i] ~= b[i] then return false end
+  end
+  return true
+end
+local function add_state(tree, range, title, state)
+  local sub = tree:add(range, title)
+  for i, name in ipairs(STATE) do
+    if i == 1 or not same_value(state[name], AT_REST[name]) then add_vector(sub, F.state[name], range, state[name]) end
+  end
+end
+
+local function dissect_decision(tvb, tree, at, pinfo)
+  local bits, D = Bits.new(tvb, at), F.decision
+  local contact = nearest_time(bits:get(40), pinfo)
+  local collider, collidee, rule = bits:varint32(), bits:varint32(), bits:get(4)
+  if rule < 1 or rule > 5 then refuse("rule " .. rule) end
+  local known = nil
+  if bits:get(1) == 1 then
+    known = bits:time(contact)
+    if known == Int64.new(0) then refuse("a zero that is sent") end
+  end
+  local normal = check_unit(bits:exact(), "a normal")
+  local collider_before = take_state(bits, AT_REST)
+  local collider_after = take_state(bits, collider_before)
+  local collidee_before = take_state(bits, AT_REST)
+  local collidee_after = take_state(bits, collidee_before)
+  bits:pad()
+
+  local range = bits:range()
+  local sub = tree:add(range, string.format("Objects %d and %d", collider, collidee))
+  if collider ~= 0 then sub:add(D.collider, range, collider) end
+  if collidee ~= 0 then sub:add(D.collidee, range, collidee) end
+  sub:add(D.contact, range, contact)
+  add_vector(sub, D.normal, range, normal)
+  add_state(sub, range, "Collider before", collider_before)
+  add_state(sub, range, "Collidee before", collidee_before)
+  add_state(sub, range, "Collider after", collider_after)
+  add_state(sub, range, "Collidee after", collidee_after)
+  sub:add(D.rule, range, rule)
+  if known then sub:add(D.known, range, known) end
+  return at + range:len()
+end
+
+local function dissect_decisions(tvb, tree, pinfo)
+  local at, count = 0, 0
+  while tvb and at < tvb:len() do
+    at = dissect_decision(tvb, tree, at, pinfo)
+    count = count + 1
+  end
+  return count
+end
+
+-- A repeated uint32, packed or not.
+local function numbers(into)
+  local function keep(value, range) into[#into + 1] = { value:lower(), range } end
+  return {
+    repeated = true,
+    varint = keep,
+    bytes = function(tvb)
+      local at = 0
+      while tvb and at < tvb:len() do
+        local begin, value = at, nil
+        value, at = varint(tvb, at)
+        keep(value, tvb(begin, at - begin))
+      end
+    end,
+  }
+end
+
+local function dissect_entered(list, latest, tree)
+  if #list % 2 ~= 0 or #list > 1024 then refuse("regions entered that are no pairs") end
+  for i = 1, #list, 2 do
+    tree:add(F.entered.region, list[i][2], list[i][1])
+    local since = latest - Int64.new(list[i + 1][1], 0) * Int64.new(1000000, 0)
+    tree:add(F.entered.since, list[i + 1][2], check_time(since))
+  end
+end
+
+local function dissect_gone(list, tree)
+  if #list % 3 ~= 0 or #list > 1024 then refuse("objects gone that are no threes") end
+  for i = 1, #list, 3 do
+    if list[i + 1][1] == 0 then refuse("sequence 0") end
+    tree:add(F.gone.object, list[i][2], list[i][1])
+    tree:add(F.gone.sequence, list[i + 1][2], list[i + 1][1])
+    tree:add(F.gone.to, list[i + 2][2], list[i + 2][1])
+  end
+end
+
+-- ---- a datagram ---------------------------------------------------------------------------------------------------
+
+local function count_of(n, one) return n .. " " .. one .. (n == 1 and "" or "s") end
+
+local function dissect_datagram(tvb, tree, pinfo, whole)
+  if tvb:len() > MOST_BYTES then refuse("more than " .. MOST_BYTES .. " bytes") end
+  local version, sender, number, boot_low, introduced = 0, 0, 0, nil, false
+  local decisions, updates, hello, leaving, latest = 0, 0, false, false, Int64.new(0)
+  local entered, gone, kinds = {}, {}, {}
+  local function is(kind, range)
+    kinds[#kinds + 1] = kind
+    tree:add(F.kind, range, kind)
+  end
+  each_field(tvb, tree, {
+    uint32(tree, F.version, function(v)
+      version = v
+      if v ~= VERSION then refuse("version " .. v .. ", and this dissector knows " .. VERSION) end
+    end),
+    uint32(tree, F.sender, function(v) sender = v end),
+    uint32(tree, F.number, function(v) number = v end),
+    { varint = function(v, range) boot_low = { v:lower() % 2 ^ 21, range } end },
+    { repeated = true, bytes = function(inner, range)
+      hello = true
+      introduced = dissect_hello(inner, tree:add(range, "Hello")) or introduced
+      is(introduced and "hello, introduction" or "hello", range)
+    end },
+    { bytes = function(inner, range) decisions = dissect_decisions(inner, tree:add(range, "Decisions"), pinfo) end },
+    { varint = function(v, range)
+      leaving = v ~= UInt64.new(0)
+      tree:add(F.leaving, range, leaving)
+    end },
+    { bytes = function(inner, range) updates = dissect_records(inner, tree:add(range, "Records"), pinfo) end },
+    numbers(entered),
+    time64(tree, F.entered.latest, function(t) latest = t end),
+    numbers(gone),
+  })
+  if version ~= VERSION then refuse("version " .. version .. ", and this dissector knows " .. VERSION) end
+  if sender == 0 then refuse("sender 0") end
+  if boot_low and not introduced then tree:add(F.boot_low, boot_low[2], boot_low[1]) end
+  if #entered > 0 then dissect_entered(entered, latest, tree) end
+  if #gone > 0 then dissect_gone(gone, tree) end
+  if updates > 0 then is(count_of(updates, "update"), whole) end
+  if decisions > 0 then is(count_of(decisions, "decision"), whole) end
+  if #entered > 0 then is(count_of(#entered / 2, "region") .. " entered", whole) end
+  if #gone > 0 then is(count_of(#gone / 3, "object") .. " gone", whole) end
+  if leaving then is("leaving", whole) end
+  if #kinds == 0 then is("nothing", whole) end
+  pinfo.cols.info = string.format("peer %d, number %d: %s", sender, number, table.concat(kinds, ", "))
+end
+
+local function dissect_greeting(tvb, tree, pinfo)
+  local G = F.greeting
+  if tvb:len() < 20 then refuse("a greeting is cut short") end
+  local flags, regions, peers = tvb(17, 1):uint(), tvb(18, 1):uint(), tvb(19, 1):uint()
+  if flags > 3 or (regions > 200 and regions ~= 255) or peers > 20 then refuse("a greeting that nobody sends") end
+  local all = regions == 255
+  if all then regions = 0 end
+  local left = tvb:len() - 20 - 4 * regions
+  local address = left == 6 * peers and 4 or 16
+  if left ~= (2 + address) * peers then refuse("a greeting of the wrong length") end
+  tree:add(F.kind, tvb(0, 1), "greeting")
+  tree:add(G.instance, tvb(1, 4))
+  tree:add(G.number, tvb(5, 6), tvb(5, 6):uint64())
+  tree:add(G.echo, tvb(11, 6), tvb(11, 6):uint64())
+  tree:add(G.reply, tvb(17, 1), flags % 2 == 1)
+  tree:add(G.leaving, tvb(17, 1), flags >= 2)
+  tree:add(G.all, tvb(18, 1), all)
+  local last = -1
+  for i = 0, regions - 1 do
+    local range = tvb(20 + 4 * i, 4)
+    if range:uint() <= last then refuse("regions that do not ascend") end
+    last = range:uint()
+    tree:add(G.region, range)
+  end
+  for i = 0, peers - 1 do
+    local range = tvb(20 + 4 * regions + (2 + address) * i, 2 + address)
+    local host = address == 4 and tostring(range(2, 4):ipv4()) or "[" .. tostring(range(2, 16):ipv6()) .. "]"
+    tree:add(G.peer, range, host .. ":" .. range(0, 2):uint())
+  end
+  pinfo.cols.info = "greeting" .. (flags >= 2 and ", leaving" or "")
+end
+
+-- An address as a list of numbers below 2^16, or nothing.
+local function address_words(text)
+  local a, b, c, d = text:match("^(%d+)%.(%d+)%.(%d+)%.(%d+)$")
+  if a then return { a * 256 + b, c * 256 + d } end
+  local head, tail = text:match("^(.-)::(.*)$")
+  local function words(part)
+    local list = {}
+    for word in part:gmatch("%x+") do list[#list + 1] = tonumber(word, 16) end
+    return list
+  end
+  if not head then head, tail = text, "" end
+  if not head:find(":") and not text:find("::", 1, true) then return nil end
+  local list, last = words(head), words(tail)
+  while #list + #last < 8 do list[#list + 1] = 0 end
+  for _, word in ipairs(last) do list[#list + 1] = word end
+  return #list == 8 and list or nil
+end
+
+-- By how much a group comes after the first; nothing where it doesn't.
+local function region_of(group)
+  local first, to = address_words(peerd.prefs.group), address_words(tostring(group))
+  if not first or not to or #first ~= #to then return nil end
+  local n = #to
+  for i = 1, n - 2 do
+    if first[i] ~= to[i] then return nil end
+  end
+  local region = (to[n - 1] - first[n - 1]) * 65536 + to[n] - first[n]
+  local most = n == 2 and 0xEFFFFFFF - first[1] * 65536 - first[2] or TWO32 - 1
+  return region >= 0 and region <= most and region or nil
+end
+
+function peerd.dissector(tvb, pinfo, root)
+  pinfo.cols.protocol = "peerd"
+  local tree = root:add(peerd, tvb())
+  local first = tvb:len() > 0 and tvb(0, 1):uint()
+  local good = guarded(tree, function()
+    if first == GREETING_MARK then return dissect_greeting(tvb, tree, pinfo) end
+    local region, datagram = region_of(pinfo.dst), tvb
+    if first == REGION_MARK then
+      if tvb:len() <= 5 then refuse("no datagram") end
+      region, datagram = tvb(1, 4):uint(), tvb(5):tvb()
+    end
+    if region then
+      tree:add(F.region, first == REGION_MARK and tvb(1, 4) or tvb(0, 0), region)
+      tree:append_text(", region " .. region)
+    end
+    dissect_datagram(datagram, tree, pinfo, datagram())
+  end)
+  if not good then pinfo.cols.info = "malformed" end
+  return tvb:len()
+end
+
+-- What begins like a datagram of this version: version, sender, then a number or what else comes next.
+local function looks_like_one(tvb)
+  local at = tvb:len() > 5 and tvb(0, 1):uint() == REGION_MARK and 5 or 0
+  return tvb:len() >= at + 5 and tvb(at, 3):uint() == 0x080310
+end
+
+DissectorTable.get("udp.port"):add(47474, peerd)
+peerd:register_heuristic("udp", function(tvb, pinfo, root)
+  if not looks_like_one(tvb) then return false end
+  peerd.dissector(tvb, pinfo, root)
+  return true
+end)
+
+-- ---- the inputs of a recorded peer --------------------------------------------------------------------------------
+
+local what = ProtoField.string("peerd_input.what", "What")
+local wall = ProtoField.int64("peerd_input.host_minus_wall_ns", "The host's clock is ahead of Unix time by [ns]")
+local text = ProtoField.string("peerd_input.text", "Text")
+inputs.fields = { what, wall, text }
+
+function inputs.dissector(tvb, pinfo, root)
+  pinfo.cols.protocol = "peerd input"
+  if tvb:len() == 0 then return 0 end
+  local tree = root:add(inputs, tvb())
+  local raw = tvb:range():raw()
+  local word = raw:match("^[^ ]*")
+  tree:add(what, tvb(0, #word), word)
+  pinfo.cols.info = word == "peer" and "what the peer is made of" or word
+  local rest = #word + 1
+  local ns = (word == "control" or word == "poses") and raw:match("^%-?%d+ ", rest + 1)
+  if ns then
+    tree:add(wall, tvb(rest, #ns - 1), Int64(ns:sub(1, -2)))
+    rest = rest + #ns
+  end
+  if rest < tvb:len() then
+    tree:add(text, tvb(rest), raw:sub(rest + 1))
+    if word ~= "peer" then pinfo.cols.info = word .. ": " .. raw:sub(rest + 1) end
+  end
+  return tvb:len()
+end
+DissectorTable.get("wtap_encap"):add(wtap.USER0, inputs)

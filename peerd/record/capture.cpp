@@ -1,0 +1,178 @@
+#include "peerd/record/capture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <stdexcept>
+#include <vector>
+
+#include "peerd/net/unicast_frame.hpp"
+#include "peerd/record/udp_packet.hpp"
+
+namespace peerd::record {
+namespace {
+
+namespace ip = boost::asio::ip;
+
+// What one input and its outputs take at most, so that they reach the file by one call of the system, all or nothing.
+constexpr std::size_t kBuffer_bytes = std::size_t{1} << 20;
+
+constexpr std::uint32_t kNetwork = 0, kInputs = 1;  // the capture's interfaces
+
+// As on the wire: where regions share groups, each datagram says its own.
+bool framed(const net::GroupPlan& groups) { return groups.pool > 0; }
+
+std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// "WORD REST", or WORD alone.
+std::string_view take_word(std::string_view& text) {
+  const std::size_t blank = text.find(' ');
+  const std::string_view word = text.substr(0, blank);
+  text = blank == std::string_view::npos ? std::string_view{} : text.substr(blank + 1);
+  return word;
+}
+
+std::optional<Duration> take_duration(std::string_view& text) {
+  const std::string_view word = take_word(text);
+  std::int64_t ns = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), ns);
+  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return Duration{ns};
+}
+
+std::optional<decltype(Event::what)> input_from(std::string_view text) {
+  const std::string_view word = take_word(text);
+  if (word == "tick" && text.empty()) return Tick{};
+  if (word == "leave" && text.empty()) return Left{};
+  if (word != "control" && word != "poses") return std::nullopt;
+  const auto host_minus_wall = take_duration(text);
+  if (!host_minus_wall) return std::nullopt;
+  if (word == "control") return Control{*host_minus_wall, text};
+  return Poses{*host_minus_wall, text};
+}
+
+}  // namespace
+
+config::Result<std::unique_ptr<CaptureWriter>> CaptureWriter::open(const std::filesystem::path& path,
+                                                                   const Setup& setup, HostTime now,
+                                                                   const ip::address& own_address) {
+  std::unique_ptr<CaptureWriter> writer(new CaptureWriter(path, setup, now, own_address));
+  writer->flush();
+  if (!writer->good()) return std::unexpected(config::InputError{path.string() + ": error: can't be written", 3});
+  return writer;
+}
+
+CaptureWriter::CaptureWriter(const std::filesystem::path& path, const Setup& setup, HostTime now,
+                             const ip::address& own_address)
+    : buffer_(kBuffer_bytes),
+      packets_(opened(path), "peerd",
+               "All that peer " + setup.peer + " heard, was told and sent; peerd replay runs it again"),
+      groups_(setup.groups),
+      own_(own_address, setup.groups.port),
+      now_(now) {
+  packets_.interface(LinkType::kRawIp, "network", "datagrams, at the times that the peer was told");
+  packets_.interface(LinkType::kUser0, "inputs", "what the peer is made of and what else it was told");
+  input(now, "peer " + to_text(setup));
+}
+
+std::ostream& CaptureWriter::opened(const std::filesystem::path& path) {
+  file_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  file_.open(path, std::ios::binary);
+  return file_;
+}
+
+void CaptureWriter::on_packet(HostTime now, const ip::udp::endpoint& from, RegionId region,
+                              std::span<const std::byte> bytes) {
+  now_ = now;
+  datagram(Direction::kIn, from, region, bytes);
+}
+
+void CaptureWriter::on_send(RegionId region, std::span<const std::byte> bytes) {
+  datagram(Direction::kOut, own_, region, bytes);
+}
+
+void CaptureWriter::on_control(HostTime now, Duration host_minus_wall, std::string_view line) {
+  input(now, "control " + std::to_string(host_minus_wall.count()) + " " + std::string(line));
+}
+
+void CaptureWriter::on_poses(HostTime now, Duration host_minus_wall, std::string_view datagram) {
+  input(now, "poses " + std::to_string(host_minus_wall.count()) + " " + std::string(datagram));
+}
+
+void CaptureWriter::input(HostTime now, std::string_view text) {
+  now_ = now;
+  packets_.packet(kInputs, now, Direction::kIn, bytes_of(text));
+}
+
+void CaptureWriter::datagram(Direction direction, const ip::udp::endpoint& from, RegionId region,
+                             std::span<const std::byte> bytes) {
+  const auto group = net::group_endpoint(groups_, region);
+  if (!group) throw std::runtime_error(group.error().sentence);
+  std::vector<std::byte> payload;
+  if (framed(groups_)) {
+    const auto header = net::region_header(region);
+    payload.assign(header.begin(), header.end());
+  }
+  payload.insert(payload.end(), bytes.begin(), bytes.end());
+  packets_.packet(kNetwork, now_, direction, encode({from, *group, payload}));
+}
+
+std::expected<CaptureReader, std::string> CaptureReader::open(std::span<const std::byte> file) {
+  CaptureReader reader(file);
+  const auto first = reader.packets_.next();
+  if (!first) return std::unexpected(first.error());
+  constexpr std::string_view kWord = "peer ";
+  if (!*first || (*first)->link != LinkType::kUser0 || !text_of((*first)->bytes).starts_with(kWord)) {
+    return std::unexpected("its first packet does not say what a peer is made of: this is no capture of peerd's");
+  }
+  auto setup = setup_from(text_of((*first)->bytes).substr(kWord.size()));
+  if (!setup) return std::unexpected(setup.error());
+  reader.setup_ = *std::move(setup);
+  reader.begin_ = reader.last_ = (*first)->at;
+  reader.count_ = 1;
+  return reader;
+}
+
+std::expected<Event, std::string> CaptureReader::take_datagram(const PcapngPacket& packet) const {
+  const auto udp = decode_udp_packet(packet.bytes);
+  const auto number = udp ? net::group_number(setup_.groups, udp->to.address()) : std::nullopt;
+  if (!number || udp->to.port() != setup_.groups.port) {
+    return std::unexpected("it is no UDP datagram to one of the session's groups");
+  }
+  std::optional<RegionId> region(RegionId{*number});
+  std::span<const std::byte> datagram = udp->payload;
+  if (framed(setup_.groups)) {
+    region = net::read_region_header(datagram);
+    if (!region) return std::unexpected("it does not say its region");
+    datagram = datagram.subspan(net::kRegionHeaderBytes);
+  }
+  if (packet.direction == Direction::kIn) return Event{packet.at, DatagramIn{*region, datagram}};
+  if (packet.direction == Direction::kOut) return Event{packet.at, DatagramOut{*region, datagram}};
+  return std::unexpected("it says neither that it came in nor that it went out");
+}
+
+std::expected<std::optional<Event>, std::string> CaptureReader::next() {
+  const auto packet = packets_.next();
+  if (!packet) return std::unexpected(packet.error());
+  if (!*packet) return std::nullopt;
+  const auto wrong = [&](const std::string& why) {
+    return std::unexpected("packet " + std::to_string(count_) + ": " + why);
+  };
+  ++count_;  // from 1, as Wireshark does
+  if ((*packet)->at < last_) return wrong("its time is before that of the one before");
+  last_ = (*packet)->at;
+  if ((*packet)->link == LinkType::kRawIp) {
+    auto event = take_datagram(**packet);
+    if (!event) return wrong(event.error());
+    return *event;
+  }
+  if ((*packet)->link == LinkType::kUser0) {
+    if (auto what = input_from(text_of((*packet)->bytes))) return Event{(*packet)->at, *what};
+  }
+  return wrong("it is nothing that a peer can be told");
+}
+
+}  // namespace peerd::record

@@ -1,0 +1,79 @@
+#include "peerd/record/setup.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace peerd::record {
+namespace {
+
+constexpr int kFormat = 1;
+
+}  // namespace
+
+Setup make_setup(const config::Scenario& scenario, const config::RunSettings& run, const config::PeerSettings& peer,
+                 const std::filesystem::path& file, const SharedWorld& shared, const PeerNode::Options& options,
+                 net::GroupPlan groups) {
+  return {.peer = peer.name,
+          .configuration = run.toml,
+          .file = std::filesystem::absolute(file.empty() ? "peerd" : file),
+          .world = std::filesystem::absolute(scenario.world),
+          .world_hash = shared.world.hash,
+          .inlines_when_needed = scenario.inlines_when_needed,
+          .options = options,
+          .groups = std::move(groups)};
+}
+
+std::string to_text(const Setup& s) {
+  nlohmann::ordered_json wait_for = nlohmann::ordered_json::array();
+  for (const PeerId peer : s.options.wait_for) wait_for.push_back(peer.value);
+  const nlohmann::ordered_json json{
+      {"format", kFormat},
+      {"peer", s.peer},
+      {"boot", s.options.boot},
+      {"wait_for", wait_for},
+      {"start_lead_ns", s.options.start_lead.count()},
+      {"clock_offset_ns", s.options.clock_offset.count()},
+      {"keep_log", s.options.keep_log},
+      {"sample_hz", s.options.sample_hz},
+      {"groups", {{"base", s.groups.base.to_string()}, {"port", s.groups.port}, {"pool", s.groups.pool}}},
+      {"world", s.world.string()},
+      {"world_hash", s.world_hash},
+      {"inlines_when_needed", s.inlines_when_needed},
+      {"file", s.file.string()},
+      {"configuration", s.configuration}};
+  // Paths may be no UTF-8; one with a character replaced is told as one that is not there.
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::expected<Setup, std::string> setup_from(std::string_view text) {
+  Setup s;
+  try {
+    const auto json = nlohmann::json::parse(text);
+    if (const int format = json.at("format").get<int>(); format != kFormat) {
+      return std::unexpected("what is recorded is of format " + std::to_string(format) + ", and this program reads " +
+                             std::to_string(kFormat));
+    }
+    s.peer = json.at("peer").get<std::string>();
+    s.options.boot = json.at("boot").get<std::uint64_t>();
+    for (const auto& peer : json.at("wait_for")) s.options.wait_for.push_back(PeerId{peer.get<std::uint32_t>()});
+    s.options.start_lead = Duration{json.at("start_lead_ns").get<std::int64_t>()};
+    s.options.clock_offset = Duration{json.at("clock_offset_ns").get<std::int64_t>()};
+    s.options.keep_log = json.at("keep_log").get<bool>();
+    s.options.sample_hz = json.at("sample_hz").get<std::uint32_t>();
+    const auto& groups = json.at("groups");
+    auto plan = net::parse_group_plan(groups.at("base").get<std::string>(), groups.at("port").get<std::uint16_t>(),
+                                      groups.at("pool").get<std::uint32_t>());
+    if (!plan) return std::unexpected(plan.error().sentence);
+    s.groups = *plan;
+    s.world = json.at("world").get<std::string>();
+    s.world_hash = json.at("world_hash").get<std::uint64_t>();
+    s.inlines_when_needed = json.at("inlines_when_needed").get<bool>();
+    s.file = json.at("file").get<std::string>();
+    s.configuration = json.at("configuration").get<std::string>();
+  } catch (const nlohmann::json::exception& e) {
+    return std::unexpected(std::string("what the peer was made of can't be read: ") + e.what());
+  }
+  if (s.options.sample_hz == 0) return std::unexpected("sample_hz is 0");
+  return s;
+}
+
+}  // namespace peerd::record

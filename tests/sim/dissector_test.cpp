@@ -1,0 +1,434 @@
+// Wireshark, with peerd/packaging/peerd.lua, says of every datagram what our own decoder says; and of no other bytes
+// that they are sound. Two programs that share no code: tshark is asked for all fields of whole captures.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <random>
+#include <sstream>
+
+#include "peerd/net/unicast_frame.hpp"
+#include "peerd/record/capture.hpp"
+#include "peerd/record/udp_packet.hpp"
+#include "replication/codec.hpp"
+#include "tests/net/process.hpp"
+#include "tests/peerd/scratch_folder.hpp"
+#include "tests/sim/run_scenario.hpp"
+
+namespace peerd::sim {
+namespace {
+
+using namespace replication;
+using peerd::testing_support::Process;
+using peerd::testing_support::ScratchFolder;
+using peerd::testing_support::text_of;
+using testing_support::must;
+
+constexpr const char* kTshark = "/usr/bin/tshark";
+constexpr const char* kMalformed = "peerd.malformed";
+
+// By a field's name, what it says each time that it is there, in order.
+using Fields = std::map<std::string, std::vector<std::string>>;
+
+class Expected {
+ public:
+  void add(const std::string& name, const std::string& value) { fields_["peerd." + name].push_back(value); }
+  void add(const std::string& name, double x) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, x).ptr;
+    add(name, std::string(text, end));
+  }
+  template <std::integral T>
+  void add(const std::string& name, T n) {
+    add(name, std::to_string(n));
+  }
+  void add(const std::string& name, SimTime t) { add(name, t.time_since_epoch().count()); }
+  void add(const std::string& name, const Vec3& v) {
+    add(name + ".x", v.x());
+    add(name + ".y", v.y());
+    add(name + ".z", v.z());
+  }
+  void add(const std::string& name, const Quat& q) {
+    add(name + ".w", q.w());
+    add(name + ".x", q.x());
+    add(name + ".y", q.y());
+    add(name + ".z", q.z());
+  }
+  [[nodiscard]] const Fields& fields() const { return fields_; }
+
+ private:
+  Fields fields_;
+};
+
+bool is_identity(const Quat& q) { return q.coeffs() == Quat::Identity().coeffs(); }
+
+void add(Expected& out, const Hello& h, std::uint64_t boot) {
+  if (h.session_tx) out.add("hello.session_tx_ns", *h.session_tx);
+  // Protobuf sends no zeros.
+  if (h.sessions != 0) out.add("hello.sessions", h.sessions);
+  if (h.latency != Duration{0}) out.add("hello.latency_ms", h.latency / std::chrono::milliseconds(1));
+  for (const Echo& e : h.echoes) {
+    out.add("echo.peer", e.peer.value);
+    out.add("echo.hello", e.hello);
+    out.add("echo.held_ns", e.held.count());
+    out.add("echo.newer", e.highest - e.hello);
+    out.add("echo.missing", e.missing);
+    out.add("echo.loss_permille", std::lround(e.loss * 1000.0));
+  }
+  for (const ContactNote& n : h.notes) {
+    out.add("note.collider", n.collider.value);
+    out.add("note.collidee", n.collidee.value);
+    out.add("note.contact_ns", n.contact);
+    out.add("note.by", n.by.value);
+    out.add("note.held", n.held);
+  }
+  if (!h.introduction) return;
+  const Introduction& i = *h.introduction;
+  out.add("introduction.name", i.name);
+  if (i.world_hash != 0) out.add("introduction.world_hash", i.world_hash);
+  if (boot != 0) out.add("introduction.boot", boot);
+  for (const ObjectId object : i.enslaved) out.add("introduction.enslaved", object.value);
+  if (i.start) out.add("introduction.start_ns", *i.start);
+  if (i.world_zero) out.add("introduction.world_zero_ns", *i.world_zero);
+  if (!i.viewpoint) return;
+  if (i.viewpoint->object) out.add("viewpoint.object", i.viewpoint->object->value);
+  out.add("viewpoint.position", i.viewpoint->pose.position);
+  out.add("viewpoint.orientation", i.viewpoint->pose.orientation);
+  out.add("viewpoint.field_of_view", i.viewpoint->field_of_view);
+  out.add("viewpoint.aspect", i.viewpoint->aspect);
+}
+
+void add(Expected& out, const UpdateRecord& u) {
+  const auto kind = static_cast<int>(u.model.kind);
+  const KinematicState& s = u.model.state;
+  out.add("record.object", u.object.value);
+  out.add("record.sequence", u.sequence);
+  out.add("record.kind", kind);
+  out.add("record.time_ns", u.at);
+  if (u.decision != SimTime{}) out.add("record.decision_ns", u.decision);
+  if (u.position_step_log2) {
+    out.add("record.step_log2", *u.position_step_log2);
+  } else {
+    out.add("record.exact", true);
+  }
+  out.add("record.position", s.position);
+  out.add("record.velocity", s.velocity);
+  if (u.model.kind != MotionKind::kFirst) out.add("record.acceleration", s.acceleration);
+  const bool oscillating = u.model.kind == MotionKind::kOscillating;
+  if (oscillating || u.model.kind == MotionKind::kThird) out.add("record.jerk", u.model.jerk);
+  if (oscillating || u.model.kind == MotionKind::kTurning) out.add("record.rate", u.model.rate_rad_s);
+  if (!is_identity(s.orientation)) out.add("record.orientation", s.orientation);
+  out.add("record.spin", s.angular_velocity_body);
+  if (!u.model.angular_acceleration_body.isZero(0.0)) {
+    out.add("record.spin_acceleration", u.model.angular_acceleration_body);
+  }
+}
+
+void add(Expected& out, const KinematicState& s) {
+  out.add("decision.position", s.position);
+  if (!s.velocity.isZero(0.0)) out.add("decision.velocity", s.velocity);
+  if (!s.acceleration.isZero(0.0)) out.add("decision.acceleration", s.acceleration);
+  if (!is_identity(s.orientation)) out.add("decision.orientation", s.orientation);
+  if (!s.angular_velocity_body.isZero(0.0)) out.add("decision.spin", s.angular_velocity_body);
+}
+
+void add(Expected& out, const DecisionRecord& d) {
+  if (d.collider.value != 0) out.add("decision.collider", d.collider.value);
+  if (d.collidee.value != 0) out.add("decision.collidee", d.collidee.value);
+  if (d.contact != SimTime{}) out.add("decision.contact_ns", d.contact);
+  out.add("decision.normal", d.normal);
+  for (const auto* s : {&d.collider_before, &d.collidee_before, &d.collider_after, &d.collidee_after}) add(out, *s);
+  out.add("decision.rule", static_cast<int>(d.rule));
+  if (d.known != SimTime{}) out.add("decision.known_ns", d.known);
+}
+
+// What of a datagram our decoder says; of one that it refuses, that it is malformed.
+Fields expected_of(std::span<const std::byte> datagram, RegionId region, SimTime near) {
+  Expected out;
+  const auto m = decode(datagram, near);
+  if (!m) {
+    out.add("malformed", "");
+    return out.fields();
+  }
+  out.add("region", region.value);
+  out.add("version", kProtocolVersion);
+  out.add("sender", m->sender.value);
+  if (m->number != 0) out.add("number", m->number);
+  if (m->introduction() == nullptr && m->boot != 0) out.add("boot_low", m->boot);
+  if (m->hello) add(out, *m->hello, m->boot);
+  for (const UpdateRecord& u : m->updates) add(out, u);
+  for (const DecisionRecord& d : m->decisions) add(out, d);
+  for (const Entered& e : m->entered) {
+    out.add("entered.region", e.region.value);
+    out.add("entered.since_ns", e.since);
+  }
+  for (const Gone& g : m->gone) {
+    out.add("gone.object", g.object.value);
+    out.add("gone.sequence", g.sequence);
+    out.add("gone.region", g.to.value);
+  }
+  if (m->leaving) out.add("leaving", true);
+  return out.fields();
+}
+
+// All that are compared, so that a field is missed that tshark does not tell of.
+std::vector<std::string> all_fields() {
+  std::vector<std::string> names;
+  const auto with = [&](const std::string& prefix, std::initializer_list<const char*> ends) {
+    for (const char* end : ends) names.push_back("peerd." + prefix + end);
+  };
+  with("", {"region", "version", "sender", "number", "boot_low", "leaving", "malformed"});
+  with("hello.", {"session_tx_ns", "sessions", "latency_ms"});
+  with("echo.", {"peer", "hello", "held_ns", "newer", "missing", "loss_permille"});
+  with("note.", {"collider", "collidee", "contact_ns", "by", "held"});
+  with("introduction.", {"name", "world_hash", "boot", "enslaved", "start_ns", "world_zero_ns"});
+  with("viewpoint.", {"object", "field_of_view", "aspect"});
+  with("record.", {"object", "sequence", "kind", "time_ns", "decision_ns", "step_log2", "exact"});
+  with("decision.", {"collider", "collidee", "contact_ns", "rule", "known_ns"});
+  with("entered.", {"region", "since_ns"});
+  with("gone.", {"object", "sequence", "region"});
+  for (const char* vector : {"viewpoint.position", "record.position", "record.velocity", "record.acceleration",
+                             "record.jerk", "record.rate", "record.spin", "record.spin_acceleration", "decision.normal",
+                             "decision.position", "decision.velocity", "decision.acceleration", "decision.spin"}) {
+    with(vector, {".x", ".y", ".z"});
+  }
+  for (const char* q : {"viewpoint.orientation", "record.orientation", "decision.orientation"}) {
+    with(q, {".w", ".x", ".y", ".z"});
+  }
+  return names;
+}
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) c == at ? static_cast<void>(parts.emplace_back()) : parts.back().push_back(c);
+  return parts;
+}
+
+// By the packet's number, from 1: those that tshark takes for peerd's.
+std::map<std::size_t, Fields> dissected(const ScratchFolder& folder, const std::filesystem::path& file) {
+  const std::vector<std::string> names = all_fields();
+  std::vector<std::string> words{"-r", file.string(), "-X", "lua_script:" PEERD_SOURCE_DIR "/peerd/packaging/peerd.lua",
+                                 "-Y", "peerd",       "-T", "fields",
+                                 "-E", "separator=;", "-e", "frame.number"};
+  for (const std::string& name : names) words.insert(words.end(), {"-e", name});
+  Process tshark(folder, "tshark", kTshark, words);
+  EXPECT_EQ(tshark.exit_code(60), 0) << tshark.err();
+  EXPECT_EQ(tshark.err().find("Lua"), std::string::npos) << tshark.err();
+  std::map<std::size_t, Fields> packets;
+  std::istringstream lines(tshark.out());
+  for (std::string line; std::getline(lines, line);) {
+    const auto columns = split(line, ';');
+    EXPECT_EQ(columns.size(), names.size() + 1) << line;
+    if (columns.size() != names.size() + 1) continue;
+    Fields& fields = packets[std::stoul(columns[0])];
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (!columns[i + 1].empty()) fields[names[i]] = split(columns[i + 1], ',');
+    }
+  }
+  return packets;
+}
+
+// tshark prints 15 digits of a double.
+bool same_value(const std::string& ours, const std::string& theirs) {
+  if (ours == theirs) return true;
+  if (ours.find_first_of(".e") == std::string::npos && theirs.starts_with("0x")) {
+    return std::stoull(ours) == std::stoull(theirs, nullptr, 16);
+  }
+  char *our_end = nullptr, *their_end = nullptr;
+  const double x = std::strtod(ours.c_str(), &our_end), y = std::strtod(theirs.c_str(), &their_end);
+  if (*our_end != '\0' || *their_end != '\0' || ours.size() + theirs.size() == 0) return false;
+  const bool whole = ours.find_first_of(".e") == std::string::npos && theirs.find_first_of(".e") == std::string::npos;
+  return whole ? false : std::abs(x - y) <= 1e-14 * std::abs(x);
+}
+
+std::string difference(const Fields& ours, Fields theirs) {
+  if (ours.contains(kMalformed)) return theirs.contains(kMalformed) ? "" : "it is not malformed to tshark";
+  if (theirs.contains(kMalformed)) return "tshark takes it for malformed: " + theirs[kMalformed].front();
+  for (const auto& [name, values] : ours) {
+    const auto& found = theirs[name];
+    if (found.size() != values.size()) {
+      return name + ": " + std::to_string(found.size()) + " times, not " + std::to_string(values.size());
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!same_value(values[i], found[i])) return name + ": " + found[i] + ", not " + values[i];
+    }
+  }
+  for (const auto& [name, values] : theirs) {  // a zero that is sent is one that is not
+    const bool absent = values.empty() || values == std::vector<std::string>{"0"};
+    if (!absent && !ours.contains(name)) return name + ": " + values.front() + ", which it does not have";
+  }
+  return "";
+}
+
+std::string hex(std::span<const std::byte> bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) {
+    for (const auto digit : {byte >> 4, byte & std::byte{15}}) text += "0123456789abcdef"[std::to_integer<int>(digit)];
+  }
+  return text;
+}
+
+// All datagrams of a capture; `seen` counts the values of each field.
+void compare_all(const ScratchFolder& folder, const std::filesystem::path& file,
+                 std::map<std::string, std::size_t>& seen) {
+  const auto packets = dissected(folder, file);
+  const std::string bytes = text_of(file);
+  auto capture = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
+  ASSERT_TRUE(capture) << capture.error();
+  std::size_t compared = 0;
+  std::vector<std::string> differences;
+  for (std::size_t number = 2;; ++number) {
+    const auto event = capture->next();
+    ASSERT_TRUE(event) << event.error();
+    if (!*event) break;
+    const auto* in = std::get_if<record::DatagramIn>(&(*event)->what);
+    const auto* out = std::get_if<record::DatagramOut>(&(*event)->what);
+    if (!in && !out) continue;
+    const SimTime near{(*event)->at.time_since_epoch()};
+    const Fields ours =
+        in ? expected_of(in->datagram, in->region, near) : expected_of(out->datagram, out->region, near);
+    const auto theirs = packets.find(number);
+    ASSERT_NE(theirs, packets.end()) << "packet " << number << " is not peerd's to tshark";
+    if (const std::string what = difference(ours, theirs->second); !what.empty()) {
+      differences.push_back("packet " + std::to_string(number) + ": " + what + ": " +
+                            hex(in ? in->datagram : out->datagram));
+    }
+    for (const auto& [name, values] : ours) seen[name] += values.size();
+    ++compared;
+  }
+  EXPECT_EQ(compared, packets.size());
+  EXPECT_THAT(differences, testing::IsEmpty()) << file;
+}
+
+// What those scenarios never have: a decision on objects that spin, and a peer that leaves.
+Message farewell() {
+  Message m;
+  m.sender = PeerId{4'000'000'000};
+  m.boot = 77;
+  m.number = 1;
+  m.leaving = true;
+  DecisionRecord& d = m.decisions.emplace_back();
+  d.collider = ObjectId{7};
+  d.collidee = ObjectId{4'000'000'000};
+  d.contact = SimTime{Duration{-5}};
+  d.known = SimTime{Duration{1'700'000'000'123'456'789}};
+  d.normal = Vec3(0.6, -0.8, 0.0);
+  d.rule = DecisionRule::kServer;
+  KinematicState s;
+  s.position = Vec3(1.0 / 3.0, -1e12, 5e-324);
+  s.velocity = Vec3(0, 1e-7, 0);
+  s.acceleration = Vec3(0, 0, -9.81);
+  s.orientation = Quat(0.5, -0.5, 0.5, -0.5);
+  s.angular_velocity_body = Vec3(0, 1e4, 0);
+  d.collider_before = d.collidee_after = s;
+  return m;
+}
+
+class Dissector : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(kTshark)) {
+      GTEST_SKIP() << "no " << kTshark << ": scripts/test --full installs it (apt-get install tshark)";
+    }
+  }
+  // The capture of one run's first peer, which has heard all the others.
+  std::filesystem::path capture(const std::string& file, const std::vector<std::string>& sets,
+                                const std::vector<std::filesystem::path>& configs = {}) {
+    const std::filesystem::path path = PEERD_SOURCE_DIR "/configs/scenarios/" + file;
+    const config::Scenario scenario =
+        must(config::read_scenario({.file = path, .configs = configs, .sets = sets, .seed = {}}));
+    const auto shared = must(share_world(scenario.world, scenario.inlines_when_needed));
+    const Captures captures{folder / std::to_string(++captured), scenario, path};
+    std::filesystem::create_directory(captures.folder);
+    (void)must(simulate(scenario.runs.front(), *shared, {}, {}, nullptr, &captures));
+    return captures.folder / (scenario.runs.front().peers.front().name + ".pcapng");
+  }
+
+  // Datagrams that go out one after the other.
+  std::filesystem::path capture_of(const std::vector<Bytes>& datagrams) {
+    record::Setup setup;
+    setup.groups = {boost::asio::ip::make_address("239.192.80.0"), 47474, 0};
+    const auto path = folder / std::to_string(++captured);
+    const auto writer = must(record::CaptureWriter::open(path, setup, kNow, boost::asio::ip::make_address("10.0.0.1")));
+    std::uint32_t region = 0;
+    for (const Bytes& datagram : datagrams) writer->on_send(RegionId{region++ % 7}, datagram);
+    return path;
+  }
+
+  static constexpr HostTime kNow{std::chrono::seconds(10'000'003)};
+  ScratchFolder folder;
+  int captured = 0;
+};
+
+TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
+  std::map<std::string, std::size_t> seen;
+  const std::filesystem::path best = PEERD_SOURCE_DIR "/configs/best.toml";
+  for (const auto& file :
+       {capture("head-on.toml", {"duration_s=4", "decisions.policy=field-of-view", "decisions.compare=false"}),
+        capture("flock-regions.toml", {"duration_s=3"}), capture("snooker.toml", {"duration_s=3"}),
+        capture("eq47.toml", {"duration_s=6", "network.latency_ms=50", "network.loss=0.2"}, {best}),
+        capture("orbit.toml", {"duration_s=4"}, {best}),
+        capture("flock-regions.toml", {"duration_s=1", "transport.group_pool=3"})}) {
+    compare_all(folder, file, seen);
+  }
+  compare_all(folder, capture_of({encode(farewell())}), seen);
+  for (const std::string& name : all_fields()) {
+    if (name != kMalformed) {
+      EXPECT_GT(seen[name], 0u) << name << " was never there";
+    }
+  }
+}
+
+// Datagrams with some bits changed, cut short, or made of chance: tshark marks those that our decoder refuses, and says
+// the same as it of the others.
+TEST_F(Dissector, MarksWhatTheDecoderRefuses) {
+  std::vector<Bytes> real;
+  for (const auto& file : {capture("head-on.toml", {"duration_s=2", "decisions.compare=false"}),
+                           capture("flock-regions.toml", {"duration_s=2"}),
+                           capture("orbit.toml", {"duration_s=2"}, {PEERD_SOURCE_DIR "/configs/best.toml"})}) {
+    const std::string bytes = text_of(file);
+    auto reader = must([&]() -> config::Result<record::CaptureReader> {
+      auto opened = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
+      if (!opened) return std::unexpected(config::InputError{opened.error()});
+      return *opened;
+    }());
+    for (;;) {
+      const auto event = reader.next();
+      ASSERT_TRUE(event);
+      if (!*event) break;
+      if (const auto* in = std::get_if<record::DatagramIn>(&(*event)->what)) {
+        real.emplace_back(in->datagram.begin(), in->datagram.end());
+      }
+    }
+  }
+  std::mt19937_64 random(20261120);
+  constexpr int kCount = 4000;
+  std::vector<Bytes> hostile;
+  for (int i = 0; i < kCount; ++i) {
+    Bytes& datagram = hostile.emplace_back(real[random() % real.size()]);
+    switch (i % 4) {
+      case 0:
+        datagram.resize(random() % datagram.size());
+        break;
+      case 1:
+        for (std::byte& byte : datagram) byte = static_cast<std::byte>(random());
+        break;
+      default:
+        for (int changes = i % 4 == 2 ? 1 : 4; changes > 0; --changes) {
+          datagram[random() % datagram.size()] ^= static_cast<std::byte>(1 << random() % 8);
+        }
+    }
+    // What begins with a mark of the network's, which is before any datagram, would be something else.
+    if (!datagram.empty() && (datagram[0] == std::byte{0x52} || datagram[0] == std::byte{0x47})) datagram.clear();
+    if (datagram.empty()) datagram.push_back(std::byte{8});
+  }
+  std::map<std::string, std::size_t> seen;
+  compare_all(folder, capture_of(hostile), seen);
+  EXPECT_GT(seen[kMalformed], kCount / 2u);
+  EXPECT_GT(seen["peerd.sender"], kCount / 20u) << "some are sound in spite of it";
+}
+
+}  // namespace
+}  // namespace peerd::sim
