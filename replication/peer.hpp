@@ -360,6 +360,7 @@ class Peer {
   void on_notes(PeerId sender, const Hello& hello, SimTime known_at);
   void release_held(SimTime t);
   void fall_back(const ContactEvent& contact, SimTime known_at);
+  [[nodiscard]] ContactEvent tellable(ContactEvent contact);
   [[nodiscard]] DecisionRecord record_of(const ContactEvent& contact, DecisionRule rule) const;
   std::vector<DecisionLog::Change> add_own(const DecisionRecord& record);
   void follow(const std::vector<DecisionLog::Change>& changes, SimTime known_at);

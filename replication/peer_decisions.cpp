@@ -5,6 +5,7 @@
 
 #include "replication/peer.hpp"
 #include "replication/response.hpp"
+#include "replication/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -133,6 +134,17 @@ void Peer::begin_worlds(SimTime now) {
   replica_->truth.set_answers([this](ObjectId a, ObjectId b, SimTime contact) { return answers(a, b, contact); });
 }
 
+// What spins up, or is hit by what goes as fast as can be, leaves the limits within which receivers take states. They
+// would refuse the decision, and the whole datagram with it.
+ContactEvent Peer::tellable(ContactEvent c) {
+  for (KinematicState* const s : {&c.collider_before, &c.collidee_before, &c.collider_after, &c.collidee_after}) {
+    if (acceptable(*s)) continue;
+    *s = standing_inside_limits(*s);
+    ++counters_.states_out_of_range;
+  }
+  return c;
+}
+
 DecisionRecord Peer::record_of(const ContactEvent& c, DecisionRule rule) const {
   return {c.collider,
           c.collidee,
@@ -161,7 +173,7 @@ std::vector<DecisionLog::Change> Peer::add_own(const DecisionRecord& d) {
 // the way that the others' decision gave, is another decision: a nanosecond later, for they are told apart by their
 // times.
 void Peer::decide(const ContactEvent& contact, SimTime known_at) {
-  ContactEvent c = contact;
+  ContactEvent c = tellable(contact);
   while (const auto* known = decisions_.find(c.at, config_.id, c.collider, c.collidee)) {
     if (known->stands) break;  // the same once more
     c.at += Duration{1};
@@ -208,7 +220,7 @@ void Peer::fall_back(const ContactEvent& c, SimTime known_at) {
                     decider_by_id(owner(c.collider), owner(c.collidee)) == config_.id;
   if (!ours) return;
   ++counters_.decisions_fallback;
-  follow(add_own(record_of(c, DecisionRule::kId)), known_at);
+  follow(add_own(record_of(tellable(c), DecisionRule::kId)), known_at);
 }
 
 // What the sender's hello says of contacts: which decisions it has heard, and whether it has found what this peer

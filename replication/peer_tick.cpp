@@ -52,16 +52,6 @@ double apart_for_s(const collision::MovingBody& a, const collision::MovingBody& 
   return 0.0;
 }
 
-Pose inside_limits(const Pose& pose) {
-  Pose inside;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double p = pose.position[axis];
-    inside.position[axis] = std::isfinite(p) ? std::clamp(p, -kMagnitudeMax, kMagnitudeMax) : 0.0;
-  }
-  if (acceptable(pose.orientation)) inside.orientation = pose.orientation;
-  return inside;
-}
-
 bool rests(const KinematicState& s) {
   return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
 }
@@ -207,7 +197,7 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   own.changed.reset();
   MotionModel law = replica_->truth.model_at(object, at);
   if (!own.driven && !sendable(law)) {
-    law = at_rest(inside_limits(replica_->truth.at(object, t).pose()));
+    law = standing_inside_limits(replica_->truth.at(object, t));
     at = t;
     replica_->truth.set_base(object, t, law);
     ++counters_.states_out_of_range;
@@ -215,7 +205,7 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   const bool exact = !own.driven && (policy.models || policy.order == ModelOrder::kSecond);
   MotionModel model = exact ? law : own.models ? own.models->choose() : as_model(policy.order, law.state);
   if (!sendable(model)) {
-    model = at_rest(inside_limits(law.state.pose()));
+    model = standing_inside_limits(law.state);
     ++counters_.states_out_of_range;
   }
   const CollisionResponse* const response = model_.response_of(object);

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -24,6 +25,17 @@ inline bool acceptable(const Quat& q) { return q.coeffs().allFinite() && std::ab
 inline bool acceptable(const KinematicState& s) {
   return acceptable(s.position) && acceptable(s.velocity) && acceptable(s.acceleration) && acceptable(s.orientation) &&
          acceptable(s.angular_velocity_body) && s.angular_velocity_body.norm() <= kSpinMax;
+}
+// What may be said of a state that is not acceptable: it stands, at the nearest place that is. What is no number counts
+// as 0, and as the identity.
+inline KinematicState standing_inside_limits(const KinematicState& s) {
+  Pose inside;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double p = s.position[axis];
+    inside.position[axis] = std::isfinite(p) ? std::clamp(p, -kMagnitudeMax, kMagnitudeMax) : 0.0;
+  }
+  if (acceptable(s.orientation)) inside.orientation = s.orientation;
+  return at_rest(inside);
 }
 inline bool in_range(std::int64_t ns) { return ns >= -kTimeMax_ns && ns <= kTimeMax_ns; }
 
