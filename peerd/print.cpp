@@ -1,11 +1,24 @@
 #include "peerd/print.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <iostream>
 
 #include "peerd/report/table.hpp"
 #include "peerd/report/write.hpp"
 
 namespace peerd {
+namespace {
+
+std::string shell_word(const std::string& word) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::string_view("/._-=+:,@").contains(c); };
+  if (!word.empty() && std::ranges::all_of(word, plain)) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
 
 int failed(const config::InputError& error) {
   std::cerr << error.text << (error.text.ends_with('\n') ? "" : "\n");
@@ -20,6 +33,14 @@ int print_report(const report::ScenarioInfo& info, std::span<const report::RunRe
   }
   std::cout << (json ? summary.dump(2) + "\n" : report::table(summary) + report::wrong_outcomes_table(summary));
   return 0;
+}
+
+std::string command_line(const char* command, const ScenarioOptions& options) {
+  std::string line = std::string("peerd ") + command + ' ' + shell_word(options.scenario.string());
+  for (const auto& file : options.configs) line += " --config " + shell_word(file.string());
+  for (const std::string& set : options.sets) line += " --set " + shell_word(set);
+  if (options.seed) line += " --seed " + std::to_string(*options.seed);
+  return line;
 }
 
 }  // namespace peerd

@@ -1,7 +1,9 @@
 #pragma once
 #include <filesystem>
 #include <span>
+#include <string>
 
+#include "peerd/commands.hpp"
 #include "peerd/config/toml_input.hpp"
 #include "peerd/report/run_record.hpp"
 #include "peerd/report/summary.hpp"
@@ -15,5 +17,8 @@ namespace peerd {
 // Writes a scenario's outputs into `out`, and prints its table, or summary.json instead.
 [[nodiscard]] int print_report(const report::ScenarioInfo& info, std::span<const report::RunRecord> runs,
                                const std::filesystem::path& out, bool json);
+
+// What a shell would have to be given to get the same numbers again: without where they go and how they are shown.
+[[nodiscard]] std::string command_line(const char* command, const ScenarioOptions& options);
 
 }  // namespace peerd

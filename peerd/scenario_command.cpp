@@ -209,7 +209,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
   if (!shared) return failed(shared.error());
 
-  report::ScenarioInfo info{scenario->name, "real", scenario->seed, {}};
+  report::ScenarioInfo info{scenario->name, "real", scenario->seed, {}, command_line("scenario", options)};
   for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
   info.warnings.push_back("the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
   const auto out = options.out.empty() ? fs::path("out") / scenario->name : options.out;
@@ -230,7 +230,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
     records.push_back(std::move(*record));
   }
   if (const int code = print_report(info, records, out, options.json); code != 0 || options.json) return code;
-  std::cout << "pictures: " << (out / "overview.svg").string() << '\n';
+  std::cout << "report: " << (out / "report.html").string() << '\n';
   return 0;
 }
 

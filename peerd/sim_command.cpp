@@ -23,7 +23,7 @@ int run_sim(const ScenarioOptions& options) {
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
 
-  report::ScenarioInfo info{scenario->name, "sim", scenario->seed, {}};
+  report::ScenarioInfo info{scenario->name, "sim", scenario->seed, {}, command_line("sim", options)};
   for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
   for (const std::string& line : info.warnings) std::cerr << line << '\n';
 
@@ -88,7 +88,7 @@ int run_sim(const ScenarioOptions& options) {
   if (const int code = print_report(info, records, out, options.json); code != 0 || options.json) return code;
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   std::cout << fmt::format("{:.0f} s of {} runs in {:.2f} s, reports included: {:.0f} times real time; {}\n",
-                           simulated_s, records.size(), took_s, simulated_s / took_s, (out / "overview.svg").string());
+                           simulated_s, records.size(), took_s, simulated_s / took_s, (out / "report.html").string());
   return 0;
 }
 

@@ -1,13 +1,20 @@
 #include "peerd/report/figure_parts.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "peerd/report/lookup.hpp"
+#include "peerd/report/statistics.hpp"
+#include "peerd/report/sweep.hpp"
 
 namespace peerd::report {
 namespace {
 
 constexpr double kLegendSize = 11.0;
+constexpr double kLegendGap = 12.0;
+
+double legend_width(const LegendEntry& entry) { return 26.0 + text_width(entry.label, kLegendSize); }
 
 void draw_mark(Svg& svg, Point at, const LegendEntry& entry) {
   const Point middle{at.x + 10.0, at.y - 4.0};
@@ -21,6 +28,9 @@ void draw_mark(Svg& svg, Point at, const LegendEntry& entry) {
     case LegendEntry::Mark::kCircle:
       svg.circle(middle, 3.5, "#fff", entry.stroke);
       break;
+    case LegendEntry::Mark::kDisc:
+      svg.circle(middle, 3.5, entry.stroke.colour, entry.stroke);
+      break;
     case LegendEntry::Mark::kCross:
       svg.cross(middle, 3.5, entry.stroke);
       break;
@@ -30,7 +40,8 @@ void draw_mark(Svg& svg, Point at, const LegendEntry& entry) {
   }
 }
 
-// The end of a text that is too long: of a path that is the part that tells objects apart.
+}  // namespace
+
 std::string shortened(const std::string& text, double width, double size) {
   std::size_t begin = 0;
   while (begin < text.size() && text_width(std::string_view(text).substr(begin), size) + size > width) ++begin;
@@ -38,13 +49,26 @@ std::string shortened(const std::string& text, double width, double size) {
   return text_width(text, size) <= width ? text : "…" + text.substr(begin);
 }
 
-}  // namespace
+std::vector<std::vector<LegendEntry>> legend_rows(std::span<const LegendEntry> entries, double width) {
+  std::vector<std::vector<LegendEntry>> rows;
+  double used = 0.0;
+  for (const LegendEntry& entry : entries) {
+    const double needs = legend_width(entry);
+    if (rows.empty() || used + needs > width) {
+      rows.emplace_back();
+      used = 0.0;
+    }
+    rows.back().push_back(entry);
+    used += needs + kLegendGap;
+  }
+  return rows;
+}
 
 void draw_legend(Svg& svg, Point at, double width, std::span<const LegendEntry> entries) {
   const double end = at.x + width;
   const double more_width = text_width("+ 000", kLegendSize);
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    const double needs = 26.0 + text_width(entries[i].label, kLegendSize);
+    const double needs = legend_width(entries[i]);
     const bool last = i + 1 == entries.size();
     if (at.x + needs + (last ? 0.0 : more_width) > end) {
       svg.text(at, "+ " + std::to_string(entries.size() - i), {.size = kLegendSize});
@@ -52,7 +76,7 @@ void draw_legend(Svg& svg, Point at, double width, std::span<const LegendEntry> 
     }
     draw_mark(svg, at, entries[i]);
     svg.text({at.x + 26.0, at.y}, entries[i].label, {.size = kLegendSize});
-    at.x += needs + 12.0;
+    at.x += needs + kLegendGap;
   }
 }
 
@@ -109,6 +133,44 @@ std::vector<PeerInfo> observers_of(const RunRecord& run, const ObjectInfo& objec
     if (peer.peer != object.owner && !beliefs_of(run, peer.peer, object.object).empty()) observers.push_back(peer);
   }
   return observers;
+}
+
+std::string latency_text(const RunRecord& run) { return value_text(run.params, "network.latency_ms"); }
+
+std::string run_title(const ScenarioInfo& info, const RunRecord& run) {
+  std::vector<std::string> keys;
+  for (const auto& item : run.params.items()) keys.push_back(item.key());
+  return keys.empty() ? info.name : describe(run.params, keys);
+}
+
+std::vector<TruthSample> truth_of(const RunRecord& run, const ObjectInfo& object) {
+  std::vector<TruthSample> truth;
+  for (const PeerInfo& observer : run.peers) {
+    for (const BeliefSample& s : beliefs_of(run, observer.peer, object.object))
+      truth.push_back({s.t_s, s.truth.position});
+  }
+  std::ranges::stable_sort(truth, {}, &TruthSample::t_s);
+  const auto repeated = std::ranges::unique(truth, {}, &TruthSample::t_s);
+  truth.erase(repeated.begin(), repeated.end());
+  return truth;
+}
+
+std::vector<Point> component_over_time(std::span<const TruthSample> truth, int component) {
+  std::vector<Point> points;
+  for (const TruthSample& s : truth) points.push_back({s.t_s, s.position[component]});
+  return points;
+}
+
+ErrorSeries error_series(std::span<const BeliefSample> beliefs, int component) {
+  ErrorSeries series;
+  std::vector<double> errors;
+  for (const BeliefSample& s : beliefs) {
+    series.ghost.push_back({s.t_s, s.ghost.position[component]});
+    series.error.push_back({s.t_s, ghost_error_m(s)});
+    if (std::isfinite(series.error.back().y)) errors.push_back(series.error.back().y);
+  }
+  series.mean_m = statistics(std::move(errors)).mean;
+  return series;
 }
 
 }  // namespace peerd::report

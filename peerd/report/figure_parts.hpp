@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "peerd/report/run_record.hpp"
+#include "peerd/report/summary.hpp"
 #include "peerd/report/svg.hpp"
 
 namespace peerd::report {
@@ -29,14 +30,20 @@ inline constexpr std::string_view kBarColour = "#7d8ca3";  // bars that stand fo
 }
 
 struct LegendEntry {
-  enum class Mark { kLine, kUpright, kCircle, kCross, kSquare } mark = Mark::kLine;
+  enum class Mark { kLine, kUpright, kCircle, kDisc, kCross, kSquare } mark = Mark::kLine;
   Stroke stroke;
   std::string label;
 };
 
+// As many lines of a legend as it takes for each to fit.
+[[nodiscard]] std::vector<std::vector<LegendEntry>> legend_rows(std::span<const LegendEntry> entries, double width);
+
 // On one line from `at` (the text's baseline) to the right as far as `width` reaches; what does not fit is counted: "+
 // 3".
 void draw_legend(Svg& svg, Point at, double width, std::span<const LegendEntry> entries);
+
+// The end of a text that is too long: of a path that is the part that tells objects apart.
+[[nodiscard]] std::string shortened(const std::string& text, double width, double size);
 
 // A title that is set smaller if it would not fit.
 void draw_title(Svg& svg, Point at, double width, std::string_view title, std::string_view subtitle);
@@ -58,5 +65,28 @@ void draw_bars(Svg& svg, const Box& box, std::string_view title, std::span<const
 
 // Peers other than the owner that have beliefs of the object, in the record's order.
 [[nodiscard]] std::vector<PeerInfo> observers_of(const RunRecord& run, const ObjectInfo& object);
+
+[[nodiscard]] inline std::string component_name(int component) { return {"xyz"[component]}; }
+
+// What the scales of the pictures go by: the value of network.latency_ms, "" where runs have none.
+[[nodiscard]] std::string latency_text(const RunRecord& run);
+
+// All that was set or swept in words, or the scenario's name.
+[[nodiscard]] std::string run_title(const ScenarioInfo& info, const RunRecord& run);
+
+// Where an object was: of all instants at which anybody held a belief of it, for not every peer always hears of it.
+struct TruthSample {
+  double t_s = 0.0;
+  Vec3 position = Vec3::Zero();
+};
+[[nodiscard]] std::vector<TruthSample> truth_of(const RunRecord& run, const ObjectInfo& object);
+[[nodiscard]] std::vector<Point> component_over_time(std::span<const TruthSample> truth, int component);
+
+// What one observer's ghost of one object did, as curves over time.
+struct ErrorSeries {
+  std::vector<Point> ghost, error;  // component of the position [m], distance [m]
+  double mean_m = 0.0;              // of the finite errors
+};
+[[nodiscard]] ErrorSeries error_series(std::span<const BeliefSample> beliefs, int component);
 
 }  // namespace peerd::report

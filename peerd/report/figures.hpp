@@ -20,7 +20,9 @@ struct FigureFrame {
   // latency, as in the seed's appendix A.
   std::map<std::string, Range> position_m;
   std::map<std::string, Range> error_m;
-  double rate_max_kB_s = 0.0;  // of the owner's output, over all runs
+  double rate_max_kB_s = 0.0;       // of the owner's output, over all runs
+  double peer_rate_max_kB_s = 0.0;  // of any peer's
+  double threshold_max_m = 0.0;     // that was in force for the object
 };
 
 // The component is the one with the greatest range once the straight line from its first to its last value is taken
@@ -31,6 +33,11 @@ struct FigureFrame {
 [[nodiscard]] std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size_t number,
                                      const FigureFrame& frame);
 
+// The same time axis once more: what each peer sends, the thresholds in force for the principal object, and who said
+// what of contacts when.
+[[nodiscard]] std::string timeline_figure(const ScenarioInfo& info, const RunRecord& run, std::size_t number,
+                                          const FigureFrame& frame);
+
 // All runs: mean ghost error over the numeric swept key with the most values, a line per combination of the others, and
 // the updates sent. Bars where no key is numeric; a run alone gets bars per observer.
 [[nodiscard]] std::string overview_figure(const nlohmann::ordered_json& summary);
@@ -38,5 +45,15 @@ struct FigureFrame {
 // The path from above (world x and z at one scale): truth and ghosts of the run with the greatest mean ghost error.
 [[nodiscard]] std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> runs,
                                       const nlohmann::ordered_json& summary);
+
+// Error against bytes of all runs, and which of them no other beats in both (pareto.hpp). "" for less than two runs.
+[[nodiscard]] std::string pareto_figure(const nlohmann::ordered_json& summary);
+
+// The runs of a sweep as rows and columns of small pictures, each like run_figure with the same axes: columns are the
+// numeric key with the most values, rows the other key with the most, and the values of a third are colours. Pictures
+// are numbered row by row. "" where a sweep does not fit: no swept key, more than three, or more values than can be
+// told apart (7 columns, 8 rows, 4 colours).
+[[nodiscard]] std::string multiples_figure(const ScenarioInfo& info, std::span<const RunRecord> runs,
+                                           const FigureFrame& frame);
 
 }  // namespace peerd::report

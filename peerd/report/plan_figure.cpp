@@ -80,11 +80,11 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
   }
   const RunRecord& run = runs[number];
   PlanPaths paths;
+  for (const TruthSample& s : truth_of(run, *object)) paths.truth.push_back(s.position);
   for (const PeerInfo& observer : observers) {
     paths.ghosts.emplace_back();
     for (const BeliefSample& s : beliefs_of(run, observer.peer, object->object)) {
       paths.ghosts.back().push_back(s.ghost.position);
-      if (paths.ghosts.size() == 1) paths.truth.push_back(s.truth.position);
     }
   }
   // Everything else that is replicated, where it stood first.

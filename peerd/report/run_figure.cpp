@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
 #include <optional>
 #include <vector>
@@ -9,8 +8,7 @@
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
 #include "peerd/report/lookup.hpp"
-#include "peerd/report/statistics.hpp"
-#include "peerd/report/sweep.hpp"
+#include "peerd/report/output_rates.hpp"
 #include "peerd/report/table.hpp"
 
 namespace peerd::report {
@@ -23,34 +21,6 @@ constexpr double kPlotWidth = 710.0;
 constexpr Box kPositionBox{kLeft, 86.0, kPlotWidth, 210.0};
 constexpr Box kErrorBox{kLeft, 336.0, kPlotWidth, 170.0};
 constexpr Box kRateBox{kLeft, 546.0, kPlotWidth, 130.0};
-
-constexpr const char* kComponentNames[] = {"x", "y", "z"};
-
-std::string latency_of(const RunRecord& run) { return value_text(run.params, "network.latency_ms"); }
-
-// Bars of a second, as in the seed; of a rounder number of seconds when a run is so long that seconds would be hairs.
-double bin_width_s(double duration_s) {
-  if (duration_s <= 120.0) return 1.0;
-  const Ticks ticks = nice_ticks({0.0, duration_s}, 120);
-  return std::max(1.0, ticks.at[1] - ticks.at[0]);
-}
-
-// Output of a peer [kB/s, kB = 1000 bytes] in each bin; the last may be short and is divided by what it has.
-std::vector<double> output_rates(const RunRecord& run, PeerId sender) {
-  const double width_s = bin_width_s(run.duration_s);
-  const auto count = static_cast<std::size_t>(std::ceil(run.duration_s / width_s));
-  std::vector<double> rates(count, 0.0);
-  if (count == 0) return rates;
-  for (const DatagramSent& d : run.datagrams) {
-    if (d.sender != sender || !(d.t_s >= 0.0)) continue;
-    rates[std::min(count - 1, static_cast<std::size_t>(d.t_s / width_s))] += d.bytes;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const double begin_s = static_cast<double>(i) * width_s;
-    rates[i] *= 1e-3 / std::min(width_s, run.duration_s - begin_s);
-  }
-  return rates;
-}
 
 int component_of(std::span<const RunRecord> runs, const std::string& path) {
   Vec3 bend = Vec3::Zero();   // greatest range without the straight line
@@ -81,25 +51,7 @@ int component_of(std::span<const RunRecord> runs, const std::string& path) {
   return static_cast<int>(best);
 }
 
-struct Series {
-  std::vector<Point> truth, ghost, error;
-  double mean_m = 0.0;
-};
-
-Series series_of(std::span<const BeliefSample> beliefs, int component) {
-  Series series;
-  std::vector<double> errors;
-  for (const BeliefSample& s : beliefs) {
-    series.truth.push_back({s.t_s, s.truth.position[component]});
-    series.ghost.push_back({s.t_s, s.ghost.position[component]});
-    series.error.push_back({s.t_s, ghost_error_m(s)});
-    if (std::isfinite(series.error.back().y)) errors.push_back(series.error.back().y);
-  }
-  series.mean_m = statistics(std::move(errors)).mean;
-  return series;
-}
-
-std::optional<Point> ghost_at(const Series& series, double t_s) {
+std::optional<Point> ghost_at(const ErrorSeries& series, double t_s) {
   const auto it = std::ranges::lower_bound(series.ghost, t_s, {}, &Point::x);
   if (it == series.ghost.end() || !(std::fabs(it->y) < 1e100)) return std::nullopt;
   return *it;
@@ -139,7 +91,7 @@ Marks draw_instants(Svg& svg, const RunRecord& run, const ObjectInfo& object, co
 // Where an observer's ghost met what it predicted: a ring if it is the outcome, a cross if there was no such one or it
 // came out on the other side.
 void draw_predictions(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Agreement& judged,
-                      PeerId observer, const Series& series, std::string_view colour, const Panel& position,
+                      PeerId observer, const ErrorSeries& series, std::string_view colour, const Panel& position,
                       Marks& marks) {
   for (std::size_t i = 0; i < run.contacts.size(); ++i) {
     const ContactRow& c = run.contacts[i];
@@ -163,7 +115,7 @@ void draw_predictions(Svg& svg, const RunRecord& run, const ObjectInfo& object, 
 void draw_rates(Svg& svg, const RunRecord& run, const ObjectInfo& object, double rate_max_kB_s) {
   const Panel panel(kRateBox, {0.0, run.duration_s}, from_zero(rate_max_kB_s));
   panel.draw_axes(svg, {.x = "time [s]", .y = "output [kB/s]", .x_ticks = 16, .y_ticks = 5});
-  const double width_s = bin_width_s(run.duration_s);
+  const double width_s = output_bin_s(run.duration_s);
   const std::vector<double> rates = output_rates(run, object.owner);
   for (std::size_t i = 0; i < rates.size(); ++i) {
     const double begin_s = static_cast<double>(i) * width_s;
@@ -180,12 +132,6 @@ void draw_rates(Svg& svg, const RunRecord& run, const ObjectInfo& object, double
            {.size = 11.0});
 }
 
-std::string title_of(const ScenarioInfo& info, const RunRecord& run) {
-  std::vector<std::string> keys;
-  for (const auto& item : run.params.items()) keys.push_back(item.key());
-  return keys.empty() ? info.name : describe(run.params, keys);
-}
-
 }  // namespace
 
 FigureFrame figure_frame(std::span<const RunRecord> runs, const nlohmann::ordered_json& summary) {
@@ -195,8 +141,8 @@ FigureFrame figure_frame(std::span<const RunRecord> runs, const nlohmann::ordere
   for (const RunRecord& run : runs) {
     const ObjectInfo* object = find_object(run, frame.object);
     if (object == nullptr) continue;
-    Range& position = frame.position_m[latency_of(run)];
-    Range& error = frame.error_m[latency_of(run)];
+    Range& position = frame.position_m[latency_text(run)];
+    Range& error = frame.error_m[latency_text(run)];
     error.add(0.0);
     for (const PeerInfo& observer : observers_of(run, *object)) {
       for (const BeliefSample& s : beliefs_of(run, observer.peer, object->object)) {
@@ -207,6 +153,13 @@ FigureFrame figure_frame(std::span<const RunRecord> runs, const nlohmann::ordere
     }
     for (const double rate : output_rates(run, object->owner))
       frame.rate_max_kB_s = std::max(frame.rate_max_kB_s, rate);
+    for (const UpdateSent& u : run.updates) {
+      if (u.object == object->object) frame.threshold_max_m = std::max(frame.threshold_max_m, u.threshold_m);
+    }
+    for (const PeerInfo& peer : run.peers) {
+      for (const double rate : output_rates(run, peer.peer))
+        frame.peer_rate_max_kB_s = std::max(frame.peer_rate_max_kB_s, rate);
+    }
   }
   return frame;
 }
@@ -217,19 +170,19 @@ std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size
   std::string subtitle =
       info.name + " (" + info.mode + ", seed " + std::to_string(info.seed) + "), run " + std::to_string(number);
   if (object == nullptr) {
-    draw_title(svg, {kLeft, 28.0}, kPlotWidth, title_of(info, run),
+    draw_title(svg, {kLeft, 28.0}, kPlotWidth, run_title(info, run),
                subtitle + ": no object that another peer observes");
     return std::move(svg).finish();
   }
   subtitle += ": " + object->path + ", run by " + peer_name(run, object->owner);
-  draw_title(svg, {kLeft, 28.0}, kPlotWidth, title_of(info, run), subtitle);
+  draw_title(svg, {kLeft, 28.0}, kPlotWidth, run_title(info, run), subtitle);
 
-  Range position_range = drawable(frame.position_m.at(latency_of(run)));
+  Range position_range = drawable(frame.position_m.at(latency_text(run)));
   const double room = 0.06 * (position_range.hi - position_range.lo);
   position_range = {position_range.lo - 2.0 * room, position_range.hi + room};  // the comb of updates needs some below
   const Panel position(kPositionBox, {0.0, run.duration_s}, position_range);
-  const Panel error(kErrorBox, {0.0, run.duration_s}, from_zero(frame.error_m.at(latency_of(run)).hi));
-  position.draw_axes(svg, {.y = std::string(kComponentNames[frame.component]) + " [m]", .x_ticks = 16});
+  const Panel error(kErrorBox, {0.0, run.duration_s}, from_zero(frame.error_m.at(latency_text(run)).hi));
+  position.draw_axes(svg, {.y = component_name(frame.component) + " [m]", .x_ticks = 16});
   error.draw_axes(svg, {.y = "ghost error [m]", .x_ticks = 16});
 
   const Agreement judged = agreement(run);
@@ -238,11 +191,12 @@ std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size
   std::vector<LegendEntry> above_position{{Mark::kLine, {.colour = kTruthColour, .width = 4.0}, "truth"}};
   std::vector<LegendEntry> above_error;
   const std::vector<PeerInfo> observers = observers_of(run, *object);
-  std::vector<Series> all;
+  std::vector<ErrorSeries> all;
   for (const PeerInfo& observer : observers) {
-    all.push_back(series_of(beliefs_of(run, observer.peer, object->object), frame.component));
+    all.push_back(error_series(beliefs_of(run, observer.peer, object->object), frame.component));
   }
-  if (!all.empty()) position.draw_curve(svg, all.front().truth, {.colour = kTruthColour, .width = 4.0});
+  position.draw_curve(svg, component_over_time(truth_of(run, *object), frame.component),
+                      {.colour = kTruthColour, .width = 4.0});
   for (std::size_t i = 0; i < observers.size(); ++i) {
     position.draw_curve(svg, all[i].ghost, observer_stroke(i));
     error.draw_curve(svg, all[i].error, observer_stroke(i));

@@ -15,6 +15,7 @@ struct ScenarioInfo {
   std::string mode;  // "sim" or "real"
   std::uint64_t seed = 0;
   std::vector<std::string> warnings;  // what the reader of the numbers should know; one sentence each
+  std::string command = {};           // that was given, in a shell's words; "" if there was none
 };
 
 // summary.json (DESIGN section 9; README.md here defines every number). The same records give the same bytes.

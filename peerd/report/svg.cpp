@@ -8,44 +8,9 @@
 #include <cstdint>
 #include <utility>
 
-#include <nlohmann/json.hpp>
+#include "peerd/report/markup.hpp"
 
 namespace peerd::report {
-namespace {
-
-constexpr std::string_view kGridColour = "#e4e4e4";
-constexpr std::string_view kFrameColour = "#555";
-
-// XML allows neither control characters nor broken UTF-8, and paths come from files of any kind.
-std::string escaped(std::string_view text) {
-  std::string clean(text);
-  if (std::ranges::any_of(clean, [](char c) { return (c & 0x80) != 0; })) {
-    using Json = nlohmann::json;  // its writer replaces what is not UTF-8
-    clean = Json::parse(Json(clean).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
-  }
-  std::string out;
-  for (const char c : clean) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
-  return out;
-}
-
-}  // namespace
 
 Svg::Svg(double width, double height) {
   out_ = R"(<svg xmlns="http://www.w3.org/2000/svg" width=")";
@@ -178,7 +143,7 @@ void Svg::text(Point at, std::string_view text, const TextStyle& style) {
     out_ += ")\"";
   }
   out_ += '>';
-  out_ += escaped(text);
+  out_ += markup_text(text);
   out_ += "</text>\n";
 }
 
@@ -221,6 +186,29 @@ Ticks nice_ticks(Range range, int most) {
   }
 }
 
+std::vector<double> log_ticks(Range range, int most) {
+  assert(range.lo > 0.0 && most >= 2);
+  std::vector<double> all, powers;
+  const int first = static_cast<int>(std::floor(std::log10(range.lo)));
+  const int last = static_cast<int>(std::ceil(std::log10(range.hi)));
+  for (int exponent = first; exponent <= last; ++exponent) {
+    for (const double mantissa : {1.0, 2.0, 5.0}) {
+      const double power = std::pow(10.0, std::abs(exponent));
+      const double t = exponent < 0 ? mantissa / power : mantissa * power;
+      if (!(t >= range.lo && t <= range.hi)) continue;
+      all.push_back(t);
+      if (mantissa == 1.0) powers.push_back(t);
+    }
+  }
+  return all.size() <= static_cast<std::size_t>(most) ? all : powers;
+}
+
+std::string short_label(double value, int digits) {
+  std::array<char, 64> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits);
+  return {text.data(), end.ptr};
+}
+
 std::string tick_label(double value, int decimals) {
   std::array<char, 64> digits;
   const bool plain = decimals <= 6 && std::fabs(value) < 1e7;
@@ -228,6 +216,13 @@ std::string tick_label(double value, int decimals) {
       plain ? std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::fixed, decimals)
             : std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, 6);
   return {digits.data(), end.ptr};
+}
+
+Panel Panel::log_y(const Box& box, Range x, Range y) {
+  assert(y.empty() || y.lo > 0.0);
+  Panel panel(box, x, y.empty() ? y : Range{std::log10(y.lo), std::log10(y.hi)});
+  panel.log_y_ = true;
+  return panel;
 }
 
 void Panel::draw_axes(Svg& svg, const Labels& labels) const {
@@ -240,11 +235,17 @@ void Panel::draw_axes(Svg& svg, const Labels& labels) const {
       svg.text({px(t), bottom + 17.0}, tick_label(t, x.decimals), {.size = 11.0, .anchor = Anchor::kMiddle});
     }
   }
-  const Ticks y = nice_ticks(y_, labels.y_ticks);
-  for (const double t : y.at) {
+  const auto mark_y = [&](double t, const std::string& label) {
     svg.line({box_.x, py(t)}, {box_.x + box_.width, py(t)}, {.colour = kGridColour});
     svg.line({box_.x - 4.0, py(t)}, {box_.x, py(t)}, {.colour = kFrameColour});
-    svg.text({box_.x - 8.0, py(t) + 4.0}, tick_label(t, y.decimals), {.size = 11.0, .anchor = Anchor::kEnd});
+    svg.text({box_.x - 8.0, py(t) + 4.0}, label, {.size = 11.0, .anchor = Anchor::kEnd});
+  };
+  if (labels.y_ticks > 0 && log_y_) {
+    for (const double t : log_ticks({std::pow(10.0, y_.lo), std::pow(10.0, y_.hi)}, labels.y_ticks))
+      mark_y(t, short_label(t));
+  } else if (labels.y_ticks > 0) {
+    const Ticks y = nice_ticks(y_, labels.y_ticks);
+    for (const double t : y.at) mark_y(t, tick_label(t, y.decimals));
   }
   const Stroke frame{.colour = kFrameColour};
   svg.rect(box_, "none", &frame);

@@ -61,6 +61,9 @@ class Svg {
   std::string out_;
 };
 
+inline constexpr std::string_view kGridColour = "#e4e4e4";
+inline constexpr std::string_view kFrameColour = "#555";
+
 // About how wide DejaVu Sans sets a text [px]; other fonts are narrower. For placing things beside it.
 [[nodiscard]] double text_width(std::string_view text, double size);
 
@@ -90,15 +93,24 @@ struct Ticks {
 
 // Multiples of 1, 2 or 5 times a power of ten inside the range, as many as possible but at most `most` (>= 2).
 [[nodiscard]] Ticks nice_ticks(Range range, int most);
+// 1, 2 and 5 times the powers of ten inside a range of positive numbers, or the powers alone where those are too many.
+[[nodiscard]] std::vector<double> log_ticks(Range range, int most);
 [[nodiscard]] std::string tick_label(double value, int decimals);
+// As few digits as say it, and so many at most: "0.0005", "20", "5.61e-05".
+[[nodiscard]] std::string short_label(double value, int digits = 4);
 
 // Axes around a box: maps data to pixels and draws frame, grid and labels.
 class Panel {
  public:
   Panel(const Box& box, Range x, Range y) : box_(box), x_(drawable(x)), y_(drawable(y)) {}
+  // The y axis shows the logarithm; y holds positive numbers.
+  static Panel log_y(const Box& box, Range x, Range y);
 
   [[nodiscard]] double px(double x) const { return box_.x + (x - x_.lo) / (x_.hi - x_.lo) * box_.width; }
-  [[nodiscard]] double py(double y) const { return box_.y + box_.height - (y - y_.lo) / (y_.hi - y_.lo) * box_.height; }
+  [[nodiscard]] double py(double y) const {
+    const double value = log_y_ ? std::log10(y) : y;
+    return box_.y + box_.height - (value - y_.lo) / (y_.hi - y_.lo) * box_.height;
+  }
   [[nodiscard]] Point at(double x, double y) const { return {px(x), py(y)}; }
   [[nodiscard]] const Box& box() const { return box_; }
 
@@ -106,7 +118,7 @@ class Panel {
     std::string_view x = {};  // empty: neither the label nor the ticks' numbers
     std::string_view y = {};
     int x_ticks = 11;
-    int y_ticks = 6;
+    int y_ticks = 6;  // 0: none
   };
   void draw_axes(Svg& svg, const Labels& labels) const;
 
@@ -116,7 +128,8 @@ class Panel {
 
  private:
   Box box_;
-  Range x_, y_;
+  Range x_, y_;  // y: of the logarithms where log_y_
+  bool log_y_ = false;
 };
 
 }  // namespace peerd::report

@@ -15,13 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Column {
-  std::string group;  // over several columns alike: "at b"
-  std::string name;
-  bool numeric = true;  // to the right
-  std::vector<std::string> cells;
-};
-
 std::string fixed(double value, int decimals) {
   std::array<char, 400> text{};  // 1e308 has 309 digits
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals).ptr;
@@ -62,11 +55,11 @@ std::vector<Params> params_of(const Json& summary) {
   return params;
 }
 
-void add_error_cells(const Json* row, std::span<Column> mean_p99_max) {
+void add_error_cells(const Json* row, std::span<Column> mean_p99_max, ErrorText error_text) {
   static constexpr std::array names{"mean", "p99", "max"};
   for (std::size_t i = 0; i < names.size(); ++i) {
     const bool seen = row != nullptr && row->at("samples") > 0;  // no sample is not the same as no error
-    mean_p99_max[i].cells.push_back(seen ? fixed(row->at("ghost_error_m").at(names[i]).get<double>(), 3) : "-");
+    mean_p99_max[i].cells.push_back(seen ? error_text(row->at("ghost_error_m").at(names[i]).get<double>()) : "-");
   }
 }
 
@@ -74,7 +67,7 @@ void add_error_columns(std::vector<Column>& columns, const std::string& group) {
   for (const char* name : {"mean", "p99", "max"}) columns.push_back({group, name, true, {}});
 }
 
-std::vector<Column> lay_out(const Json& summary, const std::string& path) {
+std::vector<Column> lay_out(const Json& summary, const std::string& path, ErrorText error_text) {
   const std::vector<Params> params = params_of(summary);
   const std::vector<std::string> keys = varying_keys(params);
   const std::vector<std::string> observers = observers_of(summary, path);
@@ -106,10 +99,10 @@ std::vector<Column> lay_out(const Json& summary, const std::string& path) {
     const std::span rest = std::span(columns).subspan(before_errors);
     if (row_per_observer) {
       rest[0].cells.push_back(one_observer);
-      add_error_cells(find_row(run, path, one_observer), rest.subspan(1));
+      add_error_cells(find_row(run, path, one_observer), rest.subspan(1), error_text);
     } else {
       for (std::size_t o = 0; o < observers.size(); ++o)
-        add_error_cells(find_row(run, path, observers[o]), rest.subspan(3 * o));
+        add_error_cells(find_row(run, path, observers[o]), rest.subspan(3 * o), error_text);
     }
     columns.back().cells.push_back(fixed(run.at("traffic").at("bytes_per_s").get<double>(), 0));
   };
@@ -192,11 +185,15 @@ std::string principal_object(const Json& summary) {
   return best != scores.end() ? best->path : "";
 }
 
+std::vector<Column> run_columns(const Json& summary, ErrorText error_text) {
+  return lay_out(summary, principal_object(summary), error_text);
+}
+
 std::string table(const Json& summary) {
   const std::string path = principal_object(summary);
   std::string out;
   append_line(out, heading(summary, path));
-  const std::vector<Column> columns = lay_out(summary, path);
+  const std::vector<Column> columns = lay_out(summary, path, [](double error_m) { return fixed(error_m, 3); });
 
   append_rows(out, columns);
   if (summary.contains("warnings")) {

@@ -7,9 +7,11 @@
 #include <fstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "peerd/report/csv.hpp"
-#include "peerd/report/figures.hpp"
+#include "peerd/report/page.hpp"
+#include "peerd/report/pictures.hpp"
 
 namespace peerd::report {
 namespace {
@@ -28,25 +30,25 @@ std::expected<void, std::string> write_file(const fs::path& path, std::string_vi
   return {};
 }
 
-std::string picture_name(std::size_t number) {
-  const std::string digits = std::to_string(number);
-  return "run-" + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits + ".svg";
-}
-
-// The number in run-NNN.svg, 0 for every other name.
-std::size_t picture_number(const std::string& name) {
-  if (!name.starts_with("run-") || !name.ends_with(".svg") || name.size() < 11 || name.size() > 16) return 0;
-  const std::string digits = name.substr(4, name.size() - 8);
+// The number in KIND-NNN.svg, 0 for every other name.
+std::size_t picture_number(const std::string& name, const std::string& kind) {
+  if (!name.starts_with(kind + '-') || !name.ends_with(".svg")) return 0;
+  const std::string digits = name.substr(kind.size() + 1, name.size() - kind.size() - 5);
+  if (digits.size() < 3 || digits.size() > 8) return 0;
   if (!std::ranges::all_of(digits, [](unsigned char c) { return std::isdigit(c) != 0; })) return 0;
   return std::stoul(digits);
 }
 
-std::expected<void, std::string> remove_old_pictures(const fs::path& out, std::size_t runs) {
+// Those of runs that this report does not have, and those of a sweep that do not apply to it.
+std::expected<void, std::string> remove_old_pictures(const fs::path& out, const Pictures& pictures) {
   std::error_code error;
   std::vector<fs::path> old;
   for (fs::directory_iterator it(out, error), end; !error && it != end; it.increment(error)) {
-    const std::size_t number = picture_number(it->path().filename().string());
-    if (number > runs) old.push_back(it->path());
+    const std::string name = it->path().filename().string();
+    const std::size_t number = std::max(picture_number(name, "run"), picture_number(name, "timeline"));
+    if (number > pictures.runs.size() || (name == "pareto.svg" && pictures.pareto.empty()) ||
+        (name == "multiples.svg" && pictures.multiples.empty()))
+      old.push_back(it->path());
   }
   for (const fs::path& path : old) {
     if (!error) fs::remove(path, error);
@@ -68,17 +70,23 @@ std::expected<void, std::string> write_report(const fs::path& out, const Scenari
   std::error_code error;
   fs::create_directories(out, error);
   if (error) return std::unexpected("cannot make the directory " + out.string() + ": " + error.message());
-  if (auto done = remove_old_pictures(out, runs.size()); !done) return done;
-
-  const FigureFrame frame = figure_frame(runs, summary);
+  const Pictures pictures = draw_pictures(info, runs, summary);
+  if (auto done = remove_old_pictures(out, pictures); !done) return done;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (auto done = write_file(out / picture_name(i + 1), run_figure(info, runs[i], i + 1, frame)); !done) return done;
+    const Pictures::OfRun& drawn = pictures.runs[i];
+    if (auto done = write_file(out / picture_file("run", i + 1), drawn.run); !done) return done;
+    if (auto done = write_file(out / picture_file("timeline", i + 1), drawn.timeline); !done) return done;
   }
-  if (auto done = write_file(out / "overview.svg", overview_figure(summary)); !done) return done;
-  if (auto done = write_file(out / "plan.svg", plan_figure(info, runs, summary)); !done) return done;
+  for (const auto& [name, svg] :
+       {std::pair("overview.svg", &pictures.overview), std::pair("plan.svg", &pictures.plan),
+        std::pair("pareto.svg", &pictures.pareto), std::pair("multiples.svg", &pictures.multiples)}) {
+    if (svg->empty()) continue;
+    if (auto done = write_file(out / name, *svg); !done) return done;
+  }
   if (auto done = write_file(out / "errors.csv", errors_csv(runs)); !done) return done;
   if (auto done = write_file(out / "traffic.csv", traffic_csv(runs)); !done) return done;
   if (auto done = write_file(out / "collisions.csv", collisions_csv(runs)); !done) return done;
+  if (auto done = write_file(out / "report.html", report_page(info, runs, summary, pictures)); !done) return done;
   // Last: who finds a summary.json finds the rest.
   using Json = nlohmann::ordered_json;
   return write_file(out / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <regex>
 
 #include "peerd/report/figures.hpp"
 #include "report_samples.hpp"
@@ -96,6 +97,18 @@ TEST(NiceTicksProperty, InsideTheRangeAndNotTooMany) {
   }
 }
 
+TEST(LogTicks, AreOneTwoFiveOrThePowersAlone) {
+  EXPECT_THAT(log_ticks({0.04, 1.3}, 9), testing::ElementsAre(0.05, 0.1, 0.2, 0.5, 1.0));
+  EXPECT_THAT(log_ticks({1e-4, 20.0}, 9), testing::ElementsAre(1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0));
+}
+
+TEST(Panel, LogarithmicPutsTenTimesAsMuchEquallyFarUp) {
+  const Panel panel = Panel::log_y({0, 0, 100, 300}, {0, 1}, {0.01, 10.0});
+  EXPECT_NEAR(panel.py(0.01), 300.0, 1e-9);
+  EXPECT_NEAR(panel.py(0.1), 200.0, 1e-9);
+  EXPECT_NEAR(panel.py(10.0), 0.0, 1e-9);
+}
+
 TEST(Svg, EscapesWhatXmlCannotHold) {
   Svg svg(10, 10);
   svg.text({0, 0}, "<a & \"b\">\x01 \xff \xc3\xa4");
@@ -132,7 +145,13 @@ void expect_figures(const std::vector<RunRecord>& runs) {
   const nlohmann::ordered_json summary = summarise(kInfo, runs);
   const FigureFrame frame = figure_frame(runs, summary);
   std::vector<std::string> pictures{overview_figure(summary), plan_figure(kInfo, runs, summary)};
-  for (std::size_t i = 0; i < runs.size(); ++i) pictures.push_back(run_figure(kInfo, runs[i], i + 1, frame));
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    pictures.push_back(run_figure(kInfo, runs[i], i + 1, frame));
+    pictures.push_back(timeline_figure(kInfo, runs[i], i + 1, frame));
+  }
+  for (const std::string& of_sweeps : {pareto_figure(summary), multiples_figure(kInfo, runs, frame)}) {
+    if (!of_sweeps.empty()) pictures.push_back(of_sweeps);
+  }
   for (const std::string& picture : pictures) {
     EXPECT_FALSE(malformed(picture)) << *malformed(picture);
     EXPECT_EQ(picture.find("<script"), std::string::npos);
@@ -166,6 +185,68 @@ TEST(Figures, OfRunsWithoutAFirstObject) {
   std::vector<RunRecord> runs = samples::zigzag_sweep();
   runs[1].objects.erase(runs[1].objects.begin());
   expect_figures(runs);
+}
+
+std::string multiples_of(const std::vector<RunRecord>& runs) {
+  return multiples_figure(kInfo, runs, figure_frame(runs, summarise(kInfo, runs)));
+}
+
+// "1 dr, latency 5 ms", ..: the titles of its pictures, in order.
+std::vector<std::string> titles_of(const std::string& svg) {
+  std::vector<std::string> titles;
+  const std::regex title(R"(font-weight="bold">([0-9]+)</text>\n<text [^>]*font-weight="bold">([^<]*)</text>)");
+  for (std::sregex_iterator it(svg.begin(), svg.end(), title), end; it != end; ++it)
+    titles.push_back((*it)[1].str() + ' ' + (*it)[2].str());
+  return titles;
+}
+
+TEST(MultiplesFigure, NumbersItsPicturesRowByRow) {
+  EXPECT_THAT(titles_of(multiples_of(samples::zigzag_sweep())),
+              testing::ElementsAre("1 dr, latency 5 ms", "2 dr, latency 100 ms", "3 dr, latency 500 ms",
+                                   "4 dr+rcp, latency 5 ms", "5 dr+rcp, latency 100 ms", "6 dr+rcp, latency 500 ms"));
+}
+
+// The third key's values share a picture: as many pictures, and a ghost in each colour.
+TEST(MultiplesFigure, DrawsAThirdKeyInColours) {
+  std::vector<RunRecord> runs;
+  for (const int order : {1, 2}) {
+    for (RunRecord run : samples::zigzag_sweep()) {
+      run.params["replication.order"] = order;
+      runs.push_back(std::move(run));
+    }
+  }
+  const std::string svg = multiples_of(runs);
+  EXPECT_EQ(titles_of(svg).size(), 6u);
+  EXPECT_THAT(svg, testing::HasSubstr(">ghost, order 1</text>"));
+  EXPECT_THAT(svg, testing::HasSubstr(">order 2: 5 updates, mean "));
+}
+
+TEST(MultiplesFigure, IsNotDrawnWhereTooMuchWouldBeLeftOut) {
+  std::vector<RunRecord> runs;
+  for (int latency_ms = 1; latency_ms <= 8; ++latency_ms) {  // columns: at most seven
+    runs.push_back(samples::zigzag_run(0.1, 10));
+    runs.back().params = {{"network.latency_ms", latency_ms}};
+  }
+  EXPECT_EQ(multiples_of(runs), "");
+  runs.pop_back();
+  EXPECT_NE(multiples_of(runs), "");
+  for (std::size_t i = 0; i < runs.size(); ++i) {  // four keys
+    for (const char* key : {"a", "b", "c"}) runs[i].params[key] = i;
+  }
+  EXPECT_EQ(multiples_of(runs), "");
+}
+
+// Where there are more than can be drawn, it says so: here 4,000 contacts, of which 3,000 are.
+TEST(TimelineFigure, SaysWhatItLeavesOut) {
+  RunRecord run = samples::zigzag_run(0.1);
+  run.contacts.clear();
+  for (int i = 0; i < 4000; ++i) {
+    const double t_s = 0.0025 * i;
+    run.contacts.push_back({t_s, samples::kA, "owner", samples::kCar, samples::kWall, Vec3::UnitX(), t_s});
+  }
+  const std::string svg = timeline_figure(kInfo, run, 1, figure_frame({&run, 1}, summarise(kInfo, {&run, 1})));
+  EXPECT_THAT(svg, testing::HasSubstr(">4000 to an own object</text>"));
+  EXPECT_THAT(svg, testing::HasSubstr(">1000 not drawn</text>"));
 }
 
 TEST(FigureFrame, DrawsTheCoordinateThatTurns) {

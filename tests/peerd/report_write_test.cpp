@@ -50,7 +50,7 @@ TEST_F(WriteReport, WritesEverythingAndTheSameAgain) {
     EXPECT_EQ(slurp(entry.path()), slurp(dir_ / "deep" / "second" / entry.path().filename())) << entry.path();
     EXPECT_GT(fs::file_size(entry.path()), 100u);
   }
-  EXPECT_EQ(count, 4u + 2u + 6u);
+  EXPECT_EQ(count, 5u + 4u + 2u * 6u);  // tables and the page, pictures of all runs, two of each
   EXPECT_EQ(nlohmann::ordered_json::parse(slurp(first / "summary.json")), summarise(kInfo, runs));
 }
 
@@ -62,8 +62,18 @@ TEST_F(WriteReport, RemovesPicturesOfALongerSweepAndNothingElse) {
   runs.resize(2);
   ASSERT_TRUE(write_report(dir_, kInfo, runs).has_value());
   EXPECT_THAT(files(), testing::UnorderedElementsAre("summary.json", "errors.csv", "traffic.csv", "collisions.csv",
-                                                     "overview.svg", "plan.svg", "run-001.svg", "run-002.svg",
-                                                     "run-004-mine.svg", "notes.txt"));
+                                                     "report.html", "overview.svg", "plan.svg", "multiples.svg",
+                                                     "run-001.svg", "run-002.svg", "timeline-001.svg",
+                                                     "timeline-002.svg", "run-004-mine.svg", "notes.txt"));
+}
+
+TEST_F(WriteReport, RemovesPicturesOfASweepThatOneRunDoesNotHave) {
+  ASSERT_TRUE(write_report(dir_, kInfo, samples::zigzag_sweep()).has_value());
+  EXPECT_THAT(files(), testing::IsSupersetOf({"pareto.svg", "multiples.svg"}));
+  const RunRecord run = samples::zigzag_run(0.1);
+  ASSERT_TRUE(write_report(dir_, kInfo, {&run, 1}).has_value());
+  EXPECT_THAT(files(), testing::AllOf(testing::Contains("plan.svg"), testing::Not(testing::Contains("pareto.svg")),
+                                      testing::Not(testing::Contains("multiples.svg"))));
 }
 
 TEST_F(WriteReport, SaysWhichFileItCannotWrite) {

@@ -1,0 +1,271 @@
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "peerd/report/agreement.hpp"
+#include "peerd/report/figure_parts.hpp"
+#include "peerd/report/figures.hpp"
+#include "peerd/report/lookup.hpp"
+#include "peerd/report/output_rates.hpp"
+#include "peerd/report/sweep.hpp"
+
+namespace peerd::report {
+namespace {
+
+constexpr std::size_t kMostColumns = 7;
+constexpr std::size_t kMostRows = 8;
+constexpr std::size_t kMostColours = 4;
+
+constexpr double kPlotWidth = 260.0;
+constexpr double kLeft = 62.0;                                    // of the numbers beside a plot
+constexpr double kPitch = 330.0;                                  // from column to column
+constexpr double kTop = 96.0;                                     // title and legend
+constexpr double kPosition = 104.0, kError = 76.0, kRate = 52.0;  // heights of a picture's three plots
+constexpr double kGap = 12.0;                                     // between them
+constexpr double kAxis = 48.0;                                    // numbers and name of the time axis
+constexpr double kLine = 14.0;                                    // of text
+
+struct Key {
+  std::string name;
+  std::vector<std::string> values;  // in order of appearance; numbers by size
+  bool numeric = true;
+};
+
+Key key_of(const std::string& name, std::span<const RunRecord> runs) {
+  Key key{.name = name, .values = {}};
+  std::vector<std::pair<double, std::string>> found;
+  for (const RunRecord& run : runs) {
+    const std::string text = value_text(run.params, name);
+    const auto it = run.params.find(name);
+    key.numeric = key.numeric && it != run.params.end() && it->is_number();
+    if (std::ranges::find(found, text, &std::pair<double, std::string>::second) == found.end())
+      found.emplace_back(key.numeric ? it->get<double>() : 0.0, text);
+  }
+  if (key.numeric) std::ranges::sort(found);
+  for (auto& [number, text] : found) key.values.push_back(std::move(text));
+  return key;
+}
+
+// Which key goes where: columns, rows, colours. The ones that are not there have an empty name and one value.
+struct Layout {
+  Key columns, rows, colours;
+};
+
+std::optional<Layout> layout_of(std::span<const RunRecord> runs) {
+  std::vector<Params> params;
+  for (const RunRecord& run : runs) params.push_back(run.params);
+  std::vector<Key> keys;
+  for (const std::string& name : varying_keys(params)) keys.push_back(key_of(name, runs));
+  if (keys.empty() || keys.size() > 3) return std::nullopt;
+  const auto take = [&](auto rank) {
+    if (keys.empty()) return Key{.name = "", .values = {""}};
+    const auto best = std::ranges::max_element(keys, {}, rank);
+    Key key = std::move(*best);
+    keys.erase(best);
+    return key;
+  };
+  Layout layout;
+  layout.columns = take([](const Key& k) { return std::pair(k.numeric, k.values.size()); });
+  layout.rows = take([](const Key& k) { return k.values.size(); });
+  layout.colours = take([](const Key& k) { return k.values.size(); });
+  if (layout.columns.values.size() > kMostColumns || layout.rows.values.size() > kMostRows ||
+      layout.colours.values.size() > kMostColours)
+    return std::nullopt;
+  return layout;
+}
+
+const RunRecord* find_run(std::span<const RunRecord> runs, const Layout& layout, std::size_t row, std::size_t column,
+                          std::size_t colour) {
+  const auto is = [](const RunRecord& run, const Key& key, std::size_t i) {
+    return key.name.empty() || value_text(run.params, key.name) == key.values[i];
+  };
+  for (const RunRecord& run : runs) {
+    if (is(run, layout.rows, row) && is(run, layout.columns, column) && is(run, layout.colours, colour)) return &run;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> key_names(const Layout& layout) {
+  std::vector<std::string> names;
+  for (const Key* key : {&layout.rows, &layout.columns, &layout.colours}) {
+    if (!key->name.empty()) names.push_back(key->name);
+  }
+  return names;
+}
+
+Stroke colour_stroke(std::size_t i) { return {.colour = colour_of(i), .width = 1.3, .dashes = i == 0 ? "" : "5 3"}; }
+
+// One observer is drawn: the first of the first run that has any.
+std::optional<PeerInfo> observer_of(std::span<const RunRecord> runs, const std::string& path) {
+  for (const RunRecord& run : runs) {
+    const ObjectInfo* object = find_object(run, path);
+    if (object == nullptr) continue;
+    const std::vector<PeerInfo> observers = observers_of(run, *object);
+    if (!observers.empty()) return observers.front();
+  }
+  return std::nullopt;
+}
+
+struct Picture {
+  Panel position, error, rate;
+};
+
+Picture draw_frames(Svg& svg, Point at, const RunRecord& run, const FigureFrame& frame) {
+  const Range time{0.0, run.duration_s};
+  const auto latency = latency_text(run);
+  const auto range_of = [&](const std::map<std::string, Range>& ranges) {
+    const auto it = ranges.find(latency);
+    return it != ranges.end() ? drawable(it->second) : drawable({});
+  };
+  Range position = range_of(frame.position_m);
+  const double room = 0.06 * (position.hi - position.lo);
+  position = {position.lo - 2.5 * room, position.hi + room};  // the combs of updates need some below
+  const double error_y = at.y + kPosition + kGap;
+  const double rate_y = error_y + kError + kGap;
+  Picture picture{Panel({at.x, at.y, kPlotWidth, kPosition}, time, position),
+                  Panel({at.x, error_y, kPlotWidth, kError}, time, from_zero(range_of(frame.error_m).hi)),
+                  Panel({at.x, rate_y, kPlotWidth, kRate}, time, from_zero(frame.rate_max_kB_s))};
+  picture.position.draw_axes(svg, {.y = component_name(frame.component) + " [m]", .x_ticks = 9, .y_ticks = 6});
+  picture.error.draw_axes(svg, {.y = "error [m]", .x_ticks = 9, .y_ticks = 5});
+  picture.rate.draw_axes(svg, {.x = "time [s]", .y = "kB/s", .x_ticks = 9, .y_ticks = 3});
+  return picture;
+}
+
+void draw_contacts(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Picture& picture) {
+  const Agreement judged = agreement(run);
+  for (std::size_t i = 0; i < run.contacts.size(); ++i) {
+    const ContactRow& c = run.contacts[i];
+    if (judged.verdicts[i] != Verdict::kOutcome || (c.collider != object.object && c.collidee != object.object))
+      continue;
+    for (const Panel* panel : {&picture.position, &picture.error}) {
+      const double x = panel->px(c.t_s);
+      svg.line({x, panel->box().y}, {x, panel->box().y + panel->box().height},
+               {.colour = kContactColour, .dashes = "2 3"});
+    }
+  }
+}
+
+struct Drawn {
+  std::size_t updates = 0;
+  double mean_m = 0.0;
+};
+
+Drawn draw_run(Svg& svg, const RunRecord& run, const ObjectInfo& object, PeerId observer, std::size_t colour,
+               const Picture& picture, int component) {
+  const ErrorSeries series = error_series(beliefs_of(run, observer, object.object), component);
+  const Stroke stroke = colour_stroke(colour);
+  picture.position.draw_curve(svg, series.ghost, stroke);
+  picture.error.draw_curve(svg, series.error, stroke);
+  std::vector<Point> rates;
+  const double bin_s = output_bin_s(run.duration_s);
+  for (const double rate : output_rates(run, object.owner)) {
+    const double begin_s = static_cast<double>(rates.size() / 2) * bin_s;
+    rates.push_back({begin_s, rate});
+    rates.push_back({std::min(begin_s + bin_s, run.duration_s), rate});
+  }
+  picture.rate.draw_curve(svg, rates, stroke);
+
+  constexpr double kTooth = 6.0;
+  const Box& box = picture.position.box();
+  const double bottom = box.y + box.height - kTooth * static_cast<double>(colour);
+  Drawn drawn{.mean_m = series.mean_m};
+  for (const UpdateSent& u : run.updates) {
+    if (u.object != object.object) continue;
+    ++drawn.updates;
+    const double x = picture.position.px(u.t_s);
+    svg.line({x, bottom - kTooth + 1.0}, {x, bottom}, {.colour = stroke.colour});
+  }
+  return drawn;
+}
+
+void draw_picture(Svg& svg, Point at, std::span<const RunRecord> runs, const Layout& layout, std::size_t row,
+                  std::size_t column, const FigureFrame& frame, const PeerInfo& observer) {
+  const std::vector<std::string> names = key_names(layout);
+  const std::size_t number = row * layout.columns.values.size() + column + 1;
+  std::optional<Picture> picture;
+  double line_y = at.y + 4.0;
+  const double plots_y = at.y + kLine * static_cast<double>(layout.colours.values.size()) + 14.0;
+  for (std::size_t colour = 0; colour < layout.colours.values.size(); ++colour) {
+    const RunRecord* run = find_run(runs, layout, row, column, colour);
+    const ObjectInfo* object = run ? find_object(*run, frame.object) : nullptr;
+    if (object == nullptr) continue;
+    if (!picture) {
+      std::vector<std::string> in_common = names;
+      std::erase(in_common, layout.colours.name);
+      const std::string title = std::to_string(number);
+      const double title_width = text_width(title + "  ", 12.0);
+      svg.text({at.x, at.y - 12.0}, title, {.size = 12.0, .bold = true});
+      const std::string words = describe(run->params, in_common);
+      const double room = (kPlotWidth - title_width) / 1.12;  // bold letters are wider
+      const double size = std::clamp(12.0 * room / (text_width(words, 12.0) + 1.0), 9.0, 12.0);
+      svg.text({at.x + title_width, at.y - 12.0}, shortened(words, room, size), {.size = size, .bold = true});
+      picture = draw_frames(svg, {at.x, plots_y}, *run, frame);
+      draw_contacts(svg, *run, *object, *picture);
+      picture->position.draw_curve(svg, component_over_time(truth_of(*run, *object), frame.component),
+                                   {.colour = kTruthColour, .width = 3.0});
+    }
+    const Drawn drawn = draw_run(svg, *run, *object, observer.peer, colour, *picture, frame.component);
+    const std::string name =
+        layout.colours.name.empty() ? "" : describe(run->params, layout.colours.name, names) + ": ";
+    svg.line({at.x, line_y - 4.0}, {at.x + 18.0, line_y - 4.0}, colour_stroke(colour));
+    svg.text({at.x + 24.0, line_y},
+             shortened(name + std::to_string(drawn.updates) + " updates, mean " + short_label(drawn.mean_m, 3) + " m",
+                       kPlotWidth - 24.0, 11.0),
+             {.size = 11.0});
+    line_y += kLine;
+  }
+}
+
+}  // namespace
+
+std::string multiples_figure(const ScenarioInfo& info, std::span<const RunRecord> runs, const FigureFrame& frame) {
+  const std::optional<Layout> layout = layout_of(runs);
+  const std::optional<PeerInfo> observer = observer_of(runs, frame.object);
+  if (!layout || !observer) return "";
+  const std::size_t columns = layout->columns.values.size(), rows = layout->rows.values.size();
+  const std::size_t colours = layout->colours.values.size();
+  const double row_pitch =
+      kLine * static_cast<double>(colours) + 40.0 + kPosition + kGap + kError + kGap + kRate + kAxis;
+  const double width = kPitch * static_cast<double>(columns) + 10.0;
+  Svg svg(width, kTop + row_pitch * static_cast<double>(rows) + 4.0);
+
+  std::string subtitle =
+      info.mode + ", seed " + std::to_string(info.seed) + "; one scale for each latency, one for output";
+  const std::size_t drawn = columns * rows * colours;
+  if (runs.size() > drawn)
+    subtitle += "; " + std::to_string(runs.size() - drawn) + " runs repeat others and are left out";
+  draw_title(svg, {kLeft, 28.0}, width - kLeft - 20.0,
+             info.name + ": " + frame.object + " and its ghost at " + observer->name + ", run by run", subtitle);
+  using Mark = LegendEntry::Mark;
+  std::vector<LegendEntry> legend{{Mark::kLine, {.colour = kTruthColour, .width = 3.0}, "truth"}};
+  const std::vector<std::string> names = key_names(*layout);
+  for (std::size_t i = 0; i < colours; ++i) {
+    const RunRecord* run = nullptr;
+    for (const RunRecord& r : runs) {
+      if (layout->colours.name.empty() || value_text(r.params, layout->colours.name) == layout->colours.values[i])
+        run = &r;
+    }
+    legend.push_back({Mark::kLine, colour_stroke(i),
+                      run == nullptr || layout->colours.name.empty()
+                          ? "ghost"
+                          : "ghost, " + describe(run->params, layout->colours.name, names)});
+  }
+  legend.push_back({Mark::kUpright, {.colour = colour_of(0)}, "update"});
+  legend.push_back({Mark::kUpright, {.colour = kContactColour, .dashes = "2 3"}, "contact"});
+  draw_legend(svg, {kLeft, 68.0}, width - kLeft - 20.0, legend);
+
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t column = 0; column < columns; ++column) {
+      draw_picture(svg,
+                   {kLeft + kPitch * static_cast<double>(column), kTop + 12.0 + row_pitch * static_cast<double>(row)},
+                   runs, *layout, row, column, frame, *observer);
+    }
+  }
+  return std::move(svg).finish();
+}
+
+}  // namespace peerd::report

@@ -1,0 +1,27 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace peerd::report {
+
+// A run as error and cost.
+struct RunCost {
+  std::size_t run = 0;       // from 0
+  double error_m = 0.0;      // mean ghost error, mean over observers and over the objects that err in any run
+  double bytes_per_s = 0.0;  // all datagrams of all peers
+  bool on_front = false;     // no other run of its situation has less of one and no more of the other
+};
+
+// Runs that can be compared: the swept keys under `network.` and the seed are given, all others are chosen.
+struct Situation {
+  std::string label;  // "latency 100 ms"; "" where nothing that is given is swept
+  std::vector<RunCost> runs;
+};
+
+// Runs without a sample of any error are left out.
+[[nodiscard]] std::vector<Situation> pareto_fronts(const nlohmann::ordered_json& summary);
+
+}  // namespace peerd::report

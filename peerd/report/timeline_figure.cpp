@@ -1,0 +1,232 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "peerd/report/agreement.hpp"
+#include "peerd/report/figure_parts.hpp"
+#include "peerd/report/figures.hpp"
+#include "peerd/report/lookup.hpp"
+#include "peerd/report/output_rates.hpp"
+
+namespace peerd::report {
+namespace {
+
+constexpr double kWidth = 800.0;
+constexpr double kLeft = 70.0;
+constexpr double kPlotWidth = 710.0;
+constexpr Box kRateBox{kLeft, 86.0, kPlotWidth, 130.0};
+constexpr Box kThresholdBox{kLeft, 256.0, kPlotWidth, 110.0};
+constexpr double kLanesTop = 406.0;
+constexpr double kLane = 26.0;  // height of a peer's lane
+
+constexpr std::size_t kMostCurves = 6;    // colours that can be told apart
+constexpr std::size_t kMostLanes = 10;    // peers
+constexpr std::size_t kMostMarks = 3000;  // more are a black bar, and megabytes
+
+// A value that holds from one point to the next, as a curve.
+std::vector<Point> stepped(const std::vector<Point>& points, double end_x) {
+  std::vector<Point> steps;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    steps.push_back(points[i]);
+    steps.push_back({i + 1 < points.size() ? points[i + 1].x : end_x, points[i].y});
+  }
+  return steps;
+}
+
+std::vector<Point> rate_steps(const std::vector<double>& rates, double duration_s) {
+  std::vector<Point> points;
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    points.push_back({static_cast<double>(i) * output_bin_s(duration_s), rates[i]});
+  }
+  return stepped(points, duration_s);
+}
+
+double mean_of(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+// A curve a peer, those that send most first; what the others send is not drawn, but counted in the legend.
+void draw_rates(Svg& svg, const RunRecord& run, double rate_max_kB_s) {
+  const Panel panel(kRateBox, {0.0, run.duration_s}, from_zero(rate_max_kB_s));
+  panel.draw_axes(svg, {.y = "sent [kB/s]", .x_ticks = 16, .y_ticks = 5});
+  struct Sender {
+    std::string name;
+    std::vector<double> rates;
+    double mean = 0.0;
+  };
+  std::vector<Sender> senders;
+  for (const PeerInfo& peer : run.peers) {
+    senders.push_back({peer.name, output_rates(run, peer.peer), 0.0});
+    senders.back().mean = mean_of(senders.back().rates);
+  }
+  std::ranges::stable_sort(senders, std::ranges::greater{}, &Sender::mean);
+  std::vector<LegendEntry> legend;
+  const std::size_t drawn = std::min(kMostCurves, senders.size());
+  for (std::size_t i = drawn; i-- > 0;) {  // the greatest on top
+    panel.draw_curve(svg, rate_steps(senders[i].rates, run.duration_s), observer_stroke(i));
+  }
+  for (std::size_t i = 0; i < drawn; ++i) {
+    legend.push_back({LegendEntry::Mark::kLine, observer_stroke(i),
+                      senders[i].name + (i == 0 ? ", mean " : " ") + tick_label(senders[i].mean, 2)});
+  }
+  if (drawn < senders.size()) {
+    legend.push_back(
+        {LegendEntry::Mark::kLine, {.opacity = 0.0}, std::to_string(senders.size() - drawn) + " others not drawn"});
+  }
+  draw_legend(svg, {kLeft, kRateBox.y - 9.0}, kPlotWidth, legend);
+}
+
+// An update's threshold is said to hold until the next update: nobody is told of changes in between.
+void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, double threshold_max_m) {
+  const Panel panel(kThresholdBox, {0.0, run.duration_s}, from_zero(threshold_max_m));
+  panel.draw_axes(svg, {.y = "threshold [m]", .x_ticks = 16, .y_ticks = 5});
+  std::vector<Point> points;
+  for (const UpdateSent& u : run.updates) {
+    if (u.object == object.object) points.push_back({u.t_s, u.threshold_m});
+  }
+  const Stroke stroke{.colour = colour_of(0), .width = 1.5};
+  panel.draw_curve(svg, stepped(points, run.duration_s), stroke);
+  // A line from update to update, as long as these can be told apart.
+  if (static_cast<double>(points.size()) < 0.5 * kPlotWidth) {
+    for (const Point& p : points) svg.circle(panel.at(p.x, p.y), 2.2, colour_of(0), stroke);
+  }
+  const std::vector<LegendEntry> legend{
+      {LegendEntry::Mark::kLine, stroke,
+       "error threshold of " + object.path + " at each of its " + std::to_string(points.size()) + " updates"}};
+  draw_legend(svg, {kLeft, kThresholdBox.y - 9.0}, kPlotWidth, legend);
+}
+
+enum class Said : std::uint8_t { kHappened, kDecided, kPredicted, kWrong, kTaken };
+
+// What a mark says of a contact's row; nothing for what only repeats another.
+std::optional<Said> said_by(const ContactRow& contact, Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kOutcome:
+      return contact.kind == "decided" ? Said::kDecided : Said::kHappened;
+    case Verdict::kAgreed:
+      return contact.kind == "applied" ? Said::kTaken : Said::kPredicted;
+    case Verdict::kDisagreed:
+    case Verdict::kSpurious:
+      return Said::kWrong;
+    case Verdict::kRepeated:
+    case Verdict::kRevised:
+    case Verdict::kOwn:
+      return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+void draw_mark(Svg& svg, Point at, Said said) {
+  switch (said) {
+    case Said::kHappened:
+      svg.rect({at.x - 3.5, at.y - 3.5, 7.0, 7.0}, kBarColour);
+      break;
+    case Said::kDecided:
+      svg.rect({at.x - 4.0, at.y - 4.0, 8.0, 8.0}, colour_of(0));
+      break;
+    case Said::kPredicted:
+      svg.circle(at, 3.5, "none", {.colour = colour_of(2), .width = 1.5});
+      break;
+    case Said::kTaken:
+      svg.circle(at, 3.5, colour_of(4), {.colour = colour_of(4)});
+      break;
+    case Said::kWrong:
+      svg.cross(at, 4.0, {.colour = colour_of(1), .width = 1.8});
+      break;
+  }
+}
+
+std::vector<LegendEntry> lanes_legend(std::span<const std::size_t> counts) {
+  using Mark = LegendEntry::Mark;
+  struct Kind {
+    Mark mark;
+    Stroke stroke;
+    std::string_view label;
+  };
+  const std::array kinds{Kind{Mark::kSquare, {.colour = kBarColour}, " to an own object"},
+                         Kind{Mark::kSquare, {.colour = colour_of(0)}, " decided"},
+                         Kind{Mark::kCircle, {.colour = colour_of(2), .width = 1.5}, " predicted"},
+                         Kind{Mark::kCross, {.colour = colour_of(1), .width = 1.8}, " wrong"},
+                         Kind{Mark::kDisc, {.colour = colour_of(4)}, " taken over"}};
+  std::vector<LegendEntry> legend;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (counts[i] > 0)
+      legend.push_back({kinds[i].mark, kinds[i].stroke, std::to_string(counts[i]) + std::string(kinds[i].label)});
+  }
+  return legend;
+}
+
+// A lane a peer: what it said of contacts, at the contact's time, with a line to when it knew.
+void draw_lanes(Svg& svg, const RunRecord& run, std::size_t lanes) {
+  const Box box{kLeft, kLanesTop, kPlotWidth, kLane * static_cast<double>(lanes)};
+  const Panel panel(box, {0.0, run.duration_s}, {0.0, static_cast<double>(lanes)});
+  panel.draw_axes(svg, {.x = "time [s]", .x_ticks = 16, .y_ticks = 0});
+  const auto middle = [](std::size_t lane) { return kLanesTop + kLane * (static_cast<double>(lane) + 0.5); };
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    if (lane > 0) {
+      const double y = kLanesTop + kLane * static_cast<double>(lane);
+      svg.line({kLeft, y}, {kLeft + kPlotWidth, y}, {.colour = kGridColour});
+    }
+    svg.text({kLeft - 8.0, middle(lane) + 4.0}, shortened(run.peers[lane].name, kLeft - 12.0, 11.0),
+             {.size = 11.0, .anchor = Anchor::kEnd});
+  }
+  const Agreement judged = agreement(run);
+  std::array<std::size_t, 5> counts{};
+  std::size_t drawn = 0;
+  std::size_t left_out = 0;
+  for (std::size_t i = 0; i < run.contacts.size(); ++i) {
+    const ContactRow& c = run.contacts[i];
+    const std::optional<Said> said = said_by(c, judged.verdicts[i]);
+    if (!said || !std::isfinite(c.t_s)) continue;
+    const auto lane =
+        static_cast<std::size_t>(std::ranges::find(run.peers, c.peer, &PeerInfo::peer) - run.peers.begin());
+    ++counts[static_cast<std::size_t>(*said)];
+    if (lane >= lanes || drawn >= kMostMarks) {
+      ++left_out;
+      continue;
+    }
+    ++drawn;
+    const double y = middle(lane);
+    const double known_s = std::clamp(c.reported_at_s, 0.0, run.duration_s);
+    if (std::isfinite(known_s) && std::fabs(panel.px(known_s) - panel.px(c.t_s)) > 4.0)
+      svg.line({panel.px(c.t_s), y}, {panel.px(known_s), y}, {.colour = kContactColour});
+    draw_mark(svg, {panel.px(c.t_s), y}, *said);
+  }
+  std::vector<LegendEntry> legend = lanes_legend(counts);
+  using Mark = LegendEntry::Mark;
+  if (legend.empty()) {
+    legend.push_back({Mark::kLine, {.opacity = 0.0}, "no contacts"});
+  } else {
+    legend.push_back({Mark::kLine, {.colour = kContactColour}, "until it knew"});
+  }
+  if (left_out > 0) legend.push_back({Mark::kLine, {.opacity = 0.0}, std::to_string(left_out) + " not drawn"});
+  draw_legend(svg, {kLeft, kLanesTop - 9.0}, kPlotWidth, legend);
+}
+
+}  // namespace
+
+std::string timeline_figure(const ScenarioInfo& info, const RunRecord& run, std::size_t number,
+                            const FigureFrame& frame) {
+  const std::size_t lanes = std::min(run.peers.size(), kMostLanes);
+  Svg svg(kWidth, kLanesTop + kLane * static_cast<double>(lanes) + 52.0);
+  std::string subtitle = info.name + ", run " + std::to_string(number) +
+                         ": what each peer sends, thresholds in force, contacts by who says so";
+  if (lanes < run.peers.size())
+    subtitle += " (of " + std::to_string(lanes) + " of " + std::to_string(run.peers.size()) + " peers)";
+  draw_title(svg, {kLeft, 28.0}, kPlotWidth, run_title(info, run), subtitle);
+  draw_rates(svg, run, frame.peer_rate_max_kB_s);
+  if (const ObjectInfo* object = find_object(run, frame.object)) {
+    draw_thresholds(svg, run, *object, frame.threshold_max_m);
+  }
+  if (lanes > 0) draw_lanes(svg, run, lanes);
+  return std::move(svg).finish();
+}
+
+}  // namespace peerd::report
