@@ -1,9 +1,46 @@
 #include "peerd/assemble.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace peerd {
 namespace {
+
+// A peer that leaves and comes back has several.
+struct Life {
+  HostTime from, until;  // in true time
+  SimTime first_row, last_row;
+};
+using Lives = std::map<PeerId, std::vector<Life>>;
+
+// Who was there from the start was so before its first row, and whom nothing has ended goes on after its last.
+Lives lives_of(const config::RunSettings& run, const std::vector<PeerLog>& logs) {
+  Lives lives;
+  for (const PeerLog& log : logs) {
+    std::vector<Life>& own = lives[log.peer];
+    const bool from_the_start = own.empty() && config::starts_with(run.events, log.name);
+    if (!log.start || (log.beliefs.empty() && !from_the_start)) continue;
+    own.push_back({from_the_start ? HostTime::min() : log.beliefs.front().true_at,
+                   log.ended_at.value_or(HostTime::max()), from_the_start ? SimTime::min() : log.beliefs.front().at,
+                   log.ended_at && !log.beliefs.empty() ? log.beliefs.back().at : SimTime::max()});
+  }
+  return lives;
+}
+
+bool alive(const std::vector<Life>& lives, HostTime t) {
+  return std::ranges::any_of(lives, [&](const Life& life) { return life.from <= t && t <= life.until; });
+}
+
+report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<Life>& lives, SimTime start) {
+  report::PeerInfo info{PeerId{peer.id}, peer.name};
+  const auto since_start = [&](SimTime t) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    return t == SimTime::min() ? -kNever : t == SimTime::max() ? kNever : to_seconds(t - start);
+  };
+  for (const Life& life : lives) info.there_s.emplace_back(since_start(life.first_row), since_start(life.last_row));
+  if (lives.empty()) info.there_s.emplace_back(1.0, 0.0);  // never
+  return info;
+}
 
 // The truth of one object as its owner logged it, in true time.
 struct Truth {
@@ -54,28 +91,33 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
   const Scene& scene = shared.world.scene;
   report::RunRecord record;
   record.params = run.params;
+  record.seed = run.seed;
   record.duration_s = run.duration_s;
 
   std::map<ObjectId, Truth> truths;
   std::map<ObjectId, PeerId> owners;
   const auto objects = config::resolve(run, scene);
   if (!objects) return std::unexpected(objects.error());
-  std::optional<SimTime> start;
+  std::optional<SimTime> start;  // the lowest peer's, which the others follow
   for (const PeerLog& log : logs) {
-    if (!log.start)
+    if (!log.start && config::starts_with(run.events, log.name)) {
       return std::unexpected(config::InputError{"error: peer " + log.name + " never met all the others", 3});
-    if (!start) start = log.start;  // the lowest peer's, which the others follow
-    record.peers.push_back({log.peer, log.name});
+    }
+    if (!start) start = log.start;
     for (const PeerLog::Belief& b : log.beliefs) {
       if (b.owner == log.peer) truths[b.object].ticks.push_back(&b);
     }
-    const auto settings = std::ranges::find(run.peers, log.name, &config::PeerSettings::name);
-    const config::PeerObjects& own = (*objects)[static_cast<std::size_t>(settings - run.peers.begin())];
-    for (const ObjectId object : own.enslaved) {
-      owners[object] = log.peer;
-      record.objects.push_back({object, scene.path_of(object), log.peer});
+  }
+  if (!start) return std::unexpected(config::InputError{"error: nobody's log says when the motions began", 3});
+  Lives lives = lives_of(run, logs);
+  for (std::size_t i = 0; i < run.peers.size(); ++i) {
+    const PeerId peer{run.peers[i].id};
+    record.peers.push_back(peer_info(run.peers[i], lives[peer], *start));
+    for (const ObjectId object : (*objects)[i].enslaved) {
+      owners[object] = peer;
+      record.objects.push_back({object, scene.path_of(object), peer});
     }
-    for (const auto& [object, motion] : own.motions) truths[object].motion = &motion;
+    for (const auto& [object, motion] : (*objects)[i].motions) truths[object].motion = &motion;
   }
   std::ranges::sort(record.objects, {}, &report::ObjectInfo::object);
 
@@ -84,7 +126,7 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
     for (const PeerLog::Belief& b : log.beliefs) {
       if (b.owner == log.peer || !owners.contains(b.object)) continue;
       const Truth& truth = truths[b.object];
-      if (truth.ticks.empty()) continue;
+      if (truth.ticks.empty() || !alive(lives[owners[b.object]], b.true_at)) continue;
       const double t_s = to_seconds(truth.session_time(b.true_at) - *start);
       if (!within(t_s)) continue;
       record.beliefs.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), b.state.pose(), b.shown,

@@ -15,11 +15,12 @@ struct ScenarioOptions {
   std::vector<std::filesystem::path> configs;
   std::vector<std::string> sets;
   std::optional<std::uint64_t> seed;
-  std::filesystem::path out;       // empty: out/NAME
-  std::string interface;           // real runs only
-  std::filesystem::path captures;  // simulated runs only: a folder for each peer's capture; empty: none
-  bool json = false;               // summary.json instead of the table
-  bool verbose = false;            // the peers' logs too
+  std::optional<std::uint32_t> repeat;  // with so many seeds
+  std::filesystem::path out;            // empty: out/NAME
+  std::string interface;                // real runs only
+  std::filesystem::path captures;       // simulated runs only: a folder for each peer's capture; empty: none
+  bool json = false;                    // summary.json instead of the table
+  bool verbose = false;                 // the peers' logs too
 };
 
 // peerd sim: the scenario on a simulated network, as fast as it goes.

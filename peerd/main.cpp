@@ -71,6 +71,7 @@ void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
   command.add_option("--set", options.sets, "KEY=VALUE, such as network.latency_ms=100; a list sweeps (repeatable)")
       ->allow_extra_args(false);
   command.add_option("--seed", options.seed, "instead of the scenario's seed");
+  command.add_option("--repeat", options.repeat, "run everything with so many seeds, from that one on");
   command.add_option("--out", options.out, "where the outputs go (default: out/NAME)");
   command.add_flag("--json", options.json, "print summary.json instead of the table");
 }

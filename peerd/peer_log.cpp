@@ -99,6 +99,9 @@ bool read_row(const std::string& line, PeerLog& log) {
     case 'S':
       in >> log.start.emplace();
       break;
+    case 'E':
+      in >> log.ended_at.emplace();
+      break;
     case 'B': {
       auto& b = log.beliefs.emplace_back();
       in >> b.at >> b.true_at >> b.object >> b.owner >> b.state >> b.shown;
@@ -138,6 +141,7 @@ config::Result<void> save(const PeerLog& log, const std::filesystem::path& path)
   RowWriter out;
   out.row('P') << log.peer << log.name << log.groups_joined << log.other_worlds;
   if (log.start) out.row('S') << *log.start;
+  if (log.ended_at) out.row('E') << *log.ended_at;
   for (const auto& b : log.beliefs) {
     out.row('B') << b.at << b.true_at << b.object << b.owner << b.state << b.shown;
   }

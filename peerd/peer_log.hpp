@@ -11,8 +11,8 @@
 
 namespace peerd {
 
-// What one peer did and believed in a run, in session time. The simulator keeps it in memory, a real peer writes it to
-// a file; peerd/assemble.hpp makes one RunRecord of all of them.
+// What one peer did and believed in a run, or in one of its lives where it left and came back, in session time. The
+// simulator keeps it in memory, a real peer writes it to a file; peerd/assemble.hpp makes one RunRecord of all of them.
 struct PeerLog {
   // `at` is a tick of the peer's own session clock, `true_at` the same instant on a clock that all peers share (the
   // simulator's, or the computer's without the test offset): what an error of the session clock hides, that one shows.
@@ -45,7 +45,8 @@ struct PeerLog {
 
   PeerId peer;
   std::string name;
-  std::optional<SimTime> start;  // of the motions
+  std::optional<SimTime> start;      // of the motions
+  std::optional<HostTime> ended_at;  // when it left or was killed, like `true_at`; none: it was there to the end
   std::vector<Belief> beliefs;
   std::vector<Update> updates;
   std::vector<Datagram> datagrams;

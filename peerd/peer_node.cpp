@@ -96,25 +96,47 @@ void PeerNode::on_packet(HostTime now, RegionId region, std::span<const std::byt
   (void)peer_.on_packet(now, region, datagram);  // why it was dropped is in the peer's counters
 }
 
-// The lowest of the peers that are waited for says when; the others follow its hellos.
+// The lowest of the peers that are waited for says when; the others follow its hellos. Once it has gone, the lowest of
+// those that are left says it, for whoever comes later.
 void PeerNode::agree_on_start(HostTime now) {
   if (!peer_.clock().synchronised()) return;
+  if (options_.late) return follow_start(now);
   const auto& members = peer_.members().all();
-  PeerId lowest = config_.id;
+  PeerId lowest = config_.id, lowest_here = config_.id;
   bool complete = true;
   for (PeerId peer : options_.wait_for) {
     if (peer == config_.id) continue;
     lowest = std::min(lowest, peer);
     const auto member = members.find(peer);
     complete = complete && member != members.end() && member->second.synchronised;
+    if (member != members.end()) lowest_here = std::min(lowest_here, peer);
   }
   if (lowest != config_.id) {
     const auto member = members.find(lowest);
     if (member != members.end() && member->second.start) log_.start = member->second.start;
   } else if (complete && !log_.start) {
     log_.start = std::chrono::ceil<std::chrono::seconds>(peer_.clock().to_session(now) + options_.start_lead);
+  }
+  if (lowest_here == config_.id && log_.start && !announces_start_) {
+    announces_start_ = true;
     peer_.announce_start(*log_.start);
   }
+}
+
+// Of somebody who comes later. Keys from before it was there are nobody's.
+void PeerNode::follow_start(HostTime now) {
+  const auto& members = peer_.members().all();
+  const auto told = std::ranges::find_if(members, [](const auto& member) { return member.second.start.has_value(); });
+  if (told == members.end()) return;
+  const bool first = !log_.start;
+  log_.start = told->second.start;
+  const SimTime session_now = peer_.clock().to_session(now);
+  while (first && next_key_ < keys_.size() && key_time(next_key_) < session_now) ++next_key_;
+}
+
+void PeerNode::leave(HostTime now) {
+  peer_.leave(now);
+  log_.ended_at = now - options_.clock_offset;
 }
 
 void PeerNode::on_tick(HostTime now) {

@@ -30,6 +30,7 @@ class PeerNode {
   struct Options {
     std::uint64_t boot = 1;
     std::vector<PeerId> wait_for;  // motions begin when all of these are here; empty: at once
+    bool late = false;             // the others have begun without it: it takes the start that they say
     Duration start_lead{0};        // from then to the first whole second that is at least so far ahead
     Duration clock_offset{0};      // test setting: what this host's clock is ahead of the shared one
     bool keep_log = true;
@@ -53,7 +54,7 @@ class PeerNode {
     return feeds_.push(now, host_minus_wall, poses);
   }
   void refuse_poses(const std::string& why) { feeds_.refuse_message(why); }
-  void leave(HostTime now) { peer_.leave(now); }
+  void leave(HostTime now);
   // The next output, already in the log.
   [[nodiscard]] std::optional<replication::Output> poll_output();
   // What became of the next key, whether it came by on_key() or from the settings: for a log.
@@ -83,6 +84,7 @@ class PeerNode {
   [[nodiscard]] SimTime key_time(std::size_t key) const { return *log_.start + from_seconds(keys_[key].at_s); }
   void press_keys(HostTime now);
   void agree_on_start(HostTime now);
+  void follow_start(HostTime now);
   [[nodiscard]] SimTime sample_time(std::int64_t number) const;
   void record_truths(SimTime t);
   void record_ghosts(HostTime now);
@@ -98,6 +100,7 @@ class PeerNode {
   std::uint32_t groups_ = 0;            // that it listens to now
   SimTime logged_at_{};                 // the last tick
   std::optional<SimTime> started_for_;  // the start that the peer was told
+  bool announces_start_ = false;
   std::int64_t next_sample_ = 0;        // counted from the start
   KeySensors key_sensors_;
   std::vector<config::ScriptedKey> keys_;  // by time

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <iostream>
 
+#include "peerd/report/expectations.hpp"
 #include "peerd/report/table.hpp"
 #include "peerd/report/write.hpp"
 
@@ -26,13 +27,17 @@ int failed(const config::InputError& error) {
 }
 
 int print_report(const report::ScenarioInfo& info, std::span<const report::RunRecord> runs,
-                 const std::filesystem::path& out, bool json) {
-  const auto summary = report::summarise(info, runs);
+                 std::span<const config::Expectation> expectations, const std::filesystem::path& out, bool json) {
+  auto summary = report::summarise(info, runs);
+  const auto checked = report::check_expectations(expectations, info.mode, runs, summary["runs"]);
+  if (!checked.empty()) summary["expectations"] = report::expectations_json(checked);
   if (const auto written = report::write_report(out, info, runs, summary); !written) {
     return failed({"error: " + written.error(), 3});
   }
-  std::cout << (json ? summary.dump(2) + "\n" : report::table(summary) + report::wrong_outcomes_table(summary));
-  return 0;
+  std::cout << (json ? summary.dump(2) + "\n"
+                     : report::table(summary) + report::wrong_outcomes_table(summary) +
+                           report::expectations_table(checked, summary["runs"]));
+  return std::ranges::any_of(checked, &report::CheckedExpectation::failed) ? 1 : 0;
 }
 
 std::string command_line(const char* command, const ScenarioOptions& options) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "peerd/commands.hpp"
+#include "peerd/config/expectations.hpp"
 #include "peerd/config/toml_input.hpp"
 #include "peerd/report/run_record.hpp"
 #include "peerd/report/summary.hpp"
@@ -14,9 +15,11 @@ namespace peerd {
 
 [[nodiscard]] int failed(const config::InputError& error);
 
-// Writes a scenario's outputs into `out`, and prints its table, or summary.json instead.
+// Checks what a scenario expects, writes its outputs into `out`, and prints its table, or summary.json instead. 1 where
+// something was not as expected.
 [[nodiscard]] int print_report(const report::ScenarioInfo& info, std::span<const report::RunRecord> runs,
-                               const std::filesystem::path& out, bool json);
+                               std::span<const config::Expectation> expectations, const std::filesystem::path& out,
+                               bool json);
 
 // What a shell would have to be given to get the same numbers again: without where they go and how they are shown.
 [[nodiscard]] std::string command_line(const char* command, const ScenarioOptions& options);

@@ -360,7 +360,10 @@ int run_peer(const PeerOptions& options) {
   PeerNode::Options node_options;
   // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
   node_options.boot = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
-  for (const config::PeerSettings& p : run.peers) node_options.wait_for.push_back(PeerId{p.id});
+  for (const config::PeerSettings& p : run.peers) {
+    if (config::starts_with(run.events, p.name)) node_options.wait_for.push_back(PeerId{p.id});
+  }
+  node_options.late = !config::starts_with(run.events, (*settings)->name);
   node_options.start_lead = std::chrono::milliseconds(1000);  // a few hellos must have told everybody
   node_options.clock_offset = from_seconds((*settings)->clock_offset_s);
   node_options.keep_log = !options.record.empty();

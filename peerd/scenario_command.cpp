@@ -14,6 +14,7 @@
 
 #include "peerd/assemble.hpp"
 #include "peerd/commands.hpp"
+#include "peerd/live_events.hpp"
 #include "peerd/print.hpp"
 
 namespace peerd {
@@ -76,6 +77,12 @@ class Child {
     done_ = waitpid(pid_, &status_, WNOHANG) == pid_;
     return !done_;
   }
+  // To leave (SIGTERM), or at once and without a word (SIGKILL).
+  void end(int signal) {
+    killed_ = signal == SIGKILL;
+    if (running()) kill(pid_, signal);
+  }
+  [[nodiscard]] bool killed() const { return killed_; }
   // 0 when it left as it should; its own exit code, or 3 when a signal or the system ended it.
   [[nodiscard]] int exit_code() const { return pid_ > 0 && WIFEXITED(status_) ? WEXITSTATUS(status_) : 3; }
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -86,7 +93,7 @@ class Child {
   fs::path output_;
   pid_t pid_ = -1;
   int status_ = 0;
-  bool done_ = false;
+  bool done_ = false, killed_ = false;
 };
 
 sigset_t stop_signals() {
@@ -130,6 +137,7 @@ std::vector<std::string> peer_command(const Launch& launch, const config::RunSet
   const auto set = [&](const std::string& assignment) { command.insert(command.end(), {"--set", assignment}); };
   for (const std::string& s : launch.options.sets) set(s);
   for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));
+  set("seed=" + std::to_string(run.seed));
   const std::uint32_t port = run.transport.port.value_or(static_cast<std::uint32_t>(launch.port));
   if (run.transport.multicast == config::kMulticastNever) {  // by unicast each has a port of its own
     std::string all;
@@ -148,15 +156,29 @@ std::vector<std::string> peer_command(const Launch& launch, const config::RunSet
 }
 
 config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config::RunSettings& run) {
-  std::vector<std::unique_ptr<Child>> children;
-  std::vector<fs::path> records;
+  auto events = LiveEvents::make(run.events);
+  if (!events) return std::unexpected(events.error());
+  std::vector<std::unique_ptr<Child>> children;  // in the order in which they came
+  const auto stem_of = [&](const std::string& peer) { return (launch.out / (launch.run_name + "." + peer)).string(); };
+  const auto start = [&](const config::PeerSettings& peer) {
+    const std::string record = stem_of(peer.name) + ".rows";
+    fs::remove(record);
+    auto command = peer_command(launch, run, peer, record);
+    if (children.empty() && !events->control().empty()) {
+      command.insert(command.end(), {"--control", events->control().string()});
+    }
+    children.push_back(std::make_unique<Child>(peer.name, command, stem_of(peer.name) + ".log"));
+  };
   for (const config::PeerSettings& peer : run.peers) {
-    const fs::path stem = launch.out / (launch.run_name + "." + peer.name);
-    records.push_back(stem.string() + ".rows");
-    fs::remove(records.back());
-    children.push_back(
-        std::make_unique<Child>(peer.name, peer_command(launch, run, peer, records.back()), stem.string() + ".log"));
+    if (config::starts_with(run.events, peer.name)) start(peer);
   }
+  const auto happen = [&](const config::ScenarioEvent& event) {
+    if (event.kind == config::EventKind::kJoin) {
+      return start(*std::ranges::find(run.peers, event.peer, &config::PeerSettings::name));
+    }
+    const auto child = std::ranges::find(children, event.peer, [](const auto& c) { return c->name(); });
+    (*child)->end(event.kind == config::EventKind::kKill ? SIGKILL : SIGTERM);
+  };
   const bool show_progress = isatty(STDERR_FILENO) != 0;
   const auto begun = std::chrono::steady_clock::now();
   const auto most = std::chrono::duration<double>(run.duration_s) + kGrace;
@@ -170,11 +192,12 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
     for (auto& child : children) {
       if (child->running()) {
         any = true;
-      } else if (child->exit_code() != 0) {
+      } else if (child->exit_code() != 0 && !child->killed()) {
         return fail(*child, "ended by itself");
       }
     }
     if (!any) break;
+    while (const config::ScenarioEvent* event = events->take_due()) happen(*event);
     const auto now = std::chrono::steady_clock::now();
     if (now - begun > most) {
       const auto hung = std::ranges::find_if(children, [](const auto& c) { return c->running(); });
@@ -192,8 +215,9 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
   }
   if (show_progress) std::cerr << "\r\033[K";
   std::vector<PeerLog> logs;
-  for (const fs::path& record : records) {
-    auto log = load_peer_log(record);
+  for (const auto& child : children) {
+    if (child->killed()) continue;  // it had no time to write its record
+    auto log = load_peer_log(stem_of(child->name()) + ".rows");
     if (!log) return std::unexpected(log.error());
     logs.push_back(std::move(*log));
   }
@@ -203,15 +227,23 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
 }  // namespace
 
 int run_scenario(const ScenarioOptions& options, const fs::path& program) {
-  config::ScenarioRequest request{options.scenario, options.configs, options.sets, options.seed, true, true};
+  config::ScenarioRequest request{
+      options.scenario, options.configs, options.sets, options.seed, options.repeat, true, true};
   const auto scenario = config::read_scenario(request);
   if (!scenario) return failed(scenario.error());
+  for (const config::RunSettings& run : scenario->runs) {
+    if (const auto error = why_not_live(run.events)) return failed(*error);
+  }
   const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
   if (!shared) return failed(shared.error());
 
-  report::ScenarioInfo info{scenario->name, "real", scenario->seed, {}, command_line("scenario", options)};
+  report::ScenarioInfo info{scenario->name, "real", scenario->seed, {}, scenario->repeat, command_line("scenario", options)};
   for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
   info.warnings.push_back("the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
+  for (const config::ScenarioEvent& event : scenario->runs.front().events) {
+    if (event.kind != config::EventKind::kKill) continue;
+    info.warnings.push_back("peer " + event.peer + " was killed: what it did and believed is not in the report");
+  }
   const auto out = options.out.empty() ? fs::path("out") / scenario->name : options.out;
   std::error_code error;
   fs::create_directories(out, error);
@@ -229,9 +261,10 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
     if (!record) return failed(record.error());
     records.push_back(std::move(*record));
   }
-  if (const int code = print_report(info, records, out, options.json); code != 0 || options.json) return code;
+  const int code = print_report(info, records, scenario->expectations, out, options.json);
+  if (code > 1 || options.json) return code;
   std::cout << "report: " << (out / "report.html").string() << '\n';
-  return 0;
+  return code;
 }
 
 }  // namespace peerd

@@ -16,14 +16,17 @@
 namespace peerd {
 
 int run_sim(const ScenarioOptions& options) {
-  const auto scenario = config::read_scenario(
-      {.file = options.scenario, .configs = options.configs, .sets = options.sets, .seed = options.seed});
+  const auto scenario = config::read_scenario({.file = options.scenario,
+                                               .configs = options.configs,
+                                               .sets = options.sets,
+                                               .seed = options.seed,
+                                               .repeat = options.repeat});
   if (!scenario) return failed(scenario.error());
   const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
 
-  report::ScenarioInfo info{scenario->name, "sim", scenario->seed, {}, command_line("sim", options)};
+  report::ScenarioInfo info{scenario->name, "sim", scenario->seed, {}, scenario->repeat, command_line("sim", options)};
   for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
   for (const std::string& line : info.warnings) std::cerr << line << '\n';
 
@@ -85,11 +88,12 @@ int run_sim(const ScenarioOptions& options) {
   if (show_progress) std::cerr << "\r\033[K";
 
   const auto out = options.out.empty() ? std::filesystem::path("out") / scenario->name : options.out;
-  if (const int code = print_report(info, records, out, options.json); code != 0 || options.json) return code;
+  const int code = print_report(info, records, scenario->expectations, out, options.json);
+  if (code > 1 || options.json) return code;
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   std::cout << fmt::format("{:.0f} s of {} runs in {:.2f} s, reports included: {:.0f} times real time; {}\n",
                            simulated_s, records.size(), took_s, simulated_s / took_s, (out / "report.html").string());
-  return 0;
+  return code;
 }
 
 }  // namespace peerd

@@ -1,21 +1,20 @@
 #include "peerd/config/scenario.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <set>
-#include <sstream>
+
+#include "peerd/config/toml_json.hpp"
 
 namespace peerd::config {
 namespace {
 
-constexpr double kLatencyMax_ms = 60'000.0;
 constexpr std::size_t kRunsMax = 100'000;
+constexpr std::uint32_t kRepeatMax = 10'000;
+constexpr std::uint64_t kSeedMax = std::numeric_limits<std::int64_t>::max();  // TOML's whole numbers
 
 LinkSettings read_link(TomlReader& reader, LinkSettings link) {
-  reader.read("latency_ms", link.latency_ms, 0.0, kLatencyMax_ms);
-  reader.read("jitter_ms", link.jitter_ms, 0.0, kLatencyMax_ms);
-  reader.read("loss", link.loss, 0.0, 1.0);
-  reader.read("duplication", link.duplication, 0.0, 1.0);
-  reader.read("reordering", link.reordering, 0.0, 1.0);
+  change_link(link, read_link_change(reader));
   return link;
 }
 
@@ -88,6 +87,10 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   scenario.inlines_when_needed = inlines == 1;
   reader.read("duration_s", run.duration_s, 0.1, 1e6);
   reader.read("seed", run.seed);
+  reader.read("repeat", scenario.repeat, 1, kRepeatMax);
+  if (scenario.repeat - 1 > kSeedMax - run.seed) {
+    reader.fail(root.get("seed"), "seed: with repeat, the last of the seeds would be above 2^63 - 1");
+  }
   reader.read("sample_hz", run.sample_hz, 1, 1000);
   run.replication = read_replication(TomlReader(table_or_empty(reader, "replication"), "replication", error));
   read_peers(reader, run, file.parent_path());
@@ -107,29 +110,11 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
     run.control.socket = (file.parent_path() / *run.control.socket).string();
   }
   run.transport = read_transport(TomlReader(table_or_empty(reader, "transport"), "transport", error));
+  run.events = read_events(reader, run.peers, run.duration_s);
+  scenario.expectations = read_expectations(reader, run.peers, run.duration_s);
   reader.finish();
   if (error) return std::unexpected(*error);
   return run;
-}
-
-nlohmann::ordered_json to_json(const toml::node& node) {
-  if (const auto* x = node.as_integer()) return x->get();
-  if (const auto* x = node.as_floating_point()) return x->get();
-  if (const auto* x = node.as_boolean()) return x->get();
-  if (const auto* x = node.as_string()) return x->get();
-  if (const auto* list = node.as_array()) {
-    auto items = nlohmann::ordered_json::array();
-    for (const toml::node& item : *list) items.push_back(to_json(item));
-    return items;
-  }
-  if (const auto* table = node.as_table()) {
-    auto items = nlohmann::ordered_json::object();
-    for (const auto& [key, item] : *table) items[std::string(key.str())] = to_json(item);
-    return items;
-  }
-  std::ostringstream text;
-  node.visit([&](const auto& concrete) { text << toml::table{{"value", concrete}}; });
-  return text.str();
 }
 
 std::string to_text(const toml::table& root) {
@@ -144,7 +129,7 @@ bool takes_list(std::string_view key) {
          key == "replication.models" || key == "transport.peers" || key.ends_with(".position") ||
          key.ends_with(".offset") || key.ends_with(".spin_axis") || key.ends_with(".waypoints") ||
          key.ends_with(".within_m") || key.ends_with(".origin_m") || key == "regions.counts" ||
-         key.ends_with(".physics.velocity") || key.ends_with(".physics.acceleration");
+         key.ends_with(".groups") || key.ends_with(".physics.velocity") || key.ends_with(".physics.acceleration");
 }
 
 struct SweptKey {
@@ -194,6 +179,7 @@ Result<toml::table> read_root(const ScenarioRequest& request, const Sources& sou
     if (auto done = assign(*root, set.key, *set.holder.get("value")); !done) return std::unexpected(done.error());
   }
   if (request.seed) root->insert_or_assign("seed", static_cast<std::int64_t>(*request.seed));
+  if (request.repeat) root->insert_or_assign("repeat", static_cast<std::int64_t>(*request.repeat));
   return root;
 }
 
@@ -213,11 +199,22 @@ Result<toml::table> read_sweep(const ScenarioRequest& request, const Sources& so
   return sweep;
 }
 
+// Why all runs have one value of that key; empty: it may be swept.
+std::string why_not_swept(std::string_view key) {
+  if (key == "world" || key == "inlines" || key == "name") return "all runs of a sweep share it";
+  if (key == "repeat") return "every combination is repeated as often";
+  if (key.starts_with("expect.")) return "an expectation says by `where` which runs it is about";
+  return "";
+}
+
 Result<std::vector<SweptKey>> swept_keys(const ScenarioRequest& request, const toml::table& sweep) {
   std::vector<SweptKey> swept;
   for (const auto& [key, value] : sweep) {
     if (request.real && key.str().starts_with("network.")) continue;
     SweptKey& s = swept.emplace_back(std::string(key.str()), std::vector<const toml::node*>{});
+    if (const std::string why = why_not_swept(key.str()); !why.empty()) {
+      return std::unexpected(InputError{request.file.string() + ": error: sweep: \"" + s.key + "\": " + why});
+    }
     const toml::array* values = value.as_array();
     if (values == nullptr || values->empty()) {
       return std::unexpected(InputError{request.file.string() + ": error: sweep: \"" + s.key +
@@ -226,6 +223,58 @@ Result<std::vector<SweptKey>> swept_keys(const ScenarioRequest& request, const t
     for (const toml::node& v : *values) s.values.push_back(&v);
   }
   return swept;
+}
+
+// One combination of the sweep: the whole configuration, and what of it is among the run's parameters.
+struct Point {
+  toml::table root;
+  nlohmann::ordered_json params = nlohmann::ordered_json::object();
+};
+
+// `named`: parameters that are not swept.
+Result<Point> read_point(const ScenarioRequest& request, const Sources& sources, const std::vector<SweptKey>& swept,
+                         const std::set<std::string>& named, std::size_t number, std::size_t points) {
+  auto root = read_root(request, sources);
+  if (!root) return std::unexpected(root.error());
+  root->erase("sweep");
+  Point point{std::move(*root)};
+  std::size_t rest = number, below = points;
+  for (const SweptKey& s : swept) {  // the last key varies fastest
+    below /= s.values.size();
+    const toml::node& value = *s.values[rest / below];
+    rest %= below;
+    if (auto done = assign(point.root, s.key, value); !done) return std::unexpected(done.error());
+    point.params[s.key] = to_json(value);
+  }
+  for (const std::string& key : named) {
+    if (const toml::node* value = find(point.root, key)) point.params[key] = to_json(*value);
+  }
+  return point;
+}
+
+// Notes the runs that an expectation is about, and the keys that it goes by and that this point does not set.
+void pick_runs(const ScenarioRequest& request, const toml::table& root, std::size_t first_run, std::uint32_t repeat,
+               std::vector<Expectation>& expectations) {
+  for (Expectation& e : expectations) {
+    const bool about_simulated_network =
+        std::ranges::any_of(e.where.items(), [](const auto& key) { return key.key().starts_with("network."); });
+    if (!picks(e, root) || (request.real && about_simulated_network)) continue;
+    for (std::uint32_t k = 0; k < repeat; ++k) e.runs.push_back(first_run + k);
+  }
+}
+
+// An expectation of the file as it stands that is about no run at all can't have been meant. Settings that are laid
+// over the file may leave it without any: the report says so.
+std::optional<InputError> without_runs(const ScenarioRequest& request, const std::vector<Expectation>& expectations,
+                                       const toml::table& root) {
+  if (request.real || !request.sweep || !request.configs.empty() || !request.sets.empty()) return std::nullopt;
+  for (const Expectation& e : expectations) {
+    if (!e.runs.empty()) continue;
+    const std::vector<std::string> unknown = keys_not_set(e, root);
+    return InputError{e.place + "error: expect." + e.name + ".where: " +
+                      (unknown.empty() ? "no run has these values" : "the scenario does not set " + unknown.front())};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -245,42 +294,50 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
   const auto swept = swept_keys(request, *sweep);
   if (!swept) return std::unexpected(swept.error());
 
-  std::size_t runs = 1;
+  std::size_t points = 1;
   std::set<std::string> named{"replication.approach", "replication.order"};  // params that are not swept
   if (!request.real) named.insert("network.latency_ms");
   for (const Assignment& set : sources->sets) named.insert(set.key);
   for (const SweptKey& s : *swept) {
-    runs *= s.values.size();
+    points *= s.values.size();
     named.erase(s.key);
-    if (runs > kRunsMax) {
+    if (points > kRunsMax) {
       return std::unexpected(InputError{"error: the sweep has more than " + std::to_string(kRunsMax) + " runs"});
     }
   }
 
   Scenario scenario;
   scenario.name = request.file.empty() ? "peerd" : request.file.stem().string();
-  for (std::size_t i = 0; i < runs; ++i) {
-    auto root = read_root(request, *sources);
-    if (!root) return std::unexpected(root.error());
-    root->erase("sweep");
-    nlohmann::ordered_json params = nlohmann::ordered_json::object();
-    std::size_t rest = i, below = runs;
-    for (const SweptKey& s : *swept) {  // the last key varies fastest
-      below /= s.values.size();
-      const toml::node& value = *s.values[rest / below];
-      rest %= below;
-      if (auto done = assign(*root, s.key, value); !done) return std::unexpected(done.error());
-      params[s.key] = to_json(value);
-    }
-    for (const std::string& key : named) {
-      if (const auto value = root->at_path(key)) params[key] = to_json(*value.node());
-    }
-    auto run = read_run(*root, scenario, request.file);
+  std::vector<Expectation> expectations;
+  for (std::size_t i = 0; i < points; ++i) {
+    auto point = read_point(request, *sources, *swept, named, i, points);
+    if (!point) return std::unexpected(point.error());
+    auto run = read_run(point->root, scenario, request.file);
     if (!run) return std::unexpected(run.error());
-    run->params = std::move(params);
-    run->toml = to_text(*root);
-    scenario.runs.push_back(std::move(*run));
+    if (!request.sweep) scenario.repeat = 1;
+    if (i == 0) {
+      if (points * scenario.repeat > kRunsMax) {
+        return std::unexpected(
+            InputError{"error: sweep and repeat make more than " + std::to_string(kRunsMax) + " runs"});
+      }
+      if (scenario.repeat > 1 && point->params.contains("seed") && sweep->contains("seed")) {
+        return std::unexpected(InputError{request.file.string() + ": error: sweep: seeds are repeat's already"});
+      }
+      expectations = std::move(scenario.expectations);
+    }
+    pick_runs(request, point->root, scenario.runs.size(), scenario.repeat, expectations);
+    run->params = std::move(point->params);
+    const std::uint64_t first_seed = run->seed;
+    for (std::uint32_t k = 0; k < scenario.repeat; ++k) {
+      run->seed = first_seed + k;
+      point->root.insert_or_assign("seed", static_cast<std::int64_t>(run->seed));
+      run->toml = to_text(point->root);
+      scenario.runs.push_back(*run);
+    }
+    if (i + 1 < points) continue;
+    if (const auto error = without_runs(request, expectations, point->root)) return std::unexpected(*error);
   }
+  scenario.expectations = std::move(expectations);
   scenario.seed = scenario.runs.front().seed;
   return scenario;
 }

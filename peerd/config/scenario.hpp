@@ -9,20 +9,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/config/events.hpp"
+#include "peerd/config/expectations.hpp"
+#include "peerd/config/link_settings.hpp"
 #include "peerd/config/peer_settings.hpp"
 
 namespace peerd::config {
 
-// One direction between two peers of a simulated network: the table [network], or [network.link.FROM.TO] over it.
-struct LinkSettings {
-  double latency_ms = 0.0;
-  double jitter_ms = 0.0;  // added to the latency, uniform in [0, jitter]
-  double loss = 0.0;       // probabilities, a datagram
-  double duplication = 0.0;
-  double reordering = 0.0;  // held back by one more latency + jitter, so that later ones overtake
-};
-
-// One run: every swept key has one value.
+// One run: every swept key has one value, and the seed is one of the repetition's.
 struct RunSettings {
   nlohmann::ordered_json params;  // the swept keys and those that were set, by dotted name
   std::string toml;               // all that these settings were read from, as one text
@@ -33,6 +27,7 @@ struct RunSettings {
   bool compare_outcomes = false;                 // with those of the same run without latency; simulated runs only
   std::vector<PeerSettings> peers;               // by id
   std::map<std::string, MotionSettings> motion;  // by path or pattern: of whoever runs the object
+  std::vector<ScenarioEvent> events;             // by time, then by name
   LinkSettings network;
   std::map<std::pair<std::string, std::string>, LinkSettings> links;
   TransportSettings transport;
@@ -44,7 +39,9 @@ struct Scenario {
   std::filesystem::path world;
   bool inlines_when_needed = false;  // ReadOptions::inlines_later
   std::uint64_t seed = 1;
+  std::uint32_t repeat = 1;  // with so many seeds: that many runs after each other differ in theirs alone
   std::vector<RunSettings> runs;
+  std::vector<Expectation> expectations{};
 };
 
 struct ScenarioRequest {
@@ -52,6 +49,7 @@ struct ScenarioRequest {
   std::vector<std::filesystem::path> configs;  // merged over the scenario, in order
   std::vector<std::string> sets;               // KEY=VALUE; a list sweeps, one value ends that key's sweep
   std::optional<std::uint64_t> seed;
+  std::optional<std::uint32_t> repeat{};
   bool real = false;  // what only a simulated network can do is left out of the sweep
   bool sweep = true;  // false: one run, of the values outside of the sweep
   std::optional<std::string> text = {};

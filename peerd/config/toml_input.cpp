@@ -1,6 +1,7 @@
 #include "peerd/config/toml_input.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -22,6 +23,15 @@ std::string place_of(const toml::source_region& at) {
 
 std::string located(const toml::source_region& at, const std::string& sentence) {
   return place_of(at) + "error: " + sentence;
+}
+
+// An item of a list by its number; null: `list` is none, or there is no such item.
+template <class Node>
+Node* item(Node& list, std::string_view number) {
+  std::size_t i = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), i);
+  if (!list.is_array() || error != std::errc{} || end != number.data() + number.size()) return nullptr;
+  return list.as_array()->get(i);
 }
 
 std::string shown(double x) {
@@ -170,6 +180,23 @@ std::vector<std::vector<double>> TomlReader::rows(std::string_view key, std::siz
   return rows;
 }
 
+std::vector<std::vector<std::string>> TomlReader::word_rows(std::string_view key) {
+  const toml::node* n = node(key);
+  if (n == nullptr) return {};
+  const toml::array* list = n->as_array();
+  std::vector<std::vector<std::string>> rows;
+  bool good = list != nullptr && !list->empty();
+  for (std::size_t i = 0; good && i < list->size(); ++i) {
+    const toml::array* row = list->get(i)->as_array();
+    good = row != nullptr && std::ranges::all_of(*row, [](const toml::node& word) { return word.is_string(); });
+    rows.emplace_back();
+    for (std::size_t j = 0; good && j < row->size(); ++j) rows.back().push_back(row->get_as<std::string>(j)->get());
+  }
+  if (good) return rows;
+  fail(n, dotted(key) + " must be a list of lists of strings");
+  return {};
+}
+
 void TomlReader::read_word(std::string_view key, std::size_t& index, std::initializer_list<std::string_view> words) {
   const toml::node* n = node(key);
   if (n == nullptr) return;
@@ -270,20 +297,43 @@ Result<Assignment> parse_assignment(const std::string& text) {
   return a;
 }
 
+const toml::node* find(const toml::table& root, std::string_view dotted_key) {
+  const toml::node* at = &root;
+  while (at != nullptr && !dotted_key.empty()) {
+    const std::string_view part = dotted_key.substr(0, dotted_key.find('.'));
+    dotted_key.remove_prefix(std::min(dotted_key.size(), part.size() + 1));
+    const toml::table* table = at->as_table();
+    at = table != nullptr ? table->get(part) : item(*at, part);
+  }
+  return at;
+}
+
 Result<void> assign(toml::table& root, std::string_view dotted_key, const toml::node& value) {
-  toml::table* table = &root;
+  toml::node* at = &root;
   std::string_view rest = dotted_key;
   for (std::size_t dot = rest.find('.'); dot != std::string_view::npos; dot = rest.find('.')) {
-    const auto [at, added] = table->emplace<toml::table>(rest.substr(0, dot));
-    table = at->second.as_table();
-    if (table == nullptr) {
-      return std::unexpected(InputError{"error: " + std::string(dotted_key) + ": " +
-                                        std::string(dotted_key.substr(0, dotted_key.size() - rest.size() + dot)) +
-                                        " is a value, not a table"});
-    }
+    toml::table* table = at->as_table();
+    at = table != nullptr ? &table->emplace<toml::table>(rest.substr(0, dot)).first->second
+                          : item(*at, rest.substr(0, dot));
     rest.remove_prefix(dot + 1);
+    if (at == nullptr || !(at->is_table() || at->is_array())) {
+      const std::string holder(dotted_key.substr(0, dotted_key.size() - rest.size() - 1));
+      return std::unexpected(InputError{"error: " + std::string(dotted_key) + ": " + holder +
+                                        (at != nullptr ? " is a value, not a table" : " is no item of a list")});
+    }
   }
-  value.visit([&](const auto& concrete) { table->insert_or_assign(rest, concrete); });
+  if (toml::table* table = at->as_table()) {
+    value.visit([&](const auto& concrete) { table->insert_or_assign(rest, concrete); });
+    return {};
+  }
+  toml::node* const old = item(*at, rest);
+  if (old == nullptr) {
+    return std::unexpected(InputError{"error: " + std::string(dotted_key) + ": the list has " +
+                                      std::to_string(at->as_array()->size()) + " items, which count from 0"});
+  }
+  toml::array& list = *at->as_array();
+  const auto place = std::ranges::find_if(list, [&](const toml::node& n) { return &n == old; });
+  value.visit([&](const auto& concrete) { list.replace(place, concrete); });
   return {};
 }
 

@@ -39,6 +39,8 @@ class TomlReader {
   void read(std::string_view key, std::optional<std::uint64_t>& value);
   // A list of at least one list of `size` numbers.
   [[nodiscard]] std::vector<std::vector<double>> rows(std::string_view key, std::size_t size);
+  // A list of at least one list of strings.
+  [[nodiscard]] std::vector<std::vector<std::string>> word_rows(std::string_view key);
   // One of `words`; gives its index.
   void read_word(std::string_view key, std::size_t& index, std::initializer_list<std::string_view> words);
   // A sub-table, or none. Its own reader must finish() it.
@@ -79,8 +81,10 @@ struct Assignment {
   toml::table holder;  // {value = VALUE}
 };
 [[nodiscard]] Result<Assignment> parse_assignment(const std::string& text);
-// Puts a copy of `value` at a dotted key, making tables on the way.
+// Puts a copy of `value` at a dotted key, making tables on the way. The items of a list go by number, from 0.
 [[nodiscard]] Result<void> assign(toml::table& root, std::string_view dotted_key, const toml::node& value);
+// What stands at a dotted key, by the same rules; null: nothing.
+[[nodiscard]] const toml::node* find(const toml::table& root, std::string_view dotted_key);
 // `over` wins, table by table.
 void merge(toml::table& base, const toml::table& over);
 

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "peerd/report/lookup.hpp"
+
 namespace peerd::report {
 namespace {
 
@@ -151,7 +153,7 @@ Agreement::Shared compare_shared(const RunRecord& run) {
       if (peer.peer == decision.stated->peer) continue;
       const auto held = decision.taken_over.find(peer.peer);
       if (held == decision.taken_over.end()) {
-        ++shared.missed;
+        shared.missed += was_there(peer, decision.stated->t_s) ? 1 : 0;
       } else {
         ++(same_side(*decision.stated, *held->second) ? shared.agreed : shared.disagreed);
       }
@@ -209,7 +211,7 @@ Agreement agreement(const RunRecord& run) {
         if (has_author(outcome, peer.peer)) continue;
         const auto said = words.find({&outcome, peer.peer});
         if (said == words.end()) {
-          ++result.missed;
+          result.missed += was_there(peer, outcome.t_s) ? 1 : 0;
         } else {
           judge_words(run, outcome, said->second, result);
         }

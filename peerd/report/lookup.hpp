@@ -16,6 +16,9 @@ namespace peerd::report {
 // What one observer believed of one object, in order of time.
 [[nodiscard]] std::span<const BeliefSample> beliefs_of(const RunRecord& run, PeerId observer, ObjectId object);
 
+// Whether the peer was in the session then.
+[[nodiscard]] bool was_there(const PeerInfo& peer, double t_s);
+
 // Distance from the truth to the ghost, and to what a viewer draws [m].
 [[nodiscard]] inline double ghost_error_m(const BeliefSample& s) {
   return (s.ghost.position - s.truth.position).norm();

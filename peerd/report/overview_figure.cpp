@@ -43,6 +43,21 @@ RunPoint run_point(const Json& run, const std::string& path) {
   return point;
 }
 
+// Runs that differ in their seed alone are one point: their mean.
+std::vector<RunPoint> mean_points(const std::vector<RunPoint>& runs, std::size_t repeat) {
+  std::vector<RunPoint> points;
+  for (std::size_t first = 0; first + repeat <= runs.size(); first += repeat) {
+    RunPoint& point = points.emplace_back(runs[first]);
+    for (std::size_t i = first + 1; i < first + repeat; ++i) {
+      point.error_m += runs[i].error_m;
+      point.updates += runs[i].updates;
+    }
+    point.error_m /= static_cast<double>(repeat);
+    point.updates /= static_cast<double>(repeat);
+  }
+  return points;
+}
+
 // The swept key on the x axis: numeric in every run, with the most values; the first of equals.
 std::optional<std::string> x_key(const std::vector<RunPoint>& points, const std::vector<std::string>& keys) {
   std::optional<std::string> best;
@@ -202,10 +217,9 @@ std::string overview_figure(const Json& summary) {
   const std::string path = principal_object(summary);
   std::vector<RunPoint> points;
   std::vector<Params> params;
-  for (const Json& run : summary.at("runs")) {
-    points.push_back(run_point(run, path));
-    params.push_back(points.back().params);
-  }
+  for (const Json& run : summary.at("runs")) points.push_back(run_point(run, path));
+  points = mean_points(points, summary.value("repeat", 1u));
+  for (const RunPoint& point : points) params.push_back(point.params);
   const std::vector<std::string> keys = varying_keys(params);
   const std::optional<std::string> x = x_key(points, keys);
   const std::vector<Combination> combinations = combinations_of(points, keys, x);
@@ -219,6 +233,10 @@ std::string overview_figure(const Json& summary) {
   const std::string title = summary.at("scenario").get<std::string>() + (path.empty() ? "" : ": " + path);
   std::string subtitle = summary.at("mode").get<std::string>() + ", seed " + summary.at("seed").dump() + ", " +
                          std::to_string(points.size()) + (points.size() == 1 ? " run" : " runs");
+  if (summary.contains("repeat")) {
+    subtitle +=
+        (points.size() == 1 ? ", the first of " : ", each the mean over ") + summary.at("repeat").dump() + " seeds";
+  }
   if (path.empty()) subtitle += ": no object that another peer observes";
   draw_title(svg, {kLeftBox.x, 28.0}, kWidth - kLeftBox.x - 20.0, title, subtitle);
   if (path.empty()) return std::move(svg).finish();

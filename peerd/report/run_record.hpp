@@ -23,6 +23,7 @@ struct ObjectInfo {
 struct PeerInfo {
   PeerId peer;
   std::string name;
+  std::vector<std::pair<double, double>> there_s{};  // from when to when; empty: all the time
 };
 
 // What one peer believed of one remote object at one of its ticks.
@@ -89,6 +90,7 @@ struct InterestRecord {
 
 struct RunRecord {
   nlohmann::ordered_json params;  // every swept key by its dotted name
+  std::uint64_t seed = 1;
   double duration_s = 0.0;
   std::vector<PeerInfo> peers;
   std::vector<ObjectInfo> objects;              // the replicated ones

@@ -9,6 +9,7 @@
 
 #include "peerd/report/agreement.hpp"
 #include "peerd/report/lookup.hpp"
+#include "peerd/report/points.hpp"
 #include "peerd/report/statistics.hpp"
 
 namespace peerd::report {
@@ -148,6 +149,7 @@ Json run_json(const RunRecord& run) {
   for (const auto& [name, count] : run.counters) counters[name] = count;
   if (not_finite > 0) counters["report.samples_not_finite"] = not_finite;
   Json json = {{"params", run.params.is_null() ? Json::object() : run.params},
+               {"seed", run.seed},
                {"objects", std::move(objects)},
                {"collisions", collisions_json(run)},
                {"traffic", traffic_json(run)},
@@ -165,6 +167,10 @@ Json summarise(const ScenarioInfo& info, std::span<const RunRecord> runs) {
   if (!info.warnings.empty()) summary["warnings"] = info.warnings;
   Json rows = Json::array();
   for (const RunRecord& run : runs) rows.push_back(run_json(run));
+  if (info.repeat > 1) {
+    summary["repeat"] = info.repeat;
+    summary["points"] = points_json(rows, info.repeat);
+  }
   summary["runs"] = std::move(rows);
   return summary;
 }

@@ -15,6 +15,7 @@ struct ScenarioInfo {
   std::string mode;  // "sim" or "real"
   std::uint64_t seed = 0;
   std::vector<std::string> warnings;  // what the reader of the numbers should know; one sentence each
+  std::uint32_t repeat = 1;           // so many runs after each other differ in their seed alone
   std::string command = {};           // that was given, in a shell's words; "" if there was none
 };
 

@@ -2,34 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "peerd/report/columns.hpp"
 #include "peerd/report/sweep.hpp"
 
 namespace peerd::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string fixed(double value, int decimals) {
-  std::array<char, 400> text{};  // 1e308 has 309 digits
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals).ptr;
-  return {text.data(), end};
-}
-
-// Columns on the terminal: code points. Good enough for paths and names, which are rarely wider.
-std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
-}
-
-std::string padded(const std::string& text, std::size_t width, bool right) {
-  const std::string space(width - std::min(width, width_of(text)), ' ');
-  return right ? space + text : text + space;
-}
 
 std::vector<std::string> observers_of(const Json& summary, const std::string& path) {
   std::vector<std::string> names;
@@ -116,41 +100,40 @@ std::vector<Column> lay_out(const Json& summary, const std::string& path, ErrorT
   return columns;
 }
 
-void append_line(std::string& out, std::string line) {
-  line.erase(line.find_last_not_of(' ') + 1);
-  out += line + '\n';
+// "0.123 ± 0.004" of a point's number; "-" where none of its runs has it.
+std::string interval_cell(const Json* holder, const char* measure, int decimals) {
+  if (holder == nullptr || !holder->contains(measure)) return "-";
+  const Json& number = holder->at(measure);
+  return fixed(number.at("mean").get<double>(), decimals) + " ± " +
+         fixed(number.at("half_width_95").get<double>(), decimals);
 }
 
-void append_rows(std::string& out, const std::vector<Column>& columns) {
-  std::vector<std::size_t> widths;
-  for (const Column& c : columns) {
-    std::size_t width = width_of(c.name);
-    for (const std::string& cell : c.cells) width = std::max(width, width_of(cell));
-    widths.push_back(width);
+// A row a point and an observer: means over the seeds.
+std::vector<Column> lay_out_points(const Json& summary, const std::string& path) {
+  std::vector<Params> params;
+  for (const Json& point : summary.at("points")) params.push_back(point.at("params"));
+  const std::vector<std::string> keys = varying_keys(params);
+  std::vector<Column> columns{{"", "runs", true, {}}};
+  for (const std::string& key : keys) columns.push_back({"", short_name(key, keys), true, {}});
+  for (const char* name : {"updates", "observer", "mean", "p99", "max", "bytes/s"}) {
+    columns.push_back({"", name, std::string_view(name) != "observer", {}});
   }
-  std::string groups;
-  std::string names;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const bool starts_group = !columns[c].group.empty() && (c == 0 || columns[c - 1].group != columns[c].group);
-    const std::string gap(c == 0 ? 0 : starts_group ? 4 : 2, ' ');
-    if (starts_group) groups = padded(groups, width_of(names) + gap.size(), false) + columns[c].group;
-    names += gap + padded(columns[c].name, widths[c], columns[c].numeric);
-  }
-  if (!groups.empty()) append_line(out, groups);
-  append_line(out, names);
-  const std::size_t rows = columns.front().cells.size();
-  for (std::size_t r = 0; r < rows; ++r) {
-    std::string line;
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      const bool starts_group = !columns[c].group.empty() && columns[c - 1].group != columns[c].group;
-      line += std::string(c == 0         ? 0
-                          : starts_group ? 4
-                                         : 2,
-                          ' ') +
-              padded(columns[c].cells[r], widths[c], columns[c].numeric);
+  for (std::size_t i = 0; i < params.size(); ++i) {
+    const Json& point = summary.at("points")[i];
+    const Json& runs = point.at("runs");
+    for (const std::string& observer : observers_of(summary, path)) {
+      const Json* view = find_row(point, path, observer);
+      const Json* error = view != nullptr && view->contains("ghost_error_m") ? &view->at("ghost_error_m") : nullptr;
+      std::size_t c = 0;
+      columns[c++].cells.push_back(runs.front().dump() + "-" + runs.back().dump());
+      for (const std::string& key : keys) columns[c++].cells.push_back(value_text(params[i], key));
+      columns[c++].cells.push_back(interval_cell(view, "updates_sent", 1));
+      columns[c++].cells.push_back(observer);
+      for (const char* name : {"mean", "p99", "max"}) columns[c++].cells.push_back(interval_cell(error, name, 3));
+      columns[c++].cells.push_back(interval_cell(&point.at("traffic"), "bytes_per_s", 0));
     }
-    append_line(out, line);
   }
+  return columns;
 }
 
 std::string heading(const Json& summary, const std::string& path) {
@@ -193,9 +176,12 @@ std::string table(const Json& summary) {
   const std::string path = principal_object(summary);
   std::string out;
   append_line(out, heading(summary, path));
-  const std::vector<Column> columns = lay_out(summary, path, [](double error_m) { return fixed(error_m, 3); });
-
-  append_rows(out, columns);
+  const bool repeated = summary.contains("points");
+  if (repeated)
+    append_line(out,
+                "mean ± half width of its 95 % confidence interval, over " + summary.at("repeat").dump() + " seeds");
+  const auto in_millimetres = [](double error_m) { return fixed(error_m, 3); };
+  append_rows(out, repeated ? lay_out_points(summary, path) : lay_out(summary, path, in_millimetres));
   if (summary.contains("warnings")) {
     for (const Json& warning : summary.at("warnings")) append_line(out, "warning: " + warning.get<std::string>());
   }

@@ -30,8 +30,7 @@ InterestOracle::InterestOracle(const config::RunSettings& run, std::vector<Watch
   for (const config::PeerSettings& from : run_.peers) {
     for (const config::PeerSettings& to : run_.peers) {
       const config::LinkSettings& link = config::link(run_, from.name, to.name);
-      const double longest_ms = (link.latency_ms + link.jitter_ms) * (link.reordering > 0.0 ? 2.0 : 1.0);
-      if (from.id != to.id) found_.latency_ms = std::max(found_.latency_ms, longest_ms);
+      if (from.id != to.id) found_.latency_ms = std::max(found_.latency_ms, link.longest_delay_ms());
     }
   }
 }

@@ -62,6 +62,7 @@ void Network::send(VirtualTime now, std::size_t from, RegionId region, replicati
   const auto shared = std::make_shared<const replication::Bytes>(std::move(datagram));
   for (std::size_t to = 0; to < peers_; ++to) {
     if (to == from || !joined(to, region)) continue;
+    if (!sides_.empty() && sides_[from] != sides_[to]) continue;
     for (const Duration delay : links_[from * peers_ + to].delays()) {
       queue_.push({now + delay, sent_++, from, to, region, shared});
     }

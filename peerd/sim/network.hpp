@@ -24,6 +24,7 @@ class Link {
   Link(const config::LinkSettings& settings, std::uint64_t seed);
   // When the copies of a datagram that leaves now arrive: none when it is lost, two when it is duplicated.
   [[nodiscard]] std::vector<Duration> delays();
+  void change(const config::LinkChange& change) { config::change_link(settings_, change); }
 
  private:
   [[nodiscard]] double uniform();  // [0, 1)
@@ -52,6 +53,13 @@ class Network {
 
   void join(std::size_t peer, RegionId region);
   void leave(std::size_t peer, RegionId region);
+  void leave_all(std::size_t peer) { joined_[peer].clear(); }
+  // From now on nothing that is sent gets to another side; what is under way arrives. By peer; empty: all hear all.
+  void part(std::vector<std::uint32_t> sides) { sides_ = std::move(sides); }
+  // From now on, for what is sent on the link between two peers.
+  void change(std::size_t from, std::size_t to, const config::LinkChange& change) {
+    links_[from * peers_ + to].change(change);
+  }
   [[nodiscard]] bool joined(std::size_t peer, RegionId region) const;
   void send(VirtualTime now, std::size_t from, RegionId region, replication::Bytes datagram);
 
@@ -63,6 +71,7 @@ class Network {
   std::size_t peers_;
   std::vector<Link> links_;                    // from * peers + to
   std::vector<std::vector<RegionId>> joined_;  // by peer, sorted
+  std::vector<std::uint32_t> sides_;           // by peer; empty: no partition
   std::priority_queue<Delivery, std::vector<Delivery>, std::greater<>> queue_;
   std::uint64_t sent_ = 0;
 };

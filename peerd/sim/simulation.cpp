@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "peerd/record/capture.hpp"
+#include "peerd/sim/event_times.hpp"
 #include "peerd/sim/interest_oracle.hpp"
 #include "peerd/sim/network.hpp"
 #include "peerd/transport_options.hpp"
@@ -17,48 +18,48 @@ constexpr VirtualTime kBegin{std::chrono::seconds(10'000'000)};
 constexpr Duration kJoinWithin = std::chrono::seconds(600);
 
 struct SimulatedPeer {
-  std::unique_ptr<PeerNode> node;
+  std::unique_ptr<PeerNode> node;  // null: it is not there
   Duration clock_offset;
-  PeerNode::Options options;
-  std::unique_ptr<record::CaptureWriter> capture;  // null: none
+  VirtualTime came_at;
+  std::uint64_t lives = 0;
+  std::unique_ptr<record::CaptureWriter> capture = nullptr;  // null: none
 
   [[nodiscard]] HostTime host(VirtualTime t) const { return HostTime{t.time_since_epoch() + clock_offset}; }
   [[nodiscard]] VirtualTime virtual_time(HostTime t) const { return VirtualTime{t.time_since_epoch() - clock_offset}; }
+  [[nodiscard]] VirtualTime deadline() const {
+    const HostTime host = node->next_deadline();
+    return host == HostTime::min() ? came_at : virtual_time(host);
+  }
 };
 
 constexpr double kFallback_s = 1.0;
 
+// Of any link at any time of the run.
 double longest_delay_s(const config::RunSettings& run) {
-  const auto longest_ms = [](const config::LinkSettings& link) {
-    return (link.latency_ms + link.jitter_ms) * (link.reordering > 0.0 ? 2.0 : 1.0);
+  std::vector<config::LinkSettings> links{run.network};
+  for (const auto& [ends, link] : run.links) links.push_back(link);
+  double most_ms = 0.0;
+  const auto look = [&] {
+    for (const config::LinkSettings& link : links) most_ms = std::max(most_ms, link.longest_delay_ms());
   };
-  double most_ms = longest_ms(run.network);
-  for (const auto& [ends, link] : run.links) most_ms = std::max(most_ms, longest_ms(link));
+  look();
+  for (const config::ScenarioEvent& e : run.events) {
+    for (config::LinkSettings& link : links) config::change_link(link, e.change);
+    look();
+  }
   return most_ms * 1e-3;
 }
 
-config::Result<std::vector<SimulatedPeer>> make_peers(const config::RunSettings& run, const SharedWorld& shared) {
-  auto objects = config::resolve(run, shared.world.scene);
-  if (!objects) return std::unexpected(objects.error());
-  std::vector<SimulatedPeer> peers;
+std::optional<config::InputError> why_not_simulated(const config::RunSettings& run,
+                                                    const std::vector<config::PeerObjects>& objects) {
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
-    const config::PeerSettings& settings = run.peers[i];
-    if (!(*objects)[i].outside.empty()) {  // what it sends would depend on how fast this computer simulates
-      return std::unexpected(config::InputError{
-          "error: peer." + settings.name + " leaves \"" + (*objects)[i].outside.begin()->first +
-          "\" to a program outside, which runs in real time, and a simulation does not; use peerd run or peerd "
-          "scenario, or move it by a formula or a recorded track"});
-    }
-    PeerNode::Options options;
-    for (const config::PeerSettings& p : run.peers) options.wait_for.push_back(PeerId{p.id});
-    // Everybody must have heard of the start, and of the objects that already move, before it comes.
-    options.start_lead = from_seconds(1.0 + 2.0 * longest_delay_s(run));
-    options.clock_offset = from_seconds(settings.clock_offset_s);
-    options.sample_hz = run.sample_hz;
-    auto node = PeerNode::make(settings, run.replication, shared, std::move((*objects)[i]), options);
-    peers.push_back({std::move(node), options.clock_offset, options, nullptr});
+    if (objects[i].outside.empty()) continue;  // what it sends would depend on how fast this computer simulates
+    return config::InputError{
+        "error: peer." + run.peers[i].name + " leaves \"" + objects[i].outside.begin()->first +
+        "\" to a program outside, which runs in real time, and a simulation does not; use peerd run or peerd "
+        "scenario, or move it by a formula or a recorded track"};
   }
-  return peers;
+  return std::nullopt;
 }
 
 // Where a simulated peer's datagrams come from, in its captures: 10.ID or fd00::ID.
@@ -70,25 +71,243 @@ boost::asio::ip::udp::endpoint address_of(const config::PeerSettings& peer, cons
   return {ip::address_v6(bytes), groups.port};
 }
 
-config::Result<void> open_captures(const Captures& captures, const config::RunSettings& run, const SharedWorld& shared,
-                                   const net::GroupPlan& groups, std::vector<SimulatedPeer>& peers) {
-  for (std::size_t i = 0; i < peers.size(); ++i) {
-    const config::PeerSettings& settings = run.peers[i];
-    const auto setup =
-        record::make_setup(captures.scenario, run, settings, captures.file, shared, peers[i].options, groups);
-    auto opened = record::CaptureWriter::open(captures.folder / (settings.name + ".pcapng"), setup,
-                                              peers[i].host(kBegin), address_of(settings, groups).address());
-    if (!opened) return std::unexpected(opened.error());
-    peers[i].capture = *std::move(opened);
+// A run as it goes on.
+class Simulation {
+ public:
+  Simulation(const config::RunSettings& run, const SharedWorld& shared, const Observer& observer,
+             const KeyObserver& key_observer, const Captures* captures)
+      : run_(run),
+        shared_(shared),
+        observer_(observer),
+        key_observer_(key_observer),
+        captures_(captures),
+        network_(run),
+        events_(run.events),
+        longest_delay_s_(longest_delay_s(run)) {}
+
+  config::Result<std::vector<PeerLog>> all(std::optional<report::InterestRecord>* interest) {
+    auto objects = config::resolve(run_, shared_.world.scene);
+    if (!objects) return std::unexpected(objects.error());
+    if (const auto error = why_not_simulated(run_, *objects)) return std::unexpected(*error);
+    if (captures_ != nullptr) {
+      if (config::peers_change(run_.events)) {
+        return std::unexpected(config::InputError{
+            "error: --capture: a capture is of one life of a peer, and here peers join, leave or are killed"});
+      }
+      const auto reach = transport_options(run_.transport, {});
+      if (!reach) return std::unexpected(reach.error());
+      groups_ = reach->multicast.groups;
+    }
+    for (std::size_t i = 0; i < run_.peers.size(); ++i) {
+      peers_.push_back({nullptr, from_seconds(run_.peers[i].clock_offset_s), kBegin});
+      if (!config::starts_with(run_.events, run_.peers[i].name)) continue;
+      if (const auto error = enter(i, std::move((*objects)[i]), false)) return std::unexpected(*error);
+    }
+    if (interest != nullptr && InterestOracle::has_areas(run_)) {
+      if (config::peers_change(run_.events)) {
+        return std::unexpected(config::InputError{
+            "error: interest_radius_m: what comes of it is not measured yet where peers join, leave or are killed"});
+      }
+      std::vector<WatchedPeer> watched;
+      for (const SimulatedPeer& p : peers_) watched.push_back({p.node.get(), p.clock_offset});
+      oracle_.emplace(run_, std::move(watched));
+    }
+    for (std::size_t i = 0; i < peers_.size(); ++i) drain(i);
+    if (const auto error = go_on()) return std::unexpected(*error);
+    if (oracle_) *interest = oracle_->record();
+    for (SimulatedPeer& p : peers_) {
+      if (p.node) logs_.push_back(p.node->log());
+      if (p.capture) p.capture->flush();
+      if (p.capture && !p.capture->good()) {
+        return std::unexpected(config::InputError{
+            "error: can't write the captures to " + captures_->folder.string() + "; is the disk full?", 3});
+      }
+    }
+    std::ranges::stable_sort(logs_, {}, &PeerLog::peer);
+    return std::move(logs_);
   }
-  return {};
-}
+
+ private:
+  std::optional<config::InputError> enter(std::size_t i, config::PeerObjects objects, bool late) {
+    SimulatedPeer& peer = peers_[i];
+    PeerNode::Options options;
+    options.boot = ++peer.lives;
+    options.late = late;
+    for (const config::PeerSettings& p : run_.peers) {
+      if (config::starts_with(run_.events, p.name)) options.wait_for.push_back(PeerId{p.id});
+    }
+    // Everybody must have heard of the start, and of the objects that already move, before it comes.
+    options.start_lead = from_seconds(1.0 + 2.0 * longest_delay_s_);
+    options.clock_offset = peer.clock_offset;
+    options.sample_hz = run_.sample_hz;
+    peer.came_at = now_;
+    if (captures_ != nullptr) {
+      const config::PeerSettings& settings = run_.peers[i];
+      auto opened = record::CaptureWriter::open(
+          captures_->folder / (settings.name + ".pcapng"),
+          record::make_setup(captures_->scenario, run_, settings, captures_->file, shared_, options, groups_),
+          peer.host(now_), address_of(settings, groups_).address());
+      if (!opened) return opened.error();
+      peer.capture = *std::move(opened);
+    }
+    peer.node = PeerNode::make(run_.peers[i], run_.replication, shared_, std::move(objects), std::move(options));
+    return std::nullopt;
+  }
+
+  void end(std::size_t i, bool with_a_goodbye) {
+    SimulatedPeer& peer = peers_[i];
+    if (with_a_goodbye) {
+      peer.node->leave(peer.host(now_));
+      drain(i);
+    }
+    PeerLog& log = logs_.emplace_back(peer.node->log());
+    log.ended_at = HostTime{now_.time_since_epoch()};
+    peer.node.reset();
+    network_.leave_all(i);
+  }
+
+  std::optional<config::InputError> happen(const config::ScenarioEvent& event) {
+    using config::EventKind;
+    const auto index = [&](const std::string& name) {
+      const auto at = std::ranges::find(run_.peers, name, &config::PeerSettings::name);
+      return static_cast<std::size_t>(at - run_.peers.begin());
+    };
+    switch (event.kind) {
+      case EventKind::kJoin: {
+        auto objects = config::resolve(run_, shared_.world.scene);
+        if (!objects) return objects.error();
+        const std::size_t i = index(event.peer);
+        if (auto error = enter(i, std::move((*objects)[i]), true)) return error;
+        drain(i);
+        break;
+      }
+      case EventKind::kLeave:
+      case EventKind::kKill:
+        end(index(event.peer), event.kind == EventKind::kLeave);
+        break;
+      case EventKind::kPartition:
+        network_.part(event.sides);
+        break;
+      case EventKind::kHeal:
+        network_.part({});
+        break;
+      case EventKind::kNetwork:
+        for (std::size_t from = 0; from < peers_.size(); ++from) {
+          for (std::size_t to = 0; to < peers_.size(); ++to) {
+            const bool meant =
+                (event.from.empty() || from == index(event.from)) && (event.to.empty() || to == index(event.to));
+            if (meant) network_.change(from, to, event.change);
+          }
+        }
+        break;
+    }
+    return std::nullopt;
+  }
+
+  void drain(std::size_t i) {
+    if (!peers_[i].node) return;
+    PeerNode& node = *peers_[i].node;
+    while (auto out = node.poll_output()) {
+      if (auto* send = std::get_if<replication::Send>(&*out)) {
+        if (peers_[i].capture) peers_[i].capture->on_send(send->region, send->datagram);
+        if (oracle_) oracle_->on_send(now_, i, send->region, send->datagram, network_);
+        network_.send(now_, i, send->region, std::move(send->datagram));
+        continue;
+      }
+      if (const auto* join = std::get_if<replication::Join>(&*out)) network_.join(i, join->region);
+      if (const auto* leave = std::get_if<replication::Leave>(&*out)) network_.leave(i, leave->region);
+      const bool joins = std::holds_alternative<replication::Join>(*out);
+      if (oracle_ && (joins || std::holds_alternative<replication::Leave>(*out))) {
+        oracle_->on_membership(now_, i, joins);
+      }
+      if (observer_) observer_(HostTime{now_.time_since_epoch()}, node, *out);
+    }
+    while (const auto key = node.poll_key_report()) {
+      if (key_observer_) key_observer_(HostTime{now_.time_since_epoch()}, node, *key);
+    }
+  }
+
+  // Whose tick is next; none: nobody is there.
+  [[nodiscard]] std::optional<std::size_t> next_peer() const {
+    std::optional<std::size_t> next;
+    for (std::size_t i = 0; i < peers_.size(); ++i) {
+      if (peers_[i].node && (!next || peers_[i].deadline() < peers_[*next].deadline())) next = i;
+    }
+    return next;
+  }
+
+  void note_begin() {
+    for (const SimulatedPeer& p : peers_) {
+      if (events_.begun() || !p.node || !p.node->start()) continue;
+      events_.begin(p.virtual_time(p.node->peer().clock().to_host(*p.node->start())));
+    }
+  }
+
+  // To the end of the run, or to what stands in its way.
+  std::optional<config::InputError> go_on() {
+    // Late updates end no belief early, and what is held back is decided and heard of: a fallback waits for two
+    // latencies and three hellos.
+    const Duration linger = from_seconds(run_.duration_s + 3.0 * longest_delay_s_ + kFallback_s);
+    for (;;) {
+      const std::optional<std::size_t> next = next_peer();
+      const std::optional<VirtualTime> event_at = events_.next();
+      if (!next && !event_at) return std::nullopt;  // all have gone
+      const VirtualTime tick_at = next ? std::max(now_, peers_[*next].deadline()) : VirtualTime::max();
+      const VirtualTime first_at = network_.idle() ? tick_at : std::min(tick_at, network_.next_delivery());
+      if (event_at && *event_at <= first_at) {
+        now_ = std::max(now_, *event_at);
+        if (const auto error = happen(events_.take())) return error;
+        continue;
+      }
+      while (oracle_ && oracle_->next_look() && *oracle_->next_look() < first_at) oracle_->look();
+      if (!network_.idle() && network_.next_delivery() <= tick_at) {  // datagrams first: a tick begins by draining them
+        const Delivery d = network_.take_next();
+        now_ = d.at;
+        const SimulatedPeer& to = peers_[d.to];
+        if (!to.node) continue;
+        if (to.capture) {
+          to.capture->on_packet(to.host(now_), address_of(run_.peers[d.from], groups_), d.region, *d.datagram);
+        }
+        to.node->on_packet(to.host(now_), d.region, *d.datagram);
+        drain(d.to);
+        continue;
+      }
+      now_ = tick_at;
+      PeerNode& node = *peers_[*next].node;
+      const HostTime host = peers_[*next].host(now_);
+      if (peers_[*next].capture) peers_[*next].capture->on_tick(host);
+      node.on_tick(host);
+      drain(*next);
+      if (!events_.begun()) note_begin();
+      if (!node.start() && now_ - peers_[*next].came_at > kJoinWithin) {
+        return config::InputError{"error: peer " + run_.peers[*next].name +
+                                  " never had all the others; does the network lose everything?"};
+      }
+      if (node.start() && node.peer().clock().to_session(host) > *node.start() + linger) return std::nullopt;
+    }
+  }
+
+  const config::RunSettings& run_;
+  const SharedWorld& shared_;
+  const Observer& observer_;
+  const KeyObserver& key_observer_;
+  const Captures* captures_;  // null: none
+  net::GroupPlan groups_;     // that the captures name
+  Network network_;
+  EventTimes events_;
+  double longest_delay_s_;
+  VirtualTime now_ = kBegin;
+  std::vector<SimulatedPeer> peers_;  // of the run, in its order
+  std::vector<PeerLog> logs_;         // of lives that are over
+  std::optional<InterestOracle> oracle_;
+};
 
 }  // namespace
 
 config::RunSettings without_latency(config::RunSettings run) {
   run.network = {};
   run.links.clear();
+  std::erase_if(run.events, [](const config::ScenarioEvent& e) { return e.peer.empty(); });  // those of the network
   run.replication.policy.error_threshold_m = 0.0;
   run.replication.policy.order = replication::ModelOrder::kSecond;
   run.replication.policy.predict_collisions = true;
@@ -100,97 +319,7 @@ config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, co
                                               const Observer& observer, const KeyObserver& key_observer,
                                               std::optional<report::InterestRecord>* interest,
                                               const Captures* captures) {
-  auto made = make_peers(run, shared);
-  if (!made) return std::unexpected(made.error());
-  std::vector<SimulatedPeer>& peers = *made;
-  net::GroupPlan groups;
-  if (captures != nullptr) {
-    const auto reach = transport_options(run.transport, {});
-    if (!reach) return std::unexpected(reach.error());
-    groups = reach->multicast.groups;
-    if (auto opened = open_captures(*captures, run, shared, groups, peers); !opened) {
-      return std::unexpected(opened.error());
-    }
-  }
-  Network network(run);
-  std::optional<InterestOracle> oracle;
-  if (interest != nullptr && InterestOracle::has_areas(run)) {
-    std::vector<WatchedPeer> watched;
-    for (const SimulatedPeer& p : peers) watched.push_back({p.node.get(), p.clock_offset});
-    oracle.emplace(run, std::move(watched));
-  }
-
-  VirtualTime now = kBegin;
-  const auto drain = [&](std::size_t i) {
-    while (auto out = peers[i].node->poll_output()) {
-      if (auto* send = std::get_if<replication::Send>(&*out)) {
-        if (peers[i].capture) peers[i].capture->on_send(send->region, send->datagram);
-        if (oracle) oracle->on_send(now, i, send->region, send->datagram, network);
-        network.send(now, i, send->region, std::move(send->datagram));
-        continue;
-      }
-      if (const auto* join = std::get_if<replication::Join>(&*out)) network.join(i, join->region);
-      if (const auto* leave = std::get_if<replication::Leave>(&*out)) network.leave(i, leave->region);
-      const bool joins = std::holds_alternative<replication::Join>(*out);
-      if (oracle && (joins || std::holds_alternative<replication::Leave>(*out))) oracle->on_membership(now, i, joins);
-      if (observer) observer(HostTime{now.time_since_epoch()}, *peers[i].node, *out);
-    }
-    while (const auto key = peers[i].node->poll_key_report()) {
-      if (key_observer) key_observer(HostTime{now.time_since_epoch()}, *peers[i].node, *key);
-    }
-  };
-  const auto deadline = [&](const SimulatedPeer& p) {
-    const HostTime host = p.node->next_deadline();
-    return host == HostTime::min() ? kBegin : p.virtual_time(host);
-  };
-  for (std::size_t i = 0; i < peers.size(); ++i) drain(i);
-
-  // Late updates end no belief early, and what is held back is decided and heard of: a fallback waits for two latencies
-  // and three hellos.
-  const Duration linger = from_seconds(run.duration_s + 3.0 * longest_delay_s(run) + kFallback_s);
-  for (;;) {
-    std::size_t next = 0;
-    for (std::size_t i = 1; i < peers.size(); ++i) {
-      if (deadline(peers[i]) < deadline(peers[next])) next = i;
-    }
-    const VirtualTime tick_at = std::max(now, deadline(peers[next]));
-    const VirtualTime event_at = network.idle() ? tick_at : std::min(tick_at, network.next_delivery());
-    while (oracle && oracle->next_look() && *oracle->next_look() < event_at) oracle->look();
-    if (!network.idle() && network.next_delivery() <= tick_at) {  // datagrams first: a tick begins by draining them
-      const Delivery d = network.take_next();
-      now = d.at;
-      const SimulatedPeer& to = peers[d.to];
-      if (to.capture) {
-        to.capture->on_packet(to.host(now), address_of(run.peers[d.from], groups), d.region, *d.datagram);
-      }
-      to.node->on_packet(to.host(now), d.region, *d.datagram);
-      drain(d.to);
-      continue;
-    }
-    now = tick_at;
-    PeerNode& node = *peers[next].node;
-    const HostTime host = peers[next].host(now);
-    if (peers[next].capture) peers[next].capture->on_tick(host);
-    node.on_tick(host);
-    drain(next);
-    if (!node.start() && now - kBegin > kJoinWithin) {
-      return std::unexpected(config::InputError{"error: peer " + run.peers[next].name +
-                                                " never had all the others; does the network lose everything?"});
-    }
-    if (node.start() && node.peer().clock().to_session(host) > *node.start() + linger) break;
-  }
-  if (oracle) *interest = oracle->record();
-  std::vector<PeerLog> logs;
-  for (SimulatedPeer& p : peers) {
-    logs.push_back(p.node->log());
-    if (!p.capture) continue;
-    p.capture->flush();
-    if (!p.capture->good()) {
-      return std::unexpected(config::InputError{
-          "error: can't write the captures to " + captures->folder.string() + "; is the disk full?", 3});
-    }
-  }
-  return logs;
+  return Simulation(run, shared, observer, key_observer, captures).all(interest);
 }
 
 }  // namespace peerd::sim

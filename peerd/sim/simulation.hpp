@@ -22,8 +22,9 @@ struct Captures {
 };
 
 // One run of a scenario on a simulated network, as fast as it goes: the peers are the daemon's own, only clock and
-// network are not. The same settings give the same logs, byte for byte. `interest`, if given and a peer has an area of
-// interest: what was found about those. `captures`: what they are recorded as; null: nothing is recorded.
+// network are not. The same settings give the same logs, byte for byte: one for each life of each peer, which has
+// several where it leaves and comes back. `interest`, if given and a peer has an area of interest: what was found about
+// those. `captures`: what they are recorded as; null: nothing is recorded.
 [[nodiscard]] config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
                                                             const Observer& observer = {},
                                                             const KeyObserver& key_observer = {},
@@ -31,7 +32,7 @@ struct Captures {
                                                             const Captures* captures = nullptr);
 
 // The same run where everybody knows everything at once: no latency, no loss, an update each tick, the lower id
-// decides.
+// decides. Peers come and go as they do.
 [[nodiscard]] config::RunSettings without_latency(config::RunSettings run);
 
 }  // namespace peerd::sim

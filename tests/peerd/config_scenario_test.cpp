@@ -401,6 +401,74 @@ TEST_F(ScenarioTest, ABadSweepIsRefused) {
               HasSubstr("more than 100000 runs"));
 }
 
+// Of each table of the language, a number and a word.
+TEST_F(ScenarioTest, WhateverIsNotSharedIsSwept) {
+  const std::string more = R"([[peer.a.key]]
+at_s = 1
+key = "w"
+[peer.b.viewpoint]
+angle_deg = 5
+[motion."B*".walk]
+within_m = [0, 0, 20, 20]
+[regions]
+counts = [8, 1, 8]
+[sweep]
+seed = [3, 4]
+"decisions.policy" = ["id", "velocity"]
+"motion.B*.walk.speed_m_s" = [1, 2]
+"network.link.a.b.loss" = [0.1, 0.2]
+"peer.a.key.0.at_s" = [1, 2]
+"peer.a.motion.CAR.x" = ["t", "2*t"]
+"peer.b.interest_radius_m" = [10, 20]
+"peer.b.viewpoint.angle_deg" = [1, 2]
+"regions.cell_m" = [10, 20]
+"regions.counts.0" = [4, 8]
+"relay.restamps" = [true, false]
+"replication.model" = ["order", "best"]
+)";
+  const Scenario s = read(kTwoPeers + more);
+  ASSERT_EQ(s.runs.size(), 1u << 12);
+  const RunSettings &first = s.runs.front(), &last = s.runs.back();
+  EXPECT_EQ(last.peers[0].keys[0].at_s, 2);
+  EXPECT_EQ(std::get<MotionFormula>(last.peers[0].motion.at("CAR").kind).x, "2*t");
+  EXPECT_EQ(std::get<WalkSettings>(last.motion.at("B*").kind).speed_m_s, 2);
+  EXPECT_EQ(link(last, "a", "b").loss, 0.2);
+  EXPECT_EQ(last.peers[1].interest_radius_m, 20);
+  EXPECT_EQ(last.peers[1].viewpoint->angle_deg, 2);
+  EXPECT_EQ(last.replication.regions.regions[0], 8u);
+  EXPECT_EQ(last.replication.decisions.policy, replication::DecisionPolicy::kVelocity);
+  EXPECT_TRUE(last.replication.policy.models);
+  EXPECT_EQ(first.seed, 3u);
+  EXPECT_EQ(last.seed, 4u);
+  EXPECT_EQ(first.peers[0].keys[0].at_s, 1);
+}
+
+// They would be the last run's, in all of them.
+TEST_F(ScenarioTest, WhatAllRunsShareIsNotSwept) {
+  EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\nworld = [\"a.wrl\", \"b.wrl\"]"),
+              HasSubstr("all runs of a sweep share it"));
+  EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\nrepeat = [2, 3]"), HasSubstr("every combination is repeated"));
+  EXPECT_THAT(error(kTwoPeers, {"expect.x.at_most=[1, 2]"}), HasSubstr("an expectation says by `where`"));
+}
+
+TEST_F(ScenarioTest, RepeatsEverythingWithSeedsThatFollow) {
+  const std::string text =
+      "repeat = 3\nseed = 7\n" + std::string(kTwoPeers) + "[sweep]\n\"replication.order\" = [1, 2]";
+  const Scenario s = read(text);
+  EXPECT_EQ(s.repeat, 3u);
+  std::vector<std::uint64_t> seeds;
+  for (const RunSettings& run : s.runs) seeds.push_back(run.seed);
+  EXPECT_THAT(seeds, ElementsAre(7, 8, 9, 7, 8, 9));
+  EXPECT_EQ(s.runs[2].params, s.runs[0].params) << "a seed is no parameter";
+  request.repeat = 2;
+  EXPECT_EQ(read(text).runs.size(), 4u) << "the request's wins";
+  request.sweep = false;
+  EXPECT_EQ(read(text).runs.size(), 1u) << "one peer runs once";
+  request = {};
+  EXPECT_THAT(error(text + "\nseed = [1, 2]"), HasSubstr("seeds are repeat's already"));
+  EXPECT_THAT(error(text, {"seed=9223372036854775806"}), HasSubstr("above 2^63 - 1"));
+}
+
 TEST_F(ScenarioTest, ABadSetIsRefused) {
   EXPECT_THAT(error(kTwoPeers, {"network.latency_ms"}), HasSubstr("write it as KEY=VALUE"));
   EXPECT_THAT(error(kTwoPeers, {"network.latncy_ms=3"}), HasSubstr("did you mean network.latency_ms?"));

@@ -192,6 +192,22 @@ TEST(Assign, MakesTablesOnTheWayAndReplaces) {
   EXPECT_THAT(refused.error().text, HasSubstr("a.b: a is a value, not a table"));
 }
 
+TEST(Assign, TheItemsOfAListGoByNumber) {
+  toml::table root = toml::parse("key = [{at_s = 1}, {at_s = 2}]\nv = [1, 2, 3]");
+  const toml::table value{{"x", 9}};
+  ASSERT_TRUE(assign(root, "key.1.at_s", *value.get("x")));
+  ASSERT_TRUE(assign(root, "v.0", *value.get("x")));
+  EXPECT_EQ(root["key"][1]["at_s"].value<int>(), 9);
+  EXPECT_EQ(root["key"][0]["at_s"].value<int>(), 1);
+  EXPECT_EQ(root["v"][0].value<int>(), 9);
+  EXPECT_EQ(find(root, "key.1.at_s")->value<int>(), 9);
+  EXPECT_EQ(find(root, "key.2.at_s"), nullptr);
+  EXPECT_EQ(find(root, "v.x"), nullptr);
+  EXPECT_THAT(assign(root, "v.3", *value.get("x")).error().text, testing::HasSubstr("the list has 3 items"));
+  EXPECT_THAT(assign(root, "key.5.at_s", *value.get("x")).error().text,
+              testing::HasSubstr("key.5 is no item of a list"));
+}
+
 TEST(Merge, OverWinsTableByTable) {
   toml::table base = *parse_toml("a = 1\nlist = [1, 2]\n[t]\nx = 1\ny = 2\n[v]\nz = 1", "f");
   merge(base, *parse_toml("a = 2\nlist = [3]\nv = 7\nw = 8\n[t]\ny = 3", "f"));

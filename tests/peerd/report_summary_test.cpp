@@ -28,7 +28,7 @@ TEST(Summary, HasTheShapeOfTheDesign) {
   EXPECT_THAT(keys_of(s), testing::ElementsAre("scenario", "mode", "seed", "runs"));
   ASSERT_EQ(s["runs"].size(), 6u);
   const Json& run = s["runs"][0];
-  EXPECT_THAT(keys_of(run), testing::ElementsAre("params", "objects", "collisions", "traffic", "groups_joined",
+  EXPECT_THAT(keys_of(run), testing::ElementsAre("params", "seed", "objects", "collisions", "traffic", "groups_joined",
                                                  "state_roots_equal", "counters"));
   EXPECT_THAT(keys_of(run["objects"][0]),
               testing::ElementsAre("path", "owner", "observer", "updates_sent", "bytes_sent", "samples",

@@ -1,0 +1,153 @@
+#include "peerd/config/events.hpp"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace peerd::config {
+namespace {
+
+constexpr double kForever_s = 1e6;
+const std::initializer_list<std::string_view> kKinds{"join", "leave", "kill", "partition", "heal", "network"};
+
+bool about_a_peer(EventKind kind) {
+  return kind == EventKind::kJoin || kind == EventKind::kLeave || kind == EventKind::kKill;
+}
+
+class EventReader {
+ public:
+  EventReader(TomlReader& root, const std::vector<PeerSettings>& peers, double duration_s)
+      : root_(root), peers_(peers), duration_s_(duration_s) {}
+
+  std::vector<ScenarioEvent> all() {
+    const toml::table* tables = root_.table("event");
+    if (tables == nullptr) return {};
+    std::vector<ScenarioEvent> events;
+    for (const auto& [name, value] : *tables) {
+      const std::string key = "event." + std::string(name.str());
+      if (!value.is_table()) {
+        root_.fail(&value, key + " must be a table: at_s, kind and what goes with it");
+        continue;
+      }
+      events.push_back(event(TomlReader(*value.as_table(), key, root_.error()), std::string(name.str())));
+    }
+    std::ranges::sort(events, {}, [](const ScenarioEvent& e) { return std::tie(e.at_s, e.name); });
+    check_order(events, *tables);
+    return events;
+  }
+
+ private:
+  ScenarioEvent event(TomlReader reader, const std::string& name) {
+    ScenarioEvent e;
+    e.name = name;
+    reader.require("at_s");
+    reader.read("at_s", e.at_s, 0.0, kForever_s);
+    if (e.at_s > duration_s_) {
+      reader.fail(reader.raw().get("at_s"), reader.dotted("at_s") + ": the run is over by then (duration_s)");
+    }
+    reader.require("kind");
+    std::size_t kind = 0;
+    reader.read_word("kind", kind, kKinds);
+    e.kind = static_cast<EventKind>(kind);
+    if (about_a_peer(e.kind)) {
+      reader.require("peer");
+      e.peer = peer(reader, "peer");
+    } else if (e.kind == EventKind::kPartition) {
+      reader.require("groups");
+      e.sides = sides(reader);
+    } else if (e.kind == EventKind::kNetwork) {
+      e.from = peer(reader, "from");
+      e.to = peer(reader, "to");
+      e.change = read_link_change(reader);
+      if (e.change.empty()) reader.fail(nullptr, reader.dotted("kind") + ": say what changes, such as latency_ms");
+    }
+    reader.finish();
+    return e;
+  }
+
+  std::string peer(TomlReader& reader, std::string_view key) {
+    std::string name;
+    reader.read(key, name);
+    if (reader.has(key)) (void)index_of(reader, key, name);
+    return name;
+  }
+
+  std::size_t index_of(TomlReader& reader, std::string_view key, const std::string& name) {
+    const auto at = std::ranges::find(peers_, name, &PeerSettings::name);
+    if (at == peers_.end()) {
+      std::vector<std::string> names;
+      for (const PeerSettings& p : peers_) names.push_back(p.name);
+      const auto meant = did_you_mean(name, names);
+      reader.fail(reader.raw().get(key), reader.dotted(key) + ": the scenario has no peer \"" + name + "\"" +
+                                             (meant ? "; did you mean \"" + *meant + "\"?" : ""));
+    }
+    return static_cast<std::size_t>(at - peers_.begin());
+  }
+
+  // Who is in no group is with the others that are in none.
+  std::vector<std::uint32_t> sides(TomlReader& reader) {
+    const auto groups = reader.word_rows("groups");
+    std::vector<std::uint32_t> sides(peers_.size(), 0);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      for (const std::string& name : groups[g]) {
+        const std::size_t i = index_of(reader, "groups", name);
+        if (i == peers_.size()) return sides;
+        if (sides[i] != 0) {
+          reader.fail(reader.raw().get("groups"), reader.dotted("groups") + ": \"" + name + "\" is in two of them");
+        }
+        sides[i] = static_cast<std::uint32_t>(g) + 1;
+      }
+    }
+    if (!reader.error() && std::ranges::adjacent_find(sides, std::ranges::not_equal_to{}) == sides.end()) {
+      reader.fail(reader.raw().get("groups"), reader.dotted("groups") + ": all peers are in one, so nothing is parted");
+    }
+    return sides;
+  }
+
+  // Who comes must be away, who goes must be there, and what is healed must be parted.
+  void check_order(const std::vector<ScenarioEvent>& events, const toml::table& tables) {
+    if (events.empty()) return;
+    std::map<std::string, bool> there;
+    for (const PeerSettings& p : peers_) there[p.name] = starts_with(events, p.name);
+    const auto fail = [&](const ScenarioEvent& e, const std::string& what) {
+      root_.fail(tables.get(e.name), "event." + e.name + ": " + what);
+    };
+    if (std::ranges::none_of(there, [](const auto& p) { return p.second; })) {
+      return fail(events.front(), "somebody must be there from the start: all peers join later");
+    }
+    bool parted = false;
+    for (const ScenarioEvent& e : events) {
+      if (about_a_peer(e.kind)) {
+        const bool joins = e.kind == EventKind::kJoin;
+        if (there[e.peer] == joins) fail(e, "\"" + e.peer + "\" is " + (joins ? "there already" : "not there then"));
+        there[e.peer] = joins;
+      }
+      if (e.kind == EventKind::kHeal && !parted) fail(e, "there is no partition then");
+      if (e.kind == EventKind::kPartition || e.kind == EventKind::kHeal) parted = e.kind == EventKind::kPartition;
+    }
+  }
+
+  TomlReader& root_;
+  const std::vector<PeerSettings>& peers_;
+  double duration_s_;
+};
+
+}  // namespace
+
+std::string_view to_string(EventKind kind) { return kKinds.begin()[static_cast<std::size_t>(kind)]; }
+
+std::vector<ScenarioEvent> read_events(TomlReader& root, const std::vector<PeerSettings>& peers, double duration_s) {
+  return EventReader(root, peers, duration_s).all();
+}
+
+bool starts_with(const std::vector<ScenarioEvent>& events, std::string_view peer) {
+  const auto first =
+      std::ranges::find_if(events, [&](const ScenarioEvent& e) { return about_a_peer(e.kind) && e.peer == peer; });
+  return first == events.end() || first->kind != EventKind::kJoin;
+}
+
+bool peers_change(const std::vector<ScenarioEvent>& events) {
+  return std::ranges::any_of(events, [](const ScenarioEvent& e) { return about_a_peer(e.kind); });
+}
+
+}  // namespace peerd::config

@@ -1,0 +1,55 @@
+#pragma once
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "peerd/config/toml_input.hpp"
+
+namespace peerd::config {
+
+// One direction between two peers of a simulated network: the table [network], or [network.link.FROM.TO] over it.
+struct LinkSettings {
+  double latency_ms = 0.0;
+  double jitter_ms = 0.0;  // added to the latency, uniform in [0, jitter]
+  double loss = 0.0;       // probabilities, a datagram
+  double duplication = 0.0;
+  double reordering = 0.0;  // held back by one more latency + jitter, so that later ones overtake
+
+  // Longer than this nothing is under way.
+  [[nodiscard]] double longest_delay_ms() const { return (latency_ms + jitter_ms) * (reordering > 0.0 ? 2.0 : 1.0); }
+};
+
+struct LinkKey {
+  std::string_view name;
+  double LinkSettings::*value;
+  double max;  // from 0
+};
+inline constexpr double kLatencyMax_ms = 60'000.0;
+inline constexpr std::array kLinkKeys{
+    LinkKey{"latency_ms", &LinkSettings::latency_ms, kLatencyMax_ms},
+    LinkKey{"jitter_ms", &LinkSettings::jitter_ms, kLatencyMax_ms},
+    LinkKey{"loss", &LinkSettings::loss, 1.0},
+    LinkKey{"duplication", &LinkSettings::duplication, 1.0},
+    LinkKey{"reordering", &LinkSettings::reordering, 1.0},
+};
+
+// What some of these keys become.
+using LinkChange = std::vector<std::pair<double LinkSettings::*, double>>;
+
+inline LinkChange read_link_change(TomlReader& reader) {
+  LinkChange change;
+  for (const LinkKey& key : kLinkKeys) {
+    std::optional<double> given;
+    reader.read(key.name, given, 0.0, key.max);
+    if (given) change.emplace_back(key.value, *given);
+  }
+  return change;
+}
+
+inline void change_link(LinkSettings& link, const LinkChange& change) {
+  for (const auto& [key, value] : change) link.*key = value;
+}
+
+}  // namespace peerd::config
