@@ -18,6 +18,8 @@ struct ScenarioOptions {
   std::optional<std::uint32_t> repeat;  // with so many seeds
   std::filesystem::path out;            // empty: out/NAME
   std::string interface;                // real runs only
+  bool netem = false;                   // .. over the network that the scenario describes, by the kernel's netem
+  bool tcpdump = false;                 // .. with what each peer sent and got, as a file for tcpdump or Wireshark
   std::filesystem::path captures;       // simulated runs only: a folder for each peer's capture; empty: none
   bool json = false;                    // summary.json instead of the table
   bool verbose = false;                 // the peers' logs too

@@ -248,6 +248,11 @@ int run(int argc, char** argv) {
   CLI::App* scenario_command = app.add_subcommand("scenario", "a scenario between real processes over real multicast");
   add_scenario_options(*scenario_command, real);
   scenario_command->add_option("--interface", real.interface, "network interface (default: the scenario's, else lo)");
+  auto* const netem = scenario_command->add_flag(
+      "--netem", real.netem,
+      "over the scenario's [network], by the kernel's netem, in namespaces of its own (as root)");
+  scenario_command->add_flag("--capture", real.tcpdump, "what each peer sent and got, by tcpdump, as run-NNN.PEER.pcap")
+      ->needs(netem);
 
   WorldCommands worlds;
   add_world_commands(app, worlds);

@@ -15,6 +15,7 @@
 #include "peerd/assemble.hpp"
 #include "peerd/commands.hpp"
 #include "peerd/live_events.hpp"
+#include "peerd/netem/lab.hpp"
 #include "peerd/print.hpp"
 
 namespace peerd {
@@ -57,7 +58,7 @@ class Child {
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setsigmask(&attributes, &none);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-    if (posix_spawn(&pid_, arguments[0], &files, &attributes, arguments.data(), environ) != 0) pid_ = -1;
+    if (posix_spawnp(&pid_, arguments[0], &files, &attributes, arguments.data(), environ) != 0) pid_ = -1;
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
   }
@@ -104,10 +105,12 @@ sigset_t stop_signals() {
   return signals;
 }
 
-// Waits 20 ms for one of them; they are blocked, so that the peers can be ended before this process is.
+constexpr std::chrono::milliseconds kWait{20};
+
+// Waits that long for one of them; they are blocked, so that the peers can be ended before this process is.
 bool asked_to_stop() {
   const sigset_t signals = stop_signals();
-  const timespec wait{0, 20'000'000};
+  const timespec wait{0, std::chrono::nanoseconds(kWait).count()};
   return sigtimedwait(&signals, nullptr, &wait) > 0;
 }
 
@@ -127,6 +130,7 @@ struct Launch {
   fs::path out;
   std::string run_name;  // run-001
   int port;
+  netem::Lab* lab;  // null: the peers are in this computer's own network
 };
 
 std::vector<std::string> peer_command(const Launch& launch, const config::RunSettings& run,
@@ -143,21 +147,34 @@ std::vector<std::string> peer_command(const Launch& launch, const config::RunSet
     std::string all;
     for (std::uint32_t i = 0; i < run.peers.size(); ++i) {
       if (run.peers[i].id == peer.id) set("transport.port=" + std::to_string(port + i));
-      all += (i == 0 ? "" : ", ") + nlohmann::json("127.0.0.1:" + std::to_string(port + i)).dump();
+      const std::string host = launch.lab ? netem::Lab::address(i) : "127.0.0.1";
+      all += (i == 0 ? "" : ", ") + nlohmann::json(host + ":" + std::to_string(port + i)).dump();
     }
     set("transport.peers=[" + all + "]");
   } else {
     set("transport.port=" + std::to_string(port));
   }
-  const std::string& wanted = launch.options.interface.empty() ? run.transport.interface : launch.options.interface;
-  set("transport.interface=" + nlohmann::json(wanted.empty() ? "lo" : wanted).dump());
+  std::string wanted = launch.options.interface.empty() ? run.transport.interface : launch.options.interface;
+  if (wanted.empty()) wanted = "lo";
+  if (launch.lab) wanted = netem::Lab::kInterface;
+  set("transport.interface=" + nlohmann::json(wanted).dump());
   for (const fs::path& overlay : launch.options.configs) command.insert(command.end(), {"--overlay", overlay.string()});
   return command;
 }
 
-config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config::RunSettings& run) {
+// The command in the peer's place: its namespace, where the peers have any.
+std::vector<std::string> in_place(const Launch& launch, std::size_t peer, const std::vector<std::string>& command) {
+  std::vector<std::string> words = launch.lab ? netem::Lab::inside(peer) : std::vector<std::string>{};
+  words.insert(words.end(), command.begin(), command.end());
+  return words;
+}
+
+// Oversleep: by how much waiting for a signal took longer than it should, each time [ms].
+config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config::RunSettings& run,
+                                              std::vector<double>& oversleep_ms) {
   auto events = LiveEvents::make(run.events);
   if (!events) return std::unexpected(events.error());
+  std::vector<std::unique_ptr<Child>> captures;  // end when the peers have
   std::vector<std::unique_ptr<Child>> children;  // in the order in which they came
   const auto stem_of = [&](const std::string& peer) { return (launch.out / (launch.run_name + "." + peer)).string(); };
   const auto start = [&](const config::PeerSettings& peer) {
@@ -167,8 +184,17 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
     if (children.empty() && !events->control().empty()) {
       command.insert(command.end(), {"--control", events->control().string()});
     }
-    children.push_back(std::make_unique<Child>(peer.name, command, stem_of(peer.name) + ".log"));
+    const auto place = static_cast<std::size_t>(&peer - run.peers.data());
+    children.push_back(
+        std::make_unique<Child>(peer.name, in_place(launch, place, command), stem_of(peer.name) + ".log"));
   };
+  for (std::size_t i = 0; i < run.peers.size() && launch.options.tcpdump; ++i) {
+    const std::string file = stem_of(run.peers[i].name);
+    captures.push_back(std::make_unique<Child>(
+        run.peers[i].name + "'s tcpdump",
+        in_place(launch, i, {"tcpdump", "-Z", "root", "-U", "-i", netem::Lab::kInterface, "-w", file + ".pcap"}),
+        file + ".tcpdump.log"));
+  }
   for (const config::PeerSettings& peer : run.peers) {
     if (config::starts_with(run.events, peer.name)) start(peer);
   }
@@ -198,6 +224,9 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
     }
     if (!any) break;
     while (const config::ScenarioEvent* event = events->take_due()) happen(*event);
+    for (auto& capture : captures) {
+      if (!capture->running()) return fail(*capture, "ended by itself");
+    }
     const auto now = std::chrono::steady_clock::now();
     if (now - begun > most) {
       const auto hung = std::ranges::find_if(children, [](const auto& c) { return c->running(); });
@@ -209,9 +238,12 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
                                     std::chrono::duration<double>(now - begun).count(), children.size());
       std::cerr << (show_progress ? "\r" + line : line + "\n") << std::flush;
     }
+    const auto slept = std::chrono::steady_clock::now();
     if (asked_to_stop()) {
       return std::unexpected(config::InputError{"error: stopped by a signal; the peers were stopped too", 3});
     }
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - slept;
+    oversleep_ms.push_back((took - kWait).count());
   }
   if (show_progress) std::cerr << "\r\033[K";
   std::vector<PeerLog> logs;
@@ -228,7 +260,7 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
 
 int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   config::ScenarioRequest request{
-      options.scenario, options.configs, options.sets, options.seed, options.repeat, true, true};
+      options.scenario, options.configs, options.sets, options.seed, options.repeat, !options.netem, true};
   const auto scenario = config::read_scenario(request);
   if (!scenario) return failed(scenario.error());
   for (const config::RunSettings& run : scenario->runs) {
@@ -239,7 +271,10 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
 
   report::ScenarioInfo info{scenario->name, "real", scenario->seed, {}, scenario->repeat, command_line("scenario", options)};
   for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
-  info.warnings.push_back("the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
+  if (!options.netem) {
+    info.warnings.push_back(
+        "the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
+  }
   for (const config::ScenarioEvent& event : scenario->runs.front().events) {
     if (event.kind != config::EventKind::kKill) continue;
     info.warnings.push_back("peer " + event.peer + " was killed: what it did and believed is not in the report");
@@ -249,16 +284,40 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   fs::create_directories(out, error);
   if (error) return failed({"error: can't make the folder " + out.string() + ": " + error.message(), 3});
 
+  std::unique_ptr<netem::Lab> lab;
+  if (options.netem) {
+    auto built = netem::Lab::build(scenario->runs.front().peers.size());
+    if (!built) return failed(built.error());
+    lab = std::move(*built);
+  }
   const sigset_t signals = stop_signals();
   sigprocmask(SIG_BLOCK, &signals, nullptr);
   std::vector<report::RunRecord> records;
   for (const config::RunSettings& run : scenario->runs) {
     const int number = static_cast<int>(records.size()) + 1;
     const int port = kPortBegin + (getpid() * 37 + number) % kPortCount;
-    const auto logs = run_live({options, program, out, fmt::format("run-{:03}", number), port}, run);
+    std::optional<report::NetworkMeasured> network;
+    if (lab) {
+      if (auto set = lab->set_links(run); !set) return failed(set.error());
+      auto measured = lab->measure(run);
+      if (!measured) return failed(measured.error());
+      network = std::move(*measured);
+    }
+    std::vector<double> oversleep_ms;
+    const auto logs =
+        run_live({options, program, out, fmt::format("run-{:03}", number), port, lab.get()}, run, oversleep_ms);
     if (!logs) return failed(logs.error());
     auto record = assemble(run, **shared, *logs);
     if (!record) return failed(record.error());
+    if (lab) {
+      network->oversleep_during_ms = std::move(oversleep_ms);
+      if (auto counted = lab->count(*network); !counted) return failed(counted.error());
+      record->network = std::move(network);
+      if (!report::kept_time(*record->network)) {
+        info.warnings.push_back(
+            fmt::format("run-{:03} does not count: this computer did not keep time (network.oversleep_ms)", number));
+      }
+    }
     records.push_back(std::move(*record));
   }
   const int code = print_report(info, records, scenario->expectations, out, options.json);

@@ -9,11 +9,13 @@
 
 namespace peerd::config {
 
-// One direction between two peers of a simulated network: the table [network], or [network.link.FROM.TO] over it.
+// One direction between two peers of a simulated network, or of one by netem: the table [network], or
+// [network.link.FROM.TO] over it.
 struct LinkSettings {
   double latency_ms = 0.0;
-  double jitter_ms = 0.0;  // added to the latency, uniform in [0, jitter]
-  double loss = 0.0;       // probabilities, a datagram
+  double jitter_ms = 0.0;   // added to the latency, uniform in [0, jitter]
+  double loss = 0.0;        // probabilities, a datagram
+  double loss_burst = 0.0;  // mean length of a run of lost datagrams; 0: each is lost by itself
   double duplication = 0.0;
   double reordering = 0.0;  // held back by one more latency + jitter, so that later ones overtake
 
@@ -31,6 +33,7 @@ inline constexpr std::array kLinkKeys{
     LinkKey{"latency_ms", &LinkSettings::latency_ms, kLatencyMax_ms},
     LinkKey{"jitter_ms", &LinkSettings::jitter_ms, kLatencyMax_ms},
     LinkKey{"loss", &LinkSettings::loss, 1.0},
+    LinkKey{"loss_burst", &LinkSettings::loss_burst, 1e6},
     LinkKey{"duplication", &LinkSettings::duplication, 1.0},
     LinkKey{"reordering", &LinkSettings::reordering, 1.0},
 };

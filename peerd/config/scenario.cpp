@@ -15,6 +15,12 @@ constexpr std::uint64_t kSeedMax = std::numeric_limits<std::int64_t>::max();  //
 
 LinkSettings read_link(TomlReader& reader, LinkSettings link) {
   change_link(link, read_link_change(reader));
+  if (link.loss_burst > 0.0 && (link.loss_burst < 1.0 || link.loss > link.loss_burst / (link.loss_burst + 1.0))) {
+    reader.fail(reader.raw().get("loss_burst"),
+                reader.dotted("loss_burst") +
+                    ": a run is 1 datagram or more, and between two runs one arrives: no more "
+                    "than loss_burst / (loss_burst + 1) of all can be lost");
+  }
   return link;
 }
 

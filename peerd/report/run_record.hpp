@@ -9,6 +9,7 @@
 
 #include "core/ids.hpp"
 #include "core/math.hpp"
+#include "peerd/report/network_measured.hpp"
 
 namespace peerd::report {
 
@@ -101,6 +102,7 @@ struct RunRecord {
   std::vector<ContactRow> contacts;
   std::optional<WrongOutcomes> wrong;      // none: not compared
   std::optional<InterestRecord> interest;  // none: nobody has an area of interest, or a real network
+  std::optional<NetworkMeasured> network;  // of a run by netem
   std::uint32_t groups_joined = 0;
   bool worlds_equal = true;
   std::map<std::string, std::uint64_t> counters;  // summed over the peers

@@ -133,6 +133,33 @@ Json interest_json(const RunRecord& run) {
           {"peers", std::move(peers)}};
 }
 
+Json oversleep_json(const std::vector<double>& ms) {
+  const Statistics s = statistics(ms);
+  return {{"mean", s.mean}, {"p99", s.p99}, {"max", s.max}};
+}
+
+Json network_json(const RunRecord& run) {
+  Json links = Json::array();
+  for (const LinkMeasured& l : run.network->links) {
+    const Statistics delay = statistics(l.delay_ms);
+    const double least = l.delay_ms.empty() ? 0.0 : std::ranges::min(l.delay_ms);
+    const double all = static_cast<double>(l.packets + l.packets_lost);
+    links.push_back(
+        {{"from", peer_name(run, l.from)},
+         {"to", peer_name(run, l.to)},
+         {"probes", {{"sent", l.probes_sent}, {"lost", l.probes_lost}, {"duplicated", l.probes_duplicated}}},
+         {"delay_ms", {{"min", least}, {"mean", delay.mean}, {"p99", delay.p99}, {"max", delay.max}}},
+         {"packets", l.packets},
+         {"packets_lost", l.packets_lost},
+         {"loss", all > 0.0 ? static_cast<double>(l.packets_lost) / all : 0.0}});
+  }
+  return {{"steady", kept_time(*run.network)},
+          {"links", std::move(links)},
+          {"oversleep_ms",
+           {{"before", oversleep_json(run.network->oversleep_before_ms)},
+            {"during", oversleep_json(run.network->oversleep_during_ms)}}}};
+}
+
 Json run_json(const RunRecord& run) {
   assert(std::ranges::is_sorted(run.beliefs, {},
                                 [](const BeliefSample& s) { return std::tuple(s.observer, s.object, s.t_s); }));
@@ -157,6 +184,7 @@ Json run_json(const RunRecord& run) {
                {"state_roots_equal", run.worlds_equal},
                {"counters", std::move(counters)}};
   if (run.interest) json["interest"] = interest_json(run);
+  if (run.network) json["network"] = network_json(run);
   return json;
 }
 

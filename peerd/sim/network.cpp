@@ -20,6 +20,16 @@ Link::Link(const config::LinkSettings& settings, std::uint64_t seed) : settings_
 // By hand: the standard's distributions may differ from one library to the next.
 double Link::uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
 
+// In bursts by Gilbert's model (1960), in the order of steps that the kernel's netem has: a datagram's fate is the
+// state that it finds, and then the state may change.
+bool Link::lost() {
+  if (settings_.loss_burst == 0.0) return uniform() < settings_.loss;
+  const double leave = 1.0 / settings_.loss_burst, enter = leave * settings_.loss / (1.0 - settings_.loss);
+  const bool lost = in_burst_;
+  in_burst_ = uniform() < (lost ? 1.0 - leave : enter);
+  return lost;
+}
+
 Duration Link::one_delay() {
   double delay_ms = settings_.latency_ms;
   if (settings_.jitter_ms > 0.0) delay_ms += settings_.jitter_ms * uniform();
@@ -31,7 +41,7 @@ Duration Link::one_delay() {
 
 std::vector<Duration> Link::delays() {
   std::vector<Duration> delays;
-  if (settings_.loss > 0.0 && uniform() < settings_.loss) return delays;
+  if (settings_.loss > 0.0 && lost()) return delays;
   delays.push_back(one_delay());
   if (settings_.duplication > 0.0 && uniform() < settings_.duplication) delays.push_back(one_delay());
   return delays;

@@ -28,10 +28,12 @@ class Link {
 
  private:
   [[nodiscard]] double uniform();  // [0, 1)
+  [[nodiscard]] bool lost();
   [[nodiscard]] Duration one_delay();
 
   config::LinkSettings settings_;
   std::mt19937_64 random_;
+  bool in_burst_ = false;
 };
 
 struct Delivery {

@@ -92,6 +92,42 @@ TEST(Summary, AreasOfInterestAreThereWhereSomebodyAsked) {
   EXPECT_EQ(s["peers"][0]["joins_in_a_second"], 2);
 }
 
+TEST(Summary, TheNetworkIsThereWhereItWasMeasured) {
+  RunRecord run = samples::quiet_run();
+  EXPECT_FALSE(summarise(kInfo, {&run, 1})["runs"][0].contains("network"));
+  run.network = {.links = {{.from = kA,
+                            .to = kB,
+                            .probes_sent = 4,
+                            .probes_lost = 1,
+                            .probes_duplicated = 0,
+                            .delay_ms = {103, 101, 102},
+                            .packets = 190,
+                            .packets_lost = 10}},
+                 .oversleep_before_ms = {0.25, 0.75},
+                 .oversleep_during_ms = {1, 2, 9}};
+  const Json s = summarise(kInfo, {&run, 1})["runs"][0]["network"];
+  const Json& link = s["links"][0];
+  EXPECT_EQ(link["from"], "a");
+  EXPECT_EQ(link["to"], "b");
+  EXPECT_EQ(link["probes"], (Json{{"sent", 4}, {"lost", 1}, {"duplicated", 0}}));
+  EXPECT_EQ(link["delay_ms"], (Json{{"min", 101.0}, {"mean", 102.0}, {"p99", 103.0}, {"max", 103.0}}));
+  EXPECT_DOUBLE_EQ(link["loss"], 0.05);
+  EXPECT_DOUBLE_EQ(s["oversleep_ms"]["before"]["mean"], 0.5);
+  EXPECT_DOUBLE_EQ(s["oversleep_ms"]["during"]["max"], 9.0);
+}
+
+TEST(Summary, ARunCountsWhereTheComputerKeptTime) {
+  struct Case {
+    double before_ms, during_ms;
+    bool steady;
+  };
+  RunRecord run = samples::quiet_run();
+  for (const Case& c : {Case{10, 50, true}, Case{10.1, 50, false}, Case{10, 50.1, false}}) {
+    run.network = {.links = {}, .oversleep_before_ms = {0, c.before_ms}, .oversleep_during_ms = {0, c.during_ms}};
+    EXPECT_EQ(summarise(kInfo, {&run, 1})["runs"][0]["network"]["steady"], c.steady);
+  }
+}
+
 TEST(Summary, NothingInItIsNull) {
   RunRecord run = samples::quiet_run();
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -99,6 +99,26 @@ TEST(LinkRates, Loss) {
   EXPECT_EQ(flood(three_peers({})).size(), static_cast<std::size_t>(kSends));
 }
 
+// As much is lost as was asked for, in runs of the length that was asked for, and between two runs something arrives.
+TEST(LinkRates, LossInBursts) {
+  for (const auto& [loss, burst] : {std::pair{0.05, 5.0}, {0.2, 3.0}, {0.5, 1.0}, {0.01, 40.0}}) {
+    std::vector<bool> arrived(kSends);
+    for (const Delivery& d : flood(three_peers({.loss = loss, .loss_burst = burst}))) arrived[number_of(d)] = true;
+    int lost = 0, runs = 0;
+    for (int i = 0; i < kSends; ++i) {
+      lost += !arrived[i];
+      runs += !arrived[i] && (i == 0 || arrived[i - 1]);
+    }
+    // Two states: the variance of a share is that of independent draws times (1 + m) / (1 - m), m = 1 - enter - leave.
+    const double leave = 1.0 / burst, enter = leave * loss / (1.0 - loss), m = 1.0 - enter - leave;
+    const double sigma = std::sqrt(kSends * loss * (1.0 - loss) * (1.0 + m) / (1.0 - m));
+    EXPECT_NEAR(lost, kSends * loss, 5 * sigma) << loss << ' ' << burst;
+    ASSERT_GT(runs, 0);
+    // A run's length is geometric.
+    EXPECT_NEAR(static_cast<double>(lost) / runs, burst, 5 * std::sqrt(burst * (burst - 1.0) / runs)) << loss;
+  }
+}
+
 TEST(LinkRates, Duplication) {
   expect_rate(static_cast<double>(flood(three_peers({.duplication = 0.1})).size()) - kSends, 0.1, "duplicated");
   EXPECT_EQ(flood(three_peers({.duplication = 1.0})).size(), 2u * kSends);

@@ -1,0 +1,31 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "peerd/config/toml_input.hpp"
+#include "peerd/report/network_measured.hpp"
+
+namespace peerd::netem {
+
+// A socket for the probes of one peer. It stays in the network namespace in which it was opened.
+class ProbeSocket {
+ public:
+  [[nodiscard]] static config::Result<ProbeSocket> open(const std::string& address);
+  ProbeSocket(ProbeSocket&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  ProbeSocket& operator=(ProbeSocket&&) = delete;
+  ~ProbeSocket();
+  [[nodiscard]] int fd() const { return fd_; }
+
+ private:
+  explicit ProbeSocket(int fd) : fd_(fd) {}
+  int fd_;
+};
+
+// Every socket sends so many datagrams to all others, one each 10 ms, and listens for `patience_ms` longer. Fills in
+// the probes of links[from * sockets + to] and the oversleep of those 10 ms. The delay is from just before the system
+// call to the stamp of the receiving kernel, which is the same one with the same clock.
+[[nodiscard]] config::Result<void> probe(const std::vector<ProbeSocket>& sockets, double patience_ms,
+                                         std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms);
+
+}  // namespace peerd::netem
