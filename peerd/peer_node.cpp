@@ -189,10 +189,23 @@ void PeerNode::press_keys(HostTime now) {
   }
 }
 
+feed::Outcome PeerNode::on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses) {
+  feed::Outcome outcome = feeds_.push(now, host_minus_wall, poses);
+  if (outcome.taken == 0) return outcome;
+  if (peer_.due_tick(now)) on_tick(now);  // it is of an instant before: a jump is none of its business
+  std::vector<replication::OwnSample> samples;
+  for (const feed::FedPose& fed : poses) {
+    if (const auto object = feeds_.find(fed.object)) samples.push_back({*object, feeds_.sample(*object, now)});
+  }
+  peer_.publish_now(now, samples);
+  return outcome;
+}
+
 KeyReport PeerNode::on_key(HostTime now, const KeyEvent& key) {
   on_tick(now);  // a tick that is due comes first: the motion that it tells of must not be changed behind its back
   KeyReport report = press(now, key);
   key_reports_.push_back(report);
+  peer_.publish_now(now, {});
   return report;
 }
 
@@ -328,6 +341,7 @@ const PeerLog& PeerNode::log() {
        {"ticks_missed", c.ticks_missed},
        {"updates_in", c.updates_in},
        {"updates_out", c.updates_out},
+       {"updates_at_once", c.updates_at_once},
        {"update_bytes_out", c.update_bytes_out},
        {"updates_repeated", c.updates_repeated},
        {"updates_duplicate", c.updates_duplicate},

@@ -48,11 +48,9 @@ class PeerNode {
   // A key goes down at this peer: its KeySensors change the velocity of objects that it runs. A release means nothing,
   // and each repeat of a key that is held down counts if the caller passes it on, as in the seed's toolkit.
   KeyReport on_key(HostTime now, const KeyEvent& key);
-  // A program outside says where objects are that it moves; each takes up with the next tick. host_minus_wall: what
-  // this host's time is ahead of Unix time.
-  feed::Outcome on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses) {
-    return feeds_.push(now, host_minus_wall, poses);
-  }
+  // A program outside says where objects are that it moves; what the others believe too wrong goes out at once.
+  // host_minus_wall: what this host's time is ahead of Unix time.
+  feed::Outcome on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses);
   void refuse_poses(const std::string& why) { feeds_.refuse_message(why); }
   void leave(HostTime now);
   // The next output, already in the log.
@@ -101,7 +99,7 @@ class PeerNode {
   SimTime logged_at_{};                 // the last tick
   std::optional<SimTime> started_for_;  // the start that the peer was told
   bool announces_start_ = false;
-  std::int64_t next_sample_ = 0;        // counted from the start
+  std::int64_t next_sample_ = 0;  // counted from the start
   KeySensors key_sensors_;
   std::vector<config::ScriptedKey> keys_;  // by time
   std::size_t next_key_ = 0;

@@ -7,18 +7,14 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/post.hpp>
-#include <boost/asio/signal_set.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <nlohmann/json.hpp>
 
-#include "peerd/api/answer.hpp"
 #include "peerd/api/control_path.hpp"
 #include "peerd/api/control_server.hpp"
 #include "peerd/commands.hpp"
+#include "peerd/daemon.hpp"
 #include "peerd/describe.hpp"
 #include "peerd/feed/udp_port.hpp"
-#include "peerd/net/forward_time.hpp"
 #include "peerd/net/host_clock.hpp"
 #include "peerd/peer_node.hpp"
 #include "peerd/print.hpp"
@@ -49,169 +45,6 @@ class Log {
  private:
   spdlog::logger logger_;
   bool json_;
-};
-
-// The driver of DESIGN section 5, over a real clock and a real network. One thread.
-//
-// The peer is told when a datagram came, not when it was read, and its `now` must not run backwards: what came before
-// something that the peer has been told of already counts as having come with that. A tick reads what waits first, so
-// that this is rare and short; it is counted.
-class Daemon {
- public:
-  Daemon(asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock, Log& log,
-         const Scene& scene, std::optional<Duration> leave_after, record::CaptureWriter* capture)
-      : io_(io),
-        timer_(io),
-        signals_(io, SIGINT, SIGTERM),
-        node_(node),
-        transport_(transport),
-        clock_(clock),
-        log_(log),
-        scene_(scene),
-        leave_after_(leave_after),
-        capture_(capture) {}
-
-  // One line of the control protocol; the reply to "leave" is out before the peer is gone.
-  std::string on_control(std::string_view line) {
-    if (over_) return api::refusal("this peer is leaving");
-    const HostTime at = now();
-    const Duration host_minus_wall = clock_.minus_wall();
-    if (capture_) capture_->on_control(at, host_minus_wall, line);
-    api::Answer answer = api::answer(node_, at, line, host_minus_wall);
-    drain();
-    if (answer.leave) {
-      asio::post(io_, [this] {
-        if (over_) return;
-        log_(spdlog::level::info, "leaving: told to");
-        leave();
-      });
-    }
-    return std::move(answer.line);
-  }
-
-  // One datagram of a program that moves objects.
-  void on_poses(std::string_view datagram) {
-    if (over_) return;
-    const HostTime at = now();
-    const Duration host_minus_wall = clock_.minus_wall();
-    if (capture_) capture_->on_poses(at, host_minus_wall, datagram);
-    api::take_datagram(node_, at, datagram, host_minus_wall);
-    drain();
-  }
-
-  // Until a signal comes or the scenario is over. The exit code.
-  int run() {
-    (void)now();  // nothing counts as having come before the peer was made
-    signals_.async_wait([this](const boost::system::error_code& error, int signal) {
-      if (error) return;
-      log_(spdlog::level::info, fmt::format("leaving: got {}", signal == SIGINT ? "SIGINT" : "SIGTERM"));
-      leave();
-    });
-    transport_.on_receive([this](const net::Arrival& arrival) {
-      if (over_) return;
-      const HostTime at = forward_(arrival.at);
-      if (capture_) capture_->on_packet(at, arrival.from, arrival.region, arrival.datagram);
-      node_.on_packet(at, arrival.region, arrival.datagram);
-      drain();
-    });
-    drain();
-    wake();
-    io_.run();
-    return exit_code_;
-  }
-
-  // Counts the datagrams that came before something that the peer had been told of.
-  [[nodiscard]] const net::ForwardTime& forward() const { return forward_; }
-
- private:
-  HostTime now() { return forward_(clock_.now()); }
-
-  void wake() {
-    if (over_) return;
-    transport_.receive_pending();
-    if (over_) return;
-    const HostTime now = this->now();
-    if (capture_) capture_->on_tick(now);
-    node_.on_tick(now);
-    drain();
-    if (over_) return;
-    if (leave_after_ && node_.start() && node_.peer().clock().to_session(now) > *node_.start() + *leave_after_) {
-      log_(spdlog::level::info, "leaving: the scenario is over");
-      return leave();
-    }
-    timer_.expires_after(std::max(Duration{0}, node_.next_deadline() - clock_.now()));
-    timer_.async_wait([this](const boost::system::error_code& error) {
-      if (!error) wake();
-    });
-  }
-
-  void leave() {
-    if (over_) return;
-    const HostTime at = now();
-    if (capture_) capture_->on_leave(at);
-    node_.leave(at);
-    drain();
-    stop();
-  }
-
-  void stop() {
-    over_ = true;
-    io_.stop();
-  }
-
-  void drain() {
-    while (auto out = node_.poll_output()) {
-      if (const auto line = describe(*out, scene_)) log_(line->level, line->text);
-      if (const auto* send = std::get_if<replication::Send>(&*out)) {
-        if (capture_) capture_->on_send(send->region, send->datagram);
-        transport_.send(send->region, send->datagram);
-      } else if (const auto* join = std::get_if<replication::Join>(&*out)) {
-        check(transport_.join(join->region));
-      } else if (const auto* left = std::get_if<replication::Leave>(&*out)) {
-        check(transport_.leave(left->region));
-      }
-    }
-    transport_.flush();
-    while (const auto key = node_.poll_key_report()) {
-      for (const LogLine& line : describe(*key, scene_)) log_(line.level, line.text);
-    }
-    while (const auto notice = node_.poll_feed_notice()) {
-      const LogLine line = feed::describe(*notice);
-      log_(line.level, line.text);
-    }
-    if (capture_) keep_capture();
-  }
-
-  // After each input, so that whatever ends this process leaves a capture of all that it did. Without one the peer goes
-  // on for the others' sake, and ends with the exit code of what went wrong.
-  void keep_capture() {
-    capture_->flush();
-    if (capture_->good()) return;
-    log_(spdlog::level::err, "the capture ends here: it can't be written any more; is the disk full?");
-    capture_ = nullptr;
-    exit_code_ = 3;
-  }
-
-  void check(const std::expected<void, net::NetError>& done) {
-    if (done) return;
-    log_(spdlog::level::err, done.error().sentence);
-    exit_code_ = input_error(done.error()).exit_code;
-    stop();
-  }
-
-  asio::io_context& io_;
-  asio::steady_timer timer_;
-  asio::signal_set signals_;
-  PeerNode& node_;
-  net::Transport& transport_;
-  const net::HostClock& clock_;
-  Log& log_;
-  const Scene& scene_;
-  std::optional<Duration> leave_after_;
-  record::CaptureWriter* capture_;  // null: none, or none any more
-  net::ForwardTime forward_;
-  bool over_ = false;
-  int exit_code_ = 0;
 };
 
 struct ControlPlace {
@@ -311,12 +144,18 @@ void tell_refused(const api::ControlServer* control, const feed::UdpPort* poses,
   }
 }
 
-void tell_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport,
-                 const net::ForwardTime& forward, Log& log) {
+void tell_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport, const Daemon& daemon,
+                 Log& log) {
+  const net::ForwardTime& forward = daemon.forward();
   const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
   log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
                                        count("datagrams_out"), count("updates_out"), count("datagrams_in"),
                                        count("updates_in"), count("ticks_missed"), count("ticks")));
+  if (const TickLateness& late = daemon.lateness(); late.count() > 0) {
+    log(spdlog::level::info, fmt::format("ticks ran late by {:.1f} ms at most but for one in a hundred, by {:.1f} at "
+                                         "the worst",
+                                         to_seconds(late.p99()) * 1e3, to_seconds(late.most()) * 1e3));
+  }
   if (record.counters.contains("poses_taken")) {
     log(spdlog::level::info,
         fmt::format("took {} poses, refused {} and {} messages; {} silences", count("poses_taken"),
@@ -395,8 +234,9 @@ int run_peer(const PeerOptions& options) {
   }
   for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
 
-  Daemon daemon(io, *node, *transport, clock, log, scene,
-                options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
+  Daemon daemon(
+      io, *node, *transport, clock, [&log](const LogLine& line) { log(line.level, line.text); },
+      options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   auto control = open_control(io, control_place(options, run.control, (*settings)->name), daemon, log);
   if (!control) return failed(control.error());
   const auto poses = open_pose_port(io, **settings, daemon, log);
@@ -405,7 +245,7 @@ int run_peer(const PeerOptions& options) {
   tell_refused(control->get(), poses->get(), log);
   control->reset();
   const PeerLog& record = node->log();
-  tell_totals(*node, record, *transport, daemon.forward(), log);
+  tell_totals(*node, record, *transport, daemon, log);
   if (!options.record.empty()) {
     if (const auto saved = save(record, options.record); !saved) return failed(saved.error());
   }

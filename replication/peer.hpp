@@ -203,6 +203,7 @@ class Peer {
     std::map<std::string, std::uint64_t> drops;  // by reason
     std::uint64_t ticks = 0, ticks_missed = 0;
     std::uint64_t updates_in = 0, updates_out = 0;
+    std::uint64_t updates_at_once = 0;                                      // of updates_out: between two ticks
     std::uint64_t update_bytes_out = 0;                                     // of updates_out
     std::array<std::uint64_t, kRecordSizes.size() + 1> update_sizes_out{};  // how many of updates_out fit each; longer
     std::uint64_t updates_repeated = 0;                                     // second copies sent; not in updates_out
@@ -238,6 +239,10 @@ class Peer {
   // The tick that on_tick(now) would do: the last point of the session's tick grid not after now. None: not due, or
   // not synchronised yet.
   [[nodiscard]] std::optional<SimTime> due_tick(HostTime now) const;
+  // Between two ticks: what drives these objects has just moved them. Each that the others would believe too wrong is
+  // told of now and not with the next tick, once at most until then; so is what change_velocity() has changed. Does
+  // nothing where a tick is due: that tells. Samples are of `now`, with derivatives.
+  void publish_now(HostTime now, std::span<const OwnSample> samples);
   // The launches of own objects count from `start`, or from now if that has passed.
   void start_motions(HostTime now, SimTime start);
   // A vector in the frame of the object's parent, as the file has velocities: in the world's, as the parent stands
@@ -249,7 +254,7 @@ class Peer {
   }
   // A key or a hand changes the velocity [m/s, world frame] of an object that this peer runs and does not drive:
   // replaces it, or adds to it. False, and nothing done, for any other object and before a session. The others are told
-  // with the next tick.
+  // by publish_now(), or with the next tick.
   bool change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute);
   // Brings the ghosts to t, which may lie between two ticks: for a viewer with a frame rate of its own. Changes nothing
   // that the other peers could notice.
@@ -305,8 +310,6 @@ class Peer {
     bool resend = false;  // somebody joined
     bool retell = false;  // what was told last was not true
     Launch launch;
-    std::optional<SimTime> starts;   // it stands until then
-    std::optional<SimTime> changed;  // then it began to move as nobody could know; not told yet
     std::optional<UpdateRecord> to_repeat;
     std::uint32_t times_sent = 0;  // to_repeat
     std::uint32_t told_in = 0;     // the number of the datagram that said last how it moves
@@ -371,6 +374,12 @@ class Peer {
   [[nodiscard]] std::vector<ContactNote> take_notes();
   void publish(SimTime t);
   void tell_along(SimTime t);
+  void tell_changed(SimTime t);
+  [[nodiscard]] std::optional<PublishReason> why_due(Own& own, SimTime t, double threshold_m,
+                                                     const KinematicState& truth, const KinematicState& ghost,
+                                                     const GhostError& error, const std::optional<Receipt>& receipt);
+  [[nodiscard]] double least_threshold_m(ObjectId object) const;
+  [[nodiscard]] bool told_since_tick(const Own& own) const;
   void repeat_updates(HostTime now);
   void tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m);
   [[nodiscard]] bool may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const;
@@ -379,7 +388,7 @@ class Peer {
   [[nodiscard]] Duration display_delay() const;
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model);
   [[nodiscard]] Duration farthest_latency() const;
-  void observe(SimTime t);
+  void observe(ObjectId object, Own& own, SimTime t, double latency_s);
   [[nodiscard]] bool gains(Own& own, SimTime t, const GhostError& error);
   // Regions (peer_regions.cpp).
   [[nodiscard]] Duration lookahead() const;
@@ -454,6 +463,8 @@ class Peer {
     std::optional<SimTime> told, run_until;
   };
   std::vector<Predefined> predefined_told_;
+  std::map<ObjectId, SimTime> starts_;   // own objects that stand until then
+  std::map<ObjectId, SimTime> changed_;  // .. that began to move then as nobody could know; not told yet
   std::optional<HostTime> next_hello_;
   HostTime last_hello_{}, last_said_{};  // last_said_: anything, to all
   // Whoever comes measures its clock and its loss with hellos: so long they are not rare.

@@ -183,7 +183,7 @@ void Peer::enter_session(HostTime host_now) {
     replica_->truth.set_base(object, now, at_rest(model_.scene->rigid_pose(object)));
     if (own.driven || config_.wait_for_start) continue;
     if (own.launch.after > Duration{0}) {
-      own.starts = now + own.launch.after;
+      starts_[object] = now + own.launch.after;
     } else {
       launch(now, object, own);
     }
@@ -207,18 +207,13 @@ void Peer::launch(SimTime at, ObjectId object, Own& own) {
 // The launches that are due, in order of time.
 void Peer::begin_motions(SimTime until) {
   for (;;) {
-    auto first = own_.end();
-    for (auto own = own_.begin(); own != own_.end(); ++own) {
-      if (!own->second.starts || *own->second.starts > until) continue;
-      if (first == own_.end() || *own->second.starts < *first->second.starts) first = own;
-    }
-    if (first == own_.end()) return;
-    Own& own = first->second;
-    const SimTime at = *own.starts;
+    const auto first = std::ranges::min_element(starts_, {}, [](const auto& start) { return start.second; });
+    if (first == starts_.end() || first->second > until) return;
+    const auto [object, at] = *first;
     replica_->truth.advance(at);
-    launch(at, first->first, own);
-    own.changed = at;
-    own.starts.reset();
+    launch(at, object, own_.at(object));
+    changed_[object] = at;
+    starts_.erase(first);
   }
 }
 
@@ -232,8 +227,8 @@ bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, 
   KinematicState state = law.state;
   state.velocity = absolute ? velocity : Vec3(state.velocity + velocity);
   replica_->truth.set_base(object, t, law_after(model_.response_of(object), law, state));
-  own->second.starts.reset();
-  own->second.changed = t;  // nobody could know
+  starts_.erase(object);
+  changed_[object] = t;  // nobody could know
   return true;
 }
 
@@ -241,7 +236,7 @@ void Peer::start_motions(HostTime now, SimTime start) {
   if (!replica_) return;
   const SimTime from = std::max(start, clock_.to_session(now));
   for (auto& [object, own] : own_) {
-    if (!own.driven) own.starts = from + own.launch.after;
+    if (!own.driven) starts_[object] = from + own.launch.after;
   }
 }
 
@@ -278,11 +273,11 @@ void Peer::change_session(SimTime before, SimTime now) {
     replica_->ghosts.set_base(object, now, old.ghosts.model_at(object, before));
   }
   restart_predefined();
+  changed_.clear();
+  for (auto& [object, start] : starts_) start += now - before;
   for (auto& [object, own] : own_) {
     own.last_sent.reset();
-    own.changed.reset();
     own.to_repeat.reset();
-    if (own.starts) *own.starts += now - before;
     own.models.reset();  // their samples are of the other time
     own.poses = {};
     own.budget = {};
@@ -343,7 +338,11 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
     const bool taken = !added && peer < at->second;
     if (taken) {
       outputs_.push_back(OwnershipConflict{object, peer});
-      if (at->second == config_.id) own_.erase(object);
+      if (at->second == config_.id) {
+        own_.erase(object);
+        starts_.erase(object);
+        changed_.erase(object);
+      }
       std::erase_if(departures_, [&](const Departure& d) { return d.gone.object == object; });
       at->second = peer;
     }

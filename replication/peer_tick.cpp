@@ -112,14 +112,11 @@ void Peer::report_contacts(SimTime t) {
   while (const auto change = colliding_.poll()) outputs_.push_back(*change);
 }
 
-// Hands every own object's state to what chooses its models.
-void Peer::observe(SimTime t) {
+// Hands an own object's state to what chooses its models.
+void Peer::observe(ObjectId object, Own& own, SimTime t, double latency_s) {
   if (!config_.policy.models) return;
-  const double latency_s = to_seconds(farthest_latency());
-  for (auto& [object, own] : own_) {
-    if (!own.models) own.models.emplace(*config_.policy.models);
-    own.models->push(t, replica_->truth.at(object, t), Horizon{latency_s, own.interval_s});
-  }
+  if (!own.models) own.models.emplace(*config_.policy.models);
+  own.models->push(t, replica_->truth.at(object, t), Horizon{latency_s, own.interval_s});
 }
 
 // Whether an update is worth one of the budget.
@@ -130,35 +127,18 @@ bool Peer::gains(Own& own, SimTime t, const GhostError& error) {
 }
 
 void Peer::publish(SimTime t) {
-  const PublishPolicy& policy = config_.policy;
-  observe(t);
-  // What nobody could know comes first, and of the instant at which it began: what follows from it the others find
-  // themselves, and so do this peer's ghosts, before they are asked whether anything else is worth an update.
-  bool told = false;
-  for (auto& [object, own] : own_) {
-    if (!own.changed) continue;
-    const bool follows = policy.predict_collisions || replica_->truth.law_since(object, t) == *own.changed;
-    tell(object, own, follows ? *own.changed : t, t, PublishReason::kFirst, threshold_now_m(object, t));
-    told = true;
-  }
-  if (told) replica_->ghosts.advance(t);
+  const double latency_s = to_seconds(farthest_latency());
+  for (auto& [object, own] : own_) observe(object, own, t, latency_s);
+  tell_changed(t);
   const std::optional<Receipt> receipt = common_receipt();
   waiting_.clear();
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
     const GhostError error = ghost_error(truth, ghost, own.reach_m);
     const double threshold_m = threshold_now_m(object, t);
-    // Receipts are of what goes to all; regions forget what they do not hear of.
-    const bool known = !grid_.cuts() && receipt && receipt->has(own.told_in);
-    std::optional<PublishReason> reason =
-        due(policy, threshold_m, error, own.last_sent, t, known && rests(truth) && rests(ghost));
-    if (!reason && own.retell) reason = PublishReason::kDecision;
-    if (!reason && own.resend) reason = PublishReason::kJoiner;
-    if (!reason && has_crossed(own, truth.position)) reason = PublishReason::kRegion;
-    if (!reason && gains(own, t, error)) reason = PublishReason::kGain;
-    if (reason) {
+    if (const auto reason = why_due(own, t, threshold_m, truth, ghost, error, receipt)) {
       tell(object, own, t, t, *reason, threshold_m);
-    } else if (policy.along_at < 1.0) {
+    } else if (config_.policy.along_at < 1.0) {
       waiting_.push_back({object, &own, error, threshold_m});
     }
   }
@@ -181,7 +161,83 @@ void Peer::tell_along(SimTime t) {
   }
 }
 
-// The update goes out at tick t and is of `at`, not after it. What physics moves names its law as it is. Where it
+// As a tick does, but for the contacts: those wait for the next one, which finds them when they happened.
+void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
+  if (!replica_ || due_tick(now)) return;
+  const SimTime t = clock_.to_session(now);
+  if (t <= tick_time(last_tick_)) return;  // the session's time was ahead and is being put right
+  std::vector<const OwnSample*> wrong;     // as the others believe them
+  for (const OwnSample& sample : samples) {
+    const auto own = own_.find(sample.object);
+    if (own == own_.end() || told_since_tick(own->second)) continue;
+    assert(own->second.driven && sample.has_derivatives);
+    const GhostError error = ghost_error(sample.state, replica_->ghosts.at(sample.object, t), own->second.reach_m);
+    if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t))
+      wrong.push_back(&sample);
+  }
+  if (wrong.empty() && changed_.empty()) return;
+  const std::uint64_t told_before = counters_.updates_out;
+  tell_predefined(t);
+  begin_motions(t);
+  replica_->truth.advance(t);
+  for (const OwnSample* sample : wrong) replica_->truth.set_base(sample->object, t, sample->state);
+  replica_->ghosts.advance(t);
+  tell_changed(t);
+  const std::optional<Receipt> receipt = common_receipt();
+  for (const OwnSample* sample : wrong) {
+    Own& own = own_.at(sample->object);
+    const double threshold_m = threshold_now_m(sample->object, t);
+    const KinematicState ghost = replica_->ghosts.at(sample->object, t);
+    const GhostError error = ghost_error(sample->state, ghost, own.reach_m);
+    const auto reason = why_due(own, t, threshold_m, sample->state, ghost, error, receipt);
+    if (!reason) continue;
+    observe(sample->object, own, t, to_seconds(farthest_latency()));
+    tell(sample->object, own, t, t, *reason, threshold_m);
+  }
+  counters_.updates_at_once += counters_.updates_out - told_before;
+  flush_records(false);
+}
+
+bool Peer::told_since_tick(const Own& own) const { return own.last_sent && *own.last_sent > tick_time(last_tick_); }
+
+// What nobody could know comes before all else, and of the instant at which it began: what follows from it the others
+// find themselves, and so do this peer's ghosts, before they are asked whether anything else is worth an update.
+void Peer::tell_changed(SimTime t) {
+  bool told = false;
+  for (const auto& [object, since] : std::map(changed_)) {
+    Own& own = own_.at(object);
+    if (told_since_tick(own)) continue;
+    const bool follows = config_.policy.predict_collisions || replica_->truth.law_since(object, t) == since;
+    tell(object, own, follows ? since : t, t, PublishReason::kFirst, threshold_now_m(object, t));
+    told = true;
+  }
+  if (told) replica_->ghosts.advance(t);
+}
+
+// `error`: of the ghost against the truth, which is that of `own` at t. `receipt`: what all have.
+std::optional<PublishReason> Peer::why_due(Own& own, SimTime t, double threshold_m, const KinematicState& truth,
+                                           const KinematicState& ghost, const GhostError& error,
+                                           const std::optional<Receipt>& receipt) {
+  // Receipts are of what goes to all; regions forget what they do not hear of.
+  const bool known = !grid_.cuts() && receipt && receipt->has(own.told_in);
+  const bool known_to_rest = known && rests(truth) && rests(ghost);
+  if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, known_to_rest)) return reason;
+  if (own.retell) return PublishReason::kDecision;
+  if (own.resend) return PublishReason::kJoiner;
+  if (has_crossed(own, truth.position)) return PublishReason::kRegion;
+  if (gains(own, t, error)) return PublishReason::kGain;
+  return std::nullopt;
+}
+
+// No error below it makes an update due, however close other objects are and whatever the budget has.
+double Peer::least_threshold_m(ObjectId object) const {
+  const PublishPolicy& policy = config_.policy;
+  const double usual_m = policy.error_threshold_m.value_or(model_.scene->object(object).distance_threshold_m);
+  const double tight_m = std::min(usual_m, policy.tight_threshold_m);
+  return policy.wanted_error_m > 0.0 ? std::min(tight_m, policy.wanted_error_m) : tight_m;
+}
+
+// The update goes out at t and is of `at`, not after it. What physics moves names its law as it is. Where it
 // answers by impulse it goes on from what was told: its truth and its ghost are one motion, to the last bit, which many
 // collisions would else draw apart.
 void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m) {
@@ -194,7 +250,7 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   own.last_sent = t;
   own.retell = false;
   const bool answers = std::exchange(own.resend, false);
-  own.changed.reset();
+  changed_.erase(object);
   MotionModel law = replica_->truth.model_at(object, at);
   if (!own.driven && !sendable(law)) {
     law = standing_inside_limits(replica_->truth.at(object, t));

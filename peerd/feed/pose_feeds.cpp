@@ -81,6 +81,11 @@ std::vector<ObjectId> PoseFeeds::objects() const {
   return objects;
 }
 
+std::optional<ObjectId> PoseFeeds::find(std::string_view path) const {
+  const auto at = by_path_.find(path);
+  return at == by_path_.end() ? std::nullopt : std::optional(at->second);
+}
+
 KinematicState PoseFeeds::sample(ObjectId object, HostTime t) {
   Fed& fed = feeds_.at(object);
   if (fed.feed.begun() && !fed.begun) {

@@ -58,7 +58,8 @@ class PoseFeeds {
 
   [[nodiscard]] bool feeds(ObjectId object) const { return feeds_.contains(object); }
   [[nodiscard]] std::vector<ObjectId> objects() const;
-  // The object's state at a tick; the ticks of one object never go back.
+  [[nodiscard]] std::optional<ObjectId> find(std::string_view path) const;
+  // The object's state at a tick or between two; the ticks of one object never go back.
   [[nodiscard]] KinematicState sample(ObjectId object, HostTime t);
   [[nodiscard]] std::optional<Notice> poll_notice();
   // Into a peer's counters. Nothing where nothing is fed.

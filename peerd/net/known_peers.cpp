@@ -10,6 +10,11 @@ using asio::ip::udp;
 
 namespace {
 
+// Who is silent for so long where it is known but speaks from another address has moved there. Two processes of two
+// addresses each may know one another by the wrong pair: what either sends comes from another address than the other
+// holds. One of them must move first, else both do and still miss.
+constexpr Duration kMovesFirst = std::chrono::milliseconds(2'200), kMovesLater = std::chrono::milliseconds(4'200);
+
 // Port, address and, of an IPv6 address that each link has for itself, the link.
 struct EndpointBytes {
   std::array<std::byte, 22> bytes{};
@@ -61,7 +66,8 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   auto known = std::ranges::find(peers_, greeting.instance, &Peer::instance);
   if (known != peers_.end() && known->at != from) {
     known->also = from;  // it may hold us by another of our addresses, and send from there
-    return Outcome::kTwice;
+    if (now - known->heard < (instance_ < greeting.instance ? kMovesFirst : kMovesLater)) return Outcome::kTwice;
+    known->also = std::exchange(known->at, from);
   }
   if (greeting.leaving) {
     if (known != peers_.end()) peers_.erase(known);

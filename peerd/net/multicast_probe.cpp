@@ -15,6 +15,7 @@ constexpr std::chrono::milliseconds kWait{50};  // for each
 std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, MulticastOptions options) {
   asio::io_context io(1);
   options.any_port = true;  // no peer hears it
+  options.hears_itself = true;
   const auto opened = MulticastSocket::open(io, clock, options);
   if (!opened) return std::unexpected(opened.error());
   MulticastSocket& socket = **opened;

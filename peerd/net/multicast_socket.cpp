@@ -1,5 +1,7 @@
 #include "peerd/net/multicast_socket.hpp"
 
+#include <linux/filter.h>
+#include <linux/if_packet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
@@ -60,6 +62,9 @@ std::expected<std::unique_ptr<MulticastSocket>, NetError> MulticastSocket::open(
   if (!chosen) return std::unexpected(chosen.error());
 
   std::unique_ptr<MulticastSocket> opened(new MulticastSocket(io, clock, options, *std::move(chosen)));
+  if (!options.hears_itself) {
+    if (auto good = opened->add_sender(); !good) return std::unexpected(good.error());
+  }
   if (auto good = opened->add_socket(); !good) return std::unexpected(good.error());
   if (auto good = opened->probe_route(); !good) return std::unexpected(good.error());
   return opened;
@@ -72,7 +77,39 @@ MulticastSocket::MulticastSocket(asio::io_context& io, const HostClock& clock, c
       chosen_(std::move(chosen)),
       reading_(clock, counters_, most_bytes(options.groups)),
       memberships_max_(memberships_limit(family_of(options.groups)).value_or(std::numeric_limits<std::size_t>::max())),
-      queue_(most_bytes(options.groups)) {}
+      queue_(most_bytes(options.groups)) {
+  turning_away_.reserve(kBatch);
+}
+
+// From a port that nobody else has. Nothing is read from it.
+std::expected<void, NetError> MulticastSocket::add_sender() {
+  udp::socket& socket = sender_.emplace(io_);
+  if (auto good = open_udp(socket, {options_.groups.base.is_v4(), options_.dscp, 0}); !good) return good;
+  if (auto good = configure(socket.native_handle()); !good) return good;
+  return bind_udp(socket, 0, "end a program that uses many");
+}
+
+// Lets the kernel drop what our sender has sent before it is queued: it comes from its port, and from this computer. A
+// classic BPF program, which sees a datagram from its UDP header on (sk_filter); 0 drops it.
+std::expected<void, NetError> MulticastSocket::turn_own_away(int fd) const {
+  constexpr std::uint32_t kAll = 0xffffffff;
+  const std::uint32_t port = sender_->local_endpoint().port();
+  std::array<sock_filter, 6> program{{
+      BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0),  // the source port
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, port, 0, 2),
+      // On lo all is of this computer; elsewhere the copy that comes back is marked.
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(SKF_AD_OFF + SKF_AD_PKTTYPE)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, PACKET_LOOPBACK, 1, 0),
+      BPF_STMT(BPF_RET | BPF_K, kAll),
+      BPF_STMT(BPF_RET | BPF_K, 0),
+  }};
+  if (chosen_.interface.loopback) program[2] = BPF_STMT(BPF_LD | BPF_IMM, PACKET_LOOPBACK);
+  const sock_fprog filter{program.size(), program.data()};
+  if (const int error = set_option(fd, SOL_SOCKET, SO_ATTACH_FILTER, filter)) {
+    return failure(NetError::Kind::kOther, "the system refuses socket option SO_ATTACH_FILTER: " + text_of(error));
+  }
+  return {};
+}
 
 // All hear the same port. A datagram goes to each that has joined its group, and each group has one.
 std::expected<void, NetError> MulticastSocket::add_socket() {
@@ -82,6 +119,9 @@ std::expected<void, NetError> MulticastSocket::add_socket() {
   const UdpOptions wanted{groups.base.is_v4(), options_.dscp, options_.receive_buffer_bytes};
   if (auto good = open_udp(socket, wanted); !good) return good;
   if (auto good = configure(socket.native_handle()); !good) return good;
+  if (sender_) {
+    if (auto good = turn_own_away(socket.native_handle()); !good) return good;
+  }
   const bool choose_port = options_.any_port && sockets_.empty();
   if (auto good = bind_udp(socket, choose_port ? 0 : groups.port, "choose another port for all peers"); !good)
     return good;
@@ -259,9 +299,18 @@ void MulticastSocket::send(RegionId region, std::span<const std::byte> datagram)
   const auto header = region_header(region);
   queue_.push(on_our_interface(*group), std::span(header).first(options_.groups.pool > 0 ? header.size() : 0),
               datagram);
+  if (!sender_) return;
+  const auto membership = memberships_.find(group_number(options_.groups, region));
+  turning_away_.push_back(membership == memberships_.end() ? nullptr : &membership->second.socket->receiver);
 }
 
-void MulticastSocket::flush() { queue_.flush(native_handle(), counters_); }
+void MulticastSocket::flush() {
+  const auto refused = queue_.flush(native_handle(), counters_);
+  for (std::size_t i = 0; i < turning_away_.size(); ++i) {
+    if (turning_away_[i] != nullptr && !refused.test(i)) turning_away_[i]->on_turned_away();
+  }
+  turning_away_.clear();
+}
 
 void MulticastSocket::on_receive(ReceiveHandler handler) {
   assert(handler && !handler_);

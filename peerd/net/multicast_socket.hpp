@@ -28,13 +28,14 @@ struct MulticastOptions {
   int dscp = 0;                            // 0 to 63: how routers and wireless links should treat what is sent
   int receive_buffer_bytes = 1024 * 1024;  // asked of the kernel, which may grant less (net.core.rmem_max)
   bool any_port = false;                   // the system chooses, whatever the plan says: for a probe
+  // Whether what is sent here to a group that is joined comes back. If not, it leaves from a port of its own, by which
+  // the kernel knows it again before it wakes anybody.
+  bool hears_itself = true;
 };
 
-// All regions of a session over one interface: sends to any, hears those that it joined. One UDP socket sends and
-// hears; as the kernel lets each hear so many groups only, more are opened when those are used up.
-//
-// Datagrams that were sent here to a group that is joined come back: loopback must be on for peers that share a
-// computer to hear each other, and the kernel cannot tell them apart. The peer above drops its own by their sender.
+// All regions of a session over one interface: sends to any, hears those that it joined. As the kernel lets each UDP
+// socket hear so many groups only, more are opened when those are used up. Loopback must be on for peers that share a
+// computer to hear each other.
 class MulticastSocket final : public Transport {
  public:
   // `io` and `clock` outlive it.
@@ -57,7 +58,9 @@ class MulticastSocket final : public Transport {
   [[nodiscard]] const ChosenInterface& chosen_interface() const { return chosen_; }
   [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
   // Of the one that sends.
-  [[nodiscard]] int native_handle() { return sockets_.front()->receiver.socket().native_handle(); }
+  [[nodiscard]] int native_handle() {
+    return (sender_ ? *sender_ : sockets_.front()->receiver.socket()).native_handle();
+  }
 
  private:
   struct Socket {
@@ -73,7 +76,9 @@ class MulticastSocket final : public Transport {
   MulticastSocket(asio::io_context& io, const HostClock& clock, const MulticastOptions& options,
                   ChosenInterface chosen);
 
+  std::expected<void, NetError> add_sender();
   std::expected<void, NetError> add_socket();
+  std::expected<void, NetError> turn_own_away(int fd) const;
   std::expected<void, NetError> configure(int fd) const;
   std::expected<void, NetError> probe_route();
 
@@ -93,12 +98,14 @@ class MulticastSocket final : public Transport {
   asio::ip::address own_address_;
   TrafficCounters counters_;
   Reading reading_;
+  std::optional<asio::ip::udp::socket> sender_;  // none: the first of the others sends
   std::vector<std::unique_ptr<Socket>> sockets_;
   std::size_t memberships_max_;  // of one socket
   std::set<RegionId> joined_;
   std::map<std::uint32_t, Membership> memberships_;  // by the number of the group
   ReceiveHandler handler_;
   SendQueue queue_;
+  std::vector<UdpReceiver*> turning_away_;  // for each in queue_: the socket whose filter will meet it; null: none
 };
 
 // How many groups one socket may join, as the system is set up; none: it counts otherwise, or doesn't say.

@@ -71,13 +71,17 @@ ReceiveBatch::ReceiveBatch(std::size_t max_bytes) : max_bytes_(max_bytes), buffe
 }
 
 int ReceiveBatch::read(int fd) {
-  for (mmsghdr& message : messages_) {  // the last read has put its own lengths here
-    message.msg_hdr.msg_namelen = static_cast<socklen_t>(froms_.front().capacity());
-    message.msg_hdr.msg_controllen = kControlBytes;
+  for (std::size_t i = 0; i < used_; ++i) {  // the last read has put its own lengths here
+    messages_[i].msg_hdr.msg_namelen = static_cast<socklen_t>(froms_[i].capacity());
+    messages_[i].msg_hdr.msg_controllen = kControlBytes;
   }
+  used_ = 0;
   for (;;) {
     const int count = recvmmsg(fd, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
-    if (count >= 0) return count;
+    if (count >= 0) {
+      used_ = static_cast<std::size_t>(count);
+      return count;
+    }
     if (errno != EINTR) return -errno;
   }
 }
@@ -120,14 +124,15 @@ void SendQueue::push(const asio::ip::udp::endpoint& to, std::span<const std::byt
 }
 
 // sendmmsg stops at the first that the kernel refuses and says why only when that is the first of a call.
-void SendQueue::flush(int fd, TrafficCounters& counters) {
+std::bitset<kBatch> SendQueue::flush(int fd, TrafficCounters& counters) {
+  std::bitset<kBatch> refused;
   for (std::size_t first = 0; first < size_;) {
     ++counters.calls_out;
     const int sent = sendmmsg(fd, &messages_[first], static_cast<unsigned>(size_ - first), MSG_DONTWAIT);
     if (sent < 0 && errno == EINTR) continue;
     if (sent <= 0) {
       ++send_error_counter(counters, errno);
-      ++first;
+      refused.set(first++);
       continue;
     }
     counters.packets_out += static_cast<unsigned>(sent);
@@ -136,6 +141,7 @@ void SendQueue::flush(int fd, TrafficCounters& counters) {
     }
   }
   size_ = 0;
+  return refused;
 }
 
 }  // namespace peerd::net

@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include <array>
+#include <bitset>
 #include <boost/asio/ip/udp.hpp>
 #include <cstddef>
 #include <cstdint>
@@ -52,6 +53,7 @@ class ReceiveBatch {
   std::array<asio::ip::udp::endpoint, kBatch> froms_;
   std::array<iovec, kBatch> into_{};
   std::array<mmsghdr, kBatch> messages_{};
+  std::size_t used_ = kBatch;  // whose lengths are to be set before the next read
 };
 
 // Datagrams that wait to leave by one sendmmsg. Allocates when it is made and never again.
@@ -64,8 +66,8 @@ class SendQueue {
   [[nodiscard]] bool full() const { return size_ == kBatch; }
   // Not when full. Copies header and datagram, max_bytes together at most.
   void push(const asio::ip::udp::endpoint& to, std::span<const std::byte> header, std::span<const std::byte> datagram);
-  // Empties it. Counts what the kernel takes, and why it doesn't take the rest.
-  void flush(int fd, TrafficCounters& counters);
+  // Empties it. Counts what the kernel takes, and why it doesn't take the rest: those, by their place in it.
+  std::bitset<kBatch> flush(int fd, TrafficCounters& counters);
 
  private:
   std::size_t max_bytes_;

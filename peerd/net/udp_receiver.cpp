@@ -57,11 +57,14 @@ void UdpReceiver::read() {
   reading_.busy = false;
 }
 
-// The kernel says how many in all, modulo 2^32.
+// The kernel says how many in all, modulo 2^32, as they were when this one came: what was turned away since then makes
+// the difference less than what is known already, until the next one comes.
 void UdpReceiver::count_lost(const Received& received) {
   if (!received.lost_before) return;
-  reading_.counters.in_queue_overflow += *received.lost_before - lost_;
-  lost_ = *received.lost_before;
+  const auto more = static_cast<std::int32_t>(*received.lost_before - turned_away_ - lost_);
+  if (more <= 0) return;
+  reading_.counters.in_queue_overflow += static_cast<std::uint32_t>(more);
+  lost_ += static_cast<std::uint32_t>(more);
 }
 
 HostTime UdpReceiver::time_of(const Received& received, HostTime read_at) {

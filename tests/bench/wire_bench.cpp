@@ -8,9 +8,10 @@
 //
 // Times are of the thread, so what else runs here doesn't count. tick_share_of_core: of 10,000 ghosts and 1,000 own
 // objects, what on_packet, on_tick, draining the outputs and evaluating every ghost at every tick take of a simulated
-// second. OWN: only ticks, with so many own objects. Writes wire-growth.csv and wire-growth.svg besides. Exit code 1: a
-// ghost is not what its owner's update says or not, to the last bit, what its owner believes of it; not all that was
-// sent was applied; a record is not decoded as it was encoded.
+// second. OWN: only ticks, with so many own objects; `loopback`: only how long an update is under way (loopback/).
+// Writes wire-growth.csv and wire-growth.svg besides. Exit code 1: a ghost is not what its owner's update says or not,
+// to the last bit, what its owner believes of it; not all that was sent was applied; a record is not decoded as it was
+// encoded.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,6 +25,7 @@
 #include "collision_chart.hpp"
 #include "core/vrml/reader.hpp"
 #include "figures.hpp"
+#include "loopback/loopback.hpp"
 #include "replication/peer.hpp"
 #include "replication/record.hpp"
 
@@ -375,6 +377,9 @@ class Bench {
   explicit Bench(const Options& options) : options_(options) {}
 
   int run() {
+    const bool only_loopback = options_.arguments == std::vector<std::string>{"loopback"};
+    if (options_.arguments.empty() || only_loopback) loopback();  // first: it forks, while this process is small
+    if (only_loopback) return write_figures(options_, figures_) && right_ ? 0 : 1;
     if (options_.arguments.empty()) {
       decode_and_apply(1);
       decode_and_apply(40);
@@ -403,9 +408,19 @@ class Bench {
               double target_value) {
     const Quartiles q = quartiles(samples);
     const auto ratio = target_value > 0.0 ? std::optional(q.median / target_value) : std::nullopt;
-    std::printf("%-44s %12.5g %-12s [%.5g %.5g] %s\n", name.c_str(), q.median, unit, q.low, q.high, target);
+    add({name, q.median, unit, target, ratio, q.low, q.high});
+  }
+  void add(const Figure& f) {
+    std::printf("%-44s %12.5g %-12s [%.5g %.5g] %s\n", f.name.c_str(), f.value, f.unit.c_str(), f.low, f.high,
+                f.against.c_str());
     std::fflush(stdout);
-    figures_.push_back({name, q.median, unit, target, ratio, q.low, q.high});
+    figures_.push_back(f);
+  }
+
+  void loopback() {
+    const LoopbackResult result = measure_loopback(options_.quick);
+    for (const std::string& what : result.wrong) wrong(what, 1);
+    for (const Figure& f : result.figures) add(f);
   }
 
   // Datagrams of so many updates each, of 10,000 objects, through on_packet; ticks run between them, untimed.

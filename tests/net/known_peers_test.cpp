@@ -150,6 +150,41 @@ TEST(KnownPeers, AProcessWithTwoAddressesIsOnePeer) {
   EXPECT_FALSE(known.has_echoed(kA) || known.has_echoed(kB));
 }
 
+// Both have two addresses, and each holds the other by one that the other does not send from. The network: who sends to
+// the other's address of one subnet does so from its own of that subnet.
+TEST(KnownPeers, TwoThatKnowEachOtherByTheWrongPairOfAddressesFindTheRightOne) {
+  const udp::endpoint a1 = at("192.0.2.1"), a2 = at("198.51.100.1"), b1 = at("192.0.2.2"), b2 = at("198.51.100.2");
+  constexpr SipKey kOther{3, 4};
+  for (const bool swapped : {false, true}) {  // whose instance is the lower one
+    KnownPeers a({.key = swapped ? kOther : kKey}), b({.key = swapped ? kKey : kOther});
+    const auto meets = [](KnownPeers& to, const KnownPeers& sender, HostTime now, const udp::endpoint& source) {
+      return echoed(to, now, source, {.instance = sender.instance(), .number = 7, .regions = {RegionId{1}}});
+    };
+    EXPECT_EQ(meets(a, b, HostTime{0s}, b2), Outcome::kNew);
+    EXPECT_EQ(meets(b, a, HostTime{0s}, a1), Outcome::kNew);
+    std::size_t matched = 0;
+    for (HostTime now{1s}; now < HostTime{30s}; now += 1s) {
+      a.forget(now), b.forget(now);
+      ASSERT_EQ(a.peers().size(), 1u) << "b is here all the time";
+      ASSERT_EQ(b.peers().size(), 1u) << "a is here all the time";
+      const bool a_by_1 = a.peers()[0].at == b1, b_by_1 = b.peers()[0].at == a1;
+      matched += a_by_1 == b_by_1;
+      meets(b, a, now, a_by_1 ? a1 : a2);
+      meets(a, b, now, b_by_1 ? b1 : b2);
+    }
+    EXPECT_GE(matched, 24u) << "within five seconds and for ever";
+  }
+}
+
+TEST(KnownPeers, WhoSpeaksWhereItIsKnownDoesNotMove) {
+  KnownPeers known({.key = kKey});
+  for (HostTime now{1s}; now < HostTime{20s}; now += 1s) {
+    echoed(known, now, kA, from(2));
+    echoed(known, now, kB, from(2));
+    EXPECT_THAT(addresses(known), ElementsAre(kA));
+  }
+}
+
 TEST(KnownPeers, ANewNumberIsTheOneToEcho) {
   KnownPeers known({.key = kKey});
   for (const std::uint64_t number : {8u, 9u}) {

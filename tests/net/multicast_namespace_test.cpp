@@ -73,6 +73,30 @@ TEST_P(OverAWire, DatagramsCrossIt) {
   });
 }
 
+// Nor over an interface whose own copies come by another way through the kernel than those of lo.
+TEST_P(OverAWire, WhoDoesNotHearItselfHearsTheOthers) {
+  with_wire([](const Wire& wire) {
+    asio::io_context io;
+    wire.left.enter();
+    const auto deaf_to_itself = [](MulticastOptions options) {
+      options.hears_itself = false;
+      return options;
+    };
+    Listener a(io, deaf_to_itself(options(6, "va"))), c(io, deaf_to_itself(options(6, "va")));
+    wire.right.enter();
+    Listener b(io, deaf_to_itself(options(6, "vb")));
+    for (Listener* l : {&a, &b, &c}) l->join(1);
+    a.send(1, "from a");
+    b.send(1, "from b");
+    c.send(1, "from c");
+    ASSERT_TRUE(run_until(io, [&] { return a.heard.size() == 2 && b.heard.size() == 2 && c.heard.size() == 2; }));
+    EXPECT_THAT(a.heard, testing::UnorderedElementsAre(Pair(1, "from b"), Pair(1, "from c")));
+    EXPECT_THAT(b.heard, testing::UnorderedElementsAre(Pair(1, "from a"), Pair(1, "from c")));
+    EXPECT_THAT(c.heard, testing::UnorderedElementsAre(Pair(1, "from a"), Pair(1, "from b")));
+    for (const Listener* l : {&a, &b, &c}) EXPECT_EQ(l->socket->counters().in_queue_overflow, 0u);
+  });
+}
+
 TEST_P(OverAWire, TheHopLimitIsAsAsked) {
   with_wire([](const Wire& wire) {
     asio::io_context io;

@@ -149,6 +149,34 @@ TEST_F(MulticastSocketTest, AFullReceiveBufferLosesDatagramsAndSaysHowMany) {
   EXPECT_EQ(b.socket->counters().in_queue_overflow, kFlood - before_marker);
 }
 
+// What was turned away is not lost, though the kernel counts both as one.
+TEST_F(MulticastSocketTest, WhoDoesNotHearItselfCountsOnlyWhatOthersSent) {
+  constexpr std::size_t kFlood = 200, kOwn = 50;
+  MulticastOptions deaf_to_itself = options(15);
+  deaf_to_itself.hears_itself = false;
+  deaf_to_itself.receive_buffer_bytes = 16 * 1024;
+  Listener a(io, options(15)), b(io, deaf_to_itself);
+  a.join(1), b.join(1);
+  for (std::size_t i = 0; i < kOwn; ++i) b.send(1, "from b");
+  a.send(1, "from a");
+  ASSERT_TRUE(run_until(io, [&] { return b.heard.size() == 1 && a.heard.size() == kOwn + 1; }));
+  EXPECT_EQ(b.socket->counters().in_queue_overflow, 0u);
+  EXPECT_EQ(b.socket->counters().calls_in, 1u) << "nobody was woken for what it said itself";
+
+  b.heard.clear();
+  const std::string kilobyte(1000, 'x');
+  for (std::size_t i = 0; i < kFlood; ++i) {
+    a.send(1, kilobyte);
+    if (i % 4 == 0) b.send(1, "from b");
+  }
+  ASSERT_TRUE(run_until(io, [&] { return !b.heard.empty(); }));
+  const std::size_t before_marker = b.heard.size();
+  a.send(1, "marker");
+  ASSERT_TRUE(run_until(io, [&] { return b.heard.back().second == "marker"; }));
+  EXPECT_LT(before_marker, kFlood);
+  EXPECT_EQ(b.socket->counters().in_queue_overflow, kFlood - before_marker);
+}
+
 TEST_F(MulticastSocketTest, TheHandlerMayJoinLeaveAndSend) {
   Listener a(io, options(8));
   Listener::Heard heard;

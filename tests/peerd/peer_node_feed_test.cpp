@@ -68,6 +68,33 @@ class PeerNodeFeed : public testing::Test {
   std::string said;
 };
 
+// Between two ticks: to whoever hears it now, not 16 ms later.
+TEST_F(PeerNodeFeed, WhatOthersBelieveTooWrongLeavesAtOnce) {
+  run(3s);
+  const auto jumps_to = [&](double x) {
+    datagram(json{{"do", "pose"}, {"object", "CAR"}, {"position_m", {x, 0, 0}}, {"jump", true}}.dump());
+    std::size_t sent = 0;
+    while (const auto out = node->poll_output()) sent += std::holds_alternative<replication::Send>(*out);
+    return sent;
+  };
+  const ObjectId car = *shared->world.scene.find("CAR");
+  const auto believed = [&] { return node->peer().ghost(car, node->peer().clock().to_session(now)).position.x(); };
+  while (node->peer().due_tick(now)) run(1ms);
+  EXPECT_EQ(jumps_to(7.0), 1u);
+  EXPECT_NEAR(believed(), 7.0, 0.01);
+  now += 1ms;
+  EXPECT_EQ(jumps_to(8.0), 0u) << "once between two ticks";
+  run(20ms);
+  EXPECT_NEAR(believed(), 8.0, 0.01) << "the tick told";
+  EXPECT_EQ(jumps_to(8.0), 0u) << "nobody is wrong about it";
+  const std::uint64_t told = count("updates_out");
+  now += 20ms;  // a tick is due that nobody has asked for yet
+  EXPECT_GE(jumps_to(9.0), 1u);
+  EXPECT_NEAR(believed(), 9.0, 0.01) << "it does not wait for the tick after";
+  EXPECT_EQ(count("updates_out"), told + 1);
+  EXPECT_EQ(count("updates_at_once"), 2u);
+}
+
 TEST_F(PeerNodeFeed, StandsUntilTheFirstPoseAndFollowsFromThen) {
   run(3s);
   ASSERT_TRUE(node->start());

@@ -1,0 +1,164 @@
+#include "peerd/daemon.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+#include <boost/asio/post.hpp>
+
+#include "peerd/api/answer.hpp"
+#include "peerd/config/toml_input.hpp"
+#include "peerd/print.hpp"
+#include "peerd/transport_options.hpp"
+
+namespace peerd {
+
+using spdlog::level::level_enum;
+
+Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock,
+               Log log, std::optional<Duration> leave_after, record::CaptureWriter* capture)
+    : io_(io),
+      timer_(io),
+      signals_(io, SIGINT, SIGTERM),
+      node_(node),
+      transport_(transport),
+      clock_(clock),
+      log_(std::move(log)),
+      leave_after_(leave_after),
+      capture_(capture) {}
+
+std::string Daemon::on_control(std::string_view line) {
+  if (over_) return api::refusal("this peer is leaving");
+  const HostTime at = now();
+  const Duration host_minus_wall = clock_.minus_wall();
+  if (capture_) capture_->on_control(at, host_minus_wall, line);
+  api::Answer answer = api::answer(node_, at, line, host_minus_wall);
+  drain();
+  if (answer.leave) {
+    boost::asio::post(io_, [this] {
+      if (over_) return;
+      log_({level_enum::info, "leaving: told to"});
+      leave();
+    });
+  }
+  return std::move(answer.line);
+}
+
+void Daemon::on_poses(std::string_view datagram) {
+  if (over_) return;
+  const HostTime at = now();
+  const Duration host_minus_wall = clock_.minus_wall();
+  if (capture_) capture_->on_poses(at, host_minus_wall, datagram);
+  api::take_datagram(node_, at, datagram, host_minus_wall);
+  drain();
+}
+
+void Daemon::on_poses(std::span<const feed::FedPose> poses) {
+  assert(capture_ == nullptr);
+  if (over_) return;
+  (void)node_.on_poses(now(), clock_.minus_wall(), poses);  // what was refused is counted, and a notice
+  drain();
+}
+
+int Daemon::run() {
+  (void)now();  // nothing counts as having come before the peer was made
+  signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+    if (error) return;
+    log_({level_enum::info, fmt::format("leaving: got {}", signal == SIGINT ? "SIGINT" : "SIGTERM")});
+    leave();
+  });
+  transport_.on_receive([this](const net::Arrival& arrival) {
+    if (over_) return;
+    const HostTime at = forward_(arrival.at);
+    if (capture_) capture_->on_packet(at, arrival.from, arrival.region, arrival.datagram);
+    node_.on_packet(at, arrival.region, arrival.datagram);
+    drain();
+    if (heard_) heard_();
+  });
+  drain();
+  if (exit_code_ == 0) wake();
+  io_.run();
+  return exit_code_;
+}
+
+void Daemon::wake() {
+  if (over_) return;
+  transport_.receive_pending();
+  if (over_) return;
+  const HostTime now = this->now();
+  if (due_ && node_.peer().due_tick(now)) lateness_.add(now - *due_);
+  if (capture_) capture_->on_tick(now);
+  node_.on_tick(now);
+  drain();
+  if (over_) return;
+  if (leave_after_ && node_.start() && node_.peer().clock().to_session(now) > *node_.start() + *leave_after_) {
+    log_({level_enum::info, "leaving: the scenario is over"});
+    return leave();
+  }
+  due_ = node_.next_deadline();
+  timer_.expires_after(std::max(Duration{0}, *due_ - clock_.now()));
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) wake();
+  });
+}
+
+void Daemon::leave() {
+  if (over_) return;
+  const HostTime at = now();
+  if (capture_) capture_->on_leave(at);
+  node_.leave(at);
+  drain();
+  stop();
+}
+
+void Daemon::stop() {
+  over_ = true;
+  io_.stop();
+}
+
+void Daemon::drain() {
+  std::vector<replication::Output> news;  // for the log, which may be slow: datagrams leave first
+  while (auto out = node_.poll_output()) {
+    if (const auto* send = std::get_if<replication::Send>(&*out)) {
+      if (capture_) capture_->on_send(send->region, send->datagram);
+      transport_.send(send->region, send->datagram);
+      continue;
+    }
+    if (const auto* join = std::get_if<replication::Join>(&*out)) {
+      check(transport_.join(join->region));
+    } else if (const auto* left = std::get_if<replication::Leave>(&*out)) {
+      check(transport_.leave(left->region));
+    }
+    news.push_back(*std::move(out));
+  }
+  transport_.flush();
+  for (const replication::Output& out : news) {
+    if (const auto line = describe(out, node_.scene())) log_(*line);
+  }
+  while (const auto key = node_.poll_key_report()) {
+    for (const LogLine& line : describe(*key, node_.scene())) log_(line);
+  }
+  while (const auto notice = node_.poll_feed_notice()) log_(feed::describe(*notice));
+  if (capture_) keep_capture();
+}
+
+// After each input, so that whatever ends this process leaves a capture of all that it did. Without one the peer goes
+// on for the others' sake, and ends with the exit code of what went wrong.
+void Daemon::keep_capture() {
+  capture_->flush();
+  if (capture_->good()) return;
+  log_({level_enum::err, "the capture ends here: it can't be written any more; is the disk full?"});
+  capture_ = nullptr;
+  exit_code_ = 3;
+}
+
+void Daemon::check(const std::expected<void, net::NetError>& done) {
+  if (done) return;
+  log_({level_enum::err, done.error().sentence});
+  exit_code_ = input_error(done.error()).exit_code;
+  stop();
+}
+
+}  // namespace peerd

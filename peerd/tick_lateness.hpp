@@ -1,0 +1,40 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "core/time.hpp"
+
+namespace peerd {
+
+// How late ticks ran, each by when it was to run; of those that were missed the first counts. Bounded, however long a
+// peer runs.
+class TickLateness {
+ public:
+  static constexpr Duration kStep = std::chrono::microseconds(100);
+
+  void add(Duration late) {
+    const auto step = static_cast<std::size_t>(std::max(Duration{0}, late) / kStep);
+    ++counts_[std::min(step, counts_.size() - 1)];
+    ++count_;
+    most_ = std::max(most_, late);
+  }
+  // All but a hundredth of them were less late, rounded up to kStep.
+  [[nodiscard]] Duration p99() const {
+    std::uint64_t below = 0;
+    for (std::size_t i = 0; i + 1 < counts_.size(); ++i) {
+      below += counts_[i];
+      if (below * 100 >= count_ * 99) return kStep * static_cast<std::int64_t>(i + 1);
+    }
+    return most_;
+  }
+  [[nodiscard]] Duration most() const { return most_; }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+ private:
+  std::array<std::uint64_t, 1001> counts_{};  // the last: 0.1 s and later
+  std::uint64_t count_ = 0;
+  Duration most_{0};
+};
+
+}  // namespace peerd

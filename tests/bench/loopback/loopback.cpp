@@ -1,0 +1,73 @@
+#include "loopback.hpp"
+
+#include <cstdio>
+#include <exception>
+
+#include "ping_pong.hpp"
+
+namespace peerd::bench {
+namespace {
+
+// Percentiles of one of the three, round by round.
+struct Rounds {
+  std::vector<double> p50_us, p99_us;
+  void add(const std::vector<double>& samples_us) {
+    p50_us.push_back(percentile(samples_us, 0.5));
+    p99_us.push_back(percentile(samples_us, 0.99));
+  }
+};
+
+std::vector<double> ratios(const std::vector<double>& of, const std::vector<double>& to) {
+  std::vector<double> each;
+  for (std::size_t i = 0; i < of.size(); ++i) each.push_back(of[i] / to[i]);
+  return each;
+}
+
+}  // namespace
+
+LoopbackResult measure_loopback(bool quick) {
+  const std::size_t rounds = quick ? 1 : 15, pings = quick ? 100 : 2'000;
+  const bool with_dds = has_ddsperf();
+  LoopbackResult result;
+  Rounds udp, peers, one_way, dds;
+  try {
+    for (std::size_t round = 0; round < rounds; ++round) {
+      udp.add(udp_round(pings).half_round_trip_us);
+      const Latencies by_peers = peers_round(pings);
+      peers.add(by_peers.half_round_trip_us);
+      one_way.add(by_peers.one_way_us);
+      if (!with_dds) continue;
+      const DdsRound by_dds = dds_round(2);
+      dds.p50_us.push_back(by_dds.p50_us);
+      dds.p99_us.push_back(by_dds.p99_us);
+    }
+  } catch (const std::exception& error) {
+    result.wrong.push_back(std::string("loopback: ") + error.what());
+    return result;
+  }
+  const auto figure = [&](const std::string& name, const std::vector<double>& samples, const char* unit,
+                          const char* target, std::optional<double> target_value = {}) {
+    const Quartiles q = quartiles(samples);
+    const auto ratio = target_value ? std::optional(q.median / *target_value) : std::nullopt;
+    result.figures.push_back({name, q.median, unit, target, ratio, q.low, q.high});
+  };
+  const auto all = [&](const std::string& name, const Rounds& of) {
+    figure("loopback_p50_us." + name, of.p50_us, "us", "");
+    figure("loopback_p99_us." + name, of.p99_us, "us", "");
+  };
+  all("udp", udp);
+  all("peers", peers);
+  all("peers.one_way", one_way);
+  figure("loopback_p50_over_udp", ratios(peers.p50_us, udp.p50_us), "x", "<= 1.5", 1.5);
+  figure("loopback_p99_over_udp", ratios(peers.p99_us, udp.p99_us), "x", "");
+  if (with_dds) {
+    all("cyclone", dds);
+    figure("loopback_p50_over_cyclone", ratios(peers.p50_us, dds.p50_us), "x", "< 1", 1.0);
+    figure("loopback_p99_over_cyclone", ratios(peers.p99_us, dds.p99_us), "x", "");
+  } else {
+    std::printf("no figures of Cyclone DDS: ddsperf (cyclonedds-tools) is not installed\n");
+  }
+  return result;
+}
+
+}  // namespace peerd::bench

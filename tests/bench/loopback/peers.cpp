@@ -1,0 +1,247 @@
+// Two whole peers as `peerd run` has them: PeerNode, Daemon, multicast over lo. Each moves objects by poses of a
+// program outside. The ping puts one of its objects elsewhere; the pong, when it hears that, the one of its own that
+// goes with it.
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <stdexcept>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "peerd/daemon.hpp"
+#include "peerd/net/open_transport.hpp"
+#include "peerd/transport_options.hpp"
+#include "ping_pong.hpp"
+
+namespace peerd::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An object is told of once between two ticks, else with the next one. So each has its turn once in two ticks.
+constexpr std::size_t kObjects = 34;
+
+std::string name_of(char side, std::size_t i) { return side + std::to_string(i % kObjects); }
+
+// The configuration of both, in a folder that is gone with the object.
+class Session {
+ public:
+  Session() {
+    std::string world = "#VRML V2.0 utf8\n", scenario = "world = \"w.wrl\"\n";
+    for (const char side : {'a', 'b'}) {
+      const std::string peer = std::string("[peer.") + side;
+      std::string enslaves, motions;
+      for (std::size_t i = 0; i < kObjects; ++i) {
+        world += "DEF " + name_of(side, i) + " Transform { }\n";
+        enslaves += (i == 0 ? "\"" : ", \"") + name_of(side, i) + '"';
+        motions += peer + ".motion." + name_of(side, i) + "]\noutside = true\n";
+      }
+      scenario += peer + "]\nid = " + (side == 'a' ? "1" : "2") + "\nenslaves = [" + enslaves + "]\n" + motions;
+    }
+    std::string pattern = fs::temp_directory_path() / "peerd-loopback-XXXXXX";
+    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no folder for temporary files");
+    folder_ = pattern;
+    std::ofstream(folder_ / "w.wrl") << world;
+    std::ofstream(folder_ / "s.toml") << scenario;
+    port_ = static_cast<int>(20'000 + std::random_device()() % 12'000);
+  }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  [[nodiscard]] config::Scenario read() const {
+    config::ScenarioRequest request;
+    request.file = folder_ / "s.toml";
+    request.sets = {"transport.port=" + std::to_string(port_), "transport.interface=\"lo\""};
+    request.real = true;
+    auto scenario = config::read_scenario(request);
+    if (!scenario) throw std::runtime_error(scenario.error().text);
+    return *std::move(scenario);
+  }
+
+ private:
+  fs::path folder_;
+  int port_;
+};
+
+template <class T, class Error>
+T value_of(std::expected<T, Error> result, const std::string& what) {
+  if (!result) throw std::runtime_error(what);
+  return *std::move(result);
+}
+
+// One of the two.
+class Side {
+ public:
+  Side(const Session& session, char side)
+      : own_(side),
+        other_(side == 'a' ? 'b' : 'a'),
+        scenario_(session.read()),
+        shared_(value_of(share_world(scenario_.world), "no world")),
+        node_(make_node()),
+        transport_(open()),
+        daemon_(
+            io_, *node_, *transport_, clock_, [](const LogLine&) {}, std::nullopt) {
+    const Scene& scene = shared_->world.scene;
+    for (std::size_t i = 0; i < kObjects; ++i) others_.push_back(scene.find(name_of(other_, i)).value());
+  }
+
+  // Puts its i-th object where the others have not seen it.
+  void publish(std::size_t i) {
+    pose_.object = name_of(own_, i);
+    pose_.pose.position = place(i);
+    pose_.pose.jump = true;
+    daemon_.on_poses({&pose_, 1});
+  }
+  // Whether the other's i-th object is where that was put.
+  [[nodiscard]] bool hears(std::size_t i) const {
+    const replication::UpdateRecord* told = node_->peer().last_told(others_[i % kObjects]);
+    return told != nullptr && (told->model.state.position - place(i)).norm() < 0.01;
+  }
+  [[nodiscard]] bool ready() const {
+    const auto& members = node_->peer().members().all();
+    return node_->start() && members.size() == 1 && members.begin()->second.knows_us &&
+           node_->peer().owners().size() == 2 * kObjects;
+  }
+  [[nodiscard]] std::uint64_t lost() const {
+    const net::TrafficCounters& c = transport_->counters();
+    return c.in_queue_overflow + c.out_queue_full + c.in_errors + c.out_errors;
+  }
+  boost::asio::io_context& io() { return io_; }
+  Daemon& daemon() { return daemon_; }
+
+ private:
+  // [m]; each turn of an object elsewhere than the one before, by more than any threshold.
+  static Vec3 place(std::size_t i) { return {static_cast<double>(1 + i), 0.0, 0.0}; }
+
+  std::unique_ptr<PeerNode> make_node() {
+    const config::RunSettings& run = scenario_.runs.front();
+    auto objects = config::resolve(run, shared_->world.scene);
+    if (!objects) throw std::runtime_error(objects.error().text);
+    const std::size_t number = own_ == 'a' ? 0 : 1;
+    PeerNode::Options options;
+    options.boot = static_cast<std::uint64_t>(clock_.now().time_since_epoch().count());
+    options.wait_for = {PeerId{1}, PeerId{2}};
+    options.keep_log = false;
+    return PeerNode::make(run.peers[number], run.replication, *shared_, std::move((*objects)[number]),
+                          std::move(options));
+  }
+  std::unique_ptr<net::Transport> open() {
+    auto options = transport_options(scenario_.runs.front().transport, random_key());
+    if (!options) throw std::runtime_error(options.error().text);
+    options->use = net::MulticastUse::kAlways;
+    auto opened = net::open_transport(io_, clock_, *options);
+    if (!opened) throw std::runtime_error(opened.error().sentence);
+    return std::move(opened->transport);
+  }
+
+  char own_, other_;
+  boost::asio::io_context io_{1};
+  net::HostClock clock_;
+  config::Scenario scenario_;
+  std::unique_ptr<const SharedWorld> shared_;
+  std::unique_ptr<PeerNode> node_;
+  std::unique_ptr<net::Transport> transport_;
+  Daemon daemon_;
+  std::vector<ObjectId> others_;
+  feed::FedPose pose_;
+};
+
+// Ends the loop when nothing has come for too long.
+class Watch {
+ public:
+  explicit Watch(boost::asio::io_context& io) : timer_(io), io_(io) { check(); }
+  void progress() { last_ = Clock::now(); }
+  [[nodiscard]] bool gave_up() const { return gave_up_; }
+
+ private:
+  void check() {
+    timer_.expires_after(std::chrono::milliseconds(500));
+    timer_.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      gave_up_ = Clock::now() - last_ > 2 * kPongWithin;
+      if (gave_up_) return io_.stop();
+      check();
+    });
+  }
+  boost::asio::steady_timer timer_;
+  boost::asio::io_context& io_;
+  Clock::time_point last_ = Clock::now();
+  bool gave_up_ = false;
+};
+
+void finish(Side& side, const Watch& watch, std::size_t done, std::size_t of) {
+  if (watch.gave_up() || done != of) {
+    throw std::runtime_error("only " + std::to_string(done) + " of " + std::to_string(of) + " updates came");
+  }
+  if (side.lost() > 0) throw std::runtime_error(std::to_string(side.lost()) + " datagrams were lost");
+}
+
+void ping(Side& side, Stamps& stamps) {
+  Watch watch(side.io());
+  boost::asio::steady_timer timer(side.io());
+  std::size_t next = 0;  // to be published, or under way
+  bool under_way = false;
+  std::function<void()> schedule;
+  auto due = Clock::now();
+  schedule = [&] {
+    due = std::max(due + kPingInterval, Clock::now());
+    timer.expires_at(due);
+    timer.async_wait([&](const boost::system::error_code& error) {
+      if (error) return;
+      if (!side.ready()) return schedule();
+      under_way = true;
+      stamps.published[next] = Clock::now();
+      side.publish(next);
+    });
+  };
+  side.daemon().on_heard([&] {
+    if (!under_way || !side.hears(next)) return;
+    stamps.answered[next] = Clock::now();
+    watch.progress();
+    under_way = false;
+    if (++next == stamps.pings) return side.io().stop();
+    schedule();
+  });
+  schedule();
+  (void)side.daemon().run();
+  finish(side, watch, next, stamps.pings);
+}
+
+void pong(Side& side, Stamps& stamps) {
+  Watch watch(side.io());
+  std::size_t next = 0;
+  side.daemon().on_heard([&] {
+    if (next == stamps.pings || !side.hears(next)) return;
+    stamps.heard[next] = Clock::now();
+    watch.progress();
+    side.publish(next);
+    if (++next == stamps.pings) side.io().stop();
+  });
+  (void)side.daemon().run();
+  finish(side, watch, next, stamps.pings);
+}
+
+}  // namespace
+
+Latencies peers_round(std::size_t pings) {
+  const Session session;
+  return ping_pong(
+      pings,
+      [&](Stamps& stamps) {
+        Side side(session, 'a');
+        ping(side, stamps);
+      },
+      [&](Stamps& stamps) {
+        Side side(session, 'b');
+        pong(side, stamps);
+      });
+}
+
+}  // namespace peerd::bench

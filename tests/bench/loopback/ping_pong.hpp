@@ -1,0 +1,45 @@
+#pragma once
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace peerd::bench {
+
+using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC: the same in all processes
+
+inline constexpr std::chrono::milliseconds kPingInterval{1};
+inline constexpr std::chrono::seconds kPongWithin{5};  // else something was lost, which on loopback nothing should be
+inline constexpr std::size_t kPingsMax = 20'000;
+
+// Written by both processes, each its own row, read when both are done.
+struct Stamps {
+  std::size_t pings = 0;
+  std::array<Clock::time_point, kPingsMax> published{}, heard{}, answered{};  // by ping; heard: by the other process
+};
+
+struct Latencies {
+  std::vector<double> half_round_trip_us, one_way_us;
+};
+
+// Runs `pong` in a child process and `ping` in this one. Throws what either throws.
+[[nodiscard]] Latencies ping_pong(std::size_t pings, const std::function<void(Stamps&)>& ping,
+                                  const std::function<void(Stamps&)>& pong);
+
+// The share-th part of them is less.
+[[nodiscard]] double percentile(std::vector<double> samples, double share);
+
+// The three that are compared, a round each.
+[[nodiscard]] Latencies udp_round(std::size_t pings);
+[[nodiscard]] Latencies peers_round(std::size_t pings);
+struct DdsRound {
+  double p50_us, p99_us;  // medians of its seconds
+};
+[[nodiscard]] bool has_ddsperf();
+[[nodiscard]] DdsRound dds_round(int seconds);
+
+}  // namespace peerd::bench

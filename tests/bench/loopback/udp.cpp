@@ -1,0 +1,95 @@
+// Bare UDP multicast over lo: a datagram of an update's size, sendto() and a recv() that blocks, nothing else.
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <thread>
+
+#include "ping_pong.hpp"
+
+namespace peerd::bench {
+namespace {
+
+constexpr std::size_t kDatagram_bytes = 64;
+constexpr std::uint16_t kPingPort = 19'470, kPongPort = 19'471;  // below the ephemeral ones
+
+void check(int result, const char* what) {
+  if (result < 0) throw std::runtime_error(std::string(what) + ": " + std::strerror(errno));
+}
+
+class Socket {
+ public:
+  explicit Socket(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    check(fd_, "socket");
+    const int on = 1;
+    check(setsockopt(fd_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on), "SO_REUSEADDR");
+    const sockaddr_in here = endpoint(port);
+    check(bind(fd_, reinterpret_cast<const sockaddr*>(&here), sizeof here), "bind");
+    ip_mreqn lo{here.sin_addr, {htonl(INADDR_LOOPBACK)}, 0};
+    check(setsockopt(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &lo, sizeof lo), "IP_ADD_MEMBERSHIP");
+    check(setsockopt(fd_, IPPROTO_IP, IP_MULTICAST_IF, &lo, sizeof lo), "IP_MULTICAST_IF");
+    const timeval within{kPongWithin.count(), 0};
+    check(setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &within, sizeof within), "SO_RCVTIMEO");
+  }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  ~Socket() { close(fd_); }
+
+  void send(std::uint16_t port, std::size_t value) {
+    std::memcpy(datagram_.data(), &value, sizeof value);
+    const sockaddr_in to = endpoint(port);
+    check(static_cast<int>(
+              sendto(fd_, datagram_.data(), datagram_.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to)),
+          "sendto");
+  }
+  void receive(std::size_t value) {
+    check(static_cast<int>(recv(fd_, datagram_.data(), datagram_.size(), 0)), "recv");
+    std::size_t got = 0;
+    std::memcpy(&got, datagram_.data(), sizeof got);
+    if (got != value) throw std::runtime_error("another datagram than was expected");
+  }
+
+ private:
+  static sockaddr_in endpoint(std::uint16_t port) {
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_port = htons(port);
+    inet_pton(AF_INET, "239.192.80.77", &at.sin_addr);
+    return at;
+  }
+
+  int fd_;
+  std::array<std::byte, kDatagram_bytes> datagram_{};
+};
+
+}  // namespace
+
+Latencies udp_round(std::size_t pings) {
+  // Both are bound before either sends.
+  Socket pinging(kPingPort), ponging(kPongPort);
+  const auto ping = [&](Stamps& stamps) {
+    auto next = Clock::now();
+    for (std::size_t i = 0; i < stamps.pings; ++i) {
+      std::this_thread::sleep_until(next += kPingInterval);
+      stamps.published[i] = Clock::now();
+      pinging.send(kPongPort, i);
+      pinging.receive(i);
+      stamps.answered[i] = Clock::now();
+    }
+  };
+  const auto pong = [&](Stamps& stamps) {
+    for (std::size_t i = 0; i < stamps.pings; ++i) {
+      ponging.receive(i);
+      stamps.heard[i] = Clock::now();
+      ponging.send(kPingPort, i);
+    }
+  };
+  return ping_pong(pings, ping, pong);
+}
+
+}  // namespace peerd::bench
