@@ -259,8 +259,8 @@ config::Result<std::vector<PeerLog>> run_live(const Launch& launch, const config
 }  // namespace
 
 int run_scenario(const ScenarioOptions& options, const fs::path& program) {
-  config::ScenarioRequest request{
-      options.scenario, options.configs, options.sets, options.seed, options.repeat, !options.netem, true};
+  config::ScenarioRequest request{options.scenario, options.configs, options.sets, options.seed,
+                                  options.repeat,   !options.netem,  true};
   const auto scenario = config::read_scenario(request);
   if (!scenario) return failed(scenario.error());
   for (const config::RunSettings& run : scenario->runs) {
@@ -269,7 +269,8 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
   if (!shared) return failed(shared.error());
 
-  report::ScenarioInfo info{scenario->name, "real", scenario->seed, {}, scenario->repeat, command_line("scenario", options)};
+  report::ScenarioInfo info{
+      scenario->name, "real", scenario->seed, {}, scenario->repeat, command_line("scenario", options)};
   for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
   if (!options.netem) {
     info.warnings.push_back(

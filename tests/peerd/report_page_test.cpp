@@ -46,10 +46,10 @@ std::vector<std::vector<std::string>> cells_of(const std::string& html) {
   return rows;
 }
 
-const ScenarioInfo kInfo{"zigzag", "sim", 7, {}, "peerd sim 'a b.toml'"};
+const ScenarioInfo kInfo{"zigzag", "sim", 7, {}, 1, "peerd sim 'a b.toml'"};
 
 TEST(ReportPage, EscapesNamesFromFiles) {
-  ScenarioInfo info{"<b>&\"x\"", "sim", 1, {"</style><script>alert(1)</script>"}, "peerd sim '<i>'"};
+  ScenarioInfo info{"<b>&\"x\"", "sim", 1, {"</style><script>alert(1)</script>"}, 1, "peerd sim '<i>'"};
   std::vector<RunRecord> runs{samples::zigzag_run(0.1)};
   runs[0].objects[0].path = "CAR<script>&\"'\xff";
   runs[0].peers[1].name = "<img src=x>";
