@@ -339,6 +339,7 @@ class Peer {
   void lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye);
   void watch_decided_pairs();
   void watch_decided_pairs(std::span<const std::uint32_t> pairs);
+  void watch_pairs_around(std::span<const ObjectId> objects);
   void restart_predefined();
   void tell_predefined(SimTime to);
   bool keep_session(HostTime now);
@@ -415,7 +416,7 @@ class Peer {
   };
   void sort_gone(std::map<RegionId, Due>& due);
   void on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now);
-  void measure_meetings();
+  void measure_meetings(std::span<const std::uint32_t> pairs);
   void send_copies();
   void flush_records(bool decisions);
   void flush_region(RegionId region, const Due& due, bool decisions);

@@ -37,10 +37,10 @@ Duration Peer::lookahead() const {
 }
 
 // Farthest distances from own objects at which what others run may touch them.
-void Peer::measure_meetings() {
+void Peer::measure_meetings(std::span<const std::uint32_t> pairs) {
   if (!grid_.cuts()) return;
-  for (auto& [object, own] : own_) own.meets_within_m = 0.0;
-  for (const CollisionPair& pair : model_.pairs) {
+  for (const std::uint32_t number : pairs) {
+    const CollisionPair& pair = model_.pairs[number];
     if (!is_shared(pair.collider, pair.collidee)) continue;
     const double within_m = extent_m(*model_.body(pair.collider)) + extent_m(*model_.body(pair.collidee));
     for (const ObjectId object : {pair.collider, pair.collidee}) {

@@ -1,6 +1,7 @@
 // Peer: entering, changing and keeping a session; who runs what in it.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -298,10 +299,26 @@ void Peer::declare_all() {
 // the sender must know what every receiver predicts, or a predicted collision would cost an update.
 // What this peer does not hear of meets nothing.
 void Peer::watch_decided_pairs() {
-  measure_meetings();
   std::vector<std::uint32_t> all(model_.pairs.size());
   std::iota(all.begin(), all.end(), 0U);
+  for (auto& [object, own] : own_) own.meets_within_m = 0.0;
+  measure_meetings(all);
   watch_decided_pairs(all);
+}
+
+// Somebody runs these from now on: that is news to their pairs, and to those of what they are paired with.
+void Peer::watch_pairs_around(std::span<const ObjectId> objects) {
+  std::vector<std::uint32_t> theirs, around;
+  for (const ObjectId object : objects) std::ranges::copy(model_.pairs_of(object), std::back_inserter(theirs));
+  for (const std::uint32_t number : theirs) {
+    for (const ObjectId object : {model_.pairs[number].collider, model_.pairs[number].collidee}) {
+      std::ranges::copy(model_.pairs_of(object), std::back_inserter(around));
+    }
+  }
+  std::ranges::sort(around);
+  around.erase(std::ranges::unique(around).begin(), around.end());
+  measure_meetings(theirs);
+  watch_decided_pairs(around);
 }
 
 void Peer::watch_decided_pairs(std::span<const std::uint32_t> pairs) {
@@ -328,7 +345,7 @@ void Peer::watch_decided_pairs(std::span<const std::uint32_t> pairs) {
 
 // Nobody runs an object that somebody else runs already; of two who both say so the lower id is believed.
 void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
-  bool changed = false;
+  std::vector<ObjectId> changed;
   for (ObjectId object : objects) {
     if (object.value >= model_.scene->instances.size()) {
       drop("object");
@@ -347,7 +364,7 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
       at->second = peer;
     }
     if (!added && !taken) continue;
-    changed = true;
+    changed.push_back(object);
     // Where an owner has it who was away, nobody here has heard.
     if (grid_.cuts()) unhear(object);
     if (replica_) {
@@ -356,7 +373,7 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
       replica_->ghosts.declare(object, Role::kBelief);
     }
   }
-  if (changed) watch_decided_pairs();
+  watch_pairs_around(changed);
 }
 
 void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye) {

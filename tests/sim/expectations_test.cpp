@@ -2,13 +2,26 @@
 #include <gmock/gmock.h>
 
 #include "peerd/report/expectations.hpp"
+#include "peerd/report/wrong_outcomes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim {
 namespace {
 
 using testing_support::must;
+using testing_support::Ran;
 using testing_support::run_scenario;
+
+const std::string kHeadOn = PEERD_SOURCE_DIR "/configs/scenarios/head-on.toml";  // the only one that compares
+
+// With the same run's where everybody knows everything at once, as peerd sim does.
+void compare_outcomes(Ran& ran) {
+  const config::RunSettings ideal = without_latency(ran.settings);
+  const auto shared =
+      must(share_world(must(config::read_scenario({.file = kHeadOn, .configs = {}, .sets = {}, .seed = {}})).world));
+  ran.record.wrong = report::wrong_outcomes(ran.record, must(assemble(ideal, *shared, must(simulate(ideal, *shared)))));
+  ran.summary = report::summarise({"head-on", "sim", ran.settings.seed, {}}, {&ran.record, 1})["runs"][0];
+}
 
 std::vector<report::CheckedExpectation> checked(const std::string& name, const std::vector<std::string>& sets = {},
                                                 const std::vector<std::filesystem::path>& configs = {}) {
@@ -18,6 +31,7 @@ std::vector<report::CheckedExpectation> checked(const std::string& name, const s
   std::vector<report::RunRecord> records;
   auto rows = nlohmann::ordered_json::array();
   for (auto& ran : run_scenario(file, sets, configs)) {
+    if (ran.settings.compare_outcomes) compare_outcomes(ran);
     records.push_back(std::move(ran.record));
     rows.push_back(std::move(ran.summary));
   }

@@ -35,11 +35,10 @@ TEST_P(Crowd, PairsCostWhatIsNamed) {
   EXPECT_EQ(broad->tick().size(), kCrowd - 1);
   EXPECT_LE(broad->counters().box_tests - first, 100u * kCrowd);
 }
-INSTANTIATE_TEST_SUITE_P(
-    Rows, Crowd,
-    testing::Values(Row{"ListsInOnePlace", collision::BroadPhaseMethod::kInterestLists, 0.0},
-                    Row{"ListsInALine", collision::BroadPhaseMethod::kInterestLists, 1.0}),
-    [](const auto& r) { return std::string(r.param.name); });
+INSTANTIATE_TEST_SUITE_P(Rows, Crowd,
+                         testing::Values(Row{"ListsInOnePlace", collision::BroadPhaseMethod::kInterestLists, 0.0},
+                                         Row{"ListsInALine", collision::BroadPhaseMethod::kInterestLists, 1.0}),
+                         [](const auto& r) { return std::string(r.param.name); });
 
 // A group, in a line that touches: the answer is as long as the line.
 TEST(CrowdGroup, InALineCostsTheLine) {
@@ -97,8 +96,9 @@ namespace {
 using namespace test;
 
 std::string crowd(double step_m, bool each_with_the_next) {
-  std::string text = "DEF B0 Transform { collisionResponse CollisionResponse { } children DEF S Shape { geometry Box { "
-                     "size 1 1 1 } } }\n";
+  std::string text =
+      "DEF B0 Transform { collisionResponse CollisionResponse { } children DEF S Shape { geometry Box { "
+      "size 1 1 1 } } }\n";
   for (std::uint32_t i = 1; i < kCrowd; ++i) {
     text += "DEF B" + std::to_string(i) + " Transform { translation " + std::to_string(i * step_m) +
             " 0 0 collisionResponse CollisionResponse { } children USE S }\n";
@@ -135,7 +135,8 @@ TEST_P(CrowdedPeer, WorksInProportion) {
   }
   lan.run_until(4s);
   ASSERT_TRUE(lan.all_in_session());
-  // Nothing moves: each pair is looked at a few times when the world begins, and whenever its owner speaks, not each tick.
+  // Nothing moves: each pair is looked at a few times when the world begins, and whenever its owner speaks, not each
+  // tick.
   for (const std::size_t i : {0u, 1u}) {
     const auto& counters = lan.peer(i).motion_counters();
     EXPECT_LE(counters.contact_searches + counters.searches_far, 20u * kCrowd) << i;
@@ -155,7 +156,8 @@ INSTANTIATE_TEST_SUITE_P(Places, CrowdedPeer,
                                          Place{"InOneCell", 0.0, true}),
                          [](const auto& p) { return std::string(p.param.name); });
 
-// Ten thousand that are in each other and begin to move together: each pair is looked at every 10 ms of its time at most.
+// Ten thousand that are in each other and begin to move together: each pair is looked at every 10 ms of its time at
+// most.
 TEST(CrowdThatMoves, IsLookedAtAHundredTimesASecond) {
   const World world(crowd(0.0, true));
   MotionWorld motions(*world.model, sim(0s));

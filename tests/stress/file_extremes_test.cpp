@@ -16,8 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-constexpr const char* kNumbers[] = {"1e38",  "-1e38", "3.4028235e38", "1e-38", "1e-45", "1e-44", "-1e-45",
-                                    "-0",    "0",     "1e19",         "1e9",   "1e39",  "1e-60", "-3.4028235e38"};
+constexpr const char* kNumbers[] = {"1e38", "-1e38", "3.4028235e38", "1e-38", "1e-45", "1e-44", "-1e-45",
+                                    "-0",   "0",     "1e19",         "1e9",   "1e39",  "1e-60", "-3.4028235e38"};
 
 struct Field {
   const char* name;
@@ -46,20 +46,23 @@ const Field kFields[] = {
     {"Points", "",
      "IndexedFaceSet { coord Coordinate { point [ 0 0 0, @ 0 0, 0 @ 0, 0 0 @ ] } coordIndex [ 0 1 2 -1 0 3 1 -1 ] }",
      ""},
-    {"Elevation", "",
-     "ElevationGrid { xDimension 2 zDimension 2 xSpacing @ zSpacing 1 height [ 0 @ 0 1 ] }", ""},
+    {"Elevation", "", "ElevationGrid { xDimension 2 zDimension 2 xSpacing @ zSpacing 1 height [ 0 @ 0 1 ] }", ""},
     {"Extrusion", "", "Extrusion { scale [ @ 1 ] spine [ 0 0 0, 0 @ 0, 0 2 1 ] }", ""},
     {"Cycle", "", nullptr,
-     "DEF T TimeSensor { cycleInterval @ loop TRUE } DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 5 0 0, 9 0 0 ] "
+     "DEF T TimeSensor { cycleInterval @ loop TRUE } DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 5 0 0, 9 0 0 "
+     "] "
      "} ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO BOX.translation"},
     {"Keys", "", nullptr,
-     "DEF T TimeSensor { cycleInterval 2 loop TRUE } DEF P PositionInterpolator { key [ 0 @ 1 ] keyValue [ 5 0 0, 9 0 0, "
+     "DEF T TimeSensor { cycleInterval 2 loop TRUE } DEF P PositionInterpolator { key [ 0 @ 1 ] keyValue [ 5 0 0, 9 0 "
+     "0, "
      "5 0 0 ] } ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO BOX.translation"},
     {"KeyValues", "", nullptr,
-     "DEF T TimeSensor { cycleInterval 2 loop TRUE } DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 5 @ 0, 9 0 @ ] "
+     "DEF T TimeSensor { cycleInterval 2 loop TRUE } DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 5 @ 0, 9 0 @ "
+     "] "
      "} ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO BOX.translation"},
     {"KeyRotations", "", nullptr,
-     "DEF T TimeSensor { cycleInterval 2 loop TRUE } DEF P OrientationInterpolator { key [ 0 1 ] keyValue [ @ 1 0 1, 0 1 "
+     "DEF T TimeSensor { cycleInterval 2 loop TRUE } DEF P OrientationInterpolator { key [ 0 1 ] keyValue [ @ 1 0 1, 0 "
+     "1 "
      "@ @ ] } ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO BOX.rotation"},
     {"StartTime", "", nullptr,
      "DEF T TimeSensor { cycleInterval 2 loop TRUE startTime @ stopTime @ } DEF P PositionInterpolator { key [ 0 1 ] "
@@ -71,10 +74,12 @@ std::string with_number(std::string text, const std::string& number) {
   return text;
 }
 std::string world_of(const Field& f, const std::string& number) {
-  const std::string response = std::string(f.in_box).contains("collisionResponse") ? "" : " collisionResponse CollisionResponse { } ";
+  const std::string response =
+      std::string(f.in_box).contains("collisionResponse") ? "" : " collisionResponse CollisionResponse { } ";
   const std::string geometry = f.geometry != nullptr ? f.geometry : "Box { }";
   return "#VRML V2.0 utf8\n" +
-         with_number("DEF BOX Transform { " + response + f.in_box + " children Shape { geometry " + geometry + " } }\n" +
+         with_number("DEF BOX Transform { " + response + f.in_box + " children Shape { geometry " + geometry +
+                         " } }\n" +
                          "DEF BALL Transform { translation 0.5 0 0 velocityVector -1 0 0 collisionResponse "
                          "CollisionResponse { } children Shape { geometry Sphere { } } }\n" +
                          f.elsewhere,

@@ -25,8 +25,7 @@ TEST_P(ManyTimes, ABallKeepsItsEnergy) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, ManyTimes,
-    testing::Values(Case{"Box", "Box { size 0.2 0.2 0.2 }", 0.5 * static_cast<double>(0.2F), "responseType 0",
-                         100'000},
+    testing::Values(Case{"Box", "Box { size 0.2 0.2 0.2 }", 0.5 * static_cast<double>(0.2F), "responseType 0", 100'000},
                     Case{"Ball", "Sphere { radius 0.125 }", 0.125, "responseType 0", 2'000},
                     Case{"BallByImpulse", "Sphere { radius 0.125 }", 0.125, "responseType 2 restitution 1", 2'000}),
     [](const auto& c) { return std::string(c.param.name); });

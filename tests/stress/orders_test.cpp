@@ -144,8 +144,8 @@ TEST(Orders, OfArrivalOfTheSameDatagrams) {
       return encode(m);
     };
     const std::vector<Bytes> datagrams{
-        update(2, "A", 1, 400ms, {-1, 0, 0}, {2, 0, 0}),   update(2, "A", 2, 50ms, {-0.6, 0, 0}, {2.5, 0, 0}),
-        update(3, "C", 1, 300ms, {2, 0, 0}, {-1, 0, 0}),   update(2, "B", 1, 350ms, {0.5, 0.1, 0}, {0.3, 0, 0}),
+        update(2, "A", 1, 400ms, {-1, 0, 0}, {2, 0, 0}), update(2, "A", 2, 50ms, {-0.6, 0, 0}, {2.5, 0, 0}),
+        update(3, "C", 1, 300ms, {2, 0, 0}, {-1, 0, 0}), update(2, "B", 1, 350ms, {0.5, 0.1, 0}, {0.3, 0, 0}),
         update(3, "C", 2, 10ms, {1.8, 0, 0.2}, {-3, 0, 0})};
     for (const std::size_t i : order) EXPECT_TRUE(lan.inject(self, datagrams[i]).has_value());
     lan.run_until(5s);
@@ -164,8 +164,8 @@ namespace {
 
 using namespace test;
 
-// 72 orders of the polygons, each begun at another corner: the same pairs by their own names, the same contact time. Not
-// the same normal: of the polygons around a corner that is met, the lowest gives it (collision/README.md).
+// 72 orders of the polygons, each begun at another corner: the same pairs by their own names, the same contact time.
+// Not the same normal: of the polygons around a corner that is met, the lowest gives it (collision/README.md).
 TEST(Orders, OfPolygons) {
   std::mt19937_64 rng(7);
   const Mesh ball = random_polyhedron(rng, 14);

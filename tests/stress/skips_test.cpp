@@ -43,11 +43,11 @@ TEST(Skips, AWitnessIsOnePairAndNoMore) {
 // Two peers; `enslaved` is the first one's, if anything is.
 struct Session {
   Session(const World& world, std::vector<Enslaved> of_first, std::vector<Enslaved> of_second,
-      const std::function<void(PeerConfig&)>& change = {})
+          const std::function<void(PeerConfig&)>& change = {})
       : lan(world, {5ms, 0ms, 0, 0}) {
     lan.on_send = [this](std::size_t, RegionId region, const Message& m) {
       if (m.hello) ++with_hello;
-      if (!m.hello || !m.updates.empty() || !m.decisions.empty() || !m.entered.empty() || !m.gone.empty()) ++with_more;
+      if (!m.updates.empty() || !m.decisions.empty() || !m.entered.empty() || !m.gone.empty()) ++with_more;
       elsewhere += region != kWholeScene;
     };
     for (const std::uint32_t id : {1u, 2u}) {
@@ -69,7 +69,7 @@ const std::string kMeeting = box("A", "1 1 1", "-4 0 0", std::string(kBounces) +
 TEST(Skips, WhoRunsNothingSendsBeaconsAlone) {
   const World world(kMeeting);
   const Session run(world, {}, {});
-  EXPECT_GT(run.with_hello, 100u);
+  EXPECT_GT(run.with_hello, 50u);
   EXPECT_EQ(run.with_more, 0u);
   for (const std::size_t i : {0u, 1u}) {
     EXPECT_EQ(run.counters(i).updates_out, 0u);
@@ -102,7 +102,7 @@ TEST(Skips, ByIdTheOneThatDoesNotDecideHoldsNothingAndNobodyFallsBack) {
 TEST(Skips, WithoutPredictionGhostsMeetNothing) {
   const World world(kMeeting);
   const Session run(world, {{world["A"], false}, {world["B"], false}}, {},
-                [](PeerConfig& c) { c.policy.predict_collisions = false; });
+                    [](PeerConfig& c) { c.policy.predict_collisions = false; });
   EXPECT_GE(run.lan.contacts(0, ContactKind::kOwner).size(), 1u);
   EXPECT_TRUE(run.lan.contacts(1, ContactKind::kPredicted).empty());
   const auto motion = run.lan.peer(1).motion_counters();
@@ -112,7 +112,7 @@ TEST(Skips, WithoutPredictionGhostsMeetNothing) {
 TEST(Skips, WithoutTrackingNoProximityIsAskedAndWithoutRefiningNoSurface) {
   const World world(kMeeting);
   const Session without(world, {{world["A"], false}}, {{world["B"], false}},
-                    [](PeerConfig& c) { c.policy.track_proximity = false; });
+                        [](PeerConfig& c) { c.policy.track_proximity = false; });
   const Session with(world, {{world["A"], false}}, {{world["B"], false}});
   for (const std::size_t i : {0u, 1u}) {
     EXPECT_EQ(without.counters(i).proximity_tests, 0u);
@@ -135,7 +135,7 @@ TEST(Skips, WithoutACutNoRegionIsJoinedAndNothingHandedOver) {
 TEST(Skips, WhatNobodyDrawsHasNoConvergence) {
   const World world(kMeeting + box("WALL", "1 50 50", "6 0 0"));
   const Session run(world, {{world["A"], false}}, {{world["B"], false}},
-                [](PeerConfig& c) { c.convergence.method = ConvergenceMethod::kLinear; });
+                    [](PeerConfig& c) { c.convergence.method = ConvergenceMethod::kLinear; });
   for (const std::size_t i : {0u, 1u}) {
     EXPECT_EQ(run.counters(i).convergence_blocked + run.counters(i).convergence_detours, 0u);
   }

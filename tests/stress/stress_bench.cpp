@@ -4,7 +4,8 @@
 //
 //   day      two peers share a world for 24 h at 1 Hz, and for 1 h at 60 Hz (long_life.hpp)
 //   bounces  a million of a box and of a ball on a floor (many_bounces.hpp)
-//   resting  a mesh that lies on a plane, which is all coplanar triangles: the part of signs that exact arithmetic has to
+//   resting  a mesh that lies on a plane, which is all coplanar triangles: the part of signs that exact arithmetic has
+//   to
 //            find, and how long a query takes, beside one that is lifted by a hundredth of its size
 //
 // --quick: minutes in place of hours, thousands in place of millions. Exit code 1: a bound is not kept.
@@ -130,7 +131,8 @@ int run(const bench::Options& options) {
   add_life(report, "day_1hz", live_for(options.quick ? Duration(10min) : Duration(24h), 1, 7s));
   add_life(report, "hour_60hz", live_for(options.quick ? Duration(2min) : Duration(1h), 60, 7s));
   const std::uint64_t bounces = options.quick ? 2'000 : 1'000'000;
-  add_bounces(report, "box", bounce("Box { size 0.2 0.2 0.2 }", 0.5 * static_cast<double>(0.2F), "responseType 0", bounces));
+  add_bounces(report, "box",
+              bounce("Box { size 0.2 0.2 0.2 }", 0.5 * static_cast<double>(0.2F), "responseType 0", bounces));
   add_bounces(report, "ball_impulse",
               bounce("Sphere { radius 0.125 }", 0.125, "responseType 2 restitution 1", bounces / 100));
   add_resting(report, options.quick ? 100 : 20'000);

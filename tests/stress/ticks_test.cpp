@@ -82,7 +82,8 @@ Shared share(const World& world, std::uint32_t owner_hz, std::uint32_t observer_
     lan.run_until(lan.now() + 1ms * (1 + rng() % 400));
     const std::size_t late = rng() % 2;  // its driver has other things to do, and reads nothing
     lan.kill(late);
-    lan.run_until(lan.now() + Duration{static_cast<std::int64_t>(rng() % static_cast<std::uint64_t>(longest_pause.count()))});
+    lan.run_until(lan.now() +
+                  Duration{static_cast<std::int64_t>(rng() % static_cast<std::uint64_t>(longest_pause.count()))});
     lan.node(late).running = true;
   }
   lan.run_until(23s);

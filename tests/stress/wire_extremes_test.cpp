@@ -115,8 +115,12 @@ TEST_P(WireExtremes, WhatIsTakenLeavesFiniteStates) {
     const SimTime now = lan.session_now(self);
     Message m = message_of(7);
     for (const ObjectId object : others) {
-      m.updates.push_back({object, ++sequence, now - Duration{static_cast<std::int64_t>(numbers.below(300'000'000))},
-                           numbers.model(), {}, {}});
+      m.updates.push_back({object,
+                           ++sequence,
+                           now - Duration{static_cast<std::int64_t>(numbers.below(300'000'000))},
+                           numbers.model(),
+                           {},
+                           {}});
     }
     const auto receive = [&](const Message& message) {
       const Bytes datagram = encode(message);
@@ -127,8 +131,16 @@ TEST_P(WireExtremes, WhatIsTakenLeavesFiniteStates) {
     receive(m);
     if (round % 3 == 0) {  // of one of its objects with another: nobody else has a say there
       Message decides = message_of(7);
-      decides.decisions.push_back({others[0], others[1], now - 20ms, Vec3::UnitX(), numbers.state(), numbers.state(),
-                                   numbers.state(), numbers.state(), DecisionRule::kId, {}});
+      decides.decisions.push_back({others[0],
+                                   others[1],
+                                   now - 20ms,
+                                   Vec3::UnitX(),
+                                   numbers.state(),
+                                   numbers.state(),
+                                   numbers.state(),
+                                   numbers.state(),
+                                   DecisionRule::kId,
+                                   {}});
       receive(decides);
     }
     lan.run_until(lan.now() + 100ms);
@@ -172,7 +184,8 @@ TEST(WireExtremesDecided, WhatHasLeftTheLimitsIsDecidedAsStanding) {
     ASSERT_TRUE(lan.inject(to, encode(m)).has_value());
   }
   lan.run_until(4s);  // which fails where a datagram can't be decoded
-  const auto decided = lan.contacts(decides, ContactKind::kDecided), applied = lan.contacts(watches, ContactKind::kApplied);
+  const auto decided = lan.contacts(decides, ContactKind::kDecided),
+             applied = lan.contacts(watches, ContactKind::kApplied);
   ASSERT_EQ(decided.size(), 1u);
   ASSERT_EQ(applied.size(), 1u);
   EXPECT_EQ(applied[0].contact.at, decided[0].contact.at);
