@@ -219,7 +219,8 @@ class Bench {
         {"without model choice", {"replication.model=order"}},
         {"without surface error", {"replication.surface_error=false", "replication.angle_threshold_deg=3"}},
         {"without prediction of collisions", {"replication.approach=dr"}},
-        {"proximity by spheres", {"replication.proximity=spheres"}}};
+        {"proximity by spheres", {"replication.proximity=spheres"}},
+        {"nothing goes along", {"replication.along_at=1"}}};
     std::vector<Curve> curves;
     for (const Without& kind : kinds) {
       curves.push_back(sweep(scenario, kind.name, "best", latency_ms, by_wanted_error(kind.sets)));
