@@ -31,9 +31,17 @@ TEST_P(Traffic, OneOutcomeEverywhere) {
   EXPECT_EQ(shared["disagreed"], 0);
   EXPECT_EQ(shared["missed"], 0);
   EXPECT_EQ(shared["spurious"], 0);
-  // An owner's own contacts the others only predict: where a box grazes a car's edge, perhaps on its other side.
   EXPECT_EQ(collisions["missed"], 0);
-  EXPECT_GE(collisions["agreed"].get<int>(), 19 * collisions["disagreed"].get<int>());
+}
+// An owner's own contacts, which the others only predict, too: where updates go when they are due. Told earlier, a box
+// that grazes a car's edge is predicted on its other side once.
+TEST_P(Traffic, OwnersContactsArePredictedAsTheyAre) {
+  const Ran ran = run_short("traffic", {std::string("decisions.policy=") + GetParam(), "replication.along_at=1"});
+  const auto& collisions = ran.summary["collisions"];
+  EXPECT_GE(collisions["decided"], 5);
+  EXPECT_EQ(collisions["agreed"], 2 * collisions["decided"].get<int>());
+  EXPECT_EQ(collisions["disagreed"], 0);
+  EXPECT_EQ(collisions["missed"], 0);
 }
 INSTANTIATE_TEST_SUITE_P(Policies, Traffic,
                          testing::Values("id", "velocity", "field-of-view", "expected-error", "server"),

@@ -58,8 +58,7 @@ void add_life(Report& report, const std::string& name, const LongLife& life) {
   add("old_copies", static_cast<double>(life.old_copies), "1", 0.2 * static_cast<double>(life.updates));
   add("norm_error", life.norm_error, "1", kNormBound);
   add("spinner_error", life.spinner_error_rad, "rad", kSpinnerBound_rad);
-  // Over so long, a contact may be found a nanosecond apart: it comes and goes at 2 m/s.
-  add("ball_error", life.ball_error_m, "m", 4.0e-9 + kBallBound_m);
+  add("ball_error", life.ball_error_m, "m", kBallBound_m);
   add("ball_speed_error", life.ball_speed_error, "1", kBallSpeedBound);
   add("machine_error", life.machine_error_m, "m", kMachineBound_m);
   add("machine_differs", static_cast<double>(life.machine_differs), "1", 0.0);
