@@ -361,6 +361,7 @@ class Peer {
   void measure_latency(Member& member, HostTime now, SimTime sent);
   void decide(const ContactEvent& contact, SimTime known_at);
   void hold(const ContactEvent& contact);
+  [[nodiscard]] bool awaits_decision(ObjectId object) const;
   void on_notes(PeerId sender, const Hello& hello, SimTime known_at);
   void release_held(SimTime t);
   void fall_back(const ContactEvent& contact, SimTime known_at);

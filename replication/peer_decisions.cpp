@@ -201,6 +201,11 @@ void Peer::hold(const ContactEvent& c) {
   held_.push_back({c, decider_of(c.collider, c.collidee, c.at)});
 }
 
+bool Peer::awaits_decision(ObjectId object) const {
+  return std::ranges::any_of(
+      held_, [&](const Held& h) { return h.contact.collider == object || h.contact.collidee == object; });
+}
+
 // What this peer has found, and the one that is to decide it says nothing of, in time.
 void Peer::release_held(SimTime t) {
   decisions_.forget_before(t - kRememberedFor);

@@ -134,7 +134,10 @@ void Peer::publish(SimTime t) {
   waiting_.clear();
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
-    const GhostError error = ghost_error(truth, ghost, own.reach_m);
+    // Where physics takes an object that has met something is not known before its decider says: until then its truth is
+    // no better than what the ghosts believe.
+    const bool undecided = !own.driven && awaits_decision(object);
+    const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.reach_m);
     const double threshold_m = threshold_now_m(object, t);
     if (const auto reason = why_due(own, t, threshold_m, truth, ghost, error, receipt)) {
       tell(object, own, t, t, *reason, threshold_m);
@@ -220,8 +223,8 @@ std::optional<PublishReason> Peer::why_due(Own& own, SimTime t, double threshold
                                            const std::optional<Receipt>& receipt) {
   // Receipts are of what goes to all; regions forget what they do not hear of.
   const bool known = !grid_.cuts() && receipt && receipt->has(own.told_in);
-  const bool known_to_rest = known && rests(truth) && rests(ghost);
-  if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, known_to_rest)) return reason;
+  const bool known_to_stay = known && (error.is_zero() || (rests(truth) && rests(ghost)));
+  if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, known_to_stay)) return reason;
   if (own.retell) return PublishReason::kDecision;
   if (own.resend) return PublishReason::kJoiner;
   if (has_crossed(own, truth.position)) return PublishReason::kRegion;

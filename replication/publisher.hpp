@@ -49,6 +49,7 @@ enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner, kGain,
 struct GhostError {
   double distance_m = 0.0;  // Euclidean, not per axis: a cube of that edge would let 1.7 times as much through
   double angle_rad = 0.0;
+  [[nodiscard]] bool is_zero() const { return distance_m == 0.0 && angle_rad == 0.0; }
 };
 // `reach_m`: of the object's farthest vertex from its origin, which the turn moves besides; 0: the origin's error.
 [[nodiscard]] GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double reach_m = 0.0);
