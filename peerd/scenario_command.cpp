@@ -300,8 +300,12 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
     std::optional<report::NetworkMeasured> network;
     if (lab) {
       if (auto set = lab->set_links(run); !set) return failed(set.error());
+      if (auto on = lab->set_multicast(true); !on) return failed(on.error());  // the probes'
       auto measured = lab->measure(run);
       if (!measured) return failed(measured.error());
+      // Who is to do without it gets none.
+      const bool multicast = run.transport.multicast != config::kMulticastNever;
+      if (auto set = lab->set_multicast(multicast); !set) return failed(set.error());
       network = std::move(*measured);
     }
     std::vector<double> oversleep_ms;

@@ -92,12 +92,24 @@ config::Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
   for (std::size_t i = 0; i < peers && done; ++i) {
     done = run_batch(
         "ip -n " + name(i),
-        fmt::format("link set lo up\naddress add {0}/24 dev {1}\nlink set {1} up\nroute add 224.0.0.0/4 dev {1}\n",
-                    address(i), kInterface),
+        fmt::format("link set lo up\naddress add {0}/24 dev {1}\nlink set {1} up\n", address(i), kInterface),
         "an address for each peer");
   }
   if (!done) return std::unexpected(done.error());
-  return std::unique_ptr<Lab>(new Lab(peers));
+  std::unique_ptr<Lab> lab(new Lab(peers));
+  if (done = lab->set_multicast(true); !done) return std::unexpected(done.error());
+  return lab;
+}
+
+config::Result<void> Lab::set_multicast(bool on) {
+  for (std::size_t i = 0; i < peers_; ++i) {
+    // A route that leads nowhere in place of none: without one, multicast would take the way of all other packets.
+    const std::string lines = fmt::format("link set {0} multicast {1}\nroute replace {2} 224.0.0.0/4{3}\n", kInterface,
+                                          on ? "on" : "off", on ? "unicast" : "unreachable",
+                                          on ? std::string(" dev ") + kInterface : "");
+    if (auto done = run_batch("ip -n " + name(i), lines, "interfaces with multicast or without"); !done) return done;
+  }
+  return {};
 }
 
 std::string Lab::address(std::size_t peer) { return fmt::format("10.83.0.{}", peer + 1); }

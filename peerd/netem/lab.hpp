@@ -30,6 +30,8 @@ class Lab {
   [[nodiscard]] config::Result<void> set_links(const config::RunSettings& run);
   // Sends datagrams each way, all at once, and fills in what became of them: the delay by one clock.
   [[nodiscard]] config::Result<report::NetworkMeasured> measure(const config::RunSettings& run) const;
+  // Whether the peers' interfaces do multicast from now on; at first they do.
+  [[nodiscard]] config::Result<void> set_multicast(bool on);
   // Fills in what netem has counted since set_links.
   [[nodiscard]] config::Result<void> count(report::NetworkMeasured& measured) const;
 

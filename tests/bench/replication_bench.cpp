@@ -135,7 +135,8 @@ class Bench {
   }
 
   [[nodiscard]] std::vector<double> thresholds_m() const {
-    return options_.quick ? std::vector<double>{1.0, 0.1} : std::vector<double>{1.0, 0.5, 0.2, 0.1, 0.05};
+    return options_.quick ? std::vector<double>{1.0, 0.1}
+                          : std::vector<double>{2.0, 1.4, 1.0, 0.7, 0.5, 0.2, 0.1, 0.05};
   }
   [[nodiscard]] std::vector<std::vector<std::string>> by_threshold() const {
     std::vector<std::vector<std::string>> all;
@@ -187,7 +188,9 @@ class Bench {
       figures_.push_back({at + curves[i].name + ".least_bytes_over_best", least.value_or(0.0), "ratio", "1", least});
       figures_.push_back({at + curves[i].name + ".points_beyond_best", static_cast<double>(beyond), "points", "0", {}});
     }
-    const Outcome& dis = curves[1].points[0];  // at 1 m
+    const std::vector<double> thresholds = thresholds_m();
+    const Outcome& dis =
+        curves[1].points[static_cast<std::size_t>(std::ranges::find(thresholds, 1.0) - thresholds.begin())];
     const auto bytes = bytes_for(curves.front(), dis.ghost_error_m);
     figures_.push_back({at + "dis_1m.bytes_over_best", bytes ? dis.bytes_per_s / *bytes : 0.0, "ratio", "2", {}});
     // As its own standard has it: an entity state PDU each, without the UDP header.

@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""The runs of scripts/unicast-scenarios, one after the other, and their table; as root.
+
+    unicast_scenarios.py OUT PEERD [SCENARIO...]
+"""
+import json
+import pathlib
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).parent.parent / "configs/scenarios"
+# One run of each: at one latency, by one policy and approach.
+ONE_RUN = {
+    "crowd": ["duration_s=15"],
+    "eq47": ["replication.approach=dr+rcp+acpt", "replication.order=2"],
+    "flock": ["duration_s=15"],
+    "flock-regions": ["duration_s=15"],
+    "head-on": ["decisions.policy=expected-error", "network.loss=0"],
+    "orbit": ["duration_s=15"],
+    "traffic": ["decisions.policy=expected-error", "duration_s=15"],
+}
+WITHOUT_SWEEP = {"comings", "keys", "netem", "snooker"}
+BY_HAND = {"outside"}
+TRIES = 3
+WAYS = {"multicast": "always", "unicast": "never"}
+
+
+def names():
+    return sorted(f.stem for f in HERE.glob("*.toml") if f.stem not in BY_HAND)
+
+
+def run_once(name, way, out, peerd):
+    """(summary's run or None, whether the computer kept time, exit code, last words)"""
+    sets = ONE_RUN.get(name, []) + [f"transport.multicast={WAYS[way]}"]
+    if name not in WITHOUT_SWEEP:
+        sets.append("network.latency_ms=100")
+    command = [peerd, "scenario", str(HERE / f"{name}.toml"), "--netem", "--json", "--out", str(out / f"{name}-{way}")]
+    for s in sets:
+        command += ["--set", s]
+    for _ in range(TRIES):
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        words = done.stderr.strip().splitlines()
+        if done.returncode == 3 and "no network by netem here" in done.stderr:
+            sys.exit("\n".join(words))
+        if done.returncode > 1:
+            return None, True, done.returncode, words[-1:]
+        run = json.loads(done.stdout)["runs"][0]
+        if run["network"]["steady"]:
+            break
+    failed = [w for w in words if "expect" in w]
+    return run, run["network"]["steady"], done.returncode, failed
+
+
+def measures(run):
+    objects, shared = run["objects"], run["collisions"]["shared"]
+    mean = sum(o["ghost_error_m"]["mean"] for o in objects) / max(len(objects), 1)
+    return {"mean ghost error [m]": f"{mean:.4f}", "updates": run["counters"]["updates_out"], "decided": shared["decided"],
+            "disagreed": shared["disagreed"], "missed": shared["missed"],
+            "sent [kB]": f"{run['counters']['bytes_out'] / 1000:.1f}"}
+
+
+def main(out, peerd, wanted):
+    head, rows, code = None, [], 0
+    for name in wanted or names():
+        for way in WAYS:
+            run, steady, exit_code, words = run_once(name, way, out, peerd)
+            said = "failed" if run is None else "did not keep time" if not steady else "holds" if exit_code == 0 else "does not hold"
+            row = {"scenario": name, "by": way, "what is expected": said, **(measures(run) if run else {})}
+            head = head or (list(row) if run else None)
+            rows.append(row)
+            bad = run is None or (steady and (exit_code != 0 or row["disagreed"] > 0))
+            if way == "unicast" and bad:
+                code = 1
+            print(f"{name}, {way}: {said} {' '.join(words)}".rstrip(), file=sys.stderr, flush=True)
+    head = head or list(rows[0])
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    lines += ["| " + " | ".join(str(r.get(k, "")) for k in head) + " |" for r in rows]
+    (out / "unicast.md").write_text("\n".join(lines) + "\n")
+    print("\n".join(lines))
+    return code
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    sys.exit(main(pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3:]))
