@@ -12,50 +12,21 @@
 // Writes replication-pareto.svg, replication-mechanisms.svg and replication-curves.csv. Exit code 1: a run in which
 // peers don't agree on a decided outcome, or in which nobody saw anything.
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "collision_chart.hpp"
 #include "figures.hpp"
-#include "peerd/assemble.hpp"
-#include "peerd/report/summary.hpp"
-#include "peerd/sim/simulation.hpp"
+#include "simulated_run.hpp"
 
 namespace peerd::bench {
 namespace {
 
-const std::filesystem::path kConfigs = PEERD_SOURCE_DIR "/configs";
-
-// One run: what it cost and how wrong everybody was.
-struct Outcome {
-  double bytes_per_s = 0.0;
-  double ghost_error_m = 0.0;      // against the truth
-  double view_difference_m = 0.0;  // between what an observer's and the owner's user see
-  double updates_per_object_s = 0.0;
-  double updates_per_s = 0.0;  // of all objects
-};
-
 struct Curve {
   std::string name;
   std::vector<Outcome> points;
-};
-
-template <class T>
-T must(config::Result<T> result) {
-  if (!result) throw std::runtime_error(result.error().text);
-  return *std::move(result);
-}
-
-struct Mean {
-  double sum = 0.0;
-  std::size_t count = 0;
-  void add(double x) { sum += x, ++count; }
-  [[nodiscard]] double value() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
 };
 
 class Bench {
@@ -82,39 +53,16 @@ class Bench {
  private:
   Outcome simulate_one(const std::string& scenario, const std::string& config, double latency_ms,
                        std::vector<std::string> sets) {
-    sets.push_back("network.latency_ms=" + std::to_string(latency_ms));
-    sets.push_back("duration_s=" + std::string(options_.quick ? "3" : "12"));
     if (scenario == "traffic") {
       const bool serves = config.starts_with("baselines/server");
       sets.push_back(serves ? "decisions.policy=server" : "decisions.policy=expected-error");
     }
-    config::ScenarioRequest request;
-    request.file = kConfigs / "scenarios" / (scenario + ".toml");
-    request.configs = {kConfigs / (config + ".toml")};
-    request.sets = std::move(sets);
-    const config::Scenario read = must(config::read_scenario(request));
-    if (read.runs.size() != 1) throw std::runtime_error(config + " on " + scenario + ": one run was meant");
-    const config::RunSettings& settings = read.runs.front();
-    const auto shared = must(share_world(read.world));
-    const report::RunRecord record = must(assemble(settings, *shared, must(sim::simulate(settings, *shared))));
-    const auto summary = report::summarise({scenario, "sim", read.seed, {}}, {&record, 1})["runs"][0];
-    if (summary["collisions"]["shared"]["disagreed"] != 0 || summary["objects"].empty()) {
+    Outcome outcome = simulate({scenario, config, latency_ms, options_.quick ? 3.0 : 12.0, std::move(sets)});
+    if (!outcome.wrong.empty()) {
       std::printf("error: %s on %s at %g ms: %s\n", config.c_str(), scenario.c_str(), latency_ms,
-                  summary["objects"].empty() ? "nobody saw anything" : "peers disagree on an outcome");
+                  outcome.wrong.c_str());
       sound_ = false;
     }
-    Outcome outcome;
-    Mean error, difference, updates;
-    for (const auto& row : summary["objects"]) {
-      error.add(row["ghost_error_m"]["mean"].get<double>());
-      difference.add(row["view_difference_m"]["mean"].get<double>());
-      updates.add(row["updates_sent"].get<double>() / settings.duration_s);
-    }
-    outcome.bytes_per_s = summary["traffic"]["bytes_per_s"].get<double>();
-    outcome.ghost_error_m = error.value();
-    outcome.view_difference_m = difference.value();
-    outcome.updates_per_object_s = updates.value();
-    outcome.updates_per_s = outcome.updates_per_object_s * static_cast<double>(record.objects.size());
     return outcome;
   }
 
@@ -134,41 +82,19 @@ class Bench {
     return curve;
   }
 
-  [[nodiscard]] std::vector<double> thresholds_m() const {
-    return options_.quick ? std::vector<double>{1.0, 0.1}
-                          : std::vector<double>{2.0, 1.4, 1.0, 0.7, 0.5, 0.2, 0.1, 0.05};
-  }
   [[nodiscard]] std::vector<std::vector<std::string>> by_threshold() const {
     std::vector<std::vector<std::string>> all;
-    for (const double m : thresholds_m()) all.push_back({"replication.error_threshold_m=" + std::to_string(m)});
+    for (const double m : thresholds_m(options_.quick)) all.push_back(dead_reckoning_at(m));
     return all;
   }
   [[nodiscard]] std::vector<std::vector<std::string>> by_wanted_error(
       const std::vector<std::string>& besides = {}) const {
     std::vector<std::vector<std::string>> all;
-    for (const double m : thresholds_m()) {
-      all.push_back({"replication.wanted_error_m=" + std::to_string(m),
-                     "replication.error_threshold_m=" + std::to_string(std::max(1.0, m))});
+    for (const double m : thresholds_m(options_.quick)) {
+      all.push_back(best_at(m));
       all.back().insert(all.back().end(), besides.begin(), besides.end());
     }
     return all;
-  }
-
-  // Bytes that the curve takes for an error of at most that; none where it never gets there. Straight between points,
-  // as logarithms.
-  static std::optional<double> bytes_for(const Curve& curve, double error_m) {
-    std::optional<double> least;
-    const auto take = [&](double bytes) { least = std::min(least.value_or(bytes), bytes); };
-    for (std::size_t i = 0; i < curve.points.size(); ++i) {
-      const Outcome& p = curve.points[i];
-      if (p.ghost_error_m <= error_m) take(p.bytes_per_s);
-      if (i == 0) continue;
-      const Outcome& q = curve.points[i - 1];
-      if ((p.ghost_error_m < error_m) == (q.ghost_error_m < error_m)) continue;
-      const double s = std::log(error_m / q.ghost_error_m) / std::log(p.ghost_error_m / q.ghost_error_m);
-      take(q.bytes_per_s * std::pow(p.bytes_per_s / q.bytes_per_s, s));
-    }
-    return least;
   }
 
   Chart compare(const std::string& scenario, double latency_ms) {
@@ -181,17 +107,17 @@ class Bench {
       std::optional<double> least;
       std::size_t beyond = 0;
       for (const Outcome& p : curves[i].points) {
-        const auto bytes = bytes_for(curves.front(), p.ghost_error_m);
+        const auto bytes = bytes_for(curves.front().points, p.ghost_error_m, &Outcome::bytes_per_s);
         if (bytes) least = std::min(least.value_or(1e9), p.bytes_per_s / *bytes);
         beyond += !bytes;
       }
       figures_.push_back({at + curves[i].name + ".least_bytes_over_best", least.value_or(0.0), "ratio", "1", least});
       figures_.push_back({at + curves[i].name + ".points_beyond_best", static_cast<double>(beyond), "points", "0", {}});
     }
-    const std::vector<double> thresholds = thresholds_m();
+    const std::vector<double> thresholds = thresholds_m(options_.quick);
     const Outcome& dis =
         curves[1].points[static_cast<std::size_t>(std::ranges::find(thresholds, 1.0) - thresholds.begin())];
-    const auto bytes = bytes_for(curves.front(), dis.ghost_error_m);
+    const auto bytes = bytes_for(curves.front().points, dis.ghost_error_m, &Outcome::bytes_per_s);
     figures_.push_back({at + "dis_1m.bytes_over_best", bytes ? dis.bytes_per_s / *bytes : 0.0, "ratio", "2", {}});
     // As its own standard has it: an entity state PDU each, without the UDP header.
     constexpr double kEntityState_bytes = 144.0;

@@ -8,10 +8,10 @@
 //
 // Times are of the thread, so what else runs here doesn't count. tick_share_of_core: of 10,000 ghosts and 1,000 own
 // objects, what on_packet, on_tick, draining the outputs and evaluating every ghost at every tick take of a simulated
-// second. OWN: only ticks, with so many own objects; `loopback`: only how long an update is under way (loopback/).
-// Writes wire-growth.csv and wire-growth.svg besides. Exit code 1: a ghost is not what its owner's update says or not,
-// to the last bit, what its owner believes of it; not all that was sent was applied; a record is not decoded as it was
-// encoded.
+// second. bytes_over_dis, flock_received_over_aoi: wire_traffic.hpp. OWN: only ticks, with so many own objects;
+// `loopback`: only how long an update is under way (loopback/). Writes wire-growth.csv and wire-growth.svg besides.
+// Exit code 1: a ghost is not what its owner's update says or not, to the last bit, what its owner believes of it; not
+// all that was sent was applied; a record is not decoded as it was encoded.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,6 +28,7 @@
 #include "loopback/loopback.hpp"
 #include "replication/peer.hpp"
 #include "replication/record.hpp"
+#include "wire_traffic.hpp"
 
 namespace peerd::bench {
 namespace {
@@ -380,6 +381,9 @@ class Bench {
     const bool only_loopback = options_.arguments == std::vector<std::string>{"loopback"};
     if (options_.arguments.empty() || only_loopback) loopback();  // first: it forks, while this process is small
     if (only_loopback) return write_figures(options_, figures_) && right_ ? 0 : 1;
+    if (options_.arguments.empty()) {
+      for (const Figure& f : wire_traffic(options_)) add(f);
+    }
     if (options_.arguments.empty()) {
       decode_and_apply(1);
       decode_and_apply(40);

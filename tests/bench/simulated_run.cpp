@@ -1,0 +1,102 @@
+#include "simulated_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+
+#include "peerd/assemble.hpp"
+#include "peerd/report/summary.hpp"
+#include "peerd/sim/simulation.hpp"
+
+namespace peerd::bench {
+namespace {
+
+const std::filesystem::path kConfigs = PEERD_SOURCE_DIR "/configs";
+constexpr double kUdpHeader_bytes = 28.0;
+
+template <class T>
+T must(config::Result<T> result) {
+  if (!result) throw std::runtime_error(result.error().text);
+  return *std::move(result);
+}
+
+struct Mean {
+  double sum = 0.0;
+  std::size_t count = 0;
+  void add(double x) { sum += x, ++count; }
+  [[nodiscard]] double value() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
+};
+
+}  // namespace
+
+nlohmann::ordered_json summary_of(const SimulatedRun& run) {
+  config::ScenarioRequest request;
+  request.file = kConfigs / "scenarios" / (run.scenario + ".toml");
+  request.configs = {kConfigs / (run.config + ".toml")};
+  request.sets = run.sets;
+  request.sets.push_back("network.latency_ms=" + std::to_string(run.latency_ms));
+  request.sets.push_back("duration_s=" + std::to_string(run.duration_s));
+  const config::Scenario read = must(config::read_scenario(request));
+  if (read.runs.size() != 1) throw std::runtime_error(run.config + " on " + run.scenario + ": one run was meant");
+  const config::RunSettings& settings = read.runs.front();
+  const auto shared = must(share_world(read.world));
+  std::optional<report::InterestRecord> interest;
+  const auto logs = must(sim::simulate(settings, *shared, {}, {}, &interest));
+  report::RunRecord record = must(assemble(settings, *shared, logs));
+  record.interest = std::move(interest);
+  return report::summarise({run.scenario, "sim", read.seed, {}}, {&record, 1})["runs"][0];
+}
+
+Outcome simulate(const SimulatedRun& run) {
+  const auto summary = summary_of(run);
+  Outcome outcome;
+  if (summary["objects"].empty()) outcome.wrong = "nobody saw anything";
+  if (summary["collisions"]["shared"]["disagreed"] != 0) outcome.wrong = "peers disagree on an outcome";
+  Mean error, difference, updates;
+  std::set<std::string> objects;
+  for (const auto& row : summary["objects"]) {
+    error.add(row["ghost_error_m"]["mean"].get<double>());
+    difference.add(row["view_difference_m"]["mean"].get<double>());
+    updates.add(row["updates_sent"].get<double>() / run.duration_s);
+    objects.insert(row["path"].get<std::string>());
+  }
+  const auto& traffic = summary["traffic"];
+  outcome.bytes_per_s = traffic["bytes_per_s"].get<double>();
+  outcome.bytes_with_udp_per_s =
+      outcome.bytes_per_s + kUdpHeader_bytes * traffic["packets"].get<double>() / run.duration_s;
+  outcome.ghost_error_m = error.value();
+  outcome.view_difference_m = difference.value();
+  outcome.updates_per_object_s = updates.value();
+  outcome.updates_per_s = updates.value() * static_cast<double>(objects.size());
+  return outcome;
+}
+
+std::optional<double> bytes_for(Tradeoff curve, double error_m, double Outcome::*bytes) {
+  std::optional<double> least;
+  const auto take = [&](double b) { least = std::min(least.value_or(b), b); };
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    const Outcome& p = curve[i];
+    if (p.ghost_error_m <= error_m) take(p.*bytes);
+    if (i == 0) continue;
+    const Outcome& q = curve[i - 1];
+    if ((p.ghost_error_m < error_m) == (q.ghost_error_m < error_m)) continue;
+    const double s = std::log(error_m / q.ghost_error_m) / std::log(p.ghost_error_m / q.ghost_error_m);
+    take(q.*bytes * std::pow(p.*bytes / (q.*bytes), s));
+  }
+  return least;
+}
+
+std::vector<double> thresholds_m(bool quick) {
+  return quick ? std::vector<double>{1.0, 0.1} : std::vector<double>{2.0, 1.4, 1.0, 0.7, 0.5, 0.2, 0.1, 0.05};
+}
+std::vector<std::string> best_at(double threshold_m) {
+  return {"replication.wanted_error_m=" + std::to_string(threshold_m),
+          "replication.error_threshold_m=" + std::to_string(std::max(1.0, threshold_m))};
+}
+std::vector<std::string> dead_reckoning_at(double threshold_m) {
+  return {"replication.error_threshold_m=" + std::to_string(threshold_m)};
+}
+
+}  // namespace peerd::bench
