@@ -219,6 +219,19 @@ TEST_P(ByVelocity, TheOtherHoldsItBackUntilItHears) {
   EXPECT_THAT(lan->contacts(0, ContactKind::kOwner), IsEmpty());
 }
 
+// The ghosts bounce, as all predict, and its own truth goes on until the decision: telling that would be telling what
+// is going to be taken back.
+TEST_P(ByVelocity, NothingIsToldOfWhatAwaitsADecision) {
+  begin();
+  lan->run_until(4s);
+  const std::uint64_t told = lan->peer(0).counters().updates_out;
+  run_to_contact();
+  lan->run_until(lan->now() + 1s);
+  EXPECT_EQ(lan->peer(0).counters().contacts_held, 1u);
+  EXPECT_EQ(lan->peer(0).counters().updates_out, told);
+  settle();
+}
+
 TEST_P(ByVelocity, TheOutcomeIsOfTheContactTime) {
   begin();
   run_to_contact();
