@@ -53,6 +53,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.regions = replication.regions;
   config.interest_radius_m = settings.interest_radius_m;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
+  config.settled_hello_period = from_seconds(replication.settled_hello_period_s);
   config.wait_for_start = true;
   config.decisions = replication.decisions;
   if (settings.viewpoint) {

@@ -380,7 +380,12 @@ void MotionWorld::answer(Pair& pair) {
   const MotionModel model_a = a.timeline.model_at(t), model_b = b.timeline.model_at(t);
   MotionModel after_a = model_a, after_b = model_b;
   const KinematicState &before_a = model_a.state, &before_b = model_b.state;
-  const bool a_answers = will_answer(a, pair.collider_answers, t), b_answers = will_answer(b, pair.collidee_answers, t);
+  const Outcome outcome = outcomes_ ? outcomes_(a.id, b.id, t) : Outcome::kAsTold;
+  const auto answers = [&](const Object& o, bool registered) {
+    const bool could_not_know = outcome != Outcome::kAsTold && o.role == Role::kBelief;
+    return will_answer(o, registered, could_not_know ? SimTime::max() : t);
+  };
+  const bool a_answers = answers(a, pair.collider_answers), b_answers = answers(b, pair.collidee_answers);
   remember(pair.recent, t);
   if (a_answers) after_a = answered(pair.collider, pair, model_a, before_b, b_answers, pair.normal);
   if (b_answers) after_b = answered(pair.collidee, pair, model_b, before_a, a_answers, -pair.normal);
@@ -393,22 +398,22 @@ void MotionWorld::answer(Pair& pair) {
   ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, told(a.id, after_a), told(b.id, after_b)};
   pair.contact.reset();
   ++counters_.contacts;
-  if (answers_ && !answers_(a.id, b.id, t)) {
+  if (outcome == Outcome::kAnothers) {
     pair.inside = true;
     event.held = true;
     events_.push_back(event);
     return;
   }
-  for (const auto& [answers, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
-    if (!answers) continue;
+  for (const auto& [changes, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
+    if (!changes) continue;
     if (objects_[index].timeline.segments().back().from > t) events_.push_back(TakenBack{objects_[index].id, t});
     take_back(index, t);
     forget_bounces(index, t + Duration{1});
   }
   if (a_answers) a.timeline.replace_from(t, after_a, b.id);
   if (b_answers) b.timeline.replace_from(t, after_b, a.id);
-  for (const auto& [answers, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
-    if (!answers) continue;
+  for (const auto& [changes, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
+    if (!changes) continue;
     timeline_changed(index);
     reopen(index, t);
   }

@@ -22,6 +22,13 @@ enum class Role : std::uint8_t {
   kBelief,  // answers contacts, but takes the answer back when its cause turns out to have moved otherwise
 };
 
+// Whose outcome of a contact counts.
+enum class Outcome : std::uint8_t {
+  kAsTold,   // this world's, but for an object whose owner has told of later: that holds it already
+  kOwn,      // this world's: whoever has told of later was to leave it to this peer
+  kAnothers  // the contact is told once, `held`, and the two go on
+};
+
 struct ContactEvent {
   SimTime at;  // the contact time, rounded down to a nanosecond so that nothing is inside anything
   ObjectId collider, collidee;
@@ -68,9 +75,9 @@ class MotionWorld {
   // Turns watching of a pair on or off; all pairs start watched.
   void watch(ObjectId a, ObjectId b, bool on);
 
-  // Asked at each contact whether this world answers it; one that it doesn't is told once, `held`, and the two go on.
-  using Answers = std::function<bool(ObjectId collider, ObjectId collidee, SimTime contact)>;
-  void set_answers(Answers answers) { answers_ = std::move(answers); }
+  // Asked at each contact.
+  using Outcomes = std::function<Outcome(ObjectId collider, ObjectId collidee, SimTime contact)>;
+  void set_outcomes(Outcomes outcomes) { outcomes_ = std::move(outcomes); }
 
   // From t on, the object moves so: an update, a sample, a decision. t may lie in the past; beliefs that followed from
   // what is replaced are taken back and found anew by the next advance().
@@ -157,7 +164,7 @@ class MotionWorld {
   std::size_t watched_ = 0;                 // pairs in looks_, whenever that is
   std::vector<bool> in_looks_;
   std::vector<Forgetting> forgetting_;  // a heap, the earliest first
-  Answers answers_;                     // none: it answers all
+  Outcomes outcomes_;                   // none: as told
   std::vector<Event> events_;
   std::size_t polled_ = 0;  // of events_
   Counters counters_;

@@ -307,12 +307,18 @@ class Peer {
     bool driven = false;
     std::optional<SimTime> last_sent;
     std::uint32_t sequence = 0;
-    bool resend = false;  // somebody joined
+    bool resend = false;  // somebody joined, or may not have what was told last
     bool retell = false;  // what was told last was not true
     Launch launch;
     std::optional<UpdateRecord> to_repeat;
-    std::uint32_t times_sent = 0;  // to_repeat
-    std::uint32_t told_in = 0;     // the number of the datagram that said last how it moves
+    std::uint32_t times_sent = 0;        // to_repeat, but for with hellos
+    std::uint32_t times_with_hello = 0;  // .. and so often with hellos,
+    HostTime with_hello_at{};            // the last time then
+    // Of its last update: the numbers of the datagrams that carried it to all, and who is known to have one of them.
+    std::vector<std::uint32_t> told_in;
+    std::set<PeerId> heard;
+    bool all_have_it = false;
+    std::set<PeerId> may_lack;  // who has confirmed none of late although there was time for it
     std::optional<ModelChooser> models;
     PoseHistory poses;  // of samples without derivatives
     UpdateBudget budget;
@@ -352,7 +358,7 @@ class Peer {
   [[nodiscard]] bool finds(ObjectId a, ObjectId b) const;
   [[nodiscard]] PeerId decider_of(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] bool in_time(SimTime contact) const;
-  [[nodiscard]] bool answers(ObjectId a, ObjectId b, SimTime contact) const;
+  [[nodiscard]] Outcome outcome(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Stake stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
   [[nodiscard]] Duration own_latency() const;
   [[nodiscard]] Duration longest_latency() const;
@@ -365,6 +371,7 @@ class Peer {
   void on_notes(PeerId sender, const Hello& hello, SimTime known_at);
   void release_held(SimTime t);
   void fall_back(const ContactEvent& contact, SimTime known_at);
+  [[nodiscard]] bool may_lack_ours(PeerId peer, const ContactEvent& contact) const;
   [[nodiscard]] ContactEvent tellable(ContactEvent contact);
   [[nodiscard]] DecisionRecord record_of(const ContactEvent& contact, DecisionRule rule) const;
   std::vector<DecisionLog::Change> add_own(const DecisionRecord& record);
@@ -379,7 +386,7 @@ class Peer {
   void tell_changed(SimTime t);
   [[nodiscard]] std::optional<PublishReason> why_due(Own& own, SimTime t, double threshold_m,
                                                      const KinematicState& truth, const KinematicState& ghost,
-                                                     const GhostError& error, const std::optional<Receipt>& receipt);
+                                                     const GhostError& error);
   [[nodiscard]] double least_threshold_m(ObjectId object) const;
   [[nodiscard]] bool told_since_tick(const Own& own) const;
   void repeat_updates(HostTime now);
@@ -427,7 +434,9 @@ class Peer {
   void introduce_anew();
   [[nodiscard]] bool has_news() const;
   [[nodiscard]] Introduction introduction();
-  [[nodiscard]] std::optional<Receipt> common_receipt() const;
+  void on_receipt(PeerId from, const Receipt& receipt);
+  [[nodiscard]] bool everybody_has(const Own& own) const;
+  void note_who_may_lack(Own& own, SimTime t);
   [[nodiscard]] double loss() const;
   [[nodiscard]] double loss_of(const Member& member, double others) const;
   void send(Message& message, RegionId region = kWholeScene);

@@ -1,5 +1,6 @@
 // Peer: who decides collisions between objects of two peers, and what becomes of what was decided.
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <utility>
 
@@ -120,18 +121,17 @@ PeerId Peer::decider_of(ObjectId a, ObjectId b, SimTime contact) const {
 // Whether what is decided of it now reaches everybody in time.
 bool Peer::in_time(SimTime contact) const { return contact >= tick_time(last_tick_) - kDecidedWithin; }
 
-// Of a contact that the truth has found. A belief of two others' objects is answered: it is nothing but a belief.
-bool Peer::answers(ObjectId a, ObjectId b, SimTime contact) const {
-  if (!is_shared(a, b)) return true;
-  if (!in_time(contact) && finds(a, b)) return false;
-  if (config_.decisions.policy == DecisionPolicy::kId) return true;
-  if (!own_.contains(a) && !own_.contains(b) && !serves()) return true;
-  return decider_of(a, b, contact) == config_.id;
+// Of a contact that the truth has found. What two others' objects do is nothing but a belief.
+Outcome Peer::outcome(ObjectId a, ObjectId b, SimTime contact) const {
+  if (!is_shared(a, b) || !finds(a, b)) return Outcome::kAsTold;
+  if (!in_time(contact)) return Outcome::kAnothers;
+  if (config_.decisions.policy == DecisionPolicy::kId) return Outcome::kOwn;
+  return decider_of(a, b, contact) == config_.id ? Outcome::kOwn : Outcome::kAnothers;
 }
 
 void Peer::begin_worlds(SimTime now) {
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
-  replica_->truth.set_answers([this](ObjectId a, ObjectId b, SimTime contact) { return answers(a, b, contact); });
+  replica_->truth.set_outcomes([this](ObjectId a, ObjectId b, SimTime contact) { return outcome(a, b, contact); });
 }
 
 // What spins up, or is hit by what goes as fast as can be, leaves the limits within which receivers take states. They
@@ -206,13 +206,19 @@ bool Peer::awaits_decision(ObjectId object) const {
       held_, [&](const Held& h) { return h.contact.collider == object || h.contact.collidee == object; });
 }
 
-// What this peer has found, and the one that is to decide it says nothing of, in time.
+// What this peer has found, and the one that is to decide it says nothing of, in time. The lower id decides; the other
+// one where it was the lower one that said nothing, and else once a decision of the lower one would have come: it may
+// not have found the contact.
 void Peer::release_held(SimTime t) {
   decisions_.forget_before(t - kRememberedFor);
   const Duration patience = 2 * lookback() + 3 * config_.hello_period;
+  const Duration lower_ones = lookback() + config_.hello_period;
   std::vector<Held> over;
   for (const Held& h : held_) {
-    if (t >= h.contact.at + patience || !members_.all().contains(h.decider)) over.push_back(h);
+    const PeerId lower = decider_by_id(owner(h.contact.collider), owner(h.contact.collidee));
+    const Duration wait = members_.all().contains(h.decider) ? patience : Duration{0};
+    const bool first = lower == config_.id || lower == h.decider;
+    if (t >= h.contact.at + wait + (first ? Duration{0} : lower_ones)) over.push_back(h);
   }
   for (const Held& h : over) fall_back(h.contact, t);
 }
@@ -221,11 +227,24 @@ void Peer::fall_back(const ContactEvent& c, SimTime known_at) {
   std::erase_if(held_, [&](const Held& h) {
     return h.contact.at == c.at && h.contact.collider == c.collider && h.contact.collidee == c.collidee;
   });
-  const bool ours = config_.decisions.fallback && is_shared(c.collider, c.collidee) && in_time(c.at) &&
-                    decider_by_id(owner(c.collider), owner(c.collidee)) == config_.id;
-  if (!ours) return;
+  if (!config_.decisions.fallback || !is_shared(c.collider, c.collidee)) return;
+  if (!in_time(c.at)) {
+    ++counters_.contacts_too_late;
+    return;
+  }
   ++counters_.decisions_fallback;
   follow(add_own(record_of(tellable(c), DecisionRule::kId)), known_at);
+}
+
+// Whether that peer may have found nothing because it has not heard how an own object came to the contact: of what had
+// been told of it for long enough it has confirmed nothing.
+bool Peer::may_lack_ours(PeerId peer, const ContactEvent& c) const {
+  if (grid_.cuts()) return false;  // regions have no receipts
+  return std::ranges::any_of(std::array{c.collider, c.collidee}, [&](ObjectId object) {
+    const auto at = own_.find(object);
+    if (at == own_.end() || !at->second.last_sent || at->second.heard.contains(peer)) return false;
+    return at->second.may_lack.contains(peer) || *at->second.last_sent <= c.at - lookback();
+  });
 }
 
 // What the sender's hello says of contacts: which decisions it has heard, and whether it has found what this peer
@@ -252,7 +271,8 @@ void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
     const auto note = std::ranges::find_if(hello.notes, same);
     if (note != hello.notes.end() && note->held) {  // each left it to the other
       if (decider_by_id(config_.id, sender) == config_.id) fall_back(h.contact, known_at);
-    } else if (note == hello.notes.end() && said_at >= h.contact.at + lookback() && hello.notes.size() < kNotesMax) {
+    } else if (note == hello.notes.end() && said_at >= h.contact.at + lookback() && hello.notes.size() < kNotesMax &&
+               !may_lack_ours(sender, h.contact)) {
       ++counters_.contacts_refuted;
       std::erase_if(held_,
                     [&](const Held& other) { return other.contact.at == h.contact.at && other.decider == sender; });

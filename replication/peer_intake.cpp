@@ -4,14 +4,14 @@
 
 #include "replication/decision.hpp"
 #include "replication/peer.hpp"
+#include "replication/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {
 
 // An owner that has not taken up a decision for so long has never heard it: what it says counts again.
 constexpr Duration kDecisionStands = std::chrono::seconds(2);
-// An update from farther back than timelines reach, or from this far ahead, comes from a broken clock or a forger.
-constexpr Duration kUpdateAgeMax = std::chrono::seconds(4);
+// An update from this far ahead comes from a broken clock or a forger.
 constexpr Duration kUpdateAheadMax = std::chrono::seconds(1);
 // .. and decisions: of what happened up to 3 s ago (peer_decisions.cpp), told again where datagrams get lost.
 constexpr Duration kDecisionAgeMax = std::chrono::seconds(6);

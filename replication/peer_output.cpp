@@ -1,11 +1,11 @@
 // Peer: what goes out.
 #include <algorithm>
 #include <cassert>
-#include <limits>
 #include <utility>
 
 #include "replication/hello_lists.hpp"
 #include "replication/peer.hpp"
+#include "replication/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -20,6 +20,8 @@ constexpr std::size_t kEnslavedMax = 50;
 constexpr std::size_t kIntroductionEvery = 8, kNewsRepeated = 3;
 // A state that has not been replaced for so long is one that stays for a while.
 constexpr Duration kStandsFor = std::chrono::seconds(1);
+// So often at most goes a state out again with hellos; enough for three in ten lost (0.3^6 = 0.0007).
+constexpr std::uint32_t kWithHellosMax = 5;
 // A Gone: three varints; the first also takes the list's tag and length.
 constexpr std::size_t kGoneMax_bytes = 15 + 4;
 // At most, of what somebody may know nothing without: enough for one in five lost (0.2^4 = 0.0016).
@@ -40,34 +42,62 @@ Message Peer::blank() const {
   return m;
 }
 
-// A state that nothing newer has replaced goes out once more with a hello: a lost one would stand wrong until the time
-// threshold. With the next one where datagrams do get lost; elsewhere when it has stood for a while, so that where
-// updates come fast there is nothing to repeat, and unless everybody has it.
+// A state that nothing newer has replaced goes out again with hellos, or a lost one would stand wrong until the time
+// threshold: with the next one where datagrams do get lost, elsewhere when it has stood for a while, so that where
+// updates come fast there is nothing to repeat; and from then on whenever somebody's hello has no word of the last time
+// that should, or none has come for as long as one takes. Where much gets lost few receipts are clean, so that ends.
 void Peer::repeat_updates(HostTime now) {
   const bool lossy = copies_against(loss(), 2) > 1;
-  const auto receipt = common_receipt();
+  const std::uint32_t most = grid_.cuts() ? 1 : kWithHellosMax;  // regions have no receipts
+  const Duration answered = 2 * longest_latency() + config_.settled_hello_period;
+  const auto passed_by = [&](const Own& own) {
+    return std::ranges::any_of(members_.all(), [&](const auto& entry) {
+      const auto& [peer, member] = entry;
+      return !own.heard.contains(peer) && member.receipt && member.receipt->highest >= own.told_in.back();
+    });
+  };
   for (auto& [object, own] : own_) {
-    if (!own.to_repeat) continue;
-    if (!lossy && clock_.to_session(now) - own.to_repeat->at < kStandsFor) continue;
-    if (!lossy && receipt && receipt->has(own.told_in)) continue;
+    if (!own.to_repeat || own.times_with_hello >= most || everybody_has(own)) continue;
+    const bool again = own.times_with_hello > 0;
+    if (again && now - own.with_hello_at < answered && !passed_by(own)) continue;
+    if (!again && !lossy && clock_.to_session(now) - own.to_repeat->at < kStandsFor) continue;
     const bool due_anyway =
         std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
     if (due_anyway) continue;  // it goes out for the first time just now
-    updates_due_.push_back(*std::exchange(own.to_repeat, std::nullopt));
+    if (clock_.to_session(now) + longest_latency() - own.to_repeat->at > kUpdateAgeMax) {
+      own.resend = true;  // nobody would take what is so old: the next tick tells how it goes by now
+      continue;
+    }
+    ++own.times_with_hello;
+    own.with_hello_at = now;
+    updates_due_.push_back(*own.to_repeat);
     ++counters_.updates_repeated;
   }
 }
 
-// Which of this peer's datagrams all the others have, as they say; none while one of them has said nothing.
-std::optional<Receipt> Peer::common_receipt() const {
-  Receipt common{0, std::numeric_limits<std::uint32_t>::max(), 0};
-  for (const auto& [peer, member] : members_.all()) {
-    if (!member.receipt) return std::nullopt;
-    common.clean_from = std::max(common.clean_from, member.receipt->clean_from);
-    common.highest = std::min(common.highest, member.receipt->highest);
+// What another peer says to have of this one's datagrams to all.
+void Peer::on_receipt(PeerId from, const Receipt& receipt) {
+  for (auto& [object, own] : own_) {
+    if (own.all_have_it) continue;
+    if (std::ranges::any_of(own.told_in, [&](std::uint32_t number) { return receipt.has(number); })) {
+      own.heard.insert(from);
+      own.may_lack.erase(from);
+    }
+    own.all_have_it =
+        std::ranges::all_of(members_.all(), [&](const auto& member) { return own.heard.contains(member.first); });
   }
-  return common;
 }
+
+// Before something newer is told of it.
+void Peer::note_who_may_lack(Own& own, SimTime t) {
+  if (t - *own.last_sent < 2 * longest_latency() + config_.settled_hello_period) return;
+  for (const auto& [peer, member] : members_.all()) {
+    if (!own.heard.contains(peer)) own.may_lack.insert(peer);
+  }
+}
+
+// Its last update.
+bool Peer::everybody_has(const Own& own) const { return own.all_have_it || members_.all().empty(); }
 
 // What the worst of the others says it loses of what this peer sends.
 double Peer::loss() const {
@@ -217,8 +247,9 @@ void Peer::send(Message& message, RegionId region) {
   outputs_.push_back(Send{region, std::move(datagram)});
   for (const UpdateRecord& u : message.updates) {
     const auto own = own_.find(u.object);
-    if (own != own_.end() && own->second.sequence == u.sequence)
-      own->second.told_in = region == kWholeScene ? message.number : 0;
+    if (region == kWholeScene && own != own_.end() && own->second.sequence == u.sequence) {
+      own->second.told_in.push_back(message.number);
+    }
   }
 }
 

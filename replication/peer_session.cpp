@@ -153,6 +153,7 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   member.loss_of_ours = echo->loss;
   if (!member.receipt) member.receipt = {echo->highest, echo->highest, echo->missing};
   member.receipt->on_echo(*echo);
+  on_receipt(sender, *member.receipt);
   const auto sent = std::ranges::find(sent_hellos_, echo->hello, &SentHello::number);
   if (follows_ != sender || !hello.session_tx || sent == sent_hellos_.end()) return;
   clock_.on_exchange({sent->at, *hello.session_tx - echo->held, *hello.session_tx, now});
@@ -386,6 +387,10 @@ void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_go
 // What a lost peer ran stands still from now on, and belongs to nobody.
 void Peer::release(PeerId peer, HostTime now) {
   const SimTime t = clock_.to_session(now);
+  for (auto& [object, own] : own_) {
+    own.heard.erase(peer);
+    own.may_lack.erase(peer);
+  }
   for (auto at = owners_.begin(); at != owners_.end();) {
     if (at->second != peer) {
       ++at;

@@ -130,7 +130,6 @@ void Peer::publish(SimTime t) {
   const double latency_s = to_seconds(farthest_latency());
   for (auto& [object, own] : own_) observe(object, own, t, latency_s);
   tell_changed(t);
-  const std::optional<Receipt> receipt = common_receipt();
   waiting_.clear();
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
@@ -139,7 +138,7 @@ void Peer::publish(SimTime t) {
     const bool undecided = !own.driven && awaits_decision(object);
     const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.reach_m);
     const double threshold_m = threshold_now_m(object, t);
-    if (const auto reason = why_due(own, t, threshold_m, truth, ghost, error, receipt)) {
+    if (const auto reason = why_due(own, t, threshold_m, truth, ghost, error)) {
       tell(object, own, t, t, *reason, threshold_m);
     } else if (config_.policy.along_at < 1.0) {
       waiting_.push_back({object, &own, error, threshold_m});
@@ -186,13 +185,12 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
   for (const OwnSample* sample : wrong) replica_->truth.set_base(sample->object, t, sample->state);
   replica_->ghosts.advance(t);
   tell_changed(t);
-  const std::optional<Receipt> receipt = common_receipt();
   for (const OwnSample* sample : wrong) {
     Own& own = own_.at(sample->object);
     const double threshold_m = threshold_now_m(sample->object, t);
     const KinematicState ghost = replica_->ghosts.at(sample->object, t);
     const GhostError error = ghost_error(sample->state, ghost, own.reach_m);
-    const auto reason = why_due(own, t, threshold_m, sample->state, ghost, error, receipt);
+    const auto reason = why_due(own, t, threshold_m, sample->state, ghost, error);
     if (!reason) continue;
     observe(sample->object, own, t, to_seconds(farthest_latency()));
     tell(sample->object, own, t, t, *reason, threshold_m);
@@ -217,12 +215,11 @@ void Peer::tell_changed(SimTime t) {
   if (told) replica_->ghosts.advance(t);
 }
 
-// `error`: of the ghost against the truth, which is that of `own` at t. `receipt`: what all have.
+// `error`: of the ghost against the truth, which is that of `own` at t.
 std::optional<PublishReason> Peer::why_due(Own& own, SimTime t, double threshold_m, const KinematicState& truth,
-                                           const KinematicState& ghost, const GhostError& error,
-                                           const std::optional<Receipt>& receipt) {
-  // Receipts are of what goes to all; regions forget what they do not hear of.
-  const bool known = !grid_.cuts() && receipt && receipt->has(own.told_in);
+                                           const KinematicState& ghost, const GhostError& error) {
+  // Regions forget what they do not hear of.
+  const bool known = !grid_.cuts() && everybody_has(own);
   const bool known_to_stay = known && (error.is_zero() || (rests(truth) && rests(ghost)));
   if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, known_to_stay)) return reason;
   if (own.retell) return PublishReason::kDecision;
@@ -247,6 +244,7 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   const PublishPolicy& policy = config_.policy;
   own.budget.spend(policy, t);
   if (own.last_sent) {
+    note_who_may_lack(own, t);
     const double interval_s = std::clamp(to_seconds(t - *own.last_sent), kIntervalMin_s, kIntervalMax_s);
     own.interval_s += (interval_s - own.interval_s) / 4.0;
   }
@@ -285,6 +283,10 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   updates_due_.push_back(record);
   own.to_repeat = record;
   own.times_sent = 1;
+  own.times_with_hello = 0;
+  own.told_in.clear();
+  own.heard.clear();
+  own.all_have_it = false;
 }
 
 // The error threshold in force: the tight one in close proximity.

@@ -221,6 +221,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   reader.read("convergence_s", convergence_s, 0.0, kForever_s);
   s.convergence.over = from_seconds(convergence_s);
   reader.read("tick_hz", s.tick_hz, 1, 1000);
+  reader.read("settled_hello_period_s", s.settled_hello_period_s, 0.25, 4.0);
   reader.finish();
   return s;
 }

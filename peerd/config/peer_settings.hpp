@@ -23,6 +23,7 @@ struct ReplicationSettings {
   replication::DisplayDelay display_delay;
   replication::RegionSettings regions;  // the table [regions]
   std::uint32_t tick_hz = 60;
+  double settled_hello_period_s = 1.0;
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
 

@@ -768,7 +768,7 @@ TEST(MotionWorld, APairThatWasSparedWasApart) {
   MotionWorld world(*w.model, sim(0s));
   for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kFirm);
   bool answers = false;
-  world.set_answers([&](ObjectId, ObjectId, SimTime) { return answers; });
+  world.set_outcomes([&](ObjectId, ObjectId, SimTime) { return answers ? Outcome::kAsTold : Outcome::kAnothers; });
   world.set_base(w["BALL"], sim(0s), moving({-0.75, 0, 0}, {1, 0, 0}));
   world.advance(sim(300ms));
   EXPECT_EQ(contact_times(world).size(), 1u);  // held: another peer decides

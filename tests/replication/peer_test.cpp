@@ -561,18 +561,54 @@ TEST(Peer, WhatIsHalfWrongGoesAlongWithWhatIsWrong) {
   }
 }
 
-// What stands, and all are known to have heard where, needs no heartbeat; where datagrams get lost it has one.
+// What stands, and all are known to have heard where, needs no heartbeat, whether datagrams get lost or not; what
+// somebody has never heard of has one.
 TEST(Peer, WhatIsKnownToRestIsSeldomToldAgain) {
   const World world(box("O0", "1 1 1", "0 0 0"));
-  for (const double loss : {0.0, 0.2}) {
-    Lan lan(world, {20ms, 0ms, loss, 0});
-    lan.add(config(1, {{world["O0"], false}}));
-    lan.add(config(2));
-    lan.run_until(10s);
-    const std::uint64_t told = lan.peer(0).counters().updates_out;
-    lan.run_until(50s);
-    EXPECT_EQ(lan.peer(0).counters().updates_out == told, loss == 0.0) << loss;
-    EXPECT_EQ(lan.peer(1).owner(world["O0"]), PeerId{1});
+  for (const bool heard : {true, false}) {
+    for (const double loss : {0.0, 0.2}) {
+      Lan lan(world, {20ms, 0ms, loss, 0});
+      lan.add(config(1, {{world["O0"], false}}));
+      lan.add(config(2));
+      lan.filter = [&](std::size_t, std::size_t to, const Message& m) { return heard || to != 1 || m.updates.empty(); };
+      lan.run_until(10s);
+      const std::uint64_t told = lan.peer(0).counters().updates_out;
+      lan.run_until(50s);
+      EXPECT_EQ(lan.peer(0).counters().updates_out == told, heard) << loss;
+      EXPECT_EQ(lan.peer(1).owner(world["O0"]), PeerId{1});
+    }
+  }
+}
+
+// The first words on a motion are lost, three times: it goes on being told, and not first by the heartbeat.
+TEST(Peer, WhatSomebodyMayLackIsToldUntilItIsHeard) {
+  const World world(box("O0", "1 1 1", "0 0 0"));
+  for (const Duration latency : {20ms, 500ms}) {
+    for (const double loss : {0.0, 0.2}) {
+      SCOPED_TRACE(testing::Message() << latency.count() << " ns, loss " << loss);
+      Lan lan(world, {latency, 0ms, loss, 0});
+      PeerConfig c = config(1, {{world["O0"], false}});
+      c.policy.time_threshold = 60s;
+      lan.add(c);
+      lan.add(config(2));
+      lan.add(config(3));
+      lan.run_until(20s);
+      int words = 0;
+      lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
+        return from != 0 || to != 1 || m.updates.empty() || ++words > 3;
+      };
+      ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["O0"], Vec3(1, 0, 0), true));
+      lan.run_until(32s);
+      const SimTime t = lan.session_now(0) - 1s;
+      EXPECT_GT(words, 3);
+      for (const std::size_t i : {1u, 2u}) {
+        const Vec3 error = lan.peer(i).ghost(world["O0"], t).position - lan.peer(0).truth(world["O0"], t).position;
+        EXPECT_LT(error.norm(), 1e-6) << i;
+      }
+      const std::uint64_t repeated = lan.peer(0).counters().updates_repeated;
+      lan.run_until(45s);
+      EXPECT_EQ(lan.peer(0).counters().updates_repeated, repeated) << "all have it";
+    }
   }
 }
 

@@ -99,12 +99,16 @@ class HeadOn : public testing::TestWithParam<Way> {
     EXPECT_GT(lan->peer(1).truth((*world)["CUBE"], t).velocity.x(), 0.0);
   }
   // Everybody holds the same in the end, whatever it is.
-  void settle_on_anything() {
+  void settle_on_outcomes() {
     lan->run_until(lan->now() + 12s);
     const Outcomes held = outcomes(*lan, 0);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(outcomes(*lan, i), held) << i;
+  }
+  // .. and believes the objects where they are.
+  void settle_on_anything() {
+    settle_on_outcomes();
     const SimTime t = lan->session_now(0) - 1s;
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_EQ(outcomes(*lan, i), held) << i;
       for (const auto& [object, owner] : {std::pair{"CAR", 0u}, {"CUBE", 1u}}) {
         const KinematicState truth = lan->peer(owner).truth((*world)[object], t);
         const KinematicState ghost = lan->peer(i).ghost((*world)[object], t);
@@ -326,6 +330,20 @@ TEST_P(ByVelocity, AContactThatTheDeciderDoesNotFindIsNone) {
   EXPECT_EQ(lan->peer(0).counters().contacts_held, 1u);
   EXPECT_EQ(lan->peer(0).counters().contacts_refuted, 1u);
   EXPECT_EQ(lan->peer(0).truth((*world)["CAR"], lan->session_now(0)).velocity, Vec3(2, 0, 0));
+}
+
+// The one to decide has never heard that the car moves, and says that it has found nothing: it could not. The car's
+// owner decides.
+TEST_P(ByVelocity, WhatTheDeciderCouldNotFindTheOtherDecides) {
+  begin();
+  lan->filter = [&](std::size_t sender, std::size_t to, const Message& m) {
+    return sender != 0 || to != 1 || m.updates.empty();
+  };
+  run_to_contact();
+  settle_on_outcomes();
+  EXPECT_THAT(outcomes(*lan, 0), SizeIs(1));
+  EXPECT_EQ(lan->peer(0).counters().contacts_refuted, 0u);
+  EXPECT_EQ(lan->peer(0).counters().decisions_fallback, 1u);
 }
 
 // ---- traffic: three peers, four objects each, all on one crossing ----
