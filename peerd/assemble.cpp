@@ -93,6 +93,7 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
   record.params = run.params;
   record.seed = run.seed;
   record.duration_s = run.duration_s;
+  for (const config::ScenarioEvent& e : run.events) record.events.push_back({e.at_s, e.name});
 
   std::map<ObjectId, Truth> truths;
   std::map<ObjectId, PeerId> owners;

@@ -37,7 +37,8 @@ std::optional<config::InputError> why_not_live(const std::vector<config::Scenari
 
 config::Result<LiveEvents> LiveEvents::make(const std::vector<config::ScenarioEvent>& events) {
   LiveEvents live(events);
-  if (events.empty()) return live;
+  std::erase_if(live.events_, [](const config::ScenarioEvent& e) { return e.kind == config::EventKind::kKey; });
+  if (live.events_.empty()) return live;
   std::error_code error;
   std::string folder = (fs::temp_directory_path(error) / "peerd-XXXXXX").string();
   if (error || mkdtemp(folder.data()) == nullptr) {

@@ -11,7 +11,8 @@ namespace peerd {
 // Why real processes can't have these events; none: they can.
 [[nodiscard]] std::optional<config::InputError> why_not_live(const std::vector<config::ScenarioEvent>& events);
 
-// When the events of a scenario between real processes are due. One of the peers is asked when the motions began; its
+// When the events of a scenario between real processes are due: those that are done to a process. Keys are in the
+// settings that it reads itself. One of the peers is asked when the motions began; its
 // control socket lies in a folder of its own, which goes with the object.
 class LiveEvents {
  public:

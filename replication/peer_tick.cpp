@@ -133,8 +133,8 @@ void Peer::publish(SimTime t) {
   waiting_.clear();
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
-    // Where physics takes an object that has met something is not known before its decider says: until then its truth is
-    // no better than what the ghosts believe.
+    // Where physics takes an object that has met something is not known before its decider says: until then its truth
+    // is no better than what the ghosts believe.
     const bool undecided = !own.driven && awaits_decision(object);
     const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.reach_m);
     const double threshold_m = threshold_now_m(object, t);
@@ -219,9 +219,8 @@ void Peer::tell_changed(SimTime t) {
 std::optional<PublishReason> Peer::why_due(Own& own, SimTime t, double threshold_m, const KinematicState& truth,
                                            const KinematicState& ghost, const GhostError& error) {
   // Regions forget what they do not hear of.
-  const bool known = !grid_.cuts() && everybody_has(own);
-  const bool known_to_stay = known && (error.is_zero() || (rests(truth) && rests(ghost)));
-  if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, known_to_stay)) return reason;
+  const bool known_to_rest = !grid_.cuts() && everybody_has(own) && rests(truth) && rests(ghost);
+  if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, known_to_rest)) return reason;
   if (own.retell) return PublishReason::kDecision;
   if (own.resend) return PublishReason::kJoiner;
   if (has_crossed(own, truth.position)) return PublishReason::kRegion;
@@ -237,9 +236,9 @@ double Peer::least_threshold_m(ObjectId object) const {
   return policy.wanted_error_m > 0.0 ? std::min(tight_m, policy.wanted_error_m) : tight_m;
 }
 
-// The update goes out at t and is of `at`, not after it. What physics moves names its law as it is. Where it
-// answers by impulse it goes on from what was told: its truth and its ghost are one motion, to the last bit, which many
-// collisions would else draw apart.
+// The update goes out at t and is of `at`, not after it. What physics moves names its law as it is and goes on from
+// what was told: its truth and all its ghosts are one motion, to the last bit. Contact times are whole nanoseconds, and
+// the same motion, rounded at another instant, may meet a wall in another one.
 void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m) {
   const PublishPolicy& policy = config_.policy;
   own.budget.spend(policy, t);
@@ -265,13 +264,11 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
     model = standing_inside_limits(law.state);
     ++counters_.states_out_of_range;
   }
-  const CollisionResponse* const response = model_.response_of(object);
-  const bool shared_motion = exact && response != nullptr && response->type == ResponseType::kImpulse;
-  if (shared_motion && at == t) replica_->truth.set_base(object, t, model);
   const double expected_error_m = own.models ? own.models->expected_error_m() : threshold_m;
   const Tolerance tolerance =
       own.driven ? rounding_tolerance(policy, threshold_m, expected_error_m) : Tolerance{};  // none: exact
   const UpdateRecord record = quantised({object, ++own.sequence, at, model, decisions_.last(object)}, tolerance);
+  if (exact && at == t) replica_->truth.set_base(object, t, record.model);
   replica_->ghosts.set_base(object, at, record.model);
   const std::size_t size_bytes = encoded_size_bytes(record, t);
   ++counters_.updates_out;

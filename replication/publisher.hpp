@@ -20,7 +20,7 @@ struct PublishPolicy {
   // Errors count by how far the surface is from where it is believed: a turn moves the farthest vertex by so much.
   bool surface_error = false;
   Duration time_threshold = std::chrono::seconds(5);
-  // .. of what rests, or is where all believe it to the last bit, once everybody is known to have heard it.
+  // .. of what rests, once everybody is known to have heard where.
   Duration resting_time_threshold = std::chrono::seconds(60);
   std::uint32_t snapshots_hz = 0;  // > 0: a state of every object at this rate, whatever the others believe
   double close_proximity_s = 0.5;  // the seed's close proximity threshold
@@ -49,16 +49,15 @@ enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner, kGain,
 struct GhostError {
   double distance_m = 0.0;  // Euclidean, not per axis: a cube of that edge would let 1.7 times as much through
   double angle_rad = 0.0;
-  [[nodiscard]] bool is_zero() const { return distance_m == 0.0 && angle_rad == 0.0; }
 };
 // `reach_m`: of the object's farthest vertex from its origin, which the turn moves besides; 0: the origin's error.
 [[nodiscard]] GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double reach_m = 0.0);
 
-// Why an update is due now; none when the others still believe well enough. `known_to_stay`: everybody has the last
+// Why an update is due now; none when the others still believe well enough. `known_to_rest`: everybody has the last
 // one, and the object's way has been its ghost's, or both stand.
 [[nodiscard]] std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                                                std::optional<SimTime> last_sent, SimTime now,
-                                               bool known_to_stay = false);
+                                               bool known_to_rest = false);
 
 // What goes into the update: the truth as the model's order can express it.
 [[nodiscard]] MotionModel as_model(ModelOrder order, const KinematicState& truth);

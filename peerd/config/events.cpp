@@ -8,9 +8,9 @@ namespace peerd::config {
 namespace {
 
 constexpr double kForever_s = 1e6;
-const std::initializer_list<std::string_view> kKinds{"join", "leave", "kill", "partition", "heal", "network"};
+const std::initializer_list<std::string_view> kKinds{"join", "leave", "kill", "partition", "heal", "network", "key"};
 
-bool about_a_peer(EventKind kind) {
+bool comes_or_goes(EventKind kind) {
   return kind == EventKind::kJoin || kind == EventKind::kLeave || kind == EventKind::kKill;
 }
 
@@ -49,12 +49,16 @@ class EventReader {
     std::size_t kind = 0;
     reader.read_word("kind", kind, kKinds);
     e.kind = static_cast<EventKind>(kind);
-    if (about_a_peer(e.kind)) {
+    if (comes_or_goes(e.kind)) {
       reader.require("peer");
       e.peer = peer(reader, "peer");
     } else if (e.kind == EventKind::kPartition) {
       reader.require("groups");
       e.sides = sides(reader);
+    } else if (e.kind == EventKind::kKey) {
+      reader.require("peer");
+      e.peer = peer(reader, "peer");
+      e.key = read_key(reader);
     } else if (e.kind == EventKind::kNetwork) {
       e.from = peer(reader, "from");
       e.to = peer(reader, "to");
@@ -117,11 +121,12 @@ class EventReader {
     }
     bool parted = false;
     for (const ScenarioEvent& e : events) {
-      if (about_a_peer(e.kind)) {
+      if (comes_or_goes(e.kind)) {
         const bool joins = e.kind == EventKind::kJoin;
         if (there[e.peer] == joins) fail(e, "\"" + e.peer + "\" is " + (joins ? "there already" : "not there then"));
         there[e.peer] = joins;
       }
+      if (e.kind == EventKind::kKey && !there[e.peer]) fail(e, "\"" + e.peer + "\" is not there then");
       if (e.kind == EventKind::kHeal && !parted) fail(e, "there is no partition then");
       if (e.kind == EventKind::kPartition || e.kind == EventKind::kHeal) parted = e.kind == EventKind::kPartition;
     }
@@ -142,12 +147,21 @@ std::vector<ScenarioEvent> read_events(TomlReader& root, const std::vector<PeerS
 
 bool starts_with(const std::vector<ScenarioEvent>& events, std::string_view peer) {
   const auto first =
-      std::ranges::find_if(events, [&](const ScenarioEvent& e) { return about_a_peer(e.kind) && e.peer == peer; });
+      std::ranges::find_if(events, [&](const ScenarioEvent& e) { return comes_or_goes(e.kind) && e.peer == peer; });
   return first == events.end() || first->kind != EventKind::kJoin;
 }
 
+void give_keys(const std::vector<ScenarioEvent>& events, std::vector<PeerSettings>& peers) {
+  for (const ScenarioEvent& e : events) {
+    if (e.kind != EventKind::kKey) continue;
+    std::vector<ScriptedKey>& keys = std::ranges::find(peers, e.peer, &PeerSettings::name)->keys;
+    keys.push_back({e.at_s, e.key});
+    std::ranges::stable_sort(keys, {}, &ScriptedKey::at_s);
+  }
+}
+
 bool peers_change(const std::vector<ScenarioEvent>& events) {
-  return std::ranges::any_of(events, [](const ScenarioEvent& e) { return about_a_peer(e.kind); });
+  return std::ranges::any_of(events, [](const ScenarioEvent& e) { return comes_or_goes(e.kind); });
 }
 
 }  // namespace peerd::config

@@ -17,39 +17,11 @@ constexpr double kFar_m = 1e9;
 constexpr double kCellMin_m = 1.0;
 constexpr int kRegionsMax = 65536;
 
-// By its name and what is held down with it, or by its numbers.
 ScriptedKey read_scripted_key(TomlReader reader) {
   ScriptedKey scripted;
   reader.require("at_s");
   reader.read("at_s", scripted.at_s, 0.0, kForever_s);
-  std::string name;
-  KeyModifiers held;
-  constexpr std::uint32_t kCodeMax = std::numeric_limits<std::int32_t>::max();
-  std::uint32_t value = 0, state = 0;
-  reader.read("key", name);
-  reader.read("shift", held.shift);
-  reader.read("control", held.control);
-  reader.read("alt", held.alt);
-  reader.read("meta", held.meta);
-  reader.read("keypad", held.keypad);
-  reader.read("value", value, 0, kCodeMax);
-  reader.read("state", state, 0, kCodeMax);
-  const auto any = [&](std::initializer_list<const char*> keys) {
-    return std::ranges::any_of(keys, [&](const char* key) { return reader.has(key); });
-  };
-  if (reader.has("key") == reader.has("value")) {
-    reader.fail(nullptr, reader.dotted("key") + ": give either a key's name or its value, a Qt::Key");
-  } else if (reader.has("key") && reader.has("state")) {
-    reader.fail(reader.raw().get("state"), reader.dotted("state") + " belongs to value; beside key write shift = true");
-  } else if (reader.has("value") && any({"shift", "control", "alt", "meta", "keypad"})) {
-    reader.fail(reader.raw().get("value"), reader.dotted("value") + ": its modifiers are numbers too, in state");
-  } else if (reader.has("value")) {
-    scripted.key = {static_cast<std::int32_t>(value), static_cast<std::int32_t>(state)};
-  } else if (const auto key = find_key(name, held)) {
-    scripted.key = *key;
-  } else {
-    reader.fail(reader.raw().get("key"), reader.dotted("key") + ": " + key.error());
-  }
+  scripted.key = read_key(reader);
   reader.finish();
   return scripted;
 }
@@ -224,6 +196,38 @@ ReplicationSettings read_replication(TomlReader reader) {
   reader.read("settled_hello_period_s", s.settled_hello_period_s, 0.25, 4.0);
   reader.finish();
   return s;
+}
+
+KeyEvent read_key(TomlReader& reader) {
+  std::string name;
+  KeyModifiers held;
+  constexpr std::uint32_t kCodeMax = std::numeric_limits<std::int32_t>::max();
+  std::uint32_t value = 0, state = 0;
+  reader.read("key", name);
+  reader.read("shift", held.shift);
+  reader.read("control", held.control);
+  reader.read("alt", held.alt);
+  reader.read("meta", held.meta);
+  reader.read("keypad", held.keypad);
+  reader.read("value", value, 0, kCodeMax);
+  reader.read("state", state, 0, kCodeMax);
+  const auto any = [&](std::initializer_list<const char*> keys) {
+    return std::ranges::any_of(keys, [&](const char* key) { return reader.has(key); });
+  };
+  if (reader.has("key") == reader.has("value")) {
+    reader.fail(nullptr, reader.dotted("key") + ": give either a key's name or its value, a Qt::Key");
+  } else if (reader.has("key") && reader.has("state")) {
+    reader.fail(reader.raw().get("state"), reader.dotted("state") + " belongs to value; beside key write shift = true");
+  } else if (reader.has("value") && any({"shift", "control", "alt", "meta", "keypad"})) {
+    reader.fail(reader.raw().get("value"), reader.dotted("value") + ": its modifiers are numbers too, in state");
+  } else if (reader.has("value")) {
+    return {static_cast<std::int32_t>(value), static_cast<std::int32_t>(state)};
+  } else if (const auto key = find_key(name, held)) {
+    return *key;
+  } else {
+    reader.fail(reader.raw().get("key"), reader.dotted("key") + ": " + key.error());
+  }
+  return {};
 }
 
 std::map<std::string, MotionSettings> read_motions(TomlReader& reader, const std::filesystem::path& folder) {

@@ -36,7 +36,7 @@ struct ViewpointSettings {
   double aspect = 4.0 / 3.0;
 };
 
-// [[peer.NAME.key]]: a key that goes down by itself.
+// [[peer.NAME.key]] or an event of kind "key": a key that goes down by itself.
 struct ScriptedKey {
   double at_s = 0.0;  // after the scenario's start
   KeyEvent key;
@@ -63,6 +63,9 @@ struct PeerSettings {
 };
 // `folder`: what files are relative to.
 [[nodiscard]] PeerSettings read_peer(TomlReader reader, const std::string& name, const std::filesystem::path& folder);
+
+// Which key a table means: by its name and what is held down with it, or by its numbers.
+[[nodiscard]] KeyEvent read_key(TomlReader& reader);
 
 // The tables below `motion`, by path or pattern.
 [[nodiscard]] std::map<std::string, MotionSettings> read_motions(TomlReader& reader,

@@ -120,6 +120,7 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   scenario.expectations = read_expectations(reader, run.peers, run.duration_s);
   reader.finish();
   if (error) return std::unexpected(*error);
+  give_keys(run.events, run.peers);
   return run;
 }
 

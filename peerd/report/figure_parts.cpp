@@ -80,6 +80,28 @@ void draw_legend(Svg& svg, Point at, double width, std::span<const LegendEntry> 
   }
 }
 
+void draw_events(Svg& svg, const RunRecord& run, std::span<const Panel* const> panels) {
+  constexpr double kSize = 10.0, kRow = 12.0, kGap = 3.0;
+  const Box& first = panels.front()->box();
+  std::vector<double> row_ends;  // where the last name of each row ends
+  for (const EventMark& event : run.events) {
+    const double x = panels.front()->px(event.t_s);
+    for (const Panel* panel : panels) {
+      const Box& box = panel->box();
+      svg.line({x, box.y}, {x, box.y + box.height}, {.colour = kEventColour, .opacity = 0.7});
+    }
+    const std::string name = shortened(event.name, 0.25 * first.width, kSize);
+    const double width = text_width(name, kSize);
+    const bool fits_behind = x + kGap + width <= first.x + first.width;
+    const double begin = fits_behind ? x + kGap : x - kGap - width;
+    const auto row = static_cast<std::size_t>(std::ranges::find_if(row_ends, [&](double end) { return end <= begin; }) -
+                                              row_ends.begin());
+    row_ends.resize(std::max(row_ends.size(), row + 1));
+    row_ends[row] = begin + width + kGap;
+    svg.text({begin, first.y + kRow * static_cast<double>(row + 1)}, name, {.size = kSize, .colour = kEventColour});
+  }
+}
+
 void draw_title(Svg& svg, Point at, double width, std::string_view title, std::string_view subtitle) {
   constexpr double kSize = 16.0;
   constexpr double kBold = 1.12;  // bold letters are wider

@@ -19,7 +19,8 @@ inline constexpr std::array<std::string_view, 6> kColours{"#0072b2", "#d55e00", 
 inline constexpr std::array<std::string_view, 4> kDashes{"", "6 3", "2 2.5", "9 3 2 3"};
 inline constexpr std::string_view kTruthColour = "#b8b8b8";
 inline constexpr std::string_view kContactColour = "#777";
-inline constexpr std::string_view kBarColour = "#7d8ca3";  // bars that stand for no observer and no line
+inline constexpr std::string_view kEventColour = "#8a2b6b";  // no observer's
+inline constexpr std::string_view kBarColour = "#7d8ca3";    // bars that stand for no observer and no line
 
 [[nodiscard]] inline std::string_view colour_of(std::size_t i) { return kColours[i % kColours.size()]; }
 [[nodiscard]] inline std::string_view dashes_of(std::size_t i) { return kDashes[i % kDashes.size()]; }
@@ -59,6 +60,10 @@ struct BarEntry {
 
 // Lying bars with their labels at the left, inside `box`; values are written behind them with `decimals`.
 void draw_bars(Svg& svg, const Box& box, std::string_view title, std::span<const BarEntry> bars, int decimals);
+
+// What the scenario had happen: upright lines through all of these panels, which share the time axis, with the names at
+// the top of the first one, below each other where they would touch.
+void draw_events(Svg& svg, const RunRecord& run, std::span<const Panel* const> panels);
 
 // The record of an object by its path; null if the run has none.
 [[nodiscard]] const ObjectInfo* find_object(const RunRecord& run, std::string_view path);

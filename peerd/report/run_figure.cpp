@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -112,8 +113,7 @@ void draw_predictions(Svg& svg, const RunRecord& run, const ObjectInfo& object, 
   }
 }
 
-void draw_rates(Svg& svg, const RunRecord& run, const ObjectInfo& object, double rate_max_kB_s) {
-  const Panel panel(kRateBox, {0.0, run.duration_s}, from_zero(rate_max_kB_s));
+void draw_rates(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Panel& panel) {
   panel.draw_axes(svg, {.x = "time [s]", .y = "output [kB/s]", .x_ticks = 16, .y_ticks = 5});
   const double width_s = output_bin_s(run.duration_s);
   const std::vector<double> rates = output_rates(run, object.owner);
@@ -182,8 +182,11 @@ std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size
   position_range = {position_range.lo - 2.0 * room, position_range.hi + room};  // the comb of updates needs some below
   const Panel position(kPositionBox, {0.0, run.duration_s}, position_range);
   const Panel error(kErrorBox, {0.0, run.duration_s}, from_zero(frame.error_m.at(latency_text(run)).hi));
+  const Panel rates(kRateBox, {0.0, run.duration_s}, from_zero(frame.rate_max_kB_s));
   position.draw_axes(svg, {.y = component_name(frame.component) + " [m]", .x_ticks = 16});
   error.draw_axes(svg, {.y = "ghost error [m]", .x_ticks = 16});
+  draw_rates(svg, run, *object, rates);
+  draw_events(svg, run, std::array{&position, &error, &rates});
 
   const Agreement judged = agreement(run);
   Marks marks = draw_instants(svg, run, *object, judged, position, error);
@@ -214,7 +217,6 @@ std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size
   if (marks.wrong > 0) above_position.push_back({Mark::kCross, {.colour = "#222", .width = 1.5}, "mispredicted"});
   draw_legend(svg, {kLeft, kPositionBox.y - 9.0}, kPlotWidth, above_position);
   draw_legend(svg, {kLeft, kErrorBox.y - 9.0}, kPlotWidth, above_error);
-  draw_rates(svg, run, *object, frame.rate_max_kB_s);
   return std::move(svg).finish();
 }
 

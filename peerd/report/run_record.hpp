@@ -89,6 +89,12 @@ struct InterestRecord {
   std::vector<PeerInterest> peers;
 };
 
+// Something that the scenario had happen, for the pictures.
+struct EventMark {
+  double t_s = 0.0;
+  std::string name;
+};
+
 struct RunRecord {
   nlohmann::ordered_json params;  // every swept key by its dotted name
   std::uint64_t seed = 1;
@@ -100,6 +106,7 @@ struct RunRecord {
   std::vector<UpdateSent> updates;              // sorted by t_s
   std::vector<DatagramSent> datagrams;
   std::vector<ContactRow> contacts;
+  std::vector<EventMark> events;           // sorted by t_s
   std::optional<WrongOutcomes> wrong;      // none: not compared
   std::optional<InterestRecord> interest;  // none: nobody has an area of interest, or a real network
   std::optional<NetworkMeasured> network;  // of a run by netem

@@ -53,8 +53,7 @@ double mean_of(const std::vector<double>& values) {
 }
 
 // A curve a peer, those that send most first; what the others send is not drawn, but counted in the legend.
-void draw_rates(Svg& svg, const RunRecord& run, double rate_max_kB_s) {
-  const Panel panel(kRateBox, {0.0, run.duration_s}, from_zero(rate_max_kB_s));
+void draw_rates(Svg& svg, const RunRecord& run, const Panel& panel) {
   panel.draw_axes(svg, {.y = "sent [kB/s]", .x_ticks = 16, .y_ticks = 5});
   struct Sender {
     std::string name;
@@ -84,8 +83,7 @@ void draw_rates(Svg& svg, const RunRecord& run, double rate_max_kB_s) {
 }
 
 // An update's threshold is said to hold until the next update: nobody is told of changes in between.
-void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, double threshold_max_m) {
-  const Panel panel(kThresholdBox, {0.0, run.duration_s}, from_zero(threshold_max_m));
+void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Panel& panel) {
   panel.draw_axes(svg, {.y = "threshold [m]", .x_ticks = 16, .y_ticks = 5});
   std::vector<Point> points;
   for (const UpdateSent& u : run.updates) {
@@ -164,9 +162,7 @@ std::vector<LegendEntry> lanes_legend(std::span<const std::size_t> counts) {
 }
 
 // A lane a peer: what it said of contacts, at the contact's time, with a line to when it knew.
-void draw_lanes(Svg& svg, const RunRecord& run, std::size_t lanes) {
-  const Box box{kLeft, kLanesTop, kPlotWidth, kLane * static_cast<double>(lanes)};
-  const Panel panel(box, {0.0, run.duration_s}, {0.0, static_cast<double>(lanes)});
+void draw_lanes(Svg& svg, const RunRecord& run, std::size_t lanes, const Panel& panel) {
   panel.draw_axes(svg, {.x = "time [s]", .x_ticks = 16, .y_ticks = 0});
   const auto middle = [](std::size_t lane) { return kLanesTop + kLane * (static_cast<double>(lane) + 0.5); };
   for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -221,11 +217,22 @@ std::string timeline_figure(const ScenarioInfo& info, const RunRecord& run, std:
   if (lanes < run.peers.size())
     subtitle += " (of " + std::to_string(lanes) + " of " + std::to_string(run.peers.size()) + " peers)";
   draw_title(svg, {kLeft, 28.0}, kPlotWidth, run_title(info, run), subtitle);
-  draw_rates(svg, run, frame.peer_rate_max_kB_s);
+  const Range time{0.0, run.duration_s};
+  const Panel rates(kRateBox, time, from_zero(frame.peer_rate_max_kB_s));
+  const Panel thresholds(kThresholdBox, time, from_zero(frame.threshold_max_m));
+  const auto count = static_cast<double>(lanes);
+  const Panel contacts({kLeft, kLanesTop, kPlotWidth, kLane * count}, time, {0.0, count});
+  std::vector<const Panel*> drawn{&rates};
+  draw_rates(svg, run, rates);
   if (const ObjectInfo* object = find_object(run, frame.object)) {
-    draw_thresholds(svg, run, *object, frame.threshold_max_m);
+    draw_thresholds(svg, run, *object, thresholds);
+    drawn.push_back(&thresholds);
   }
-  if (lanes > 0) draw_lanes(svg, run, lanes);
+  if (lanes > 0) {
+    draw_lanes(svg, run, lanes, contacts);
+    drawn.push_back(&contacts);
+  }
+  draw_events(svg, run, drawn);
   return std::move(svg).finish();
 }
 

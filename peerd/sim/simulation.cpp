@@ -200,6 +200,8 @@ class Simulation {
           }
         }
         break;
+      case EventKind::kKey:  // the peer presses it (config::give_keys)
+        break;
     }
     return std::nullopt;
   }

@@ -99,6 +99,35 @@ TEST_F(EventsTest, AreSweptAndSetLikeEverythingElse) {
   EXPECT_THAT(read(parted, {"event={}"}), IsEmpty());
 }
 
+// They are pressed as those of [[peer.NAME.key]] are, and go down among them.
+TEST_F(EventsTest, KeysAreHandedToTheirPeers) {
+  const auto scenario = result(R"([[peer.b.key]]
+at_s = 4
+key = "ArrowUp"
+[event.strike]
+at_s = 3
+kind = "key"
+peer = "b"
+key = " "
+shift = true
+[event.again]
+at_s = 5
+kind = "key"
+peer = "b"
+value = 4115
+)");
+  ASSERT_TRUE(scenario) << scenario.error().text;
+  const RunSettings& run = scenario->runs.front();
+  EXPECT_TRUE(starts_with(run.events, "b"));
+  EXPECT_FALSE(peers_change(run.events));
+  EXPECT_THAT(run.peers[0].keys, IsEmpty());
+  ASSERT_EQ(run.peers[1].keys.size(), 3u);
+  EXPECT_EQ(run.peers[1].keys[0].at_s, 3);
+  EXPECT_EQ(run.peers[1].keys[0].key, *find_key(" ", {.shift = true}));
+  EXPECT_EQ(run.peers[1].keys[1].key, *find_key("ArrowUp", {}));
+  EXPECT_EQ(run.peers[1].keys[2].key, (KeyEvent{4115, 0}));
+}
+
 struct Bad {
   const char* name;
   const char* event;  // line 10 is its first key
@@ -126,6 +155,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"LeavesTwice",
             "at_s = 1\nkind = \"leave\"\npeer = \"b\"\n[event.f]\nat_s = 2\nkind = \"kill\"\npeer = \"b\"",
             "13:", "\"b\" is not there then"},
+        Bad{"KeyOfWhoHasLeft",
+            "at_s = 1\nkind = \"leave\"\npeer = \"b\"\n[event.f]\nat_s = 2\nkind = \"key\"\npeer = \"b\"\nkey = \"w\"",
+            "13:", "\"b\" is not there then"},
+        Bad{"NoKey", "at_s = 1\nkind = \"key\"\npeer = \"b\"", "9:", "give either a key's name or its value"},
+        Bad{"NoSuchKey", "at_s = 1\nkind = \"key\"\npeer = \"b\"\nkey = \"ArowUp\"", "13:7: ", "event.e.key: "},
         Bad{"NothingToHeal", "at_s = 1\nkind = \"heal\"", "9:", "there is no partition then"},
         Bad{"NobodyIsParted", "at_s = 1\nkind = \"partition\"\ngroups = [[\"a\", \"b\", \"c\"]]",
             "12:10: ", "nothing is parted"},

@@ -71,6 +71,7 @@ const Section kSections[] = {
      {{"event.e={at_s = 1, kind = \"network\", loss = 0.1}"},
       {"event.e={at_s = 1, kind = \"kill\", peer = \"b\"}"},
       {"event.e={at_s = 1, kind = \"partition\", groups = [[\"b\"]]}"},
+      {"event.e={at_s = 1, kind = \"key\", peer = \"b\"}"},
       {"event.d={at_s = 0, kind = \"partition\", groups = [[\"b\"]]}", "event.e={at_s = 1}"}}},
     {"### `[expect.NAME]`",
      "expect.e.",

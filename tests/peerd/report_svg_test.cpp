@@ -7,6 +7,7 @@
 #include <optional>
 #include <regex>
 
+#include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
 #include "report_samples.hpp"
 
@@ -161,6 +162,32 @@ void expect_figures(const std::vector<RunRecord>& runs) {
 
 TEST(Figures, AreWellFormed) { expect_figures(samples::zigzag_sweep()); }
 TEST(Figures, OfOneRun) { expect_figures({samples::zigzag_run(0.1)}); }
+// Upright lines with their names; names that would cover each other go below.
+TEST(Figures, MarkTheEvents) {
+  RunRecord run = samples::zigzag_run(0.1);
+  const auto draw = [&] {
+    const FigureFrame frame = figure_frame({&run, 1}, summarise(kInfo, {&run, 1}));
+    return std::array{run_figure(kInfo, run, 1, frame), timeline_figure(kInfo, run, 1, frame)};
+  };
+  const auto count = [](const std::string& text, const std::string& part) {
+    std::size_t n = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    return n;
+  };
+  for (const std::string& svg : draw()) EXPECT_EQ(count(svg, std::string(kEventColour)), 0u);
+  run.events = {{0.2 * run.duration_s, "apart & away"}, {0.21 * run.duration_s, "strike"}, {run.duration_s, "the-end"}};
+  for (const std::string& svg : draw()) {
+    EXPECT_EQ(count(svg, std::string(kEventColour)), 3u * (3 + 1)) << "three panels and a name each";
+    EXPECT_EQ(count(svg, ">apart &amp; away<"), 1u);
+    const auto y_of = [&](const std::string& name) {
+      const auto text = svg.substr(svg.rfind("<text", svg.find(">" + name + "<")));
+      return std::stod(text.substr(text.find(" y=\"") + 4));
+    };
+    EXPECT_GT(y_of("strike"), y_of("apart &amp; away"));
+    EXPECT_EQ(y_of("the-end"), y_of("apart &amp; away"));
+  }
+}
+
 TEST(Figures, OfNoRun) { expect_figures({}); }
 TEST(Figures, OfRunsWithNothingInThem) { expect_figures({RunRecord{}, samples::quiet_run()}); }
 TEST(Figures, OfALongRun) {

@@ -45,6 +45,36 @@ TEST(Prediction, ACollisionThatEverybodyPredictsCostsNoUpdate) {
   EXPECT_THAT(lan.contacts(0, ContactKind::kPredicted), IsEmpty()) << "its own collisions are no predictions";
 }
 
+// A defect: whoever joined was told of a ball under way, and from there on its ghosts met each wall where the told
+// state led, and its truth where the state before that did, a nanosecond apart.
+TEST(Prediction, WhatIsToldUnderWayIsWhatTheTruthGoesOnFrom) {
+  const World world(corridor(std::string(kBounces) + "velocityVector 2 0 0 "));
+  for (int i = 0; i < 8; ++i) {
+    SCOPED_TRACE(i);
+    Lan lan(world);
+    lan.add(config(1, {{world["BALL"], false}}));
+    lan.add(config(2));
+    lan.run_until(2s + i * 370ms);
+    lan.add(config(3));
+    lan.run_until(20s);
+    std::vector<std::set<SimTime>> times(3);
+    for (std::size_t peer = 0; peer < 3; ++peer) {
+      for (const ContactSeen& c : lan.contacts(peer, peer == 0 ? ContactKind::kOwner : ContactKind::kPredicted)) {
+        if (c.contact.at > SimTime{kEpoch + 8s} && c.contact.at < SimTime{kEpoch + 19s})
+          times[peer].insert(c.contact.at);
+      }
+    }
+    EXPECT_GE(times[0].size(), 3u);
+    EXPECT_EQ(times[1], times[0]);
+    EXPECT_EQ(times[2], times[0]);
+    const SimTime then = lan.session_now(0) - 1s;
+    const KinematicState truth = lan.peer(0).truth(world["BALL"], then);
+    for (std::size_t peer = 0; peer < 3; ++peer) {
+      EXPECT_TRUE(same_bits(lan.peer(peer).ghost(world["BALL"], then), truth)) << peer;
+    }
+  }
+}
+
 TEST(Prediction, WithoutItEveryBounceCostsAnUpdate) {
   const World world(corridor(std::string("velocityVector 2 0 0") + kBounces));
   Lan lan(world, {5ms, 0ms, 0, 0});

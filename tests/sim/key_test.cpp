@@ -76,6 +76,27 @@ TEST(Keys, SetACarInMotionAndTheOtherPeerFollows) {
   EXPECT_LE(ran.updates("RED"), 8u) << "a key costs an update, nothing else does";
 }
 
+TEST(Keys, AsEventsAreTheSame) {
+  const std::vector<std::string> events{
+      R"(event.k1={at_s = 1.5, kind = "key", peer = "a", key = "ArrowUp"})",
+      R"(event.k2={at_s = 2, kind = "key", peer = "b", key = "w"})",
+      R"(event.k3={at_s = 2.5, kind = "key", peer = "b", value = 87})",
+      R"(event.k4={at_s = 3, kind = "key", peer = "a", key = "ArrowUp", shift = true})",
+      R"(event.k5={at_s = 4.5, kind = "key", peer = "a", key = " "})"};
+  std::vector<std::string> sets = events;
+  sets.insert(sets.end(), {"peer.a.key=[]", "peer.b.key=[]"});
+  EXPECT_EQ(key_lines(sets), key_lines({}));
+  EXPECT_EQ(run_scenario(kKeys, sets).front().summary["objects"], run_scenario(kKeys).front().summary["objects"]);
+}
+
+TEST(Keys, AsAnEventNeedsItsPeerInTheSession) {
+  const std::vector<std::string> late{R"(event.come={at_s = 1, kind = "join", peer = "b"})", "peer.a.key=[]",
+                                      "peer.b.key=[]",
+                                      R"(event.early={at_s = 1.1, kind = "key", peer = "b", key = "w"})",
+                                      R"(event.later={at_s = 5, kind = "key", peer = "b", key = "w"})"};
+  EXPECT_EQ(key_lines(late).size(), 1u) << "joining takes two seconds";
+}
+
 TEST(Keys, AValueIsInTheFrameOfTheRecipientsParent) {
   const Ran ran = run_scenario(kKeys).front();
   for (const std::size_t peer : {0u, 1u}) {
