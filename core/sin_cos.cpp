@@ -27,6 +27,7 @@ SinCos sin_cos_small(double x) {
 }  // namespace
 
 SinCos sin_cos(double x) {
+  if (std::abs(x) <= std::numbers::pi / 4.0) return sin_cos_small(x);  // it would stay, but for -0
   constexpr double kHalfPi = std::numbers::pi / 2.0;
   constexpr double kHalfPiRest = 6.123233995736766e-17;  // pi/2 - kHalfPi
   // Of what is smaller the remainder is x itself.

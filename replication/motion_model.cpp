@@ -28,7 +28,7 @@ constexpr auto kSeriesSteps = [] {
 struct Waves {
   double c0, c1, c2, c3;
 };
-Waves waves(double rate, double t) {
+[[gnu::always_inline]] inline Waves waves(double rate, double t) {
   if (rate == 0.0) return {1.0, t, 0.5 * t * t, t * t * t / 6.0};
   const double x = rate * t, x2 = x * x;
   if (x2 < 0.01) {  // the next terms are below 1e-20 of the first
@@ -47,12 +47,13 @@ struct Translation {
   Vec3 displacement, velocity, acceleration, jerk;
 };
 
-Translation polynomial(const KinematicState& s, const Vec3& jerk, double t) {
+[[gnu::always_inline]] inline Translation polynomial(const KinematicState& s, const Vec3& jerk, double t) {
   return {t * (s.velocity + (0.5 * t) * (s.acceleration + (t / 3.0) * jerk)),
           s.velocity + t * (s.acceleration + (0.5 * t) * jerk), s.acceleration + t * jerk, jerk};
 }
 
-Translation oscillating(const KinematicState& s, const Vec3& jerk, const Vec3& rate, double t) {
+[[gnu::always_inline]] inline Translation oscillating(const KinematicState& s, const Vec3& jerk, const Vec3& rate,
+                                                      double t) {
   Translation out;
   for (int i = 0; i < 3; ++i) {
     const auto [c0, c1, c2, c3] = waves(rate[i], t);
@@ -66,7 +67,7 @@ Translation oscillating(const KinematicState& s, const Vec3& jerk, const Vec3& r
 }
 
 // The acceleration's part along the axis stays, the rest turns: a'' = -rate^2 a, with a' = axis x a.
-Translation turning(const KinematicState& s, const Vec3& axis_rate, double t) {
+[[gnu::always_inline]] inline Translation turning(const KinematicState& s, const Vec3& axis_rate, double t) {
   const double rate = axis_rate.norm();
   if (rate == 0.0) return polynomial(s, Vec3::Zero(), t);
   const Vec3 axis = axis_rate / rate;
@@ -85,7 +86,8 @@ std::optional<double> stop_s(const Vec3& velocity, const Vec3& acceleration) {
   return velocity.squaredNorm() / closing;
 }
 
-Translation translation(const MotionModel& m, double t) {
+// Inlined: what a caller does not use of it is not computed.
+[[gnu::always_inline]] inline Translation translation(const MotionModel& m, double t) {
   switch (m.kind) {
     case MotionKind::kThird:
       return polynomial(m.state, m.jerk, t);
@@ -108,6 +110,8 @@ Translation translation(const MotionModel& m, double t) {
   }
   return polynomial(m.state, Vec3::Zero(), t);
 }
+
+Vec3 displacement(const MotionModel& m, double t) { return translation(m, t).displacement; }
 
 void place(const MotionModel& m, const Translation& moved, KinematicState& out) {
   out.position = m.state.position + moved.displacement;
@@ -151,14 +155,21 @@ double jerk_bound(const MotionModel& m) {
   }
 }
 
-Duration piece_length(const MotionModel& m) {
-  int log2_ns = kLongestPiece_log2_ns;
+// [s], from the shortest on
+constexpr auto kPieces_s = [] {
+  std::array<double, kLongestPiece_log2_ns - kShortestPiece_log2_ns + 1> lengths{};
+  for (int i = 0; double& s : lengths) s = to_seconds(Duration{std::int64_t{1} << (kShortestPiece_log2_ns + i++)});
+  return lengths;
+}();
+
+int piece_log2_ns(const MotionModel& m) {
   const double jerk = jerk_bound(m), alpha = m.angular_acceleration_body.norm();
-  for (; log2_ns > kShortestPiece_log2_ns; --log2_ns) {
-    const double h = to_seconds(Duration{std::int64_t{1} << log2_ns});
+  std::size_t i = kPieces_s.size() - 1;
+  for (; i > 0; --i) {
+    const double h = kPieces_s[i];
     if (jerk * h * h * h <= 125.0 * kPieceError_m && alpha * h * h <= 8.0 * kPieceError_rad) break;
   }
-  return Duration{std::int64_t{1} << log2_ns};
+  return kShortestPiece_log2_ns + static_cast<int>(i);
 }
 
 // Rounded up, so that what has stopped stands; the way left before that is below a nanosecond's. Later than in 31 years
@@ -190,9 +201,9 @@ Bounds bounds_at(const MotionModel& m, Duration since_base) {
   if (is_cut(m)) {
     cut_at(lasts);
     if (since_base < lasts) {
-      const Duration h = piece_length(m);
-      b.begin = since_base / h * h;
-      cut_at(b.begin + h);
+      const int log2_ns = piece_log2_ns(m);
+      b.begin = Duration{since_base.count() >> log2_ns << log2_ns};
+      cut_at(b.begin + Duration{std::int64_t{1} << log2_ns});
       b.cut = true;
     }
   }
@@ -250,7 +261,7 @@ KinematicState evaluate(const MotionModel& m, double dt_s) {
 
 Vec3 position_after(const MotionModel& m, double dt_s) {
   if (is_cut(m) && dt_s > kModelLasts_s) return evaluate(m, dt_s).position;
-  return m.state.position + translation(m, dt_s).displacement;
+  return m.state.position + displacement(m, dt_s);
 }
 
 Quat orientation_after(const MotionModel& m, double dt_s) {
@@ -283,15 +294,16 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
   if (!b.cut) return {b.begin, b.end, evaluate(m, begin_s)};
   MotionPiece piece{b.begin, b.end, m.state};
   const double h = to_seconds(*b.end - b.begin);
-  const Translation at_begin = translation(m, begin_s);
-  place(m, at_begin, piece.state);
   turn(m, begin_s, piece.state);
   if (translates_by_pieces(m)) {
-    const Vec3& p0 = at_begin.displacement;
-    const Vec3 pm = translation(m, begin_s + 0.5 * h).displacement - p0;
-    const Vec3 p1 = translation(m, begin_s + h).displacement - p0;
+    const Vec3 p0 = displacement(m, begin_s);
+    const Vec3 pm = displacement(m, begin_s + 0.5 * h) - p0;
+    const Vec3 p1 = displacement(m, begin_s + h) - p0;
+    piece.state.position += p0;
     piece.state.velocity = (4.0 * pm - p1) / h;
     piece.state.acceleration = (4.0 / (h * h)) * (p1 - 2.0 * pm);
+  } else {
+    place(m, translation(m, begin_s), piece.state);
   }
   if (!is_zero(m.angular_acceleration_body)) {
     const Quat end = orientation_after(m, begin_s + h);

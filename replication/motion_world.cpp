@@ -27,6 +27,11 @@ constexpr std::size_t kImpulsesMax = 64;
 constexpr std::size_t kContactsMax = 1024;
 // Timelines keep this much past, for updates that arrive late.
 constexpr Duration kHistory = std::chrono::seconds(4);
+// .. and what is older no longer than this: a driven object gets a segment a tick, and to forget them one by one would
+// cost more than all else that is done with them.
+constexpr Duration kForgetsWithin = std::chrono::seconds(2);
+// In that time the objects' turns to forget, so that one tick does not do it for all of them.
+constexpr std::int64_t kForgettingTurns = 128;
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
@@ -39,6 +44,17 @@ SimTime grid_floor(SimTime t) {
 void remember(std::vector<SimTime>& recent, SimTime t) {
   std::erase_if(recent, [&](SimTime r) { return r + kBouncesWithin < t || r > t; });
   recent.push_back(t);
+}
+
+// Whoever asks for all objects does so in order: the law of another one comes from memory meanwhile, which takes as
+// long as to evaluate one.
+template <class Objects>
+void prefetch_law_after(const Objects& objects, std::size_t index) {
+  constexpr std::size_t kAhead = 2, kCacheLine_bytes = 64;
+  if (index + kAhead >= objects.size()) return;
+  const Timeline::Segment& law = objects[index + kAhead].timeline.segments().back();
+  const auto* const begin = reinterpret_cast<const std::byte*>(&law);
+  for (std::size_t i = 0; i < sizeof law; i += kCacheLine_bytes) __builtin_prefetch(begin + i);
 }
 
 bool same_motion(const KinematicState& a, const KinematicState& b) {
@@ -154,10 +170,12 @@ void MotionWorld::reschedule(std::size_t i) {
 void MotionWorld::timeline_changed(std::size_t index) {
   Object& o = objects_[index];
   o.bound.until = SimTime::min();
-  const auto segments = o.timeline.segments();
-  if (segments.size() < 2 || segments[1].from >= o.forgets) return;
-  o.forgets = segments[1].from;
-  forgetting_.push_back({o.forgets, static_cast<std::uint32_t>(index)});
+  if (o.forgets || o.timeline.segments().size() < 2) return;
+  o.forgets = true;
+  const Duration turn = kForgetsWithin / kForgettingTurns * (static_cast<std::int64_t>(index) % kForgettingTurns);
+  const SimTime old = o.timeline.segments()[1].from;
+  const Duration wait = kForgetsWithin - (old.time_since_epoch() + turn) % kForgetsWithin;
+  forgetting_.push_back({old + wait, static_cast<std::uint32_t>(index)});
   std::ranges::push_heap(forgetting_, std::greater{});
 }
 
@@ -168,8 +186,7 @@ void MotionWorld::forget() {
     std::ranges::pop_heap(forgetting_, std::greater{});
     forgetting_.pop_back();
     Object& o = objects_[due.object];
-    if (o.forgets != due.at) continue;  // an earlier one has taken its place
-    o.forgets = SimTime::max();
+    o.forgets = false;
     o.timeline.forget_before(before);
     timeline_changed(due.object);
   }
@@ -178,7 +195,7 @@ void MotionWorld::forget() {
 void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model) {
   const std::size_t index = index_of(object);
   Object& o = objects_[index];
-  events_.push_back(TakenBack{object, t - Duration{1}});
+  if (!pairs_of(index).empty()) events_.push_back(TakenBack{object, t - Duration{1}});
   take_back(index, t);
   o.timeline.replace_from(t, model, std::nullopt);
   timeline_changed(index);
@@ -464,7 +481,11 @@ std::vector<ObjectId> MotionWorld::objects() const {
   return ids;
 }
 
-KinematicState MotionWorld::at(ObjectId object, SimTime t) const { return objects_[index_of(object)].timeline.at(t); }
+KinematicState MotionWorld::at(ObjectId object, SimTime t) const {
+  const std::size_t index = index_of(object);
+  prefetch_law_after(objects_, index);
+  return objects_[index].timeline.at(t);
+}
 
 MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
   return objects_[index_of(object)].timeline.model_at(t);
@@ -472,7 +493,7 @@ MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
 
 bool MotionWorld::knows(ObjectId object, SimTime t) const {
   const Object* o = find(object);
-  return o != nullptr && o->timeline.begin() <= t;
+  return o != nullptr && o->timeline.segment_at(advanced_ - kHistory).from <= t;
 }
 
 SimTime MotionWorld::law_since(ObjectId object, SimTime t) const {

@@ -90,7 +90,7 @@ class MotionWorld {
   [[nodiscard]] std::vector<ObjectId> objects() const;
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
-  // Whether its timeline reaches back to t.
+  // Whether it is known where it was at t: nobody asks for what ended more than 4 s before the last advance().
   [[nodiscard]] bool knows(ObjectId object, SimTime t) const;
   // Since when the law that is in force at t is.
   [[nodiscard]] SimTime law_since(ObjectId object, SimTime t) const;
@@ -111,8 +111,8 @@ class MotionWorld {
     SimTime base_time;
     std::vector<SimTime> recent;  // of its last contacts, for ever lower bounces
     std::uint64_t revision = 0;
-    SimTime forgets = SimTime::max();  // its entry in forgetting_ that counts
-    SweptBound bound;                  // what was asked for last; it answers for nothing once the timeline changes
+    bool forgets = false;  // it is in forgetting_
+    SweptBound bound;      // what was asked for last; it answers for nothing once the timeline changes
   };
   struct Pair {
     std::uint32_t collider, collidee;  // into objects_
@@ -130,7 +130,7 @@ class MotionWorld {
     Vec3 normal = Vec3::Zero();
     std::vector<SimTime> recent;  // of its last contacts, for those that answer by impulse
   };
-  // When a timeline's second segment will be old enough for the first one to be forgotten.
+  // When a timeline forgets what is old by then.
   struct Forgetting {
     SimTime at;
     std::uint32_t object;

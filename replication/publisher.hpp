@@ -53,8 +53,8 @@ struct GhostError {
 // `reach_m`: of the object's farthest vertex from its origin, which the turn moves besides; 0: the origin's error.
 [[nodiscard]] GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double reach_m = 0.0);
 
-// Why an update is due now; none when the others still believe well enough. `known_to_rest`: everybody has the last
-// one, and the object's way has been its ghost's, or both stand.
+// Why an update is due now; none when the others still believe well enough. `known_to_rest`: the object stands where
+// its ghost does, and everybody has that.
 [[nodiscard]] std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                                                std::optional<SimTime> last_sent, SimTime now,
                                                bool known_to_rest = false);

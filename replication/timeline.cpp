@@ -12,26 +12,20 @@ constexpr auto begins_after = [](SimTime t, const Timeline::Segment& s) { return
 
 void Timeline::replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause) {
   piece_.end = std::min(piece_.end, t);
-  while (segments_.size() > forgotten_ && segments_.back().from >= t) segments_.pop_back();
+  while (!segments_.empty() && segments_.back().from >= t) segments_.pop_back();
   segments_.push_back({t, model, cause});
 }
 
 void Timeline::truncate_from(SimTime t) {
   piece_.end = std::min(piece_.end, t);
-  while (segments_.size() > forgotten_ + 1 && segments_.back().from >= t) segments_.pop_back();
+  while (segments_.size() > 1 && segments_.back().from >= t) segments_.pop_back();
 }
 
-// What is forgotten leaves its place when it has become a quarter of all: a driven object gets a segment a tick, and
-// moving all that stay for each one that goes would cost more than all else of the tick. They are few and in front: a
-// search among all would read memory that nothing else does.
 void Timeline::forget_before(SimTime t) {
-  const std::size_t before = forgotten_;
-  while (forgotten_ + 1 < segments_.size() && segments_[forgotten_ + 1].from <= t) ++forgotten_;
-  if (forgotten_ == before) return;
+  const auto next = std::upper_bound(segments_.begin() + 1, segments_.end(), t, begins_after);
+  if (next == segments_.begin() + 1) return;
+  segments_.erase(segments_.begin(), next - 1);
   if (piece_.first <= begin()) piece_.end = SimTime::min();
-  if (forgotten_ * 4 < segments_.size()) return;
-  segments_.erase(segments_.begin(), segments_.begin() + static_cast<std::ptrdiff_t>(forgotten_));
-  forgotten_ = 0;
 }
 
 const Timeline::Segment& Timeline::segment_at(SimTime t) const {

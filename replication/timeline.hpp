@@ -28,7 +28,7 @@ class Timeline {
   void replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause);
   // Forgets the segments that begin at t or later; the first one always stays.
   void truncate_from(SimTime t);
-  // Forgets segments that ended before t.
+  // Forgets segments that ended before t. What stays is moved: many are better forgotten at once.
   void forget_before(SimTime t);
 
   // By the piece in force at t. Before the first segment the object has not moved yet.
@@ -41,9 +41,9 @@ class Timeline {
   [[nodiscard]] std::optional<SimTime> last_change_until(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> next_change_after(SimTime t) const;
 
-  [[nodiscard]] SimTime begin() const { return segments_[forgotten_].from; }
+  [[nodiscard]] SimTime begin() const { return segments_.front().from; }
   // Strictly increasing `from`; never empty.
-  [[nodiscard]] std::span<const Segment> segments() const { return std::span(segments_).subspan(forgotten_); }
+  [[nodiscard]] std::span<const Segment> segments() const { return segments_; }
 
  private:
   // The piece asked for last. A law's closed form costs up to ten times what its piece does, and whoever asks where
@@ -55,8 +55,7 @@ class Timeline {
   };
   [[nodiscard]] bool in_piece(SimTime t) const { return t >= piece_.first && t < piece_.end; }
 
-  std::vector<Segment> segments_;  // those that are forgotten come first
-  std::size_t forgotten_ = 0;
+  std::vector<Segment> segments_;
   mutable Piece piece_;
 };
 
