@@ -384,7 +384,7 @@ class Peer {
   void publish(SimTime t);
   void tell_along(SimTime t);
   void tell_changed(SimTime t);
-  [[nodiscard]] std::optional<PublishReason> why_due(ObjectId object, Own& own, SimTime t, double threshold_m,
+  [[nodiscard]] std::optional<PublishReason> why_due(Own& own, SimTime t, double threshold_m,
                                                      const KinematicState& truth, const KinematicState& ghost,
                                                      const GhostError& error);
   [[nodiscard]] double least_threshold_m(ObjectId object) const;
