@@ -149,6 +149,11 @@ config::Result<report::RunRecord> assemble(const config::RunSettings& run, const
       record.contacts.push_back(
           {since_start(c.at), log.peer, c.kind, c.collider, c.collidee, c.normal, since_start(c.known_at)});
     }
+    if (const auto& c = log.clock_error) {
+      const auto ms = [](Duration d) { return to_seconds(d) * 1e3; };
+      record.clocks.push_back(
+          {log.peer, c->samples, ms(c->p99), ms(c->max), ms(c->bound_median), ms(c->bound_max), c->beyond_bound});
+    }
     record.groups_joined += log.groups_joined;
     record.worlds_equal = record.worlds_equal && log.other_worlds == 0;
     for (const auto& [name, count] : log.counters) record.counters[name] += count;

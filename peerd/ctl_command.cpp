@@ -46,17 +46,58 @@ config::Result<json> read_reply(const std::filesystem::path& socket, const std::
   return reply;
 }
 
-// A peer lists so many objects at a time; the rest is asked for until there is none.
-config::Result<void> fetch_rest(const std::filesystem::path& socket, json& reply) {
+// A peer lists so many objects or peers at a time; the rest is asked for until there is none.
+config::Result<void> fetch_rest(const std::filesystem::path& socket, const char* what, json& reply) {
   while (!reply.at("next").is_null()) {
-    const auto line = api::ask(socket, json{{"do", "objects"}, {"from", reply.at("next")}}.dump());
+    const auto line = api::ask(socket, json{{"do", what}, {"from", reply.at("next")}}.dump());
     if (!line) return std::unexpected(line.error());
     auto more = read_reply(socket, *line);
     if (!more) return std::unexpected(more.error());
-    for (json& row : more->at("objects")) reply.at("objects").push_back(std::move(row));
+    for (json& row : more->at(what)) reply.at(what).push_back(std::move(row));
     reply.at("next") = more->at("next");
   }
   return {};
+}
+
+// "12.345 ms", or what is said where nothing is known.
+std::string milliseconds(const json& t, const char* unknown = "unknown") {
+  return t.is_null() ? unknown : fmt::format("{:.3f} ms", t.get<double>());
+}
+
+std::string percent(const json& part) {
+  return part.is_null() ? "unknown" : fmt::format("{:.1f} %", 100.0 * part.get<double>());
+}
+
+void print_clock(const json& clock) {
+  std::cout << fmt::format(
+      "session time: {} ahead of this host's clock, error at most {}, {} to slew; the OS clock {}\n",
+      milliseconds(clock.at("offset_ms")), milliseconds(clock.at("error_ms")), milliseconds(clock.at("to_slew_ms")),
+      clock.at("os_clock_error_ms").is_null() ? "does not know its error"
+                                              : "is off by at most " + milliseconds(clock.at("os_clock_error_ms")));
+}
+
+void print_peers(const json& reply) {
+  print_clock(reply.at("clock"));
+  for (const json& p : reply.at("peers")) {
+    std::cout << fmt::format(
+        "peer {} (id {}){}: round trip {}, clock ahead by {} ({} to {}), error {}; {} datagrams, {} bytes; lost here "
+        "{}, "
+        "there {}; {} duplicates, {} overtaken\n",
+        p.at("name").get<std::string>(), p.at("id").get<std::uint64_t>(),
+        reply.at("clock").at("follows") == p.at("id") ? ", followed" : "", milliseconds(p.at("round_trip_ms")),
+        milliseconds(p.at("clock_ahead_ms")), milliseconds(p.at("clock_ahead_least_ms")),
+        milliseconds(p.at("clock_ahead_most_ms")), milliseconds(p.at("clock_error_ms")),
+        p.at("datagrams_in").get<std::uint64_t>(), p.at("bytes_in").get<std::uint64_t>(), percent(p.at("loss_in")),
+        percent(p.at("loss_out")), p.at("duplicates").get<std::uint64_t>(), p.at("overtaken").get<std::uint64_t>());
+  }
+  for (const json& r : reply.at("regions")) {
+    std::cout << fmt::format("region {}: {} datagrams, {} bytes in; {}, {} out", r.at("region").get<std::uint64_t>(),
+                             r.at("datagrams_in").get<std::uint64_t>(), r.at("bytes_in").get<std::uint64_t>(),
+                             r.at("datagrams_out").get<std::uint64_t>(), r.at("bytes_out").get<std::uint64_t>());
+    for (const auto& [why, count] : r.at("drops").items())
+      std::cout << fmt::format("; dropped {}: {}", why, count.get<std::uint64_t>());
+    std::cout << '\n';
+  }
 }
 
 void print_status(const json& reply) {
@@ -68,6 +109,9 @@ void print_status(const json& reply) {
                            reply.at("peer").at("id").get<std::uint64_t>(),
                            reply.at("session").at("joined").get<bool>() ? "in session" : "not in a session yet",
                            seconds(reply.at("world_time_s")), seconds(reply.at("since_start_s")));
+  std::cout << fmt::format("session time is {} ahead of this host's clock, error at most {}\n",
+                           milliseconds(reply.at("session").at("clock_offset_ms")),
+                           milliseconds(reply.at("session").at("clock_error_ms")));
   for (const json& m : reply.at("members")) {
     std::cout << fmt::format("with peer {} (id {}){}\n", m.at("name").get<std::string>(),
                              m.at("id").get<std::uint64_t>(),
@@ -116,10 +160,15 @@ int run_ctl(const CtlOptions& options) {
   if (!read) return failed(read.error());
   json& reply = *read;
   if (reply.contains("objects") && !reply.contains("peer")) {
-    if (const auto all = fetch_rest(*socket, reply); !all) return failed(all.error());
+    if (const auto all = fetch_rest(*socket, "objects", reply); !all) return failed(all.error());
+  }
+  if (reply.contains("peers")) {
+    if (const auto all = fetch_rest(*socket, "peers", reply); !all) return failed(all.error());
   }
   if (options.json) {
     std::cout << reply.dump() << '\n';
+  } else if (reply.contains("peers")) {
+    print_peers(reply);
   } else if (reply.contains("peer")) {
     print_status(reply);
   } else if (reply.contains("key")) {

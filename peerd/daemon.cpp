@@ -10,12 +10,16 @@
 
 #include "peerd/api/answer.hpp"
 #include "peerd/config/toml_input.hpp"
+#include "peerd/net/os_clock.hpp"
 #include "peerd/print.hpp"
 #include "peerd/transport_options.hpp"
 
 namespace peerd {
 
 using spdlog::level::level_enum;
+
+// The kernel's own bound grows by 0.5 ms a second.
+constexpr std::chrono::seconds kOsClockPeriod{1};
 
 Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock,
                Log log, std::optional<Duration> leave_after, record::CaptureWriter* capture)
@@ -91,6 +95,7 @@ void Daemon::wake() {
   transport_.receive_pending();
   if (over_) return;
   const HostTime now = this->now();
+  if (now >= os_clock_due_) tell_os_clock(now);
   if (due_ && node_.peer().due_tick(now)) lateness_.add(now - *due_);
   if (capture_) capture_->on_tick(now);
   node_.on_tick(now);
@@ -105,6 +110,13 @@ void Daemon::wake() {
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (!error) wake();
   });
+}
+
+void Daemon::tell_os_clock(HostTime now) {
+  const auto clock = net::read_os_clock(clock_);
+  if (capture_) capture_->on_os_clock(now, clock);
+  node_.on_os_clock(now, clock);
+  os_clock_due_ = now + kOsClockPeriod;
 }
 
 void Daemon::leave() {

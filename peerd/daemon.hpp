@@ -53,6 +53,7 @@ class Daemon {
  private:
   HostTime now() { return forward_(clock_.now()); }
   void wake();
+  void tell_os_clock(HostTime now);
   void leave();
   void stop();
   void drain();
@@ -72,6 +73,7 @@ class Daemon {
   net::ForwardTime forward_;
   TickLateness lateness_;
   std::optional<HostTime> due_;  // what the timer was set for
+  HostTime os_clock_due_ = HostTime::min();
   bool over_ = false;
   int exit_code_ = 0;
 };

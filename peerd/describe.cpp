@@ -50,8 +50,16 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
           },
           [](const ClockStepped& s) -> Line {
             return LogLine{level_enum::warn,
-                           fmt::format("two sessions have met: the session clock stepped, offset {:.3f} ms",
+                           fmt::format("{}: the session clock stepped forward by {:.3f} ms, offset {:.3f} ms",
+                                       s.same_session ? "back in the session" : "two sessions have met", ms(s.step),
                                        ms(s.session_minus_host))};
+          },
+          [](const OsClockDoubted& d) -> Line {
+            return LogLine{
+                level_enum::warn,
+                fmt::format("the operating systems' clocks of peer {} and of this computer cannot both be as "
+                            "good as they say: {:.3f} ms apart from what the network shows, which is believed",
+                            d.peer.value, ms(d.apart))};
           },
           [](const Slept& s) -> Line {
             return LogLine{level_enum::warn,

@@ -111,7 +111,7 @@ struct PoseFlags {
 };
 
 struct CtlCommands {
-  CLI::App *status, *objects, *key, *pose, *leave;
+  CLI::App *status, *peers, *objects, *key, *pose, *leave;
 };
 
 CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, PoseFlags& pose) {
@@ -122,6 +122,8 @@ CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, 
   ctl.add_flag("--json", options.json, "the peer's own reply, one JSON object");
   CtlCommands commands{};
   commands.status = ctl.add_subcommand("status", "who it is, its session, its own objects, its counters");
+  commands.peers =
+      ctl.add_subcommand("peers", "how the others are heard, and the clocks: delays, losses, bytes by peer and region");
   commands.objects = ctl.add_subcommand("objects", "all objects that some peer runs");
   commands.key = ctl.add_subcommand("key", "presses a key: the world's KeySensors get it");
   commands.key->add_option("key", key.name, "a browser's name of it, such as ArrowUp, a, Enter, F1");
@@ -139,7 +141,8 @@ CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, 
   commands.pose->add_option("--orientation", pose.orientation_xyzw, "a quaternion, x y z w (default: as before)")
       ->expected(4);
   commands.leave = ctl.add_subcommand("leave", "leaves the session and ends");
-  for (CLI::App* command : {commands.status, commands.objects, commands.key, commands.pose, commands.leave})
+  for (CLI::App* command :
+       {commands.status, commands.peers, commands.objects, commands.key, commands.pose, commands.leave})
     command->fallthrough();
   return commands;
 }
@@ -152,6 +155,7 @@ std::string pose_request(const PoseFlags& pose) {
 
 config::Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key, const PoseFlags& pose) {
   if (*commands.status) return R"({"do":"status"})";
+  if (*commands.peers) return R"({"do":"peers"})";
   if (*commands.objects) return R"({"do":"objects"})";
   if (*commands.pose) return pose_request(pose);
   if (*commands.leave) return R"({"do":"leave"})";

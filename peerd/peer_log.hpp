@@ -43,6 +43,14 @@ struct PeerLog {
     SimTime known_at;
   };
 
+  // Of a simulated peer's session time, against the peer that it followed: as somebody found who sees both clocks.
+  struct ClockError {
+    std::uint64_t samples;  // ticks
+    Duration p99, max;
+    Duration bound_median, bound_max;  // that it published
+    std::uint64_t beyond_bound;        // samples in which the error was larger
+  };
+
   PeerId peer;
   std::string name;
   std::optional<SimTime> start;      // of the motions
@@ -54,6 +62,7 @@ struct PeerLog {
   std::uint32_t groups_joined = 0;
   std::uint32_t other_worlds = 0;
   std::map<std::string, std::uint64_t> counters;
+  std::optional<ClockError> clock_error;  // none: it led all the time, or a real network; not in the file
 };
 
 [[nodiscard]] config::Result<void> save(const PeerLog& log, const std::filesystem::path& path);

@@ -160,11 +160,13 @@ void PeerNode::on_tick(HostTime now) {
       samples.push_back({object, feeds_.sample(object, peer_.clock().to_host(*due))});
     }
   }
+  const std::uint64_t ticks = peer_.counters().ticks;
   peer_.on_tick(now, samples);
-  if (due) logged_at_ = *due;
+  const bool ticked = due && peer_.counters().ticks > ticks;  // not where the session's time has just changed
+  if (ticked) logged_at_ = *due;
   press_keys(now);
   if (!options_.keep_log || !log_.start) return;
-  if (due) record_truths(*due);
+  if (ticked) record_truths(*due);
   record_ghosts(now);
 }
 
@@ -299,14 +301,11 @@ std::optional<replication::Output> PeerNode::poll_output() {
   if (std::holds_alternative<Leave>(*out)) --groups_;
   if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;
   // The motions go on from where they are; if the other session has begun its own, its start is taken over.
-  if (const auto* stepped = std::get_if<ClockStepped>(&*out); stepped != nullptr && log_.start) {
-    *log_.start += stepped->step;
-  }
+  const auto* stepped = std::get_if<ClockStepped>(&*out);
+  if (stepped != nullptr && log_.start && !stepped->same_session) *log_.start += stepped->step;
   // Who slept through the start has still to be told of it: the sleep wiped out what was planned.
-  if (const auto* slept = std::get_if<Slept>(&*out); slept != nullptr && log_.start) {
-    const SimTime last_tick = logged_at_ - slept->gap;
-    if (last_tick < *log_.start) started_for_.reset();
-  }
+  const bool slept = std::holds_alternative<Slept>(*out) || (stepped != nullptr && stepped->same_session);
+  if (slept && log_.start && logged_at_ < *log_.start) started_for_.reset();
   if (!options_.keep_log) return out;
   if (const auto* send = std::get_if<Send>(&*out)) {
     log_.datagrams.push_back({logged_at_, static_cast<std::uint32_t>(send->datagram.size())});
@@ -369,7 +368,10 @@ const PeerLog& PeerNode::log() {
        {"contact_searches_failed", m.failed},
        {"contacts_capped", m.capped},
        {"came_to_rest", m.came_to_rest},
-       {"jammed", m.jammed}};
+       {"jammed", m.jammed},
+       {"clock_steps", c.clock_steps},
+       {"clock_contradictions", c.clock_contradictions},
+       {"os_clocks_doubted", c.os_clocks_doubted}};
   for (std::size_t i = 0; i < c.update_sizes_out.size(); ++i) {
     const bool longer = i == replication::kRecordSizes.size();
     const std::size_t size_bytes = replication::kRecordSizes[longer ? i - 1 : i];

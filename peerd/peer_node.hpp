@@ -45,6 +45,7 @@ class PeerNode {
 
   void on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
   void on_tick(HostTime now);
+  void on_os_clock(HostTime now, std::optional<replication::OsClock> clock) { peer_.on_os_clock(now, clock); }
   // A key goes down at this peer: its KeySensors change the velocity of objects that it runs. A release means nothing,
   // and each repeat of a key that is held down counts if the caller passes it on, as in the seed's toolkit.
   KeyReport on_key(HostTime now, const KeyEvent& key);

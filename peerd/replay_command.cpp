@@ -93,6 +93,8 @@ class Replay {
       node_.on_packet(event.at, in->region, in->datagram);
     } else if (std::holds_alternative<record::Tick>(event.what)) {
       node_.on_tick(event.at);
+    } else if (const auto* os = std::get_if<record::OsClockRead>(&event.what)) {
+      node_.on_os_clock(event.at, os->clock);
     } else if (const auto* control = std::get_if<record::Control>(&event.what)) {
       (void)api::answer(node_, event.at, control->line, control->host_minus_wall);
     } else if (const auto* poses = std::get_if<record::Poses>(&event.what)) {

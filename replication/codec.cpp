@@ -74,8 +74,17 @@ void put(const Introduction& i, std::uint64_t boot, proto::Introduction* out) {
   if (i.viewpoint) put(*i.viewpoint, out->mutable_viewpoint());
 }
 
+std::uint64_t whole_us(Duration d) {
+  return static_cast<std::uint64_t>(std::chrono::ceil<std::chrono::microseconds>(d).count());
+}
+
 void put(const Hello& h, std::uint64_t boot, proto::Hello* out) {
   if (h.session_tx) out->set_session_tx_ns(h.session_tx->time_since_epoch().count());
+  if (h.clock_error) out->set_clock_error_us(whole_us(*h.clock_error));
+  if (h.os_clock) {
+    out->set_os_minus_session_ns(h.os_clock->minus_session.count());
+    out->set_os_error_us(whole_us(h.os_clock->error));
+  }
   out->set_sessions(h.sessions);
   out->set_latency_ms(
       static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(h.latency).count()));
@@ -192,8 +201,22 @@ bool take(const proto::Introduction& in, Introduction& i) {
   return !in.has_viewpoint() || take(in.viewpoint(), i.viewpoint.emplace());
 }
 
+bool take_us(std::uint64_t us, Duration most, Duration& d) {
+  if (us > whole_us(most)) return false;
+  d = std::chrono::microseconds(us);
+  return true;
+}
+
 bool take(const proto::Hello& in, Hello& h) {
   if (in.has_session_tx_ns() && !take(in.session_tx_ns(), h.session_tx.emplace())) return false;
+  if (in.has_clock_error_us() && !take_us(in.clock_error_us(), kClockErrorMax, h.clock_error.emplace())) return false;
+  if (in.has_os_error_us()) {
+    OsClockNote& os = h.os_clock.emplace();
+    os.minus_session = Duration{in.os_minus_session_ns()};
+    if (!in_range(in.os_minus_session_ns()) || !take_us(in.os_error_us(), kOsErrorMax, os.error)) {
+      return false;
+    }
+  }
   if (in.latency_ms() > static_cast<std::uint32_t>(kLatencyMax.count())) return false;
   h.sessions = in.sessions();
   h.latency = std::chrono::milliseconds(in.latency_ms());

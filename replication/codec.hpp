@@ -19,6 +19,11 @@ inline constexpr std::size_t kNameMax_bytes = 64;
 // More than peers that decide collisions together can wait for each other.
 inline constexpr std::chrono::milliseconds kLatencyMax{2000};
 
+// A peer whose time may be farther from its session's says none; sums of some such stay within int64 (36 years).
+inline constexpr Duration kClockErrorMax{std::int64_t{1} << 60};
+// Linux says of no clock that it may be farther off (NTP_PHASE_LIMIT).
+inline constexpr std::chrono::seconds kOsErrorMax{16};
+
 enum class DecodeError : std::uint8_t {
   kTooLong,       // more than kDatagramMax_bytes
   kNotADatagram,  // Protobuf can't parse it

@@ -23,7 +23,12 @@ void LossMeter::on_datagram(std::uint32_t number) {
     return;
   }
   const std::uint32_t behind = highest_ - number;
-  if (behind >= kWindow || (seen_ >> behind & 1) != 0) return;
+  if (behind < kWindow && (seen_ >> behind & 1) != 0) {
+    ++duplicates_;
+    return;
+  }
+  ++overtaken_;
+  if (behind >= kWindow) return;
   seen_ |= std::uint64_t{1} << behind;
   lost_ = std::max(0.0, lost_ - 1.0);
 }

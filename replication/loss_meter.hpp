@@ -13,6 +13,9 @@ class LossMeter {
   // Of those from the first that came to highest(): how many had not come when a later one did. Never less than before,
   // so that what is as much as before tells that all since then have come.
   [[nodiscard]] std::uint32_t missing() const { return missing_; }
+  // Those that came again, and those that came after a later one.
+  [[nodiscard]] std::uint64_t duplicates() const { return duplicates_; }
+  [[nodiscard]] std::uint64_t overtaken() const { return overtaken_; }
   // The part that gets lost, in (0, 1): before anything has come one in ten, afterwards ever nearer to what was seen.
   [[nodiscard]] double loss() const { return (lost_ + 0.2) / (sent_ + 2.0); }
   // The same where so much of others gets lost on average: what to believe before anything has come, in place of one
@@ -22,12 +25,15 @@ class LossMeter {
   LossMeter& operator+=(const LossMeter& other) {
     sent_ += other.sent_;
     lost_ += other.lost_;
+    duplicates_ += other.duplicates_;
+    overtaken_ += other.overtaken_;
     return *this;
   }
 
  private:
   std::uint32_t highest_ = 0, missing_ = 0;
   std::uint64_t seen_ = 0;  // bit k: highest_ - k has come
+  std::uint64_t duplicates_ = 0, overtaken_ = 0;
   double sent_ = 0.0, lost_ = 0.0;
 };
 

@@ -11,6 +11,7 @@
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/loss_meter.hpp"
+#include "replication/offset_interval.hpp"
 #include "replication/wire.hpp"
 
 namespace peerd::replication {
@@ -27,11 +28,17 @@ struct Receipt {
 struct Member {
   std::uint64_t boot = 0;
   std::string name;
-  HostTime last_heard{};        // our clock
+  HostTime last_heard{};  // our clock
+  std::uint64_t datagrams_in = 0, bytes_in = 0;
   std::uint32_t hello = 0;      // the number of its last hello's datagram; 0: none
   HostTime hello_rx{};          // when that came, our clock
   bool holds_contacts = false;  // that others are to decide, as it says
   bool synchronised = false;
+  OffsetInterval clock;                 // its session time minus our clock
+  bool leads = false;                   // it says that the session's time is its
+  Duration clock_error{0};              // else, how far from that it may be
+  std::optional<OsClockNote> os_clock;  // as of hello_rx
+  bool os_clock_doubted = false;        // its and ours contradict what the hellos' stamps say
   std::uint32_t sessions = 0;
   std::optional<SimTime> start;
   std::map<RegionId, LossMeter> received;  // of its datagrams, which are numbered by region
@@ -74,6 +81,10 @@ class Membership {
   std::optional<Member> remove(PeerId peer);
   // Counts everybody's silence anew from now on.
   void excuse(HostTime now);
+  // This host's clock has jumped: what it was compared with is void.
+  void forget_clocks() {
+    for (auto& [peer, member] : members_) member.clock = {};
+  }
 
   [[nodiscard]] Member* find(PeerId peer);
   // Of the datagrams of all.

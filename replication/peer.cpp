@@ -77,7 +77,7 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     repeat_decisions();
     repeat_announcements();
     last_hello_ = now;
-    next_hello_ = now + (replica_ ? config_.settled_hello_period : kJoiningHelloPeriod);
+    next_hello_ = now + (clock_.synchronised() ? config_.settled_hello_period : kJoiningHelloPeriod);
   }
   flush_records(ticks);
   if (datagram_numbers_[kWholeScene] == said && now - last_said_ >= config_.hello_period) say_nothing();

@@ -119,8 +119,15 @@ struct Synchronised {
   PeerId follows;  // itself: it founded the session
   Duration session_minus_host, error_bound;
 };
+// Session time went forward at once: into another session's, or, after a sleep, to where the same one had got.
 struct ClockStepped {
   Duration session_minus_host, step;
+  bool same_session;
+};
+// Two operating systems' clocks cannot both be as good as they say: what the hellos' stamps say is believed.
+struct OsClockDoubted {
+  PeerId peer;
+  Duration apart;  // of what they say and what the stamps allow
 };
 struct Slept {
   Duration gap;  // this peer was not run for so long; its objects go on from where they were
@@ -174,8 +181,8 @@ struct ContactSeen {
   SimTime known_at;
 };
 using Output =
-    std::variant<Send, Join, Leave, Synchronised, ClockStepped, Slept, PeerJoined, PeerLost, Frozen, OtherWorld,
-                 IdInUse, OwnershipConflict, Published, ContactSeen, Overruled, TakenBack, NotColliding>;
+    std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, Slept, PeerJoined, PeerLost, Frozen,
+                 OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen, Overruled, TakenBack, NotColliding>;
 
 // Record sizes that counters tell apart [bytes].
 inline constexpr std::array<std::size_t, 4> kRecordSizes{16, 24, 32, 64};
@@ -224,6 +231,15 @@ class Peer {
     std::uint64_t regions_joined = 0, regions_left = 0;  // kWholeScene aside
     std::uint64_t handovers = 0;                         // updates in another region than the last one
     std::uint64_t sights_lost = 0;                       // objects that this peer no longer hears of
+    // By region: what came and was used, what was not and why, what went.
+    struct Traffic {
+      std::uint64_t datagrams_in = 0, bytes_in = 0, datagrams_out = 0, bytes_out = 0;
+      std::map<std::string, std::uint64_t> drops;
+    };
+    std::map<RegionId, Traffic> regions;
+    std::uint64_t clock_steps = 0;           // of session time
+    std::uint64_t clock_contradictions = 0;  // stamps that cannot be true together: some clock jumped
+    std::uint64_t os_clocks_doubted = 0;     // two OS clocks that contradict the stamps
   };
 
   // The model outlives the peer.
@@ -243,6 +259,10 @@ class Peer {
   // told of now and not with the next tick, once at most until then; so is what change_velocity() has changed. Does
   // nothing where a tick is due: that tells. Samples are of `now`, with derivatives.
   void publish_now(HostTime now, std::span<const OwnSample> samples);
+  // What this host's operating system says of its clock at `now`; none: that it does not know how right it is. Needed
+  // for the preference of good OS clocks alone.
+  void on_os_clock(HostTime now, std::optional<OsClock> clock);
+  [[nodiscard]] const std::optional<OsClock>& os_clock() const { return os_clock_; }
   // The launches of own objects count from `start`, or from now if that has passed.
   void start_motions(HostTime now, SimTime start);
   // A vector in the frame of the object's parent, as the file has velocities: in the world's, as the parent stands
@@ -278,6 +298,8 @@ class Peer {
 
   [[nodiscard]] PeerId id() const { return config_.id; }
   [[nodiscard]] const SessionClock& clock() const { return clock_; }
+  // Whose session time this peer takes over; itself: it leads. None: nobody's yet.
+  [[nodiscard]] std::optional<PeerId> follows() const { return follows_; }
   [[nodiscard]] const Membership& members() const { return members_; }
   [[nodiscard]] PeerId owner(ObjectId object) const;
   // Everything that somebody runs, and who.
@@ -349,6 +371,20 @@ class Peer {
   void restart_predefined();
   void tell_predefined(SimTime to);
   bool keep_session(HostTime now);
+  // Whose time it is (peer_clock.cpp).
+  // After a longer gap between two ticks this peer was stopped, or its computer asleep. What would have happened
+  // meanwhile is not made up: for everybody else its objects stood still.
+  static constexpr Duration kSlept = std::chrono::seconds(4);
+  bool found_session(HostTime now);
+  bool notice_gap(HostTime now);
+  void on_stamps(HostTime now, Member& member, const Hello& hello, const Echo* echo);
+  [[nodiscard]] std::optional<OsClockNote> os_clock_note(HostTime now) const;
+  [[nodiscard]] SessionClock::Estimate estimate(HostTime now, PeerId peer);
+  [[nodiscard]] std::optional<OffsetBounds> os_bounds(HostTime now, const Member& member) const;
+  enum class Session : std::uint8_t { kUnknown, kEarlier, kSame, kLater };
+  [[nodiscard]] Session session_of(HostTime now, PeerId peer, const Member& member) const;
+  [[nodiscard]] std::optional<PeerId> choose_leader(HostTime now) const;
+  void follow_leader(HostTime now);
   void tick(SimTime t, std::span<const OwnSample> samples);
   void report_contacts(SimTime t);
   // Decisions (peer_decisions.cpp).
@@ -464,6 +500,12 @@ class Peer {
   std::map<ObjectId, Convergence> shown_;
   Duration oldest_update_{0};  // when it came
   std::optional<HostTime> started_;
+  HostTime listens_since_{};           // .. or since this host slept
+  std::optional<HostTime> called_at_;  // last
+  bool slept_ = false;                 // since it had session time last
+  std::optional<OsClock> os_clock_;
+  HostTime os_clock_at_{};
+  std::optional<PeerId> zero_from_;  // who brought this peer into its session, and knows its world_zero
   std::optional<SimTime> start_;
   std::optional<SimTime> world_zero_;
   std::optional<PredefinedMotion> predefined_;  // where the file moves any body

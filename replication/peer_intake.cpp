@@ -22,9 +22,13 @@ constexpr std::size_t kMembersMax = 4096;
 
 std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram) {
   const auto dropped = [&](Drop why) {
-    if (why != Drop::kOwn) drop(to_string(why));  // what comes back by loopback is no news
+    if (why != Drop::kOwn) {  // what comes back by loopback is no news
+      drop(to_string(why));
+      ++counters_.regions[region].drops[to_string(why)];
+    }
     return std::unexpected(why);
   };
+  (void)notice_gap(now);  // what comes is read by the time that goes on
   const auto message = decode(datagram, clock_.to_session(now));
   if (!message) {
     ++counters_.drops[std::string("undecodable_") + to_string(message.error())];  // which of them
@@ -36,7 +40,13 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
   if (const auto admitted = admit(now, m); !admitted) return dropped(admitted.error());
   ++counters_.datagrams_in;
   counters_.bytes_in += datagram.size();
-  if (m.number > 0) members_.find(m.sender)->received[region].on_datagram(m.number);
+  Counters::Traffic& traffic = counters_.regions[region];
+  ++traffic.datagrams_in;
+  traffic.bytes_in += datagram.size();
+  Member& member = *members_.find(m.sender);
+  ++member.datagrams_in;
+  member.bytes_in += datagram.size();
+  if (m.number > 0) member.received[region].on_datagram(m.number);
   if (m.hello) on_hello(now, m.sender, m.number, *m.hello);
   if (m.leaving) {
     lose(m.sender, members_.remove(m.sender)->name, now, true);

@@ -207,7 +207,11 @@ void Peer::send_hello(HostTime now, bool leaving) {
   Message m = blank();
   m.leaving = leaving;
   Hello& hello = m.hello.emplace();
-  if (clock_.synchronised()) hello.session_tx = clock_.to_session(now);
+  if (const auto error = clock_.error_bound(now); error && *error <= kClockErrorMax) {
+    hello.session_tx = clock_.to_session(now);
+    if (follows_ != config_.id) hello.clock_error = *error;
+    hello.os_clock = os_clock_note(now);
+  }
   hello.sessions = sessions_;
   hello.latency = own_latency();
   hello.notes = take_notes();
@@ -244,6 +248,9 @@ void Peer::send(Message& message, RegionId region) {
   assert(datagram.size() <= kDatagramMax_bytes);
   ++counters_.datagrams_out;
   counters_.bytes_out += datagram.size();
+  Counters::Traffic& traffic = counters_.regions[region];
+  ++traffic.datagrams_out;
+  traffic.bytes_out += datagram.size();
   outputs_.push_back(Send{region, std::move(datagram)});
   for (const UpdateRecord& u : message.updates) {
     const auto own = own_.find(u.object);

@@ -12,15 +12,8 @@
 namespace peerd::replication {
 namespace {
 
-// After a longer gap between two ticks this peer was stopped, or its computer asleep. What would have happened
-// meanwhile is not made up: for everybody else its objects stood still.
-constexpr Duration kSlept = std::chrono::seconds(4);
-
 // Of lost peers, so many are told that they were. More than one network carries.
 constexpr std::size_t kForgottenMax = 4096;
-// So many times as long as it listens anyway, a peer waits for somebody heard to introduce itself, who may have a
-// session.
-constexpr int kStrangersAwaited = 3;
 // World time beyond which a nanosecond count would overflow: 100 years.
 constexpr double kFarthest_s = 3.2e9;
 
@@ -62,9 +55,10 @@ void Peer::tell_predefined(SimTime to) {
 // False when everything begins anew at this instant, and what was due is not.
 bool Peer::keep_session(HostTime now) {
   if (!started_) {
-    started_ = now;
+    started_ = listens_since_ = now;
     next_hello_ = now;
   }
+  if (notice_gap(now)) return false;
   if (const Duration gap = replica_ ? clock_.to_session(now) - tick_time(last_tick_) : Duration{0}; gap > kSlept) {
     counters_.ticks_missed += static_cast<std::uint64_t>(tick_number(clock_.to_session(now)) - last_tick_);
     members_.excuse(now);  // it was not they who were silent
@@ -75,33 +69,29 @@ bool Peer::keep_session(HostTime now) {
   for (auto& [peer, member] : members_.expire(now)) {
     lose(peer, member.name, now, false);
   }
-  const bool awaits_stranger = stranger_heard_ && now - *stranger_heard_ < config_.listen_first &&
-                               now - *started_ < kStrangersAwaited * config_.listen_first;
-  if (!clock_.synchronised() && now - *started_ >= config_.listen_first && !awaits_stranger &&
-      !members_.lowest_synchronised()) {
-    const bool lowest = members_.all().empty() || config_.id < members_.all().begin()->first;
-    if (lowest) {
-      clock_.found_session();
-      follows_ = config_.id;
-      outputs_.push_back(Synchronised{config_.id, Duration{0}, Duration{0}});
-      enter_session(now);
-    }
-  }
-  const SimTime before = clock_.to_session(now);
-  if (clock_.adjust(now)) {
+  const bool leader_gone = follows_ && follows_ != config_.id && members_.find(*follows_) == nullptr;
+  if (!found_session(now) && leader_gone) follow_leader(now);
+  if (const auto step = clock_.adjust(now)) {
     const SimTime after = clock_.to_session(now);
-    world_zero_.reset();  // the other session's counts, as the peer says that is followed into it
-    clock_stepped_ = true;
-    if (replica_) change_session(before, after);
-    outputs_.push_back(ClockStepped{clock_.session_minus_host(), after - before});
+    ++counters_.clock_steps;
+    const bool same_session = std::exchange(slept_, false);
+    if (!same_session) {
+      world_zero_.reset();  // the other session's counts, as the peer says that is followed into it
+      zero_from_ = follows_;
+      clock_stepped_ = true;
+    }
+    if (replica_) change_session(after - *step, after);
+    outputs_.push_back(ClockStepped{clock_.session_minus_host(now), *step, same_session});
     return false;
   }
+  if (clock_.synchronised()) slept_ = false;
   return true;
 }
 
 void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello) {
   Member& member = *members_.find(sender);
   const Introduction* introduction = hello.introduction ? &*hello.introduction : nullptr;
+  const bool is_newest = number > member.hello;
   member.hello = number;
   member.hello_rx = now;
   member.holds_contacts = std::ranges::any_of(hello.notes, &ContactNote::held);
@@ -117,26 +107,23 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
     member.viewpoint = introduction->viewpoint;
     if (hello.session_tx) claim(sender, introduction->enslaved);
   }
-  if (hello.session_tx && replica_) {
+  if (hello.session_tx && replica_ && clock_.synchronised()) {
     measure_latency(member, now, *hello.session_tx);
     on_notes(sender, hello, clock_.to_session(now));
   }
 
-  const bool zero_counts = sender == follows_ || (!world_zero_ && !clock_stepped_);
+  const bool zero_counts = sender == follows_ || (!world_zero_ && (!clock_stepped_ || sender == zero_from_));
   const auto zero = introduction != nullptr && hello.session_tx ? introduction->world_zero : std::nullopt;
   if (zero && zero_counts && zero != world_zero_) {
     world_zero_ = zero;
     introduce_anew();
     restart_predefined();
   }
-  const std::optional<PeerId> lowest = members_.lowest_synchronised();
-  const bool lead = clock_.synchronised() && (!lowest || config_.id < *lowest);
-  const std::optional<PeerId> follow = lead ? std::optional(config_.id) : lowest;
-  if (follow != follows_) {
-    follows_ = follow;
-    clock_.follow_another();
-  }
   const auto echo = std::ranges::find(hello.echoes, config_.id, &Echo::peer);
+  if (is_newest) {
+    on_stamps(now, member, hello, echo == hello.echoes.end() ? nullptr : &*echo);
+    follow_leader(now);
+  }
   if (echo == hello.echoes.end()) {
     // With more peers than echoes in a hello they take turns.
     if (++member.unechoed > members_.all().size() / kEchoesMax && std::exchange(member.knows_us, false)) {
@@ -154,13 +141,6 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   if (!member.receipt) member.receipt = {echo->highest, echo->highest, echo->missing};
   member.receipt->on_echo(*echo);
   on_receipt(sender, *member.receipt);
-  const auto sent = std::ranges::find(sent_hellos_, echo->hello, &SentHello::number);
-  if (follows_ != sender || !hello.session_tx || sent == sent_hellos_.end()) return;
-  clock_.on_exchange({sent->at, *hello.session_tx - echo->held, *hello.session_tx, now});
-  if (clock_.synchronised() && !replica_) {
-    outputs_.push_back(Synchronised{sender, clock_.session_minus_host(), clock_.error_bound()});
-    enter_session(now);
-  }
 }
 
 // How long the farthest of the others waits for what is sent now.
@@ -380,7 +360,6 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
 void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye) {
   release(peer, now);
   if (forgotten_.size() < kForgottenMax) forgotten_.insert(peer);
-  if (follows_ == peer) follows_.reset();
   outputs_.push_back(PeerLost{peer, name, said_goodbye});
 }
 

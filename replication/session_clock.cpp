@@ -2,76 +2,101 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <span>
 
 namespace peerd::replication {
 namespace {
 
-// Slewing by half a percent moves a 10 m/s object's belief by 5 cm/s: below any threshold in use.
-constexpr std::int64_t kSlewDivisor = 200;
-// Farther than this apart, two sessions have met (a healed partition): slewing would take longer than 50 s.
+// Slewing by half a percent moves a 10 m/s object's belief by 5 cm/s: below any threshold in use. Whoever is this far
+// off has it off by more anyway: it gets in step ten times as fast.
+constexpr std::int64_t kSlewDivisor = 200, kFastSlewDivisor = 1'000'000 / kSlew_ppm;
+constexpr Duration kFastBeyond = std::chrono::milliseconds(20);
+// Farther than this behind, this host was stopped or two sessions have met: slewing would take longer than 5 s.
 constexpr Duration kStepBeyond = std::chrono::milliseconds(250);
-// Our own stamp comes back within this; an older one, or one from our future, was not sent by us.
-constexpr Duration kEchoAgeMax = std::chrono::seconds(10);
-// No clock and no offset is farther than this from 0 (146 years); sums of three stay within int64 when each is checked.
-constexpr double kTimeMax_ns = 0x1p62;
-
-double ns(Duration d) { return static_cast<double>(d.count()); }
-
-// Stamps are other people's: what they say together must be possible before it is computed.
-bool plausible(const SessionClock::Exchange& e) {
-  if (e.t1 > e.t4 || e.t4 - e.t1 > kEchoAgeMax) return false;
-  const double t2 = ns(e.t2.time_since_epoch()), t3 = ns(e.t3.time_since_epoch()), t4 = ns(e.t4.time_since_epoch());
-  return t3 >= t2 && t3 - t2 <= ns(kEchoAgeMax) && std::abs(t3 - t4) < kTimeMax_ns / 2.0;
-}
 
 }  // namespace
 
-void SessionClock::found_session() {
-  assert(!synchronised_);
-  synchronised_ = true;
-  offset_ = Duration{0};
-}
-
-void SessionClock::on_exchange(const Exchange& e) {
-  if (!plausible(e)) return;
-  const Duration ahead = e.t2.time_since_epoch() - e.t1.time_since_epoch();
-  const Duration behind = e.t3.time_since_epoch() - e.t4.time_since_epoch();
-  const Duration round_trip = (e.t4 - e.t1) - (e.t3 - e.t2);
-  if (round_trip < Duration{0}) return;  // a clock was set meanwhile
-  samples_[sample_count_ % kSamples] = {ahead + (behind - ahead) / 2, round_trip};
-  ++sample_count_;
-  if (sample_count_ >= kSamplesToStart) error_bound_ = best().round_trip / 2;
-  if (!synchronised_ && sample_count_ >= kSamplesToStart) {
-    synchronised_ = true;
-    offset_ = best().offset;
-    adjusted_at_ = e.t4;
-  }
-}
-
-void SessionClock::follow_another() { sample_count_ = 0; }
-
-bool SessionClock::adjust(HostTime now) {
-  const Duration elapsed = now - adjusted_at_;
+void SessionClock::lead(HostTime now) {
+  offset_ = has_time_ ? session_minus_host(now) : Duration{0};
+  debt_ = Duration{0};
   adjusted_at_ = now;
-  if (!synchronised_ || sample_count_ < kSamplesToStart) return false;
-  const Duration wanted = best().offset - offset_;
-  if (wanted > kStepBeyond || wanted < -kStepBeyond) {
-    offset_ += wanted;
-    return true;
+  estimate_.reset();
+  leads_ = has_time_ = true;
+}
+
+void SessionClock::follow(HostTime now, const Estimate& estimate, Duration steady) {
+  if (std::exchange(leads_, false)) steady_until_ = now + steady;
+  if (!estimate.bounds) {
+    estimate_.reset();
+    return;
   }
-  const Duration most = std::max(Duration{0}, elapsed) / kSlewDivisor;
-  offset_ += std::clamp(wanted, -most, most);
-  return false;
+  if (!estimate_ && !estimate.settled) return;
+  if (!has_time_) {
+    offset_ = estimate.likely;
+    adjusted_at_ = now;
+    has_time_ = true;
+  }
+  estimate_ = estimate;
 }
 
-const SessionClock::Sample& SessionClock::best() const {
-  assert(sample_count_ > 0);
-  const auto known = std::span(samples_).first(std::min(sample_count_, kSamples));
-  return *std::ranges::min_element(known, {}, &Sample::round_trip);
+void SessionClock::stop(HostTime now, Duration gap) {
+  offset_ = session_minus_host(now - gap) - gap;
+  debt_ = Duration{0};
+  adjusted_at_ = now;
+  leads_ = false;
+  estimate_.reset();
+  steady_until_ = HostTime::min();
 }
 
-Duration SessionClock::error_bound() const { return error_bound_; }
+std::optional<Duration> SessionClock::adjust(HostTime now) {
+  offset_ = session_minus_host(now);
+  adjusted_at_ = now;
+  debt_ = Duration{0};
+  if (!estimate_) return std::nullopt;
+  const Duration wanted = likely(now) - offset_;
+  if (wanted > kStepBeyond && estimate_->settled) {
+    offset_ += wanted;
+    return wanted;
+  }
+  if (now < steady_until_) return std::nullopt;
+  debt_ = wanted;
+  slew_divisor_ = std::chrono::abs(debt_) > kFastBeyond ? kFastSlewDivisor : kSlewDivisor;
+  return std::nullopt;
+}
+
+Duration SessionClock::session_minus_host(HostTime now) const {
+  const Duration most = std::max(Duration{0}, now - adjusted_at_) / slew_divisor_;
+  return offset_ + std::clamp(debt_, -most, most);
+}
+
+SimTime SessionClock::to_session(HostTime host) const {
+  return SimTime{host.time_since_epoch() + session_minus_host(host)};
+}
+
+HostTime SessionClock::to_host(SimTime session) const {
+  const HostTime unslewed{session.time_since_epoch() - offset_};
+  if (debt_ == Duration{0} || unslewed <= adjusted_at_) return unslewed;
+  // elapsed + elapsed / slew_divisor_, or minus, is the time until then, until the debt is paid.
+  const Duration until = unslewed - adjusted_at_;
+  const std::int64_t rate = slew_divisor_ + (debt_ > Duration{0} ? 1 : -1);
+  HostTime host = adjusted_at_ + until / rate * slew_divisor_;
+  host = debt_ > Duration{0} ? std::max(host, unslewed - debt_) : std::min(host, unslewed - debt_);
+  while (to_session(host) < session) host += session - to_session(host);  // what integer division has cut off
+  while (to_session(host - Duration{1}) >= session) host -= Duration{1};
+  return host;
+}
+
+std::optional<Duration> SessionClock::error_bound(HostTime now) const {
+  if (leads_) return Duration{0};
+  if (!estimate_) return std::nullopt;
+  const OffsetBounds bounds = estimate_->bounds->aged(now - estimate_->at, estimate_->drift_ppm);
+  const Duration reference = estimate_->reference_error +
+                             drift(now - estimate_->at, estimate_->reference_error > Duration{0} ? kDrift_ppm : 0);
+  const Duration offset = session_minus_host(now);
+  return std::max(bounds.most - offset, offset - bounds.least) + reference;
+}
+
+Duration SessionClock::likely(HostTime now) const {
+  return estimate_->likely + from_seconds(estimate_->speed * to_seconds(now - estimate_->at));
+}
 
 }  // namespace peerd::replication

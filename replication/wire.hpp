@@ -90,10 +90,20 @@ struct Introduction {
   std::optional<Viewpoint> viewpoint;
 };
 
+// What the sender's operating system says of its clock: how far that is ahead of session time, and that it is off UTC
+// by at most `error`.
+struct OsClockNote {
+  Duration minus_session{0};
+  Duration error{0};  // on the wire, microseconds; rounded up
+};
+
 struct Hello {
   std::optional<SimTime> session_tx;  // when it left; none: the sender has no session time
-  std::uint32_t sessions = 0;         // how many the sender has entered; each began without any updates
-  Duration latency{0};                // how late the sender hears of others (latency_bound), a whole millisecond
+  // How far that may be from the time of the session's leader; on the wire, microseconds, rounded up. None: it leads.
+  std::optional<Duration> clock_error;
+  std::optional<OsClockNote> os_clock;  // none: not known to be right
+  std::uint32_t sessions = 0;           // how many the sender has entered; each began without any updates
+  Duration latency{0};                  // how late the sender hears of others (latency_bound), a whole millisecond
   std::vector<Echo> echoes;
   std::vector<ContactNote> notes;  // of the last seconds: what is held first, then the newest decisions
   std::optional<Introduction> introduction;

@@ -1,5 +1,7 @@
 #include "peerd/api/answer.hpp"
 
+#include <utility>
+
 #include <nlohmann/json.hpp>
 
 #include "peerd/api/request.hpp"
@@ -11,6 +13,8 @@ namespace {
 using nlohmann::ordered_json;
 
 ordered_json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+ordered_json in_ms(std::optional<Duration> d) { return d ? ordered_json(to_seconds(*d) * 1e3) : ordered_json(nullptr); }
 
 // Where the request's text comes back in it, it may be no UTF-8.
 std::string line_of(const ordered_json& reply) {
@@ -69,7 +73,8 @@ ordered_json status(PeerNode& node, HostTime now) {
       {"joined", clock.synchronised()},
       {"time_s", clock.synchronised() ? ordered_json(to_seconds(clock.to_session(now).time_since_epoch()))
                                       : ordered_json(nullptr)},
-      {"clock_error_ms", to_seconds(clock.error_bound()) * 1e3}};
+      {"clock_offset_ms", clock.synchronised() ? in_ms(clock.session_minus_host(now)) : ordered_json(nullptr)},
+      {"clock_error_ms", in_ms(clock.error_bound(now))}};
   reply["world_time_s"] = since(peer.world_zero());
   reply["since_start_s"] = since(node.start());
   reply["members"] = ordered_json::array();
@@ -78,6 +83,65 @@ ordered_json status(PeerNode& node, HostTime now) {
   }
   add_objects(reply, node, now, {}, /*own=*/true);
   reply["counters"] = node.log().counters;
+  return reply;
+}
+
+// Of `peers` and of each region: rates are for whoever asks twice.
+ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest& request) {
+  const replication::Peer& peer = node.peer();
+  const replication::SessionClock& clock = peer.clock();
+  ordered_json reply = good();
+  const auto id_of = [](std::optional<PeerId> id) { return id ? ordered_json(id->value) : ordered_json(nullptr); };
+  const auto& os = peer.os_clock();
+  reply["clock"] = {{"follows", id_of(peer.follows())},
+                    {"offset_ms", clock.synchronised() ? in_ms(clock.session_minus_host(now)) : ordered_json(nullptr)},
+                    {"error_ms", in_ms(clock.error_bound(now))},
+                    {"to_slew_ms", in_ms(clock.debt(now))},
+                    {"os_clock_error_ms", in_ms(os ? std::optional(os->error) : std::nullopt)}};
+  ordered_json peers = ordered_json::array(), next = nullptr, regions = ordered_json::array();
+  const auto& members = peer.members().all();
+  for (auto at = members.lower_bound(PeerId{request.from}); at != members.end(); ++at) {
+    const auto& [id, member] = *at;
+    if (peers.size() == kPeersMax) {
+      next = id.value;
+      break;
+    }
+    const auto bounds = member.clock.at(now, replication::kDrift_ppm + replication::kSlew_ppm);
+    const replication::LossMeter received = member.received_in_all();
+    const bool compared = bounds && clock.synchronised();
+    const Duration own = clock.session_minus_host(now);
+    peers.push_back({{"id", id.value},
+                     {"name", member.name},
+                     {"joined", member.synchronised},
+                     {"leads", member.leads},
+                     {"heard_ms_ago", in_ms(now - member.last_heard)},
+                     {"round_trip_ms", in_ms(member.clock.round_trip())},
+                     {"delay_ms", in_ms(member.mean_delay())},
+                     {"clock_ahead_ms", compared ? in_ms(member.clock.likely(now) - own) : ordered_json(nullptr)},
+                     {"clock_ahead_least_ms", compared ? in_ms(bounds->least - own) : ordered_json(nullptr)},
+                     {"clock_ahead_most_ms", compared ? in_ms(bounds->most - own) : ordered_json(nullptr)},
+                     {"clock_error_ms", member.synchronised ? in_ms(member.clock_error) : ordered_json(nullptr)},
+                     {"datagrams_in", member.datagrams_in},
+                     {"bytes_in", member.bytes_in},
+                     {"loss_in", received.loss()},
+                     {"loss_out", member.loss_of_ours ? ordered_json(*member.loss_of_ours) : ordered_json(nullptr)},
+                     {"duplicates", received.duplicates()},
+                     {"overtaken", received.overtaken()}});
+  }
+  for (const auto& [region, traffic] : peer.counters().regions) {
+    if (regions.size() == kRegionsMax) break;
+    regions.push_back({{"region", region.value},
+                       {"datagrams_in", traffic.datagrams_in},
+                       {"bytes_in", traffic.bytes_in},
+                       {"datagrams_out", traffic.datagrams_out},
+                       {"bytes_out", traffic.bytes_out},
+                       {"drops", traffic.drops}});
+  }
+  const std::size_t left_out = peer.counters().regions.size() - regions.size();
+  reply["peers"] = std::move(peers);
+  reply["next"] = std::move(next);
+  reply["regions"] = std::move(regions);
+  reply["regions_left_out"] = left_out;
   return reply;
 }
 
@@ -129,6 +193,7 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
     add_objects(reply, node, now, *objects, /*own=*/false);
     return {line_of(reply)};
   }
+  if (const auto* peers = std::get_if<PeersRequest>(&*request)) return {line_of(peers_reply(node, now, *peers))};
   if (const auto* poses = std::get_if<PoseRequest>(&*request)) {
     const feed::Outcome outcome = node.on_poses(now, host_minus_wall, poses->poses);
     return {poses->reply ? line_of(pose_reply(outcome)) : ""};

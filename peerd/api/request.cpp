@@ -205,6 +205,8 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
     request = read_key(members);
   } else if (what == "status") {
     request = StatusRequest{};
+  } else if (what == "peers") {
+    request = PeersRequest{static_cast<std::uint32_t>(members.whole("from", 0, 0, kCodeMax))};
   } else if (what == "objects") {
     request = ObjectsRequest{static_cast<std::uint32_t>(members.whole("from", 0, 0, kCodeMax)),
                              static_cast<std::uint32_t>(members.whole("count", kObjectsMax, 1, kObjectsMax))};
@@ -213,7 +215,7 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
   } else if (what == "leave") {
     request = LeaveRequest{};
   } else {
-    members.fail("do", "must be one of \"key\", \"status\", \"objects\", \"pose\", \"leave\"");
+    members.fail("do", "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"leave\"");
   }
   if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
   return *request;

@@ -54,6 +54,9 @@ local F = {
     tx = field("int64", "hello.session_tx_ns", "Session time when it left [ns]"),
     sessions = field("uint32", "hello.sessions", "Sessions entered"),
     latency = field("uint32", "hello.latency_ms", "Hears others so late [ms]"),
+    clock_error = field("uint64", "hello.clock_error_us", "Session time may be off by [us]"),
+    os_minus_session = field("int64", "hello.os_minus_session_ns", "OS clock minus session time [ns]"),
+    os_error = field("uint64", "hello.os_error_us", "OS clock may be off by [us]"),
   },
   echo = {
     peer = field("uint32", "echo.peer", "Peer"),
@@ -659,8 +662,21 @@ local function dissect_introduction(tvb, tree)
   if not named then refuse("no name") end
 end
 
+-- Microseconds, at most so many.
+local function microseconds(tree, f, most, keep)
+  return { varint = function(value, range)
+    if value > most then refuse("a clock so wrong that it is none") end
+    tree:add(f, range, value)
+    if keep then keep() end
+  end }
+end
+
+local CLOCK_ERROR_MOST = UInt64.new(1152921504606847 % TWO32, math.floor(1152921504606847 / TWO32))  -- 2^60 ns
+local OS_ERROR_MOST = UInt64.new(16000000)
+
 local function dissect_hello(tvb, tree)
   local H, notes, introductions = F.hello, false, {}
+  local os_minus_session, os_range, os_known = Int64.new(0), nil, false
   local session_tx = Int64.new(0)
   each_field_of(tvb, tree, {
     time64(tree, H.tx, function(t) session_tx = t end),
@@ -671,7 +687,11 @@ local function dissect_hello(tvb, tree)
     { bytes = function(list) dissect_echoes(list, tree) end },
     { bytes = function(list) notes = list end },  -- which needs the time, wherever that stands
     { repeated = true, bytes = function(...) introductions[#introductions + 1] = { ... } end },
+    microseconds(tree, H.clock_error, CLOCK_ERROR_MOST),
+    { varint = function(value, range) os_minus_session, os_range = unzigzag(value), range end },
+    microseconds(tree, H.os_error, OS_ERROR_MOST, function() os_known = true end),
   })
+  if os_known and os_range then tree:add(H.os_minus_session, os_range, check_time(os_minus_session)) end
   dissect_notes(notes, tree, session_tx)
   for _, i in ipairs(introductions) do dissect_introduction(i[1], tree:add(i[2], "Introduction")) end
   return #introductions > 0

@@ -47,6 +47,12 @@ std::optional<decltype(Event::what)> input_from(std::string_view text) {
   const std::string_view word = take_word(text);
   if (word == "tick" && text.empty()) return Tick{};
   if (word == "leave" && text.empty()) return Left{};
+  if (word == "os-clock" && text.empty()) return OsClockRead{};
+  if (word == "os-clock") {
+    const auto minus_host = take_duration(text), error = take_duration(text);
+    if (!minus_host || !error || !text.empty()) return std::nullopt;
+    return OsClockRead{replication::OsClock{*minus_host, *error}};
+  }
   if (word != "control" && word != "poses") return std::nullopt;
   const auto host_minus_wall = take_duration(text);
   if (!host_minus_wall) return std::nullopt;
@@ -100,6 +106,12 @@ void CaptureWriter::on_control(HostTime now, Duration host_minus_wall, std::stri
 
 void CaptureWriter::on_poses(HostTime now, Duration host_minus_wall, std::string_view datagram) {
   input(now, "poses " + std::to_string(host_minus_wall.count()) + " " + std::string(datagram));
+}
+
+void CaptureWriter::on_os_clock(HostTime now, const std::optional<replication::OsClock>& clock) {
+  input(now, clock
+                 ? "os-clock " + std::to_string(clock->minus_host.count()) + " " + std::to_string(clock->error.count())
+                 : std::string("os-clock"));
 }
 
 void CaptureWriter::input(HostTime now, std::string_view text) {

@@ -12,6 +12,7 @@
 #include "core/time.hpp"
 #include "peerd/record/pcapng.hpp"
 #include "peerd/record/setup.hpp"
+#include "replication/session_clock.hpp"
 
 namespace peerd::record {
 
@@ -30,6 +31,7 @@ class CaptureWriter {
   void on_packet(HostTime now, const boost::asio::ip::udp::endpoint& from, RegionId region,
                  std::span<const std::byte> datagram);
   void on_tick(HostTime now) { input(now, "tick"); }
+  void on_os_clock(HostTime now, const std::optional<replication::OsClock>& clock);
   void on_control(HostTime now, Duration host_minus_wall, std::string_view line);
   void on_poses(HostTime now, Duration host_minus_wall, std::string_view datagram);
   void on_leave(HostTime now) { input(now, "leave"); }
@@ -66,6 +68,9 @@ struct DatagramOut {
   std::span<const std::byte> datagram;
 };
 struct Tick {};
+struct OsClockRead {  // none: it does not know how right it is
+  std::optional<replication::OsClock> clock;
+};
 struct Control {  // a line of the control protocol
   Duration host_minus_wall;
   std::string_view line;
@@ -77,7 +82,7 @@ struct Poses {  // a datagram at the port for poses
 struct Left {};
 struct Event {
   HostTime at;
-  std::variant<DatagramIn, DatagramOut, Tick, Control, Poses, Left> what;
+  std::variant<DatagramIn, DatagramOut, Tick, OsClockRead, Control, Poses, Left> what;
 };
 
 // Hostile input: errors are sentences that say where.

@@ -95,6 +95,15 @@ struct EventMark {
   std::string name;
 };
 
+// Of a simulated peer's session time, against the peer that it followed.
+struct PeerClock {
+  PeerId peer;
+  std::uint64_t samples = 0;
+  double error_p99_ms = 0.0, error_max_ms = 0.0;
+  double bound_median_ms = 0.0, bound_max_ms = 0.0;
+  std::uint64_t beyond_bound = 0;
+};
+
 struct RunRecord {
   nlohmann::ordered_json params;  // every swept key by its dotted name
   std::uint64_t seed = 1;
@@ -110,6 +119,7 @@ struct RunRecord {
   std::optional<WrongOutcomes> wrong;      // none: not compared
   std::optional<InterestRecord> interest;  // none: nobody has an area of interest, or a real network
   std::optional<NetworkMeasured> network;  // of a run by netem
+  std::vector<PeerClock> clocks;           // of those that followed another; empty on a real network
   std::uint32_t groups_joined = 0;
   bool worlds_equal = true;
   std::map<std::string, std::uint64_t> counters;  // summed over the peers

@@ -160,6 +160,18 @@ Json network_json(const RunRecord& run) {
             {"during", oversleep_json(run.network->oversleep_during_ms)}}}};
 }
 
+Json clocks_json(const RunRecord& run) {
+  Json clocks = Json::array();
+  for (const PeerClock& c : run.clocks) {
+    clocks.push_back({{"peer", peer_name(run, c.peer)},
+                      {"samples", c.samples},
+                      {"error_ms", {{"p99", c.error_p99_ms}, {"max", c.error_max_ms}}},
+                      {"bound_ms", {{"median", c.bound_median_ms}, {"max", c.bound_max_ms}}},
+                      {"beyond_bound", c.beyond_bound}});
+  }
+  return clocks;
+}
+
 Json run_json(const RunRecord& run) {
   assert(std::ranges::is_sorted(run.beliefs, {},
                                 [](const BeliefSample& s) { return std::tuple(s.observer, s.object, s.t_s); }));
@@ -183,6 +195,7 @@ Json run_json(const RunRecord& run) {
                {"groups_joined", run.groups_joined},
                {"state_roots_equal", run.worlds_equal},
                {"counters", std::move(counters)}};
+  if (!run.clocks.empty()) json["clocks"] = clocks_json(run);
   if (run.interest) json["interest"] = interest_json(run);
   if (run.network) json["network"] = network_json(run);
   return json;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "peerd/record/capture.hpp"
+#include "peerd/sim/clock_oracle.hpp"
 #include "peerd/sim/event_times.hpp"
 #include "peerd/sim/interest_oracle.hpp"
 #include "peerd/sim/network.hpp"
@@ -112,11 +113,17 @@ class Simulation {
       for (const SimulatedPeer& p : peers_) watched.push_back({p.node.get(), p.clock_offset});
       oracle_.emplace(run_, std::move(watched));
     }
+    if (!config::peers_change(run_.events)) {  // whose clocks it watches
+      std::vector<ClockOracle::WatchedPeer> clocks;
+      for (const SimulatedPeer& p : peers_) clocks.push_back({p.node.get(), p.clock_offset});
+      clock_oracle_.emplace(std::move(clocks));
+    }
     for (std::size_t i = 0; i < peers_.size(); ++i) drain(i);
     if (const auto error = go_on()) return std::unexpected(*error);
     if (oracle_) *interest = oracle_->record();
     for (SimulatedPeer& p : peers_) {
       if (p.node) logs_.push_back(p.node->log());
+      if (clock_oracle_) logs_.back().clock_error = clock_oracle_->error_of(logs_.size() - 1);
       if (p.capture) p.capture->flush();
       if (p.capture && !p.capture->good()) {
         return std::unexpected(config::InputError{
@@ -280,6 +287,7 @@ class Simulation {
       if (peers_[*next].capture) peers_[*next].capture->on_tick(host);
       node.on_tick(host);
       drain(*next);
+      if (clock_oracle_) clock_oracle_->look(HostTime{now_.time_since_epoch()}, *next);
       if (!events_.begun()) note_begin();
       if (!node.start() && now_ - peers_[*next].came_at > kJoinWithin) {
         return config::InputError{"error: peer " + run_.peers[*next].name +
@@ -302,6 +310,7 @@ class Simulation {
   std::vector<SimulatedPeer> peers_;  // of the run, in its order
   std::vector<PeerLog> logs_;         // of lives that are over
   std::optional<InterestOracle> oracle_;
+  std::optional<ClockOracle> clock_oracle_;
 };
 
 }  // namespace

@@ -30,6 +30,7 @@ TEST(Request, AKeyByNameOrNumber) {
 
 TEST(Request, TheOthers) {
   EXPECT_TRUE(std::holds_alternative<StatusRequest>(*parse_request(R"({"do":"status"})")));
+  EXPECT_EQ(std::get<PeersRequest>(*parse_request(R"({"do":"peers","from":3})")).from, 3u);
   EXPECT_TRUE(std::holds_alternative<LeaveRequest>(*parse_request(R"({"do":"leave"})")));
   const auto objects = std::get<ObjectsRequest>(*parse_request(R"({"do":"objects","from":7,"count":2})"));
   EXPECT_EQ(objects.from, 7u);

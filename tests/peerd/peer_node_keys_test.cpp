@@ -195,6 +195,32 @@ TEST_F(PeerNodeKeys, StatusSaysWhoWhereAndHowFast) {
   EXPECT_GT(s["counters"]["ticks"].get<int>(), 10);
 }
 
+TEST_F(PeerNodeKeys, PeersSaysHowTheOthersAreHeard) {
+  make();
+  run(1);
+  replication::Message hello;
+  hello.sender = PeerId{2};
+  hello.boot = 7;
+  hello.number = 1;
+  hello.hello.emplace().introduction.emplace();
+  hello.hello->introduction->name = "b";
+  hello.hello->introduction->world_hash = replication::RegionSettings{}.session_hash(shared->world.hash);
+  const replication::Bytes datagram = replication::encode(hello);
+  node->on_packet(now, replication::kWholeScene, datagram);
+  const json reply = ask(R"({"do":"peers"})");
+  EXPECT_EQ(reply["clock"]["follows"], 1);
+  EXPECT_EQ(reply["clock"]["error_ms"], 0.0);
+  ASSERT_EQ(reply["peers"].size(), 1u);
+  EXPECT_EQ(reply["peers"][0]["name"], "b");
+  EXPECT_EQ(reply["peers"][0]["joined"], false);
+  EXPECT_EQ(reply["peers"][0]["bytes_in"], datagram.size());
+  EXPECT_TRUE(reply["peers"][0]["clock_ahead_ms"].is_null()) << "nobody knows yet";
+  EXPECT_TRUE(reply["next"].is_null());
+  ASSERT_EQ(reply["regions"].size(), 1u);
+  EXPECT_EQ(reply["regions"][0]["datagrams_in"], 1);
+  EXPECT_TRUE(ask(R"({"do":"peers","from":3})")["peers"].empty());
+}
+
 TEST_F(PeerNodeKeys, ObjectsComeInPieces) {
   make();
   run(1);

@@ -241,7 +241,7 @@ inline std::string fingerprint(const Lan& lan, std::size_t i) {
   for (const auto& [object, owner] : p.owners()) s << object.value << " by " << owner.value << '\n';
   for (const auto& [id, m] : p.members().all())
     s << id.value << ' ' << m.boot << ' ' << m.last_heard.time_since_epoch().count() << '\n';
-  s << p.clock().session_minus_host().count() << '\n';
+  s << p.clock().session_minus_host(lan.host_now(i)).count() << '\n';
   if (p.clock().synchronised()) {
     for (const auto& [object, owner] : p.owners()) {
       const KinematicState k = p.ghost(object, lan.session_now(i));

@@ -65,6 +65,13 @@ TEST(LossMeter, CountsWhatIsMissingSinceTheFirst) {
   EXPECT_EQ(meter.highest(), 200U);
 }
 
+TEST(LossMeter, CountsWhatCameTwiceAndWhatWasOvertaken) {
+  LossMeter meter;
+  for (const std::uint32_t number : {10U, 12U, 11U, 11U, 12U, 200U, 13U}) meter.on_datagram(number);
+  EXPECT_EQ(meter.duplicates(), 2U);
+  EXPECT_EQ(meter.overtaken(), 2U);
+}
+
 TEST(CopiesAgainst, FewestThatSuffice) {
   EXPECT_EQ(copies_against(0.0, 4), 1U);
   EXPECT_EQ(copies_against(0.0059, 4), 1U);

@@ -79,6 +79,8 @@ class MessageMaker {
   Hello hello() {
     Hello h;
     if (coin()) h.session_tx = SimTime{time()};
+    if (coin()) h.clock_error = std::chrono::microseconds(number<std::uint32_t>());
+    if (coin()) h.os_clock = {time(), std::chrono::microseconds(number<std::uint32_t>() % 16'000'001)};
     h.sessions = number<std::uint32_t>();
     h.latency = std::chrono::milliseconds(number<std::uint32_t>() % 2001);
     for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
@@ -207,9 +209,14 @@ inline bool same_bits(const Message& a, const Message& b) {
     return i->name == j->name && i->world_hash == j->world_hash && i->enslaved == j->enslaved && i->start == j->start &&
            i->world_zero == j->world_zero && same_viewpoint(i->viewpoint, j->viewpoint);
   };
+  const auto same_os_clock = [](const std::optional<OsClockNote>& o, const std::optional<OsClockNote>& p) {
+    if (!o || !p) return !o && !p;
+    return o->minus_session == p->minus_session && o->error == p->error;
+  };
   const auto same_hello = [&](const std::optional<Hello>& h, const std::optional<Hello>& g) {
     if (!h || !g) return !h && !g;
     return h->session_tx == g->session_tx && h->sessions == g->sessions && h->latency == g->latency &&
+           h->clock_error == g->clock_error && same_os_clock(h->os_clock, g->os_clock) &&
            std::ranges::equal(h->echoes, g->echoes, same_echo) && std::ranges::equal(h->notes, g->notes, same_note) &&
            same_introduction(h->introduction, g->introduction);
   };
@@ -237,6 +244,8 @@ inline bool is_sound(const Message& m) {
   if (m.hello) {
     const Hello& h = *m.hello;
     sound = sound && h.latency <= kLatencyMax && is_sound(h.session_tx.value_or(SimTime{}).time_since_epoch());
+    sound = sound && h.clock_error.value_or(0s) >= 0s && h.clock_error.value_or(0s) <= kClockErrorMax;
+    if (h.os_clock) sound = sound && is_sound(h.os_clock->minus_session) && h.os_clock->error <= kOsErrorMax;
     for (const Echo& e : h.echoes) sound = sound && e.held >= 0s && e.held <= 10s && e.loss <= 1.0;
     for (const Echo& e : h.echoes) sound = sound && e.highest >= e.hello;
     for (const ContactNote& n : h.notes) sound = sound && is_sound(n.contact.time_since_epoch());

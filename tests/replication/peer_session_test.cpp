@@ -49,8 +49,9 @@ TEST_P(Session, ThreePeersMeetAndAgreeOnTheTime) {
       EXPECT_THAT(lan.seen<ClockStepped>(i), IsEmpty());
       EXPECT_EQ(lan.seen<Synchronised>(i).size(), 1u);
       const Duration off = lan.session_now(i) - lan.session_now(0);
-      EXPECT_LE(std::chrono::abs(off), lan.peer(i).clock().error_bound() + 1ns) << i;
-      EXPECT_LE(lan.peer(i).clock().error_bound(), GetParam().link.latency + GetParam().link.jitter);
+      EXPECT_LE(std::chrono::abs(off), *lan.peer(i).clock().error_bound(lan.host_now(i))) << i;
+      EXPECT_LE(*lan.peer(i).clock().error_bound(lan.host_now(i)),
+                GetParam().link.latency + GetParam().link.jitter + 5ms);
     }
   }
 }
@@ -281,7 +282,7 @@ TEST(PeerSession, TheErrorBoundIsNeverZeroForAFollower) {
   lan.kill(0);  // peer 3 follows peer 2 from now on
   for (Duration t = 5s; t < 10s; t += 5ms) {
     lan.run_until(t);
-    ASSERT_GE(lan.peer(2).clock().error_bound(), 20ms) << to_seconds(t);
+    ASSERT_GE(lan.peer(2).clock().error_bound(lan.host_now(2)), 20ms) << to_seconds(t);
   }
 }
 
@@ -299,7 +300,8 @@ TEST(PeerSession, TwoSessionsThatMeetBecomeOne) {
     lan.part({});
     lan.run_until(8s);
     EXPECT_LE(spread(lan), 21ms);
-    EXPECT_EQ(lan.seen<ClockStepped>(1).size(), 1u);
+    EXPECT_EQ(lan.seen<ClockStepped>(ahead > 0s ? 0 : 1).size(), 1u) << "forwards, whoever that is";
+    EXPECT_EQ(lan.seen<ClockStepped>(ahead > 0s ? 1 : 0).size(), 0u);
     const std::uint64_t ticks = lan.peer(1).counters().ticks;
     lan.run_until(10s);
     EXPECT_GT(lan.peer(1).counters().ticks, ticks + 100);

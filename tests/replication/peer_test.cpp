@@ -754,12 +754,13 @@ TEST(Models, SurviveAChangeOfSession) {
   const World world(field(1));
   Lan lan(world);
   lan.add(choosing(1));
-  lan.add(choosing(2, {{world["O0"], true}}), 30s, {{world["O0"], on_a_circle}});
+  lan.add(choosing(2, {{world["O0"], true}}), -30s, {{world["O0"], on_a_circle}});
   lan.part({0});
   lan.run_until(5s);
   lan.part({});
   lan.run_until(12s);
   ASSERT_FALSE(lan.seen<ClockStepped>(1).empty());
+  EXPECT_TRUE(lan.seen<ClockStepped>(0).empty());
   const SimTime t = lan.session_now(0);
   EXPECT_LT((lan.peer(0).ghost(world["O0"], t).position - on_a_circle(t).position).norm(), 0.01);
   EXPECT_TRUE(same_bits(lan.peer(0).ghost(world["O0"], t), lan.peer(1).ghost(world["O0"], t)));

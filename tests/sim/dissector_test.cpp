@@ -69,6 +69,13 @@ void add(Expected& out, const Hello& h, std::uint64_t boot) {
   // Protobuf sends no zeros.
   if (h.sessions != 0) out.add("hello.sessions", h.sessions);
   if (h.latency != Duration{0}) out.add("hello.latency_ms", h.latency / std::chrono::milliseconds(1));
+  if (h.clock_error) out.add("hello.clock_error_us", *h.clock_error / std::chrono::microseconds(1));
+  if (h.os_clock) {
+    if (h.os_clock->minus_session != Duration{0}) {
+      out.add("hello.os_minus_session_ns", h.os_clock->minus_session.count());
+    }
+    out.add("hello.os_error_us", h.os_clock->error / std::chrono::microseconds(1));
+  }
   for (const Echo& e : h.echoes) {
     out.add("echo.peer", e.peer.value);
     out.add("echo.hello", e.hello);
@@ -180,7 +187,7 @@ std::vector<std::string> all_fields() {
     for (const char* end : ends) names.push_back("peerd." + prefix + end);
   };
   with("", {"region", "version", "sender", "number", "boot_low", "leaving", "malformed"});
-  with("hello.", {"session_tx_ns", "sessions", "latency_ms"});
+  with("hello.", {"session_tx_ns", "sessions", "latency_ms", "clock_error_us", "os_minus_session_ns", "os_error_us"});
   with("echo.", {"peer", "hello", "held_ns", "newer", "missing", "loss_permille"});
   with("note.", {"collider", "collidee", "contact_ns", "by", "held"});
   with("introduction.", {"name", "world_hash", "boot", "enslaved", "start_ns", "world_zero_ns"});
@@ -326,6 +333,18 @@ Message farewell() {
   return m;
 }
 
+// A hello of a host whose operating system knows how good its clock is: no simulated one's does.
+Message of_a_good_clock() {
+  Message m;
+  m.sender = PeerId{1};
+  m.boot = 1;
+  m.number = 1;
+  Hello& hello = m.hello.emplace();
+  hello.session_tx = SimTime{std::chrono::seconds(10'000'003)};
+  hello.os_clock = OsClockNote{std::chrono::nanoseconds(-1'234'567'891), std::chrono::microseconds(15'999'999)};
+  return m;
+}
+
 class Dissector : public testing::Test {
  protected:
   void SetUp() override {
@@ -373,7 +392,7 @@ TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
         capture("flock-regions.toml", {"duration_s=1", "transport.group_pool=3"})}) {
     compare_all(folder, file, seen);
   }
-  compare_all(folder, capture_of({encode(farewell())}), seen);
+  compare_all(folder, capture_of({encode(farewell()), encode(of_a_good_clock())}), seen);
   for (const std::string& name : all_fields()) {
     if (name != kMalformed) {
       EXPECT_GT(seen[name], 0u) << name << " was never there";
