@@ -11,7 +11,7 @@ local inputs = Proto("peerd_input", "peerd: what a recorded peer was told")
 peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
   "transport.group of the peers' configuration: a datagram to the n-th group after it is of region n")
 
-local VERSION = 4
+local VERSION = 5
 local MOST_BYTES = 1200
 local REGION_MARK, GREETING_MARK = 0x52, 0x47
 
