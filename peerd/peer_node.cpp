@@ -390,6 +390,7 @@ const PeerLog& PeerNode::log() {
     n["regions_left"] = c.regions_left;
     n["handovers"] = c.handovers;
     n["sights_lost"] = c.sights_lost;
+    n["predictions_skipped"] = c.predictions_skipped;
   }
   if (peer_.time_sensors_limited_at()) n["time_sensors_stopped"] = 1;
   for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;

@@ -231,6 +231,7 @@ class Peer {
     std::uint64_t regions_joined = 0, regions_left = 0;  // kWholeScene aside
     std::uint64_t handovers = 0;                         // updates in another region than the last one
     std::uint64_t sights_lost = 0;                       // objects that this peer no longer hears of
+    std::uint64_t predictions_skipped = 0;  // pairs without prediction, as this peer hears nothing of one; a tick each
     // By region: what came and was used, what was not and why, what went.
     struct Traffic {
       std::uint64_t datagrams_in = 0, bytes_in = 0, datagrams_out = 0, bytes_out = 0;
@@ -446,6 +447,7 @@ class Peer {
   [[nodiscard]] bool hear(const UpdateRecord& update, SimTime session_now);
   void lose_sight(ObjectId object, SimTime t);
   void unhear(ObjectId object);
+  [[nodiscard]] std::size_t pairs_with_held(ObjectId object) const;
   void forget_silent(SimTime t);
   [[nodiscard]] bool has_crossed(const Own& own, const Vec3& position) const;
   void note_told(Own& own, const UpdateRecord& update, bool somebody_knows_nothing);
@@ -543,6 +545,7 @@ class Peer {
   };
   std::map<ObjectId, Heard> heard_in_;  // others' objects: where they were told of last
   std::set<ObjectId> unheard_;          // .. and those that this peer does not hear of
+  std::size_t unheard_pairs_ = 0;       // of those, with whatever
   struct Entering {
     Entered entered;
     std::uint32_t copies;  // still to be sent

@@ -82,6 +82,7 @@ std::optional<std::vector<Area>> Peer::areas(SimTime t) const {
 
 void Peer::follow_interest(SimTime t) {
   if (!grid_.cuts()) return;
+  if (config_.policy.predict_collisions) counters_.predictions_skipped += unheard_pairs_;
   const auto wanted = areas(t);
   for (const Interest::Change& change : wanted ? interest_.follow(t, *wanted) : interest_.follow_all(t)) {
     if (change.joined) {
@@ -151,6 +152,7 @@ bool Peer::hear(const UpdateRecord& update, SimTime session_now) {
   heard_in_.insert_or_assign(update.object, Heard{grid_.region_of(position), session_now});
   // Watched before it is told where it is: what it has met since then counts.
   if (unheard_.erase(update.object) > 0) {
+    unheard_pairs_ -= pairs_with_held(update.object);
     shown_.erase(update.object);  // what has been drawn since means nothing: it is shown at once where it is
     watch_decided_pairs(model_.pairs_of(update.object));
   }
@@ -158,9 +160,16 @@ bool Peer::hear(const UpdateRecord& update, SimTime session_now) {
 }
 
 void Peer::unhear(ObjectId object) {
-  unheard_.insert(object);
+  if (unheard_.insert(object).second) unheard_pairs_ += pairs_with_held(object);
   heard_in_.erase(object);
   told_.erase(object);
+}
+
+std::size_t Peer::pairs_with_held(ObjectId object) const {
+  return static_cast<std::size_t>(std::ranges::count_if(model_.pairs_of(object), [&](std::uint32_t number) {
+    const CollisionPair& pair = model_.pairs[number];
+    return holds(pair.collider == object ? pair.collidee : pair.collider);
+  }));
 }
 
 void Peer::lose_sight(ObjectId object, SimTime t) {

@@ -618,10 +618,11 @@ TEST(RegionsCollide, NothingMeetsWhatIsNotHeardOf) {
   lan.add(b);  // the lower id: it would decide
   lan.run_until(4s);
   EXPECT_FALSE(lan.peer(1).holds(world["A"]));
-  const auto tests = lan.peer(1).counters().proximity_tests;
+  const auto tests = lan.peer(1).counters().proximity_tests, skipped = lan.peer(1).counters().predictions_skipped;
   lan.run_until(12s);
   EXPECT_FALSE(lan.peer(1).holds(world["A"]));
   EXPECT_EQ(lan.peer(1).counters().proximity_tests, tests) << "nor is it close to anything";
+  EXPECT_EQ(lan.peer(1).counters().predictions_skipped, skipped + 8 * 60) << "of one pair";
   EXPECT_THAT(lan.contacts(1, ContactKind::kDecided), IsEmpty());
   EXPECT_THAT(lan.contacts(1, ContactKind::kOwner), IsEmpty());
   EXPECT_GT(lan.peer(1).truth(world["B"], lan.session_now(1)).position.z(), 1.0) << "it flew through where A was";
