@@ -242,7 +242,7 @@ bool Peer::may_lack_ours(PeerId peer, const ContactEvent& c) const {
   if (grid_.cuts()) return false;  // regions have no receipts
   return std::ranges::any_of(std::array{c.collider, c.collidee}, [&](ObjectId object) {
     const auto at = own_.find(object);
-    if (at == own_.end() || !at->second.last_sent || at->second.heard.contains(peer)) return false;
+    if (at == own_.end() || !at->second.last_sent || !may_not_have(peer, at->second)) return false;
     return at->second.may_lack.contains(peer) || *at->second.last_sent <= c.at - lookback();
   });
 }

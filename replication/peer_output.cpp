@@ -92,8 +92,22 @@ void Peer::on_receipt(PeerId from, const Receipt& receipt) {
 void Peer::note_who_may_lack(Own& own, SimTime t) {
   if (t - *own.last_sent < 2 * longest_latency() + config_.settled_hello_period) return;
   for (const auto& [peer, member] : members_.all()) {
-    if (!own.heard.contains(peer)) own.may_lack.insert(peer);
+    if (may_not_have(peer, own)) own.may_lack.insert(peer);
   }
+}
+
+// Whether that peer may have missed the object's last update: it has confirmed none of the datagrams that carried it,
+// and fewer of them should have come to it than it takes to be sure. Receipts alone don't tell: where datagrams overtake
+// each other there is always one missing.
+bool Peer::may_not_have(PeerId peer, const Own& own) const {
+  const auto at = members_.all().find(peer);
+  if (own.heard.contains(peer) || at == members_.all().end()) return false;
+  const Member& member = at->second;
+  if (!member.receipt) return true;
+  const auto should_have_come =
+      std::ranges::count_if(own.told_in, [&](std::uint32_t number) { return number <= member.receipt->highest; });
+  const double loss = member.loss_of_ours.value_or(LossMeter{}.loss());
+  return should_have_come < copies_against(loss, 1 + kWithHellosMax);
 }
 
 // Its last update.
