@@ -59,13 +59,16 @@ void Peer::repeat_updates(HostTime now) {
   for (auto& [object, own] : own_) {
     if (!own.to_repeat || own.times_with_hello >= most || everybody_has(own)) continue;
     const bool again = own.times_with_hello > 0;
+    if (again && probably_all_have(own)) continue;
     if (again && now - own.with_hello_at < answered && !passed_by(own)) continue;
     if (!again && !lossy && clock_.to_session(now) - own.to_repeat->at < kStandsFor) continue;
     const bool due_anyway =
         std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
     if (due_anyway) continue;  // it goes out for the first time just now
     if (clock_.to_session(now) + longest_latency() - own.to_repeat->at > kUpdateAgeMax) {
-      own.resend = true;  // nobody would take what is so old: the next tick tells how it goes by now
+      // Nobody would take what is so old: the next tick tells how it goes by now. Rounded at another instant it is
+      // another motion in its last bits, so not for a receipt alone that is not clean as datagrams overtake each other.
+      own.resend = lossy;
       continue;
     }
     ++own.times_with_hello;
@@ -96,18 +99,24 @@ void Peer::note_who_may_lack(Own& own, SimTime t) {
   }
 }
 
-// Whether that peer may have missed the object's last update: it has confirmed none of the datagrams that carried it,
-// and fewer of them should have come to it than it takes to be sure. Receipts alone don't tell: where datagrams overtake
-// each other there is always one missing.
+// Whether that peer may have missed the object's last update: it has confirmed none of the datagrams that carried it.
+// Where most of what is missing has only been overtaken, receipts are seldom clean; there as many datagrams as make it
+// sure to arrive count for a receipt.
 bool Peer::may_not_have(PeerId peer, const Own& own) const {
   const auto at = members_.all().find(peer);
   if (own.heard.contains(peer) || at == members_.all().end()) return false;
   const Member& member = at->second;
   if (!member.receipt) return true;
+  const double loss = member.loss_of_ours.value_or(LossMeter{}.loss());
+  const double lost = loss * member.receipt->highest;
+  if (2.0 * lost > member.receipt->missing) return true;
   const auto should_have_come =
       std::ranges::count_if(own.told_in, [&](std::uint32_t number) { return number <= member.receipt->highest; });
-  const double loss = member.loss_of_ours.value_or(LossMeter{}.loss());
   return should_have_come < copies_against(loss, 1 + kWithHellosMax);
+}
+
+bool Peer::probably_all_have(const Own& own) const {
+  return std::ranges::none_of(members_.all(), [&](const auto& member) { return may_not_have(member.first, own); });
 }
 
 // Its last update.
