@@ -476,7 +476,6 @@ class Peer {
   [[nodiscard]] bool everybody_has(const Own& own) const;
   void note_who_may_lack(Own& own, SimTime t);
   [[nodiscard]] bool may_not_have(PeerId peer, const Own& own) const;
-  [[nodiscard]] bool probably_all_have(const Own& own) const;
   [[nodiscard]] double loss() const;
   [[nodiscard]] double loss_of(const Member& member, double others) const;
   void send(Message& message, RegionId region = kWholeScene);

