@@ -16,8 +16,9 @@ constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHead
 // of at most 97 and a name of 64 fit.
 constexpr std::size_t kEnslavedMax = 50;
 // With one hello in so many a peer says who it is, to whom it may concern; and with so many in a row that something
-// new.
-constexpr std::size_t kIntroductionEvery = 8, kNewsRepeated = 3;
+// new, more of them where the loss asks for it.
+constexpr std::size_t kIntroductionEvery = 8;
+constexpr std::uint32_t kNewsRepeated = 3, kNewsRepeatedMost = 6;
 // A state that has not been replaced for so long is one that stays for a while.
 constexpr Duration kStandsFor = std::chrono::seconds(1);
 // So often at most goes a state out again with hellos; enough for three in ten lost (0.3^6 = 0.0007).
@@ -193,7 +194,10 @@ void Peer::flush_region(RegionId region, const Due& due, bool decisions) {
   if (used_bytes > 0) send(m, region);
 }
 
-void Peer::introduce_anew() { introductions_due_ = kNewsRepeated * (1 + own_.size() / kEnslavedMax); }
+void Peer::introduce_anew() {
+  const std::uint32_t times = std::max(kNewsRepeated, copies_against(loss(), kNewsRepeatedMost));
+  introductions_due_ = times * (1 + own_.size() / kEnslavedMax);
+}
 
 // Whoever is new here, or has news, or is not known to somebody, says who it is.
 bool Peer::has_news() const {
