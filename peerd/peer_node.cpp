@@ -346,6 +346,7 @@ const PeerLog& PeerNode::log() {
        {"updates_repeated", c.updates_repeated},
        {"updates_duplicate", c.updates_duplicate},
        {"updates_relayed", c.updates_relayed},
+       {"updates_withheld", c.updates_withheld},
        {"states_out_of_range", c.states_out_of_range},
        {"convergence_blocked", c.convergence_blocked},
        {"convergence_detours", c.convergence_detours},

@@ -1,5 +1,6 @@
 #include "replication/hello_lists.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -39,16 +40,33 @@ bool take_id(BitReader& in, Id& id) {
   return take_varint(in, id.value);
 }
 
+// The first is right behind the run.
+bool names_holes(const Received& r) { return r.run < std::min(r.highest, Received::kWindow); }
+
+bool take_received(BitReader& in, std::uint32_t highest, Received& r) {
+  r.highest = highest;
+  r.last = ~std::uint64_t{0};
+  if (!take_varint(in, r.run) || r.run == 0 || r.run > std::min(highest, Received::kRunMax)) return false;
+  if (!names_holes(r)) return true;
+  std::uint64_t absent = 0;
+  const std::uint32_t counted = std::min(highest, Received::kWindow) - r.run;
+  if (!take_varint(in, absent) || absent % 2 == 0 || absent >> counted != 0) return false;
+  r.last = ~(absent << r.run);
+  return true;
+}
+
 }  // namespace
 
 std::string packed(const std::vector<Echo>& echoes) {
   return packed_by(echoes, [](BitWriter& out, const Echo& e) {
-    assert(e.highest >= e.hello && e.held >= Duration{0});
+    const Received& r = e.received;
+    assert(r.highest >= e.hello && r.run > 0 && e.held >= Duration{0});
     put_varint(out, e.peer.value);
     put_varint(out, e.hello);
     put_varint(out, static_cast<std::uint64_t>(e.held.count()));
-    put_varint(out, e.highest - e.hello);
-    put_varint(out, e.missing);
+    put_varint(out, r.highest - e.hello);
+    put_varint(out, r.run);
+    if (names_holes(r)) put_varint(out, ~r.last >> r.run);
     put_varint(out, static_cast<std::uint64_t>(std::lround(1000.0 * e.loss)));
   });
 }
@@ -58,15 +76,12 @@ bool take_echoes(std::string_view bytes, std::vector<Echo>& echoes) {
     std::uint64_t held_ns = 0;
     std::uint32_t newer = 0, loss_permille = 0;
     if (!take_id(in, e.peer) || !take_varint(in, e.hello) || !take_varint(in, held_ns) || !take_varint(in, newer) ||
-        !take_varint(in, e.missing) || !take_varint(in, loss_permille)) {
+        newer > std::numeric_limits<std::uint32_t>::max() - e.hello ||
+        !take_received(in, e.hello + newer, e.received) || !take_varint(in, loss_permille)) {
       return false;
     }
-    if (held_ns > static_cast<std::uint64_t>(kHeldMax.count()) || loss_permille > 1000 ||
-        newer > std::numeric_limits<std::uint32_t>::max() - e.hello) {
-      return false;
-    }
+    if (held_ns > static_cast<std::uint64_t>(kHeldMax.count()) || loss_permille > 1000) return false;
     e.held = Duration{static_cast<std::int64_t>(held_ns)};
-    e.highest = e.hello + newer;
     e.loss = 1e-3 * loss_permille;
     return true;
   });

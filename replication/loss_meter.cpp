@@ -1,12 +1,12 @@
 #include "replication/loss_meter.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace peerd::replication {
 namespace {
 
 constexpr double kForgets = 1.0 / 1000.0;  // of what was counted, with each datagram
-constexpr std::uint32_t kWindow = 64;      // later than by so many, a datagram stays lost; no gap counts for more
 
 }  // namespace
 
@@ -14,10 +14,14 @@ void LossMeter::on_datagram(std::uint32_t number) {
   if (number > highest_) {
     const std::uint32_t ahead = number - highest_;
     const bool first = highest_ == 0;  // what went before this peer listened is no loss
+    if (ahead > kWindow && !first) {
+      hole_ = number - kWindow;
+    } else if (const std::uint64_t left_out = first ? 0 : ~seen_ >> (kWindow - ahead); left_out != 0) {
+      hole_ = highest_ - (kWindow - ahead) - static_cast<std::uint32_t>(std::countr_zero(left_out));
+    }
     seen_ = first ? ~std::uint64_t{0} : ahead < kWindow ? seen_ << ahead | 1 : 1;
-    if (!first) missing_ += ahead - 1;
     highest_ = number;
-    const double newly = first ? 1 : std::min(ahead, kWindow);
+    const double newly = first ? 1 : std::min(ahead, kWindow);  // no gap counts for more than the window
     sent_ = sent_ * (1.0 - kForgets) + newly;
     lost_ = lost_ * (1.0 - kForgets) + newly - 1.0;
     return;
@@ -31,6 +35,12 @@ void LossMeter::on_datagram(std::uint32_t number) {
   if (behind >= kWindow) return;
   seen_ |= std::uint64_t{1} << behind;
   lost_ = std::max(0.0, lost_ - 1.0);
+}
+
+Received LossMeter::received() const {
+  const auto in_window = static_cast<std::uint32_t>(std::countr_one(seen_));
+  const std::uint32_t run = in_window < kWindow ? in_window : highest_ - hole_;
+  return {highest_, std::min({run, highest_, Received::kRunMax}), seen_};
 }
 
 std::uint32_t copies_against(double loss, std::uint32_t most) {

@@ -3,16 +3,33 @@
 
 namespace peerd::replication {
 
+// Which of a sender's datagrams have come, by their numbers: the last `kWindow` each by itself, those before by whether
+// none is missing.
+struct Received {
+  static constexpr std::uint32_t kWindow = 64, kRunMax = 16'383;
+  std::uint32_t highest = 0;
+  std::uint32_t run = 0;   // so many up to `highest` have come in a row; kRunMax: or more
+  std::uint64_t last = 0;  // bit k: highest - k has come
+  [[nodiscard]] bool has(std::uint32_t number) const {
+    if (number > highest) return false;
+    const std::uint32_t behind = highest - number;
+    return behind < run || (behind < kWindow && (last >> behind & 1) != 0);
+  }
+  // Surely not; the others are not known of.
+  [[nodiscard]] bool lacks(std::uint32_t number) const {
+    return number <= highest && highest - number < kWindow && !has(number);
+  }
+  friend bool operator==(const Received&, const Received&) = default;
+};
+
 // How many of another peer's datagrams get lost on their way here, by the numbers that they carry. Old ones are
 // forgotten (the last thousand or so count); one that comes late is no loss, a duplicate is nothing.
 class LossMeter {
  public:
   // `number`: the sender's count of its datagrams, from 1.
   void on_datagram(std::uint32_t number);
-  [[nodiscard]] std::uint32_t highest() const { return highest_; }
-  // Of those from the first that came to highest(): how many had not come when a later one did. Never less than before,
-  // so that what is as much as before tells that all since then have come.
-  [[nodiscard]] std::uint32_t missing() const { return missing_; }
+  // Those from before the first that came count as come, and what is later than by the window as lost.
+  [[nodiscard]] Received received() const;
   // Those that came again, and those that came after a later one.
   [[nodiscard]] std::uint64_t duplicates() const { return duplicates_; }
   [[nodiscard]] std::uint64_t overtaken() const { return overtaken_; }
@@ -31,8 +48,10 @@ class LossMeter {
   }
 
  private:
-  std::uint32_t highest_ = 0, missing_ = 0;
+  static constexpr std::uint32_t kWindow = Received::kWindow;  // later than by so many, a datagram stays lost
+  std::uint32_t highest_ = 0;
   std::uint64_t seen_ = 0;  // bit k: highest_ - k has come
+  std::uint32_t hole_ = 0;  // the highest of those before that have not; 0: none
   std::uint64_t duplicates_ = 0, overtaken_ = 0;
   double sent_ = 0.0, lost_ = 0.0;
 };

@@ -5,10 +5,7 @@
 namespace peerd::replication {
 
 void Receipt::on_echo(const Echo& echo) {
-  if (echo.highest < highest) return;  // overtaken by a later one
-  if (echo.missing != missing) clean_from = echo.highest;
-  highest = echo.highest;
-  missing = echo.missing;
+  if (echo.received.highest >= received.highest) received = echo.received;  // else overtaken by a later one
 }
 
 Membership::Heard Membership::on_datagram(HostTime now, PeerId peer, std::uint64_t boot) {

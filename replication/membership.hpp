@@ -16,11 +16,13 @@
 
 namespace peerd::replication {
 
-// Which datagrams of ours another peer has, by what its echoes say of the highest number and of how many are missing:
-// all from the one after `clean_from` to `highest`. None is missing since then.
+// Which datagrams of ours another peer has, as its echoes say: of those after the one that it heard first.
 struct Receipt {
-  std::uint32_t clean_from = 0, highest = 0, missing = 0;
-  [[nodiscard]] bool has(std::uint32_t number) const { return number > clean_from && number <= highest; }
+  std::uint32_t after;
+  Received received;
+  explicit Receipt(const Received& first) : after(first.highest), received(first) {}
+  [[nodiscard]] bool has(std::uint32_t number) const { return number > after && received.has(number); }
+  [[nodiscard]] bool lacks(std::uint32_t number) const { return number > after && received.lacks(number); }
   void on_echo(const Echo& echo);
 };
 

@@ -1,10 +1,10 @@
 #include "replication/offset_interval.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <utility>
-#include <vector>
 
 namespace peerd::replication {
 namespace {
@@ -63,7 +63,6 @@ bool OffsetInterval::on_hello(SimTime t3, HostTime t4, const std::optional<Echo>
   at_ = t4;
   origin_ = behind;
   here_.add({behind, t4});
-  measure_speed(t4);
   return agrees;
 }
 
@@ -72,62 +71,66 @@ std::optional<OffsetBounds> OffsetInterval::at(HostTime now, std::int64_t drift_
   return OffsetBounds{*least_, *most_}.aged(now - at_, drift_ppm);
 }
 
-double OffsetInterval::by_now_s(const Way::Sample& sample, HostTime now) const {
-  return to_seconds(sample.offset - origin_) + speed_ * to_seconds(now - sample.at);
+double OffsetInterval::by_now_s(const Way::Sample& sample, HostTime now, double speed) const {
+  return to_seconds(sample.offset - origin_) + speed * to_seconds(now - sample.at);
 }
 
 // One line for each direction, of one slope, by least squares; and then again without what was held back on its way, as
 // delays only ever add. The slope is known beforehand to be of the size kMost (the mode of a Gaussian posterior), so
 // that delays that vary are not taken for a speed.
-void OffsetInterval::measure_speed(HostTime now) {
+OffsetInterval::Speed OffsetInterval::speed() const {
   constexpr double kMost = 1e-6 * kDrift_ppm;
   // So many times as late as half of its direction: delays that are spread evenly are none.
   constexpr double kStraggling = 3.0;
-  speed_ = 0.0;
-  speed_error_ = kMost;
+  Speed speed{0.0, kMost};
+  std::array<std::pair<Way, double>, 2> ways{{{here_, 1.0}, {there_, -1.0}}};  // to be put in order, the quickest first
   for (const bool without_stragglers : {false, true, true}) {
     double n = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-    for (const auto& [way, sign] : {std::pair{&here_, 1.0}, std::pair{&there_, -1.0}}) {
-      std::vector<Way::Sample> kept(way->samples().begin(), way->samples().end());
-      if (without_stragglers && !kept.empty()) {
-        const auto quickness_s = [&](const Way::Sample& s) { return sign * by_now_s(s, now); };
+    for (auto& [way, sign] : ways) {
+      std::span<Way::Sample> kept = way.samples();
+      if (kept.empty()) continue;
+      if (without_stragglers) {
+        const auto quickness_s = [&, sign = sign](const Way::Sample& s) {
+          return sign * by_now_s(s, at_, speed.value);
+        };
         std::ranges::sort(kept, std::greater{}, quickness_s);
         const double quickest_s = quickness_s(kept.front());
-        const double usual_s = quickest_s - quickness_s(kept[kept.size() / 2]);
-        std::erase_if(kept, [&](const Way::Sample& s) { return quickest_s - quickness_s(s) > kStraggling * usual_s; });
+        const double latest_s = quickest_s - kStraggling * (quickest_s - quickness_s(kept[kept.size() / 2]));
+        const auto stragglers = std::ranges::upper_bound(kept, latest_s, std::greater{}, quickness_s);
+        kept = {kept.begin(), stragglers};
       }
       double mean_x = 0.0, mean_y = 0.0;
       for (const Way::Sample& s : kept) {
-        mean_x += to_seconds(s.at - now) / static_cast<double>(kept.size());
+        mean_x += to_seconds(s.at - at_) / static_cast<double>(kept.size());
         mean_y += to_seconds(s.offset - origin_) / static_cast<double>(kept.size());
       }
       for (const Way::Sample& s : kept) {
-        const double x = to_seconds(s.at - now) - mean_x, y = to_seconds(s.offset - origin_) - mean_y;
+        const double x = to_seconds(s.at - at_) - mean_x, y = to_seconds(s.offset - origin_) - mean_y;
         xx += x * x;
         xy += x * y;
         yy += y * y;
       }
       n += static_cast<double>(kept.size());
     }
-    if (n < 4.0 || !(xx > 0.0)) return;  // three are fitted: two means and the slope
+    if (n < 4.0 || !(xx > 0.0)) break;  // three are fitted: two means and the slope
     const double variance = std::max(0.0, yy - xy * xy / xx) / (n - 3.0);
     const double weight = xx + variance / (kMost * kMost);
-    speed_ = std::clamp(xy / weight, -kMost, kMost);
-    speed_error_ = std::sqrt(variance / weight);
+    speed = {std::clamp(xy / weight, -kMost, kMost), std::sqrt(variance / weight)};
   }
+  return speed;
 }
 
-Duration OffsetInterval::likely(HostTime now) const {
+OffsetInterval::Likely OffsetInterval::likely(HostTime now) const {
+  const Speed known = speed();
   // The quickest of a direction; what the speed may be wrong by counts against old ones.
   const auto quickest_s = [&](const Way& way, double sign) {
-    return by_now_s(*std::ranges::max_element(way.samples(), {},
-                                              [&](const Way::Sample& s) {
-                                                return sign * by_now_s(s, now) - speed_error_ * to_seconds(now - s.at);
-                                              }),
-                    now);
+    const auto quickness_s = [&](const Way::Sample& s) {
+      return sign * by_now_s(s, now, known.value) - known.error * to_seconds(now - s.at);
+    };
+    return by_now_s(*std::ranges::max_element(way.samples(), {}, quickness_s), now, known.value);
   };
   // One is of when it came, the other of when it left: what the clocks drift by meanwhile cancels.
-  return origin_ + from_seconds((quickest_s(here_, 1.0) + quickest_s(there_, -1.0)) / 2.0);
+  return {origin_ + from_seconds((quickest_s(here_, 1.0) + quickest_s(there_, -1.0)) / 2.0), known.value};
 }
 
 }  // namespace peerd::replication

@@ -54,10 +54,14 @@ class OffsetInterval {
   bool on_hello(SimTime t3, HostTime t4, const std::optional<Echo>& echo, std::int64_t drift_ppm);
   // None before both bounds are known.
   [[nodiscard]] std::optional<OffsetBounds> at(HostTime now, std::int64_t drift_ppm) const;
-  // .. and where in them it is, if both ways take the same time at best and the clocks go on as they do. Needs bounds.
-  [[nodiscard]] Duration likely(HostTime now) const;
-  // How much faster their clock runs than ours, within +-kDrift_ppm: as the last hellos of both directions show it.
-  [[nodiscard]] double speed() const { return speed_; }
+  // .. and where in them it is, if both ways take the same time at best and the clocks go on as they do; and how much
+  // faster theirs runs than ours, within +-kDrift_ppm, as the last hellos of both directions show it.
+  struct Likely {
+    Duration offset;
+    double speed;
+  };
+  // Needs bounds.
+  [[nodiscard]] Likely likely(HostTime now) const;
   // Echoes that the interval rests on.
   [[nodiscard]] std::uint64_t exchanges() const { return exchanges_; }
   // Of the last echo: there and back, without the time that they held it.
@@ -75,14 +79,18 @@ class OffsetInterval {
     [[nodiscard]] std::span<const Sample> samples() const {
       return std::span(samples_).first(std::min(added_, samples_.size()));
     }
+    [[nodiscard]] std::span<Sample> samples() { return std::span(samples_).first(std::min(added_, samples_.size())); }
 
    private:
     std::array<Sample, 64> samples_{};  // a minute of settled hellos
     std::size_t added_ = 0;
   };
-  void measure_speed(HostTime now);
-  // Of a sample, by now, from origin_ [s].
-  [[nodiscard]] double by_now_s(const Way::Sample& sample, HostTime now) const;
+  struct Speed {
+    double value = 0.0, error = 0.0;
+  };
+  [[nodiscard]] Speed speed() const;
+  // A sample's offset from origin_ [s], by `now` at that speed.
+  [[nodiscard]] double by_now_s(const Way::Sample& sample, HostTime now, double speed) const;
 
   std::optional<Duration> least_, most_;
   HostTime at_{};  // when they were so
@@ -90,7 +98,6 @@ class OffsetInterval {
   std::optional<Duration> round_trip_;
   Way here_, there_;
   Duration origin_{0};  // offsets are computed from here: a double holds no nanosecond since 1970
-  double speed_ = 0.0, speed_error_ = 0.0;
 };
 
 }  // namespace peerd::replication

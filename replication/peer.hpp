@@ -216,6 +216,7 @@ class Peer {
     std::uint64_t updates_repeated = 0;                                     // second copies sent; not in updates_out
     std::uint64_t updates_duplicate = 0;                                    // copies of what was applied already
     std::uint64_t updates_relayed = 0;
+    std::uint64_t updates_withheld = 0;     // due, and beyond the budget of bytes; a tick each
     std::uint64_t states_out_of_range = 0;  // told as standing, for receivers would refuse them
     std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
     std::uint64_t convergence_detours = 0;  // those that followed the ghost's own way past it
@@ -340,8 +341,7 @@ class Peer {
     // Of its last update: the numbers of the datagrams that carried it to all, and who is known to have one of them.
     std::vector<std::uint32_t> told_in;
     std::set<PeerId> heard;
-    bool all_have_it = false;
-    std::set<PeerId> may_lack;  // who has confirmed none of late although there was time for it
+    std::set<PeerId> may_lack;  // who has not confirmed the last but one, although there was time for it
     std::optional<ModelChooser> models;
     PoseHistory poses;  // of samples without derivatives
     UpdateBudget budget;
@@ -361,6 +361,7 @@ class Peer {
   void declare_all();
   void on_stranger(HostTime now, PeerId stranger);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
+  void on_echo(PeerId sender, Member& member, const Echo* echo);
   void on_update(PeerId sender, UpdateRecord update, SimTime session_now);
   void on_decision(PeerId sender, const DecisionRecord& decision, SimTime known_at);
   void claim(PeerId peer, std::span<const ObjectId> objects);
@@ -385,7 +386,7 @@ class Peer {
   enum class Session : std::uint8_t { kUnknown, kEarlier, kSame, kLater };
   [[nodiscard]] Session session_of(HostTime now, PeerId peer, const Member& member) const;
   [[nodiscard]] std::optional<PeerId> choose_leader(HostTime now) const;
-  void follow_leader(HostTime now);
+  void follow_leader(HostTime now, std::optional<PeerId> heard);
   void tick(SimTime t, std::span<const OwnSample> samples);
   void report_contacts(SimTime t);
   // Decisions (peer_decisions.cpp).
@@ -396,6 +397,7 @@ class Peer {
   [[nodiscard]] PeerId decider_of(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] bool in_time(SimTime contact) const;
   [[nodiscard]] Outcome outcome(ObjectId a, ObjectId b, SimTime contact) const;
+  [[nodiscard]] std::optional<Pose> eye(const Viewpoint& viewpoint, SimTime at) const;
   [[nodiscard]] Stake stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
   [[nodiscard]] Duration own_latency() const;
   [[nodiscard]] Duration longest_latency() const;
@@ -420,6 +422,7 @@ class Peer {
   [[nodiscard]] std::vector<ContactNote> take_notes();
   void publish(SimTime t);
   void tell_along(SimTime t);
+  void tell_most_urgent(SimTime t);
   void tell_changed(SimTime t);
   [[nodiscard]] std::optional<PublishReason> why_due(Own& own, SimTime t, double threshold_m,
                                                      const KinematicState& truth, const KinematicState& ghost,
@@ -427,7 +430,7 @@ class Peer {
   [[nodiscard]] double least_threshold_m(ObjectId object) const;
   [[nodiscard]] bool told_since_tick(const Own& own) const;
   void repeat_updates(HostTime now);
-  void tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m);
+  std::size_t tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m);
   [[nodiscard]] bool may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const;
   [[nodiscard]] double threshold_now_m(ObjectId object, SimTime t);
   [[nodiscard]] double time_to_contact_s(ObjectId object, SimTime t, double threshold_m);
@@ -456,26 +459,25 @@ class Peer {
   [[nodiscard]] RegionId home(ObjectId object) const;
   void retell_across(const ContactEvent& contact);
   // What goes to one region.
-  struct Due {
+  struct Batch {
     std::vector<Gone> gone;
     std::vector<UpdateRecord> updates;
   };
-  void sort_gone(std::map<RegionId, Due>& due);
+  void sort_gone(std::map<RegionId, Batch>& due);
   void on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now);
   void measure_meetings(std::span<const std::uint32_t> pairs);
   void send_copies();
   void flush_records(bool decisions);
-  void flush_region(RegionId region, const Due& due, bool decisions);
+  void flush_region(RegionId region, const Batch& due, bool decisions);
   [[nodiscard]] bool settled(HostTime now) const;
   void send_hello(HostTime now, bool leaving);
   void say_nothing();
   void introduce_anew();
   [[nodiscard]] bool has_news() const;
   [[nodiscard]] Introduction introduction();
-  void on_receipt(PeerId from, const Receipt& receipt);
   [[nodiscard]] bool everybody_has(const Own& own) const;
+  [[nodiscard]] Duration answered_within() const;
   void note_who_may_lack(Own& own, SimTime t);
-  [[nodiscard]] bool may_not_have(PeerId peer, const Own& own) const;
   [[nodiscard]] double loss() const;
   [[nodiscard]] double loss_of(const Member& member, double others) const;
   void send(Message& message, RegionId region = kWholeScene);
@@ -569,6 +571,15 @@ class Peer {
     double threshold_m;
   };
   std::vector<Waiting> waiting_;
+  // Those that one is due of, where bytes are counted.
+  struct Due {
+    Waiting what;
+    PublishReason reason;
+    double urgency = 0.0;
+  };
+  std::vector<Due> due_;
+  ByteBudget bytes_;
+  bool out_of_bytes_ = false;      // as of the last tick
   std::set<PeerId> other_worlds_;  // told once each
   std::set<PeerId> forgotten_;     // lost; what they said is to be said again when they come back
   bool id_in_use_told_ = false;

@@ -117,8 +117,9 @@ SessionClock::Estimate Peer::estimate(HostTime now, PeerId peer) {
   e.reference_error = member.clock_error;
   e.settled = member.clock.exchanges() >= kExchangesToStart;
   if (!e.bounds) return e;
-  e.likely = std::clamp(member.clock.likely(now), e.bounds->least, e.bounds->most);
-  e.speed = member.clock.speed();
+  const OffsetInterval::Likely likely = member.clock.likely(now);
+  e.likely = std::clamp(likely.offset, e.bounds->least, e.bounds->most);
+  e.speed = likely.speed;
   const auto os = os_bounds(now, member);
   if (!os) return e;
   if (const auto both = intersection(*e.bounds, *os)) {
@@ -167,14 +168,16 @@ std::optional<PeerId> Peer::choose_leader(HostTime now) const {
   return later ? later : lowest;
 }
 
-void Peer::follow_leader(HostTime now) {
+// `heard`: whose hello has just come.
+void Peer::follow_leader(HostTime now, std::optional<PeerId> heard) {
   const auto leader = choose_leader(now);
-  follows_ = leader;
+  const bool new_leader = std::exchange(follows_, leader) != leader;
   if (leader == config_.id) {
     if (clock_.error_bound(now) != Duration{0}) clock_.lead(now);
     return;
   }
-  if (leader) clock_.follow(now, estimate(now, *leader), config_.lost_after + longest_latency());
+  if (!leader || (!new_leader && leader != heard)) return;  // nothing new of its clock
+  clock_.follow(now, estimate(now, *leader), config_.lost_after + longest_latency());
   if (!clock_.synchronised() || replica_) return;
   outputs_.push_back(Synchronised{*leader, clock_.session_minus_host(now), *clock_.error_bound(now)});
   enter_session(now);

@@ -81,6 +81,14 @@ void Peer::measure_latency(Member& member, HostTime now, SimTime sent) {
   member.delays[member.delays_known++ % member.delays.size()] = late;
 }
 
+// None: where its object is then is not known.
+std::optional<Pose> Peer::eye(const Viewpoint& viewpoint, SimTime at) const {
+  if (!viewpoint.object) return viewpoint.pose;
+  if (!replica_->ghosts.knows(*viewpoint.object, at)) return std::nullopt;
+  const Pose carrier = replica_->ghosts.at(*viewpoint.object, at).pose();
+  return Pose{carrier * viewpoint.pose.position, (carrier.orientation * viewpoint.pose.orientation).normalized()};
+}
+
 Stake Peer::stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const {
   Stake s{owner(object), std::nullopt, own_latency(), false};
   const MotionWorld& ghosts = replica_->ghosts;
@@ -93,14 +101,10 @@ Stake Peer::stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting
     viewpoint = member->second.viewpoint;
   }
   if (config_.decisions.policy != DecisionPolicy::kFieldOfView || !viewpoint) return s;
-  Pose eye = viewpoint->pose;
-  if (viewpoint->object) {
-    if (!ghosts.knows(*viewpoint->object, at)) return s;
-    const Pose carrier = ghosts.at(*viewpoint->object, at).pose();
-    eye = {carrier * eye.position, (carrier.orientation * eye.orientation).normalized()};
-  }
+  const std::optional<Pose> from = eye(*viewpoint, at);
+  if (!from) return s;
   // Both of them: who rides on one has that one in view wherever he looks.
-  const collision::Camera camera{eye, viewpoint->field_of_view, viewpoint->aspect};
+  const collision::Camera camera{*from, viewpoint->field_of_view, viewpoint->aspect};
   s.sees = std::ranges::all_of(meeting, [&](const WorldBox& box) { return sees(camera, box); });
   return s;
 }
@@ -242,7 +246,7 @@ bool Peer::may_lack_ours(PeerId peer, const ContactEvent& c) const {
   if (grid_.cuts()) return false;  // regions have no receipts
   return std::ranges::any_of(std::array{c.collider, c.collidee}, [&](ObjectId object) {
     const auto at = own_.find(object);
-    if (at == own_.end() || !at->second.last_sent || !may_not_have(peer, at->second)) return false;
+    if (at == own_.end() || !at->second.last_sent || at->second.heard.contains(peer)) return false;
     return at->second.may_lack.contains(peer) || *at->second.last_sent <= c.at - lookback();
   });
 }

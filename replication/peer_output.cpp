@@ -12,14 +12,14 @@ namespace {
 
 // What a datagram's header (version, sender, number, the boot's low bits) leaves for records.
 constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHeader_bytes - kDecisionsHeader_bytes;
-// Per introduction. 15 echoes of at most 27 bytes, 50 objects of at most 5, kNotesMax notes of at most 25, a viewpoint
+// Per introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of at most 25, a viewpoint
 // of at most 97 and a name of 64 fit.
 constexpr std::size_t kEnslavedMax = 50;
 // With one hello in so many a peer says who it is, to whom it may concern; and with so many in a row that something
 // new, more of them where the loss asks for it.
 constexpr std::size_t kIntroductionEvery = 8;
 constexpr std::uint32_t kNewsRepeated = 3, kNewsRepeatedMost = 6;
-// A state that has not been replaced for so long is one that stays for a while.
+// Without receipts: a state that has not been replaced for so long is one that stays for a while.
 constexpr Duration kStandsFor = std::chrono::seconds(1);
 // So often at most goes a state out again with hellos; enough for three in ten lost (0.3^6 = 0.0007).
 constexpr std::uint32_t kWithHellosMax = 5;
@@ -43,33 +43,38 @@ Message Peer::blank() const {
   return m;
 }
 
+// Within which somebody's hello says whether what goes out now has come there, if neither gets lost.
+Duration Peer::answered_within() const {
+  const std::size_t turns = (members_.all().size() + kEchoesMax - 1) / kEchoesMax;
+  return 2 * longest_latency() + static_cast<std::int64_t>(turns) * config_.settled_hello_period;
+}
+
 // A state that nothing newer has replaced goes out again with hellos, or a lost one would stand wrong until the time
-// threshold: with the next one where datagrams do get lost, elsewhere when it has stood for a while, so that where
-// updates come fast there is nothing to repeat; and from then on whenever somebody's hello has no word of the last time
-// that should, or none has come for as long as one takes, up to as many datagrams as the loss asks for.
+// threshold: with the next one where datagrams do get lost, and whenever somebody's hello says that the last one did;
+// where no hello says anything in time, as often as the loss asks for.
 void Peer::repeat_updates(HostTime now) {
   const bool lossy = copies_against(loss(), 2) > 1;
-  const std::uint32_t most = grid_.cuts() ? 1 : kWithHellosMax;  // regions have no receipts
-  const Duration answered = 2 * longest_latency() + config_.settled_hello_period;
-  const auto passed_by = [&](const Own& own) {
-    return std::ranges::any_of(members_.all(), [&](const auto& entry) {
-      const auto& [peer, member] = entry;
-      return !own.heard.contains(peer) && member.receipt && member.receipt->highest >= own.told_in.back();
-    });
-  };
+  const bool receipts = !grid_.cuts();  // regions have none
+  const std::uint32_t most = receipts ? kWithHellosMax : 1;
+  const Duration patience = receipts ? answered_within() : kStandsFor;
+  const SimTime t = clock_.to_session(now);
+  if (out_of_bytes_) return;
   for (auto& [object, own] : own_) {
     if (!own.to_repeat || own.times_with_hello >= most || everybody_has(own)) continue;
-    const bool again = own.times_with_hello > 0;
-    if (again && own.told_in.size() >= copies_against(loss(), 1 + kWithHellosMax)) continue;
-    if (again && now - own.with_hello_at < answered && !passed_by(own)) continue;
-    if (!again && !lossy && clock_.to_session(now) - own.to_repeat->at < kStandsFor) continue;
+    const bool lost = !own.told_in.empty() && std::ranges::any_of(members_.all(), [&](const auto& entry) {
+      const auto& [peer, member] = entry;
+      return !own.heard.contains(peer) && member.receipt && member.receipt->lacks(own.told_in.back());
+    });
+    const bool first = own.times_with_hello == 0;
+    const bool overdue =
+        first ? lossy || t - *own.last_sent >= patience
+              : now - own.with_hello_at >= patience && own.told_in.size() < copies_against(loss(), 1 + kWithHellosMax);
+    if (!lost && !overdue) continue;
     const bool due_anyway =
         std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
     if (due_anyway) continue;  // it goes out for the first time just now
-    if (clock_.to_session(now) + longest_latency() - own.to_repeat->at > kUpdateAgeMax) {
-      // Nobody would take what is so old: the next tick tells how it goes by now. Rounded at another instant it is
-      // another motion in its last bits, so not for a receipt alone that is not clean as datagrams overtake each other.
-      own.resend = lossy;
+    if (t + longest_latency() - own.to_repeat->at > kUpdateAgeMax) {
+      own.resend = true;  // nobody would take what is so old: the next tick tells how it goes by now
       continue;
     }
     ++own.times_with_hello;
@@ -79,45 +84,16 @@ void Peer::repeat_updates(HostTime now) {
   }
 }
 
-// What another peer says to have of this one's datagrams to all.
-void Peer::on_receipt(PeerId from, const Receipt& receipt) {
-  for (auto& [object, own] : own_) {
-    if (own.all_have_it) continue;
-    if (std::ranges::any_of(own.told_in, [&](std::uint32_t number) { return receipt.has(number); })) {
-      own.heard.insert(from);
-      own.may_lack.erase(from);
-    }
-    own.all_have_it =
-        std::ranges::all_of(members_.all(), [&](const auto& member) { return own.heard.contains(member.first); });
-  }
-}
-
 // Before something newer is told of it.
 void Peer::note_who_may_lack(Own& own, SimTime t) {
-  if (t - *own.last_sent < 2 * longest_latency() + config_.settled_hello_period) return;
+  if (t - *own.last_sent < answered_within()) return;
   for (const auto& [peer, member] : members_.all()) {
-    if (may_not_have(peer, own)) own.may_lack.insert(peer);
+    if (!own.heard.contains(peer)) own.may_lack.insert(peer);
   }
-}
-
-// Whether that peer may have missed the object's last update: it has confirmed none of the datagrams that carried it.
-// Where most of what is missing has only been overtaken, receipts are seldom clean; there as many datagrams as make it
-// sure to arrive count for a receipt.
-bool Peer::may_not_have(PeerId peer, const Own& own) const {
-  const auto at = members_.all().find(peer);
-  if (own.heard.contains(peer) || at == members_.all().end()) return false;
-  const Member& member = at->second;
-  if (!member.receipt) return true;
-  const double loss = member.loss_of_ours.value_or(LossMeter{}.loss());
-  const double lost = loss * member.receipt->highest;
-  if (2.0 * lost > member.receipt->missing) return true;
-  const auto should_have_come =
-      std::ranges::count_if(own.told_in, [&](std::uint32_t number) { return number <= member.receipt->highest; });
-  return should_have_come < copies_against(loss, 1 + kWithHellosMax);
 }
 
 // Its last update.
-bool Peer::everybody_has(const Own& own) const { return own.all_have_it || members_.all().empty(); }
+bool Peer::everybody_has(const Own& own) const { return own.heard.size() == members_.all().size(); }
 
 // What the worst of the others says it loses of what this peer sends.
 double Peer::loss() const {
@@ -138,6 +114,7 @@ double Peer::loss_of(const Member& member, double others) const {
 // Where an update's loss would cost more than its bytes: again at once in another datagram, then with the ticks that
 // follow, while nothing newer goes.
 void Peer::send_copies() {
+  if (out_of_bytes_) return;
   const double loss_now = loss();
   for (auto& [object, own] : own_) {
     const std::uint32_t most =
@@ -153,7 +130,7 @@ void Peer::send_copies() {
 // Updates, decisions and what has gone, as few datagrams as hold them, each region's by themselves. Copies of decisions
 // and of what has gone go out a tick apart.
 void Peer::flush_records(bool decisions) {
-  std::map<RegionId, Due> due;
+  std::map<RegionId, Batch> due;
   if (decisions) due[kWholeScene];
   for (const UpdateRecord& update : std::exchange(updates_due_, {})) {
     due[grid_.region_of(update.model.state.position)].updates.push_back(update);
@@ -165,7 +142,7 @@ void Peer::flush_records(bool decisions) {
   flush_records(false);
 }
 
-void Peer::flush_region(RegionId region, const Due& due, bool decisions) {
+void Peer::flush_region(RegionId region, const Batch& due, bool decisions) {
   Message m = blank();
   std::size_t used_bytes = 0;
   const auto make_room = [&](std::size_t size_bytes) {
@@ -249,8 +226,7 @@ void Peer::send_hello(HostTime now, bool leaving) {
   take_turns(hellos_, heard.size(), kEchoesMax, [&](std::size_t i) {
     const auto& [peer, member] = heard[i];
     const LossMeter& meter = member->received.at(kWholeScene);
-    hello.echoes.push_back(
-        {peer, member->hello, now - member->hello_rx, meter.highest(), meter.missing(), loss_of(*member, others)});
+    hello.echoes.push_back({peer, member->hello, now - member->hello_rx, meter.received(), loss_of(*member, others)});
   });
   if (has_news() || hellos_ % kIntroductionEvery == 0) hello.introduction = introduction();
   ++hellos_;
@@ -274,6 +250,7 @@ void Peer::send(Message& message, RegionId region) {
   Counters::Traffic& traffic = counters_.regions[region];
   ++traffic.datagrams_out;
   traffic.bytes_out += datagram.size();
+  bytes_.spend(datagram.size());
   outputs_.push_back(Send{region, std::move(datagram)});
   for (const UpdateRecord& u : message.updates) {
     const auto own = own_.find(u.object);

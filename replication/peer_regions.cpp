@@ -230,7 +230,7 @@ void Peer::announce_gone(const UpdateRecord& update, RegionId from, RegionId to)
 }
 
 // Copies go out a tick apart.
-void Peer::sort_gone(std::map<RegionId, Due>& due) {
+void Peer::sort_gone(std::map<RegionId, Batch>& due) {
   for (Departure& d : departures_) {
     if (d.copies == 0) continue;
     due[d.from].gone.push_back(d.gone);

@@ -70,7 +70,7 @@ bool Peer::keep_session(HostTime now) {
     lose(peer, member.name, now, false);
   }
   const bool leader_gone = follows_ && follows_ != config_.id && members_.find(*follows_) == nullptr;
-  if (!found_session(now) && leader_gone) follow_leader(now);
+  if (!found_session(now) && leader_gone) follow_leader(now, std::nullopt);
   if (const auto step = clock_.adjust(now)) {
     const SimTime after = clock_.to_session(now);
     ++counters_.clock_steps;
@@ -107,6 +107,8 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
     member.viewpoint = introduction->viewpoint;
     if (hello.session_tx) claim(sender, introduction->enslaved);
   }
+  const auto echo = std::ranges::find(hello.echoes, config_.id, &Echo::peer);
+  on_echo(sender, member, echo == hello.echoes.end() ? nullptr : &*echo);
   if (hello.session_tx && replica_ && clock_.synchronised()) {
     measure_latency(member, now, *hello.session_tx);
     on_notes(sender, hello, clock_.to_session(now));
@@ -119,12 +121,15 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
     introduce_anew();
     restart_predefined();
   }
-  const auto echo = std::ranges::find(hello.echoes, config_.id, &Echo::peer);
   if (is_newest) {
     on_stamps(now, member, hello, echo == hello.echoes.end() ? nullptr : &*echo);
-    follow_leader(now);
+    follow_leader(now, sender);
   }
-  if (echo == hello.echoes.end()) {
+}
+
+// What the sender's hello says of this peer's datagrams; null: nothing.
+void Peer::on_echo(PeerId sender, Member& member, const Echo* echo) {
+  if (echo == nullptr) {
     // With more peers than echoes in a hello they take turns.
     if (++member.unechoed > members_.all().size() / kEchoesMax && std::exchange(member.knows_us, false)) {
       member.forgot_us = true;
@@ -138,9 +143,14 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
     for (auto& [object, own] : own_) own.resend = true;
   }
   member.loss_of_ours = echo->loss;
-  if (!member.receipt) member.receipt = {echo->highest, echo->highest, echo->missing};
+  if (!member.receipt) member.receipt.emplace(echo->received);
   member.receipt->on_echo(*echo);
-  on_receipt(sender, *member.receipt);
+  for (auto& [object, own] : own_) {
+    if (own.heard.contains(sender)) continue;
+    if (std::ranges::none_of(own.told_in, [&](std::uint32_t n) { return member.receipt->has(n); })) continue;
+    own.heard.insert(sender);
+    own.may_lack.erase(sender);
+  }
 }
 
 // How long the farthest of the others waits for what is sent now.

@@ -1,6 +1,8 @@
 // Peer: one tick, from contacts to the updates that are due.
 #include <algorithm>
 #include <cassert>
+#include <functional>
+#include <limits>
 #include <utility>
 
 #include "collision/proximity.hpp"
@@ -131,6 +133,7 @@ void Peer::publish(SimTime t) {
   for (auto& [object, own] : own_) observe(object, own, t, latency_s);
   tell_changed(t);
   waiting_.clear();
+  due_.clear();
   for (auto& [object, own] : own_) {
     const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
     // Where physics takes an object that has met something is not known before its decider says: until then its truth
@@ -139,13 +142,53 @@ void Peer::publish(SimTime t) {
     const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.reach_m);
     const double threshold_m = threshold_now_m(object, t);
     if (const auto reason = why_due(own, t, threshold_m, truth, ghost, error)) {
-      tell(object, own, t, t, *reason, threshold_m);
+      if (config_.policy.bytes_per_s) {
+        due_.push_back({{object, &own, error, threshold_m}, *reason});
+      } else {
+        tell(object, own, t, t, *reason, threshold_m);
+      }
     } else if (config_.policy.along_at < 1.0) {
       waiting_.push_back({object, &own, error, threshold_m});
     }
   }
-  tell_along(t);
+  tell_most_urgent(t);
+  if (!out_of_bytes_) tell_along(t);
   send_copies();
+}
+
+// Of what is due, as much as the budget of bytes allows.
+void Peer::tell_most_urgent(SimTime t) {
+  const PublishPolicy& policy = config_.policy;
+  if (!policy.bytes_per_s) return;
+  std::vector<Vec3> eyes;  // of those who say where they look from; empty where anybody does not: he sees it all
+  for (const auto& [peer, member] : members_.all()) {
+    const auto from = member.viewpoint ? eye(*member.viewpoint, t) : std::nullopt;
+    if (!from) {
+      eyes.clear();
+      break;
+    }
+    eyes.push_back(from->position);
+  }
+  for (Due& due : due_) {
+    const Vec3 at = replica_->truth.at(due.what.object, t).position;
+    double viewed_from_m = eyes.empty() ? 0.0 : std::numeric_limits<double>::infinity();
+    for (const Vec3& from : eyes) viewed_from_m = std::min(viewed_from_m, (at - from).norm());
+    const bool is_news =
+        due.reason != PublishReason::kError && due.reason != PublishReason::kTime && due.reason != PublishReason::kGain;
+    const auto last_sent = is_news ? std::nullopt : due.what.own->last_sent;
+    due.urgency = urgency(policy, due.what.threshold_m, due.what.error, last_sent, t, viewed_from_m);
+  }
+  std::ranges::stable_sort(due_, std::greater{}, &Due::urgency);
+  double left = bytes_.left(policy, t);
+  for (const Due& due : due_) {
+    const auto& [object, own, error, threshold_m] = due.what;
+    if (left > 0.0) {
+      left -= static_cast<double>(tell(object, *own, t, t, due.reason, threshold_m));
+    } else {
+      ++counters_.updates_withheld;
+    }
+  }
+  out_of_bytes_ = !(left > 0.0);
 }
 
 // What is not due yet but has come so far goes with what is, in a datagram that goes anyway.
@@ -171,7 +214,7 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
   std::vector<const OwnSample*> wrong;     // as the others believe them
   for (const OwnSample& sample : samples) {
     const auto own = own_.find(sample.object);
-    if (own == own_.end() || told_since_tick(own->second)) continue;
+    if (own == own_.end() || out_of_bytes_ || told_since_tick(own->second)) continue;
     assert(own->second.driven && sample.has_derivatives);
     const GhostError error = ghost_error(sample.state, replica_->ghosts.at(sample.object, t), own->second.reach_m);
     if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t))
@@ -239,7 +282,8 @@ double Peer::least_threshold_m(ObjectId object) const {
 // The update goes out at t and is of `at`, not after it. What physics moves names its law as it is and goes on from
 // what was told: its truth and all its ghosts are one motion, to the last bit. Contact times are whole nanoseconds, and
 // the same motion, rounded at another instant, may meet a wall in another one.
-void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m) {
+// Returns what it takes [bytes].
+std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m) {
   const PublishPolicy& policy = config_.policy;
   own.budget.spend(policy, t);
   if (own.last_sent) {
@@ -283,7 +327,7 @@ void Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason 
   own.times_with_hello = 0;
   own.told_in.clear();
   own.heard.clear();
-  own.all_have_it = false;
+  return size_bytes;
 }
 
 // The error threshold in force: the tight one in close proximity.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "replication/codec.hpp"
+
 namespace peerd::replication {
 
 const char* to_string(PublishReason reason) {
@@ -43,6 +45,28 @@ std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m
       known_to_rest ? std::max(policy.time_threshold, policy.resting_time_threshold) : policy.time_threshold;
   if (now - *last_sent >= most) return PublishReason::kTime;
   return std::nullopt;
+}
+
+double urgency(const PublishPolicy& policy, double threshold_m, const GhostError& error,
+               std::optional<SimTime> last_sent, SimTime now, double viewed_from_m) {
+  constexpr double kNear_m = 1.0;  // nobody looks closer
+  constexpr double kNever = 1e9;   // as wrong as somebody may be who knows nothing of it
+  const double near_m = std::max(viewed_from_m, kNear_m);
+  if (!last_sent) return kNever / near_m;
+  const double waited_s = to_seconds(now - *last_sent);
+  const auto times = [](double value, double limit) { return value > 0.0 ? value / limit : 0.0; };
+  const double most =
+      std::max({times(waited_s, to_seconds(policy.time_threshold)), times(error.distance_m, threshold_m),
+                times(error.angle_rad, policy.angle_threshold_rad)});
+  return waited_s > 0.0 ? most * waited_s / near_m : 0.0;
+}
+
+double ByteBudget::left(const PublishPolicy& policy, SimTime now) {
+  const double most = std::max(kBurst_s * *policy.bytes_per_s, static_cast<double>(kDatagramMax_bytes));
+  if (!filled_) left_ = most;
+  if (filled_ && now > *filled_) left_ = std::min(most, left_ + *policy.bytes_per_s * to_seconds(now - *filled_));
+  filled_ = now;
+  return left_;
 }
 
 MotionModel as_model(ModelOrder order, const KinematicState& truth) {

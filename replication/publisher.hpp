@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -40,6 +41,9 @@ struct PublishPolicy {
   // error that it would wait for otherwise. 1: not before.
   double along_at = 1.0;
   std::uint32_t copies = 1;  // of each update: two at once, then one a tick until a newer update goes out
+  // What a peer's datagrams may take, headers of UDP and IP aside; none: what they need. Beyond it updates wait, the
+  // most urgent first out; hellos, decisions and what nobody could know do not wait, but take of it.
+  std::optional<double> bytes_per_s;
 };
 
 enum class PublishReason : std::uint8_t { kFirst, kError, kTime, kJoiner, kGain, kDecision, kRegion };
@@ -61,6 +65,25 @@ struct GhostError {
 
 // What goes into the update: the truth as the model's order can express it.
 [[nodiscard]] MotionModel as_model(ModelOrder order, const KinematicState& truth);
+
+// How much an update is wanted that is due: how many times its error or its time is of what it waits for, times how long
+// it has waited [s], so that each object gets a share; the less the farther away the nearest of those is who see it,
+// `viewed_from_m`. `last_sent`: none where somebody knows nothing of it.
+[[nodiscard]] double urgency(const PublishPolicy& policy, double threshold_m, const GhostError& error,
+                             std::optional<SimTime> last_sent, SimTime now, double viewed_from_m);
+
+// What a peer may still send: a bucket of bytes that fills at a rate. Nothing that goes is refused; it can be owed.
+class ByteBudget {
+ public:
+  // [bytes], not more than kBurst_s of the rate or a datagram hold.
+  [[nodiscard]] double left(const PublishPolicy& policy, SimTime now);
+  void spend(std::size_t bytes) { left_ -= static_cast<double>(bytes); }
+
+ private:
+  static constexpr double kBurst_s = 0.25;
+  std::optional<SimTime> filled_;
+  double left_ = 0.0;
+};
 
 // What may be spent on updates that no threshold asks for: a bucket that fills at a rate and holds so many.
 class UpdateBudget {

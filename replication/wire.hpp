@@ -10,6 +10,7 @@
 #include "core/math.hpp"
 #include "core/time.hpp"
 #include "replication/decision.hpp"
+#include "replication/loss_meter.hpp"
 #include "replication/motion_model.hpp"
 #include "replication/region_grid.hpp"
 
@@ -70,11 +71,10 @@ struct Viewpoint {
 // time and its arrival are the other two of NTP's four stamps.
 struct Echo {
   PeerId peer;
-  std::uint32_t hello = 0;    // the number of its last hello's datagram
-  Duration held{0};           // from that one's arrival to this hello
-  std::uint32_t highest = 0;  // number of its datagrams that has come, not below `hello`
-  std::uint32_t missing = 0;  // of its datagrams since the first that came: not there when a later one was
-  double loss = 0.0;          // what gets lost on the way (LossMeter), in thousandths
+  std::uint32_t hello = 0;  // the number of its last hello's datagram
+  Duration held{0};         // from that one's arrival to this hello
+  Received received;        // of its datagrams; the highest is not below `hello`
+  double loss = 0.0;        // what gets lost on the way (LossMeter), in thousandths
 };
 
 // As many as a hello carries; more take turns.

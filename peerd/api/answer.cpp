@@ -117,7 +117,7 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
                      {"heard_ms_ago", in_ms(now - member.last_heard)},
                      {"round_trip_ms", in_ms(member.clock.round_trip())},
                      {"delay_ms", in_ms(member.mean_delay())},
-                     {"clock_ahead_ms", compared ? in_ms(member.clock.likely(now) - own) : ordered_json(nullptr)},
+                     {"clock_ahead_ms", compared ? in_ms(member.clock.likely(now).offset - own) : ordered_json(nullptr)},
                      {"clock_ahead_least_ms", compared ? in_ms(bounds->least - own) : ordered_json(nullptr)},
                      {"clock_ahead_most_ms", compared ? in_ms(bounds->most - own) : ordered_json(nullptr)},
                      {"clock_error_ms", member.synchronised ? in_ms(member.clock_error) : ordered_json(nullptr)},

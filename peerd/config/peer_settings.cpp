@@ -54,6 +54,7 @@ void read_models(TomlReader& reader, replication::PublishPolicy& policy) {
   reader.read("updates_per_s", policy.updates_per_s, 0.0, 1000.0);
   reader.read("updates_saved", policy.updates_saved, 1.0, 1000.0);
   reader.read("update_copies", policy.copies, 1, 10);
+  reader.read("bytes_per_s", policy.bytes_per_s, 1000.0, 1e9);
 }
 
 void read_display_delay(TomlReader& reader, replication::DisplayDelay& delay) {

@@ -11,7 +11,7 @@ local inputs = Proto("peerd_input", "peerd: what a recorded peer was told")
 peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
   "transport.group of the peers' configuration: a datagram to the n-th group after it is of region n")
 
-local VERSION = 5
+local VERSION = 6
 local MOST_BYTES = 1200
 local REGION_MARK, GREETING_MARK = 0x52, 0x47
 
@@ -63,7 +63,8 @@ local F = {
     hello = field("uint32", "echo.hello", "Number of its last hello"),
     held = field("uint64", "echo.held_ns", "Held for [ns]"),
     newer = field("uint32", "echo.newer", "Highest number, above that"),
-    missing = field("uint32", "echo.missing", "Missing"),
+    run = field("uint32", "echo.run", "So many up to the highest have come"),
+    absent = field("uint64", "echo.absent", "Of those before, not", base.HEX),
     loss = field("uint32", "echo.loss_permille", "Lost, of a thousand"),
   },
   note = {
@@ -591,8 +592,13 @@ local function dissect_echoes(tvb, tree)
   each_entry(tvb, function(bits)
     local E = F.echo
     local peer, hello, held = bits:varint32(), bits:varint32(), bits:varint64()
-    local newer, missing, loss = bits:varint32(), bits:varint32(), bits:varint32()
-    if held > UInt64.new(10000000000 % TWO32, 2) or loss > 1000 or newer > TWO32 - 1 - hello then
+    local newer, run = bits:varint32(), bits:varint32()
+    local counted = math.min(hello + newer, 64)
+    local absent = run < counted and bits:varint64() or nil
+    local loss = bits:varint32()
+    local no_row = run == 0 or run > math.min(hello + newer, 16383) or
+      (absent and (absent:lower() % 2 == 0 or absent:rshift(counted - run) ~= UInt64.new(0)))
+    if held > UInt64.new(10000000000 % TWO32, 2) or loss > 1000 or newer > TWO32 - 1 - hello or no_row then
       refuse("an echo that nobody sends")
     end
     local sub = tree:add(bits:range(), "Echo to peer " .. peer)
@@ -600,7 +606,8 @@ local function dissect_echoes(tvb, tree)
     sub:add(E.hello, bits:range(), hello)
     sub:add(E.held, bits:range(), held)
     sub:add(E.newer, bits:range(), newer)
-    sub:add(E.missing, bits:range(), missing)
+    sub:add(E.run, bits:range(), run)
+    if absent then sub:add(E.absent, bits:range(), absent) end
     sub:add(E.loss, bits:range(), loss)
   end)
 end

@@ -82,13 +82,14 @@ Message deciding(const std::function<void(DecisionRecord&)>& change) {
   change(m.decisions.front());
   return m;
 }
+constexpr std::uint64_t kAll = ~std::uint64_t{0};
 Message greeting(const std::function<void(Hello&)>& change) {
   Message m;
   m.sender = PeerId{1};
   m.boot = 1;
   m.hello.emplace();
   m.hello->session_tx = sim(2s);
-  m.hello->echoes = {{PeerId{2}, 7, 1s, 9, 3, 0.5}};
+  m.hello->echoes = {{PeerId{2}, 4990, 1s, {5003, 1000, kAll}, 0.5}};
   m.hello->notes = {{ObjectId{1}, ObjectId{2}, sim(1s), PeerId{3}, true}};
   change(*m.hello);
   return m;
@@ -233,7 +234,25 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"LongestHeld", greeting([](auto& h) { h.echoes[0].held = 10s; }), true},
                     Case{"HeldForTooLong", greeting([](auto& h) { h.echoes[0].held = 10s + 1ns; }), false},
                     Case{"LosesAll", greeting([](auto& h) { h.echoes[0].loss = 1.0; }), true},
-                    Case{"LosesMoreThanAll", greeting([](auto& h) { h.echoes[0].loss = 1.001; }), false}),
+                    Case{"LosesMoreThanAll", greeting([](auto& h) { h.echoes[0].loss = 1.001; }), false},
+                    Case{"LongestRow", greeting([](auto& h) {
+                           h.echoes[0].received = {20'000, 16'383, kAll};
+                         }),
+                         true},
+                    Case{"TooLongARow", greeting([](auto& h) {
+                           h.echoes[0].received = {20'000, 16'384, kAll};
+                         }),
+                         false},
+                    Case{"FromTheFirst", greeting([](auto& h) { h.echoes[0].received.run = 5003; }), true},
+                    Case{"FromBeforeTheFirst", greeting([](auto& h) { h.echoes[0].received.run = 5004; }), false},
+                    Case{"Holes", greeting([](auto& h) {
+                           h.echoes[0].received = {5003, 3, ~0b101000ULL};
+                         }),
+                         true},
+                    Case{"NoHoleBehindTheRow", greeting([](auto& h) {
+                           h.echoes[0].received = {5003, 3, ~0b110000ULL};
+                         }),
+                         false}),
     [](const auto& c) { return std::string(c.param.name); });
 INSTANTIATE_TEST_SUITE_P(
     Introduction, Value,
@@ -316,10 +335,10 @@ TEST(Sizes, AreFewBytes) {
     h.sessions = 1;
     h.latency = 100ms;
     h.notes.clear();
-    h.echoes = {{PeerId{2}, 5000, 150ms, 5003, 0, 0.0}, {PeerId{3}, 5000, 150ms, 5003, 0, 0.0}};
+    h.echoes = {{PeerId{2}, 5000, 150ms, {5003, 5003, kAll}, 0.0}, {PeerId{3}, 5000, 150ms, {5003, 5003, kAll}, 0.0}};
   });
   m.number = 5000;
-  EXPECT_EQ(encode(m).size(), 46u);
+  EXPECT_EQ(encode(m).size(), 48u);
 }
 
 // ---- damage ----
@@ -386,14 +405,17 @@ TEST(HelloSize, AFullHelloFits) {
   h.session_tx = sim(1s);
   h.sessions = kHigh;
   h.latency = kLatencyMax;
-  h.echoes.assign(kEchoesMax, {PeerId{kHigh}, 0x7FFF'FFFF, 10s, kHigh, kHigh, 1.0});
+  h.clock_error = kClockErrorMax;
+  h.os_clock = {Duration{kFarthest_ns}, kOsErrorMax};
+  h.echoes.assign(kEchoesMax, {PeerId{kHigh}, 0x7FFF'FFFF, 10s, {kHigh, 1, 1}, 1.0});
   h.notes.assign(kNotesMax, {ObjectId{kHigh}, ObjectId{kHigh}, SimTime{Duration{kFarthest_ns}}, PeerId{kHigh}, true});
   Introduction& i = h.introduction.emplace();
   i.name.assign(kNameMax_bytes, 'n');
   i.world_hash = ~std::uint64_t{0};
   i.start = i.world_zero = sim(1s);
   i.viewpoint = Viewpoint{ObjectId{kHigh}, {Vec3(1, 2, 3), Quat(0.5, 0.5, 0.5, 0.5)}, 1.0, 1.5};
-  for (std::uint32_t k = 0; k < 50; ++k) i.enslaved.push_back(ObjectId{(k + 1) * 0x0400'0000});  // five bytes each
+  std::uint32_t id = 0;  // as many as can be differ by five bytes, the others by four
+  for (std::uint32_t k = 0; k < 50; ++k) i.enslaved.push_back(ObjectId{id += k < 15 ? 0x1000'0000 : 0x0020'0000});
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <functional>
 #include <map>
 #include <queue>
@@ -14,6 +15,20 @@ namespace peerd::replication::test {
 
 // The time that no peer knows: 0 is when a test begins. Host clocks show kEpoch + this + how far they are ahead.
 inline constexpr Duration kEpoch = std::chrono::hours(24 * 365 * 50);
+
+// Boxes of a metre in a row, 3 m apart: O0, O1, ..
+inline std::string field(int objects) {
+  std::string text;
+  for (int i = 0; i < objects; ++i) text += box("O" + std::to_string(i), "1 1 1", std::to_string(3 * i) + " 0 0");
+  return text;
+}
+
+// A smooth curve of session time.
+inline KinematicState on_a_circle(SimTime t) {
+  const double phase = to_seconds(t.time_since_epoch() - kEpoch);
+  const double s = std::sin(phase), c = std::cos(phase);
+  return moving({5 * c, 5 * s, 0}, {-5 * s, 5 * c, 0}, {-5 * c, -5 * s, 0});
+}
 
 struct Link {
   Duration latency = 5ms, jitter = 0ms;

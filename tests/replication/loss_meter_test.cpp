@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <set>
+
 namespace peerd::replication {
 namespace {
 
@@ -49,20 +53,57 @@ TEST(LossMeter, AGapCountsForNoMoreThanTheWindow) {
   EXPECT_LT(meter.loss(), 0.01);
 }
 
-TEST(LossMeter, CountsWhatIsMissingSinceTheFirst) {
+TEST(LossMeter, SaysWhichHaveCome) {
   LossMeter meter;
   meter.on_datagram(10);
-  meter.on_datagram(9);  // from before it listened
-  EXPECT_EQ(meter.missing(), 0U);
+  EXPECT_EQ(meter.received(), (Received{10, 10, ~std::uint64_t{0}})) << "what went before is not asked for";
   meter.on_datagram(14);
-  EXPECT_EQ(meter.missing(), 3U);
+  EXPECT_EQ(meter.received(), (Received{14, 1, ~std::uint64_t{0b1110}}));
   meter.on_datagram(12);
-  meter.on_datagram(12);
-  meter.on_datagram(8);
-  EXPECT_EQ(meter.missing(), 3U) << "late ones don't take back what was said";
-  meter.on_datagram(200);
-  EXPECT_EQ(meter.missing(), 3U + 185U);
-  EXPECT_EQ(meter.highest(), 200U);
+  EXPECT_EQ(meter.received(), (Received{14, 1, ~std::uint64_t{0b1010}}));
+  meter.on_datagram(13);
+  meter.on_datagram(11);
+  EXPECT_EQ(meter.received(), (Received{14, 14, ~std::uint64_t{0}}));
+}
+
+// Against a list of all that came: what is said to have come has, and what is said to be lacking has not.
+TEST(LossMeter, SaysNothingWrong) {
+  std::mt19937_64 rng(1);
+  for (int run = 0; run < 200; ++run) {
+    LossMeter meter;
+    std::set<std::uint32_t> came;
+    std::uint32_t sent = 1, first = 0;
+    for (int i = 0; i < 300; ++i) {
+      const std::uint32_t gap = rng() % 40 == 0 ? 1 + rng() % 130 : 1;
+      const std::uint32_t number =
+          rng() % 5 == 0 && sent > 1 ? sent - std::min<std::uint32_t>(sent - 1, rng() % 90) : (sent += gap);
+      if (rng() % 10 == 0 && i > 0) continue;
+      meter.on_datagram(number);
+      came.insert(number);
+      first = first == 0 ? number : first;
+      const Received r = meter.received();
+      ASSERT_EQ(r.highest, *came.rbegin());
+      for (std::uint32_t k = first; k <= sent + 1; ++k) {
+        ASSERT_FALSE(r.has(k) && !came.contains(k)) << k;
+        ASSERT_FALSE(r.lacks(k) && came.contains(k)) << k;
+        const bool recent = k <= r.highest && r.highest - k < Received::kWindow;
+        ASSERT_EQ(r.has(k) || r.lacks(k), recent || r.has(k)) << k;
+      }
+    }
+  }
+}
+
+// A run is as long as what came is without a hole, up to the most that is said.
+TEST(LossMeter, RemembersWhereItsLastHoleWas) {
+  LossMeter meter;
+  for (const std::uint32_t number : {1U, 2U, 4U}) meter.on_datagram(number);
+  for (std::uint32_t number = 5; number <= 500; ++number) meter.on_datagram(number);
+  EXPECT_EQ(meter.received().run, 497U);
+  for (std::uint32_t number = 501; number <= 20'000; ++number) meter.on_datagram(number);
+  EXPECT_EQ(meter.received().run, Received::kRunMax);
+  meter.on_datagram(20'100);
+  for (std::uint32_t number = 20'101; number <= 20'300; ++number) meter.on_datagram(number);
+  EXPECT_EQ(meter.received().run, 201U);
 }
 
 TEST(LossMeter, CountsWhatCameTwiceAndWhatWasOvertaken) {

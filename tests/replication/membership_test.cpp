@@ -12,20 +12,27 @@ using namespace test;
 using Heard = Membership::Heard;
 constexpr PeerId kTwo{2}, kThree{3}, kFive{5};
 
-Echo echo(std::uint32_t highest, std::uint32_t missing) { return {kTwo, highest, 0s, highest, missing, 0.0}; }
+Echo echo(const Received& received) { return {kTwo, received.highest, 0s, received, 0.0}; }
 
-TEST(Receipt, HasWhatCameSinceTheLastLoss) {
-  Receipt receipt{10, 10, 3};  // the first echo: of what came before nothing is known
+TEST(Receipt, HasWhatCameSinceTheFirst) {
+  Receipt receipt(Received{10, 10, ~std::uint64_t{0}});  // of what came before nothing is known
   EXPECT_FALSE(receipt.has(10));
-  receipt.on_echo(echo(15, 3));
-  EXPECT_TRUE(receipt.has(11) && receipt.has(15));
-  EXPECT_FALSE(receipt.has(16));
-  receipt.on_echo(echo(20, 4));  // one of 16 to 20 was lost, or one came late: which is not said
-  for (std::uint32_t number = 1; number < 30; ++number) EXPECT_FALSE(receipt.has(number));
-  receipt.on_echo(echo(18, 3));  // overtaken
-  receipt.on_echo(echo(25, 4));
-  EXPECT_FALSE(receipt.has(20));
-  EXPECT_TRUE(receipt.has(21));
+  receipt.on_echo(echo({20, 2, ~std::uint64_t{0b100}}));  // all but 18
+  receipt.on_echo(echo({15, 15, ~std::uint64_t{0}}));     // overtaken
+  for (std::uint32_t number = 1; number < 30; ++number) {
+    EXPECT_EQ(receipt.has(number), number > 10 && number <= 20 && number != 18) << number;
+    EXPECT_EQ(receipt.lacks(number), number == 18) << number;
+  }
+}
+
+TEST(Receipt, SaysOfWhatIsLongAgoOnlyThatItCame) {
+  Receipt receipt(Received{10, 10, ~std::uint64_t{0}});
+  receipt.on_echo(echo({200, 1, ~std::uint64_t{0b10}}));
+  EXPECT_TRUE(receipt.has(137) && receipt.lacks(199));
+  EXPECT_FALSE(receipt.has(136) || receipt.lacks(136));
+  receipt.on_echo(echo({200, 100, ~std::uint64_t{0}}));  // 199 came late
+  EXPECT_TRUE(receipt.has(101));
+  EXPECT_FALSE(receipt.has(100) || receipt.lacks(100));
 }
 
 TEST(Membership, KnowsOnePeerByItsBoot) {

@@ -84,9 +84,9 @@ class MessageMaker {
     h.sessions = number<std::uint32_t>();
     h.latency = std::chrono::milliseconds(number<std::uint32_t>() % 2001);
     for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
-      const std::uint32_t heard = number<std::uint32_t>() / 2;
+      const std::uint32_t heard = 1 + number<std::uint32_t>() / 2;
       h.echoes.push_back({PeerId{number<std::uint32_t>()}, heard, Duration{number<std::uint32_t>()},
-                          heard + number<std::uint32_t>() / 4, number<std::uint32_t>(), 1e-3 * (rng_() % 1001)});
+                          received(heard + number<std::uint32_t>() / 4), 1e-3 * (rng_() % 1001)});
     }
     for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
       h.notes.push_back({ObjectId{number<std::uint32_t>()}, ObjectId{number<std::uint32_t>()}, SimTime{time()},
@@ -94,6 +94,15 @@ class MessageMaker {
     }
     if (coin()) h.introduction = introduction();
     return h;
+  }
+  Received received(std::uint32_t highest) {
+    Received r{highest, 1 + number<std::uint32_t>() % std::min(highest, Received::kRunMax), ~std::uint64_t{0}};
+    if (coin()) r.run = 1 + r.run % std::min(highest, 70U);
+    if (r.run >= std::min(highest, Received::kWindow)) return r;
+    r.last = rng_() | ((std::uint64_t{1} << r.run) - 1);
+    if (highest < Received::kWindow) r.last |= ~std::uint64_t{0} << highest;
+    r.last &= ~(std::uint64_t{1} << r.run);
+    return r;
   }
   Introduction introduction() {
     Introduction n;
@@ -186,8 +195,7 @@ inline bool same_bits(const Message& a, const Message& b) {
            same_bits(d.collidee_after, e.collidee_after);
   };
   const auto same_echo = [](const Echo& e, const Echo& f) {
-    return e.peer == f.peer && e.hello == f.hello && e.held == f.held && e.highest == f.highest &&
-           e.missing == f.missing && e.loss == f.loss;
+    return e.peer == f.peer && e.hello == f.hello && e.held == f.held && e.received == f.received && e.loss == f.loss;
   };
   const auto same_note = [](const ContactNote& n, const ContactNote& o) {
     return n.collider == o.collider && n.collidee == o.collidee && n.contact == o.contact && n.held == o.held &&
@@ -247,7 +255,7 @@ inline bool is_sound(const Message& m) {
     sound = sound && h.clock_error.value_or(0s) >= 0s && h.clock_error.value_or(0s) <= kClockErrorMax;
     if (h.os_clock) sound = sound && is_sound(h.os_clock->minus_session) && h.os_clock->error <= kOsErrorMax;
     for (const Echo& e : h.echoes) sound = sound && e.held >= 0s && e.held <= 10s && e.loss <= 1.0;
-    for (const Echo& e : h.echoes) sound = sound && e.highest >= e.hello;
+    for (const Echo& e : h.echoes) sound = sound && e.received.highest >= e.hello && e.received.run > 0;
     for (const ContactNote& n : h.notes) sound = sound && is_sound(n.contact.time_since_epoch());
   }
   if (const Introduction* i = m.introduction()) {

@@ -328,7 +328,8 @@ TEST(PeerSession, StampsFromTheEndsOfTimeDoNoHarm) {
     for (int i = 0; i < 8; ++i) {
       Message m = hello_of(1, HostTime{signs & 1 ? far : -far});
       const std::uint32_t echoed = signs & 2 ? last_hello : last_hello / 2;
-      m.hello->echoes = {{PeerId{5}, echoed, signs & 4 ? 10s : 0s, signs & 8 ? 0xFFFF'FFFF : echoed, 0, 0.0}};
+      m.hello->echoes = {
+          {PeerId{5}, echoed, signs & 4 ? 10s : 0s, {signs & 8 ? 0xFFFF'FFFF : echoed, 1, ~std::uint64_t{2}}, 0.0}};
       lan.inject(0, encode(m));
       lan.run_until(lan.now() + 50ms);
     }

@@ -140,6 +140,37 @@ TEST(UpdateBudget, BoundsWhatIsSentOfItsOwn) {
   EXPECT_GE(sent, 33);
 }
 
+// ---- the budget of bytes ----
+
+TEST(ByteBudget, FillsAtItsRateUpToAQuarterOfASecond) {
+  PublishPolicy policy;
+  policy.bytes_per_s = 10'000.0;
+  ByteBudget budget;
+  EXPECT_EQ(budget.left(policy, sim(10s)), 2500.0) << "full at first";
+  budget.spend(3000);
+  EXPECT_EQ(budget.left(policy, sim(10s)), -500.0) << "what must go is owed";
+  EXPECT_EQ(budget.left(policy, sim(10s + 100ms)), 500.0);
+  EXPECT_EQ(budget.left(policy, sim(20s)), 2500.0);
+  EXPECT_EQ(budget.left(policy, sim(15s)), 2500.0) << "session time has stepped";
+  policy.bytes_per_s = 1000.0;
+  EXPECT_EQ(ByteBudget().left(policy, sim(0s)), 1200.0) << "a datagram at least";
+}
+
+TEST(Urgency, IsByErrorByTimeAndByWhoLooks) {
+  const PublishPolicy policy;  // 3 degrees, 5 s
+  const auto of = [&](double distance_m, double angle_rad, Duration since, double viewed_from_m) {
+    return urgency(policy, 0.5, {distance_m, angle_rad}, sim(100s), sim(100s + since), viewed_from_m);
+  };
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 1s, 0.0), 3.0);
+  EXPECT_DOUBLE_EQ(of(1.5, 5.0 * policy.angle_threshold_rad, 1s, 0.0), 5.0);
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 4s, 0.0), 12.0) << "nothing waits for ever";
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 20s, 0.0), 80.0);
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 1s, 1.0), 3.0);
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 1s, 30.0), 0.1);
+  EXPECT_GT(urgency(policy, 0.5, {}, std::nullopt, sim(100s), 0.0), 1e6) << "somebody knows nothing of it";
+  EXPECT_EQ(urgency(policy, 0.0, {}, sim(100s), sim(100s), 0.0), 0.0) << "no threshold, no error";
+}
+
 TEST(AsModel, FirstOrderDropsTheAccelerationAlone) {
   KinematicState truth = moving({1, 2, 3}, {4, 5, 6}, {7, 8, 9});
   truth.angular_velocity_body = {1, 0, 0};

@@ -80,8 +80,10 @@ void add(Expected& out, const Hello& h, std::uint64_t boot) {
     out.add("echo.peer", e.peer.value);
     out.add("echo.hello", e.hello);
     out.add("echo.held_ns", e.held.count());
-    out.add("echo.newer", e.highest - e.hello);
-    out.add("echo.missing", e.missing);
+    const Received& r = e.received;
+    out.add("echo.newer", r.highest - e.hello);
+    out.add("echo.run", r.run);
+    if (r.run < std::min(r.highest, Received::kWindow)) out.add("echo.absent", ~r.last >> r.run);
     out.add("echo.loss_permille", std::lround(e.loss * 1000.0));
   }
   for (const ContactNote& n : h.notes) {

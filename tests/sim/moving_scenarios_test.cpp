@@ -51,6 +51,24 @@ INSTANTIATE_TEST_SUITE_P(Policies, Traffic,
                            return name;
                          });
 
+// With half of the bytes that it needs: ghosts are farther off, outcomes are the same.
+TEST(ShortOfBytes, KeepsToItsBudgetAndToOneOutcome) {
+  const auto bytes_per_peer_s = [](const Ran& ran) {
+    return ran.summary["traffic"]["bytes_per_s"].get<double>() / 3.0;
+  };
+  const Ran all = run_short("traffic", {"decisions.policy=id"});
+  EXPECT_EQ(all.summary["counters"]["updates_withheld"], 0);
+  const double half = 0.5 * bytes_per_peer_s(all);
+  const Ran ran = run_short("traffic", {"decisions.policy=id", "replication.bytes_per_s=" + std::to_string(half)});
+  EXPECT_GT(ran.summary["counters"]["updates_withheld"], 100);
+  EXPECT_LE(bytes_per_peer_s(ran), half + 1200.0 / 8.0);
+  const auto& shared = ran.summary["collisions"]["shared"];
+  EXPECT_GE(shared["decided"], 5);
+  EXPECT_EQ(shared["agreed"], 2 * shared["decided"].get<int>());
+  EXPECT_EQ(shared["disagreed"], 0);
+  EXPECT_EQ(shared["missed"], 0);
+}
+
 struct Mover {
   const char* name;
   std::size_t objects, observers;  // of each object

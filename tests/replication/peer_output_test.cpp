@@ -1,0 +1,505 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+
+#include "replication/peer.hpp"
+#include "tests/replication/lan.hpp"
+#include "tests/replication/messages.hpp"
+
+// What a peer sends, how often, and which models it chooses.
+namespace peerd::replication {
+namespace {
+
+using namespace test;
+
+// ---- sizes ----
+
+TEST(Peer, TheLargestDatagramsFitAndEverythingGetsItsTurn) {
+  const World world(field(260));
+  Lan lan(world);
+  PeerConfig c = config(0xFFFF'FFFE, {});
+  c.name.assign(kNameMax_bytes, 'n');
+  c.boot = ~std::uint64_t{0};
+  c.world_hash = 0xC0FFEE;
+  KinematicState full = moving({1.1, 2.2, 3.3}, {4.4, 5.5, 6.6}, {7.7, 8.8, 9.9});
+  full.orientation = Quat(0.1, 0.2, 0.3, 0.4).normalized();
+  full.angular_velocity_body = {1.1, 2.2, 3.3};
+  std::map<ObjectId, Lan::Motion> motions;
+  for (int i = 0; i < 260; ++i) {
+    const ObjectId id = world[("O" + std::to_string(i)).c_str()];
+    c.enslaved.push_back({id, true});
+    motions[id] = [=](SimTime) { return full; };
+  }
+  lan.add(c, 0s, motions);
+  lan.run_until(2s);
+  lan.peer(0).announce_start(lan.session_now(0));
+  std::set<std::uint32_t> echoed;
+  std::set<ObjectId> claimed;
+  std::size_t largest = 0;
+  lan.filter = [&](std::size_t, std::size_t, const Message& m) {  // Lan checks each one's size and that it decodes
+    if (m.hello) {
+      for (const Echo& e : m.hello->echoes) echoed.insert(e.peer.value);
+    }
+    if (const Introduction* i = m.introduction()) claimed.insert(i->enslaved.begin(), i->enslaved.end());
+    largest = std::max(largest, encode(m).size());
+    return true;
+  };
+  for (int round = 0; round < 12; ++round) {
+    for (std::uint32_t id = 0; id < 40; ++id) lan.inject(0, encode(hello_of(0xFFFF'FF00 + id, lan.host_now(0))));
+    lan.run_until(lan.now() + 250ms);
+  }
+  EXPECT_EQ(echoed.size(), 40u);
+  EXPECT_EQ(claimed.size(), 260u);
+  EXPECT_GT(largest, 1000u);
+  EXPECT_LE(largest, kDatagramMax_bytes);
+}
+
+TEST(Peer, ManyUpdatesShareFewDatagrams) {
+  const World world(field(50));
+  Lan lan(world);
+  PeerConfig c = config(1);
+  for (int i = 0; i < 50; ++i) c.enslaved.push_back({world[("O" + std::to_string(i)).c_str()], false});
+  lan.add(c);
+  std::size_t datagrams = 0, updates = 0;
+  lan.filter = [&](std::size_t, std::size_t, const Message& m) {
+    datagrams += !m.updates.empty();
+    updates += m.updates.size();
+    return true;
+  };
+  lan.run_until(3500ms);
+  EXPECT_EQ(updates, 50u);  // nobody is here who could have missed one
+  EXPECT_LE(datagrams, 6u);
+}
+
+// Of an update that everybody has nothing is said again until the time threshold; of one that somebody may lack it is.
+TEST(Peer, WhatHasArrivedIsNotRepeated) {
+  for (const bool lose : {false, true}) {
+    const World world(box("O0", "1 1 1", "0 0 0"));
+    Lan lan(world, {20ms, 0ms, 0, 0});
+    lan.add(config(1, {{world["O0"], false}}));
+    lan.add(config(2));
+    lan.add(config(3));
+    lan.run_until(20s);  // long enough for all to know that nothing gets lost
+    const std::uint64_t before = lan.peer(0).counters().updates_repeated;
+    int updates = 0;
+    lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
+      return from != 0 || m.updates.empty() || to != 2 || !lose || ++updates > 1;
+    };
+    ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["O0"], Vec3(1, 0, 0), true));
+    lan.run_until(23s);
+    EXPECT_EQ(lan.peer(0).counters().updates_repeated - before, lose ? 1u : 0u);
+    const SimTime t = lan.session_now(0);
+    EXPECT_EQ(lan.peer(2).ghost(world["O0"], t).velocity.x(), 1.0);
+  }
+}
+
+// A link that is dead one way for longer than a peer is waited for: who was forgotten says where everything is.
+TEST(Peer, WhoWasForgottenTellsItsStatesAnew) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 4 0 0"));
+  for (const Duration dead : {1800ms, 1900ms, 2000ms, 2100ms, 2200ms, 2300ms}) {
+    SCOPED_TRACE(dead.count());
+    Lan lan(world, {20ms, 0ms, 0, 0});
+    PeerConfig c = config(1, {{world["O0"], false}});
+    c.policy.time_threshold = 60s;
+    lan.add(c);
+    lan.add(config(2));
+    lan.run_until(6s);
+    lan.filter = [&](std::size_t from, std::size_t to, const Message&) { return from != 0 || to != 1; };
+    lan.run_until(6s + dead);
+    lan.filter = nullptr;
+    lan.run_until(9500ms);
+    const SimTime t = lan.session_now(1);
+    EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - lan.peer(0).truth(world["O0"], t).position).norm(), 1e-6);
+  }
+}
+
+// Once all know each other, a hello goes out each second, and who they are with one in eight; a newcomer hears it with
+// the next, which does not wait.
+TEST(Peer, IntroducesItselfToWhoDoesNotKnowIt) {
+  const World world(box("O0", "1 1 1", "0 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  lan.add(config(1, {{world["O0"], false}}));
+  lan.add(config(2));
+  lan.run_until(20s);
+  int hellos = 0, introductions = 0, empty = 0;
+  lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
+    hellos += from == 0 && to == 1 && m.hello;
+    introductions += from == 0 && to == 1 && m.introduction() != nullptr;
+    empty += from == 0 && to == 1 && !m.hello && m.updates.empty();
+    return true;
+  };
+  lan.run_until(36s);
+  EXPECT_NEAR(hellos, 16, 1);
+  EXPECT_EQ(introductions, 2);
+  EXPECT_NEAR(empty, 3 * hellos, 3);
+  const Duration came = lan.now();
+  const std::size_t third = lan.add(config(3));
+  while (lan.now() < came + 1s && lan.peer(third).members().all().size() < 2) lan.run_until(lan.now() + 10ms);
+  EXPECT_LE(lan.now() - came, 250ms + 2 * 20ms + 20ms);
+}
+
+// Forty objects shake, each as no model could know, the later ones more; the budget holds a third of what they need.
+class ShortOfBytes : public testing::Test {
+ protected:
+  static constexpr int kObjects = 40;
+  static constexpr double kBytes_per_s = 1500.0;
+  ObjectId object(int i) { return world[("O" + std::to_string(i)).c_str()]; }
+  std::map<ObjectId, Lan::Motion> shaking() {
+    std::map<ObjectId, Lan::Motion> motions;
+    for (int i = 0; i < kObjects; ++i) {
+      const Vec3 at(3.0 * i, 0, 0);
+      motions[object(i)] = [=](SimTime t) {
+        std::mt19937_64 random(static_cast<std::uint64_t>(t.time_since_epoch().count() / 100'000'000 * 64 + i));
+        return moving(at + Vec3(0, (1.0 + i) * (static_cast<double>(random() % 1000) - 500.0) / 500.0, 0));
+      };
+    }
+    return motions;
+  }
+  // From 5 s on.
+  void run(PeerConfig watcher, std::optional<double> bytes_per_s, Duration until) {
+    std::vector<Enslaved> all;
+    for (int i = 0; i < kObjects; ++i) all.push_back({object(i), true});
+    PeerConfig c = config(1, all);
+    c.policy.error_threshold_m = 0.5;
+    c.policy.bytes_per_s = bytes_per_s;
+    lan.add(c, 0s, shaking());
+    lan.add(std::move(watcher));
+    lan.run_until(5s);
+    lan.on_send = [&](std::size_t from, RegionId, const Message& m) {
+      if (from != 0) return;
+      bytes += encode(m).size();
+      for (const UpdateRecord& u : m.updates) told[u.object].push_back(lan.now());
+    };
+    lan.run_until(until);
+  }
+  std::size_t told_of(int i) { return told[object(i)].size(); }
+
+  World world{field(kObjects)};
+  Lan lan{world};
+  std::size_t bytes = 0;
+  std::map<ObjectId, std::vector<Duration>> told;
+};
+
+TEST_F(ShortOfBytes, ABudgetIsKept) {
+  run(config(2), kBytes_per_s, 65s);
+  EXPECT_LE(static_cast<double>(bytes), kBytes_per_s * 60.0 + 1200.0);
+  EXPECT_GE(static_cast<double>(bytes), 0.97 * kBytes_per_s * 60.0);
+  EXPECT_GT(lan.peer(0).counters().updates_withheld, 1000u);
+}
+
+TEST_F(ShortOfBytes, NothingIsWithheldWithoutOne) {
+  run(config(2), std::nullopt, 35s);
+  EXPECT_GT(static_cast<double>(bytes), 2.5 * kBytes_per_s * 30.0);
+  EXPECT_EQ(lan.peer(0).counters().updates_withheld, 0u);
+}
+
+TEST_F(ShortOfBytes, WhatIsMostWrongIsToldMostAndNothingNever) {
+  run(config(2), kBytes_per_s, 65s);
+  EXPECT_GT(told_of(39), 2 * told_of(9));
+  for (int i = 0; i < kObjects; ++i) {
+    SCOPED_TRACE(i);
+    const std::vector<Duration>& at = told[object(i)];
+    ASSERT_GE(at.size(), 4u);
+  }
+}
+
+// What is four times as wrong but four times as far away is no more urgent.
+TEST_F(ShortOfBytes, WhatIsFarFromWhoLooksIsToldLess) {
+  PeerConfig watcher = config(2);
+  watcher.decisions.viewpoint = Viewpoint{std::nullopt, {Vec3(0, 0, 5), Quat::Identity()}};
+  run(watcher, kBytes_per_s, 65s);
+  EXPECT_LT(2 * told_of(39), 3 * told_of(9)) << "117 m away and 40 m wrong, or 27 m and 10 m";
+}
+
+// O0 runs ahead of its ghost twice as fast as O1 does: when it is told, O1 is half as wrong as it may be.
+TEST(Peer, WhatIsHalfWrongGoesAlongWithWhatIsWrong) {
+  const World world(field(2));
+  for (const double along_at : {1.0, 0.4}) {
+    Lan lan(world);
+    PeerConfig c = config(1, {{world["O0"], true}, {world["O1"], true}});
+    c.policy.order = ModelOrder::kFirst;
+    c.policy.error_threshold_m = 0.5;
+    c.policy.along_at = along_at;
+    const auto speeding = [](double a) {
+      return [a](SimTime t) {
+        const double s = to_seconds(t.time_since_epoch() - kEpoch);
+        return moving({0.5 * a * s * s, 0, 0}, {a * s, 0, 0}, {a, 0, 0});
+      };
+    };
+    lan.add(c, 0s, {{world["O0"], speeding(2.0)}, {world["O1"], speeding(1.0)}});
+    lan.add(config(2));
+    lan.run_until(5s);
+    std::size_t alone = 0, together = 0;
+    lan.filter = [&](std::size_t, std::size_t, const Message& m) {
+      alone += m.updates.size() == 1;
+      together += m.updates.size() == 2;
+      return true;
+    };
+    lan.run_until(15s);
+    EXPECT_EQ(along_at < 1.0, alone < together / 4) << alone << " alone, " << together << " together";
+    EXPECT_GT(alone + together, 5u);
+  }
+}
+
+// What stands, and all are known to have heard where, needs no heartbeat, whether datagrams get lost or not; what
+// somebody has never heard of has one.
+TEST(Peer, WhatIsKnownToRestIsSeldomToldAgain) {
+  const World world(box("O0", "1 1 1", "0 0 0"));
+  for (const bool heard : {true, false}) {
+    for (const Link link :
+         {Link{20ms, 0ms, 0.0}, Link{20ms, 0ms, 0.2}, Link{20ms, 300ms, 0.0}, Link{20ms, 300ms, 0.2}}) {
+      SCOPED_TRACE(testing::Message() << "jitter " << link.jitter.count() << " ns, loss " << link.loss);
+      Lan lan(world, link);
+      lan.add(config(1, {{world["O0"], false}}));
+      lan.add(config(2));
+      lan.filter = [&](std::size_t, std::size_t to, const Message& m) { return heard || to != 1 || m.updates.empty(); };
+      lan.run_until(10s);
+      const std::uint64_t told = lan.peer(0).counters().updates_out;
+      lan.run_until(50s);
+      EXPECT_EQ(lan.peer(0).counters().updates_out == told, heard);
+      EXPECT_EQ(lan.peer(1).owner(world["O0"]), PeerId{1});
+    }
+  }
+}
+
+// The first words on a motion are lost, three times: it goes on being told, and not first by the heartbeat.
+TEST(Peer, WhatSomebodyMayLackIsToldUntilItIsHeard) {
+  const World world(box("O0", "1 1 1", "0 0 0"));
+  for (const Duration latency : {20ms, 500ms}) {
+    for (const double loss : {0.0, 0.2}) {
+      SCOPED_TRACE(testing::Message() << latency.count() << " ns, loss " << loss);
+      Lan lan(world, {latency, 0ms, loss, 0});
+      PeerConfig c = config(1, {{world["O0"], false}});
+      c.policy.time_threshold = 60s;
+      lan.add(c);
+      lan.add(config(2));
+      lan.add(config(3));
+      lan.run_until(20s);
+      const int lost = loss > 0.0 ? 3 : 1;  // on a good link that is enough for a second one
+      int words = 0;
+      lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
+        return from != 0 || to != 1 || m.updates.empty() || ++words > lost;
+      };
+      ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["O0"], Vec3(1, 0, 0), true));
+      lan.run_until(32s);
+      const SimTime t = lan.session_now(0) - 1s;
+      EXPECT_GT(words, lost);
+      for (const std::size_t i : {1u, 2u}) {
+        const Vec3 error = lan.peer(i).ghost(world["O0"], t).position - lan.peer(0).truth(world["O0"], t).position;
+        EXPECT_LT(error.norm(), 1e-6) << i;
+      }
+      const std::uint64_t repeated = lan.peer(0).counters().updates_repeated;
+      lan.run_until(45s);
+      EXPECT_EQ(lan.peer(0).counters().updates_repeated, repeated) << "all have it";
+    }
+  }
+}
+
+TEST(Peer, ALostUpdateComesAgainWithTheNextHello) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 3 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  lan.add(config(1, {{world["O0"], false}}));
+  lan.add(config(2));
+  int lost = 0;
+  lan.filter = [&](std::size_t, std::size_t to, const Message& m) {
+    return to != 1 || m.updates.empty() || ++lost > 1;
+  };
+  lan.run_until(3s);
+  const SimTime t = lan.session_now(1);
+  EXPECT_GT(lost, 1);
+  EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - lan.peer(0).truth(world["O0"], t).position).norm(), 1e-6);
+}
+
+// ---- models ----
+
+PeerConfig choosing(std::uint32_t id, std::vector<Enslaved> enslaved = {}) {
+  PeerConfig c = config(id, std::move(enslaved));
+  c.policy.models.emplace();
+  c.policy.wanted_error_m = 0.005;
+  return c;
+}
+
+// Chosen models, too, are one belief on all peers, whatever their tick rates and however the network behaves.
+TEST(Models, AreObeyedAlikeByAll) {
+  const World world(field(1));
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Lan lan(world, {20ms, 100ms, 0, 0.3}, seed);
+    const auto weaves = [](SimTime t) {
+      const double s = to_seconds(t.time_since_epoch() - kEpoch);
+      return moving({4 * std::sin(1.1 * s), s, 3 * std::sin(0.7 * s)},
+                    {4.4 * std::cos(1.1 * s), 1, 2.1 * std::cos(0.7 * s)},
+                    {-4.84 * std::sin(1.1 * s), 0, -1.47 * std::sin(0.7 * s)});
+    };
+    lan.add(choosing(1, {{world["O0"], true}}), 0s, {{world["O0"], weaves}});
+    PeerConfig slow = choosing(2);
+    slow.tick_hz = 30;
+    lan.add(slow, 3s);
+    lan.run_until(10s);
+    const SimTime t = lan.session_now(0);
+    EXPECT_TRUE(same_bits(lan.peer(1).ghost(world["O0"], t), lan.peer(0).ghost(world["O0"], t))) << seed;
+    EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - weaves(t).position).norm(), 1e-3) << seed;
+    EXPECT_LT(lan.peer(0).counters().updates_out, 12u) << "exact after few";
+  }
+}
+
+// What physics moves travels to the bit; what is driven in steps as fine as the tightest threshold asks: a 16th of it.
+TEST(Rounding, IsOfWhatIsDrivenAlone) {
+  const World world(field(2));
+  for (const auto& [threshold_m, step_log2] : {std::pair{0.5, -9}, {0.02, -10}, {0.002, -13}}) {
+    Lan lan(world);
+    PeerConfig c = config(1, {{world["O0"], true}, {world["O1"], false}});
+    c.policy.error_threshold_m = threshold_m;
+    lan.add(c, 0s, {{world["O0"], on_a_circle}});
+    lan.add(config(2));
+    std::set<std::optional<int>> driven, physics;
+    lan.filter = [&](std::size_t, std::size_t, const Message& m) {
+      for (const UpdateRecord& u : m.updates) {
+        (u.object == world["O0"] ? driven : physics).insert(u.position_step_log2);
+      }
+      return true;
+    };
+    lan.run_until(3s);
+    EXPECT_THAT(driven, testing::ElementsAre(std::optional(step_log2)));
+    EXPECT_THAT(physics, testing::ElementsAre(std::optional<int>()));
+    const Peer::Counters& counters = lan.peer(0).counters();
+    EXPECT_EQ(std::reduce(counters.update_sizes_out.begin(), counters.update_sizes_out.end()), counters.updates_out);
+    EXPECT_GT(counters.update_bytes_out, 10 * counters.updates_out);
+  }
+}
+
+// What falls and what spins needs one update, for as long as it goes on: what that rounds is small even after 17 s.
+TEST(Models, OfFallingAndSpinningNeedOneUpdate) {
+  const World world(field(1));
+  Lan lan(world);
+  const auto falls = [](SimTime t) {
+    KinematicState s = moving({0, 5'000, 0}, {3, 0, 0}, {0, -9.81, 0});
+    s.angular_velocity_body = {0, 30, 0};
+    return advance(s, to_seconds(t.time_since_epoch() - kEpoch));
+  };
+  PeerConfig c = choosing(1, {{world["O0"], true}});
+  c.policy.time_threshold = 1000s;
+  lan.add(c, 0s, {{world["O0"], falls}});
+  lan.add(choosing(2));
+  lan.run_until(3s);
+  const std::uint64_t then = lan.peer(0).counters().updates_out;
+  lan.run_until(20s);
+  EXPECT_EQ(lan.peer(0).counters().updates_out, then);
+  const SimTime t = lan.session_now(1);
+  EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - falls(t).position).norm(), 1e-3);
+  EXPECT_LT(angle_between(lan.peer(1).ghost(world["O0"], t).orientation, falls(t).orientation), 1e-3);
+}
+
+// A source without derivatives is believed as well as one with them, but for the first samples.
+TEST(Models, AreFoundWithoutDerivativesToo) {
+  const World world(field(1));
+  PeerConfig c = choosing(1, {{world["O0"], true}});
+  Peer peer(c, *world.model);
+  const auto drain = [&] {
+    while (peer.poll_output()) {
+    }
+  };
+  for (int i = 0; i < 400; ++i) {
+    const HostTime now = host(kEpoch + i * 16ms);
+    std::vector<OwnSample> samples;
+    if (const auto due = peer.due_tick(now)) {
+      samples.push_back({world["O0"], at_rest(on_a_circle(*due).pose()), false});
+    }
+    peer.on_tick(now, samples);
+    drain();
+  }
+  const SimTime t = peer.clock().to_session(host(kEpoch + 399 * 16ms));
+  EXPECT_LT((peer.ghost(world["O0"], t).position - on_a_circle(t).position).norm(), 0.05);
+  EXPECT_LT((peer.truth(world["O0"], t).velocity - on_a_circle(t).velocity).norm(), 0.3);
+  EXPECT_LT(peer.counters().updates_out, 30u);
+}
+
+TEST(Models, AreChosenForTheLatencyThatHellosMeasure) {
+  const World world(field(1));
+  for (const Duration latency : {5ms, 80ms, 300ms}) {
+    Lan lan(world, {latency, 0ms, 0, 0});
+    lan.add(choosing(1, {{world["O0"], true}}), 0s, {{world["O0"], on_a_circle}});
+    lan.add(choosing(2), 7s);  // its clock is another
+    lan.run_until(6s);
+    const Member& other = lan.peer(0).members().all().at(PeerId{2});
+    ASSERT_TRUE(other.mean_delay());
+    EXPECT_NEAR(to_seconds(*other.mean_delay()), to_seconds(latency), 1e-3);
+  }
+}
+
+// A healed partition puts one of them into another time: what it chose by is void, what it believes goes on.
+TEST(Models, SurviveAChangeOfSession) {
+  const World world(field(1));
+  Lan lan(world);
+  lan.add(choosing(1));
+  lan.add(choosing(2, {{world["O0"], true}}), -30s, {{world["O0"], on_a_circle}});
+  lan.part({0});
+  lan.run_until(5s);
+  lan.part({});
+  lan.run_until(12s);
+  ASSERT_FALSE(lan.seen<ClockStepped>(1).empty());
+  EXPECT_TRUE(lan.seen<ClockStepped>(0).empty());
+  const SimTime t = lan.session_now(0);
+  EXPECT_LT((lan.peer(0).ghost(world["O0"], t).position - on_a_circle(t).position).norm(), 0.01);
+  EXPECT_TRUE(same_bits(lan.peer(0).ghost(world["O0"], t), lan.peer(1).ghost(world["O0"], t)));
+}
+
+TEST(Peer, CopiesOfAnUpdateSurviveTheLossOfTheFirst) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 3 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  PeerConfig c = config(1, {{world["O0"], false}});
+  c.policy.copies = 4;
+  lan.add(c);
+  lan.add(config(2));
+  std::vector<Duration> sent;
+  int hellos = 0;
+  lan.filter = [&](std::size_t, std::size_t to, const Message& m) {
+    if (to != 1) return true;
+    if (m.updates.empty()) return ++hellos % 3 != 0;  // the receiver notices, and says so
+    sent.push_back(lan.now());
+    return sent.size() > 3;
+  };
+  lan.run_until(3s);
+  ASSERT_GE(sent.size(), 4u);
+  EXPECT_EQ(sent[1], sent[0]) << "one at once";
+  EXPECT_LE(sent[3] - sent[0], 40ms) << "the others with the next ticks";
+  EXPECT_GE(lan.peer(0).counters().updates_repeated, 3u);
+  EXPECT_EQ(lan.peer(1).counters().updates_in, 1u);
+}
+
+// What drives an object, or how the world launches it, may be farther and faster than anybody would take.
+TEST(Peer, StatesOutOfRangeAreToldAsStanding) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 1e13 0 0") + box("O1", "1 1 1", "0 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  const auto far = [](SimTime t) {
+    return t < sim(2s) ? moving({1, 0, 0}) : moving({1e13, 0, 0}, {std::numeric_limits<double>::infinity(), 0, 0});
+  };
+  PeerConfig c = config(1, {{world["O0"], false}, {world["O1"], true}});
+  c.policy.models = ModelPolicy{};
+  lan.add(c, 0s, {{world["O1"], far}});
+  lan.add(config(2));
+  lan.run_until(4s);
+  EXPECT_GT(lan.peer(0).counters().states_out_of_range, 1u);
+  for (const auto& [reason, count] : lan.peer(1).counters().drops) EXPECT_EQ(reason, "not_yet_in_session");
+  EXPECT_TRUE(lan.peer(1).ghost(world["O1"], sim(4s)).velocity.isZero(0.0));
+  EXPECT_LE(lan.peer(1).ghost(world["O0"], sim(4s)).position.norm(), 1e12);
+}
+
+TEST(Peer, NoCopiesWhereNothingGetsLost) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 3 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  PeerConfig c = config(1, {{world["O0"], false}});
+  c.policy.copies = 4;
+  c.policy.time_threshold = 200ms;
+  lan.add(c);
+  lan.add(config(2));
+  lan.run_until(30s);
+  const auto repeated = lan.peer(0).counters().updates_repeated;
+  EXPECT_GT(repeated, 0u) << "at first it might be lossy";
+  lan.run_until(60s);
+  EXPECT_EQ(lan.peer(0).counters().updates_repeated, repeated);
+}
+
+}  // namespace
+}  // namespace peerd::replication
