@@ -190,7 +190,7 @@ std::vector<std::string> all_fields() {
   };
   with("", {"region", "version", "sender", "number", "boot_low", "leaving", "malformed"});
   with("hello.", {"session_tx_ns", "sessions", "latency_ms", "clock_error_us", "os_minus_session_ns", "os_error_us"});
-  with("echo.", {"peer", "hello", "held_ns", "newer", "missing", "loss_permille"});
+  with("echo.", {"peer", "hello", "held_ns", "newer", "run", "absent", "loss_permille"});
   with("note.", {"collider", "collidee", "contact_ns", "by", "held"});
   with("introduction.", {"name", "world_hash", "boot", "enslaved", "start_ns", "world_zero_ns"});
   with("viewpoint.", {"object", "field_of_view", "aspect"});
