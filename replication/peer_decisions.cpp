@@ -240,14 +240,14 @@ void Peer::fall_back(const ContactEvent& c, SimTime known_at) {
   follow(add_own(record_of(tellable(c), DecisionRule::kId)), known_at);
 }
 
-// Whether that peer may have found nothing because it has not heard how an own object came to the contact: of what had
-// been told of it for long enough it has confirmed nothing.
+// Whether that peer may have found nothing because it has not heard how an own object came to the contact: it has not
+// confirmed the last update from before it, or one that was replaced unconfirmed.
 bool Peer::may_lack_ours(PeerId peer, const ContactEvent& c) const {
   if (grid_.cuts()) return false;  // regions have no receipts
   return std::ranges::any_of(std::array{c.collider, c.collidee}, [&](ObjectId object) {
     const auto at = own_.find(object);
     if (at == own_.end() || !at->second.last_sent || at->second.heard.contains(peer)) return false;
-    return at->second.may_lack.contains(peer) || *at->second.last_sent <= c.at - lookback();
+    return at->second.may_lack.contains(peer) || *at->second.last_sent <= c.at;
   });
 }
 
