@@ -8,7 +8,6 @@
 
 #include "peerd/assemble.hpp"
 #include "peerd/report/summary.hpp"
-#include "peerd/sim/simulation.hpp"
 
 namespace peerd::bench {
 namespace {
@@ -31,22 +30,37 @@ struct Mean {
 
 }  // namespace
 
-nlohmann::ordered_json summary_of(const SimulatedRun& run) {
+ReadyRun ready(const SimulatedRun& run) {
   config::ScenarioRequest request;
   request.file = kConfigs / "scenarios" / (run.scenario + ".toml");
   request.configs = {kConfigs / (run.config + ".toml")};
   request.sets = run.sets;
   request.sets.push_back("network.latency_ms=" + std::to_string(run.latency_ms));
   request.sets.push_back("duration_s=" + std::to_string(run.duration_s));
-  const config::Scenario read = must(config::read_scenario(request));
-  if (read.runs.size() != 1) throw std::runtime_error(run.config + " on " + run.scenario + ": one run was meant");
-  const config::RunSettings& settings = read.runs.front();
-  const auto shared = must(share_world(read.world));
-  std::optional<report::InterestRecord> interest;
-  const auto logs = must(sim::simulate(settings, *shared, {}, {}, &interest));
-  report::RunRecord record = must(assemble(settings, *shared, logs));
-  record.interest = std::move(interest);
-  return report::summarise({run.scenario, "sim", read.seed, {}}, {&record, 1})["runs"][0];
+  ReadyRun read{must(config::read_scenario(request)), nullptr};
+  if (read.scenario.runs.size() != 1) {
+    throw std::runtime_error(run.config + " on " + run.scenario + ": one run was meant");
+  }
+  read.shared = must(share_world(read.scenario.world));
+  return read;
+}
+
+Played play(const ReadyRun& run, const sim::Observer& observer) {
+  Played played;
+  played.logs = must(sim::simulate(run.settings(), *run.shared, observer, {}, &played.interest));
+  return played;
+}
+
+report::RunRecord record_of(const ReadyRun& run, const Played& played) {
+  report::RunRecord record = must(assemble(run.settings(), *run.shared, played.logs));
+  record.interest = played.interest;
+  return record;
+}
+
+nlohmann::ordered_json summary_of(const SimulatedRun& run) {
+  const ReadyRun read = ready(run);
+  const report::RunRecord record = record_of(read, play(read));
+  return report::summarise({run.scenario, "sim", read.scenario.seed, {}}, {&record, 1})["runs"][0];
 }
 
 Outcome simulate(const SimulatedRun& run) {

@@ -1,10 +1,14 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include "peerd/config/scenario.hpp"
+#include "peerd/sim/simulation.hpp"
 
 namespace peerd::bench {
 
@@ -15,7 +19,21 @@ struct SimulatedRun {
   double latency_ms = 0.0, duration_s = 0.0;
   std::vector<std::string> sets = {};  // KEY=VALUE
 };
-// Its part of summary.json. Throws std::runtime_error where there is no such run.
+// .. read, with its world: it can be played as often as one likes, and always comes out alike.
+struct ReadyRun {
+  config::Scenario scenario;
+  std::unique_ptr<const SharedWorld> shared;
+  [[nodiscard]] const config::RunSettings& settings() const { return scenario.runs.front(); }
+};
+struct Played {
+  std::vector<PeerLog> logs;
+  std::optional<report::InterestRecord> interest;  // none: nobody has an area of interest
+};
+// These throw std::runtime_error where there is no such run.
+[[nodiscard]] ReadyRun ready(const SimulatedRun& run);
+[[nodiscard]] Played play(const ReadyRun& run, const sim::Observer& observer = {});
+[[nodiscard]] report::RunRecord record_of(const ReadyRun& run, const Played& played);
+// Its part of summary.json.
 [[nodiscard]] nlohmann::ordered_json summary_of(const SimulatedRun& run);
 
 // What a run cost, and how wrong everybody was.
