@@ -28,6 +28,9 @@ bool one_touch(const ContactEvent& a, const ContactEvent& b) {
   return pair && a.at <= b.at + kOneTouch && b.at <= a.at + kOneTouch;
 }
 
+// Who is short of bytes waits for so many before the next datagram: one a tick with a record each would be half headers.
+constexpr double kWorthADatagram_bytes = 256.0;
+
 // A model that is expected to err by less than so much of what the thresholds ask will not be corrected for long, and
 // few updates may take some bytes more: it is rounded so much finer.
 constexpr double kAllButExact = 1.0 / 16.0, kFinest = 1.0 / 64.0;
@@ -180,6 +183,7 @@ void Peer::tell_most_urgent(SimTime t) {
   }
   std::ranges::stable_sort(due_, std::greater{}, &Due::urgency);
   double left = bytes_.left(policy, t);
+  if (out_of_bytes_ && left < kWorthADatagram_bytes) left = 0.0;
   for (const Due& due : due_) {
     const auto& [object, own, error, threshold_m] = due.what;
     if (left > 0.0) {
