@@ -162,18 +162,18 @@ std::optional<MotionModel> ModelChooser::make_oscillating(std::size_t i) const {
   }
   const double most = squares.maxCoeff();
   if (most == 0.0) return std::nullopt;
-  std::optional<MotionModel> model(samples_[i].state);
-  model->kind = MotionKind::kOscillating;
-  model->jerk = rate_of_change(i, &KinematicState::acceleration);
+  MotionModel model = samples_[i].state;
+  model.kind = MotionKind::kOscillating;
+  model.jerk = rate_of_change(i, &KinematicState::acceleration);
   for (int axis = 0; axis < 3; ++axis) {
     const double cos = 0.5 * products[axis] / squares[axis];
     if (squares[axis] < 1e-12 * most || cos >= 1.0) continue;  // no wave: a constant jerk
     if (cos < -0.5) return std::nullopt;                       // faster than the samples can show
     const double sin = std::sqrt(1.0 - cos * cos);
     const double rate = peerd::atan2(sin, cos) / h;
-    model->rate_rad_s[axis] = rate;
+    model.rate_rad_s[axis] = rate;
     const double a0 = samples_[i].state.acceleration[axis], a1 = samples_[i - m].state.acceleration[axis];
-    if (sin > 1e-4) model->jerk[axis] = rate * (a0 * cos - a1) / sin;
+    if (sin > 1e-4) model.jerk[axis] = rate * (a0 * cos - a1) / sin;
   }
   return model;
 }
@@ -195,12 +195,12 @@ std::optional<MotionModel> ModelChooser::make_history(std::size_t i) const {
 // The model of that kind that the samples up to number i give; none where they don't.
 std::optional<MotionModel> ModelChooser::make(MotionKind kind, std::size_t i) const {
   const KinematicState& s = samples_[i].state;
-  std::optional<MotionModel> model(s);
-  model->kind = kind;
+  MotionModel model = s;
+  model.kind = kind;
   const double speed2 = s.velocity.squaredNorm();
   switch (kind) {
     case MotionKind::kFirst:
-      model->state.acceleration.setZero();
+      model.state.acceleration.setZero();
       return model;
     case MotionKind::kSecond:
       return model;
@@ -208,11 +208,11 @@ std::optional<MotionModel> ModelChooser::make(MotionKind kind, std::size_t i) co
       return make_history(i);
     case MotionKind::kThird:
       if (samples_[i].run < 2 || i == 0) return std::nullopt;
-      model->jerk = rate_of_change(i, &KinematicState::acceleration);
+      model.jerk = rate_of_change(i, &KinematicState::acceleration);
       return model;
     case MotionKind::kTurning:
       if (speed2 == 0.0) return std::nullopt;
-      model->rate_rad_s = s.velocity.cross(s.acceleration) / speed2;
+      model.rate_rad_s = s.velocity.cross(s.acceleration) / speed2;
       return model;
     case MotionKind::kOscillating:
       return make_oscillating(i);

@@ -67,17 +67,27 @@ struct Translation {
 }
 
 // The acceleration's part along the axis stays, the rest turns: a'' = -rate^2 a, with a' = axis x a.
-[[gnu::always_inline]] inline Translation turning(const KinematicState& s, const Vec3& axis_rate, double t) {
-  const double rate = axis_rate.norm();
-  if (rate == 0.0) return polynomial(s, Vec3::Zero(), t);
-  const Vec3 axis = axis_rate / rate;
-  const Vec3 along = s.acceleration.dot(axis) * axis, across = s.acceleration - along;
-  const Vec3 jerk = axis_rate.cross(across);
-  const auto [c0, c1, c2, c3] = waves(rate, t);
-  return {t * (s.velocity + (0.5 * t) * along) + c2 * across + c3 * jerk,
-          s.velocity + t * along + c1 * across + c2 * jerk, along + c0 * across + c1 * jerk,
-          c0 * jerk - (rate * rate * c1) * across};
-}
+struct Turn {
+  [[gnu::always_inline]] inline Turn(const KinematicState& s, const Vec3& axis_rate)
+      : state(s), rate(axis_rate.norm()) {
+    if (rate == 0.0) return;
+    const Vec3 axis = axis_rate / rate;
+    along = s.acceleration.dot(axis) * axis;
+    across = s.acceleration - along;
+    jerk = axis_rate.cross(across);
+  }
+  [[gnu::always_inline]] inline Translation at(double t) const {
+    if (rate == 0.0) return polynomial(state, Vec3::Zero(), t);
+    const auto [c0, c1, c2, c3] = waves(rate, t);
+    return {t * (state.velocity + (0.5 * t) * along) + c2 * across + c3 * jerk,
+            state.velocity + t * along + c1 * across + c2 * jerk, along + c0 * across + c1 * jerk,
+            c0 * jerk - (rate * rate * c1) * across};
+  }
+
+  const KinematicState& state;
+  double rate;
+  Vec3 along, across, jerk;
+};
 
 // Until friction has stopped it [s]; none: it never does.
 std::optional<double> stop_s(const Vec3& velocity, const Vec3& acceleration) {
@@ -92,7 +102,7 @@ std::optional<double> stop_s(const Vec3& velocity, const Vec3& acceleration) {
     case MotionKind::kThird:
       return polynomial(m.state, m.jerk, t);
     case MotionKind::kTurning:
-      return turning(m.state, m.rate_rad_s, t);
+      return Turn(m.state, m.rate_rad_s).at(t);
     case MotionKind::kOscillating:
       return oscillating(m.state, m.jerk, m.rate_rad_s, t);
     case MotionKind::kSliding: {
@@ -112,6 +122,33 @@ std::optional<double> stop_s(const Vec3& velocity, const Vec3& acceleration) {
 }
 
 Vec3 displacement(const MotionModel& m, double t) { return translation(m, t).displacement; }
+
+// The same at three instants: what doesn't depend on them is computed once.
+std::array<Vec3, 3> displacements(const MotionModel& m, double t0, double t1, double t2) {
+  const KinematicState& s = m.state;
+  switch (m.kind) {
+    case MotionKind::kTurning: {
+      const Turn turn(s, m.rate_rad_s);
+      return {turn.at(t0).displacement, turn.at(t1).displacement, turn.at(t2).displacement};
+    }
+    case MotionKind::kOscillating: {
+      std::array<Vec3, 3> out;
+      for (int i = 0; i < 3; ++i) {
+        const double v = s.velocity[i], a = s.acceleration[i], j = m.jerk[i], rate = m.rate_rad_s[i];
+        const auto at = [&](double t) {
+          const Waves w = waves(rate, t);
+          return v * t + a * w.c2 + j * w.c3;
+        };
+        out[0][i] = at(t0);
+        out[1][i] = at(t1);
+        out[2][i] = at(t2);
+      }
+      return out;
+    }
+    default:
+      return {displacement(m, t0), displacement(m, t1), displacement(m, t2)};
+  }
+}
 
 void place(const MotionModel& m, const Translation& moved, KinematicState& out) {
   out.position = m.state.position + moved.displacement;
@@ -155,21 +192,14 @@ double jerk_bound(const MotionModel& m) {
   }
 }
 
-// [s], from the shortest on
-constexpr auto kPieces_s = [] {
-  std::array<double, kLongestPiece_log2_ns - kShortestPiece_log2_ns + 1> lengths{};
-  for (int i = 0; double& s : lengths) s = to_seconds(Duration{std::int64_t{1} << (kShortestPiece_log2_ns + i++)});
-  return lengths;
-}();
-
-int piece_log2_ns(const MotionModel& m) {
+Duration piece_length(const MotionModel& m) {
   const double jerk = jerk_bound(m), alpha = m.angular_acceleration_body.norm();
-  std::size_t i = kPieces_s.size() - 1;
-  for (; i > 0; --i) {
-    const double h = kPieces_s[i];
+  int log2_ns = kLongestPiece_log2_ns;
+  for (; log2_ns > kShortestPiece_log2_ns; --log2_ns) {
+    const double h = to_seconds(Duration{std::int64_t{1} << log2_ns});
     if (jerk * h * h * h <= 125.0 * kPieceError_m && alpha * h * h <= 8.0 * kPieceError_rad) break;
   }
-  return kShortestPiece_log2_ns + static_cast<int>(i);
+  return Duration{std::int64_t{1} << log2_ns};
 }
 
 // Rounded up, so that what has stopped stands; the way left before that is below a nanosecond's. Later than in 31 years
@@ -201,9 +231,9 @@ Bounds bounds_at(const MotionModel& m, Duration since_base) {
   if (is_cut(m)) {
     cut_at(lasts);
     if (since_base < lasts) {
-      const int log2_ns = piece_log2_ns(m);
-      b.begin = Duration{since_base.count() >> log2_ns << log2_ns};
-      cut_at(b.begin + Duration{std::int64_t{1} << log2_ns});
+      const Duration h = piece_length(m);
+      b.begin = since_base / h * h;
+      cut_at(b.begin + h);
       b.cut = true;
     }
   }
@@ -295,22 +325,21 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
   MotionPiece piece{b.begin, b.end, m.state};
   const double h = to_seconds(*b.end - b.begin);
   turn(m, begin_s, piece.state);
-  if (translates_by_pieces(m)) {
-    const Vec3 p0 = displacement(m, begin_s);
-    const Vec3 pm = displacement(m, begin_s + 0.5 * h) - p0;
-    const Vec3 p1 = displacement(m, begin_s + h) - p0;
-    piece.state.position += p0;
-    piece.state.velocity = (4.0 * pm - p1) / h;
-    piece.state.acceleration = (4.0 / (h * h)) * (p1 - 2.0 * pm);
-  } else {
-    place(m, translation(m, begin_s), piece.state);
-  }
-  if (!is_zero(m.angular_acceleration_body)) {
+  if (!is_zero(m.angular_acceleration_body)) {  // at once: the processor makes both turns side by side
     const Quat end = orientation_after(m, begin_s + h);
     // More than half a turn within a piece has no shortest way to tell its turns from; such spins keep their own.
     if (piece.state.angular_velocity_body.norm() * h < 2.0) {
       piece.state.angular_velocity_body = spin_between(piece.state.orientation, end, h);
     }
+  }
+  if (translates_by_pieces(m)) {
+    const auto [p0, middle, end] = displacements(m, begin_s, begin_s + 0.5 * h, begin_s + h);
+    const Vec3 pm = middle - p0, p1 = end - p0;
+    piece.state.position += p0;
+    piece.state.velocity = (4.0 * pm - p1) / h;
+    piece.state.acceleration = (4.0 / (h * h)) * (p1 - 2.0 * pm);
+  } else {
+    place(m, translation(m, begin_s), piece.state);
   }
   return piece;
 }

@@ -137,13 +137,17 @@ void Peer::on_update(PeerId sender, UpdateRecord u, SimTime session_now) {
   const RelaySettings& relay = config_.relay;
   const bool relayed = relay.through == sender;
   if (relay.through != kNobody && !relayed && relay.through != config_.id) return;  // the relay will say
-  if (owner(u.object) == kNobody && !relayed) claim(sender, {&u.object, 1});        // its hello may have been lost
+  PeerId runs = owner(u.object);
+  if (runs == kNobody && !relayed) {  // its hello may have been lost
+    claim(sender, {&u.object, 1});
+    runs = owner(u.object);
+  }
   if (relayed && own_.contains(u.object)) {
     oldest_update_ = std::max(oldest_update_, session_now - u.at);
     return;
   }
-  Member* owning = members_.find(owner(u.object));
-  if (owning == nullptr || (owner(u.object) != sender && !relayed)) return drop("not_owner");
+  Member* owning = members_.find(runs);
+  if (owning == nullptr || (runs != sender && !relayed)) return drop("not_owner");
   std::uint32_t& last = owning->last_sequence[u.object];
   if (u.sequence == last && (holds(u.object) || !interest_.hears(u.model.state.position))) {
     ++counters_.updates_duplicate;

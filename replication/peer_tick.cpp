@@ -67,12 +67,14 @@ void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
   tell_predefined(t);
   begin_motions(t);
   replica_->truth.advance(t);
-  for (const OwnSample& sample : samples) {
-    const auto own = own_.find(sample.object);
+  auto own = own_.begin();
+  for (const OwnSample& sample : samples) {  // most come in the same order
+    if (own == own_.end() || own->first != sample.object) own = own_.find(sample.object);
     if (own == own_.end()) continue;  // lost to another peer
     assert(own->second.driven);
     replica_->truth.set_base(sample.object, t,
                              sample.has_derivatives ? sample.state : own->second.poses.derive(t, sample.state.pose()));
+    ++own;
   }
   replica_->ghosts.advance(t);
   report_contacts(t);
@@ -117,9 +119,9 @@ void Peer::report_contacts(SimTime t) {
   while (const auto change = colliding_.poll()) outputs_.push_back(*change);
 }
 
-// Hands an own object's state to what chooses its models.
+// Hands an own object's state to what chooses its models; what physics moves names its law.
 void Peer::observe(ObjectId object, Own& own, SimTime t, double latency_s) {
-  if (!config_.policy.models) return;
+  if (!config_.policy.models || !own.driven) return;
   if (!own.models) own.models.emplace(*config_.policy.models);
   own.models->push(t, replica_->truth.at(object, t), Horizon{latency_s, own.interval_s});
 }
