@@ -40,6 +40,8 @@ class Daemon {
   // One datagram of a program that moves objects; or, not to be recorded, the poses of one.
   void on_poses(std::string_view datagram);
   void on_poses(std::span<const feed::FedPose> poses);
+  // Each update gets a line from now on. They are many: else not even their words are put together.
+  void log_updates() { logs_updates_ = true; }
   // `heard` is called whenever a datagram has been taken: what it told is in the node's ghosts by then.
   void on_heard(std::function<void()> heard) { heard_ = std::move(heard); }
 
@@ -74,6 +76,7 @@ class Daemon {
   TickLateness lateness_;
   std::optional<HostTime> due_;  // what the timer was set for
   HostTime os_clock_due_ = HostTime::min();
+  bool logs_updates_ = false;
   bool over_ = false;
   int exit_code_ = 0;
 };

@@ -118,10 +118,10 @@ void Peer::leave(HostTime now) {
 }
 
 std::optional<Output> Peer::poll_output() {
-  if (outputs_.empty()) return std::nullopt;
-  Output out = std::move(outputs_.front());
-  outputs_.pop_front();
-  return out;
+  if (polled_ < outputs_.size()) return std::move(outputs_[polled_++]);
+  outputs_.clear();
+  polled_ = 0;
+  return std::nullopt;
 }
 
 HostTime Peer::next_deadline() const {

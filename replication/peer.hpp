@@ -583,7 +583,8 @@ class Peer {
   std::set<PeerId> other_worlds_;  // told once each
   std::set<PeerId> forgotten_;     // lost; what they said is to be said again when they come back
   bool id_in_use_told_ = false;
-  std::deque<Output> outputs_;
+  std::vector<Output> outputs_;
+  std::size_t polled_ = 0;  // of outputs_
   Counters counters_;
 };
 
