@@ -53,12 +53,12 @@ Duration Peer::answered_within() const {
 // threshold: with the next one where datagrams do get lost, and whenever somebody's hello says that the last one did;
 // where no hello says anything in time, as often as the loss asks for.
 void Peer::repeat_updates(HostTime now) {
+  if (out_of_bytes_) return;
   const bool lossy = copies_against(loss(), 2) > 1;
   const bool receipts = !grid_.cuts();  // regions have none
   const std::uint32_t most = receipts ? kWithHellosMax : 1;
   const Duration patience = receipts ? answered_within() : kStandsFor;
   const SimTime t = clock_.to_session(now);
-  if (out_of_bytes_) return;
   for (auto& [object, own] : own_) {
     if (!own.to_repeat || own.times_with_hello >= most || everybody_has(own)) continue;
     const bool lost = !own.told_in.empty() && std::ranges::any_of(members_.all(), [&](const auto& entry) {
