@@ -7,7 +7,7 @@
 
 namespace peerd::replication {
 
-inline constexpr std::uint32_t kProtocolVersion = 6;
+inline constexpr std::uint32_t kProtocolVersion = 7;
 // Never fragmented: below every tunnel's MTU once UDP, IP and a link's headers are added.
 inline constexpr std::size_t kDatagramMax_bytes = 1200;
 

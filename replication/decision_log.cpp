@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace peerd::replication {
 namespace {
@@ -37,7 +38,7 @@ bool of_pair(const DecisionRecord& d, ObjectId a, ObjectId b) {
 
 std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionRecord& record, PeerId author) {
   if (find(record.contact, author, record.collider, record.collidee) != nullptr) return std::nullopt;
-  entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, 0, {}});
+  entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, 0, {}, {}});
 
   std::vector<Entry*> pair;
   for (Entry& e : entries_) {
@@ -63,6 +64,10 @@ const DecisionLog::Entry* DecisionLog::find(SimTime contact, PeerId author, Obje
     if (of_pair(e->record, a, b)) return &*e;
   }
   return nullptr;
+}
+
+DecisionLog::Entry* DecisionLog::find(SimTime contact, PeerId author, ObjectId a, ObjectId b) {
+  return const_cast<Entry*>(std::as_const(*this).find(contact, author, a, b));
 }
 
 void DecisionLog::forget_before(SimTime contact) {

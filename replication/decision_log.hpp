@@ -21,9 +21,10 @@ class DecisionLog {
     DecisionRecord record;
     PeerId author;
     bool stands = false;
-    int copies = 0;          // of our own: how often still to be sent
-    std::set<PeerId> heard;  // of our own: who has said so
-    bool to_note = false;    // of others': to be told with the next hello that it has come
+    // Of our own: how often still to be sent, the numbers of the datagrams that carried it, who has one of them.
+    int copies = 0;
+    std::vector<std::uint32_t> told_in;
+    std::set<PeerId> heard;
   };
   struct Change {
     DecisionRecord record;
@@ -35,6 +36,7 @@ class DecisionLog {
   std::optional<std::vector<Change>> add(const DecisionRecord& record, PeerId author);
   // That peer's decision on exactly that contact of the two; null where none is known.
   [[nodiscard]] const Entry* find(SimTime contact, PeerId author, ObjectId a, ObjectId b) const;
+  [[nodiscard]] Entry* find(SimTime contact, PeerId author, ObjectId a, ObjectId b);
   void forget_before(SimTime contact);
   void clear() { entries_.clear(); }
 

@@ -11,7 +11,7 @@
 namespace peerd::replication {
 namespace {
 
-constexpr std::size_t kEntryMax_bytes = 64;  // of any list; the longest has 34
+constexpr std::size_t kEntryMax_bytes = 64;  // of any list; the longest has 35
 
 // What `put` writes for each entry.
 template <class Entry, class Put>
@@ -46,11 +46,12 @@ bool names_holes(const Received& r) { return r.run < std::min(r.highest, Receive
 bool take_received(BitReader& in, std::uint32_t highest, Received& r) {
   r.highest = highest;
   r.last = ~std::uint64_t{0};
-  if (!take_varint(in, r.run) || r.run == 0 || r.run > std::min(highest, Received::kRunMax)) return false;
+  if (!take_varint(in, r.run) || r.run > std::min(highest, Received::kRunMax)) return false;
   if (!names_holes(r)) return true;
   std::uint64_t absent = 0;
   const std::uint32_t counted = std::min(highest, Received::kWindow) - r.run;
-  if (!take_varint(in, absent) || absent % 2 == 0 || absent >> counted != 0) return false;
+  if (!take_varint(in, absent) || absent % 2 == 0) return false;
+  if (counted < Received::kWindow && absent >> counted != 0) return false;
   r.last = ~(absent << r.run);
   return true;
 }
@@ -60,7 +61,7 @@ bool take_received(BitReader& in, std::uint32_t highest, Received& r) {
 std::string packed(const std::vector<Echo>& echoes) {
   return packed_by(echoes, [](BitWriter& out, const Echo& e) {
     const Received& r = e.received;
-    assert(r.highest >= e.hello && r.run > 0 && e.held >= Duration{0});
+    assert(r.highest >= e.hello && e.held >= Duration{0});
     put_varint(out, e.peer.value);
     put_varint(out, e.hello);
     put_varint(out, static_cast<std::uint64_t>(e.held.count()));
@@ -109,22 +110,18 @@ bool take_objects(std::string_view bytes, std::vector<ObjectId>& objects) {
 std::string packed(const std::vector<ContactNote>& notes, SimTime base) {
   return packed_by(notes, [&](BitWriter& out, const ContactNote& n) {
     put_varint(out, n.collider.value);
-    put_varint(out, n.collidee.value);
+    put_varint(out, std::uint64_t{n.collidee.value} << 1 | (n.held ? 1 : 0));
     put_time(out, base, n.contact);
-    put_varint(out, std::uint64_t{n.by.value} << 1 | (n.held ? 1 : 0));
   });
 }
 
 bool take_notes(std::string_view bytes, SimTime base, std::vector<ContactNote>& notes) {
   return take_all(bytes, notes, [&](BitReader& in, ContactNote& n) {
-    std::uint64_t by = 0;
-    if (!take_id(in, n.collider) || !take_id(in, n.collidee) || !take_time(in, base, n.contact) ||
-        !take_varint(in, by) || by >> 33 != 0) {
-      return false;
-    }
-    n.by = PeerId{static_cast<std::uint32_t>(by >> 1)};
-    n.held = (by & 1) != 0;
-    return true;
+    std::uint64_t collidee = 0;
+    if (!take_id(in, n.collider) || !take_varint(in, collidee) || collidee >> 33 != 0) return false;
+    n.collidee.value = static_cast<std::uint32_t>(collidee >> 1);
+    n.held = (collidee & 1) != 0;
+    return take_time(in, base, n.contact);
   });
 }
 

@@ -37,6 +37,11 @@ void LossMeter::on_datagram(std::uint32_t number) {
   lost_ = std::max(0.0, lost_ - 1.0);
 }
 
+void LossMeter::ask_again(std::uint32_t number) {
+  if (number > highest_ || highest_ - number >= kWindow) return;
+  seen_ &= ~(std::uint64_t{1} << (highest_ - number));
+}
+
 Received LossMeter::received() const {
   const auto in_window = static_cast<std::uint32_t>(std::countr_one(seen_));
   const std::uint32_t run = in_window < kWindow ? in_window : highest_ - hole_;

@@ -8,7 +8,7 @@ namespace peerd::replication {
 struct Received {
   static constexpr std::uint32_t kWindow = 64, kRunMax = 16'383;
   std::uint32_t highest = 0;
-  std::uint32_t run = 0;   // so many up to `highest` have come in a row; kRunMax: or more
+  std::uint32_t run = 0;   // so many up to `highest` have come in a row; 0: it is asked for again; kRunMax: or more
   std::uint64_t last = 0;  // bit k: highest - k has come
   [[nodiscard]] bool has(std::uint32_t number) const {
     if (number > highest) return false;
@@ -28,16 +28,18 @@ class LossMeter {
  public:
   // `number`: the sender's count of its datagrams, from 1.
   void on_datagram(std::uint32_t number);
+  // That datagram could not be used yet: in what is told of it, it has not come.
+  void ask_again(std::uint32_t number);
   // Those from before the first that came count as come, and what is later than by the window as lost.
   [[nodiscard]] Received received() const;
   // Those that came again, and those that came after a later one.
   [[nodiscard]] std::uint64_t duplicates() const { return duplicates_; }
   [[nodiscard]] std::uint64_t overtaken() const { return overtaken_; }
   // The part that gets lost, in (0, 1): before anything has come one in ten, afterwards ever nearer to what was seen.
-  [[nodiscard]] double loss() const { return (lost_ + 0.2) / (sent_ + 2.0); }
+  [[nodiscard]] double loss() const { return loss(0.1); }
   // The same where so much of others gets lost on average: what to believe before anything has come, in place of one
   // in ten.
-  [[nodiscard]] double loss(double of_others) const { return (lost_ + 2.0 * of_others) / (sent_ + 2.0); }
+  [[nodiscard]] double loss(double of_others) const { return (lost_ + kBelief * of_others) / (sent_ + kBelief); }
   // What of both together gets lost, where each has its own numbers.
   LossMeter& operator+=(const LossMeter& other) {
     sent_ += other.sent_;
@@ -48,6 +50,10 @@ class LossMeter {
   }
 
  private:
+  // What is believed before counts like so many datagrams: eight without a loss are a link worth no copies. More would
+  // send the world's first states twice or three times over links that lose nothing; less would take the luck of a few
+  // for one, and a receipt mends that.
+  static constexpr double kBelief = 0.5;
   static constexpr std::uint32_t kWindow = Received::kWindow;  // later than by so many, a datagram stays lost
   std::uint32_t highest_ = 0;
   std::uint64_t seen_ = 0;  // bit k: highest_ - k has come

@@ -363,7 +363,7 @@ class Peer {
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
   void on_echo(PeerId sender, Member& member, const Echo* echo);
   void on_update(PeerId sender, UpdateRecord update, SimTime session_now);
-  void on_decision(PeerId sender, const DecisionRecord& decision, SimTime known_at);
+  void on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& decision, SimTime known_at);
   void claim(PeerId peer, std::span<const ObjectId> objects);
   void release(PeerId peer, HostTime now);
   void lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye);
@@ -417,7 +417,9 @@ class Peer {
   void follow(const std::vector<DecisionLog::Change>& changes, SimTime known_at);
   void apply(const DecisionRecord& decision, PeerId author, SimTime known_at);
   void rebase(ObjectId object, SimTime from);
+  void on_receipt(PeerId sender, const Receipt& receipt);
   void repeat_decisions();
+  void repeat(DecisionLog::Entry& own);
   [[nodiscard]] bool all_heard(const DecisionLog::Entry& own) const;
   [[nodiscard]] std::vector<ContactNote> take_notes();
   void publish(SimTime t);

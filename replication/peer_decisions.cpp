@@ -251,16 +251,8 @@ bool Peer::may_lack_ours(PeerId peer, const ContactEvent& c) const {
   });
 }
 
-// What the sender's hello says of contacts: which decisions it has heard, and whether it has found what this peer
-// left to it.
+// What the sender's hello says of contacts: whether it has found what this peer left to it.
 void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
-  const auto is_note_of = [](const ContactNote& n, const DecisionLog::Entry& e) {
-    return !n.held && n.by == e.author && n.contact == e.record.contact && of_pair(e.record, n.collider, n.collidee);
-  };
-  for (DecisionLog::Entry& e : decisions_.entries()) {
-    if (e.author != config_.id) continue;
-    if (std::ranges::any_of(hello.notes, [&](const auto& n) { return is_note_of(n, e); })) e.heard.insert(sender);
-  }
   const Member& member = *members_.find(sender);
   const SimTime said_at = known_at - member.delays[(member.delays_known - 1) % Member::kDelays];
   const std::vector<Held> waiting = held_;
@@ -284,13 +276,14 @@ void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
   }
 }
 
-void Peer::on_decision(PeerId sender, const DecisionRecord& d, SimTime known_at) {
+// Whoever has just come may not know yet whose the objects are, and asks for the decision again.
+void Peer::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d, SimTime known_at) {
+  if (owner(d.collider) == kNobody || owner(d.collidee) == kNobody) {
+    members_.find(sender)->received[kWholeScene].ask_again(number);
+    return drop("nobodys_contact");
+  }
   if (!may_decide(sender, owner(d.collider), owner(d.collidee))) return drop("not_decider");
   const auto changes = decisions_.add(d, sender);
-  for (DecisionLog::Entry& e : decisions_.entries()) {  // its copies too: who repeats it has not heard that it came
-    if (e.author == sender && e.record.contact == d.contact && of_pair(e.record, d.collider, d.collidee))
-      e.to_note = true;
-  }
   if (!changes) return drop("decision_known");
   if (changes->empty()) return drop("decision_overruled");
   follow(*changes, known_at);
@@ -350,44 +343,58 @@ void Peer::rebase(ObjectId object, SimTime from) {
   if (u.at > last && u.decision >= last && !decisions_.overruled(object, u.decision)) set_ghost(object, u.at, u.model);
 }
 
-// Everybody in the session, as their hellos say.
+// Everybody in the session, by their receipts.
 bool Peer::all_heard(const DecisionLog::Entry& own) const {
   return std::ranges::all_of(members_.all(), [&](const auto& member) {
     return !member.second.synchronised || own.heard.contains(member.first);
   });
 }
 
-// Those that somebody in the session could have said to have heard, and has not.
-void Peer::repeat_decisions() {
-  if (!replica_ || !config_.decisions.repeat) return;
-  const SimTime since = tick_time(last_tick_) - kToldFor;
-  const SimTime answered = tick_time(last_tick_) - 2 * lookback() - config_.hello_period;
-  std::map<std::pair<ObjectId, ObjectId>, int> newer;
-  for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
-    if (entry->author != config_.id || !entry->stands || entry->record.contact < since) continue;
-    if (entry->record.contact > answered) continue;
-    if (newer[std::minmax(entry->record.collider, entry->record.collidee)]++ >= kRepeatedOfPair) continue;
-    if (all_heard(*entry) || entry->copies > 0) continue;
-    entry->copies = 1;
-    ++counters_.decisions_repeated;
+// Which of this peer's decisions the sender has, by its receipt. Whose last copy has surely not come there goes out
+// again at once.
+void Peer::on_receipt(PeerId sender, const Receipt& receipt) {
+  for (DecisionLog::Entry& e : decisions_.entries()) {
+    if (e.author != config_.id || e.told_in.empty() || e.heard.contains(sender)) continue;
+    if (std::ranges::any_of(e.told_in, [&](std::uint32_t number) { return receipt.has(number); })) {
+      e.heard.insert(sender);
+    } else if (receipt.lacks(e.told_in.back())) {
+      repeat(e);
+    }
   }
 }
 
-// What this peer holds; what it has decided, until all have heard: who holds the same contact waits for it; and once
-// what has come of others, for whoever decides repeats it until that is said.
+// Those that everybody in the session could have confirmed, and somebody has not.
+void Peer::repeat_decisions() {
+  if (!replica_) return;
+  const SimTime answered = tick_time(last_tick_) - answered_within();
+  std::map<std::pair<ObjectId, ObjectId>, int> newer;
+  for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
+    if (entry->author != config_.id || !entry->stands || entry->record.contact > answered) continue;
+    if (newer[std::minmax(entry->record.collider, entry->record.collidee)]++ >= kRepeatedOfPair) continue;
+    if (!all_heard(*entry)) repeat(*entry);
+  }
+}
+
+void Peer::repeat(DecisionLog::Entry& own) {
+  if (!config_.decisions.repeat || !own.stands || own.copies > 0) return;
+  if (own.record.contact < tick_time(last_tick_) - kToldFor) return;
+  own.copies = 1;
+  ++counters_.decisions_repeated;
+}
+
+// What this peer holds, and what it has decided, until all have heard: who holds the same contact waits for it.
 std::vector<ContactNote> Peer::take_notes() {
   std::vector<ContactNote> notes;
   for (const Held& h : held_) {
     if (notes.size() == kNotesMax) return notes;
-    notes.push_back({h.contact.collider, h.contact.collidee, h.contact.at, h.decider, true});
+    notes.push_back({h.contact.collider, h.contact.collidee, h.contact.at, true});
   }
   const SimTime since = replica_ ? tick_time(last_tick_) - kNotedFor : SimTime{};
   for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
     const DecisionRecord& d = entry->record;
-    const bool says = d.contact >= since && (entry->author == config_.id ? !all_heard(*entry) : entry->to_note);
-    if (says && notes.size() == kNotesMax) break;
-    if (says) notes.push_back({d.collider, d.collidee, d.contact, entry->author, false});
-    entry->to_note = false;
+    if (entry->author != config_.id || d.contact < since || all_heard(*entry)) continue;
+    if (notes.size() == kNotesMax) break;
+    notes.push_back({d.collider, d.collidee, d.contact, false});
   }
   return notes;
 }

@@ -71,7 +71,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
     if (d.contact < session_now - kDecisionAgeMax || d.contact > session_now + kUpdateAheadMax) {
       drop("decision_time");
     } else {
-      on_decision(m.sender, d, session_now);
+      on_decision(m.sender, m.number, d, session_now);
     }
   }
   return {};

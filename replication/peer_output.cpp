@@ -12,7 +12,7 @@ namespace {
 
 // What a datagram's header (version, sender, number, the boot's low bits) leaves for records.
 constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHeader_bytes - kDecisionsHeader_bytes;
-// Per introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of at most 25, a viewpoint
+// Per introduction. 15 echoes of at most 34 bytes, 50 objects of 216 in all, kNotesMax notes of at most 20, a viewpoint
 // of at most 97 and a name of 64 fit.
 constexpr std::size_t kEnslavedMax = 50;
 // With one hello in so many a peer says who it is, to whom it may concern; and with so many in a row that something
@@ -187,9 +187,7 @@ bool Peer::has_news() const {
 bool Peer::settled(HostTime now) const {
   const auto holds_contacts = [](const auto& entry) { return entry.second.holds_contacts; };
   return replica_ && now >= settles_ && !has_news() && copies_against(loss(), 2) == 1 && entering_.empty() &&
-         departures_.empty() && held_.empty() &&
-         std::ranges::none_of(decisions_.entries(), &DecisionLog::Entry::to_note) &&
-         std::ranges::none_of(members_.all(), holds_contacts);
+         departures_.empty() && held_.empty() && std::ranges::none_of(members_.all(), holds_contacts);
 }
 
 Introduction Peer::introduction() {
@@ -257,6 +255,9 @@ void Peer::send(Message& message, RegionId region) {
     if (region == kWholeScene && own != own_.end() && own->second.sequence == u.sequence) {
       own->second.told_in.push_back(message.number);
     }
+  }
+  for (const DecisionRecord& d : message.decisions) {
+    decisions_.find(d.contact, config_.id, d.collider, d.collidee)->told_in.push_back(message.number);
   }
 }
 

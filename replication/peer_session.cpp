@@ -97,6 +97,10 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   member.holds_contacts = std::ranges::any_of(hello.notes, &ContactNote::held);
   if (hello.sessions != member.sessions) {  // it knows of no updates yet
     for (auto& [object, own] : own_) own.resend = true;
+    for (DecisionLog::Entry& decision : decisions_.entries()) {
+      decision.told_in.clear();
+      decision.heard.erase(sender);
+    }
   }
   member.sessions = hello.sessions;
   member.synchronised = hello.session_tx.has_value();
@@ -151,6 +155,7 @@ void Peer::on_echo(PeerId sender, Member& member, const Echo* echo) {
     own.heard.insert(sender);
     own.may_lack.erase(sender);
   }
+  on_receipt(sender, *member.receipt);
 }
 
 // How long the farthest of the others waits for what is sent now.

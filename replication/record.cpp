@@ -28,6 +28,27 @@ bool has_acceleration(MotionKind kind) { return kind != MotionKind::kFirst; }
 bool has_jerk(MotionKind kind) { return kind == MotionKind::kThird || kind == MotionKind::kOscillating; }
 bool has_rate(MotionKind kind) { return kind == MotionKind::kTurning || kind == MotionKind::kOscillating; }
 
+// Which axes a vector may have: any, which it says itself, or those of what is upright.
+using Axes = std::optional<unsigned>;
+constexpr unsigned kAlong_y = 0b010, kAlong_xz = 0b101;
+
+bool within(unsigned axes, const Vec3& v) {
+  for (int i = 0; i < 3; ++i) {
+    if ((axes >> i & 1) == 0 && v[i] != 0.0) return false;
+  }
+  return true;
+}
+
+unsigned rate_axes(MotionKind kind) { return kind == MotionKind::kTurning ? kAlong_y : kAlong_xz; }
+
+// Moves level and turns about the vertical alone, as most of what walks and drives.
+bool is_upright(const MotionModel& m) {
+  const KinematicState& s = m.state;
+  return within(kAlong_xz, s.velocity) && within(kAlong_xz, s.acceleration) && within(kAlong_xz, m.jerk) &&
+         within(rate_axes(m.kind), m.rate_rad_s) && s.orientation.x() == 0.0 && s.orientation.z() == 0.0 &&
+         within(kAlong_y, s.angular_velocity_body) && within(kAlong_y, m.angular_acceleration_body);
+}
+
 double power_of_two(int exponent) {
   assert(exponent > -1023 && exponent < 1024);
   return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
@@ -131,11 +152,20 @@ void drop_signs_of_zero(MotionModel& m) {
 
 // ---- to bits ----
 
+// Which axes the vectors have.
+struct Form {
+  bool upright = false;
+  Axes moves, rate, turns;
+};
+Form form_of(MotionKind kind, bool upright) {
+  return upright ? Form{true, kAlong_xz, rate_axes(kind), kAlong_y} : Form{};
+}
+
 void put_sign_and_magnitude(BitWriter& out, std::int64_t n, int magnitude_bits) {
   out.put((static_cast<std::uint64_t>(std::abs(n)) << 1) | (n < 0 ? 1 : 0), magnitude_bits + 1);
 }
 
-void put_steps(BitWriter& out, const Vec3& v, int step_log2, int width_bits) {
+void put_steps(BitWriter& out, const Vec3& v, int step_log2, int width_bits, Axes axes = {}) {
   const double per_step = power_of_two(-step_log2);
   std::array<std::int64_t, 3> n{};
   std::uint64_t all = 0;
@@ -147,14 +177,23 @@ void put_steps(BitWriter& out, const Vec3& v, int step_log2, int width_bits) {
   const int width = static_cast<int>(std::bit_width(all));
   out.put(static_cast<std::uint64_t>(width), width_bits);
   if (width == 0) return;
-  const unsigned mask = put_mask(out, n);
+  const unsigned mask = axes ? *axes : put_mask(out, n);
   for (std::size_t i = 0; i < 3; ++i) {
     if ((mask >> i & 1) != 0) put_sign_and_magnitude(out, n[i], width);
   }
 }
 
-void put_orientation(BitWriter& out, const Quat& q) {
-  const SmallestThree three = smallest_three(q);
+// Of what is upright w or y is the largest, and of the other three the one between that is not x or z.
+constexpr int kLargestIs_y = 2;
+std::int32_t& other_of_wy(SmallestThree& three) { return three.steps[three.largest == kLargestIs_y ? 0 : 1]; }
+
+void put_orientation(BitWriter& out, const Quat& q, bool upright) {
+  SmallestThree three = smallest_three(q);
+  if (upright) {
+    out.put(three.largest == kLargestIs_y ? 1 : 0, 1);
+    put_sign_and_magnitude(out, other_of_wy(three), SmallestThree::kMagnitude_bits);
+    return;
+  }
   out.put(static_cast<std::uint64_t>(three.largest), 2);
   const unsigned mask = put_mask(out, three.steps);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -176,54 +215,65 @@ void put_exact(BitWriter& out, const MotionModel& m) {
 
 void put_steps(BitWriter& out, const MotionModel& m, int position_log2) {
   const Steps steps = steps_of(m.kind, position_log2);
+  const Form form = form_of(m.kind, is_upright(m));
   put_steps(out, m.state.position, steps.position, kLongWidth_bits);
-  put_steps(out, m.state.velocity, steps.velocity, kWidth_bits);
-  if (has_acceleration(m.kind)) put_steps(out, m.state.acceleration, steps.acceleration, kWidth_bits);
-  if (has_jerk(m.kind)) put_steps(out, m.jerk, steps.jerk, kWidth_bits);
+  put_steps(out, m.state.velocity, steps.velocity, kWidth_bits, form.moves);
+  if (has_acceleration(m.kind)) put_steps(out, m.state.acceleration, steps.acceleration, kWidth_bits, form.moves);
+  if (has_jerk(m.kind)) put_steps(out, m.jerk, steps.jerk, kWidth_bits, form.moves);
   if (has_rate(m.kind)) {
-    if (const auto log2 = rate_step_log2(m, steps)) put_steps(out, m.rate_rad_s, *log2, kLongWidth_bits);
+    if (const auto log2 = rate_step_log2(m, steps)) put_steps(out, m.rate_rad_s, *log2, kLongWidth_bits, form.rate);
   }
-  if (!is_identity(m.state.orientation)) put_orientation(out, m.state.orientation);
-  put_steps(out, m.state.angular_velocity_body, steps.spin, kWidth_bits);
+  if (!is_identity(m.state.orientation)) put_orientation(out, m.state.orientation, form.upright);
+  put_steps(out, m.state.angular_velocity_body, steps.spin, kWidth_bits, form.turns);
   if (!is_zero(m.angular_acceleration_body)) {
-    put_steps(out, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits);
+    put_steps(out, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits, form.turns);
   }
 }
 
 // ---- from bits: each take() answers whether encode_record() could have made it; what the reader gives beyond its end
 // is refused when all is read ----
 
-bool take_sign_and_magnitude(BitReader& in, int magnitude_bits, std::int64_t& n) {
+// `may_be_zero`: where no mask says that it isn't. Zero has one sign.
+bool take_sign_and_magnitude(BitReader& in, int magnitude_bits, bool may_be_zero, std::int64_t& n) {
   const std::uint64_t bits = in.get(magnitude_bits + 1);
   n = static_cast<std::int64_t>(bits >> 1);
   if ((bits & 1) != 0) n = -n;
-  return n != 0;
+  return n != 0 || (may_be_zero && bits == 0);
 }
 
-bool take_steps(BitReader& in, Vec3& v, int step_log2, int width_bits) {
+bool take_steps(BitReader& in, Vec3& v, int step_log2, int width_bits, Axes axes = {}) {
   const int width = static_cast<int>(in.get(width_bits));
   if (width == 0) return true;
-  unsigned mask = 0;
-  if (width > kComponentMax_bits || !take_mask(in, false, mask)) return false;
+  unsigned mask = axes.value_or(0);
+  if (width > kComponentMax_bits || (!axes && !take_mask(in, false, mask))) return false;
   const double step = power_of_two(step_log2);
   std::uint64_t all = 0;
   for (int i = 0; i < 3; ++i) {
     std::int64_t n = 0;
-    if ((mask >> i & 1) != 0 && !take_sign_and_magnitude(in, width, n)) return false;
+    if ((mask >> i & 1) != 0 && !take_sign_and_magnitude(in, width, axes.has_value(), n)) return false;
     all |= static_cast<std::uint64_t>(std::abs(n));
     v[i] = static_cast<double>(n) * step;
   }
   return static_cast<int>(std::bit_width(all)) == width;
 }
 
-bool take_orientation(BitReader& in, Quat& q) {
+bool take_orientation(BitReader& in, Quat& q, bool upright) {
   SmallestThree three;
+  if (upright) {
+    three.largest = in.get(1) != 0 ? kLargestIs_y : 0;
+    std::int64_t n = 0;
+    const bool half_a_turn = three.largest == kLargestIs_y;  // w may be zero; with y it would be the identity
+    if (!take_sign_and_magnitude(in, SmallestThree::kMagnitude_bits, half_a_turn, n)) return false;
+    other_of_wy(three) = static_cast<std::int32_t>(n);
+    q = to_orientation(three).value();
+    return true;
+  }
   three.largest = static_cast<int>(in.get(2));
   unsigned mask = 0;
   if (!take_mask(in, three.largest != 0, mask)) return false;  // empty and w: the identity, which is not sent
   for (std::size_t i = 0; i < 3; ++i) {
     std::int64_t n = 0;
-    if ((mask >> i & 1) != 0 && !take_sign_and_magnitude(in, SmallestThree::kMagnitude_bits, n)) return false;
+    if ((mask >> i & 1) != 0 && !take_sign_and_magnitude(in, SmallestThree::kMagnitude_bits, false, n)) return false;
     three.steps[i] = static_cast<std::int32_t>(n);
   }
   const auto taken = to_orientation(three);
@@ -232,7 +282,7 @@ bool take_orientation(BitReader& in, Quat& q) {
 }
 
 struct Present {
-  bool orientation, spin_acceleration;
+  bool orientation, spin_acceleration, upright;
 };
 
 bool take_exact(BitReader& in, const Present& present, MotionModel& m) {
@@ -248,21 +298,27 @@ bool take_exact(BitReader& in, const Present& present, MotionModel& m) {
 
 bool take_steps(BitReader& in, int position_log2, const Present& present, MotionModel& m) {
   const Steps steps = steps_of(m.kind, position_log2);
+  const Form form = form_of(m.kind, present.upright);
   if (!take_steps(in, m.state.position, steps.position, kLongWidth_bits) ||
-      !take_steps(in, m.state.velocity, steps.velocity, kWidth_bits)) {
+      !take_steps(in, m.state.velocity, steps.velocity, kWidth_bits, form.moves)) {
     return false;
   }
-  if (has_acceleration(m.kind) && !take_steps(in, m.state.acceleration, steps.acceleration, kWidth_bits)) return false;
-  if (has_jerk(m.kind) && !take_steps(in, m.jerk, steps.jerk, kWidth_bits)) return false;
+  if (has_acceleration(m.kind) && !take_steps(in, m.state.acceleration, steps.acceleration, kWidth_bits, form.moves)) {
+    return false;
+  }
+  if (has_jerk(m.kind) && !take_steps(in, m.jerk, steps.jerk, kWidth_bits, form.moves)) return false;
   if (has_rate(m.kind)) {
     const auto log2 = rate_step_log2(m, steps);
-    if (log2 && !take_steps(in, m.rate_rad_s, *log2, kLongWidth_bits)) return false;
+    if (log2 && !take_steps(in, m.rate_rad_s, *log2, kLongWidth_bits, form.rate)) return false;
   }
-  if (present.orientation && !take_orientation(in, m.state.orientation)) return false;
-  if (!take_steps(in, m.state.angular_velocity_body, steps.spin, kWidth_bits)) return false;
-  return !present.spin_acceleration ||
-         (take_steps(in, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits) &&
-          !is_zero(m.angular_acceleration_body));
+  if (present.orientation && !take_orientation(in, m.state.orientation, form.upright)) return false;
+  if (!take_steps(in, m.state.angular_velocity_body, steps.spin, kWidth_bits, form.turns)) return false;
+  if (present.spin_acceleration &&
+      (!take_steps(in, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits, form.turns) ||
+       is_zero(m.angular_acceleration_body))) {
+    return false;
+  }
+  return form.upright == is_upright(m);
 }
 
 bool take(BitReader& in, SimTime base, UpdateRecord& u) {
@@ -270,13 +326,14 @@ bool take(BitReader& in, SimTime base, UpdateRecord& u) {
   if (static_cast<int>(u.model.kind) == 0) return false;
   const std::uint64_t step = in.get(kStep_bits);
   const bool later = in.get(1) != 0, decided = in.get(1) != 0;
-  const bool turned = in.get(1) != 0, spins_up = in.get(1) != 0;
+  const bool turned = in.get(1) != 0, spins_up = in.get(1) != 0, upright = in.get(1) != 0;
   if (!take_varint(in, u.object.value) || !take_varint(in, u.sequence) || u.sequence == 0) return false;
   u.at = base;
   if (later && (!take_time(in, base, u.at) || u.at == base)) return false;
   if (decided && (!take_time(in, u.at, u.decision) || u.decision == SimTime{})) return false;
   if (step != kExact) u.position_step_log2 = static_cast<int>(step) + kStepLeast_log2;
-  const Present present{turned, spins_up};
+  const Present present{turned, spins_up, upright};
+  if (upright && !u.position_step_log2) return false;
   const bool taken =
       u.position_step_log2 ? take_steps(in, *u.position_step_log2, present, u.model) : take_exact(in, present, u.model);
   return taken && in.good() && in.padded_with_zeros() && acceptable(u.model.state) && within_limits(u.model);
@@ -326,6 +383,7 @@ std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::by
   out.put(decided ? 1 : 0, 1);
   out.put(is_identity(u.model.state.orientation) ? 0 : 1, 1);
   out.put(is_zero(u.model.angular_acceleration_body) ? 0 : 1, 1);
+  out.put(u.position_step_log2 && is_upright(u.model) ? 1 : 0, 1);
   put_varint(out, u.object.value);
   put_varint(out, u.sequence);
   if (later) put_time(out, base, u.at);

@@ -48,12 +48,11 @@ struct DecisionRecord {
   SimTime known{};  // contact time of the last decision on this pair that the sender knew; none: SimTime{}
 };
 
-// In a hello: a contact of two peers' objects that the sender knows of.
+// In a hello: a contact of two peers' objects that the sender has found.
 struct ContactNote {
   ObjectId collider, collidee;
   SimTime contact{};
-  PeerId by;          // whose decision it is, or is to be
-  bool held = false;  // found, and left to `by` to decide; else a decision that the sender has made or heard
+  bool held = false;  // the sender has found it, and leaves it to another to decide; else it has decided it itself
 };
 
 // As many notes as fit into a hello whose other lists are full.

@@ -11,7 +11,7 @@ local inputs = Proto("peerd_input", "peerd: what a recorded peer was told")
 peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
   "transport.group of the peers' configuration: a datagram to the n-th group after it is of region n")
 
-local VERSION = 6
+local VERSION = 7
 local MOST_BYTES = 1200
 local REGION_MARK, GREETING_MARK = 0x52, 0x47
 
@@ -71,7 +71,6 @@ local F = {
     collider = field("uint32", "note.collider", "Collider"),
     collidee = field("uint32", "note.collidee", "Collidee"),
     contact = field("int64", "note.contact_ns", "Contact [ns]"),
-    by = field("uint32", "note.by", "Decided by"),
     held = field("bool", "note.held", "Held"),
   },
   intro = {
@@ -369,20 +368,20 @@ function Bits:mask(may_be_empty)
   if mask == 7 or (mask == 0 and not may_be_empty) then refuse("a mask that says nothing") end
   return { mask % 2 == 1, math.floor(mask / 2) % 2 == 1, mask >= 4 }
 end
-function Bits:signed(magnitude_bits)
+function Bits:signed(magnitude_bits, may_be_zero)
   local negative, magnitude = self:get(1) == 1, self:get(magnitude_bits)
-  if magnitude == 0 then refuse("a zero that is sent") end
+  if magnitude == 0 and (negative or not may_be_zero) then refuse("a zero that is sent") end
   return negative and -magnitude or magnitude
 end
--- In steps: the vector, and the bits of its longest component.
-function Bits:steps(step_log2, width_bits)
+-- In steps: the vector, and the bits of its longest component. `axes`: which it has, where it doesn't say so itself.
+function Bits:steps(step_log2, width_bits, axes)
   local width = self:get(width_bits)
   if width == 0 then return { 0, 0, 0 }, 0 end
   if width > 52 then refuse("a component of " .. width .. " bits") end
   local v, most = { 0, 0, 0 }, 0
-  for i, there in ipairs(self:mask(false)) do
+  for i, there in ipairs(axes or self:mask(false)) do
     if there then
-      local n = self:signed(width)
+      local n = self:signed(width, axes ~= nil)
       most = math.max(most, math.abs(n))
       v[i] = math.ldexp(n, step_log2)
     end
@@ -413,11 +412,12 @@ function Bits:exact()
   return v
 end
 -- The smallest three of a unit quaternion: whole numbers of 1 / (sqrt(2) 4095).
-function Bits:orientation()
-  local largest, left = self:get(2), 2 * 4095 ^ 2
+-- `upright`: w or y is the largest, and the other of the two is there.
+function Bits:orientation(upright)
+  local largest, left = upright and 2 * self:get(1) or self:get(2), 2 * 4095 ^ 2
   local steps = {}
-  for i, there in ipairs(self:mask(largest ~= 0)) do
-    steps[i] = there and self:signed(12) or 0
+  for i, there in ipairs(upright and { largest == 2, largest == 0, false } or self:mask(largest ~= 0)) do
+    steps[i] = there and self:signed(12, upright and largest == 2) or 0
     left = left - steps[i] ^ 2
   end
   if left < 0 then refuse("an orientation that is longer than 1") end
@@ -438,24 +438,41 @@ end
 local FIRST, SECOND, HISTORY, THIRD, TURNING, OSCILLATING, SLIDING = 1, 2, 3, 4, 5, 6, 7
 local UNKNOWN_KIND, EXACT = 8, 15
 
-local function take_in_steps(bits, kind, step, turned, spins_up)
+-- Of what is upright: which axes it moves along, and turns about.
+local ALONG_Y, ALONG_XZ = { false, true, false }, { true, false, true }
+
+local function is_upright(kind, m)
+  local rate = kind == TURNING and ALONG_Y or ALONG_XZ
+  local axes = { velocity = ALONG_XZ, acceleration = ALONG_XZ, jerk = ALONG_XZ, rate = rate, spin = ALONG_Y,
+    spin_up = ALONG_Y }
+  for name, has in pairs(axes) do
+    for i = 1, 3 do
+      if m[name] and not has[i] and m[name][i] ~= 0 then return false end
+    end
+  end
+  return not m.orientation or (m.orientation[2] == 0 and m.orientation[4] == 0)
+end
+
+local function take_in_steps(bits, kind, step, turned, spins_up, upright)
   local m = {}
+  local moves, turns = upright and ALONG_XZ or nil, upright and ALONG_Y or nil
   local h = (kind == SECOND or kind == HISTORY or kind == THIRD) and 0 or 2
   local a_step, j_step, a_width, j_width = step + 2 - 2 * h, step + 3 - 3 * h, 0, 0
   m.position = bits:steps(step, 6)
-  m.velocity = bits:steps(step + 1 - h, 5)
-  if kind ~= FIRST then m.acceleration, a_width = bits:steps(a_step, 5) end
-  if kind == THIRD or kind == OSCILLATING then m.jerk, j_width = bits:steps(j_step, 5) end
+  m.velocity = bits:steps(step + 1 - h, 5, moves)
+  if kind ~= FIRST then m.acceleration, a_width = bits:steps(a_step, 5, moves) end
+  if kind == THIRD or kind == OSCILLATING then m.jerk, j_width = bits:steps(j_step, 5, moves) end
   if kind == TURNING or kind == OSCILLATING then
     m.rate = { 0, 0, 0 }
     local by_a, by_j = a_width + a_step + 3 * h, j_width + j_step + 4 * h - 2
     local most = a_width > 0 and by_a or nil
     if j_width > 0 then most = most and math.max(most, by_j) or by_j end
-    if most then m.rate = bits:steps(step + 2 - most, 6) end
+    if most then m.rate = bits:steps(step + 2 - most, 6, kind == TURNING and turns or moves) end
   end
-  if turned then m.orientation = bits:orientation() end
-  m.spin = bits:steps(-10 - h, 5)
-  if spins_up then m.spin_up = bits:steps(-9 - 2 * h, 5) end
+  if turned then m.orientation = bits:orientation(upright) end
+  m.spin = bits:steps(-10 - h, 5, turns)
+  if spins_up then m.spin_up = bits:steps(-9 - 2 * h, 5, turns) end
+  if upright ~= is_upright(kind, m) then refuse("a record of another form") end
   return m
 end
 
@@ -517,7 +534,7 @@ local function dissect_record(tvb, tree, at, base_time)
   end
   if kind == 0 then refuse("a record of kind 0") end
   local later, decided = bits:get(1) == 1, bits:get(1) == 1
-  local turned, spins_up = bits:get(1) == 1, bits:get(1) == 1
+  local turned, spins_up, upright = bits:get(1) == 1, bits:get(1) == 1, bits:get(1) == 1
   local object, sequence = bits:varint32(), bits:varint32()
   if sequence == 0 then refuse("sequence 0") end
   local time, decision = base_time, nil
@@ -531,9 +548,10 @@ local function dissect_record(tvb, tree, at, base_time)
   end
   local m
   if step == EXACT then
+    if upright then refuse("a record of another form") end
     m = take_exactly(bits, kind, turned, spins_up)
   else
-    m = take_in_steps(bits, kind, step - 23, turned, spins_up)
+    m = take_in_steps(bits, kind, step - 23, turned, spins_up, upright)
   end
   bits:pad()
   check_limits(kind, m)
@@ -596,8 +614,8 @@ local function dissect_echoes(tvb, tree)
     local counted = math.min(hello + newer, 64)
     local absent = run < counted and bits:varint64() or nil
     local loss = bits:varint32()
-    local no_row = run == 0 or run > math.min(hello + newer, 16383) or
-      (absent and (absent:lower() % 2 == 0 or absent:rshift(counted - run) ~= UInt64.new(0)))
+    local no_row = run > math.min(hello + newer, 16383) or (absent and (absent:lower() % 2 == 0 or
+      (counted - run < 64 and absent:rshift(counted - run) ~= UInt64.new(0))))
     if held > UInt64.new(10000000000 % TWO32, 2) or loss > 1000 or newer > TWO32 - 1 - hello or no_row then
       refuse("an echo that nobody sends")
     end
@@ -615,15 +633,14 @@ end
 local function dissect_notes(tvb, tree, session_tx)
   each_entry(tvb, function(bits)
     local N = F.note
-    local collider, collidee = bits:varint32(), bits:varint32()
-    local contact, by = bits:time(session_tx), bits:varint64()
-    if by:higher() >= 2 then refuse("a peer of more than 32 bits") end
+    local collider, twice = bits:varint32(), bits:varint64()
+    if twice:higher() >= 2 then refuse("an object of more than 32 bits") end
+    local collidee, contact = twice:rshift(1):lower(), bits:time(session_tx)
     local sub = tree:add(bits:range(), string.format("Contact of %d with %d", collider, collidee))
     sub:add(N.collider, bits:range(), collider)
     sub:add(N.collidee, bits:range(), collidee)
     sub:add(N.contact, bits:range(), contact)
-    sub:add(N.by, bits:range(), by:rshift(1):lower())
-    sub:add(N.held, bits:range(), by:lower() % 2 == 1)
+    sub:add(N.held, bits:range(), twice:lower() % 2 == 1)
   end)
 end
 

@@ -89,15 +89,15 @@ class MessageMaker {
                           received(heard + number<std::uint32_t>() / 4), 1e-3 * (rng_() % 1001)});
     }
     for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
-      h.notes.push_back({ObjectId{number<std::uint32_t>()}, ObjectId{number<std::uint32_t>()}, SimTime{time()},
-                         PeerId{number<std::uint32_t>()}, coin()});
+      h.notes.push_back(
+          {ObjectId{number<std::uint32_t>()}, ObjectId{number<std::uint32_t>()}, SimTime{time()}, coin()});
     }
     if (coin()) h.introduction = introduction();
     return h;
   }
   Received received(std::uint32_t highest) {
     Received r{highest, 1 + number<std::uint32_t>() % std::min(highest, Received::kRunMax), ~std::uint64_t{0}};
-    if (coin()) r.run = 1 + r.run % std::min(highest, 70U);
+    if (coin()) r.run %= std::min(highest, 70U);
     if (r.run >= std::min(highest, Received::kWindow)) return r;
     r.last = rng_() | ((std::uint64_t{1} << r.run) - 1);
     if (highest < Received::kWindow) r.last |= ~std::uint64_t{0} << highest;
@@ -198,8 +198,7 @@ inline bool same_bits(const Message& a, const Message& b) {
     return e.peer == f.peer && e.hello == f.hello && e.held == f.held && e.received == f.received && e.loss == f.loss;
   };
   const auto same_note = [](const ContactNote& n, const ContactNote& o) {
-    return n.collider == o.collider && n.collidee == o.collidee && n.contact == o.contact && n.held == o.held &&
-           n.by == o.by;
+    return n.collider == o.collider && n.collidee == o.collidee && n.contact == o.contact && n.held == o.held;
   };
   const auto same_entered = [](const Entered& e, const Entered& f) {
     return e.region == f.region && e.since == f.since;
@@ -255,7 +254,8 @@ inline bool is_sound(const Message& m) {
     sound = sound && h.clock_error.value_or(0s) >= 0s && h.clock_error.value_or(0s) <= kClockErrorMax;
     if (h.os_clock) sound = sound && is_sound(h.os_clock->minus_session) && h.os_clock->error <= kOsErrorMax;
     for (const Echo& e : h.echoes) sound = sound && e.held >= 0s && e.held <= 10s && e.loss <= 1.0;
-    for (const Echo& e : h.echoes) sound = sound && e.received.highest >= e.hello && e.received.run > 0;
+    for (const Echo& e : h.echoes)
+      sound = sound && e.received.highest >= e.hello && e.received.run <= e.received.highest;
     for (const ContactNote& n : h.notes) sound = sound && is_sound(n.contact.time_since_epoch());
   }
   if (const Introduction* i = m.introduction()) {

@@ -207,7 +207,7 @@ class Decision : public testing::TestWithParam<Roles> {
   }
 
   World world{text(GetParam().mutual)};
-  Lan lan{world, {60ms, 0ms, 0, 0}};
+  Lan lan{world, {60ms, 0ms, 0, 1.0}};  // all comes twice
 };
 
 TEST_P(Decision, TheLowerIdAloneDecidesAndAllApplyIt) {
@@ -331,7 +331,7 @@ class Decided : public testing::Test {
   Vec3 velocity() { return lan.peer(self).truth(world["CUBE"], lan.session_now(self)).velocity; }
 
   World world{box("CAR", "1 1 1", "9 9 9") + box("CUBE", "1 1 1", "0 0 0", kBounces) + box("LORRY", "1 1 1", "-9 9 9") +
-              interest("CUBE", "\"CAR\" \"LORRY\"")};
+              box("VAN", "1 1 1", "9 -9 9") + interest("CUBE", "\"CAR\" \"LORRY\" \"VAN\"")};
   Lan lan{world};
   std::size_t self = 0;
 };
@@ -354,6 +354,25 @@ TEST_F(Decided, NobodyDecidesForOthers) {
   lan.inject(self, encode(decision(7, "CAR", 100ms, {1, 0, 0})));
   EXPECT_EQ(velocity(), Vec3::Zero());
   EXPECT_EQ(lan.drops(self, "not_decider"), 2u);
+}
+
+// Its owner's hello may be still to come.
+TEST_F(Decided, OfAnObjectThatNobodyRunsYetIsAskedForAgain) {
+  std::optional<Received> told;
+  lan.filter = [&](std::size_t, std::size_t, const Message& m) {
+    for (const Echo& echo : m.hello ? m.hello->echoes : std::vector<Echo>{}) {
+      if (echo.peer == PeerId{1}) told = echo.received;
+    }
+    return true;
+  };
+  Message m = decision(1, "VAN", 100ms, {1, 0, 0});
+  m.number = 2;
+  lan.inject(self, encode(m));
+  lan.run_until(lan.now() + 2s);
+  EXPECT_EQ(velocity(), Vec3::Zero());
+  EXPECT_EQ(lan.drops(self, "nobodys_contact"), 1u);
+  ASSERT_TRUE(told);
+  EXPECT_FALSE(told->has(m.number));
 }
 
 TEST_F(Decided, AnEarlierDecisionThatArrivesLateChangesNothing) {

@@ -496,10 +496,7 @@ TEST(Peer, NoCopiesWhereNothingGetsLost) {
   lan.add(c);
   lan.add(config(2));
   lan.run_until(30s);
-  const auto repeated = lan.peer(0).counters().updates_repeated;
-  EXPECT_GT(repeated, 0u) << "at first it might be lossy";
-  lan.run_until(60s);
-  EXPECT_EQ(lan.peer(0).counters().updates_repeated, repeated);
+  EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u) << "hellos have told before there was anything to copy";
 }
 
 }  // namespace

@@ -90,7 +90,6 @@ void add(Expected& out, const Hello& h, std::uint64_t boot) {
     out.add("note.collider", n.collider.value);
     out.add("note.collidee", n.collidee.value);
     out.add("note.contact_ns", n.contact);
-    out.add("note.by", n.by.value);
     out.add("note.held", n.held);
   }
   if (!h.introduction) return;
@@ -191,7 +190,7 @@ std::vector<std::string> all_fields() {
   with("", {"region", "version", "sender", "number", "boot_low", "leaving", "malformed"});
   with("hello.", {"session_tx_ns", "sessions", "latency_ms", "clock_error_us", "os_minus_session_ns", "os_error_us"});
   with("echo.", {"peer", "hello", "held_ns", "newer", "run", "absent", "loss_permille"});
-  with("note.", {"collider", "collidee", "contact_ns", "by", "held"});
+  with("note.", {"collider", "collidee", "contact_ns", "held"});
   with("introduction.", {"name", "world_hash", "boot", "enslaved", "start_ns", "world_zero_ns"});
   with("viewpoint.", {"object", "field_of_view", "aspect"});
   with("record.", {"object", "sequence", "kind", "time_ns", "decision_ns", "step_log2", "exact"});
