@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -86,8 +87,23 @@ int Daemon::run() {
   });
   drain();
   if (exit_code_ == 0) wake();
-  io_.run();
+  serve();
   return exit_code_;
+}
+
+// As io_.run(), but for what comes before it sleeps. Whose datagram it waits for may share its processor: between two
+// looks it offers that, or both would wait until it sleeps.
+void Daemon::serve() {
+  while (io_.run_one() > 0) {
+    HostTime done = clock_.now();
+    while (clock_.now() - done < busy_poll_ && !io_.stopped()) {
+      if (io_.poll() > 0) {
+        done = clock_.now();
+      } else {
+        std::this_thread::yield();
+      }
+    }
+  }
 }
 
 void Daemon::wake() {

@@ -42,6 +42,9 @@ class Daemon {
   void on_poses(std::span<const feed::FedPose> poses);
   // Each update gets a line from now on. They are many: else not even their words are put together.
   void log_updates() { logs_updates_ = true; }
+  // Whenever it has done something, it looks for more for so long before it sleeps, so that what comes meanwhile need
+  // not wake it. Not negative; zero, as at first: it sleeps at once.
+  void busy_poll(Duration before_sleep) { busy_poll_ = before_sleep; }
   // `heard` is called whenever a datagram has been taken: what it told is in the node's ghosts by then.
   void on_heard(std::function<void()> heard) { heard_ = std::move(heard); }
 
@@ -54,6 +57,7 @@ class Daemon {
 
  private:
   HostTime now() { return forward_(clock_.now()); }
+  void serve();
   void wake();
   void tell_os_clock(HostTime now);
   void leave();
@@ -76,6 +80,7 @@ class Daemon {
   TickLateness lateness_;
   std::optional<HostTime> due_;  // what the timer was set for
   HostTime os_clock_due_ = HostTime::min();
+  Duration busy_poll_{0};
   bool logs_updates_ = false;
   bool over_ = false;
   int exit_code_ = 0;

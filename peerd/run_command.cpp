@@ -238,6 +238,7 @@ int run_peer(const PeerOptions& options) {
       io, *node, *transport, clock, [&log](const LogLine& line) { log(line.level, line.text); },
       options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   if (options.verbose) daemon.log_updates();
+  daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us));
   auto control = open_control(io, control_place(options, run.control, (*settings)->name), daemon, log);
   if (!control) return failed(control.error());
   const auto poses = open_pose_port(io, **settings, daemon, log);

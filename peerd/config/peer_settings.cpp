@@ -16,6 +16,8 @@ constexpr double kFar_m = 1e9;
 // Smaller cells are crossed with every other step of a walker; each region is a multicast group.
 constexpr double kCellMin_m = 1.0;
 constexpr int kRegionsMax = 65536;
+// The longest tick: who polls for that long never sleeps.
+constexpr std::uint32_t kBusyPollMax_us = 1'000'000;
 
 ScriptedKey read_scripted_key(TomlReader reader) {
   ScriptedKey scripted;
@@ -293,6 +295,7 @@ TransportSettings read_transport(TomlReader reader) {
   reader.read("ttl", s.ttl, 0, 255);
   reader.read("dscp", s.dscp, 0, 63);
   reader.read("receive_buffer_bytes", s.receive_buffer_bytes, 4096, 1u << 30);
+  reader.read("busy_poll_us", s.busy_poll_us, 0, kBusyPollMax_us);
   reader.read_word("multicast", s.multicast, {"auto", "always", "never"});
   reader.read("peers", s.peers);
   reader.finish();

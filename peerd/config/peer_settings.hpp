@@ -89,6 +89,7 @@ struct TransportSettings {
   std::uint32_t ttl = 1;
   std::uint32_t dscp = 0;
   std::uint32_t receive_buffer_bytes = 1024 * 1024;
+  std::uint32_t busy_poll_us = 0;  // looks for more, before it sleeps; 0: sleeps at once
   std::size_t multicast = 0;       // kMulticastAuto and its like
   std::vector<std::string> peers;  // "HOST:PORT": whom unicast greets first
 };

@@ -55,6 +55,16 @@ class Control : public testing::Test {
     EXPECT_EQ(said.code, 0) << said.err;
     return said.code == 0 ? json::parse(said.out) : json();
   }
+  // Its status once motions have begun.
+  json wait_for_start(const std::string& socket) {
+    json status;
+    for (int tries = 0; tries < 200; ++tries) {
+      status = ask(socket, "status");
+      if (status["since_start_s"].is_number() && status["since_start_s"] >= 0) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return status;
+  }
   // An object as a peer has it; waits until its velocity is that.
   json wait_for_velocity(const std::string& socket, const std::string& what, const std::string& path, const json& v) {
     json last;
@@ -81,12 +91,7 @@ TEST_F(Control, AKeySetsACarInMotionAndTheOtherPeerSeesIt) {
   Process b = start_peer("b", 2, "BLUE", 10, {"--control", at_b});
   ASSERT_TRUE(a.says("peer b (id 2) joined", 5) && b.says("peer a (id 1) joined", 5)) << a.out() << a.err() << b.out();
   ASSERT_TRUE(a.says("listens for peerd ctl at " + at_a, 1));
-  json status;
-  for (int tries = 0; tries < 200; ++tries) {
-    status = ask(at_a, "status");
-    if (status["since_start_s"].is_number() && status["since_start_s"] >= 0) break;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
+  const json status = wait_for_start(at_a);
   EXPECT_EQ(status["peer"]["name"], "a");
   ASSERT_EQ(status["members"].size(), 1u);
   EXPECT_EQ(status["members"][0]["name"], "b");
@@ -124,6 +129,21 @@ TEST_F(Control, AKeySetsACarInMotionAndTheOtherPeerSeesIt) {
   b.signal(SIGTERM);
   EXPECT_EQ(b.exit_code(2), 0);
   EXPECT_FALSE(std::filesystem::exists(at_b));
+}
+
+// One looks for what comes for a second before it sleeps, which with 60 ticks it never does.
+TEST_F(Control, APeerThatNeverSleepsAnswersMovesAndLeaves) {
+  const std::string at_a = socket("a"), at_b = socket("b");
+  Process a = start_peer("a", 1, "RED", 14, {"--control", at_a, "--set", "transport.busy_poll_us=1000000"});
+  Process b = start_peer("b", 2, "BLUE", 14, {"--control", at_b});
+  ASSERT_TRUE(a.says("peer b (id 2) joined", 5) && b.says("peer a (id 1) joined", 5)) << a.out() << a.err() << b.out();
+  EXPECT_EQ(wait_for_start(at_a)["members"][0]["name"], "b");
+  EXPECT_EQ(ctl({"--control", at_a, "key", "ArrowUp"}).code, 0);
+  (void)wait_for_velocity(at_b, "objects", "RED", {0, 0, -2});
+  a.signal(SIGTERM);
+  EXPECT_EQ(a.exit_code(2), 0) << a.err();
+  EXPECT_THAT(a.out(), HasSubstr("leaving: got SIGTERM"));
+  EXPECT_TRUE(b.says("peer a (id 1) left", 2));
 }
 
 TEST_F(Control, ASocketOfAKilledPeerIsTakenOverAndThatOfALivingOneIsNot) {

@@ -159,6 +159,7 @@ TEST_F(ScenarioTest, Defaults) {
   EXPECT_EQ(run.transport.dscp, 0u);
   EXPECT_EQ(run.transport.group_pool, 0u);
   EXPECT_EQ(run.transport.receive_buffer_bytes, 1024u * 1024);
+  EXPECT_EQ(run.transport.busy_poll_us, 0u);
   EXPECT_EQ(run.transport.multicast, kMulticastAuto);
   EXPECT_TRUE(run.transport.peers.empty());
 }
@@ -171,12 +172,14 @@ id = 1
 dscp = 46
 group_pool = 64
 receive_buffer_bytes = 4096
+busy_poll_us = 50
 multicast = "never"
 peers = ["192.0.2.1:4000", "host.example:4001"])")
                               .runs.front();
   EXPECT_EQ(run.transport.dscp, 46u);
   EXPECT_EQ(run.transport.group_pool, 64u);
   EXPECT_EQ(run.transport.receive_buffer_bytes, 4096u);
+  EXPECT_EQ(run.transport.busy_poll_us, 50u);
   EXPECT_EQ(run.transport.multicast, kMulticastNever);
   EXPECT_THAT(run.transport.peers, ElementsAre("192.0.2.1:4000", "host.example:4001"));
 }
@@ -385,6 +388,10 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"UnknownDriveKey", "x = \"t\"", "drive = {block = 3}", "20:10: ", "did you mean"},
         Bad{"MotionIsNoTable", "[peer.zoe]", "[motion]\nCAR = 3\n[peer.zoe]", "15:7: ", "motion.CAR must be a table"},
         Bad{"BeforeStart", "x = \"t\"", "before_start = \"wait\"", "20:16: ", "must be one of \"run\", \"hold\""},
+        Bad{"BusyPollNegative", "[peer.zoe]", "[transport]\nbusy_poll_us = -1\n[peer.zoe]",
+            "15:16: ", "transport.busy_poll_us = -1 is out of range: 0 to 1000000"},
+        Bad{"BusyPollOfMoreThanASecond", "[peer.zoe]", "[transport]\nbusy_poll_us = 1000001\n[peer.zoe]",
+            "15:16: ", "transport.busy_poll_us = 1000001 is out of range: 0 to 1000000"},
         Bad{"DurationZero", "duration_s = 4", "duration_s = 0",
             "2:14: ", "duration_s = 0 is out of range: 0.1 to 1000000"},
         Bad{"Malformed", "[replication]", "[replication", "4:", ""}),

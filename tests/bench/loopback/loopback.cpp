@@ -8,7 +8,7 @@
 namespace peerd::bench {
 namespace {
 
-// Percentiles of one of the three, round by round.
+// Percentiles of one contestant, round by round.
 struct Rounds {
   std::vector<double> p50_us, p99_us;
   void add(const std::vector<double>& samples_us) {
@@ -29,13 +29,17 @@ LoopbackResult measure_loopback(bool quick) {
   const std::size_t rounds = quick ? 1 : 15, pings = quick ? 100 : 2'000;
   const bool with_dds = has_ddsperf();
   LoopbackResult result;
-  Rounds udp, peers, one_way, dds;
+  Rounds udp, peers, one_way, dds, udp_polling, peers_polling, one_way_polling;
   try {
     for (std::size_t round = 0; round < rounds; ++round) {
-      udp.add(udp_round(pings).half_round_trip_us);
-      const Latencies by_peers = peers_round(pings);
+      udp.add(udp_round(pings, Waits::kAsleep).half_round_trip_us);
+      const Latencies by_peers = peers_round(pings, Waits::kAsleep);
       peers.add(by_peers.half_round_trip_us);
       one_way.add(by_peers.one_way_us);
+      udp_polling.add(udp_round(pings, Waits::kBusyPolling).half_round_trip_us);
+      const Latencies by_polling = peers_round(pings, Waits::kBusyPolling);
+      peers_polling.add(by_polling.half_round_trip_us);
+      one_way_polling.add(by_polling.one_way_us);
       if (!with_dds) continue;
       const DdsRound by_dds = dds_round(2);
       dds.p50_us.push_back(by_dds.p50_us);
@@ -58,12 +62,20 @@ LoopbackResult measure_loopback(bool quick) {
   all("udp", udp);
   all("peers", peers);
   all("peers.one_way", one_way);
+  all("udp_busy_polling", udp_polling);
+  all("peers_busy_polling", peers_polling);
+  all("peers_busy_polling.one_way", one_way_polling);
   figure("loopback_p50_over_udp", ratios(peers.p50_us, udp.p50_us), "x", "<= 1.5", 1.5);
   figure("loopback_p99_over_udp", ratios(peers.p99_us, udp.p99_us), "x", "");
+  figure("loopback_p50_over_udp_busy_polling", ratios(peers_polling.p50_us, udp.p50_us), "x", "<= 1.5", 1.5);
+  figure("loopback_p99_over_udp_busy_polling", ratios(peers_polling.p99_us, udp.p99_us), "x", "");
+  figure("loopback_p50_over_udp_both_busy_polling", ratios(peers_polling.p50_us, udp_polling.p50_us), "x", "");
   if (with_dds) {
     all("cyclone", dds);
     figure("loopback_p50_over_cyclone", ratios(peers.p50_us, dds.p50_us), "x", "< 1", 1.0);
     figure("loopback_p99_over_cyclone", ratios(peers.p99_us, dds.p99_us), "x", "");
+    figure("loopback_p50_over_cyclone_busy_polling", ratios(peers_polling.p50_us, dds.p50_us), "x", "< 1", 1.0);
+    figure("loopback_p99_over_cyclone_busy_polling", ratios(peers_polling.p99_us, dds.p99_us), "x", "");
   } else {
     std::printf("no figures of Cyclone DDS: ddsperf (cyclonedds-tools) is not installed\n");
   }

@@ -8,8 +8,9 @@ namespace peerd::bench {
 
 // How long an update is under way between two processes of this computer, from the call that publishes it to the
 // observer's callback; beside the same by bare UDP multicast and by Cyclone DDS (left out where there is no ddsperf).
-// The three take turns, so that whatever else runs here hits them alike. As ddsperf measures half a round trip, so do
-// all; what one way takes is a figure of the peers besides.
+// The three take turns, so that whatever else runs here hits them alike; peers and bare UDP besides without ever
+// sleeping (transport.busy_poll_us), each ratio to the round of the same turn. As ddsperf measures half a round trip,
+// so do all; what one way takes is a figure of the peers besides.
 struct LoopbackResult {
   std::vector<Figure> figures;
   std::vector<std::string> wrong;  // empty: every ping and pong came, and said what it should

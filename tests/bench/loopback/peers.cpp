@@ -24,13 +24,15 @@ namespace fs = std::filesystem;
 
 // An object is told of once between two ticks, else with the next one. So each has its turn once in two ticks.
 constexpr std::size_t kObjects = 34;
+// Longer than from one ping to the next: no peer sleeps.
+constexpr std::chrono::microseconds kBusyPoll = 2 * kPingInterval;
 
 std::string name_of(char side, std::size_t i) { return side + std::to_string(i % kObjects); }
 
 // The configuration of both, in a folder that is gone with the object.
 class Session {
  public:
-  Session() {
+  explicit Session(Waits waits) : busy_poll_us_(waits == Waits::kBusyPolling ? kBusyPoll.count() : 0) {
     std::string world = "#VRML V2.0 utf8\n", scenario = "world = \"w.wrl\"\n";
     for (const char side : {'a', 'b'}) {
       const std::string peer = std::string("[peer.") + side;
@@ -58,7 +60,8 @@ class Session {
   [[nodiscard]] config::Scenario read() const {
     config::ScenarioRequest request;
     request.file = folder_ / "s.toml";
-    request.sets = {"transport.port=" + std::to_string(port_), "transport.interface=\"lo\""};
+    request.sets = {"transport.port=" + std::to_string(port_), "transport.interface=\"lo\"",
+                    "transport.busy_poll_us=" + std::to_string(busy_poll_us_)};
     request.real = true;
     auto scenario = config::read_scenario(request);
     if (!scenario) throw std::runtime_error(scenario.error().text);
@@ -66,6 +69,7 @@ class Session {
   }
 
  private:
+  std::chrono::microseconds::rep busy_poll_us_;
   fs::path folder_;
   int port_;
 };
@@ -88,6 +92,7 @@ class Side {
         transport_(open()),
         daemon_(
             io_, *node_, *transport_, clock_, [](const LogLine&) {}, std::nullopt) {
+    daemon_.busy_poll(std::chrono::microseconds(scenario_.runs.front().transport.busy_poll_us));
     const Scene& scene = shared_->world.scene;
     for (std::size_t i = 0; i < kObjects; ++i) others_.push_back(scene.find(name_of(other_, i)).value());
   }
@@ -230,8 +235,8 @@ void pong(Side& side, Stamps& stamps) {
 
 }  // namespace
 
-Latencies peers_round(std::size_t pings) {
-  const Session session;
+Latencies peers_round(std::size_t pings, Waits waits) {
+  const Session session(waits);
   return ping_pong(
       pings,
       [&](Stamps& stamps) {

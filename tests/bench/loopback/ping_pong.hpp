@@ -33,9 +33,12 @@ struct Latencies {
 // The share-th part of them is less.
 [[nodiscard]] double percentile(std::vector<double> samples, double share);
 
+// How a process waits for the other's: as usual, or without ever sleeping, the processor offered to others meanwhile.
+enum class Waits : std::uint8_t { kAsleep, kBusyPolling };
+
 // The three that are compared, a round each.
-[[nodiscard]] Latencies udp_round(std::size_t pings);
-[[nodiscard]] Latencies peers_round(std::size_t pings);
+[[nodiscard]] Latencies udp_round(std::size_t pings, Waits waits);
+[[nodiscard]] Latencies peers_round(std::size_t pings, Waits waits);
 struct DdsRound {
   double p50_us, p99_us;  // medians of its seconds
 };

@@ -1,4 +1,5 @@
-// Bare UDP multicast over lo: a datagram of an update's size, sendto() and a recv() that blocks, nothing else.
+// Bare UDP multicast over lo: a datagram of an update's size, sendto() and a recv() that blocks or is repeated until
+// there is something, nothing else.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -24,7 +25,7 @@ void check(int result, const char* what) {
 
 class Socket {
  public:
-  explicit Socket(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+  Socket(std::uint16_t port, Waits waits) : fd_(socket(AF_INET, SOCK_DGRAM, 0)), waits_(waits) {
     check(fd_, "socket");
     const int on = 1;
     check(setsockopt(fd_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on), "SO_REUSEADDR");
@@ -48,13 +49,21 @@ class Socket {
           "sendto");
   }
   void receive(std::size_t value) {
-    check(static_cast<int>(recv(fd_, datagram_.data(), datagram_.size(), 0)), "recv");
+    check(static_cast<int>(waits_ == Waits::kAsleep ? recv(fd_, datagram_.data(), datagram_.size(), 0) : poll()),
+          "recv");
     std::size_t got = 0;
     std::memcpy(&got, datagram_.data(), sizeof got);
     if (got != value) throw std::runtime_error("another datagram than was expected");
   }
 
  private:
+  ssize_t poll() {
+    for (const auto end = Clock::now() + kPongWithin;;) {
+      const ssize_t got = recv(fd_, datagram_.data(), datagram_.size(), MSG_DONTWAIT);
+      if (got >= 0 || errno != EAGAIN || Clock::now() > end) return got;
+      std::this_thread::yield();
+    }
+  }
   static sockaddr_in endpoint(std::uint16_t port) {
     sockaddr_in at{};
     at.sin_family = AF_INET;
@@ -64,18 +73,24 @@ class Socket {
   }
 
   int fd_;
+  Waits waits_;
   std::array<std::byte, kDatagram_bytes> datagram_{};
 };
 
+void wait_until(Clock::time_point due, Waits waits) {
+  if (waits == Waits::kAsleep) return std::this_thread::sleep_until(due);
+  while (Clock::now() < due) std::this_thread::yield();
+}
+
 }  // namespace
 
-Latencies udp_round(std::size_t pings) {
+Latencies udp_round(std::size_t pings, Waits waits) {
   // Both are bound before either sends.
-  Socket pinging(kPingPort), ponging(kPongPort);
+  Socket pinging(kPingPort, waits), ponging(kPongPort, waits);
   const auto ping = [&](Stamps& stamps) {
     auto next = Clock::now();
     for (std::size_t i = 0; i < stamps.pings; ++i) {
-      std::this_thread::sleep_until(next += kPingInterval);
+      wait_until(next += kPingInterval, waits);
       stamps.published[i] = Clock::now();
       pinging.send(kPongPort, i);
       pinging.receive(i);
