@@ -80,7 +80,7 @@ struct Truth {
     if (next == ticks.end() || before.true_at == t) return pose_of(before);
     const double s = to_seconds(t - before.true_at) / to_seconds((*next)->true_at - before.true_at);
     const Pose a = pose_of(before), b = pose_of(**next);
-    return {(1.0 - s) * a.position + s * b.position, a.orientation.slerp(s, b.orientation)};
+    return {a.position + s * (b.position - a.position), a.orientation.slerp(s, b.orientation)};  // exact at rest
   }
 };
 

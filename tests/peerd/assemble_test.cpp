@@ -83,6 +83,13 @@ TEST_F(AssembleTest, AnotherObjectsTruthIsInterpolatedBetweenTheOwnersTicks) {
   EXPECT_NEAR(r.beliefs[3].truth.position.z(), -9.0, 1e-9) << "after the last, as that one moved";
 }
 
+TEST_F(AssembleTest, WhatRestsIsWhereItIsToTheLastBit) {
+  const Vec3 at(0.1, -1.0 / 3.0, 1e-3 / 7.0);
+  for (const double t : {1.0, 2.0}) believe(kB, t, kCube, kB, at);
+  for (int i = 0; i < 100; ++i) believe(kA, 1.0 + 0.01 * i, kCube, kB, at);
+  for (const auto& belief : record().beliefs) EXPECT_EQ(belief.truth.position, at);
+}
+
 TEST_F(AssembleTest, OrientationIsInterpolatedToo) {
   believe(kB, 1.0, kCube, kB, {0, 0, 0});
   believe(kB, 2.0, kCube, kB, {0, 0, 0});
