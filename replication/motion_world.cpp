@@ -52,7 +52,7 @@ template <class Objects>
 void prefetch_law_after(const Objects& objects, std::size_t index) {
   constexpr std::size_t kAhead = 2, kCacheLine_bytes = 64;
   if (index + kAhead >= objects.size()) return;
-  const Timeline::Segment& law = objects[index + kAhead].timeline.segments().back();
+  const Timeline::Segment& law = objects[index + kAhead].timeline.last_segment();
   const auto* const begin = reinterpret_cast<const std::byte*>(&law);
   for (std::size_t i = 0; i < sizeof law; i += kCacheLine_bytes) __builtin_prefetch(begin + i);
 }
@@ -170,10 +170,10 @@ void MotionWorld::reschedule(std::size_t i) {
 void MotionWorld::timeline_changed(std::size_t index) {
   Object& o = objects_[index];
   o.bound.until = SimTime::min();
-  if (o.forgets || o.timeline.segments().size() < 2) return;
+  if (o.forgets || o.timeline.segment_count() < 2) return;
   o.forgets = true;
   const Duration turn = kForgetsWithin / kForgettingTurns * (static_cast<std::int64_t>(index) % kForgettingTurns);
-  const SimTime old = o.timeline.segments()[1].from;
+  const SimTime old = o.timeline.segment(1).from;
   const Duration wait = kForgetsWithin - (old.time_since_epoch() + turn) % kForgetsWithin;
   forgetting_.push_back({old + wait, static_cast<std::uint32_t>(index)});
   std::ranges::push_heap(forgetting_, std::greater{});
@@ -217,11 +217,11 @@ void MotionWorld::take_back(std::size_t cause, SimTime t) {
   for (const std::uint32_t i : model_.partners_of_body[cause]) {
     Object& o = objects_[i];
     if (o.role != Role::kBelief) continue;
-    const auto segments = o.timeline.segments();
-    const auto wrong = std::ranges::find_if(
-        segments, [&](const Timeline::Segment& s) { return s.from >= t && s.cause == objects_[cause].id; });
-    if (wrong == segments.end() || wrong == segments.begin()) continue;
-    const SimTime from = wrong->from;
+    std::size_t wrong = 0;
+    const auto follows = [&](const Timeline::Segment& s) { return s.from >= t && s.cause == objects_[cause].id; };
+    while (wrong < o.timeline.segment_count() && !follows(o.timeline.segment(wrong))) ++wrong;
+    if (wrong == 0 || wrong == o.timeline.segment_count()) continue;
+    const SimTime from = o.timeline.segment(wrong).from;
     if (o.base_time >= from) continue;  // its owner has spoken since
     o.timeline.truncate_from(from);
     timeline_changed(i);
@@ -423,7 +423,7 @@ void MotionWorld::answer(Pair& pair) {
   }
   for (const auto& [changes, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
     if (!changes) continue;
-    if (objects_[index].timeline.segments().back().from > t) events_.push_back(TakenBack{objects_[index].id, t});
+    if (objects_[index].timeline.last_segment().from > t) events_.push_back(TakenBack{objects_[index].id, t});
     take_back(index, t);
     forget_bounces(index, t + Duration{1});
   }

@@ -28,7 +28,7 @@ bool has_acceleration(MotionKind kind) { return kind != MotionKind::kFirst; }
 bool has_jerk(MotionKind kind) { return kind == MotionKind::kThird || kind == MotionKind::kOscillating; }
 bool has_rate(MotionKind kind) { return kind == MotionKind::kTurning || kind == MotionKind::kOscillating; }
 
-// Which axes a vector may have: any, which it says itself, or those of what is upright.
+// Which axes a vector may have: any, which it says itself, or those of what moves level or turns upright.
 using Axes = std::optional<unsigned>;
 constexpr unsigned kAlong_y = 0b010, kAlong_xz = 0b101;
 
@@ -41,12 +41,16 @@ bool within(unsigned axes, const Vec3& v) {
 
 unsigned rate_axes(MotionKind kind) { return kind == MotionKind::kTurning ? kAlong_y : kAlong_xz; }
 
-// Moves level and turns about the vertical alone, as most of what walks and drives.
+// As most of what walks and drives, on a plane.
+bool is_level(const MotionModel& m) {
+  return within(kAlong_xz, m.state.velocity) && within(kAlong_xz, m.state.acceleration) && within(kAlong_xz, m.jerk) &&
+         within(rate_axes(m.kind), m.rate_rad_s);
+}
+
+// Turned about the vertical alone, and turning about it.
 bool is_upright(const MotionModel& m) {
-  const KinematicState& s = m.state;
-  return within(kAlong_xz, s.velocity) && within(kAlong_xz, s.acceleration) && within(kAlong_xz, m.jerk) &&
-         within(rate_axes(m.kind), m.rate_rad_s) && s.orientation.x() == 0.0 && s.orientation.z() == 0.0 &&
-         within(kAlong_y, s.angular_velocity_body) && within(kAlong_y, m.angular_acceleration_body);
+  return m.state.orientation.x() == 0.0 && m.state.orientation.z() == 0.0 &&
+         within(kAlong_y, m.state.angular_velocity_body) && within(kAlong_y, m.angular_acceleration_body);
 }
 
 double power_of_two(int exponent) {
@@ -154,11 +158,13 @@ void drop_signs_of_zero(MotionModel& m) {
 
 // Which axes the vectors have.
 struct Form {
-  bool upright = false;
   Axes moves, rate, turns;
 };
-Form form_of(MotionKind kind, bool upright) {
-  return upright ? Form{true, kAlong_xz, rate_axes(kind), kAlong_y} : Form{};
+Form form_of(MotionKind kind, bool level, bool upright) {
+  Form form;
+  if (level) form.moves = kAlong_xz, form.rate = rate_axes(kind);
+  if (upright) form.turns = kAlong_y;
+  return form;
 }
 
 void put_sign_and_magnitude(BitWriter& out, std::int64_t n, int magnitude_bits) {
@@ -215,7 +221,7 @@ void put_exact(BitWriter& out, const MotionModel& m) {
 
 void put_steps(BitWriter& out, const MotionModel& m, int position_log2) {
   const Steps steps = steps_of(m.kind, position_log2);
-  const Form form = form_of(m.kind, is_upright(m));
+  const Form form = form_of(m.kind, is_level(m), is_upright(m));
   put_steps(out, m.state.position, steps.position, kLongWidth_bits);
   put_steps(out, m.state.velocity, steps.velocity, kWidth_bits, form.moves);
   if (has_acceleration(m.kind)) put_steps(out, m.state.acceleration, steps.acceleration, kWidth_bits, form.moves);
@@ -223,7 +229,7 @@ void put_steps(BitWriter& out, const MotionModel& m, int position_log2) {
   if (has_rate(m.kind)) {
     if (const auto log2 = rate_step_log2(m, steps)) put_steps(out, m.rate_rad_s, *log2, kLongWidth_bits, form.rate);
   }
-  if (!is_identity(m.state.orientation)) put_orientation(out, m.state.orientation, form.upright);
+  if (!is_identity(m.state.orientation)) put_orientation(out, m.state.orientation, form.turns.has_value());
   put_steps(out, m.state.angular_velocity_body, steps.spin, kWidth_bits, form.turns);
   if (!is_zero(m.angular_acceleration_body)) {
     put_steps(out, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits, form.turns);
@@ -282,7 +288,7 @@ bool take_orientation(BitReader& in, Quat& q, bool upright) {
 }
 
 struct Present {
-  bool orientation, spin_acceleration, upright;
+  bool orientation, spin_acceleration, level, upright;
 };
 
 bool take_exact(BitReader& in, const Present& present, MotionModel& m) {
@@ -298,7 +304,7 @@ bool take_exact(BitReader& in, const Present& present, MotionModel& m) {
 
 bool take_steps(BitReader& in, int position_log2, const Present& present, MotionModel& m) {
   const Steps steps = steps_of(m.kind, position_log2);
-  const Form form = form_of(m.kind, present.upright);
+  const Form form = form_of(m.kind, present.level, present.upright);
   if (!take_steps(in, m.state.position, steps.position, kLongWidth_bits) ||
       !take_steps(in, m.state.velocity, steps.velocity, kWidth_bits, form.moves)) {
     return false;
@@ -311,14 +317,14 @@ bool take_steps(BitReader& in, int position_log2, const Present& present, Motion
     const auto log2 = rate_step_log2(m, steps);
     if (log2 && !take_steps(in, m.rate_rad_s, *log2, kLongWidth_bits, form.rate)) return false;
   }
-  if (present.orientation && !take_orientation(in, m.state.orientation, form.upright)) return false;
+  if (present.orientation && !take_orientation(in, m.state.orientation, present.upright)) return false;
   if (!take_steps(in, m.state.angular_velocity_body, steps.spin, kWidth_bits, form.turns)) return false;
   if (present.spin_acceleration &&
       (!take_steps(in, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits, form.turns) ||
        is_zero(m.angular_acceleration_body))) {
     return false;
   }
-  return form.upright == is_upright(m);
+  return present.level == is_level(m) && present.upright == is_upright(m);
 }
 
 bool take(BitReader& in, SimTime base, UpdateRecord& u) {
@@ -326,14 +332,15 @@ bool take(BitReader& in, SimTime base, UpdateRecord& u) {
   if (static_cast<int>(u.model.kind) == 0) return false;
   const std::uint64_t step = in.get(kStep_bits);
   const bool later = in.get(1) != 0, decided = in.get(1) != 0;
-  const bool turned = in.get(1) != 0, spins_up = in.get(1) != 0, upright = in.get(1) != 0;
+  const bool turned = in.get(1) != 0, spins_up = in.get(1) != 0;
+  const bool level = in.get(1) != 0, upright = in.get(1) != 0;
   if (!take_varint(in, u.object.value) || !take_varint(in, u.sequence) || u.sequence == 0) return false;
   u.at = base;
   if (later && (!take_time(in, base, u.at) || u.at == base)) return false;
   if (decided && (!take_time(in, u.at, u.decision) || u.decision == SimTime{})) return false;
   if (step != kExact) u.position_step_log2 = static_cast<int>(step) + kStepLeast_log2;
-  const Present present{turned, spins_up, upright};
-  if (upright && !u.position_step_log2) return false;
+  const Present present{turned, spins_up, level, upright};
+  if ((level || upright) && !u.position_step_log2) return false;
   const bool taken =
       u.position_step_log2 ? take_steps(in, *u.position_step_log2, present, u.model) : take_exact(in, present, u.model);
   return taken && in.good() && in.padded_with_zeros() && acceptable(u.model.state) && within_limits(u.model);
@@ -383,6 +390,7 @@ std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::by
   out.put(decided ? 1 : 0, 1);
   out.put(is_identity(u.model.state.orientation) ? 0 : 1, 1);
   out.put(is_zero(u.model.angular_acceleration_body) ? 0 : 1, 1);
+  out.put(u.position_step_log2 && is_level(u.model) ? 1 : 0, 1);
   out.put(u.position_step_log2 && is_upright(u.model) ? 1 : 0, 1);
   put_varint(out, u.object.value);
   put_varint(out, u.sequence);

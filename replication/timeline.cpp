@@ -1,7 +1,6 @@
 #include "replication/timeline.hpp"
 
 #include <algorithm>
-#include <cassert>
 
 namespace peerd::replication {
 namespace {
@@ -12,28 +11,32 @@ constexpr auto begins_after = [](SimTime t, const Timeline::Segment& s) { return
 
 void Timeline::replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause) {
   piece_.end = std::min(piece_.end, t);
-  while (!segments_.empty() && segments_.back().from >= t) segments_.pop_back();
-  segments_.push_back({t, model, cause});
+  if (last_.from < t) past_.push_back(last_);
+  while (!past_.empty() && past_.back().from >= t) past_.pop_back();
+  last_ = {t, model, cause};
 }
 
 void Timeline::truncate_from(SimTime t) {
   piece_.end = std::min(piece_.end, t);
-  while (segments_.size() > 1 && segments_.back().from >= t) segments_.pop_back();
+  for (; !past_.empty() && last_.from >= t; past_.pop_back()) last_ = past_.back();
 }
 
 void Timeline::forget_before(SimTime t) {
-  const auto next = std::upper_bound(segments_.begin() + 1, segments_.end(), t, begins_after);
-  if (next == segments_.begin() + 1) return;
-  segments_.erase(segments_.begin(), next - 1);
+  const std::size_t first = index_at(t);
+  if (first == 0) return;
+  past_.erase(past_.begin(), past_.begin() + static_cast<std::ptrdiff_t>(first));
   if (piece_.first <= begin()) piece_.end = SimTime::min();
 }
 
+// Of the segment in force at t, or of the first one.
+std::size_t Timeline::index_at(SimTime t) const {
+  if (last_.from <= t) return past_.size();
+  const auto next = std::upper_bound(past_.begin(), past_.end(), t, begins_after);
+  return next == past_.begin() ? 0 : static_cast<std::size_t>(next - past_.begin()) - 1;
+}
+
 const Timeline::Segment& Timeline::segment_at(SimTime t) const {
-  const std::span<const Segment> all = segments();
-  assert(!all.empty());
-  if (all.back().from <= t) return all.back();
-  const auto next = std::upper_bound(all.begin(), all.end(), t, begins_after);
-  return next == all.begin() ? all.front() : *(next - 1);
+  return last_.from <= t ? last_ : segment(index_at(t));
 }
 
 std::optional<SimTime> Timeline::last_change_until(SimTime t) const {
@@ -42,16 +45,16 @@ std::optional<SimTime> Timeline::last_change_until(SimTime t) const {
   const bool stands = base.velocity.isZero(0.0) && base.acceleration.isZero(0.0) &&
                       base.angular_velocity_body.isZero(0.0) && s.model.jerk.isZero(0.0) &&
                       s.model.angular_acceleration_body.isZero(0.0);
-  if (t < s.from || (&s == &segments().front() && stands)) return std::nullopt;
+  if (t < s.from || (&s == &segment(0) && stands)) return std::nullopt;
   return in_piece(t) ? piece_.begin : s.from + piece_begin(s.model, t - s.from);
 }
 
 std::optional<SimTime> Timeline::next_change_after(SimTime t) const {
-  const std::span<const Segment> all = segments();
-  const Segment& s = segment_at(t);
+  const std::size_t i = index_at(t);
+  const Segment& s = segment(i);
   if (t < s.from) return s.from;
   std::optional<SimTime> change;
-  if (&s != &all.back()) change = (&s + 1)->from;
+  if (&s != &last_) change = segment(i + 1).from;
   if (const auto end = piece_end(s.model, t - s.from); end && (!change || s.from + *end < *change)) {
     change = s.from + *end;
   }
@@ -60,13 +63,14 @@ std::optional<SimTime> Timeline::next_change_after(SimTime t) const {
 
 KinematicState Timeline::at(SimTime t) const {
   if (!in_piece(t)) {
-    const Segment& s = segment_at(t);
+    const std::size_t i = index_at(t);
+    const Segment& s = segment(i);
     if (t <= s.from) return s.model.state;
     const MotionPiece piece = piece_at(s.model, t - s.from);
     piece_.begin = s.from + piece.begin;
     piece_.first = std::max(piece_.begin, s.from + Duration{1});
     piece_.end = piece.end ? s.from + *piece.end : SimTime::max();
-    if (&s != &segments().back()) piece_.end = std::min(piece_.end, (&s + 1)->from);
+    if (&s != &last_) piece_.end = std::min(piece_.end, segment(i + 1).from);
     piece_.state = piece.state;
   }
   return advance(piece_.state, to_seconds(t - piece_.begin));

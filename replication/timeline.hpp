@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "core/ids.hpp"
@@ -22,7 +21,7 @@ class Timeline {
     std::optional<ObjectId> cause;  // the other object of the contact that began it; none: told from outside
   };
 
-  Timeline(SimTime from, const MotionModel& model) : segments_{{from, model, std::nullopt}} {}
+  Timeline(SimTime from, const MotionModel& model) : last_{from, model, std::nullopt} {}
 
   // From t on, the object moves so; whatever was believed of t and later is gone.
   void replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause);
@@ -41,9 +40,11 @@ class Timeline {
   [[nodiscard]] std::optional<SimTime> last_change_until(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> next_change_after(SimTime t) const;
 
-  [[nodiscard]] SimTime begin() const { return segments_.front().from; }
-  // Strictly increasing `from`; never empty.
-  [[nodiscard]] std::span<const Segment> segments() const { return segments_; }
+  [[nodiscard]] SimTime begin() const { return segment(0).from; }
+  // Strictly increasing `from`; at least one.
+  [[nodiscard]] std::size_t segment_count() const { return past_.size() + 1; }
+  [[nodiscard]] const Segment& segment(std::size_t i) const { return i < past_.size() ? past_[i] : last_; }
+  [[nodiscard]] const Segment& last_segment() const { return last_; }
 
  private:
   // The piece asked for last. A law's closed form costs up to ten times what its piece does, and whoever asks where
@@ -55,7 +56,10 @@ class Timeline {
   };
   [[nodiscard]] bool in_piece(SimTime t) const { return t >= piece_.first && t < piece_.end; }
 
-  std::vector<Segment> segments_;
+  [[nodiscard]] std::size_t index_at(SimTime t) const;
+
+  std::vector<Segment> past_;
+  Segment last_;  // not with the others: what is in force mostly, beside its piece
   mutable Piece piece_;
 };
 

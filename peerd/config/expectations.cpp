@@ -63,9 +63,9 @@ void read_views(TomlReader& reader, Expectation& e, const std::vector<PeerSettin
   }
 }
 
-void read_window(TomlReader& reader, Expectation& e, double duration_s) {
-  reader.read("from_s", e.from_s, 0.0, duration_s);
-  reader.read("until_s", e.until_s, 0.0, duration_s);
+void read_window(TomlReader& reader, Expectation& e, double latest_s) {
+  reader.read("from_s", e.from_s, 0.0, latest_s);
+  reader.read("until_s", e.until_s, 0.0, latest_s);
   if (e.until_s && *e.until_s <= e.from_s) {
     reader.fail(reader.raw().get("until_s"), reader.dotted("until_s") + " must be after from_s");
   }
@@ -77,14 +77,14 @@ void read_window(TomlReader& reader, Expectation& e, double duration_s) {
 }
 
 Expectation read_expectation(TomlReader reader, const std::string& name, const std::vector<PeerSettings>& peers,
-                             double duration_s) {
+                             double latest_s) {
   Expectation e;
   e.name = name;
   e.place = reader.place(nullptr);
   read_measure(reader, e);
   read_limits(reader, e);
   read_views(reader, e, peers);
-  read_window(reader, e, duration_s);
+  read_window(reader, e, latest_s);
   e.where = Json::object();
   if (const toml::table* where = reader.table("where")) {
     for (const auto& [key, value] : *where) {
@@ -101,8 +101,7 @@ Expectation read_expectation(TomlReader reader, const std::string& name, const s
 
 }  // namespace
 
-std::vector<Expectation> read_expectations(TomlReader& root, const std::vector<PeerSettings>& peers,
-                                           double duration_s) {
+std::vector<Expectation> read_expectations(TomlReader& root, const std::vector<PeerSettings>& peers, double latest_s) {
   const toml::table* tables = root.table("expect");
   if (tables == nullptr) return {};
   std::vector<Expectation> all;
@@ -113,7 +112,7 @@ std::vector<Expectation> read_expectations(TomlReader& root, const std::vector<P
       continue;
     }
     all.push_back(
-        read_expectation(TomlReader(*value.as_table(), key, root.error()), std::string(name.str()), peers, duration_s));
+        read_expectation(TomlReader(*value.as_table(), key, root.error()), std::string(name.str()), peers, latest_s));
   }
   return all;
 }

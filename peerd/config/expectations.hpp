@@ -21,12 +21,12 @@ struct Expectation {
   std::string mode;               // "sim" or "real": only there; empty: everywhere
   double from_s = 0.0;            // of what is between these times alone
   std::optional<double> until_s;  // none: the end
-  std::vector<std::size_t> runs;  // that `where` picks, by index; set by read_scenario
+  std::vector<std::size_t> runs;  // that it is about, by index; set by read_scenario
 };
 
-// The tables below `expect`, by name.
+// The tables below `expect`, by name; times of theirs after `latest_s` are refused.
 [[nodiscard]] std::vector<Expectation> read_expectations(TomlReader& root, const std::vector<PeerSettings>& peers,
-                                                         double duration_s);
+                                                         double latest_s);
 
 // Whether `root`, one run's whole configuration, has one of the values for each of the keys.
 [[nodiscard]] bool picks(const Expectation& e, const toml::table& root);

@@ -9,6 +9,7 @@
 namespace peerd::config {
 namespace {
 
+constexpr double kDurationMax_s = 1e6;
 constexpr std::size_t kRunsMax = 100'000;
 constexpr std::uint32_t kRepeatMax = 10'000;
 constexpr std::uint64_t kSeedMax = std::numeric_limits<std::int64_t>::max();  // TOML's whole numbers
@@ -76,7 +77,8 @@ void read_peers(TomlReader& root, RunSettings& run, const std::filesystem::path&
   std::ranges::sort(run.peers, {}, &PeerSettings::id);
 }
 
-Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const std::filesystem::path& file) {
+Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const ScenarioRequest& request) {
+  const std::filesystem::path& file = request.file;
   std::optional<InputError> error;
   TomlReader reader(root, "", error);
   RunSettings run;
@@ -91,7 +93,7 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   std::size_t inlines = 0;
   reader.read_word("inlines", inlines, {"at-once", "when-needed"});
   scenario.inlines_when_needed = inlines == 1;
-  reader.read("duration_s", run.duration_s, 0.1, 1e6);
+  reader.read("duration_s", run.duration_s, 0.1, kDurationMax_s);
   reader.read("seed", run.seed);
   reader.read("repeat", scenario.repeat, 1, kRepeatMax);
   if (scenario.repeat - 1 > kSeedMax - run.seed) {
@@ -117,7 +119,8 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   }
   run.transport = read_transport(TomlReader(table_or_empty(reader, "transport"), "transport", error));
   run.events = read_events(reader, run.peers, run.duration_s);
-  scenario.expectations = read_expectations(reader, run.peers, run.duration_s);
+  const bool as_it_stands = request.configs.empty() && request.sets.empty();
+  scenario.expectations = read_expectations(reader, run.peers, as_it_stands ? run.duration_s : kDurationMax_s);
   reader.finish();
   if (error) return std::unexpected(*error);
   give_keys(run.events, run.peers);
@@ -261,11 +264,12 @@ Result<Point> read_point(const ScenarioRequest& request, const Sources& sources,
 
 // Notes the runs that an expectation is about, and the keys that it goes by and that this point does not set.
 void pick_runs(const ScenarioRequest& request, const toml::table& root, std::size_t first_run, std::uint32_t repeat,
-               std::vector<Expectation>& expectations) {
+               double duration_s, std::vector<Expectation>& expectations) {
   for (Expectation& e : expectations) {
     const bool about_simulated_network =
         std::ranges::any_of(e.where.items(), [](const auto& key) { return key.key().starts_with("network."); });
-    if (!picks(e, root) || (request.real && about_simulated_network)) continue;
+    const bool is_over_before = std::max(e.from_s, e.until_s.value_or(0.0)) > duration_s;
+    if (!picks(e, root) || is_over_before || (request.real && about_simulated_network)) continue;
     for (std::uint32_t k = 0; k < repeat; ++k) e.runs.push_back(first_run + k);
   }
 }
@@ -319,7 +323,7 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
   for (std::size_t i = 0; i < points; ++i) {
     auto point = read_point(request, *sources, *swept, named, i, points);
     if (!point) return std::unexpected(point.error());
-    auto run = read_run(point->root, scenario, request.file);
+    auto run = read_run(point->root, scenario, request);
     if (!run) return std::unexpected(run.error());
     if (!request.sweep) scenario.repeat = 1;
     if (i == 0) {
@@ -332,7 +336,7 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
       }
       expectations = std::move(scenario.expectations);
     }
-    pick_runs(request, point->root, scenario.runs.size(), scenario.repeat, expectations);
+    pick_runs(request, point->root, scenario.runs.size(), scenario.repeat, run->duration_s, expectations);
     run->params = std::move(point->params);
     const std::uint64_t first_seed = run->seed;
     for (std::uint32_t k = 0; k < scenario.repeat; ++k) {

@@ -438,24 +438,31 @@ end
 local FIRST, SECOND, HISTORY, THIRD, TURNING, OSCILLATING, SLIDING = 1, 2, 3, 4, 5, 6, 7
 local UNKNOWN_KIND, EXACT = 8, 15
 
--- Of what is upright: which axes it moves along, and turns about.
+-- Which axes it moves along if it is level, and turns about if it is upright.
 local ALONG_Y, ALONG_XZ = { false, true, false }, { true, false, true }
 
-local function is_upright(kind, m)
-  local rate = kind == TURNING and ALONG_Y or ALONG_XZ
-  local axes = { velocity = ALONG_XZ, acceleration = ALONG_XZ, jerk = ALONG_XZ, rate = rate, spin = ALONG_Y,
-    spin_up = ALONG_Y }
+local function within(m, axes)
   for name, has in pairs(axes) do
     for i = 1, 3 do
       if m[name] and not has[i] and m[name][i] ~= 0 then return false end
     end
   end
-  return not m.orientation or (m.orientation[2] == 0 and m.orientation[4] == 0)
+  return true
 end
 
-local function take_in_steps(bits, kind, step, turned, spins_up, upright)
+local function is_level(kind, m)
+  local rate = kind == TURNING and ALONG_Y or ALONG_XZ
+  return within(m, { velocity = ALONG_XZ, acceleration = ALONG_XZ, jerk = ALONG_XZ, rate = rate })
+end
+
+local function is_upright(m)
+  local turned = m.orientation and (m.orientation[2] ~= 0 or m.orientation[4] ~= 0)
+  return not turned and within(m, { spin = ALONG_Y, spin_up = ALONG_Y })
+end
+
+local function take_in_steps(bits, kind, step, turned, spins_up, level, upright)
   local m = {}
-  local moves, turns = upright and ALONG_XZ or nil, upright and ALONG_Y or nil
+  local moves, turns = level and ALONG_XZ or nil, upright and ALONG_Y or nil
   local h = (kind == SECOND or kind == HISTORY or kind == THIRD) and 0 or 2
   local a_step, j_step, a_width, j_width = step + 2 - 2 * h, step + 3 - 3 * h, 0, 0
   m.position = bits:steps(step, 6)
@@ -467,12 +474,12 @@ local function take_in_steps(bits, kind, step, turned, spins_up, upright)
     local by_a, by_j = a_width + a_step + 3 * h, j_width + j_step + 4 * h - 2
     local most = a_width > 0 and by_a or nil
     if j_width > 0 then most = most and math.max(most, by_j) or by_j end
-    if most then m.rate = bits:steps(step + 2 - most, 6, kind == TURNING and turns or moves) end
+    if most then m.rate = bits:steps(step + 2 - most, 6, level and kind == TURNING and ALONG_Y or moves) end
   end
   if turned then m.orientation = bits:orientation(upright) end
   m.spin = bits:steps(-10 - h, 5, turns)
   if spins_up then m.spin_up = bits:steps(-9 - 2 * h, 5, turns) end
-  if upright ~= is_upright(kind, m) then refuse("a record of another form") end
+  if level ~= is_level(kind, m) or upright ~= is_upright(m) then refuse("a record of another form") end
   return m
 end
 
@@ -534,7 +541,8 @@ local function dissect_record(tvb, tree, at, base_time)
   end
   if kind == 0 then refuse("a record of kind 0") end
   local later, decided = bits:get(1) == 1, bits:get(1) == 1
-  local turned, spins_up, upright = bits:get(1) == 1, bits:get(1) == 1, bits:get(1) == 1
+  local turned, spins_up = bits:get(1) == 1, bits:get(1) == 1
+  local level, upright = bits:get(1) == 1, bits:get(1) == 1
   local object, sequence = bits:varint32(), bits:varint32()
   if sequence == 0 then refuse("sequence 0") end
   local time, decision = base_time, nil
@@ -548,10 +556,10 @@ local function dissect_record(tvb, tree, at, base_time)
   end
   local m
   if step == EXACT then
-    if upright then refuse("a record of another form") end
+    if level or upright then refuse("a record of another form") end
     m = take_exactly(bits, kind, turned, spins_up)
   else
-    m = take_in_steps(bits, kind, step - 23, turned, spins_up, upright)
+    m = take_in_steps(bits, kind, step - 23, turned, spins_up, level, upright)
   end
   bits:pad()
   check_limits(kind, m)

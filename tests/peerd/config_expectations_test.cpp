@@ -105,6 +105,13 @@ TEST_F(ExpectationsTest, SettingsMayLeaveThemWithoutRunsButTheFileMayNot) {
   EXPECT_THAT(unset.error().text, HasSubstr("the scenario does not set replication.ordr"));
 }
 
+TEST_F(ExpectationsTest, OfWhatAShortenedRunDoesNotReachAreNotChecked) {
+  const std::string late = "[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nfrom_s = 8\n";
+  EXPECT_THAT(read(late, {"duration_s=9"})[0].runs, ElementsAre(0));
+  EXPECT_THAT(read(late, {"duration_s=7"})[0].runs, IsEmpty());
+  EXPECT_THAT(read(late + "until_s = 12\n", {"duration_s=9"})[0].runs, IsEmpty());
+}
+
 struct Bad {
   const char* name;
   const char* expectation;  // line 9 is its first key

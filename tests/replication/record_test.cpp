@@ -53,13 +53,16 @@ class RecordMaker {
     m.state.angular_velocity_body = vector(spins[rng_() % 5]);
     if (rng_() % 2 == 0) m.angular_acceleration_body = vector(10);
     if (kind == MotionKind::kSliding) m.angular_acceleration_body = -0.5 * m.state.angular_velocity_body / 10.0;
+    if (rng_() % 3 == 0) set_level(m);
     if (rng_() % 3 == 0) set_upright(m);
     return {ObjectId{static_cast<std::uint32_t>(rng_() % 3000)}, static_cast<std::uint32_t>(1 + rng_() % 3000),
             sim(seconds(draw(0, 1e5))), m};
   }
-  static void set_upright(MotionModel& m) {
+  static void set_level(MotionModel& m) {
     for (Vec3* v : {&m.state.velocity, &m.state.acceleration, &m.jerk}) v->y() = 0.0;
     m.rate_rad_s = m.rate_rad_s.cwiseProduct(m.kind == MotionKind::kTurning ? Vec3(0, 1, 0) : Vec3(1, 0, 1)).eval();
+  }
+  static void set_upright(MotionModel& m) {
     for (Vec3* v : {&m.state.angular_velocity_body, &m.angular_acceleration_body}) *v = {0, v->y(), 0};
     Quat& q = m.state.orientation;
     q = std::abs(q.w()) < 0.1 ? Quat(0, 0, 1, 0) : Quat(q.w(), 0, q.y(), 0).normalized();
@@ -178,8 +181,8 @@ TEST(Bytes, AreThoseOfTheSpecification) {
   const UpdateRecord q = quantised(u, {0.05, kAngle_rad});
   EXPECT_EQ(q.position_step_log2, -9);
   Bytes expected;
-  for (const int b : {0xe2, 0xb4, 0x80, 0x55, 0xa0, 0x59, 0x00, 0x34, 0x40, 0x49, 0x00, 0x03, 0x70, 0x00, 0x02, 0xf9,
-                      0xff, 0x04, 0x20}) {
+  for (const int b : {0xe2, 0x74, 0x01, 0xab, 0x40, 0xb3, 0x00, 0x68, 0x80, 0x92, 0x00, 0x06, 0xe0, 0x00, 0x04, 0xf2,
+                      0xff, 0x09, 0x40}) {
     expected.push_back(static_cast<std::byte>(b));
   }
   EXPECT_EQ(bytes_of(q, q.at), expected);
@@ -209,30 +212,30 @@ TEST(Bytes, ThatNobodyWritesAreRefused) {
     std::span<const std::byte> rest(bytes.data(), (bits + 7) / 8);
     return decode_record(rest, sim(1s)).has_value();
   };
-  // kind, step; later, decided, turned, spins up, upright; object; sequence; position, velocity; spin
-  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {16, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
-  EXPECT_FALSE(taken({{0, 4}, {14, 4}, {16, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no kind";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {16, 5}, {5, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no sequence";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {16, 5}, {0x0085, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "a group too many";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {16, 5}, {0x1FFFFFFFFF, 40}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "33 bits";
-  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {16, 5}, {0x0FFFFFFFFF, 40}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {17, 5}, {5, 8}, {1, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "later by nothing";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {24, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {0, 5}})) << "spins up by none";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {0, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "upright";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {4, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 2}, {1, 1}, {0, 3}, {0, 5}}))
+  // kind, step; later, decided, turned, spins up, level, upright; object; sequence; position, velocity; spin
+  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
+  EXPECT_FALSE(taken({{0, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no kind";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no sequence";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {0x0085, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "a group too many";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {0x1FFFFFFFFF, 40}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "33 bits";
+  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 6}, {0x0FFFFFFFFF, 40}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {49, 6}, {5, 8}, {1, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "later by nothing";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {56, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {0, 5}})) << "spins up by none";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {0, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "level and upright";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {20, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 2}, {1, 1}, {0, 3}, {0, 5}}))
       << "an identity that is sent";
-  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {4, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {1, 2}, {1, 1}, {0, 3}, {0, 5}}));
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {4, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {2, 2}, {1, 1}, {0, 3}, {0, 5}}))
+  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {20, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {1, 2}, {1, 1}, {0, 3}, {0, 5}}));
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {20, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {2, 2}, {1, 1}, {0, 3}, {0, 5}}))
       << "half a turn about the vertical";
   const auto turned_upright = [&](std::uint64_t largest_is_y, std::uint64_t other) {
-    return taken({{1, 4}, {14, 4}, {20, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {largest_is_y, 1}, {other, 13}, {0, 5}});
+    return taken({{1, 4}, {14, 4}, {52, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {largest_is_y, 1}, {other, 13}, {0, 5}});
   };
   EXPECT_TRUE(turned_upright(1, 0));
   EXPECT_TRUE(turned_upright(0, 0b11));
   EXPECT_FALSE(turned_upright(0, 0)) << "an identity that is sent";
   EXPECT_FALSE(turned_upright(1, 1)) << "minus zero";
   const auto velocity = [&](std::uint64_t x, std::uint64_t z) {
-    return taken({{1, 4}, {14, 4}, {16, 5}, {5, 8}, {1, 8}, {0, 6}, {3, 5}, {x, 4}, {z, 4}, {0, 5}});
+    return taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {3, 5}, {x, 4}, {z, 4}, {0, 5}});
   };
   EXPECT_TRUE(velocity(0b1010, 0));
   EXPECT_FALSE(velocity(0b1010, 1)) << "minus zero";
@@ -240,7 +243,7 @@ TEST(Bytes, ThatNobodyWritesAreRefused) {
   const auto position = [&](std::uint64_t width, std::uint64_t sparse, std::uint64_t mask, std::uint64_t axis) {
     return taken({{1, 4},
                   {14, 4},
-                  {16, 5},
+                  {48, 6},
                   {5, 8},
                   {1, 8},
                   {width, 6},
@@ -257,8 +260,8 @@ TEST(Bytes, ThatNobodyWritesAreRefused) {
   EXPECT_FALSE(position(53, 1, 1, std::uint64_t{1} << 53)) << "no whole number of binary64";
   EXPECT_TRUE(position(48, 1, 1, std::uint64_t{1} << 48));
   EXPECT_FALSE(position(50, 1, 1, std::uint64_t{1} << 50)) << "2^40 m";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {16, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {1, 1}})) << "padding";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {16, 5}, {5, 8}, {1, 8}, {0, 6}, {0, 5}})) << "no spin";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {1, 1}})) << "padding";
+  EXPECT_FALSE(taken({{2, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no spin";
 }
 
 // ---- sizes ----
