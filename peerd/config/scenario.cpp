@@ -337,6 +337,7 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
       expectations = std::move(scenario.expectations);
     }
     pick_runs(request, point->root, scenario.runs.size(), scenario.repeat, run->duration_s, expectations);
+    point->root.erase("expect");  // of all runs, not of what a peer or a recording is told of one
     run->params = std::move(point->params);
     const std::uint64_t first_seed = run->seed;
     for (std::uint32_t k = 0; k < scenario.repeat; ++k) {
