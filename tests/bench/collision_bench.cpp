@@ -52,4 +52,4 @@ int run(const Options& options) {
 }  // namespace
 }  // namespace peerd::bench
 
-int main(int argc, char** argv) { return peerd::bench::run(peerd::bench::parse_options(argc, argv)); }
+int main(int argc, char** argv) { return peerd::bench::run_main(argc, argv, peerd::bench::run); }

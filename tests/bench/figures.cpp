@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -37,6 +38,15 @@ Options parse_options(int argc, char** argv) {
     }
   }
   return options;
+}
+
+int run_main(int argc, char** argv, int (*run)(const Options&)) {
+  try {
+    return run(parse_options(argc, argv));
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 1;
+  }
 }
 
 bool write_figures(const Options& options, const std::vector<Figure>& figures) {

@@ -14,6 +14,9 @@ struct Options {
 };
 [[nodiscard]] Options parse_options(int argc, char** argv);
 
+// A whole main(): what `run` answers, or 1 and on stderr what it threw.
+[[nodiscard]] int run_main(int argc, char** argv, int (*run)(const Options&));
+
 // One number of a report, beside what it is measured against in the same run.
 struct Figure {
   std::string name;  // INPUT.WHAT

@@ -398,4 +398,7 @@ class Bench {
 }  // namespace
 }  // namespace peerd::bench
 
-int main(int argc, char** argv) { return peerd::bench::Bench(peerd::bench::parse_options(argc, argv)).run(); }
+int main(int argc, char** argv) {
+  using namespace peerd::bench;
+  return run_main(argc, argv, [](const Options& options) { return Bench(options).run(); });
+}

@@ -328,12 +328,4 @@ int run(const Options& options) {
 }  // namespace
 }  // namespace peerd::bench
 
-int main(int argc, char** argv) {
-  const peerd::bench::Options options = peerd::bench::parse_options(argc, argv);
-  try {
-    return peerd::bench::run(options);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return peerd::bench::run_main(argc, argv, peerd::bench::run); }

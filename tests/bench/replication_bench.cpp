@@ -183,11 +183,6 @@ class Bench {
 }  // namespace peerd::bench
 
 int main(int argc, char** argv) {
-  const peerd::bench::Options options = peerd::bench::parse_options(argc, argv);
-  try {
-    return peerd::bench::Bench(options).run();
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-    return 1;
-  }
+  using namespace peerd::bench;
+  return run_main(argc, argv, [](const Options& options) { return Bench(options).run(); });
 }
