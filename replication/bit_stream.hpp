@@ -1,16 +1,26 @@
 #pragma once
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 namespace peerd::replication {
 
 // Bits in the order in which they are put: bit i of a stream is bit i % 8 (0: the lowest) of byte i / 8, and a field's
-// lowest bit comes first. Nothing here allocates.
+// lowest bit comes first. Nothing here allocates. Bytes go and come eight at a time.
 
-inline constexpr int kFieldMax_bits = 56;  // of one put() or get(); with 7 bits of a byte begun it fills a word
+inline constexpr int kFieldMax_bits = 56;  // of one put() or get()
+
+namespace detail {
+inline constexpr int kWord_bits = 64, kWord_bytes = 8;
+// Its lowest byte first, whatever the processor; undoes itself.
+inline std::uint64_t lowest_first(std::uint64_t word) {
+  return std::endian::native == std::endian::little ? word : std::byteswap(word);
+}
+}  // namespace detail
 
 class BitWriter {
  public:
@@ -20,25 +30,32 @@ class BitWriter {
   void put(std::uint64_t value, int bits) {
     assert(bits >= 0 && bits <= kFieldMax_bits && value >> bits == 0);
     pending_ |= value << pending_bits_;
-    for (pending_bits_ += bits; pending_bits_ >= 8; pending_bits_ -= 8, pending_ >>= 8) put_byte();
+    pending_bits_ += bits;
+    if (pending_bits_ < detail::kWord_bits) return;
+    put_bytes(detail::kWord_bytes);
+    pending_bits_ -= detail::kWord_bits;
+    pending_ = value >> (bits - pending_bits_);  // what had no room any more
   }
   // Fills the last byte with zeros; gives the size in bytes.
   std::size_t finish() {
-    if (pending_bits_ > 0) put_byte();
+    put_bytes(static_cast<std::size_t>(pending_bits_ + 7) / 8);
+    pending_ = 0;
     pending_bits_ = 0;
     return size_;
   }
 
  private:
-  void put_byte() {
-    assert(size_ < out_.size());
-    out_[size_++] = static_cast<std::byte>(pending_ & 0xFF);
+  void put_bytes(std::size_t count) {
+    assert(count <= out_.size() - size_);
+    const std::uint64_t word = detail::lowest_first(pending_);
+    std::memcpy(out_.data() + size_, &word, count);
+    size_ += count;
   }
 
   std::span<std::byte> out_;
   std::size_t size_ = 0;
   std::uint64_t pending_ = 0;
-  int pending_bits_ = 0;  // fewer than 8 between two calls
+  int pending_bits_ = 0;  // fewer than a word's between two calls
 };
 
 // What is read beyond the end is zeros, and good() tells of it: callers may ask once, at the end.
@@ -48,31 +65,42 @@ class BitReader {
 
   std::uint64_t get(int bits) {
     assert(bits >= 0 && bits <= kFieldMax_bits);
-    while (held_bits_ < bits) {
-      if (next_ < in_.size()) {
-        held_ |= std::to_integer<std::uint64_t>(in_[next_++]) << held_bits_;
-      } else {
-        good_ = false;
-      }
-      held_bits_ += 8;
+    std::uint64_t value = held_;
+    if (bits <= held_bits_) {
+      held_ >>= bits;
+      held_bits_ -= bits;
+    } else {
+      const int more = bits - held_bits_;
+      const std::uint64_t next = next_word();
+      value |= next << held_bits_;
+      held_ = next >> more;
+      held_bits_ = detail::kWord_bits - more;
     }
-    const std::uint64_t value = held_ & ((std::uint64_t{1} << bits) - 1);
-    held_ >>= bits;
-    held_bits_ -= bits;
-    return value;
+    return value & ((std::uint64_t{1} << bits) - 1);
   }
-  [[nodiscard]] bool good() const { return good_; }
+  [[nodiscard]] bool good() const { return size_bytes() <= in_.size(); }
   // Whether what is left of the byte that was begun is zeros, as finish() leaves it.
-  [[nodiscard]] bool padded_with_zeros() const { return held_ == 0; }
+  [[nodiscard]] bool padded_with_zeros() const { return (held_ & ((1u << held_bits_ % 8) - 1)) == 0; }
   // Bytes that were begun.
-  [[nodiscard]] std::size_t size_bytes() const { return next_; }
+  [[nodiscard]] std::size_t size_bytes() const { return fetched_bytes_ - static_cast<std::size_t>(held_bits_ / 8); }
 
  private:
+  std::uint64_t next_word() {
+    std::uint64_t word = 0;
+    const std::size_t left = in_.size() - std::min(in_.size(), fetched_bytes_);
+    if (left >= detail::kWord_bytes) {
+      std::memcpy(&word, in_.data() + fetched_bytes_, detail::kWord_bytes);
+    } else if (left > 0) {
+      std::memcpy(&word, in_.data() + fetched_bytes_, left);
+    }
+    fetched_bytes_ += detail::kWord_bytes;
+    return detail::lowest_first(word);
+  }
+
   std::span<const std::byte> in_;
-  std::size_t next_ = 0;
+  std::size_t fetched_bytes_ = 0;  // beyond the end, too
   std::uint64_t held_ = 0;
-  int held_bits_ = 0;  // fewer than 8 between two calls
-  bool good_ = true;
+  int held_bits_ = 0;  // fewer than a word's between two calls
 };
 
 }  // namespace peerd::replication

@@ -5,11 +5,11 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "proto/peerd.pb.h"
 #include "replication/decision_bits.hpp"
 #include "replication/hello_lists.hpp"
-#include "replication/record.hpp"
 #include "replication/varint.hpp"
 #include "replication/wire_limits.hpp"
 
@@ -36,16 +36,14 @@ void put(const Quat& q, proto::Quat* out) {
 }
 
 // All in one field, one behind the other; times count from the first one's, whose low bytes come first.
-void put(const std::vector<UpdateRecord>& updates, proto::Datagram* out) {
+void put(std::span<const EncodedUpdate> updates, proto::Datagram* out) {
   if (updates.empty()) return;
-  const SimTime base = updates.front().at;
   std::string& bytes = *out->mutable_records();
   bytes.reserve(kDatagramMax_bytes);
-  std::uint64_t low = low_time(base);
+  std::uint64_t low = low_time(updates.front().record().at);
   for (int i = 0; i < kBase_bytes; ++i, low >>= 8) bytes.push_back(static_cast<char>(low & 0xFF));
-  std::array<std::byte, kRecordMax_bytes> record;
-  for (const UpdateRecord& u : updates) {
-    bytes.append(reinterpret_cast<const char*>(record.data()), encode_record(u, base, record));
+  for (const EncodedUpdate& u : updates) {
+    bytes.append(reinterpret_cast<const char*>(u.bytes().data()), u.bytes().size());
   }
 }
 
@@ -109,6 +107,16 @@ void put(const std::vector<Gone>& gone, proto::Datagram* out) {
     out->add_gone(g.sequence);
     out->add_gone(g.to.value);
   }
+}
+
+// What decode() does not set anyway; lists keep their memory.
+void clear(Message& m) {
+  m.hello.reset();
+  m.updates.clear();
+  m.decisions.clear();
+  m.entered.clear();
+  m.gone.clear();
+  m.unknown_models = 0;
 }
 
 // ---- from Protobuf: each take() answers whether the value may be used ----
@@ -242,15 +250,19 @@ const char* to_string(DecodeError e) {
   return "?";
 }
 
-Bytes encode(const Message& m) {
+Codec::Codec() : datagram_(std::make_unique<proto::Datagram>()) {}
+Codec::~Codec() = default;
+
+Bytes Codec::encode(const Message& m, std::span<const EncodedUpdate> updates) {
   assert(m.sender.value != 0);
-  proto::Datagram d;
+  proto::Datagram& d = *datagram_;
+  d.Clear();
   d.set_version(kProtocolVersion);
   d.set_sender(m.sender.value);
   d.set_number(m.number);
   if (m.introduction() == nullptr) d.set_boot_low(static_cast<std::uint32_t>(boot_low(m.boot)));
   if (m.hello) put(*m.hello, m.boot, d.mutable_hello());
-  put(m.updates, &d);
+  put(updates, &d);
   put(m.decisions, &d);
   put(m.entered, &d);
   put(m.gone, &d);
@@ -260,15 +272,16 @@ Bytes encode(const Message& m) {
   return out;
 }
 
-std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, SimTime near) {
+std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> datagram, SimTime near) {
   if (datagram.size() > kDatagramMax_bytes) return std::unexpected(DecodeError::kTooLong);
-  proto::Datagram d;
+  proto::Datagram& d = *datagram_;
   if (!d.ParseFromArray(datagram.data(), static_cast<int>(datagram.size()))) {
     return std::unexpected(DecodeError::kNotADatagram);
   }
   if (d.version() != kProtocolVersion) return std::unexpected(DecodeError::kVersion);
   if (d.sender() == 0) return std::unexpected(DecodeError::kSender);
-  Message m;
+  Message& m = decoded_;
+  clear(m);
   m.sender = PeerId{d.sender()};
   m.number = d.number();
   m.leaving = d.leaving();
@@ -277,7 +290,20 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, 
   if (!take_records(d, near, m)) return std::unexpected(DecodeError::kValue);
   if (!take_decisions(d, near, m.decisions)) return std::unexpected(DecodeError::kValue);
   if (!take_entered(d, m.entered) || !take_gone(d, m.gone)) return std::unexpected(DecodeError::kValue);
-  return m;
+  return &m;
+}
+
+Bytes encode(const Message& m) {
+  std::vector<EncodedUpdate> updates;
+  for (const UpdateRecord& u : m.updates) updates.emplace_back(u, m.updates.front().at);
+  return Codec().encode(m, updates);
+}
+
+std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, SimTime near) {
+  Codec codec;
+  const auto message = codec.decode(datagram, near);
+  if (!message) return std::unexpected(message.error());
+  return std::move(**message);
 }
 
 bool is_name(std::string_view text) {

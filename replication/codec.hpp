@@ -1,9 +1,15 @@
 #pragma once
 #include <expected>
+#include <memory>
 #include <span>
 #include <string_view>
 
+#include "replication/record.hpp"
 #include "replication/wire.hpp"
+
+namespace peerd::proto {
+class Datagram;
+}
 
 namespace peerd::replication {
 
@@ -41,6 +47,21 @@ enum class DecodeError : std::uint8_t {
 // Times of updates and decisions travel without what all who hear them know: they are taken to be within 9 minutes of
 // `near`.
 [[nodiscard]] std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, SimTime near);
+
+// The same for many messages, one after the other: the next one uses the memory of the last.
+class Codec {
+ public:
+  Codec();
+  ~Codec();
+  // `updates`, whose times count from the first one's, go in place of the message's own.
+  [[nodiscard]] Bytes encode(const Message& message, std::span<const EncodedUpdate> updates);
+  // The message is good until the next call.
+  [[nodiscard]] std::expected<Message*, DecodeError> decode(std::span<const std::byte> datagram, SimTime near);
+
+ private:
+  std::unique_ptr<proto::Datagram> datagram_;
+  Message decoded_;
+};
 
 // What one record adds to a datagram: an update behind others of which the first is of the time `first`. The first of
 // all adds kUpdatesHeader_bytes besides: the base time, and the length of them all.

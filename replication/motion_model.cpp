@@ -251,9 +251,8 @@ bool within_limits(const MotionModel& m) {
   if (!turning && !oscillating && !is_zero(m.rate_rad_s)) return false;
   if (oscillating && m.rate_rad_s.minCoeff() < 0.0) return false;
   const double rate = turning ? m.rate_rad_s.norm() : m.rate_rad_s.cwiseAbs().maxCoeff();
-  return m.jerk.allFinite() && m.rate_rad_s.allFinite() && m.angular_acceleration_body.allFinite() &&
-         m.jerk.norm() <= kJerkMax_m_s3 && rate <= kRateMax_rad_s &&
-         m.angular_acceleration_body.norm() <= kSpinAccelerationMax_rad_s2;
+  return m.rate_rad_s.allFinite() && rate <= kRateMax_rad_s && m.jerk.norm() <= kJerkMax_m_s3 &&
+         m.angular_acceleration_body.norm() <= kSpinAccelerationMax_rad_s2;  // which no NaN's norm is
 }
 
 KinematicState evaluate(const MotionModel& m, double dt_s) {

@@ -362,7 +362,7 @@ class Peer {
   void on_stranger(HostTime now, PeerId stranger);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
   void on_echo(PeerId sender, Member& member, const Echo* echo);
-  void on_update(PeerId sender, UpdateRecord update, SimTime session_now);
+  void on_update(PeerId sender, UpdateRecord& update, SimTime session_now);
   void on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& decision, SimTime known_at);
   void claim(PeerId peer, std::span<const ObjectId> objects);
   void release(PeerId peer, HostTime now);
@@ -463,14 +463,14 @@ class Peer {
   // What goes to one region.
   struct Batch {
     std::vector<Gone> gone;
-    std::vector<UpdateRecord> updates;
+    std::vector<EncodedUpdate> updates;
   };
   void sort_gone(std::map<RegionId, Batch>& due);
   void on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now);
   void measure_meetings(std::span<const std::uint32_t> pairs);
   void send_copies();
   void flush_records(bool decisions);
-  void flush_region(RegionId region, const Batch& due, bool decisions);
+  void flush_region(RegionId region, std::span<const Gone> gone, std::span<EncodedUpdate> updates, bool decisions);
   [[nodiscard]] bool settled(HostTime now) const;
   void send_hello(HostTime now, bool leaving);
   void say_nothing();
@@ -482,7 +482,7 @@ class Peer {
   void note_who_may_lack(Own& own, SimTime t);
   [[nodiscard]] double loss() const;
   [[nodiscard]] double loss_of(const Member& member, double others) const;
-  void send(Message& message, RegionId region = kWholeScene);
+  void send(Message& message, RegionId region = kWholeScene, std::span<const EncodedUpdate> updates = {});
   [[nodiscard]] Message blank() const;
   [[nodiscard]] std::int64_t tick_number(SimTime t) const;
   [[nodiscard]] SimTime tick_time(std::int64_t number) const;
@@ -564,7 +564,8 @@ class Peer {
     std::uint32_t copies, hellos;  // as above
   };
   std::vector<Departure> departures_;
-  std::vector<UpdateRecord> updates_due_, copies_due_;
+  std::vector<EncodedUpdate> updates_due_, copies_due_;
+  Codec codec_;
   // Own objects that no update is due of, at this tick.
   struct Waiting {
     ObjectId object;

@@ -29,12 +29,12 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
     return std::unexpected(why);
   };
   (void)notice_gap(now);  // what comes is read by the time that goes on
-  const auto message = decode(datagram, clock_.to_session(now));
+  const auto message = codec_.decode(datagram, clock_.to_session(now));
   if (!message) {
     ++counters_.drops[std::string("undecodable_") + to_string(message.error())];  // which of them
     return dropped(Drop::kUndecodable);
   }
-  const Message& m = *message;
+  Message& m = **message;
   const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.entered.empty();
   if (for_all && region != kWholeScene) return dropped(Drop::kRegion);
   if (const auto admitted = admit(now, m); !admitted) return dropped(admitted.error());
@@ -60,7 +60,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
   const SimTime session_now = clock_.to_session(now);
   on_entered(m.entered, session_now);
   on_gone(m.sender, m.gone, session_now);
-  for (const UpdateRecord& u : m.updates) {
+  for (UpdateRecord& u : m.updates) {
     if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
       drop("update_time");
     } else {
@@ -133,7 +133,7 @@ void Peer::on_stranger(HostTime now, PeerId stranger) {
   introductions_due_ = std::max<std::size_t>(introductions_due_, 1);
 }
 
-void Peer::on_update(PeerId sender, UpdateRecord u, SimTime session_now) {
+void Peer::on_update(PeerId sender, UpdateRecord& u, SimTime session_now) {
   const RelaySettings& relay = config_.relay;
   const bool relayed = relay.through == sender;
   if (relay.through != kNobody && !relayed && relay.through != config_.id) return;  // the relay will say
@@ -159,7 +159,7 @@ void Peer::on_update(PeerId sender, UpdateRecord u, SimTime session_now) {
   ++counters_.updates_in;
   if (relay.through == config_.id) {
     if (relay.restamps) u.at = session_now;
-    updates_due_.push_back(u);
+    updates_due_.emplace_back(u, u.at);
     ++counters_.updates_relayed;
   }
   if (!hear(u, session_now)) return;

@@ -71,7 +71,7 @@ void Peer::repeat_updates(HostTime now) {
               : now - own.with_hello_at >= patience && own.told_in.size() < copies_against(loss(), 1 + kWithHellosMax);
     if (!lost && !overdue) continue;
     const bool due_anyway =
-        std::ranges::any_of(updates_due_, [&](const UpdateRecord& u) { return u.object == object; });
+        std::ranges::any_of(updates_due_, [&](const EncodedUpdate& u) { return u.record().object == object; });
     if (due_anyway) continue;  // it goes out for the first time just now
     if (t + longest_latency() - own.to_repeat->at > kUpdateAgeMax) {
       own.resend = true;  // nobody would take what is so old: the next tick tells how it goes by now
@@ -79,7 +79,7 @@ void Peer::repeat_updates(HostTime now) {
     }
     ++own.times_with_hello;
     own.with_hello_at = now;
-    updates_due_.push_back(*own.to_repeat);
+    updates_due_.emplace_back(*own.to_repeat, own.to_repeat->at);
     ++counters_.updates_repeated;
   }
 }
@@ -122,7 +122,7 @@ void Peer::send_copies() {
     const std::uint32_t times = copies_against(loss_now, most);
     if (!own.to_repeat || own.times_sent >= times) continue;
     ++own.times_sent;
-    copies_due_.push_back(*own.to_repeat);
+    copies_due_.emplace_back(*own.to_repeat, own.to_repeat->at);
     ++counters_.updates_repeated;
   }
 }
@@ -130,36 +130,47 @@ void Peer::send_copies() {
 // Updates, decisions and what has gone, as few datagrams as hold them, each region's by themselves. Copies of decisions
 // and of what has gone go out a tick apart.
 void Peer::flush_records(bool decisions) {
-  std::map<RegionId, Batch> due;
-  if (decisions) due[kWholeScene];
-  for (const UpdateRecord& update : std::exchange(updates_due_, {})) {
-    due[grid_.region_of(update.model.state.position)].updates.push_back(update);
+  if (grid_.cuts()) {
+    std::map<RegionId, Batch> due;
+    if (decisions) due[kWholeScene];
+    for (const EncodedUpdate& u : updates_due_) {
+      due[grid_.region_of(u.record().model.state.position)].updates.push_back(u);
+    }
+    if (decisions) sort_gone(due);
+    for (auto& [region, records] : due) {
+      flush_region(region, records.gone, records.updates, decisions && region == kWholeScene);
+    }
+  } else {
+    flush_region(kWholeScene, {}, updates_due_, decisions);
   }
-  if (decisions) sort_gone(due);
-  for (const auto& [region, records] : due) flush_region(region, records, decisions && region == kWholeScene);
+  updates_due_.clear();
   if (copies_due_.empty()) return;
-  updates_due_ = std::exchange(copies_due_, {});
+  std::swap(updates_due_, copies_due_);
   flush_records(false);
 }
 
-void Peer::flush_region(RegionId region, const Batch& due, bool decisions) {
+void Peer::flush_region(RegionId region, std::span<const Gone> gone, std::span<EncodedUpdate> updates, bool decisions) {
   Message m = blank();
-  std::size_t used_bytes = 0;
+  std::size_t used_bytes = 0, first = 0, next = 0;  // of the updates, m goes with [first, next)
+  const auto send_all = [&] { send(m, region, updates.subspan(first, next - first)); };
   const auto make_room = [&](std::size_t size_bytes) {
     if (used_bytes > 0 && used_bytes + size_bytes > kRecordsMax_bytes) {
-      send(m, region);
+      send_all();
       m = blank();
+      first = next;
       used_bytes = 0;
     }
     used_bytes += size_bytes;
   };
-  for (const Gone& gone : due.gone) {
+  for (const Gone& g : gone) {
     make_room(kGoneMax_bytes);
-    m.gone.push_back(gone);
+    m.gone.push_back(g);
   }
-  for (const UpdateRecord& update : due.updates) {
-    make_room(encoded_size_bytes(update, m.updates.empty() ? update.at : m.updates.front().at));
-    m.updates.push_back(update);
+  for (; next < updates.size(); ++next) {
+    EncodedUpdate& update = updates[next];
+    update.count_from(updates[first].record().at);
+    make_room(update.bytes().size());
+    update.count_from(updates[first].record().at);  // itself, where it comes first in another datagram
   }
   for (DecisionLog::Entry& entry : decisions_.entries()) {
     if (!decisions) break;
@@ -168,7 +179,7 @@ void Peer::flush_region(RegionId region, const Batch& due, bool decisions) {
     m.decisions.push_back(entry.record);
     --entry.copies;
   }
-  if (used_bytes > 0) send(m, region);
+  if (used_bytes > 0) send_all();
 }
 
 void Peer::introduce_anew() {
@@ -239,9 +250,9 @@ void Peer::say_nothing() {
   send(m);
 }
 
-void Peer::send(Message& message, RegionId region) {
+void Peer::send(Message& message, RegionId region, std::span<const EncodedUpdate> updates) {
   message.number = ++datagram_numbers_[region];
-  Bytes datagram = encode(message);
+  Bytes datagram = codec_.encode(message, updates);
   assert(datagram.size() <= kDatagramMax_bytes);
   ++counters_.datagrams_out;
   counters_.bytes_out += datagram.size();
@@ -250,11 +261,10 @@ void Peer::send(Message& message, RegionId region) {
   traffic.bytes_out += datagram.size();
   bytes_.spend(datagram.size());
   outputs_.push_back(Send{region, std::move(datagram)});
-  for (const UpdateRecord& u : message.updates) {
-    const auto own = own_.find(u.object);
-    if (region == kWholeScene && own != own_.end() && own->second.sequence == u.sequence) {
-      own->second.told_in.push_back(message.number);
-    }
+  for (const EncodedUpdate& u : updates) {
+    if (region != kWholeScene) break;
+    const auto own = own_.find(u.record().object);
+    if (own != own_.end() && own->second.sequence == u.record().sequence) own->second.told_in.push_back(message.number);
   }
   for (const DecisionRecord& d : message.decisions) {
     decisions_.find(d.contact, config_.id, d.collider, d.collidee)->told_in.push_back(message.number);

@@ -28,7 +28,8 @@ bool one_touch(const ContactEvent& a, const ContactEvent& b) {
   return pair && a.at <= b.at + kOneTouch && b.at <= a.at + kOneTouch;
 }
 
-// Who is short of bytes waits for so many before the next datagram: one a tick with a record each would be half headers.
+// Who is short of bytes waits for so many before the next datagram: one a tick with a record each would be half
+// headers.
 constexpr double kWorthADatagram_bytes = 256.0;
 
 // A model that is expected to err by less than so much of what the thresholds ask will not be corrected for long, and
@@ -200,7 +201,7 @@ void Peer::tell_most_urgent(SimTime t) {
 // What is not due yet but has come so far goes with what is, in a datagram that goes anyway.
 void Peer::tell_along(SimTime t) {
   std::set<RegionId> told_in;
-  for (const UpdateRecord& u : updates_due_) told_in.insert(grid_.region_of(u.model.state.position));
+  for (const EncodedUpdate& u : updates_due_) told_in.insert(grid_.region_of(u.record().model.state.position));
   if (told_in.empty()) return;
   const double share = config_.policy.along_at;
   for (const Waiting& w : waiting_) {
@@ -317,17 +318,18 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
   const double expected_error_m = own.models ? own.models->expected_error_m() : threshold_m;
   const Tolerance tolerance =
       own.driven ? rounding_tolerance(policy, threshold_m, expected_error_m) : Tolerance{};  // none: exact
-  const UpdateRecord record = quantised({object, ++own.sequence, at, model, decisions_.last(object)}, tolerance);
+  const EncodedUpdate& due =
+      updates_due_.emplace_back(quantised({object, ++own.sequence, at, model, decisions_.last(object)}, tolerance), t);
+  const UpdateRecord& record = due.record();
   if (exact && at == t) replica_->truth.set_base(object, t, record.model);
   replica_->ghosts.set_base(object, at, record.model);
-  const std::size_t size_bytes = encoded_size_bytes(record, t);
+  const std::size_t size_bytes = due.bytes().size();
   ++counters_.updates_out;
   counters_.update_bytes_out += size_bytes;
   ++counters_.update_sizes_out[static_cast<std::size_t>(std::ranges::lower_bound(kRecordSizes, size_bytes) -
                                                         kRecordSizes.begin())];
   outputs_.push_back(Published{t, object, size_bytes, threshold_m, reason});
   note_told(own, record, answers || reason == PublishReason::kFirst);
-  updates_due_.push_back(record);
   own.to_repeat = record;
   own.times_sent = 1;
   own.times_with_hello = 0;

@@ -94,6 +94,10 @@ std::optional<int> rate_step_log2(const MotionModel& m, const Steps& steps) {
 
 // Whether it fits its field.
 bool round_to_steps(Vec3& v, int step_log2, int width_bits) {
+  if (is_zero(v)) {  // as most are
+    v.setZero();
+    return true;
+  }
   const double per_step = power_of_two(-step_log2), step = power_of_two(step_log2);
   const double most = power_of_two(std::min((1 << width_bits) - 1, kComponentMax_bits));
   for (double& component : v) {
@@ -115,7 +119,7 @@ bool round_to_steps(MotionModel& m, int position_log2) {
       !round_to_steps(m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits)) {
     return false;
   }
-  s.orientation = to_orientation(smallest_three(s.orientation)).value();
+  s.orientation = is_identity(s.orientation) ? Quat::Identity() : to_orientation(smallest_three(s.orientation)).value();
   if (m.kind == MotionKind::kSliding) {  // what has as good as stopped has
     if (is_zero(s.velocity)) s.acceleration.setZero();
     if (is_zero(s.angular_velocity_body)) m.angular_acceleration_body.setZero();
@@ -398,6 +402,15 @@ std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::by
   if (decided) put_time(out, u.at, u.decision);
   u.position_step_log2 ? put_steps(out, u.model, *u.position_step_log2) : put_exact(out, u.model);
   return out.finish();
+}
+
+EncodedUpdate::EncodedUpdate(const UpdateRecord& record, SimTime base)
+    : record_(record), base_(base), size_bytes_(encode_record(record, base, bytes_)) {}
+
+void EncodedUpdate::count_from(SimTime base) {
+  if (base == base_) return;
+  base_ = base;
+  size_bytes_ = encode_record(record_, base, bytes_);
 }
 
 std::expected<UpdateRecord, RecordError> decode_record(std::span<const std::byte>& rest, SimTime base) {

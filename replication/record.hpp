@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <expected>
 #include <optional>
@@ -51,6 +52,22 @@ inline constexpr std::size_t kRecordMax_bytes = 256;
 // quantised().
 [[nodiscard]] std::size_t encode_record(const UpdateRecord& record, SimTime base,
                                         std::span<std::byte, kRecordMax_bytes> out);
+
+// An update on its way into a datagram, which counts times from its first update's: encoded, anew only where another
+// base asks for it.
+class EncodedUpdate {
+ public:
+  EncodedUpdate(const UpdateRecord& record, SimTime base);
+  void count_from(SimTime base);
+  [[nodiscard]] const UpdateRecord& record() const { return record_; }
+  [[nodiscard]] std::span<const std::byte> bytes() const { return std::span(bytes_).first(size_bytes_); }
+
+ private:
+  UpdateRecord record_;
+  SimTime base_;
+  std::array<std::byte, kRecordMax_bytes> bytes_;
+  std::size_t size_bytes_;
+};
 
 enum class RecordError : std::uint8_t {
   kUnknownModel,  // a later version's; sound otherwise, and `rest` has passed it

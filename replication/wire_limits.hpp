@@ -22,8 +22,10 @@ inline constexpr std::int64_t kTimeMax_ns = std::int64_t{1} << 62;
 inline constexpr Duration kUpdateAgeMax = std::chrono::seconds(4);
 
 // False for NaN and infinities too.
-inline bool acceptable(const Vec3& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMagnitudeMax; }
-inline bool acceptable(const Quat& q) { return q.coeffs().allFinite() && std::abs(q.norm() - 1.0) <= kUnitSlack; }
+inline bool acceptable(const Vec3& v) {
+  return std::abs(v.x()) <= kMagnitudeMax && std::abs(v.y()) <= kMagnitudeMax && std::abs(v.z()) <= kMagnitudeMax;
+}
+inline bool acceptable(const Quat& q) { return std::abs(q.norm() - 1.0) <= kUnitSlack; }
 inline bool acceptable(const KinematicState& s) {
   return acceptable(s.position) && acceptable(s.velocity) && acceptable(s.acceleration) && acceptable(s.orientation) &&
          acceptable(s.angular_velocity_body) && s.angular_velocity_body.norm() <= kSpinMax;

@@ -88,7 +88,7 @@ std::expected<void, Refusal> PoseFeed::push(HostTime now, std::optional<HostTime
   const HostTime t = at.value_or(now);
   if (t < now - kAgeMax) return std::unexpected(Refusal::kTooOld);
   if (t > now + kAheadMax) return std::unexpected(Refusal::kTooFarAhead);
-  const auto next = std::ranges::lower_bound(poses_, t, {}, &Known::at);
+  const auto next = not_before(t);
   if (next != poses_.end() && next->at == t) return std::unexpected(Refusal::kDuplicate);
   Known known{t, at.has_value(), pose};
   if (pose.orientation) {
@@ -102,10 +102,20 @@ std::expected<void, Refusal> PoseFeed::push(HostTime now, std::optional<HostTime
   return {};
 }
 
+// The first pose that is not before t: most often one of the last two, or none.
+PoseFeed::Poses::const_iterator PoseFeed::not_before(HostTime t) const {
+  auto at = poses_.end();
+  for (int newest = 0; newest < 2; ++newest) {
+    if (at == poses_.begin() || std::prev(at)->at < t) return at;
+    --at;
+  }
+  return std::ranges::lower_bound(poses_.begin(), at, t, {}, &Known::at);
+}
+
 // The newest pose that is at least so much before it and belongs to the same run: neither a jump nor a silence lies
 // between them. None: there is none.
 const PoseFeed::Known* PoseFeed::before(const Known& later, Duration spacing) const {
-  auto at = std::ranges::lower_bound(poses_, later.at, {}, &Known::at);
+  auto at = not_before(later.at);
   while (at != poses_.begin() && !at->pose.jump && at->at - std::prev(at)->at <= stale_) {
     --at;
     if (later.at - at->at >= spacing) return &*at;
@@ -163,7 +173,7 @@ KinematicState PoseFeed::advanced_from(const Known& base, double dt_s) const {
 KinematicState PoseFeed::at(HostTime t) const {
   if (!begun()) return at_rest(place_);
   // The first pose not before t, as long as nothing was put there since; else the last.
-  auto base = std::ranges::lower_bound(poses_, t, {}, &Known::at);
+  auto base = not_before(t);
   const bool after_t = base != poses_.end() && base->at > t;
   if (base == poses_.end() || (after_t && base->pose.jump && base != poses_.begin())) --base;
   const KinematicState s = advanced_from(*base, to_seconds(std::min(t - base->at, stale_)));

@@ -76,6 +76,7 @@ class PoseFeed {
   };
   using Poses = std::deque<Known>;
 
+  [[nodiscard]] Poses::const_iterator not_before(HostTime t) const;
   [[nodiscard]] const Known* before(const Known& later, Duration spacing) const;
   [[nodiscard]] KinematicState advanced_from(const Known& base, double dt_s) const;
 

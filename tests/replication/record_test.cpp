@@ -99,6 +99,9 @@ TEST_P(Kind, RoundsOnceAndTravelsBitForBit) {
     ASSERT_TRUE(rest.empty());
     ASSERT_TRUE(same_bits(*back, q));
     ASSERT_EQ(bytes_of(*back, base), bytes);
+    EncodedUpdate encoded(q, q.at);
+    encoded.count_from(base);
+    ASSERT_TRUE(std::ranges::equal(encoded.bytes(), bytes));
   }
 }
 
