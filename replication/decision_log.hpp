@@ -21,7 +21,8 @@ class DecisionLog {
     DecisionRecord record;
     PeerId author;
     bool stands = false;
-    // Of our own: how often still to be sent, the numbers of the datagrams that carried it, who has one of them.
+    // Of our own: how often still to be sent, the numbers of the datagrams that carried it (since somebody last forgot
+    // all), who has one of them.
     int copies = 0;
     std::vector<std::uint32_t> told_in;
     std::set<PeerId> heard;

@@ -11,7 +11,7 @@
 namespace peerd::replication {
 namespace {
 
-constexpr std::size_t kEntryMax_bytes = 64;  // of any list; the longest has 35
+constexpr std::size_t kEntryMax_bytes = 64;  // of any list; the longest has 33
 
 // What `put` writes for each entry.
 template <class Entry, class Put>
@@ -46,7 +46,7 @@ bool names_holes(const Received& r) { return r.run < std::min(r.highest, Receive
 bool take_received(BitReader& in, std::uint32_t highest, Received& r) {
   r.highest = highest;
   r.last = ~std::uint64_t{0};
-  if (!take_varint(in, r.run) || r.run > std::min(highest, Received::kRunMax)) return false;
+  if (!take_varint(in, r.run) || highest == 0 || r.run > std::min(highest, Received::kRunMax)) return false;
   if (!names_holes(r)) return true;
   std::uint64_t absent = 0;
   const std::uint32_t counted = std::min(highest, Received::kWindow) - r.run;

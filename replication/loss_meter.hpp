@@ -56,7 +56,8 @@ class LossMeter {
   static constexpr double kBelief = 0.5;
   static constexpr std::uint32_t kWindow = Received::kWindow;  // later than by so many, a datagram stays lost
   std::uint32_t highest_ = 0;
-  std::uint64_t seen_ = 0;  // bit k: highest_ - k has come
+  // Bit k: highest_ - k has come, and has been asked for again.
+  std::uint64_t seen_ = 0, asked_ = 0;
   std::uint32_t hole_ = 0;  // the highest of those before that have not; 0: none
   std::uint64_t duplicates_ = 0, overtaken_ = 0;
   double sent_ = 0.0, lost_ = 0.0;

@@ -47,7 +47,7 @@ struct DecisionSettings {
   DecisionPolicy policy = DecisionPolicy::kId;
   PeerId server = kNobody;             // decides all by kServer
   std::optional<Duration> lookback;    // none: the longest latency that any peer says it hears others with
-  bool repeat = true;                  // with each hello, until everybody has heard
+  bool repeat = true;                  // until everybody has them, by their receipts
   bool fallback = true;                // the lower id decides what nobody else has said a word about
   std::optional<Viewpoint> viewpoint;  // of this peer
 };

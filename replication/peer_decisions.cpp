@@ -23,8 +23,8 @@ constexpr Duration kToldFor = std::chrono::seconds(5);
 constexpr Duration kNotedFor = std::chrono::milliseconds(3500);
 // Longer than any decision that a receiver would take can be on its way.
 constexpr Duration kRememberedFor = std::chrono::seconds(8);
-// What hangs between two others touches them many times a second. Of one pair only the newest are repeated, as many as
-// there can be from one hello to the next (4 ms apart: peer_tick.cpp, kOneTouch), so that each is at least once.
+// What hangs between two others touches them many times a second. Of one pair only the newest are repeated where
+// nothing says whether they have come, as many as there can be in 250 ms (4 ms apart: peer_tick.cpp, kOneTouch).
 constexpr int kRepeatedOfPair = 64;
 
 }  // namespace
@@ -276,13 +276,12 @@ void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
   }
 }
 
-// Whoever has just come may not know yet whose the objects are, and asks for the decision again.
+// Whoever has just come may not know yet whose the objects are: as far as its receipts tell, the decision has not come.
 void Peer::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d, SimTime known_at) {
-  if (owner(d.collider) == kNobody || owner(d.collidee) == kNobody) {
+  if (!may_decide(sender, owner(d.collider), owner(d.collidee))) {
     members_.find(sender)->received[kWholeScene].ask_again(number);
-    return drop("nobodys_contact");
+    return drop("not_decider");
   }
-  if (!may_decide(sender, owner(d.collider), owner(d.collidee))) return drop("not_decider");
   const auto changes = decisions_.add(d, sender);
   if (!changes) return drop("decision_known");
   if (changes->empty()) return drop("decision_overruled");
@@ -366,7 +365,7 @@ void Peer::on_receipt(PeerId sender, const Receipt& receipt) {
 // Those that everybody in the session could have confirmed, and somebody has not.
 void Peer::repeat_decisions() {
   if (!replica_) return;
-  const SimTime answered = tick_time(last_tick_) - answered_within();
+  const SimTime answered = tick_time(last_tick_) - std::min<Duration>(answered_within(), kToldFor / 2);
   std::map<std::pair<ObjectId, ObjectId>, int> newer;
   for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
     if (entry->author != config_.id || !entry->stands || entry->record.contact > answered) continue;

@@ -12,7 +12,7 @@ namespace {
 
 // What a datagram's header (version, sender, number, the boot's low bits) leaves for records.
 constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHeader_bytes - kDecisionsHeader_bytes;
-// Per introduction. 15 echoes of at most 34 bytes, 50 objects of 216 in all, kNotesMax notes of at most 20, a viewpoint
+// Per introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of at most 20, a viewpoint
 // of at most 97 and a name of 64 fit.
 constexpr std::size_t kEnslavedMax = 50;
 // With one hello in so many a peer says who it is, to whom it may concern; and with so many in a row that something

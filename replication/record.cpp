@@ -200,6 +200,7 @@ std::int32_t& other_of_wy(SmallestThree& three) { return three.steps[three.large
 void put_orientation(BitWriter& out, const Quat& q, bool upright) {
   SmallestThree three = smallest_three(q);
   if (upright) {
+    assert(three.largest == 0 || three.largest == kLargestIs_y);
     out.put(three.largest == kLargestIs_y ? 1 : 0, 1);
     put_sign_and_magnitude(out, other_of_wy(three), SmallestThree::kMagnitude_bits);
     return;

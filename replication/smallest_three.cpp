@@ -57,7 +57,7 @@ SmallestThree smallest_three(const Quat& orientation) {
   within[static_cast<std::size_t>(largest)] = q[static_cast<std::size_t>(largest)];
   const SmallestThree nearest = *without(within, largest);
   if (gives_it(nearest)) return nearest;
-  for (int i = 0; i < 4; ++i) {
+  for (const int i : {0, 2, 1, 3}) {  // w and y first: of what turns about the vertical these are all there is
     const auto other = without(q, i);
     if (gives_it(other)) return *other;
   }

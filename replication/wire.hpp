@@ -104,7 +104,7 @@ struct Hello {
   std::uint32_t sessions = 0;           // how many the sender has entered; each began without any updates
   Duration latency{0};                  // how late the sender hears of others (latency_bound), a whole millisecond
   std::vector<Echo> echoes;
-  std::vector<ContactNote> notes;  // of the last seconds: what is held first, then the newest decisions
+  std::vector<ContactNote> notes;  // what is held first, then its newest decisions, until all have them
   std::optional<Introduction> introduction;
 };
 

@@ -622,7 +622,7 @@ local function dissect_echoes(tvb, tree)
     local counted = math.min(hello + newer, 64)
     local absent = run < counted and bits:varint64() or nil
     local loss = bits:varint32()
-    local no_row = run > math.min(hello + newer, 16383) or (absent and (absent:lower() % 2 == 0 or
+    local no_row = hello + newer == 0 or run > math.min(hello + newer, 16383) or (absent and (absent:lower() % 2 == 0 or
       (counted - run < 64 and absent:rshift(counted - run) ~= UInt64.new(0))))
     if held > UInt64.new(10000000000 % TWO32, 2) or loss > 1000 or newer > TWO32 - 1 - hello or no_row then
       refuse("an echo that nobody sends")

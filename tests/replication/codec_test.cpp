@@ -376,6 +376,10 @@ void expect_refused_or_sound(const Bytes& bytes) {
   ASSERT_TRUE(is_sound(*m));
   SimTime now{};
   if (m->unknown_models > 0 && !m->updates.empty()) {  // the base time may have been that of what was left out
+    Message others = *m;
+    others.updates.clear();
+    const auto again = decode(encode(others), now);
+    ASSERT_TRUE(again && same_bits(others, *again));
     now = m->updates.front().at;
     m->decisions.clear();
   }

@@ -75,11 +75,14 @@ TEST(LossMeter, AsksAgainForWhatWasOfNoUse) {
   meter.on_datagram(4);
   EXPECT_EQ(meter.received(), (Received{4, 1, ~std::uint64_t{0b10}}));
   EXPECT_LE(meter.loss(), loss) << "it was not lost";
+  meter.on_datagram(3);
+  EXPECT_EQ(meter.received(), (Received{4, 4, ~std::uint64_t{0}})) << "there it is";
+  EXPECT_EQ(meter.duplicates(), 1u);
+  meter.ask_again(3);
   for (std::uint32_t number = 5; number <= 100; ++number) meter.on_datagram(number);
   EXPECT_EQ(meter.received().run, 97U);
-  meter.ask_again(3);
-  meter.ask_again(101);
-  EXPECT_EQ(meter.received().run, 97U) << "too old, or never come";
+  for (const std::uint32_t number : {0U, 3U, 101U}) meter.ask_again(number);
+  EXPECT_EQ(meter.received().run, 97U) << "no number, too old, or never come";
 }
 
 // Against a list of all that came: what is said to have come has, and what is said to be lacking has not.

@@ -370,7 +370,7 @@ TEST_F(Decided, OfAnObjectThatNobodyRunsYetIsAskedForAgain) {
   lan.inject(self, encode(m));
   lan.run_until(lan.now() + 2s);
   EXPECT_EQ(velocity(), Vec3::Zero());
-  EXPECT_EQ(lan.drops(self, "nobodys_contact"), 1u);
+  EXPECT_EQ(lan.drops(self, "not_decider"), 1u);
   ASSERT_TRUE(told);
   EXPECT_FALSE(told->has(m.number));
 }

@@ -495,7 +495,7 @@ TEST(Peer, NoCopiesWhereNothingGetsLost) {
   c.policy.time_threshold = 200ms;
   lan.add(c);
   lan.add(config(2));
-  lan.run_until(30s);
+  lan.run_until(60s);
   EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u) << "hellos have told before there was anything to copy";
 }
 

@@ -105,6 +105,27 @@ TEST_P(Kind, RoundsOnceAndTravelsBitForBit) {
   }
 }
 
+// The quarter turns, where two components tie, and what is next to them.
+TEST(Upright, TurnsTravel) {
+  const double half = std::sqrt(0.5);
+  for (const double w : {-1.0, -half, 0.0, half, 1.0}) {
+    for (const double y : {-1.0, -half, 0.0, half, 1.0}) {
+      for (const double off : {0.0, 1e-16, -1e-16, 1e-4, -1e-4}) {
+        if (w * w + y * y < 0.9 || w * w + y * y > 1.1) continue;
+        UpdateRecord u{ObjectId{1}, 1, sim(1s), moving({1, 2, 3}, {4, 5, 6}), {}};
+        u.model.state.orientation = Quat(w, 0, y + off, 0).normalized();
+        const UpdateRecord q = quantised(u, {0.05, kAngle_rad});
+        EXPECT_LE(angle_between(q.model.state.orientation, u.model.state.orientation), kOrientationError_rad);
+        const Bytes bytes = bytes_of(q, q.at);
+        std::span<const std::byte> rest = bytes;
+        const auto back = decode_record(rest, q.at);
+        ASSERT_TRUE(back.has_value());
+        EXPECT_TRUE(same_bits(*back, q)) << w << ' ' << y << ' ' << off;
+      }
+    }
+  }
+}
+
 // By one step of the position for each of position, velocity, acceleration, jerk and rate, on each axis; all but the
 // first after the horizon.
 TEST_P(Kind, StaysCloseOverItsHorizon) {
