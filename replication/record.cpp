@@ -224,9 +224,8 @@ void put_exact(BitWriter& out, const MotionModel& m) {
   if (!is_zero(m.angular_acceleration_body)) put_exact(out, m.angular_acceleration_body);
 }
 
-void put_steps(BitWriter& out, const MotionModel& m, int position_log2) {
+void put_steps(BitWriter& out, const MotionModel& m, int position_log2, const Form& form) {
   const Steps steps = steps_of(m.kind, position_log2);
-  const Form form = form_of(m.kind, is_level(m), is_upright(m));
   put_steps(out, m.state.position, steps.position, kLongWidth_bits);
   put_steps(out, m.state.velocity, steps.velocity, kWidth_bits, form.moves);
   if (has_acceleration(m.kind)) put_steps(out, m.state.acceleration, steps.acceleration, kWidth_bits, form.moves);
@@ -395,13 +394,14 @@ std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::by
   out.put(decided ? 1 : 0, 1);
   out.put(is_identity(u.model.state.orientation) ? 0 : 1, 1);
   out.put(is_zero(u.model.angular_acceleration_body) ? 0 : 1, 1);
-  out.put(u.position_step_log2 && is_level(u.model) ? 1 : 0, 1);
-  out.put(u.position_step_log2 && is_upright(u.model) ? 1 : 0, 1);
+  const Form form = u.position_step_log2 ? form_of(u.model.kind, is_level(u.model), is_upright(u.model)) : Form{};
+  out.put(form.moves ? 1 : 0, 1);
+  out.put(form.turns ? 1 : 0, 1);
   put_varint(out, u.object.value);
   put_varint(out, u.sequence);
   if (later) put_time(out, base, u.at);
   if (decided) put_time(out, u.at, u.decision);
-  u.position_step_log2 ? put_steps(out, u.model, *u.position_step_log2) : put_exact(out, u.model);
+  u.position_step_log2 ? put_steps(out, u.model, *u.position_step_log2, form) : put_exact(out, u.model);
   return out.finish();
 }
 

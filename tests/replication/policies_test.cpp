@@ -247,6 +247,24 @@ TEST_P(ByVelocity, TheOutcomeIsOfTheContactTime) {
   EXPECT_LT((lan->peer(0).truth((*world)["CAR"], t).position - car).norm(), 1e-6);
 }
 
+// A receipt that proves it lost brings it again, long before a peer's silence about it would (2 latencies and a
+// second).
+TEST_P(ByVelocity, WhatIsProvedLostIsToldAgainAtOnce) {
+  begin();
+  bool lost = false;
+  lan->filter = [&](std::size_t, std::size_t to, const Message& m) {
+    return to != 0 || m.decisions.empty() || std::exchange(lost, true);
+  };
+  run_to_contact();
+  lan->run_until(lan->now() + 3s);
+  ASSERT_TRUE(lost);
+  const auto applied = lan->contacts(0, ContactKind::kApplied);
+  ASSERT_THAT(applied, SizeIs(1));
+  EXPECT_GT(applied[0].known_at, applied[0].contact.at + 250ms);
+  EXPECT_LT(applied[0].known_at, applied[0].contact.at + 1s);
+  EXPECT_EQ(sum(&Peer::Counters::decisions_repeated), 1u);
+}
+
 TEST_P(ByVelocity, WithoutRepetitionWhatIsLostIsLost) {
   DecisionSettings settings;
   settings.repeat = false;
