@@ -265,6 +265,24 @@ TEST_P(ByVelocity, WhatIsProvedLostIsToldAgainAtOnce) {
   EXPECT_EQ(sum(&Peer::Counters::decisions_repeated), 1u);
 }
 
+// What came before it was in the session it did not take, received or not.
+TEST_P(ByVelocity, WhoComesBackJustThenIsTold) {
+  begin();
+  run_to_contact();
+  const Duration contact = lan->now();
+  for (const Duration before : {0ms, 100ms, 200ms, 400ms, 800ms}) {
+    SCOPED_TRACE(before.count());
+    begin();
+    lan->run_until(contact - before);
+    PeerConfig again = config(9);
+    again.boot = 101;
+    again.decisions.policy = GetParam().policy;
+    lan->restart(2, again);
+    lan->run_until(contact + 6s);
+    EXPECT_THAT(lan->contacts(2, ContactKind::kApplied), SizeIs(1));
+  }
+}
+
 TEST_P(ByVelocity, WithoutRepetitionWhatIsLostIsLost) {
   DecisionSettings settings;
   settings.repeat = false;
