@@ -149,19 +149,19 @@ void PeerNode::on_tick(HostTime now) {
     if (!begun) peer_.start_motions(now, *log_.start);
   }
   const std::optional<SimTime> due = peer_.due_tick(now);
-  std::vector<replication::OwnSample> samples;
+  samples_.clear();
   if (due) {
     for (const auto& [object, motion] : motions_) {
       // Until it is known when the motion begins, the object stands where the world's file put it.
-      samples.push_back({object, log_.start ? motion.sample(to_seconds(*due - *log_.start))
+      samples_.push_back({object, log_.start ? motion.sample(to_seconds(*due - *log_.start))
                                             : at_rest(shared_.world.scene.rigid_pose(object))});
     }
     for (const ObjectId object : feeds_.objects()) {
-      samples.push_back({object, feeds_.sample(object, peer_.clock().to_host(*due))});
+      samples_.push_back({object, feeds_.sample(object, peer_.clock().to_host(*due))});
     }
   }
   const std::uint64_t ticks = peer_.counters().ticks;
-  peer_.on_tick(now, samples);
+  peer_.on_tick(now, samples_);
   const bool ticked = due && peer_.counters().ticks > ticks;  // not where the session's time has just changed
   if (ticked) logged_at_ = *due;
   press_keys(now);
@@ -196,11 +196,11 @@ feed::Outcome PeerNode::on_poses(HostTime now, Duration host_minus_wall, std::sp
   feed::Outcome outcome = feeds_.push(now, host_minus_wall, poses);
   if (outcome.taken == 0) return outcome;
   if (peer_.due_tick(now)) on_tick(now);  // it is of an instant before: a jump is none of its business
-  std::vector<replication::OwnSample> samples;
+  samples_.clear();
   for (const feed::FedPose& fed : poses) {
-    if (const auto object = feeds_.find(fed.object)) samples.push_back({*object, feeds_.sample(*object, now)});
+    if (const auto object = feeds_.find(fed.object)) samples_.push_back({*object, feeds_.sample(*object, now)});
   }
-  peer_.publish_now(now, samples);
+  peer_.publish_now(now, samples_);
   return outcome;
 }
 

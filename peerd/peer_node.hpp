@@ -96,9 +96,10 @@ class PeerNode {
   replication::PeerConfig config_;
   replication::Peer peer_;
   PeerLog log_;
-  std::uint32_t groups_ = 0;            // that it listens to now
-  SimTime logged_at_{};                 // the last tick
-  std::optional<SimTime> started_for_;  // the start that the peer was told
+  std::vector<replication::OwnSample> samples_;  // what the peer is told next
+  std::uint32_t groups_ = 0;                     // that it listens to now
+  SimTime logged_at_{};                          // the last tick
+  std::optional<SimTime> started_for_;           // the start that the peer was told
   bool announces_start_ = false;
   std::int64_t next_sample_ = 0;  // counted from the start
   KeySensors key_sensors_;

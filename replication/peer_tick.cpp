@@ -218,32 +218,31 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
   if (!replica_ || due_tick(now)) return;
   const SimTime t = clock_.to_session(now);
   if (t <= tick_time(last_tick_)) return;  // the session's time was ahead and is being put right
-  std::vector<const OwnSample*> wrong;     // as the others believe them
+  look(t);
+  wrong_.clear();
   for (const OwnSample& sample : samples) {
     const auto own = own_.find(sample.object);
     if (own == own_.end() || out_of_bytes_ || told_since_tick(own->second)) continue;
     assert(own->second.driven && sample.has_derivatives);
-    const GhostError error = ghost_error(sample.state, replica_->ghosts.at(sample.object, t), own->second.reach_m);
-    if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t))
-      wrong.push_back(&sample);
+    const KinematicState ghost = replica_->ghosts.at(sample.object, t);
+    const GhostError error = ghost_error(sample.state, ghost, own->second.reach_m);
+    if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t)) {
+      wrong_.push_back({&sample, &own->second, ghost, error});
+    }
   }
-  if (wrong.empty() && changed_.empty()) return;
+  if (wrong_.empty() && changed_.empty()) return;
   const std::uint64_t told_before = counters_.updates_out;
-  tell_predefined(t);
   begin_motions(t);
   replica_->truth.advance(t);
-  for (const OwnSample* sample : wrong) replica_->truth.set_base(sample->object, t, sample->state);
-  replica_->ghosts.advance(t);
+  for (const Wrong& w : wrong_) replica_->truth.set_base(w.sample->object, t, w.sample->state);
   tell_changed(t);
-  for (const OwnSample* sample : wrong) {
-    Own& own = own_.at(sample->object);
-    const double threshold_m = threshold_now_m(sample->object, t);
-    const KinematicState ghost = replica_->ghosts.at(sample->object, t);
-    const GhostError error = ghost_error(sample->state, ghost, own.reach_m);
-    const auto reason = why_due(own, t, threshold_m, sample->state, ghost, error);
+  for (const Wrong& w : wrong_) {
+    const ObjectId object = w.sample->object;
+    const double threshold_m = threshold_now_m(object, t);
+    const auto reason = why_due(*w.own, t, threshold_m, w.sample->state, w.ghost, w.error);
     if (!reason) continue;
-    observe(sample->object, own, t, to_seconds(farthest_latency()));
-    tell(sample->object, own, t, t, *reason, threshold_m);
+    observe(object, *w.own, t, to_seconds(farthest_latency()));
+    tell(object, *w.own, t, t, *reason, threshold_m);
   }
   counters_.updates_at_once += counters_.updates_out - told_before;
   flush_records(false);
