@@ -5,7 +5,7 @@
 #include <spdlog/common.h>
 
 #include "core/scene.hpp"
-#include "replication/peer.hpp"
+#include "replication/output.hpp"
 
 namespace peerd {
 

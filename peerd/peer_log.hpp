@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "core/ids.hpp"
+#include "core/kinematics.hpp"
+#include "core/time.hpp"
 #include "peerd/config/toml_input.hpp"
-#include "replication/peer.hpp"
 
 namespace peerd {
 

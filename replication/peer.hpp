@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <expected>
@@ -8,7 +7,6 @@
 #include <set>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "core/predefined_motion.hpp"
@@ -20,6 +18,9 @@
 #include "replication/interest.hpp"
 #include "replication/membership.hpp"
 #include "replication/motion_world.hpp"
+#include "replication/output.hpp"
+#include "replication/peer_config.hpp"
+#include "replication/peer_counters.hpp"
 #include "replication/position_history.hpp"
 #include "replication/publisher.hpp"
 #include "replication/session_clock.hpp"
@@ -27,222 +28,20 @@
 
 namespace peerd::replication {
 
-// How an object that nothing drives begins to move; from then on physics moves it.
-struct Launch {
-  Duration after{0};                 // the start of motions
-  std::optional<Vec3> velocity;      // [m/s], world frame; none: the world's velocityVector
-  Vec3 acceleration = Vec3::Zero();  // [m/s^2], world frame: gravity. It stays through bounces
-};
-
-// An object that this peer runs. A driven one is moved by samples that come with each tick; the others move by their
-// launch and answer their contacts.
-struct Enslaved {
-  ObjectId object;
-  bool driven = false;
-  Launch launch = {};
-};
-
-// How collisions between objects of two peers are decided. All peers of a session should say the same.
-struct DecisionSettings {
-  DecisionPolicy policy = DecisionPolicy::kId;
-  PeerId server = kNobody;             // decides all by kServer
-  std::optional<Duration> lookback;    // none: the longest latency that any peer says it hears others with
-  bool repeat = true;                  // until everybody has them, by their receipts
-  bool fallback = true;                // the lower id decides what nobody else has said a word about
-  std::optional<Viewpoint> viewpoint;  // of this peer
-};
-
-// For the baselines of others: a peer through which all states go, as a central server has it. Who hears of an object
-// from anybody else takes no notice; hellos and decisions go to everybody as always.
-struct RelaySettings {
-  PeerId through = kNobody;
-  // What is passed on counts from when the relay heard it, as a server without lag compensation has it.
-  bool restamps = false;
-};
-
-// How late objects are shown: by `fixed`, and, if `measured`, by the age of the oldest update so far and the interval
-// between snapshots besides, so that nothing has to be extrapolated. Others' objects; own ones as well if `own`, as in
-// lockstep, where a user's input takes effect for everybody at once.
-struct DisplayDelay {
-  Duration fixed{0};
-  bool measured = false;
-  bool own = false;
-};
-
-struct PeerConfig {
-  PeerId id{1};
-  std::string name;
-  std::uint64_t boot = 1;        // must grow from one start of this peer to the next
-  std::uint64_t world_hash = 0;  // peers with another world are ignored, and named once
-  std::vector<Enslaved> enslaved;
-  PublishPolicy policy;
-  ConvergencePolicy convergence;
-  DecisionSettings decisions;
-  RelaySettings relay;
-  DisplayDelay display_delay;
-  RegionSettings regions;
-  // Where the scene is cut into regions, this peer hears of what is so near to its viewpoint, or, where it has none, to
-  // an object that it runs; and of what these could collide with. None: of everything.
-  std::optional<double> interest_radius_m;
-  std::uint32_t tick_hz = 60;
-  Duration hello_period = std::chrono::milliseconds(250);
-  // .. once there is nothing that the others wait for; between them, a datagram that says only that this peer is here.
-  Duration settled_hello_period = std::chrono::milliseconds(1000);
-  Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
-  Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
-  // Objects that nothing drives stand until start_motions(); else their launches count from the session's begin.
-  bool wait_for_start = false;
-};
-
 // Pose and derivatives of a driven object at a tick, from whatever moves it. At a corner, the derivatives of what
 // follows.
 struct OwnSample {
   ObjectId object;
   KinematicState state;
-  bool has_derivatives =
-      true;  // false: only the pose is known; the rest is found from those before (position_history.hpp)
+  // False: only the pose is known; the rest is found from those before (position_history.hpp).
+  bool has_derivatives = true;
 };
-
-// ---- outputs, to be drained by poll_output() after every call that takes a time ----
-
-struct Send {
-  RegionId region;
-  Bytes datagram;
-};
-struct Join {
-  RegionId region;
-};
-struct Leave {
-  RegionId region;
-};
-struct Synchronised {
-  PeerId follows;  // itself: it founded the session
-  Duration session_minus_host, error_bound;
-};
-// Session time went forward at once: into another session's, or, after a sleep, to where the same one had got.
-struct ClockStepped {
-  Duration session_minus_host, step;
-  bool same_session;
-};
-// Two operating systems' clocks cannot both be as good as they say: what the hellos' stamps say is believed.
-struct OsClockDoubted {
-  PeerId peer;
-  Duration apart;  // of what they say and what the stamps allow
-};
-struct Slept {
-  Duration gap;  // this peer was not run for so long; its objects go on from where they were
-};
-struct PeerJoined {
-  PeerId peer;
-  std::string name;
-  bool restarted;
-};
-struct PeerLost {
-  PeerId peer;
-  std::string name;
-  bool said_goodbye;
-};
-struct Frozen {
-  ObjectId object;
-  PeerId owner;
-};
-struct OtherWorld {
-  PeerId peer;
-  std::string name;
-};
-struct IdInUse {
-  PeerId peer;  // our own id, heard from somebody else
-};
-struct OwnershipConflict {
-  ObjectId object;
-  PeerId owner;  // who keeps it: the lower id
-};
-struct Published {
-  SimTime at;
-  ObjectId object;
-  std::size_t size_bytes;
-  double threshold_m;
-  PublishReason reason;
-};
-enum class ContactKind : std::uint8_t {
-  kOwner,      // happened to an object that this peer runs
-  kDecided,    // between an object of its own and another peer's; this peer decided and told the others
-  kPredicted,  // on ghosts: remote collision prediction
-  kApplied,    // another peer's decision
-};
-// A decision that was made or applied here counts no more: another on the same collision does.
-struct Overruled {
-  ObjectId collider, collidee;
-  SimTime contact;
-};
-struct ContactSeen {
-  ContactKind kind;
-  ContactEvent contact;
-  SimTime known_at;
-};
-using Output =
-    std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, Slept, PeerJoined, PeerLost, Frozen,
-                 OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen, Overruled, TakenBack, NotColliding>;
-
-// Record sizes that counters tell apart [bytes].
-inline constexpr std::array<std::size_t, 4> kRecordSizes{16, 24, 32, 64};
-
-// Why a datagram, or a record in it, was not used.
-enum class Drop : std::uint8_t {
-  kOwn,          // multicast loopback brings back what this peer sent
-  kUndecodable,  // see codec.hpp
-  kIdInUse,      // our id, another boot
-  kStaleBoot,    // from before that peer's restart
-  kOtherWorld,
-  kTooMany,          // more peers than can be
-  kStranger,         // no hello of that peer has named its world yet
-  kNotYetInSession,  // this peer has no session time yet
-  kRegion,           // said in one region what concerns everybody
-};
-[[nodiscard]] const char* to_string(Drop);
 
 // One peer, whole: replica, dead reckoning, prediction, decisions, session. Sans-IO: it owns no socket, clock, thread
 // or source of randomness. `now` is this host's clock and must not run backwards. Single-threaded.
 class Peer {
  public:
-  struct Counters {
-    std::uint64_t datagrams_in = 0, datagrams_out = 0, bytes_in = 0, bytes_out = 0;
-    std::map<std::string, std::uint64_t> drops;  // by reason
-    std::uint64_t ticks = 0, ticks_missed = 0;
-    std::uint64_t updates_in = 0, updates_out = 0;
-    std::uint64_t updates_at_once = 0;                                      // of updates_out: between two ticks
-    std::uint64_t update_bytes_out = 0;                                     // of updates_out
-    std::array<std::uint64_t, kRecordSizes.size() + 1> update_sizes_out{};  // how many of updates_out fit each; longer
-    std::uint64_t updates_repeated = 0;                                     // second copies sent; not in updates_out
-    std::uint64_t updates_duplicate = 0;                                    // copies of what was applied already
-    std::uint64_t updates_relayed = 0;
-    std::uint64_t updates_withheld = 0;     // due, and beyond the budget of bytes; a tick each
-    std::uint64_t states_out_of_range = 0;  // told as standing, for receivers would refuse them
-    std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
-    std::uint64_t convergence_detours = 0;  // those that followed the ghost's own way past it
-    std::uint64_t proximity_tests = 0;
-    std::uint64_t proximity_refined = 0;                 // those that spheres didn't settle
-    std::uint64_t decisions = 0;                         // made here, fallback included
-    std::uint64_t decisions_fallback = 0;                // because nobody else did
-    std::uint64_t decisions_repeated = 0;                // copies sent after the first ones
-    std::uint64_t decisions_overruled = 0;               // known here that no longer stand
-    std::uint64_t contacts_held = 0;                     // left to another peer to decide
-    std::uint64_t contacts_refuted = 0;                  // of those, which that peer did not find
-    std::uint64_t contacts_too_late = 0;                 // found so late that nobody decides them
-    std::uint64_t regions_joined = 0, regions_left = 0;  // kWholeScene aside
-    std::uint64_t handovers = 0;                         // updates in another region than the last one
-    std::uint64_t sights_lost = 0;                       // objects that this peer no longer hears of
-    std::uint64_t predictions_skipped = 0;  // pairs without prediction, as this peer hears nothing of one; a tick each
-    // By region: what came and was used, what was not and why, what went.
-    struct Traffic {
-      std::uint64_t datagrams_in = 0, bytes_in = 0, datagrams_out = 0, bytes_out = 0;
-      std::map<std::string, std::uint64_t> drops;
-    };
-    std::map<RegionId, Traffic> regions;
-    std::uint64_t clock_steps = 0;           // of session time
-    std::uint64_t clock_contradictions = 0;  // stamps that cannot be true together: some clock jumped
-    std::uint64_t os_clocks_doubted = 0;     // two OS clocks that contradict the stamps
-  };
+  using Counters = PeerCounters;
 
   // The model outlives the peer.
   Peer(PeerConfig config, const WorldModel& model);

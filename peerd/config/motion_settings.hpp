@@ -13,7 +13,7 @@
 #include "peerd/config/track.hpp"
 #include "peerd/config/walk.hpp"
 #include "peerd/config/waypoints.hpp"
-#include "replication/peer.hpp"
+#include "replication/peer_config.hpp"
 
 namespace peerd::config {
 

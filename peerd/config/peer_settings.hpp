@@ -9,7 +9,7 @@
 #include "core/scene.hpp"
 #include "peerd/config/motion_settings.hpp"
 #include "peerd/config/node_pattern.hpp"
-#include "replication/peer.hpp"
+#include "replication/peer_config.hpp"
 
 namespace peerd::config {
 
