@@ -1,6 +1,7 @@
 // Peer: one tick, from contacts to the updates that are due.
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -32,16 +33,24 @@ bool one_touch(const ContactEvent& a, const ContactEvent& b) {
 // headers.
 constexpr double kWorthADatagram_bytes = 256.0;
 
-// A model that is expected to err by less than so much of what the thresholds ask will not be corrected for long, and
-// few updates may take some bytes more: it is rounded so much finer.
+// A model that is expected to err by less than so much of what the thresholds ask won't be corrected before its time is
+// up, unless its rounding asks for that.
 constexpr double kAllButExact = 1.0 / 16.0, kFinest = 1.0 / 64.0;
+
+// By how much finer it is rounded for that: what rounding moves grows with the square of time, from a 16th of the
+// threshold at the kind's horizon, and should be half of it at the time threshold.
+double finer(MotionKind kind, Duration time_threshold) {
+  const double horizons = to_seconds(time_threshold) / std::exp2(horizon_log2_s(kind));
+  return std::clamp(8.0 / (horizons * horizons), kFinest, 1.0);
+}
 
 // The tightest threshold in force. What physics moves is told exactly: resting against something and rounded, it could
 // lie inside it. Where snapshots go out whatever the thresholds, the tight one says what is close.
-Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, double expected_error_m) {
+Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, MotionKind kind,
+                             double expected_error_m) {
   double distance_m = policy.snapshots_hz > 0 ? std::min(threshold_m, policy.tight_threshold_m) : threshold_m;
   if (policy.wanted_error_m > 0.0) distance_m = std::min(distance_m, policy.wanted_error_m);
-  if (expected_error_m < kAllButExact * distance_m) distance_m *= kFinest;
+  if (expected_error_m < kAllButExact * distance_m) distance_m *= finer(kind, policy.time_threshold);
   return {distance_m, policy.angle_threshold_rad};
 }
 
@@ -316,7 +325,7 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
   }
   const double expected_error_m = own.models ? own.models->expected_error_m() : threshold_m;
   const Tolerance tolerance =
-      own.driven ? rounding_tolerance(policy, threshold_m, expected_error_m) : Tolerance{};  // none: exact
+      own.driven ? rounding_tolerance(policy, threshold_m, model.kind, expected_error_m) : Tolerance{};  // none: exact
   const EncodedUpdate& due =
       updates_due_.emplace_back(quantised({object, ++own.sequence, at, model, decisions_.last(object)}, tolerance), t);
   const UpdateRecord& record = due.record();
