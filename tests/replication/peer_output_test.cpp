@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numeric>
 #include <random>
 
@@ -370,15 +371,16 @@ TEST(Rounding, IsOfWhatIsDrivenAlone) {
   }
 }
 
+KinematicState falls(SimTime t) {
+  KinematicState s = moving({0, 5'000, 0}, {3, 0, 0}, {0, -9.81, 0});
+  s.angular_velocity_body = {0, 30, 0};
+  return advance(s, to_seconds(t.time_since_epoch() - kEpoch));
+}
+
 // What falls and what spins needs one update, for as long as it goes on: what that rounds is small even after 17 s.
 TEST(Models, OfFallingAndSpinningNeedOneUpdate) {
   const World world(field(1));
   Lan lan(world);
-  const auto falls = [](SimTime t) {
-    KinematicState s = moving({0, 5'000, 0}, {3, 0, 0}, {0, -9.81, 0});
-    s.angular_velocity_body = {0, 30, 0};
-    return advance(s, to_seconds(t.time_since_epoch() - kEpoch));
-  };
   PeerConfig c = choosing(1, {{world["O0"], true}});
   c.policy.time_threshold = 1000s;
   lan.add(c, 0s, {{world["O0"], falls}});
@@ -390,6 +392,30 @@ TEST(Models, OfFallingAndSpinningNeedOneUpdate) {
   const SimTime t = lan.session_now(1);
   EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - falls(t).position).norm(), 1e-3);
   EXPECT_LT(angle_between(lan.peer(1).ghost(world["O0"], t).orientation, falls(t).orientation), 1e-3);
+}
+
+// A law that will be told anew after five seconds anyway is told in fewer bytes than one that is to last, and yet
+// nothing but the time asks for an update.
+TEST(Models, AreRoundedAsTheTimeThresholdAllows) {
+  const World world(field(1));
+  const auto updates_and_bytes = [&](Duration time_threshold) {
+    Lan lan(world);
+    PeerConfig c = choosing(1, {{world["O0"], true}});
+    c.policy.time_threshold = time_threshold;
+    lan.add(c, 0s, {{world["O0"], falls}});
+    lan.add(choosing(2));
+    lan.run_until(3s);
+    const std::uint64_t updates = lan.peer(0).counters().updates_out;
+    const std::uint64_t bytes = lan.peer(0).counters().update_bytes_out;
+    lan.run_until(18s);
+    return std::array{updates, bytes, lan.peer(0).counters().updates_out - updates};
+  };
+  const auto [updates, bytes, later] = updates_and_bytes(5s);
+  const auto [as_many, more_bytes, none] = updates_and_bytes(1000s);
+  EXPECT_EQ(updates, as_many);
+  EXPECT_LT(bytes, more_bytes);
+  EXPECT_EQ(later, 3u);
+  EXPECT_EQ(none, 0u);
 }
 
 // A source without derivatives is believed as well as one with them, but for the first samples.
