@@ -38,7 +38,7 @@ class BitWriter {
   }
   // Fills the last byte with zeros; gives the size in bytes.
   std::size_t finish() {
-    put_bytes(static_cast<std::size_t>(pending_bits_ + 7) / 8);
+    if (pending_bits_ > 0) put_bytes(static_cast<std::size_t>(pending_bits_ + 7) / 8);
     pending_ = 0;
     pending_bits_ = 0;
     return size_;

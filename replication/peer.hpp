@@ -370,6 +370,7 @@ class Peer {
     Own* own;
     KinematicState ghost;
     GhostError error;
+    std::uint64_t revision;  // of the ghost
   };
   std::vector<Wrong> wrong_;
   Codec codec_;

@@ -227,26 +227,32 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
   if (!replica_ || due_tick(now)) return;
   const SimTime t = clock_.to_session(now);
   if (t <= tick_time(last_tick_)) return;  // the session's time was ahead and is being put right
-  look(t);
+  MotionWorld &truth = replica_->truth, &ghosts = replica_->ghosts;
   wrong_.clear();
   for (const OwnSample& sample : samples) {
     const auto own = own_.find(sample.object);
     if (own == own_.end() || out_of_bytes_ || told_since_tick(own->second)) continue;
     assert(own->second.driven && sample.has_derivatives);
-    const KinematicState ghost = replica_->ghosts.at(sample.object, t);
+    const KinematicState ghost = ghosts.at(sample.object, t);
     const GhostError error = ghost_error(sample.state, ghost, own->second.reach_m);
     if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t)) {
-      wrong_.push_back({&sample, &own->second, ghost, error});
+      wrong_.push_back({&sample, &own->second, ghost, error, ghosts.revision(sample.object)});
     }
   }
   if (wrong_.empty() && changed_.empty()) return;
   const std::uint64_t told_before = counters_.updates_out;
+  tell_predefined(t);
   begin_motions(t);
-  replica_->truth.advance(t);
-  for (const Wrong& w : wrong_) replica_->truth.set_base(w.sample->object, t, w.sample->state);
+  truth.advance(t);
+  for (const Wrong& w : wrong_) truth.set_base(w.sample->object, t, w.sample->state);
+  ghosts.advance(t);
   tell_changed(t);
-  for (const Wrong& w : wrong_) {
+  for (Wrong& w : wrong_) {
     const ObjectId object = w.sample->object;
+    if (ghosts.revision(object) != w.revision) {  // it has met something since the last tick
+      w.ghost = ghosts.at(object, t);
+      w.error = ghost_error(w.sample->state, w.ghost, w.own->reach_m);
+    }
     const double threshold_m = threshold_now_m(object, t);
     const auto reason = why_due(*w.own, t, threshold_m, w.sample->state, w.ghost, w.error);
     if (!reason) continue;
