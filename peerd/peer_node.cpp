@@ -154,7 +154,7 @@ void PeerNode::on_tick(HostTime now) {
     for (const auto& [object, motion] : motions_) {
       // Until it is known when the motion begins, the object stands where the world's file put it.
       samples_.push_back({object, log_.start ? motion.sample(to_seconds(*due - *log_.start))
-                                            : at_rest(shared_.world.scene.rigid_pose(object))});
+                                             : at_rest(shared_.world.scene.rigid_pose(object))});
     }
     for (const ObjectId object : feeds_.objects()) {
       samples_.push_back({object, feeds_.sample(object, peer_.clock().to_host(*due))});

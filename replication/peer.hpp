@@ -364,15 +364,6 @@ class Peer {
   };
   std::vector<Departure> departures_;
   std::vector<EncodedUpdate> updates_due_, copies_due_;
-  // Own objects that the others believe elsewhere than a sample between two ticks says.
-  struct Wrong {
-    const OwnSample* sample;
-    Own* own;
-    KinematicState ghost;
-    GhostError error;
-    std::uint64_t revision;  // of the ghost
-  };
-  std::vector<Wrong> wrong_;
   Codec codec_;
   // Own objects that no update is due of, at this tick.
   struct Waiting {

@@ -26,7 +26,7 @@ enum class Drop : std::uint8_t {
 };
 [[nodiscard]] const char* to_string(Drop);
 
-// Since it was made.
+// Of what one peer has done since it was made.
 struct PeerCounters {
   std::uint64_t datagrams_in = 0, datagrams_out = 0, bytes_in = 0, bytes_out = 0;
   std::map<std::string, std::uint64_t> drops;  // by reason

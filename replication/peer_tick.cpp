@@ -227,37 +227,32 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
   if (!replica_ || due_tick(now)) return;
   const SimTime t = clock_.to_session(now);
   if (t <= tick_time(last_tick_)) return;  // the session's time was ahead and is being put right
-  MotionWorld &truth = replica_->truth, &ghosts = replica_->ghosts;
-  wrong_.clear();
+  std::vector<const OwnSample*> wrong;     // as the others believe them
   for (const OwnSample& sample : samples) {
     const auto own = own_.find(sample.object);
     if (own == own_.end() || out_of_bytes_ || told_since_tick(own->second)) continue;
     assert(own->second.driven && sample.has_derivatives);
-    const KinematicState ghost = ghosts.at(sample.object, t);
-    const GhostError error = ghost_error(sample.state, ghost, own->second.reach_m);
-    if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t)) {
-      wrong_.push_back({&sample, &own->second, ghost, error, ghosts.revision(sample.object)});
-    }
+    const GhostError error = ghost_error(sample.state, replica_->ghosts.at(sample.object, t), own->second.reach_m);
+    if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t))
+      wrong.push_back(&sample);
   }
-  if (wrong_.empty() && changed_.empty()) return;
+  if (wrong.empty() && changed_.empty()) return;
   const std::uint64_t told_before = counters_.updates_out;
   tell_predefined(t);
   begin_motions(t);
-  truth.advance(t);
-  for (const Wrong& w : wrong_) truth.set_base(w.sample->object, t, w.sample->state);
-  ghosts.advance(t);
+  replica_->truth.advance(t);
+  for (const OwnSample* sample : wrong) replica_->truth.set_base(sample->object, t, sample->state);
+  replica_->ghosts.advance(t);
   tell_changed(t);
-  for (Wrong& w : wrong_) {
-    const ObjectId object = w.sample->object;
-    if (ghosts.revision(object) != w.revision) {  // it has met something since the last tick
-      w.ghost = ghosts.at(object, t);
-      w.error = ghost_error(w.sample->state, w.ghost, w.own->reach_m);
-    }
-    const double threshold_m = threshold_now_m(object, t);
-    const auto reason = why_due(*w.own, t, threshold_m, w.sample->state, w.ghost, w.error);
+  for (const OwnSample* sample : wrong) {
+    Own& own = own_.at(sample->object);
+    const double threshold_m = threshold_now_m(sample->object, t);
+    const KinematicState ghost = replica_->ghosts.at(sample->object, t);
+    const GhostError error = ghost_error(sample->state, ghost, own.reach_m);
+    const auto reason = why_due(own, t, threshold_m, sample->state, ghost, error);
     if (!reason) continue;
-    observe(object, *w.own, t, to_seconds(farthest_latency()));
-    tell(object, *w.own, t, t, *reason, threshold_m);
+    observe(sample->object, own, t, to_seconds(farthest_latency()));
+    tell(sample->object, own, t, t, *reason, threshold_m);
   }
   counters_.updates_at_once += counters_.updates_out - told_before;
   flush_records(false);
