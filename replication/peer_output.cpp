@@ -194,11 +194,12 @@ bool Peer::has_news() const {
 }
 
 // Nobody waits for what this peer's next hello says: all know each other and each other's clocks, what is sent arrives,
-// no contact is open, and what is to be said again with hellos has been.
+// no contact is open that this peer has found or may be the one to decide, and what is to be said again with hellos has
+// been.
 bool Peer::settled(HostTime now) const {
-  const auto holds_contacts = [](const auto& entry) { return entry.second.holds_contacts; };
+  const auto waits_for_us = [](const auto& entry) { return entry.second.waits_for_us; };
   return replica_ && now >= settles_ && !has_news() && copies_against(loss(), 2) == 1 && entering_.empty() &&
-         departures_.empty() && held_.empty() && std::ranges::none_of(members_.all(), holds_contacts);
+         departures_.empty() && held_.empty() && std::ranges::none_of(members_.all(), waits_for_us);
 }
 
 Introduction Peer::introduction() {

@@ -94,7 +94,9 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   const bool is_newest = number > member.hello;
   member.hello = number;
   member.hello_rx = now;
-  member.holds_contacts = std::ranges::any_of(hello.notes, &ContactNote::held);
+  member.waits_for_us = std::ranges::any_of(hello.notes, [&](const ContactNote& n) {
+    return n.held && may_decide(config_.id, owner(n.collider), owner(n.collidee));
+  });
   if (hello.sessions != member.sessions) {  // it knows of no updates yet
     for (auto& [object, own] : own_) own.resend = true;
     for (DecisionLog::Entry& decision : decisions_.entries()) {
