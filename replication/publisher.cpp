@@ -33,7 +33,7 @@ GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost,
 }
 
 std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
-                                 std::optional<SimTime> last_sent, SimTime now, bool known_to_rest) {
+                                 std::optional<SimTime> last_sent, SimTime now, bool known) {
   if (!last_sent) return PublishReason::kFirst;
   if (policy.snapshots_hz > 0) {
     // Half a millisecond of slack: ticks are whole nanoseconds, and 1/60 s is none.
@@ -41,8 +41,7 @@ std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m
     return now - *last_sent >= period ? std::optional(PublishReason::kTime) : std::nullopt;
   }
   if (error.distance_m > threshold_m || error.angle_rad > policy.angle_threshold_rad) return PublishReason::kError;
-  const Duration most =
-      known_to_rest ? std::max(policy.time_threshold, policy.resting_time_threshold) : policy.time_threshold;
+  const Duration most = known ? std::max(policy.time_threshold, policy.resting_time_threshold) : policy.time_threshold;
   if (now - *last_sent >= most) return PublishReason::kTime;
   return std::nullopt;
 }

@@ -21,7 +21,7 @@ struct PublishPolicy {
   // Errors count by how far the surface is from where it is believed: a turn moves the farthest vertex by so much.
   bool surface_error = false;
   Duration time_threshold = std::chrono::seconds(5);
-  // .. of what rests, once everybody is known to have heard where.
+  // .. of what everybody knows: it rests, and all are known to have heard where; or a decision tells of it.
   Duration resting_time_threshold = std::chrono::seconds(60);
   std::uint32_t snapshots_hz = 0;  // > 0: a state of every object at this rate, whatever the others believe
   double close_proximity_s = 0.5;  // the seed's close proximity threshold
@@ -57,11 +57,10 @@ struct GhostError {
 // `reach_m`: of the object's farthest vertex from its origin, which the turn moves besides; 0: the origin's error.
 [[nodiscard]] GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double reach_m = 0.0);
 
-// Why an update is due now; none when the others still believe well enough. `known_to_rest`: the object stands where
-// its ghost does, and everybody has that.
+// Why an update is due now; none when the others still believe well enough. `known`: another one would say what
+// everybody knows.
 [[nodiscard]] std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
-                                               std::optional<SimTime> last_sent, SimTime now,
-                                               bool known_to_rest = false);
+                                               std::optional<SimTime> last_sent, SimTime now, bool known = false);
 
 // What goes into the update: the truth as the model's order can express it.
 [[nodiscard]] MotionModel as_model(ModelOrder order, const KinematicState& truth);

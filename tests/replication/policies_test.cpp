@@ -69,6 +69,7 @@ class HeadOn : public testing::TestWithParam<Way> {
       PeerConfig c = config(id);
       if (id == 1) c.enslaved = {{(*world)["CAR"], false}};
       if (id == 2) c.enslaved = {{(*world)["CUBE"], false}};
+      c.policy.time_threshold = time_threshold;
       c.decisions = settings;
       c.decisions.policy = GetParam().policy;
       c.decisions.server = PeerId{9};
@@ -123,6 +124,7 @@ class HeadOn : public testing::TestWithParam<Way> {
     return all;
   }
 
+  Duration time_threshold = 5s;
   std::optional<World> world;
   std::optional<Lan> lan;
 };
@@ -234,6 +236,45 @@ TEST_P(ByVelocity, NothingIsToldOfWhatAwaitsADecision) {
   EXPECT_THAT(lan->contacts(0, ContactKind::kApplied), SizeIs(1));
   EXPECT_EQ(lan->peer(0).counters().updates_out, told);
   settle();
+}
+TEST_P(ByVelocity, NoTimeThresholdAsksForWhatAwaitsADecision) {
+  time_threshold = 50ms;
+  begin();
+  lan->filter = [](std::size_t, std::size_t, const Message& m) { return m.decisions.empty(); };
+  run_to_contact();
+  while (lan->peer(0).counters().contacts_held == 0) lan->run_until(lan->now() + 1ms);
+  const std::uint64_t told = lan->peer(0).counters().updates_out;
+  EXPECT_GT(told, 20u);
+  lan->run_until(lan->now() + 500ms);
+  EXPECT_EQ(lan->peer(0).counters().updates_out, told);
+}
+// What has been decided is told as by an update: the time threshold counts from the contact.
+TEST_P(ByVelocity, ADecisionTellsOfBoth) {
+  begin();
+  run_to_contact();
+  const Duration contact = lan->now();
+  const auto told = [&] { return lan->peer(0).counters().updates_out + lan->peer(1).counters().updates_out; };
+  const std::uint64_t before = told();
+  lan->run_until(contact + 4900ms);
+  EXPECT_THAT(outcomes(*lan, 0), SizeIs(1));
+  EXPECT_EQ(told(), before);
+  lan->run_until(contact + 5200ms);
+  EXPECT_EQ(told(), before + 2);
+}
+
+// Who neither runs one of the two nor is the server is not waited for: its hellos stay as rare as they were.
+TEST_P(ByVelocity, OnlyWhoMayDecideIsAskedToHurry) {
+  begin();
+  std::array<int, 3> hellos{};
+  lan->on_send = [&](std::size_t sender, RegionId, const Message& m) { hellos[sender] += m.hello.has_value(); };
+  lan->filter = [](std::size_t, std::size_t, const Message& m) { return m.decisions.empty(); };
+  run_to_contact();
+  hellos = {};
+  lan->run_until(lan->now() + 1s);
+  EXPECT_EQ(lan->peer(0).counters().decisions_fallback, 0u) << "the contact is still open";
+  EXPECT_GE(hellos[0], 3);
+  EXPECT_GE(hellos[1], 3);
+  EXPECT_LE(hellos[2], 1);
 }
 
 TEST_P(ByVelocity, TheOutcomeIsOfTheContactTime) {
