@@ -21,13 +21,21 @@ std::size_t allocations() { return count; }
 
 }  // namespace peerd::net::testing_support
 
-// The other forms, [] and nothrow, call these.
+// The library's other forms, [] and nothrow, call these ..
 void* operator new(std::size_t size) {
   return peerd::net::testing_support::allocated(std::malloc(std::max<std::size_t>(size, 1)));
 }
 void* operator new(std::size_t size, std::align_val_t alignment) {
   const auto a = static_cast<std::size_t>(alignment);
   return peerd::net::testing_support::allocated(std::aligned_alloc(a, (size + a - 1) / a * a));
+}
+// .. but for a sanitizer's.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  try {
+    return operator new(size);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
 }
 void operator delete(void* block) noexcept { std::free(block); }
 void operator delete(void* block, std::size_t) noexcept { std::free(block); }

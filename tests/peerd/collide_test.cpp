@@ -204,7 +204,8 @@ TEST(Collide, UntilATimeAgreesWithAskingAtEachTime) {
           event["event"] == "began";
       ++changes;
     }
-    for (const Json& interest : collide(world, tick / 8.0).json()["interests"]) {
+    const Json now = collide(world, tick / 8.0).json();
+    for (const Json& interest : now["interests"]) {
       EXPECT_EQ(interest["colliding"],
                 colliding[interest["collider"].get<std::string>() + interest["collidee"].get<std::string>()])
           << tick << interest;
