@@ -274,8 +274,8 @@ void Peer::tell_changed(SimTime t) {
   if (told) replica_->ghosts.advance(t);
 }
 
-// Whether another update would say what everybody knows: a decision tells where physics takes it, one that is due or not
-// longer ago than updates are; or it rests where they have it.
+// Whether another update would say what everybody knows: a decision tells where physics takes the object, one that is
+// still to come or from within the time threshold; or it rests where they have it.
 bool Peer::is_known(ObjectId object, const Own& own, SimTime t) const {
   if (grid_.cuts()) return false;  // regions forget what they do not hear of
   const bool decided = t - decisions_.last(object) < config_.policy.time_threshold;
