@@ -225,9 +225,11 @@ class Peer {
   void tell_along(SimTime t);
   void tell_most_urgent(SimTime t);
   void tell_changed(SimTime t);
-  [[nodiscard]] bool is_known(ObjectId object, const Own& own, SimTime t) const;
+  [[nodiscard]] bool is_known(ObjectId object, const Own& own, SimTime t, const KinematicState& truth,
+                              const KinematicState& ghost) const;
   [[nodiscard]] std::optional<PublishReason> why_due(ObjectId object, Own& own, SimTime t, double threshold_m,
-                                                     const Vec3& position, const GhostError& error);
+                                                     const KinematicState& truth, const KinematicState& ghost,
+                                                     const GhostError& error);
   [[nodiscard]] double least_threshold_m(ObjectId object) const;
   [[nodiscard]] bool told_since_tick(const Own& own) const;
   void repeat_updates(HostTime now);

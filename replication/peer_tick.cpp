@@ -156,7 +156,7 @@ void Peer::publish(SimTime t) {
     const bool undecided = !own.driven && awaits_decision(object);
     const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.reach_m);
     const double threshold_m = threshold_now_m(object, t);
-    if (const auto reason = why_due(object, own, t, threshold_m, truth.position, error)) {
+    if (const auto reason = why_due(object, own, t, threshold_m, truth, ghost, error)) {
       if (config_.policy.bytes_per_s) {
         due_.push_back({{object, &own, error, threshold_m}, *reason});
       } else {
@@ -249,7 +249,7 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
     const double threshold_m = threshold_now_m(sample->object, t);
     const KinematicState ghost = replica_->ghosts.at(sample->object, t);
     const GhostError error = ghost_error(sample->state, ghost, own.reach_m);
-    const auto reason = why_due(sample->object, own, t, threshold_m, sample->state.position, error);
+    const auto reason = why_due(sample->object, own, t, threshold_m, sample->state, ghost, error);
     if (!reason) continue;
     observe(sample->object, own, t, to_seconds(farthest_latency()));
     tell(sample->object, own, t, t, *reason, threshold_m);
@@ -274,24 +274,26 @@ void Peer::tell_changed(SimTime t) {
   if (told) replica_->ghosts.advance(t);
 }
 
-// Whether another update would say what everybody knows: a decision tells where physics takes the object, one that is
-// still to come or from within the time threshold; or it rests where they have it.
-bool Peer::is_known(ObjectId object, const Own& own, SimTime t) const {
-  if (grid_.cuts()) return false;  // regions forget what they do not hear of
-  const bool decided = t - decisions_.last(object) < config_.policy.time_threshold;
-  if (!own.driven && (decided || awaits_decision(object))) return true;
-  return everybody_has(own) && rests(replica_->truth.at(object, t)) && rests(replica_->ghosts.at(object, t));
+// Whether another update would say what everybody knows: the object rests where they have it; or a decision tells where
+// physics takes it, one that is still to come or from within the time threshold. Regions forget what they do not hear
+// of.
+bool Peer::is_known(ObjectId object, const Own& own, SimTime t, const KinematicState& truth,
+                    const KinematicState& ghost) const {
+  if (grid_.cuts()) return false;
+  if (rests(truth) && rests(ghost) && everybody_has(own)) return true;
+  return !own.driven && (awaits_decision(object) || t - decisions_.last(object) < config_.policy.time_threshold);
 }
 
 // `error`: of the ghost against the truth, which is that of `own` at t.
 std::optional<PublishReason> Peer::why_due(ObjectId object, Own& own, SimTime t, double threshold_m,
-                                           const Vec3& position, const GhostError& error) {
+                                           const KinematicState& truth, const KinematicState& ghost,
+                                           const GhostError& error) {
   const bool old = own.last_sent && t - *own.last_sent >= config_.policy.time_threshold;
-  const bool known = old && is_known(object, own, t);
+  const bool known = old && is_known(object, own, t, truth, ghost);
   if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, known)) return reason;
   if (own.retell) return PublishReason::kDecision;
   if (own.resend) return PublishReason::kJoiner;
-  if (has_crossed(own, position)) return PublishReason::kRegion;
+  if (has_crossed(own, truth.position)) return PublishReason::kRegion;
   if (gains(own, t, error)) return PublishReason::kGain;
   return std::nullopt;
 }

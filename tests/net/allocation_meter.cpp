@@ -21,7 +21,7 @@ std::size_t allocations() { return count; }
 
 }  // namespace peerd::net::testing_support
 
-// The library's other forms, [] and nothrow, call these ..
+// The library's other forms, [] and nothrow, call these; a sanitizer's don't, and its nothrow would meet our delete.
 void* operator new(std::size_t size) {
   return peerd::net::testing_support::allocated(std::malloc(std::max<std::size_t>(size, 1)));
 }
@@ -29,7 +29,6 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
   const auto a = static_cast<std::size_t>(alignment);
   return peerd::net::testing_support::allocated(std::aligned_alloc(a, (size + a - 1) / a * a));
 }
-// .. but for a sanitizer's.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   try {
     return operator new(size);

@@ -237,6 +237,7 @@ TEST_P(ByVelocity, NothingIsToldOfWhatAwaitsADecision) {
   EXPECT_EQ(lan->peer(0).counters().updates_out, told);
   settle();
 }
+
 TEST_P(ByVelocity, NoTimeThresholdAsksForWhatAwaitsADecision) {
   time_threshold = 50ms;
   begin();
@@ -248,6 +249,7 @@ TEST_P(ByVelocity, NoTimeThresholdAsksForWhatAwaitsADecision) {
   lan->run_until(lan->now() + 500ms);
   EXPECT_EQ(lan->peer(0).counters().updates_out, told);
 }
+
 // What has been decided is told as by an update: the time threshold counts from the contact.
 TEST_P(ByVelocity, ADecisionTellsOfBoth) {
   begin();
