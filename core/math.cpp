@@ -8,14 +8,15 @@ namespace peerd {
 
 // Of length 1 but for some roundings: whoever turns something by it normalises the product.
 Quat quat_exp(const Vec3& rotation_rad) {
-  const double angle2 = rotation_rad.squaredNorm();
-  if (angle2 < 1e-6) {  // the series' next terms are below 1e-21
-    const Vec3 v = (0.5 - angle2 / 48.0 + angle2 * angle2 / 3840.0) * rotation_rad;
-    return Quat(1.0 - angle2 / 8.0 + angle2 * angle2 / 384.0, v.x(), v.y(), v.z());
+  const double half2 = 0.25 * rotation_rad.squaredNorm();
+  if (half2 <= kSincCosMax) {
+    const auto [sinc, cos] = sinc_cos(half2);
+    const Vec3 v = (0.5 * sinc) * rotation_rad;
+    return Quat(cos, v.x(), v.y(), v.z());
   }
-  const double angle = std::sqrt(angle2);
-  const auto [sin, cos] = sin_cos(0.5 * angle);
-  const Vec3 v = (sin / angle) * rotation_rad;
+  const double half = std::sqrt(half2);
+  const auto [sin, cos] = sin_cos(half);
+  const Vec3 v = (0.5 * sin / half) * rotation_rad;
   return Quat(cos, v.x(), v.y(), v.z());
 }
 

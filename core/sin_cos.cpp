@@ -7,33 +7,42 @@
 namespace peerd {
 namespace {
 
-// 1 / (n (n - 1)) for n = kLast, kLast - 2, ..: a product costs a fifth of a quotient.
-template <int kLast>
-constexpr auto kSteps = [] {
-  std::array<double, kLast / 2> steps{};
-  for (int i = 0, n = kLast; n > 1; ++i, n -= 2) steps[static_cast<std::size_t>(i)] = 1.0 / (n * (n - 1));
-  return steps;
+// Of the two Taylor series in x^2: (-1)^k / (2k + 1)! and (-1)^k / (2k)!, from the last k on. Up to pi/4 the first
+// terms left out are below 2e-18.
+constexpr auto kTerms = [] {
+  constexpr int kLast = 8;
+  std::array<std::array<double, 2>, kLast + 1> terms{};
+  double factorial = 1.0;  // of 2k: whole, and below 2^53
+  for (int k = 0; k <= kLast; ++k) {
+    if (k > 0) factorial *= (2 * k - 1) * (2 * k);
+    const double sign = k % 2 == 0 ? 1.0 : -1.0;
+    terms[static_cast<std::size_t>(kLast - k)] = {sign / (factorial * (2 * k + 1)), sign / factorial};
+  }
+  return terms;
 }();
-
-// Taylor series by Horner's rule, |x| <= pi/4: the first term left out is below 1e-19.
-SinCos sin_cos_small(double x) {
-  const double x2 = x * x;
-  double s = 1.0, c = 1.0;
-  for (const double step : kSteps<17>) s = 1.0 - s * (x2 * step);
-  for (const double step : kSteps<18>) c = 1.0 - c * (x2 * step);
-  return {x * s, c};
-}
 
 }  // namespace
 
+SincCos sinc_cos(double x2) {
+  using Lanes [[gnu::vector_size(16)]] = double;  // both by Horner's rule at once
+  Lanes sum{};
+#pragma GCC unroll 9
+  for (const auto& [sinc, cos] : kTerms) sum = sum * x2 + Lanes{sinc, cos};
+  return {sum[0], sum[1]};
+}
+
 SinCos sin_cos(double x) {
-  if (std::abs(x) <= std::numbers::pi / 4.0) return sin_cos_small(x);  // it would stay, but for -0
+  const auto small = [](double y) {
+    const auto [sinc, cos] = sinc_cos(y * y);
+    return SinCos{y * sinc, cos};
+  };
+  if (std::abs(x) <= std::numbers::pi / 4.0) return small(x);  // it would stay, but for -0
   constexpr double kHalfPi = std::numbers::pi / 2.0;
   constexpr double kHalfPiRest = 6.123233995736766e-17;  // pi/2 - kHalfPi
   // Of what is smaller the remainder is x itself.
   if (!(std::abs(x) <= std::numbers::pi)) x = std::remainder(x, 2.0 * std::numbers::pi);
   const double quarter = std::nearbyint(x / kHalfPi);  // -2 .. 2
-  const auto [s, c] = sin_cos_small((x - quarter * kHalfPi) - quarter * kHalfPiRest);
+  const auto [s, c] = small((x - quarter * kHalfPi) - quarter * kHalfPiRest);
   switch (static_cast<int>(quarter)) {
     case 1:
       return {c, -s};

@@ -78,7 +78,7 @@ double price(MotionKind kind) {
   return 1.0;
 }
 
-bool same_length(double a_s, double b_s) { return std::abs(a_s - b_s) < 1e-6 * (a_s + b_s); }
+bool same_length(Duration a, Duration b) { return std::chrono::abs(a - b) < (a + b) / 1'000'000; }
 
 // Of the velocity, beyond what the accelerations explain.
 double velocity_jump(const KinematicState& a, const KinematicState& b, double dt_s) {
@@ -119,12 +119,22 @@ void ModelChooser::push(SimTime t, const KinematicState& state, const Horizon& h
     if (corner) scores_ = {};
     learn_what_is_usual(before, now);
   }
-  samples_.push_back(now);
-  if (samples_.size() > kSamplesMax) samples_.pop_front();
-  while (samples_.size() > 2 && t - samples_[1].at > from_seconds(policy_.horizon_max_s + kSpanMax_s)) {
-    samples_.pop_front();
-  }
+  keep(now);
   judge(horizon);
+}
+
+void ModelChooser::keep(const Sample& now) {
+  if (samples_.full()) {
+    const std::size_t room = std::clamp<std::size_t>(2 * samples_.size(), 16, kSamplesMax);
+    samples_.set_capacity(room);  // full of as many as it may have, it drops the first one
+    moments_.set_capacity(room);
+  }
+  samples_.push_back(now);
+  moments_.push_back({now.at, now.state.acceleration});
+  while (moments_.size() > 2 && now.at - moments_[1].at > from_seconds(policy_.horizon_max_s + kSpanMax_s)) {
+    samples_.pop_front();
+    moments_.pop_front();
+  }
 }
 
 void ModelChooser::learn_what_is_usual(const Sample& before, const Sample& now) {
@@ -147,83 +157,81 @@ Vec3 ModelChooser::rate_of_change(std::size_t i, Vec3 KinematicState::*what) con
   return d1 / (sum * d2) * b2 - (1.0 / d1 + 1.0 / d2) * b1;
 }
 
-std::optional<MotionModel> ModelChooser::make_oscillating(std::size_t i) const {
+bool ModelChooser::make_oscillating(std::size_t i, MotionModel& model) const {
   const std::size_t back = std::min(samples_[i].run - 1, i);
-  if (back < 2) return std::nullopt;
+  if (back < 2) return false;
   const std::size_t m = std::min(back / 2, kSpanMax);
-  const double h = to_seconds(samples_[i].at - samples_[i - m].at);
+  const Duration step = moments_[i].at - moments_[i - m].at;
   // Of a wave a(t-h) + a(t+h) = 2 cos(w h) a(t), whatever its phase.
   Vec3 products = Vec3::Zero(), squares = Vec3::Zero();
   for (std::size_t k = 0; k < kTriplesMax && k + 2 * m <= back; ++k) {
-    const Sample &last = samples_[i - k], &middle = samples_[i - k - m], &first = samples_[i - k - 2 * m];
-    if (!same_length(to_seconds(last.at - middle.at), h) || !same_length(to_seconds(middle.at - first.at), h)) break;
-    products += middle.state.acceleration.cwiseProduct(last.state.acceleration + first.state.acceleration);
-    squares += middle.state.acceleration.cwiseAbs2();
+    const Moment &last = moments_[i - k], &middle = moments_[i - k - m], &first = moments_[i - k - 2 * m];
+    if (!same_length(last.at - middle.at, step) || !same_length(middle.at - first.at, step)) break;
+    products += middle.acceleration.cwiseProduct(last.acceleration + first.acceleration);
+    squares += middle.acceleration.cwiseAbs2();
   }
   const double most = squares.maxCoeff();
-  if (most == 0.0) return std::nullopt;
-  MotionModel model = samples_[i].state;
-  model.kind = MotionKind::kOscillating;
+  if (most == 0.0) return false;
   model.jerk = rate_of_change(i, &KinematicState::acceleration);
   for (int axis = 0; axis < 3; ++axis) {
     const double cos = 0.5 * products[axis] / squares[axis];
     if (squares[axis] < 1e-12 * most || cos >= 1.0) continue;  // no wave: a constant jerk
-    if (cos < -0.5) return std::nullopt;                       // faster than the samples can show
+    if (cos < -0.5) return false;                              // faster than the samples can show
     const double sin = std::sqrt(1.0 - cos * cos);
-    const double rate = peerd::atan2(sin, cos) / h;
+    const double rate = peerd::atan2(sin, cos) / to_seconds(step);
     model.rate_rad_s[axis] = rate;
-    const double a0 = samples_[i].state.acceleration[axis], a1 = samples_[i - m].state.acceleration[axis];
+    const double a0 = moments_[i].acceleration[axis], a1 = moments_[i - m].acceleration[axis];
     if (sin > 1e-4) model.jerk[axis] = rate * (a0 * cos - a1) / sin;
   }
-  return model;
+  return true;
 }
 
-std::optional<MotionModel> ModelChooser::make_history(std::size_t i) const {
+bool ModelChooser::make_history(std::size_t i, MotionModel& model) const {
   const std::size_t back = std::min(samples_[i].run - 1, i);
-  if (back < 2) return std::nullopt;
+  if (back < 2) return false;
   const std::size_t m = std::min(back / 2, kSpanMax);
   const Sample &s0 = samples_[i], &s1 = samples_[i - m], &s2 = samples_[i - 2 * m];
   const PositionHistory h = position_history(s0.state.position, s1.state.position, s2.state.position,
                                              to_seconds(s0.at - s1.at), to_seconds(s1.at - s2.at));
-  MotionModel model = s0.state;
-  model.kind = MotionKind::kHistory;
   model.state.velocity = h.velocity;
   model.state.acceleration = h.acceleration;
-  return model;
+  return true;
 }
 
-// The model of that kind that the samples up to number i give; none where they don't.
-std::optional<MotionModel> ModelChooser::make(MotionKind kind, std::size_t i) const {
+// Makes of `model`, which has the pose and spin of sample i, the one of that kind that the samples up to it give: false
+// where they give none that receivers would take.
+bool ModelChooser::make(MotionKind kind, std::size_t i, MotionModel& model) const {
   const KinematicState& s = samples_[i].state;
-  MotionModel model = s;
   model.kind = kind;
+  model.state.velocity = s.velocity;
+  model.state.acceleration = s.acceleration;
+  model.jerk.setZero();
+  model.rate_rad_s.setZero();
   const double speed2 = s.velocity.squaredNorm();
   switch (kind) {
     case MotionKind::kFirst:
       model.state.acceleration.setZero();
-      return model;
+      return true;
     case MotionKind::kSecond:
-      return model;
+      return true;
     case MotionKind::kHistory:
-      return make_history(i);
+      return make_history(i, model);
     case MotionKind::kThird:
-      if (samples_[i].run < 2 || i == 0) return std::nullopt;
+      if (samples_[i].run < 2 || i == 0) return false;
       model.jerk = rate_of_change(i, &KinematicState::acceleration);
-      return model;
+      return within_limits(model);
     case MotionKind::kTurning:
-      if (speed2 == 0.0) return std::nullopt;
+      if (speed2 == 0.0) return false;
       model.rate_rad_s = s.velocity.cross(s.acceleration) / speed2;
-      return model;
+      return within_limits(model);
     case MotionKind::kOscillating:
-      return make_oscillating(i);
+      return make_oscillating(i, model) && within_limits(model);
     case MotionKind::kSliding: {
       const double closing = -s.velocity.dot(s.acceleration);
-      const bool against = closing > 0.0 && s.velocity.cross(s.acceleration).norm() <= 1e-3 * closing;
-      if (!against) return std::nullopt;
-      return model;
+      return closing > 0.0 && s.velocity.cross(s.acceleration).norm() <= 1e-3 * closing;
     }
   }
-  return std::nullopt;
+  return false;
 }
 
 // What would have been said half a run ago, or a horizon ago, against what has followed.
@@ -234,48 +242,50 @@ void ModelChooser::judge(const Horizon& horizon) {
     scores_[index_of(MotionKind::kFirst)].add(0.0, 1.0);
     return;
   }
-  const SimTime now = samples_[n].at;
+  const SimTime now = moments_[n].at;
   const double end_s = std::min(horizon.end_s(), policy_.horizon_max_s);
-  std::size_t k = std::max<std::size_t>(1, back / 2);
-  while (k > 1 && to_seconds(now - samples_[n - k].at) > end_s) --k;
+  const auto age_s = [&](std::size_t k) { return to_seconds(now - moments_[n - k].at); };
+  const std::size_t half = std::max<std::size_t>(1, back / 2);
+  std::size_t& k = judged_;  // most often one more than last time
+  k = std::min(k + 1, half);
+  while (k > 1 && age_s(k) > end_s) --k;
+  while (k < half && age_s(k + 1) <= end_s) ++k;
   const std::size_t base = n - k;
-  const double h = to_seconds(now - samples_[base].at),
-               share = std::min(1.0, to_seconds(now - samples_[n - 1].at) / policy_.memory_s);
+  const double h = age_s(k), share = std::min(1.0, age_s(1) / policy_.memory_s);
   const double farther = std::max(1.0, end_s / h);
+  MotionModel model = samples_[base].state;
+  const Quat& truth = samples_[n].state.orientation;
+  spin_constant_.add(angle_between(orientation_after(model, h), truth), share);
+  model.angular_acceleration_body = rate_of_change(base, &KinematicState::angular_velocity_body);
+  spin_accelerated_.add(angle_between(orientation_after(model, h), truth), share);
+  model.angular_acceleration_body.setZero();
   for (const MotionKind kind : kMotionKinds) {
-    if (!policy_.allowed[index_of(kind)]) continue;
-    const auto model = make(kind, base);
-    if (!model || !within_limits(*model)) continue;
-    const double error = (position_after(*model, h) - samples_[n].state.position).norm();
+    if (!policy_.allowed[index_of(kind)] || !make(kind, base, model)) continue;
+    const double error = (position_after(model, h) - samples_[n].state.position).norm();
     scores_[index_of(kind)].add(error * power(farther, leaves_out(kind)),
                                 farther > 1.0 ? std::max(share, 0.25) : share);
   }
-  MotionModel spinning = samples_[base].state;
-  const Quat& truth = samples_[n].state.orientation;
-  spin_constant_.add(angle_between(orientation_after(spinning, h), truth), share);
-  spinning.angular_acceleration_body = rate_of_change(base, &KinematicState::angular_velocity_body);
-  spin_accelerated_.add(angle_between(orientation_after(spinning, h), truth), share);
 }
 
 MotionModel ModelChooser::choose() {
   assert(!samples_.empty());
   const std::size_t n = samples_.size() - 1;
+  MotionModel model = samples_[n].state;
   std::optional<MotionModel> best;
   double best_error = 0.0;
   for (const MotionKind kind : kBySimplicity) {
     const Score& score = scores_[index_of(kind)];
-    if (!policy_.allowed[index_of(kind)] || score.weight == 0.0) continue;
-    auto model = make(kind, n);
-    if (!model || !within_limits(*model)) continue;
+    if (!policy_.allowed[index_of(kind)] || score.weight == 0.0 || !make(kind, n, model)) continue;
     const double error = (kind == chosen_ ? kBetterBy : 1.0) * price(kind) * score.error;
     if (best && error > kBetterBy * best_error - kBetterBy_m) continue;
-    best = std::move(model);
+    best = model;
     best_error = error;
     expected_error_m_ = score.error;
   }
-  if (!best) expected_error_m_ = std::numeric_limits<double>::infinity();
-  if (!best) best = make(policy_.first, n);
-  if (!best) best = samples_[n].state;
+  if (!best) {
+    expected_error_m_ = std::numeric_limits<double>::infinity();
+    best = make(policy_.first, n, model) ? model : MotionModel(samples_[n].state);
+  }
   chosen_ = best->kind;
   if (spin_accelerated_.weight > 0.0 && spin_accelerated_.error < kSpinBetterBy * spin_constant_.error - 1e-6) {
     const Vec3 acceleration = rate_of_change(n, &KinematicState::angular_velocity_body);

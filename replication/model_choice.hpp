@@ -1,9 +1,10 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <limits>
 #include <optional>
+
+#include <boost/circular_buffer.hpp>
 
 #include "core/time.hpp"
 #include "replication/motion_model.hpp"
@@ -49,21 +50,28 @@ class ModelChooser {
     KinematicState state;
     std::size_t run = 1;  // samples of its run so far, itself included; at most kSamplesMax
   };
+  struct Moment {
+    SimTime at;
+    Vec3 acceleration;
+  };
   struct Score {
     double weight = 0.0, error = 0.0;  // error [m, rad]: weighted mean
     void add(double e, double share);
   };
 
-  [[nodiscard]] std::optional<MotionModel> make(MotionKind kind, std::size_t i) const;
+  [[nodiscard]] bool make(MotionKind kind, std::size_t i, MotionModel& model) const;
   [[nodiscard]] Vec3 rate_of_change(std::size_t i, Vec3 KinematicState::*what) const;
-  [[nodiscard]] std::optional<MotionModel> make_oscillating(std::size_t i) const;
-  [[nodiscard]] std::optional<MotionModel> make_history(std::size_t i) const;
+  [[nodiscard]] bool make_oscillating(std::size_t i, MotionModel& model) const;
+  [[nodiscard]] bool make_history(std::size_t i, MotionModel& model) const;
   [[nodiscard]] bool is_corner(const Sample& before, const Sample& now) const;
   void learn_what_is_usual(const Sample& before, const Sample& now);
+  void keep(const Sample& now);
   void judge(const Horizon& horizon);
 
   ModelPolicy policy_;
-  std::deque<Sample> samples_;
+  boost::circular_buffer<Sample> samples_;
+  boost::circular_buffer<Moment> moments_;  // the same once more: what is asked of many at each push lies side by side
+  std::size_t judged_ = 1;                  // so many samples ago is what was judged last
   std::array<Score, kKinds> scores_{};
   Score spin_constant_, spin_accelerated_;
   double usual_jump_m_s_ = 0.0, usual_change_m_s2_ = 0.0;  // of velocity and acceleration, sample to sample

@@ -15,13 +15,31 @@ constexpr int kShortestPiece_log2_ns = 22, kLongestPiece_log2_ns = 27;
 
 bool is_zero(const Vec3& v) { return v.isZero(0.0); }
 
-// For n = 0 to 3 the sum of (-x2)^k / ((n+1)(n+2)..(n+2k)), k <= 5: 1 / ((n + 2k - 1)(n + 2k)), from the last k on.
-constexpr auto kSeriesSteps = [] {
-  std::array<std::array<double, 4>, 5> steps{};
-  for (int k = 5; k > 0; --k) {
-    for (int n = 0; n < 4; ++n) steps[std::size_t(5 - k)][std::size_t(n)] = 1.0 / ((n + 2 * k - 1) * (n + 2 * k));
+// Four series by Horner's rule at once, from the last term on.
+constexpr int kTerms = 7;
+using Series = std::array<std::array<double, 4>, kTerms>;
+[[gnu::always_inline]] inline std::array<double, 4> sum_of(const Series& series, double x) {
+  using Lanes [[gnu::vector_size(16)]] = double;
+  Lanes low{}, high{};
+#pragma GCC unroll 7
+  for (const auto& [a, b, c, d] : series) {
+    low = low * x + Lanes{a, b};
+    high = high * x + Lanes{c, d};
   }
-  return steps;
+  return {low[0], low[1], high[0], high[1]};
+}
+
+constexpr double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
+
+// (-1)^k / (2k + n)!, n = 0 to 3.
+constexpr Series kWaves = [] {
+  Series series{};
+  for (int k = 0; k < kTerms; ++k) {
+    for (int n = 0; n < 4; ++n) {
+      series[std::size_t(kTerms - 1 - k)][std::size_t(n)] = (k % 2 == 0 ? 1.0 : -1.0) / factorial(2 * k + n);
+    }
+  }
+  return series;
 }();
 
 // With w = rate and x = w t: cos x, (sin x)/w, (1 - cos x)/w^2, (t - (sin x)/w)/w^2, and 1, t, t^2/2, t^3/6 as w -> 0.
@@ -31,15 +49,42 @@ struct Waves {
 [[gnu::always_inline]] inline Waves waves(double rate, double t) {
   if (rate == 0.0) return {1.0, t, 0.5 * t * t, t * t * t / 6.0};
   const double x = rate * t, x2 = x * x;
-  if (x2 < 0.05) {  // the next terms are below 4e-17 of the first
-    using Lanes = Eigen::Array4d;
-    Lanes s = Lanes::Ones();
-    for (const auto& steps : kSeriesSteps) s = 1.0 - s * (x2 * Eigen::Map<const Lanes>(steps.data()));
-    return {s[0], t * s[1], 0.5 * t * t * s[2], t * t * t / 6.0 * s[3]};
+  if (x2 < 0.125) {  // the next terms are below 6e-18 of the first
+    const auto s = sum_of(kWaves, x2);
+    return {s[0], t * s[1], t * t * s[2], t * t * t * s[3]};
   }
   const auto [sin, cos] = sin_cos(x);
   const double per_rate = 1.0 / rate, per_rate2 = per_rate * per_rate;
   return {cos, sin * per_rate, (1.0 - cos) * per_rate2, (t - sin * per_rate) * per_rate2};
+}
+
+// The parabola through d(0) = 0, d(h/2) and d(h), where d(t) = v t + a c2 + j c3 as above: it begins with velocity
+// v + va a + vj j and has acceleration aa a + aj j.
+struct Parabola {
+  double va, vj, aa, aj;
+};
+
+// That is (4 c(h/2) - c(h)) / h and 4 (c(h) - 2 c(h/2)) / h^2, term by term, over h, h^2, 1 and h.
+constexpr Series kParabola = [] {
+  Series series{};
+  for (int k = 0; k < kTerms; ++k) {
+    const double quarters = 1.0 / static_cast<double>(1 << (2 * k)), sign = k % 2 == 0 ? 1.0 : -1.0;
+    const double c2 = sign / factorial(2 * k + 2), c3 = sign / factorial(2 * k + 3);
+    series[std::size_t(kTerms - 1 - k)] = {(quarters - 1.0) * c2, (0.5 * quarters - 1.0) * c3,
+                                           (4.0 - 2.0 * quarters) * c2, (4.0 - quarters) * c3};
+  }
+  return series;
+}();
+
+[[gnu::always_inline]] inline Parabola parabola(double rate, double h) {
+  const double x = rate * h, x2 = x * x;
+  if (x2 < 0.125) {
+    const auto s = sum_of(kParabola, x2);
+    return {h * s[0], h * h * s[1], s[2], h * s[3]};
+  }
+  const Waves half = waves(rate, 0.5 * h), whole = waves(rate, h);
+  return {(4.0 * half.c2 - whole.c2) / h, (4.0 * half.c3 - whole.c3) / h, 4.0 / (h * h) * (whole.c2 - 2.0 * half.c2),
+          4.0 / (h * h) * (whole.c3 - 2.0 * half.c3)};
 }
 
 // Position relative to the base and derivatives of the translation.
@@ -70,14 +115,11 @@ struct Translation {
 struct Turn {
   [[gnu::always_inline]] inline Turn(const KinematicState& s, const Vec3& axis_rate)
       : state(s), rate(axis_rate.norm()) {
-    if (rate == 0.0) return;
-    const Vec3 axis = axis_rate / rate;
-    along = s.acceleration.dot(axis) * axis;
+    if (rate > 0.0) along = s.acceleration.dot(axis_rate) / (rate * rate) * axis_rate;
     across = s.acceleration - along;
     jerk = axis_rate.cross(across);
   }
   [[gnu::always_inline]] inline Translation at(double t) const {
-    if (rate == 0.0) return polynomial(state, Vec3::Zero(), t);
     const auto [c0, c1, c2, c3] = waves(rate, t);
     return {t * (state.velocity + (0.5 * t) * along) + c2 * across + c3 * jerk,
             state.velocity + t * along + c1 * across + c2 * jerk, along + c0 * across + c1 * jerk,
@@ -86,7 +128,7 @@ struct Turn {
 
   const KinematicState& state;
   double rate;
-  Vec3 along, across, jerk;
+  Vec3 along = Vec3::Zero(), across, jerk;
 };
 
 // Until friction has stopped it [s]; none: it never does.
@@ -300,11 +342,10 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
   const double begin_s = to_seconds(b.begin);
   if (!b.cut) return {b.begin, b.end, evaluate(m, begin_s)};
   const double h = to_seconds(*b.end - b.begin);
-  MotionModel there = m;  // from begin on
   const Translation moved = translation(m, begin_s);
-  place(m, moved, there.state);
-  turn(m, begin_s, there.state);
-  MotionPiece piece{b.begin, b.end, there.state};
+  MotionPiece piece{b.begin, b.end, m.state};
+  place(m, moved, piece.state);
+  turn(m, begin_s, piece.state);
   if (turns_about_one_axis(m)) {
     piece.state.angular_velocity_body += (0.5 * h) * m.angular_acceleration_body;
   } else if (!is_zero(m.angular_acceleration_body) && piece.state.angular_velocity_body.norm() * h < 2.0) {
@@ -312,16 +353,23 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
     const Quat end = orientation_after(m, begin_s + h);
     piece.state.angular_velocity_body = spin_between(piece.state.orientation, end, h);
   }
-  if (translates_by_pieces(m)) {
-    there.jerk = moved.jerk;
-    // From there its waves have hardly turned: short series in place of sines. Polynomials cost the same from the base.
-    const auto way = [&](double dt) -> Vec3 {
-      return m.kind == MotionKind::kThird ? displacement(m, begin_s + dt) - moved.displacement
-                                          : displacement(there, dt);
-    };
-    const Vec3 pm = way(0.5 * h), p1 = way(h);
-    piece.state.velocity = (4.0 * pm - p1) / h;
-    piece.state.acceleration = (4.0 / (h * h)) * (p1 - 2.0 * pm);
+  Vec3 &velocity = piece.state.velocity, &acceleration = piece.state.acceleration;
+  if (m.kind == MotionKind::kThird) {
+    const Vec3 half = displacement(m, begin_s + 0.5 * h) - moved.displacement,
+               whole = displacement(m, begin_s + h) - moved.displacement;
+    velocity = (4.0 * half - whole) / h;
+    acceleration = (4.0 / (h * h)) * (whole - 2.0 * half);
+  } else if (m.kind == MotionKind::kTurning) {
+    const Vec3 along = Turn(m.state, m.rate_rad_s).along, across = moved.acceleration - along;
+    const auto [va, vj, aa, aj] = parabola(m.rate_rad_s.norm(), h);
+    velocity += va * across + vj * moved.jerk;
+    acceleration = along + aa * across + aj * moved.jerk;
+  } else if (m.kind == MotionKind::kOscillating) {
+    for (int i = 0; i < 3; ++i) {
+      const auto [va, vj, aa, aj] = parabola(m.rate_rad_s[i], h);
+      velocity[i] += va * moved.acceleration[i] + vj * moved.jerk[i];
+      acceleration[i] = aa * moved.acceleration[i] + aj * moved.jerk[i];
+    }
   }
   return piece;
 }

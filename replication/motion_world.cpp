@@ -33,8 +33,6 @@ constexpr Duration kForgetsWithin = std::chrono::seconds(2);
 // In that time the objects' turns to forget, so that one tick does not do it for all of them.
 constexpr std::int64_t kForgettingTurns = 128;
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-
 SimTime grid_floor(SimTime t) {
   const std::int64_t ns = t.time_since_epoch().count(), step = kLookahead.count();
   return SimTime{Duration{(ns >= 0 ? ns / step : -((-ns + step - 1) / step)) * step}};
@@ -46,16 +44,8 @@ void remember(std::vector<SimTime>& recent, SimTime t) {
   recent.push_back(t);
 }
 
-// Whoever asks for all objects does so in order: the law of another one comes from memory meanwhile, which takes as
-// long as to evaluate one.
-template <class Objects>
-void prefetch_law_after(const Objects& objects, std::size_t index) {
-  constexpr std::size_t kAhead = 2, kCacheLine_bytes = 64;
-  if (index + kAhead >= objects.size()) return;
-  const Timeline::Segment& law = objects[index + kAhead].timeline.last_segment();
-  const auto* const begin = reinterpret_cast<const std::byte*>(&law);
-  for (std::size_t i = 0; i < sizeof law; i += kCacheLine_bytes) __builtin_prefetch(begin + i);
-}
+// Whoever asks for all objects does so in order: so many objects ahead what is needed of them is fetched.
+constexpr std::size_t kPieceAhead = 4, kLawAhead = 2;
 
 bool same_motion(const KinematicState& a, const KinematicState& b) {
   return a.position == b.position && a.velocity == b.velocity && a.acceleration == b.acceleration &&
@@ -102,16 +92,6 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
          .free_at = {},
          .recent = {}});
   }
-}
-
-const MotionWorld::Object* MotionWorld::find(ObjectId id) const {
-  const bool known = id.value < index_by_id_.size() && index_by_id_[id.value] != kNone;
-  return known ? &objects_[index_by_id_[id.value]] : nullptr;
-}
-
-std::size_t MotionWorld::index_of(ObjectId id) const {
-  assert(find(id) != nullptr);
-  return index_by_id_[id.value];
 }
 
 std::span<const std::uint32_t> MotionWorld::pairs_of(std::size_t object) const {
@@ -472,8 +452,6 @@ void MotionWorld::advance(SimTime to) {
   forget();
 }
 
-bool MotionWorld::has(ObjectId object) const { return find(object) != nullptr; }
-
 std::vector<ObjectId> MotionWorld::objects() const {
   std::vector<ObjectId> ids;
   for (const Object& o : objects_) ids.push_back(o.id);
@@ -483,7 +461,10 @@ std::vector<ObjectId> MotionWorld::objects() const {
 
 KinematicState MotionWorld::at(ObjectId object, SimTime t) const {
   const std::size_t index = index_of(object);
-  prefetch_law_after(objects_, index);
+  if (index + kPieceAhead < objects_.size()) {
+    objects_[index + kPieceAhead].timeline.prefetch_piece();
+    objects_[index + kLawAhead].timeline.prefetch_law(t);
+  }
   return objects_[index].timeline.at(t);
 }
 

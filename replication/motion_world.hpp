@@ -1,6 +1,8 @@
 #pragma once
+#include <cassert>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -86,7 +88,7 @@ class MotionWorld {
   // Answers all contacts up to `to`, in time order.
   void advance(SimTime to);
 
-  [[nodiscard]] bool has(ObjectId object) const;
+  [[nodiscard]] bool has(ObjectId object) const { return find(object) != nullptr; }
   [[nodiscard]] std::vector<ObjectId> objects() const;
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
@@ -137,8 +139,15 @@ class MotionWorld {
     bool operator>(const Forgetting& other) const { return at > other.at; }
   };
 
-  [[nodiscard]] const Object* find(ObjectId id) const;
-  [[nodiscard]] std::size_t index_of(ObjectId id) const;
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  [[nodiscard]] const Object* find(ObjectId id) const {
+    const bool known = id.value < index_by_id_.size() && index_by_id_[id.value] != kNone;
+    return known ? &objects_[index_by_id_[id.value]] : nullptr;
+  }
+  [[nodiscard]] std::size_t index_of(ObjectId id) const {
+    assert(find(id) != nullptr);
+    return index_by_id_[id.value];
+  }
   [[nodiscard]] std::span<const std::uint32_t> pairs_of(std::size_t object) const;
   [[nodiscard]] const collision::Body& body(std::size_t object) const { return model_.bodies[object]; }
   [[nodiscard]] static bool will_answer(const Object& o, bool registered, SimTime t);

@@ -11,8 +11,11 @@ constexpr auto begins_after = [](SimTime t, const Timeline::Segment& s) { return
 
 void Timeline::replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause) {
   piece_.end = std::min(piece_.end, t);
-  if (last_.from < t) past_.push_back(last_);
-  while (!past_.empty() && past_.back().from >= t) past_.pop_back();
+  if (last_.from < t) {
+    past_.push_back(last_);
+  } else {
+    while (!past_.empty() && past_.back().from >= t) past_.pop_back();
+  }
   last_ = {t, model, cause};
 }
 
