@@ -40,12 +40,14 @@ class Timeline {
   [[nodiscard]] std::optional<SimTime> last_change_until(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> next_change_after(SimTime t) const;
 
-  // For who asks of many objects in turn: what at(t) reads comes from memory meanwhile, which takes as long as to
-  // evaluate an object. First the piece; when that has come, the law, where the piece does not answer for t.
+  // For who goes through many objects in turn: what at(t) reads and what replace_from() writes comes from memory
+  // meanwhile, which takes as long as the work. First where it is, then, once that has come, what it leads to.
   void prefetch_piece() const { prefetch(&piece_, sizeof piece_); }
   void prefetch_law(SimTime t) const {
     if (!in_piece(t)) prefetch(&last_, sizeof last_);
   }
+  void prefetch_last() const { prefetch(this, sizeof past_ + sizeof last_); }
+  void prefetch_next() const { prefetch(past_.data() + past_.size(), sizeof(Segment)); }
 
   [[nodiscard]] SimTime begin() const { return segment(0).from; }
   // Strictly increasing `from`; at least one.
