@@ -24,11 +24,11 @@ inline constexpr MotionKind kMotionKinds[] = {MotionKind::kFirst,  MotionKind::k
 
 // World frame and SI units but for what is said to be of the body. A parameter that the kind does not name is zero.
 struct MotionModel {
-  MotionKind kind = MotionKind::kSecond;
   KinematicState state;                           // at the base instant
   Vec3 jerk = Vec3::Zero();                       // [m/s^3] kThird, kOscillating
   Vec3 rate_rad_s = Vec3::Zero();                 // kTurning: along the axis; kOscillating: of each axis, >= 0
   Vec3 angular_acceleration_body = Vec3::Zero();  // [rad/s^2] any kind: q(t) = q0 exp(w t + alpha t^2 / 2)
+  MotionKind kind = MotionKind::kSecond;
 
   MotionModel() = default;
   // Constant acceleration and spin: what the rest of the project calls a motion.

@@ -16,7 +16,7 @@ void Timeline::replace_from(SimTime t, const MotionModel& model, std::optional<O
   } else {
     while (!past_.empty() && past_.back().from >= t) past_.pop_back();
   }
-  last_ = {t, model, cause};
+  last_ = {model, t, cause};
 }
 
 void Timeline::truncate_from(SimTime t) {

@@ -16,12 +16,12 @@ namespace peerd::replication {
 class Timeline {
  public:
   struct Segment {
+    MotionModel model;  // its base is `from`
     SimTime from;
-    MotionModel model;              // its base is `from`
     std::optional<ObjectId> cause;  // the other object of the contact that began it; none: told from outside
   };
 
-  Timeline(SimTime from, const MotionModel& model) : last_{from, model, std::nullopt} {}
+  Timeline(SimTime from, const MotionModel& model) : last_{model, from, std::nullopt} {}
 
   // From t on, the object moves so; whatever was believed of t and later is gone.
   void replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause);

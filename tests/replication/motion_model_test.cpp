@@ -191,6 +191,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Cut{"MuchJerk", third(moving({0, 1, 0}), {10'000, 0, 0})},
                     Cut{"Turning", turning(moving({3, 0, 0}, {0, 6, 0}, {-12, 0, 0}), {0, 0, 2})},
                     Cut{"Oscillating", oscillating(moving({0, 0, 0}, {8, 0, -8}), {-23, 0, 0}, {1.7, 0, 0})},
+                    Cut{"TurningLittleButFast", turning(moving({3, 0, 0}, {0, 6, 0}, {-1e-3, 0, 1e-3}), {0, 0, 50})},
+                    Cut{"OscillatingLittleButFast",
+                        oscillating(moving({0, 0, 0}, {8, 0, 0}, {1e-3, 0, 2e-3}), {0, 0.02, 0}, {50, 3.5, 20})},
                     Cut{"Sliding", sliding({4, 0, 0}, {-2, 0, 0})}, Cut{"Spin", speeding_up_its_spin()}),
     [](const auto& c) { return std::string(c.param.name); });
 
