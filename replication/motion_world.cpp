@@ -27,8 +27,8 @@ constexpr std::size_t kImpulsesMax = 64;
 constexpr std::size_t kContactsMax = 1024;
 // Timelines keep this much past, for updates that arrive late.
 constexpr Duration kHistory = std::chrono::seconds(4);
-// .. and what is older no longer than this: a driven object gets a segment a tick, and to forget them one by one would
-// cost more than all else that is done with them.
+// .. and what is older no longer than this, or as long again: a driven object gets a segment a tick, and to forget them
+// one by one would cost more than all else that is done with them.
 constexpr Duration kForgetsWithin = std::chrono::seconds(2);
 // In that time the objects' turns to forget, so that one tick does not do it for all of them.
 constexpr std::int64_t kForgettingTurns = 128;
@@ -73,6 +73,7 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
     : model_(model),
       start_(start),
       advanced_(start),
+      driven_history_(kHistory),
       index_by_id_(model.scene->instances.size(), kNone),
       looks_(model.pairs.size()),
       in_looks_(model.pairs.size()) {
@@ -146,28 +147,30 @@ void MotionWorld::reschedule(std::size_t i) {
   looks_.set(i, in_looks ? pair.contact.value_or(pair.clear_until) : SimTime::max());
 }
 
+Duration MotionWorld::history_of(const Object& o) const { return o.role == Role::kDriven ? driven_history_ : kHistory; }
+
 // After any change of its timeline.
 void MotionWorld::timeline_changed(std::size_t index) {
   Object& o = objects_[index];
   o.bound.until = SimTime::min();
   if (o.forgets || o.timeline.segment_count() < 2) return;
   o.forgets = true;
-  const Duration turn = kForgetsWithin / kForgettingTurns * (static_cast<std::int64_t>(index) % kForgettingTurns);
+  const Duration history = history_of(o), within = std::min(kForgetsWithin, history);
+  const Duration turn = within / kForgettingTurns * (static_cast<std::int64_t>(index) % kForgettingTurns);
   const SimTime old = o.timeline.segment(1).from;
-  const Duration wait = kForgetsWithin - (old.time_since_epoch() + turn) % kForgetsWithin;
-  forgetting_.push_back({old + wait, static_cast<std::uint32_t>(index)});
+  const Duration wait = within - (old.time_since_epoch() + turn) % within;
+  forgetting_.push_back({old + wait + history, static_cast<std::uint32_t>(index)});
   std::ranges::push_heap(forgetting_, std::greater{});
 }
 
 void MotionWorld::forget() {
-  const SimTime before = advanced_ - kHistory;
-  while (!forgetting_.empty() && forgetting_.front().at <= before) {
+  while (!forgetting_.empty() && forgetting_.front().at <= advanced_) {
     const Forgetting due = forgetting_.front();
     std::ranges::pop_heap(forgetting_, std::greater{});
     forgetting_.pop_back();
     Object& o = objects_[due.object];
     o.forgets = false;
-    o.timeline.forget_before(before);
+    o.timeline.forget_before(advanced_ - history_of(o));
     timeline_changed(due.object);
   }
 }
@@ -478,7 +481,7 @@ MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
 
 bool MotionWorld::knows(ObjectId object, SimTime t) const {
   const Object* o = find(object);
-  return o != nullptr && o->timeline.segment_at(advanced_ - kHistory).from <= t;
+  return o != nullptr && o->timeline.segment_at(advanced_ - history_of(*o)).from <= t;
 }
 
 SimTime MotionWorld::law_since(ObjectId object, SimTime t) const {

@@ -77,6 +77,9 @@ class MotionWorld {
   // Turns watching of a pair on or off; all pairs start watched.
   void watch(ObjectId a, ObjectId b, bool on);
 
+  // How long where a driven object was is kept after the last advance(); 4 s at first, as of all others.
+  void keep_driven(Duration history) { driven_history_ = history; }
+
   // Asked at each contact.
   using Outcomes = std::function<Outcome(ObjectId collider, ObjectId collidee, SimTime contact)>;
   void set_outcomes(Outcomes outcomes) { outcomes_ = std::move(outcomes); }
@@ -92,7 +95,8 @@ class MotionWorld {
   [[nodiscard]] std::vector<ObjectId> objects() const;
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
-  // Whether it is known where it was at t: nobody asks for what ended more than 4 s before the last advance().
+  // Whether it is known where it was at t: nobody asks for what ended more than 4 s before the last advance(), or what
+  // keep_driven() says.
   [[nodiscard]] bool knows(ObjectId object, SimTime t) const;
   // Since when the law that is in force at t is.
   [[nodiscard]] SimTime law_since(ObjectId object, SimTime t) const;
@@ -132,7 +136,7 @@ class MotionWorld {
     Vec3 normal = Vec3::Zero();
     std::vector<SimTime> recent;  // of its last contacts, for those that answer by impulse
   };
-  // When a timeline forgets what is old by then.
+  // When a timeline forgets what is too old by then.
   struct Forgetting {
     SimTime at;
     std::uint32_t object;
@@ -155,6 +159,7 @@ class MotionWorld {
   void search(Pair& pair, SimTime to);
   void search_window(Pair& pair);
   void reschedule(std::size_t pair);
+  [[nodiscard]] Duration history_of(const Object& o) const;
   void timeline_changed(std::size_t object);
   void forget();
   void answer(Pair& pair);
@@ -166,6 +171,7 @@ class MotionWorld {
 
   const WorldModel& model_;
   SimTime start_, advanced_;
+  Duration driven_history_;
   std::vector<Object> objects_;             // the model's bodies, then what else was declared, as it came
   std::vector<std::uint32_t> index_by_id_;  // into objects_; kNone
   std::vector<Pair> pairs_;                 // the model's

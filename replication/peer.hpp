@@ -105,7 +105,8 @@ class Peer {
   [[nodiscard]] PeerId owner(ObjectId object) const;
   // Everything that somebody runs, and who.
   [[nodiscard]] const std::map<ObjectId, PeerId>& owners() const { return owners_; }
-  // What this peer knows of an object that it runs, and what everybody believes of any object. Need a session.
+  // What this peer knows of an object that it runs, and what everybody believes of any object. Need a session. Of the
+  // past 4 s; of own objects that something drives of the past half second, unless they are shown late.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
   // Whether this peer hears of the object: false for what is in regions that it does not listen to. What it says of

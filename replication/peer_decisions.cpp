@@ -26,6 +26,9 @@ constexpr Duration kRememberedFor = std::chrono::seconds(8);
 // What hangs between two others touches them many times a second. Of one pair only the newest are repeated where
 // nothing says whether they have come, as many as there can be in 250 ms (4 ms apart: peer_tick.cpp, kOneTouch).
 constexpr int kRepeatedOfPair = 64;
+// Where own objects that something drives were is asked for by who shows them late alone; contacts with them are found
+// as they come.
+constexpr Duration kDrivenKept = std::chrono::milliseconds(500);
 
 }  // namespace
 
@@ -135,6 +138,7 @@ Outcome Peer::outcome(ObjectId a, ObjectId b, SimTime contact) const {
 
 void Peer::begin_worlds(SimTime now) {
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
+  if (!config_.display_delay.own) replica_->truth.keep_driven(kDrivenKept);
   replica_->truth.set_outcomes([this](ObjectId a, ObjectId b, SimTime contact) { return outcome(a, b, contact); });
 }
 

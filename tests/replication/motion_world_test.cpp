@@ -768,6 +768,33 @@ TEST(MotionWorld, ForgetsWhatIsOld) {
   }
 }
 
+TEST(MotionWorld, KeepsWhereADrivenObjectWasAsLongAsItIsTold) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + box("C", "1 1 1", "0 0 9"));
+  MotionWorld usual(*w.model, sim(0s)), brief(*w.model, sim(0s));
+  brief.keep_driven(500ms);
+  for (MotionWorld* world : {&usual, &brief}) {
+    world->declare(w["A"], Role::kDriven);
+    world->declare(w["B"], Role::kFirm);
+    world->declare(w["C"], Role::kDriven);  // seldom told
+    for (Duration now = 0s; now <= 10s; now += 10ms) {
+      for (const char* moved : {"A", "B"})
+        world->set_base(w[moved], sim(now), moving({to_seconds(now), 9, 0}, {1, 0, 0}));
+      if (now % 2s == 0s) world->set_base(w["C"], sim(now), moving({to_seconds(now), 99, 0}, {1, 0, 0}));
+      world->advance(sim(now));
+    }
+  }
+  for (const char* moved : {"A", "B"}) {
+    const bool driven = moved == std::string_view("A");
+    EXPECT_TRUE(usual.knows(w[moved], sim(6s)));
+    EXPECT_EQ(brief.knows(w[moved], sim(9490ms)), !driven);
+    for (const Duration t : {9500ms, 9777ms, 10000ms}) {
+      EXPECT_TRUE(brief.knows(w[moved], sim(t)));
+      EXPECT_EQ(brief.at(w[moved], sim(t)).position, usual.at(w[moved], sim(t)).position);
+    }
+  }
+  EXPECT_NEAR(brief.at(w["C"], sim(9500ms)).position.x(), 9.5, 1e-12);
+}
+
 // ---- laws that are no constant acceleration ----
 
 MotionModel spring(double amplitude, double rate) {  // from x = 0 to the right, with a drift along z
