@@ -18,8 +18,12 @@ if [ "$$" -ne 1 ]; then
   printf '%q ' cd "$PWD" >"$messages/command"
   printf '\n' >>"$messages/command"
   printf '%q ' "$@" >>"$messages/command"
-  # 768 MB: what a dozen peers need. The guest's terminal is this script's standard error output.
-  setpriv --pdeathsig TERM linux.uml mem=768M rootfstype=hostfs rootflags=/ ro "init=$(realpath "$0")" \
+  # 768 MB: what a dozen peers need. The guest's terminal is this script's standard error output. It has one processor,
+  # and its host threads, which hand each system call to and fro, stay on one, too: to wake another one each time takes
+  # several times as long as the call.
+  processors=$(taskset -cp "$$")
+  setpriv --pdeathsig TERM taskset -c "${processors##*[ ,-]}" \
+    linux.uml mem=768M rootfstype=hostfs rootflags=/ ro "init=$(realpath "$0")" \
     "UML_FOLDER=$folder" "UML_MESSAGES=$messages" con=null con0=null,fd:2 con1=null quiet loglevel=0 \
     </dev/null >"$messages/boot" 2>&2 &
   guest=$!
