@@ -12,7 +12,8 @@ struct SinCos {
 // Error below 1e-15 for |x| <= 2 pi; it grows by 2.5e-16 with each further turn.
 [[nodiscard]] SinCos sin_cos(double x);
 
-// sin(x)/x and cos(x) for 0 <= x^2 <= (pi/4)^2, by the same operations: a rotation by a vector needs no root of its square.
+// sin(x)/x and cos(x) for 0 <= x^2 <= (pi/4)^2, by the same operations: a rotation by a vector needs no root of its
+// square.
 struct SincCos {
   double sinc = 1.0;
   double cos = 1.0;

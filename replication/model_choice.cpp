@@ -10,7 +10,7 @@
 namespace peerd::replication {
 namespace {
 
-// Of one object, whatever the tick rate: 2 s at 250 Hz, 64 kB.
+// Of one object, whatever the tick rate: 2 s at 250 Hz, 90 kB.
 constexpr std::size_t kSamplesMax = 512;
 // Derivatives are taken over this many samples on either side at most: more smooths noise, fewer see changes sooner.
 constexpr std::size_t kSpanMax = 4;
@@ -78,7 +78,7 @@ double price(MotionKind kind) {
   return 1.0;
 }
 
-bool same_length(Duration a, Duration b) { return std::chrono::abs(a - b) < (a + b) / 1'000'000; }
+bool same_length(Duration a, Duration b) { return std::chrono::abs(a - b) <= (a + b) / 1'000'000; }
 
 // Of the velocity, beyond what the accelerations explain.
 double velocity_jump(const KinematicState& a, const KinematicState& b, double dt_s) {
@@ -110,7 +110,7 @@ bool ModelChooser::is_corner(const Sample& before, const Sample& now) const {
 }
 
 void ModelChooser::push(SimTime t, const KinematicState& state, const Horizon& horizon) {
-  Sample now{t, state, 1};
+  Sample now{state, t, 1};
   if (!samples_.empty()) {
     const Sample& before = samples_.back();
     assert(t > before.at);
@@ -126,10 +126,10 @@ void ModelChooser::push(SimTime t, const KinematicState& state, const Horizon& h
 void ModelChooser::keep(const Sample& now) {
   if (samples_.full()) {
     const std::size_t room = std::clamp<std::size_t>(2 * samples_.size(), 16, kSamplesMax);
-    samples_.set_capacity(room);  // full of as many as it may have, it drops the first one
+    samples_.set_capacity(room);
     moments_.set_capacity(room);
   }
-  samples_.push_back(now);
+  samples_.push_back(now);  // which takes the place of the first one where there are kSamplesMax
   moments_.push_back({now.at, now.state.acceleration});
   while (moments_.size() > 2 && now.at - moments_[1].at > from_seconds(policy_.horizon_max_s + kSpanMax_s)) {
     samples_.pop_front();

@@ -46,8 +46,8 @@ class ModelChooser {
  private:
   static constexpr std::size_t kKinds = std::size(kMotionKinds);
   struct Sample {
-    SimTime at;
     KinematicState state;
+    SimTime at;
     std::size_t run = 1;  // samples of its run so far, itself included; at most kSamplesMax
   };
   struct Moment {

@@ -115,7 +115,10 @@ struct Translation {
 struct Turn {
   [[gnu::always_inline]] inline Turn(const KinematicState& s, const Vec3& axis_rate)
       : state(s), rate(axis_rate.norm()) {
-    if (rate > 0.0) along = s.acceleration.dot(axis_rate) / (rate * rate) * axis_rate;
+    if (rate > 0.0) {
+      const Vec3 axis = axis_rate / rate;
+      along = s.acceleration.dot(axis) * axis;
+    }
     across = s.acceleration - along;
     jerk = axis_rate.cross(across);
   }

@@ -27,8 +27,8 @@ constexpr std::size_t kImpulsesMax = 64;
 constexpr std::size_t kContactsMax = 1024;
 // Timelines keep this much past, for updates that arrive late.
 constexpr Duration kHistory = std::chrono::seconds(4);
-// .. and what is older no longer than this, or as long again: a driven object gets a segment a tick, and to forget them
-// one by one would cost more than all else that is done with them.
+// .. and what is older for this at most, or for as long again where that is less: a driven object gets a segment a
+// tick, and to forget them one by one would cost more than all else that is done with them.
 constexpr Duration kForgetsWithin = std::chrono::seconds(2);
 // In that time the objects' turns to forget, so that one tick does not do it for all of them.
 constexpr std::int64_t kForgettingTurns = 128;
@@ -229,7 +229,8 @@ void MotionWorld::reopen(std::size_t object, SimTime t) {
     Pair& pair = pairs_[i];
     const Role other = objects_[pair.collider == object ? pair.collidee : pair.collider].role;
     const bool lived = other == Role::kFirm || other == Role::kDriven;
-    const SimTime from = std::max(t, advanced_ - (lived ? Duration{0} : kHistory));
+    const SimTime known = std::max(objects_[pair.collider].timeline.begin(), objects_[pair.collidee].timeline.begin());
+    const SimTime from = std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
     if (pair.contact && *pair.contact >= from) pair.contact.reset();
     if (pair.free_at && *pair.free_at >= from) pair.free_at.reset();
     pair.clear_until = std::min(pair.clear_until, from);

@@ -77,8 +77,11 @@ class MotionWorld {
   // Turns watching of a pair on or off; all pairs start watched.
   void watch(ObjectId a, ObjectId b, bool on);
 
-  // How long where a driven object was is kept after the last advance(); 4 s at first, as of all others.
-  void keep_driven(Duration history) { driven_history_ = history; }
+  // How long where a driven object was is kept after the last advance(), > 0; 4 s at first, as of all others.
+  void keep_driven(Duration history) {
+    assert(history > Duration{0});
+    driven_history_ = history;
+  }
 
   // Asked at each contact.
   using Outcomes = std::function<Outcome(ObjectId collider, ObjectId collidee, SimTime contact)>;
@@ -95,8 +98,7 @@ class MotionWorld {
   [[nodiscard]] std::vector<ObjectId> objects() const;
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
-  // Whether it is known where it was at t: nobody asks for what ended more than 4 s before the last advance(), or what
-  // keep_driven() says.
+  // Whether it is known where it was at t: what ended more than 4 s before the last advance() (keep_driven) is not.
   [[nodiscard]] bool knows(ObjectId object, SimTime t) const;
   // Since when the law that is in force at t is.
   [[nodiscard]] SimTime law_since(ObjectId object, SimTime t) const;

@@ -159,7 +159,8 @@ bool Peer::may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from,
     if (!holds(other)) return false;
     const MotionWorld& drawn = own_.contains(other) ? replica_->truth : replica_->ghosts;
     const Pose now = drawn.at(other, t).pose();
-    KinematicState goes = at_rest({drawn.at(other, since).position, now.orientation});
+    const Vec3 then = drawn.knows(other, since) ? drawn.at(other, since).position : now.position;
+    KinematicState goes = at_rest({then, now.orientation});
     goes.velocity = now.position - goes.position;
     const collision::ContactState met =
         collision::first_contact({*body, way}, {*model_.body(other), goes}, pair.type, 1.0).state;

@@ -26,8 +26,8 @@ constexpr Duration kRememberedFor = std::chrono::seconds(8);
 // What hangs between two others touches them many times a second. Of one pair only the newest are repeated where
 // nothing says whether they have come, as many as there can be in 250 ms (4 ms apart: peer_tick.cpp, kOneTouch).
 constexpr int kRepeatedOfPair = 64;
-// Where own objects that something drives were is asked for by who shows them late alone; contacts with them are found
-// as they come.
+// Where own objects that something drives were: who shows them late needs more; contacts with them are found as they
+// come.
 constexpr Duration kDrivenKept = std::chrono::milliseconds(500);
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -46,7 +47,10 @@ class Timeline {
   void prefetch_law(SimTime t) const {
     if (!in_piece(t)) prefetch(&last_, sizeof last_);
   }
-  void prefetch_last() const { prefetch(this, sizeof past_ + sizeof last_); }
+  void prefetch_last() const {
+    prefetch(&past_, sizeof past_);
+    prefetch(&last_, sizeof last_);
+  }
   void prefetch_next() const { prefetch(past_.data() + past_.size(), sizeof(Segment)); }
 
   [[nodiscard]] SimTime begin() const { return segment(0).from; }
@@ -68,8 +72,11 @@ class Timeline {
   [[nodiscard]] std::size_t index_at(SimTime t) const;
   static void prefetch(const void* what, std::size_t size_bytes) {
     constexpr std::size_t kCacheLine_bytes = 64;
-    const auto* const begin = static_cast<const std::byte*>(what);
-    for (std::size_t i = 0; i < size_bytes; i += kCacheLine_bytes) __builtin_prefetch(begin + i);
+    const auto begin = reinterpret_cast<std::uintptr_t>(what);  // a number: there may be nothing yet
+    for (std::uintptr_t line = begin / kCacheLine_bytes * kCacheLine_bytes; line < begin + size_bytes;
+         line += kCacheLine_bytes) {
+      __builtin_prefetch(reinterpret_cast<const void*>(line));
+    }
   }
 
   std::vector<Segment> past_;

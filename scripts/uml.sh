@@ -2,7 +2,8 @@
 # scripts/uml.sh FOLDER COMMAND...: runs a command, as root, in User-Mode Linux: a kernel as an ordinary process, whose
 # modules hold what the running kernel may lack (Debian's user-mode-linux). The guest sees this computer's files and can
 # write to none of them but those below FOLDER. The command's standard output and exit code are this script's; the
-# rest is on the standard error output. Ended by a signal, it ends the guest and all that is in it.
+# rest is on the standard error output. Ended by a signal, it ends the guest and all that is in it. UML_NUMBER: of several
+# guests at once each has its own, and so another processor.
 set -euo pipefail
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin
 
@@ -21,8 +22,9 @@ if [ "$$" -ne 1 ]; then
   # 768 MB: what a dozen peers need. The guest's terminal is this script's standard error output. It has one processor,
   # and its host threads, which hand each system call to and fro, stay on one, too: to wake another one each time takes
   # several times as long as the call.
-  processors=$(taskset -cp "$$")
-  setpriv --pdeathsig TERM taskset -c "${processors##*[ ,-]}" \
+  allowed=$(taskset -cp "$$")
+  mapfile -t processors < <(tr , '\n' <<<"${allowed##* }" | while IFS=- read -r a b; do seq "$a" "${b:-$a}"; done)
+  setpriv --pdeathsig TERM taskset -c "${processors[${UML_NUMBER:-0} % ${#processors[@]}]}" \
     linux.uml mem=768M rootfstype=hostfs rootflags=/ ro "init=$(realpath "$0")" \
     "UML_FOLDER=$folder" "UML_MESSAGES=$messages" con=null con0=null,fd:2 con1=null quiet loglevel=0 \
     </dev/null >"$messages/boot" 2>&2 &
