@@ -124,16 +124,10 @@ void ModelChooser::push(SimTime t, const KinematicState& state, const Horizon& h
 }
 
 void ModelChooser::keep(const Sample& now) {
-  if (samples_.full()) {
-    const std::size_t room = std::clamp<std::size_t>(2 * samples_.size(), 16, kSamplesMax);
-    samples_.set_capacity(room);
-    moments_.set_capacity(room);
-  }
+  if (samples_.full()) samples_.set_capacity(std::clamp<std::size_t>(2 * samples_.size(), 16, kSamplesMax));
   samples_.push_back(now);  // which takes the place of the first one where there are kSamplesMax
-  moments_.push_back({now.at, now.state.acceleration});
-  while (moments_.size() > 2 && now.at - moments_[1].at > from_seconds(policy_.horizon_max_s + kSpanMax_s)) {
+  while (samples_.size() > 2 && now.at - samples_[1].at > from_seconds(policy_.horizon_max_s + kSpanMax_s)) {
     samples_.pop_front();
-    moments_.pop_front();
   }
 }
 
@@ -161,14 +155,14 @@ bool ModelChooser::make_oscillating(std::size_t i, MotionModel& model) const {
   const std::size_t back = std::min(samples_[i].run - 1, i);
   if (back < 2) return false;
   const std::size_t m = std::min(back / 2, kSpanMax);
-  const Duration step = moments_[i].at - moments_[i - m].at;
+  const Duration step = samples_[i].at - samples_[i - m].at;
   // Of a wave a(t-h) + a(t+h) = 2 cos(w h) a(t), whatever its phase.
   Vec3 products = Vec3::Zero(), squares = Vec3::Zero();
   for (std::size_t k = 0; k < kTriplesMax && k + 2 * m <= back; ++k) {
-    const Moment &last = moments_[i - k], &middle = moments_[i - k - m], &first = moments_[i - k - 2 * m];
+    const Sample &last = samples_[i - k], &middle = samples_[i - k - m], &first = samples_[i - k - 2 * m];
     if (!same_length(last.at - middle.at, step) || !same_length(middle.at - first.at, step)) break;
-    products += middle.acceleration.cwiseProduct(last.acceleration + first.acceleration);
-    squares += middle.acceleration.cwiseAbs2();
+    products += middle.state.acceleration.cwiseProduct(last.state.acceleration + first.state.acceleration);
+    squares += middle.state.acceleration.cwiseAbs2();
   }
   const double most = squares.maxCoeff();
   if (most == 0.0) return false;
@@ -180,7 +174,7 @@ bool ModelChooser::make_oscillating(std::size_t i, MotionModel& model) const {
     const double sin = std::sqrt(1.0 - cos * cos);
     const double rate = peerd::atan2(sin, cos) / to_seconds(step);
     model.rate_rad_s[axis] = rate;
-    const double a0 = moments_[i].acceleration[axis], a1 = moments_[i - m].acceleration[axis];
+    const double a0 = samples_[i].state.acceleration[axis], a1 = samples_[i - m].state.acceleration[axis];
     if (sin > 1e-4) model.jerk[axis] = rate * (a0 * cos - a1) / sin;
   }
   return true;
@@ -242,14 +236,14 @@ void ModelChooser::judge(const Horizon& horizon) {
     scores_[index_of(MotionKind::kFirst)].add(0.0, 1.0);
     return;
   }
-  const SimTime now = moments_[n].at;
+  const SimTime now = samples_[n].at;
   const double end_s = std::min(horizon.end_s(), policy_.horizon_max_s);
-  const auto age_s = [&](std::size_t k) { return to_seconds(now - moments_[n - k].at); };
+  const auto age_s = [&](std::size_t k) { return to_seconds(now - samples_[n - k].at); };
   const std::size_t half = std::max<std::size_t>(1, back / 2);
-  std::size_t& k = judged_;  // most often one more than last time
-  k = std::min(k + 1, half);
+  std::size_t k = std::min(judged_ + 1, half);  // most often one more than last time
   while (k > 1 && age_s(k) > end_s) --k;
   while (k < half && age_s(k + 1) <= end_s) ++k;
+  judged_ = k;
   const std::size_t base = n - k;
   const double h = age_s(k), share = std::min(1.0, age_s(1) / policy_.memory_s);
   const double farther = std::max(1.0, end_s / h);

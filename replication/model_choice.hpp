@@ -50,10 +50,6 @@ class ModelChooser {
     SimTime at;
     std::size_t run = 1;  // samples of its run so far, itself included; at most kSamplesMax
   };
-  struct Moment {
-    SimTime at;
-    Vec3 acceleration;
-  };
   struct Score {
     double weight = 0.0, error = 0.0;  // error [m, rad]: weighted mean
     void add(double e, double share);
@@ -70,8 +66,7 @@ class ModelChooser {
 
   ModelPolicy policy_;
   boost::circular_buffer<Sample> samples_;
-  boost::circular_buffer<Moment> moments_;  // the same once more: what is asked of many at each push lies side by side
-  std::size_t judged_ = 1;                  // so many samples ago is what was judged last
+  std::size_t judged_ = 1;  // so many samples ago is what was judged last
   std::array<Score, kKinds> scores_{};
   Score spin_constant_, spin_accelerated_;
   double usual_jump_m_s_ = 0.0, usual_change_m_s2_ = 0.0;  // of velocity and acceleration, sample to sample

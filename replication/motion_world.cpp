@@ -44,8 +44,8 @@ void remember(std::vector<SimTime>& recent, SimTime t) {
   recent.push_back(t);
 }
 
-// Whoever goes through all objects does so in order: so far ahead what is needed of them is fetched.
-constexpr std::size_t kFarAhead = 8, kAhead = 4;
+// Whoever asks for all objects does so in order: so far ahead a piece is fetched, and the law where that is needed.
+constexpr std::size_t kPieceAhead = 8, kLawAhead = 4;
 
 bool same_motion(const KinematicState& a, const KinematicState& b) {
   return a.position == b.position && a.velocity == b.velocity && a.acceleration == b.acceleration &&
@@ -177,10 +177,6 @@ void MotionWorld::forget() {
 
 void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model) {
   const std::size_t index = index_of(object);
-  if (index + kFarAhead < objects_.size()) {
-    objects_[index + kFarAhead].timeline.prefetch_last();
-    objects_[index + kAhead].timeline.prefetch_next();
-  }
   Object& o = objects_[index];
   if (!pairs_of(index).empty()) events_.push_back(TakenBack{object, t - Duration{1}});
   take_back(index, t);
@@ -469,9 +465,9 @@ std::vector<ObjectId> MotionWorld::objects() const {
 
 KinematicState MotionWorld::at(ObjectId object, SimTime t) const {
   const std::size_t index = index_of(object);
-  if (index + kFarAhead < objects_.size()) {
-    objects_[index + kFarAhead].timeline.prefetch_piece();
-    objects_[index + kAhead].timeline.prefetch_law(t);
+  if (index + kPieceAhead < objects_.size()) {
+    objects_[index + kPieceAhead].timeline.prefetch_piece();
+    objects_[index + kLawAhead].timeline.prefetch_law(t);
   }
   return objects_[index].timeline.at(t);
 }

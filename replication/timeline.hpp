@@ -1,6 +1,5 @@
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -41,17 +40,12 @@ class Timeline {
   [[nodiscard]] std::optional<SimTime> last_change_until(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> next_change_after(SimTime t) const;
 
-  // For who goes through many objects in turn: what at(t) reads and what replace_from() writes comes from memory
-  // meanwhile, which takes as long as the work. First where it is, then, once that has come, what it leads to.
+  // For who asks of many objects in turn: what at(t) reads comes from memory meanwhile. First the piece; once that is
+  // there, the law, if the piece does not answer for t.
   void prefetch_piece() const { prefetch(&piece_, sizeof piece_); }
   void prefetch_law(SimTime t) const {
     if (!in_piece(t)) prefetch(&last_, sizeof last_);
   }
-  void prefetch_last() const {
-    prefetch(&past_, sizeof past_);
-    prefetch(&last_, sizeof last_);
-  }
-  void prefetch_next() const { prefetch(past_.data() + past_.size(), sizeof(Segment)); }
 
   [[nodiscard]] SimTime begin() const { return segment(0).from; }
   // Strictly increasing `from`; at least one.
@@ -72,11 +66,9 @@ class Timeline {
   [[nodiscard]] std::size_t index_at(SimTime t) const;
   static void prefetch(const void* what, std::size_t size_bytes) {
     constexpr std::size_t kCacheLine_bytes = 64;
-    const auto begin = reinterpret_cast<std::uintptr_t>(what);  // a number: there may be nothing yet
-    for (std::uintptr_t line = begin / kCacheLine_bytes * kCacheLine_bytes; line < begin + size_bytes;
-         line += kCacheLine_bytes) {
-      __builtin_prefetch(reinterpret_cast<const void*>(line));
-    }
+    const auto* const begin = static_cast<const std::byte*>(what);
+    for (std::size_t i = 0; i < size_bytes; i += kCacheLine_bytes) __builtin_prefetch(begin + i);
+    __builtin_prefetch(begin + size_bytes - 1);  // the last line, where the first is not begun at its begin
   }
 
   std::vector<Segment> past_;

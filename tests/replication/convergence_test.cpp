@@ -126,26 +126,24 @@ TEST(Convergence, WhatMayNotPassFollowsTheGhostsOwnWay) {
   }
 }
 
-// A ball that its owner has carried around a wall is not drawn through it.
+PeerConfig joins(const World& world, std::uint32_t id, const char* enslaves, ConvergencePolicy convergence = {}) {
+  PeerConfig config;
+  config.id = PeerId{id};
+  config.name = id == 1 ? "one" : "two";
+  config.convergence = convergence;
+  if (enslaves != nullptr) config.enslaved.push_back({world[enslaves], true});
+  return config;
+}
+Duration phase(SimTime t) { return t.time_since_epoch() - kEpoch; }
+// From x = -1 to x = 1, and nobody sees how.
+KinematicState carried(SimTime t) { return moving({phase(t) < 3s ? -1.0 : 1.0, 0, 0}); }
+
 TEST(Convergence, APeerDrawsNothingThroughAWall) {
   const World world(box("BALL", "0.5 0.5 0.5", "-1 0 0", kBounces) + box("WALL", "0.2 9 9", "0 0 0") +
                     interest("BALL", "\"WALL\""));
   Lan lan(world, {5ms, 0ms, 0, 0});
-  for (const std::uint32_t id : {1u, 2u}) {
-    PeerConfig config;
-    config.id = PeerId{id};
-    config.name = id == 1 ? "one" : "two";
-    config.convergence = {ConvergenceMethod::kCubic, 300ms};
-    if (id == 1) config.enslaved.push_back({world["BALL"], true});
-    lan.add(
-        config, 0s,
-        id == 1
-            ? std::map<ObjectId, Lan::Motion>{{world["BALL"],
-                                               [](SimTime t) {
-                                                 return moving({t.time_since_epoch() - kEpoch < 3s ? -1.0 : 1.0, 0, 0});
-                                               }}}
-            : std::map<ObjectId, Lan::Motion>{});
-  }
+  lan.add(joins(world, 1, "BALL"), 0s, {{world["BALL"], carried}});
+  lan.add(joins(world, 2, nullptr, {ConvergenceMethod::kCubic, 300ms}), 0s, {});
   for (Duration t = 2s; t < 4s; t += kFrame) {
     lan.run_until(t);
     Peer& two = lan.peer(1);
@@ -156,6 +154,32 @@ TEST(Convergence, APeerDrawsNothingThroughAWall) {
     ASSERT_TRUE(std::abs(x) > 0.34) << x;
   }
   EXPECT_EQ(lan.peer(1).counters().convergence_blocked, 1u);
+}
+
+// Who drew it a second ago no longer knows where its own wall was then: that the wall has been on the other side in
+// between hinders nothing.
+TEST(Convergence, WhereAnOwnWallWasAndIsNoLongerKnownHindersNothing) {
+  const World world(box("BALL", "0.5 0.5 0.5", "-1 0 0", kBounces) + box("WALL", "0.2 9 9", "-5 0 0") +
+                    interest("BALL", "\"WALL\""));
+  Lan lan(world, {5ms, 0ms, 0, 0});
+  lan.add(joins(world, 1, "BALL"), 0s, {{world["BALL"], carried}});
+  lan.add(joins(world, 2, "WALL", {ConvergenceMethod::kLinear, 2s}), 0s, {{world["WALL"], [](SimTime t) {
+                                                                             const bool away =
+                                                                                 phase(t) > 2600ms && phase(t) < 3100ms;
+                                                                             return moving({away ? 5.0 : -5.0, 0, 0});
+                                                                           }}});
+  std::vector<double> drawn;
+  for (const Duration t : {2500ms, 3500ms}) {
+    lan.run_until(t);
+    Peer& two = lan.peer(1);
+    const SimTime now = lan.session_now(1);
+    two.look(now);
+    drawn.push_back(two.shown(world["BALL"], now).position.x());
+  }
+  EXPECT_NEAR(drawn[0], -1.0, 1e-3);
+  EXPECT_NEAR(drawn[1], 0.0, 1e-2);  // half of the two seconds
+  EXPECT_EQ(lan.peer(1).counters().convergence_blocked, 0u);
+  EXPECT_EQ(lan.peer(1).counters().convergence_detours, 0u);
 }
 
 }  // namespace

@@ -793,6 +793,25 @@ TEST(MotionWorld, KeepsWhereADrivenObjectWasAsLongAsItIsTold) {
     }
   }
   EXPECT_NEAR(brief.at(w["C"], sim(9500ms)).position.x(), 9.5, 1e-12);
+  EXPECT_GT(brief.at(w["A"], sim(8s)).position.x(), 9.4) << "nothing is kept that nobody may ask for";
+}
+
+// Its driver has given it to another peer; what is told late of its partner is from before what is kept of it.
+TEST(MotionWorld, FindsNoContactWhereItNoLongerKnowsWhereOneWas) {
+  const World w(box("A", "1 1 1", "0 50 0") + box("B", "1 1 1", "-20 0 0", kBounces) + interest("B", "\"A\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.keep_driven(500ms);
+  world.declare(w["A"], Role::kDriven);
+  world.declare(w["B"], Role::kBelief);
+  for (Duration now = 0s; now <= 10s; now += 10ms) {
+    world.set_base(w["A"], sim(now), moving({0, now < 9s ? 50.0 : 0.0, 0}));
+    world.advance(sim(now));
+  }
+  world.declare(w["A"], Role::kBelief);
+  world.set_base(w["B"], sim(8s), moving({-8, 0, 0}, {10, 0, 0}));  // was at A's place before A was
+  world.advance(sim(10100ms));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_NEAR(world.at(w["B"], sim(10s)).position.x(), 12.0, 1e-12);
 }
 
 // ---- laws that are no constant acceleration ----
