@@ -21,6 +21,8 @@ using spdlog::level::level_enum;
 
 // The kernel's own bound grows by 0.5 ms a second.
 constexpr std::chrono::seconds kOsClockPeriod{1};
+// Of so many looks one is at timers, signals and control, too.
+constexpr int kLooksAtSockets = 8;
 
 Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock,
                Log log, std::optional<Duration> leave_after, record::CaptureWriter* capture)
@@ -91,13 +93,15 @@ int Daemon::run() {
   return exit_code_;
 }
 
-// As io_.run(), but for what comes before it sleeps. Whose datagram it waits for may share its processor: between two
-// looks it offers that, or both would wait until it sleeps.
+// As io_.run(), but for what comes before it sleeps. Datagrams are what hurries: most looks ask the sockets themselves,
+// which takes one system call in place of two. Whose datagram it waits for may share its processor: between two looks it
+// offers that, or both would wait until it sleeps.
 void Daemon::serve() {
   while (io_.run_one() > 0) {
     HostTime done = clock_.now();
-    while (clock_.now() - done < busy_poll_ && !io_.stopped()) {
-      if (io_.poll() > 0) {
+    for (int look = 1; clock_.now() - done < busy_poll_ && !io_.stopped(); ++look) {
+      const bool all = look % kLooksAtSockets == 0;
+      if (all ? io_.poll() > 0 : transport_.receive_pending()) {
         done = clock_.now();
       } else {
         std::this_thread::yield();

@@ -322,9 +322,11 @@ void MulticastSocket::start(Socket& socket) {
   socket.receiver.start([this](const Received& received, HostTime at) { take(received, at); });
 }
 
-void MulticastSocket::receive_pending() {
+bool MulticastSocket::receive_pending() {
+  bool any = false;
   // By number: the handler may join, which may add a socket.
-  for (std::size_t i = 0; i < sockets_.size(); ++i) sockets_[i]->receiver.read();
+  for (std::size_t i = 0; i < sockets_.size(); ++i) any |= sockets_[i]->receiver.read();
+  return any;
 }
 
 void MulticastSocket::take(const Received& received, HostTime at) {

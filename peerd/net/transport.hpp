@@ -46,8 +46,9 @@ class Transport {
 
   // Starts reading; once, with a handler that can be called. Before that the kernel queues what arrives.
   virtual void on_receive(ReceiveHandler handler) = 0;
-  // Hands on what waits by now, so that what came before a tick is known in it. After on_receive().
-  virtual void receive_pending() = 0;
+  // Hands on what waits by now, so that what came before a tick is known in it; whether anything did. After
+  // on_receive().
+  virtual bool receive_pending() = 0;
 
   // Both may be repeated: joining what is joined and leaving what is not do nothing. After leave() the handler is not
   // called for that region any more, not even for what the kernel had queued.

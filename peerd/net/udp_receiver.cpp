@@ -29,9 +29,10 @@ void UdpReceiver::wait() {
                      });
 }
 
-void UdpReceiver::read() {
+bool UdpReceiver::read() {
   assert(handler_ && !reading_.busy);
   reading_.busy = true;
+  bool any = false;
   for (int turn = 0; turn < kReadsPerTurn; ++turn) {
     const HostTime before = reading_.clock.now();
     ++reading_.counters.calls_in;
@@ -41,6 +42,7 @@ void UdpReceiver::read() {
       break;
     }
     if (count > 0) {
+      any = true;
       const HostClock::Pair pair = reading_.clock.pair_with_wall();
       reading_.arrivals.on_pair(pair);
       for (int i = 0; i < count; ++i) {
@@ -55,6 +57,7 @@ void UdpReceiver::read() {
     }
   }
   reading_.busy = false;
+  return any;
 }
 
 // The kernel says how many in all, modulo 2^32, as they were when this one came: what was turned away since then makes

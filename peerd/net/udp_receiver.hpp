@@ -38,8 +38,8 @@ class UdpReceiver {
   void start(Handler handler);
   // The socket's filter has dropped one, or soon will: the kernel counts it among those it lost.
   void on_turned_away() { ++turned_away_; }
-  // What waits now, as much as is fair to others.
-  void read();
+  // What waits now, as much as is fair to others; whether anything did.
+  bool read();
 
  private:
   void wait();

@@ -83,7 +83,7 @@ void UnicastFanOut::on_receive(ReceiveHandler handler) {
   next_round();
 }
 
-void UnicastFanOut::receive_pending() { receiver_.read(); }
+bool UnicastFanOut::receive_pending() { return receiver_.read(); }
 
 std::expected<void, NetError> UnicastFanOut::join(RegionId region) {
   if (joined_.insert(region).second) changed();

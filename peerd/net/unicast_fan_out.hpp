@@ -41,7 +41,7 @@ class UnicastFanOut final : public Transport {
   ~UnicastFanOut() override;
 
   void on_receive(ReceiveHandler handler) override;
-  void receive_pending() override;
+  bool receive_pending() override;
   std::expected<void, NetError> join(RegionId region) override;
   std::expected<void, NetError> leave(RegionId region) override;
   void send(RegionId region, std::span<const std::byte> datagram) override;
