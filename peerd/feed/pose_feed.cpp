@@ -88,6 +88,7 @@ std::expected<void, Refusal> PoseFeed::push(HostTime now, std::optional<HostTime
   const HostTime t = at.value_or(now);
   if (t < now - kAgeMax) return std::unexpected(Refusal::kTooOld);
   if (t > now + kAheadMax) return std::unexpected(Refusal::kTooFarAhead);
+  if (poses_.full()) poses_.set_capacity(std::clamp<std::size_t>(2 * poses_.size(), 16, kPosesMax));
   const auto next = not_before(t);
   if (next != poses_.end() && next->at == t) return std::unexpected(Refusal::kDuplicate);
   Known known{t, at.has_value(), pose};
@@ -96,9 +97,10 @@ std::expected<void, Refusal> PoseFeed::push(HostTime now, std::optional<HostTime
   } else {
     known.pose.orientation = next == poses_.begin() ? place_.orientation : *std::prev(next)->pose.orientation;
   }
-  poses_.insert(next, std::move(known));
+  poses_.insert(poses_.begin() + (next - poses_.cbegin()),
+                std::move(known));  // the first goes where there are kPosesMax
   const HostTime oldest = poses_.back().at - kMemory;
-  while (poses_.size() > kPosesMax || (poses_.size() > kPosesMin && poses_.front().at < oldest)) poses_.pop_front();
+  while (poses_.size() > kPosesMin && poses_.front().at < oldest) poses_.pop_front();
   return {};
 }
 

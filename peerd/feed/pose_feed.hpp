@@ -1,6 +1,6 @@
 #pragma once
+#include <boost/circular_buffer.hpp>
 #include <cstdint>
-#include <deque>
 #include <expected>
 #include <optional>
 
@@ -74,7 +74,7 @@ class PoseFeed {
     bool stamped;
     PoseSample pose;  // always with an orientation
   };
-  using Poses = std::deque<Known>;
+  using Poses = boost::circular_buffer<Known>;
 
   [[nodiscard]] Poses::const_iterator not_before(HostTime t) const;
   [[nodiscard]] const Known* before(const Known& later, Duration spacing) const;
