@@ -94,8 +94,8 @@ int Daemon::run() {
 }
 
 // As io_.run(), but for what comes before it sleeps. Datagrams are what hurries: most looks ask the sockets themselves,
-// which takes one system call in place of two. Whose datagram it waits for may share its processor: between two looks it
-// offers that, or both would wait until it sleeps.
+// which takes one system call in place of two. Whose datagram it waits for may share its processor: between two looks
+// it offers that, or both would wait until it sleeps.
 void Daemon::serve() {
   while (io_.run_one() > 0) {
     HostTime done = clock_.now();

@@ -17,6 +17,9 @@ constexpr std::size_t kSpanMax = 4;
 constexpr std::size_t kTriplesMax = 8;
 // What derivatives a horizon ago are taken from is kept so long beyond it.
 constexpr double kSpanMax_s = 0.25;
+// Once a run has so many samples, predictions are judged so often within the memory: neighbours say nearly the same.
+constexpr std::size_t kYoung = 16;
+constexpr double kJudgedInMemory = 12.0;
 // A model takes another's place if it is expected to be this much better: enough not to flap between equals.
 constexpr double kBetterBy = 0.8;
 constexpr double kBetterBy_m = 1e-6;
@@ -237,6 +240,9 @@ void ModelChooser::judge(const Horizon& horizon) {
     return;
   }
   const SimTime now = samples_[n].at;
+  const Duration since = now - std::max(judged_at_, samples_[n - back].at);
+  if (back >= kYoung && since < from_seconds(policy_.memory_s / kJudgedInMemory)) return;
+  judged_at_ = now;
   const double end_s = std::min(horizon.end_s(), policy_.horizon_max_s);
   const auto age_s = [&](std::size_t k) { return to_seconds(now - samples_[n - k].at); };
   const std::size_t half = std::max<std::size_t>(1, back / 2);
@@ -245,7 +251,7 @@ void ModelChooser::judge(const Horizon& horizon) {
   while (k < half && age_s(k + 1) <= end_s) ++k;
   judged_ = k;
   const std::size_t base = n - k;
-  const double h = age_s(k), share = std::min(1.0, age_s(1) / policy_.memory_s);
+  const double h = age_s(k), share = std::min(1.0, to_seconds(since) / policy_.memory_s);
   const double farther = std::max(1.0, end_s / h);
   MotionModel model = samples_[base].state;
   const Quat& truth = samples_[n].state.orientation;

@@ -66,7 +66,8 @@ class ModelChooser {
 
   ModelPolicy policy_;
   boost::circular_buffer<Sample> samples_;
-  std::size_t judged_ = 1;  // so many samples ago is what was judged last
+  SimTime judged_at_ = SimTime::min();
+  std::size_t judged_ = 1;  // so many samples before that was what was judged
   std::array<Score, kKinds> scores_{};
   Score spin_constant_, spin_accelerated_;
   double usual_jump_m_s_ = 0.0, usual_change_m_s2_ = 0.0;  // of velocity and acceleration, sample to sample
