@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdint>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -21,8 +22,8 @@ using spdlog::level::level_enum;
 
 // The kernel's own bound grows by 0.5 ms a second.
 constexpr std::chrono::seconds kOsClockPeriod{1};
-// Of so many looks one is at timers, signals and control, too.
-constexpr int kLooksAtSockets = 8;
+// Of so many looks of one who does not sleep, one is at timers, signals and control, too.
+constexpr std::uint64_t kLooksPerPoll = 8;
 
 Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock,
                Log log, std::optional<Duration> leave_after, record::CaptureWriter* capture)
@@ -99,8 +100,8 @@ int Daemon::run() {
 void Daemon::serve() {
   while (io_.run_one() > 0) {
     HostTime done = clock_.now();
-    for (int look = 1; clock_.now() - done < busy_poll_ && !io_.stopped(); ++look) {
-      const bool all = look % kLooksAtSockets == 0;
+    for (std::uint64_t look = 1; clock_.now() - done < busy_poll_ && !io_.stopped(); ++look) {
+      const bool all = look % kLooksPerPoll == 0;
       if (all ? io_.poll() > 0 : transport_.receive_pending()) {
         done = clock_.now();
       } else {

@@ -97,8 +97,8 @@ std::expected<void, Refusal> PoseFeed::push(HostTime now, std::optional<HostTime
   } else {
     known.pose.orientation = next == poses_.begin() ? place_.orientation : *std::prev(next)->pose.orientation;
   }
-  poses_.insert(poses_.begin() + (next - poses_.cbegin()),
-                std::move(known));  // the first goes where there are kPosesMax
+  // In place of the first one where there are kPosesMax.
+  poses_.insert(poses_.begin() + (next - poses_.cbegin()), std::move(known));
   const HostTime oldest = poses_.back().at - kMemory;
   while (poses_.size() > kPosesMin && poses_.front().at < oldest) poses_.pop_front();
   return {};
