@@ -5,6 +5,8 @@
 #include <cstring>
 #include <utility>
 
+#include "core/prefetch.hpp"
+
 namespace peerd {
 namespace {
 
@@ -18,14 +20,6 @@ std::array<double, 3> stored(const Vec3& v) { return {v[0], v[1], v[2]}; }
 std::array<double, 4> stored(const Quat& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 Vec3 loaded(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 Quat loaded(const std::array<double, 4>& q) { return {q[3], q[0], q[1], q[2]}; }
-
-constexpr std::size_t kCacheLineBytes = 64;
-template <class T>
-void prefetch(const T& what) {
-  const char* bytes = reinterpret_cast<const char*>(&what);
-  for (std::size_t at = 0; at < sizeof(T); at += kCacheLineBytes) __builtin_prefetch(bytes + at, 1);
-  __builtin_prefetch(bytes + sizeof(T) - 1, 1);
-}
 
 template <class T>
 std::size_t capacity_bytes(const std::vector<T>& v) {

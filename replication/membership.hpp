@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "core/ids.hpp"
@@ -66,7 +67,7 @@ struct Member {
   }
   Duration latency{0};  // how late it hears of others, as it says
   std::optional<Viewpoint> viewpoint;
-  std::map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied
+  std::unordered_map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied
 };
 
 // Who is here. Silence makes a peer lost, a higher boot number makes it a new one.

@@ -12,6 +12,8 @@ namespace {
 
 // Of one object, whatever the tick rate: 2 s at 250 Hz, 90 kB.
 constexpr std::size_t kSamplesMax = 512;
+// .. and room for so many more at a time: room that is not needed is memory that is walked through all the same.
+constexpr std::size_t kMoreSamples = 16;
 // Derivatives are taken over this many samples on either side at most: more smooths noise, fewer see changes sooner.
 constexpr std::size_t kSpanMax = 4;
 constexpr std::size_t kTriplesMax = 8;
@@ -122,16 +124,14 @@ void ModelChooser::push(SimTime t, const KinematicState& state, const Horizon& h
     if (corner) scores_ = {};
     learn_what_is_usual(before, now);
   }
-  keep(now);
+  keep(now, std::min(horizon.latency_s + Horizon::kIntervalMax_s, policy_.horizon_max_s));
   judge(horizon);
 }
 
-void ModelChooser::keep(const Sample& now) {
-  if (samples_.full()) samples_.set_capacity(std::clamp<std::size_t>(2 * samples_.size(), 16, kSamplesMax));
+void ModelChooser::keep(const Sample& now, double horizon_s) {
+  if (samples_.full()) samples_.set_capacity(std::min(samples_.size() + kMoreSamples, kSamplesMax));
   samples_.push_back(now);  // which takes the place of the first one where there are kSamplesMax
-  while (samples_.size() > 2 && now.at - samples_[1].at > from_seconds(policy_.horizon_max_s + kSpanMax_s)) {
-    samples_.pop_front();
-  }
+  while (samples_.size() > 2 && now.at - samples_[1].at > from_seconds(horizon_s + kSpanMax_s)) samples_.pop_front();
 }
 
 void ModelChooser::learn_what_is_usual(const Sample& before, const Sample& now) {

@@ -6,6 +6,7 @@
 
 #include <boost/circular_buffer.hpp>
 
+#include "core/prefetch.hpp"
 #include "core/time.hpp"
 #include "replication/motion_model.hpp"
 
@@ -21,6 +22,7 @@ struct ModelPolicy {
 
 // When a receiver will use what is sent now: from `latency_s` on, for `interval_s`.
 struct Horizon {
+  static constexpr double kIntervalMax_s = 0.5;
   double latency_s = 0.0, interval_s = 0.25;
   [[nodiscard]] double end_s() const { return latency_s + interval_s; }
 };
@@ -37,6 +39,13 @@ class ModelChooser {
 
   // The object's state at t, later than all before.
   void push(SimTime t, const KinematicState& state, const Horizon& horizon);
+
+  // What the next push() will need comes from memory meanwhile.
+  void prefetch() const {
+    if (samples_.size() < 2) return;
+    peerd::prefetch(&samples_.back(), 2 * sizeof(Sample));  // and where the next one comes
+    peerd::prefetch(samples_[1].at);
+  }
 
   // Based on the last sample. Ties go to the simpler model, then to the one chosen before.
   [[nodiscard]] MotionModel choose();
@@ -61,7 +70,7 @@ class ModelChooser {
   [[nodiscard]] bool make_history(std::size_t i, MotionModel& model) const;
   [[nodiscard]] bool is_corner(const Sample& before, const Sample& now) const;
   void learn_what_is_usual(const Sample& before, const Sample& now);
-  void keep(const Sample& now);
+  void keep(const Sample& now, double horizon_s);
   void judge(const Horizon& horizon);
 
   ModelPolicy policy_;

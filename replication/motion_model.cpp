@@ -295,9 +295,11 @@ bool within_limits(const MotionModel& m) {
   if (m.kind != MotionKind::kThird && !oscillating && !is_zero(m.jerk)) return false;
   if (!turning && !oscillating && !is_zero(m.rate_rad_s)) return false;
   if (oscillating && m.rate_rad_s.minCoeff() < 0.0) return false;
-  const double rate = turning ? m.rate_rad_s.norm() : m.rate_rad_s.cwiseAbs().maxCoeff();
-  return m.rate_rad_s.allFinite() && rate <= kRateMax_rad_s && m.jerk.norm() <= kJerkMax_m_s3 &&
-         m.angular_acceleration_body.norm() <= kSpinAccelerationMax_rad_s2;  // which no NaN's norm is
+  const auto within = [](const Vec3& v, double most) { return v.squaredNorm() <= most * most; };  // no NaN is
+  const bool rate_within = turning ? within(m.rate_rad_s, kRateMax_rad_s)
+                                   : m.rate_rad_s.allFinite() && m.rate_rad_s.cwiseAbs().maxCoeff() <= kRateMax_rad_s;
+  return rate_within && within(m.jerk, kJerkMax_m_s3) &&
+         within(m.angular_acceleration_body, kSpinAccelerationMax_rad_s2);
 }
 
 KinematicState evaluate(const MotionModel& m, double dt_s) {

@@ -59,10 +59,10 @@ inline constexpr double kSpinAccelerationMax_rad_s2 = 2e3;
 // same on all peers: on a grid of a power of two of nanoseconds from the base, which the model alone decides. A piece
 // goes through the closed form's pose at both ends and its position in the middle. Between them it is off by at most
 // |jerk| h^3 / 125 and |alpha| h^2 / 8; h is the longest of 2^22 to 2^27 ns (4 to 134 ms) that keeps these below
-// kPieceError_m and kPieceError_rad, for jerks up to 17 km/s^3 and 45 rad/s^2; beyond those h stays at 4 ms and the
+// kPieceError_m and kPieceError_rad, for jerks up to 17 km/s^3 and 180 rad/s^2; beyond those h stays at 4 ms and the
 // error grows in proportion.
 inline constexpr double kPieceError_m = 1e-5;
-inline constexpr double kPieceError_rad = 1e-4;
+inline constexpr double kPieceError_rad = 4e-4;  // half of what an update's orientation is rounded to
 struct MotionPiece {
   Duration begin{0};            // since the base
   std::optional<Duration> end;  // none: for ever

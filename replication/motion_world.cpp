@@ -178,12 +178,21 @@ void MotionWorld::forget() {
 void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model) {
   const std::size_t index = index_of(object);
   Object& o = objects_[index];
-  if (!pairs_of(index).empty()) events_.push_back(TakenBack{object, t - Duration{1}});
+  o.base_time = t;
+  ++o.revision;
+  if (pairs_of(index).empty()) {  // it meets nothing
+    if (o.role == Role::kDriven && forgets_unmet_) {
+      o.timeline.restart(t, model);
+    } else {
+      o.timeline.replace_from(t, model, std::nullopt);
+      timeline_changed(index);
+    }
+    return;
+  }
+  events_.push_back(TakenBack{object, t - Duration{1}});
   take_back(index, t);
   o.timeline.replace_from(t, model, std::nullopt);
   timeline_changed(index);
-  o.base_time = t;
-  ++o.revision;
   forget_bounces(index, SimTime::min());
   reopen(index, t);
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collision/contact_time.hpp"
+#include "core/prefetch.hpp"
 #include "core/time.hpp"
 #include "replication/schedule.hpp"
 #include "replication/swept_bound.hpp"
@@ -77,10 +78,12 @@ class MotionWorld {
   // Turns watching of a pair on or off; all pairs start watched.
   void watch(ObjectId a, ObjectId b, bool on);
 
-  // How long where a driven object was is kept after the last advance(), > 0; 4 s at first, as of all others.
+  // How long where a driven object was is kept after the last advance(), > 0; 4 s at first, as of all others. Of one
+  // that no interest names, nothing but what was told last is kept from then on: nobody meets it.
   void keep_driven(Duration history) {
     assert(history > Duration{0});
     driven_history_ = history;
+    forgets_unmet_ = true;
   }
 
   // Asked at each contact.
@@ -90,6 +93,11 @@ class MotionWorld {
   // From t on, the object moves so: an update, a sample, a decision. t may lie in the past; beliefs that followed from
   // what is replaced are taken back and found anew by the next advance().
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
+
+  // For who tells many in turn: what set_base() will need of this one comes from memory meanwhile.
+  void prefetch(ObjectId object) const {
+    if (const Object* o = find(object)) peerd::prefetch(*o);
+  }
 
   // Answers all contacts up to `to`, in time order.
   void advance(SimTime to);
@@ -174,6 +182,7 @@ class MotionWorld {
   const WorldModel& model_;
   SimTime start_, advanced_;
   Duration driven_history_;
+  bool forgets_unmet_ = false;
   std::vector<Object> objects_;             // the model's bodies, then what else was declared, as it came
   std::vector<std::uint32_t> index_by_id_;  // into objects_; kNone
   std::vector<Pair> pairs_;                 // the model's

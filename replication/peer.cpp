@@ -42,17 +42,20 @@ Peer::Peer(PeerConfig config, const WorldModel& model)
     : config_(std::move(config)),
       model_(model),
       members_(config_.lost_after),
+      owners_(model.scene->instances.size()),
       colliding_(model),
       grid_(config_.regions.grid()),
       interest_(grid_, config_.regions.hysteresis) {
   if (!model.moving.empty()) predefined_.emplace(*model.scene);
   assert(config_.id.value != 0 && config_.boot != 0 && config_.tick_hz > 0);
+  std::ranges::sort(config_.enslaved, {}, &Enslaved::object);
+  own_.reserve(config_.enslaved.size());
   for (const Enslaved& e : config_.enslaved) {
     Own& own = own_[e.object];
     own.driven = e.driven;
     own.launch = e.launch;
     if (config_.policy.surface_error) own.reach_m = reach_m(*model.scene, e.object);
-    owners_[e.object] = config_.id;
+    owners_.set(e.object, config_.id);
   }
   outputs_.push_back(Join{kWholeScene});
 }
@@ -132,14 +135,9 @@ HostTime Peer::next_deadline() const {
   return next;
 }
 
-PeerId Peer::owner(ObjectId object) const {
-  const auto at = owners_.find(object);
-  return at == owners_.end() ? kNobody : at->second;
-}
-
 KinematicState Peer::truth(ObjectId object, SimTime t) const {
   assert(replica_);
-  return replica_->truth.has(object) ? replica_->truth.at(object, t) : at_rest(model_.scene->rigid_pose(object));
+  return replica_->truth.has(object) ? replica_->truth.at(object, t) : ghost(object, t);
 }
 
 KinematicState Peer::ghost(ObjectId object, SimTime t) const {

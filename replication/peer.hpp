@@ -7,7 +7,10 @@
 #include <set>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
+
+#include <boost/container/flat_map.hpp>
 
 #include "core/predefined_motion.hpp"
 #include "replication/codec.hpp"
@@ -19,6 +22,7 @@
 #include "replication/membership.hpp"
 #include "replication/motion_world.hpp"
 #include "replication/output.hpp"
+#include "replication/owners.hpp"
 #include "replication/peer_config.hpp"
 #include "replication/peer_counters.hpp"
 #include "replication/position_history.hpp"
@@ -102,11 +106,11 @@ class Peer {
   // Whose session time this peer takes over; itself: it leads. None: nobody's yet.
   [[nodiscard]] std::optional<PeerId> follows() const { return follows_; }
   [[nodiscard]] const Membership& members() const { return members_; }
-  [[nodiscard]] PeerId owner(ObjectId object) const;
-  // Everything that somebody runs, and who.
-  [[nodiscard]] const std::map<ObjectId, PeerId>& owners() const { return owners_; }
+  [[nodiscard]] PeerId owner(ObjectId object) const { return owners_.of(object); }
+  [[nodiscard]] const Owners& owners() const { return owners_; }
   // What this peer knows of an object that it runs, and what everybody believes of any object. Need a session. Of the
-  // past 4 s; of own objects that something drives of the past half second, unless they are shown late.
+  // past 4 s; of own objects that something drives of the past half second, and of those that no interest names since
+  // their last sample, unless they are shown late.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
   // Whether this peer hears of the object: false for what is in regions that it does not listen to. What it says of
@@ -122,8 +126,9 @@ class Peer {
   [[nodiscard]] MotionWorld::Counters motion_counters() const;
 
  private:
-  // Both worlds begin with the session. `truth` holds what is known: own objects as they are, the others as believed.
-  // `ghosts` holds what the others believe, own objects included: the sender's copy of every receiver's ghosts.
+  // Both worlds begin with the session. `truth` holds what is known: own objects as they are, and as believed those of
+  // the others that may meet something. `ghosts` holds what the others believe, own objects included: the sender's copy
+  // of every receiver's ghosts.
   struct Replica {
     MotionWorld truth, ghosts;
   };
@@ -159,6 +164,7 @@ class Peer {
   void begin_motions(SimTime until);
   void change_session(SimTime before, SimTime now);
   void declare_all();
+  void declare_anothers(ObjectId object, Role role);
   void on_stranger(HostTime now, PeerId stranger);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
   void on_echo(PeerId sender, Member& member, const Echo* echo);
@@ -294,8 +300,8 @@ class Peer {
   const WorldModel& model_;
   SessionClock clock_;
   Membership members_;
-  std::map<ObjectId, Own> own_;
-  std::map<ObjectId, PeerId> owners_;  // of what somebody runs, own objects included
+  boost::container::flat_map<ObjectId, Own> own_;  // a tick goes through all of them
+  Owners owners_;                                  // own objects included
   DecisionLog decisions_;
   // Contacts that this peer has found and another is to decide.
   struct Held {
@@ -303,7 +309,7 @@ class Peer {
     PeerId decider;
   };
   std::vector<Held> held_;
-  std::map<ObjectId, UpdateRecord> told_;  // of others' objects: the last update that was applied
+  std::unordered_map<ObjectId, UpdateRecord> told_;  // of others' objects: the last update that was applied
   std::optional<Replica> replica_;
   CollidingObjects colliding_;  // in the world as this peer knows it
   std::map<ObjectId, Convergence> shown_;

@@ -172,7 +172,7 @@ void Peer::on_update(PeerId sender, UpdateRecord& u, SimTime session_now) {
 
 void Peer::set_ghost(ObjectId object, SimTime t, const MotionModel& model) {
   replica_->ghosts.set_base(object, t, model);
-  if (!own_.contains(object)) replica_->truth.set_base(object, t, model);
+  if (!own_.contains(object) && replica_->truth.has(object)) replica_->truth.set_base(object, t, model);
 }
 
 }  // namespace peerd::replication

@@ -116,9 +116,10 @@ double Peer::loss_of(const Member& member, double others) const {
 void Peer::send_copies() {
   if (out_of_bytes_) return;
   const double loss_now = loss();
+  const std::uint32_t most_that_must_arrive = std::max(config_.policy.copies, kCopiesToArrive);
+  if (copies_against(loss_now, most_that_must_arrive) == 1) return;
   for (auto& [object, own] : own_) {
-    const std::uint32_t most =
-        own.must_arrive ? std::max(config_.policy.copies, kCopiesToArrive) : config_.policy.copies;
+    const std::uint32_t most = own.must_arrive ? most_that_must_arrive : config_.policy.copies;
     const std::uint32_t times = copies_against(loss_now, most);
     if (!own.to_repeat || own.times_sent >= times) continue;
     ++own.times_sent;

@@ -264,11 +264,8 @@ void Peer::change_session(SimTime before, SimTime now) {
   oldest_update_ = Duration{0};
   declare_all();
   for (const ObjectId object : old.ghosts.objects()) {
-    if (!replica_->ghosts.has(object)) {  // frozen: nobody runs it, no interest names it
-      replica_->truth.declare(object, Role::kScene);
-      replica_->ghosts.declare(object, Role::kScene);
-    }
-    replica_->truth.set_base(object, now, old.truth.model_at(object, before));
+    if (!replica_->ghosts.has(object)) replica_->ghosts.declare(object, Role::kScene);  // frozen, and meets nothing
+    if (replica_->truth.has(object)) replica_->truth.set_base(object, now, old.truth.model_at(object, before));
     replica_->ghosts.set_base(object, now, old.ghosts.model_at(object, before));
   }
   restart_predefined();
@@ -286,11 +283,20 @@ void Peer::change_session(SimTime before, SimTime now) {
 void Peer::declare_all() {
   for (const auto& [object, peer] : owners_) {
     const auto own = own_.find(object);
-    const bool ours = own != own_.end();
-    replica_->truth.declare(object, !ours ? Role::kBelief : own->second.driven ? Role::kDriven : Role::kFirm);
-    replica_->ghosts.declare(object, Role::kBelief);
+    if (own != own_.end()) {
+      replica_->truth.declare(object, own->second.driven ? Role::kDriven : Role::kFirm);
+      replica_->ghosts.declare(object, Role::kBelief);
+    } else {
+      declare_anothers(object, Role::kBelief);
+    }
   }
   watch_decided_pairs();
+}
+
+// What nothing can meet is what the ghosts say: the truth has no use for it.
+void Peer::declare_anothers(ObjectId object, Role role) {
+  if (replica_->truth.has(object)) replica_->truth.declare(object, role);
+  replica_->ghosts.declare(object, role);
 }
 
 // The truth watches what this peer finds. Ghosts are watched wherever they may meet something, own ones included:
@@ -349,26 +355,25 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
       drop("object");
       continue;
     }
-    const auto [at, added] = owners_.try_emplace(object, peer);
-    const bool taken = !added && peer < at->second;
+    const PeerId before = owners_.of(object);
+    const bool added = before == kNobody, taken = !added && peer < before;
     if (taken) {
       outputs_.push_back(OwnershipConflict{object, peer});
-      if (at->second == config_.id) {
+      if (before == config_.id) {
         own_.erase(object);
         starts_.erase(object);
         changed_.erase(object);
       }
       std::erase_if(departures_, [&](const Departure& d) { return d.gone.object == object; });
-      at->second = peer;
     }
     if (!added && !taken) continue;
+    owners_.set(object, peer);
     changed.push_back(object);
     // Where an owner has it who was away, nobody here has heard.
     if (grid_.cuts()) unhear(object);
     if (replica_) {
       if (grid_.cuts()) colliding_.forget(object, tick_time(last_tick_));
-      replica_->truth.declare(object, Role::kBelief);
-      replica_->ghosts.declare(object, Role::kBelief);
+      declare_anothers(object, Role::kBelief);
     }
   }
   watch_pairs_around(changed);
@@ -387,20 +392,16 @@ void Peer::release(PeerId peer, HostTime now) {
     own.heard.erase(peer);
     own.may_lack.erase(peer);
   }
-  for (auto at = owners_.begin(); at != owners_.end();) {
-    if (at->second != peer) {
-      ++at;
-      continue;
-    }
+  for (const auto& [object, owner] : owners_) {
+    if (owner != peer) continue;
     if (replica_) {
-      set_ghost(at->first, t, at_rest(replica_->ghosts.at(at->first, t).pose()));
-      replica_->truth.declare(at->first, Role::kScene);
-      replica_->ghosts.declare(at->first, Role::kScene);
-      if (holds(at->first)) outputs_.push_back(Frozen{at->first, peer});
-      told_.erase(at->first);
+      set_ghost(object, t, at_rest(replica_->ghosts.at(object, t).pose()));
+      declare_anothers(object, Role::kScene);
+      if (holds(object)) outputs_.push_back(Frozen{object, peer});
+      told_.erase(object);
     }
-    heard_in_.erase(at->first);  // it stays where it is: who leaves its region keeps it
-    at = owners_.erase(at);
+    heard_in_.erase(object);  // it stays where it is: who leaves its region keeps it
+    owners_.set(object, kNobody);
   }
   watch_decided_pairs();
 }

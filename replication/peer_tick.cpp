@@ -16,7 +16,7 @@ namespace peerd::replication {
 namespace {
 
 // What the next interval between two updates may be expected to be.
-constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
+constexpr double kIntervalMin_s = 0.1;
 // To how small a part of the time within which surfaces may meet the search for their time goes.
 constexpr double kTimeSteps = 16.0;
 // What is squeezed between two others touches each of them many times a millisecond. Contacts of one pair no farther
@@ -58,6 +58,9 @@ Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, Mo
 // days, or a decision that somebody made up.
 bool sendable(const MotionModel& model) { return acceptable(model.state) && within_limits(model); }
 
+// Of objects that come so much later in a tick, what it needs of them comes from memory meanwhile.
+constexpr std::ptrdiff_t kOwnAhead = 4, kSamplesAhead = 2;
+
 // So long two that may come near each other within within_s certainly don't, by halves of it: surfaces meet later than
 // their spheres. 0 where that is less than a part in kTimeSteps.
 double apart_for_s(const collision::MovingBody& a, const collision::MovingBody& b, double within_s, double margin_m) {
@@ -78,7 +81,9 @@ void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
   begin_motions(t);
   replica_->truth.advance(t);
   auto own = own_.begin();
-  for (const OwnSample& sample : samples) {  // most come in the same order
+  for (std::size_t i = 0; i < samples.size(); ++i) {  // most come in the same order
+    const OwnSample& sample = samples[i];
+    if (i + kOwnAhead < samples.size()) replica_->truth.prefetch(samples[i + kOwnAhead].object);
     if (own == own_.end() || own->first != sample.object) own = own_.find(sample.object);
     if (own == own_.end()) continue;  // lost to another peer
     assert(own->second.driven);
@@ -145,11 +150,15 @@ bool Peer::gains(Own& own, SimTime t, const GhostError& error) {
 
 void Peer::publish(SimTime t) {
   const double latency_s = to_seconds(farthest_latency());
-  for (auto& [object, own] : own_) observe(object, own, t, latency_s);
   tell_changed(t);
   waiting_.clear();
   due_.clear();
-  for (auto& [object, own] : own_) {
+  for (auto at = own_.begin(); at != own_.end(); ++at) {
+    const std::ptrdiff_t left = own_.end() - at;
+    if (left > kOwnAhead) prefetch(at[kOwnAhead]);
+    if (left > kSamplesAhead && at[kSamplesAhead].second.models) at[kSamplesAhead].second.models->prefetch();
+    auto& [object, own] = *at;
+    observe(object, own, t, latency_s);
     const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
     // Where physics takes an object that has met something is not known before its decider says: until then its truth
     // is no better than what the ghosts believe.
@@ -315,7 +324,7 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
   own.budget.spend(policy, t);
   if (own.last_sent) {
     note_who_may_lack(own, t);
-    const double interval_s = std::clamp(to_seconds(t - *own.last_sent), kIntervalMin_s, kIntervalMax_s);
+    const double interval_s = std::clamp(to_seconds(t - *own.last_sent), kIntervalMin_s, Horizon::kIntervalMax_s);
     own.interval_s += (interval_s - own.interval_s) / 4.0;
   }
   own.last_sent = t;

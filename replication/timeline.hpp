@@ -5,6 +5,7 @@
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
+#include "core/prefetch.hpp"
 #include "core/time.hpp"
 #include "replication/motion_model.hpp"
 
@@ -25,6 +26,12 @@ class Timeline {
 
   // From t on, the object moves so; whatever was believed of t and later is gone.
   void replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause);
+  // The same, and where it was before t is not known any more.
+  void restart(SimTime t, const MotionModel& model) {
+    past_.clear();
+    last_ = {model, t, std::nullopt};
+    piece_.end = SimTime::min();
+  }
   // Forgets the segments that begin at t or later; the first one always stays.
   void truncate_from(SimTime t);
   // Forgets segments that ended before t. What stays is moved: many are better forgotten at once.
@@ -42,9 +49,9 @@ class Timeline {
 
   // For who asks of many objects in turn: what at(t) reads comes from memory meanwhile. First the piece; once that is
   // there, the law, if the piece does not answer for t.
-  void prefetch_piece() const { prefetch(&piece_, sizeof piece_); }
+  void prefetch_piece() const { prefetch(piece_); }
   void prefetch_law(SimTime t) const {
-    if (!in_piece(t)) prefetch(&last_, sizeof last_);
+    if (!in_piece(t)) prefetch(last_);
   }
 
   [[nodiscard]] SimTime begin() const { return segment(0).from; }
@@ -64,13 +71,6 @@ class Timeline {
   [[nodiscard]] bool in_piece(SimTime t) const { return t >= piece_.first && t < piece_.end; }
 
   [[nodiscard]] std::size_t index_at(SimTime t) const;
-  static void prefetch(const void* what, std::size_t size_bytes) {
-    constexpr std::size_t kCacheLine_bytes = 64;
-    const auto* const begin = static_cast<const std::byte*>(what);
-    for (std::size_t i = 0; i < size_bytes; i += kCacheLine_bytes) __builtin_prefetch(begin + i);
-    __builtin_prefetch(begin + size_bytes - 1);  // the last line, where the first is not begun at its begin
-  }
-
   std::vector<Segment> past_;
   Segment last_;  // not with the others: what is in force mostly, beside its piece
   mutable Piece piece_;

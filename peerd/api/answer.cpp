@@ -48,10 +48,8 @@ void add_objects(ordered_json& reply, const PeerNode& node, HostTime now, const 
   reply["next"] = nullptr;
   if (!node.peer().clock().synchronised()) return;  // nothing moves yet
   const SimTime t = node.peer().clock().to_session(now);
-  const auto& owners = node.peer().owners();
-  for (auto at = owners.lower_bound(ObjectId{request.from}); at != owners.end(); ++at) {
-    const auto& [object, owner] = *at;
-    if (owner == replication::kNobody || (own && owner != node.peer().id())) continue;
+  for (const auto& [object, owner] : node.peer().owners().from(ObjectId{request.from})) {
+    if (own && owner != node.peer().id()) continue;
     if (reply["objects"].size() == request.count) {
       reply["next"] = object.value;
       return;

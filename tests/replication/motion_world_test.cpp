@@ -769,7 +769,8 @@ TEST(MotionWorld, ForgetsWhatIsOld) {
 }
 
 TEST(MotionWorld, KeepsWhereADrivenObjectWasAsLongAsItIsTold) {
-  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + box("C", "1 1 1", "0 0 9"));
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + box("C", "1 1 1", "0 0 9") +
+                box("WALL", "1 1 1", "0 0 -99") + interest("WALL", "\"A\" \"B\" \"C\""));
   MotionWorld usual(*w.model, sim(0s)), brief(*w.model, sim(0s));
   brief.keep_driven(500ms);
   for (MotionWorld* world : {&usual, &brief}) {
@@ -794,6 +795,29 @@ TEST(MotionWorld, KeepsWhereADrivenObjectWasAsLongAsItIsTold) {
   }
   EXPECT_NEAR(brief.at(w["C"], sim(9500ms)).position.x(), 9.5, 1e-12);
   EXPECT_GT(brief.at(w["A"], sim(8s)).position.x(), 9.4) << "nothing is kept that nobody may ask for";
+}
+
+TEST(MotionWorld, OfADrivenObjectThatMeetsNothingKeepsWhatItWasToldLast) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0"));
+  MotionWorld usual(*w.model, sim(0s)), brief(*w.model, sim(0s));
+  brief.keep_driven(500ms);
+  for (MotionWorld* world : {&usual, &brief}) {
+    world->declare(w["A"], Role::kDriven);
+    world->declare(w["B"], Role::kFirm);
+    for (const char* moved : {"A", "B"}) {
+      world->set_base(w[moved], sim(10ms), moving({1, 0, 0}, {1, 0, 0}));
+      world->set_base(w[moved], sim(20ms), moving({2, 0, 0}, {1, 0, 0}));
+    }
+    world->advance(sim(20ms));
+  }
+  EXPECT_TRUE(usual.knows(w["A"], sim(10ms)));
+  EXPECT_TRUE(brief.knows(w["B"], sim(10ms)));
+  EXPECT_FALSE(brief.knows(w["A"], sim(10ms)));
+  EXPECT_TRUE(brief.knows(w["A"], sim(20ms)));
+  EXPECT_EQ(brief.at(w["A"], sim(10ms)).position.x(), 2.0) << "it has not moved before";
+  EXPECT_EQ(brief.at(w["A"], sim(30ms)).position, usual.at(w["A"], sim(30ms)).position);
+  EXPECT_EQ(brief.base_time(w["A"]), sim(20ms));
+  EXPECT_EQ(brief.revision(w["A"]), usual.revision(w["A"]));
 }
 
 // Its driver has given it to another peer; what is told late of its partner is from before what is kept of it.

@@ -90,6 +90,12 @@ TEST_F(InSession, OnlyTheOwnerMovesAnObject) {
   EXPECT_EQ(lan.drops(self, "not_owner"), 1u);
 }
 
+TEST_F(InSession, OfAnothersObjectTheTruthIsWhatItsOwnerSays) {
+  receive(update(1, 10ms, 8.0));
+  EXPECT_EQ(lan.peer(self).truth(world["O1"], lan.session_now(self)).position.x(), 8.0);
+  EXPECT_EQ(lan.peer(self).truth(world["O3"], lan.session_now(self)).position.x(), 9.0) << "where the file has it";
+}
+
 // The hello that says who runs it may have been lost.
 TEST_F(InSession, AnUpdateOfWhatNobodyRunsClaimsIt) {
   receive(update(1, 0s, 8.0, "O3"));
