@@ -124,14 +124,16 @@ void ModelChooser::push(SimTime t, const KinematicState& state, const Horizon& h
     if (corner) scores_ = {};
     learn_what_is_usual(before, now);
   }
-  keep(now, std::min(horizon.latency_s + Horizon::kIntervalMax_s, policy_.horizon_max_s));
+  keep(now);
   judge(horizon);
 }
 
-void ModelChooser::keep(const Sample& now, double horizon_s) {
+void ModelChooser::keep(const Sample& now) {
   if (samples_.full()) samples_.set_capacity(std::min(samples_.size() + kMoreSamples, kSamplesMax));
   samples_.push_back(now);  // which takes the place of the first one where there are kSamplesMax
-  while (samples_.size() > 2 && now.at - samples_[1].at > from_seconds(horizon_s + kSpanMax_s)) samples_.pop_front();
+  while (samples_.size() > 2 && now.at - samples_[1].at > from_seconds(policy_.horizon_max_s + kSpanMax_s)) {
+    samples_.pop_front();
+  }
 }
 
 void ModelChooser::learn_what_is_usual(const Sample& before, const Sample& now) {

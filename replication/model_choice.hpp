@@ -22,7 +22,6 @@ struct ModelPolicy {
 
 // When a receiver will use what is sent now: from `latency_s` on, for `interval_s`.
 struct Horizon {
-  static constexpr double kIntervalMax_s = 0.5;
   double latency_s = 0.0, interval_s = 0.25;
   [[nodiscard]] double end_s() const { return latency_s + interval_s; }
 };
@@ -70,7 +69,7 @@ class ModelChooser {
   [[nodiscard]] bool make_history(std::size_t i, MotionModel& model) const;
   [[nodiscard]] bool is_corner(const Sample& before, const Sample& now) const;
   void learn_what_is_usual(const Sample& before, const Sample& now);
-  void keep(const Sample& now, double horizon_s);
+  void keep(const Sample& now);
   void judge(const Horizon& horizon);
 
   ModelPolicy policy_;

@@ -16,7 +16,7 @@ namespace peerd::replication {
 namespace {
 
 // What the next interval between two updates may be expected to be.
-constexpr double kIntervalMin_s = 0.1;
+constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
 // To how small a part of the time within which surfaces may meet the search for their time goes.
 constexpr double kTimeSteps = 16.0;
 // What is squeezed between two others touches each of them many times a millisecond. Contacts of one pair no farther
@@ -324,7 +324,7 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
   own.budget.spend(policy, t);
   if (own.last_sent) {
     note_who_may_lack(own, t);
-    const double interval_s = std::clamp(to_seconds(t - *own.last_sent), kIntervalMin_s, Horizon::kIntervalMax_s);
+    const double interval_s = std::clamp(to_seconds(t - *own.last_sent), kIntervalMin_s, kIntervalMax_s);
     own.interval_s += (interval_s - own.interval_s) / 4.0;
   }
   own.last_sent = t;
