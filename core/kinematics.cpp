@@ -1,5 +1,7 @@
 #include "core/kinematics.hpp"
 
+#include "core/turned.hpp"
+
 namespace peerd {
 
 KinematicState advance(const KinematicState& base, double dt_s) {
@@ -7,7 +9,7 @@ KinematicState advance(const KinematicState& base, double dt_s) {
   s.position = base.position + dt_s * (base.velocity + (0.5 * dt_s) * base.acceleration);
   s.velocity = base.velocity + dt_s * base.acceleration;
   if (!base.angular_velocity_body.isZero(0.0)) {
-    s.orientation = (base.orientation * quat_exp(dt_s * base.angular_velocity_body)).normalized();
+    s.orientation = turned(base.orientation, dt_s * base.angular_velocity_body);
   }
   return s;
 }

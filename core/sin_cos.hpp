@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstddef>
 
 namespace peerd {
 
@@ -19,6 +21,35 @@ struct SincCos {
   double cos = 1.0;
 };
 inline constexpr double kSincCosMax = 0.616850275068084914;  // (pi/4)^2
-[[nodiscard]] SincCos sinc_cos(double x2);
+[[nodiscard]] inline SincCos sinc_cos(double x2);
+
+namespace detail {
+
+// Of the two Taylor series in x^2: (-1)^k / (2k + 1)! and (-1)^k / (2k)!, from the last k on.
+template <int kLast>
+inline constexpr auto kSincCosTerms = [] {
+  std::array<std::array<double, 2>, kLast + 1> terms{};
+  double factorial = 1.0;  // of 2k: whole, and below 2^53
+  for (int k = 0; k <= kLast; ++k) {
+    if (k > 0) factorial *= (2 * k - 1) * (2 * k);
+    const double sign = k % 2 == 0 ? 1.0 : -1.0;
+    terms[static_cast<std::size_t>(kLast - k)] = {sign / (factorial * (2 * k + 1)), sign / factorial};
+  }
+  return terms;
+}();
+
+template <int kLast>
+[[gnu::always_inline]] inline SincCos sinc_cos_to(double x2) {
+  using Lanes [[gnu::vector_size(16)]] = double;  // both by Horner's rule at once
+  Lanes sum{};
+#pragma GCC unroll 16
+  for (const auto& [sinc, cos] : kSincCosTerms<kLast>) sum = sum * x2 + Lanes{sinc, cos};
+  return {sum[0], sum[1]};
+}
+
+}  // namespace detail
+
+// The first terms left out are below 2e-18 and, up to pi/4, 3e-18.
+SincCos sinc_cos(double x2) { return x2 < 0.03 ? detail::sinc_cos_to<5>(x2) : detail::sinc_cos_to<8>(x2); }
 
 }  // namespace peerd

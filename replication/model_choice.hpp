@@ -40,7 +40,7 @@ class ModelChooser {
   void push(SimTime t, const KinematicState& state, const Horizon& horizon);
 
   // What the next push() will need comes from memory meanwhile.
-  void prefetch() const {
+  [[gnu::always_inline]] inline void prefetch() const {
     if (samples_.size() < 2) return;
     peerd::prefetch(&samples_.back(), 2 * sizeof(Sample));  // and where the next one comes
     peerd::prefetch(samples_[1].at);

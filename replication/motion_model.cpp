@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/sin_cos.hpp"
+#include "core/turned.hpp"
 #include "replication/position_history.hpp"
 
 namespace peerd::replication {
@@ -181,12 +182,12 @@ void turn(const MotionModel& m, double t, KinematicState& out) {
     const auto stop = stop_s(w, alpha);
     if (!stop || t >= *stop) {
       const double until = stop.value_or(0.0);
-      out.orientation = (m.state.orientation * quat_exp(until * (w + (0.5 * until) * alpha))).normalized();
+      out.orientation = turned(m.state.orientation, until * (w + (0.5 * until) * alpha));
       out.angular_velocity_body.setZero();
       return;
     }
   }
-  out.orientation = (m.state.orientation * quat_exp(t * (w + (0.5 * t) * alpha))).normalized();
+  out.orientation = turned(m.state.orientation, t * (w + (0.5 * t) * alpha));
   out.angular_velocity_body = w + t * alpha;
 }
 

@@ -95,7 +95,7 @@ class MotionWorld {
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
 
   // For who tells many in turn: what set_base() will need of this one comes from memory meanwhile.
-  void prefetch(ObjectId object) const {
+  [[gnu::always_inline]] inline void prefetch(ObjectId object) const {
     if (const Object* o = find(object)) peerd::prefetch(*o);
   }
 

@@ -49,8 +49,8 @@ class Timeline {
 
   // For who asks of many objects in turn: what at(t) reads comes from memory meanwhile. First the piece; once that is
   // there, the law, if the piece does not answer for t.
-  void prefetch_piece() const { prefetch(piece_); }
-  void prefetch_law(SimTime t) const {
+  [[gnu::always_inline]] inline void prefetch_piece() const { prefetch(piece_); }
+  [[gnu::always_inline]] inline void prefetch_law(SimTime t) const {
     if (!in_piece(t)) prefetch(last_);
   }
 
