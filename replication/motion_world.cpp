@@ -73,7 +73,6 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
     : model_(model),
       start_(start),
       advanced_(start),
-      driven_history_(kHistory),
       index_by_id_(model.scene->instances.size(), kNone),
       looks_(model.pairs.size()),
       in_looks_(model.pairs.size()) {
@@ -147,7 +146,9 @@ void MotionWorld::reschedule(std::size_t i) {
   looks_.set(i, in_looks ? pair.contact.value_or(pair.clear_until) : SimTime::max());
 }
 
-Duration MotionWorld::history_of(const Object& o) const { return o.role == Role::kDriven ? driven_history_ : kHistory; }
+Duration MotionWorld::history_of(const Object& o) const {
+  return o.role == Role::kDriven ? driven_history_.value_or(kHistory) : kHistory;
+}
 
 // After any change of its timeline.
 void MotionWorld::timeline_changed(std::size_t index) {
@@ -181,7 +182,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   o.base_time = t;
   ++o.revision;
   if (pairs_of(index).empty()) {  // it meets nothing
-    if (o.role == Role::kDriven && forgets_unmet_) {
+    if (o.role == Role::kDriven && driven_history_) {
       o.timeline.restart(t, model);
     } else {
       o.timeline.replace_from(t, model, std::nullopt);

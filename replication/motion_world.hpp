@@ -83,7 +83,6 @@ class MotionWorld {
   void keep_driven(Duration history) {
     assert(history > Duration{0});
     driven_history_ = history;
-    forgets_unmet_ = true;
   }
 
   // Asked at each contact.
@@ -181,8 +180,7 @@ class MotionWorld {
 
   const WorldModel& model_;
   SimTime start_, advanced_;
-  Duration driven_history_;
-  bool forgets_unmet_ = false;
+  std::optional<Duration> driven_history_;  // none: as of all others
   std::vector<Object> objects_;             // the model's bodies, then what else was declared, as it came
   std::vector<std::uint32_t> index_by_id_;  // into objects_; kNone
   std::vector<Pair> pairs_;                 // the model's

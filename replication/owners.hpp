@@ -26,13 +26,10 @@ class Owners {
   // kNobody: from now on nobody does. There is such an object.
   void set(ObjectId object, PeerId owner) {
     assert(object.value < by_object_.size());
-    PeerId& here = by_object_[object.value];
-    run_ += static_cast<std::size_t>(owner != kNobody) - static_cast<std::size_t>(here != kNobody);
-    here = owner;
+    by_object_[object.value] = owner;
   }
 
-  // What somebody runs: how much, and each with its owner, ascending.
-  [[nodiscard]] std::size_t size() const { return run_; }
+  // What somebody runs, each with its owner, ascending: from() those from that one on. size() counts them.
   class Iterator {
    public:
     using difference_type = std::ptrdiff_t;
@@ -61,13 +58,13 @@ class Owners {
   };
   [[nodiscard]] Iterator begin() const { return {by_object_, 0}; }
   [[nodiscard]] Iterator end() const { return {by_object_, by_object_.size()}; }
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(std::ranges::distance(begin(), end())); }
   [[nodiscard]] auto from(ObjectId first) const {
     return std::ranges::subrange(Iterator(by_object_, std::min<std::size_t>(first.value, by_object_.size())), end());
   }
 
  private:
   std::vector<PeerId> by_object_;
-  std::size_t run_ = 0;  // by anybody
 };
 
 }  // namespace peerd::replication

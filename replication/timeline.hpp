@@ -71,6 +71,7 @@ class Timeline {
   [[nodiscard]] bool in_piece(SimTime t) const { return t >= piece_.first && t < piece_.end; }
 
   [[nodiscard]] std::size_t index_at(SimTime t) const;
+
   std::vector<Segment> past_;
   Segment last_;  // not with the others: what is in force mostly, beside its piece
   mutable Piece piece_;
