@@ -99,11 +99,14 @@ int Daemon::run() {
 // it offers that, or both would wait until it sleeps.
 void Daemon::serve() {
   while (io_.run_one() > 0) {
-    HostTime done = clock_.now();
+    HostTime done = clock_.now(), rehearsed = done;
     for (std::uint64_t look = 1; clock_.now() - done < busy_poll_ && !io_.stopped(); ++look) {
       const bool all = look % kLooksPerPoll == 0;
       if (all ? io_.poll() > 0 : transport_.receive_pending()) {
         done = clock_.now();
+      } else if (rehearsal_ != nullptr && clock_.now() - rehearsed >= kRehearsalPeriod) {
+        rehearsal_->run();
+        rehearsed = clock_.now();
       } else {
         std::this_thread::yield();
       }

@@ -15,6 +15,7 @@
 #include "peerd/net/transport.hpp"
 #include "peerd/peer_node.hpp"
 #include "peerd/record/capture.hpp"
+#include "peerd/rehearsal.hpp"
 #include "peerd/tick_lateness.hpp"
 
 namespace peerd {
@@ -43,8 +44,13 @@ class Daemon {
   // Each update gets a line from now on. They are many: else not even their words are put together.
   void log_updates() { logs_updates_ = true; }
   // Whenever it has done something, it looks for more for so long before it sleeps, so that what comes meanwhile need
-  // not wake it. Not negative; zero, as at first: it sleeps at once.
-  void busy_poll(Duration before_sleep) { busy_poll_ = before_sleep; }
+  // not wake it. Not negative; zero, as at first: it sleeps at once. Every kRehearsalPeriod of that it runs
+  // `rehearsal`, if there is one; that outlives it.
+  void busy_poll(Duration before_sleep, Rehearsal* rehearsal = nullptr) {
+    busy_poll_ = before_sleep;
+    rehearsal_ = rehearsal;
+  }
+  static constexpr Duration kRehearsalPeriod = std::chrono::microseconds(200);
   // `heard` is called whenever a datagram has been taken: what it told is in the node's ghosts by then.
   void on_heard(std::function<void()> heard) { heard_ = std::move(heard); }
 
@@ -81,6 +87,7 @@ class Daemon {
   std::optional<HostTime> due_;  // what the timer was set for
   HostTime os_clock_due_ = HostTime::min();
   Duration busy_poll_{0};
+  Rehearsal* rehearsal_ = nullptr;  // null: none
   bool logs_updates_ = false;
   bool over_ = false;
   int exit_code_ = 0;

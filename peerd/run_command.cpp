@@ -175,6 +175,15 @@ void tell_totals(const PeerNode& node, const PeerLog& record, const net::Transpo
   }
 }
 
+// What a peer does while it polls; null where it sleeps too soon for that, or where that can't be had.
+std::unique_ptr<Rehearsal> open_rehearsal(const config::RunSettings& run, Log& log) {
+  if (std::chrono::microseconds(run.transport.busy_poll_us) <= Daemon::kRehearsalPeriod) return nullptr;
+  auto rehearsal = Rehearsal::make(run.replication.policy);
+  if (rehearsal) return *std::move(rehearsal);
+  log(spdlog::level::warn, "polls without rehearsing updates: " + rehearsal.error().sentence);
+  return nullptr;
+}
+
 }  // namespace
 
 int run_peer(const PeerOptions& options) {
@@ -238,7 +247,8 @@ int run_peer(const PeerOptions& options) {
       io, *node, *transport, clock, [&log](const LogLine& line) { log(line.level, line.text); },
       options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   if (options.verbose) daemon.log_updates();
-  daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us));
+  const auto rehearsal = open_rehearsal(run, log);
+  daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), rehearsal.get());
   auto control = open_control(io, control_place(options, run.control, (*settings)->name), daemon, log);
   if (!control) return failed(control.error());
   const auto poses = open_pose_port(io, **settings, daemon, log);

@@ -14,6 +14,7 @@
 
 #include "peerd/daemon.hpp"
 #include "peerd/net/open_transport.hpp"
+#include "peerd/rehearsal.hpp"
 #include "peerd/transport_options.hpp"
 #include "ping_pong.hpp"
 
@@ -92,7 +93,12 @@ class Side {
         transport_(open()),
         daemon_(
             io_, *node_, *transport_, clock_, [](const LogLine&) {}, std::nullopt) {
-    daemon_.busy_poll(std::chrono::microseconds(scenario_.runs.front().transport.busy_poll_us));
+    const config::RunSettings& run = scenario_.runs.front();
+    const std::chrono::microseconds before_sleep(run.transport.busy_poll_us);
+    if (before_sleep > Daemon::kRehearsalPeriod) {
+      rehearsal_ = value_of(Rehearsal::make(run.replication.policy), "no rehearsal");
+    }
+    daemon_.busy_poll(before_sleep, rehearsal_.get());
     const Scene& scene = shared_->world.scene;
     for (std::size_t i = 0; i < kObjects; ++i) others_.push_back(scene.find(name_of(other_, i)).value());
   }
@@ -153,6 +159,7 @@ class Side {
   std::unique_ptr<const SharedWorld> shared_;
   std::unique_ptr<PeerNode> node_;
   std::unique_ptr<net::Transport> transport_;
+  std::unique_ptr<Rehearsal> rehearsal_;
   Daemon daemon_;
   std::vector<ObjectId> others_;
   feed::FedPose pose_;
