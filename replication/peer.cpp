@@ -83,7 +83,7 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     next_hello_ = now + (clock_.synchronised() ? config_.settled_hello_period : kJoiningHelloPeriod);
   }
   flush_records(ticks);
-  if (datagram_numbers_[kWholeScene] == said && now - last_said_ >= config_.hello_period) say_nothing();
+  if (datagram_numbers_[kWholeScene] == said && now - last_said_ >= most_silent()) say_nothing();
   if (datagram_numbers_[kWholeScene] != said) last_said_ = now;
 }
 
@@ -129,7 +129,7 @@ std::optional<Output> Peer::poll_output() {
 
 HostTime Peer::next_deadline() const {
   if (!next_hello_) return HostTime::min();
-  HostTime next = std::min(*next_hello_, last_said_ + config_.hello_period);
+  HostTime next = std::min(*next_hello_, last_said_ + most_silent());
   if (replica_) next = std::min(next, clock_.to_host(tick_time(last_tick_ + 1)));
   if (const auto expiry = members_.next_expiry()) next = std::min(next, *expiry);
   return next;

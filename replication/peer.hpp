@@ -282,6 +282,8 @@ class Peer {
   [[nodiscard]] bool settled(HostTime now) const;
   void send_hello(HostTime now, bool leaving);
   void say_nothing();
+  // Before it says nothing: nobody is lost for two datagrams that are.
+  [[nodiscard]] Duration most_silent() const { return config_.lost_after / 3; }
   void introduce_anew();
   [[nodiscard]] bool has_news() const;
   [[nodiscard]] Introduction introduction();
