@@ -14,6 +14,7 @@
 #include "peerd/config/toml_input.hpp"
 #include "peerd/net/os_clock.hpp"
 #include "peerd/print.hpp"
+#include "peerd/rehearsal.hpp"
 #include "peerd/transport_options.hpp"
 
 namespace peerd {

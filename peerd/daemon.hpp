@@ -15,10 +15,11 @@
 #include "peerd/net/transport.hpp"
 #include "peerd/peer_node.hpp"
 #include "peerd/record/capture.hpp"
-#include "peerd/rehearsal.hpp"
 #include "peerd/tick_lateness.hpp"
 
 namespace peerd {
+
+class Rehearsal;
 
 // The driver of DESIGN section 5, over a real clock and a real network. One thread.
 //

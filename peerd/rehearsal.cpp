@@ -7,6 +7,7 @@
 #include <boost/asio/ip/address.hpp>
 
 #include "core/vrml/reader.hpp"
+#include "peerd/net/udp_socket.hpp"
 
 namespace peerd {
 namespace {
@@ -15,7 +16,7 @@ constexpr std::array<const char*, 2> kObjects{"A", "B"};
 constexpr const char* kWorld = "#VRML V2.0 utf8\nDEF A Transform { }\nDEF B Transform { }\n";
 constexpr RegionId kEverywhere{0};
 
-// More than from one tick or snapshot to the next, and no whole number of ticks: between two of them is something new.
+// More than from one tick to the next, and no whole number of them: each time there is something to tell.
 constexpr Duration kStep = std::chrono::milliseconds(50) + std::chrono::nanoseconds(17);
 // Farther than any threshold that a scene has.
 constexpr double kStride_m = 1e3;
@@ -47,9 +48,11 @@ std::unique_ptr<PeerNode> make_node(std::size_t number, const replication::Publi
 
 }  // namespace
 
-std::expected<std::unique_ptr<Rehearsal>, net::NetError> Rehearsal::make(replication::PublishPolicy policy) {
+std::expected<std::unique_ptr<Rehearsal>, net::NetError> Rehearsal::make(replication::PublishPolicy policy,
+                                                                         std::uint64_t runs_of_a_session) {
   policy.bytes_per_s.reset();
-  std::unique_ptr<Rehearsal> made(new Rehearsal(policy));
+  if (policy.error_threshold_m >= kStride_m) policy.error_threshold_m.reset();
+  std::unique_ptr<Rehearsal> made(new Rehearsal(policy, runs_of_a_session));
   net::MulticastOptions options;
   options.interface = "lo";
   options.groups.base = boost::asio::ip::make_address("239.192.80.0");
@@ -61,59 +64,62 @@ std::expected<std::unique_ptr<Rehearsal>, net::NetError> Rehearsal::make(replica
   if (auto joined = made->socket_->join(kEverywhere); !joined) return std::unexpected(joined.error());
   Rehearsal& r = *made;
   r.socket_->on_receive([&r](const net::Arrival& arrival) {
-    r.nodes_[r.listener_]->on_packet(r.now_, arrival.region, arrival.datagram);
+    for (const auto& node : r.nodes_) node->on_packet(r.now_, arrival.region, arrival.datagram);  // its own it drops
   });
   r.begin();
+  r.run();
+  if (r.heard() == 0) {
+    return net::failure(net::NetError::Kind::kNoMulticast,
+                        "multicast sent over \"lo\" does not come back (a firewall?)");
+  }
   return made;
 }
 
-Rehearsal::Rehearsal(const replication::PublishPolicy& policy) : policy_(policy), shared_(make_world()) {}
+Rehearsal::Rehearsal(const replication::PublishPolicy& policy, std::uint64_t runs_of_a_session)
+    : policy_(policy), runs_of_a_session_(runs_of_a_session), shared_(make_world()) {}
 
 void Rehearsal::begin() {
   runs_ = 0;
+  ++sessions_;
   now_ = HostTime{};
   for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i] = make_node(i, policy_, *shared_);
   while (now_.time_since_epoch() < kSettled) {
     now_ += kStep;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      nodes_[i]->on_tick(now_);
-      send_all(i);
+    for (const auto& node : nodes_) {
+      node->on_tick(now_);
+      send_all(*node);
     }
   }
 }
 
 void Rehearsal::run() {
-  if (runs_ == kRunsOfASession) {
-    heard_before_ += heard_now();
-    begin();
-  }
+  if (runs_ == runs_of_a_session_) begin();
   now_ += kStep;
   const std::uint64_t turn = runs_ / nodes_.size(), teller = runs_ % nodes_.size();
   pose_.object = kObjects[teller];
   pose_.pose.position = {kStride_m * static_cast<double>((turn + 1) % 2), 0.0, 0.0};
   pose_.pose.jump = true;
   (void)nodes_[teller]->on_poses(now_, Duration{0}, {&pose_, 1});
-  send_all(teller);
+  send_all(*nodes_[teller]);
   ++runs_;
 }
 
-std::uint64_t Rehearsal::heard_now() const {
+std::uint64_t Rehearsal::heard() const {
   return nodes_[0]->peer().counters().updates_in + nodes_[1]->peer().counters().updates_in;
 }
 
-void Rehearsal::send_all(std::size_t from) {
+void Rehearsal::send_all(PeerNode& node) {
   bool sent = false;
-  while (const auto out = nodes_[from]->poll_output()) {
+  while (const auto out = node.poll_output()) {
     const auto* send = std::get_if<replication::Send>(&*out);
     if (send == nullptr) continue;
     socket_->send(send->region, send->datagram);
     sent = true;
   }
-  while (nodes_[from]->poll_feed_notice()) {
+  while (node.poll_feed_notice()) {
   }
   if (!sent) return;
   socket_->flush();
-  listener_ = 1 - from;
   socket_->receive_pending();
 }
 

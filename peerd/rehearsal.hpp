@@ -21,35 +21,38 @@ namespace peerd {
 // TTL of 0, to a port that the system has chosen for this.
 class Rehearsal {
  public:
-  // They publish as `policy` has it, but for its budget of bytes.
-  [[nodiscard]] static std::expected<std::unique_ptr<Rehearsal>, net::NetError> make(replication::PublishPolicy policy);
+  // An update's number is finite, and these two live fast: after so many runs, 2.5 days of a peer that polls all the
+  // time, they begin anew, which takes some milliseconds.
+  static constexpr std::uint64_t kRunsOfASession = std::uint64_t{1} << 30;
+
+  // They publish as `policy` has it, but for what would keep them silent: its budget of bytes, thresholds beyond those
+  // of scenes. An error, too, where nothing of what is sent comes back.
+  [[nodiscard]] static std::expected<std::unique_ptr<Rehearsal>, net::NetError> make(
+      replication::PublishPolicy policy, std::uint64_t runs_of_a_session = kRunsOfASession);
   Rehearsal(const Rehearsal&) = delete;
   Rehearsal& operator=(const Rehearsal&) = delete;
 
-  // One of them, by turns, ticks and is told where its object is, which it tells the other. Every kRunsOfASession they
-  // begin anew, which takes some milliseconds.
+  // One of them, by turns, ticks and is told where its object is, which it tells the other.
   void run();
-  // An update's number and a session's time are finite, and these two live fast.
-  static constexpr std::uint64_t kRunsOfASession = std::uint64_t{1} << 18;
 
-  // Updates that one has had from the other.
-  [[nodiscard]] std::uint64_t heard() const { return heard_before_ + heard_now(); }
+  // Updates that one has had from the other, in this session.
+  [[nodiscard]] std::uint64_t heard() const;
+  [[nodiscard]] std::uint64_t sessions() const { return sessions_; }
 
  private:
-  explicit Rehearsal(const replication::PublishPolicy& policy);
+  Rehearsal(const replication::PublishPolicy& policy, std::uint64_t runs_of_a_session);
   void begin();
-  [[nodiscard]] std::uint64_t heard_now() const;
-  void send_all(std::size_t from);
+  void send_all(PeerNode& node);
 
   replication::PublishPolicy policy_;
+  std::uint64_t runs_of_a_session_;
   net::HostClock clock_;
   boost::asio::io_context io_{1};  // never run: the socket is read where something has been sent
   std::unique_ptr<const SharedWorld> shared_;
   std::array<std::unique_ptr<PeerNode>, 2> nodes_;
   std::unique_ptr<net::MulticastSocket> socket_;
-  std::size_t listener_ = 0;  // to what the socket hears
   HostTime now_{};
-  std::uint64_t runs_ = 0, heard_before_ = 0;  // of this session, before it
+  std::uint64_t runs_ = 0, sessions_ = 0;  // runs_: of this one
   feed::FedPose pose_;
 };
 

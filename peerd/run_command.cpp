@@ -19,6 +19,7 @@
 #include "peerd/peer_node.hpp"
 #include "peerd/print.hpp"
 #include "peerd/record/capture.hpp"
+#include "peerd/rehearsal.hpp"
 #include "peerd/transport_options.hpp"
 
 namespace peerd {
@@ -243,11 +244,11 @@ int run_peer(const PeerOptions& options) {
   }
   for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
 
+  const auto rehearsal = open_rehearsal(run, log);
   Daemon daemon(
       io, *node, *transport, clock, [&log](const LogLine& line) { log(line.level, line.text); },
       options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   if (options.verbose) daemon.log_updates();
-  const auto rehearsal = open_rehearsal(run, log);
   daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), rehearsal.get());
   auto control = open_control(io, control_place(options, run.control, (*settings)->name), daemon, log);
   if (!control) return failed(control.error());

@@ -133,7 +133,7 @@ std::expected<void, NetError> MulticastSocket::add_socket() {
 
 // Each option's reason is in README.md.
 std::expected<void, NetError> MulticastSocket::configure(int fd) const {
-  const std::array<SocketOption, 1> common{{{SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR"}}};
+  const std::array<SocketOption, 1> common{{{SOL_SOCKET, SO_REUSEADDR, options_.any_port ? 0 : 1, "SO_REUSEADDR"}}};
   const std::array<SocketOption, 3> v4{{{IPPROTO_IP, IP_MULTICAST_ALL, 0, "IP_MULTICAST_ALL"},
                                         {IPPROTO_IP, IP_MULTICAST_LOOP, 1, "IP_MULTICAST_LOOP"},
                                         {IPPROTO_IP, IP_MULTICAST_TTL, options_.ttl, "IP_MULTICAST_TTL"}}};

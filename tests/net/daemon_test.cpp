@@ -9,6 +9,7 @@
 
 #include "peerd/daemon.hpp"
 #include "peerd/net/open_transport.hpp"
+#include "peerd/rehearsal.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 

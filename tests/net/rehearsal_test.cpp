@@ -44,17 +44,16 @@ PublishPolicy with(auto change) {
 INSTANTIATE_TEST_SUITE_P(
     Policies, RehearsalOf,
     testing::Values(Policy{"Seed", {}}, Policy{"ChosenModels", with([](PublishPolicy& p) { p.models.emplace(); })},
-                    Policy{"UpdatesByGain", with([](PublishPolicy& p) { p.wanted_error_m = 0.1; })},
                     Policy{"Snapshots", with([](PublishPolicy& p) { p.snapshots_hz = 20; })},
                     Policy{"HardlyAnyBytes", with([](PublishPolicy& p) { p.bytes_per_s = 1.0; })},
-                    Policy{"ALooseThreshold", with([](PublishPolicy& p) { p.error_threshold_m = 100.0; })}),
+                    Policy{"ALooseThreshold", with([](PublishPolicy& p) { p.error_threshold_m = 1e9; })}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
-TEST(Rehearsal, TellsInEachRunOfASecondSession) {
-  const auto rehearsal = Rehearsal::make({});
+TEST(Rehearsal, TellsInEachRunOfAnotherSession) {
+  const auto rehearsal = Rehearsal::make({}, 500);
   ASSERT_TRUE(rehearsal) << rehearsal.error().sentence;
-  for (std::uint64_t i = 0; i < Rehearsal::kRunsOfASession; ++i) (*rehearsal)->run();
-  EXPECT_GE((*rehearsal)->heard(), Rehearsal::kRunsOfASession * 9 / 10);
+  for (int i = 0; i < 1000; ++i) (*rehearsal)->run();
+  EXPECT_EQ((*rehearsal)->sessions(), 3u);
   expect_told(**rehearsal);
 }
 

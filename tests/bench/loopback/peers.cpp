@@ -95,7 +95,7 @@ class Side {
             io_, *node_, *transport_, clock_, [](const LogLine&) {}, std::nullopt) {
     const config::RunSettings& run = scenario_.runs.front();
     const std::chrono::microseconds before_sleep(run.transport.busy_poll_us);
-    if (before_sleep > Daemon::kRehearsalPeriod) {
+    if (before_sleep.count() > 0) {
       rehearsal_ = value_of(Rehearsal::make(run.replication.policy), "no rehearsal");
     }
     daemon_.busy_poll(before_sleep, rehearsal_.get());
