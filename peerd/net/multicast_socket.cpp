@@ -34,6 +34,12 @@ std::size_t most_bytes(const GroupPlan& groups) {
   return kMaxDatagramBytes + (groups.pool > 0 ? kRegionHeaderBytes : 0);
 }
 
+// Others may bind the socket's port from now on. Where the system chooses the port, that is for afterwards: two that
+// share theirs anyway may be given the same one.
+std::expected<void, NetError> share_port(int fd) {
+  return set_options(fd, std::array<SocketOption, 1>{{{SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR"}}});
+}
+
 }  // namespace
 
 std::optional<std::size_t> memberships_limit(IpFamily family) {
@@ -86,7 +92,8 @@ std::expected<void, NetError> MulticastSocket::add_sender() {
   udp::socket& socket = sender_.emplace(io_);
   if (auto good = open_udp(socket, {options_.groups.base.is_v4(), options_.dscp, 0}); !good) return good;
   if (auto good = configure(socket.native_handle()); !good) return good;
-  return bind_udp(socket, 0, "end a program that uses many");
+  if (auto good = bind_udp(socket, 0, "end a program that uses many"); !good) return good;
+  return share_port(socket.native_handle());
 }
 
 // Lets the kernel drop what our sender has sent before it is queued: it comes from its port, and from this computer. A
@@ -123,9 +130,15 @@ std::expected<void, NetError> MulticastSocket::add_socket() {
     if (auto good = turn_own_away(socket.native_handle()); !good) return good;
   }
   const bool choose_port = options_.any_port && sockets_.empty();
+  if (!choose_port) {
+    if (auto good = share_port(socket.native_handle()); !good) return good;
+  }
   if (auto good = bind_udp(socket, choose_port ? 0 : groups.port, "choose another port for all peers"); !good)
     return good;
-  if (choose_port) groups.port = socket.local_endpoint().port();
+  if (choose_port) {
+    groups.port = socket.local_endpoint().port();
+    if (auto good = share_port(socket.native_handle()); !good) return good;
+  }
   sockets_.push_back(std::move(made));
   if (handler_) start(*sockets_.back());
   return {};
@@ -133,14 +146,12 @@ std::expected<void, NetError> MulticastSocket::add_socket() {
 
 // Each option's reason is in README.md.
 std::expected<void, NetError> MulticastSocket::configure(int fd) const {
-  const std::array<SocketOption, 1> common{{{SOL_SOCKET, SO_REUSEADDR, options_.any_port ? 0 : 1, "SO_REUSEADDR"}}};
   const std::array<SocketOption, 3> v4{{{IPPROTO_IP, IP_MULTICAST_ALL, 0, "IP_MULTICAST_ALL"},
                                         {IPPROTO_IP, IP_MULTICAST_LOOP, 1, "IP_MULTICAST_LOOP"},
                                         {IPPROTO_IP, IP_MULTICAST_TTL, options_.ttl, "IP_MULTICAST_TTL"}}};
   const std::array<SocketOption, 3> v6{{{IPPROTO_IPV6, IPV6_MULTICAST_ALL, 0, "IPV6_MULTICAST_ALL"},
                                         {IPPROTO_IPV6, IPV6_MULTICAST_LOOP, 1, "IPV6_MULTICAST_LOOP"},
                                         {IPPROTO_IPV6, IPV6_MULTICAST_HOPS, options_.ttl, "IPV6_MULTICAST_HOPS"}}};
-  if (auto good = set_options(fd, common); !good) return good;
   if (auto good = options_.groups.base.is_v4() ? set_options(fd, v4) : set_options(fd, v6); !good) return good;
   if (const int error = send_over_our_interface(fd)) {
     return failure(NetError::Kind::kNoMulticast, "cannot send multicast over \"" + chosen_.interface.name +
