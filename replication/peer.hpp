@@ -282,8 +282,6 @@ class Peer {
   [[nodiscard]] bool settled(HostTime now) const;
   void send_hello(HostTime now, bool leaving);
   void say_nothing();
-  // Before it says nothing: three in a row must be lost before anybody takes this peer for lost.
-  [[nodiscard]] Duration most_silent() const { return 2 * config_.lost_after / 7; }
   void introduce_anew();
   [[nodiscard]] bool has_news() const;
   [[nodiscard]] Introduction introduction();
@@ -336,8 +334,7 @@ class Peer {
   std::map<ObjectId, SimTime> starts_;   // own objects that stand until then
   std::map<ObjectId, SimTime> changed_;  // .. that began to move then as nobody could know; not told yet
   std::optional<HostTime> next_hello_;
-  HostTime last_hello_{}, last_said_{};  // last_said_: anything, to all,
-  std::uint32_t said_ = 0;               // .. a datagram of that number
+  HostTime last_hello_{}, last_said_{};  // last_said_: anything, to all
   // Whoever comes measures its clock and its loss with hellos: so long they are not rare.
   static constexpr Duration kSettling = std::chrono::seconds(4);
   HostTime settles_{};

@@ -76,7 +76,7 @@ struct PeerConfig {
   Duration hello_period = std::chrono::milliseconds(250);
   // .. once there is nothing that the others wait for; between them, a datagram that says only that this peer is here.
   Duration settled_hello_period = std::chrono::milliseconds(1000);
-  Duration lost_after = std::chrono::milliseconds(1750);    // within the 2 s that users are promised
+  Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
   Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
   // Objects that nothing drives stand until start_motions(); else their launches count from the session's begin.
   bool wait_for_start = false;
