@@ -5,6 +5,10 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <memory>
+#include <set>
+#include <vector>
+
 #include "peerd/net/multicast_socket.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
@@ -237,6 +241,31 @@ TEST(Ipv6OverLo, IsRefusedWithAWayOut) {
     ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().kind, NetError::Kind::kNoMulticast);
     EXPECT_THAT(opened.error().sentence, HasSubstr("lo carries no IPv6 multicast: use an IPv4 group"));
+  });
+}
+
+// Each peer filters out what comes from its sender's port: whoever had the same one would never be heard. Where nearly
+// all ports are taken, two that may share one would.
+TEST(OverLo, NoTwoSendersHaveOnePort) {
+  with_wire([](const Wire& wire) {
+    asio::io_context io;
+    wire.left.enter();
+    ASSERT_TRUE(shell("ip link set lo up && echo 40000 40013 > /proc/sys/net/ipv4/ip_local_port_range"));
+    const MulticastOptions options{
+        .interface = "lo", .groups = {asio::ip::make_address("239.192.0.0"), own_port(2)}, .hears_itself = false};
+    std::vector<std::unique_ptr<MulticastSocket>> open;
+    std::set<std::uint16_t> ports;
+    for (int i = 0; i < 12; ++i) {
+      auto opened = MulticastSocket::open(io, testing_support::clock(), options);
+      ASSERT_TRUE(opened) << opened.error().sentence;
+      sockaddr_in bound{};
+      socklen_t size = sizeof bound;
+      ASSERT_EQ(getsockname((*opened)->native_handle(), reinterpret_cast<sockaddr*>(&bound), &size), 0);
+      EXPECT_TRUE(ports.insert(ntohs(bound.sin_port)).second);
+      open.push_back(*std::move(opened));
+    }
+    EXPECT_GE(*ports.begin(), 40000);
+    EXPECT_LE(*ports.rbegin(), 40013);
   });
 }
 

@@ -3,16 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
 #include <boost/asio/ip/multicast.hpp>
 #include <fstream>
-#include <set>
 #include <thread>
-#include <vector>
 
 #include "tests/net/listener.hpp"
 
@@ -474,32 +471,6 @@ TEST_F(MulticastSocketTest, APortThatIsNotSharedIsRefused) {
   const NetError error = error_of(options(15));
   EXPECT_EQ(error.kind, NetError::Kind::kPortBusy);
   EXPECT_THAT(error.sentence, HasSubstr("UDP port " + std::to_string(own_port(15)) + " is held by another program"));
-}
-
-// Each filters out what comes from its sender's port: whoever had the same one would never be heard. Of so many that
-// the system may give what somebody shares, some ten would.
-TEST_F(MulticastSocketTest, NoTwoSendersHaveOnePort) {
-  constexpr rlim_t kFiles = 2000;
-  rlimit files{};
-  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &files), 0);
-  if (files.rlim_max < kFiles) GTEST_SKIP() << "the system lets nobody open so many sockets";
-  const rlimit more{std::max(files.rlim_cur, kFiles), files.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &more), 0);
-  std::vector<std::unique_ptr<MulticastSocket>> open;
-  std::set<std::uint16_t> ports;
-  MulticastOptions deaf_to_itself = options(13);
-  deaf_to_itself.hears_itself = false;
-  for (int i = 0; i < 800; ++i) {
-    auto opened = MulticastSocket::open(io, testing_support::clock(), deaf_to_itself);
-    ASSERT_TRUE(opened) << opened.error().sentence;
-    sockaddr_in bound{};
-    socklen_t size = sizeof bound;
-    ASSERT_EQ(getsockname((*opened)->native_handle(), reinterpret_cast<sockaddr*>(&bound), &size), 0);
-    EXPECT_TRUE(ports.insert(bound.sin_port).second);
-    open.push_back(*std::move(opened));
-  }
-  open.clear();
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &files), 0);
 }
 
 TEST_F(MulticastSocketTest, SettingsThatCannotWorkAreRefused) {
