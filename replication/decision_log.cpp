@@ -1,6 +1,7 @@
 #include "replication/decision_log.hpp"
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 #include <utility>
 
@@ -38,18 +39,29 @@ bool of_pair(const DecisionRecord& d, ObjectId a, ObjectId b) {
 
 std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionRecord& record, PeerId author) {
   if (find(record.contact, author, record.collider, record.collidee) != nullptr) return std::nullopt;
-  entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, 0, {}, {}});
+  Entry& added =
+      *entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, 0, {}, {}});
 
   std::vector<Entry*> pair;
+  bool conflicts = false;
   for (Entry& e : entries_) {
-    if (of_pair(e.record, record.collider, record.collidee)) pair.push_back(&e);
+    if (!of_pair(e.record, record.collider, record.collidee)) continue;
+    pair.push_back(&e);
+    conflicts = conflicts || conflict(e, added);
+  }
+  if (!conflicts) {  // nor does anything else change
+    added.stands = true;
+    return std::vector{Change{record, author, true}};
   }
   std::ranges::sort(pair, {}, [](const Entry* e) { return rank(*e); });
-  std::vector<const Entry*> standing;
+  std::map<PeerId, std::vector<const Entry*>> standing;  // by author: one's own do not conflict
   std::vector<Change> changes;
   for (Entry* e : pair) {
-    const bool stands = std::ranges::none_of(standing, [&](const Entry* s) { return conflict(*s, *e); });
-    if (stands) standing.push_back(e);
+    const bool stands = std::ranges::none_of(standing, [&](const auto& of_one) {
+      return of_one.first != e->author &&
+             std::ranges::any_of(of_one.second, [&](const Entry* s) { return conflict(*s, *e); });
+    });
+    if (stands) standing[e->author].push_back(e);
     if (stands == e->stands) continue;
     e->stands = stands;
     changes.push_back({e->record, e->author, stands});
@@ -68,6 +80,11 @@ const DecisionLog::Entry* DecisionLog::find(SimTime contact, PeerId author, Obje
 
 DecisionLog::Entry* DecisionLog::find(SimTime contact, PeerId author, ObjectId a, ObjectId b) {
   return const_cast<Entry*>(std::as_const(*this).find(contact, author, a, b));
+}
+
+std::size_t DecisionLog::count(PeerId author, ObjectId a, ObjectId b) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(entries_, [&](const Entry& e) { return e.author == author && of_pair(e.record, a, b); }));
 }
 
 void DecisionLog::forget_before(SimTime contact) {

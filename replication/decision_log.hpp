@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <optional>
 #include <set>
 #include <vector>
@@ -38,6 +39,8 @@ class DecisionLog {
   // That peer's decision on exactly that contact of the two; null where none is known.
   [[nodiscard]] const Entry* find(SimTime contact, PeerId author, ObjectId a, ObjectId b) const;
   [[nodiscard]] Entry* find(SimTime contact, PeerId author, ObjectId a, ObjectId b);
+  // Of that peer's on the two.
+  [[nodiscard]] std::size_t count(PeerId author, ObjectId a, ObjectId b) const;
   void forget_before(SimTime contact);
   void clear() { entries_.clear(); }
 

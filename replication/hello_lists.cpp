@@ -88,6 +88,16 @@ bool take_echoes(std::string_view bytes, std::vector<Echo>& echoes) {
   });
 }
 
+bool leaves_out(std::span<const Echo> echoes, PeerId peer) {
+  if (echoes.size() < kEchoesMax) return true;
+  for (std::size_t i = 1; i < echoes.size(); ++i) {
+    const bool after = echoes[i - 1].peer < peer, before = peer < echoes[i].peer;
+    const bool round = echoes[i].peer < echoes[i - 1].peer;
+    if (round ? after || before : after && before) return true;
+  }
+  return false;
+}
+
 std::string packed(const std::vector<ObjectId>& objects) {
   std::uint32_t last = 0;
   return packed_by(objects, [&](BitWriter& out, ObjectId id) {

@@ -72,7 +72,6 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     follow_interest(*due);
     announce_entered();
   }
-  const std::uint32_t said = datagram_numbers_[kWholeScene];
   if (!settled(now)) next_hello_ = std::min(*next_hello_, last_hello_ + config_.hello_period);
   if (now >= *next_hello_) {  // before the records: who has not heard of a peer can't use its updates
     send_hello(now, false);
@@ -83,8 +82,11 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     next_hello_ = now + (clock_.synchronised() ? config_.settled_hello_period : kJoiningHelloPeriod);
   }
   flush_records(ticks);
-  if (datagram_numbers_[kWholeScene] == said && now - last_said_ >= config_.hello_period) say_nothing();
-  if (datagram_numbers_[kWholeScene] != said) last_said_ = now;
+  const std::uint32_t& number = datagram_numbers_[kWholeScene];
+  if (number == said_ && now - last_said_ >= config_.hello_period) say_nothing();
+  if (number == said_) return;
+  said_ = number;
+  last_said_ = now;
 }
 
 std::int64_t Peer::tick_number(SimTime t) const {

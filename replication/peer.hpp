@@ -167,7 +167,7 @@ class Peer {
   void declare_anothers(ObjectId object, Role role);
   void on_stranger(HostTime now, PeerId stranger);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
-  void on_echo(PeerId sender, Member& member, const Echo* echo);
+  void on_echo(PeerId sender, Member& member, const Echo* echo, std::span<const Echo> all);
   void on_update(PeerId sender, UpdateRecord& update, SimTime session_now);
   void on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& decision, SimTime known_at);
   void claim(PeerId peer, std::span<const ObjectId> objects);
@@ -323,6 +323,7 @@ class Peer {
   std::optional<PeerId> zero_from_;  // who brought this peer into its session, and knows its world_zero
   std::optional<SimTime> start_;
   std::optional<SimTime> world_zero_;
+  std::optional<SimTime> zero_before_;          // what it was before that, in the time of now
   std::optional<PredefinedMotion> predefined_;  // where the file moves any body
   bool clock_stepped_ = false;
   // Until when both worlds know how what the file moves goes on (none: they don't yet), and until when a peer ran it.
@@ -334,7 +335,8 @@ class Peer {
   std::map<ObjectId, SimTime> starts_;   // own objects that stand until then
   std::map<ObjectId, SimTime> changed_;  // .. that began to move then as nobody could know; not told yet
   std::optional<HostTime> next_hello_;
-  HostTime last_hello_{}, last_said_{};  // last_said_: anything, to all
+  HostTime last_hello_{}, last_said_{};  // last_said_: anything, to all,
+  std::uint32_t said_ = 0;               // .. a datagram of that number
   // Whoever comes measures its clock and its loss with hellos: so long they are not rare.
   static constexpr Duration kSettling = std::chrono::seconds(4);
   HostTime settles_{};
@@ -392,7 +394,8 @@ class Peer {
   ByteBudget bytes_;
   bool out_of_bytes_ = false;      // as of the last tick
   std::set<PeerId> other_worlds_;  // told once each
-  std::set<PeerId> forgotten_;     // lost; what they said is to be said again when they come back
+  // Lost; what they were told is to be told again when they come back. How many hellos have left each out since.
+  std::map<PeerId, std::size_t> forgotten_;
   bool id_in_use_told_ = false;
   std::vector<Output> outputs_;
   std::size_t polled_ = 0;  // of outputs_

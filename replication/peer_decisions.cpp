@@ -26,6 +26,8 @@ constexpr Duration kRememberedFor = std::chrono::seconds(8);
 // What hangs between two others touches them many times a second. Of one pair only the newest are repeated where
 // nothing says whether they have come, as many as there can be in 250 ms (4 ms apart: peer_tick.cpp, kOneTouch).
 constexpr int kRepeatedOfPair = 64;
+// Of one peer's on one pair, so many are remembered: twice as many as there can be in kRememberedFor.
+constexpr std::size_t kOfPairMax = 4000;
 // Where own objects that something drives were: who shows them late needs more; contacts with them are found as they
 // come.
 constexpr Duration kDrivenKept = std::chrono::milliseconds(500);
@@ -286,6 +288,7 @@ void Peer::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord
     members_.find(sender)->received[kWholeScene].ask_again(number);
     return drop("not_decider");
   }
+  if (decisions_.count(sender, d.collider, d.collidee) >= kOfPairMax) return drop("too_many_decisions");
   const auto changes = decisions_.add(d, sender);
   if (!changes) return drop("decision_known");
   if (changes->empty()) return drop("decision_overruled");

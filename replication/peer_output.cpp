@@ -226,10 +226,15 @@ void Peer::send_hello(HostTime now, bool leaving) {
   hello.sessions = sessions_;
   hello.latency = own_latency();
   hello.notes = take_notes();
+  // Who was lost and finds no echo, though it was its turn, knows that it was.
+  const std::size_t unnamed = members_.all().size() / kEchoesMax + 1;
   std::vector<std::pair<PeerId, const Member*>> heard;
   for (const auto& [peer, member] : members_.all()) {
     const auto received = member.received.find(kWholeScene);
-    if (forgotten_.erase(peer) > 0) continue;  // without its echo it knows that it was
+    if (const auto lost = forgotten_.find(peer); lost != forgotten_.end()) {
+      if (lost->second++ < unnamed) continue;
+      forgotten_.erase(lost);
+    }
     if (member.hello == 0 || now - member.hello_rx > kHeldMax) continue;
     if (received != member.received.end()) heard.emplace_back(peer, &member);
   }
@@ -261,7 +266,7 @@ void Peer::send(Message& message, RegionId region, std::span<const EncodedUpdate
   Counters::Traffic& traffic = counters_.regions[region];
   ++traffic.datagrams_out;
   traffic.bytes_out += datagram.size();
-  bytes_.spend(datagram.size());
+  bytes_.spend(datagram.size(), !updates.empty());
   outputs_.push_back(Send{region, std::move(datagram)});
   for (const EncodedUpdate& u : updates) {
     if (region != kWholeScene) break;

@@ -1,6 +1,7 @@
 // Peer: which regions it listens to, which its objects are told in, and what it no longer hears of.
 #include <algorithm>
 #include <cassert>
+#include <map>
 
 #include "replication/peer.hpp"
 
@@ -259,15 +260,20 @@ void Peer::on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_no
 // Somebody listens to those regions who may know nothing of what is there.
 void Peer::on_entered(std::span<const Entered> entered, SimTime session_now) {
   if (!grid_.cuts()) return;
+  std::map<RegionId, SimTime> since;  // the last of each
   for (const Entered& e : entered) {
     if (e.since < session_now - kEnteredAgeMax || e.since > session_now + kEnteredAheadMax) {
       drop("entered_time");
       continue;
     }
-    for (auto& [object, own] : own_) {
-      const bool there = own.told_at && grid_.region_of(*own.told_at) == e.region;
-      if (there && (!own.last_sent || *own.last_sent <= e.since)) own.resend = true;
-    }
+    SimTime& last = since.try_emplace(e.region, e.since).first->second;
+    last = std::max(last, e.since);
+  }
+  if (since.empty()) return;
+  for (auto& [object, own] : own_) {
+    if (!own.told_at) continue;
+    const auto there = since.find(grid_.region_of(*own.told_at));
+    if (there != since.end() && (!own.last_sent || *own.last_sent <= there->second)) own.resend = true;
   }
 }
 

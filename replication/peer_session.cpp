@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "replication/decision.hpp"
+#include "replication/hello_lists.hpp"
 #include "replication/peer.hpp"
 #include "replication/response.hpp"
 
@@ -14,6 +15,8 @@ namespace {
 
 // Of lost peers, so many are told that they were. More than one network carries.
 constexpr std::size_t kForgottenMax = 4096;
+// Who has not been named in so many turns is not heard: enough for one hello in ten lost (0.1^4 = 0.0001).
+constexpr std::size_t kTurnsUnechoed = 4;
 // World time beyond which a nanosecond count would overflow: 100 years.
 constexpr double kFarthest_s = 3.2e9;
 
@@ -76,7 +79,9 @@ bool Peer::keep_session(HostTime now) {
     ++counters_.clock_steps;
     const bool same_session = std::exchange(slept_, false);
     if (!same_session) {
-      world_zero_.reset();  // the other session's counts, as the peer says that is followed into it
+      // The other session's counts, as the peer says that is followed into it.
+      if (world_zero_) zero_before_ = std::exchange(world_zero_, std::nullopt);
+      if (zero_before_) *zero_before_ += *step;
       zero_from_ = follows_;
       clock_stepped_ = true;
     }
@@ -113,8 +118,11 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
     member.viewpoint = introduction->viewpoint;
     if (hello.session_tx) claim(sender, introduction->enslaved);
   }
-  const auto echo = std::ranges::find(hello.echoes, config_.id, &Echo::peer);
-  on_echo(sender, member, echo == hello.echoes.end() ? nullptr : &*echo);
+  const auto named = std::ranges::find(hello.echoes, config_.id, &Echo::peer);
+  // Of more than this peer has sent: its last life's.
+  const bool counts = named != hello.echoes.end() && named->received.highest <= datagram_numbers_[kWholeScene];
+  const Echo* echo = counts ? &*named : nullptr;
+  on_echo(sender, member, echo, hello.echoes);
   if (hello.session_tx && replica_ && clock_.synchronised()) {
     measure_latency(member, now, *hello.session_tx);
     on_notes(sender, hello, clock_.to_session(now));
@@ -124,20 +132,23 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   const auto zero = introduction != nullptr && hello.session_tx ? introduction->world_zero : std::nullopt;
   if (zero && zero_counts && zero != world_zero_) {
     world_zero_ = zero;
+    zero_before_.reset();
     introduce_anew();
     restart_predefined();
   }
   if (is_newest) {
-    on_stamps(now, member, hello, echo == hello.echoes.end() ? nullptr : &*echo);
+    on_stamps(now, member, hello, echo);
     follow_leader(now, sender);
   }
 }
 
 // What the sender's hello says of this peer's datagrams; null: nothing.
-void Peer::on_echo(PeerId sender, Member& member, const Echo* echo) {
+void Peer::on_echo(PeerId sender, Member& member, const Echo* echo, std::span<const Echo> all) {
   if (echo == nullptr) {
-    // With more peers than echoes in a hello they take turns.
-    if (++member.unechoed > members_.all().size() / kEchoesMax && std::exchange(member.knows_us, false)) {
+    // Else it may be others' turn, and the hellos with this peer's may have been lost.
+    const std::size_t turns = members_.all().size() / kEchoesMax + 1;
+    const bool unnamed = leaves_out(all, config_.id) || ++member.unechoed > kTurnsUnechoed * turns;
+    if (unnamed && std::exchange(member.knows_us, false)) {
       member.forgot_us = true;
       member.receipt.reset();
     }
@@ -381,7 +392,14 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
 
 void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye) {
   release(peer, now);
-  if (forgotten_.size() < kForgottenMax) forgotten_.insert(peer);
+  if (forgotten_.size() < kForgottenMax) forgotten_[peer] = 0;
+  if (zero_from_ == peer && !world_zero_) {  // it never said: this peer's own goes on, or anybody's
+    zero_from_.reset();
+    clock_stepped_ = false;
+    world_zero_ = std::exchange(zero_before_, std::nullopt);
+    introduce_anew();
+    restart_predefined();
+  }
   outputs_.push_back(PeerLost{peer, name, said_goodbye});
 }
 
@@ -392,8 +410,10 @@ void Peer::release(PeerId peer, HostTime now) {
     own.heard.erase(peer);
     own.may_lack.erase(peer);
   }
+  bool ran_any = false;
   for (const auto& [object, owner] : owners_) {
     if (owner != peer) continue;
+    ran_any = true;
     if (replica_) {
       set_ghost(object, t, at_rest(replica_->ghosts.at(object, t).pose()));
       declare_anothers(object, Role::kScene);
@@ -403,7 +423,7 @@ void Peer::release(PeerId peer, HostTime now) {
     heard_in_.erase(object);  // it stays where it is: who leaves its region keeps it
     owners_.set(object, kNobody);
   }
-  watch_decided_pairs();
+  if (ran_any) watch_decided_pairs();  // a pass over all pairs: not for each datagram that says goodbye
 }
 
 }  // namespace peerd::replication

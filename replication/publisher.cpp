@@ -63,9 +63,18 @@ double urgency(const PublishPolicy& policy, double threshold_m, const GhostError
 double ByteBudget::left(const PublishPolicy& policy, SimTime now) {
   const double most = std::max(kBurst_s * *policy.bytes_per_s, static_cast<double>(kDatagramMax_bytes));
   if (!filled_) left_ = most;
-  if (filled_ && now > *filled_) left_ = std::min(most, left_ + *policy.bytes_per_s * to_seconds(now - *filled_));
+  if (filled_ && now > *filled_) {
+    const double more = *policy.bytes_per_s * to_seconds(now - *filled_);
+    left_ = std::min(most, left_ + more);
+    for_updates_ = std::min(static_cast<double>(kDatagramMax_bytes), for_updates_ + kForUpdates * more);
+  }
   filled_ = now;
-  return left_;
+  return std::max(left_, for_updates_);
+}
+
+void ByteBudget::spend(std::size_t bytes, bool on_updates) {
+  left_ -= static_cast<double>(bytes);
+  if (on_updates) for_updates_ = std::max(0.0, for_updates_ - static_cast<double>(bytes));
 }
 
 MotionModel as_model(ModelOrder order, const KinematicState& truth) {

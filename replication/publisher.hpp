@@ -71,17 +71,18 @@ struct GhostError {
 [[nodiscard]] double urgency(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                              std::optional<SimTime> last_sent, SimTime now, double viewed_from_m);
 
-// What a peer may still send: a bucket of bytes that fills at a rate. Nothing that goes is refused; it can be owed.
+// What a peer may still send: a bucket of bytes that fills at a rate. Nothing that goes is refused; it can be owed. A
+// part of the rate is for updates alone, whatever the rest has taken or owes, or many peers' hellos would end them.
 class ByteBudget {
  public:
-  // [bytes], not more than kBurst_s of the rate or a datagram hold.
+  // For updates [bytes]; not more than kBurst_s of the rate or a datagram hold.
   [[nodiscard]] double left(const PublishPolicy& policy, SimTime now);
-  void spend(std::size_t bytes) { left_ -= static_cast<double>(bytes); }
+  void spend(std::size_t bytes, bool on_updates);
 
  private:
-  static constexpr double kBurst_s = 0.25;
+  static constexpr double kBurst_s = 0.25, kForUpdates = 0.25;
   std::optional<SimTime> filled_;
-  double left_ = 0.0;
+  double left_ = 0.0, for_updates_ = 0.0;
 };
 
 // What may be spent on updates that no threshold asks for: a bucket that fills at a rate and holds so many.

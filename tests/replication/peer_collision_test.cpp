@@ -343,6 +343,22 @@ TEST_F(Decided, TheLowerIdsWordMovesOurObject) {
   EXPECT_EQ(lan.contacts(self, ContactKind::kApplied).size(), 1u);
 }
 
+// Whoever may decide could say so for ever; what is remembered of a pair has an end.
+TEST_F(Decided, NoMoreThanThereCanBeAreRemembered) {
+  constexpr int kEach = 20;
+  for (int i = 0; i < 5000; i += kEach) {
+    Message m = decision(1, "CAR", 100ms, {1, 0, 0});
+    for (int k = 0; k < kEach; ++k) {
+      if (k > 0) m.decisions.push_back(m.decisions.front());
+      m.decisions.back().collidee_after = m.decisions.back().collider_after = {};
+      m.decisions.back().contact += std::chrono::nanoseconds(i + k);
+    }
+    ASSERT_TRUE(lan.inject(self, encode(m)));
+  }
+  EXPECT_EQ(lan.contacts(self, ContactKind::kApplied).size(), 4000u);
+  EXPECT_EQ(lan.drops(self, "too_many_decisions"), 1000u);
+}
+
 TEST_F(Decided, TheHigherIdHasNoSay) {
   lan.inject(self, encode(decision(7, "LORRY", 100ms, {1, 0, 0})));
   EXPECT_EQ(velocity(), Vec3::Zero());

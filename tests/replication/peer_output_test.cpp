@@ -116,6 +116,52 @@ TEST(Peer, WhoWasForgottenTellsItsStatesAnew) {
   }
 }
 
+// What is told between two ticks is something said: that its sender is here needs no word of its own.
+TEST(Peer, SaysThatItIsHereOnlyWhereItHasSaidNothing) {
+  const World world(box("O0", "1 1 1", "0 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  lan.add(config(1, {{world["O0"], false}}));
+  lan.add(config(2));
+  lan.run_until(10s);
+  int updates = 0, empty = 0;
+  lan.on_send = [&](std::size_t from, RegionId, const Message& m) {
+    updates += from == 0 && !m.updates.empty();
+    empty += from == 0 && !m.hello && m.updates.empty();
+  };
+  Peer& peer = *lan.node(0).peer;
+  const std::uint64_t before = peer.counters().updates_at_once;
+  for (int i = 0; i < 50; ++i) {
+    lan.run_until(lan.now() + 105ms);  // between two ticks, mostly
+    ASSERT_TRUE(peer.change_velocity(lan.host_now(0), world["O0"], {i % 2 == 0 ? 1.0 : -1.0, 0, 0}, true));
+    peer.publish_now(lan.host_now(0), {});
+  }
+  lan.run_until(lan.now() + 100ms);
+  EXPECT_GE(peer.counters().updates_at_once - before, 45u);
+  EXPECT_GE(updates, 45);
+  EXPECT_EQ(empty, 0);
+}
+
+// Of 29 others a hello names 15. That one which named this peer was lost does not mean that it was forgotten.
+TEST(Peer, WhoIsNotNamedForALostHelloIsNotForgotten) {
+  constexpr int kPeers = 30;
+  const World world(field(kPeers));
+  Lan lan(world, {5ms, 0ms, 0.02, 0});
+  for (int i = 0; i < kPeers; ++i)
+    lan.add(config(static_cast<std::uint32_t>(i + 1), {{world[("O" + std::to_string(i)).c_str()], false}}));
+  lan.run_until(10s);
+  const auto retold = [&](std::size_t i) {
+    return std::ranges::count(lan.seen<Published>(i), PublishReason::kJoiner, &Published::reason);
+  };
+  std::ptrdiff_t retold_before = 0, retold_after = 0;
+  for (std::size_t i = 0; i < kPeers; ++i) retold_before += retold(i);
+  lan.run_until(40s);
+  for (std::size_t i = 0; i < kPeers; ++i) {
+    EXPECT_EQ(lan.peer(i).members().all().size(), kPeers - 1u);
+    retold_after += retold(i);
+  }
+  EXPECT_EQ(retold_after, retold_before);
+}
+
 // Once all know each other, a hello goes out each second, and who they are with one in eight; a newcomer hears it with
 // the next, which does not wait.
 TEST(Peer, IntroducesItselfToWhoDoesNotKnowIt) {
@@ -144,6 +190,7 @@ TEST(Peer, IntroducesItselfToWhoDoesNotKnowIt) {
 // Forty objects shake, each as no model could know, the later ones more; the budget holds a quarter of what they need.
 class ShortOfBytes : public testing::Test {
  protected:
+  explicit ShortOfBytes(Link link = {}) : lan(world, link) {}
   static constexpr int kObjects = 40;
   static constexpr double kBytes_per_s = 1000.0;
   ObjectId object(int i) { return world[("O" + std::to_string(i)).c_str()]; }
@@ -178,7 +225,7 @@ class ShortOfBytes : public testing::Test {
   std::size_t told_of(int i) { return told[object(i)].size(); }
 
   World world{field(kObjects)};
-  Lan lan{world};
+  Lan lan;
   std::size_t bytes = 0;
   std::map<ObjectId, std::vector<Duration>> told;
 };
@@ -188,6 +235,24 @@ TEST_F(ShortOfBytes, ABudgetIsKept) {
   EXPECT_LE(static_cast<double>(bytes), kBytes_per_s * 60.0 + 1200.0);
   EXPECT_GE(static_cast<double>(bytes), 0.97 * kBytes_per_s * 60.0);
   EXPECT_GT(lan.peer(0).counters().updates_withheld, 1000u);
+}
+
+class ShortOfBytesOnABadLink : public ShortOfBytes {
+ protected:
+  ShortOfBytesOnABadLink() : ShortOfBytes({5ms, 0ms, 0.03, 0}) {}
+};
+
+// Fifteen echoes in each hello, four hellos a second where datagrams get lost: more than half of the rate.
+TEST_F(ShortOfBytesOnABadLink, ManyPeersHellosLeaveAShareForUpdates) {
+  constexpr double kHalf_per_s = 0.5 * kBytes_per_s;
+  run(config(2), kHalf_per_s, 5s);
+  for (std::uint32_t id = 3; id < 18; ++id) lan.add(config(id));
+  lan.run_until(20s);
+  const std::size_t before = bytes;
+  told.clear();
+  lan.run_until(60s);
+  EXPECT_GT(static_cast<double>(bytes - before), kHalf_per_s * 40.0) << "else it is not what is tested here";
+  for (int i = 0; i < kObjects; ++i) EXPECT_GE(told_of(i), 1u) << i;
 }
 
 TEST_F(ShortOfBytes, NothingIsWithheldWithoutOne) {

@@ -184,6 +184,27 @@ TEST(PeerSession, ARestartedPeerIsTakenBack) {
   EXPECT_THAT(lan.seen<IdInUse>(1), IsEmpty()) << "what it said itself in its last life is no other's";
 }
 
+// What others say of its last life's datagrams, many more than it has sent in this one, says nothing of these.
+TEST(PeerSession, ReceiptsOfTheLastLifeDoNotCount) {
+  const World world(three_boxes());
+  for (Duration when{0}; when < 8s; when += 500ms) {  // the other introduces itself in one of eight hellos
+    SCOPED_TRACE(when.count());
+    Lan lan(world, {400ms, 0ms, 0, 0});
+    lan.add(config(1, {{world["A"], false}}));
+    lan.add(config(2, {{world["B"], false}}));
+    lan.run_until(40s + when);
+    PeerConfig again = config(2, {{world["B"], false}});
+    again.boot = 101;
+    lan.restart(1, again);
+    lan.run_until(45s + when);
+    const auto& members = lan.peer(1).members().all();
+    ASSERT_TRUE(members.contains(PeerId{1}));
+    const auto& receipt = members.at(PeerId{1}).receipt;
+    ASSERT_TRUE(receipt);
+    EXPECT_LE(receipt->received.highest, lan.peer(1).counters().datagrams_out);
+  }
+}
+
 // A new life that runs less: what it ran before is nobody's.
 TEST(PeerSession, ARestartLetsGoOfWhatItNoLongerRuns) {
   const World world(three_boxes());

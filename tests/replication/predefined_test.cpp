@@ -48,6 +48,30 @@ TEST(Predefined, IsTheSameOnAllPeersWithoutTraffic) {
   for (std::size_t i = 0; i < lan.size(); ++i) EXPECT_EQ(lan.peer(i).counters().updates_out, 0u);
 }
 
+// Peer 1 comes into a later session by peer 5, which goes before it has said when world time began there.
+TEST(Predefined, WorldTimeGoesOnWhenWhoWasToSayItGoes) {
+  for (const std::size_t size : {2u, 3u}) {
+    SCOPED_TRACE(size);
+    const World world(kMachine + box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PLATE\" \"ARM\""));
+    Lan lan(world, {20ms, 0ms, 0, 0});
+    lan.add(config(1));
+    for (std::uint32_t id = 5; lan.size() < size; id += 2) lan.add(config(id), 30s);
+    lan.part({0});
+    lan.run_until(3s);
+    for (const std::size_t i : {0u, 1u}) lan.peer(i).announce_start(lan.session_now(i) + 1s);
+    lan.run_until(9500ms);
+    lan.part({});
+    while (lan.now() < 20s && lan.seen<ClockStepped>(0).empty()) lan.run_until(lan.now() + 10ms);
+    ASSERT_FALSE(lan.peer(0).world_zero());
+    lan.kill(1);
+    lan.run_until(lan.now() + 15s);
+    ASSERT_TRUE(lan.peer(0).world_zero());
+    EXPECT_EQ(lan.peer(0).world_zero(), lan.peer(size - 1 == 1 ? 0 : 2).world_zero());
+    const SimTime t = lan.session_now(0);
+    EXPECT_NE(lan.peer(0).ghost(world["PLATE"], t).position, lan.peer(0).ghost(world["PLATE"], t - 1s).position);
+  }
+}
+
 // BALL flies at PLATE, which comes to meet it: both peers know when, the one that only watches without an update.
 TEST(Predefined, BouncesWhatItMeets) {
   const World world(kMachine + box("BALL", "1 1 1", "-2 0 0", std::string(kBounces) + "velocityVector 1 0 0 ") +
