@@ -210,9 +210,8 @@ void MotionWorld::take_back(std::size_t cause, SimTime t) {
   for (const std::uint32_t i : model_.partners_of_body[cause]) {
     Object& o = objects_[i];
     if (o.role != Role::kBelief) continue;
-    std::size_t wrong = 0;
-    const auto follows = [&](const Timeline::Segment& s) { return s.from >= t && s.cause == objects_[cause].id; };
-    while (wrong < o.timeline.segment_count() && !follows(o.timeline.segment(wrong))) ++wrong;
+    std::size_t wrong = o.timeline.first_not_before(t);
+    while (wrong < o.timeline.segment_count() && o.timeline.segment(wrong).cause != objects_[cause].id) ++wrong;
     if (wrong == 0 || wrong == o.timeline.segment_count()) continue;
     const SimTime from = o.timeline.segment(wrong).from;
     if (o.base_time >= from) continue;  // its owner has spoken since

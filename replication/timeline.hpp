@@ -59,6 +59,11 @@ class Timeline {
   [[nodiscard]] std::size_t segment_count() const { return past_.size() + 1; }
   [[nodiscard]] const Segment& segment(std::size_t i) const { return i < past_.size() ? past_[i] : last_; }
   [[nodiscard]] const Segment& last_segment() const { return last_; }
+  // The first segment that begins at t or later; their number where none does.
+  [[nodiscard]] std::size_t first_not_before(SimTime t) const {
+    const std::size_t in_force = index_at(t);
+    return segment(in_force).from >= t ? in_force : in_force + 1;
+  }
 
  private:
   // The piece asked for last. A law's closed form costs up to ten times what its piece does, and whoever asks where

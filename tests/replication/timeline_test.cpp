@@ -85,6 +85,8 @@ TEST(Timeline, AgreesWithAMapOfPieces) {
         auto next = oracle.upper_bound(sim(Duration{ns}));
         const double expected = next == oracle.begin() ? next->second : std::prev(next)->second;
         ASSERT_EQ(line.at(sim(Duration{ns})).position.x(), expected) << "step " << step << " at " << ns;
+        const auto later = std::distance(oracle.begin(), oracle.lower_bound(sim(Duration{ns})));
+        ASSERT_EQ(line.first_not_before(sim(Duration{ns})), static_cast<std::size_t>(later));
       }
     }
   }
