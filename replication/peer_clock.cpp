@@ -139,8 +139,12 @@ SessionClock::Estimate Peer::estimate(HostTime now, PeerId peer) {
 Peer::Session Peer::session_of(HostTime now, PeerId peer, const Member& member) const {
   const auto bounds = member.clock.at(now, kDrift_ppm + kSlew_ppm);
   if (!bounds || member.clock.exchanges() < kExchangesToStart) return Session::kUnknown;
-  // What is known of the followed peer says all; of the others, how far they and this one are from the leader too.
-  const Duration own_error = peer == follows_ ? Duration{0} : *clock_.error_bound(now);
+  // What is known of the followed peer says all; of the others, how far they and this one are from the leader too. Who
+  // is surely ahead of the followed one does not doubt its own time: what it would have to slew back is no error of it.
+  const auto followed = follows_ ? members_.all().find(*follows_) : members_.all().end();
+  const bool ahead = followed != members_.all().end() && peer != follows_ &&
+                     session_of(now, followed->first, followed->second) == Session::kEarlier;
+  const Duration own_error = peer == follows_ || ahead ? Duration{0} : *clock_.error_bound(now);
   const Duration apart = own_error + member.clock_error + kOtherSession;
   const Duration own = clock_.session_minus_host(now);
   if (bounds->least - own > apart) return Session::kLater;

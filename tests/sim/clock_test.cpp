@@ -173,6 +173,24 @@ INSTANTIATE_TEST_SUITE_P(Table, SleepingHost,
                                          Sleep{"FollowerAsleep", 2, true}, Sleep{"FollowerPaused", 2, false}),
                          [](const auto& c) { return std::string(c.param.name); });
 
+// Two whose session is later sleep, and wake where another one is, led by lower ids: those step forward into theirs.
+TEST(SessionTime, WhoWakesBesideAnEarlierSessionLeadsIt) {
+  for (const Duration ahead : {3s, 100s}) {
+    SCOPED_TRACE(ahead.count());
+    ClockLab lab(kLan, {{0s, 100}, {0s, -100}, {ahead, 0}, {ahead, 50}}, 7);
+    lab.part({2, 3});
+    lab.run_until(20s);
+    for (const std::size_t i : {2, 3}) lab.suspend(i, true);
+    lab.run_until(30s);
+    lab.part({});
+    for (const std::size_t i : {2, 3}) lab.wake(i);
+    lab.run_until(90s);
+    EXPECT_THAT(lab.findings(), IsEmpty());
+    EXPECT_LT(recovered(lab, 30s, 10ms), 20s);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(std::chrono::abs(lab.session_now(i) - lab.session_now(0)), 10ms) << i;
+  }
+}
+
 TEST(SessionTime, OutlivesALeaderThatLeavesAndComesBack) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(seed);
