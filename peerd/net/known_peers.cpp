@@ -71,6 +71,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   }
   if (greeting.leaving) {
     if (known != peers_.end()) peers_.erase(known);
+    introduced_.erase(from);
     return Outcome::kLeft;
   }
   const bool is_new = known == peers_.end();
@@ -83,14 +84,14 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   introduced_.erase(from);
   known->heard = now;
   known->number = greeting.number;
-  known->all_regions = greeting.all_regions;
-  known->regions = greeting.regions;
+  if (!greeting.reply) {  // else it is bare, and takes back nothing
+    known->all_regions = greeting.all_regions;
+    known->regions = greeting.regions;
+  }
   for (const udp::endpoint& other : greeting.peers) {
     if (other.port() == 0 || other.address().is_unspecified() || other.address().is_multicast()) continue;
     if (is_known(other) || own_.contains(other)) continue;
-    if (introduced_.contains(other) || introduced_.size() < options_.most) {
-      introduced_[other] = now + options_.introduction;
-    }
+    introduce(other, now + options_.introduction);
   }
   return is_new ? Outcome::kNew : Outcome::kKnown;
 }
@@ -103,10 +104,21 @@ void KnownPeers::on_own(HostTime now, const udp::endpoint& from, const Greeting&
   introduced_.erase(from);
 }
 
+// Never shortens: who fell silent and is named by others is greeted for the longer of both.
+void KnownPeers::introduce(const udp::endpoint& at, HostTime until) {
+  if (!introduced_.contains(at) && introduced_.size() >= options_.most) return;
+  HostTime& greeted_until = introduced_.try_emplace(at, until).first->second;
+  greeted_until = std::max(greeted_until, until);
+}
+
 void KnownPeers::forget(HostTime now) {
-  std::erase_if(peers_, [&](const Peer& peer) { return now - peer.heard > options_.silence; });
   std::erase_if(introduced_, [&](const auto& entry) { return now > entry.second; });
   std::erase_if(own_, [&](const auto& entry) { return now > entry.second; });
+  std::erase_if(peers_, [&](const Peer& peer) {
+    if (now - peer.heard <= options_.silence) return false;
+    introduce(peer.at, now + options_.again);  // whoever named it to us may be gone by now
+    return true;
+  });
 }
 
 bool KnownPeers::wants(const Peer& peer, RegionId region) {

@@ -16,7 +16,7 @@ namespace peerd::net {
 // Whom unicast goes to, and whom to greet in the hope of it. Pure: no socket, no clock.
 //
 // Known is who has echoed the number of its address of late. Candidates are the seeds of the configuration, for as long
-// as they don't answer, and whom a known peer says that it hears, for some rounds.
+// as they don't answer, whom a known peer says that it hears, for some rounds, and who fell silent, for some minutes.
 class KnownPeers {
  public:
   struct Options {
@@ -24,8 +24,9 @@ class KnownPeers {
     std::vector<asio::ip::udp::endpoint> seeds = {};
     Duration silence = std::chrono::seconds(5);       // who hasn't greeted for so long is gone
     Duration introduction = std::chrono::seconds(3);  // for so long who was named by others is greeted
+    Duration again = std::chrono::minutes(10);        // for so long who fell silent is greeted
     Duration own = std::chrono::seconds(60);          // for so long an address that is ours isn't greeted
-    std::size_t most = 256;                           // of known peers, of those named by others, of our own
+    std::size_t most = 256;                           // of known peers, of those to be greeted, of our own
   };
   struct Peer {
     asio::ip::udp::endpoint at;
@@ -59,7 +60,7 @@ class KnownPeers {
   [[nodiscard]] bool has_echoed(const asio::ip::udp::endpoint& from) const;
 
   [[nodiscard]] const std::vector<Peer>& peers() const { return peers_; }      // in the order in which they came
-  [[nodiscard]] std::size_t introduced() const { return introduced_.size(); }  // by others, and not known yet
+  [[nodiscard]] std::size_t introduced() const { return introduced_.size(); }  // named or silent, and not known now
   [[nodiscard]] std::size_t own() const { return own_.size(); }                // candidates that are ourselves
   [[nodiscard]] static bool wants(const Peer& peer, RegionId region);
   [[nodiscard]] std::vector<asio::ip::udp::endpoint> candidates() const;
@@ -69,6 +70,7 @@ class KnownPeers {
 
  private:
   [[nodiscard]] bool is_known(const asio::ip::udp::endpoint& at) const;
+  void introduce(const asio::ip::udp::endpoint& at, HostTime until);
   void on_own(HostTime now, const asio::ip::udp::endpoint& from, const Greeting& greeting);
 
   Options options_;

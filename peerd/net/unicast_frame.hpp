@@ -41,7 +41,7 @@ struct Greeting {
   std::uint32_t instance = 0;          // of the sender's process; its two addresses, where it has two, are one peer
   std::uint64_t number = 0;            // for the receiver to echo, kAddressNumberBits
   std::uint64_t echo = 0;              // the last number that the sender had from the receiver; 0: none
-  bool reply = false;                  // wants one back
+  bool reply = false;                  // wants one back; bare: tells no regions and no peers
   bool leaving = false;                // sends and wants no more
   bool all_regions = false;            // more than fit; else `regions`, ascending
   std::vector<RegionId> regions = {};  // that the sender wants to hear

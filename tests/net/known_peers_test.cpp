@@ -219,6 +219,73 @@ TEST(KnownPeers, ARegionGoesToWhoWantsIt) {
   EXPECT_TRUE(KnownPeers::wants(known.peers()[0], RegionId{2}));
 }
 
+// A seed by another address than it answers from stays a candidate: its bare answers come for ever.
+TEST(KnownPeers, ABareGreetingDoesNotTakeBackWhatItsSenderWants) {
+  KnownPeers known({.key = kKey});
+  const Greeting bare{.instance = 2, .number = 8, .reply = true};
+  EXPECT_EQ(echoed(known, HostTime{1s}, kA, bare), Outcome::kNew);
+  EXPECT_FALSE(KnownPeers::wants(known.peers().front(), RegionId{1}));
+  echoed(known, HostTime{1s}, kA, from(2, {RegionId{1}}));
+  EXPECT_EQ(echoed(known, HostTime{2s}, kA, bare), Outcome::kKnown);
+  EXPECT_TRUE(KnownPeers::wants(known.peers().front(), RegionId{1}));
+  EXPECT_EQ(known.peers().front().number, 8u) << "that it does say";
+  Greeting all = from(2);
+  all.all_regions = true;
+  echoed(known, HostTime{2s}, kA, all);
+  echoed(known, HostTime{3s}, kA, bare);
+  EXPECT_TRUE(KnownPeers::wants(known.peers().front(), RegionId{7}));
+  known.forget(HostTime{8s});
+  EXPECT_EQ(known.peers().size(), 1u) << "it is a sign of life";
+  echoed(known, HostTime{8s}, kA, from(2));
+  EXPECT_FALSE(KnownPeers::wants(known.peers().front(), RegionId{7})) << "a full one takes it back";
+}
+
+// Two who met by a third, which has left since, and an outage longer than either waits for the other.
+TEST(KnownPeers, WhoFellSilentIsGreetedForTenMinutes) {
+  KnownPeers known({.key = kKey});
+  echoed(known, HostTime{1s}, kC, from(3, {}, {kA}));
+  echoed(known, HostTime{1s}, kA, from(2));
+  echoed(known, HostTime{1s}, kC, {.instance = 3, .leaving = true});
+  known.forget(HostTime{7s});
+  EXPECT_THAT(known.peers(), IsEmpty());
+  EXPECT_THAT(known.candidates(), ElementsAre(kA)) << "who said goodbye is not";
+  echoed(known, HostTime{8s}, kC, from(4, {}, {kA}));
+  known.forget(HostTime{12s});
+  EXPECT_THAT(known.candidates(), ElementsAre(kA)) << "being named does not shorten it";
+  echoed(known, HostTime{12s}, kC, {.instance = 4, .leaving = true});
+  known.forget(HostTime{607s});
+  EXPECT_THAT(known.candidates(), ElementsAre(kA));
+  known.forget(HostTime{607s + 1ns});
+  EXPECT_THAT(known.candidates(), IsEmpty());
+}
+
+TEST(KnownPeers, WhoAnswersAgainOrSaysGoodbyeIsNoCandidateAnyMore) {
+  for (const bool leaving : {false, true}) {
+    KnownPeers known({.key = kKey});
+    echoed(known, HostTime{1s}, kA, from(2));
+    known.forget(HostTime{7s});
+    EXPECT_THAT(known.candidates(), ElementsAre(kA));
+    Greeting greeting = from(2);
+    greeting.leaving = leaving;
+    EXPECT_EQ(echoed(known, HostTime{8s}, kA, greeting), leaving ? Outcome::kLeft : Outcome::kNew);
+    EXPECT_THAT(known.candidates(), IsEmpty());
+    EXPECT_EQ(known.introduced(), 0u);
+  }
+}
+
+TEST(KnownPeers, NoMoreOfTheSilentAreGreetedThanAreAllowed) {
+  KnownPeers known({.key = kKey, .most = 2});
+  for (const std::uint32_t round : {0u, 1u, 2u}) {
+    const HostTime now{10s * static_cast<int>(round)};
+    for (const std::uint32_t i : {0u, 1u}) {
+      const std::uint32_t n = 2 * round + i;
+      echoed(known, now, at("192.0.2.9", static_cast<std::uint16_t>(n + 1)), from(n + 2));
+    }
+    known.forget(now + 6s);
+    EXPECT_EQ(known.introduced(), 2u);
+  }
+}
+
 TEST(KnownPeers, NoMoreThanAreAllowed) {
   KnownPeers known({.key = kKey, .most = 3});
   std::vector<udp::endpoint> many;

@@ -114,6 +114,23 @@ TEST_F(UnicastFanOutTest, OneListForAllMayNameThePeerItself) {
   EXPECT_THAT(a.heard, IsEmpty());
 }
 
+// As a host name that stands for 127.0.1.1 would: a answers from 127.0.0.1, and b greets 127.0.0.2 for ever.
+TEST_F(UnicastFanOutTest, ASeedThatAnswersFromAnotherAddressIsHeardAndHearsEverything) {
+  UnicastPeer a(io, 0, {}), b(io, 1, {{asio::ip::make_address("127.0.0.2"), own_port(0)}});
+  a.join(1), b.join(1);
+  ASSERT_TRUE(run_until(io, [&] { return a.knows(1, 1) && b.knows(1, 1); }));
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(3'500);  // two rounds of a second
+  std::size_t sent = 0;
+  for (auto next = std::chrono::steady_clock::now(); next < end; next += std::chrono::milliseconds(50)) {
+    ASSERT_TRUE(run_until(io, [&] { return std::chrono::steady_clock::now() >= next; }));
+    a.send(1, "from a"), b.send(1, "from b");
+    ++sent;
+  }
+  run_until(io, [&] { return a.heard.size() == sent && b.heard.size() == sent; });
+  EXPECT_EQ(a.heard.size(), sent);
+  EXPECT_EQ(b.heard.size(), sent);
+}
+
 // The sender filters; what crosses with a change of mind, the receiver drops.
 TEST_F(UnicastFanOutTest, ARegionGoesToWhoWantsItAlone) {
   UnicastPeer a(io, 0, {}), b(io, 1, {address(0)}), c(io, 2, {address(0)});
