@@ -25,6 +25,10 @@ using spdlog::level::level_enum;
 constexpr std::chrono::seconds kOsClockPeriod{1};
 // Of so many looks of one who does not sleep, one is at timers, signals and control, too.
 constexpr std::uint64_t kLooksPerPoll = 8;
+// Who wakes later than that was stopped for a while. What came meanwhile is read before anybody is judged silent, but
+// no more than so many turns of it: ticks go on in a flood, too.
+constexpr std::chrono::milliseconds kStalled{100};
+constexpr int kStalledTurns = 64;
 
 Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock,
                Log log, std::optional<Duration> leave_after, record::CaptureWriter* capture)
@@ -117,7 +121,8 @@ void Daemon::serve() {
 
 void Daemon::wake() {
   if (over_) return;
-  transport_.receive_pending();
+  const bool stalled = due_ && clock_.now() - *due_ > kStalled;
+  for (int turns = stalled ? kStalledTurns : 1; turns > 0 && transport_.receive_pending() && !over_;) --turns;
   if (over_) return;
   const HostTime now = this->now();
   if (now >= os_clock_due_) tell_os_clock(now);

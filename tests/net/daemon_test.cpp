@@ -1,4 +1,5 @@
-// How a peer waits: asleep, or looking for what comes before it sleeps.
+// How a peer waits: asleep, or looking for what comes before it sleeps. And what it makes of having been stopped.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <time.h>
@@ -6,6 +7,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "peerd/daemon.hpp"
 #include "peerd/net/open_transport.hpp"
@@ -19,6 +21,8 @@ namespace {
 using namespace std::chrono_literals;
 using net::testing_support::Listener;
 using net::testing_support::own_port;
+using testing::HasSubstr;
+using testing::Not;
 
 constexpr std::uint64_t kTicks = 40, kStrange = 40;
 
@@ -123,6 +127,66 @@ TEST_F(Waiting, SleepsWhenNothingHasComeForSoLong) {
   const Used all = run(1ms);
   EXPECT_GE(all.sleeps, static_cast<long>(kTicks));
   EXPECT_LT(all.cpu_s, 0.5 * all.wall_s);
+}
+
+net::MulticastOptions stalled_options() {
+  return {.interface = "lo", .groups = {boost::asio::ip::make_address("239.192.80.0"), own_port(14)}};
+}
+
+// A peer with all that it needs, and what it has logged.
+struct Peer {
+  Peer(const SharedWorld& shared, const std::string& name, std::uint32_t id) {
+    config::PeerSettings settings;
+    settings.name = name;
+    settings.id = id;
+    node = PeerNode::make(settings, {}, shared, {}, {});
+    transport = *net::MulticastSocket::open(io, clock, stalled_options());
+    daemon = std::make_unique<Daemon>(
+        io, *node, *transport, clock, [this](const LogLine& line) { said += line.text + '\n'; }, std::nullopt);
+  }
+  boost::asio::io_context io{1};
+  net::HostClock clock;
+  std::unique_ptr<PeerNode> node;
+  std::unique_ptr<net::Transport> transport;
+  std::unique_ptr<Daemon> daemon;
+  std::string said;
+};
+
+// What the other said of late waits behind more than two reads take: none of it is lost in the kernel's queue, 0.3 MB.
+TEST(Stalled, NobodyIsLostWhoseDatagramsWaitToBeRead) {
+  const testing_support::ScratchFolder folder;
+  const auto shared = std::move(*share_world(folder.write("w.wrl", "#VRML V2.0 utf8\n")));
+  Peer a(*shared, "a", 1), b(*shared, "b", 2);
+  Listener stranger(a.io, stalled_options());
+  boost::asio::steady_timer timer(a.io);
+  const auto give_up = std::chrono::steady_clock::now() + 10s;
+  bool stalled = false;
+  std::function<void()> each = [&] {
+    auto next = 10ms;
+    if (stalled || std::chrono::steady_clock::now() > give_up) {
+      (void)a.daemon->on_control(R"({"do": "leave"})");
+      return;
+    }
+    if (a.said.contains("peer b (id 2) joined") && a.daemon->lateness().count() > 0) {
+      stalled = true;
+      for (int i = 0; i < 300; ++i) stranger.send(0, "this is no datagram of a peer");
+      std::this_thread::sleep_for(2'500ms);
+      next = 200ms;
+    }
+    timer.expires_after(next);
+    timer.async_wait([&](const boost::system::error_code& error) {
+      if (!error) each();
+    });
+  };
+  boost::asio::post(a.io, each);
+  std::thread goes_on([&] { (void)b.daemon->run(); });
+  EXPECT_EQ(a.daemon->run(), 0);
+  boost::asio::post(b.io, [&] { (void)b.daemon->on_control(R"({"do": "leave"})"); });
+  goes_on.join();
+  EXPECT_TRUE(stalled) << a.said;
+  EXPECT_GT(a.daemon->lateness().most(), 2s);
+  EXPECT_THAT(a.said, Not(HasSubstr("is lost")));
+  EXPECT_THAT(b.said, HasSubstr("peer a (id 1) is lost")) << "as whoever is silent for 2.5 s";
 }
 
 }  // namespace
