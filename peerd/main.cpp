@@ -27,8 +27,6 @@ struct RunFlags {
   std::vector<std::string> enslaves;
 };
 
-std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
-
 // A number for a peer that was given none. Two that start in the same microsecond clash, and say so; configured peers,
 // whose numbers are lower, go first in decisions.
 std::uint32_t number_by_clock() {
@@ -44,8 +42,8 @@ void add_network_options(CLI::App& command, RunFlags& flags) {
 
 std::vector<std::string> network_settings(const RunFlags& flags) {
   std::vector<std::string> sets;
-  if (!flags.interface.empty()) sets.push_back("transport.interface=" + quoted(flags.interface));
-  if (!flags.group.empty()) sets.push_back("transport.group=" + quoted(flags.group));
+  if (!flags.interface.empty()) sets.push_back("transport.interface=" + json_line(flags.interface));
+  if (!flags.group.empty()) sets.push_back("transport.group=" + json_line(flags.group));
   if (flags.port) sets.push_back("transport.port=" + std::to_string(*flags.port));
   return sets;
 }
@@ -53,11 +51,11 @@ std::vector<std::string> network_settings(const RunFlags& flags) {
 // The flags as the settings that they stand for. Without a configuration there is one peer, which the flags describe.
 std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options) {
   std::vector<std::string> sets;
-  if (!flags.world.empty()) sets.push_back("world=" + quoted(std::filesystem::absolute(flags.world).string()));
+  if (!flags.world.empty()) sets.push_back("world=" + json_line(std::filesystem::absolute(flags.world).string()));
   if (options.config.empty()) {
     options.peer = flags.name.empty() ? "peer" : flags.name;
     sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : number_by_clock()));
-    sets.push_back("peer." + options.peer + ".enslaves=" + nlohmann::json(flags.enslaves).dump());
+    sets.push_back("peer." + options.peer + ".enslaves=" + json_line(flags.enslaves));
   }
   for (const std::string& set : network_settings(flags)) sets.push_back(set);
   sets.insert(sets.end(), options.sets.begin(), options.sets.end());
@@ -150,7 +148,7 @@ CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, 
 std::string pose_request(const PoseFlags& pose) {
   nlohmann::json request{{"do", "pose"}, {"object", pose.object}, {"position_m", pose.position_m}, {"jump", true}};
   if (!pose.orientation_xyzw.empty()) request["orientation_xyzw"] = pose.orientation_xyzw;
-  return request.dump();
+  return json_line(request);
 }
 
 config::Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key, const PoseFlags& pose) {

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <iostream>
 
+#include <nlohmann/json.hpp>
+
 #include "peerd/report/expectations.hpp"
 #include "peerd/report/table.hpp"
 #include "peerd/report/write.hpp"
@@ -34,7 +36,7 @@ int print_report(const report::ScenarioInfo& info, std::span<const report::RunRe
   if (const auto written = report::write_report(out, info, runs, summary); !written) {
     return failed({"error: " + written.error(), 3});
   }
-  std::cout << (json ? summary.dump(2) + "\n"
+  std::cout << (json ? summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"
                      : report::table(summary) + report::wrong_outcomes_table(summary) +
                            report::expectations_table(checked, summary["runs"]));
   return std::ranges::any_of(checked, &report::CheckedExpectation::failed) ? 1 : 0;
@@ -46,6 +48,10 @@ std::string command_line(const char* command, const ScenarioOptions& options) {
   for (const std::string& set : options.sets) line += " --set " + shell_word(set);
   if (options.seed) line += " --seed " + std::to_string(*options.seed);
   return line;
+}
+
+std::string json_line(const nlohmann::json& value) {
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace peerd

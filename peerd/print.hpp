@@ -3,6 +3,8 @@
 #include <span>
 #include <string>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "peerd/commands.hpp"
 #include "peerd/config/expectations.hpp"
 #include "peerd/config/toml_input.hpp"
@@ -23,5 +25,8 @@ namespace peerd {
 
 // What a shell would have to be given to get the same numbers again: without where they go and how they are shown.
 [[nodiscard]] std::string command_line(const char* command, const ScenarioOptions& options);
+
+// One line of JSON. Names of old VRML files, in Latin-1, and paths need not be UTF-8: what is not is U+FFFD there.
+[[nodiscard]] std::string json_line(const nlohmann::json& value);
 
 }  // namespace peerd

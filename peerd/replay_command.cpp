@@ -220,7 +220,9 @@ int run_replay(const ReplayOptions& options) {
   const auto outcome = Replay(*node, *capture, options.verbose).run();
   if (!outcome) return unreadable(outcome.error().text);
   if (options.json) {
-    std::cout << to_json(*node, *capture, *outcome).dump() << '\n';
+    std::cout
+        << to_json(*node, *capture, *outcome).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+        << '\n';
   } else {
     print_outcome(*node, *capture, *outcome);
   }

@@ -31,8 +31,7 @@ namespace asio = boost::asio;
 class Log {
  public:
   Log(std::string peer, bool json, bool verbose)
-      : logger_(json ? nlohmann::json(peer).dump() : std::move(peer),
-                std::make_shared<spdlog::sinks::stdout_sink_st>()),
+      : logger_(json ? json_line(peer) : std::move(peer), std::make_shared<spdlog::sinks::stdout_sink_st>()),
         json_(json) {
     logger_.set_level(verbose ? spdlog::level::debug : spdlog::level::info);
     logger_.flush_on(spdlog::level::trace);  // a reader may follow it
@@ -40,7 +39,7 @@ class Log {
                              : "%H:%M:%S.%e %-7l %n: %v");
   }
   void operator()(spdlog::level::level_enum level, const std::string& text) {
-    logger_.log(level, json_ ? nlohmann::json(text).dump() : text);
+    logger_.log(level, json_ ? json_line(text) : text);
   }
 
  private:

@@ -157,7 +157,7 @@ std::vector<std::string> peer_command(const Launch& launch, const config::RunSet
   std::string wanted = launch.options.interface.empty() ? run.transport.interface : launch.options.interface;
   if (wanted.empty()) wanted = "lo";
   if (launch.lab) wanted = netem::Lab::kInterface;
-  set("transport.interface=" + nlohmann::json(wanted).dump());
+  set("transport.interface=" + json_line(wanted));
   for (const fs::path& overlay : launch.options.configs) command.insert(command.end(), {"--overlay", overlay.string()});
   return command;
 }

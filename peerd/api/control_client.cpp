@@ -25,7 +25,9 @@ config::Result<std::string> ask(const std::filesystem::path& path, const std::st
   socket.open(Protocol(), error);
   socket.non_blocking(true, error);  // a peer that is stopped, with a full queue, would keep us waiting
   socket.connect(Protocol::endpoint(path.string()), error);
-  if (error) return nobody(error == asio::error::would_block ? "it is stopped, or busy" : error.message());
+  // Linux says EAGAIN of a full queue, which Asio makes no_buffer_space.
+  const bool full = error == asio::error::would_block || error == asio::error::no_buffer_space;
+  if (error) return nobody(full ? "it is stopped, or busy" : error.message());
 
   const std::string line = request + '\n';
   std::string reply;

@@ -74,7 +74,9 @@ config::Result<void> clear(asio::io_context& io, const fs::path& path) {
   probe.non_blocking(true, error);  // one with a full queue would keep us waiting
   probe.connect(Protocol::endpoint(path.string()), error);
   if (error != asio::error::connection_refused) {
-    const bool lives = !error || error == asio::error::would_block || error == asio::error::try_again;
+    // Linux says EAGAIN of a full queue, which Asio makes no_buffer_space.
+    const bool full = error == asio::error::would_block || error == asio::error::no_buffer_space;
+    const bool lives = !error || full;
     return cannot_listen(path, lives ? "another peer listens there; give each its own" : error.message());
   }
   if (unlink(path.c_str()) != 0) {

@@ -62,7 +62,7 @@ const char* sentence(Refusal refusal) {
     case Refusal::kObject:
       return "no object of that name is moved by a program here (motion.OBJECT.outside = true)";
     case Refusal::kTime:
-      return "\"time_s\" must be Unix time, from 0 to 1e10 s";
+      return "\"time_s\" must be Unix time, from 0 to 9e9 s";
     case Refusal::kTooOld:
       return "it is more than 1 s old by this computer's clock; \"time_s\" is Unix time";
     case Refusal::kTooFarAhead:

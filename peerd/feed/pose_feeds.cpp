@@ -6,7 +6,7 @@
 namespace peerd::feed {
 namespace {
 
-constexpr double kUnixTimeMax_s = 1e10;  // the year 2286; int64 nanoseconds end later
+constexpr double kUnixTimeMax_s = 9e9;  // the year 2255; int64 nanoseconds end 7 years later
 
 // A stranger's words as they may stand in a log: one short line of visible characters.
 std::string printable(std::string_view text) {

@@ -253,5 +253,27 @@ TEST_F(ControlServerTest, AskingNobodyIsTheEnvironmentsFault) {
   EXPECT_THAT(silent.error().text, HasSubstr("silent for 50 ms"));
 }
 
+// As a peer that is stopped: the system takes what its queue holds, and nobody more.
+TEST_F(ControlServerTest, WhoseQueueIsFullLivesAndIsBusy) {
+  Protocol::acceptor stopped(io);
+  stopped.open();
+  stopped.bind(Protocol::endpoint(path.string()));
+  stopped.listen(1);
+  std::vector<Protocol::socket> waiting;
+  boost::system::error_code error;
+  while (!error && waiting.size() < 10) {
+    waiting.emplace_back(io, Protocol()).non_blocking(true);
+    waiting.back().connect(Protocol::endpoint(path.string()), error);
+  }
+  ASSERT_TRUE(error) << "the queue is full";
+  const auto busy = ask(path, "one");
+  ASSERT_FALSE(busy);
+  EXPECT_EQ(busy.error().exit_code, 3);
+  EXPECT_THAT(busy.error().text, HasSubstr("it is stopped, or busy"));
+  const auto second = ControlServer::open(io, path, {});
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().text, HasSubstr("another peer listens there"));
+}
+
 }  // namespace
 }  // namespace peerd::api

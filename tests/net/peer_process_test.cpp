@@ -186,6 +186,20 @@ TEST_F(PeerProcess, OneThatDiesIsLostAndOneThatIsToldToLeavesAtOnce) {
   EXPECT_THAT(b.out(), HasSubstr("leaving: got SIGINT"));
 }
 
+// Worlds from before VRML97 was UTF-8 throughout: what is not has a sign of its own in JSON.
+TEST_F(PeerProcess, NamesThatAreNotUtf8DoNotEndAPeerThatLogsJson) {
+  folder.write("w.wrl",
+               "#VRML V2.0 utf8\nDEF CAF\xC9 Transform { velocityVector 0 0 1 children Shape { geometry Box { } } }\n");
+  folder.write("s.toml", "world = \"w.wrl\"\nduration_s = 1\n[peer.a]\nid = 1\nenslaves = [\"CAF*\"]\n");
+  Process a = start_peer("a", 6, {"--json", "--verbose", "--once"});
+  EXPECT_EQ(a.exit_code(10), 0) << a.out() << a.err();
+  EXPECT_THAT(a.out(), HasSubstr("update of CAF\xEF\xBF\xBD"));
+  EXPECT_TRUE(nlohmann::json::accept(a.out().substr(0, a.out().find('\n')))) << a.out();
+  Process sim = start("sim", {"sim", (folder / "s.toml").string(), "--json", "--out", (folder / "out").string()});
+  EXPECT_EQ(sim.exit_code(10), 0) << sim.err();
+  EXPECT_TRUE(nlohmann::json::accept(sim.out())) << sim.out();
+}
+
 // Random bytes, and real datagrams with bytes of them changed.
 TEST_F(PeerProcess, GarbageIsCountedAndDropped) {
   boost::asio::io_context io;

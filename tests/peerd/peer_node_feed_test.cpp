@@ -125,6 +125,20 @@ TEST_F(PeerNodeFeed, SilenceIsToldOnceAndCounted) {
   EXPECT_EQ(count("feeds_silent"), 3u);
 }
 
+// Nanoseconds of int64 end in the year 2262: where the wall clock is ahead of the host's, such a time is not taken for
+// one of the past.
+TEST_F(PeerNodeFeed, TimesOfOtherCenturiesDoNotWrapRound) {
+  run(2s);
+  const auto refused = [&](double time_s) {
+    const json request{{"do", "pose"}, {"object", "CAR"}, {"position_m", {0, 0, 0}}, {"time_s", time_s}};
+    const json reply = json::parse(api::answer(*node, now, request.dump(), -1ns).line);
+    return reply["refused"].empty() ? "" : reply["refused"][0]["why"].get<std::string>();
+  };
+  for (const double time_s : {9.1e9, 9.5e9, 1e10, 1e300}) EXPECT_THAT(refused(time_s), HasSubstr("from 0 to 9e9 s"));
+  for (const double time_s : {8.9e9, 9e9}) EXPECT_THAT(refused(time_s), HasSubstr("ahead of this computer's clock"));
+  EXPECT_EQ(count("poses_refused_time"), 4u);
+}
+
 TEST_F(PeerNodeFeed, AMessageHasManyPosesAndItsReplySaysWhatBecameOfEach) {
   run(2s);
   const json reply = ask({{"do", "pose"},
