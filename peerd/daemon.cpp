@@ -21,8 +21,8 @@ namespace peerd {
 
 using spdlog::level::level_enum;
 
-// The kernel's own bound grows by 0.5 ms a second.
-constexpr std::chrono::seconds kOsClockPeriod{1};
+// How often the system is asked: of its clock, whose own bound grows by 0.5 ms a second, and of the interface.
+constexpr std::chrono::seconds kSystemPeriod{1};
 // Of so many looks of one who does not sleep, one is at timers, signals and control, too.
 constexpr std::uint64_t kLooksPerPoll = 8;
 // Who wakes later than that was stopped for a while. What came meanwhile is read before anybody is judged silent, but
@@ -125,7 +125,11 @@ void Daemon::wake() {
   for (int turns = stalled ? kStalledTurns : 1; turns > 0 && transport_.receive_pending() && !over_;) --turns;
   if (over_) return;
   const HostTime now = this->now();
-  if (now >= os_clock_due_) tell_os_clock(now);
+  if (now >= system_due_) {
+    tell_os_clock(now);
+    follow_interface();
+    system_due_ = now + kSystemPeriod;
+  }
   if (due_ && node_.peer().due_tick(now)) lateness_.add(now - *due_);
   if (capture_) capture_->on_tick(now);
   node_.on_tick(now);
@@ -146,7 +150,11 @@ void Daemon::tell_os_clock(HostTime now) {
   const auto clock = net::read_os_clock(clock_);
   if (capture_) capture_->on_os_clock(now, clock);
   node_.on_os_clock(now, clock);
-  os_clock_due_ = now + kOsClockPeriod;
+}
+
+void Daemon::follow_interface() {
+  if (const auto news = transport_.follow_interface())
+    log_({news->is_back ? level_enum::info : level_enum::err, news->sentence});
 }
 
 void Daemon::leave() {

@@ -67,6 +67,7 @@ class Daemon {
   void serve();
   void wake();
   void tell_os_clock(HostTime now);
+  void follow_interface();
   void leave();
   void stop();
   void drain();
@@ -86,7 +87,7 @@ class Daemon {
   net::ForwardTime forward_;
   TickLateness lateness_;
   std::optional<HostTime> due_;  // what the timer was set for
-  HostTime os_clock_due_ = HostTime::min();
+  HostTime system_due_ = HostTime::min();
   Duration busy_poll_{0};
   Rehearsal* rehearsal_ = nullptr;  // null: none
   bool logs_updates_ = false;

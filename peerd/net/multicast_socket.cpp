@@ -2,6 +2,7 @@
 
 #include <linux/filter.h>
 #include <linux/if_packet.h>
+#include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
@@ -219,13 +220,14 @@ std::expected<MulticastSocket::Socket*, NetError> MulticastSocket::add_membershi
     if (socket->memberships >= memberships_max_) continue;
     const int error = change_membership(*socket, true, group);
     if (error == ENOBUFS || error == ENOMEM) continue;
-    if (error) return std::unexpected(join_error(region, error));
+    // Of an interface that is gone it is joined once that is back.
+    if (error && !interface_is_another()) return std::unexpected(join_error(region, error));
     ++socket->memberships;
     return socket.get();
   }
   if (auto good = add_socket(); !good) return std::unexpected(good.error());
   Socket& added = *sockets_.back();
-  if (const int error = change_membership(added, true, group)) {
+  if (const int error = change_membership(added, true, group); error && !interface_is_another()) {
     sockets_.pop_back();
     return std::unexpected(join_error(region, error));
   }
@@ -242,12 +244,47 @@ std::expected<void, NetError> MulticastSocket::leave(RegionId region) {
   memberships_.erase(membership);
   --socket.memberships;
   const auto group = group_endpoint(options_.groups, region);
-  if (const int error = change_membership(socket, false, group->address())) {
+  if (const int error = change_membership(socket, false, group->address()); error && !interface_is_another()) {
     return failure(NetError::Kind::kOther, "cannot leave multicast group " + group->address().to_string() + " on \"" +
                                                chosen_.interface.name + "\": " + text_of(error) +
                                                "; its datagrams are dropped here all the same");
   }
   return {};
+}
+
+std::optional<InterfaceNews> MulticastSocket::follow_interface() {
+  const std::string name = "interface \"" + chosen_.interface.name + '"';
+  const unsigned interface = if_nametoindex(chosen_.interface.name.c_str());
+  if (interface == chosen_.interface.index && !interface_gone_) return std::nullopt;
+  const int error = interface == 0 ? ENODEV : go_over_to(interface);
+  const bool was_gone = std::exchange(interface_gone_, error != 0);
+  if (error == 0) return InterfaceNews{true, name + " is another one by now: goes on over that"};
+  if (was_gone) return std::nullopt;
+  return InterfaceNews{false, name + " is gone (" + text_of(error) + "): nothing is sent or heard until it is back"};
+}
+
+bool MulticastSocket::interface_is_another() const {
+  return if_nametoindex(chosen_.interface.name.c_str()) != chosen_.interface.index;
+}
+
+// Its memberships went with the old one, but the sockets count them until they are left.
+int MulticastSocket::go_over_to(unsigned interface) {
+  const auto change_all = [this](bool join) {
+    int error = 0;
+    for (const auto& [number, membership] : memberships_) {
+      const auto group = group_endpoint(options_.groups, RegionId{number});
+      const int failed = change_membership(*membership.socket, join, group->address());
+      if (error == 0) error = failed;
+    }
+    return error;
+  };
+  (void)change_all(false);  // of some it never had them
+  chosen_.interface.index = interface;
+  if (const int error = sender_ ? send_over_our_interface(sender_->native_handle()) : 0) return error;
+  for (const auto& socket : sockets_) {
+    if (const int error = send_over_our_interface(socket->receiver.socket().native_handle())) return error;
+  }
+  return change_all(true);
 }
 
 // By interface index, here and when joining: addresses come and go, and an interface may have none of its own.

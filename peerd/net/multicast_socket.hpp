@@ -49,6 +49,7 @@ class MulticastSocket final : public Transport {
   std::expected<void, NetError> leave(RegionId region) override;
   void send(RegionId region, std::span<const std::byte> datagram) override;
   void flush() override;
+  [[nodiscard]] std::optional<InterfaceNews> follow_interface() override;
 
   [[nodiscard]] const TrafficCounters& counters() const override { return counters_; }
   [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }
@@ -86,6 +87,8 @@ class MulticastSocket final : public Transport {
   [[nodiscard]] int change_membership(Socket& socket, bool join,
                                       const asio::ip::address& group);  // errno, 0 = done
   std::expected<Socket*, NetError> add_membership(RegionId region, const asio::ip::address& group);
+  [[nodiscard]] bool interface_is_another() const;
+  [[nodiscard]] int go_over_to(unsigned interface);  // errno, 0 = done
   [[nodiscard]] NetError join_error(RegionId region, int error) const;
   [[nodiscard]] asio::ip::udp::endpoint on_our_interface(const asio::ip::udp::endpoint& group) const;
 
@@ -95,6 +98,7 @@ class MulticastSocket final : public Transport {
   asio::io_context& io_;
   MulticastOptions options_;
   ChosenInterface chosen_;
+  bool interface_gone_ = false;  // as was told
   asio::ip::address own_address_;
   TrafficCounters counters_;
   Reading reading_;

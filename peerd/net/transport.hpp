@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -30,6 +31,12 @@ struct Arrival {
   // reading, but earlier perhaps than that of the one before: sockets are read one after the other.
   HostTime at;
   const asio::ip::udp::endpoint& from;
+};
+
+// What became of a transport's interface, for the log.
+struct InterfaceNews {
+  bool is_back;  // else it is gone
+  std::string sentence;
 };
 
 // What carries datagrams between peers: multicast (MulticastSocket) or, where there is none, unicast to each
@@ -59,6 +66,10 @@ class Transport {
   // Neither blocks, and what doesn't leave is counted by its reason: dead reckoning bears losses, so none is an error.
   virtual void send(RegionId region, std::span<const std::byte> datagram) = 0;
   virtual void flush() = 0;
+
+  // An interface that is deleted and made anew under its old name (a VPN, a container's network) is another one to the
+  // kernel: goes over to it. What there is to say of that, each time once. Asks the system: for now and then.
+  [[nodiscard]] virtual std::optional<InterfaceNews> follow_interface() = 0;
 
   [[nodiscard]] virtual const TrafficCounters& counters() const = 0;
   [[nodiscard]] virtual std::size_t joined_count() const = 0;  // regions

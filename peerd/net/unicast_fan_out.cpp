@@ -1,5 +1,7 @@
 #include "peerd/net/unicast_fan_out.hpp"
 
+#include <net/if.h>
+
 #include <algorithm>
 #include <cassert>
 #include <utility>
@@ -74,6 +76,16 @@ std::string UnicastFanOut::describe() const {
   return "unicast at port " + std::to_string(options_.port) + " to " + std::to_string(options_.seeds.size()) +
          " configured peers and whoever greets" +
          (options_.interface.empty() ? "" : " over " + options_.interface + " or lo");
+}
+
+// Datagrams go where the routes lead; what comes is told apart by the interface's number.
+std::optional<InterfaceNews> UnicastFanOut::follow_interface() {
+  if (!only_over_) return std::nullopt;
+  const unsigned interface = if_nametoindex(options_.interface.c_str());
+  if (std::exchange(*only_over_, interface) == interface) return std::nullopt;
+  const std::string name = "interface \"" + options_.interface + '"';
+  if (interface != 0) return InterfaceNews{true, name + " is another one by now: goes on over that"};
+  return InterfaceNews{false, name + " is gone: nothing that comes over it is heard until it is back"};
 }
 
 void UnicastFanOut::on_receive(ReceiveHandler handler) {

@@ -46,6 +46,7 @@ class UnicastFanOut final : public Transport {
   std::expected<void, NetError> leave(RegionId region) override;
   void send(RegionId region, std::span<const std::byte> datagram) override;
   void flush() override;
+  [[nodiscard]] std::optional<InterfaceNews> follow_interface() override;
 
   [[nodiscard]] const TrafficCounters& counters() const override { return counters_; }
   [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }
@@ -68,7 +69,7 @@ class UnicastFanOut final : public Transport {
   void next_round();
 
   UnicastOptions options_;
-  std::optional<unsigned> only_over_, loopback_;  // numbers of interfaces
+  std::optional<unsigned> only_over_, loopback_;  // numbers of interfaces; 0: it is gone
   TrafficCounters counters_;
   Reading reading_;
   UdpReceiver receiver_;

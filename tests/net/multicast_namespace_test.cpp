@@ -118,6 +118,43 @@ TEST_P(OverAWire, TheHopLimitIsAsAsked) {
   });
 }
 
+// One of the same name is another one to the kernel, and what was joined went with the old one.
+TEST_P(OverAWire, AnInterfaceThatIsMadeAnewIsFollowed) {
+  with_wire([](const Wire& wire) {
+    asio::io_context io;
+    wire.left.enter();
+    MulticastOptions apart = options(7, "va");
+    apart.hears_itself = false;
+    Listener a(io, apart);
+    EXPECT_FALSE(a.socket->follow_interface());
+    wire.right.enter();
+    Listener b(io, options(7, "vb"));
+    a.join(1), a.join(2), b.join(1), b.join(4);
+    wire.left.enter();
+    ASSERT_TRUE(shell("ip link del va"));
+    const auto gone = a.socket->follow_interface();
+    ASSERT_TRUE(gone);
+    EXPECT_FALSE(gone->is_back);
+    EXPECT_THAT(gone->sentence, testing::HasSubstr("\"va\" is gone"));
+    EXPECT_FALSE(a.socket->follow_interface()) << "is said once";
+    EXPECT_TRUE(a.socket->leave(RegionId{2}));
+    EXPECT_TRUE(a.socket->join(RegionId{3})) << "once it is back";
+    ASSERT_EQ(wire.connect(), "");
+    for (const auto& [side, listener] : {std::pair(&wire.left, &a), {&wire.right, &b}}) {
+      side->enter();
+      const auto back = listener->socket->follow_interface();
+      ASSERT_TRUE(back);
+      EXPECT_TRUE(back->is_back);
+      EXPECT_FALSE(listener->socket->follow_interface());
+    }
+    a.send(4, "to b");
+    for (const std::uint32_t region : {1, 2, 3}) b.send(region, "to a");
+    ASSERT_TRUE(run_until(io, [&] { return a.heard.size() == 2 && b.heard.size() == 2; }));
+    EXPECT_THAT(a.heard, testing::UnorderedElementsAre(Pair(1, "to a"), Pair(3, "to a")));
+    EXPECT_THAT(b.heard, testing::UnorderedElementsAre(Pair(4, "to b"), Pair(1, "to a")));
+  });
+}
+
 TEST_P(OverAWire, AnInterfaceThatGoesDownDropsAndCounts) {
   with_wire([](const Wire& wire) {
     asio::io_context io;

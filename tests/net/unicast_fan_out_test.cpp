@@ -20,6 +20,7 @@ using testing_support::bytes_of;
 using testing_support::clock;
 using testing_support::own_port;
 using testing_support::run_until;
+using testing_support::shell;
 using testing_support::text_of;
 
 udp::endpoint address(unsigned slot) { return {asio::ip::address_v4::loopback(), own_port(slot)}; }
@@ -339,6 +340,30 @@ TEST_F(UnicastFanOutTest, WhatComesOverAnotherInterfaceIsDropped) {
       near.send_to(asio::buffer(greeting), {asio::ip::make_address(address), own_port(1)});
     }
     ASSERT_TRUE(run_until(io, [&] { return count(1).first == 3; })) << count(1).second;
+  });
+}
+
+TEST_F(UnicastFanOutTest, AnInterfaceThatIsMadeAnewIsFollowed) {
+  testing_support::with_wire([&](const testing_support::Wire& wire) {
+    wire.left.enter();
+    auto opened = UnicastFanOut::open(io, clock(), {.interface = "va", .port = own_port(0), .key = {9, 0}});
+    ASSERT_TRUE(opened) << opened.error().sentence;
+    UnicastFanOut& peer = **opened;
+    peer.on_receive([](const Arrival&) {});
+    ASSERT_TRUE(shell("ip link del va"));
+    const auto gone = peer.follow_interface();
+    ASSERT_TRUE(gone);
+    EXPECT_FALSE(gone->is_back);
+    EXPECT_FALSE(peer.follow_interface()) << "is said once";
+    ASSERT_EQ(wire.connect(), "");
+    wire.left.enter();
+    const auto back = peer.follow_interface();
+    ASSERT_TRUE(back);
+    EXPECT_TRUE(back->is_back);
+    wire.right.enter();
+    udp::socket other(io, udp::v4());
+    other.send_to(asio::buffer(encode({.instance = 5}, true)), {asio::ip::make_address("192.0.2.1"), own_port(0)});
+    ASSERT_TRUE(run_until(io, [&] { return peer.counters().greetings_in == 1; }));
   });
 }
 

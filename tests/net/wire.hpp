@@ -49,6 +49,10 @@ struct Wire {
     if (!left.problem().empty() || !right.problem().empty()) {
       return "no network namespaces here: " + left.problem() + right.problem();
     }
+    return connect();
+  }
+  // Also anew, after `ip link del va`.
+  [[nodiscard]] std::string connect() const {
     left.enter();
     if (!shell("ip link add va type veth peer name vb && ip link set vb netns " + right.path())) {
       return "no veth pair here (package iproute2, kernel module veth)";
