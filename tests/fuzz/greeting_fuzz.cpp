@@ -43,7 +43,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(known.introductions(peer, greeting->instance).empty());
     for (const RegionId region : peer.regions) require(KnownPeers::wants(peer, region));
   }
-  known.forget(now + std::chrono::seconds(100));
-  require(known.peers().empty() && known.candidates().empty());
+  known.forget(now + std::chrono::seconds(100));  // who fell silent is greeted for a while
+  require(known.peers().empty() && known.candidates().size() <= 1);
+  known.forget(now + std::chrono::seconds(100) + std::chrono::minutes(11));
+  require(known.candidates().empty());
   return 0;
 }
