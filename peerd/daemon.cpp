@@ -122,7 +122,9 @@ void Daemon::serve() {
 void Daemon::wake() {
   if (over_) return;
   const bool stalled = due_ && clock_.now() - *due_ > kStalled;
-  for (int turns = stalled ? kStalledTurns : 1; turns > 0 && transport_.receive_pending() && !over_;) --turns;
+  const int turns = stalled ? kStalledTurns : 1;
+  for (int turn = 0; turn < turns && !over_ && transport_.receive_pending(); ++turn) {
+  }
   if (over_) return;
   const HostTime now = this->now();
   if (now >= system_due_) {

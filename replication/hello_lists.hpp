@@ -15,8 +15,7 @@ inline constexpr Duration kHeldMax = std::chrono::seconds(10);  // an older hell
 [[nodiscard]] std::string packed(const std::vector<Echo>& echoes);
 [[nodiscard]] bool take_echoes(std::string_view bytes, std::vector<Echo>& echoes);
 // Whether echoes without that peer's show that their sender does not hear it: there is room for more, or they go from
-// one before it to one after it. Of more than there is room for, as many as there is take turns in order of their ids,
-// which go round.
+// one before it to one after it.
 [[nodiscard]] bool leaves_out(std::span<const Echo> echoes, PeerId peer);
 
 // Ascending.

@@ -190,7 +190,7 @@ class Peer {
   [[nodiscard]] SessionClock::Estimate estimate(HostTime now, PeerId peer);
   [[nodiscard]] std::optional<OffsetBounds> os_bounds(HostTime now, const Member& member) const;
   enum class Session : std::uint8_t { kUnknown, kEarlier, kSame, kLater };
-  [[nodiscard]] Session session_of(HostTime now, PeerId peer, const Member& member) const;
+  [[nodiscard]] Session session_of(HostTime now, const Member& member, Duration own_error) const;
   [[nodiscard]] std::optional<PeerId> choose_leader(HostTime now) const;
   void follow_leader(HostTime now, std::optional<PeerId> heard);
   void tick(SimTime t, std::span<const OwnSample> samples);

@@ -136,15 +136,10 @@ SessionClock::Estimate Peer::estimate(HostTime now, PeerId peer) {
   return e;
 }
 
-Peer::Session Peer::session_of(HostTime now, PeerId peer, const Member& member) const {
+// `own_error`: by how much this peer's own time may be wrong.
+Peer::Session Peer::session_of(HostTime now, const Member& member, Duration own_error) const {
   const auto bounds = member.clock.at(now, kDrift_ppm + kSlew_ppm);
   if (!bounds || member.clock.exchanges() < kExchangesToStart) return Session::kUnknown;
-  // What is known of the followed peer says all; of the others, how far they and this one are from the leader too. Who
-  // is surely ahead of the followed one does not doubt its own time: what it would have to slew back is no error of it.
-  const auto followed = follows_ ? members_.all().find(*follows_) : members_.all().end();
-  const bool ahead = followed != members_.all().end() && peer != follows_ &&
-                     session_of(now, followed->first, followed->second) == Session::kEarlier;
-  const Duration own_error = peer == follows_ || ahead ? Duration{0} : *clock_.error_bound(now);
   const Duration apart = own_error + member.clock_error + kOtherSession;
   const Duration own = clock_.session_minus_host(now);
   if (bounds->least - own > apart) return Session::kLater;
@@ -159,11 +154,17 @@ std::optional<PeerId> Peer::choose_leader(HostTime now) const {
   // Who has still to step forward into the session leads nobody, and knows nothing of the others' times.
   const bool behind = follows_ && clock_.debt(now) > kOtherSession;
   if (behind && members_.all().contains(*follows_)) return follows_;
+  // What is known of the followed peer says all; of the others, how far they and this one are from the leader too. Who
+  // is surely ahead of the followed one does not doubt its own time: what it would have to slew back is no error of it.
+  const auto followed = follows_ ? members_.all().find(*follows_) : members_.all().end();
+  const bool ahead =
+      followed != members_.all().end() && session_of(now, followed->second, Duration{0}) == Session::kEarlier;
+  const Duration own_error = ahead ? Duration{0} : *clock_.error_bound(now);
   std::optional<PeerId> later;
   PeerId lowest = config_.id;
   for (const auto& [peer, member] : members_.all()) {  // ascending
     if (!member.synchronised) continue;
-    const Session session = session_of(now, peer, member);
+    const Session session = session_of(now, member, peer == follows_ ? Duration{0} : own_error);
     if (session == Session::kLater && !later) later = peer;
     // One that is followed stays so while nothing surely speaks against it.
     if (session == Session::kSame || (session == Session::kUnknown && peer == follows_))

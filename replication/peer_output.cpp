@@ -28,10 +28,10 @@ constexpr std::size_t kGoneMax_bytes = 15 + 4;
 // At most, of what somebody may know nothing without: enough for one in five lost (0.2^4 = 0.0016).
 constexpr std::uint32_t kCopiesToArrive = 4;
 
-// Lists too long for one datagram take turns: of `size` entries at most `most`, each time the next ones.
+// Lists too long for one datagram take turns: of `size` entries at most `most`, from the `first` one on, going round.
 template <class Take>
-void take_turns(std::size_t time, std::size_t size, std::size_t most, Take take) {
-  for (std::size_t i = 0; i < std::min(size, most); ++i) take((time * most + i) % size);
+void take_turns(std::size_t first, std::size_t size, std::size_t most, Take take) {
+  for (std::size_t i = 0; i < std::min(size, most); ++i) take((first + i) % size);
 }
 
 }  // namespace
@@ -45,8 +45,8 @@ Message Peer::blank() const {
 
 // Within which somebody's hello says whether what goes out now has come there, if neither gets lost.
 Duration Peer::answered_within() const {
-  const std::size_t turns = (members_.all().size() + kEchoesMax - 1) / kEchoesMax;
-  return 2 * longest_latency() + static_cast<std::int64_t>(turns) * config_.settled_hello_period;
+  return 2 * longest_latency() +
+         static_cast<std::int64_t>(hellos_to_name(members_.all().size())) * config_.settled_hello_period;
 }
 
 // A state that nothing newer has replaced goes out again with hellos, or a lost one would stand wrong until the time
@@ -207,7 +207,8 @@ Introduction Peer::introduction() {
   Introduction i{config_.name, config_.world_hash, {}, start_, world_zero_, config_.decisions.viewpoint};
   std::vector<ObjectId> enslaved;
   for (const auto& [object, own] : own_) enslaved.push_back(object);
-  take_turns(introductions_, enslaved.size(), kEnslavedMax, [&](std::size_t k) { i.enslaved.push_back(enslaved[k]); });
+  take_turns(introductions_ * kEnslavedMax, enslaved.size(), kEnslavedMax,
+             [&](std::size_t k) { i.enslaved.push_back(enslaved[k]); });
   std::ranges::sort(i.enslaved);
   ++introductions_;
   if (introductions_due_ > 0) --introductions_due_;
@@ -227,7 +228,7 @@ void Peer::send_hello(HostTime now, bool leaving) {
   hello.latency = own_latency();
   hello.notes = take_notes();
   // Who was lost and finds no echo, though it was its turn, knows that it was.
-  const std::size_t unnamed = members_.all().size() / kEchoesMax + 1;
+  const std::size_t unnamed = hellos_to_name(members_.all().size());
   std::vector<std::pair<PeerId, const Member*>> heard;
   for (const auto& [peer, member] : members_.all()) {
     const auto received = member.received.find(kWholeScene);
@@ -239,7 +240,7 @@ void Peer::send_hello(HostTime now, bool leaving) {
     if (received != member.received.end()) heard.emplace_back(peer, &member);
   }
   const double others = members_.mean_loss();
-  take_turns(hellos_, heard.size(), kEchoesMax, [&](std::size_t i) {
+  take_turns(hellos_ * kEchoesStep, heard.size(), kEchoesMax, [&](std::size_t i) {
     const auto& [peer, member] = heard[i];
     const LossMeter& meter = member->received.at(kWholeScene);
     hello.echoes.push_back({peer, member->hello, now - member->hello_rx, meter.received(), loss_of(*member, others)});

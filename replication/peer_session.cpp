@@ -145,9 +145,9 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
 // What the sender's hello says of this peer's datagrams; null: nothing.
 void Peer::on_echo(PeerId sender, Member& member, const Echo* echo, std::span<const Echo> all) {
   if (echo == nullptr) {
-    // Else it may be others' turn, and the hellos with this peer's may have been lost.
-    const std::size_t turns = members_.all().size() / kEchoesMax + 1;
-    const bool unnamed = leaves_out(all, config_.id) || ++member.unechoed > kTurnsUnechoed * turns;
+    // A hello may name others only because it is their turn; then many in a row without this peer's name say it, too.
+    const std::size_t turn = hellos_to_name(members_.all().size());
+    const bool unnamed = leaves_out(all, config_.id) || ++member.unechoed > kTurnsUnechoed * turn;
     if (unnamed && std::exchange(member.knows_us, false)) {
       member.forgot_us = true;
       member.receipt.reset();
@@ -393,6 +393,11 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
 void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye) {
   release(peer, now);
   if (forgotten_.size() < kForgottenMax) forgotten_[peer] = 0;
+  outputs_.push_back(PeerLost{peer, name, said_goodbye});
+}
+
+// A peer is gone, or begins anew. What it ran stands still from now on, and belongs to nobody.
+void Peer::release(PeerId peer, HostTime now) {
   if (zero_from_ == peer && !world_zero_) {  // it never said: this peer's own goes on, or anybody's
     zero_from_.reset();
     clock_stepped_ = false;
@@ -400,11 +405,6 @@ void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_go
     introduce_anew();
     restart_predefined();
   }
-  outputs_.push_back(PeerLost{peer, name, said_goodbye});
-}
-
-// What a lost peer ran stands still from now on, and belongs to nobody.
-void Peer::release(PeerId peer, HostTime now) {
   const SimTime t = clock_.to_session(now);
   for (auto& [object, own] : own_) {
     own.heard.erase(peer);

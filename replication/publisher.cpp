@@ -69,7 +69,7 @@ double ByteBudget::left(const PublishPolicy& policy, SimTime now) {
     for_updates_ = std::min(static_cast<double>(kDatagramMax_bytes), for_updates_ + kForUpdates * more);
   }
   filled_ = now;
-  return std::max(left_, for_updates_);
+  return for_updates_ > std::max(left_, 0.0) ? for_updates_ : left_;
 }
 
 void ByteBudget::spend(std::size_t bytes, bool on_updates) {

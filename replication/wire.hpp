@@ -76,8 +76,13 @@ struct Echo {
   double loss = 0.0;        // what gets lost on the way (LossMeter), in thousandths
 };
 
-// As many as a hello carries; more take turns.
-inline constexpr std::size_t kEchoesMax = 15;
+// As many as a hello carries. More take turns in order of their ids, which go round; the next hello begins with this
+// one's last, so that any two that follow each other are in one list, which shows who is missing between them.
+inline constexpr std::size_t kEchoesMax = 15, kEchoesStep = kEchoesMax - 1;
+// In how many hellos all are named.
+[[nodiscard]] constexpr std::size_t hellos_to_name(std::size_t peers) {
+  return peers <= kEchoesMax ? 1 : (peers + kEchoesStep - 1) / kEchoesStep;
+}
 
 // Who the sender is. What changes seldom; it goes with some hellos only.
 struct Introduction {

@@ -154,7 +154,8 @@ std::expected<void, NetError> MulticastSocket::configure(int fd) const {
                                         {IPPROTO_IPV6, IPV6_MULTICAST_LOOP, 1, "IPV6_MULTICAST_LOOP"},
                                         {IPPROTO_IPV6, IPV6_MULTICAST_HOPS, options_.ttl, "IPV6_MULTICAST_HOPS"}}};
   if (auto good = options_.groups.base.is_v4() ? set_options(fd, v4) : set_options(fd, v6); !good) return good;
-  if (const int error = send_over_our_interface(fd)) {
+  // Over one that is gone it sends once that is back.
+  if (const int error = send_over_our_interface(fd); error && !interface_is_another()) {
     return failure(NetError::Kind::kNoMulticast, "cannot send multicast over \"" + chosen_.interface.name +
                                                      "\": " + text_of(error) + "; name another interface");
   }

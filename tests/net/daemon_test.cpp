@@ -13,6 +13,7 @@
 #include "peerd/net/open_transport.hpp"
 #include "peerd/rehearsal.hpp"
 #include "tests/net/listener.hpp"
+#include "tests/net/wire.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd {
@@ -21,6 +22,9 @@ namespace {
 using namespace std::chrono_literals;
 using net::testing_support::Listener;
 using net::testing_support::own_port;
+using net::testing_support::shell;
+using net::testing_support::Wire;
+using net::testing_support::with_wire;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -129,18 +133,18 @@ TEST_F(Waiting, SleepsWhenNothingHasComeForSoLong) {
   EXPECT_LT(all.cpu_s, 0.5 * all.wall_s);
 }
 
-net::MulticastOptions stalled_options() {
-  return {.interface = "lo", .groups = {boost::asio::ip::make_address("239.192.80.0"), own_port(14)}};
+net::MulticastOptions options_over(const char* interface) {
+  return {.interface = interface, .groups = {boost::asio::ip::make_address("239.192.80.0"), own_port(14)}};
 }
 
 // A peer with all that it needs, and what it has logged.
 struct Peer {
-  Peer(const SharedWorld& shared, const std::string& name, std::uint32_t id) {
+  Peer(const SharedWorld& shared, const std::string& name, std::uint32_t id, const net::MulticastOptions& options) {
     config::PeerSettings settings;
     settings.name = name;
     settings.id = id;
     node = PeerNode::make(settings, {}, shared, {}, {});
-    transport = *net::MulticastSocket::open(io, clock, stalled_options());
+    transport = *net::MulticastSocket::open(io, clock, options);
     daemon = std::make_unique<Daemon>(
         io, *node, *transport, clock, [this](const LogLine& line) { said += line.text + '\n'; }, std::nullopt);
   }
@@ -156,8 +160,9 @@ struct Peer {
 TEST(Stalled, NobodyIsLostWhoseDatagramsWaitToBeRead) {
   const testing_support::ScratchFolder folder;
   const auto shared = std::move(*share_world(folder.write("w.wrl", "#VRML V2.0 utf8\n")));
-  Peer a(*shared, "a", 1), b(*shared, "b", 2);
-  Listener stranger(a.io, stalled_options());
+  const net::MulticastOptions options = options_over("lo");
+  Peer a(*shared, "a", 1, options), b(*shared, "b", 2, options);
+  Listener stranger(a.io, options);
   boost::asio::steady_timer timer(a.io);
   const auto give_up = std::chrono::steady_clock::now() + 10s;
   bool stalled = false;
@@ -187,6 +192,38 @@ TEST(Stalled, NobodyIsLostWhoseDatagramsWaitToBeRead) {
   EXPECT_GT(a.daemon->lateness().most(), 2s);
   EXPECT_THAT(a.said, Not(HasSubstr("is lost")));
   EXPECT_THAT(b.said, HasSubstr("peer a (id 1) is lost")) << "as whoever is silent for 2.5 s";
+}
+
+// It says so, and goes on over the new one without being told.
+TEST(FollowsItsInterface, OneThatIsDeletedAndMadeAnew) {
+  const testing_support::ScratchFolder folder;
+  const auto shared = std::move(*share_world(folder.write("w.wrl", "#VRML V2.0 utf8\n")));
+  with_wire([&](const Wire& wire) {
+    wire.left.enter();
+    Peer a(*shared, "a", 1, options_over("va"));
+    boost::asio::steady_timer timer(a.io);
+    const auto give_up = std::chrono::steady_clock::now() + 20s;
+    bool deleted = false, made_anew = false;
+    std::function<void()> each = [&] {
+      if (!deleted && a.daemon->lateness().count() > 0) {
+        deleted = shell("ip link del va");
+      } else if (!made_anew && a.said.contains("\"va\" is gone")) {
+        made_anew = wire.connect().empty();
+      }
+      if (a.said.contains("\"va\" is another one by now") || std::chrono::steady_clock::now() > give_up) {
+        (void)a.daemon->on_control(R"({"do": "leave"})");
+        return;
+      }
+      timer.expires_after(10ms);
+      timer.async_wait([&](const boost::system::error_code& error) {
+        if (!error) each();
+      });
+    };
+    boost::asio::post(a.io, each);
+    EXPECT_EQ(a.daemon->run(), 0);
+    EXPECT_TRUE(made_anew);
+    EXPECT_THAT(a.said, HasSubstr("\"va\" is another one by now"));
+  });
 }
 
 }  // namespace

@@ -116,6 +116,31 @@ TEST(Peer, WhoWasForgottenTellsItsStatesAnew) {
   }
 }
 
+// Nor is it missed among more than a hello names: of 30 others, 17 goes between the last of a list and the next one's
+// first.
+TEST(Peer, WhoWasForgottenAmongManyTellsItsStatesAnew) {
+  constexpr std::uint32_t kPeers = 32, kForgotten = 17;
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 4 0 0"));
+  for (const Duration dead : {1800ms, 2000ms}) {
+    SCOPED_TRACE(dead.count());
+    Lan lan(world, {20ms, 0ms, 0, 0});
+    for (std::uint32_t id = 1; id <= kPeers; ++id) {
+      PeerConfig c = config(id);
+      if (id == kForgotten) c.enslaved = {{world["O0"], false}};
+      c.policy.time_threshold = 60s;
+      lan.add(c);
+    }
+    lan.run_until(6s);
+    lan.filter = [&](std::size_t from, std::size_t to, const Message&) { return from != kForgotten - 1 || to != 0; };
+    lan.run_until(6s + dead);
+    lan.filter = nullptr;
+    lan.run_until(10s);
+    const SimTime t = lan.session_now(0);
+    const Vec3 truth = lan.peer(kForgotten - 1).truth(world["O0"], t).position;
+    EXPECT_LT((lan.peer(0).ghost(world["O0"], t).position - truth).norm(), 1e-6);
+  }
+}
+
 // What is told between two ticks is something said: that its sender is here needs no word of its own.
 TEST(Peer, SaysThatItIsHereOnlyWhereItHasSaidNothing) {
   const World world(box("O0", "1 1 1", "0 0 0"));

@@ -48,10 +48,11 @@ TEST(Predefined, IsTheSameOnAllPeersWithoutTraffic) {
   for (std::size_t i = 0; i < lan.size(); ++i) EXPECT_EQ(lan.peer(i).counters().updates_out, 0u);
 }
 
-// Peer 1 comes into a later session by peer 5, which goes before it has said when world time began there.
+// Peer 1 comes into a later session by peer 5, which goes, or begins anew, before it has said when world time began
+// there.
 TEST(Predefined, WorldTimeGoesOnWhenWhoWasToSayItGoes) {
-  for (const std::size_t size : {2u, 3u}) {
-    SCOPED_TRACE(size);
+  for (const auto& [size, restarts] : {std::pair(2u, false), {3u, false}, {2u, true}, {3u, true}}) {
+    SCOPED_TRACE(testing::Message() << size << (restarts ? " restarts" : ""));
     const World world(kMachine + box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PLATE\" \"ARM\""));
     Lan lan(world, {20ms, 0ms, 0, 0});
     lan.add(config(1));
@@ -64,6 +65,11 @@ TEST(Predefined, WorldTimeGoesOnWhenWhoWasToSayItGoes) {
     while (lan.now() < 20s && lan.seen<ClockStepped>(0).empty()) lan.run_until(lan.now() + 10ms);
     ASSERT_FALSE(lan.peer(0).world_zero());
     lan.kill(1);
+    if (restarts) {
+      PeerConfig anew = config(5);
+      ++anew.boot;
+      lan.restart(1, std::move(anew));
+    }
     lan.run_until(lan.now() + 15s);
     ASSERT_TRUE(lan.peer(0).world_zero());
     EXPECT_EQ(lan.peer(0).world_zero(), lan.peer(size - 1 == 1 ? 0 : 2).world_zero());

@@ -148,8 +148,8 @@ TEST(ByteBudget, FillsAtItsRateUpToAQuarterOfASecond) {
   ByteBudget budget;
   EXPECT_EQ(budget.left(policy, sim(10s)), 2500.0) << "full at first";
   budget.spend(3000, true);
-  EXPECT_EQ(budget.left(policy, sim(10s)), 0.0);
-  EXPECT_EQ(budget.left(policy, sim(10s + 100ms)), 500.0) << "what must go is owed";
+  EXPECT_EQ(budget.left(policy, sim(10s)), -500.0) << "what must go is owed";
+  EXPECT_EQ(budget.left(policy, sim(10s + 100ms)), 500.0);
   EXPECT_EQ(budget.left(policy, sim(20s)), 2500.0);
   EXPECT_EQ(budget.left(policy, sim(15s)), 2500.0) << "session time has stepped";
   policy.bytes_per_s = 1000.0;
@@ -162,7 +162,7 @@ TEST(ByteBudget, AQuarterIsForUpdatesWhateverIsOwed) {
   ByteBudget budget;
   EXPECT_EQ(budget.left(policy, sim(0s)), 1200.0);
   budget.spend(100'000, false);
-  EXPECT_EQ(budget.left(policy, sim(0s)), 0.0);
+  EXPECT_EQ(budget.left(policy, sim(0s)), -98'800.0);
   EXPECT_EQ(budget.left(policy, sim(1s)), 250.0);
   budget.spend(1000, false);
   EXPECT_EQ(budget.left(policy, sim(2s)), 500.0);
