@@ -50,12 +50,6 @@ Member* Membership::find(PeerId peer) {
   return at == members_.end() ? nullptr : &at->second;
 }
 
-std::optional<PeerId> Membership::lowest_synchronised() const {
-  const auto at = std::ranges::find_if(members_, [](const auto& entry) { return entry.second.synchronised; });
-  if (at == members_.end()) return std::nullopt;
-  return at->first;
-}
-
 std::optional<HostTime> Membership::next_expiry() const {
   if (members_.empty()) return std::nullopt;
   const auto first = std::ranges::min_element(members_, {}, [](const auto& e) { return e.second.last_heard; });

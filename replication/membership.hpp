@@ -53,6 +53,7 @@ struct Member {
   bool knows_us = false;               // its hellos echo ours
   bool forgot_us = false;              // they did, until it lost us
   std::size_t unechoed = 0;            // hellos without our echo since the last with one
+  bool deaf = false;                   // so many that nothing we say gets there
   std::optional<double> loss_of_ours;  // of our datagrams on their way to it, as it says
   std::optional<Receipt> receipt;      // for our datagrams, as it says
   static constexpr std::size_t kDelays = 16;
@@ -101,7 +102,6 @@ class Membership {
     for (auto& [peer, member] : members_) member.received.erase(region);
   }
   // The lowest synchronised peer: the one whose session time the others follow.
-  [[nodiscard]] std::optional<PeerId> lowest_synchronised() const;
   [[nodiscard]] const std::map<PeerId, Member>& all() const { return members_; }
   [[nodiscard]] std::optional<HostTime> next_expiry() const;
 

@@ -124,14 +124,17 @@ void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
   const bool a_has_fewer = of_a.size() < of_b.size();
   const ObjectId other = a_has_fewer ? b : a;
   for (const std::uint32_t i : a_has_fewer ? of_a : of_b) {
-    Pair& pair = pairs_[i];
-    const ObjectId collider = objects_[pair.collider].id, collidee = objects_[pair.collidee].id;
-    if ((collider != other && collidee != other) || pair.watched == on) continue;
-    pair.watched = on;
-    pair.contact.reset();
-    pair.clear_until = std::max(pair.clear_until, advanced_);
-    reschedule(i);
+    if (objects_[pairs_[i].collider].id == other || objects_[pairs_[i].collidee].id == other) watch(i, on);
   }
+}
+
+void MotionWorld::watch(std::uint32_t number, bool on) {
+  Pair& pair = pairs_[number];
+  if (pair.watched == on) return;
+  pair.watched = on;
+  pair.contact.reset();
+  pair.clear_until = std::max(pair.clear_until, advanced_);
+  reschedule(number);
 }
 
 // After any change of what the pair is asked for, or of what it knows.

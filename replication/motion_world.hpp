@@ -77,6 +77,7 @@ class MotionWorld {
   void declare(ObjectId object, Role role);
   // Turns watching of a pair on or off; all pairs start watched.
   void watch(ObjectId a, ObjectId b, bool on);
+  void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
 
   // How long where a driven object was is kept after the last advance(), > 0; 4 s at first, as of all others. Of one
   // that no interest names, nothing but what was told last is kept from then on: nobody meets it.

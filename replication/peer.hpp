@@ -168,7 +168,7 @@ class Peer {
   void on_stranger(HostTime now, PeerId stranger);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
   void on_echo(PeerId sender, Member& member, const Echo* echo, std::span<const Echo> all);
-  void on_update(PeerId sender, UpdateRecord& update, SimTime session_now);
+  void on_update(PeerId sender, std::uint32_t number, UpdateRecord& update, SimTime session_now);
   void on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& decision, SimTime known_at);
   void claim(PeerId peer, std::span<const ObjectId> objects);
   void release(PeerId peer, HostTime now);
@@ -183,6 +183,7 @@ class Peer {
   // After a longer gap between two ticks this peer was stopped, or its computer asleep. What would have happened
   // meanwhile is not made up: for everybody else its objects stood still.
   static constexpr Duration kSlept = std::chrono::seconds(4);
+  [[nodiscard]] bool may_answer(HostTime now, const Member& member) const;
   bool found_session(HostTime now);
   bool notice_gap(HostTime now);
   void on_stamps(HostTime now, Member& member, const Hello& hello, const Echo* echo);
@@ -253,7 +254,7 @@ class Peer {
   [[nodiscard]] Duration lookahead() const;
   [[nodiscard]] std::optional<std::vector<Area>> areas(SimTime t) const;
   void follow_interest(SimTime t);
-  void join(RegionId region, SimTime t);
+  void join(RegionId region);
   void leave_region(RegionId region, SimTime t);
   void announce_entered();
   void on_entered(std::span<const Entered> entered, SimTime session_now);
@@ -344,7 +345,7 @@ class Peer {
   std::optional<PeerId> follows_;
   std::uint32_t sessions_ = 0;  // entered
   std::int64_t last_tick_ = 0;
-  std::size_t hellos_ = 0, introductions_ = 0;  // sent; their lists take turns
+  std::size_t hellos_ = 0, introductions_ = 0, echo_turns_ = 0;  // sent; their lists take turns
   std::size_t introductions_due_ = 0;           // with the next hellos: something new is in them
   struct SentHello {
     std::uint32_t number;
@@ -354,6 +355,7 @@ class Peer {
   std::map<RegionId, std::uint32_t> datagram_numbers_;
   RegionGrid grid_;
   Interest interest_;
+  double others_reach_m_ = 0.0;  // of the vertices of what others have ever run
   struct Heard {
     RegionId in;
     SimTime at{};  // when this peer heard it
@@ -396,6 +398,7 @@ class Peer {
   std::set<PeerId> other_worlds_;  // told once each
   // Lost; what they were told is to be told again when they come back. How many hellos have left each out since.
   std::map<PeerId, std::size_t> forgotten_;
+  std::map<PeerId, std::uint64_t> left_;  // who has said goodbye: the boot of that life
   bool id_in_use_told_ = false;
   std::vector<Output> outputs_;
   std::size_t polled_ = 0;  // of outputs_

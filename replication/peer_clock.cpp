@@ -18,13 +18,22 @@ constexpr int kStrangersAwaited = 3;
 
 }  // namespace
 
+// Who hears nobody answers nobody: once it has had the time to, nobody waits for it or follows it.
+bool Peer::may_answer(HostTime now, const Member& member) const {
+  const auto turn = static_cast<std::int64_t>(hellos_to_name(members_.all().size()));
+  const Duration patience = kStrangersAwaited * config_.listen_first + turn * config_.settled_hello_period;
+  return member.knows_us || now - listens_since_ < patience;
+}
+
 // True when this peer has founded a session, or goes on with one that nobody else is left of.
 bool Peer::found_session(HostTime now) {
   const Duration listened = now - listens_since_;
-  if (clock_.synchronised() || listened < config_.listen_first || members_.lowest_synchronised()) return false;
+  if (clock_.synchronised() || listened < config_.listen_first) return false;
   const bool awaits_stranger = stranger_heard_ && now - *stranger_heard_ < config_.listen_first;
   if (awaits_stranger && listened < kStrangersAwaited * config_.listen_first) return false;
-  if (!members_.all().empty() && members_.all().begin()->first < config_.id) return false;
+  for (const auto& [peer, member] : members_.all()) {
+    if ((member.synchronised || peer < config_.id) && may_answer(now, member)) return false;
+  }
   clock_.lead(now);
   follows_ = config_.id;
   slept_ = false;
@@ -150,7 +159,11 @@ Peer::Session Peer::session_of(HostTime now, const Member& member, Duration own_
 // The lowest peer of the session leads it. Where two sessions have met, the one whose time is later goes on, and the
 // other's peers step forward into it: so nobody's time ever runs back. Who has no time yet takes the lowest's.
 std::optional<PeerId> Peer::choose_leader(HostTime now) const {
-  if (!clock_.synchronised()) return members_.lowest_synchronised();
+  if (!clock_.synchronised()) {
+    const auto lowest = std::ranges::find_if(
+        members_.all(), [&](const auto& m) { return m.second.synchronised && may_answer(now, m.second); });
+    return lowest == members_.all().end() ? std::nullopt : std::optional(lowest->first);
+  }
   // Who has still to step forward into the session leads nobody, and knows nothing of the others' times.
   const bool behind = follows_ && clock_.debt(now) > kOtherSession;
   if (behind && members_.all().contains(*follows_)) return follows_;

@@ -11,12 +11,12 @@ namespace {
 
 // An owner that has not taken up a decision for so long has never heard it: what it says counts again.
 constexpr Duration kDecisionStands = std::chrono::seconds(2);
-// An update from this far ahead comes from a broken clock or a forger.
-constexpr Duration kUpdateAheadMax = std::chrono::seconds(1);
-// .. and decisions: of what happened up to 3 s ago (peer_decisions.cpp), told again where datagrams get lost.
+// A decision may be of what happened up to 3 s ago (peer_decisions.cpp), told again where datagrams get lost.
 constexpr Duration kDecisionAgeMax = std::chrono::seconds(6);
 // More peers than one network carries: somebody invents them.
 constexpr std::size_t kMembersMax = 4096;
+// Of so many that have left, what they sent before is known when it comes again.
+constexpr std::size_t kLeftMax = 4096;
 
 }  // namespace
 
@@ -49,7 +49,9 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
   if (m.number > 0) member.received[region].on_datagram(m.number);
   if (m.hello) on_hello(now, m.sender, m.number, *m.hello);
   if (m.leaving) {
-    lose(m.sender, members_.remove(m.sender)->name, now, true);
+    const Member left = *members_.remove(m.sender);
+    if (left_.size() < kLeftMax) left_[m.sender] = left.boot;
+    lose(m.sender, left.name, now, true);
     return {};
   }
   if (!replica_) {
@@ -64,7 +66,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
     if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
       drop("update_time");
     } else {
-      on_update(m.sender, u, session_now);
+      on_update(m.sender, m.number, u, session_now);
     }
   }
   for (const DecisionRecord& d : m.decisions) {
@@ -98,6 +100,10 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
     if (boot_low(known->boot) != m.boot) return std::unexpected(Drop::kStaleBoot);
     members_.on_datagram(now, m.sender, known->boot);
     return {};
+  }
+  // What it said before its goodbye, or that again.
+  if (const auto left = left_.find(m.sender); known == nullptr && left != left_.end() && m.boot <= left->second) {
+    return std::unexpected(Drop::kStaleBoot);
   }
   if (known == nullptr && members_.all().size() == kMembersMax) return std::unexpected(Drop::kTooMany);
   if (introduction->world_hash != config_.world_hash) {
@@ -133,7 +139,7 @@ void Peer::on_stranger(HostTime now, PeerId stranger) {
   introductions_due_ = std::max<std::size_t>(introductions_due_, 1);
 }
 
-void Peer::on_update(PeerId sender, UpdateRecord& u, SimTime session_now) {
+void Peer::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, SimTime session_now) {
   const RelaySettings& relay = config_.relay;
   const bool relayed = relay.through == sender;
   if (relay.through != kNobody && !relayed && relay.through != config_.id) return;  // the relay will say
@@ -147,7 +153,11 @@ void Peer::on_update(PeerId sender, UpdateRecord& u, SimTime session_now) {
     return;
   }
   Member* owning = members_.find(runs);
-  if (owning == nullptr || (runs != sender && !relayed)) return drop("not_owner");
+  if (owning == nullptr || (runs != sender && !relayed)) {
+    // It may be its owner's successor, or go on under an owner whose claim has not come yet. Regions have no receipts.
+    if (!grid_.cuts()) members_.find(sender)->received[kWholeScene].ask_again(number);
+    return drop("not_owner");
+  }
   std::uint32_t& last = owning->last_sequence[u.object];
   if (u.sequence == last && (holds(u.object) || !interest_.hears(u.model.state.position))) {
     ++counters_.updates_duplicate;

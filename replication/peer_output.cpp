@@ -1,6 +1,7 @@
 // Peer: what goes out.
 #include <algorithm>
 #include <cassert>
+#include <unordered_set>
 #include <utility>
 
 #include "replication/hello_lists.hpp"
@@ -59,6 +60,8 @@ void Peer::repeat_updates(HostTime now) {
   const std::uint32_t most = receipts ? kWithHellosMax : 1;
   const Duration patience = receipts ? answered_within() : kStandsFor;
   const SimTime t = clock_.to_session(now);
+  std::unordered_set<ObjectId> due_anyway;  // they go out for the first time just now
+  for (const EncodedUpdate& u : updates_due_) due_anyway.insert(u.record().object);
   for (auto& [object, own] : own_) {
     if (!own.to_repeat || own.times_with_hello >= most || everybody_has(own)) continue;
     const bool lost = !own.told_in.empty() && std::ranges::any_of(members_.all(), [&](const auto& entry) {
@@ -70,9 +73,7 @@ void Peer::repeat_updates(HostTime now) {
         first ? lossy || t - *own.last_sent >= patience
               : now - own.with_hello_at >= patience && own.told_in.size() < copies_against(loss(), 1 + kWithHellosMax);
     if (!lost && !overdue) continue;
-    const bool due_anyway =
-        std::ranges::any_of(updates_due_, [&](const EncodedUpdate& u) { return u.record().object == object; });
-    if (due_anyway) continue;  // it goes out for the first time just now
+    if (due_anyway.contains(object)) continue;
     if (t + longest_latency() - own.to_repeat->at > kUpdateAgeMax) {
       own.resend = true;  // nobody would take what is so old: the next tick tells how it goes by now
       continue;
@@ -99,7 +100,7 @@ bool Peer::everybody_has(const Own& own) const { return own.heard.size() == memb
 double Peer::loss() const {
   double worst = 0.0;
   for (const auto& [peer, member] : members_.all()) {
-    worst = std::max(worst, member.loss_of_ours.value_or(LossMeter{}.loss()));
+    if (!member.deaf) worst = std::max(worst, member.loss_of_ours.value_or(LossMeter{}.loss()));
   }
   return worst;
 }
@@ -188,17 +189,18 @@ void Peer::introduce_anew() {
   introductions_due_ = times * (1 + own_.size() / kEnslavedMax);
 }
 
-// Whoever is new here, or has news, or is not known to somebody, says who it is.
+// Whoever is new here, or has news, or is not known to somebody who may hear it, says who it is.
 bool Peer::has_news() const {
-  return !clock_.synchronised() || introductions_due_ > 0 ||
-         std::ranges::any_of(members_.all(), [](const auto& entry) { return !entry.second.knows_us; });
+  return !clock_.synchronised() || introductions_due_ > 0 || std::ranges::any_of(members_.all(), [](const auto& entry) {
+    return !entry.second.knows_us && !entry.second.deaf;
+  });
 }
 
-// Nobody waits for what this peer's next hello says: all know each other and each other's clocks, what is sent arrives,
-// no contact is open that this peer has found or may be the one to decide, and what is to be said again with hellos has
-// been.
+// Nobody waits for what this peer's next hello says: all have a session, know each other and each other's clocks, what
+// is sent arrives, no contact is open that this peer has found or may be the one to decide, and what is to be said
+// again with hellos has been.
 bool Peer::settled(HostTime now) const {
-  const auto waits_for_us = [](const auto& entry) { return entry.second.waits_for_us; };
+  const auto waits_for_us = [](const auto& entry) { return entry.second.waits_for_us || !entry.second.synchronised; };
   return replica_ && now >= settles_ && !has_news() && copies_against(loss(), 2) == 1 && entering_.empty() &&
          departures_.empty() && held_.empty() && std::ranges::none_of(members_.all(), waits_for_us);
 }
@@ -227,9 +229,13 @@ void Peer::send_hello(HostTime now, bool leaving) {
   hello.sessions = sessions_;
   hello.latency = own_latency();
   hello.notes = take_notes();
+  // Who has no session yet waits for its echoes: every other hello begins with the next one of those.
+  const auto is_new = [](const auto& entry) { return !entry.second.synchronised; };
+  const bool newcomers = std::ranges::any_of(members_.all(), is_new);
   // Who was lost and finds no echo, though it was its turn, knows that it was.
-  const std::size_t unnamed = hellos_to_name(members_.all().size());
+  const std::size_t unnamed = hellos_to_name(members_.all().size()) * (newcomers ? 2 : 1);
   std::vector<std::pair<PeerId, const Member*>> heard;
+  std::vector<std::size_t> heard_new;
   for (const auto& [peer, member] : members_.all()) {
     const auto received = member.received.find(kWholeScene);
     if (const auto lost = forgotten_.find(peer); lost != forgotten_.end()) {
@@ -237,10 +243,14 @@ void Peer::send_hello(HostTime now, bool leaving) {
       forgotten_.erase(lost);
     }
     if (member.hello == 0 || now - member.hello_rx > kHeldMax) continue;
-    if (received != member.received.end()) heard.emplace_back(peer, &member);
+    if (received == member.received.end()) continue;
+    if (!member.synchronised) heard_new.push_back(heard.size());
+    heard.emplace_back(peer, &member);
   }
+  const bool for_new = !heard_new.empty() && hellos_ % 2 == 1;
+  const std::size_t first = for_new ? heard_new[hellos_ / 2 % heard_new.size()] : kEchoesStep * echo_turns_++;
   const double others = members_.mean_loss();
-  take_turns(hellos_ * kEchoesStep, heard.size(), kEchoesMax, [&](std::size_t i) {
+  take_turns(first, heard.size(), kEchoesMax, [&](std::size_t i) {
     const auto& [peer, member] = heard[i];
     const LossMeter& meter = member->received.at(kWholeScene);
     hello.echoes.push_back({peer, member->hello, now - member->hello_rx, meter.received(), loss_of(*member, others)});

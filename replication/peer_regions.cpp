@@ -55,7 +55,8 @@ void Peer::measure_meetings(std::span<const std::uint32_t> pairs) {
 // have come. None: everything.
 std::optional<std::vector<Area>> Peer::areas(SimTime t) const {
   if (!config_.interest_radius_m || serves()) return std::nullopt;
-  const double radius_m = *config_.interest_radius_m, ahead_s = to_seconds(lookahead());
+  // What somebody runs is told where its origin is.
+  const double radius_m = *config_.interest_radius_m + others_reach_m_, ahead_s = to_seconds(lookahead());
   std::vector<Area> areas;
   const std::optional<Viewpoint>& view = config_.decisions.viewpoint;
   if (view && !view->object) {
@@ -87,7 +88,7 @@ void Peer::follow_interest(SimTime t) {
   const auto wanted = areas(t);
   for (const Interest::Change& change : wanted ? interest_.follow(t, *wanted) : interest_.follow_all(t)) {
     if (change.joined) {
-      join(change.region, t);
+      join(change.region);
     } else {
       leave_region(change.region, t);
     }
@@ -95,11 +96,12 @@ void Peer::follow_interest(SimTime t) {
   if (last_tick_ % config_.tick_hz == 0) forget_silent(t);
 }
 
-void Peer::join(RegionId region, SimTime t) {
+void Peer::join(RegionId region) {
   ++counters_.regions_joined;
   members_.count_anew(region);
   outputs_.push_back(Join{region});
-  entering_.push_back({{region, t}, copies_against(loss(), kEnteredCopies), kEnteredHellos});
+  const SimTime since = clock_.to_session(*called_at_);  // not the tick's own time, which may be long past
+  entering_.push_back({{region, since}, copies_against(loss(), kEnteredCopies), kEnteredHellos});
 }
 
 void Peer::leave_region(RegionId region, SimTime t) {

@@ -5,10 +5,12 @@
 #include <numeric>
 #include <utility>
 
+#include "core/reach.hpp"
 #include "replication/decision.hpp"
 #include "replication/hello_lists.hpp"
 #include "replication/peer.hpp"
 #include "replication/response.hpp"
+#include "replication/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -17,8 +19,17 @@ namespace {
 constexpr std::size_t kForgottenMax = 4096;
 // Who has not been named in so many turns is not heard: enough for one hello in ten lost (0.1^4 = 0.0001).
 constexpr std::size_t kTurnsUnechoed = 4;
+// Who has not named this peer in so many hears nothing of it: no copy gets there, nor does an introduction.
+constexpr std::size_t kTurnsDeaf = 20;
 // World time beyond which a nanosecond count would overflow: 100 years.
 constexpr double kFarthest_s = 3.2e9;
+
+template <class T>
+std::vector<T> without_doubles(std::vector<T> all) {
+  std::ranges::sort(all);
+  all.erase(std::ranges::unique(all).begin(), all.end());
+  return all;
+}
 
 }  // namespace
 
@@ -108,6 +119,7 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
       decision.told_in.clear();
       decision.heard.erase(sender);
     }
+    if (world_zero_) introduce_anew();
   }
   member.sessions = hello.sessions;
   member.synchronised = hello.session_tx.has_value();
@@ -116,7 +128,9 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
     member.name = introduction->name;
     member.start = introduction->start;
     member.viewpoint = introduction->viewpoint;
-    if (hello.session_tx) claim(sender, introduction->enslaved);
+    // Who is in another session has told nothing yet that this one could take.
+    const Duration ahead = hello.session_tx && replica_ ? *hello.session_tx - clock_.to_session(now) : Duration{0};
+    if (hello.session_tx && ahead > -kUpdateAgeMax && ahead < kUpdateAheadMax) claim(sender, introduction->enslaved);
   }
   const auto named = std::ranges::find(hello.echoes, config_.id, &Echo::peer);
   // Of more than this peer has sent: its last life's.
@@ -147,7 +161,9 @@ void Peer::on_echo(PeerId sender, Member& member, const Echo* echo, std::span<co
   if (echo == nullptr) {
     // A hello may name others only because it is their turn; then many in a row without this peer's name say it, too.
     const std::size_t turn = hellos_to_name(members_.all().size());
-    const bool unnamed = leaves_out(all, config_.id) || ++member.unechoed > kTurnsUnechoed * turn;
+    ++member.unechoed;
+    member.deaf = member.unechoed > kTurnsDeaf * turn;
+    const bool unnamed = leaves_out(all, config_.id) || member.unechoed > kTurnsUnechoed * turn;
     if (unnamed && std::exchange(member.knows_us, false)) {
       member.forgot_us = true;
       member.receipt.reset();
@@ -155,6 +171,7 @@ void Peer::on_echo(PeerId sender, Member& member, const Echo* echo, std::span<co
     return;
   }
   member.unechoed = 0;
+  member.deaf = false;
   member.knows_us = true;
   if (std::exchange(member.forgot_us, false)) {  // what it has forgotten stands still there
     for (auto& [object, own] : own_) own.resend = true;
@@ -216,14 +233,16 @@ void Peer::launch(SimTime at, ObjectId object, Own& own) {
 
 // The launches that are due, in order of time.
 void Peer::begin_motions(SimTime until) {
-  for (;;) {
-    const auto first = std::ranges::min_element(starts_, {}, [](const auto& start) { return start.second; });
-    if (first == starts_.end() || first->second > until) return;
-    const auto [object, at] = *first;
+  std::vector<std::pair<SimTime, ObjectId>> due;
+  for (const auto& [object, at] : starts_) {
+    if (at <= until) due.emplace_back(at, object);
+  }
+  std::ranges::sort(due);
+  for (const auto& [at, object] : due) {
     replica_->truth.advance(at);
     launch(at, object, own_.at(object));
     changed_[object] = at;
-    starts_.erase(first);
+    starts_.erase(object);
   }
 }
 
@@ -323,15 +342,18 @@ void Peer::watch_decided_pairs() {
 
 // Somebody runs these from now on: that is news to their pairs, and to those of what they are paired with.
 void Peer::watch_pairs_around(std::span<const ObjectId> objects) {
-  std::vector<std::uint32_t> theirs, around;
-  for (const ObjectId object : objects) std::ranges::copy(model_.pairs_of(object), std::back_inserter(theirs));
+  const auto pairs_of = [&](std::span<const ObjectId> some) {
+    std::vector<std::uint32_t> pairs;
+    for (const ObjectId object : some) std::ranges::copy(model_.pairs_of(object), std::back_inserter(pairs));
+    return without_doubles(std::move(pairs));
+  };
+  const std::vector<std::uint32_t> theirs = pairs_of(objects);
+  std::vector<ObjectId> paired;
   for (const std::uint32_t number : theirs) {
-    for (const ObjectId object : {model_.pairs[number].collider, model_.pairs[number].collidee}) {
-      std::ranges::copy(model_.pairs_of(object), std::back_inserter(around));
-    }
+    paired.push_back(model_.pairs[number].collider);
+    paired.push_back(model_.pairs[number].collidee);
   }
-  std::ranges::sort(around);
-  around.erase(std::ranges::unique(around).begin(), around.end());
+  const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
   measure_meetings(theirs);
   watch_decided_pairs(around);
 }
@@ -353,8 +375,8 @@ void Peer::watch_decided_pairs(std::span<const std::uint32_t> pairs) {
   for (const std::uint32_t number : pairs) {
     const auto& [a, b, type, mutual] = model_.pairs[number];
     const bool here = holds(a) && holds(b), mine = ours(a) || ours(b);
-    replica_->truth.watch(a, b, here && (mine ? finds(a, b) : is_partner(a) || is_partner(b)));
-    replica_->ghosts.watch(a, b, here && config_.policy.predict_collisions);
+    replica_->truth.watch(number, here && (mine ? finds(a, b) : is_partner(a) || is_partner(b)));
+    replica_->ghosts.watch(number, here && config_.policy.predict_collisions);
   }
 }
 
@@ -379,6 +401,9 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
     }
     if (!added && !taken) continue;
     owners_.set(object, peer);
+    if (grid_.cuts() && config_.interest_radius_m) {
+      others_reach_m_ = std::max(others_reach_m_, reach_m(*model_.scene, object));
+    }
     changed.push_back(object);
     // Where an owner has it who was away, nobody here has heard.
     if (grid_.cuts()) unhear(object);

@@ -46,12 +46,14 @@ double finer(MotionKind kind, Duration time_threshold) {
 
 // The tightest threshold in force. What physics moves is told exactly: resting against something and rounded, it could
 // lie inside it. Where snapshots go out whatever the thresholds, the tight one says what is close.
-Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, MotionKind kind,
+Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, double reach_m, MotionKind kind,
                              double expected_error_m) {
   double distance_m = policy.snapshots_hz > 0 ? std::min(threshold_m, policy.tight_threshold_m) : threshold_m;
   if (policy.wanted_error_m > 0.0) distance_m = std::min(distance_m, policy.wanted_error_m);
   if (expected_error_m < kAllButExact * distance_m) distance_m *= finer(kind, policy.time_threshold);
-  return {distance_m, policy.angle_threshold_rad};
+  // An orientation is rounded by a quarter of this at most: that moves the surface by half of the threshold.
+  const double turn_rad = reach_m > 0.0 ? 2.0 * threshold_m / reach_m : policy.angle_threshold_rad;
+  return {distance_m, std::min(policy.angle_threshold_rad, turn_rad)};
 }
 
 // Farther or faster than receivers take it: nobody could be told. What drives an object may do that, and what falls for
@@ -87,8 +89,12 @@ void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
     if (own == own_.end() || own->first != sample.object) own = own_.find(sample.object);
     if (own == own_.end()) continue;  // lost to another peer
     assert(own->second.driven);
-    replica_->truth.set_base(sample.object, t,
-                             sample.has_derivatives ? sample.state : own->second.poses.derive(t, sample.state.pose()));
+    KinematicState state = sample.has_derivatives ? sample.state : own->second.poses.derive(t, sample.state.pose());
+    if (!acceptable(state)) {
+      state = standing_inside_limits(state);
+      ++counters_.states_out_of_range;
+    }
+    replica_->truth.set_base(sample.object, t, state);
     ++own;
   }
   replica_->ghosts.advance(t);
@@ -141,11 +147,11 @@ void Peer::observe(ObjectId object, Own& own, SimTime t, double latency_s) {
   own.models->push(t, replica_->truth.at(object, t), Horizon{latency_s, own.interval_s});
 }
 
-// Whether an update is worth one of the budget.
+// Whether an update is worth one of the budget: of what it mends, rounding its orientation may bring back as much.
 bool Peer::gains(Own& own, SimTime t, const GhostError& error) {
   if (config_.policy.wanted_error_m == 0.0) return false;
   const auto worth_m = own.budget.worth_m(config_.policy, t);
-  return worth_m && error.distance_m > *worth_m;
+  return worth_m && error.distance_m > std::max(*worth_m, 2.0 * own.reach_m * kOrientationError_rad);
 }
 
 void Peer::publish(SimTime t) {
@@ -197,8 +203,9 @@ void Peer::tell_most_urgent(SimTime t) {
     const Vec3 at = replica_->truth.at(due.what.object, t).position;
     double viewed_from_m = eyes.empty() ? 0.0 : std::numeric_limits<double>::infinity();
     for (const Vec3& from : eyes) viewed_from_m = std::min(viewed_from_m, (at - from).norm());
-    const bool is_news =
-        due.reason != PublishReason::kError && due.reason != PublishReason::kTime && due.reason != PublishReason::kGain;
+    const bool is_news = due.what.own->resend || due.what.own->retell ||
+                         (due.reason != PublishReason::kError && due.reason != PublishReason::kTime &&
+                          due.reason != PublishReason::kGain);
     const auto last_sent = is_news ? std::nullopt : due.what.own->last_sent;
     due.urgency = urgency(policy, due.what.threshold_m, due.what.error, last_sent, t, viewed_from_m);
   }
@@ -240,6 +247,7 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
   for (const OwnSample& sample : samples) {
     const auto own = own_.find(sample.object);
     if (own == own_.end() || out_of_bytes_ || told_since_tick(own->second)) continue;
+    if (!acceptable(sample.state)) continue;  // the tick says something in its place
     assert(own->second.driven && sample.has_derivatives);
     const GhostError error = ghost_error(sample.state, replica_->ghosts.at(sample.object, t), own->second.reach_m);
     if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t))
@@ -285,10 +293,10 @@ void Peer::tell_changed(SimTime t) {
 
 // Whether another update would say what everybody knows: the object rests where they have it; or a decision tells where
 // physics takes it, one that is still to come or from within the time threshold. Regions forget what they do not hear
-// of.
+// of, and what a relay passed on has no receipt.
 bool Peer::is_known(ObjectId object, const Own& own, SimTime t, const KinematicState& truth,
                     const KinematicState& ghost) const {
-  if (grid_.cuts()) return false;
+  if (grid_.cuts() || config_.relay.through != kNobody) return false;
   if (rests(truth) && rests(ghost) && everybody_has(own)) return true;
   return !own.driven && (awaits_decision(object) || t - decisions_.last(object) < config_.policy.time_threshold);
 }
@@ -345,8 +353,9 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
     ++counters_.states_out_of_range;
   }
   const double expected_error_m = own.models ? own.models->expected_error_m() : threshold_m;
-  const Tolerance tolerance =
-      own.driven ? rounding_tolerance(policy, threshold_m, model.kind, expected_error_m) : Tolerance{};  // none: exact
+  const Tolerance tolerance = own.driven
+                                  ? rounding_tolerance(policy, threshold_m, own.reach_m, model.kind, expected_error_m)
+                                  : Tolerance{};  // none: exact
   const EncodedUpdate& due =
       updates_due_.emplace_back(quantised({object, ++own.sequence, at, model, decisions_.last(object)}, tolerance), t);
   const UpdateRecord& record = due.record();

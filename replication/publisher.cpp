@@ -62,7 +62,7 @@ double urgency(const PublishPolicy& policy, double threshold_m, const GhostError
 
 double ByteBudget::left(const PublishPolicy& policy, SimTime now) {
   const double most = std::max(kBurst_s * *policy.bytes_per_s, static_cast<double>(kDatagramMax_bytes));
-  if (!filled_) left_ = most;
+  left_ = filled_ ? std::max(left_, -most) : most;
   if (filled_ && now > *filled_) {
     const double more = *policy.bytes_per_s * to_seconds(now - *filled_);
     left_ = std::min(most, left_ + more);

@@ -71,8 +71,8 @@ struct GhostError {
 [[nodiscard]] double urgency(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                              std::optional<SimTime> last_sent, SimTime now, double viewed_from_m);
 
-// What a peer may still send: a bucket of bytes that fills at a rate. Nothing that goes is refused; it can be owed. A
-// part of the rate is for updates alone, whatever the rest has taken or owes, or many peers' hellos would end them.
+// What a peer may still send: a bucket of bytes that fills at a rate. Nothing that goes is refused; it can be owed, as
+// much as the bucket holds. A part of the rate is for updates alone, whatever the rest has taken or owes, or many peers' hellos would end them.
 class ByteBudget {
  public:
   // For updates [bytes]; not more than kBurst_s of the rate or a datagram hold.

@@ -18,8 +18,8 @@ inline constexpr double kSpinMax = 1e4;  // [rad/s]
 inline constexpr double kUnitSlack = 1e-6;
 // A year on either side of any epoch a clock counts from would do; this keeps differences of two stamps within int64.
 inline constexpr std::int64_t kTimeMax_ns = std::int64_t{1} << 62;
-// An update of farther back than timelines reach comes from a broken clock or a forger.
-inline constexpr Duration kUpdateAgeMax = std::chrono::seconds(4);
+// An update of farther back than timelines reach comes from a broken clock or a forger, as does one from so far ahead.
+inline constexpr Duration kUpdateAgeMax = std::chrono::seconds(4), kUpdateAheadMax = std::chrono::seconds(1);
 
 // False for NaN and infinities too.
 inline bool acceptable(const Vec3& v) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "core/reach.hpp"
 #include "replication/codec.hpp"
 
 namespace peerd::sim {
@@ -19,8 +20,8 @@ bool InterestOracle::has_areas(const config::RunSettings& run) {
   return std::ranges::any_of(run.peers, [](const config::PeerSettings& p) { return p.interest_radius_m.has_value(); });
 }
 
-InterestOracle::InterestOracle(const config::RunSettings& run, std::vector<WatchedPeer> peers)
-    : run_(run), peers_(std::move(peers)), grid_(run.replication.regions.grid()) {
+InterestOracle::InterestOracle(const config::RunSettings& run, const Scene& scene, std::vector<WatchedPeer> peers)
+    : run_(run), scene_(scene), peers_(std::move(peers)), grid_(run.replication.regions.grid()) {
   assert(run_.peers.size() == peers_.size());
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     const config::PeerSettings& settings = run_.peers[i];
@@ -55,29 +56,29 @@ bool InterestOracle::in_run(VirtualTime t) {
   return begin_ && t >= *begin_ && t <= *begin_ + from_seconds(run_.duration_s);
 }
 
-Vec3 InterestOracle::truth(ObjectId object, VirtualTime t) const {
+KinematicState InterestOracle::truth(ObjectId object, VirtualTime t) const {
   const std::size_t owner = owners_.at(object);
-  return peers_[owner].node->peer().truth(object, session_time(owner, t)).position;
+  return peers_[owner].node->peer().truth(object, session_time(owner, t));
 }
 
-bool InterestOracle::in_area(const Asked& asked, const Vec3& position, VirtualTime t) const {
-  const auto near = [&](const Vec3& center) {
-    Vec3 apart = position - center;
+bool InterestOracle::in_area(const Asked& asked, ObjectId object, VirtualTime t) const {
+  const Vec3 position = truth(object, t).position;
+  const double within_m = asked.radius_m + reaches_m_.at(object);
+  const auto near = [&](const Vec3& seen_from) {
+    Vec3 apart = position - seen_from;
     for (int axis = 0; axis < 3; ++axis) {
       if (run_.replication.regions.regions[static_cast<std::size_t>(axis)] == 1) apart[axis] = 0.0;
     }
-    return apart.norm() <= asked.radius_m;
+    return apart.norm() <= within_m;
   };
   const WatchedPeer& self = peers_[asked.peer];
   const auto& viewpoint = self.node->viewpoint();
   if (!viewpoint) {
-    return std::ranges::any_of(owners_,
-                               [&](const auto& o) { return o.second == asked.peer && near(truth(o.first, t)); });
+    return std::ranges::any_of(
+        owners_, [&](const auto& o) { return o.second == asked.peer && near(truth(o.first, t).position); });
   }
   if (!viewpoint->object || !owners_.contains(*viewpoint->object)) return near(viewpoint->pose.position);
-  const std::size_t owner = owners_.at(*viewpoint->object);
-  const KinematicState carrier = peers_[owner].node->peer().truth(*viewpoint->object, session_time(owner, t));
-  return near(carrier.pose() * viewpoint->pose.position);
+  return near(truth(*viewpoint->object, t).pose() * viewpoint->pose.position);
 }
 
 void InterestOracle::look() {
@@ -86,7 +87,9 @@ void InterestOracle::look() {
   owners_.clear();
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     for (const auto& [object, owner] : peers_[i].node->peer().owners()) {
-      if (owner == peers_[i].node->peer().id()) owners_.emplace(object, i);
+      if (owner != peers_[i].node->peer().id()) continue;
+      owners_.emplace(object, i);
+      if (!reaches_m_.contains(object)) reaches_m_.emplace(object, reach_m(scene_, object));
     }
   }
   for (Asked& asked : asked_) look(asked, t);
@@ -98,7 +101,7 @@ void InterestOracle::look(Asked& asked, VirtualTime t) {
   for (const auto& [object, owner] : owners_) {
     if (owner == asked.peer) continue;
     const auto gap = asked.missing_since.find(object);
-    const bool inside = in_area(asked, truth(object, t), t);
+    const bool inside = in_area(asked, object, t);
     const replication::UpdateRecord* told = peer.last_told(object);
     const bool missing = inside && (!peer.holds(object) || told == nullptr);
     if (inside) ++asked.objects, ++found_.samples;
@@ -149,7 +152,7 @@ void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region,
     double wanted_bytes = 0.0;
     for (const replication::UpdateRecord& u : message->updates) {
       const bool own_region = !grid_.cuts() || grid_.region_of(u.model.state.position) == region;
-      if (own_region && owners_.contains(u.object) && in_area(asked, truth(u.object, now), now)) {
+      if (own_region && owners_.contains(u.object) && in_area(asked, u.object, now)) {
         wanted_bytes += size_bytes(u);
       }
     }

@@ -22,11 +22,12 @@ struct WatchedPeer {
 // Asks of each peer whether it knows of what is in its area of interest, and what it had to receive for that. Knows
 // nothing of cells, of joining or of margins: it goes by where objects truly are, by which updates were sent when, and
 // by what a peer says it holds. An area is interest_radius_m around the viewpoint, or, without one, around each own
-// object, measured along the axes that [regions] counts more than one region on.
+// object, measured along the axes that [regions] counts more than one region on; in it is
+// what has its farthest vertex no farther from its origin than the area is.
 class InterestOracle {
  public:
   // The peers are those of `run`, in its order; only those with an interest_radius_m are asked.
-  InterestOracle(const config::RunSettings& run, std::vector<WatchedPeer> peers);
+  InterestOracle(const config::RunSettings& run, const Scene& scene, std::vector<WatchedPeer> peers);
   [[nodiscard]] static bool has_areas(const config::RunSettings& run);
 
   // When it wants to look next: from the start of the motions, sample_hz times a second. None: not yet, or never again.
@@ -54,17 +55,19 @@ class InterestOracle {
 
   [[nodiscard]] SimTime session_time(std::size_t peer, VirtualTime t) const;
   [[nodiscard]] bool in_run(VirtualTime t);
-  [[nodiscard]] Vec3 truth(ObjectId object, VirtualTime t) const;
-  [[nodiscard]] bool in_area(const Asked& asked, const Vec3& position, VirtualTime t) const;
+  [[nodiscard]] KinematicState truth(ObjectId object, VirtualTime t) const;
+  [[nodiscard]] bool in_area(const Asked& asked, ObjectId object, VirtualTime t) const;
   void look(Asked& asked, VirtualTime t);
   [[nodiscard]] std::optional<VirtualTime> outdated_since(ObjectId object, std::uint32_t sequence) const;
   void close_gap(Duration length);
 
   config::RunSettings run_;
+  const Scene& scene_;
   std::vector<WatchedPeer> peers_;
   replication::RegionGrid grid_;  // to tell an update's own region from the one that its object came from
   std::vector<Asked> asked_;
   std::map<ObjectId, std::size_t> owners_;
+  std::map<ObjectId, double> reaches_m_;  // of whatever had an owner once
   std::map<ObjectId, std::deque<Told>> told_;
   std::optional<VirtualTime> begin_;  // of the motions
   std::uint64_t looks_ = 0;

@@ -111,7 +111,7 @@ class Simulation {
       }
       std::vector<WatchedPeer> watched;
       for (const SimulatedPeer& p : peers_) watched.push_back({p.node.get(), p.clock_offset});
-      oracle_.emplace(run_, std::move(watched));
+      oracle_.emplace(run_, shared_.world.scene, std::move(watched));
     }
     if (!config::peers_change(run_.events)) {  // whose clocks it watches
       std::vector<ClockOracle::WatchedPeer> clocks;

@@ -79,17 +79,11 @@ TEST(Membership, SilenceExpiresAscendingAndAtOnce) {
   EXPECT_EQ(members.next_expiry(), host(3s));
 }
 
-TEST(Membership, LowestCountsTheSynchronisedOnly) {
+TEST(Membership, RemovesOnce) {
   Membership members(2s);
   for (PeerId p : {kFive, kTwo, kThree}) members.on_datagram(host(0s), p, 1);
-  EXPECT_EQ(members.lowest_synchronised(), std::nullopt);
-  members.find(kFive)->synchronised = true;
-  EXPECT_EQ(members.lowest_synchronised(), kFive);
-  members.find(kThree)->synchronised = true;
-  EXPECT_EQ(members.lowest_synchronised(), kThree);
   EXPECT_TRUE(members.remove(kThree).has_value());
   EXPECT_FALSE(members.remove(kThree).has_value());
-  EXPECT_EQ(members.lowest_synchronised(), kFive);
 }
 
 }  // namespace

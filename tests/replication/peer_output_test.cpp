@@ -141,6 +141,29 @@ TEST(Peer, WhoWasForgottenAmongManyTellsItsStatesAnew) {
   }
 }
 
+// A relay's own words have no receipts: what rests behind it is told each time threshold.
+TEST(Peer, WhatARelayLosesIsToldAgain) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 1 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  for (std::uint32_t id = 1; id <= 3; ++id) {
+    PeerConfig c = config(id, id == 1 ? std::vector<Enslaved>{{world["O0"], false}} : std::vector<Enslaved>{});
+    c.relay.through = PeerId{2};
+    lan.add(c);
+  }
+  lan.run_until(20s);
+  int lost = 0;
+  lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
+    const bool carries = from == 1 && to == 2 && !m.updates.empty() && lost == 0;
+    lost += carries;
+    return !carries;
+  };
+  ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["O0"], Vec3(0, 0, 0), true));
+  lan.run_until(26s);
+  EXPECT_EQ(lost, 1);
+  const SimTime t = lan.session_now(0);
+  EXPECT_LT((lan.peer(2).ghost(world["O0"], t).position - lan.peer(0).truth(world["O0"], t).position).norm(), 1e-6);
+}
+
 // What is told between two ticks is something said: that its sender is here needs no word of its own.
 TEST(Peer, SaysThatItIsHereOnlyWhereItHasSaidNothing) {
   const World world(box("O0", "1 1 1", "0 0 0"));
@@ -298,6 +321,17 @@ TEST_F(ShortOfBytes, WhatIsMostWrongIsToldMostAndNothingNever) {
 }
 
 // What is four times as wrong but four times as far away is no more urgent.
+TEST_F(ShortOfBytes, WhatSomebodyKnowsNothingOfComesFirstHoweverLittleWrong) {
+  run(config(2), kBytes_per_s, 20s);
+  const std::size_t newcomer = lan.add(config(3));
+  while (!lan.peer(newcomer).clock().synchronised() && lan.now() < 25s) lan.run_until(lan.now() + 10ms);
+  const Duration came = lan.now();
+  lan.run_until(came + 4s);
+  for (int i = 0; i < kObjects; ++i) {
+    EXPECT_TRUE(std::ranges::any_of(told[object(i)], [&](Duration at) { return at >= came; })) << i;
+  }
+}
+
 TEST_F(ShortOfBytes, WhatIsFarFromWhoLooksIsToldLess) {
   PeerConfig watcher = config(2);
   watcher.decisions.viewpoint = Viewpoint{std::nullopt, {Vec3(0, 0, 5), Quat::Identity()}};
@@ -434,6 +468,55 @@ TEST(Models, AreObeyedAlikeByAll) {
     EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - weaves(t).position).norm(), 1e-3) << seed;
     EXPECT_LT(lan.peer(0).counters().updates_out, 12u) << "exact after few";
   }
+}
+
+// Where a turn counts by how far it moves the surface: an orientation in steps would ask for the next update.
+TEST(Rounding, OfALongObjectsOrientationAsksForNothing) {
+  for (const double length_m : {60.0, 200.0}) {
+    for (const bool tight : {false, true}) {
+      SCOPED_TRACE(testing::Message() << length_m << (tight ? " tight" : ""));
+      const World world(box("SHIP", (std::to_string(length_m) + " 1 1").c_str(), "0 0 0"));
+      KinematicState still = moving({0.123, 0, 0});
+      still.orientation = Quat(Eigen::AngleAxisd(0.7357, Vec3(1, 2, 3).normalized()));
+      Lan lan(world);
+      PeerConfig c = choosing(1, {{world["SHIP"], true}});
+      c.policy.surface_error = true;
+      c.policy.angle_threshold_rad = 0.26;
+      if (tight) c.policy.error_threshold_m = 0.01;
+      lan.add(c, 0s, {{world["SHIP"], [&](SimTime) { return still; }}});
+      lan.add(choosing(2));
+      lan.run_until(10s);
+      const std::uint64_t before = lan.peer(0).counters().updates_out;
+      lan.run_until(30s);
+      EXPECT_LE(lan.peer(0).counters().updates_out, before + 4);
+    }
+  }
+}
+
+// A formula with a pole: it stands for a tick, and its corners are found as ever afterwards.
+TEST(Models, OneSampleThatIsNoNumberSpoilsNothing) {
+  const World world(field(1));
+  std::array<std::uint64_t, 2> updates{};
+  for (const bool pole : {false, true}) {
+    Lan lan(world);
+    const auto bounces = [&](SimTime t) {
+      const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
+      const double x = std::fmod(s, 4.0);
+      KinematicState k = x < 2 ? moving({3 * x, 0, 0}, {3, 0, 0}) : moving({12 - 3 * x, 0, 0}, {-3, 0, 0});
+      if (pole && s >= 5 && s < 5.016) k.position.x() = k.velocity.x() = std::numeric_limits<double>::quiet_NaN();
+      return k;
+    };
+    lan.add(choosing(1, {{world["O0"], true}}), 0s, {{world["O0"], bounces}});
+    lan.add(choosing(2));
+    lan.run_until(20s);
+    const std::uint64_t before = lan.peer(0).counters().updates_out;
+    lan.run_until(60s);
+    updates[pole ? 1 : 0] = lan.peer(0).counters().updates_out - before;
+    EXPECT_EQ(lan.peer(0).counters().states_out_of_range, pole ? 1u : 0u);
+    const SimTime t = lan.session_now(1);
+    EXPECT_LT((lan.peer(1).ghost(world["O0"], t).position - bounces(t).position).norm(), 0.1);
+  }
+  EXPECT_EQ(updates[1], updates[0]);
 }
 
 // What physics moves travels to the bit; what is driven in steps as fine as the tightest threshold asks: a 16th of it.

@@ -197,6 +197,47 @@ TEST_F(Regions, WhoEntersIsToldWithinTwoLatenciesAndTicks) {
   EXPECT_FALSE(holds(visitor, "B"));
 }
 
+// A joins at a tick that comes late: what was told between the tick's time and the joining has not come.
+TEST_F(Regions, WhoJoinsLateIsToldWhatWasToldMeanwhile) {
+  for (const Duration phase : {1ms, 3ms, 5ms, 7ms}) {
+    SCOPED_TRACE(phase.count());
+    std::optional<Duration> joins;
+    for (const bool late : {false, true}) {
+      Lan apart(world, {.latency = 1ms});
+      std::optional<SimTime> moves;
+      PeerConfig a = in_regions(1, {{world["A"], true}});
+      a.tick_hz = 500;
+      apart.add(a, 0s, {{world["A"], [&](SimTime t) { return moving({25, 0, moves && t >= *moves ? 3.0 : 0.0}); }}});
+      const auto b = apart.add(in_regions(2, {{world["B"], true}}, 1.0), 0s, {{world["B"], steady(apart, -20, 10)}});
+      if (!late) {  // when it would join
+        while (apart.now() < 9s && !apart.joined(b).contains(RegionId{3})) apart.run_until(apart.now() + 1ms);
+        joins = apart.now();
+        continue;
+      }
+      apart.run_until(*joins - 2ms);
+      moves = apart.session_now(0) + phase;
+      apart.node(b).running = false;
+      apart.run_until(*joins + 12ms);
+      apart.node(b).running = true;
+      apart.run_until(*joins + 112ms);
+      ASSERT_TRUE(apart.peer(b).holds(world["A"]));
+      EXPECT_NEAR(apart.peer(b).ghost(world["A"], apart.session_now(b)).position.z(), 3.0, 0.01);
+    }
+  }
+}
+
+// What is told where its origin is reaches farther.
+TEST_F(Regions, ALongObjectIsHeardOfAsFarAsItReaches) {
+  const World long_one(box("A", "30 1 1", "0 0 0") + box("B", "1 1 1", "0 0 5"));
+  Lan apart(long_one, {.latency = 40ms});
+  apart.add(in_regions(1, {{long_one["A"], true}}), 0s, {{long_one["A"], [](SimTime) { return moving({25, 0, 0}); }}});
+  apart.add(looking_from(in_regions(2, {}, 1.0), 9.5));  // its end is at 10
+  apart.add(looking_from(in_regions(3, {}, 1.0), -15.0));
+  apart.run_until(6s);
+  EXPECT_TRUE(apart.peer(1).holds(long_one["A"]));
+  EXPECT_FALSE(apart.peer(2).holds(long_one["A"]));
+}
+
 TEST_F(Regions, WhatWasToldSinceIsNotAskedForAgain) {
   const auto self = lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], [](SimTime) {
                                                                          return moving({5, 0, 0});

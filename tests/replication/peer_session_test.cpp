@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <random>
+
 #include "tests/replication/lan.hpp"
 
 // Joining, leaving, clocks: several peers on one network.
@@ -206,6 +209,109 @@ TEST(PeerSession, ReceiptsOfTheLastLifeDoNotCount) {
 }
 
 // A new life that runs less: what it ran before is nobody's.
+// What a successor tells before its predecessor is lost is nobody's word yet, and not one that has come.
+TEST(PeerSession, ASuccessorIsHeardAsSoonAsItsPredecessorIsLost) {
+  const World world(box("A", "1 1 1", "0 0 0"));
+  const auto at = [](double y) { return [y](SimTime) { return moving({0, y, 0}); }; };
+  Lan lan(world);
+  lan.add(config(2));
+  const std::size_t watcher = lan.add(config(3));
+  const std::size_t first = lan.add(config(5, {{world["A"], true}}), 0s, {{world["A"], at(5.0)}});
+  lan.run_until(20s);
+  lan.kill(first);
+  lan.run_until(20100ms);
+  lan.add(config(7, {{world["A"], true}}), 0s, {{world["A"], at(9.0)}});
+  lan.run_until(28s);
+  EXPECT_GT(lan.drops(watcher, "not_owner"), 0u);
+  EXPECT_NEAR(lan.peer(watcher).ghost(world["A"], lan.session_now(watcher)).position.y(), 9.0, 1e-2);
+}
+
+// Its computer lets nothing in: it founds a session of its own, and goes on saying so.
+TEST(PeerSession, WhoHearsNobodyKeepsNobodyOut) {
+  const World world(three_boxes());
+  Lan lan(world);
+  for (std::uint32_t id = 1; id <= 4; ++id) lan.add(config(id));
+  lan.filter = [](std::size_t from, std::size_t to, const Message&) { return to != 0 || from == 0; };
+  lan.run_until(8s);
+  EXPECT_TRUE(lan.all_in_session());
+  for (const std::size_t i : {1u, 2u, 3u}) EXPECT_EQ(lan.peer(i).follows(), PeerId{2});
+}
+
+// Nor do the others say everything to it three times, and who they are with every hello.
+TEST(PeerSession, WhoHearsNobodyCostsNothingAfterAWhile) {
+  const World world(three_boxes());
+  std::array<std::uint64_t, 2> bytes{};
+  for (const bool deaf : {false, true}) {
+    Lan lan(world);
+    const auto weaves = [](SimTime t) {
+      std::mt19937_64 random(static_cast<std::uint64_t>(t.time_since_epoch().count()));
+      return moving({static_cast<double>(random() % 3), 0, 0});
+    };
+    lan.add(config(1, {{world["A"], true}}), 0s, {{world["A"], weaves}});
+    lan.add(config(2));
+    lan.add(config(9));
+    lan.filter = [=](std::size_t from, std::size_t to, const Message&) { return !deaf || to != 2 || from == 2; };
+    lan.run_until(40s);
+    const std::uint64_t before = lan.peer(0).counters().bytes_out;
+    lan.run_until(60s);
+    bytes[deaf ? 1 : 0] = lan.peer(0).counters().bytes_out - before;
+  }
+  EXPECT_LT(static_cast<double>(bytes[1]), 1.1 * static_cast<double>(bytes[0]));
+}
+
+// A hello names 15 of 100 others, but every other one somebody who waits for it.
+TEST(PeerSession, ANewcomerAmongManyIsInSessionSoon) {
+  constexpr std::uint32_t kOthers = 100;
+  const World world(three_boxes());
+  Lan lan(world, {5ms});
+  lan.add(config(1));
+  lan.run_until(2s);
+  std::uint32_t number = 0;
+  const auto run_until = [&](Duration until) {  // the others say a hello a second each, and have heard peer 1
+    while (lan.now() < until) {
+      ++number;
+      for (std::uint32_t k = 0; k < kOthers; ++k) {
+        Message m = hello_of(100 + k, lan.host_now(0));
+        m.number = number;
+        m.hello->sessions = 1;
+        m.hello->session_tx = lan.session_now(0);
+        m.hello->clock_error = 5ms;
+        m.hello->echoes = {{PeerId{1}, 1, 0s, {1, 1, ~std::uint64_t{0}}, 0.0}};
+        lan.inject(0, encode(m));
+      }
+      lan.run_until(lan.now() + 1s);
+    }
+  };
+  run_until(12s);
+  ASSERT_EQ(lan.peer(0).members().all().size(), kOthers);
+  const std::size_t newcomer = lan.add(config(2));
+  run_until(17s);
+  EXPECT_TRUE(lan.peer(newcomer).clock().synchronised());
+}
+
+TEST(PeerSession, WhoHasSaidGoodbyeIsNotTakenBackByWhatItSaidBefore) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(config(1));
+  const std::size_t leaves = lan.add(config(2, {{world["B"], false}}));
+  std::vector<Bytes> said;
+  lan.on_send = [&](std::size_t from, RegionId, const Message& m) {
+    if (from == leaves && m.introduction() != nullptr) said.push_back(encode(m));
+  };
+  lan.run_until(5s);
+  lan.leave(leaves);
+  lan.run_until(6s);
+  for (const Bytes& again : {said.front(), said.back()}) {
+    EXPECT_EQ(lan.inject(0, again).error(), Drop::kStaleBoot);
+  }
+  EXPECT_TRUE(lan.peer(0).members().all().empty());
+  PeerConfig anew = config(2);
+  ++anew.boot;
+  lan.restart(leaves, std::move(anew));
+  lan.run_until(9s);
+  EXPECT_EQ(lan.peer(0).members().all().size(), 1u);
+}
+
 TEST(PeerSession, ARestartLetsGoOfWhatItNoLongerRuns) {
   const World world(three_boxes());
   Lan lan(world);

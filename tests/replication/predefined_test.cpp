@@ -78,6 +78,28 @@ TEST(Predefined, WorldTimeGoesOnWhenWhoWasToSayItGoes) {
   }
 }
 
+// A computer that stands still with its clock comes back into a session it knows: PLATE leaves its path until somebody
+// says anew when world time began.
+TEST(Predefined, WhoComesBackIsToldWorldTimeAtOnce) {
+  const World world(kMachine + box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PLATE\" \"ARM\""));
+  for (const Duration came : {22000ms, 22300ms, 22600ms, 22900ms}) {
+    SCOPED_TRACE(came.count());
+    Lan lan(world, {20ms, 0ms, 0, 0});
+    for (const std::uint32_t id : {1u, 2u, 3u}) lan.add(config(id));
+    lan.run_until(2s);
+    lan.peer(0).announce_start(lan.session_now(0) + 1s);
+    lan.run_until(came);
+    lan.kill(2);
+    lan.run_until(came + 1500ms);
+    lan.node(2).ahead -= 1500ms;
+    lan.node(2).running = true;
+    while (lan.seen<ClockStepped>(2).empty() && lan.now() < came + 20s) lan.run_until(lan.now() + 10ms);
+    ASSERT_FALSE(lan.seen<ClockStepped>(2).empty());
+    lan.run_until(lan.now() + 400ms);
+    EXPECT_EQ(lan.peer(2).world_zero(), lan.peer(0).world_zero());
+  }
+}
+
 // BALL flies at PLATE, which comes to meet it: both peers know when, the one that only watches without an update.
 TEST(Predefined, BouncesWhatItMeets) {
   const World world(kMachine + box("BALL", "1 1 1", "-2 0 0", std::string(kBounces) + "velocityVector 1 0 0 ") +

@@ -42,6 +42,29 @@ TEST_P(SessionsMeet, TheEarlierPeerStepsOnceAndEverythingGoesOn) {
   EXPECT_LT((lan.peer(1).ghost(world["A"], now).position - lan.peer(0).truth(world["A"], now).position).norm(), 0.01);
   EXPECT_GT(lan.peer(1).counters().ticks, 7u * 55u);  // it has not waited for the old time to come again
 }
+// Until the other has stepped into it, nothing of what that one runs is told in this session: nothing meets it where
+// the file has it.
+TEST(SessionsMeeting, NobodyMeetsWhatTheOtherHasNotToldYet) {
+  const World world(box("BALL", "1 1 1", "-19 0 0", std::string(kBounces) + "velocityVector 5 0 0 ") +
+                    box("BOX", "1 1 1", "0 0 0", std::string(kBounces) + "velocityVector 0 0 5 ") +
+                    interest("BALL", "\"BOX\"") + interest("BOX", "\"BALL\""));
+  Lan lan(world, {20ms});
+  lan.add(config(1, {{world["BALL"], false}}), 30s);
+  lan.add(config(2, {{world["BOX"], false}}));
+  lan.part({1});
+  lan.run_until(4s);
+  lan.part({});
+  Vec3 before = lan.peer(1).truth(world["BOX"], lan.session_now(1)).position;
+  while (lan.now() < 9s) {
+    lan.run_until(lan.now() + 10ms);
+    const Vec3 at = lan.peer(1).truth(world["BOX"], lan.session_now(1)).position;
+    ASSERT_LT((at - before).norm(), 0.2);
+    before = at;
+  }
+  EXPECT_EQ(lan.peer(0).counters().decisions, 0u);
+  EXPECT_EQ(lan.peer(0).owner(world["BOX"]), PeerId{2});
+}
+
 INSTANTIATE_TEST_SUITE_P(ClocksApart, SessionsMeet, testing::Values(3s, -3s));
 
 }  // namespace
