@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "replication/codec.hpp"
+
 namespace peerd {
 namespace {
 
@@ -77,6 +79,12 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
           [&](const Frozen& f) -> Line {
             return LogLine{level_enum::warn, fmt::format("{} stands still: peer {}, which ran it, is gone",
                                                          scene.path_of(f.object), f.owner.value)};
+          },
+          [](const OtherVersion& o) -> Line {
+            return LogLine{level_enum::err,
+                           fmt::format("peer {} speaks version {} of the protocol, this one version {}: neither hears "
+                                       "the other; give all peers the same peerd",
+                                       o.peer.value, o.version, replication::kProtocolVersion)};
           },
           [&](const OtherWorld& o) -> Line {
             return LogLine{level_enum::warn, named(o.peer, o.name) +

@@ -219,8 +219,10 @@ int run_peer(const PeerOptions& options) {
   auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
   const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), node_options);
 
-  const auto reach = transport_options(run.transport, random_key());
+  auto reach = transport_options(run.transport, random_key());
   if (!reach) return failed(reach.error());
+  const std::uint64_t session_hash = run.replication.regions.session_hash((*shared)->world.hash);
+  reach->multicast.groups = net::plan_of_world(reach->multicast.groups, session_hash);
   asio::io_context io(1);
   const auto reached = net::open_transport(io, clock, *reach);
   if (!reached) return failed(input_error(reached.error()));

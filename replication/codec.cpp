@@ -293,6 +293,9 @@ std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> da
   return &m;
 }
 
+std::uint32_t Codec::version() const { return datagram_->version(); }
+PeerId Codec::sender() const { return PeerId{datagram_->sender()}; }
+
 Bytes encode(const Message& m) {
   std::vector<EncodedUpdate> updates;
   for (const UpdateRecord& u : m.updates) updates.emplace_back(u, m.updates.front().at);

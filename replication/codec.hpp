@@ -57,6 +57,9 @@ class Codec {
   [[nodiscard]] Bytes encode(const Message& message, std::span<const EncodedUpdate> updates);
   // The message is good until the next call.
   [[nodiscard]] std::expected<Message*, DecodeError> decode(std::span<const std::byte> datagram, SimTime near);
+  // Of the datagram that was refused for its version: those two mean the same in all versions.
+  [[nodiscard]] std::uint32_t version() const;
+  [[nodiscard]] PeerId sender() const;
 
  private:
   std::unique_ptr<proto::Datagram> datagram_;

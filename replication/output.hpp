@@ -15,6 +15,12 @@ namespace peerd::replication {
 
 // What a peer puts out, to be drained by Peer::poll_output() after every call that takes a time.
 
+// Its datagrams mean other things by the same numbers. Told once a version.
+struct OtherVersion {
+  PeerId peer;
+  std::uint32_t version = 0;
+};
+
 struct Send {
   RegionId region;
   Bytes datagram;
@@ -90,8 +96,8 @@ struct ContactSeen {
   ContactEvent contact;
   SimTime known_at;
 };
-using Output =
-    std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, Slept, PeerJoined, PeerLost, Frozen,
-                 OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen, Overruled, TakenBack, NotColliding>;
+using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, Slept, PeerJoined, PeerLost,
+                            Frozen, OtherVersion, OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen,
+                            Overruled, TakenBack, NotColliding>;
 
 }  // namespace peerd::replication

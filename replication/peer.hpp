@@ -165,6 +165,8 @@ class Peer {
   void change_session(SimTime before, SimTime now);
   void declare_all();
   void declare_anothers(ObjectId object, Role role);
+  [[nodiscard]] std::unexpected<Drop> on_other_world(const Message& message);
+  void on_other_version();
   void on_stranger(HostTime now, PeerId stranger);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
   void on_echo(PeerId sender, Member& member, const Echo* echo, std::span<const Echo> all);
@@ -395,7 +397,8 @@ class Peer {
   std::vector<Due> due_;
   ByteBudget bytes_;
   bool out_of_bytes_ = false;      // as of the last tick
-  std::set<PeerId> other_worlds_;  // told once each
+  std::set<PeerId> other_worlds_;           // told once each
+  std::set<std::uint32_t> other_versions_;  // .. each
   // Lost; what they were told is to be told again when they come back. How many hellos have left each out since.
   std::map<PeerId, std::size_t> forgotten_;
   std::map<PeerId, std::uint64_t> left_;  // who has said goodbye: the boot of that life

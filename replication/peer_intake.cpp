@@ -15,6 +15,8 @@ constexpr Duration kDecisionStands = std::chrono::seconds(2);
 constexpr Duration kDecisionAgeMax = std::chrono::seconds(6);
 // More peers than one network carries: somebody invents them.
 constexpr std::size_t kMembersMax = 4096;
+// So many are told of.
+constexpr std::size_t kVersionsMax = 8;
 // Of so many that have left, what they sent before is known when it comes again.
 constexpr std::size_t kLeftMax = 4096;
 
@@ -32,6 +34,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
   const auto message = codec_.decode(datagram, clock_.to_session(now));
   if (!message) {
     ++counters_.drops[std::string("undecodable_") + to_string(message.error())];  // which of them
+    if (message.error() == DecodeError::kVersion) on_other_version();
     return dropped(Drop::kUndecodable);
   }
   Message& m = **message;
@@ -88,6 +91,8 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
     // What this peer sent in its last life may still be under way.
     const bool just_started = !started_ || now - *started_ < config_.lost_after;
     if (just_started && (introduction == nullptr || m.boot < config_.boot)) return std::unexpected(Drop::kStaleBoot);
+    if (introduction == nullptr) return std::unexpected(Drop::kIdInUse);  // if not in another world
+    if (introduction->world_hash != config_.world_hash) return on_other_world(m);
     if (!std::exchange(id_in_use_told_, true)) outputs_.push_back(IdInUse{m.sender});
     return std::unexpected(Drop::kIdInUse);
   }
@@ -108,10 +113,8 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
   if (known == nullptr && members_.all().size() == kMembersMax) return std::unexpected(Drop::kTooMany);
   if (introduction->world_hash != config_.world_hash) {
     if (known != nullptr && m.boot < known->boot) return std::unexpected(Drop::kStaleBoot);
-    if (other_worlds_.size() == kMembersMax) other_worlds_.clear();
-    if (other_worlds_.insert(m.sender).second) outputs_.push_back(OtherWorld{m.sender, introduction->name});
     if (const auto member = members_.remove(m.sender)) lose(m.sender, member->name, now, true);
-    return std::unexpected(Drop::kOtherWorld);
+    return on_other_world(m);
   }
   const Membership::Heard heard = members_.on_datagram(now, m.sender, m.boot);
   if (heard == Membership::Heard::kJoined || heard == Membership::Heard::kRestarted) settles_ = now + kSettling;
@@ -129,6 +132,18 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
       break;
   }
   return {};
+}
+
+std::unexpected<Drop> Peer::on_other_world(const Message& m) {
+  if (other_worlds_.size() == kMembersMax) other_worlds_.clear();
+  if (other_worlds_.insert(m.sender).second) outputs_.push_back(OtherWorld{m.sender, m.introduction()->name});
+  return std::unexpected(Drop::kOtherWorld);
+}
+
+void Peer::on_other_version() {
+  const std::uint32_t version = codec_.version();
+  if (version == 0 || codec_.sender() == kNobody || other_versions_.size() == kVersionsMax) return;
+  if (other_versions_.insert(version).second) outputs_.push_back(OtherVersion{codec_.sender(), version});
 }
 
 // Somebody who says nothing of himself knows nobody new: who hears him introduces itself, and will be answered.

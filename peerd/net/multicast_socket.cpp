@@ -193,8 +193,13 @@ int MulticastSocket::receive_buffer_bytes() const {
 
 std::string MulticastSocket::describe() const {
   const GroupPlan& groups = options_.groups;
-  return "group " + groups.base.to_string() + (groups.pool > 0 ? " and on, " + std::to_string(groups.pool) : "") +
-         " port " + std::to_string(groups.port) + " over " + chosen_.why;
+  std::string regions;
+  if (groups.pool > 0) {
+    regions = " and on, " + std::to_string(groups.pool);
+  } else if (const auto first = group_endpoint(groups, RegionId{1}); first && groups.offset > 0) {
+    regions = ", of regions from " + first->address().to_string() + " on,";
+  }
+  return "group " + groups.base.to_string() + regions + " port " + std::to_string(groups.port) + " over " + chosen_.why;
 }
 
 std::expected<void, NetError> MulticastSocket::join(RegionId region) {
@@ -206,7 +211,7 @@ std::expected<void, NetError> MulticastSocket::join(RegionId region) {
   if (membership == memberships_.end()) {
     const auto socket = add_membership(region, group->address());
     if (!socket) return std::unexpected(socket.error());
-    membership = memberships_.emplace(number, Membership{*socket}).first;
+    membership = memberships_.emplace(number, Membership{*socket, group->address()}).first;
   }
   ++membership->second.regions;
   joined_.insert(region);
@@ -242,11 +247,11 @@ std::expected<void, NetError> MulticastSocket::leave(RegionId region) {
   assert(membership != memberships_.end());  // it was joined
   if (--membership->second.regions > 0) return {};
   Socket& socket = *membership->second.socket;
+  const asio::ip::address group = membership->second.group;
   memberships_.erase(membership);
   --socket.memberships;
-  const auto group = group_endpoint(options_.groups, region);
-  if (const int error = change_membership(socket, false, group->address()); error && !interface_is_another()) {
-    return failure(NetError::Kind::kOther, "cannot leave multicast group " + group->address().to_string() + " on \"" +
+  if (const int error = change_membership(socket, false, group); error && !interface_is_another()) {
+    return failure(NetError::Kind::kOther, "cannot leave multicast group " + group.to_string() + " on \"" +
                                                chosen_.interface.name + "\": " + text_of(error) +
                                                "; its datagrams are dropped here all the same");
   }
@@ -273,8 +278,7 @@ int MulticastSocket::go_over_to(unsigned interface) {
   const auto change_all = [this](bool join) {
     int error = 0;
     for (const auto& [number, membership] : memberships_) {
-      const auto group = group_endpoint(options_.groups, RegionId{number});
-      const int failed = change_membership(*membership.socket, join, group->address());
+      const int failed = change_membership(*membership.socket, join, membership.group);
       if (error == 0) error = failed;
     }
     return error;
@@ -397,7 +401,7 @@ void MulticastSocket::take(const Received& received, HostTime at) {
     ++counters_.in_other_group;
     return;
   }
-  RegionId region{*group};
+  RegionId region = region_of_group(options_.groups, *group).value_or(RegionId{0});
   std::span<const std::byte> datagram = received.bytes;
   if (options_.groups.pool > 0) {
     const auto said = read_region_header(datagram);

@@ -71,6 +71,7 @@ class MulticastSocket final : public Transport {
   };
   struct Membership {
     Socket* socket;
+    asio::ip::address group;
     std::size_t regions = 0;  // that are joined and have this group
   };
 

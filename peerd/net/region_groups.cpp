@@ -1,5 +1,6 @@
 #include "peerd/net/region_groups.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <limits>
 #include <string>
@@ -12,6 +13,11 @@ using asio::ip::address_v6;
 
 constexpr std::uint64_t kLastIpv4Group = 0xEFFF'FFFF;  // 239.255.255.255
 constexpr std::uint64_t kMaxNumber = std::numeric_limits<std::uint32_t>::max();
+constexpr RegionId kWhole{0};  // the scene, uncut
+// So far apart are the regions of two worlds; few grids have more.
+constexpr std::uint32_t kWorldStep = 1024, kWorldsMost = 256;
+// Of the groups that follow the base, worlds are spread over this part at most: a large grid has room behind the last.
+constexpr std::uint64_t kWorldsShare = 16;
 
 std::optional<address_v4> add(address_v4 base, std::uint32_t number) {
   const std::uint64_t sum = std::uint64_t{base.to_uint()} + number;
@@ -116,8 +122,21 @@ std::expected<asio::ip::udp::endpoint, NetError> group_endpoint(const GroupPlan&
   return asio::ip::udp::endpoint(*group, plan.port);
 }
 
+GroupPlan plan_of_world(GroupPlan plan, std::uint64_t world_hash) {
+  const std::uint64_t room = plan.base.is_v4() ? kLastIpv4Group - plan.base.to_v4().to_uint() : kMaxNumber;
+  const std::uint64_t worlds = std::min<std::uint64_t>(kWorldsMost, room / kWorldsShare / kWorldStep);
+  plan.offset = worlds > 0 ? kWorldStep * static_cast<std::uint32_t>(world_hash % worlds) : 0;
+  return plan;
+}
+
 std::uint32_t group_number(const GroupPlan& plan, RegionId region) {
-  return plan.pool == 0 ? region.value : hash(region.value) % plan.pool;
+  if (region == kWhole) return 0;
+  return plan.pool == 0 ? plan.offset + region.value : hash(plan.offset + region.value) % plan.pool;
+}
+
+std::optional<RegionId> region_of_group(const GroupPlan& plan, std::uint32_t number) {
+  if (plan.pool > 0 || (number > 0 && number <= plan.offset)) return std::nullopt;
+  return number == 0 ? kWhole : RegionId{number - plan.offset};
 }
 
 namespace {

@@ -19,15 +19,22 @@ namespace asio = boost::asio;
 // groups from the base on: any number of regions in as many groups as routers and network cards bear. Regions then
 // share groups, so that each datagram says its own (unicast_frame.hpp), and who joins some hears others, and drops
 // them.
+//
+// Two worlds on one network have different groups for their regions, but for one pair in 256. The whole scene's
+// group, the base, is everybody's: who runs another version of a world must hear that it does.
 struct GroupPlan {
   asio::ip::address base;
   std::uint16_t port = 0;
-  std::uint32_t pool = 0;  // groups; 0: one for each region
+  std::uint32_t pool = 0;    // groups; 0: one for each region
+  std::uint32_t offset = 0;  // of a world: region r > 0 has the group base + offset + r
 };
 
 // A plan from a configuration's text; refuses what check_plan refuses.
 [[nodiscard]] std::expected<GroupPlan, NetError> parse_group_plan(std::string_view base, std::uint16_t port,
                                                                   std::uint32_t pool = 0);
+
+// The plan of a world, whose hash it is: the same on all its peers. Where few groups follow the base, that of all.
+[[nodiscard]] GroupPlan plan_of_world(GroupPlan plan, std::uint64_t world_hash);
 
 // The base must be a multicast address and the port must not be 0.
 [[nodiscard]] std::expected<void, NetError> check_plan(const GroupPlan& plan);
@@ -41,5 +48,8 @@ struct GroupPlan {
 // The inverse of group_endpoint: the number of a group; none for an address outside of the plan. IPv6 zones are
 // ignored.
 [[nodiscard]] std::optional<std::uint32_t> group_number(const GroupPlan& plan, const asio::ip::address& group);
+
+// The region whose group has that number; none where regions share groups, or where it is of none.
+[[nodiscard]] std::optional<RegionId> region_of_group(const GroupPlan& plan, std::uint32_t number);
 
 }  // namespace peerd::net

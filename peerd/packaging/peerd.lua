@@ -9,7 +9,9 @@ local peerd = Proto("peerd", "peerd: a shared world")
 local inputs = Proto("peerd_input", "peerd: what a recorded peer was told")
 
 peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
-  "transport.group of the peers' configuration: a datagram to the n-th group after it is of region n")
+  "transport.group of the peers' configuration")
+peerd.prefs.regions = Pref.string("Group of region 1", "",
+  "as peers log it when they start; empty: the one after region 0's. A datagram to the n-th group after it is of region n + 1")
 
 local VERSION = 7
 local MOST_BYTES = 1200
@@ -962,16 +964,23 @@ local function address_words(text)
 end
 
 -- By how much a group comes after the first; nothing where it doesn't.
-local function region_of(group)
-  local first, to = address_words(peerd.prefs.group), address_words(tostring(group))
+local function distance(from, group)
+  local first, to = address_words(from), address_words(tostring(group))
   if not first or not to or #first ~= #to then return nil end
   local n = #to
   for i = 1, n - 2 do
     if first[i] ~= to[i] then return nil end
   end
-  local region = (to[n - 1] - first[n - 1]) * 65536 + to[n] - first[n]
+  local number = (to[n - 1] - first[n - 1]) * 65536 + to[n] - first[n]
   local most = n == 2 and 0xEFFFFFFF - first[1] * 65536 - first[2] or TWO32 - 1
-  return region >= 0 and region <= most and region or nil
+  return number >= 0 and number <= most and number or nil
+end
+
+local function region_of(group)
+  local from_whole = distance(peerd.prefs.group, group)
+  if from_whole == 0 or peerd.prefs.regions == "" then return from_whole end
+  local from_first = distance(peerd.prefs.regions, group)
+  return from_first and from_first + 1
 end
 
 function peerd.dissector(tvb, pinfo, root)

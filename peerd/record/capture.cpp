@@ -154,13 +154,14 @@ std::expected<Event, std::string> CaptureReader::take_datagram(const PcapngPacke
   if (!number || udp->to.port() != setup_.groups.port) {
     return std::unexpected("it is no UDP datagram to one of the session's groups");
   }
-  std::optional<RegionId> region(RegionId{*number});
+  std::optional<RegionId> region = net::region_of_group(setup_.groups, *number);
   std::span<const std::byte> datagram = udp->payload;
   if (framed(setup_.groups)) {
     region = net::read_region_header(datagram);
     if (!region) return std::unexpected("it does not say its region");
     datagram = datagram.subspan(net::kRegionHeaderBytes);
   }
+  if (!region) return std::unexpected("its group is of no region");
   if (packet.direction == Direction::kIn) return Event{packet.at, DatagramIn{*region, datagram}};
   if (packet.direction == Direction::kOut) return Event{packet.at, DatagramOut{*region, datagram}};
   return std::unexpected("it says neither that it came in nor that it went out");

@@ -25,6 +25,9 @@ Setup make_setup(const config::Scenario& scenario, const config::RunSettings& ru
 std::string to_text(const Setup& s) {
   nlohmann::ordered_json wait_for = nlohmann::ordered_json::array();
   for (const PeerId peer : s.options.wait_for) wait_for.push_back(peer.value);
+  const net::GroupPlan& g = s.groups;
+  const nlohmann::ordered_json groups{
+      {"base", g.base.to_string()}, {"port", g.port}, {"pool", g.pool}, {"offset", g.offset}};
   const nlohmann::ordered_json json{
       {"format", kFormat},
       {"peer", s.peer},
@@ -34,7 +37,7 @@ std::string to_text(const Setup& s) {
       {"clock_offset_ns", s.options.clock_offset.count()},
       {"keep_log", s.options.keep_log},
       {"sample_hz", s.options.sample_hz},
-      {"groups", {{"base", s.groups.base.to_string()}, {"port", s.groups.port}, {"pool", s.groups.pool}}},
+      {"groups", groups},
       {"world", s.world.string()},
       {"world_hash", s.world_hash},
       {"inlines_when_needed", s.inlines_when_needed},
@@ -64,6 +67,7 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
                                       groups.at("pool").get<std::uint32_t>());
     if (!plan) return std::unexpected(plan.error().sentence);
     s.groups = *plan;
+    s.groups.offset = groups.value("offset", 0U);  // older records have none
     s.world = json.at("world").get<std::string>();
     s.world_hash = json.at("world_hash").get<std::uint64_t>();
     s.inlines_when_needed = json.at("inlines_when_needed").get<bool>();

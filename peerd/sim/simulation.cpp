@@ -97,7 +97,8 @@ class Simulation {
       }
       const auto reach = transport_options(run_.transport, {});
       if (!reach) return std::unexpected(reach.error());
-      groups_ = reach->multicast.groups;
+      const std::uint64_t session_hash = run_.replication.regions.session_hash(shared_.world.hash);
+      groups_ = net::plan_of_world(reach->multicast.groups, session_hash);
     }
     for (std::size_t i = 0; i < run_.peers.size(); ++i) {
       peers_.push_back({nullptr, from_seconds(run_.peers[i].clock_offset_s), kBegin});

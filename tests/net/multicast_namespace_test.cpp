@@ -119,16 +119,15 @@ TEST_P(OverAWire, TheHopLimitIsAsAsked) {
 }
 
 // One of the same name is another one to the kernel, and what was joined went with the old one.
-TEST_P(OverAWire, AnInterfaceThatIsMadeAnewIsFollowed) {
-  with_wire([](const Wire& wire) {
+void follow_what_is_made_anew(MulticastOptions left, MulticastOptions right) {
+  with_wire([&](const Wire& wire) {
     asio::io_context io;
     wire.left.enter();
-    MulticastOptions apart = options(7, "va");
-    apart.hears_itself = false;
-    Listener a(io, apart);
+    left.hears_itself = false;
+    Listener a(io, left);
     EXPECT_FALSE(a.socket->follow_interface());
     wire.right.enter();
-    Listener b(io, options(7, "vb"));
+    Listener b(io, right);
     a.join(1), a.join(2), b.join(1), b.join(4);
     wire.left.enter();
     ASSERT_TRUE(shell("ip link del va"));
@@ -154,6 +153,13 @@ TEST_P(OverAWire, AnInterfaceThatIsMadeAnewIsFollowed) {
     EXPECT_THAT(a.heard, testing::UnorderedElementsAre(Pair(1, "to a"), Pair(3, "to a"), Pair(50, "to a")));
     EXPECT_THAT(b.heard, testing::UnorderedElementsAre(Pair(4, "to b"), Pair(1, "to a")));
   });
+}
+
+TEST_P(OverAWire, AnInterfaceThatIsMadeAnewIsFollowed) { follow_what_is_made_anew(options(7, "va"), options(7, "vb")); }
+TEST_P(OverAWire, AnInterfaceThatIsMadeAnewIsFollowedWhereRegionsShareGroups) {
+  MulticastOptions left = options(7, "va"), right = options(7, "vb");
+  left.groups.pool = right.groups.pool = 64;
+  follow_what_is_made_anew(left, right);
 }
 
 TEST_P(OverAWire, AnInterfaceThatGoesDownDropsAndCounts) {

@@ -147,6 +147,37 @@ TEST(GroupPool, MustFitBehindItsBase) {
               HasSubstr("a pool of 257 groups from 239.255.255.0 on leaves the multicast range"));
 }
 
+TEST(GroupsOfAWorld, AreItsOwnButThatOfTheWholeScene) {
+  for (const char* base : {"239.192.80.0", "ff15::1:0:0"}) {
+    std::set<asio::ip::address> firsts;
+    for (std::uint64_t world = 0; world < 64; ++world) {
+      const GroupPlan plan = plan_of_world(plan_of(base), 0x9E37'79B9'7F4A'7C15 * world);
+      EXPECT_EQ(group_endpoint(plan, RegionId{0})->address(), plan.base);
+      for (const std::uint32_t region : {0u, 1u, 2u, 64u, 1023u, 65'536u}) {
+        const auto endpoint = group_endpoint(plan, RegionId{region});
+        ASSERT_TRUE(endpoint);
+        const auto number = group_number(plan, endpoint->address());
+        ASSERT_TRUE(number);
+        EXPECT_EQ(region_of_group(plan, *number), RegionId{region});
+      }
+      firsts.insert(group_endpoint(plan, RegionId{1})->address());
+    }
+    EXPECT_GT(firsts.size(), 50u) << "of 64";
+  }
+}
+
+TEST(GroupsOfAWorld, AreThoseOfAllWhereFewFollowTheBase) {
+  const GroupPlan plan = plan_of_world(plan_of("239.255.240.0"), 77);
+  EXPECT_EQ(group_endpoint(plan, RegionId{5})->address().to_string(), "239.255.240.5");
+}
+
+TEST(GroupsOfAWorld, AGroupBetweenTheWholeScenesAndTheFirstIsOfNoRegion) {
+  GroupPlan plan = plan_of("239.192.80.0");
+  plan.offset = 1024;
+  EXPECT_FALSE(region_of_group(plan, 1024));
+  EXPECT_EQ(region_of_group(plan, 1025), RegionId{1});
+}
+
 struct Garbage {
   const char* name;
   const char* base;

@@ -156,6 +156,30 @@ TEST_F(InSession, AnotherWorldIsNamedOnceAndIgnored) {
   EXPECT_EQ(lan.peer(self).members().all().size(), 1u);
 }
 
+// Ids count within a world: that the other has the same one harms nobody.
+TEST_F(InSession, ItsOwnIdInAnotherWorldIsNamedAsThat) {
+  Message m = hello_of(5, lan.host_now(self), {}, 101);
+  m.hello->introduction->world_hash = 1;
+  EXPECT_EQ(receive(m).error(), Drop::kOtherWorld);
+  m.hello->introduction.reset();
+  EXPECT_EQ(receive(m).error(), Drop::kIdInUse);
+  EXPECT_TRUE(lan.seen<IdInUse>(self).empty());
+  EXPECT_EQ(lan.seen<OtherWorld>(self).size(), 1u);
+}
+
+TEST_F(InSession, AnotherVersionIsNamedOnce) {
+  Bytes other = encode(hello_of(8, lan.host_now(self)));
+  ASSERT_EQ(other[1], std::byte{kProtocolVersion});
+  for (const std::uint32_t version : {kProtocolVersion + 1, kProtocolVersion + 1, kProtocolVersion + 2, 0u}) {
+    other[1] = static_cast<std::byte>(version);
+    EXPECT_EQ(lan.inject(self, other).error(), Drop::kUndecodable);
+  }
+  const auto told = lan.seen<OtherVersion>(self);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0].peer, PeerId{8});
+  EXPECT_EQ(told[0].version, kProtocolVersion + 1);
+}
+
 TEST_F(InSession, AStrangerMustSayHelloFirst) {
   Message m = update(1, 0s, 8.0);
   m.sender = PeerId{8};
