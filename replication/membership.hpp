@@ -33,6 +33,7 @@ struct Member {
   std::string name;
   HostTime last_heard{};  // our clock
   std::uint64_t datagrams_in = 0, bytes_in = 0;
+  std::map<std::string, std::uint64_t> drops;  // of what it said, by reason
   std::uint32_t hello = 0;    // the number of its last hello's datagram; 0: none
   HostTime hello_rx{};        // when that came, our clock
   bool waits_for_us = false;  // it holds a contact that this peer may be the one to decide

@@ -298,6 +298,10 @@ class Peer {
   [[nodiscard]] std::int64_t tick_number(SimTime t) const;
   [[nodiscard]] SimTime tick_time(std::int64_t number) const;
   void drop(const char* reason) { ++counters_.drops[reason]; }
+  void drop(PeerId sender, const char* reason) {  // part of what it said
+    drop(reason);
+    if (Member* member = members_.find(sender)) ++member->drops[reason];
+  }
 
   PeerConfig config_;
   const WorldModel& model_;
@@ -348,7 +352,7 @@ class Peer {
   std::uint32_t sessions_ = 0;  // entered
   std::int64_t last_tick_ = 0;
   std::size_t hellos_ = 0, introductions_ = 0, echo_turns_ = 0;  // sent; their lists take turns
-  std::size_t introductions_due_ = 0;           // with the next hellos: something new is in them
+  std::size_t introductions_due_ = 0;                            // with the next hellos: something new is in them
   struct SentHello {
     std::uint32_t number;
     HostTime at;
@@ -396,7 +400,7 @@ class Peer {
   };
   std::vector<Due> due_;
   ByteBudget bytes_;
-  bool out_of_bytes_ = false;      // as of the last tick
+  bool out_of_bytes_ = false;               // as of the last tick
   std::set<PeerId> other_worlds_;           // told once each
   std::set<std::uint32_t> other_versions_;  // .. each
   // Lost; what they were told is to be told again when they come back. How many hellos have left each out since.

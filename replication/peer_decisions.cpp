@@ -286,12 +286,12 @@ void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
 void Peer::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d, SimTime known_at) {
   if (!may_decide(sender, owner(d.collider), owner(d.collidee))) {
     members_.find(sender)->received[kWholeScene].ask_again(number);
-    return drop("not_decider");
+    return drop(sender, "not_decider");
   }
-  if (decisions_.count(sender, d.collider, d.collidee) >= kOfPairMax) return drop("too_many_decisions");
+  if (decisions_.count(sender, d.collider, d.collidee) >= kOfPairMax) return drop(sender, "too_many_decisions");
   const auto changes = decisions_.add(d, sender);
-  if (!changes) return drop("decision_known");
-  if (changes->empty()) return drop("decision_overruled");
+  if (!changes) return drop(sender, "decision_known");
+  if (changes->empty()) return drop(sender, "decision_overruled");
   follow(*changes, known_at);
 }
 

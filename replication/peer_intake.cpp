@@ -67,14 +67,14 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
   on_gone(m.sender, m.gone, session_now);
   for (UpdateRecord& u : m.updates) {
     if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
-      drop("update_time");
+      drop(m.sender, "update_time");
     } else {
       on_update(m.sender, m.number, u, session_now);
     }
   }
   for (const DecisionRecord& d : m.decisions) {
     if (d.contact < session_now - kDecisionAgeMax || d.contact > session_now + kUpdateAheadMax) {
-      drop("decision_time");
+      drop(m.sender, "decision_time");
     } else {
       on_decision(m.sender, m.number, d, session_now);
     }
@@ -171,14 +171,14 @@ void Peer::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, SimTi
   if (owning == nullptr || (runs != sender && !relayed)) {
     // It may be its owner's successor, or go on under an owner whose claim has not come yet. Regions have no receipts.
     if (!grid_.cuts()) members_.find(sender)->received[kWholeScene].ask_again(number);
-    return drop("not_owner");
+    return drop(sender, "not_owner");
   }
   std::uint32_t& last = owning->last_sequence[u.object];
   if (u.sequence == last && (holds(u.object) || !interest_.hears(u.model.state.position))) {
     ++counters_.updates_duplicate;
     return;
   }
-  if (u.sequence < last) return drop("old_sequence");
+  if (u.sequence < last) return drop(sender, "old_sequence");
   last = u.sequence;
   oldest_update_ = std::max(oldest_update_, session_now - u.at);
   ++counters_.updates_in;
@@ -189,8 +189,8 @@ void Peer::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, SimTi
   }
   if (!hear(u, session_now)) return;
   const SimTime decided = decisions_.last(u.object);
-  if (u.decision < decided && u.at < decided + kDecisionStands) return drop("before_decision");
-  if (decisions_.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) return drop("before_decision");
+  if (u.decision < decided && u.at < decided + kDecisionStands) return drop(sender, "before_decision");
+  if (decisions_.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) return drop(sender, "before_decision");
   told_.insert_or_assign(u.object, u);
   set_ghost(u.object, u.at, u.model);
 }

@@ -245,7 +245,7 @@ void Peer::sort_gone(std::map<RegionId, Batch>& due) {
 void Peer::on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now) {
   for (const Gone& g : gone) {
     if (owner(g.object) != sender) {
-      drop("not_owner");
+      drop(sender, "not_owner");
       continue;
     }
     std::uint32_t& last = members_.find(sender)->last_sequence[g.object];

@@ -385,7 +385,7 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
   std::vector<ObjectId> changed;
   for (ObjectId object : objects) {
     if (object.value >= model_.scene->instances.size()) {
-      drop("object");
+      drop(peer, "object");
       continue;
     }
     const PeerId before = owners_.of(object);

@@ -1,5 +1,6 @@
 #include "peerd/api/answer.hpp"
 
+#include <map>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -124,15 +125,24 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
                      {"loss_in", received.loss()},
                      {"loss_out", member.loss_of_ours ? ordered_json(*member.loss_of_ours) : ordered_json(nullptr)},
                      {"duplicates", received.duplicates()},
-                     {"overtaken", received.overtaken()}});
+                     {"overtaken", received.overtaken()},
+                     {"drops", member.drops}});
+  }
+  std::map<RegionId, replication::LossMeter> received;  // of all who are here
+  for (const auto& [id, member] : members) {
+    for (const auto& [region, meter] : member.received) received[region] += meter;
   }
   for (const auto& [region, traffic] : peer.counters().regions) {
     if (regions.size() == kRegionsMax) break;
+    const replication::LossMeter& in = received[region];
     regions.push_back({{"region", region.value},
                        {"datagrams_in", traffic.datagrams_in},
                        {"bytes_in", traffic.bytes_in},
                        {"datagrams_out", traffic.datagrams_out},
                        {"bytes_out", traffic.bytes_out},
+                       {"loss_in", in.loss()},
+                       {"duplicates", in.duplicates()},
+                       {"overtaken", in.overtaken()},
                        {"drops", traffic.drops}});
   }
   const std::size_t left_out = peer.counters().regions.size() - regions.size();

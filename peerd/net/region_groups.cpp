@@ -14,7 +14,7 @@ using asio::ip::address_v6;
 constexpr std::uint64_t kLastIpv4Group = 0xEFFF'FFFF;  // 239.255.255.255
 constexpr std::uint64_t kMaxNumber = std::numeric_limits<std::uint32_t>::max();
 constexpr RegionId kWhole{0};  // the scene, uncut
-// So far apart are the regions of two worlds; few grids have more.
+// So far apart are the regions of two worlds; few grids have more. peerd.lua knows it.
 constexpr std::uint32_t kWorldStep = 1024, kWorldsMost = 256;
 // Of the groups that follow the base, worlds are spread over this part at most: a large grid has room behind the last.
 constexpr std::uint64_t kWorldsShare = 16;

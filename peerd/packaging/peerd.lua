@@ -11,7 +11,7 @@ local inputs = Proto("peerd_input", "peerd: what a recorded peer was told")
 peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
   "transport.group of the peers' configuration")
 peerd.prefs.regions = Pref.string("Group of region 1", "",
-  "as peers log it when they start; empty: the one after region 0's. A datagram to the n-th group after it is of region n + 1")
+  "as peers log it when they start: a datagram to the n-th group after it is of region n + 1. Empty: no grid has more than 1,023 regions")
 
 local VERSION = 7
 local MOST_BYTES = 1200
@@ -976,9 +976,13 @@ local function distance(from, group)
   return number >= 0 and number <= most and number or nil
 end
 
+-- A world's regions follow at a distance that is a multiple of this.
+local WORLD_STEP = 1024
+
 local function region_of(group)
   local from_whole = distance(peerd.prefs.group, group)
-  if from_whole == 0 or peerd.prefs.regions == "" then return from_whole end
+  if from_whole == 0 then return 0 end
+  if peerd.prefs.regions == "" then return from_whole and from_whole % WORLD_STEP end
   local from_first = distance(peerd.prefs.regions, group)
   return from_first and from_first + 1
 end

@@ -28,21 +28,20 @@ std::string to_text(const Setup& s) {
   const net::GroupPlan& g = s.groups;
   const nlohmann::ordered_json groups{
       {"base", g.base.to_string()}, {"port", g.port}, {"pool", g.pool}, {"offset", g.offset}};
-  const nlohmann::ordered_json json{
-      {"format", kFormat},
-      {"peer", s.peer},
-      {"boot", s.options.boot},
-      {"wait_for", wait_for},
-      {"start_lead_ns", s.options.start_lead.count()},
-      {"clock_offset_ns", s.options.clock_offset.count()},
-      {"keep_log", s.options.keep_log},
-      {"sample_hz", s.options.sample_hz},
-      {"groups", groups},
-      {"world", s.world.string()},
-      {"world_hash", s.world_hash},
-      {"inlines_when_needed", s.inlines_when_needed},
-      {"file", s.file.string()},
-      {"configuration", s.configuration}};
+  const nlohmann::ordered_json json{{"format", kFormat},
+                                    {"peer", s.peer},
+                                    {"boot", s.options.boot},
+                                    {"wait_for", wait_for},
+                                    {"start_lead_ns", s.options.start_lead.count()},
+                                    {"clock_offset_ns", s.options.clock_offset.count()},
+                                    {"keep_log", s.options.keep_log},
+                                    {"sample_hz", s.options.sample_hz},
+                                    {"groups", groups},
+                                    {"world", s.world.string()},
+                                    {"world_hash", s.world_hash},
+                                    {"inlines_when_needed", s.inlines_when_needed},
+                                    {"file", s.file.string()},
+                                    {"configuration", s.configuration}};
   // Paths may be no UTF-8; one with a character replaced is told as one that is not there.
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

@@ -207,17 +207,31 @@ TEST_F(PeerNodeKeys, PeersSaysHowTheOthersAreHeard) {
   hello.hello->introduction->world_hash = replication::RegionSettings{}.session_hash(shared->world.hash);
   const replication::Bytes datagram = replication::encode(hello);
   node->on_packet(now, replication::kWholeScene, datagram);
+  replication::Message more;  // the fourth comes, twice, and then the third
+  more.sender = PeerId{2};
+  more.boot = 7;
+  more.gone = {{ObjectId{0}, 1, RegionId{1}}};  // which is not its own
+  for (const std::uint32_t number : {4u, 4u, 3u}) {
+    more.number = number;
+    node->on_packet(now, replication::kWholeScene, replication::encode(more));
+  }
   const json reply = ask(R"({"do":"peers"})");
   EXPECT_EQ(reply["clock"]["follows"], 1);
   EXPECT_EQ(reply["clock"]["error_ms"], 0.0);
   ASSERT_EQ(reply["peers"].size(), 1u);
   EXPECT_EQ(reply["peers"][0]["name"], "b");
   EXPECT_EQ(reply["peers"][0]["joined"], false);
-  EXPECT_EQ(reply["peers"][0]["bytes_in"], datagram.size());
+  EXPECT_EQ(reply["peers"][0]["bytes_in"], datagram.size() + 3 * replication::encode(more).size());
+  for (const json& row : {reply["peers"][0], reply["regions"][0]}) {
+    EXPECT_EQ(row["datagrams_in"], 4);
+    EXPECT_EQ(row["duplicates"], 1);
+    EXPECT_EQ(row["overtaken"], 1);
+    EXPECT_GT(row["loss_in"], 0.2) << "one of four";
+  }
+  EXPECT_EQ(reply["peers"][0]["drops"], json({{"not_owner", 3}}));
   EXPECT_TRUE(reply["peers"][0]["clock_ahead_ms"].is_null()) << "nobody knows yet";
   EXPECT_TRUE(reply["next"].is_null());
   ASSERT_EQ(reply["regions"].size(), 1u);
-  EXPECT_EQ(reply["regions"][0]["datagrams_in"], 1);
   EXPECT_TRUE(ask(R"({"do":"peers","from":3})")["peers"].empty());
 }
 
