@@ -34,9 +34,9 @@ struct Member {
   HostTime last_heard{};  // our clock
   std::uint64_t datagrams_in = 0, bytes_in = 0;
   std::map<std::string, std::uint64_t> drops;  // of what it said, by reason
-  std::uint32_t hello = 0;    // the number of its last hello's datagram; 0: none
-  HostTime hello_rx{};        // when that came, our clock
-  bool waits_for_us = false;  // it holds a contact that this peer may be the one to decide
+  std::uint32_t hello = 0;                     // the number of its last hello's datagram; 0: none
+  HostTime hello_rx{};                         // when that came, our clock
+  bool waits_for_us = false;                   // it holds a contact that this peer may be the one to decide
   bool synchronised = false;
   OffsetInterval clock;                 // its session time minus our clock
   bool leads = false;                   // it says that the session's time is its

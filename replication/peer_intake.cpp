@@ -190,7 +190,8 @@ void Peer::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, SimTi
   if (!hear(u, session_now)) return;
   const SimTime decided = decisions_.last(u.object);
   if (u.decision < decided && u.at < decided + kDecisionStands) return drop(sender, "before_decision");
-  if (decisions_.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) return drop(sender, "before_decision");
+  if (decisions_.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands)
+    return drop(sender, "before_decision");
   told_.insert_or_assign(u.object, u);
   set_ghost(u.object, u.at, u.model);
 }

@@ -109,24 +109,25 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
     const replication::LossMeter received = member.received_in_all();
     const bool compared = bounds && clock.synchronised();
     const Duration own = clock.session_minus_host(now);
-    peers.push_back({{"id", id.value},
-                     {"name", member.name},
-                     {"joined", member.synchronised},
-                     {"leads", member.leads},
-                     {"heard_ms_ago", in_ms(now - member.last_heard)},
-                     {"round_trip_ms", in_ms(member.clock.round_trip())},
-                     {"delay_ms", in_ms(member.mean_delay())},
-                     {"clock_ahead_ms", compared ? in_ms(member.clock.likely(now).offset - own) : ordered_json(nullptr)},
-                     {"clock_ahead_least_ms", compared ? in_ms(bounds->least - own) : ordered_json(nullptr)},
-                     {"clock_ahead_most_ms", compared ? in_ms(bounds->most - own) : ordered_json(nullptr)},
-                     {"clock_error_ms", member.synchronised ? in_ms(member.clock_error) : ordered_json(nullptr)},
-                     {"datagrams_in", member.datagrams_in},
-                     {"bytes_in", member.bytes_in},
-                     {"loss_in", received.loss()},
-                     {"loss_out", member.loss_of_ours ? ordered_json(*member.loss_of_ours) : ordered_json(nullptr)},
-                     {"duplicates", received.duplicates()},
-                     {"overtaken", received.overtaken()},
-                     {"drops", member.drops}});
+    peers.push_back(
+        {{"id", id.value},
+         {"name", member.name},
+         {"joined", member.synchronised},
+         {"leads", member.leads},
+         {"heard_ms_ago", in_ms(now - member.last_heard)},
+         {"round_trip_ms", in_ms(member.clock.round_trip())},
+         {"delay_ms", in_ms(member.mean_delay())},
+         {"clock_ahead_ms", compared ? in_ms(member.clock.likely(now).offset - own) : ordered_json(nullptr)},
+         {"clock_ahead_least_ms", compared ? in_ms(bounds->least - own) : ordered_json(nullptr)},
+         {"clock_ahead_most_ms", compared ? in_ms(bounds->most - own) : ordered_json(nullptr)},
+         {"clock_error_ms", member.synchronised ? in_ms(member.clock_error) : ordered_json(nullptr)},
+         {"datagrams_in", member.datagrams_in},
+         {"bytes_in", member.bytes_in},
+         {"loss_in", received.loss()},
+         {"loss_out", member.loss_of_ours ? ordered_json(*member.loss_of_ours) : ordered_json(nullptr)},
+         {"duplicates", received.duplicates()},
+         {"overtaken", received.overtaken()},
+         {"drops", member.drops}});
   }
   std::map<RegionId, replication::LossMeter> received;  // of all who are here
   for (const auto& [id, member] : members) {
