@@ -257,9 +257,10 @@ class Peer {
   [[nodiscard]] std::optional<std::vector<Area>> areas(SimTime t) const;
   void follow_interest(SimTime t);
   void join(RegionId region);
+  void ask_what_is_in(RegionId region);
   void leave_region(RegionId region, SimTime t);
   void announce_entered();
-  void on_entered(std::span<const Entered> entered, SimTime session_now);
+  void on_entered(PeerId sender, std::span<const Entered> entered, SimTime session_now);
   [[nodiscard]] bool hear(const UpdateRecord& update, SimTime session_now);
   void lose_sight(ObjectId object, SimTime t);
   void unhear(ObjectId object);
@@ -289,6 +290,7 @@ class Peer {
   [[nodiscard]] bool has_news() const;
   [[nodiscard]] Introduction introduction();
   [[nodiscard]] bool everybody_has(const Own& own) const;
+  [[nodiscard]] std::size_t echo_turn() const;
   [[nodiscard]] Duration answered_within() const;
   void note_who_may_lack(Own& own, SimTime t);
   [[nodiscard]] double loss() const;
@@ -364,7 +366,8 @@ class Peer {
   double others_reach_m_ = 0.0;  // of the vertices of what others have ever run
   struct Heard {
     RegionId in;
-    SimTime at{};  // when this peer heard it
+    SimTime at{};                    // when this peer heard it
+    std::optional<SimTime> asked{};  // .. and whether it is still there, for want of a word
   };
   std::map<ObjectId, Heard> heard_in_;  // others' objects: where they were told of last
   std::set<ObjectId> unheard_;          // .. and those that this peer does not hear of

@@ -63,7 +63,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
   }
   if (m.unknown_models > 0) counters_.drops["unknown_model"] += m.unknown_models;
   const SimTime session_now = clock_.to_session(now);
-  on_entered(m.entered, session_now);
+  on_entered(m.sender, m.entered, session_now);
   on_gone(m.sender, m.gone, session_now);
   for (UpdateRecord& u : m.updates) {
     if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {

@@ -100,6 +100,12 @@ void Peer::join(RegionId region) {
   ++counters_.regions_joined;
   members_.count_anew(region);
   outputs_.push_back(Join{region});
+  ask_what_is_in(region);
+}
+
+// Of everybody who has told of something there until now.
+void Peer::ask_what_is_in(RegionId region) {
+  std::erase_if(entering_, [&](const Entering& e) { return e.entered.region == region; });
   const SimTime since = clock_.to_session(*called_at_);  // not the tick's own time, which may be long past
   entering_.push_back({{region, since}, copies_against(loss(), kEnteredCopies), kEnteredHellos});
 }
@@ -183,13 +189,21 @@ void Peer::lose_sight(ObjectId object, SimTime t) {
   watch_decided_pairs(model_.pairs_of(object));
 }
 
-// The word that an object has gone may be lost, all its copies. Every owner speaks once in the time threshold.
+// The word that an object has gone may be lost, all its copies. Every owner speaks once in the time threshold, if that
+// is this peer's too and there are bytes for it: who is silent for longer is asked before it is forgotten.
 void Peer::forget_silent(SimTime t) {
-  const Duration patience = 2 * config_.policy.time_threshold + longest_latency();
+  const Duration half = config_.policy.time_threshold / 2, latency = longest_latency();
+  std::set<RegionId> unsure;
   std::vector<ObjectId> silent;
-  for (const auto& [object, heard] : heard_in_) {
-    if (t - heard.at > patience) silent.push_back(object);
+  for (auto& [object, heard] : heard_in_) {
+    if (heard.asked) {
+      if (t - *heard.asked > half + latency) silent.push_back(object);
+    } else if (t - heard.at > 3 * half + latency) {
+      heard.asked = t;
+      unsure.insert(heard.in);
+    }
   }
+  for (const RegionId region : unsure) ask_what_is_in(region);
   for (const ObjectId object : silent) lose_sight(object, t);
 }
 
@@ -260,12 +274,12 @@ void Peer::on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_no
 }
 
 // Somebody listens to those regions who may know nothing of what is there.
-void Peer::on_entered(std::span<const Entered> entered, SimTime session_now) {
+void Peer::on_entered(PeerId sender, std::span<const Entered> entered, SimTime session_now) {
   if (!grid_.cuts()) return;
   std::map<RegionId, SimTime> since;  // the last of each
   for (const Entered& e : entered) {
     if (e.since < session_now - kEnteredAgeMax || e.since > session_now + kEnteredAheadMax) {
-      drop("entered_time");
+      drop(sender, "entered_time");
       continue;
     }
     SimTime& last = since.try_emplace(e.region, e.since).first->second;

@@ -72,7 +72,8 @@ struct GhostError {
                              std::optional<SimTime> last_sent, SimTime now, double viewed_from_m);
 
 // What a peer may still send: a bucket of bytes that fills at a rate. Nothing that goes is refused; it can be owed, as
-// much as the bucket holds. A part of the rate is for updates alone, whatever the rest has taken or owes, or many peers' hellos would end them.
+// much as the bucket holds. A part of the rate is for updates alone, whatever the rest has taken or owes, or many
+// peers' hellos would end them.
 class ByteBudget {
  public:
   // For updates [bytes]; not more than kBurst_s of the rate or a datagram hold.

@@ -401,7 +401,7 @@ void MulticastSocket::take(const Received& received, HostTime at) {
     ++counters_.in_other_group;
     return;
   }
-  RegionId region = region_of_group(options_.groups, *group).value_or(RegionId{0});
+  std::optional<RegionId> region = region_of_group(options_.groups, *group);
   std::span<const std::byte> datagram = received.bytes;
   if (options_.groups.pool > 0) {
     const auto said = read_region_header(datagram);
@@ -413,12 +413,12 @@ void MulticastSocket::take(const Received& received, HostTime at) {
       ++counters_.in_other_region;
       return;
     }
-    region = *said;
+    region = said;
     datagram = datagram.subspan(kRegionHeaderBytes);
   }
   ++counters_.packets_in;
   counters_.bytes_in += received.bytes.size();
-  handler_({region, datagram, at, received.from});
+  handler_({*region, datagram, at, received.from});
 }
 
 }  // namespace peerd::net

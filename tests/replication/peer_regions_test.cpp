@@ -305,6 +305,25 @@ TEST_F(Regions, OneThatFallsSilentIsForgotten) {
   EXPECT_FALSE(holds(1, "A"));
 }
 
+// Its owner needs say nothing for a minute.
+TEST_F(Regions, OneWhoseOwnerSpeaksSeldomIsAskedForAndStays) {
+  PeerConfig a = in_regions(1, {{world["A"], true}});
+  PeerConfig b = looking_from(in_regions(2, {}, 2.0), 5.0);
+  a.policy.time_threshold = 60s;
+  b.policy.time_threshold = 1s;
+  lan.add(a, 0s, {{world["A"], steady(lan, 5, 0)}});
+  lan.add(b);
+  lan.run_until(4s);
+  const std::size_t told = updates_of("A", 0s);
+  for (Duration t = 4s; t < 20s; t += 100ms) {
+    lan.run_until(t);
+    ASSERT_TRUE(holds(1, "A")) << to_seconds(t) << " s";
+    ASSERT_TRUE(right(1, "A", 0));
+  }
+  EXPECT_GT(updates_of("A", 0s), told) << "nobody asked";
+  EXPECT_LE(updates_of("A", 4s), 12u) << "once in one and a half of its listener's thresholds, and a second to notice";
+}
+
 // Shakes along the border, not over it, so that it is told every few ticks.
 Lan::Motion shaking(const Lan& lan, double x, double v) {
   return [&lan, x, v](SimTime t) {

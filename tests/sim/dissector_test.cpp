@@ -214,13 +214,15 @@ std::vector<std::string> split(const std::string& text, char at) {
   return parts;
 }
 
-// By the packet's number, from 1: those that tshark takes for peerd's.
-std::map<std::size_t, Fields> dissected(const ScratchFolder& folder, const std::filesystem::path& file) {
+// By the packet's number, from 1: those that tshark takes for peerd's. `preferences`: "NAME:VALUE".
+std::map<std::size_t, Fields> dissected(const ScratchFolder& folder, const std::filesystem::path& file,
+                                        const std::vector<std::string>& preferences) {
   const std::vector<std::string> names = all_fields();
   std::vector<std::string> words{"-r", file.string(), "-X", "lua_script:" PEERD_SOURCE_DIR "/peerd/packaging/peerd.lua",
                                  "-Y", "peerd",       "-T", "fields",
                                  "-E", "separator=;", "-e", "frame.number"};
   for (const std::string& name : names) words.insert(words.end(), {"-e", name});
+  for (const std::string& preference : preferences) words.insert(words.end(), {"-o", preference});
   Process tshark(folder, "tshark", kTshark, words);
   EXPECT_EQ(tshark.exit_code(60), 0) << tshark.err();
   EXPECT_EQ(tshark.err().find("Lua"), std::string::npos) << tshark.err();
@@ -280,8 +282,8 @@ std::string hex(std::span<const std::byte> bytes) {
 
 // All datagrams of a capture; `seen` counts the values of each field.
 void compare_all(const ScratchFolder& folder, const std::filesystem::path& file,
-                 std::map<std::string, std::size_t>& seen) {
-  const auto packets = dissected(folder, file);
+                 std::map<std::string, std::size_t>& seen, const std::vector<std::string>& preferences = {}) {
+  const auto packets = dissected(folder, file, preferences);
   const std::string bytes = text_of(file);
   auto capture = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
   ASSERT_TRUE(capture) << capture.error();
@@ -399,6 +401,23 @@ TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
       EXPECT_GT(seen[name], 0u) << name << " was never there";
     }
   }
+}
+
+// By default a group's number modulo 1,024 is its region's; where there are more, tshark must be told of the first one's.
+TEST_F(Dissector, FindsRegionsBeyondItsDefaultOnceTold) {
+  const auto file = capture("flock-regions.toml",
+                            {"duration_s=1", "regions.cell_m=9.375", "regions.counts=[64, 1, 64]"});
+  const std::string bytes = text_of(file);
+  const auto reader = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
+  ASSERT_TRUE(reader) << reader.error();
+  const auto first = net::group_endpoint(reader->setup().groups, RegionId{1});
+  ASSERT_TRUE(first) << first.error().sentence;
+  std::map<std::string, std::size_t> seen;
+  compare_all(folder, file, seen, {"peerd.regions:" + first->address().to_string()});
+  EXPECT_GT(seen["peerd.record.object"], 0u);
+  const auto untold = dissected(folder, file, {});
+  const auto told = dissected(folder, file, {"peerd.regions:" + first->address().to_string()});
+  EXPECT_NE(untold, told) << "no region beyond 1,023 was there";
 }
 
 // Datagrams with some bits changed, cut short, or made of chance: tshark marks those that our decoder refuses, and says
