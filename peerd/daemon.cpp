@@ -47,7 +47,7 @@ std::string Daemon::on_control(std::string_view line) {
   const HostTime at = now();
   const Duration host_minus_wall = clock_.minus_wall();
   if (capture_) capture_->on_control(at, host_minus_wall, line);
-  api::Answer answer = api::answer(node_, at, line, host_minus_wall);
+  api::Answer answer = api::answer(node_, at, line, host_minus_wall, &transport_.counters());
   drain();
   if (answer.leave) {
     boost::asio::post(io_, [this] {

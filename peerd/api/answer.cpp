@@ -59,7 +59,7 @@ void add_objects(ordered_json& reply, const PeerNode& node, HostTime now, const 
   }
 }
 
-ordered_json status(PeerNode& node, HostTime now) {
+ordered_json status(PeerNode& node, HostTime now, const net::TrafficCounters* network) {
   const replication::Peer& peer = node.peer();
   const auto& clock = peer.clock();
   const auto since = [&](std::optional<SimTime> begin) -> ordered_json {
@@ -82,6 +82,7 @@ ordered_json status(PeerNode& node, HostTime now) {
   }
   add_objects(reply, node, now, {}, /*own=*/true);
   reply["counters"] = node.log().counters;
+  if (network != nullptr) reply["counters"].update(ordered_json(network->named()));
   return reply;
 }
 
@@ -191,7 +192,8 @@ std::string refusal(const std::string& sentence) {
   return line_of({{"v", kVersion}, {"ok", false}, {"error", sentence}});
 }
 
-Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall) {
+Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall,
+              const net::TrafficCounters* network) {
   const auto request = parse_request(line);
   if (!request) return {refusal(request.error())};
   if (const auto* key = std::get_if<KeyRequest>(&*request)) {
@@ -208,7 +210,7 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
     return {poses->reply ? line_of(pose_reply(outcome)) : ""};
   }
   if (std::holds_alternative<LeaveRequest>(*request)) return {line_of(good()), /*leave=*/true};
-  return {line_of(status(node, now))};
+  return {line_of(status(node, now, network))};
 }
 
 void take_datagram(PeerNode& node, HostTime now, std::string_view datagram, Duration host_minus_wall) {

@@ -2,6 +2,7 @@
 #include <string>
 #include <string_view>
 
+#include "peerd/net/traffic_counters.hpp"
 #include "peerd/peer_node.hpp"
 
 namespace peerd::api {
@@ -12,9 +13,10 @@ struct Answer {
 };
 
 // Does what one line asks of the peer. The node's outputs are to be drained after it. host_minus_wall: what this host's
-// time is ahead of Unix time, for poses that tell theirs.
+// time is ahead of Unix time, for poses that tell theirs. `network`: goes with the peer's own counters; null: there is
+// none.
 [[nodiscard]] Answer answer(PeerNode& node, HostTime now, std::string_view request,
-                            Duration host_minus_wall = Duration{0});
+                            Duration host_minus_wall = Duration{0}, const net::TrafficCounters* network = nullptr);
 
 // A datagram to the port for poses: the same request, of poses only, and no reply. What is wrong is counted.
 void take_datagram(PeerNode& node, HostTime now, std::string_view datagram, Duration host_minus_wall);

@@ -95,6 +95,8 @@ TEST_F(Control, AKeySetsACarInMotionAndTheOtherPeerSeesIt) {
   EXPECT_EQ(status["peer"]["name"], "a");
   ASSERT_EQ(status["members"].size(), 1u);
   EXPECT_EQ(status["members"][0]["name"], "b");
+  EXPECT_GT(status["counters"]["net.packets_in"], 0);
+  EXPECT_EQ(status["counters"]["net.in_queue_overflow"], 0);
 
   const Said key = ctl({"--control", at_a, "key", "ArrowUp"});
   EXPECT_EQ(key.code, 0) << key.out << key.err;
