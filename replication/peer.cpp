@@ -70,17 +70,16 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
     last_tick_ = number;
     tick(*due, samples);
     follow_interest(*due);
-    announce_entered();
   }
   if (!settled(now)) next_hello_ = std::min(*next_hello_, last_hello_ + config_.hello_period);
   if (now >= *next_hello_) {  // before the records: who has not heard of a peer can't use its updates
     send_hello(now, false);
     repeat_updates(now);
     repeat_decisions();
-    repeat_announcements();
     last_hello_ = now;
     next_hello_ = now + (clock_.synchronised() ? config_.settled_hello_period : kJoiningHelloPeriod);
   }
+  if (ticks) announce_entered();
   flush_records(ticks);
   const std::uint32_t& number = datagram_numbers_[kWholeScene];
   if (number == said_ && now - last_said_ >= config_.hello_period) say_nothing();

@@ -259,6 +259,7 @@ class Peer {
   void join(RegionId region);
   void ask_what_is_in(RegionId region);
   void leave_region(RegionId region, SimTime t);
+  [[nodiscard]] std::vector<Entered> take_entered(std::size_t most, bool with_hello);
   void announce_entered();
   void on_entered(PeerId sender, std::span<const Entered> entered, SimTime session_now);
   [[nodiscard]] bool hear(const UpdateRecord& update, SimTime session_now);
@@ -269,7 +270,6 @@ class Peer {
   [[nodiscard]] bool has_crossed(const Own& own, const Vec3& position) const;
   void note_told(Own& own, const UpdateRecord& update, bool somebody_knows_nothing);
   void announce_gone(const UpdateRecord& update, RegionId from, RegionId to);
-  void repeat_announcements();
   [[nodiscard]] RegionId home(ObjectId object) const;
   void retell_across(const ContactEvent& contact);
   // What goes to one region.
@@ -374,15 +374,17 @@ class Peer {
   std::size_t unheard_pairs_ = 0;       // of those, with whatever
   struct Entering {
     Entered entered;
-    std::uint32_t copies;  // still to be sent
-    std::uint32_t hellos;  // .. and then one with each of so many
+    std::uint32_t copies;   // still to be sent
+    std::uint32_t repeats;  // .. and so many after these, some time apart
+    std::optional<SimTime> said{};
   };
   std::vector<Entering> entering_;
   // Of own objects, in no region that they are told in.
   struct Departure {
     Gone gone;
     RegionId from;
-    std::uint32_t copies, hellos;  // as above
+    std::uint32_t copies, repeats;  // as above
+    std::optional<SimTime> said{};
   };
   std::vector<Departure> departures_;
   std::vector<EncodedUpdate> updates_due_, copies_due_;

@@ -14,7 +14,7 @@ namespace {
 // What a datagram's header (version, sender, number, the boot's low bits) leaves for records.
 constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHeader_bytes - kDecisionsHeader_bytes;
 // Per introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of at most 20, a viewpoint
-// of at most 97 and a name of 64 fit.
+// of at most 97, a name of 64 and kEnteredWithHello regions of at most 7, and 11 for them all, fit.
 constexpr std::size_t kEnslavedMax = 50;
 // With one hello in so many a peer says who it is, to whom it may concern; and with so many in a row that something
 // new, more of them where the loss asks for it.
@@ -204,12 +204,11 @@ bool Peer::has_news() const {
 }
 
 // Nobody waits for what this peer's next hello says: all have a session, know each other and each other's clocks, what
-// is sent arrives, no contact is open that this peer has found or may be the one to decide, and what is to be said
-// again with hellos has been.
+// is sent arrives, and no contact is open that this peer has found or may be the one to decide.
 bool Peer::settled(HostTime now) const {
   const auto waits_for_us = [](const auto& entry) { return entry.second.waits_for_us || !entry.second.synchronised; };
-  return replica_ && now >= settles_ && !has_news() && copies_against(loss(), 2) == 1 && entering_.empty() &&
-         departures_.empty() && held_.empty() && std::ranges::none_of(members_.all(), waits_for_us);
+  return replica_ && now >= settles_ && !has_news() && copies_against(loss(), 2) == 1 && held_.empty() &&
+         std::ranges::none_of(members_.all(), waits_for_us);
 }
 
 Introduction Peer::introduction() {
@@ -261,6 +260,7 @@ void Peer::send_hello(HostTime now, bool leaving) {
     hello.echoes.push_back({peer, member->hello, now - member->hello_rx, meter.received(), loss_of(*member, others)});
   });
   if (has_news() || hellos_ % kIntroductionEvery == 0) hello.introduction = introduction();
+  if (!leaving) m.entered = take_entered(kEnteredWithHello, true);
   ++hellos_;
   send(m);
   while (!sent_hellos_.empty() && now - sent_hellos_.front().at > kHeldMax) sent_hellos_.pop_front();

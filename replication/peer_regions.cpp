@@ -14,12 +14,27 @@ constexpr Duration kEnteredAgeMax = std::chrono::seconds(10), kEnteredAheadMax =
 constexpr std::uint32_t kEnteredCopies = 4;
 // .. and that an object has gone.
 constexpr std::uint32_t kGoneCopies = 4;
-// Then once with each of so many hellos, on the best of links too: nothing else tells of a datagram that was lost.
-constexpr std::uint32_t kEnteredHellos = 2, kGoneHellos = 1;
+// Then so many times more, on the best of links too: nothing else tells of a datagram that was lost. Each with what
+// goes there anyway, once that may be lost for another reason than the one before; at the latest in a hello's usual
+// period.
+constexpr std::uint32_t kEnteredRepeats = 2, kGoneRepeats = 1;
+constexpr Duration kRepeatsApart = std::chrono::milliseconds(100);
 // From a need to the states: a tick until this peer notices, one until the others answer, one to spare.
 constexpr int kTicksToStates = 3;
 
 double extent_m(const collision::Body& body) { return body.center.norm() + body.radius_m; }
+
+// Of what is announced: whether it goes out at t, where repeats are so far apart.
+template <class Announced>
+bool is_time(const Announced& a, SimTime t, Duration apart) {
+  return a.copies > 0 || (a.repeats > 0 && t - *a.said >= apart);
+}
+
+template <class Announced>
+void note_said(Announced& a, SimTime t) {
+  --(a.copies > 0 ? a.copies : a.repeats);
+  a.said = t;
+}
 
 }  // namespace
 
@@ -107,7 +122,7 @@ void Peer::join(RegionId region) {
 void Peer::ask_what_is_in(RegionId region) {
   std::erase_if(entering_, [&](const Entering& e) { return e.entered.region == region; });
   const SimTime since = clock_.to_session(*called_at_);  // not the tick's own time, which may be long past
-  entering_.push_back({{region, since}, copies_against(loss(), kEnteredCopies), kEnteredHellos});
+  entering_.push_back({{region, since}, copies_against(loss(), kEnteredCopies), kEnteredRepeats});
 }
 
 void Peer::leave_region(RegionId region, SimTime t) {
@@ -121,31 +136,29 @@ void Peer::leave_region(RegionId region, SimTime t) {
   for (const ObjectId object : gone) lose_sight(object, t);
 }
 
-// To everybody: who has objects in a region need not listen to it.
-void Peer::announce_entered() {
-  Message m = blank();
+// Of the regions that this peer has entered, at most so many of which it is time to say so. With a hello they cost
+// little.
+std::vector<Entered> Peer::take_entered(std::size_t most, bool with_hello) {
+  const SimTime t = tick_time(last_tick_);
+  std::vector<Entered> now;
   for (Entering& e : entering_) {
-    if (e.copies == 0) continue;
-    if (m.entered.size() == kEnteredMax) {
-      send(m);
-      m = blank();
-    }
-    m.entered.push_back(e.entered);
-    --e.copies;
+    if (now.size() == most) break;
+    if (e.said == t || !is_time(e, t, with_hello ? kRepeatsApart : config_.hello_period)) continue;
+    note_said(e, t);
+    now.push_back(e.entered);
   }
-  if (!m.entered.empty()) send(m);
-  std::erase_if(entering_, [](const Entering& e) { return e.copies == 0 && e.hellos == 0; });
+  std::erase_if(entering_, [](const Entering& e) { return e.copies + e.repeats == 0; });
+  return now;
 }
 
-// With a hello: of what has had its copies, one more.
-void Peer::repeat_announcements() {
-  const auto repeat = [](auto& announced) {
-    if (announced.copies > 0 || announced.hellos == 0) return;
-    announced.copies = 1;
-    --announced.hellos;
-  };
-  std::ranges::for_each(entering_, repeat);
-  std::ranges::for_each(departures_, repeat);
+// To everybody: who has objects in a region need not listen to it.
+void Peer::announce_entered() {
+  for (;;) {
+    Message m = blank();
+    m.entered = take_entered(kEnteredMax, false);
+    if (m.entered.empty()) return;
+    send(m);
+  }
 }
 
 // ---- what this peer hears of ----
@@ -243,17 +256,18 @@ void Peer::announce_gone(const UpdateRecord& update, RegionId from, RegionId to)
   for (Departure& d : departures_) {
     if (d.gone.object == gone.object) d.gone = gone;
   }
-  departures_.push_back({gone, from, copies_against(loss(), kGoneCopies), kGoneHellos});
+  departures_.push_back({gone, from, copies_against(loss(), kGoneCopies), kGoneRepeats});
 }
 
 // Copies go out a tick apart.
 void Peer::sort_gone(std::map<RegionId, Batch>& due) {
+  const SimTime t = tick_time(last_tick_);
   for (Departure& d : departures_) {
-    if (d.copies == 0) continue;
+    if (!is_time(d, t, due.contains(d.from) ? kRepeatsApart : config_.hello_period)) continue;
+    note_said(d, t);
     due[d.from].gone.push_back(d.gone);
-    --d.copies;
   }
-  std::erase_if(departures_, [](const Departure& d) { return d.copies == 0 && d.hellos == 0; });
+  std::erase_if(departures_, [](const Departure& d) { return d.copies + d.repeats == 0; });
 }
 
 void Peer::on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now) {

@@ -124,8 +124,8 @@ struct Entered {
   RegionId region;
   SimTime since{};  // on the wire, milliseconds before the latest of a message's; rounded towards that
 };
-// As many as fit into a datagram of their own.
-inline constexpr std::size_t kEnteredMax = 150;
+// As many as fit into a datagram of their own; into a hello with all of its lists full.
+inline constexpr std::size_t kEnteredMax = 150, kEnteredWithHello = 8;
 
 // "It is told elsewhere from now on": who does not listen there knows nothing of it any more.
 struct Gone {

@@ -135,6 +135,12 @@ void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region,
                              const Network& network) {
   const auto message = replication::decode(datagram, session_time(from, now));
   if (!message || (message->updates.empty() && message->gone.empty() && message->entered.empty())) return;
+  std::size_t counted_bytes = datagram.size();
+  if (message->hello) {  // only what goes with it is about regions
+    replication::Message hello = *message;
+    hello.entered.clear();
+    counted_bytes -= replication::encode(hello).size();
+  }
   double records_bytes = 0.0;
   const auto size_bytes = [&](const replication::UpdateRecord& u) {
     return static_cast<double>(replication::encoded_size_bytes(u, message->updates.front().at));
@@ -148,7 +154,7 @@ void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region,
   if (!in_run(now)) return;
   for (Asked& asked : asked_) {
     if (asked.peer == from) continue;
-    if (network.joined(asked.peer, region)) asked.found.received_bytes += datagram.size();
+    if (network.joined(asked.peer, region)) asked.found.received_bytes += counted_bytes;
     double wanted_bytes = 0.0;
     for (const replication::UpdateRecord& u : message->updates) {
       const bool own_region = !grid_.cuts() || grid_.region_of(u.model.state.position) == region;
@@ -157,7 +163,7 @@ void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region,
       }
     }
     const double share = records_bytes > 0.0 ? wanted_bytes / records_bytes : 0.0;
-    asked.found.interest_bytes += static_cast<std::uint64_t>(share * static_cast<double>(datagram.size()) + 0.5);
+    asked.found.interest_bytes += static_cast<std::uint64_t>(share * static_cast<double>(counted_bytes) + 0.5);
   }
 }
 

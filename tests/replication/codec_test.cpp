@@ -451,6 +451,8 @@ TEST(HelloSize, AFullHelloFits) {
   i.viewpoint = Viewpoint{ObjectId{kHigh}, {Vec3(1, 2, 3), Quat(0.5, 0.5, 0.5, 0.5)}, 1.0, 1.5};
   std::uint32_t id = 0;  // as many as can be differ by five bytes, the others by four
   for (std::uint32_t k = 0; k < 50; ++k) i.enslaved.push_back(ObjectId{id += k < 15 ? 0x1000'0000 : 0x0020'0000});
+  m.entered.assign(kEnteredWithHello, {RegionId{kHigh}, sim(0s)});
+  m.entered.back().since = sim(10s);
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
 }
 

@@ -333,7 +333,7 @@ Lan::Motion shaking(const Lan& lan, double x, double v) {
 }
 
 // What is told next in the new region takes nothing back of the word in the old one.
-TEST_F(Regions, ThatItHasGoneIsSaidAgainWithAHelloWhateverIsToldMeanwhile) {
+TEST_F(Regions, ThatItHasGoneIsSaidAgainWhateverIsToldMeanwhile) {
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], shaking(lan, 5, 2)}});
   const auto b = lan.add(looking_from(in_regions(2, {}, 3.0), 5));
   std::optional<Duration> first;
@@ -487,7 +487,7 @@ TEST_F(Regions, WhatIsFrozenStaysWithWhoLeavesItsRegion) {
   EXPECT_EQ(frozen.front().object, world["A"]);
 }
 
-TEST_F(Regions, ThatAPeerHasEnteredIsSaidAgainWithTwoHellos) {
+TEST_F(Regions, ThatAPeerHasEnteredIsSaidTwiceMore) {
   const auto comes = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
     const double x = s < 9 ? 5 : s < 13 ? 5 + 10 * (s - 9) : 45;
@@ -509,6 +509,33 @@ TEST_F(Regions, ThatAPeerHasEnteredIsSaidAgainWithTwoHellos) {
   EXPECT_LE(said[2] - said[1], 250ms + 2 * 17ms);
   EXPECT_TRUE(holds(0, "A"));
   EXPECT_EQ(updates_of("A", said[0]), 1u) << "one answer, to the last";
+}
+
+// A carrier that crosses a border every 1.4 s, and what follows it: words of that leave all the time, and no hello
+// because of them. What leaves anyway takes them along: a hello; updates of what follows, where the first has gone
+// from.
+TEST_F(Regions, WhoCrossesBordersAllTheTimeSaysHelloNoMoreOften) {
+  PeerConfig c = in_regions(1, {{world["A"], true}, {world["B"], true}}, 3.0);
+  c.decisions.viewpoint.emplace().object = world["A"];
+  lan.add(c, 0s, {{world["A"], steady(lan, 0, 7)}, {world["B"], shaking(lan, -6, 7)}});
+  lan.add(in_regions(2));
+  lan.run_until(10s);
+  sent.clear();
+  lan.run_until(40s);
+  std::size_t hellos = 0, entered = 0, with_hello = 0, gone = 0, with_updates = 0;
+  for (const Sent& s : sent) {
+    if (s.from != 0) continue;
+    hellos += s.message.hello.has_value();
+    entered += s.message.entered.size();
+    with_hello += s.message.hello ? s.message.entered.size() : 0;
+    gone += s.message.gone.size();
+    with_updates += s.message.updates.empty() ? 0 : s.message.gone.size();
+  }
+  EXPECT_LE(hellos, 32u) << "once a second";
+  EXPECT_GE(entered, 60u) << "21 regions, three times each";
+  EXPECT_GE(gone, 80u) << "two objects, twice each";
+  EXPECT_GE(with_hello, 3u);
+  EXPECT_GE(with_updates, gone / 4) << "the first one's second words";
 }
 
 TEST_F(Regions, AStandingObjectThatIsHeardOfIsNotForgotten) {
