@@ -13,7 +13,7 @@ namespace peerd::bench {
 namespace {
 
 const std::filesystem::path kConfigs = PEERD_SOURCE_DIR "/configs";
-constexpr double kUdpHeader_bytes = 28.0;
+constexpr double kHeaderOfRecords_bytes = 18.0;  // proto/README.md
 
 template <class T>
 T must(config::Result<T> result) {
@@ -27,6 +27,10 @@ struct Mean {
   void add(double x) { sum += x, ++count; }
   [[nodiscard]] double value() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
 };
+
+nlohmann::ordered_json summary_of(const SimulatedRun& run, const ReadyRun& read, const report::RunRecord& record) {
+  return report::summarise({run.scenario, "sim", read.scenario.seed, {}}, {&record, 1})["runs"][0];
+}
 
 }  // namespace
 
@@ -45,6 +49,10 @@ ReadyRun ready(const SimulatedRun& run) {
   return read;
 }
 
+replication::PublishPolicy policy_in(const std::string& config, const std::vector<std::string>& sets) {
+  return ready({"crowd", config, 100.0, 1.0, sets}).settings().replication.policy;
+}
+
 Played play(const ReadyRun& run, const sim::Observer& observer) {
   Played played;
   played.logs = must(sim::simulate(run.settings(), *run.shared, observer, {}, &played.interest));
@@ -59,12 +67,13 @@ report::RunRecord record_of(const ReadyRun& run, const Played& played) {
 
 nlohmann::ordered_json summary_of(const SimulatedRun& run) {
   const ReadyRun read = ready(run);
-  const report::RunRecord record = record_of(read, play(read));
-  return report::summarise({run.scenario, "sim", read.scenario.seed, {}}, {&record, 1})["runs"][0];
+  return summary_of(run, read, record_of(read, play(read)));
 }
 
 Outcome simulate(const SimulatedRun& run) {
-  const auto summary = summary_of(run);
+  const ReadyRun read = ready(run);
+  const report::RunRecord record = record_of(read, play(read));
+  const auto summary = summary_of(run, read, record);
   Outcome outcome;
   if (summary["objects"].empty()) outcome.wrong = "nobody saw anything";
   if (summary["collisions"]["shared"]["disagreed"] != 0) outcome.wrong = "peers disagree on an outcome";
@@ -80,6 +89,14 @@ Outcome simulate(const SimulatedRun& run) {
   outcome.bytes_per_s = traffic["bytes_per_s"].get<double>();
   outcome.bytes_with_udp_per_s =
       outcome.bytes_per_s + kUdpHeader_bytes * traffic["packets"].get<double>() / run.duration_s;
+  std::set<std::pair<double, PeerId>> instants;
+  double update_bytes = 0.0;
+  for (const report::UpdateSent& u : record.updates) {
+    update_bytes += u.bytes;
+    instants.emplace(u.t_s, u.sender);
+  }
+  update_bytes += (kUdpHeader_bytes + kHeaderOfRecords_bytes) * static_cast<double>(instants.size());
+  outcome.update_bytes_per_s = update_bytes / run.duration_s;
   outcome.ghost_error_m = error.value();
   outcome.view_difference_m = difference.value();
   outcome.updates_per_object_s = updates.value();

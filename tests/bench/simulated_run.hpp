@@ -33,15 +33,21 @@ struct Played {
 [[nodiscard]] ReadyRun ready(const SimulatedRun& run);
 [[nodiscard]] Played play(const ReadyRun& run, const sim::Observer& observer = {});
 [[nodiscard]] report::RunRecord record_of(const ReadyRun& run, const Played& played);
+// configs/CONFIG.toml's way of telling others, as it sets that in any scenario.
+[[nodiscard]] replication::PublishPolicy policy_in(const std::string& config,
+                                                   const std::vector<std::string>& sets = {});
 // Its part of summary.json.
 [[nodiscard]] nlohmann::ordered_json summary_of(const SimulatedRun& run);
+
+inline constexpr double kUdpHeader_bytes = 28.0;  // .. and IPv4's
 
 // What a run cost, and how wrong everybody was.
 struct Outcome {
   double bytes_per_s = 0.0;           // UDP payload of all datagrams of all peers
   double bytes_with_udp_per_s = 0.0;  // .. and 28 bytes of IPv4 and UDP header each
-  double ghost_error_m = 0.0;         // mean of all objects at all observers, against the truth at that instant
-  double view_difference_m = 0.0;     // between what an observer's and the owner's user see
+  double update_bytes_per_s = 0.0;  // .. of those, updates, and all headers of a datagram for each instant's of a peer
+  double ghost_error_m = 0.0;       // mean of all objects at all observers, against the truth at that instant
+  double view_difference_m = 0.0;   // between what an observer's and the owner's user see
   double updates_per_object_s = 0.0;
   double updates_per_s = 0.0;  // of all objects
   std::string wrong;           // why the run proves nothing; empty if it does

@@ -1,17 +1,20 @@
-// Question: what do a ghost, a datagram and a tick cost a peer, and how does that grow with the number of objects?
+// Question: what do a ghost, a datagram, a tick and the way of an update cost a peer, and how does that grow with the
+// number of objects?
 //
 // wire_bench [--quick] [--out DIR] [--commit NAME] [OWN..]: one peer runs an eleventh of all objects, driven at 60 Hz
 // along sums of waves; ten others run a tenth of the rest each. One of the ten is a whole peer that dead-reckons its
 // objects; the other nine say what it says of objects of their own, datagram by datagram, so that updates come as often
-// as dead reckoning needs. Everything arrives after 20 ms. Models: `best` as in configs/best.toml, `order2` the seed's
+// as dead reckoning needs. Everything arrives after 20 ms. Models: as in configs/best.toml; `.order2`: the seed's
 // second order with the objects' own thresholds (0.5 m). No interests.
 //
 // Times are of the thread, so what else runs here doesn't count. tick_share_of_core: of 10,000 ghosts and 1,000 own
 // objects, what on_packet, on_tick, draining the outputs and evaluating every ghost at every tick take of a simulated
-// second. bytes_over_dis, flock_received_over_aoi: wire_traffic.hpp. OWN: only ticks, with so many own objects;
-// `loopback`: only how long an update is under way (loopback/). Writes wire-growth.csv and wire-growth.svg besides.
-// Exit code 1: a ghost is not what its owner's update says or not, to the last bit, what its owner believes of it; not
-// all that was sent was applied; a record is not decoded as it was encoded.
+// second. decode_apply_per_s, encode_records_per_s: wire_codec.hpp. bytes_over_dis, flock_received_over_aoi:
+// wire_traffic.hpp. growth.OBJECTS.WHAT: the same with so many objects in the world. OWN: only ticks, with so many own
+// objects; `loopback`: only how long an update is under way (loopback/), `traffic`: only bytes. Writes wire-growth.csv
+// and wire-growth.svg besides. Exit code 1: a ghost is not what its owner's update says or not, to the last bit, what
+// its owner believes of it; not all that was sent was applied; a record is not decoded as it was encoded; an update did
+// not come.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,14 +23,18 @@
 #include <deque>
 #include <random>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "collision_chart.hpp"
-#include "core/vrml/reader.hpp"
 #include "figures.hpp"
 #include "loopback/loopback.hpp"
+#include "replication/codec.hpp"
 #include "replication/peer.hpp"
-#include "replication/record.hpp"
+#include "simulated_run.hpp"
+#include "wire_codec.hpp"
+#include "wire_objects.hpp"
 #include "wire_traffic.hpp"
 
 namespace peerd::bench {
@@ -38,113 +45,6 @@ using namespace std::chrono_literals;
 
 constexpr std::uint32_t kOthers = 10;
 constexpr Duration kLatency = 20ms, kFrame = Duration{1'000'000'000 / 60};
-constexpr Tolerance kRounded{0.05, 0.05};  // of a record in a batch
-
-double thread_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-// What it takes to run f.
-template <class F>
-double seconds_of(const F& f) {
-  const double begin = thread_s();
-  f();
-  return thread_s() - begin;
-}
-
-bool same_bits(const KinematicState& a, const KinematicState& b) {
-  return a.position == b.position && a.velocity == b.velocity && a.acceleration == b.acceleration &&
-         a.orientation.coeffs() == b.orientation.coeffs() && a.angular_velocity_body == b.angular_velocity_body;
-}
-
-// Whether the ghost is where the update says: but for the turn, which is normalised once more, to the last bit; pieces
-// of laws that are cut may be off by kPieceError_m and kPieceError_rad.
-bool as_told(const KinematicState& ghost, const UpdateRecord& told, SimTime t) {
-  const MotionModel& m = told.model;
-  const KinematicState says = evaluate(m, to_seconds(t - told.at));
-  const bool cut = m.kind == MotionKind::kThird || m.kind == MotionKind::kTurning ||
-                   m.kind == MotionKind::kOscillating || !m.angular_acceleration_body.isZero(0.0);
-  const bool there = cut ? (ghost.position - says.position).norm() <= kPieceError_m : ghost.position == says.position;
-  return there && angle_between(ghost.orientation, says.orientation) <= kPieceError_rad;
-}
-
-// Objects without a shape or an interest, side by side in the file.
-struct Crowd {
-  explicit Crowd(std::size_t objects) {
-    std::string text = "#VRML V2.0 utf8\n";
-    for (std::size_t i = 0; i < objects; ++i) text += "DEF O" + std::to_string(i) + " Transform { }\n";
-    ReadResult read = read_world(text);
-    scene = std::move(read.scene.value());
-    model = make_world_model(scene);
-    first = scene.find("O0").value();
-  }
-  [[nodiscard]] ObjectId object(std::size_t i) const { return ObjectId{first.value + static_cast<std::uint32_t>(i)}; }
-
-  Scene scene;
-  std::unique_ptr<const WorldModel> model;
-  ObjectId first;
-};
-
-// Walks and drives: on each axis of the ground two waves of 5 to 60 s, at up to 12 m/s, looking where it goes.
-class Path {
- public:
-  explicit Path(std::mt19937_64& rng) {
-    const auto draw = [&](double from, double to) {
-      return from + (to - from) * std::ldexp(static_cast<double>(rng() >> 11), -53);
-    };
-    for (auto& axis : waves_) {
-      for (Wave& w : axis) {
-        w.rate = 2.0 * 3.141592653589793 / draw(5.0, 60.0);
-        w.size_m = draw(0.2, 3.0) / w.rate;
-        w.phase = draw(0.0, 6.28);
-      }
-    }
-    middle_ = {draw(-500, 500), 0.0, draw(-500, 500)};
-  }
-
-  [[nodiscard]] KinematicState at(SimTime time) const {
-    const double t = to_seconds(time.time_since_epoch());
-    KinematicState s;
-    s.position = middle_;
-    for (int i = 0; i < 2; ++i) {
-      for (const Wave& w : waves_[static_cast<std::size_t>(i)]) {
-        const double sin = std::sin(w.rate * t + w.phase), cos = std::cos(w.rate * t + w.phase);
-        s.position[2 * i] += w.size_m * sin;
-        s.velocity[2 * i] += w.size_m * w.rate * cos;
-        s.acceleration[2 * i] -= w.size_m * w.rate * w.rate * sin;
-      }
-    }
-    const double speed2 = s.velocity.squaredNorm();
-    s.orientation = quat_exp({0.0, std::atan2(s.velocity.x(), s.velocity.z()), 0.0});
-    // At a standstill it turns on the spot, as fast as it can.
-    const double turns = s.velocity.z() * s.acceleration.x() - s.velocity.x() * s.acceleration.z();
-    s.angular_velocity_body.y() = std::clamp(turns / std::max(speed2, 1e-6), -3.0, 3.0);
-    return s;
-  }
-
- private:
-  struct Wave {
-    double size_m = 0.0, rate = 0.0, phase = 0.0;
-  };
-  std::array<std::array<Wave, 2>, 2> waves_;
-  Vec3 middle_;
-};
-
-PublishPolicy policy_of(bool best) {
-  PublishPolicy policy;
-  if (!best) return policy;
-  policy.refine_proximity = true;
-  policy.surface_error = true;
-  policy.angle_threshold_rad = 15.0 * 3.141592653589793 / 180.0;
-  policy.models.emplace();
-  policy.models->allowed[0] = false;  // kFirst
-  policy.wanted_error_m = 0.005;
-  policy.updates_per_s = 1.9;
-  policy.copies = 4;
-  return policy;
-}
 
 struct Cost {
   double packets_s = 0.0, ticks_s = 0.0, ghosts_s = 0.0;  // of simulated_s
@@ -157,11 +57,11 @@ struct Cost {
 // The measured peer, the whole one of the others, and those that say what that one says.
 class Town {
  public:
-  Town(std::size_t own_count, bool best)
+  Town(std::size_t own_count, const PublishPolicy& policy)
       : own_count_(own_count),
         crowd_((1 + kOthers) * own_count),
-        measured_(config_of(1, 0, best), *crowd_.model),
-        sender_(config_of(1 + kOthers, kOthers, best), *crowd_.model) {
+        measured_(config_of(1, 0, policy), *crowd_.model),
+        sender_(config_of(1 + kOthers, kOthers, policy), *crowd_.model) {
     std::mt19937_64 rng(own_count);
     for (std::size_t i = 0; i < 2 * own_count; ++i) paths_.emplace_back(rng);
   }
@@ -234,12 +134,12 @@ class Town {
     return crowd_.object(block * own_count_ + i);
   }
 
-  [[nodiscard]] PeerConfig config_of(std::uint32_t id, std::size_t block, bool best) const {
+  [[nodiscard]] PeerConfig config_of(std::uint32_t id, std::size_t block, const PublishPolicy& policy) const {
     PeerConfig c;
     c.id = PeerId{id};
     c.name = "peer" + std::to_string(id);
     c.world_hash = 1;
-    c.policy = policy_of(best);
+    c.policy = policy;
     for (std::size_t i = 0; i < own_count_; ++i) c.enslaved.push_back({object(block, i), true, {}});
     return c;
   }
@@ -339,80 +239,49 @@ class Town {
   double seen_ = 0.0;
 };
 
-// Updates of objects that walk and drive, each newer than all before.
-class Updates {
- public:
-  explicit Updates(const Crowd& crowd, std::size_t objects) : crowd_(crowd), objects_(objects), rng_(7) {}
-
-  UpdateRecord next(SimTime at) {
-    UpdateRecord u;
-    u.object = crowd_.object(made_ % objects_);
-    u.sequence = static_cast<std::uint32_t>(1 + made_ / objects_);
-    u.at = at;
-    KinematicState& s = u.model.state;
-    s.position = {draw(500.0), draw(20.0), draw(500.0)};
-    s.velocity = {draw(10.0), 0.0, draw(10.0)};
-    s.acceleration = {draw(2.0), 0.0, draw(2.0)};
-    s.orientation = quat_exp({0.0, draw(3.0), 0.0});
-    s.angular_velocity_body.y() = draw(1.0);
-    ++made_;
-    return quantised(u, kRounded);
-  }
-
- private:
-  double draw(double most) { return most * (2.0 * std::ldexp(static_cast<double>(rng_() >> 11), -53) - 1.0); }
-
-  const Crowd& crowd_;
-  std::size_t objects_;
-  std::mt19937_64 rng_;
-  std::size_t made_ = 0;
-};
-
-bool same_record(const UpdateRecord& a, const UpdateRecord& b) {
-  return a.object == b.object && a.sequence == b.sequence && a.at == b.at && a.model.kind == b.model.kind &&
-         same_bits(a.model.state, b.model.state);
-}
-
 class Bench {
  public:
   explicit Bench(const Options& options) : options_(options) {}
 
   int run() {
-    const bool only_loopback = options_.arguments == std::vector<std::string>{"loopback"};
-    if (options_.arguments.empty() || only_loopback) loopback();  // first: it forks, while this process is small
-    if (only_loopback) return write_figures(options_, figures_) && right_ ? 0 : 1;
-    if (options_.arguments.empty()) {
-      for (const Figure& f : wire_traffic(options_)) add(f);
-    }
-    if (options_.arguments.empty()) {
-      decode_and_apply(1);
-      decode_and_apply(40);
-      encode_batches();
-    }
+    const std::string only = options_.arguments.size() == 1 ? options_.arguments.front() : "";
+    if (options_.arguments.empty() || only == "loopback") loopback();  // first: it forks, while this process is small
+    if (options_.arguments.empty() || only == "traffic") traffic();
+    if (only == "loopback" || only == "traffic") return write();
     const std::size_t headline = options_.quick ? 40 : 1000;
     std::vector<std::size_t> own_counts{10, 100, 1000, 10'000};
     if (options_.quick) own_counts = {10, headline};
-    if (!options_.arguments.empty()) own_counts.clear();
-    for (const std::string& argument : options_.arguments) own_counts.push_back(std::stoul(argument));
+    if (options_.arguments.empty()) {
+      for (const std::size_t own : own_counts) codec(own * 10, own == headline);
+    } else {
+      own_counts.clear();
+      for (const std::string& argument : options_.arguments) own_counts.push_back(std::stoul(argument));
+    }
     for (const bool best : {true, false}) {
       for (const std::size_t own : own_counts) town(own, best, own == headline);
     }
-    const bool written = write_figures(options_, figures_) && write_beside(options_, "wire-growth.csv", csv_) &&
-                         write_beside(options_, "wire-growth.svg", draw(charts(), 2));
-    return written && right_ ? 0 : 1;
+    return write();
   }
 
  private:
+  int write() {
+    const bool written = write_figures(options_, figures_) && write_beside(options_, "wire-growth.csv", csv()) &&
+                         write_beside(options_, "wire-growth.svg", draw(charts(), 2));
+    return written && right_ ? 0 : 1;
+  }
   void wrong(const std::string& what, std::uint64_t count) {
     if (count == 0) return;
     std::printf("WRONG: %s: %llu\n", what.c_str(), static_cast<unsigned long long>(count));
     right_ = false;
   }
-  void figure(const std::string& name, const std::vector<double>& samples, const char* unit, const char* target,
-              double target_value) {
+  void figure(const std::string& name, const std::vector<double>& samples, const char* unit, const char* target = "",
+              double target_value = 0.0) {
     const Quartiles q = quartiles(samples);
     const auto ratio = target_value > 0.0 ? std::optional(q.median / target_value) : std::nullopt;
     add({name, q.median, unit, target, ratio, q.low, q.high});
+  }
+  void growth(std::size_t objects, const std::string& what, const std::vector<double>& samples, const char* unit) {
+    figure("growth." + std::to_string(objects) + '.' + what, samples, unit);
   }
   void add(const Figure& f) {
     std::printf("%-44s %12.5g %-12s [%.5g %.5g] %s\n", f.name.c_str(), f.value, f.unit.c_str(), f.low, f.high,
@@ -422,125 +291,43 @@ class Bench {
   }
 
   void loopback() {
-    const LoopbackResult result = measure_loopback(options_.quick);
-    for (const std::string& what : result.wrong) wrong(what, 1);
-    for (const Figure& f : result.figures) add(f);
-  }
-
-  // Datagrams of so many updates each, of 10,000 objects, through on_packet; ticks run between them, untimed.
-  void decode_and_apply(std::size_t batch) {
-    const std::size_t objects = options_.quick ? 200 : 10'000, rounds = options_.quick ? 2 : 20;
-    const std::size_t datagrams = options_.quick ? 400 : batch == 1 ? 20'000 : 1'000;  // a round
-    const Crowd crowd(objects);
-    PeerConfig config;
-    config.id = PeerId{1};
-    config.world_hash = 1;
-    Peer peer(std::move(config), *crowd.model);
-    HostTime now{0s};
-    for (; now < HostTime{2s}; now += 100ms) peer.on_tick(now, {});
-    Message m;
-    m.sender = PeerId{2};
-    m.boot = 1;
-    Hello& hello = m.hello.emplace();
-    hello.session_tx = peer.clock().to_session(now);
-    Introduction& introduction = hello.introduction.emplace();
-    introduction.name = "peer2";
-    introduction.world_hash = 1;
-    wrong("hello", !peer.on_packet(now, kWholeScene, encode(m)).has_value());
-    m.hello.reset();
-    Updates updates(crowd, objects);
-    std::vector<UpdateRecord> last(objects);
-    std::vector<double> per_s, records_per_s;
-    for (std::size_t round = 0; round <= rounds; ++round) {  // the first one warms up
-      now += 1s;
-      peer.on_tick(now, {});
-      while (peer.poll_output()) {
-      }
-      const SimTime at = peer.clock().to_session(now) - 10ms;
-      std::vector<Bytes> sent;
-      for (std::size_t d = 0; d < datagrams; ++d) {
-        ++m.number;
-        m.updates.clear();
-        for (std::size_t i = 0; i < batch; ++i) {
-          m.updates.push_back(updates.next(at + Duration{static_cast<std::int64_t>(d)}));
-          last[m.updates.back().object.value - crowd.first.value] = m.updates.back();
-        }
-        sent.push_back(encode(m));
-      }
-      const std::uint64_t before = peer.counters().updates_in;
-      const double s = seconds_of([&] {
-        for (const Bytes& datagram : sent) (void)peer.on_packet(now, kWholeScene, datagram);
-      });
-      wrong("updates that were not applied", datagrams * batch - (peer.counters().updates_in - before));
-      if (round == 0) continue;
-      per_s.push_back(static_cast<double>(datagrams) / s);
-      records_per_s.push_back(static_cast<double>(datagrams * batch) / s);
-    }
-    const SimTime t = peer.clock().to_session(now);
-    std::uint64_t elsewhere = 0;
-    for (const UpdateRecord& u : last) {
-      if (u.sequence == 0) continue;
-      elsewhere += !as_told(peer.ghost(u.object, t), u, t);
-    }
-    wrong("ghosts that are not what their update says", elsewhere);
-    if (batch == 1) {
-      figure("decode_apply_per_s", per_s, "datagrams/s", ">= 100000", 1e5);
-    } else {
-      const std::string name = "decode_apply_per_s.batch" + std::to_string(batch);
-      figure(name, per_s, "datagrams/s", "", 0.0);
-      figure(name + ".records", records_per_s, "records/s", "", 0.0);
+    for (const LoopbackResult& result : {measure_loopback(options_.quick), measure_loopback_growth(options_.quick)}) {
+      for (const std::string& what : result.wrong) wrong(what, 1);
+      for (const Figure& f : result.figures) add(f);
     }
   }
 
-  void encode_batches() {
-    constexpr std::size_t kBatch = 40;
-    const std::size_t batches = options_.quick ? 10 : 500, rounds = options_.quick ? 2 : 21;
-    const Crowd crowd(10'000);
-    Updates updates(crowd, 10'000);
-    std::vector<Message> messages(batches);
-    std::size_t bytes = 0;
-    for (Message& m : messages) {
-      m.sender = PeerId{2};
-      m.boot = m.number = 1;
-      for (std::size_t i = 0; i < kBatch; ++i) m.updates.push_back(updates.next(SimTime{10s + i * 1us}));
-    }
-    std::vector<double> per_s, rounded_per_s;
-    for (std::size_t round = 0; round < rounds; ++round) {
-      std::vector<Bytes> sent(batches);
-      const double s = seconds_of([&] {
-        for (std::size_t i = 0; i < batches; ++i) sent[i] = encode(messages[i]);
-      });
-      std::vector<UpdateRecord> rounded;
-      rounded.reserve(batches * kBatch);
-      const double rounding_s = seconds_of([&] {
-        for (const Message& m : messages) {
-          for (const UpdateRecord& u : m.updates) rounded.push_back(quantised(u, kRounded));
-        }
-      });
-      per_s.push_back(static_cast<double>(batches * kBatch) / s);
-      rounded_per_s.push_back(static_cast<double>(batches * kBatch) / (s + rounding_s));
-      if (round > 0) continue;
-      std::uint64_t others = 0;
-      for (std::size_t i = 0; i < batches; ++i) {
-        bytes += sent[i].size();
-        const auto decoded = decode(sent[i], SimTime{10s});
-        const bool all = decoded && decoded->updates.size() == kBatch;
-        for (std::size_t k = 0; k < kBatch; ++k) {
-          others += !all || !same_record(decoded->updates[k], messages[i].updates[k]);
-        }
+  void traffic() {
+    for (const Figure& f : wire_traffic(options_)) add(f);
+  }
+
+  void codec(std::size_t objects, bool headline) {
+    for (const std::size_t batch : {1, 40}) {
+      const CodecRates rates = decode_and_apply(objects, batch, options_.quick);
+      for (const std::string& what : rates.wrong) wrong(std::to_string(objects) + " objects: " + what, 1);
+      const std::string name = batch == 1 ? "decode_apply_per_s" : "decode_apply_per_s.batch" + std::to_string(batch);
+      growth(objects, name, rates.datagrams_per_s, "datagrams/s");
+      if (!headline) continue;
+      if (batch == 1) {
+        figure(name, rates.datagrams_per_s, "datagrams/s", ">= 100000", 1e5);
+      } else {
+        figure(name, rates.datagrams_per_s, "datagrams/s");
+        figure(name + ".records", rates.records_per_s, "records/s");
       }
-      wrong("records that are not decoded as they were encoded", others);
     }
-    figure("encode_records_per_s", per_s, "records/s", ">= 1000000", 1e6);
-    figure("encode_records_per_s.rounded", rounded_per_s, "records/s", "", 0.0);
-    figure("encode_records_per_s.size", {static_cast<double>(bytes) / static_cast<double>(batches * kBatch)},
-           "bytes/record", "", 0.0);
+    const CodecRates rates = encode_batches(objects, options_.quick);
+    for (const std::string& what : rates.wrong) wrong(std::to_string(objects) + " objects: " + what, 1);
+    growth(objects, "encode_records_per_s", rates.records_per_s, "records/s");
+    if (!headline) return;
+    figure("encode_records_per_s", rates.records_per_s, "records/s", ">= 1000000", 1e6);
+    figure("encode_records_per_s.rounded", rates.rounded_per_s, "records/s");
+    figure("encode_records_per_s.size", {rates.record_bytes}, "bytes/record");
   }
 
   void town(std::size_t own, bool best, bool headline) {
     const Duration warm = options_.quick ? 3s : own > 1000 ? 5s : 8s;
     const int seconds = options_.quick ? 2 : own > 1000 ? 3 : 10;
-    Town town(own, best);
+    Town town(own, best ? policy_in("best") : PublishPolicy{});
     town.run(warm, nullptr);
     Cost cost;
     for (int second = 0; second < seconds; ++second) {
@@ -555,61 +342,97 @@ class Bench {
       cost.simulated_s += 1.0;
       cost.shares.push_back(one.share());
     }
-    const std::string models = best ? "best" : "order2", objects = std::to_string((1 + kOthers) * own);
-    wrong(models + ' ' + objects + ": ghosts that differ from their owner's", town.differences());
-    wrong(models + ' ' + objects + ": ghosts that are not what their update says", town.elsewhere());
-    wrong(models + ' ' + objects + ": updates that were not applied", town.not_applied());
-    wrong(models + ' ' + objects + ": ghosts that nobody told of", kOthers * own - town.told());
-    wrong(models + ' ' + objects + ": the ghosts seen are no number", !std::isfinite(town.seen()));
+    const std::size_t objects = (1 + kOthers) * own;
+    const std::string suffix = best ? "" : ".order2", of = std::to_string(objects) + " objects" + suffix;
+    wrong(of + ": ghosts that differ from their owner's", town.differences());
+    wrong(of + ": ghosts that are not what their update says", town.elsewhere());
+    wrong(of + ": updates that were not applied", town.not_applied());
+    wrong(of + ": ghosts that nobody told of", kOthers * own - town.told());
+    wrong(of + ": the ghosts seen are no number", !std::isfinite(town.seen()));
     std::vector<double> ghost_ns;
     for (int i = 0; i < 5; ++i) ghost_ns.push_back(town.ghost_ns(options_.quick ? 2 : own > 1000 ? 10 : 60));
 
-    const std::string name = models + '.' + objects;
-    if (headline) {
-      const std::string suffix = best ? "" : ".order2";
-      figure("ghost_eval_ns" + suffix, ghost_ns, "ns", "<= 100", 100.0);
-      figure("tick_share_of_core" + suffix, cost.shares, "of a core", "< 0.20", 0.20);
-      figure("tick_share_of_core" + suffix + ".packets", {cost.packets_s / cost.simulated_s}, "of a core", "", 0.0);
-      figure("tick_share_of_core" + suffix + ".ticks", {cost.ticks_s / cost.simulated_s}, "of a core", "", 0.0);
-      figure("tick_share_of_core" + suffix + ".ghosts", {cost.ghosts_s / cost.simulated_s}, "of a core", "", 0.0);
-      figure("tick_share_of_core" + suffix + ".updates", {static_cast<double>(cost.updates) / cost.simulated_s},
-             "updates/s", "", 0.0);
-    }
-    figure("growth." + name + ".tick_share_of_core", cost.shares, "of a core", "", 0.0);
-    figure("growth." + name + ".ghost_eval_ns", ghost_ns, "ns", "", 0.0);
-    char row[200];
-    std::snprintf(row, sizeof row, "%s,%s,%zu,%.6g,%.6g,%.6g,%.6g,%.1f,%.1f,%.3g\n", models.c_str(), objects.c_str(),
-                  own, quartiles(cost.shares).median, cost.packets_s / cost.simulated_s,
-                  cost.ticks_s / cost.simulated_s, cost.ghosts_s / cost.simulated_s,
-                  static_cast<double>(cost.updates) / cost.simulated_s,
-                  static_cast<double>(cost.datagrams) / cost.simulated_s, quartiles(ghost_ns).median);
-    csv_ += row;
-    const double n = static_cast<double>((1 + kOthers) * own);
-    Curves& curves = best ? best_ : order2_;
-    curves.share.push_back({n, quartiles(cost.shares).median});
-    curves.ghost_ns.push_back({n, quartiles(ghost_ns).median});
+    const std::string share = "tick_share_of_core" + suffix;
+    const auto of_a_second = [&](double sum) { return std::vector{sum / cost.simulated_s}; };
+    const std::tuple<std::string, std::vector<double>, const char*> parts[] = {
+        {share + ".packets", of_a_second(cost.packets_s), "of a core"},
+        {share + ".ticks", of_a_second(cost.ticks_s), "of a core"},
+        {share + ".ghosts", of_a_second(cost.ghosts_s), "of a core"},
+        {share + ".updates", of_a_second(static_cast<double>(cost.updates)), "updates/s"},
+        {share + ".datagrams", of_a_second(static_cast<double>(cost.datagrams)), "datagrams/s"}};
+    growth(objects, "ghost_eval_ns" + suffix, ghost_ns, "ns");
+    growth(objects, share, cost.shares, "of a core");
+    for (const auto& [name, value, unit] : parts) growth(objects, name, value, unit);
+    if (!headline) return;
+    figure("ghost_eval_ns" + suffix, ghost_ns, "ns", "<= 100", 100.0);
+    figure(share, cost.shares, "of a core", "< 0.20", 0.20);
+    for (const auto& [name, value, unit] : parts) figure(name, value, unit);
   }
 
-  [[nodiscard]] std::vector<Chart> charts() const {
-    return {{"share of a core at 60 Hz, an eleventh of the objects own",
-             {"objects", true, false},
-             {"of a core", true, false},
-             {{"configs/best.toml", best_.share}, {"second order", order2_.share}}},
-            {"one ghost",
-             {"objects", true, false},
-             {"ns", false, true},
-             {{"configs/best.toml", best_.ghost_ns}, {"second order", order2_.ghost_ns}}}};
-  }
-
-  struct Curves {
-    std::vector<report::Point> share, ghost_ns;
+  struct Grown {
+    std::string what;
+    double objects = 0.0;
+    const Figure* figure = nullptr;
   };
+  [[nodiscard]] std::vector<Grown> grown() const {
+    constexpr std::string_view kMark = "growth.";
+    std::vector<Grown> all;
+    for (const Figure& f : figures_) {
+      if (!f.name.starts_with(kMark)) continue;
+      const auto dot = f.name.find('.', kMark.size());
+      all.push_back({f.name.substr(dot + 1), std::stod(f.name.substr(kMark.size(), dot - kMark.size())), &f});
+    }
+    return all;
+  }
+  [[nodiscard]] std::string csv() const {
+    std::string text = "figure,objects,value,unit,low,high\n";
+    for (const Grown& g : grown()) {
+      char row[200];
+      std::snprintf(row, sizeof row, "%s,%.0f,%.6g,%s,%.6g,%.6g\n", g.what.c_str(), g.objects, g.figure->value,
+                    g.figure->unit.c_str(), g.figure->low, g.figure->high);
+      text += row;
+    }
+    return text;
+  }
+  [[nodiscard]] Series series(const std::string& name, const std::string& what) const {
+    Series line{name, {}};
+    for (const Grown& g : grown()) {
+      if (g.what == what) line.points.push_back({g.objects, g.figure->value});
+    }
+    return line;
+  }
+  [[nodiscard]] std::vector<Chart> charts() const {
+    const Axis objects{"objects of the world", true, false};
+    return {{"a peer's share of a core at 60 Hz, an eleventh of the objects own",
+             objects,
+             {"of a core", true, false},
+             {series("configs/best.toml", "tick_share_of_core"), series("second order", "tick_share_of_core.order2")}},
+            {"one ghost",
+             objects,
+             {"ns", false, true},
+             {series("configs/best.toml", "ghost_eval_ns"), series("second order", "ghost_eval_ns.order2")}},
+            {"decoded and applied; encoded",
+             objects,
+             {"1/s", true, false},
+             {series("datagrams of one update", "decode_apply_per_s"),
+              series("datagrams of forty", "decode_apply_per_s.batch40"),
+              series("records encoded", "encode_records_per_s")}},
+            {"way of an update on loopback, over bare UDP's",
+             objects,
+             {"times", false, true},
+             {series("p50", "loopback_p50_over_udp"), series("p99", "loopback_p99_over_udp")}},
+            {"bytes over DIS's at equal error, a peer's objects an eleventh",
+             objects,
+             {"times", true, false},
+             {series("all datagrams of two peers", "bytes_over_dis")}},
+            {"received over what the area of interest holds",
+             objects,
+             {"times", false, true},
+             {series("two flocks, eight peers", "flock_received_over_aoi")}}};
+  }
 
   Options options_;
   std::vector<Figure> figures_;
-  Curves best_, order2_;
-  std::string csv_ =
-      "models,objects,own,share_of_core,packets,ticks,ghosts,updates_in_per_s,datagrams_in_per_s,ghost_eval_ns\n";
   bool right_ = true;
 };
 

@@ -23,6 +23,13 @@ std::vector<double> ratios(const std::vector<double>& of, const std::vector<doub
   return each;
 }
 
+Figure figure_of(const std::string& name, const std::vector<double>& samples, const char* unit, const char* target,
+                 std::optional<double> target_value) {
+  const Quartiles q = quartiles(samples);
+  const auto ratio = target_value ? std::optional(q.median / *target_value) : std::nullopt;
+  return {name, q.median, unit, target, ratio, q.low, q.high};
+}
+
 }  // namespace
 
 LoopbackResult measure_loopback(bool quick) {
@@ -51,9 +58,7 @@ LoopbackResult measure_loopback(bool quick) {
   }
   const auto figure = [&](const std::string& name, const std::vector<double>& samples, const char* unit,
                           const char* target, std::optional<double> target_value = {}) {
-    const Quartiles q = quartiles(samples);
-    const auto ratio = target_value ? std::optional(q.median / *target_value) : std::nullopt;
-    result.figures.push_back({name, q.median, unit, target, ratio, q.low, q.high});
+    result.figures.push_back(figure_of(name, samples, unit, target, target_value));
   };
   const auto all = [&](const std::string& name, const Rounds& of) {
     figure("loopback_p50_us." + name, of.p50_us, "us", "");
@@ -78,6 +83,28 @@ LoopbackResult measure_loopback(bool quick) {
     figure("loopback_p99_over_cyclone_busy_polling", ratios(peers_polling.p99_us, dds.p99_us), "x", "");
   } else {
     std::printf("no figures of Cyclone DDS: ddsperf (cyclonedds-tools) is not installed\n");
+  }
+  return result;
+}
+
+LoopbackResult measure_loopback_growth(bool quick) {
+  const std::size_t rounds = quick ? 1 : 5, pings = quick ? 50 : 1'000;
+  LoopbackResult result;
+  for (const std::size_t objects :
+       quick ? std::vector<std::size_t>{100, 400} : std::vector<std::size_t>{100, 1'000, 10'000, 100'000}) {
+    const std::string name = "growth." + std::to_string(objects) + ".loopback_";
+    Rounds udp, peers;
+    try {
+      for (std::size_t round = 0; round < rounds; ++round) {
+        udp.add(udp_round(pings, Waits::kAsleep).half_round_trip_us);
+        peers.add(peers_round(pings, Waits::kAsleep, objects).half_round_trip_us);
+      }
+    } catch (const std::exception& error) {
+      result.wrong.push_back("loopback with " + std::to_string(objects) + " objects: " + error.what());
+      return result;
+    }
+    result.figures.push_back(figure_of(name + "p50_over_udp", ratios(peers.p50_us, udp.p50_us), "x", "", {}));
+    result.figures.push_back(figure_of(name + "p99_over_udp", ratios(peers.p99_us, udp.p99_us), "x", "", {}));
   }
   return result;
 }

@@ -17,4 +17,8 @@ struct LoopbackResult {
 };
 [[nodiscard]] LoopbackResult measure_loopback(bool quick);
 
+// growth.OBJECTS.loopback_p50_over_udp, .._p99_..: that of peers that sleep over that of bare UDP, with so many objects
+// in the world, of which each of the two runs half: those that nothing is asked of stand where the file has them.
+[[nodiscard]] LoopbackResult measure_loopback_growth(bool quick);
+
 }  // namespace peerd::bench

@@ -33,7 +33,8 @@ std::string name_of(char side, std::size_t i) { return side + std::to_string(i %
 // The configuration of both, in a folder that is gone with the object.
 class Session {
  public:
-  explicit Session(Waits waits) : busy_poll_us_(waits == Waits::kBusyPolling ? kBusyPoll.count() : 0) {
+  Session(Waits waits, std::size_t objects)
+      : busy_poll_us_(waits == Waits::kBusyPolling ? kBusyPoll.count() : 0), others_(standing(objects)) {
     std::string world = "#VRML V2.0 utf8\n", scenario = "world = \"w.wrl\"\n";
     for (const char side : {'a', 'b'}) {
       const std::string peer = std::string("[peer.") + side;
@@ -43,6 +44,10 @@ class Session {
         enslaves += (i == 0 ? "\"" : ", \"") + name_of(side, i) + '"';
         motions += peer + ".motion." + name_of(side, i) + "]\noutside = true\n";
       }
+      for (std::size_t i = 0; i < others_; ++i) {
+        world += std::string("DEF s") + side + std::to_string(i) + " Transform { }\n";
+      }
+      if (others_ > 0) enslaves += std::string(", \"s") + side + "*\"";
       scenario += peer + "]\nid = " + (side == 'a' ? "1" : "2") + "\nenslaves = [" + enslaves + "]\n" + motions;
     }
     std::string pattern = fs::temp_directory_path() / "peerd-loopback-XXXXXX";
@@ -58,6 +63,7 @@ class Session {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
   }
+  [[nodiscard]] std::size_t objects() const { return 2 * (kObjects + others_); }
   [[nodiscard]] config::Scenario read() const {
     config::ScenarioRequest request;
     request.file = folder_ / "s.toml";
@@ -70,7 +76,11 @@ class Session {
   }
 
  private:
+  // Of each side, besides those that move.
+  static std::size_t standing(std::size_t objects) { return std::max(objects / 2, kObjects) - kObjects; }
+
   std::chrono::microseconds::rep busy_poll_us_;
+  std::size_t others_;
   fs::path folder_;
   int port_;
 };
@@ -87,6 +97,7 @@ class Side {
   Side(const Session& session, char side)
       : own_(side),
         other_(side == 'a' ? 'b' : 'a'),
+        objects_(session.objects()),
         scenario_(session.read()),
         shared_(value_of(share_world(scenario_.world), "no world")),
         node_(make_node()),
@@ -118,7 +129,7 @@ class Side {
   [[nodiscard]] bool ready() const {
     const auto& members = node_->peer().members().all();
     return node_->start() && members.size() == 1 && members.begin()->second.knows_us &&
-           node_->peer().owners().size() == 2 * kObjects;
+           node_->peer().owners().size() == objects_;
   }
   [[nodiscard]] std::uint64_t lost() const {
     const net::TrafficCounters& c = transport_->counters();
@@ -153,6 +164,7 @@ class Side {
   }
 
   char own_, other_;
+  std::size_t objects_;  // of both
   boost::asio::io_context io_{1};
   net::HostClock clock_;
   config::Scenario scenario_;
@@ -242,8 +254,8 @@ void pong(Side& side, Stamps& stamps) {
 
 }  // namespace
 
-Latencies peers_round(std::size_t pings, Waits waits) {
-  const Session session(waits);
+Latencies peers_round(std::size_t pings, Waits waits, std::size_t objects) {
+  const Session session(waits, objects);
   return ping_pong(
       pings,
       [&](Stamps& stamps) {

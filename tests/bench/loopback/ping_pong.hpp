@@ -38,7 +38,8 @@ enum class Waits : std::uint8_t { kAsleep, kBusyPolling };
 
 // The three that are compared, a round each.
 [[nodiscard]] Latencies udp_round(std::size_t pings, Waits waits);
-[[nodiscard]] Latencies peers_round(std::size_t pings, Waits waits);
+[[nodiscard]] Latencies peers_round(std::size_t pings, Waits waits,
+                                    std::size_t objects = 0);  // at least those it needs
 struct DdsRound {
   double p50_us, p99_us;  // medians of its seconds
 };
