@@ -177,9 +177,10 @@ void Daemon::drain() {
   std::vector<replication::Output> news;  // for the log, which may be slow: datagrams leave first
   while (auto out = node_.poll_output()) {
     if (!logs_updates_ && std::holds_alternative<replication::Published>(*out)) continue;
-    if (const auto* send = std::get_if<replication::Send>(&*out)) {
+    if (auto* send = std::get_if<replication::Send>(&*out)) {
       if (capture_) capture_->on_send(send->region, send->datagram);
       transport_.send(send->region, send->datagram);
+      node_.reuse(std::move(send->datagram));
       continue;
     }
     if (const auto* join = std::get_if<replication::Join>(&*out)) {

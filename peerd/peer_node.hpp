@@ -56,6 +56,7 @@ class PeerNode {
   void leave(HostTime now);
   // The next output, already in the log.
   [[nodiscard]] std::optional<replication::Output> poll_output();
+  void reuse(replication::Bytes&& datagram) { peer_.reuse(std::move(datagram)); }  // as the peer's
   // What became of the next key, whether it came by on_key() or from the settings: for a log.
   [[nodiscard]] std::optional<KeyReport> poll_key_report();
   // What is new of the programs that move objects: for a log.

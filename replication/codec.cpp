@@ -253,7 +253,7 @@ const char* to_string(DecodeError e) {
 Codec::Codec() : datagram_(std::make_unique<proto::Datagram>()) {}
 Codec::~Codec() = default;
 
-Bytes Codec::encode(const Message& m, std::span<const EncodedUpdate> updates) {
+void Codec::encode(const Message& m, std::span<const EncodedUpdate> updates, Bytes& datagram) {
   assert(m.sender.value != 0);
   proto::Datagram& d = *datagram_;
   d.Clear();
@@ -267,9 +267,8 @@ Bytes Codec::encode(const Message& m, std::span<const EncodedUpdate> updates) {
   put(m.entered, &d);
   put(m.gone, &d);
   d.set_leaving(m.leaving);
-  Bytes out(d.ByteSizeLong());
-  d.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(out.data()));
-  return out;
+  datagram.resize(d.ByteSizeLong());
+  d.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data()));
 }
 
 std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> datagram, SimTime near) {
@@ -299,7 +298,9 @@ PeerId Codec::sender() const { return PeerId{datagram_->sender()}; }
 Bytes encode(const Message& m) {
   std::vector<EncodedUpdate> updates;
   for (const UpdateRecord& u : m.updates) updates.emplace_back(u, m.updates.front().at);
-  return Codec().encode(m, updates);
+  Bytes datagram;
+  Codec().encode(m, updates, datagram);
+  return datagram;
 }
 
 std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, SimTime near) {

@@ -53,8 +53,9 @@ class Codec {
  public:
   Codec();
   ~Codec();
-  // `updates`, whose times count from the first one's, go in place of the message's own.
-  [[nodiscard]] Bytes encode(const Message& message, std::span<const EncodedUpdate> updates);
+  // `updates`, whose times count from the first one's, go in place of the message's own. The bytes replace those of
+  // `datagram`, whose memory they use.
+  void encode(const Message& message, std::span<const EncodedUpdate> updates, Bytes& datagram);
   // The message is good until the next call.
   [[nodiscard]] std::expected<Message*, DecodeError> decode(std::span<const std::byte> datagram, SimTime near);
   // Of the datagram that was refused for its version: those two mean the same in all versions.

@@ -11,6 +11,8 @@ namespace {
 
 // Hellos come faster until this peer has a session, so that joining takes tenths of a second.
 constexpr Duration kJoiningHelloPeriod = std::chrono::milliseconds(100);
+// Of so many datagrams memory is kept: as many as a peer sends at once, but for its first states.
+constexpr std::size_t kSpareMax = 64;
 
 }  // namespace
 
@@ -126,6 +128,10 @@ std::optional<Output> Peer::poll_output() {
   outputs_.clear();
   polled_ = 0;
   return std::nullopt;
+}
+
+void Peer::reuse(Bytes&& datagram) {
+  if (spare_.size() < kSpareMax) spare_.push_back(std::move(datagram));
 }
 
 HostTime Peer::next_deadline() const {

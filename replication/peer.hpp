@@ -11,6 +11,8 @@
 #include <vector>
 
 #include <boost/container/flat_map.hpp>
+#include <boost/container/flat_set.hpp>
+#include <boost/container/small_vector.hpp>
 
 #include "core/predefined_motion.hpp"
 #include "replication/codec.hpp"
@@ -98,6 +100,8 @@ class Peer {
   [[nodiscard]] std::optional<SimTime> world_zero() const { return world_zero_; }
 
   [[nodiscard]] std::optional<Output> poll_output();
+  // The memory of a datagram that has been sent, for those to come. Who hands it back makes sending cost none.
+  void reuse(Bytes&& datagram);
   // When to call on_tick() next.
   [[nodiscard]] HostTime next_deadline() const;
 
@@ -132,6 +136,8 @@ class Peer {
   struct Replica {
     MotionWorld truth, ghosts;
   };
+  // Side by side: of few peers, looked at for every object.
+  using FewPeers = boost::container::flat_set<PeerId, std::less<>, boost::container::small_vector<PeerId, 4>>;
   struct Own {
     bool driven = false;
     std::optional<SimTime> last_sent;
@@ -145,8 +151,8 @@ class Peer {
     HostTime with_hello_at{};            // the last time then
     // Of its last update: the numbers of the datagrams that carried it to all, and who is known to have one of them.
     std::vector<std::uint32_t> told_in;
-    std::set<PeerId> heard;
-    std::set<PeerId> may_lack;  // who has not confirmed the last but one, although there was time for it
+    FewPeers heard;
+    FewPeers may_lack;  // who has not confirmed the last but one, although there was time for it
     std::optional<ModelChooser> models;
     PoseHistory poses;  // of samples without derivatives
     UpdateBudget budget;
@@ -389,6 +395,7 @@ class Peer {
   std::vector<Departure> departures_;
   std::vector<EncodedUpdate> updates_due_, copies_due_;
   Codec codec_;
+  std::vector<Bytes> spare_;  // memory for datagrams
   // Own objects that no update is due of, at this tick.
   struct Waiting {
     ObjectId object;

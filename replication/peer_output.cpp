@@ -275,7 +275,12 @@ void Peer::say_nothing() {
 
 void Peer::send(Message& message, RegionId region, std::span<const EncodedUpdate> updates) {
   message.number = ++datagram_numbers_[region];
-  Bytes datagram = codec_.encode(message, updates);
+  Bytes datagram;
+  if (!spare_.empty()) {
+    datagram = std::move(spare_.back());
+    spare_.pop_back();
+  }
+  codec_.encode(message, updates, datagram);
   assert(datagram.size() <= kDatagramMax_bytes);
   ++counters_.datagrams_out;
   counters_.bytes_out += datagram.size();

@@ -225,12 +225,16 @@ void Peer::tell_most_urgent(SimTime t) {
 
 // What is not due yet but has come so far goes with what is, in a datagram that goes anyway.
 void Peer::tell_along(SimTime t) {
-  std::set<RegionId> told_in;
-  for (const EncodedUpdate& u : updates_due_) told_in.insert(grid_.region_of(u.record().model.state.position));
-  if (told_in.empty()) return;
+  if (updates_due_.empty()) return;
+  boost::container::small_vector<RegionId, 16> told_in;
+  for (const EncodedUpdate& u : updates_due_) {
+    const RegionId region = grid_.region_of(u.record().model.state.position);
+    if (std::ranges::find(told_in, region) == told_in.end()) told_in.push_back(region);
+  }
   const double share = config_.policy.along_at;
   for (const Waiting& w : waiting_) {
-    if (!told_in.contains(grid_.region_of(replica_->truth.at(w.object, t).position))) continue;
+    const RegionId region = grid_.region_of(replica_->truth.at(w.object, t).position);
+    if (std::ranges::find(told_in, region) == told_in.end()) continue;
     const GhostError grown{w.error.distance_m / share, w.error.angle_rad / share};
     auto reason = due(config_.policy, w.threshold_m, grown, w.own->last_sent, t, true);
     if (!reason && gains(*w.own, t, grown)) reason = PublishReason::kGain;
