@@ -265,7 +265,7 @@ class Peer {
   void join(RegionId region);
   void ask_what_is_in(RegionId region);
   void leave_region(RegionId region, SimTime t);
-  [[nodiscard]] std::vector<Entered> take_entered(std::size_t most, bool with_hello);
+  [[nodiscard]] std::vector<Entered> take_entered(std::size_t most, bool goes_anyway);
   void announce_entered();
   void on_entered(PeerId sender, std::span<const Entered> entered, SimTime session_now);
   [[nodiscard]] bool hear(const UpdateRecord& update, SimTime session_now);

@@ -24,10 +24,10 @@ constexpr int kTicksToStates = 3;
 
 double extent_m(const collision::Body& body) { return body.center.norm() + body.radius_m; }
 
-// Of what is announced: whether it goes out at t, where repeats are so far apart.
+// Of what is announced: whether it goes out at t, once, where repeats are so far apart.
 template <class Announced>
 bool is_time(const Announced& a, SimTime t, Duration apart) {
-  return a.copies > 0 || (a.repeats > 0 && t - *a.said >= apart);
+  return a.said != t && (a.copies > 0 || (a.repeats > 0 && t - *a.said >= apart));
 }
 
 template <class Announced>
@@ -136,14 +136,16 @@ void Peer::leave_region(RegionId region, SimTime t) {
   for (const ObjectId object : gone) lose_sight(object, t);
 }
 
-// Of the regions that this peer has entered, at most so many of which it is time to say so. With a hello they cost
-// little.
-std::vector<Entered> Peer::take_entered(std::size_t most, bool with_hello) {
+// Of the regions that this peer has entered, at most so many, to say so. Where nothing goes anyway, none before it is
+// time for one of them.
+std::vector<Entered> Peer::take_entered(std::size_t most, bool goes_anyway) {
   const SimTime t = tick_time(last_tick_);
+  const auto must_go = [&](const Entering& e) { return is_time(e, t, config_.hello_period); };
   std::vector<Entered> now;
+  if (!goes_anyway && std::ranges::none_of(entering_, must_go)) return now;
   for (Entering& e : entering_) {
     if (now.size() == most) break;
-    if (e.said == t || !is_time(e, t, with_hello ? kRepeatsApart : config_.hello_period)) continue;
+    if (!is_time(e, t, kRepeatsApart)) continue;
     note_said(e, t);
     now.push_back(e.entered);
   }
@@ -262,10 +264,12 @@ void Peer::announce_gone(const UpdateRecord& update, RegionId from, RegionId to)
 // Copies go out a tick apart.
 void Peer::sort_gone(std::map<RegionId, Batch>& due) {
   const SimTime t = tick_time(last_tick_);
-  for (Departure& d : departures_) {
-    if (!is_time(d, t, due.contains(d.from) ? kRepeatsApart : config_.hello_period)) continue;
-    note_said(d, t);
-    due[d.from].gone.push_back(d.gone);
+  for (const Duration apart : {config_.hello_period, kRepeatsApart}) {  // first what must go, then what may with it
+    for (Departure& d : departures_) {
+      if (!is_time(d, t, apart) || (apart == kRepeatsApart && !due.contains(d.from))) continue;
+      note_said(d, t);
+      due[d.from].gone.push_back(d.gone);
+    }
   }
   std::erase_if(departures_, [](const Departure& d) { return d.copies + d.repeats == 0; });
 }
