@@ -259,6 +259,7 @@ class Peer {
   void observe(ObjectId object, Own& own, SimTime t, double latency_s);
   [[nodiscard]] bool gains(Own& own, SimTime t, const GhostError& error);
   // Regions (peer_regions.cpp).
+  [[nodiscard]] Duration answer_takes() const;
   [[nodiscard]] Duration lookahead() const;
   [[nodiscard]] std::optional<std::vector<Area>> areas(SimTime t) const;
   void follow_interest(SimTime t);
@@ -296,7 +297,6 @@ class Peer {
   [[nodiscard]] bool has_news() const;
   [[nodiscard]] Introduction introduction();
   [[nodiscard]] bool everybody_has(const Own& own) const;
-  [[nodiscard]] std::size_t echo_turn() const;
   [[nodiscard]] Duration answered_within() const;
   void note_who_may_lack(Own& own, SimTime t);
   [[nodiscard]] double loss() const;

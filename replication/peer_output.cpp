@@ -44,17 +44,10 @@ Message Peer::blank() const {
   return m;
 }
 
-// In how many of somebody's hellos everybody's turn to be echoed comes: every other one may begin with who is new
-// (send_hello).
-std::size_t Peer::echo_turn() const {
-  const std::size_t hellos = hellos_to_name(members_.all().size());
-  const bool newcomers = std::ranges::any_of(members_.all(), [](const auto& m) { return !m.second.synchronised; });
-  return hellos > 1 && newcomers ? 2 * hellos : hellos;
-}
-
 // Within which somebody's hello says whether what goes out now has come there, if neither gets lost.
 Duration Peer::answered_within() const {
-  return 2 * longest_latency() + static_cast<std::int64_t>(echo_turn()) * config_.settled_hello_period;
+  return 2 * longest_latency() +
+         static_cast<std::int64_t>(hellos_to_name(members_.all().size())) * config_.settled_hello_period;
 }
 
 // A state that nothing newer has replaced goes out again with hellos, or a lost one would stand wrong until the time
@@ -235,8 +228,12 @@ void Peer::send_hello(HostTime now, bool leaving) {
   hello.sessions = sessions_;
   hello.latency = own_latency();
   hello.notes = take_notes();
+  // Who has no session yet waits for its echoes: where they take turns every other hello begins with the next one of
+  // those.
+  const auto is_new = [](const auto& entry) { return !entry.second.synchronised; };
+  const bool newcomers = std::ranges::any_of(members_.all(), is_new);
   // Who was lost and finds no echo, though it was its turn, knows that it was.
-  const std::size_t unnamed = echo_turn();
+  const std::size_t turn = hellos_to_name(members_.all().size()), unnamed = turn > 1 && newcomers ? 2 * turn : turn;
   std::vector<std::pair<PeerId, const Member*>> heard;
   std::vector<std::size_t> heard_new;
   for (const auto& [peer, member] : members_.all()) {
@@ -250,7 +247,6 @@ void Peer::send_hello(HostTime now, bool leaving) {
     if (!member.synchronised) heard_new.push_back(heard.size());
     heard.emplace_back(peer, &member);
   }
-  // Who has no session yet waits for its echoes: every other hello begins with the next one of those.
   const bool for_new = !heard_new.empty() && hellos_ % 2 == 1;
   const std::size_t first = for_new ? heard_new[hellos_ / 2 % heard_new.size()] : kEchoesStep * echo_turns_++;
   const double others = members_.mean_loss();

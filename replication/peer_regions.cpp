@@ -1,7 +1,7 @@
 // Peer: which regions it listens to, which its objects are told in, and what it no longer hears of.
 #include <algorithm>
-#include <cassert>
 #include <map>
+#include <set>
 
 #include "replication/peer.hpp"
 
@@ -14,9 +14,9 @@ constexpr Duration kEnteredAgeMax = std::chrono::seconds(10), kEnteredAheadMax =
 constexpr std::uint32_t kEnteredCopies = 4;
 // .. and that an object has gone.
 constexpr std::uint32_t kGoneCopies = 4;
-// Then so many times more, on the best of links too: nothing else tells of a datagram that was lost. Each with what
-// goes there anyway, once that may be lost for another reason than the one before; at the latest in a hello's usual
-// period.
+// Then so many times more, on the best of links too: nothing else tells of a datagram that was lost. Each with a hello,
+// with others of its kind or, that an object has gone, with whatever goes there, once that may be lost for another
+// reason than the one before; at the latest in a hello's usual period.
 constexpr std::uint32_t kEnteredRepeats = 2, kGoneRepeats = 1;
 constexpr Duration kRepeatsApart = std::chrono::milliseconds(100);
 // From a need to the states: a tick until this peer notices, one until the others answer, one to spare.
@@ -47,10 +47,11 @@ const UpdateRecord* Peer::last_told(ObjectId object) const {
 
 // How long it takes from joining a region until the states of what is there have come: the word that this peer is
 // there, and the answer.
-Duration Peer::lookahead() const {
-  if (config_.regions.lookahead) return *config_.regions.lookahead;
+Duration Peer::answer_takes() const {
   return 2 * longest_latency() + kTicksToStates * Duration{std::chrono::seconds(1)} / config_.tick_hz;
 }
+
+Duration Peer::lookahead() const { return config_.regions.lookahead.value_or(answer_takes()); }
 
 // Farthest distances from own objects at which what others run may touch them.
 void Peer::measure_meetings(std::span<const std::uint32_t> pairs) {
@@ -120,7 +121,6 @@ void Peer::join(RegionId region) {
 
 // Of everybody who has told of something there until now.
 void Peer::ask_what_is_in(RegionId region) {
-  std::erase_if(entering_, [&](const Entering& e) { return e.entered.region == region; });
   const SimTime since = clock_.to_session(*called_at_);  // not the tick's own time, which may be long past
   entering_.push_back({{region, since}, copies_against(loss(), kEnteredCopies), kEnteredRepeats});
 }
@@ -208,11 +208,12 @@ void Peer::lose_sight(ObjectId object, SimTime t) {
 // is this peer's too and there are bytes for it: who is silent for longer is asked before it is forgotten.
 void Peer::forget_silent(SimTime t) {
   const Duration half = config_.policy.time_threshold / 2, latency = longest_latency();
+  const Duration answered = std::max(half + latency, answer_takes());
   std::set<RegionId> unsure;
   std::vector<ObjectId> silent;
   for (auto& [object, heard] : heard_in_) {
     if (heard.asked) {
-      if (t - *heard.asked > half + latency) silent.push_back(object);
+      if (t - *heard.asked > answered) silent.push_back(object);
     } else if (t - heard.at > 3 * half + latency) {
       heard.asked = t;
       unsure.insert(heard.in);
@@ -283,7 +284,10 @@ void Peer::on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_no
     std::uint32_t& last = members_.find(sender)->last_sequence[g.object];
     if (g.sequence < last) continue;  // it has come back, or farther, since
     if (interest_.joined(g.to)) {     // its update is on the way; if this peer leaves before it comes, it is gone
-      if (const auto heard = heard_in_.find(g.object); heard != heard_in_.end()) heard->second.in = g.to;
+      if (const auto heard = heard_in_.find(g.object); heard != heard_in_.end()) {
+        heard->second.in = g.to;
+        heard->second.asked.reset();
+      }
       continue;
     }
     last = g.sequence;

@@ -160,7 +160,7 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
 void Peer::on_echo(PeerId sender, Member& member, const Echo* echo, std::span<const Echo> all) {
   if (echo == nullptr) {
     // A hello may name others only because it is their turn; then many in a row without this peer's name say it, too.
-    const std::size_t turn = echo_turn();
+    const std::size_t turn = hellos_to_name(members_.all().size());
     ++member.unechoed;
     member.deaf = member.unechoed > kTurnsDeaf * turn;
     const bool unnamed = leaves_out(all, config_.id) || member.unechoed > kTurnsUnechoed * turn;

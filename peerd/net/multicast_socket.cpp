@@ -416,6 +416,7 @@ void MulticastSocket::take(const Received& received, HostTime at) {
     region = said;
     datagram = datagram.subspan(kRegionHeaderBytes);
   }
+  assert(region);  // of no region's group was this socket made a member
   ++counters_.packets_in;
   counters_.bytes_in += received.bytes.size();
   handler_({*region, datagram, at, received.from});

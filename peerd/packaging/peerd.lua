@@ -108,7 +108,7 @@ local F = {
   entered = {
     region = field("uint32", "entered.region", "Region"),
     since = field("int64", "entered.since_ns", "Since [ns]"),
-    latest = field("int64", "entered.latest_ns", "Latest joined at [ns]"),
+    latest = field("int64", "entered.latest_ns", "Latest since [ns]"),
   },
   gone = {
     object = field("uint32", "gone.object", "Object"),

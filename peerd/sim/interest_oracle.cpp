@@ -136,10 +136,10 @@ void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region,
   const auto message = replication::decode(datagram, session_time(from, now));
   if (!message || (message->updates.empty() && message->gone.empty() && message->entered.empty())) return;
   std::size_t counted_bytes = datagram.size();
-  if (message->hello) {  // only what goes with it is about regions
+  if (message->hello) {  // only the regions entered that go with it
     replication::Message hello = *message;
     hello.entered.clear();
-    counted_bytes -= replication::encode(hello).size();
+    counted_bytes = replication::encode(*message).size() - replication::encode(hello).size();
   }
   double records_bytes = 0.0;
   const auto size_bytes = [&](const replication::UpdateRecord& u) {

@@ -16,10 +16,8 @@
 // its owner believes of it; not all that was sent was applied; a record is not decoded as it was encoded; an update did
 // not come.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <deque>
 #include <random>
 #include <string>

@@ -1,5 +1,6 @@
 #include "wire_codec.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 

@@ -1,8 +1,13 @@
 // In steady state no datagram costs memory from the heap, whichever way it goes.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "core/vrml/reader.hpp"
 #include "peerd/net/unicast_fan_out.hpp"

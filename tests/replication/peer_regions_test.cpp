@@ -261,6 +261,7 @@ TEST_F(Regions, WhatWasToldSinceIsNotAskedForAgain) {
   EXPECT_EQ(ask(RegionId{1}, now - 11s), 0u);
   EXPECT_EQ(ask(RegionId{1}, now + 9s), 0u);
   EXPECT_EQ(lan.drops(self, "entered_time"), 2u);
+  EXPECT_EQ(lan.peer(self).members().all().at(PeerId{7}).drops.at("entered_time"), 2u);
 }
 
 TEST_F(Regions, OnlyTheOwnerSaysThatItHasGone) {
@@ -322,6 +323,80 @@ TEST_F(Regions, OneWhoseOwnerSpeaksSeldomIsAskedForAndStays) {
   }
   EXPECT_GT(updates_of("A", 0s), told) << "nobody asked";
   EXPECT_LE(updates_of("A", 4s), 12u) << "once in one and a half of its listener's thresholds, and a second to notice";
+}
+
+// Where it has gone to, nobody has been asked yet.
+TEST_F(Regions, OneThatHasGoneElsewhereMeanwhileIsAskedForThere) {
+  PeerConfig c = in_regions(1);
+  c.policy.time_threshold = 2s;
+  const auto self = lan.add(c);
+  lan.run_until(2s);
+  const auto say = [&] { lan.inject(self, encode(hello_of(7, lan.host_now(self), {world["A"]}))); };
+  say();
+  Message told = message_of(7);
+  told.updates = {{world["A"], 5, lan.session_now(self), moving({5, 0, 0}), {}}};
+  lan.inject(self, encode(told), RegionId{1});
+  const auto asked = [&](std::uint32_t region, Duration since) {
+    return std::ranges::any_of(sent, [&](const Sent& s) {
+      return s.at > since &&
+             std::ranges::find(s.message.entered, RegionId{region}, &Entered::region) != s.message.entered.end();
+    });
+  };
+  const Duration heard = lan.now();
+  while (!asked(1, heard + 2s) && lan.now() < heard + 6s) {
+    lan.run_until(lan.now() + 100ms);
+    say();
+  }
+  Message gone = message_of(7);
+  gone.gone = {{world["A"], 6, RegionId{2}}};
+  lan.inject(self, encode(gone), RegionId{1});
+  const Duration went = lan.now();
+  while (!asked(2, went) && lan.now() < went + 6s) {
+    lan.run_until(lan.now() + 100ms);
+    say();
+  }
+  EXPECT_TRUE(asked(2, went));
+  EXPECT_TRUE(holds(self, "A"));
+}
+
+// The question and its answer take longer than half a threshold and a latency.
+TEST(RegionsFarAway, OneThatIsAskedForMayTakeItsTimeToAnswer) {
+  const World world(box("A", "1 1 1", "0 0 0"));
+  for (const Duration threshold : {300ms, 800ms}) {
+    Lan lan(world, {.latency = 520ms});
+    PeerConfig a = in_regions(1, {{world["A"], true}});
+    PeerConfig b = looking_from(in_regions(2, {}, 2.0), 5.0);
+    a.policy.time_threshold = 60s;
+    b.policy.time_threshold = threshold;
+    lan.add(a, 0s, {{world["A"], [](SimTime) { return moving({5, 0, 0}); }}});
+    lan.add(b);
+    lan.run_until(6s);
+    EXPECT_TRUE(lan.peer(1).holds(world["A"]));
+    lan.run_until(26s);
+    EXPECT_EQ(lan.peer(1).counters().sights_lost, 0u) << to_seconds(threshold);
+  }
+}
+
+// A hello has room for some. The others have a datagram of their own.
+TEST(RegionsMany, NoHelloTakesMoreThanFit) {
+  const World world(box("A", "1 1 1", "0 0 0"));
+  Lan lan(world, {.latency = 20ms});
+  std::map<RegionId, int> said;
+  std::size_t most = 0;
+  lan.on_send = [&](std::size_t from, RegionId, const Message& m) {
+    if (from != 0) return;
+    for (const Entered& e : m.entered) ++said[e.region];
+    if (m.hello) most = std::max(most, m.entered.size());
+  };
+  for (std::uint32_t id : {1u, 2u}) {
+    PeerConfig c = in_regions(id);
+    c.regions.regions = {40, 1, 1};
+    lan.add(c);
+  }
+  lan.run_until(8s);
+  EXPECT_EQ(most, kEnteredWithHello);
+  EXPECT_EQ(said.size(), 40u);
+  for (const auto& [region, times] : said) EXPECT_GE(times, 3) << region.value;
 }
 
 // Shakes along the border, not over it, so that it is told every few ticks.
@@ -523,9 +598,11 @@ TEST_F(Regions, WhoCrossesBordersAllTheTimeSaysHelloNoMoreOften) {
   sent.clear();
   lan.run_until(40s);
   std::size_t hellos = 0, entered = 0, with_hello = 0, gone = 0, with_updates = 0;
+  std::map<RegionId, std::vector<Duration>> said;
   for (const Sent& s : sent) {
     if (s.from != 0) continue;
     hellos += s.message.hello.has_value();
+    for (const Entered& e : s.message.entered) said[e.region].push_back(s.at);
     entered += s.message.entered.size();
     with_hello += s.message.hello ? s.message.entered.size() : 0;
     gone += s.message.gone.size();
@@ -536,6 +613,11 @@ TEST_F(Regions, WhoCrossesBordersAllTheTimeSaysHelloNoMoreOften) {
   EXPECT_GE(gone, 80u) << "two objects, twice each";
   EXPECT_GE(with_hello, 3u);
   EXPECT_GE(with_updates, gone / 4) << "the first one's second words";
+  for (const auto& [region, at] : said) {
+    for (std::size_t i = 1; i < at.size(); ++i) {
+      EXPECT_GE(at[i] - at[i - 1], 99ms) << region.value << ": one burst would lose both";
+    }
+  }
 }
 
 TEST_F(Regions, AStandingObjectThatIsHeardOfIsNotForgotten) {
@@ -639,11 +721,17 @@ TEST(RegionsInLoss, ThatSomebodyHasEnteredIsSaidMoreOften) {
   lan.add(c, 0s, {{world["A"], steady(lan, 5, 12)}});
   lan.add(in_regions(2));
   std::map<std::pair<RegionId, SimTime>, int> said;
+  std::map<std::pair<RegionId, SimTime>, Duration> last;
   lan.on_send = [&](std::size_t from, RegionId region, const Message& m) {
     if (from != 0 || lan.now() < 4s) return;
     for (const Entered& e : m.entered) {
       EXPECT_EQ(region, kWholeScene);
-      ++said[{e.region, SimTime{std::chrono::floor<std::chrono::milliseconds>(e.since.time_since_epoch())}}];
+      const std::pair what{e.region,
+                           SimTime{std::chrono::floor<std::chrono::milliseconds>(e.since.time_since_epoch())}};
+      ++said[what];
+      const auto before = last.try_emplace(what, lan.now() - 1s).first;
+      EXPECT_GE(lan.now() - before->second, 16ms) << "copies are a tick apart";
+      before->second = lan.now();
     }
   };
   lan.run_until(9s);

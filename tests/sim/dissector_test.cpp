@@ -403,10 +403,11 @@ TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
   }
 }
 
-// By default a group's number modulo 1,024 is its region's; where there are more, tshark must be told of the first one's.
+// By default a group's number modulo 1,024 is its region's; where there are more, tshark must be told of the first
+// one's.
 TEST_F(Dissector, FindsRegionsBeyondItsDefaultOnceTold) {
-  const auto file = capture("flock-regions.toml",
-                            {"duration_s=1", "regions.cell_m=9.375", "regions.counts=[64, 1, 64]"});
+  const auto file =
+      capture("flock-regions.toml", {"duration_s=1", "regions.cell_m=9.375", "regions.counts=[64, 1, 64]"});
   const std::string bytes = text_of(file);
   const auto reader = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
   ASSERT_TRUE(reader) << reader.error();
@@ -415,9 +416,18 @@ TEST_F(Dissector, FindsRegionsBeyondItsDefaultOnceTold) {
   std::map<std::string, std::size_t> seen;
   compare_all(folder, file, seen, {"peerd.regions:" + first->address().to_string()});
   EXPECT_GT(seen["peerd.record.object"], 0u);
-  const auto untold = dissected(folder, file, {});
-  const auto told = dissected(folder, file, {"peerd.regions:" + first->address().to_string()});
-  EXPECT_NE(untold, told) << "no region beyond 1,023 was there";
+  const auto beyond = [](const record::Event& event) {
+    const auto* out = std::get_if<record::DatagramOut>(&event.what);
+    return out != nullptr && out->region.value > 1023;
+  };
+  std::size_t found = 0;
+  for (auto capture = *reader;;) {
+    const auto event = capture.next();
+    ASSERT_TRUE(event) << event.error();
+    if (!*event) break;
+    found += beyond(**event);
+  }
+  EXPECT_GT(found, 0u);
 }
 
 // Datagrams with some bits changed, cut short, or made of chance: tshark marks those that our decoder refuses, and says

@@ -23,11 +23,11 @@ std::vector<double> ratios(const std::vector<double>& of, const std::vector<doub
   return each;
 }
 
-Figure figure_of(const std::string& name, const std::vector<double>& samples, const char* unit, const char* target,
-                 std::optional<double> target_value) {
+void add(LoopbackResult& result, const std::string& name, const std::vector<double>& samples, const char* unit,
+         const char* target = "", std::optional<double> target_value = {}) {
   const Quartiles q = quartiles(samples);
   const auto ratio = target_value ? std::optional(q.median / *target_value) : std::nullopt;
-  return {name, q.median, unit, target, ratio, q.low, q.high};
+  result.figures.push_back({name, q.median, unit, target, ratio, q.low, q.high});
 }
 
 }  // namespace
@@ -56,13 +56,9 @@ LoopbackResult measure_loopback(bool quick) {
     result.wrong.push_back(std::string("loopback: ") + error.what());
     return result;
   }
-  const auto figure = [&](const std::string& name, const std::vector<double>& samples, const char* unit,
-                          const char* target, std::optional<double> target_value = {}) {
-    result.figures.push_back(figure_of(name, samples, unit, target, target_value));
-  };
   const auto all = [&](const std::string& name, const Rounds& of) {
-    figure("loopback_p50_us." + name, of.p50_us, "us", "");
-    figure("loopback_p99_us." + name, of.p99_us, "us", "");
+    add(result, "loopback_p50_us." + name, of.p50_us, "us");
+    add(result, "loopback_p99_us." + name, of.p99_us, "us");
   };
   all("udp", udp);
   all("peers", peers);
@@ -70,17 +66,17 @@ LoopbackResult measure_loopback(bool quick) {
   all("udp_busy_polling", udp_polling);
   all("peers_busy_polling", peers_polling);
   all("peers_busy_polling.one_way", one_way_polling);
-  figure("loopback_p50_over_udp", ratios(peers.p50_us, udp.p50_us), "x", "<= 1.5", 1.5);
-  figure("loopback_p99_over_udp", ratios(peers.p99_us, udp.p99_us), "x", "");
-  figure("loopback_p50_over_udp_busy_polling", ratios(peers_polling.p50_us, udp.p50_us), "x", "<= 1.5", 1.5);
-  figure("loopback_p99_over_udp_busy_polling", ratios(peers_polling.p99_us, udp.p99_us), "x", "");
-  figure("loopback_p50_over_udp_both_busy_polling", ratios(peers_polling.p50_us, udp_polling.p50_us), "x", "");
+  add(result, "loopback_p50_over_udp", ratios(peers.p50_us, udp.p50_us), "x", "<= 1.5", 1.5);
+  add(result, "loopback_p99_over_udp", ratios(peers.p99_us, udp.p99_us), "x");
+  add(result, "loopback_p50_over_udp_busy_polling", ratios(peers_polling.p50_us, udp.p50_us), "x", "<= 1.5", 1.5);
+  add(result, "loopback_p99_over_udp_busy_polling", ratios(peers_polling.p99_us, udp.p99_us), "x");
+  add(result, "loopback_p50_over_udp_both_busy_polling", ratios(peers_polling.p50_us, udp_polling.p50_us), "x");
   if (with_dds) {
     all("cyclone", dds);
-    figure("loopback_p50_over_cyclone", ratios(peers.p50_us, dds.p50_us), "x", "< 1", 1.0);
-    figure("loopback_p99_over_cyclone", ratios(peers.p99_us, dds.p99_us), "x", "");
-    figure("loopback_p50_over_cyclone_busy_polling", ratios(peers_polling.p50_us, dds.p50_us), "x", "< 1", 1.0);
-    figure("loopback_p99_over_cyclone_busy_polling", ratios(peers_polling.p99_us, dds.p99_us), "x", "");
+    add(result, "loopback_p50_over_cyclone", ratios(peers.p50_us, dds.p50_us), "x", "< 1", 1.0);
+    add(result, "loopback_p99_over_cyclone", ratios(peers.p99_us, dds.p99_us), "x");
+    add(result, "loopback_p50_over_cyclone_busy_polling", ratios(peers_polling.p50_us, dds.p50_us), "x", "< 1", 1.0);
+    add(result, "loopback_p99_over_cyclone_busy_polling", ratios(peers_polling.p99_us, dds.p99_us), "x");
   } else {
     std::printf("no figures of Cyclone DDS: ddsperf (cyclonedds-tools) is not installed\n");
   }
@@ -103,8 +99,8 @@ LoopbackResult measure_loopback_growth(bool quick) {
       result.wrong.push_back("loopback with " + std::to_string(objects) + " objects: " + error.what());
       return result;
     }
-    result.figures.push_back(figure_of(name + "p50_over_udp", ratios(peers.p50_us, udp.p50_us), "x", "", {}));
-    result.figures.push_back(figure_of(name + "p99_over_udp", ratios(peers.p99_us, udp.p99_us), "x", "", {}));
+    add(result, name + "p50_over_udp", ratios(peers.p50_us, udp.p50_us), "x");
+    add(result, name + "p99_over_udp", ratios(peers.p99_us, udp.p99_us), "x");
   }
   return result;
 }
