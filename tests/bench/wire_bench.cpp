@@ -401,7 +401,7 @@ class Bench {
   }
   [[nodiscard]] std::vector<Chart> charts() const {
     const Axis objects{"objects of the world", true, false};
-    return {{"a peer's share of a core at 60 Hz, an eleventh of the objects own",
+    return {{"a peer's share of a core at 60 Hz",
              objects,
              {"of a core", true, false},
              {series("configs/best.toml", "tick_share_of_core"), series("second order", "tick_share_of_core.order2")}},
@@ -419,7 +419,7 @@ class Bench {
              objects,
              {"times", false, true},
              {series("p50", "loopback_p50_over_udp"), series("p99", "loopback_p99_over_udp")}},
-            {"bytes over DIS's at equal error, a peer's objects an eleventh",
+            {"bytes over DIS's at equal error",
              objects,
              {"times", true, false},
              {series("all datagrams of two peers", "bytes_over_dis")}},
