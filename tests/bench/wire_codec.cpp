@@ -1,7 +1,6 @@
 #include "wire_codec.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <random>
 
 #include "replication/codec.hpp"
@@ -29,17 +28,17 @@ class Updates {
     u.sequence = static_cast<std::uint32_t>(1 + made_ / objects_);
     u.at = at;
     KinematicState& s = u.model.state;
-    s.position = {draw(500.0), draw(20.0), draw(500.0)};
-    s.velocity = {draw(10.0), 0.0, draw(10.0)};
-    s.acceleration = {draw(2.0), 0.0, draw(2.0)};
-    s.orientation = quat_exp({0.0, draw(3.0), 0.0});
-    s.angular_velocity_body.y() = draw(1.0);
+    s.position = {up_to(500.0), up_to(20.0), up_to(500.0)};
+    s.velocity = {up_to(10.0), 0.0, up_to(10.0)};
+    s.acceleration = {up_to(2.0), 0.0, up_to(2.0)};
+    s.orientation = quat_exp({0.0, up_to(3.0), 0.0});
+    s.angular_velocity_body.y() = up_to(1.0);
     ++made_;
     return quantised(u, kRounded);
   }
 
  private:
-  double draw(double most) { return most * (2.0 * std::ldexp(static_cast<double>(rng_() >> 11), -53) - 1.0); }
+  double up_to(double most) { return draw(rng_, -most, most); }
 
   const Crowd& crowd_;
   std::size_t objects_;

@@ -15,6 +15,10 @@ double thread_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+double draw(std::mt19937_64& rng, double from, double to) {
+  return from + (to - from) * std::ldexp(static_cast<double>(rng() >> 11), -53);
+}
+
 bool same_bits(const KinematicState& a, const KinematicState& b) {
   return a.position == b.position && a.velocity == b.velocity && a.acceleration == b.acceleration &&
          a.orientation.coeffs() == b.orientation.coeffs() && a.angular_velocity_body == b.angular_velocity_body;
@@ -41,17 +45,14 @@ Crowd::Crowd(std::size_t objects) {
 }
 
 Path::Path(std::mt19937_64& rng) {
-  const auto draw = [&](double from, double to) {
-    return from + (to - from) * std::ldexp(static_cast<double>(rng() >> 11), -53);
-  };
   for (auto& axis : waves_) {
     for (Wave& w : axis) {
-      w.rate = 2.0 * 3.141592653589793 / draw(5.0, 60.0);
-      w.size_m = draw(0.2, 3.0) / w.rate;
-      w.phase = draw(0.0, 6.28);
+      w.rate = 2.0 * 3.141592653589793 / draw(rng, 5.0, 60.0);
+      w.size_m = draw(rng, 0.2, 3.0) / w.rate;
+      w.phase = draw(rng, 0.0, 6.28);
     }
   }
-  middle_ = {draw(-500, 500), 0.0, draw(-500, 500)};
+  middle_ = {draw(rng, -500, 500), 0.0, draw(rng, -500, 500)};
 }
 
 KinematicState Path::at(SimTime time) const {

@@ -25,6 +25,9 @@ double seconds_of(const F& f) {
   return thread_s() - begin;
 }
 
+// Evenly between the two.
+[[nodiscard]] double draw(std::mt19937_64& rng, double from, double to);
+
 [[nodiscard]] bool same_bits(const KinematicState& a, const KinematicState& b);
 
 // Whether the ghost is where the update says: but for the turn, which is normalised once more, to the last bit; pieces

@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <sstream>
 #include <stdexcept>
 
 #include "replication/peer.hpp"
 #include "simulated_run.hpp"
+#include "temporary_folder.hpp"
 #include "wire_objects.hpp"
 
 namespace peerd::bench {
@@ -215,47 +217,29 @@ Figure growth_over_dis(std::size_t own, bool quick) {
                 over_dis(ours, dis, &Outcome::bytes_with_udp_per_s, "an eleventh of the objects"));
 }
 
-// Two flocks as configs/worlds/flock-regions.wrl has them, of so many birds in all.
-class FlockWorld {
- public:
-  explicit FlockWorld(std::size_t birds) {
-    std::string pattern = std::filesystem::temp_directory_path() / "peerd-flocks-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no folder for temporary files");
-    folder_ = pattern;
-    std::ofstream world(file());
-    world << "#VRML V2.0 utf8\n";
-    std::mt19937_64 rng(birds);
-    const double spread_m = 45.0 * std::cbrt(static_cast<double>(birds) / 128.0);  // as dense as that world's
-    const auto draw = [&](double most) {
-      return most * (2.0 * std::ldexp(static_cast<double>(rng() >> 11), -53) - 1.0);
-    };
-    for (std::size_t i = 0; i < birds; ++i) {
-      const std::size_t peer = i % 8;
-      world << "DEF BIRD_" << (peer < 4 ? 'N' : 'S') << '_' << static_cast<char>('A' + peer) << '_'
-            << (i < 80 ? "0" : "") << i / 8 << " Transform { translation "
-            << (peer < 4 ? -150.0 : 150.0) + draw(spread_m) << ' '
-            << 90.0 + std::min(1.0, 50.0 / spread_m) * draw(spread_m) << ' '
-            << (peer < 4 ? -150.0 : 150.0) + draw(spread_m)
-            << " children Shape { geometry Box { size 1.2 0.12 0.5 } } }\n";
-    }
+// Two flocks as dense as those of configs/worlds/flock-regions.wrl, of so many birds in all.
+std::string world_of_flocks(std::size_t birds) {
+  std::ostringstream world;
+  world << "#VRML V2.0 utf8\n";
+  std::mt19937_64 rng(birds);
+  const double spread_m = 45.0 * std::cbrt(static_cast<double>(birds) / 128.0), spread_up_m = std::min(spread_m, 50.0);
+  for (std::size_t i = 0; i < birds; ++i) {
+    const std::size_t peer = i % 8;
+    const double side_m = peer < 4 ? -150.0 : 150.0;
+    world << "DEF BIRD_" << (peer < 4 ? 'N' : 'S') << '_' << static_cast<char>('A' + peer) << '_' << (i < 80 ? "0" : "")
+          << i / 8 << " Transform { translation " << draw(rng, side_m - spread_m, side_m + spread_m) << ' '
+          << draw(rng, 90.0 - spread_up_m, 90.0 + spread_up_m) << ' ' << draw(rng, side_m - spread_m, side_m + spread_m)
+          << " children Shape { geometry Box { size 1.2 0.12 0.5 } } }\n";
   }
-  FlockWorld(const FlockWorld&) = delete;
-  FlockWorld& operator=(const FlockWorld&) = delete;
-  ~FlockWorld() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  [[nodiscard]] std::filesystem::path file() const { return folder_ / "flocks.wrl"; }
-
- private:
-  std::filesystem::path folder_;
-};
+  return std::move(world).str();
+}
 
 Figure growth_of_flock(std::size_t birds) {
-  const FlockWorld world(birds);
-  return figure(
-      growth(birds, "flock_received_over_aoi"),
-      received_over_interest({"flock-regions", "best", 100.0, 20.0, {"world=" + world.file().string()}}).worst);
+  const TemporaryFolder folder;
+  const std::filesystem::path world = folder / "flocks.wrl";
+  std::ofstream(world) << world_of_flocks(birds);
+  return figure(growth(birds, "flock_received_over_aoi"),
+                received_over_interest({"flock-regions", "best", 100.0, 20.0, {"world=" + world.string()}}).worst);
 }
 
 }  // namespace

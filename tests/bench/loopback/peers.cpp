@@ -1,10 +1,7 @@
 // Two whole peers as `peerd run` has them: PeerNode, Daemon, multicast over lo. Each moves objects by poses of a
 // program outside. The ping puts one of its objects elsewhere; the pong, when it hears that, the one of its own that
 // goes with it.
-#include <unistd.h>
-
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <random>
 #include <stdexcept>
@@ -12,6 +9,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "../temporary_folder.hpp"
 #include "peerd/daemon.hpp"
 #include "peerd/net/open_transport.hpp"
 #include "peerd/rehearsal.hpp"
@@ -20,8 +18,6 @@
 
 namespace peerd::bench {
 namespace {
-
-namespace fs = std::filesystem;
 
 // An object is told of once between two ticks, else with the next one. So each has its turn once in two ticks.
 constexpr std::size_t kObjects = 34;
@@ -50,18 +46,9 @@ class Session {
       if (others_ > 0) enslaves += std::string(", \"s") + side + "*\"";
       scenario += peer + "]\nid = " + (side == 'a' ? "1" : "2") + "\nenslaves = [" + enslaves + "]\n" + motions;
     }
-    std::string pattern = fs::temp_directory_path() / "peerd-loopback-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no folder for temporary files");
-    folder_ = pattern;
     std::ofstream(folder_ / "w.wrl") << world;
     std::ofstream(folder_ / "s.toml") << scenario;
     port_ = static_cast<int>(20'000 + std::random_device()() % 12'000);
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-  ~Session() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
   }
   [[nodiscard]] std::size_t objects() const { return 2 * (kObjects + others_); }
   [[nodiscard]] config::Scenario read() const {
@@ -81,7 +68,7 @@ class Session {
 
   std::chrono::microseconds::rep busy_poll_us_;
   std::size_t others_;
-  fs::path folder_;
+  TemporaryFolder folder_;
   int port_;
 };
 
