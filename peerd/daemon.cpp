@@ -90,8 +90,8 @@ int Daemon::run() {
     const HostTime at = forward_(arrival.at);
     if (capture_) capture_->on_packet(at, arrival.from, arrival.region, arrival.datagram);
     node_.on_packet(at, arrival.region, arrival.datagram);
-    drain();
     if (heard_) heard_();
+    drain();
   });
   drain();
   if (exit_code_ == 0) wake();

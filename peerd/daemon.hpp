@@ -52,7 +52,8 @@ class Daemon {
     rehearsal_ = rehearsal;
   }
   static constexpr Duration kRehearsalPeriod = std::chrono::microseconds(200);
-  // `heard` is called whenever a datagram has been taken: what it told is in the node's ghosts by then.
+  // `heard` is called whenever a datagram has been taken: what it told is in the node's ghosts by then, and what the
+  // node has to say to that leaves afterwards.
   void on_heard(std::function<void()> heard) { heard_ = std::move(heard); }
 
   // Until a signal comes, it is told to leave or the scenario is over. The exit code.

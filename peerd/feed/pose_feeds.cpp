@@ -1,7 +1,9 @@
 #include "peerd/feed/pose_feeds.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <numeric>
+#include <utility>
 
 namespace peerd::feed {
 namespace {
@@ -38,10 +40,24 @@ LogLine describe(const Notice& notice) {
 }
 
 PoseFeeds::PoseFeeds(Settings settings, const Scene& scene) {
-  for (const auto& [path, object] : settings.objects) {
-    by_path_.emplace(path, object);
-    feeds_.emplace(object, Fed{path, PoseFeed(scene.rigid_pose(object), settings.stale)});
+  std::vector<std::pair<ObjectId, std::string>> paths;
+  for (const auto& [path, object] : settings.objects) paths.emplace_back(object, path);
+  std::ranges::sort(paths);
+  for (const auto& [object, path] : paths) {
+    if (objects_.empty() || objects_.back() != object) {
+      objects_.push_back(object);
+      feeds_.push_back({path, PoseFeed(scene.rigid_pose(object), settings.stale)});
+    }
+    by_path_.emplace(path, objects_.size() - 1);
   }
+}
+
+bool PoseFeeds::feeds(ObjectId object) const { return std::ranges::binary_search(objects_, object); }
+
+PoseFeeds::Fed& PoseFeeds::fed(ObjectId object) {
+  const auto at = std::ranges::lower_bound(objects_, object);
+  assert(at != objects_.end() && *at == object);
+  return feeds_[static_cast<std::size_t>(at - objects_.begin())];
 }
 
 Outcome PoseFeeds::push(HostTime now, Duration host_minus_wall, std::span<const FedPose> poses) {
@@ -54,7 +70,7 @@ Outcome PoseFeeds::push(HostTime now, Duration host_minus_wall, std::span<const 
       if (!(*fed.time_s >= 0.0 && *fed.time_s <= kUnixTimeMax_s)) return std::unexpected(Refusal::kTime);
       stamp = HostTime{from_seconds(*fed.time_s) + host_minus_wall};
     }
-    return feeds_.at(at->second).feed.push(now, stamp, fed.pose);
+    return feeds_[at->second].feed.push(now, stamp, fed.pose);
   };
   for (const FedPose& fed : poses) {
     if (const auto pushed = push_one(fed); pushed) {
@@ -75,19 +91,13 @@ void PoseFeeds::refuse_message(const std::string& why) {
   if (messages_refused_++ == 0) notice(Notice::Kind::kNotUnderstood, printable(why));
 }
 
-std::vector<ObjectId> PoseFeeds::objects() const {
-  std::vector<ObjectId> objects;
-  for (const auto& [object, fed] : feeds_) objects.push_back(object);
-  return objects;
-}
-
 std::optional<ObjectId> PoseFeeds::find(std::string_view path) const {
   const auto at = by_path_.find(path);
-  return at == by_path_.end() ? std::nullopt : std::optional(at->second);
+  return at == by_path_.end() ? std::nullopt : std::optional(objects_[at->second]);
 }
 
 KinematicState PoseFeeds::sample(ObjectId object, HostTime t) {
-  Fed& fed = feeds_.at(object);
+  Fed& fed = this->fed(object);
   if (fed.feed.begun() && !fed.begun) {
     fed.begun = true;
     notice(Notice::Kind::kBegan, fed.path);
@@ -120,7 +130,7 @@ void PoseFeeds::count(std::map<std::string, std::uint64_t>& counters) const {
   }
   counters["pose_messages_refused"] = messages_refused_;
   counters["feeds_silent"] = std::accumulate(feeds_.begin(), feeds_.end(), std::uint64_t{0},
-                                             [](std::uint64_t n, const auto& f) { return n + f.second.silences; });
+                                             [](std::uint64_t n, const Fed& f) { return n + f.silences; });
 }
 
 }  // namespace peerd::feed

@@ -2,10 +2,13 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "core/ids.hpp"
@@ -56,8 +59,8 @@ class PoseFeeds {
   // Something came by UDP that was no message of poses.
   void refuse_message(const std::string& why);
 
-  [[nodiscard]] bool feeds(ObjectId object) const { return feeds_.contains(object); }
-  [[nodiscard]] std::vector<ObjectId> objects() const;
+  [[nodiscard]] bool feeds(ObjectId object) const;
+  [[nodiscard]] std::span<const ObjectId> objects() const { return objects_; }  // in their order
   [[nodiscard]] std::optional<ObjectId> find(std::string_view path) const;
   // The object's state at a tick or between two; the ticks of one object never go back.
   [[nodiscard]] KinematicState sample(ObjectId object, HostTime t);
@@ -74,8 +77,14 @@ class PoseFeeds {
   };
   void notice(Notice::Kind kind, std::string what, bool again = false);
 
-  std::map<std::string, ObjectId, std::less<>> by_path_;
-  std::map<ObjectId, Fed> feeds_;
+  struct HashOfPath : std::hash<std::string_view> {
+    using is_transparent = void;
+  };
+  [[nodiscard]] Fed& fed(ObjectId object);
+
+  std::vector<ObjectId> objects_;                                                      // sorted,
+  std::vector<Fed> feeds_;                                                             // .. and what feeds each of them
+  std::unordered_map<std::string, std::size_t, HashOfPath, std::equal_to<>> by_path_;  // .. its number in both
   std::uint64_t taken_ = 0, messages_refused_ = 0;
   std::array<std::uint64_t, kRefusals> refused_{};
   std::deque<Notice> notices_;
