@@ -418,7 +418,7 @@ class Bench {
             {"way of an update on loopback, over bare UDP's",
              objects,
              {"times", false, true},
-             {series("p50", "loopback_p50_over_udp"), series("p99", "loopback_p99_over_udp")}},
+             {series("p50", "loopback_p50_over_udp.1khz"), series("p99", "loopback_p99_over_udp.1khz")}},
             {"bytes over DIS's at equal error",
              objects,
              {"times", true, false},

@@ -15,13 +15,18 @@ namespace {
 // Domains use different ports: two runs on one computer should not meet.
 int domain() { return 100 + static_cast<int>(getpid() % 100); }
 
-std::string command(int seconds) {
-  const std::string perf = "timeout " + std::to_string(seconds + 10) + " ddsperf -u -i " + std::to_string(domain());
+std::string command(int seconds, Pace pace) {
+  const auto perf = [&](int core) {
+    return "taskset -c " + std::to_string(core) + " timeout " + std::to_string(seconds + 10) + " ddsperf -u -i " +
+           std::to_string(domain());
+  };
+  const Cores cores = apart();
   return "CYCLONEDDS_URI='<CycloneDDS><Domain><General><AllowMulticast>true</AllowMulticast><Interfaces>"
          "<NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces></General></Domain></CycloneDDS>'; "
          "export CYCLONEDDS_URI; " +
-         perf + " -D " + std::to_string(seconds + 1) + " pong >/dev/null 2>&1 & " + perf + " -D " +
-         std::to_string(seconds) + " ping 1kHz size 64 2>&1; wait";
+         perf(cores.pong) + " -D " + std::to_string(seconds + 1) + " pong >/dev/null 2>&1 & " + perf(cores.ping) +
+         " -D " + std::to_string(seconds) + " ping " + (pace == Pace::kEveryMillisecond ? "1kHz " : "") +
+         "size 64 2>&1; wait";
 }
 
 }  // namespace
@@ -29,8 +34,8 @@ std::string command(int seconds) {
 bool has_ddsperf() { return system("command -v ddsperf >/dev/null 2>&1") == 0; }
 
 // The first second is that of their meeting.
-DdsRound dds_round(int seconds) {
-  FILE* const output = popen(command(seconds + 1).c_str(), "r");
+DdsRound dds_round(int seconds, Pace pace) {
+  FILE* const output = popen(command(seconds + 1, pace).c_str(), "r");
   if (output == nullptr) throw std::runtime_error("ddsperf can't be started");
   std::vector<double> p50, p99;
   char line[512];

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <utility>
 
 #include "ping_pong.hpp"
 
@@ -30,35 +31,34 @@ void add(LoopbackResult& result, const std::string& name, const std::vector<doub
   result.figures.push_back({name, q.median, unit, target, ratio, q.low, q.high});
 }
 
-}  // namespace
-
-LoopbackResult measure_loopback(bool quick) {
-  const std::size_t rounds = quick ? 1 : 15, pings = quick ? 100 : 2'000;
+// All at one pace; `suffix` goes with the names of the figures.
+void measure(LoopbackResult& result, Pace pace, const std::string& suffix, bool quick) {
+  const std::size_t rounds = quick ? 1 : 11;
+  const std::size_t pings = quick ? 100 : pace == Pace::kPingPong ? 10'000 : 2'000;
   const bool with_dds = has_ddsperf();
-  LoopbackResult result;
   Rounds udp, peers, one_way, dds, udp_polling, peers_polling, one_way_polling;
-  try {
-    for (std::size_t round = 0; round < rounds; ++round) {
-      udp.add(udp_round(pings, Waits::kAsleep).half_round_trip_us);
-      const Latencies by_peers = peers_round(pings, Waits::kAsleep);
-      peers.add(by_peers.half_round_trip_us);
-      one_way.add(by_peers.one_way_us);
-      udp_polling.add(udp_round(pings, Waits::kBusyPolling).half_round_trip_us);
-      const Latencies by_polling = peers_round(pings, Waits::kBusyPolling);
-      peers_polling.add(by_polling.half_round_trip_us);
-      one_way_polling.add(by_polling.one_way_us);
-      if (!with_dds) continue;
-      const DdsRound by_dds = dds_round(2);
-      dds.p50_us.push_back(by_dds.p50_us);
-      dds.p99_us.push_back(by_dds.p99_us);
-    }
-  } catch (const std::exception& error) {
-    result.wrong.push_back(std::string("loopback: ") + error.what());
-    return result;
+  for (std::size_t round = 0; round < rounds; ++round) {
+    udp.add(udp_round({pings, Waits::kAsleep, pace}).half_round_trip_us);
+    const Latencies by_peers = peers_round({pings, Waits::kAsleep, pace});
+    peers.add(by_peers.half_round_trip_us);
+    one_way.add(by_peers.one_way_us);
+    udp_polling.add(udp_round({pings, Waits::kBusyPolling, pace}).half_round_trip_us);
+    const Latencies by_polling = peers_round({pings, Waits::kBusyPolling, pace});
+    peers_polling.add(by_polling.half_round_trip_us);
+    one_way_polling.add(by_polling.one_way_us);
+    if (!with_dds) continue;
+    const DdsRound by_dds = dds_round(2, pace);
+    dds.p50_us.push_back(by_dds.p50_us);
+    dds.p99_us.push_back(by_dds.p99_us);
   }
   const auto all = [&](const std::string& name, const Rounds& of) {
-    add(result, "loopback_p50_us." + name, of.p50_us, "us");
-    add(result, "loopback_p99_us." + name, of.p99_us, "us");
+    add(result, "loopback_p50_us." + name + suffix, of.p50_us, "us");
+    add(result, "loopback_p99_us." + name + suffix, of.p99_us, "us");
+  };
+  const auto over = [&](const std::string& name, const Rounds& of, const Rounds& to, const char* target = "",
+                        std::optional<double> target_value = {}) {
+    add(result, "loopback_p50_over_" + name + suffix, ratios(of.p50_us, to.p50_us), "x", target, target_value);
+    add(result, "loopback_p99_over_" + name + suffix, ratios(of.p99_us, to.p99_us), "x");
   };
   all("udp", udp);
   all("peers", peers);
@@ -66,19 +66,41 @@ LoopbackResult measure_loopback(bool quick) {
   all("udp_busy_polling", udp_polling);
   all("peers_busy_polling", peers_polling);
   all("peers_busy_polling.one_way", one_way_polling);
-  add(result, "loopback_p50_over_udp", ratios(peers.p50_us, udp.p50_us), "x", "<= 1.5", 1.5);
-  add(result, "loopback_p99_over_udp", ratios(peers.p99_us, udp.p99_us), "x");
-  add(result, "loopback_p50_over_udp_busy_polling", ratios(peers_polling.p50_us, udp.p50_us), "x", "<= 1.5", 1.5);
-  add(result, "loopback_p99_over_udp_busy_polling", ratios(peers_polling.p99_us, udp.p99_us), "x");
-  add(result, "loopback_p50_over_udp_both_busy_polling", ratios(peers_polling.p50_us, udp_polling.p50_us), "x");
-  if (with_dds) {
-    all("cyclone", dds);
-    add(result, "loopback_p50_over_cyclone", ratios(peers.p50_us, dds.p50_us), "x", "< 1", 1.0);
-    add(result, "loopback_p99_over_cyclone", ratios(peers.p99_us, dds.p99_us), "x");
-    add(result, "loopback_p50_over_cyclone_busy_polling", ratios(peers_polling.p50_us, dds.p50_us), "x", "< 1", 1.0);
-    add(result, "loopback_p99_over_cyclone_busy_polling", ratios(peers_polling.p99_us, dds.p99_us), "x");
-  } else {
-    std::printf("no figures of Cyclone DDS: ddsperf (cyclonedds-tools) is not installed\n");
+  over("udp", peers, udp, "<= 1.5", 1.5);
+  over("udp_busy_polling", peers_polling, udp, "<= 1.5", 1.5);
+  over("udp_both_busy_polling", peers_polling, udp_polling);
+  if (!with_dds) return;
+  all("cyclone", dds);
+  over("cyclone", peers, dds, "< 1", 1.0);
+  over("cyclone_busy_polling", peers_polling, dds, "< 1", 1.0);
+}
+
+// Both on one core, asleep when nothing is to be done: nobody has to be woken elsewhere, and the work is all there is.
+void measure_on_one_core(LoopbackResult& result, Pace pace, const std::string& suffix, bool quick) {
+  Rounds udp, peers;
+  for (std::size_t round = 0; round < (quick ? 1 : 5); ++round) {
+    const Round each{quick ? 100U : 2'000U, Waits::kAsleep, pace, together()};
+    udp.add(udp_round(each).half_round_trip_us);
+    peers.add(peers_round(each).half_round_trip_us);
+  }
+  add(result, "loopback_p50_us.udp.one_core" + suffix, udp.p50_us, "us");
+  add(result, "loopback_p50_us.peers.one_core" + suffix, peers.p50_us, "us");
+  add(result, "loopback_p50_over_udp.one_core" + suffix, ratios(peers.p50_us, udp.p50_us), "x");
+}
+
+}  // namespace
+
+LoopbackResult measure_loopback(bool quick) {
+  LoopbackResult result;
+  if (!has_ddsperf()) std::printf("no figures of Cyclone DDS: ddsperf (cyclonedds-tools) is not installed\n");
+  if (apart().ping == apart().pong) std::printf("both processes share the only core that there is\n");
+  try {
+    for (const auto& [pace, suffix] : {std::pair{Pace::kPingPong, ""}, {Pace::kEveryMillisecond, ".1khz"}}) {
+      measure(result, pace, suffix, quick);
+      measure_on_one_core(result, pace, suffix, quick);
+    }
+  } catch (const std::exception& error) {
+    result.wrong.push_back(std::string("loopback: ") + error.what());
   }
   return result;
 }
@@ -92,15 +114,16 @@ LoopbackResult measure_loopback_growth(bool quick) {
     Rounds udp, peers;
     try {
       for (std::size_t round = 0; round < rounds; ++round) {
-        udp.add(udp_round(pings, Waits::kAsleep).half_round_trip_us);
-        peers.add(peers_round(pings, Waits::kAsleep, objects).half_round_trip_us);
+        const Round each{pings, Waits::kAsleep, Pace::kEveryMillisecond};
+        udp.add(udp_round(each).half_round_trip_us);
+        peers.add(peers_round(each, objects).half_round_trip_us);
       }
     } catch (const std::exception& error) {
       result.wrong.push_back("loopback with " + std::to_string(objects) + " objects: " + error.what());
       return result;
     }
-    add(result, name + "p50_over_udp", ratios(peers.p50_us, udp.p50_us), "x");
-    add(result, name + "p99_over_udp", ratios(peers.p99_us, udp.p99_us), "x");
+    add(result, name + "p50_over_udp.1khz", ratios(peers.p50_us, udp.p50_us), "x");
+    add(result, name + "p99_over_udp.1khz", ratios(peers.p99_us, udp.p99_us), "x");
   }
   return result;
 }

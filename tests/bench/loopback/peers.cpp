@@ -20,22 +20,24 @@ namespace peerd::bench {
 namespace {
 
 // An object is told of once between two ticks, else with the next one. So each has its turn once in two ticks.
-constexpr std::size_t kObjects = 34;
+std::size_t objects_for(Pace pace) { return pace == Pace::kPingPong ? 2'000 : 34; }
 // Longer than from one ping to the next: no peer sleeps.
 constexpr std::chrono::microseconds kBusyPoll = 2 * kPingInterval;
 
-std::string name_of(char side, std::size_t i) { return side + std::to_string(i % kObjects); }
+std::string name_of(char side, std::size_t i) { return side + std::to_string(i); }
 
 // The configuration of both, in a folder that is gone with the object.
 class Session {
  public:
-  Session(Waits waits, std::size_t objects)
-      : busy_poll_us_(waits == Waits::kBusyPolling ? kBusyPoll.count() : 0), others_(standing(objects)) {
+  Session(const Round& round, std::size_t objects)
+      : busy_poll_us_(round.waits == Waits::kBusyPolling ? kBusyPoll.count() : 0),
+        moving_(objects_for(round.pace)),
+        others_(std::max(objects / 2, moving_) - moving_) {
     std::string world = "#VRML V2.0 utf8\n", scenario = "world = \"w.wrl\"\n";
     for (const char side : {'a', 'b'}) {
       const std::string peer = std::string("[peer.") + side;
       std::string enslaves, motions;
-      for (std::size_t i = 0; i < kObjects; ++i) {
+      for (std::size_t i = 0; i < moving_; ++i) {
         world += "DEF " + name_of(side, i) + " Transform { }\n";
         enslaves += (i == 0 ? "\"" : ", \"") + name_of(side, i) + '"';
         motions += peer + ".motion." + name_of(side, i) + "]\noutside = true\n";
@@ -50,7 +52,8 @@ class Session {
     std::ofstream(folder_ / "s.toml") << scenario;
     port_ = static_cast<int>(20'000 + std::random_device()() % 12'000);
   }
-  [[nodiscard]] std::size_t objects() const { return 2 * (kObjects + others_); }
+  [[nodiscard]] std::size_t moving() const { return moving_; }  // of each side
+  [[nodiscard]] std::size_t objects() const { return 2 * (moving_ + others_); }
   [[nodiscard]] config::Scenario read() const {
     config::ScenarioRequest request;
     request.file = folder_ / "s.toml";
@@ -63,11 +66,8 @@ class Session {
   }
 
  private:
-  // Of each side, besides those that move.
-  static std::size_t standing(std::size_t objects) { return std::max(objects / 2, kObjects) - kObjects; }
-
   std::chrono::microseconds::rep busy_poll_us_;
-  std::size_t others_;
+  std::size_t moving_, others_;  // of each side
   TemporaryFolder folder_;
   int port_;
 };
@@ -83,7 +83,6 @@ class Side {
  public:
   Side(const Session& session, char side)
       : own_(side),
-        other_(side == 'a' ? 'b' : 'a'),
         objects_(session.objects()),
         scenario_(session.read()),
         shared_(value_of(share_world(scenario_.world), "no world")),
@@ -98,19 +97,22 @@ class Side {
     }
     daemon_.busy_poll(before_sleep, rehearsal_.get());
     const Scene& scene = shared_->world.scene;
-    for (std::size_t i = 0; i < kObjects; ++i) others_.push_back(scene.find(name_of(other_, i)).value());
+    for (std::size_t i = 0; i < session.moving(); ++i) {
+      names_.push_back(name_of(side, i));
+      others_.push_back(scene.find(name_of(side == 'a' ? 'b' : 'a', i)).value());
+    }
   }
 
   // Puts its i-th object where the others have not seen it.
   void publish(std::size_t i) {
-    pose_.object = name_of(own_, i);
+    pose_.object = names_[i % names_.size()];
     pose_.pose.position = place(i);
     pose_.pose.jump = true;
     daemon_.on_poses({&pose_, 1});
   }
   // Whether the other's i-th object is where that was put.
   [[nodiscard]] bool hears(std::size_t i) const {
-    const replication::UpdateRecord* told = node_->peer().last_told(others_[i % kObjects]);
+    const replication::UpdateRecord* told = node_->peer().last_told(others_[i % others_.size()]);
     return told != nullptr && (told->model.state.position - place(i)).norm() < 0.01;
   }
   [[nodiscard]] bool ready() const {
@@ -150,7 +152,7 @@ class Side {
     return std::move(opened->transport);
   }
 
-  char own_, other_;
+  char own_;
   std::size_t objects_;  // of both
   boost::asio::io_context io_{1};
   net::HostClock clock_;
@@ -160,7 +162,8 @@ class Side {
   std::unique_ptr<net::Transport> transport_;
   std::unique_ptr<Rehearsal> rehearsal_;
   Daemon daemon_;
-  std::vector<ObjectId> others_;
+  std::vector<std::string> names_;  // of its own that move,
+  std::vector<ObjectId> others_;    // .. and of the other's
   feed::FedPose pose_;
 };
 
@@ -194,11 +197,16 @@ void finish(Side& side, const Watch& watch, std::size_t done, std::size_t of) {
   if (side.lost() > 0) throw std::runtime_error(std::to_string(side.lost()) + " datagrams were lost");
 }
 
-void ping(Side& side, Stamps& stamps) {
+void ping(Side& side, Pace pace, Stamps& stamps) {
   Watch watch(side.io());
   boost::asio::steady_timer timer(side.io());
   std::size_t next = 0;  // to be published, or under way
   bool under_way = false;
+  const auto send = [&] {
+    under_way = true;
+    stamps.published[next] = Clock::now();
+    side.publish(next);
+  };
   std::function<void()> schedule;
   auto due = Clock::now();
   schedule = [&] {
@@ -206,10 +214,7 @@ void ping(Side& side, Stamps& stamps) {
     timer.expires_at(due);
     timer.async_wait([&](const boost::system::error_code& error) {
       if (error) return;
-      if (!side.ready()) return schedule();
-      under_way = true;
-      stamps.published[next] = Clock::now();
-      side.publish(next);
+      side.ready() ? send() : schedule();
     });
   };
   side.daemon().on_heard([&] {
@@ -218,7 +223,7 @@ void ping(Side& side, Stamps& stamps) {
     watch.progress();
     under_way = false;
     if (++next == stamps.pings) return side.io().stop();
-    schedule();
+    pace == Pace::kPingPong ? send() : schedule();
   });
   schedule();
   (void)side.daemon().run();
@@ -241,13 +246,13 @@ void pong(Side& side, Stamps& stamps) {
 
 }  // namespace
 
-Latencies peers_round(std::size_t pings, Waits waits, std::size_t objects) {
-  const Session session(waits, objects);
+Latencies peers_round(const Round& round, std::size_t objects) {
+  const Session session(round, objects);
   return ping_pong(
-      pings,
+      round.pings, round.cores,
       [&](Stamps& stamps) {
         Side side(session, 'a');
-        ping(side, stamps);
+        ping(side, round.pace, stamps);
       },
       [&](Stamps& stamps) {
         Side side(session, 'b');

@@ -1,5 +1,6 @@
 #include "ping_pong.hpp"
 
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -35,15 +36,34 @@ class SharedStamps {
   void* memory_;
 };
 
+// This process on that core alone, as long as the object lives.
+class Pinned {
+ public:
+  explicit Pinned(int core) {
+    if (sched_getaffinity(0, sizeof before_, &before_) != 0) throw std::runtime_error("no affinity");
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(core, &one);
+    if (sched_setaffinity(0, sizeof one, &one) != 0) throw std::runtime_error("no such core");
+  }
+  Pinned(const Pinned&) = delete;
+  Pinned& operator=(const Pinned&) = delete;
+  ~Pinned() { sched_setaffinity(0, sizeof before_, &before_); }
+
+ private:
+  cpu_set_t before_;
+};
+
 // The process that answers. It is gone with the object.
 class Answering {
  public:
-  Answering(const std::function<void(Stamps&)>& pong, Stamps& stamps) {
+  Answering(const std::function<void(Stamps&)>& pong, Stamps& stamps, int core) {
     std::fflush(nullptr);  // or what is buffered would be written by both
     child_ = fork();
     if (child_ < 0) throw std::runtime_error("no second process");
     if (child_ > 0) return;
     try {
+      const Pinned pinned(core);
       pong(stamps);
     } catch (const std::exception& error) {
       std::fprintf(stderr, "pong: %s\n", error.what());
@@ -71,12 +91,26 @@ class Answering {
 
 }  // namespace
 
-Latencies ping_pong(std::size_t pings, const std::function<void(Stamps&)>& ping,
+Cores apart() {
+  cpu_set_t usable;
+  if (sched_getaffinity(0, sizeof usable, &usable) != 0) throw std::runtime_error("no affinity");
+  std::vector<int> cores;
+  for (int core = 0; core < CPU_SETSIZE && cores.size() < 2; ++core) {
+    if (CPU_ISSET(core, &usable)) cores.push_back(core);
+  }
+  return {cores.front(), cores.back()};
+}
+Cores together() { return {apart().ping, apart().ping}; }
+
+Latencies ping_pong(std::size_t pings, Cores cores, const std::function<void(Stamps&)>& ping,
                     const std::function<void(Stamps&)>& pong) {
   SharedStamps shared(pings);
   Stamps& stamps = *shared;
-  Answering other(pong, stamps);
-  ping(stamps);
+  Answering other(pong, stamps, cores.pong);
+  {
+    const Pinned pinned(cores.ping);
+    ping(stamps);
+  }
   other.join();
   Latencies all;
   for (std::size_t i = 0; i < pings; ++i) {

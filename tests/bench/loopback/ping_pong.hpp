@@ -12,7 +12,6 @@ namespace peerd::bench {
 
 using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC: the same in all processes
 
-inline constexpr std::chrono::milliseconds kPingInterval{1};
 inline constexpr std::chrono::seconds kPongWithin{5};  // else something was lost, which on loopback nothing should be
 inline constexpr std::size_t kPingsMax = 20'000;
 
@@ -26,8 +25,16 @@ struct Latencies {
   std::vector<double> half_round_trip_us, one_way_us;
 };
 
+// Where two processes run decides more than what they do: on one core a bare datagram takes 4 us, on two, of which one
+// is to be woken, 30. So nobody leaves that to the kernel.
+struct Cores {
+  int ping, pong;
+};
+[[nodiscard]] Cores apart();     // as on two computers; the same core where this process may run on one only
+[[nodiscard]] Cores together();  // on one
+
 // Runs `pong` in a child process and `ping` in this one. Throws what either throws.
-[[nodiscard]] Latencies ping_pong(std::size_t pings, const std::function<void(Stamps&)>& ping,
+[[nodiscard]] Latencies ping_pong(std::size_t pings, Cores cores, const std::function<void(Stamps&)>& ping,
                                   const std::function<void(Stamps&)>& pong);
 
 // The share-th part of them is less.
@@ -36,14 +43,24 @@ struct Latencies {
 // How a process waits for the other's: as usual, or without ever sleeping, the processor offered to others meanwhile.
 enum class Waits : std::uint8_t { kAsleep, kBusyPolling };
 
+// When a ping leaves: when the pong before it has come, or a millisecond after the ping before it, for most of which
+// both have slept.
+enum class Pace : std::uint8_t { kPingPong, kEveryMillisecond };
+inline constexpr std::chrono::milliseconds kPingInterval{1};
+
 // The three that are compared, a round each.
-[[nodiscard]] Latencies udp_round(std::size_t pings, Waits waits);
-[[nodiscard]] Latencies peers_round(std::size_t pings, Waits waits,
-                                    std::size_t objects = 0);  // at least those it needs
+struct Round {
+  std::size_t pings;
+  Waits waits;
+  Pace pace;
+  Cores cores = apart();
+};
+[[nodiscard]] Latencies udp_round(const Round& round);
+[[nodiscard]] Latencies peers_round(const Round& round, std::size_t objects = 0);  // at least those it needs
 struct DdsRound {
   double p50_us, p99_us;  // medians of its seconds
 };
 [[nodiscard]] bool has_ddsperf();
-[[nodiscard]] DdsRound dds_round(int seconds);
+[[nodiscard]] DdsRound dds_round(int seconds, Pace pace);
 
 }  // namespace peerd::bench

@@ -84,13 +84,13 @@ void wait_until(Clock::time_point due, Waits waits) {
 
 }  // namespace
 
-Latencies udp_round(std::size_t pings, Waits waits) {
+Latencies udp_round(const Round& round) {
   // Both are bound before either sends.
-  Socket pinging(kPingPort, waits), ponging(kPongPort, waits);
+  Socket pinging(kPingPort, round.waits), ponging(kPongPort, round.waits);
   const auto ping = [&](Stamps& stamps) {
     auto next = Clock::now();
     for (std::size_t i = 0; i < stamps.pings; ++i) {
-      wait_until(next += kPingInterval, waits);
+      if (round.pace == Pace::kEveryMillisecond) wait_until(next += kPingInterval, round.waits);
       stamps.published[i] = Clock::now();
       pinging.send(kPongPort, i);
       pinging.receive(i);
@@ -104,7 +104,7 @@ Latencies udp_round(std::size_t pings, Waits waits) {
       ponging.send(kPingPort, i);
     }
   };
-  return ping_pong(pings, ping, pong);
+  return ping_pong(round.pings, round.cores, ping, pong);
 }
 
 }  // namespace peerd::bench
