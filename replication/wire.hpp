@@ -119,7 +119,7 @@ inline constexpr int kBootLow_bits = 21;
   return boot & ((std::uint64_t{1} << kBootLow_bits) - 1);
 }
 
-// "I listen to that region since then", or ask anew what is there: whoever has an object there and has not told of it since tells its state anew.
+// "I listen there since then", or ask anew: who has an object there and has not told of it since tells its state anew.
 struct Entered {
   RegionId region;
   SimTime since{};  // on the wire, milliseconds before the latest of a message's; rounded towards that

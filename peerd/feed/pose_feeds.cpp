@@ -43,12 +43,11 @@ PoseFeeds::PoseFeeds(Settings settings, const Scene& scene) {
   std::vector<std::pair<ObjectId, std::string>> paths;
   for (const auto& [path, object] : settings.objects) paths.emplace_back(object, path);
   std::ranges::sort(paths);
-  for (const auto& [object, path] : paths) {
-    if (objects_.empty() || objects_.back() != object) {
-      objects_.push_back(object);
-      feeds_.push_back({path, PoseFeed(scene.rigid_pose(object), settings.stale)});
-    }
-    by_path_.emplace(path, objects_.size() - 1);
+  for (auto& [object, path] : paths) {
+    assert(objects_.empty() || objects_.back() != object);
+    by_path_.emplace(path, objects_.size());
+    objects_.push_back(object);
+    feeds_.push_back({std::move(path), PoseFeed(scene.rigid_pose(object), settings.stale)});
   }
 }
 

@@ -49,7 +49,7 @@ struct Notice {
 class PoseFeeds {
  public:
   struct Settings {
-    std::map<std::string, ObjectId> objects;  // by the path that programs say
+    std::map<std::string, ObjectId> objects;  // by the path that programs say; each has one
     Duration stale = std::chrono::milliseconds(500);
   };
   PoseFeeds(Settings settings, const Scene& scene);
@@ -60,7 +60,7 @@ class PoseFeeds {
   void refuse_message(const std::string& why);
 
   [[nodiscard]] bool feeds(ObjectId object) const;
-  [[nodiscard]] std::span<const ObjectId> objects() const { return objects_; }  // in their order
+  [[nodiscard]] std::span<const ObjectId> objects() const { return objects_; }  // sorted
   [[nodiscard]] std::optional<ObjectId> find(std::string_view path) const;
   // The object's state at a tick or between two; the ticks of one object never go back.
   [[nodiscard]] KinematicState sample(ObjectId object, HostTime t);
@@ -82,9 +82,10 @@ class PoseFeeds {
   };
   [[nodiscard]] Fed& fed(ObjectId object);
 
-  std::vector<ObjectId> objects_;                                                      // sorted,
-  std::vector<Fed> feeds_;                                                             // .. and what feeds each of them
-  std::unordered_map<std::string, std::size_t, HashOfPath, std::equal_to<>> by_path_;  // .. its number in both
+  std::vector<ObjectId> objects_;  // sorted
+  std::vector<Fed> feeds_;         // of each of them
+  // An object's place in both.
+  std::unordered_map<std::string, std::size_t, HashOfPath, std::equal_to<>> by_path_;
   std::uint64_t taken_ = 0, messages_refused_ = 0;
   std::array<std::uint64_t, kRefusals> refused_{};
   std::deque<Notice> notices_;

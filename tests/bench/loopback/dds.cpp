@@ -20,7 +20,7 @@ std::string command(int seconds, Pace pace) {
     return "taskset -c " + std::to_string(core) + " timeout " + std::to_string(seconds + 10) + " ddsperf -u -i " +
            std::to_string(domain());
   };
-  const Cores cores = apart();
+  const Cores cores = two_cores();
   return "CYCLONEDDS_URI='<CycloneDDS><Domain><General><AllowMulticast>true</AllowMulticast><Interfaces>"
          "<NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces></General></Domain></CycloneDDS>'; "
          "export CYCLONEDDS_URI; " +

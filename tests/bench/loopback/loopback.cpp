@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include "ping_pong.hpp"
@@ -79,7 +80,7 @@ void measure(LoopbackResult& result, Pace pace, const std::string& suffix, bool 
 void measure_on_one_core(LoopbackResult& result, Pace pace, const std::string& suffix, bool quick) {
   Rounds udp, peers;
   for (std::size_t round = 0; round < (quick ? 1 : 5); ++round) {
-    const Round each{quick ? 100U : 2'000U, Waits::kAsleep, pace, together()};
+    const Round each{quick ? 100U : 2'000U, Waits::kAsleep, pace, one_core()};
     udp.add(udp_round(each).half_round_trip_us);
     peers.add(peers_round(each).half_round_trip_us);
   }
@@ -93,7 +94,8 @@ void measure_on_one_core(LoopbackResult& result, Pace pace, const std::string& s
 LoopbackResult measure_loopback(bool quick) {
   LoopbackResult result;
   if (!has_ddsperf()) std::printf("no figures of Cyclone DDS: ddsperf (cyclonedds-tools) is not installed\n");
-  if (apart().ping == apart().pong) std::printf("both processes share the only core that there is\n");
+  if (const Cores cores = two_cores(); cores.ping == cores.pong)
+    std::printf("both processes share the only core that there is\n");
   try {
     for (const auto& [pace, suffix] : {std::pair{Pace::kPingPong, ""}, {Pace::kEveryMillisecond, ".1khz"}}) {
       measure(result, pace, suffix, quick);

@@ -91,7 +91,7 @@ class Answering {
 
 }  // namespace
 
-Cores apart() {
+Cores two_cores() {
   cpu_set_t usable;
   if (sched_getaffinity(0, sizeof usable, &usable) != 0) throw std::runtime_error("no affinity");
   std::vector<int> cores;
@@ -100,7 +100,10 @@ Cores apart() {
   }
   return {cores.front(), cores.back()};
 }
-Cores together() { return {apart().ping, apart().ping}; }
+Cores one_core() {
+  const int core = two_cores().ping;
+  return {core, core};
+}
 
 Latencies ping_pong(std::size_t pings, Cores cores, const std::function<void(Stamps&)>& ping,
                     const std::function<void(Stamps&)>& pong) {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,8 +29,8 @@ struct Latencies {
 struct Cores {
   int ping, pong;
 };
-[[nodiscard]] Cores apart();     // as on two computers; the same core where this process may run on one only
-[[nodiscard]] Cores together();  // on one
+[[nodiscard]] Cores two_cores();  // as on two computers; the same core where this process may run on one only
+[[nodiscard]] Cores one_core();
 
 // Runs `pong` in a child process and `ping` in this one. Throws what either throws.
 [[nodiscard]] Latencies ping_pong(std::size_t pings, Cores cores, const std::function<void(Stamps&)>& ping,
@@ -53,7 +52,7 @@ struct Round {
   std::size_t pings;
   Waits waits;
   Pace pace;
-  Cores cores = apart();
+  Cores cores = two_cores();
 };
 [[nodiscard]] Latencies udp_round(const Round& round);
 [[nodiscard]] Latencies peers_round(const Round& round, std::size_t objects = 0);  // at least those it needs
