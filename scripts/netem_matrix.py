@@ -19,6 +19,7 @@ import sys
 
 OUTCOMES = 5  # that the scenario has on a good network
 BURST = 5  # datagrams lost in a row, on average
+CHANCE = 1e-6  # what is rarer than this is not put down to chance
 LOSSES = {"0": 0.0, "1": 0.01, "5": 0.05, "20": 0.2, "5b": 0.05}
 TRIES = 3
 IMPAIRED_ONE_SIDED = [("a", "b"), ("a", "c")]
@@ -62,15 +63,33 @@ def wanted_delay_ms(cell):
     return cell["delay_ms"] + cell["jitter_ms"] / 2 + cell["reordering"] * (cell["delay_ms"] + cell["jitter_ms"])
 
 
+def probability_of_at_most(lost, packets, loss, burst):
+    """That so many packets or fewer are lost of those that netem loses in bursts of that mean (Gilbert's two states)."""
+    leave = 1 / burst
+    enter = leave * loss / (1 - loss)
+    good, bad = [1.0] + [0.0] * lost, [0.0] * (lost + 1)  # by state, the probability of 0, 1, .. lost so far
+    for _ in range(packets):
+        now_bad = [g * enter + b * (1 - leave) for g, b in zip(good, bad)]
+        good = [g * (1 - enter) + b * leave for g, b in zip(good, bad)]
+        bad = [0.0] + now_bad[:-1]
+    return sum(good) + sum(bad)
+
+
+def loss_is_off(lost, packets, loss, burst):
+    as_few = probability_of_at_most(lost, packets, loss, burst)
+    as_many = 1 - (probability_of_at_most(lost - 1, packets, loss, burst) if lost else 0)
+    return min(as_few, as_many) < CHANCE
+
+
 def network_is_off(row):
     """Whether a cell's network was not what was asked for, beyond what chance and a steady computer's lateness explain."""
     delay, jitter, held = row["delay_ms"], row["jitter_ms"], row["reordering"]
     spread = math.sqrt(jitter ** 2 / 12 + held * (1 - held) * (delay + jitter) ** 2)
     tolerance_ms = 5 + 5 * spread / math.sqrt(row["probes"])
     loss = LOSSES[row["loss"]]
-    in_runs = 2 * BURST - 1 if row["loss"].endswith("b") else 1  # how much more runs of losses vary
-    tolerance = 5 * math.sqrt(in_runs * loss * (1 - loss) / max(row["packets"], 1))
-    return abs(row["measured_delay_ms"] - row["wanted_delay_ms"]) > tolerance_ms or abs(row["measured_loss"] - loss) > tolerance
+    burst = BURST if row["loss"].endswith("b") else 1 / (1 - loss)  # losses that know nothing of each other
+    return abs(row["measured_delay_ms"] - row["wanted_delay_ms"]) > tolerance_ms or \
+        loss_is_off(row["packets_lost"], row["packets"], loss, burst)
 
 
 def outcome(cell, run):
@@ -87,6 +106,7 @@ def outcome(cell, run):
         "wanted_loss": LOSSES[cell["loss"]],
         "measured_loss": round(lost / max(packets + lost, 1), 4),
         "packets": packets + lost,
+        "packets_lost": lost,
         "probes": sum(l["probes"]["sent"] - l["probes"]["lost"] for l in links),
         "oversleep_p99_ms": round(run["network"]["oversleep_ms"]["during"]["p99"], 2),
         "ticks_late": round(run["counters"]["ticks_missed"] / run["counters"]["ticks"], 4),
