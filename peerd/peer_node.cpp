@@ -350,6 +350,7 @@ const PeerLog& PeerNode::log() {
        {"states_out_of_range", c.states_out_of_range},
        {"convergence_blocked", c.convergence_blocked},
        {"convergence_detours", c.convergence_detours},
+       {"objects_looked_at", c.objects_looked_at},
        {"proximity_tests", c.proximity_tests},
        {"proximity_refined", c.proximity_refined},
        {"decisions", c.decisions},

@@ -90,10 +90,6 @@ double velocity_jump(const KinematicState& a, const KinematicState& b, double dt
   return (b.velocity - a.velocity - 0.5 * dt_s * (a.acceleration + b.acceleration)).norm();
 }
 
-bool stands(const KinematicState& s) {
-  return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
-}
-
 }  // namespace
 
 void ModelChooser::Score::add(double e, double share) {

@@ -35,6 +35,11 @@ struct MotionModel {
   MotionModel(const KinematicState& second_order) : state(second_order) {}  // NOLINT(google-explicit-constructor)
 };
 
+// With no velocity, acceleration or spin.
+[[nodiscard]] inline bool stands(const KinematicState& s) {
+  return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
+}
+
 // Rates above this are refused (16 turns a second): a piece of kShortestPiece must stay a small part of a turn.
 inline constexpr double kRateMax_rad_s = 100.0;
 // A model lasts so long; then the object goes on with the velocity and spin that it has. Twice the default time

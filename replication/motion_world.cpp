@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "replication/response.hpp"
 
@@ -154,7 +155,17 @@ Duration MotionWorld::history_of(const Object& o) const {
 }
 
 // After any change of its timeline.
+void MotionWorld::note_change(std::size_t index) {
+  if (std::exchange(objects_[index].changed, true)) return;
+  changed_.push_back(static_cast<std::uint32_t>(index));
+}
+
 void MotionWorld::timeline_changed(std::size_t index) {
+  note_change(index);
+  forget_later(index);
+}
+
+void MotionWorld::forget_later(std::size_t index) {
   Object& o = objects_[index];
   o.bound.until = SimTime::min();
   if (o.forgets || o.timeline.segment_count() < 2) return;
@@ -175,7 +186,7 @@ void MotionWorld::forget() {
     Object& o = objects_[due.object];
     o.forgets = false;
     o.timeline.forget_before(advanced_ - history_of(o));
-    timeline_changed(due.object);
+    forget_later(due.object);
   }
 }
 
@@ -187,6 +198,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   if (pairs_of(index).empty()) {  // it meets nothing
     if (o.role == Role::kDriven && driven_history_) {
       o.timeline.restart(t, model);
+      note_change(index);
     } else {
       o.timeline.replace_from(t, model, std::nullopt);
       timeline_changed(index);
@@ -482,6 +494,11 @@ KinematicState MotionWorld::at(ObjectId object, SimTime t) const {
     objects_[index + kLawAhead].timeline.prefetch_law(t);
   }
   return objects_[index].timeline.at(t);
+}
+
+bool MotionWorld::stands_from(ObjectId object, SimTime t) const {
+  const Timeline& timeline = objects_[index_of(object)].timeline;
+  return stands(timeline.at(t)) && !timeline.next_change_after(t);
 }
 
 MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {

@@ -112,6 +112,17 @@ class MotionWorld {
   [[nodiscard]] SimTime law_since(ObjectId object, SimTime t) const;
   // When the last told (not predicted) piece of its timeline began.
   [[nodiscard]] SimTime base_time(ObjectId object) const;
+  // Whether it stands still from t on, for all that this world knows now.
+  [[nodiscard]] bool stands_from(ObjectId object, SimTime t) const;
+  // Hands over, each once and in any order, the objects whose way may have become another one since the last call.
+  template <class Function>
+  void take_changed(Function function) {
+    for (const std::uint32_t i : changed_) {
+      objects_[i].changed = false;
+      function(objects_[i].id);
+    }
+    changed_.clear();
+  }
   // Another number whenever its future became another one: it was told, or what it had answered was taken back.
   [[nodiscard]] std::uint64_t revision(ObjectId object) const;
   // What happened, in order; drain after advance().
@@ -128,6 +139,7 @@ class MotionWorld {
     std::vector<SimTime> recent;  // of its last contacts, for ever lower bounces
     std::uint64_t revision = 0;
     bool forgets = false;  // it is in forgetting_
+    bool changed = false;  // .. in changed_
     SweptBound bound;      // what was asked for last; it answers for nothing once the timeline changes
   };
   struct Pair {
@@ -170,7 +182,9 @@ class MotionWorld {
   void search_window(Pair& pair);
   void reschedule(std::size_t pair);
   [[nodiscard]] Duration history_of(const Object& o) const;
+  void note_change(std::size_t object);
   void timeline_changed(std::size_t object);
+  void forget_later(std::size_t object);
   void forget();
   void answer(Pair& pair);
   [[nodiscard]] MotionModel answered(std::size_t object, const Pair& pair, const MotionModel& self,
@@ -189,6 +203,7 @@ class MotionWorld {
   std::size_t watched_ = 0;                 // pairs in looks_, whenever that is
   std::vector<bool> in_looks_;
   std::vector<Forgetting> forgetting_;  // a heap, the earliest first
+  std::vector<std::uint32_t> changed_;  // objects
   Outcomes outcomes_;                   // none: as told
   std::vector<Event> events_;
   std::size_t polled_ = 0;  // of events_

@@ -44,6 +44,7 @@ Peer::Peer(PeerConfig config, const WorldModel& model)
     : config_(std::move(config)),
       model_(model),
       members_(config_.lost_after),
+      places_(model.scene->instances.size()),
       owners_(model.scene->instances.size()),
       colliding_(model),
       grid_(config_.regions.grid()),
@@ -59,6 +60,7 @@ Peer::Peer(PeerConfig config, const WorldModel& model)
     if (config_.policy.surface_error) own.reach_m = reach_m(*model.scene, e.object);
     owners_.set(e.object, config_.id);
   }
+  place_own();
   outputs_.push_back(Join{kWholeScene});
 }
 

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <deque>
 #include <expected>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -29,6 +30,7 @@
 #include "replication/peer_counters.hpp"
 #include "replication/position_history.hpp"
 #include "replication/publisher.hpp"
+#include "replication/schedule.hpp"
 #include "replication/session_clock.hpp"
 #include "replication/wire.hpp"
 
@@ -146,6 +148,7 @@ class Peer {
     bool retell = false;  // what was told last was not true
     Launch launch;
     std::optional<UpdateRecord> to_repeat;
+    bool copying = false;                // it is in copying_
     std::uint32_t times_sent = 0;        // to_repeat, but for with hellos
     std::uint32_t times_with_hello = 0;  // .. and so often with hellos,
     HostTime with_hello_at{};            // the last time then
@@ -179,6 +182,7 @@ class Peer {
   void on_update(PeerId sender, std::uint32_t number, UpdateRecord& update, SimTime session_now);
   void on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& decision, SimTime known_at);
   void claim(PeerId peer, std::span<const ObjectId> objects);
+  void resend_all();
   void release(PeerId peer, HostTime now);
   void lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye);
   void watch_decided_pairs();
@@ -248,6 +252,13 @@ class Peer {
                                                      const GhostError& error);
   [[nodiscard]] double least_threshold_m(ObjectId object) const;
   [[nodiscard]] bool told_since_tick(const Own& own) const;
+  [[nodiscard]] bool has_receipts() const;
+  [[nodiscard]] SimTime next_look(ObjectId object, const Own& own, SimTime t, const GhostError& error) const;
+  void look_at(ObjectId object);
+  void look_at_all();
+  void look_at_changed();
+  void place_own();
+  void retell(ObjectId object);
   void repeat_updates(HostTime now);
   std::size_t tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m);
   [[nodiscard]] bool may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const;
@@ -288,6 +299,7 @@ class Peer {
   void on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now);
   void measure_meetings(std::span<const std::uint32_t> pairs);
   void send_copies();
+  void copy(ObjectId object, Own& own);
   void flush_records(bool decisions);
   void flush_region(RegionId region, std::span<const Gone> gone, std::span<EncodedUpdate> updates, bool decisions);
   [[nodiscard]] bool settled(HostTime now) const;
@@ -315,8 +327,12 @@ class Peer {
   const WorldModel& model_;
   SessionClock clock_;
   Membership members_;
-  boost::container::flat_map<ObjectId, Own> own_;  // a tick goes through all of them
-  Owners owners_;                                  // own objects included
+  boost::container::flat_map<ObjectId, Own> own_;
+  // When a tick has to look at each own object next, by its place in own_; and that by the object.
+  Schedule looks_;
+  static constexpr std::uint32_t kNoPlace = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> places_;
+  Owners owners_;  // own objects included
   DecisionLog decisions_;
   // Contacts that this peer has found and another is to decide.
   struct Held {
@@ -394,6 +410,8 @@ class Peer {
   };
   std::vector<Departure> departures_;
   std::vector<EncodedUpdate> updates_due_, copies_due_;
+  std::vector<ObjectId> copying_;  // own objects whose last update may not have gone out as often as it should, and
+  std::uint32_t copied_ = 1;       // how often that was for all others, as of the last tick
   Codec codec_;
   std::vector<Bytes> spare_;  // memory for datagrams
   // Own objects that no update is due of, at this tick.

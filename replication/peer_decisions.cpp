@@ -140,6 +140,7 @@ Outcome Peer::outcome(ObjectId a, ObjectId b, SimTime contact) const {
 
 void Peer::begin_worlds(SimTime now) {
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
+  look_at_all();
   if (!config_.display_delay.own) replica_->truth.keep_driven(kDrivenKept);
   replica_->truth.set_outcomes([this](ObjectId a, ObjectId b, SimTime contact) { return outcome(a, b, contact); });
 }
@@ -304,9 +305,7 @@ void Peer::follow(const std::vector<DecisionLog::Change>& changes, SimTime known
     }
     ++counters_.decisions_overruled;
     outputs_.push_back(Overruled{d.collider, d.collidee, d.contact});
-    for (const ObjectId object : {d.collider, d.collidee}) {
-      if (const auto own = own_.find(object); own != own_.end()) own->second.retell = true;
-    }
+    for (const ObjectId object : {d.collider, d.collidee}) retell(object);
   }
 }
 
@@ -317,7 +316,7 @@ void Peer::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
     rebase(object, d.contact);
     const auto own = own_.find(object);
     if (own == own_.end()) continue;
-    if (own->second.last_sent && *own->second.last_sent > d.contact) own->second.retell = true;
+    if (own->second.last_sent && *own->second.last_sent > d.contact) retell(object);
   }
   if (!holds(d.collider) || !holds(d.collidee)) return;  // nobody is told of what is not heard of
   const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,

@@ -76,6 +76,7 @@ void Peer::repeat_updates(HostTime now) {
     if (due_anyway.contains(object)) continue;
     if (t + longest_latency() - own.to_repeat->at > kUpdateAgeMax) {
       own.resend = true;  // nobody would take what is so old: the next tick tells how it goes by now
+      look_at(object);
       continue;
     }
     ++own.times_with_hello;
@@ -117,16 +118,33 @@ double Peer::loss_of(const Member& member, double others) const {
 void Peer::send_copies() {
   if (out_of_bytes_) return;
   const double loss_now = loss();
-  const std::uint32_t most_that_must_arrive = std::max(config_.policy.copies, kCopiesToArrive);
-  if (copies_against(loss_now, most_that_must_arrive) == 1) return;
-  for (auto& [object, own] : own_) {
-    const std::uint32_t most = own.must_arrive ? most_that_must_arrive : config_.policy.copies;
-    const std::uint32_t times = copies_against(loss_now, most);
-    if (!own.to_repeat || own.times_sent >= times) continue;
-    ++own.times_sent;
-    copies_due_.emplace_back(*own.to_repeat, own.to_repeat->at);
-    ++counters_.updates_repeated;
+  const std::uint32_t usual = copies_against(loss_now, config_.policy.copies);
+  const std::uint32_t to_arrive = copies_against(loss_now, std::max(config_.policy.copies, kCopiesToArrive));
+  if (to_arrive > copied_) {  // so often, nothing has gone out yet
+    for (auto& [object, own] : own_) copy(object, own);
   }
+  copied_ = to_arrive;
+  std::ranges::sort(copying_);
+  auto kept = copying_.begin();
+  for (const ObjectId object : copying_) {
+    const auto at = own_.find(object);
+    if (at == own_.end()) continue;  // another peer's by now
+    Own& own = at->second;
+    const std::uint32_t times = own.must_arrive ? to_arrive : usual;
+    if (own.to_repeat && own.times_sent < times) {
+      ++own.times_sent;
+      copies_due_.emplace_back(*own.to_repeat, own.to_repeat->at);
+      ++counters_.updates_repeated;
+    }
+    own.copying = own.to_repeat && own.times_sent < times;
+    if (own.copying) *kept++ = object;
+  }
+  copying_.erase(kept, copying_.end());
+}
+
+// From the next send_copies() on, as often as the loss asks for.
+void Peer::copy(ObjectId object, Own& own) {
+  if (!std::exchange(own.copying, true)) copying_.push_back(object);
 }
 
 // Updates, decisions and what has gone, as few datagrams as hold them, each region's by themselves. Copies of decisions

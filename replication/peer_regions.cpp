@@ -311,7 +311,9 @@ void Peer::on_entered(PeerId sender, std::span<const Entered> entered, SimTime s
   for (auto& [object, own] : own_) {
     if (!own.told_at) continue;
     const auto there = since.find(grid_.region_of(*own.told_at));
-    if (there != since.end() && (!own.last_sent || *own.last_sent <= there->second)) own.resend = true;
+    if (there == since.end() || (own.last_sent && *own.last_sent > there->second)) continue;
+    own.resend = true;
+    look_at(object);
   }
 }
 
@@ -320,9 +322,7 @@ void Peer::on_entered(PeerId sender, std::span<const Entered> entered, SimTime s
 void Peer::retell_across(const ContactEvent& contact) {
   if (!grid_.cuts() || owner(contact.collider) == kNobody || owner(contact.collidee) == kNobody) return;
   if (home(contact.collider) == home(contact.collidee)) return;
-  for (const ObjectId object : {contact.collider, contact.collidee}) {
-    if (const auto own = own_.find(object); own != own_.end()) own->second.retell = true;
-  }
+  for (const ObjectId object : {contact.collider, contact.collidee}) retell(object);
 }
 
 }  // namespace peerd::replication

@@ -114,7 +114,7 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
     return n.held && may_decide(config_.id, owner(n.collider), owner(n.collidee));
   });
   if (hello.sessions != member.sessions) {  // it knows of no updates yet
-    for (auto& [object, own] : own_) own.resend = true;
+    resend_all();
     for (DecisionLog::Entry& decision : decisions_.entries()) {
       decision.told_in.clear();
       decision.heard.erase(sender);
@@ -174,7 +174,7 @@ void Peer::on_echo(PeerId sender, Member& member, const Echo* echo, std::span<co
   member.deaf = false;
   member.knows_us = true;
   if (std::exchange(member.forgot_us, false)) {  // what it has forgotten stands still there
-    for (auto& [object, own] : own_) own.resend = true;
+    resend_all();
   }
   member.loss_of_ours = echo->loss;
   if (!member.receipt) member.receipt.emplace(echo->received);
@@ -186,6 +186,12 @@ void Peer::on_echo(PeerId sender, Member& member, const Echo* echo, std::span<co
     own.may_lack.erase(sender);
   }
   on_receipt(sender, *member.receipt);
+}
+
+// Somebody may not have what was told.
+void Peer::resend_all() {
+  for (auto& [object, own] : own_) own.resend = true;
+  look_at_all();
 }
 
 // How long the farthest of the others waits for what is sent now.
@@ -383,6 +389,7 @@ void Peer::watch_decided_pairs(std::span<const std::uint32_t> pairs) {
 // Nobody runs an object that somebody else runs already; of two who both say so the lower id is believed.
 void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
   std::vector<ObjectId> changed;
+  bool lost_own = false;
   for (ObjectId object : objects) {
     if (object.value >= model_.scene->instances.size()) {
       drop(peer, "object");
@@ -394,6 +401,7 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
       outputs_.push_back(OwnershipConflict{object, peer});
       if (before == config_.id) {
         own_.erase(object);
+        lost_own = true;
         starts_.erase(object);
         changed_.erase(object);
       }
@@ -412,6 +420,7 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
       declare_anothers(object, Role::kBelief);
     }
   }
+  if (lost_own) place_own();
   watch_pairs_around(changed);
 }
 

@@ -72,10 +72,6 @@ double apart_for_s(const collision::MovingBody& a, const collision::MovingBody& 
   return 0.0;
 }
 
-bool rests(const KinematicState& s) {
-  return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
-}
-
 }  // namespace
 
 void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
@@ -159,11 +155,14 @@ void Peer::publish(SimTime t) {
   tell_changed(t);
   waiting_.clear();
   due_.clear();
-  for (auto at = own_.begin(); at != own_.end(); ++at) {
+  look_at_changed();
+  for (std::size_t place = looks_.next_due(0, t); place != own_.size(); place = looks_.next_due(place + 1, t)) {
+    const auto at = own_.nth(place);
     const std::ptrdiff_t left = own_.end() - at;
     if (left > kOwnAhead) prefetch(at[kOwnAhead]);
     if (left > kSamplesAhead && at[kSamplesAhead].second.models) at[kSamplesAhead].second.models->prefetch();
     auto& [object, own] = *at;
+    ++counters_.objects_looked_at;
     observe(object, own, t, latency_s);
     const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
     // Where physics takes an object that has met something is not known before its decider says: until then its truth
@@ -177,9 +176,10 @@ void Peer::publish(SimTime t) {
       } else {
         tell(object, own, t, t, *reason, threshold_m);
       }
-    } else if (config_.policy.along_at < 1.0) {
-      waiting_.push_back({object, &own, error, threshold_m});
+      continue;
     }
+    if (config_.policy.along_at < 1.0) waiting_.push_back({object, &own, error, threshold_m});
+    if (stands(truth) && !undecided) looks_.set(place, next_look(object, own, t, error));
   }
   tell_most_urgent(t);
   if (!out_of_bytes_) tell_along(t);
@@ -300,9 +300,53 @@ void Peer::tell_changed(SimTime t) {
 // of, and what a relay passed on has no receipt.
 bool Peer::is_known(ObjectId object, const Own& own, SimTime t, const KinematicState& truth,
                     const KinematicState& ghost) const {
-  if (grid_.cuts() || config_.relay.through != kNobody) return false;
-  if (rests(truth) && rests(ghost) && everybody_has(own)) return true;
+  if (!has_receipts()) return false;
+  if (stands(truth) && stands(ghost) && everybody_has(own)) return true;
   return !own.driven && (awaits_decision(object) || t - decisions_.last(object) < config_.policy.time_threshold);
+}
+
+bool Peer::has_receipts() const { return !grid_.cuts() && config_.relay.through == kNobody; }
+
+// When a tick has to look next at an object of which no update is due at t. Where it stands, and its ghost too, that is
+// when its time is up: what changes that before calls look_at(), or changes a timeline.
+SimTime Peer::next_look(ObjectId object, const Own& own, SimTime t, const GhostError& error) const {
+  const PublishPolicy& policy = config_.policy;
+  if (own.driven || policy.snapshots_hz > 0) return t;
+  if (!replica_->truth.stands_from(object, t) || !replica_->ghosts.stands_from(object, t)) return t;
+  // Something close to it, the budget or another update that goes out may ask for one.
+  const GhostError most{error.distance_m / policy.along_at, error.angle_rad / policy.along_at};
+  if (due(policy, least_threshold_m(object), most, t, t)) return t;
+  return *own.last_sent + longest_wait(policy, has_receipts() && everybody_has(own));
+}
+
+void Peer::look_at(ObjectId object) {
+  if (const std::uint32_t place = places_[object.value]; place != kNoPlace) looks_.set(place, SimTime::min());
+}
+
+void Peer::look_at_all() {
+  for (std::size_t place = 0; place < looks_.size(); ++place) looks_.set(place, SimTime::min());
+}
+
+void Peer::look_at_changed() {
+  const auto look = [this](ObjectId object) { look_at(object); };
+  replica_->truth.take_changed(look);
+  replica_->ghosts.take_changed(look);
+}
+
+// What was told last of an own object was not true.
+void Peer::retell(ObjectId object) {
+  const auto own = own_.find(object);
+  if (own == own_.end()) return;
+  own->second.retell = true;
+  look_at(object);
+}
+
+// Once it is known what this peer runs, and when that has become less.
+void Peer::place_own() {
+  std::ranges::fill(places_, kNoPlace);
+  looks_ = Schedule(own_.size());
+  for (std::uint32_t place = 0; const auto& [object, own] : own_) places_[object.value] = place++;
+  look_at_all();
 }
 
 // `error`: of the ghost against the truth, which is that of `own` at t.
@@ -374,6 +418,7 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
   note_told(own, record, answers || reason == PublishReason::kFirst);
   own.to_repeat = record;
   own.times_sent = 1;
+  copy(object, own);
   own.times_with_hello = 0;
   own.told_in.clear();
   own.heard.clear();

@@ -32,6 +32,10 @@ GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost,
   return {(truth.position - ghost.position).norm() + 2.0 * reach_m * std::sin(0.5 * angle_rad), angle_rad};
 }
 
+Duration longest_wait(const PublishPolicy& policy, bool known) {
+  return known ? std::max(policy.time_threshold, policy.resting_time_threshold) : policy.time_threshold;
+}
+
 std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                                  std::optional<SimTime> last_sent, SimTime now, bool known) {
   if (!last_sent) return PublishReason::kFirst;
@@ -41,8 +45,7 @@ std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m
     return now - *last_sent >= period ? std::optional(PublishReason::kTime) : std::nullopt;
   }
   if (error.distance_m > threshold_m || error.angle_rad > policy.angle_threshold_rad) return PublishReason::kError;
-  const Duration most = known ? std::max(policy.time_threshold, policy.resting_time_threshold) : policy.time_threshold;
-  if (now - *last_sent >= most) return PublishReason::kTime;
+  if (now - *last_sent >= longest_wait(policy, known)) return PublishReason::kTime;
   return std::nullopt;
 }
 

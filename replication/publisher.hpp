@@ -62,12 +62,15 @@ struct GhostError {
 [[nodiscard]] std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                                                std::optional<SimTime> last_sent, SimTime now, bool known = false);
 
+// From one update of an object to the next, where no error asks for it.
+[[nodiscard]] Duration longest_wait(const PublishPolicy& policy, bool known);
+
 // What goes into the update: the truth as the model's order can express it.
 [[nodiscard]] MotionModel as_model(ModelOrder order, const KinematicState& truth);
 
-// How much an update is wanted that is due: how many times its error or its time is of what it waits for, times how long
-// it has waited [s], so that each object gets a share; the less the farther away the nearest of those is who see it,
-// `viewed_from_m`. `last_sent`: none where somebody knows nothing of it.
+// How much an update is wanted that is due: how many times its error or its time is of what it waits for, times how
+// long it has waited [s], so that each object gets a share; the less the farther away the nearest of those is who see
+// it, `viewed_from_m`. `last_sent`: none where somebody knows nothing of it.
 [[nodiscard]] double urgency(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                              std::optional<SimTime> last_sent, SimTime now, double viewed_from_m);
 

@@ -16,8 +16,6 @@ constexpr double kBoxReach = 1.7320508075688774;
 
 bool turns(const KinematicState& s) { return !s.angular_velocity_body.isZero(0.0); }
 
-bool is_still(const KinematicState& s) { return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && !turns(s); }
-
 // Holds all vertices, and what is round where these are on it.
 double radius_of(const collision::Body& body) {
   if (!body.round) return body.radius_m;
@@ -30,7 +28,7 @@ SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, Si
   SweptBound bound;
   bound.last_change = timeline.last_change_until(s);
   bound.next_change = timeline.next_change_after(s);
-  bound.still = is_still(timeline.at(s));
+  bound.still = stands(timeline.at(s));
   if (bound.last_change) begin = std::max(begin, *bound.last_change);
   if (bound.next_change) end = std::min(end, *bound.next_change);
   // At the instant at which a law begins, and before, at() tells the law's own derivatives; after it the piece's.

@@ -44,11 +44,8 @@ const Timeline::Segment& Timeline::segment_at(SimTime t) const {
 
 std::optional<SimTime> Timeline::last_change_until(SimTime t) const {
   const Segment& s = segment_at(t);
-  const KinematicState& base = s.model.state;
-  const bool stands = base.velocity.isZero(0.0) && base.acceleration.isZero(0.0) &&
-                      base.angular_velocity_body.isZero(0.0) && s.model.jerk.isZero(0.0) &&
-                      s.model.angular_acceleration_body.isZero(0.0);
-  if (t < s.from || (&s == &segment(0) && stands)) return std::nullopt;
+  const bool stays = stands(s.model.state) && s.model.jerk.isZero(0.0) && s.model.angular_acceleration_body.isZero(0.0);
+  if (t < s.from || (&s == &segment(0) && stays)) return std::nullopt;
   return in_piece(t) ? piece_.begin : s.from + piece_begin(s.model, t - s.from);
 }
 

@@ -286,6 +286,38 @@ TEST(MotionWorld, ABeliefIsTakenBackWhenItsCauseMovedOtherwise) {
   EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -0.5, 1e-8);
 }
 
+TEST(MotionWorld, SaysWhatHasChangedAndWhatStands) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["CUBE"], Role::kBelief);
+  const auto changed = [&] {
+    std::vector<ObjectId> all;
+    world.take_changed([&](ObjectId object) { all.push_back(object); });
+    return all;
+  };
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.set_base(w["CUBE"], sim(0s), moving({0, 0, 0}));
+  world.set_base(w["CUBE"], sim(0s), moving({0, 0, 0}));
+  EXPECT_THAT(changed(), testing::UnorderedElementsAre(w["BALL"], w["CUBE"])) << "each once";
+  world.advance(sim(1s));
+  EXPECT_THAT(changed(), IsEmpty());
+  EXPECT_TRUE(world.stands_from(w["CUBE"], sim(1s)));
+  EXPECT_FALSE(world.stands_from(w["BALL"], sim(1s)));
+  world.advance(sim(2s));  // the ball has hit the cube
+  EXPECT_THAT(changed(), testing::Contains(w["BALL"]));
+  world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}, {0, 5, 0}));  // it had left by then
+  EXPECT_THAT(changed(), testing::UnorderedElementsAre(w["BALL"], w["CUBE"])) << "what followed is taken back";
+  world.set_base(w["CUBE"], sim(3s), moving({0, 9, 0}));
+  EXPECT_FALSE(world.stands_from(w["CUBE"], sim(2s)));
+  EXPECT_TRUE(world.stands_from(w["CUBE"], sim(3s)));
+  MotionModel later = moving({0, 9, 0});
+  later.kind = MotionKind::kThird;
+  later.jerk = {1, 0, 0};
+  world.set_base(w["CUBE"], sim(4s), later);
+  EXPECT_FALSE(world.stands_from(w["CUBE"], sim(4s))) << "it is about to move";
+}
+
 // What follows from a belief that was taken back is taken back too: BALL threw CUBE, CUBE threw LAST.
 TEST(MotionWorld, TakingBackFollowsTheChain) {
   const World w(box("BALL", "0.5 0.5 0.5", "-2 0 0") + box("CUBE", "0.5 0.5 0.5", "0 0 0", kBounces) +

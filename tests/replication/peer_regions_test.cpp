@@ -99,6 +99,25 @@ TEST_F(Regions, WithoutThemAllGoesToTheWholeScene) {
   EXPECT_TRUE(holds(1, "A"));
 }
 
+// A stands, and is told of every 5 s: at 11 and 16 s. From 12 s on the other peer comes near.
+TEST_F(Regions, WhatRestsIsToldToWhoComesNear) {
+  PeerConfig coming = in_regions(2, {{world["C"], true}}, 12.0);
+  coming.decisions.viewpoint.emplace().object = world["C"];
+  lan.add(in_regions(1, {{world["A"], false}}));
+  lan.add(coming, 0s, {{world["C"], [this](SimTime t) {
+                          const double s =
+                              std::clamp(to_seconds(t - (lan.session_now(1) - lan.now())) - 12.0, 0.0, 3.0);
+                          const bool moves = s > 0.0 && s < 3.0;
+                          return moving({35 - 10 * s, 0, 0}, {moves ? -10.0 : 0.0, 0, 0});
+                        }}});
+  lan.run_until(12s);
+  EXPECT_FALSE(holds(1, "A"));
+  lan.run_until(15500ms);
+  EXPECT_TRUE(holds(1, "A"));
+  EXPECT_TRUE(right(1, "A", 0));
+  EXPECT_GE(updates_of("A", 12s), 1u);
+}
+
 TEST_F(Regions, AnObjectIsToldWhereItIsAndHellosToAll) {
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], steady(lan, -25, 10)}});
   lan.add(in_regions(2));

@@ -121,6 +121,17 @@ TEST(Skips, WithoutTrackingNoProximityIsAskedAndWithoutRefiningNoSurface) {
   }
 }
 
+TEST(Skips, WhatRestsAndIsKnownIsNotLookedAt) {
+  const World world(box("A", "1 1 1", "-4 0 0", kBounces) + box("B", "1 1 1", "4 0 0", kBounces) +
+                    interest("A", "\"B\""));
+  Session run(world, {{world["A"], false}}, {{world["B"], false}});
+  const Peer::Counters before = run.counters(0);
+  run.lan.run_until(25s);
+  EXPECT_EQ(run.counters(0).ticks, before.ticks + 600);
+  EXPECT_EQ(run.counters(0).objects_looked_at, before.objects_looked_at);
+  EXPECT_EQ(run.counters(0).proximity_tests, before.proximity_tests);
+}
+
 TEST(Skips, WithoutACutNoRegionIsJoinedAndNothingHandedOver) {
   const World world(kMeeting);
   const Session run(world, {{world["A"], false}}, {{world["B"], false}});
