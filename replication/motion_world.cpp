@@ -154,12 +154,12 @@ Duration MotionWorld::history_of(const Object& o) const {
   return o.role == Role::kDriven ? driven_history_.value_or(kHistory) : kHistory;
 }
 
-// After any change of its timeline.
 void MotionWorld::note_change(std::size_t index) {
   if (std::exchange(objects_[index].changed, true)) return;
   changed_.push_back(static_cast<std::uint32_t>(index));
 }
 
+// After any change of its timeline.
 void MotionWorld::timeline_changed(std::size_t index) {
   note_change(index);
   forget_later(index);

@@ -115,6 +115,7 @@ class MotionWorld {
   // Whether it stands still from t on, for all that this world knows now.
   [[nodiscard]] bool stands_from(ObjectId object, SimTime t) const;
   // Hands over, each once and in any order, the objects whose way may have become another one since the last call.
+  // `function` tells this world nothing.
   template <class Function>
   void take_changed(Function function) {
     for (const std::uint32_t i : changed_) {

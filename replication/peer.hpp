@@ -252,7 +252,7 @@ class Peer {
                                                      const GhostError& error);
   [[nodiscard]] double least_threshold_m(ObjectId object) const;
   [[nodiscard]] bool told_since_tick(const Own& own) const;
-  [[nodiscard]] bool has_receipts() const;
+  [[nodiscard]] bool knows_who_heard() const;
   [[nodiscard]] SimTime next_look(ObjectId object, const Own& own, SimTime t, const GhostError& error) const;
   void look_at(ObjectId object);
   void look_at_all();
@@ -299,7 +299,7 @@ class Peer {
   void on_gone(PeerId sender, std::span<const Gone> gone, SimTime session_now);
   void measure_meetings(std::span<const std::uint32_t> pairs);
   void send_copies();
-  void copy(ObjectId object, Own& own);
+  void copy_later(ObjectId object, Own& own);
   void flush_records(bool decisions);
   void flush_region(RegionId region, std::span<const Gone> gone, std::span<EncodedUpdate> updates, bool decisions);
   [[nodiscard]] bool settled(HostTime now) const;
@@ -410,8 +410,8 @@ class Peer {
   };
   std::vector<Departure> departures_;
   std::vector<EncodedUpdate> updates_due_, copies_due_;
-  std::vector<ObjectId> copying_;  // own objects whose last update may not have gone out as often as it should, and
-  std::uint32_t copied_ = 1;       // how often that was for all others, as of the last tick
+  std::vector<ObjectId> copying_;  // own objects whose last update may have to go out once more;
+  std::uint32_t copied_ = 1;       // how often, at most, the loss of the last tick asked for
   Codec codec_;
   std::vector<Bytes> spare_;  // memory for datagrams
   // Own objects that no update is due of, at this tick.

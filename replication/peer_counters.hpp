@@ -42,7 +42,7 @@ struct PeerCounters {
   std::uint64_t states_out_of_range = 0;  // told as standing, for receivers would refuse them
   std::uint64_t convergence_blocked = 0;  // ways of what is shown that would have led through something
   std::uint64_t convergence_detours = 0;  // those that followed the ghost's own way past it
-  std::uint64_t objects_looked_at = 0;    // own ones, a tick each: what rests and is known need not be
+  std::uint64_t objects_looked_at = 0;    // own ones, a tick each; of those that physics moves what rests need not be
   std::uint64_t proximity_tests = 0;
   std::uint64_t proximity_refined = 0;                 // those that spheres didn't settle
   std::uint64_t decisions = 0;                         // made here, fallback included

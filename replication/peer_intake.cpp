@@ -117,7 +117,10 @@ std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
     return on_other_world(m);
   }
   const Membership::Heard heard = members_.on_datagram(now, m.sender, m.boot);
-  if (heard == Membership::Heard::kJoined || heard == Membership::Heard::kRestarted) settles_ = now + kSettling;
+  if (heard == Membership::Heard::kJoined || heard == Membership::Heard::kRestarted) {
+    settles_ = now + kSettling;
+    look_at_all();  // not everybody has heard of what rests any more
+  }
   switch (heard) {
     case Membership::Heard::kStale:
       return std::unexpected(Drop::kStaleBoot);

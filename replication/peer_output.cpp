@@ -120,8 +120,8 @@ void Peer::send_copies() {
   const double loss_now = loss();
   const std::uint32_t usual = copies_against(loss_now, config_.policy.copies);
   const std::uint32_t to_arrive = copies_against(loss_now, std::max(config_.policy.copies, kCopiesToArrive));
-  if (to_arrive > copied_) {  // so often, nothing has gone out yet
-    for (auto& [object, own] : own_) copy(object, own);
+  if (to_arrive > copied_) {  // what has gone out often enough so far may not have any more
+    for (auto& [object, own] : own_) copy_later(object, own);
   }
   copied_ = to_arrive;
   std::ranges::sort(copying_);
@@ -142,8 +142,8 @@ void Peer::send_copies() {
   copying_.erase(kept, copying_.end());
 }
 
-// From the next send_copies() on, as often as the loss asks for.
-void Peer::copy(ObjectId object, Own& own) {
+// With the next send_copies(), as often as the loss then asks for.
+void Peer::copy_later(ObjectId object, Own& own) {
   if (!std::exchange(own.copying, true)) copying_.push_back(object);
 }
 

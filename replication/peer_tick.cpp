@@ -179,7 +179,7 @@ void Peer::publish(SimTime t) {
       continue;
     }
     if (config_.policy.along_at < 1.0) waiting_.push_back({object, &own, error, threshold_m});
-    if (stands(truth) && !undecided) looks_.set(place, next_look(object, own, t, error));
+    if (!own.driven && !undecided && stands(truth)) looks_.set(place, next_look(object, own, t, error));
   }
   tell_most_urgent(t);
   if (!out_of_bytes_) tell_along(t);
@@ -300,23 +300,23 @@ void Peer::tell_changed(SimTime t) {
 // of, and what a relay passed on has no receipt.
 bool Peer::is_known(ObjectId object, const Own& own, SimTime t, const KinematicState& truth,
                     const KinematicState& ghost) const {
-  if (!has_receipts()) return false;
+  if (!knows_who_heard()) return false;
   if (stands(truth) && stands(ghost) && everybody_has(own)) return true;
   return !own.driven && (awaits_decision(object) || t - decisions_.last(object) < config_.policy.time_threshold);
 }
 
-bool Peer::has_receipts() const { return !grid_.cuts() && config_.relay.through == kNobody; }
+bool Peer::knows_who_heard() const { return !grid_.cuts() && config_.relay.through == kNobody; }
 
-// When a tick has to look next at an object of which no update is due at t. Where it stands, and its ghost too, that is
-// when its time is up: what changes that before calls look_at(), or changes a timeline.
+// When a tick has to look next at an object that physics moves and of which no update is due at t. Where it stands, and
+// its ghost too, that is when its time is up: what changes that before changes a timeline, or calls look_at().
 SimTime Peer::next_look(ObjectId object, const Own& own, SimTime t, const GhostError& error) const {
   const PublishPolicy& policy = config_.policy;
-  if (own.driven || policy.snapshots_hz > 0) return t;
+  if (policy.snapshots_hz > 0) return t;
   if (!replica_->truth.stands_from(object, t) || !replica_->ghosts.stands_from(object, t)) return t;
   // Something close to it, the budget or another update that goes out may ask for one.
   const GhostError most{error.distance_m / policy.along_at, error.angle_rad / policy.along_at};
   if (due(policy, least_threshold_m(object), most, t, t)) return t;
-  return *own.last_sent + longest_wait(policy, has_receipts() && everybody_has(own));
+  return *own.last_sent + longest_wait(policy, knows_who_heard() && everybody_has(own));
 }
 
 void Peer::look_at(ObjectId object) {
@@ -418,7 +418,7 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
   note_told(own, record, answers || reason == PublishReason::kFirst);
   own.to_repeat = record;
   own.times_sent = 1;
-  copy(object, own);
+  copy_later(object, own);
   own.times_with_hello = 0;
   own.told_in.clear();
   own.heard.clear();

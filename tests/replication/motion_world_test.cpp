@@ -311,6 +311,8 @@ TEST(MotionWorld, SaysWhatHasChangedAndWhatStands) {
   world.set_base(w["CUBE"], sim(3s), moving({0, 9, 0}));
   EXPECT_FALSE(world.stands_from(w["CUBE"], sim(2s)));
   EXPECT_TRUE(world.stands_from(w["CUBE"], sim(3s)));
+  world.set_base(w["CUBE"], sim(3500ms), moving({0, 9, 0}, {1, 0, 0}));
+  EXPECT_FALSE(world.stands_from(w["CUBE"], sim(3s))) << "not for long";
   MotionModel later = moving({0, 9, 0});
   later.kind = MotionKind::kThird;
   later.jerk = {1, 0, 0};

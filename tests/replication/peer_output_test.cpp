@@ -699,5 +699,20 @@ TEST(Peer, NoCopiesWhereNothingGetsLost) {
   EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u) << "hellos have told before there was anything to copy";
 }
 
+TEST(Peer, WhatWasToldBeforeAnythingGotLostIsCopiedOnceItDoes) {
+  const World world(box("O0", "1 1 1", "0 0 0"));
+  Lan lan(world, {20ms, 0ms, 0, 0});
+  PeerConfig c = config(1, {{world["O0"], false}});
+  c.policy.copies = 4;
+  lan.add(c);
+  lan.add(config(2));
+  lan.run_until(20s);
+  EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u);
+  lan.filter = [&](std::size_t from, std::size_t, const Message& m) { return from != 0 || m.number % 4 != 0; };
+  lan.run_until(40s);
+  EXPECT_GT(lan.peer(0).members().all().at(PeerId{2}).loss_of_ours.value(), 0.1);
+  EXPECT_EQ(lan.peer(0).counters().updates_repeated, 3u);
+}
+
 }  // namespace
 }  // namespace peerd::replication

@@ -121,7 +121,7 @@ TEST(Skips, WithoutTrackingNoProximityIsAskedAndWithoutRefiningNoSurface) {
   }
 }
 
-TEST(Skips, WhatRestsAndIsKnownIsNotLookedAt) {
+TEST(Skips, WhatRestsIsNotLookedAt) {
   const World world(box("A", "1 1 1", "-4 0 0", kBounces) + box("B", "1 1 1", "4 0 0", kBounces) +
                     interest("A", "\"B\""));
   Session run(world, {{world["A"], false}}, {{world["B"], false}});
