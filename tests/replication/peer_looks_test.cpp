@@ -129,6 +129,24 @@ TEST(Looks, FindThatNotEverybodyHasHeardAnyMore) {
   for (const char* name : {"A", "B"}) EXPECT_EQ(told_of(run.lan, world[name], PublishReason::kTime), 1u) << name;
 }
 
+// .. and before it is over: nobody would take a repetition of what is more than 4 s old.
+TEST(Looks, FindWhatIsTooOldToBeRepeated) {
+  const World world(kThree);
+  Resting run(world);
+  Lan& lan = run.lan;
+  for (const double v : {1.0, 0.0}) {
+    ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["B"], {0, v, 0}, true));
+    lan.run_until(lan.now() + 100ms);
+  }
+  lan.run_until(16100ms + 4200ms);
+  Message m = hello_of(9, lan.host_now(0));
+  m.hello->session_tx.reset();
+  ASSERT_TRUE(lan.inject(0, encode(m)).has_value());
+  lan.run_until(16100ms + 4900ms);
+  EXPECT_EQ(told_of(lan, world["B"], PublishReason::kTime), 0u);
+  EXPECT_EQ(told_of(lan, world["B"], PublishReason::kJoiner), 2u);
+}
+
 TEST(Looks, GoOnWhereSnapshotsAreSent) {
   const World world(kThree);
   Lan lan(world);
