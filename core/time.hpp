@@ -19,7 +19,7 @@ struct ToldClock {
 
 // What this computer's clock says; two hosts may differ by seconds.
 using HostTime = ToldClock<struct HostClockTag>::time_point;
-// What all peers of a session agree on (replication/session_clock.hpp turns one into the other).
+// What all peers of a session agree on (replication/session/session_clock.hpp turns one into the other).
 using SimTime = ToldClock<struct SessionClockTag>::time_point;
 
 [[nodiscard]] constexpr double to_seconds(Duration d) { return static_cast<double>(d.count()) / 1e9; }

@@ -6,13 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/key_codes.hpp"
-#include "peerd/bake.hpp"
-#include "peerd/check.hpp"
-#include "peerd/collide.hpp"
-#include "peerd/commands.hpp"
-#include "peerd/net/host_clock.hpp"
-#include "peerd/print.hpp"
+#include "core/motion/key_codes.hpp"
+#include "peerd/commands/bake_command.hpp"
+#include "peerd/commands/check_command.hpp"
+#include "peerd/commands/collide_command.hpp"
+#include "peerd/commands/commands.hpp"
+#include "peerd/os/host_clock.hpp"
+#include "peerd/commands/print.hpp"
 
 namespace peerd {
 namespace {
@@ -151,24 +151,24 @@ std::string pose_request(const PoseFlags& pose) {
   return json_line(request);
 }
 
-config::Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key, const PoseFlags& pose) {
+Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key, const PoseFlags& pose) {
   if (*commands.status) return R"({"do":"status"})";
   if (*commands.peers) return R"({"do":"peers"})";
   if (*commands.objects) return R"({"do":"objects"})";
   if (*commands.pose) return pose_request(pose);
   if (*commands.leave) return R"({"do":"leave"})";
   if (key.name.empty() == !key.value) {
-    return std::unexpected(config::InputError{"error: which key? Say its name, such as ArrowUp, or --value NUMBER"});
+    return std::unexpected(InputError{"error: which key? Say its name, such as ArrowUp, or --value NUMBER"});
   }
   const bool held = key.shift || key.control || key.alt || key.meta || key.keypad;
   if (key.value ? held : key.state != 0) {
     return std::unexpected(
-        config::InputError{"error: --shift and its like go with a key's name, --state goes with --value"});
+        InputError{"error: --shift and its like go with a key's name, --state goes with --value"});
   }
   if (key.value) return nlohmann::json{{"do", "key"}, {"value", *key.value}, {"state", key.state}}.dump();
   const auto named = find_key(
       key.name, {.shift = key.shift, .control = key.control, .alt = key.alt, .meta = key.meta, .keypad = key.keypad});
-  if (!named) return std::unexpected(config::InputError{"error: " + named.error()});
+  if (!named) return std::unexpected(InputError{"error: " + named.error()});
   return nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}}.dump();
 }
 

@@ -6,10 +6,10 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
-#include "replication/colliding_objects.hpp"
-#include "replication/motion_world.hpp"
-#include "replication/publisher.hpp"
-#include "replication/wire.hpp"
+#include "replication/motion/colliding_objects.hpp"
+#include "replication/motion/motion_world.hpp"
+#include "replication/publish/publisher.hpp"
+#include "replication/wire/wire.hpp"
 
 namespace peerd::replication {
 

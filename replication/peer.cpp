@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
-#include "core/reach.hpp"
-#include "replication/decision.hpp"
+#include "core/scene/reach.hpp"
+#include "replication/decision/decision.hpp"
 
 namespace peerd::replication {
 namespace {

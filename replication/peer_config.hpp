@@ -7,11 +7,11 @@
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
 #include "core/time.hpp"
-#include "replication/convergence.hpp"
-#include "replication/decision.hpp"
-#include "replication/interest.hpp"
-#include "replication/publisher.hpp"
-#include "replication/wire.hpp"
+#include "replication/motion/convergence.hpp"
+#include "replication/decision/decision.hpp"
+#include "replication/interest/interest.hpp"
+#include "replication/publish/publisher.hpp"
+#include "replication/wire/wire.hpp"
 
 namespace peerd::replication {
 

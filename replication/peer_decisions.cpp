@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "replication/peer.hpp"
-#include "replication/response.hpp"
-#include "replication/wire_limits.hpp"
+#include "replication/motion/response.hpp"
+#include "replication/wire/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "replication/decision.hpp"
+#include "replication/decision/decision.hpp"
 #include "replication/peer.hpp"
-#include "replication/wire_limits.hpp"
+#include "replication/wire/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {

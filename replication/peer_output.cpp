@@ -4,9 +4,9 @@
 #include <unordered_set>
 #include <utility>
 
-#include "replication/hello_lists.hpp"
+#include "replication/wire/hello_lists.hpp"
 #include "replication/peer.hpp"
-#include "replication/wire_limits.hpp"
+#include "replication/wire/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {

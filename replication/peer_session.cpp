@@ -5,12 +5,12 @@
 #include <numeric>
 #include <utility>
 
-#include "core/reach.hpp"
-#include "replication/decision.hpp"
-#include "replication/hello_lists.hpp"
+#include "core/scene/reach.hpp"
+#include "replication/decision/decision.hpp"
+#include "replication/wire/hello_lists.hpp"
 #include "replication/peer.hpp"
-#include "replication/response.hpp"
-#include "replication/wire_limits.hpp"
+#include "replication/motion/response.hpp"
+#include "replication/wire/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {

@@ -6,11 +6,11 @@
 #include <limits>
 #include <utility>
 
-#include "collision/proximity.hpp"
-#include "replication/decision.hpp"
+#include "collision/contact/proximity.hpp"
+#include "replication/decision/decision.hpp"
 #include "replication/peer.hpp"
-#include "replication/record.hpp"
-#include "replication/wire_limits.hpp"
+#include "replication/wire/record.hpp"
+#include "replication/wire/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/arena.hpp"
+#include "core/vrml/arena.hpp"
 #include "core/vrml/diagnostics.hpp"
 #include "core/vrml/node_types.hpp"
 

@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/gzip.hpp"
+#include "core/vrml/gzip.hpp"
 #include "core/vrml/text_parser.hpp"
 
 namespace peerd::vrml {

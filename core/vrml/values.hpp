@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/arena.hpp"
+#include "core/vrml/arena.hpp"
 #include "core/vrml/document.hpp"
 #include "core/vrml/token_stream.hpp"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "peerd/config/toml_json.hpp"
-#include "peerd/report/measures.hpp"
+#include "peerd/input/toml_json.hpp"
+#include "peerd/config/measures.hpp"
 
 namespace peerd::config {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "peerd/config/toml_input.hpp"
+#include "peerd/input/toml_input.hpp"
 
 namespace peerd::config {
 

@@ -3,8 +3,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/scene.hpp"
-#include "peerd/config/toml_input.hpp"
+#include "core/scene/scene.hpp"
+#include "peerd/input/input_error.hpp"
 
 namespace peerd::config {
 

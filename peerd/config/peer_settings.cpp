@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "peerd/config/world_file.hpp"
-#include "replication/codec.hpp"
+#include "peerd/input/world_file.hpp"
+#include "replication/wire/codec.hpp"
 
 namespace peerd::config {
 namespace {
@@ -84,11 +84,11 @@ ViewpointSettings read_viewpoint(TomlReader reader) {
 
 PeerId peer_named(TomlReader& reader, const char* key, const std::string& name,
                   const std::vector<PeerSettings>& peers) {
-  if (name.empty()) return replication::kNobody;
+  if (name.empty()) return kNobody;
   const auto named = std::ranges::find(peers, name, &PeerSettings::name);
   if (named != peers.end()) return PeerId{named->id};
   reader.fail(reader.raw().get(key), reader.dotted(key) + ": the scenario has no peer \"" + name + "\"");
-  return replication::kNobody;
+  return kNobody;
 }
 
 FeedSettings read_feed(TomlReader reader) {

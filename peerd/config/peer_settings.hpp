@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/key_codes.hpp"
-#include "core/scene.hpp"
-#include "peerd/config/motion_settings.hpp"
+#include "core/motion/key_codes.hpp"
+#include "core/scene/scene.hpp"
+#include "peerd/motion/motion_settings.hpp"
 #include "peerd/config/node_pattern.hpp"
 #include "replication/peer_config.hpp"
 

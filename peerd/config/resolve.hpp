@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/scene.hpp"
-#include "peerd/config/motion_source.hpp"
+#include "core/scene/scene.hpp"
+#include "peerd/motion/motion_source.hpp"
 #include "peerd/config/scenario.hpp"
 
 namespace peerd::config {

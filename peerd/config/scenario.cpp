@@ -1,10 +1,11 @@
 #include "peerd/config/scenario.hpp"
+#include "peerd/input/text_file.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <set>
 
-#include "peerd/config/toml_json.hpp"
+#include "peerd/input/toml_json.hpp"
 
 namespace peerd::config {
 namespace {
@@ -109,7 +110,7 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   decisions.finish();
   run.replication.relay = read_relay(TomlReader(table_or_empty(reader, "relay"), "relay", error), run.peers);
   run.replication.regions = read_regions(TomlReader(table_or_empty(reader, "regions"), "regions", error));
-  if (run.replication.regions.cell_m > 0.0 && run.replication.relay.through != replication::kNobody) {
+  if (run.replication.regions.cell_m > 0.0 && run.replication.relay.through != kNobody) {
     reader.fail(root.get("regions"), "regions: a relay passes all states on to everybody; leave out one of the two");
   }
   read_network(TomlReader(table_or_empty(reader, "network"), "network", error), run);

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "replication/position_history.hpp"
+#include "replication/motion/position_history.hpp"
 
 namespace peerd::feed {
 namespace {

@@ -37,7 +37,7 @@ inline constexpr int kRefusals = static_cast<int>(Refusal::kSpin) + 1;
 [[nodiscard]] const char* sentence(Refusal);   // for whoever sent it
 
 // Farther or faster than this is not a world of metres and seconds but a broken program; with what follows from it
-// while the object coasts, all stays where an update can tell of it (1e12, and 1e4 rad/s: replication/codec.cpp).
+// while the object coasts, all stays where an update can tell of it (1e12, and 1e4 rad/s: replication/wire/codec.cpp).
 inline constexpr double kPositionMax_m = 1e9, kSpeedMax_m_s = 1e6, kAccelerationMax_m_s2 = 1e6, kSpinMax_rad_s = 1e4;
 inline constexpr Duration kAgeMax = std::chrono::seconds(1), kAheadMax = std::chrono::milliseconds(250);
 

@@ -21,24 +21,6 @@ std::string printable(std::string_view text) {
 
 }  // namespace
 
-LogLine describe(const Notice& notice) {
-  using spdlog::level::level_enum;
-  const auto once = notice.again ? level_enum::debug : level_enum::warn;
-  switch (notice.kind) {
-    case Notice::Kind::kBegan:
-      return {level_enum::info, "a program moves " + notice.what};
-    case Notice::Kind::kSilent:
-      return {once, notice.what + " stands still: the program that moves it is silent"};
-    case Notice::Kind::kResumed:
-      return {notice.again ? level_enum::debug : level_enum::info, notice.what + " gets poses again"};
-    case Notice::Kind::kRefused:
-      return {once, "a pose of " + notice.what + "; more such are only counted"};
-    case Notice::Kind::kNotUnderstood:
-      return {once, "a datagram that is no message of poses: " + notice.what + "; more such are only counted"};
-  }
-  return {level_enum::err, "?"};
-}
-
 PoseFeeds::PoseFeeds(Settings settings, const Scene& scene) {
   std::vector<std::pair<ObjectId, std::string>> paths;
   for (const auto& [path, object] : settings.objects) paths.emplace_back(object, path);

@@ -12,8 +12,7 @@
 #include <vector>
 
 #include "core/ids.hpp"
-#include "core/scene.hpp"
-#include "peerd/describe.hpp"
+#include "core/scene/scene.hpp"
 #include "peerd/feed/pose_feed.hpp"
 
 namespace peerd::feed {
@@ -43,7 +42,6 @@ struct Notice {
   std::string what;    // the object; why not
   bool again = false;  // not the first such thing of that object
 };
-[[nodiscard]] LogLine describe(const Notice& notice);
 
 // All objects of a peer that programs outside move.
 class PoseFeeds {

@@ -26,8 +26,8 @@ namespace {
 // and `tc` are to read.
 constexpr const char* kNames = "/run/netns";
 
-config::InputError lacks(const std::string& what) { return {"error: no network by netem here: " + what, 3}; }
-config::InputError system_lacks(const std::string& what) {
+InputError lacks(const std::string& what) { return {"error: no network by netem here: " + what, 3}; }
+InputError system_lacks(const std::string& what) {
   return lacks(what + ": " + std::generic_category().message(errno));
 }
 
@@ -42,14 +42,14 @@ bool write_text(const std::string& file, const std::string& text) {
 }
 
 // Lines for `ip -batch` or `tc -batch`; what these have against one is on the standard error output.
-config::Result<void> run_batch(const std::string& tool, const std::string& lines, const std::string& what) {
+Result<void> run_batch(const std::string& tool, const std::string& lines, const std::string& what) {
   const std::string file = std::string(kNames) + "/.batch";
   if (!write_text(file, lines)) return std::unexpected(system_lacks("can't write " + file));
   if (std::system((tool + " -batch " + file).c_str()) != 0) return std::unexpected(lacks(what));
   return {};
 }
 
-config::Result<void> own_namespaces() {
+Result<void> own_namespaces() {
   if (unshare(CLONE_NEWNET | CLONE_NEWNS) != 0) return std::unexpected(system_lacks("namespaces of its own (as root)"));
   std::error_code error;
   std::filesystem::create_directories(kNames, error);
@@ -62,7 +62,7 @@ config::Result<void> own_namespaces() {
 
 }  // namespace
 
-config::Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
+Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
   if (peers > kPeersMax) return std::unexpected(lacks(fmt::format("{} peers at most", kPeersMax)));
   if (auto done = own_namespaces(); !done) return std::unexpected(done.error());
   std::string names, ports, addresses, devices, queues;
@@ -101,7 +101,7 @@ config::Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
   return lab;
 }
 
-config::Result<void> Lab::set_multicast(bool on) {
+Result<void> Lab::set_multicast(bool on) {
   for (std::size_t i = 0; i < peers_; ++i) {
     // A route that leads nowhere in place of none: without one, multicast would take the way of all other packets.
     const std::string lines = fmt::format("link set {0} multicast {1}\nroute replace {2} 224.0.0.0/4{3}\n", kInterface,
@@ -118,7 +118,7 @@ std::vector<std::string> Lab::inside(std::size_t peer) {
   return {"ip", "netns", "exec", name(peer), "setpriv", "--pdeathsig", "TERM"};
 }
 
-config::Result<void> Lab::set_links(const config::RunSettings& run) {
+Result<void> Lab::set_links(const config::RunSettings& run) {
   for (std::size_t from = 0; from < peers_; ++from) {
     for (std::size_t to = 0; to < peers_; ++to) {
       if (from == to) continue;
@@ -135,7 +135,7 @@ config::Result<void> Lab::set_links(const config::RunSettings& run) {
   return {};
 }
 
-config::Result<report::NetworkMeasured> Lab::measure(const config::RunSettings& run) const {
+Result<report::NetworkMeasured> Lab::measure(const config::RunSettings& run) const {
   const int own = open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC);
   std::vector<ProbeSocket> sockets;
   for (std::size_t i = 0; i < peers_; ++i) {
@@ -167,7 +167,7 @@ config::Result<report::NetworkMeasured> Lab::measure(const config::RunSettings& 
   return measured;
 }
 
-config::Result<void> Lab::count(report::NetworkMeasured& measured) const {
+Result<void> Lab::count(report::NetworkMeasured& measured) const {
   std::string text;
   FILE* const tc = popen("tc -s -j qdisc show", "r");
   if (tc == nullptr) return std::unexpected(system_lacks("tc"));

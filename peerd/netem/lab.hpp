@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "peerd/config/scenario.hpp"
-#include "peerd/report/run_record.hpp"
+#include "peerd/measure/run_record.hpp"
 
 namespace peerd::netem {
 
@@ -24,16 +24,16 @@ namespace peerd::netem {
 class Lab {
  public:
   // Moves this process into namespaces of its own: at most one a process. The error says what the system lacks.
-  [[nodiscard]] static config::Result<std::unique_ptr<Lab>> build(std::size_t peers);
+  [[nodiscard]] static Result<std::unique_ptr<Lab>> build(std::size_t peers);
 
   // What each direction does from now on. Counts begin anew.
-  [[nodiscard]] config::Result<void> set_links(const config::RunSettings& run);
+  [[nodiscard]] Result<void> set_links(const config::RunSettings& run);
   // Sends datagrams each way, all at once, and fills in what became of them: the delay by one clock.
-  [[nodiscard]] config::Result<report::NetworkMeasured> measure(const config::RunSettings& run) const;
+  [[nodiscard]] Result<report::NetworkMeasured> measure(const config::RunSettings& run) const;
   // Whether the peers' interfaces do multicast from now on; at first they do.
-  [[nodiscard]] config::Result<void> set_multicast(bool on);
+  [[nodiscard]] Result<void> set_multicast(bool on);
   // Fills in what netem has counted since set_links.
-  [[nodiscard]] config::Result<void> count(report::NetworkMeasured& measured) const;
+  [[nodiscard]] Result<void> count(report::NetworkMeasured& measured) const;
 
   // In front of a command that is to run as a peer; such a process is terminated if this one dies.
   [[nodiscard]] static std::vector<std::string> inside(std::size_t peer);

@@ -29,7 +29,7 @@ std::int64_t read_clock_ns(clockid_t id) {
   return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
 }
 
-config::InputError system_error(const std::string& what) {
+InputError system_error(const std::string& what) {
   return {"error: netem: " + what + ": " + std::generic_category().message(errno), 3};
 }
 
@@ -65,7 +65,7 @@ bool receive(int fd, Received& received) {
 
 }  // namespace
 
-config::Result<ProbeSocket> ProbeSocket::open(const std::string& address) {
+Result<ProbeSocket> ProbeSocket::open(const std::string& address) {
   ProbeSocket made(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_in to = group_address();
   ip_mreq membership{};
@@ -88,7 +88,7 @@ ProbeSocket::~ProbeSocket() {
   if (fd_ >= 0) close(fd_);
 }
 
-config::Result<void> probe(const std::vector<ProbeSocket>& sockets, double patience_ms,
+Result<void> probe(const std::vector<ProbeSocket>& sockets, double patience_ms,
                            std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms) {
   const std::size_t peers = sockets.size();
   const sockaddr_in to = group_address();

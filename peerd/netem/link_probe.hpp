@@ -3,15 +3,15 @@
 #include <utility>
 #include <vector>
 
-#include "peerd/config/toml_input.hpp"
-#include "peerd/report/network_measured.hpp"
+#include "peerd/input/input_error.hpp"
+#include "peerd/measure/network_measured.hpp"
 
 namespace peerd::netem {
 
 // A socket for the probes of one peer. It stays in the network namespace in which it was opened.
 class ProbeSocket {
  public:
-  [[nodiscard]] static config::Result<ProbeSocket> open(const std::string& address);
+  [[nodiscard]] static Result<ProbeSocket> open(const std::string& address);
   ProbeSocket(ProbeSocket&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   ProbeSocket& operator=(ProbeSocket&&) = delete;
   ~ProbeSocket();
@@ -25,7 +25,7 @@ class ProbeSocket {
 // Every socket sends so many datagrams to all others, one each 10 ms, and listens for `patience_ms` longer. Fills in
 // the probes of links[from * sockets + to] and the oversleep of those 10 ms. The delay is from just before the system
 // call to the stamp of the receiving kernel, which is the same one with the same clock.
-[[nodiscard]] config::Result<void> probe(const std::vector<ProbeSocket>& sockets, double patience_ms,
+[[nodiscard]] Result<void> probe(const std::vector<ProbeSocket>& sockets, double patience_ms,
                                          std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms);
 
 }  // namespace peerd::netem

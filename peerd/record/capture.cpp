@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "peerd/net/unicast_frame.hpp"
+#include "peerd/transport/unicast_frame.hpp"
 #include "peerd/record/udp_packet.hpp"
 
 namespace peerd::record {
@@ -62,12 +62,12 @@ std::optional<decltype(Event::what)> input_from(std::string_view text) {
 
 }  // namespace
 
-config::Result<std::unique_ptr<CaptureWriter>> CaptureWriter::open(const std::filesystem::path& path,
+Result<std::unique_ptr<CaptureWriter>> CaptureWriter::open(const std::filesystem::path& path,
                                                                    const Setup& setup, HostTime now,
                                                                    const ip::address& own_address) {
   std::unique_ptr<CaptureWriter> writer(new CaptureWriter(path, setup, now, own_address));
   writer->flush();
-  if (!writer->good()) return std::unexpected(config::InputError{path.string() + ": error: can't be written", 3});
+  if (!writer->good()) return std::unexpected(InputError{path.string() + ": error: can't be written", 3});
   return writer;
 }
 

@@ -12,7 +12,7 @@
 #include "core/time.hpp"
 #include "peerd/record/pcapng.hpp"
 #include "peerd/record/setup.hpp"
-#include "replication/session_clock.hpp"
+#include "replication/session/session_clock.hpp"
 
 namespace peerd::record {
 
@@ -24,7 +24,7 @@ namespace peerd::record {
 class CaptureWriter {
  public:
   // own_address: where the peer's datagrams come from; any address where that is not one alone.
-  [[nodiscard]] static config::Result<std::unique_ptr<CaptureWriter>> open(const std::filesystem::path& path,
+  [[nodiscard]] static Result<std::unique_ptr<CaptureWriter>> open(const std::filesystem::path& path,
                                                                            const Setup& setup, HostTime now,
                                                                            const boost::asio::ip::address& own_address);
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "peerd/config/scenario.hpp"
-#include "peerd/net/region_groups.hpp"
-#include "peerd/peer_node.hpp"
+#include "peerd/transport/region_groups.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd::record {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "peerd/report/lookup.hpp"
-#include "peerd/report/statistics.hpp"
-#include "peerd/report/sweep.hpp"
+#include "peerd/measure/lookup.hpp"
+#include "peerd/measure/statistics.hpp"
+#include "peerd/measure/sweep.hpp"
 
 namespace peerd::report {
 namespace {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "peerd/report/run_record.hpp"
-#include "peerd/report/summary.hpp"
+#include "peerd/measure/run_record.hpp"
+#include "peerd/measure/summary.hpp"
 #include "peerd/report/svg.hpp"
 
 namespace peerd::report {

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/report/run_record.hpp"
-#include "peerd/report/summary.hpp"
+#include "peerd/measure/run_record.hpp"
+#include "peerd/measure/summary.hpp"
 #include "peerd/report/svg.hpp"
 
 namespace peerd::report {

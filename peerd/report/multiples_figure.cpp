@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "peerd/report/agreement.hpp"
+#include "peerd/measure/agreement.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/report/lookup.hpp"
+#include "peerd/measure/lookup.hpp"
 #include "peerd/report/output_rates.hpp"
-#include "peerd/report/sweep.hpp"
+#include "peerd/measure/sweep.hpp"
 
 namespace peerd::report {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "peerd/report/run_record.hpp"
+#include "peerd/measure/run_record.hpp"
 
 namespace peerd::report {
 

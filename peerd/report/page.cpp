@@ -10,9 +10,9 @@
 
 #include "peerd/report/markup.hpp"
 #include "peerd/report/page_style.hpp"
-#include "peerd/report/pareto.hpp"
+#include "peerd/measure/pareto.hpp"
 #include "peerd/report/svg.hpp"
-#include "peerd/report/sweep.hpp"
+#include "peerd/measure/sweep.hpp"
 #include "peerd/report/table.hpp"
 
 namespace peerd::report {

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/report/pictures.hpp"
-#include "peerd/report/run_record.hpp"
-#include "peerd/report/summary.hpp"
+#include "peerd/measure/run_record.hpp"
+#include "peerd/measure/summary.hpp"
 
 namespace peerd::report {
 

@@ -7,7 +7,7 @@
 
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/report/pareto.hpp"
+#include "peerd/measure/pareto.hpp"
 
 namespace peerd::report {
 namespace {

@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "peerd/report/agreement.hpp"
+#include "peerd/measure/agreement.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/report/lookup.hpp"
-#include "peerd/report/sweep.hpp"
+#include "peerd/measure/lookup.hpp"
+#include "peerd/measure/sweep.hpp"
 #include "peerd/report/table.hpp"
 
 namespace peerd::report {

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "peerd/report/agreement.hpp"
+#include "peerd/measure/agreement.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/report/lookup.hpp"
+#include "peerd/measure/lookup.hpp"
 #include "peerd/report/output_rates.hpp"
 #include "peerd/report/table.hpp"
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "peerd/report/columns.hpp"
-#include "peerd/report/sweep.hpp"
+#include "peerd/measure/columns.hpp"
+#include "peerd/measure/sweep.hpp"
 
 namespace peerd::report {
 namespace {

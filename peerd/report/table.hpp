@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/report/columns.hpp"
+#include "peerd/measure/columns.hpp"
 
 namespace peerd::report {
 

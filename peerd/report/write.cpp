@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "peerd/report/csv.hpp"
+#include "peerd/measure/csv.hpp"
 #include "peerd/report/page.hpp"
 #include "peerd/report/pictures.hpp"
 

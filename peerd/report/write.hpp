@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
-#include "peerd/report/run_record.hpp"
-#include "peerd/report/summary.hpp"
+#include "peerd/measure/run_record.hpp"
+#include "peerd/measure/summary.hpp"
 
 namespace peerd::report {
 

@@ -3,7 +3,7 @@
 #include <map>
 #include <vector>
 
-#include "peerd/peer_node.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd::sim {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
-#include "core/reach.hpp"
-#include "replication/codec.hpp"
+#include "core/scene/reach.hpp"
+#include "replication/wire/codec.hpp"
 
 namespace peerd::sim {
 namespace {

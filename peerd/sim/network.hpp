@@ -10,7 +10,7 @@
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "peerd/config/scenario.hpp"
-#include "replication/wire.hpp"
+#include "replication/wire/wire.hpp"
 
 namespace peerd::sim {
 

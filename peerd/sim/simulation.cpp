@@ -8,7 +8,7 @@
 #include "peerd/sim/event_times.hpp"
 #include "peerd/sim/interest_oracle.hpp"
 #include "peerd/sim/network.hpp"
-#include "peerd/transport_options.hpp"
+#include "peerd/transport/transport_options.hpp"
 
 namespace peerd::sim {
 namespace {
@@ -51,11 +51,11 @@ double longest_delay_s(const config::RunSettings& run) {
   return most_ms * 1e-3;
 }
 
-std::optional<config::InputError> why_not_simulated(const config::RunSettings& run,
+std::optional<InputError> why_not_simulated(const config::RunSettings& run,
                                                     const std::vector<config::PeerObjects>& objects) {
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
     if (objects[i].outside.empty()) continue;  // what it sends would depend on how fast this computer simulates
-    return config::InputError{
+    return InputError{
         "error: peer." + run.peers[i].name + " leaves \"" + objects[i].outside.begin()->first +
         "\" to a program outside, which runs in real time, and a simulation does not; use peerd run or peerd "
         "scenario, or move it by a formula or a recorded track"};
@@ -86,13 +86,13 @@ class Simulation {
         events_(run.events),
         longest_delay_s_(longest_delay_s(run)) {}
 
-  config::Result<std::vector<PeerLog>> all(std::optional<report::InterestRecord>* interest) {
+  Result<std::vector<PeerLog>> all(std::optional<report::InterestRecord>* interest) {
     auto objects = config::resolve(run_, shared_.world.scene);
     if (!objects) return std::unexpected(objects.error());
     if (const auto error = why_not_simulated(run_, *objects)) return std::unexpected(*error);
     if (captures_ != nullptr) {
       if (config::peers_change(run_.events)) {
-        return std::unexpected(config::InputError{
+        return std::unexpected(InputError{
             "error: --capture: a capture is of one life of a peer, and here peers join, leave or are killed"});
       }
       const auto reach = transport_options(run_.transport, {});
@@ -107,7 +107,7 @@ class Simulation {
     }
     if (interest != nullptr && InterestOracle::has_areas(run_)) {
       if (config::peers_change(run_.events)) {
-        return std::unexpected(config::InputError{
+        return std::unexpected(InputError{
             "error: interest_radius_m: what comes of it is not measured yet where peers join, leave or are killed"});
       }
       std::vector<WatchedPeer> watched;
@@ -127,7 +127,7 @@ class Simulation {
       if (clock_oracle_) logs_.back().clock_error = clock_oracle_->error_of(logs_.size() - 1);
       if (p.capture) p.capture->flush();
       if (p.capture && !p.capture->good()) {
-        return std::unexpected(config::InputError{
+        return std::unexpected(InputError{
             "error: can't write the captures to " + captures_->folder.string() + "; is the disk full?", 3});
       }
     }
@@ -136,7 +136,7 @@ class Simulation {
   }
 
  private:
-  std::optional<config::InputError> enter(std::size_t i, config::PeerObjects objects, bool late) {
+  std::optional<InputError> enter(std::size_t i, config::PeerObjects objects, bool late) {
     SimulatedPeer& peer = peers_[i];
     PeerNode::Options options;
     options.boot = ++peer.lives;
@@ -174,7 +174,7 @@ class Simulation {
     network_.leave_all(i);
   }
 
-  std::optional<config::InputError> happen(const config::ScenarioEvent& event) {
+  std::optional<InputError> happen(const config::ScenarioEvent& event) {
     using config::EventKind;
     const auto index = [&](const std::string& name) {
       const auto at = std::ranges::find(run_.peers, name, &config::PeerSettings::name);
@@ -254,7 +254,7 @@ class Simulation {
   }
 
   // To the end of the run, or to what stands in its way.
-  std::optional<config::InputError> go_on() {
+  std::optional<InputError> go_on() {
     // Late updates end no belief early, and what is held back is decided and heard of: a fallback waits for two
     // latencies and three hellos.
     const Duration linger = from_seconds(run_.duration_s + 3.0 * longest_delay_s_ + kFallback_s);
@@ -291,7 +291,7 @@ class Simulation {
       if (clock_oracle_) clock_oracle_->look(HostTime{now_.time_since_epoch()}, *next);
       if (!events_.begun()) note_begin();
       if (!node.start() && now_ - peers_[*next].came_at > kJoinWithin) {
-        return config::InputError{"error: peer " + run_.peers[*next].name +
+        return InputError{"error: peer " + run_.peers[*next].name +
                                   " never had all the others; does the network lose everything?"};
       }
       if (node.start() && node.peer().clock().to_session(host) > *node.start() + linger) return std::nullopt;
@@ -327,7 +327,7 @@ config::RunSettings without_latency(config::RunSettings run) {
   return run;
 }
 
-config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
+Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
                                               const Observer& observer, const KeyObserver& key_observer,
                                               std::optional<report::InterestRecord>* interest,
                                               const Captures* captures) {

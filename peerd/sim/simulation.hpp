@@ -3,8 +3,8 @@
 #include <functional>
 #include <vector>
 
-#include "peerd/peer_node.hpp"
-#include "peerd/report/run_record.hpp"
+#include "peerd/node/peer_node.hpp"
+#include "peerd/measure/run_record.hpp"
 
 namespace peerd::sim {
 
@@ -25,7 +25,7 @@ struct Captures {
 // network are not. The same settings give the same logs, byte for byte: one for each life of each peer, which has
 // several where it leaves and comes back. `interest`, if given and a peer has an area of interest: what was found about
 // those. `captures`: what they are recorded as; null: nothing is recorded.
-[[nodiscard]] config::Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
+[[nodiscard]] Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
                                                             const Observer& observer = {},
                                                             const KeyObserver& key_observer = {},
                                                             std::optional<report::InterestRecord>* interest = nullptr,

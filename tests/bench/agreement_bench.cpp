@@ -21,9 +21,9 @@
 #include "coin_answers.hpp"
 #include "coin_reader.hpp"
 #include "core/animation/interpolator.hpp"
-#include "core/triangulation.hpp"
+#include "core/geometry/triangulation.hpp"
 #include "core/vrml/document.hpp"
-#include "core/vrml/reader.hpp"
+#include "core/scene/reader.hpp"
 #include "figures.hpp"
 #include "generated_text.hpp"
 

@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-#include "collision/broad_phase.hpp"
+#include "collision/broad_phase/broad_phase.hpp"
 #include "figures.hpp"
 #include "heap_meter.hpp"
 

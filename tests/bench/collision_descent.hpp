@@ -1,13 +1,13 @@
 #pragma once
 #include <cstdint>
 
-#include "collision/kdop_tree.hpp"
-#include "collision/realignment.hpp"
-#include "collision/tree_query.hpp"
+#include "collision/tree/kdop_tree.hpp"
+#include "collision/tree/realignment.hpp"
+#include "collision/query/tree_query.hpp"
 
 namespace peerd::bench {
 
-// The recursion of collision/tree_query.cpp, with the bounds of the nodes and what happens where two leaves meet left
+// The recursion of collision/query/tree_query.cpp, with the bounds of the nodes and what happens where two leaves meet left
 // to the experiment:
 //   BoundA(node), BoundB(node)    k-DOPs of one frame that contain the nodes
 //   AtLeaves(of_a, of_b) -> bool  true ends it

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "collision/kdop_volume.hpp"
+#include "collision/tree/kdop_volume.hpp"
 
 namespace peerd::bench {
 

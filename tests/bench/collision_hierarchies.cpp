@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "collision/wide_query.hpp"
+#include "collision/query/wide_query.hpp"
 #include "collision_experiments.hpp"
 #include "collision_hierarchy_tables.hpp"
 #include "collision_motion.hpp"

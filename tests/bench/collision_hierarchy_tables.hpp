@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "collision/tree_query.hpp"
+#include "collision/query/tree_query.hpp"
 #include "collision_report.hpp"
 
 namespace peerd::bench {

@@ -1,6 +1,6 @@
 #include "collision_motion.hpp"
 
-#include "collision/wide_query.hpp"
+#include "collision/query/wide_query.hpp"
 #include "generated_text.hpp"
 
 namespace peerd::bench {

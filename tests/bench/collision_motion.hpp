@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "collision/relative_motion.hpp"
-#include "collision/triangle_soup.hpp"
+#include "collision/exact/relative_motion.hpp"
+#include "collision/exact/triangle_soup.hpp"
 
 namespace peerd::bench {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collision/triangle_touch.hpp"
+#include "collision/exact/triangle_touch.hpp"
 #include "collision_seed_test.hpp"
 
 namespace peerd::bench {

@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 
-#include "collision/triangle_pair.hpp"
+#include "collision/exact/triangle_pair.hpp"
 
 namespace peerd::bench {
 

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "collision/triangle_pair.hpp"
+#include "collision/exact/triangle_pair.hpp"
 #include "collision_meshes.hpp"
 
 namespace peerd::bench {

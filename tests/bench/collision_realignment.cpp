@@ -2,8 +2,8 @@
 //   conic     Realignment<K>: combinations of three slabs
 //   boundary  the corners of the k-DOP's boundary, transformed and bounded
 //   hull      the corners of the convex hull of what is in it, transformed and bounded: the tight k-DOP
-#include "collision/kdop_tree.hpp"
-#include "collision/realignment.hpp"
+#include "collision/tree/kdop_tree.hpp"
+#include "collision/tree/realignment.hpp"
 #include "collision_dops.hpp"
 #include "collision_experiments.hpp"
 #include "collision_hull.hpp"

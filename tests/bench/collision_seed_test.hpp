@@ -1,5 +1,5 @@
 #pragma once
-#include "collision/triangle_pair.hpp"
+#include "collision/exact/triangle_pair.hpp"
 
 namespace peerd::bench {
 

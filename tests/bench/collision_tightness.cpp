@@ -3,7 +3,7 @@
 #include <array>
 #include <numbers>
 
-#include "collision/kdop_tree.hpp"
+#include "collision/tree/kdop_tree.hpp"
 #include "collision_dops.hpp"
 #include "collision_experiments.hpp"
 #include "collision_hull.hpp"

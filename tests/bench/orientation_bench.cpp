@@ -26,7 +26,7 @@
 
 #include "collision_report.hpp"
 #include "core/sin_cos.hpp"
-#include "replication/motion_model.hpp"
+#include "replication/motion/motion_model.hpp"
 
 namespace peerd::bench {
 namespace {

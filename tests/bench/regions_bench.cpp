@@ -17,8 +17,8 @@
 #include <map>
 
 #include "collision_report.hpp"
-#include "peerd/report/lookup.hpp"
-#include "peerd/report/statistics.hpp"
+#include "peerd/measure/lookup.hpp"
+#include "peerd/measure/statistics.hpp"
 #include "simulated_run.hpp"
 
 namespace peerd::bench {

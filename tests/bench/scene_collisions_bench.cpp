@@ -25,10 +25,10 @@
 #include <string>
 #include <vector>
 
-#include "collision/collision_watch.hpp"
+#include "collision/scene/collision_watch.hpp"
 #include "collision_meshes.hpp"
 #include "core/kinematics.hpp"
-#include "core/mesh.hpp"
+#include "core/geometry/mesh.hpp"
 #include "figures.hpp"
 #include "heap_meter.hpp"
 

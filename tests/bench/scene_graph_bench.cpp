@@ -14,7 +14,7 @@
 #include <random>
 #include <string>
 
-#include "core/scene_graph.hpp"
+#include "core/scene/scene_graph.hpp"
 
 namespace peerd {
 namespace {

@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "peerd/assemble.hpp"
-#include "peerd/report/summary.hpp"
+#include "peerd/scenario/assemble.hpp"
+#include "peerd/measure/summary.hpp"
 
 namespace peerd::bench {
 namespace {
@@ -16,7 +16,7 @@ const std::filesystem::path kConfigs = PEERD_SOURCE_DIR "/configs";
 constexpr double kHeaderOfRecords_bytes = 18.0;  // proto/README.md
 
 template <class T>
-T must(config::Result<T> result) {
+T must(Result<T> result) {
   if (!result) throw std::runtime_error(result.error().text);
   return *std::move(result);
 }

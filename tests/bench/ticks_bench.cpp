@@ -14,9 +14,9 @@
 #include <set>
 
 #include "collision_report.hpp"
-#include "peerd/report/agreement.hpp"
-#include "peerd/report/lookup.hpp"
-#include "peerd/report/statistics.hpp"
+#include "peerd/measure/agreement.hpp"
+#include "peerd/measure/lookup.hpp"
+#include "peerd/measure/statistics.hpp"
 #include "simulated_run.hpp"
 
 namespace peerd::bench {

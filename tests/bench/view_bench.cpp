@@ -23,9 +23,9 @@
 #include <utility>
 #include <vector>
 
-#include "collision/scene_query.hpp"
+#include "collision/scene/scene_query.hpp"
 #include "collision_meshes.hpp"
-#include "core/vrml/reader.hpp"
+#include "core/scene/reader.hpp"
 #include "figures.hpp"
 #include "heap_meter.hpp"
 

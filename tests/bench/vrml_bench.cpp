@@ -32,11 +32,11 @@
 #include <vector>
 
 #include "coin_reader.hpp"
-#include "core/gzip.hpp"
-#include "core/scene_statistics.hpp"
+#include "core/vrml/gzip.hpp"
+#include "core/scene/scene_statistics.hpp"
 #include "core/vrml/document.hpp"
 #include "core/vrml/lexer.hpp"
-#include "core/vrml/reader.hpp"
+#include "core/scene/reader.hpp"
 #include "figures.hpp"
 #include "heap_meter.hpp"
 #include "vrml_worlds.hpp"

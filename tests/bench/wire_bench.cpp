@@ -28,7 +28,7 @@
 #include "collision_chart.hpp"
 #include "figures.hpp"
 #include "loopback/loopback.hpp"
-#include "replication/codec.hpp"
+#include "replication/wire/codec.hpp"
 #include "replication/peer.hpp"
 #include "simulated_run.hpp"
 #include "wire_codec.hpp"

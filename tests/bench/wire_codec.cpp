@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <random>
 
-#include "replication/codec.hpp"
+#include "replication/wire/codec.hpp"
 #include "replication/peer.hpp"
-#include "replication/record.hpp"
+#include "replication/wire/record.hpp"
 #include "wire_objects.hpp"
 
 namespace peerd::bench {

@@ -5,7 +5,7 @@
 #include <ctime>
 #include <string>
 
-#include "core/vrml/reader.hpp"
+#include "core/scene/reader.hpp"
 
 namespace peerd::bench {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "collision/contact_time.hpp"
+#include "collision/contact/contact_time.hpp"
 #include "tests/collision/shapes.hpp"
 
 // Chains of contacts as a caller lives them: move to the contact time, reflect, ask again. Nothing may stick (a contact

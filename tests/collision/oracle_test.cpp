@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "collision/contact_time.hpp"
+#include "collision/contact/contact_time.hpp"
 #include "tests/collision/shapes.hpp"
 
 // Property tests against an oracle that knows nothing of faces, edges or axes: the Minkowski difference as a cloud of

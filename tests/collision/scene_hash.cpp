@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "collision/ray_query.hpp"
-#include "collision/view_query.hpp"
-#include "collision/wide_query.hpp"
+#include "collision/query/ray_query.hpp"
+#include "collision/query/view_query.hpp"
+#include "collision/query/wide_query.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/oracle/triangle_cases.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "collision/contact_time.hpp"
+#include "collision/contact/contact_time.hpp"
 
 // Scenes and bodies built by hand, and the random convex polyhedra of the property tests.
 namespace peerd::collision::test {

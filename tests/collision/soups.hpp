@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "collision/tree_query.hpp"
+#include "collision/query/tree_query.hpp"
 
 namespace peerd::collision {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/vrml/document.hpp"
-#include "core/vrml/reader.hpp"
+#include "core/scene/reader.hpp"
 #include "tests/core/broken_promise.hpp"
 
 namespace peerd {

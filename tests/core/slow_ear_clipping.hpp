@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/ear_clipping.hpp"
+#include "core/geometry/ear_clipping.hpp"
 
 namespace peerd::testing_support {
 

@@ -8,10 +8,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/vrml/reader.hpp"
-#include "peerd/api/answer.hpp"
-#include "peerd/api/request.hpp"
-#include "replication/codec.hpp"
+#include "core/scene/reader.hpp"
+#include "peerd/control/answer.hpp"
+#include "peerd/control/request.hpp"
+#include "replication/wire/codec.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <memory>
 #include <span>
 
-#include "core/vrml/reader.hpp"
+#include "core/scene/reader.hpp"
 #include "replication/peer.hpp"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "peerd/net/known_peers.hpp"
+#include "peerd/transport/known_peers.hpp"
 
 namespace {
 

@@ -8,10 +8,10 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "core/vrml/reader.hpp"
-#include "peerd/api/answer.hpp"
-#include "peerd/api/request.hpp"
-#include "replication/codec.hpp"
+#include "core/scene/reader.hpp"
+#include "peerd/control/answer.hpp"
+#include "peerd/control/request.hpp"
+#include "replication/wire/codec.hpp"
 
 namespace {
 
@@ -62,7 +62,7 @@ class Driver {
       }
     }
     while (const auto notice = node_->poll_feed_notice()) {
-      const LogLine line = feed::describe(*notice);
+      const LogLine line = describe(*notice);
       require(line.text.size() < 500);
       require(std::ranges::all_of(line.text, [](char c) { return c >= ' ' && c <= '~'; }));
     }

@@ -1,4 +1,4 @@
-// Any bytes at all: the reader must end, say where each problem is, and give a scene that keeps core/scene.hpp's word
+// Any bytes at all: the reader must end, say where each problem is, and give a scene that keeps core/scene/scene.hpp's word
 // and a document that keeps core/vrml/document.hpp's. The input is a world and the files that it may name: what stands
 // behind the first separator is "1.wrl", behind the next "2.wrl", and so on; the world itself is "0.wrl".
 #include <algorithm>
@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/moving_scene.hpp"
-#include "core/vrml/reader.hpp"
+#include "core/motion/moving_scene.hpp"
+#include "core/scene/reader.hpp"
 #include "tests/core/broken_promise.hpp"
 
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "core/vrml/reader.hpp"
-#include "peerd/net/unicast_fan_out.hpp"
-#include "replication/codec.hpp"
+#include "core/scene/reader.hpp"
+#include "peerd/transport/unicast_fan_out.hpp"
+#include "replication/wire/codec.hpp"
 #include "replication/peer.hpp"
 #include "tests/net/allocation_meter.hpp"
 #include "tests/net/listener.hpp"

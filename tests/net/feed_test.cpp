@@ -9,7 +9,7 @@
 #include <numbers>
 #include <regex>
 
-#include "peerd/peer_log.hpp"
+#include "peerd/node/peer_log.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 

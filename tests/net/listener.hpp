@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "peerd/net/multicast_socket.hpp"
+#include "peerd/transport/multicast_socket.hpp"
 
 namespace peerd::net::testing_support {
 

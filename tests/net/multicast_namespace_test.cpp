@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "peerd/net/multicast_socket.hpp"
+#include "peerd/transport/multicast_socket.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 

@@ -10,9 +10,9 @@
 #include <regex>
 #include <system_error>
 
-#include "peerd/assemble.hpp"
-#include "peerd/net/interfaces.hpp"
-#include "peerd/report/summary.hpp"
+#include "peerd/scenario/assemble.hpp"
+#include "peerd/os/interfaces.hpp"
+#include "peerd/measure/summary.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 

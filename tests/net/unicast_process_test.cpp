@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "peerd/assemble.hpp"
-#include "peerd/report/summary.hpp"
+#include "peerd/scenario/assemble.hpp"
+#include "peerd/measure/summary.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 #include "tests/net/wire.hpp"

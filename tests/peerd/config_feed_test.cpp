@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "peerd/config/scenario.hpp"
-#include "peerd/peer_node.hpp"
+#include "peerd/node/peer_node.hpp"
 #include "peerd/sim/simulation.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 

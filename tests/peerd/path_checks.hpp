@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "peerd/config/motion_path.hpp"
+#include "peerd/motion/motion_path.hpp"
 
 // What holds of every path, whatever made it.
 namespace peerd::config::path_checks {

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/api/answer.hpp"
-#include "peerd/peer_node.hpp"
+#include "peerd/control/answer.hpp"
+#include "peerd/node/peer_node.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd {
@@ -47,7 +47,7 @@ class PeerNodeFeed : public testing::Test {
       while (node->poll_output()) {
       }
       while (const auto notice = node->poll_feed_notice()) {
-        const LogLine line = feed::describe(*notice);
+        const LogLine line = describe(*notice);
         if (line.level != spdlog::level::debug) said += line.text + "\n";
       }
     }

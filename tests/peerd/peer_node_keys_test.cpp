@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/api/answer.hpp"
-#include "peerd/peer_node.hpp"
+#include "peerd/control/answer.hpp"
+#include "peerd/node/peer_node.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "peerd/report/run_record.hpp"
+#include "peerd/measure/run_record.hpp"
 
 namespace peerd::report::samples {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <random>
 
-#include "replication/codec.hpp"
-#include "replication/record.hpp"
+#include "replication/wire/codec.hpp"
+#include "replication/wire/record.hpp"
 #include "tests/replication/worlds.hpp"
 
 // Random messages as a peer could send them, and what every decoded message must keep.

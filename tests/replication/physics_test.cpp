@@ -2,7 +2,7 @@
 // the same they find the same, to the last bit.
 #include <gtest/gtest.h>
 
-#include "replication/response.hpp"
+#include "replication/motion/response.hpp"
 #include "tests/replication/worlds.hpp"
 
 namespace peerd::replication {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "core/vrml/reader.hpp"
-#include "replication/motion_world.hpp"
+#include "core/scene/reader.hpp"
+#include "replication/motion/motion_world.hpp"
 
 // Small worlds of boxes, and short words for states and times.
 namespace peerd::replication::test {

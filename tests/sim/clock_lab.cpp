@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "core/vrml/reader.hpp"
+#include "core/scene/reader.hpp"
 
 namespace peerd::sim::testing_support {
 namespace {

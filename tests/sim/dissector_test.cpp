@@ -9,10 +9,10 @@
 #include <random>
 #include <sstream>
 
-#include "peerd/net/unicast_frame.hpp"
+#include "peerd/transport/unicast_frame.hpp"
 #include "peerd/record/capture.hpp"
 #include "peerd/record/udp_packet.hpp"
-#include "replication/codec.hpp"
+#include "replication/wire/codec.hpp"
 #include "tests/net/process.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/sim/run_scenario.hpp"
@@ -438,9 +438,9 @@ TEST_F(Dissector, MarksWhatTheDecoderRefuses) {
                            capture("flock-regions.toml", {"duration_s=2"}),
                            capture("orbit.toml", {"duration_s=2"}, {PEERD_SOURCE_DIR "/configs/best.toml"})}) {
     const std::string bytes = text_of(file);
-    auto reader = must([&]() -> config::Result<record::CaptureReader> {
+    auto reader = must([&]() -> Result<record::CaptureReader> {
       auto opened = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
-      if (!opened) return std::unexpected(config::InputError{opened.error()});
+      if (!opened) return std::unexpected(InputError{opened.error()});
       return *opened;
     }());
     for (;;) {

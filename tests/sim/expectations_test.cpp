@@ -1,8 +1,8 @@
 // The repository's own scenarios hold what they say of themselves.
 #include <gmock/gmock.h>
 
-#include "peerd/report/expectations.hpp"
-#include "peerd/report/wrong_outcomes.hpp"
+#include "peerd/measure/expectations.hpp"
+#include "peerd/measure/wrong_outcomes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim {

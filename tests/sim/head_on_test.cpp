@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "peerd/report/wrong_outcomes.hpp"
+#include "peerd/measure/wrong_outcomes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "peerd/assemble.hpp"
-#include "peerd/report/summary.hpp"
+#include "peerd/scenario/assemble.hpp"
+#include "peerd/measure/summary.hpp"
 #include "peerd/sim/simulation.hpp"
 
 // A scenario of the repository, run on the simulated network, with what its report says of it.
@@ -17,7 +17,7 @@ namespace peerd::sim::testing_support {
 inline const std::string kEq47 = PEERD_SOURCE_DIR "/configs/scenarios/eq47.toml";
 
 template <class T>
-T must(config::Result<T> result) {
+T must(Result<T> result) {
   if (!result) throw std::runtime_error(result.error().text);
   return *std::move(result);
 }

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <numbers>
 
-#include "collision/contact_time.hpp"
-#include "collision/triangle_pair.hpp"
-#include "replication/record.hpp"
+#include "collision/contact/contact_time.hpp"
+#include "collision/exact/triangle_pair.hpp"
+#include "replication/wire/record.hpp"
 #include "tests/collision/shapes.hpp"
 #include "tests/oracle/triangle_cases.hpp"
 #include "tests/oracle/triangle_oracle.hpp"

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "collision/collision_watch.hpp"
-#include "core/predefined_motion.hpp"
-#include "core/vrml/reader.hpp"
-#include "replication/motion_world.hpp"
+#include "collision/scene/collision_watch.hpp"
+#include "core/motion/predefined_motion.hpp"
+#include "core/scene/reader.hpp"
+#include "replication/motion/motion_world.hpp"
 
 namespace peerd {
 namespace {

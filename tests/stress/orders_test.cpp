@@ -3,7 +3,7 @@
 #include <numeric>
 #include <random>
 
-#include "collision/scene_query.hpp"
+#include "collision/scene/scene_query.hpp"
 #include "tests/collision/shapes.hpp"
 #include "tests/replication/lan.hpp"
 

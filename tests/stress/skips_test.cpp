@@ -1,7 +1,7 @@
 // What a scene doesn't need isn't done: for each such thing the counter that stays 0. README.md has the whole table;
 // here are the rows that no other test has.
-#include "collision/collision_watch.hpp"
-#include "core/vrml/reader.hpp"
+#include "collision/scene/collision_watch.hpp"
+#include "core/scene/reader.hpp"
 #include "tests/replication/lan.hpp"
 
 namespace peerd::replication {

@@ -13,7 +13,7 @@
 #include <chrono>
 #include <cstdio>
 
-#include "collision/wide_query.hpp"
+#include "collision/query/wide_query.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/stress/long_life.hpp"

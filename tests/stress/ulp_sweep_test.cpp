@@ -4,9 +4,9 @@
 #include <cmath>
 #include <functional>
 
-#include "collision/contact_time.hpp"
-#include "collision/triangle_pair.hpp"
-#include "core/vrml/reader.hpp"
+#include "collision/contact/contact_time.hpp"
+#include "collision/exact/triangle_pair.hpp"
+#include "core/scene/reader.hpp"
 #include "tests/collision/shapes.hpp"
 #include "tests/oracle/triangle_cases.hpp"
 #include "tests/oracle/triangle_oracle.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "replication/wire_limits.hpp"
+#include "replication/wire/wire_limits.hpp"
 #include "tests/replication/lan.hpp"
 
 namespace peerd::replication {

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "collision/wide_query.hpp"
+#include "collision/query/wide_query.hpp"
 #include "tests/bench/polygon_file.hpp"
 #include "tests/collision/soups.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "collision/triangle_soup.hpp"
+#include "collision/exact/triangle_soup.hpp"
 
 namespace peerd::bench::exact {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdio>
 
-#include "collision/triangle_pair.hpp"
+#include "collision/exact/triangle_pair.hpp"
 #include "tests/oracle/tritri_files.hpp"
 
 namespace peerd::bench::exact {

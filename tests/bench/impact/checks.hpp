@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
 
-#include "collision/mesh_distance.hpp"
-#include "collision/time_of_impact.hpp"
+#include "collision/query/mesh_distance.hpp"
+#include "collision/query/time_of_impact.hpp"
 #include "tests/bench/impact/moving_pairs.hpp"
 
 namespace peerd::bench::impact {

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "collision/triangle_soup.hpp"
+#include "collision/exact/triangle_soup.hpp"
 #include "core/kinematics.hpp"
 #include "tests/collision/soups.hpp"
 

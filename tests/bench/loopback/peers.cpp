@@ -10,10 +10,10 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "../temporary_folder.hpp"
-#include "peerd/daemon.hpp"
-#include "peerd/net/open_transport.hpp"
-#include "peerd/rehearsal.hpp"
-#include "peerd/transport_options.hpp"
+#include "peerd/daemon/daemon.hpp"
+#include "peerd/transport/open_transport.hpp"
+#include "peerd/daemon/rehearsal.hpp"
+#include "peerd/transport/transport_options.hpp"
 #include "ping_pong.hpp"
 
 namespace peerd::bench {

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "collision/mesh_distance.hpp"
+#include "collision/query/mesh_distance.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/peers/fcl_distance.hpp"
 #include "tests/bench/peers/soup.hpp"

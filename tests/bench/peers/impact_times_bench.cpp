@@ -29,7 +29,7 @@
 #include <string>
 #include <vector>
 
-#include "collision/time_of_impact.hpp"
+#include "collision/query/time_of_impact.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/peers/fcl_impact.hpp"
 #include "tests/bench/peers/motion.hpp"

@@ -1,4 +1,4 @@
-#include "collision/wide_query.hpp"
+#include "collision/query/wide_query.hpp"
 #include "tests/bench/peers/engine.hpp"
 #include "tests/bench/peers/soup.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "collision/triangle_soup.hpp"
+#include "collision/exact/triangle_soup.hpp"
 #include "tests/bench/peers/meshes.hpp"
 
 namespace peerd::bench::peers {

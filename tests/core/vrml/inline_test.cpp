@@ -1,7 +1,7 @@
 // Inline: ISO/IEC 14772-1:1997, 4.5 and 6.25.
 #include <gmock/gmock.h>
 
-#include "core/scene_statistics.hpp"
+#include "core/scene/scene_statistics.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::vrml {

@@ -3,8 +3,8 @@
 #include <iostream>
 #include <sstream>
 
-#include "collision/contact_time.hpp"
-#include "core/vrml/reader.hpp"
+#include "collision/contact/contact_time.hpp"
+#include "core/scene/reader.hpp"
 #include "replication/peer.hpp"
 
 int main(int, char** argv) {

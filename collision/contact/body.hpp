@@ -1,0 +1,55 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "collision/contact/surface.hpp"
+#include "core/scene/scene.hpp"
+
+namespace peerd::collision {
+
+// A convex piece of an object: a closed convex polyhedron, or one flat convex polygon. Object frame, binary64.
+struct ConvexPiece {
+  ObjectId shape;                  // the Shape instance it comes from
+  std::vector<Vec3> vertices;      // [m]
+  std::vector<Vec3> face_normals;  // unit, outward; what each polygon of the mesh faces, one entry a polygon
+  std::vector<std::vector<std::uint32_t>> faces;  // vertex indices; faces[i] is polygon i of the mesh, in file order
+  std::vector<Vec3> face_axes;                    // the distinct face normals, as separating-axis candidates
+  std::vector<Vec3> edge_axes;                    // the distinct edge directions, unit
+};
+
+// What a body is that consists of one VRML Sphere, moved and evenly scaled: exactly round, where its polygons are not.
+struct Round {
+  ObjectId shape;
+  Vec3 center;      // object frame [m]
+  double radius_m;  // > 0
+};
+
+// An object as collision sees it: everything below one node, in that node's rigid frame.
+struct Body {
+  ObjectId object;
+  std::vector<ConvexPiece> pieces;   // depth-first order of their Shapes
+  std::shared_ptr<Surface> surface;  // of all Shapes, convex or not; copies of a body share it
+  std::optional<Round> round;        // two such bodies meet as spheres
+  Vec3 center = Vec3::Zero();        // of the bounding sphere, object frame [m]
+  double radius_m = 0.0;             // encloses every vertex; 0 when there are none
+  std::uint32_t meshes_built = 0;    // for it
+  // Why not all of it are pieces, naming the Shape and its reason: then its surface is asked. Empty when they are.
+  std::string not_convex;
+  // Why this body has no exact answer, naming the Shape and its reason; empty when it has. A body that can't be
+  // answered is never replaced by its hull or its box.
+  std::string unsupported;
+
+  // All that polygons use, for BOX [m].
+  [[nodiscard]] std::span<const Vec3> vertices() const {
+    return surface ? std::span(surface->soup().vertices) : std::span<const Vec3>();
+  }
+};
+
+// Gathers the Shapes below `object`. Never fails: what it can't answer is named in Body::unsupported.
+[[nodiscard]] Body make_body(const Scene& scene, ObjectId object);
+
+}  // namespace peerd::collision

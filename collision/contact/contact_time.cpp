@@ -1,0 +1,175 @@
+#include "collision/contact/contact_time.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "collision/contact/mesh_contact.hpp"
+#include "collision/contact/pair_contact.hpp"
+#include "collision/contact/separating_axis.hpp"
+#include "collision/contact/sphere_contact.hpp"
+
+namespace peerd::collision {
+namespace {
+
+double sum_of_magnitudes(const Vec3& a, const Vec3& b) { return magnitude(a) + magnitude(b); }
+
+// Farther than any vertex is from the body's origin.
+double reach(const Body& body) { return magnitude(body.center) + body.radius_m; }
+
+bool turns(const KinematicState& s) { return !s.angular_velocity_body.isZero(0.0); }
+
+// A sphere that holds the body while its orientation changes as the motion says.
+struct Sphere {
+  Vec3 center_world;
+  double radius_m;
+};
+Sphere sphere_of(const MovingBody& m, const Mat3& R, double scale) {
+  if (turns(m.motion)) return {m.motion.position, scale * reach(m.body)};
+  return {m.motion.position + rotate(R, m.body.center), scale * m.body.radius_m};
+}
+
+// The world box of what lies in a sphere lies in the sphere this much larger: sqrt(3), rounded up.
+constexpr double kBoxReach = 1.7320508075688774;
+
+// Certainly too far apart for the whole horizon: closest approach at constant velocity, less what the acceleration can
+// add. Rounding is far below the margin of 2^-40 of all lengths involved.
+bool spheres_stay_apart(const Sphere& a, const Sphere& b, const Vec3& v, const Vec3& acceleration, double horizon) {
+  const Vec3 d = a.center_world - b.center_world;
+  const double v2 = dot(v, v), approach = -dot(d, v);
+  const double s = approach <= 0.0 ? 0.0 : approach >= v2 * horizon ? horizon : approach / v2;
+  const Vec3 nearest = d + s * v;
+  const double a2 = dot(acceleration, acceleration);
+  const double bend = a2 > 0.0 ? 0.5 * horizon * horizon * std::sqrt(a2) : 0.0;
+  const double radii = a.radius_m + b.radius_m + bend;
+  const double margin = 0x1p-40 * (radii + sum_of_magnitudes(a.center_world, b.center_world) + s * magnitude(v));
+  const double least = radii + margin;
+  return dot(nearest, nearest) > least * least;
+}
+
+// Along the line of centres now: two bodies that fall away from each other, however long the horizon.
+bool spheres_part(const Sphere& a, const Sphere& b, const Vec3& v, const Vec3& acceleration) {
+  const Vec3 d = a.center_world - b.center_world;
+  if (dot(d, v) < 0.0 || dot(d, acceleration) < 0.0) return false;
+  const double least = a.radius_m + b.radius_m;
+  const double margin = 0x1p-40 * (least + sum_of_magnitudes(a.center_world, b.center_world));
+  return dot(d, d) > (least + margin) * (least + margin);
+}
+
+// The earlier one of two pairs' answers; the first pair's where they tie. A failure hides what comes after it.
+bool comes_first(const Contact& candidate, const Contact& best) {
+  if (candidate.state == ContactState::kSeparated) return false;
+  return best.state == ContactState::kSeparated || candidate.time_s < best.time_s ||
+         (candidate.state == ContactState::kOverlapped && best.state != ContactState::kOverlapped);
+}
+
+bool both_convex(const Body& a, const Body& b) { return a.not_convex.empty() && b.not_convex.empty(); }
+
+WorldBox tight_box(const MovingBody& m) {
+  const Mat3 R = m.motion.orientation.toRotationMatrix();
+  WorldBox box;
+  for (const Vec3& v : m.body.vertices()) box.merge(Vec3(rotate(R, v) + m.motion.position));
+  return box;
+}
+
+bool boxes_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  const WorldBox of_a = tight_box(a), of_b = tight_box(b);
+  for (int k = 0; k < 3; ++k) {
+    if (!(of_a.lo[k] <= of_b.hi[k] + distance_m && of_b.lo[k] <= of_a.hi[k] + distance_m)) return false;
+  }
+  return true;
+}
+
+class Query {
+ public:
+  Query(const MovingBody& collider, const MovingBody& collidee, double horizon_s)
+      : a_(collider),
+        b_(collidee),
+        R_a_(collider.motion.orientation.toRotationMatrix()),
+        R_b_(collidee.motion.orientation.toRotationMatrix()),
+        horizon_s_(horizon_s),
+        turning_(turns(collider.motion) || turns(collidee.motion)) {}
+
+  [[nodiscard]] bool hopeless(double scale) const {
+    const Sphere a = sphere_of(a_, R_a_, scale), b = sphere_of(b_, R_b_, scale);
+    const Vec3 v = a_.motion.velocity - b_.motion.velocity;
+    const Vec3 acceleration = a_.motion.acceleration - b_.motion.acceleration;
+    return spheres_stay_apart(a, b, v, acceleration, horizon_s_) || spheres_part(a, b, v, acceleration);
+  }
+
+  [[nodiscard]] Contact boxes() const {
+    return pair({a_.body.vertices(), nullptr, a_.body.object}, {b_.body.vertices(), nullptr, b_.body.object},
+                horizon_s_);
+  }
+
+  [[nodiscard]] Contact pieces() const {
+    Contact best;
+    std::uint32_t iterations = 0;
+    for (const ConvexPiece& piece_a : a_.body.pieces) {
+      for (const ConvexPiece& piece_b : b_.body.pieces) {
+        const double horizon = best.state == ContactState::kSeparated ? horizon_s_ : best.time_s;
+        const Contact c =
+            pair({piece_a.vertices, &piece_a, piece_a.shape}, {piece_b.vertices, &piece_b, piece_b.shape}, horizon);
+        iterations += c.iterations;
+        if (comes_first(c, best)) best = c;
+      }
+    }
+    best.iterations = iterations;
+    return best;
+  }
+
+ private:
+  [[nodiscard]] Contact pair(const Solid& a, const Solid& b, double horizon) const {
+    const PairQuery query{a, b, a_.motion, b_.motion, horizon};
+    const double radius_sum = reach(a_.body) + reach(b_.body);
+    return turning_ ? turning_contact(query, radius_sum) : sliding_contact(query, radius_sum, R_a_, R_b_);
+  }
+
+  const MovingBody &a_, &b_;
+  Mat3 R_a_, R_b_;
+  double horizon_s_;
+  bool turning_;
+};
+
+}  // namespace
+
+RoundingBound rounding_bound(const PairQuery& query, double radius_sum_m) {
+  const KinematicState &a = query.collider_motion, &b = query.collidee_motion;
+  return {kRounding * (sum_of_magnitudes(a.position, b.position) + radius_sum_m),
+          kRounding * sum_of_magnitudes(a.velocity, b.velocity),
+          kRounding * 0.5 * sum_of_magnitudes(a.acceleration, b.acceleration)};
+}
+
+bool touching(const MovingBody& a, const MovingBody& b, CollisionType type) {
+  const ContactState now = first_contact(a, b, type, 0.0).state;
+  if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
+  constexpr double kNear_m = 2.0 * kAdvancementTolerance_m;
+  if (type == CollisionType::kBox) return boxes_within(a, b, kNear_m);
+  if (meet_as_spheres(a, b)) return spheres_within(a, b, kNear_m);
+  return answerable(a.body, b.body) && surfaces_within(a, b, kNear_m);
+}
+
+bool answerable(const Body& a, const Body& b) {
+  constexpr double kLargest_m = 0x1p58;  // MeshImpactQuery's, with room
+  if (!a.unsupported.empty() || !b.unsupported.empty()) return false;
+  return both_convex(a, b) || (a.radius_m <= kLargest_m && b.radius_m <= kLargest_m);
+}
+
+Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type, double horizon_s) {
+  assert(horizon_s >= 0.0 && std::isfinite(horizon_s));
+  assert(collider.motion.position.allFinite() && collidee.motion.position.allFinite());
+  const bool box = type == CollisionType::kBox;
+  if (!box && !answerable(collider.body, collidee.body)) {
+    Contact contact;
+    contact.state = ContactState::kUnsupported;
+    return contact;
+  }
+  if (collider.body.vertices().empty() || collidee.body.vertices().empty()) return {};
+  if (!box && meet_as_spheres(collider, collidee)) return sphere_contact(collider, collidee, horizon_s);
+  const Query query(collider, collidee, horizon_s);
+  if (query.hopeless(box ? kBoxReach : 1.0)) return {};
+  if (box) return query.boxes();
+  return both_convex(collider.body, collidee.body) ? query.pieces() : mesh_contact(collider, collidee, horizon_s);
+}
+
+}  // namespace peerd::collision

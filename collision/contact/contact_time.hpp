@@ -1,0 +1,77 @@
+#pragma once
+#include <cstdint>
+
+#include "collision/contact/body.hpp"
+#include "core/kinematics.hpp"
+
+namespace peerd::collision {
+
+enum class ContactState : std::uint8_t {
+  kSeparated,    // no contact in [0, horizon]
+  kContact,      // first contact at time_s
+  kOverlapped,   // the bodies share more than touching points at 0, whichever way they move
+  kUnsupported,  // the two have no exact answer: see answerable()
+  kFailed,       // the iteration cap was reached: certainly no contact before time_s, nothing is known of later
+};
+
+struct Contact {
+  ContactState state = ContactState::kSeparated;
+  double time_s = 0.0;               // in [0, horizon], seconds after both base states
+  Vec3 normal_world = Vec3::Zero();  // unit normal of the collidee's polygon, facing the collider
+  bool resting = false;              // they touch at 0 with no speed towards each other, and only the acceleration
+                                     // presses: reflecting the velocity can't end this contact
+  ObjectId collidee_shape;           // which polygon the normal is of; for kBox the collidee itself, and polygon 0
+  std::uint32_t collidee_polygon = 0;
+  std::uint32_t iterations = 0;  // of conservative advancement; 0 where the closed form answered
+};
+
+// A body and how it moves from time 0 on.
+struct MovingBody {
+  const Body& body;
+  const KinematicState& motion;
+};
+
+// When two moving bodies first come to touch while approaching each other, within [0, horizon_s] (finite).
+//
+// *Touching at 0* is a gap between -(e + |closing speed| * kClockTick_s) and e on some separating axis, all other axes
+// overlapping. e is the rounding bound of the gap, from the magnitudes of positions, radii and velocities; a speed
+// below its own rounding bound counts as none. A body that was moved to its contact time, rounded to the clock, touches
+// by this rule. Then, on the touching axes:
+//   one parts       -> that contact was answered before (a bounce begins so); the search goes on to the next one;
+//   one approaches  -> kContact at 0;
+//   one is pressed  -> kContact at 0, resting: no speed along the axis and accelerated inwards, or parting so slowly
+//                      that the acceleration ends it within e or within one tick;
+//   all are still   -> no contact yet (sliding along a floor); the search goes on to what follows once they parted.
+// Where a body turns, still can't be told from pressed: all that touch and don't part are contacts, resting where no
+// speed closes them.
+// Bodies that overlap at 0 deeper than touching are kOverlapped, with normal_world the direction of least penetration.
+//
+// Without rotation the answer is in closed form for accelerations that are constant: on each separating-axis candidate
+// the gap is a quadratic in t, and the bodies overlap where all gaps are <= 0; passing by in touch is a contact. With
+// rotation it is conservative advancement (Mirtich, PhD, Berkeley 1996) on the largest gap: never later than the truth,
+// at most kAdvancementTolerance_m short of it, so that a pass within that tolerance may be taken for a contact.
+//
+// Two bodies that are one Sphere each (Body::round) meet as the spheres they are, not as their polygons, and the normal
+// is the line of their centres: a ball doesn't bounce off its facets.
+//
+// CollisionType::kBox uses the tight world boxes of all vertices in place of the polygons, and answers where only
+// polygons are unsupported.
+[[nodiscard]] Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type,
+                                    double horizon_s);
+
+// Whether they touch as they stand, or are nearer than contact times leave them: to within twice
+// kAdvancementTolerance_m. One that is wholly inside a convex piece touches it, too. Needs to be answerable() but for
+// kBox.
+[[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type);
+
+// Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and
+// where a surface is asked, both are within 2^58 m.
+[[nodiscard]] bool answerable(const Body& a, const Body& b);
+
+// Times are handed on as SimTime, whole nanoseconds (core/time.hpp): where a body was told to touch, it may already be
+// this much of its motion inside. Longer, and a bounce of that length is taken for rest.
+inline constexpr double kClockTick_s = 1e-9;
+inline constexpr double kAdvancementTolerance_m = 1e-6;
+inline constexpr std::uint32_t kAdvancementCap = 512;
+
+}  // namespace peerd::collision

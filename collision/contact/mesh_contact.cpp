@@ -1,0 +1,141 @@
+#include "collision/contact/mesh_contact.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <optional>
+
+#include "collision/exact/ordered_sums.hpp"
+#include "collision/query/time_of_impact.hpp"
+#include "collision/exact/triangle_distance.hpp"
+
+namespace peerd::collision {
+namespace {
+
+// Between calls they keep memory, never values.
+thread_local MeshImpactQuery impacts;
+thread_local WideQuery near_by;
+
+void name(Contact& contact, const Surface& collidee, std::uint32_t polygon_of_soup) {
+  const Surface::Polygon polygon = collidee.polygon(polygon_of_soup);
+  contact.collidee_shape = polygon.shape;
+  contact.collidee_polygon = polygon.polygon;
+}
+
+// How the collider comes: at a place of the world, its material against the collidee's [m/s].
+Vec3 approach(const KinematicState& a, const KinematicState& b, const Vec3& place) {
+  const auto velocity = [&](const KinematicState& s) {
+    const Vec3 turn = rotate(s.orientation.toRotationMatrix(), s.angular_velocity_body);
+    return Vec3(s.velocity + turn.cross(place - s.position));
+  };
+  return velocity(a) - velocity(b);
+}
+
+// Two triangles that are near: the normal of the collidee's polygon, on the side of the collider, if that comes towards
+// it.
+std::optional<Vec3> met(const Contact& contact, const Surface& collider, const KinematicState& a,
+                        const Surface& collidee, const KinematicState& b, const RelativeMotion& a_from_b,
+                        const FacePair& faces) {
+  const Triangle in_b = collidee.soup().triangle(faces.b);
+  const Triangle of_b = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
+  const TriangleDistance gap = triangle_distance(collider.soup().triangle(faces.a), of_b);
+  const auto normal = collidee.normal(collidee.soup().faces[faces.b].polygon);
+  if (!normal || gap.distance == 0.0) return std::nullopt;
+  const Mat3 R_a = a.orientation.toRotationMatrix();
+  Vec3 n = rotate(b.orientation.toRotationMatrix(), *normal);
+  // Which side the collider is on; beside the polygon it is on neither.
+  const double side = dot(n, rotate(R_a, gap.on_a - gap.on_b)) / gap.distance;
+  if (std::abs(side) < 0x1p-10) return std::nullopt;
+  if (side < 0.0) n = -n;
+  const Vec3 comes =
+      contact.resting ? Vec3(a.acceleration - b.acceleration) : approach(a, b, rotate(R_a, gap.on_a) + a.position);
+  if (dot(n, comes) >= -0x1p-30 * length(comes)) return std::nullopt;
+  return n;
+}
+
+// The least pair of polygons that meets, if any does: sets polygon and normal.
+bool find_met(Contact& contact, Surface& collider, const KinematicState& a, Surface& collidee,
+              const KinematicState& b) {
+  const RelativeMotion a_from_b(a.pose(), b.pose());
+  std::optional<PolygonPair> least;
+  for (const FacePair& faces :
+       near_by.faces_within(collider.tree(), collidee.tree(), a_from_b, 2.0 * kAdvancementTolerance_m)) {
+    const PolygonPair pair{collider.soup().faces[faces.a].polygon, collidee.soup().faces[faces.b].polygon};
+    if (least && !(pair < *least)) continue;
+    const auto normal = met(contact, collider, a, collidee, b, a_from_b, faces);
+    if (!normal) continue;
+    least = pair;
+    name(contact, collidee, pair.b);
+    contact.normal_world = *normal;
+  }
+  return least.has_value();
+}
+
+void name_hit(Contact& contact, const MovingBody& collider, const MovingBody& collidee, const MeshImpact& impact) {
+  const KinematicState a = advance(collider.motion, impact.time_s), b = advance(collidee.motion, impact.time_s);
+  if (find_met(contact, *collider.body.surface, a, *collidee.body.surface, b)) return;
+  name(contact, *collidee.body.surface, impact.pair.b);
+  contact.normal_world = -impact.direction;
+}
+
+void name_overlap(Contact& contact, const MovingBody& collider, const MovingBody& collidee) {
+  Surface &a = *collider.body.surface, &b = *collidee.body.surface;
+  const RelativeMotion a_from_b(collider.motion.pose(), collidee.motion.pose());
+  const auto& pairs = near_by.all_pairs(a.tree(), b.tree(), a_from_b);
+  assert(!pairs.empty());
+  name(contact, b, pairs.front().b);
+  const Mat3 R_a = collider.motion.orientation.toRotationMatrix(), R_b = collidee.motion.orientation.toRotationMatrix();
+  const Vec3 middle = collider.motion.position + rotate(R_a, collider.body.center);
+  const Vec3 other_middle = collidee.motion.position + rotate(R_b, collidee.body.center);
+  if (const auto normal = b.normal(pairs.front().b)) {
+    const auto first = std::ranges::lower_bound(b.soup().faces, pairs.front().b, {}, &TriangleSoup::Face::polygon);
+    const Vec3 corner = collidee.motion.position + rotate(R_b, b.soup().vertices[first->corners[0]]);
+    const Vec3 n = rotate(R_b, *normal);
+    contact.normal_world = dot(n, middle - corner) < 0.0 ? Vec3(-n) : n;
+    return;
+  }
+  const Vec3 apart = middle - other_middle;  // a polygon without an area faces nowhere
+  contact.normal_world = length(apart) > 0.0 ? unit(apart) : Vec3::UnitY();
+}
+
+}  // namespace
+
+bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  Surface &of_a = *a.body.surface, &of_b = *b.body.surface;
+  if (of_a.soup().faces.empty() || of_b.soup().faces.empty()) return false;
+  const RelativeMotion a_from_b(a.motion.pose(), b.motion.pose());
+  return !near_by.faces_within(of_a.tree(), of_b.tree(), a_from_b, distance_m).empty();
+}
+
+Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
+  Contact contact;
+  Surface &a = *collider.body.surface, &b = *collidee.body.surface;
+  if (a.soup().faces.empty() || b.soup().faces.empty()) return contact;
+  const MeshImpact impact = impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion, horizon_s,
+                                                 {.tolerance_m = kAdvancementTolerance_m});
+  contact.time_s = impact.time_s;
+  contact.iterations = impact.iterations;
+  switch (impact.state) {
+    case MeshImpactState::kSeparated:
+      contact.time_s = 0.0;
+      break;
+    case MeshImpactState::kHit:
+      contact.state = ContactState::kContact;
+      contact.resting = impact.resting;
+      name_hit(contact, collider, collidee, impact);
+      break;
+    case MeshImpactState::kOverlapped:
+      contact.state = ContactState::kOverlapped;
+      name_overlap(contact, collider, collidee);
+      break;
+    case MeshImpactState::kOutOfWork:
+      contact.state = ContactState::kFailed;
+      break;
+    case MeshImpactState::kTooLarge:
+      contact.state = ContactState::kUnsupported;
+      break;
+  }
+  return contact;
+}
+
+}  // namespace peerd::collision

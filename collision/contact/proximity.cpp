@@ -1,0 +1,53 @@
+#include "collision/contact/proximity.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "collision/query/mesh_distance.hpp"
+#include "collision/exact/ordered_sums.hpp"
+#include "collision/exact/quadratic.hpp"
+#include "collision/query/time_of_impact.hpp"
+
+namespace peerd::collision {
+namespace {
+
+Vec3 sphere_center(const MovingBody& m) {
+  return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.center);
+}
+
+constexpr std::uint32_t kMost = 1024;
+
+// Between calls they keep memory, never values.
+thread_local MeshImpactQuery impacts;
+thread_local MeshDistanceQuery distances;
+
+}  // namespace
+
+double proximity_time_s(const MovingBody& p, const MovingBody& q) {
+  const Vec3 d0 = sphere_center(q) - sphere_center(p);
+  const Vec3 u = q.motion.velocity - p.motion.velocity;
+  const double r = p.body.radius_m + q.body.radius_m;
+  const Quadratic apart{dot(d0, d0) - r * r, 2.0 * dot(d0, u), dot(u, u)};
+  if (apart.c0 <= 0.0) return 0.0;
+  const double d = discriminant(apart);
+  if (apart.c2 == 0.0 || d < 0.0) return std::numeric_limits<double>::infinity();
+  // Apart now, so both roots lie on the same side of 0: the nearer one is the answer.
+  const auto [first, second] = roots(apart, d);
+  return first >= 0.0 ? first : -2.0 * second;
+}
+
+bool may_come_near(const MovingBody& p, const MovingBody& q, double within_s, double margin_m) {
+  if (!answerable(p.body, q.body)) return true;
+  Surface &of_p = *p.body.surface, &of_q = *q.body.surface;
+  if (of_p.soup().faces.empty() || of_q.soup().faces.empty()) return false;
+  const MeshDistance now =
+      distances.distance(of_p.tree(), of_q.tree(), RelativeMotion(p.motion.pose(), q.motion.pose()),
+                         {.enough_m = margin_m, .near_m = margin_m, .most_iterations = kMost});
+  if (now.lower_m < margin_m) return true;
+  const MeshImpact impact =
+      impacts.first_impact(of_p.tree(), p.motion, of_q.tree(), q.motion, within_s,
+                           {.tolerance_m = 2.0 * margin_m, .most_iterations = kMost, .only_distance = true});
+  return impact.state != MeshImpactState::kSeparated;
+}
+
+}  // namespace peerd::collision

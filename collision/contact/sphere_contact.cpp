@@ -1,0 +1,165 @@
+#include "collision/contact/sphere_contact.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "collision/exact/ordered_sums.hpp"
+#include "collision/contact/separating_axis.hpp"
+
+namespace peerd::collision {
+namespace {
+
+// Coefficients of 1, t, .. t^4.
+using Quartic = std::array<double, 5>;
+
+// Narrower than the rounding of its ends: 2^-52 of the horizon.
+constexpr int kHalvings = 52;
+
+// A polynomial over an interval of time, by its five Bernstein coefficients: it lies in their hull, and has the first
+// and the last of them at the ends (G. Farin, "Curves and Surfaces for CAGD").
+struct Segment {
+  Quartic b;
+  double lo;  // part of the horizon at which it begins, a multiple of a power of two
+  int depth;  // its width is 2^-depth of the horizon
+};
+
+Quartic bernstein(const Quartic& c, double horizon_s) {
+  Quartic p = c;
+  double power = 1.0;
+  for (double& x : p) {
+    x *= power;
+    power *= horizon_s;
+  }
+  return {p[0], p[0] + p[1] / 4.0, p[0] + p[1] / 2.0 + p[2] / 6.0, p[0] + 0.75 * p[1] + 0.5 * p[2] + p[3] / 4.0,
+          p[0] + p[1] + p[2] + p[3] + p[4]};
+}
+
+// De Casteljau.
+std::array<Quartic, 2> halves(Quartic b) {
+  std::array<Quartic, 2> out;
+  for (std::size_t row = 0; row < 5; ++row) {
+    out[0][row] = b[0];
+    out[1][4 - row] = b[4 - row];
+    for (std::size_t i = 0; i + row < 4; ++i) b[i] = 0.5 * b[i] + 0.5 * b[i + 1];
+  }
+  return out;
+}
+
+// The first time in [0, horizon_s] at which the polynomial is not positive, or -1. One that is so near to a root there
+// that rounding can't tell counts.
+double first_not_positive(const Quartic& c, double horizon_s, std::uint32_t& iterations) {
+  std::array<Segment, kHalvings + 1> later;  // of each depth at most one waits
+  std::size_t waiting = 0;
+  Segment s{bernstein(c, horizon_s), 0.0, 0};
+  for (;;) {
+    ++iterations;
+    if (std::ranges::all_of(s.b, [](double x) { return x > 0.0; })) {
+      if (waiting == 0) return -1.0;
+      s = later[--waiting];
+      continue;
+    }
+    if (s.b[0] <= 0.0 || s.depth == kHalvings) return s.lo * horizon_s;
+    const auto [first, second] = halves(s.b);
+    later[waiting++] = {second, s.lo + std::ldexp(1.0, -s.depth - 1), s.depth + 1};
+    s = {first, s.lo, s.depth + 1};
+  }
+}
+
+Vec3 center_of(const MovingBody& m) {
+  return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.round->center);
+}
+
+// One sphere as seen from the other.
+struct Approach {
+  Vec3 apart, velocity, half_acceleration;  // of the collider's centre against the collidee's
+  double radii_m;
+  // What rounding makes of the distance, of its rate, and of its half second derivative.
+  double gap_error_m, speed_error_m_s, bend_error_m_s2;
+
+  Approach(const MovingBody& a, const MovingBody& b)
+      : apart(center_of(a) - center_of(b)),
+        velocity(a.motion.velocity - b.motion.velocity),
+        half_acceleration(0.5 * (a.motion.acceleration - b.motion.acceleration)),
+        radii_m(a.body.round->radius_m + b.body.round->radius_m) {
+    const auto magnitudes = [](const Vec3& p, const Vec3& q) { return magnitude(p) + magnitude(q); };
+    const double speed = magnitudes(a.motion.velocity, b.motion.velocity);
+    gap_error_m = kRounding * (magnitudes(a.motion.position, b.motion.position) + radii_m +
+                               magnitudes(a.body.round->center, b.body.round->center));
+    speed_error_m_s = kRounding * speed;
+    bend_error_m_s2 = kRounding * (0.5 * magnitudes(a.motion.acceleration, b.motion.acceleration) +
+                                   speed * magnitude(velocity) / radii_m);
+  }
+
+  // Of the square of the distance less that of touching.
+  [[nodiscard]] Quartic polynomial() const {
+    const double d = length(apart);
+    return {(d - radii_m) * (d + radii_m), 2.0 * dot(apart, velocity),
+            dot(velocity, velocity) + 2.0 * dot(apart, half_acceleration), 2.0 * dot(velocity, half_acceleration),
+            dot(half_acceleration, half_acceleration)};
+  }
+  [[nodiscard]] Vec3 line_of_centres(double t) const {
+    const Vec3 d = apart + t * (velocity + t * half_acceleration);
+    const double size = length(d);
+    return size > 0.0 ? Vec3(d / size) : Vec3(Vec3::UnitY());
+  }
+};
+
+// What follows a touch at 0 from which they part or in which they stay: without that root.
+Quartic without_root(const Quartic& c) { return {c[1], c[2], c[3], c[4], 0.0}; }
+
+}  // namespace
+
+bool meet_as_spheres(const MovingBody& a, const MovingBody& b) {
+  const auto round = [](const MovingBody& m) {
+    if (!m.body.round) return false;
+    return m.body.round->center.isZero(0.0) || m.motion.angular_velocity_body.isZero(0.0);
+  };
+  return round(a) && round(b);
+}
+
+bool spheres_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  return length(center_of(a) - center_of(b)) <= a.body.round->radius_m + b.body.round->radius_m + distance_m;
+}
+
+Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
+  const Approach way(collider, collidee);
+  Quartic f = way.polynomial();
+  Contact contact;
+  contact.collidee_shape = collidee.body.round->shape;
+  const auto finish = [&](ContactState state, double t) {
+    contact.state = state;
+    contact.time_s = t;
+    contact.normal_world = way.line_of_centres(t);
+    return contact;
+  };
+  const double distance = length(way.apart), gap = distance - way.radii_m;
+  const Vec3 n = way.line_of_centres(0.0);
+  double speed = dot(n, way.velocity);
+  const bool touches = gap <= way.gap_error_m && gap >= -(way.gap_error_m + kClockTick_s * std::abs(speed));
+  if (!touches && gap <= 0.0) return finish(ContactState::kOverlapped, 0.0);
+  if (touches) {
+    if (std::abs(speed) <= way.speed_error_m_s) speed = 0.0;
+    // Half the distance's second derivative: what passes across comes apart, too.
+    double bend = dot(n, way.half_acceleration) +
+                  0.5 * (dot(way.velocity, way.velocity) - speed * speed) / std::max(distance, way.radii_m);
+    if (std::abs(bend) <= way.bend_error_m_s2) bend = 0.0;
+    if (speed < 0.0) return finish(ContactState::kContact, 0.0);
+    const bool too_low =
+        bend < 0.0 && (speed * speed <= -4.0 * bend * way.gap_error_m || speed <= -bend * kClockTick_s);
+    if (too_low) {
+      contact.resting = true;
+      return finish(ContactState::kContact, 0.0);
+    }
+    if (speed == 0.0 && bend == 0.0) return {};  // they stay as they are
+    f = without_root(f);
+    if (speed == 0.0) f = without_root(f);
+  }
+  const double t = first_not_positive(f, horizon_s, contact.iterations);
+  return t < 0.0 ? Contact{} : finish(ContactState::kContact, t);
+}
+
+}  // namespace peerd::collision

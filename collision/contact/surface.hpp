@@ -1,0 +1,45 @@
+#pragma once
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "collision/tree/wide_tree.hpp"
+#include "core/ids.hpp"
+
+namespace peerd::collision {
+
+// All polygons below an object, in its frame, as one soup whose polygons are numbered through its Shapes.
+class Surface {
+ public:
+  Surface() = default;
+  Surface(Surface&&) = delete;  // its tree knows where its soup is
+
+  struct Polygon {
+    ObjectId shape;
+    std::uint32_t polygon = 0;  // of the Shape, in file order
+  };
+
+  [[nodiscard]] const TriangleSoup& soup() const { return soup_; }
+  [[nodiscard]] Polygon polygon(std::uint32_t of_soup) const;
+  // Of all its triangles, the cross product's direction; none where they come to no area.
+  [[nodiscard]] std::optional<Vec3> normal(std::uint32_t polygon_of_soup) const;
+  // Built when first asked for, and as deep as queries go. So a body is for one thread at a time.
+  [[nodiscard]] WideTree& tree();
+
+  // A Shape's polygons behind those that are there, taken to the object's frame by `place`. The error names a vertex
+  // that has no place there; the vertices are there even so, the polygons aren't.
+  [[nodiscard]] std::expected<void, std::string> append(ObjectId shape, const Mesh& mesh,
+                                                        const std::function<Vec3(const Eigen::Vector3f&)>& place);
+
+ private:
+  TriangleSoup soup_;
+  std::vector<std::pair<std::uint32_t, ObjectId>> shapes_;  // the number of its first polygon, by number
+  std::uint32_t polygons_ = 0;
+  std::optional<WideTree> tree_;
+};
+
+}  // namespace peerd::collision

@@ -1,0 +1,258 @@
+// This file is compiled once for each instruction set: Highway includes it again and again.
+#include "collision/query/wide_targets.hpp"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/query/wide_impact.cpp"
+#include <hwy/foreach_target.h>  // NOLINT: before highway.h
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/query/wide_impact.hpp"
+#include "collision/query/wide_nearest.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace peerd::collision::HWY_NAMESPACE {
+
+// Velocities of the middles of a node's boxes, in either frame, and how much faster other points in them are at most.
+struct Velocities {
+  Rows in_own, in_other;
+  Row spread;
+};
+template <class ToOther>
+HWY_INLINE void velocities(const WideTree::Node& node, const std::array<float, 3>& base,
+                           const std::array<float, 3>& turn, float rate, ToOther to_other, Velocities& out) {
+  const V3 axis{set(turn[0]), set(turn[1]), set(turn[2])};
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 v = plus(cross(axis, load3(node.center, i)), base), other = to_other(v), half = load3(node.half, i);
+    store(v.x, out.in_own[0], i), store(v.y, out.in_own[1], i), store(v.z, out.in_own[2], i);
+    store(other.x, out.in_other[0], i), store(other.y, out.in_other[1], i), store(other.z, out.in_other[2], i);
+    store(hn::Mul(set(rate), hn::Sqrt(dot(half, half))), out.spread, i);
+  }
+}
+
+// Along an axis: boxes with a gap that is not closed by then, whichever is on the positive side.
+HWY_INLINE auto apart_along(V from_a_to_b, V reach, V velocity_a, V velocity_b, V spare, V within) {
+  const V gap = hn::Sub(hn::Abs(from_a_to_b), reach);
+  const V closing =
+      hn::Add(hn::Xor(hn::Sub(velocity_a, velocity_b), hn::And(from_a_to_b, hn::SignBit(Lanes()))), spare);
+  return hn::Gt(gap, hn::Max(hn::Mul(closing, within), hn::Zero(Lanes())));
+}
+
+void NodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, const WideSpeeds& s,
+                  float within_s, Masks& masks) {
+  Boxes b_in_a, a_in_b;
+  to_a(b, m, b_in_a);
+  to_b(a, m, a_in_b);
+  Velocities of_a, of_b;
+  velocities(
+      a, s.base_a, s.turn_a, s.rate_a, [&](const V3& v) { return times(m.b_from_a, v); }, of_a);
+  velocities(
+      b, s.base_b, s.turn_b, s.rate_b, [&](const V3& v) { return times(m.a_from_b, v); }, of_b);
+  const V within = set(within_s);
+  masks.fill(0);
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const auto there = hn::Ge(load(a.half[0], i), hn::Zero(Lanes()));
+    for (std::size_t row = 0; row < kWidth; ++row) {
+      if (b.half[0][row] < 0.0f) continue;
+      const V spare = hn::Add(load(of_a.spread, i), set(of_b.spread[row] + s.spare_m_s));
+      auto apart = hn::Not(there);
+      for (std::size_t k = 0; k < 3; ++k) {
+        apart = hn::Or(apart, apart_along(hn::Sub(set(b_in_a.center[k][row]), load(a.center[k], i)),
+                                          hn::Add(load(a.half[k], i), set(b_in_a.half[k][row])),
+                                          load(of_a.in_own[k], i), set(of_b.in_other[k][row]), spare, within));
+      }
+      if (hn::AllTrue(Lanes(), apart)) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        apart = hn::Or(apart, apart_along(hn::Sub(set(b.center[k][row]), load(a_in_b.center[k], i)),
+                                          hn::Add(load(a_in_b.half[k], i), set(b.half[k][row])),
+                                          load(of_a.in_other[k], i), set(of_b.in_own[k][row]), spare, within));
+      }
+      masks[row] = static_cast<std::uint8_t>(masks[row] | bits(hn::Not(apart), i));
+    }
+  }
+}
+
+// What the corners of eight triangles come to when they go on as they do now, one to a lane.
+HWY_INLINE Corners gone_on(const Corners& at, const std::array<float, 3>& base, const std::array<float, 3>& turn,
+                           float within_s) {
+  const V3 axis{set(turn[0]), set(turn[1]), set(turn[2])};
+  const V within = set(within_s);
+  const auto later = [&](const V3& p) {
+    const V3 v = plus(cross(axis, p), base);
+    return V3{hn::Add(p.x, hn::Mul(v.x, within)), hn::Add(p.y, hn::Mul(v.y, within)),
+              hn::Add(p.z, hn::Mul(v.z, within))};
+  };
+  return {later(at.p), later(at.q), later(at.r)};
+}
+
+// What triangles take up along a direction, now and later.
+struct Reach {
+  V low, high, low_later, high_later;
+};
+// Of their three corners' places.
+HWY_INLINE Reach reach_of(const V3& now, const V3& later) {
+  return {hn::Min(hn::Min(now.x, now.y), now.z), hn::Max(hn::Max(now.x, now.y), now.z),
+          hn::Min(hn::Min(later.x, later.y), later.z), hn::Max(hn::Max(later.x, later.y), later.z)};
+}
+HWY_INLINE Reach reach_along(const V3& n, const Corners& now, const Corners& later) {
+  return reach_of({dot(n, now.p), dot(n, now.q), dot(n, now.r)}, {dot(n, later.p), dot(n, later.q), dot(n, later.r)});
+}
+
+HWY_INLINE V coordinate(const V3& p, std::size_t k) { return k == 0 ? p.x : k == 1 ? p.y : p.z; }
+// Along an axis.
+HWY_INLINE Reach reach_of(const Corners& now, const Corners& later, std::size_t k) {
+  return reach_of({coordinate(now.p, k), coordinate(now.q, k), coordinate(now.r, k)},
+                  {coordinate(later.p, k), coordinate(later.q, k), coordinate(later.r, k)});
+}
+HWY_INLINE V farthest_of(const Reach& reach) {
+  return hn::Max(hn::Max(hn::Abs(reach.low), hn::Abs(reach.high)),
+                 hn::Max(hn::Abs(reach.low_later), hn::Abs(reach.high_later)));
+}
+
+// More than `margin` between them, now and later, on the same side. Corners move along straight lines between the two,
+// so the gap is a concave function of time, and is there in between as well.
+HWY_INLINE auto apart_along(const Reach& a, const Reach& b, V margin) {
+  const auto ahead = [&](const Reach& low, const Reach& high) {
+    return hn::And(hn::Gt(hn::Sub(high.low, low.high), margin),
+                   hn::Gt(hn::Sub(high.low_later, low.high_later), margin));
+  };
+  return hn::Or(ahead(a, b), ahead(b, a));
+}
+// Where they aren't apart till later: the part of that time for which they are, since the gap is above its chord.
+HWY_INLINE V part_apart(const Reach& a, const Reach& b, V margin) {
+  const auto ahead = [&](const Reach& low, const Reach& high) {
+    const V now = hn::Sub(high.low, low.high), after = hn::Sub(high.low_later, low.high_later);
+    const V spare = hn::Sub(now, margin);
+    const V part = hn::Mul(hn::Div(spare, hn::Sub(now, after)), set(1.0f - 0x1p-20f));
+    const auto is_part = hn::And(hn::Gt(spare, hn::Zero(Lanes())), hn::Le(part, set(1.0f)));  // a number, too
+    return hn::IfThenElseZero(is_part, part);
+  };
+  return hn::Max(ahead(a, b), ahead(b, a));
+}
+
+// Of triangles one to a lane: by x, y and z.
+struct Reaches {
+  Rows low, high, low_later, high_later;
+};
+HWY_INLINE void store_reach(const Reach& reach, Reaches& out, std::size_t k, std::size_t i) {
+  store(reach.low, out.low[k], i), store(reach.high, out.high[k], i);
+  store(reach.low_later, out.low_later[k], i), store(reach.high_later, out.high_later[k], i);
+}
+HWY_INLINE Reach set_reach(const Reaches& from, std::size_t k, std::size_t lane) {
+  return {set(from.low[k][lane]), set(from.high[k][lane]), set(from.low_later[k][lane]), set(from.high_later[k][lane])};
+}
+
+// What the box of a leaf's triangles takes up along an axis, and how far from the origin that is.
+struct BoxReach {
+  float low, high, low_later, high_later, far;
+};
+HWY_INLINE BoxReach reach_of(const WideTree::Leaf& leaf, const std::array<float, 3>& base,
+                             const std::array<float, 3>& turn, float rate, float within_s, std::size_t k) {
+  const std::size_t x = (k + 1) % 3, y = (k + 2) % 3;
+  const float way = (base[k] + (turn[x] * leaf.center[y] - turn[y] * leaf.center[x])) * within_s;
+  const float more = (rate * ((leaf.half[0] + leaf.half[1]) + leaf.half[2])) * within_s;
+  const float low = leaf.center[k] - leaf.half[k], high = leaf.center[k] + leaf.half[k];
+  const float far = std::abs(leaf.center[k]) + leaf.half[k] + std::abs(way) + more;
+  return {low, high, (low + way) - more, (high + way) + more, far};
+}
+
+void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& m, const WideSpeeds& s,
+                   float within_s, Masks& masks, Times& times) {
+  masks.fill(0);
+  const BoxReach box_a[3] = {reach_of(a, s.base_a, s.turn_a, s.rate_a, within_s, 0),
+                             reach_of(a, s.base_a, s.turn_a, s.rate_a, within_s, 1),
+                             reach_of(a, s.base_a, s.turn_a, s.rate_a, within_s, 2)};
+  const float far_box = std::max({box_a[0].far, box_a[1].far, box_a[2].far});
+  // What corners are off by, besides their part of where they are: what their velocities change by, for one.
+  const V off_anywhere = set(2.0f * m.slack_a + s.spare_m_s * within_s), off_of_far = set(0x1p-19f);
+  std::array<Rows, 3> corners, later;
+  Reaches reaches;
+  Row far;
+  std::uint32_t rows = 0;  // of B's triangles: those that A's box may meet
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const Corners own = load_corners(b.corners, i);
+    const Corners here = moved(own, m), there = moved(gone_on(own, s.base_b, s.turn_b, within_s), m);
+    store_corners(here, corners, i);
+    store_corners(there, later, i);
+    const Reach of_b[3] = {reach_of(here, there, 0), reach_of(here, there, 1), reach_of(here, there, 2)};
+    const V farthest = hn::Max(hn::Max(farthest_of(of_b[0]), farthest_of(of_b[1])), farthest_of(of_b[2]));
+    const V off = hn::Add(off_anywhere, hn::Mul(hn::Add(set(far_box), farthest), off_of_far));
+    auto apart = hn::Lt(off, hn::Zero(Lanes()));  // none yet
+    for (std::size_t k = 0; k < 3; ++k) {
+      store_reach(of_b[k], reaches, k, i);
+      const BoxReach& of_a = box_a[k];
+      apart = hn::Or(
+          apart, apart_along({set(of_a.low), set(of_a.high), set(of_a.low_later), set(of_a.high_later)}, of_b[k], off));
+    }
+    store(farthest, far, i);
+    rows |= bits(hn::Not(apart), i);
+  }
+  rows &= (1u << b.count) - 1;
+  if (rows == 0) return;
+  Rows normal;
+  Row size;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const Planes plane = planes(load_corners(corners, i));
+    store(plane.normal.x, normal[0], i), store(plane.normal.y, normal[1], i), store(plane.normal.z, normal[2], i);
+    store(plane.size, size, i);
+  }
+  const std::uint32_t present = (1u << a.count) - 1;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const Corners here = load_corners(a.corners, i), there = gone_on(here, s.base_a, s.turn_a, within_s);
+    const Reach of_a[3] = {reach_of(here, there, 0), reach_of(here, there, 1), reach_of(here, there, 2)};
+    const V far_a = hn::Max(hn::Max(farthest_of(of_a[0]), farthest_of(of_a[1])), farthest_of(of_a[2]));
+    const Planes plane = planes(here);
+    const Reach across_a = reach_along(plane.normal, here, there);
+    Shape shape_a;
+    bool has_shape = false;
+    for (std::size_t row = 0; row < b.count; ++row) {
+      if ((rows >> row & 1) == 0) continue;
+      const V off = hn::Add(off_anywhere, hn::Mul(hn::Add(far_a, set(far[row])), off_of_far));
+      auto apart = hn::Lt(off, hn::Zero(Lanes()));  // none yet
+      for (std::size_t k = 0; k < 3; ++k) apart = hn::Or(apart, apart_along(of_a[k], set_reach(reaches, k, row), off));
+      if (hn::AllTrue(Lanes(), apart)) continue;
+      const Corners other = set_corners(corners, row), other_later = set_corners(later, row);
+      const auto along = [&](const V3& n, const Reach& reach_a, V n_size, V& part) {
+        const Reach reach_b = reach_along(n, other, other_later);
+        const V margin = certain_margin(n_size, off);
+        part = part_apart(reach_a, reach_b, margin);
+        apart = hn::Or(apart, apart_along(reach_a, reach_b, margin));
+      };
+      V part_a, part_b, part_line;
+      const V3 n = set3(normal, row);
+      along(plane.normal, across_a, plane.size, part_a);
+      along(n, reach_along(n, here, there), set(size[row]), part_b);
+      // Most of what is left is apart along the line of their nearest points.
+      if (hn::AllTrue(Lanes(), apart)) continue;
+      if (!has_shape) shape_a = shape(here);
+      has_shape = true;
+      const V3 line = shortest(shape_a, shape(other)).gap;
+      const V length = hn::Add(hn::Add(hn::Abs(line.x), hn::Abs(line.y)), hn::Abs(line.z));  // at least that
+      along(line, reach_along(line, here, there), length, part_line);
+      store(hn::Mul(hn::Max(hn::Max(part_a, part_b), part_line), set(within_s)), times[row], i);
+      masks[row] = static_cast<std::uint8_t>(masks[row] | (bits(hn::Not(apart), i) & present));
+    }
+  }
+}
+
+}  // namespace peerd::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace peerd::collision {
+
+HWY_EXPORT(NodesMayMeet);
+HWY_EXPORT(LeavesMayMeet);
+
+void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
+                    const WideSpeeds& speeds, float within_s, Masks& masks) {
+  HWY_DYNAMIC_DISPATCH(NodesMayMeet)(a, b, motion, speeds, within_s, masks);
+}
+void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
+                     const WideSpeeds& speeds, float within_s, Masks& masks, Times& times) {
+  HWY_DYNAMIC_DISPATCH(LeavesMayMeet)(a, b, motion, speeds, within_s, masks, times);
+}
+
+}  // namespace peerd::collision
+#endif

@@ -1,0 +1,30 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "collision/exact/relative_motion.hpp"
+#include "collision/tree/wide_tree.hpp"
+
+namespace peerd::collision {
+
+// What the vector unit does of a query. All of it errs on the safe side only: what it leaves out certainly doesn't
+// touch.
+
+// Takes B's tree to A's and back, in binary32.
+struct WideMotion {
+  // What is nearer than `room_m` overlaps, too.
+  WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion, double room_m = 0.0);
+
+  using Matrix = std::array<std::array<float, 3>, 3>;
+  Matrix a_from_b, b_from_a;              // the rotations, between the trees' scales
+  Matrix a_from_b_sizes, b_from_a_sizes;  // their absolute values
+  std::array<float, 3> b_in_a, a_in_b;    // the origins
+  // More than all of this can be wrong about the place of a point: the rounding of the trees, of the motion, of taking
+  // it there and of comparing it there. On A's scale, and on B's.
+  float slack_a, slack_b;
+  float scale_a_from_b;  // A's scale over B's
+};
+
+using Masks = std::array<std::uint8_t, WideTree::kWidth>;  // by B's child or triangle; bit i: A's child or triangle i
+
+}  // namespace peerd::collision

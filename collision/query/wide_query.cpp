@@ -1,0 +1,158 @@
+#include "collision/query/wide_query.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "collision/exact/triangle_distance.hpp"
+#include "collision/query/wide_overlap.hpp"
+
+namespace peerd::collision {
+
+using Ref = WideTree::Ref;
+namespace {
+
+template <class Then>
+void for_bits_downwards(std::uint32_t bits, Then then) {
+  while (bits != 0) {
+    const auto i = static_cast<std::size_t>(std::bit_width(bits) - 1);
+    bits ^= 1u << i;
+    then(i);
+  }
+}
+
+}  // namespace
+
+// The pairs of children of two nodes that may touch: the first of them on top of the stack.
+void WideQuery::open(const WideTree& a, const WideTree& b, Ref of_a, Ref of_b, const WideMotion& motion) {
+  Masks masks;
+  counters_.bv_tests += 64;
+  test_nodes(a.node(of_a.index()), b.node(of_b.index()), motion, masks);
+  for (std::size_t row = WideTree::kWidth; row-- > 0;) {
+    for_bits_downwards(
+        masks[row], [&](std::size_t i) { stack_.emplace_back(WideTree::place(of_a, i), WideTree::place(of_b, row)); });
+  }
+}
+
+// From what is on the stack on: pairs of leaves that may touch, depth first, children in their order, until `leaves`
+// says true.
+template <class Leaves>
+bool WideQuery::descend(WideTree& a, WideTree& b, const WideMotion& motion, Leaves leaves) {
+  while (!stack_.empty()) {
+    const auto [place_a, place_b] = stack_.back();
+    stack_.pop_back();
+    const Ref of_a = a.at(place_a), of_b = b.at(place_b);
+    const bool node_a = of_a.kind() == Ref::kNode, node_b = of_b.kind() == Ref::kNode;
+    if (node_a && node_b) {
+      open(a, b, of_a, of_b, motion);
+    } else if (node_a) {
+      counters_.bv_tests += 8;
+      for_bits_downwards(test_node_leaf(a.node(of_a.index()), b.leaf(of_b.index()), motion),
+                         [&](std::size_t i) { stack_.emplace_back(WideTree::place(of_a, i), place_b); });
+    } else if (node_b) {
+      counters_.bv_tests += 8;
+      for_bits_downwards(test_leaf_node(a.leaf(of_a.index()), b.node(of_b.index()), motion),
+                         [&](std::size_t i) { stack_.emplace_back(place_a, WideTree::place(of_b, i)); });
+    } else if (leaves(Spot{place_a, place_b}, a.leaf(of_a.index()), b.leaf(of_b.index()))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Until `test` says true of two triangles, B's in A's frame.
+template <class Test>
+bool WideQuery::test_triangles(const WideTree& a, const WideTree& b, const WideTree::Leaf& leaf_a,
+                               const WideTree::Leaf& leaf_b, const WideMotion& motion, const RelativeMotion& a_from_b,
+                               Test test) {
+  Masks masks;
+  test_leaves(leaf_a, leaf_b, motion, masks);
+  for (std::size_t row = 0; row < leaf_b.count; ++row) {
+    if (masks[row] == 0) continue;
+    const Triangle in_b = b.soup().triangle(leaf_b.faces[row]);
+    const Triangle moved = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
+    for (std::uint32_t bits = masks[row]; bits != 0; bits &= bits - 1) {
+      const std::uint32_t face_a = leaf_a.faces[static_cast<std::size_t>(std::countr_zero(bits))];
+      ++counters_.triangle_tests;
+      if (test(FacePair{face_a, leaf_b.faces[row]}, a.soup().triangle(face_a), moved)) return true;
+    }
+  }
+  return false;
+}
+
+// What the kernels let through beyond what touches costs time and changes no answer, and it changes no order: so the
+// first pair found is the first that there is.
+template <class Found>
+bool WideQuery::search(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Found found) {
+  const WideMotion motion(a, b, a_from_b);
+  stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
+  return descend(a, b, motion, [&](Spot spot, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+    return test_triangles(
+        a, b, leaf_a, leaf_b, motion, a_from_b, [&](const FacePair& faces, const Triangle& of_a, const Triangle& of_b) {
+          return touch(of_a, of_b, counters_.orientation) &&
+                 found(PolygonPair{a.soup().faces[faces.a].polygon, b.soup().faces[faces.b].polygon}, spot);
+        });
+  });
+}
+
+bool WideQuery::find_pair(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, PolygonPair& pair, Spot* spot) {
+  return search(a, b, a_from_b, [&](const PolygonPair& found, Spot at) {
+    pair = found;
+    if (spot != nullptr) *spot = at;
+    return true;
+  });
+}
+
+bool WideQuery::touch_near(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Spot& spot) {
+  const WideMotion motion(a, b, a_from_b);
+  const auto touching = [&](Spot at, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+    spot = at;
+    return test_triangles(a, b, leaf_a, leaf_b, motion, a_from_b,
+                          [&](const FacePair&, const Triangle& of_a, const Triangle& of_b) {
+                            return touch(of_a, of_b, counters_.orientation);
+                          });
+  };
+  if (touching(spot, a.leaf(a.at(spot.a).index()), b.leaf(b.at(spot.b).index()))) return true;
+  if (spot.a == WideTree::kRoot || spot.b == WideTree::kRoot) return false;
+  stack_.clear();
+  open(a, b, WideTree::parent(spot.a), WideTree::parent(spot.b), motion);
+  return descend(a, b, motion, touching);
+}
+
+const std::vector<PolygonPair>& WideQuery::all_pairs(WideTree& a, WideTree& b, const RelativeMotion& a_from_b) {
+  pairs_.clear();
+  (void)search(a, b, a_from_b, [&](const PolygonPair& found, Spot) {
+    pairs_.push_back(found);
+    return false;
+  });
+  std::ranges::sort(pairs_);
+  pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+  return pairs_;
+}
+
+const std::vector<FacePair>& WideQuery::faces_within(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
+                                                     double distance_m) {
+  faces_.clear();
+  const WideMotion motion(a, b, a_from_b, distance_m);
+  stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
+  (void)descend(a, b, motion, [&](Spot, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+    return test_triangles(a, b, leaf_a, leaf_b, motion, a_from_b,
+                          [&](const FacePair& faces, const Triangle& of_a, const Triangle& of_b) {
+                            if (triangle_distance(of_a, of_b).distance <= distance_m) faces_.push_back(faces);
+                            return false;
+                          });
+  });
+  std::ranges::sort(faces_);
+  return faces_;
+}
+
+bool WideQuery::apart_by(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double gap_m) {
+  const WideMotion motion(a, b, a_from_b, gap_m);
+  stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
+  Masks masks;
+  return !descend(a, b, motion, [&](Spot, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+    test_leaves(leaf_a, leaf_b, motion, masks);
+    return std::ranges::any_of(masks, [](std::uint8_t bits) { return bits != 0; });
+  });
+}
+
+}  // namespace peerd::collision

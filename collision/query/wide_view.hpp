@@ -1,0 +1,57 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "collision/exact/ray_triangle.hpp"
+#include "collision/tree/wide_tree.hpp"
+
+namespace peerd::collision {
+
+// A ray in a tree's numbers. Its parameter here is a length on the tree's scale, but for a factor below 2, from the
+// point of the ray's line that is nearest to the tree's origin, and so no coordinate is much larger than the tree; a
+// hit at the parameter t of the ray has one in [first, last] as soon as 0 <= t <= the longest.
+class WideRay {
+ public:
+  WideRay(const WideTree& tree, const Ray& ray);
+  [[nodiscard]] bool reaches_tree() const { return reaches_tree_; }  // false: it certainly hits nothing
+  void shorten(double longest);                                      // of the ray's own parameter
+
+  std::array<float, 3> start{}, inverse{};  // a point of it, and one over its direction, of which no component is 0
+  float first = 0.0f, last = 0.0f;
+  float slack = 0.0f;  // more than can be wrong about a point of the ray, seen from a box
+  // For triangles: the direction's main axis and the two after it; what the latter lose per unit of the former; the
+  // parameter per unit of it; and more than can be wrong about a corner that was moved along the ray.
+  std::array<std::size_t, 3> axes{};
+  float shear_x = 0.0f, shear_y = 0.0f, per_main = 0.0f, moved_slack = 0.0f;
+
+ private:
+  double unit_, nearest_, scale_;  // parameter = (t * unit - nearest) * scale
+  bool reaches_tree_;
+};
+
+using Entries = std::array<float, WideTree::kWidth>;  // no later than where the ray enters a box
+// Which children's boxes it may enter, bit i: child i; and where, for those.
+[[nodiscard]] std::uint8_t test_ray_node(const WideTree::Node& node, const WideRay& ray, Entries& entries);
+// Which triangles it may hit.
+[[nodiscard]] std::uint8_t test_ray_leaf(const WideTree::Leaf& leaf, const WideRay& ray);
+
+// Half spaces in a tree's numbers: normal . p + offset >= 0.
+struct WidePlanes {
+  static constexpr std::size_t kMost = 16;
+  struct Plane {
+    std::array<float, 3> normal;
+    float offset, slack;  // more than can be wrong about a distance from it
+  };
+  std::array<Plane, kMost> planes;
+  std::size_t count = 0;
+};
+
+using PlaneMask = std::uint16_t;  // bit i: plane i
+// Which children may reach into all half spaces of `active`; and those that each is not certainly wholly in.
+[[nodiscard]] std::uint8_t test_planes_node(const WideTree::Node& node, const WidePlanes& planes, PlaneMask active,
+                                            std::array<PlaneMask, WideTree::kWidth>& crossed);
+// The same of triangles, by their corners.
+[[nodiscard]] std::uint8_t test_planes_leaf(const WideTree::Leaf& leaf, const WidePlanes& planes, PlaneMask active,
+                                            std::array<PlaneMask, WideTree::kWidth>& crossed);
+
+}  // namespace peerd::collision

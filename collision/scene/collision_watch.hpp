@@ -1,0 +1,182 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "collision/broad_phase/broad_phase.hpp"
+#include "collision/scene/pair_coherence.hpp"
+#include "collision/scene/scene_query.hpp"
+
+namespace peerd::collision {
+
+// One of a scene's interests: a collider, one of its collidees (never itself), and the question.
+struct WatchedInterest {
+  ObjectId collider, collidee;
+  CollisionType type = CollisionType::kBox;
+};
+
+// What is remembered from tick to tick. Answers don't depend on it.
+struct CoherenceOptions {
+  bool witnesses = true;  // where two Shapes touched is tested first
+  bool gaps = true;       // how far objects were apart: nothing is tested until they may have gone as far
+};
+
+// Work done, since the beginning.
+struct CollisionWatchCounters {
+  std::uint64_t ticks = 0;
+  std::uint64_t objects_moved = 0;  // whose box was asked for again: something in their path or below them has moved
+  // Pairs of objects, each once a tick.
+  std::uint64_t pairs_far = 0;        // passed over: their boxes are apart
+  std::uint64_t pairs_unmoved = 0;    // passed over: near, but neither has moved since the answer
+  std::uint64_t pairs_separated = 0;  // passed over: they have not gone as far as they were apart
+  std::uint64_t pairs_asked = 0;      // all others
+  std::uint64_t gaps_sought = 0;      // of those asked
+  std::uint64_t gaps_found = 0;       // ", apart by as much as was sought, so that no more was asked
+  std::uint64_t boxes_asked = 0;      // for boxes
+  PairCoherence::Counters shapes;     // what those asked came to, for witnesses and all pairs
+  BroadPhaseCounters broad;
+  SceneQueryCounters query;  // its `queries` with those of all ticks
+};
+
+// Which of a scene's registered interests collide, tick after tick, and what began and ended: the broad phase over the
+// boxes of the objects that interests name, then the exact questions of SceneQuery, of what moved only.
+//
+// A tick's answer is what a new SceneQuery would give for the same placement, whatever was asked before. One exception:
+// a witness where a hierarchy was refitted (SceneQuery::reshape()) is another true one. A tick costs what moved since
+// the last one, the pairs of objects that are near, and the answer if that changed; one before which nothing moved
+// costs nothing. Memory: in the pairs of objects that are, or lately were, near. Not thread-safe.
+class CollisionWatch {
+ public:
+  explicit CollisionWatch(const Scene& scene, HierarchyLoader load_hierarchy = {},
+                          const CoherenceOptions& options = {});
+
+  // All interests, in file order: an interest is its place here.
+  [[nodiscard]] std::span<const WatchedInterest> interests() const { return interests_; }
+
+  // What kBox compares, from the next tick on; before the first one.
+  void use_boxes(BoxBound bound) { query_.use_boxes(bound); }
+
+  // What is said between two ticks counts from the next one on. Transforms and geometries by their indices in Scene;
+  // before the first word of them they are as the file has them.
+  void move(std::uint32_t transform, const TransformFields& fields);
+  void place(std::span<const TransformFields> transforms);  // all; those that differ have moved
+  void reshape(std::uint32_t geometry, Geometry form);
+
+  // A Transform's eventOut notColliding (seed, C.5): FALSE when it begins to collide with anything, as a collider or as
+  // a collidee, TRUE when it no longer does. None in the first tick for what doesn't collide.
+  struct NotColliding {
+    ObjectId object;
+    bool value = false;
+    friend bool operator==(const NotColliding&, const NotColliding&) = default;
+  };
+  struct Refused {
+    std::uint32_t interest = 0;
+    std::string why;
+  };
+  // All sorted by interest or object.
+  struct Tick {
+    std::span<const std::uint32_t> colliding;
+    std::span<const std::uint32_t> began, ended;  // since the last tick
+    std::span<const NotColliding> not_colliding;  // "
+    // Interests that have no answer, and count as not colliding: SceneQuery's error. One whose other object has nothing
+    // that can collide has one.
+    std::span<const Refused> refused;
+  };
+  // Valid until the next one.
+  const Tick& tick();
+
+  // What SceneQuery::collide() answers, as of the last tick, which it must have had. Pairs of polygons are looked for
+  // when they are asked for, and once as long as nothing moves. Valid until the next tick.
+  [[nodiscard]] const Collision& collision(std::uint32_t interest);
+
+  [[nodiscard]] const std::vector<std::string>& notes() const { return query_.notes(); }
+  [[nodiscard]] CollisionWatchCounters counters() const;
+
+ private:
+  struct Object {
+    ObjectId id;
+    bool is_transform = false;
+    bool moved = true;           // before this tick
+    bool was_colliding = false;  // at the last one
+    bool changed = false;        // in changed_objects_
+    double way_m = 0.0;          // gone in this tick, at most
+    double gone_m = 0.0;         // ", in all ticks
+    std::uint64_t reshaped_at = 0;
+    std::uint32_t collisions = 0;  // of its interests
+  };
+  struct Pair {  // of objects that interests join
+    BroadPair objects;
+    std::uint32_t begin = 0, end = 0;  // of by_pair_
+    bool asks_boxes = false, asks_shapes = false;
+  };
+  struct Near {
+    BroadPair objects;
+    std::uint32_t pair = 0;  // of pairs_
+    std::uint32_t hint = 0;  // PairCoherence's
+    // No two points of what can collide were nearer than gap_m [m] when the two together had gone gone_m; 0 where that
+    // is not known. Boxes and trees have room for rounding many times over, so there is enough of it at both ends of a
+    // way.
+    double gap_m = 0.0, gone_m = 0.0;
+    std::uint64_t gap_at = 0;   // the tick
+    std::uint16_t horizon = 4;  // ticks of motion that a gap is sought for
+    std::uint8_t failures = 0;  // how often none was found in a row
+    std::uint8_t pause = 0;     // times not to seek one
+    bool touching = false;      // in any exact way, at the last tick; or refused
+  };
+
+  void add_objects(const Scene& scene);
+  void add_pairs();
+  void mark(std::uint32_t instance);
+  void move_what_was_said();
+  void go(Object& object);
+  void find_near();
+  void ask_near();
+  void ask(Near& near);
+  [[nodiscard]] bool is_separated(const Near& near) const;
+  [[nodiscard]] bool find_gap(Near& near);
+  [[nodiscard]] bool shapes_collide(std::uint32_t interest, Near& near);
+  [[nodiscard]] bool boxes_collide(std::uint32_t interest);
+  bool refuse(std::uint32_t interest, const std::string& why);
+  void leave(std::uint32_t pair);
+  void answer(std::uint32_t interest, bool colliding);
+  void tell();
+
+  const Scene& scene_;
+  SceneQuery query_;
+  PairCoherence coherence_;
+  std::unique_ptr<BroadPhase> broad_;
+  std::vector<WatchedInterest> interests_;
+  std::vector<Object> objects_;           // by BroadIndex, in the order of ids
+  std::vector<std::uint32_t> object_of_;  // by instance: BroadIndex or kNone
+  std::vector<Pair> pairs_;               // sorted
+  std::vector<std::uint32_t> by_pair_;    // interests
+
+  // Said since the last tick.
+  std::vector<std::uint32_t> moved_transforms_;
+  std::vector<TransformFields> said_;  // by transform
+  std::map<std::uint32_t, Geometry> reshaped_;
+
+  std::vector<BroadIndex> moved_objects_;
+  std::vector<Near> near_, near_before_;  // sorted
+  // By interest.
+  std::vector<std::uint8_t> is_colliding_;
+  std::vector<std::optional<Collision>> collisions_;
+  std::map<std::uint32_t, std::string> refusals_;
+
+  std::vector<BroadIndex> changed_objects_;
+  std::vector<std::uint32_t> colliding_, began_, ended_, merged_;
+  std::vector<NotColliding> not_colliding_;
+  std::vector<Refused> refused_;
+  bool refusals_changed_ = false;
+  std::uint64_t tick_ = 0;
+  Tick answer_;
+  CoherenceOptions options_;
+  CollisionWatchCounters counters_;
+};
+
+}  // namespace peerd::collision

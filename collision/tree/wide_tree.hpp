@@ -1,0 +1,144 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "collision/exact/triangle_soup.hpp"
+
+namespace peerd::collision {
+
+// A hierarchy of boxes that a vector unit tests eight at a time, over the triangles of a soup: what queries run on.
+// Leaves hold eight triangles, nodes eight children, and all but the last of each level are full, so a mesh of n
+// triangles has n / 8 leaves. It is built from the top as deep as queries reach. KdopTree (kdop_tree.hpp) is its
+// readable twin; both give the same answers.
+//
+// Everything in it is binary32, relative to `origin` and times `scale`, rounded to nearest: a coordinate may be off by
+// 2^-23 of `extent_m`, which is for the query to allow for. Nothing in it decides.
+class WideTree {
+ public:
+  static constexpr std::size_t kWidth = 8;
+
+  // A child, by kind and index. Pending ones are built when a query comes to them.
+  class Ref {
+   public:
+    enum Kind : std::uint32_t { kNode, kLeaf, kPending, kNone };
+    constexpr Ref() = default;
+    constexpr Ref(Kind kind, std::uint32_t index) : bits_(static_cast<std::uint32_t>(kind) << 30 | index) {}
+    [[nodiscard]] constexpr Kind kind() const { return static_cast<Kind>(bits_ >> 30); }
+    [[nodiscard]] constexpr std::uint32_t index() const { return bits_ & 0x3fff'ffff; }
+
+   private:
+    std::uint32_t bits_ = 0xffff'ffff;  // none
+  };
+
+  // Half the side of a box that isn't there: it overlaps nothing, however it is turned and scaled, since what becomes
+  // no number on the way overlaps nothing either.
+  static constexpr float kNoBox = -std::numeric_limits<float>::infinity();
+
+  struct alignas(32) Node {
+    std::array<std::array<float, kWidth>, 3> center, half;  // by axis, then child [m]
+    std::array<Ref, kWidth> children;
+  };
+  struct alignas(32) Leaf {
+    std::array<std::array<std::array<float, kWidth>, 3>, 3> corners;  // by corner, axis, triangle [m]
+    std::array<std::uint32_t, kWidth> faces;                          // of the soup
+    std::array<float, 3> center, half;                                // of all of it [m]
+    std::uint32_t count = 0;
+  };
+
+  // The soup has a face, and fewer than 2^30; it outlives the tree, at its place.
+  explicit WideTree(const TriangleSoup& soup);
+  // A tree that was built before, of the same soup: all of it, the root first among the nodes, or the only leaf. What
+  // the spans show stays there as long as `owner`. hierarchy_file.hpp checks such trees.
+  WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, std::span<const Node> nodes,
+           std::span<const Leaf> leaves);
+  WideTree(WideTree&&) = default;
+  WideTree& operator=(WideTree&&) = default;
+
+  [[nodiscard]] const TriangleSoup& soup() const { return *soup_; }
+  [[nodiscard]] const Vec3& origin() const { return origin_; }  // in the soup's frame
+  // A power of two: 1, but for soups so large that binary32 would overflow.
+  [[nodiscard]] double scale() const { return scale_; }
+  [[nodiscard]] double extent_m() const { return extent_m_; }  // no coordinate is farther from the origin
+  [[nodiscard]] const Node& node(std::uint32_t i) const { return node_data_[i]; }
+  [[nodiscard]] const Leaf& leaf(std::uint32_t i) const { return leaf_data_[i]; }
+
+  // Where a child hangs: what is not built yet has no other name.
+  using Place = std::uint32_t;
+  static constexpr Place kRoot = ~0u;
+  [[nodiscard]] static constexpr Place place(Ref node, std::size_t i) {
+    return node.index() * kWidth + static_cast<Place>(i);
+  }
+  [[nodiscard]] static constexpr Ref parent(Place place) {
+    return {Ref::kNode, static_cast<std::uint32_t>(place / kWidth)};
+  }  // not of the root
+  // What hangs there, built now if it never was: a node or a leaf. References to both stay valid.
+  [[nodiscard]] Ref at(Place place) {
+    const Ref ref = place == kRoot ? root_ : node_data_[place / kWidth].children[place % kWidth];
+    if (ref.kind() != Ref::kPending) return ref;
+    return resolve(place == kRoot ? root_ : nodes_[place / kWidth].children[place % kWidth]);
+  }
+  void build_all();
+  // The soup's vertices have moved, its faces have not: new boxes for what is built, over the same triangles. O(soup).
+  void refit();
+  [[nodiscard]] bool refittable() const { return owner_ == nullptr; }  // not what was built before and is only shown
+
+  // Of a tree that was built before, none.
+  [[nodiscard]] std::size_t nodes_built() const { return nodes_.size() + leaves_.size(); }
+  // Of a tree that is built to the end.
+  [[nodiscard]] std::span<const Node> nodes() const { return nodes_; }
+  [[nodiscard]] std::span<const Leaf> leaves() const { return leaves_; }
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  // A triangle on its way to a leaf.
+  struct alignas(32) Item {
+    std::array<float, 3> lo;
+    std::uint32_t face;
+    std::array<float, 3> hi;
+    float unused;
+  };
+  struct Range {
+    std::uint32_t begin, end;  // of items_
+    [[nodiscard]] std::uint32_t count() const { return end - begin; }
+  };
+  struct Box {
+    std::array<float, 3> center, half;
+  };
+  struct Bounds {
+    std::array<float, 3> lo, hi;
+  };
+
+  Ref resolve(Ref& ref);
+  Ref pending(Range range);
+  Ref make_node(Range range);
+  Ref make_leaf(Range range);
+  void split(Range range, std::uint32_t capacity, std::array<Range, kWidth>& parts, std::size_t& count);
+  void divide(Range range, std::uint32_t middle, std::size_t axis, float least, float most);
+  [[nodiscard]] Item make_item(std::uint32_t face) const;
+  void fill_corners(Leaf& leaf) const;
+  [[nodiscard]] static Box box_of(const Bounds& bounds);
+  [[nodiscard]] Bounds bound(Range range) const;
+  [[nodiscard]] Bounds bound(Ref ref) const;
+
+  void measure();
+
+  const TriangleSoup* soup_;
+  std::shared_ptr<const void> owner_;  // of what the two pointers show, where that is not the vectors below
+  const Node* node_data_ = nullptr;
+  const Leaf* leaf_data_ = nullptr;
+  Vec3 origin_;
+  double extent_m_ = 0.0;
+  double scale_ = 1.0;
+  Ref root_;
+  std::vector<Node> nodes_;    // its capacity is that of the whole tree
+  std::vector<Leaf> leaves_;   // "
+  std::vector<Item> items_;    // gone when all is built
+  std::vector<Range> ranges_;  // of pending children, by index
+};
+
+}  // namespace peerd::collision

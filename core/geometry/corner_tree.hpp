@@ -1,0 +1,77 @@
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/plane_point.hpp"
+
+namespace peerd {
+
+// The corners of a polygon by where they stand, for questions about what is within a triangle; corners disappear one by
+// one. A k-d tree, halved at the median of its wider side (Bentley 1975), over places 0 .. n - 1, a corner each: a node
+// is a range of places. For a few corners there is one node, and nothing is sorted.
+class CornerTree {
+ public:
+  void build(std::span<const PlanePoint> points);  // which stay where they are
+  void remove(std::uint32_t corner);
+
+  [[nodiscard]] std::uint32_t corner_at(std::uint32_t place) const { return corners_[place]; }
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(corners_.size()); }
+  // The first place from `from` on with a corner that is left and for which is_wanted(corner), or size(). That is asked
+  // of all corners within the triangle a b c, which turns to the left, or on its boundary, and of some others.
+  template <class IsWanted>
+  [[nodiscard]] std::uint32_t find(std::uint32_t from, const PlanePoint& a, const PlanePoint& b, const PlanePoint& c,
+                                   const IsWanted& is_wanted) const {
+    const Triangle triangle{{a, b, c}, box_of(std::span<const PlanePoint>({a, b, c}))};
+    return find_in(0, 0, size(), from, triangle, is_wanted);
+  }
+
+ private:
+  static constexpr std::uint32_t kLeaf = 32;  // corners at most
+  struct Box {
+    PlanePoint lo, hi;
+    [[nodiscard]] bool meets(const Box& o) const {
+      return lo.x <= o.hi.x && o.lo.x <= hi.x && lo.y <= o.hi.y && o.lo.y <= hi.y;
+    }
+    [[nodiscard]] bool holds(const PlanePoint& p) const {
+      return lo.x <= p.x && p.x <= hi.x && lo.y <= p.y && p.y <= hi.y;
+    }
+  };
+  struct Triangle {
+    PlanePoint corners[3];
+    Box box;
+  };
+  struct Node {  // its halves are 2 i + 1 and 2 i + 2
+    Box box;
+    std::uint32_t left = 0;  // corners in it that are left
+  };
+  static Box box_of(std::span<const PlanePoint> points);
+  static bool is_outside(const Box& box, const Triangle& triangle);
+  void build_node(std::uint32_t node, std::uint32_t begin, std::uint32_t end);
+
+  template <class IsWanted>
+  [[nodiscard]] std::uint32_t find_in(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::uint32_t from,
+                                      const Triangle& triangle, const IsWanted& is_wanted) const {
+    if (end <= from || nodes_[node].left == 0 || !nodes_[node].box.meets(triangle.box)) return size();
+    if (end - begin <= kLeaf) {
+      for (std::uint32_t place = std::max(begin, from); place < end; ++place) {
+        const std::uint32_t corner = corners_[place];
+        if (!is_removed_[corner] && triangle.box.holds(points_[corner]) && is_wanted(corner)) return place;
+      }
+      return size();
+    }
+    if (is_outside(nodes_[node].box, triangle)) return size();
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    const std::uint32_t place = find_in(2 * node + 1, begin, middle, from, triangle, is_wanted);
+    return place < size() ? place : find_in(2 * node + 2, middle, end, from, triangle, is_wanted);
+  }
+
+  std::span<const PlanePoint> points_;
+  // Kept from polygon to polygon for their memory.
+  std::vector<std::uint32_t> corners_, places_;  // by place, by corner
+  std::vector<std::uint8_t> is_removed_;         // by corner
+  std::vector<Node> nodes_;
+};
+
+}  // namespace peerd

@@ -1,0 +1,76 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <variant>
+
+#include "core/geometry/mesh.hpp"
+
+namespace peerd {
+
+// The geometry nodes of VRML97 that have surfaces, with the fields that shape them; the others only by name. Each is
+// stored once however often it is USEd. Lengths in metres, angles in radians.
+
+struct BoxGeometry {
+  std::array<float, 3> size = {2, 2, 2};
+};
+struct SphereGeometry {
+  float radius = 1;
+};
+struct ConeGeometry {
+  float bottom_radius = 1, height = 2;
+  bool side = true, bottom = true;
+};
+struct CylinderGeometry {
+  float radius = 1, height = 2;
+  bool side = true, top = true, bottom = true;
+};
+struct ElevationGridGeometry {
+  std::int32_t x_dimension = 0, z_dimension = 0;
+  float x_spacing = 1, z_spacing = 1;
+  SharedArray<float> height;  // x_dimension * z_dimension, row by row
+  bool ccw = true;
+};
+struct ExtrusionGeometry {
+  SharedArray<std::array<float, 2>> cross_section;
+  SharedArray<Eigen::Vector3f> spine;
+  SharedArray<std::array<float, 2>> scale;        // one, or one for each spine point
+  SharedArray<std::array<float, 4>> orientation;  // axis and angle; one, or one for each spine point
+  bool begin_cap = true, end_cap = true, ccw = true;
+};
+struct FaceSetGeometry {
+  SharedArray<Eigen::Vector3f> points;
+  SharedArray<std::int32_t> corners;  // coordIndex; every index but -1 is within `points`
+  bool ccw = true;
+  bool convex = true;  // the author's claim; the triangulation looks for itself
+};
+// Lines, points and text: they have no surface to collide.
+struct NoSurface {
+  std::string_view type;  // the node's; a static string
+};
+
+using Geometry = std::variant<BoxGeometry, SphereGeometry, ConeGeometry, CylinderGeometry, ElevationGridGeometry,
+                              ExtrusionGeometry, FaceSetGeometry, NoSurface>;
+
+// How finely curved geometry is cut.
+struct Tessellation {
+  std::uint32_t slices = 24;  // around an axis, >= 3
+  std::uint32_t stacks = 12;  // of a sphere from pole to pole, >= 2
+};
+
+// The polygons of a geometry in its Shape's frame, as the standard (ISO/IEC 14772-1:1997, clause 6) defines them; they
+// have the corners that the geometry has, and share vertices. Counter-clockwise seen from outside; `ccw` FALSE is in
+// Mesh::ccw and leaves the corners as they are. Computed in binary64 and rounded once, by operations that IEEE 754
+// defines, so that peers get the same bits; coordinates that would be infinite are the largest finite ones. At most
+// 2^31 - 1 corners, polygon ends included: the caller has asked mesh_size() before, and refuses worlds far below that.
+[[nodiscard]] Mesh build_mesh(const Geometry& geometry, const Tessellation& tessellation = {});
+
+// The polygons that build_mesh() would give, and what they would give cut into triangles (corners - 2 each, and at
+// least 1), without building anything.
+struct MeshSize {
+  std::uint64_t polygons = 0;
+  std::uint64_t triangles = 0;
+};
+[[nodiscard]] MeshSize mesh_size(const Geometry& geometry, const Tessellation& tessellation = {});
+
+}  // namespace peerd

@@ -1,0 +1,90 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/mesh.hpp"
+#include "core/geometry/triangulation.hpp"
+
+namespace peerd {
+
+// What can be wrong with a polygon. None of it stops a collision from being computed, as the triangulation takes all
+// polygons. A corner's place decides, not its index; -0 is 0. A polygon can have several defects.
+enum class Defect : std::uint8_t {
+  // All triangles that it is cut into have zero area, exactly. So have polygons of one or two corners.
+  kDegenerate,
+  // An earlier polygon has the same corners in the same cyclic order, or in the reverse. A corner that is written twice
+  // is two corners. A first one and its two copies are two duplicates.
+  kDuplicate,
+  // Not all of its corners lie in one plane, exactly. Of polygons with more than three corners most do so by rounding
+  // alone: it is the triangulation that says what their surface is.
+  kNonPlanar,
+  // Of these, those that can be seen: along the area vector (Newell) the corners are farther apart than 1e-4 of the
+  // longest edge (the closing one included). Where that vector is zero, any polygon of kNonPlanar. Computed in
+  // binary64.
+  kWarped,
+  // One of its edges belongs to more than two polygons.
+  kNonManifold,
+};
+inline constexpr std::size_t kDefects = 5;
+
+struct MeshDefects {
+  struct Count {
+    std::uint64_t polygons = 0;
+    std::uint32_t first = 0;  // the lowest polygon that has it, if any
+  };
+  std::array<Count, kDefects> counts;
+
+  // Edges are unordered pairs of places. A polygon that runs along an edge twice, as to a hole and back, still is one.
+  std::uint64_t boundary_edges = 0;        // run along once
+  std::uint64_t non_manifold_edges = 0;    // of more than two polygons
+  std::uint64_t same_direction_edges = 0;  // of one or two, and run along twice or more in one direction: of neighbours
+                                           // one shows its back
+  std::uint64_t edges_without_length = 0;  // from a corner to the next at the same place; among none of the above
+
+  [[nodiscard]] const Count& operator[](Defect defect) const { return counts[static_cast<std::size_t>(defect)]; }
+  [[nodiscard]] Count& operator[](Defect defect) { return counts[static_cast<std::size_t>(defect)]; }
+};
+
+// Looks at one mesh after the other. n log n in the corners (the hashing of places: expected), however many vertices
+// the mesh shares with others; ear clipping is quadratic at worst. Coordinates must be finite.
+class MeshDefectFinder {
+ public:
+  [[nodiscard]] MeshDefects find(const Mesh& mesh);
+
+ private:
+  using Point = Eigen::Vector3f;
+
+  void number_places(const Mesh& mesh);
+  [[nodiscard]] std::uint32_t place_of(const Point& point);
+  [[nodiscard]] std::span<std::uint32_t> polygon(std::uint32_t i) {
+    return std::span(corners_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
+  }
+  [[nodiscard]] std::uint32_t polygons() const { return static_cast<std::uint32_t>(begin_.size() - 1); }
+  [[nodiscard]] bool has_area(const Mesh& mesh, std::uint32_t polygon);
+  void find_shapes(const Mesh& mesh, MeshDefects& found);
+  void find_edges(MeshDefects& found);
+  void look_at_edge(std::span<const std::uint64_t> uses, MeshDefects& found);
+  void find_duplicates(MeshDefects& found);
+  void start_lists();
+  void lay_out_lists();
+  [[nodiscard]] std::span<std::uint64_t> list(std::uint32_t place) {
+    return std::span(entries_).subspan(place == 0 ? 0 : list_end_[place - 1],
+                                       list_end_[place] - (place == 0 ? 0 : list_end_[place - 1]));
+  }
+
+  // Kept from call to call for their memory.
+  std::vector<Point> places_;  // distinct ones
+  std::vector<std::uint32_t> place_of_vertex_;
+  std::vector<std::uint32_t> slots_;    // hash table: place + 1, 0 where it's free
+  std::vector<std::uint32_t> corners_;  // places of all polygons
+  std::vector<std::uint32_t> begin_;    // polygons + 1 offsets into it
+  std::vector<std::uint64_t> entries_;  // a list for each place, one behind the other
+  std::vector<std::uint32_t> list_end_;
+  std::vector<bool> non_manifold_;
+  std::vector<Point> points_;
+  Triangulator triangulator_;
+};
+
+}  // namespace peerd

@@ -1,0 +1,85 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/animation/animation.hpp"
+#include "core/kinematics.hpp"
+#include "core/scene/scene.hpp"
+
+namespace peerd {
+
+// What a world moves by itself: TimeSensors, interpolators and ROUTEs, as a function of world time (the time of its
+// TimeSensors) and of nothing else, so that every peer sees the same without a word between them. World time before 0
+// is before the world was read: everything is where its file puts it.
+//
+// Cost: nothing where a world has no TimeSensor that is ROUTEd. A question costs what its own instance depends on.
+// Not const: it remembers what it found out about chains of TimeSensors. Not thread-safe.
+class PredefinedMotion {
+ public:
+  explicit PredefinedMotion(const Scene& scene);  // the scene outlives it
+
+  // Whether the instance's place in the world moves by itself: its own Transform or one above it is driven.
+  [[nodiscard]] bool moves(ObjectId id) const;
+  // Whether all below it stays one rigid body of one shape: nothing strictly below it is driven, no scale of its path
+  // is, and no driven rotation stands below an uneven scale, which would shear it ever differently.
+  [[nodiscard]] bool stays_rigid(ObjectId id) const;
+  // Of what is driven, by id, each once.
+  [[nodiscard]] const std::vector<ObjectId>& driven_transforms() const { return driven_ids_; }
+
+  [[nodiscard]] std::vector<animation::FieldId> fields_of(ObjectId id) const;  // that are driven
+
+  // The fields of a Transform at world time t.
+  [[nodiscard]] TransformFields transform(ObjectId id, double t_s);
+  [[nodiscard]] Pose rigid_pose(ObjectId id, double t_s);
+  // Scene::to_world() as the instance's parent stands at world time t.
+  [[nodiscard]] Vec3 to_world(ObjectId id, const Vec3& in_parent, double t_s);
+
+  // Geometries whose vertices move: IndexedFaceSets whose Coordinate is driven, by index into Scene::geometries.
+  [[nodiscard]] std::vector<std::uint32_t> flexible_geometries() const;
+  // One of them at world time t. Points that the event has no value for stay where the file has them.
+  [[nodiscard]] Geometry geometry(std::uint32_t index, double t_s);
+
+  // How an instance's rigid pose goes on from t: it is advance(state, s - begin_s) at world time s from begin_s until
+  // end_s, begin_s <= t < end_s. One driven translation, or its own driven rotation about its origin, or both, is
+  // exactly so between two keys. Anything else (a rotation above it, a driven center or scale) is cut into pieces of
+  // kPiece_s on a grid of world time: through its true pose at both ends and its true position in the middle, off by
+  // about |jerk| * kPiece_s^3 / 125 in between: for a point on a circle of 10 m radius that turns once a second 1e-5 m.
+  // Where keys are closer together than kPiece_s they are cut so too, whatever moves: a file cannot make work without
+  // end.
+  struct Piece {
+    double begin_s = 0.0, end_s = 0.0;
+    KinematicState state;
+  };
+  static constexpr double kPiece_s = 0x1p-7;
+  [[nodiscard]] Piece piece(ObjectId id, double t_s);
+
+  // Since when TimeSensors that start each other stand still, as they have used up what one world may: see
+  // animation::AnimationOptions. As far as anybody has asked.
+  [[nodiscard]] std::optional<double> limited_at() const {
+    return animation_ ? animation_->limited_at() : std::nullopt;
+  }
+  [[nodiscard]] animation::Animation* animation() { return animation_ ? &*animation_ : nullptr; }
+
+ private:
+  enum Part : std::uint8_t { kTranslation, kRotation, kScale, kScaleOrientation, kCenter };
+  struct Driven {
+    std::uint32_t transform = 0;  // into Scene::transforms
+    Part part = kTranslation;
+    animation::FieldId field;
+  };
+  [[nodiscard]] std::span<const Driven> driven(std::uint32_t transform) const;
+  [[nodiscard]] std::vector<std::uint32_t> path(ObjectId id) const;  // from the top
+  static void set_part(TransformFields& fields, Part part, const Vec3& vector, const Quat& rotation);
+
+  const Scene& scene_;
+  std::optional<animation::Animation> animation_;
+  std::vector<Driven> driven_;  // by transform
+  std::vector<ObjectId> driven_ids_;
+  std::vector<std::pair<std::uint32_t, animation::FieldId>> flexible_;  // geometry, points; by geometry
+  animation::Value value_;                                              // scratch
+};
+
+}  // namespace peerd

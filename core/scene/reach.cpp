@@ -1,0 +1,27 @@
+#include "core/scene/reach.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/geometry.hpp"
+
+namespace peerd {
+
+double reach_m(const Scene& scene, ObjectId object) {
+  double farthest_m2 = 0.0;
+  for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
+    const ObjectId shape{i};
+    const Geometry* geometry = scene.geometry(shape);
+    if (geometry == nullptr) continue;
+    const Mesh mesh = build_mesh(*geometry, scene.tessellation);
+    const Eigen::Affine3d object_from_shape = scene.object_from_shape(object, shape);
+    for (const std::int32_t corner : mesh.corners.span()) {
+      if (corner == Mesh::kEndOfPolygon) continue;
+      const Eigen::Vector3f& v = mesh.vertices[static_cast<std::size_t>(corner)];
+      farthest_m2 = std::max(farthest_m2, (object_from_shape * v.cast<double>()).squaredNorm());
+    }
+  }
+  return std::sqrt(farthest_m2);
+}
+
+}  // namespace peerd

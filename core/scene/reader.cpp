@@ -1,0 +1,108 @@
+#include "core/scene/reader.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <expected>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/animation/network_reader.hpp"
+#include "core/vrml/parser.hpp"
+#include "core/scene/scene_builder.hpp"
+
+namespace peerd {
+
+namespace {
+
+// Where the Inlines stand that were left empty within something that collides.
+std::set<std::pair<std::string, std::size_t>> needed_inlines(const Scene& scene, const vrml::Problems& problems) {
+  // An object's pending Inlines are a range, as they stand in the order of their instances: how many ranges begin at
+  // each of them, less those that end before it.
+  std::vector<std::int64_t> begins(scene.pending_inlines.size() + 1, 0);
+  const auto from = [&](ObjectId first) -> std::int64_t& {
+    const auto it = std::ranges::lower_bound(scene.pending_inlines, first, {}, &PendingInline::instance);
+    return begins[static_cast<std::size_t>(it - scene.pending_inlines.begin())];
+  };
+  const auto need = [&](ObjectId object) {
+    ++from(object);
+    --from(ObjectId{scene.at(object).subtree_end});
+  };
+  for (const CollisionInterest& interest : scene.interests) {
+    need(interest.collider);
+    for (const ObjectId collidee : interest.collidees) need(collidee);
+  }
+  std::set<std::pair<std::string, std::size_t>> needed;
+  std::int64_t ranges = 0;
+  for (std::size_t i = 0; i < scene.pending_inlines.size(); ++i) {
+    ranges += begins[i];
+    if (ranges == 0) continue;
+    needed.insert(problems.place_of(scene.document->nodes[scene.at(scene.pending_inlines[i].instance).node].at));
+  }
+  return needed;
+}
+
+}  // namespace
+
+ReadResult read_world(std::string_view text, const ReadOptions& options) {
+  ReadResult result;
+  vrml::ParseOptions parsing{options.load, options.inlines_later, {}, options.limits};
+  vrml::Problems problems;
+  Scene scene;
+  // Which Inlines collide is known when all are numbered; those are read in a second pass, and what they bring may need
+  // others. Each pass reads at least one more.
+  while (true) {
+    const std::shared_ptr<const vrml::Document> document =
+        vrml::parse({options.name, text, nullptr}, problems, parsing);
+    scene = vrml::build_scene(document, options.tessellation, options.limits, problems);
+    const std::size_t before = parsing.inlines_now.size();
+    parsing.inlines_now.merge(needed_inlines(scene, problems));
+    if (parsing.inlines_now.size() == before) break;
+    problems = {};
+  }
+  if (problems.errors() == 0) vrml::check_network(scene.document, problems);
+  if (problems.errors() == 0) result.scene = std::move(scene);
+  auto report = problems.take();
+  result.diagnostics = std::move(report.diagnostics);
+  result.sources = std::move(report.sources);
+  return result;
+}
+
+ReadResult read_inline(const PendingInline& pending, const ReadOptions& options) {
+  std::string tried;
+  for (const std::string& url : pending.urls) {
+    std::expected<LoadedFile, std::string> file = std::unexpected("no other file is read here");
+    if (options.load) file = options.load(std::string_view(url).substr(0, url.find('#')), pending.base);
+    if (!file) {
+      tried += (tried.empty() ? "" : "; ") + vrml::quoted(url) + ": " + file.error();
+      continue;
+    }
+    ReadOptions inner = options;
+    inner.name = file->name;
+    const auto bytes = std::make_shared<const std::string>(std::move(file->bytes));
+    ReadResult result = read_world(*bytes, inner);
+    for (Source& source : result.sources) {
+      if (source.owned == nullptr) source.owned = bytes;
+    }
+    return result;
+  }
+  ReadResult result;
+  result.sources.push_back({pending.base, {}, nullptr});
+  result.diagnostics.push_back({Severity::kError, {1, 1}, "this Inline cannot be read: " + tried, 0, 0});
+  return result;
+}
+
+std::string render(const ReadResult& result, const Diagnostic& diagnostic) {
+  const Source& source = result.sources.at(diagnostic.source);
+  return render(diagnostic, source.name, source.text);
+}
+
+std::uint64_t content_hash(const ReadResult& result) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (const Source& source : result.sources) {
+    for (const char byte : source.text) hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
+  }
+  return hash;
+}
+
+}  // namespace peerd

@@ -1,0 +1,151 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/geometry/geometry.hpp"
+#include "core/ids.hpp"
+#include "core/math.hpp"
+#include "core/transform.hpp"
+
+namespace peerd {
+
+namespace vrml {
+struct Document;
+}
+
+enum class NodeKind : std::uint8_t {
+  kGroup,  // also Anchor
+  kTransform,
+  kBillboard,  // turns towards each viewer, so no peer's collisions turn it
+  kCollision,
+  kInline,
+  kLod,
+  kSwitch,
+  kShape,
+};
+
+// The seed's C.2 has CRT_INVERSE and CRT_ZERO; CRT_IMPULSE is ours.
+enum class ResponseType : std::uint8_t { kInverse = 0, kZero = 1, kImpulse = 2 };
+
+struct CollisionResponse {
+  ResponseType type = ResponseType::kInverse;
+  bool set_back = true;
+  // Of kImpulse alone.
+  double mass_kg = 1.0;        // > 0
+  double restitution = 1.0;    // 0 to 1: what is left of the speed at which two meet; of a pair the smaller counts
+  double friction_m_s2 = 0.0;  // >= 0: deceleration with which it slides to rest; 0: none
+};
+
+// What the seed's appendix C.5 adds to a Transform.
+struct ObjectFields {
+  Vec3 velocity = Vec3::Zero();       // velocityVector [m/s]
+  double distance_threshold_m = 0.5;  // distanceThreshold
+  std::optional<CollisionResponse> response;
+};
+
+// What the seed's appendix C.4 adds to a Shape.
+struct ShapeFields {
+  SharedArray<Eigen::Vector3f> convex_hull;
+  std::string_view hierarchy_file;
+  std::int32_t split_threshold = 10;
+};
+
+// One node of the scene graph as it is instanced. Instances stand in depth-first file order, so a subtree is the
+// contiguous range [its own index, subtree_end).
+struct Instance {
+  static constexpr std::uint32_t kNone = ~0u;
+
+  std::string_view def;      // DEF name, may be empty; Scene::document keeps it
+  std::int32_t parent = -1;  // index; -1 at the top level
+  // Position among the parent's children in the file, nodes that are no instance counted; a Collision's proxy stands
+  // behind its children.
+  std::uint32_t child_index = 0;
+  std::uint32_t subtree_end = 0;    // one past the last descendant
+  std::uint32_t node = kNone;       // into Document::nodes
+  std::uint32_t transform = kNone;  // into Scene::transforms, where it is a Transform
+  std::uint32_t geometry = kNone;   // into Scene::geometries, where it is a Shape that has one
+  std::uint32_t extension = kNone;  // into Scene::object_fields or shape_fields; none where all are the defaults
+  NodeKind kind = NodeKind::kGroup;
+  bool name_shadowed : 1 = false;  // find(def) finds another instance, so paths give the child index instead
+  bool inner_name : 1 = false;  // `def` is a name of a PROTO's or an Inline's own: find() takes the world's before it
+  // False where the standard takes it out of the world: below what a Switch has not chosen, beyond an LOD's level 0, in
+  // a Collision that doesn't collide, or stood for by its proxy.
+  bool collides : 1 = true;
+  // False where nobody sees it: below what a Switch has not chosen, beyond an LOD's level 0, or a proxy.
+  bool drawn : 1 = true;
+};
+
+enum class CollisionType : std::uint8_t { kBox = 0, kWitness = 1, kAllPairs = 2 };  // seed, C.1
+
+struct CollisionInterest {
+  ObjectId collider;
+  std::vector<ObjectId> collidees;
+  CollisionType type = CollisionType::kBox;
+};
+
+// Seed, C.3: a key changes the velocity of an object.
+struct KeySensor {
+  std::uint32_t node = Instance::kNone;  // into Document::nodes
+  std::optional<ObjectId> recipient;     // a Transform; none: it only tells other KeySensors
+  std::int32_t key_value = 0;            // Qt::Key
+  std::int32_t key_state = 0;            // Qt::ButtonState
+  Vec3 value = Vec3::Zero();             // [m/s], in the frame of the recipient's parent
+  bool absolute = false;                 // `value` replaces the velocity, or is added to it
+  bool consume = true;                   // no other KeySensor, nor the application, gets that event
+  bool enabled = true;                   // at first
+};
+
+// An Inline that has not been read: it says how large it is, nothing in it can collide, and the world was read with
+// inlines_later.
+struct PendingInline {
+  ObjectId instance;
+  Eigen::Vector3f box_center, box_size;  // [m], in the Inline's frame
+  std::vector<std::string> urls;         // the first that can be read counts
+  std::string base;                      // the name of the file that they are relative to
+};
+
+struct Scene {
+  std::vector<Instance> instances;  // index == ObjectId::value
+  std::vector<TransformFields> transforms;
+  std::vector<Geometry> geometries;
+  std::vector<ObjectFields> object_fields;
+  std::vector<ShapeFields> shape_fields;
+  std::vector<CollisionInterest> interests;
+  std::vector<KeySensor> key_sensors;
+  std::vector<PendingInline> pending_inlines;
+  Tessellation tessellation;                       // of all curved geometry
+  std::shared_ptr<const vrml::Document> document;  // all fields of all nodes; names and arrays live in it
+
+  [[nodiscard]] const Instance& at(ObjectId id) const { return instances.at(id.value); }
+  // Defaults where the node is no Transform, or no Shape.
+  [[nodiscard]] const TransformFields& transform(ObjectId id) const;
+  [[nodiscard]] const ObjectFields& object(ObjectId id) const;
+  [[nodiscard]] const ShapeFields& shape(ObjectId id) const;
+  [[nodiscard]] const Geometry* geometry(ObjectId id) const;  // null where there is none
+
+  // An instance by its path: DEF names, or child indices where there is none, joined by '/'; a lone DEF name finds the
+  // first instance of that name, those inside PROTOs and Inlines last. Linear in the instances.
+  [[nodiscard]] std::optional<ObjectId> find(std::string_view path) const;
+  // The path of an instance from the top level down, in the same notation; find() of it is that instance again.
+  [[nodiscard]] std::string path_of(ObjectId id) const;
+
+  // Affine map from an instance's own children frame to world: the product of the transforms of its path, itself
+  // included.
+  [[nodiscard]] Eigen::Affine3d world_from_local(ObjectId id) const;
+  // The rigid part of the path: the position of the instance's origin and the product of its path's rotations. This is
+  // the pose that replication moves; scale and shear stay baked in the object's vertices. The position is
+  // world_from_local * 0: with a `center`, the origin is not at the translation, and it moves when the node turns.
+  [[nodiscard]] Pose rigid_pose(ObjectId id) const;
+  // A translation's change in the world, for a vector in the frame of the instance's parent, as a velocityVector is.
+  [[nodiscard]] Vec3 to_world(ObjectId id, const Vec3& in_parent) const;
+  // Maps Shape-frame vertices of `shape` (a descendant of `object`, or itself) into the rigid frame of `object`:
+  // rigid_pose(object)^-1 * world_from_local(shape). Exactly the identity where nothing but rigid transforms lead to
+  // `object` and nothing at all from there to `shape`, so such vertices keep their parsed binary32 values.
+  [[nodiscard]] Eigen::Affine3d object_from_shape(ObjectId object, ObjectId shape) const;
+};
+
+}  // namespace peerd

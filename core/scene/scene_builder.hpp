@@ -1,0 +1,15 @@
+#pragma once
+#include <memory>
+
+#include "core/scene/scene.hpp"
+#include "core/vrml/document.hpp"
+#include "core/vrml/files.hpp"
+
+namespace peerd::vrml {
+
+// The document's nodes as a scene. Reports what the parser could not know: indices, names, depth and number of
+// instances. The scene counts only where `problems` has no error.
+[[nodiscard]] Scene build_scene(const std::shared_ptr<const Document>& document, const Tessellation& tessellation,
+                                const ReadLimits& limits, Problems& problems);
+
+}  // namespace peerd::vrml

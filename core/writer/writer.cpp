@@ -1,0 +1,210 @@
+#include "core/writer/writer.hpp"
+
+#include <cassert>
+
+#include "core/writer/text_out.hpp"
+#include "core/writer/write_plan.hpp"
+
+namespace peerd {
+namespace vrml {
+namespace {
+
+// Takes the plan's walk again, writing.
+class Writer {
+ public:
+  Writer(const Document& document, const WritePlan& plan)
+      : document_(document), plan_(plan), met_(document.nodes.size(), false) {}
+
+  std::string write();
+
+ private:
+  using Meeting = WritePlan::Meeting;
+
+  void declare(const NodeType& type, std::string_view name);
+  void item(const NodeRef& ref, std::uint32_t holder);
+  void node(std::uint32_t index);
+  void field(const WrittenField& field, std::uint32_t holder);
+  void nodes(const Field* value, const FieldSpec& spec, std::uint32_t holder);
+  void paths(const Node& node, const Field& value);
+  void route(std::uint32_t route);
+  void place() {
+    for (const std::uint32_t r : plan_.routes_at(place_++)) route(r);
+  }
+
+  const Document& document_;
+  const WritePlan& plan_;
+  std::vector<bool> met_;
+  std::uint32_t place_ = 0;
+  TextOut out_;
+};
+
+std::string Writer::write() {
+  out_.line("#VRML V2.0 utf8");
+  for (const NodeType* type : plan_.external_types()) {
+    Node instance;
+    instance.type = type;
+    declare(*type, plan_.type_name_of(instance));
+  }
+  const auto top_level = [&](const NodeRef& ref) {
+    out_.begin_line({});
+    item(ref, NodeRef::kNull);
+    place();
+  };
+  for (const NodeRef& ref : document_.top_level) top_level(ref);
+  for (const std::uint32_t index : plan_.outside().plain) top_level({index});
+  if (const auto& held = plan_.outside().held; !held.empty()) {
+    out_.begin_line("Script ");
+    out_.open("{");
+    out_.begin_line("field MFNode ");
+    out_.add(kHolderField);
+    out_.open(" [");
+    for (const std::uint32_t index : held) {
+      out_.begin_line({});
+      item({index}, NodeRef::kNull);
+    }
+    out_.close("]");
+    out_.close("}");
+    place();
+  }
+  for (const std::uint32_t r : plan_.last_routes()) route(r);
+  return out_.take();
+}
+
+// What an EXTERNPROTO that was not found is known to have; its URLs are not kept.
+void Writer::declare(const NodeType& type, std::string_view name) {
+  out_.begin_line("EXTERNPROTO ");
+  out_.add(name);
+  out_.open(" [");
+  for (const FieldSpec& spec : type.fields) {
+    out_.begin_line(peerd::vrml::name_of(spec.access));
+    for (const std::string_view word : {peerd::vrml::name_of(spec.type), spec.name}) {
+      out_.add(" ");
+      out_.add(word);
+    }
+    out_.end_line();
+  }
+  out_.close("] [ ]");
+}
+
+// One node on the line that is begun; ends it.
+void Writer::item(const NodeRef& ref, std::uint32_t holder) {
+  switch (plan_.meet(ref, holder, met_)) {
+    case Meeting::kDefine:
+      return node(ref.index);
+    case Meeting::kUse:
+      out_.add("USE ");
+      out_.add(plan_.name_of(ref.index));
+      return out_.end_line();
+    case Meeting::kNull:
+    case Meeting::kStandIn:
+    case Meeting::kLater:
+      out_.add(kStandInType);
+      out_.add(" { }");
+      return out_.end_line();
+  }
+}
+
+void Writer::node(std::uint32_t index) {
+  const Node& node = document_.nodes[index];
+  if (const std::string_view name = plan_.name_of(index); !name.empty()) {
+    out_.add("DEF ");
+    out_.add(name);
+    out_.add(" ");
+  }
+  out_.add(plan_.type_name_of(node));
+  const std::vector<WrittenField> fields = plan_.fields_of(node);
+  if (fields.empty()) {
+    out_.add(" { }");
+    return out_.end_line();
+  }
+  out_.open(" {");
+  bool has_place = false;
+  for (const WrittenField& one : fields) {
+    has_place |= holds_nodes(one.spec->type) && one.value != nullptr;
+    field(one, index);
+  }
+  if (has_place) place();
+  out_.close("}");
+}
+
+void Writer::field(const WrittenField& field, std::uint32_t holder) {
+  const FieldSpec& spec = *field.spec;
+  const Node& node = document_.nodes[holder];
+  const bool has_paths = node.type->meaning == Meaning::kCollisionInterest || node.type->meaning == Meaning::kKeySensor;
+  const bool text = spec.type == FieldType::kSFString || spec.type == FieldType::kMFString;
+  if (has_paths && text) return paths(node, *field.value);
+  out_.begin_line({});
+  if (field.declared) {
+    out_.add(peerd::vrml::name_of(spec.access));
+    out_.add(" ");
+    out_.add(peerd::vrml::name_of(spec.type));
+    out_.add(" ");
+  }
+  out_.add(field.name);
+  if (!has_value(spec.access) && spec.access != Access::kContent) return out_.end_line();
+  out_.add(" ");
+  if (holds_nodes(spec.type)) return nodes(field.value, spec, holder);
+  assert(field.value != nullptr && "only nodes can be lost");
+  out_.value(*field.value);
+}
+
+void Writer::nodes(const Field* value, const FieldSpec& spec, std::uint32_t holder) {
+  const std::span<const NodeRef> refs = value == nullptr ? std::span<const NodeRef>{} : value->as<NodeRef>();
+  if (spec.type == FieldType::kSFNode) {
+    const bool later = !refs.empty() && refs[0].is_node() && refs[0].index >= holder && !met_[refs[0].index];
+    if (!refs.empty() && refs[0].is_node() && !later) return item(refs[0], holder);
+    out_.add("NULL");
+    return out_.end_line();
+  }
+  if (refs.empty()) {
+    out_.add("[ ]");
+    return out_.end_line();
+  }
+  out_.open("[");
+  for (const NodeRef& ref : refs) {
+    out_.begin_line({});
+    item(ref, holder);
+  }
+  out_.close("]");
+}
+
+// Of a CollisionInterest or a KeySensor: the names that it goes by where all names are the world's.
+void Writer::paths(const Node& node, const Field& value) {
+  std::vector<std::string> texts;
+  for (const std::string_view path : value.as<std::string_view>()) {
+    if (auto text = plan_.path_for(node, path)) texts.push_back(std::move(*text));
+  }
+  if (value.spec->type == FieldType::kSFString && texts.empty()) return;  // a KeySensor that moves nothing
+  out_.begin_line(value.spec->name);
+  out_.add(" ");
+  if (value.spec->type == FieldType::kMFString) return out_.strings(texts);
+  out_.add(string_text(texts[0]));
+  out_.end_line();
+}
+
+void Writer::route(std::uint32_t index) {
+  const Route& route = document_.routes[index];
+  out_.begin_line("ROUTE ");
+  out_.add(plan_.name_of(route.from_node));
+  out_.add(".");
+  out_.add(route.from->name);
+  out_.add(" TO ");
+  out_.add(plan_.name_of(route.to_node));
+  out_.add(".");
+  out_.add(route.to->name);
+  out_.end_line();
+}
+
+}  // namespace
+}  // namespace vrml
+
+std::expected<WrittenWorld, std::string> write_world(const Scene& scene, const WriteOptions& options) {
+  const vrml::WritePlan plan(scene, options);
+  if (plan.too_deep()) {
+    return std::unexpected("its nodes are nested more than " + std::to_string(vrml::kMaxNesting) +
+                           " deep once PROTOs are expanded; no reader of ours would take it");
+  }
+  return WrittenWorld{vrml::Writer(*scene.document, plan).write(), plan.notes()};
+}
+
+}  // namespace peerd

@@ -1,0 +1,41 @@
+#include "peerd/commands/bake_command.hpp"
+
+#include <ostream>
+
+#include <nlohmann/json.hpp>
+
+#include "collision/scene/scene_query.hpp"
+#include "peerd/input/hierarchy_files.hpp"
+#include "peerd/commands/problems.hpp"
+
+namespace peerd {
+
+int run_bake(const std::string& path, bool json, std::ostream& out, std::ostream& err) {
+  const auto file = open_world(path, err);
+  if (!file) return file.error();
+  collision::SceneQuery query(*(*file)->result.scene);
+  const auto baked = query.bake();
+  if (!baked) {
+    err << path << ": error: " << baked.error() << '\n';
+    return 1;
+  }
+  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  for (const auto& [url, bytes] : *baked) {
+    const auto written = config::write_hierarchy_file(path, url, bytes);
+    if (!written) {
+      err << path << ": error: hierarchyFile \"" << url << "\" is not written: " << written.error() << '\n';
+      return 3;
+    }
+    files.push_back({{"path", written->string()}, {"bytes", bytes.size()}});
+    if (!json) out << written->string() << ": " << counted(bytes.size(), "byte") << '\n';
+  }
+  if (json) {
+    const nlohmann::ordered_json all = {{"world", path}, {"files", std::move(files)}};
+    out << all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+  } else if (baked->empty()) {
+    out << path << ": no Shape names a hierarchyFile\n";
+  }
+  return 0;
+}
+
+}  // namespace peerd

@@ -1,0 +1,243 @@
+#include "peerd/commands/collide_command.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <map>
+#include <ostream>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "collision/scene/collision_watch.hpp"
+#include "collision/scene/scene_query.hpp"
+#include "core/motion/predefined_motion.hpp"
+#include "peerd/input/hierarchy_files.hpp"
+#include "peerd/commands/problems.hpp"
+
+namespace peerd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+collision::BoxBound box_bound(const CollideOptions& options) {
+  return options.realigned_boxes ? collision::BoxBound::kRealigned : collision::BoxBound::kVertices;
+}
+
+const char* name_of(CollisionType type) {
+  switch (type) {
+    case CollisionType::kBox:
+      return "box";
+    case CollisionType::kWitness:
+      return "witness";
+    case CollisionType::kAllPairs:
+      return "allpairs";
+  }
+  return "";
+}
+
+// What the file says, what its own movement makes of it by then, and, where nothing else moves an object, its
+// velocityVector since time 0 (seed, equation C.1). For a SceneQuery or a CollisionWatch.
+class WorldMotion {
+ public:
+  explicit WorldMotion(const Scene& scene) : scene_(scene), motion_(scene), transforms_(scene.transforms) {}
+
+  template <class Target>
+  void go_to(Target& target, double t_s) {
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      if (scene_.instances[i].transform == Instance::kNone) continue;
+      TransformFields& fields = transforms_[scene_.instances[i].transform];
+      fields.translation = scene_.transform({i}).translation + scene_.object({i}).velocity * t_s;
+    }
+    for (const ObjectId id : motion_.driven_transforms()) {
+      transforms_[scene_.at(id).transform] = motion_.transform(id, t_s);
+    }
+    target.place(transforms_);
+    for (const std::uint32_t geometry : motion_.flexible_geometries()) bend(target, geometry, t_s);
+  }
+
+ private:
+  // Only where vertices have moved since the last time.
+  template <class Target>
+  void bend(Target& target, std::uint32_t geometry, double t_s) {
+    Geometry form = motion_.geometry(geometry, t_s);
+    const auto& points = std::get<FaceSetGeometry>(form).points;
+    const auto& [last, is_new] = points_.try_emplace(geometry, points);
+    if (!is_new && std::ranges::equal(last->second, points)) return;
+    last->second = points;
+    target.reshape(geometry, std::move(form));
+  }
+
+  const Scene& scene_;
+  PredefinedMotion motion_;
+  std::vector<TransformFields> transforms_;
+  std::map<std::uint32_t, SharedArray<Eigen::Vector3f>> points_;  // by geometry
+};
+
+struct Answer {
+  ObjectId collider, collidee;
+  CollisionType type = CollisionType::kBox;
+  collision::Collision collision{};
+};
+
+Json to_json(const Scene& scene, const collision::ShapePolygon& p) { return {scene.path_of(p.shape), p.polygon}; }
+
+Json to_json(const Scene& scene, const Answer& answer) {
+  Json pairs = Json::array();
+  for (const collision::ShapePair& pair : answer.collision.pairs) {
+    pairs.push_back({{"a", to_json(scene, pair.collider)}, {"b", to_json(scene, pair.collidee)}});
+  }
+  return {{"collider", scene.path_of(answer.collider)},
+          {"collidee", scene.path_of(answer.collidee)},
+          {"type", name_of(answer.type)},
+          {"colliding", answer.collision.colliding},
+          {"pairs", std::move(pairs)}};
+}
+
+Json to_json(const collision::SceneQueryCounters& counters) {
+  return {{"hierarchies_built", counters.hierarchies_built},
+          {"nodes_built", counters.nodes_built},
+          {"bv_tests", counters.queries.bv_tests},
+          {"polygon_tests", counters.queries.triangle_tests},
+          {"exact_tests", counters.queries.orientation.exact}};
+}
+
+void print_text(const Scene& scene, const Answer& answer, std::ostream& out) {
+  constexpr std::size_t kShown = 20;  // of an interest's pairs
+  out << scene.path_of(answer.collider) << " - " << scene.path_of(answer.collidee) << " (" << name_of(answer.type)
+      << "): " << (answer.collision.colliding ? "colliding" : "apart");
+  const auto& pairs = answer.collision.pairs;
+  if (answer.type == CollisionType::kAllPairs) out << ", " << pairs.size() << " pairs of polygons";
+  out << '\n';
+  for (std::size_t i = 0; i < std::min(kShown, pairs.size()); ++i) {
+    const auto& [a, b] = pairs[i];
+    out << "  " << scene.path_of(a.shape) << " polygon " << a.polygon << " - " << scene.path_of(b.shape) << " polygon "
+        << b.polygon << '\n';
+  }
+  if (pairs.size() > kShown) out << "  .. and " << pairs.size() - kShown << " more\n";
+}
+
+Json to_json(const Scene& scene, double time_s, const char* event, const collision::WatchedInterest& interest) {
+  return {{"time_s", time_s},
+          {"event", event},
+          {"collider", scene.path_of(interest.collider)},
+          {"collidee", scene.path_of(interest.collidee)},
+          {"type", name_of(interest.type)}};
+}
+
+// One tick's, as lines or into `events`.
+void report_tick(const Scene& scene, double time_s, const collision::CollisionWatch& watch,
+                 const collision::CollisionWatch::Tick& tick, bool json, Json& events, std::ostream& out) {
+  const auto report = [&](const char* event, std::uint32_t i) {
+    const collision::WatchedInterest& interest = watch.interests()[i];
+    if (json) {
+      events.push_back(to_json(scene, time_s, event, interest));
+    } else {
+      out << time_s << " s: " << scene.path_of(interest.collider) << " - " << scene.path_of(interest.collidee) << " ("
+          << name_of(interest.type) << ") " << event << '\n';
+    }
+  };
+  for (const std::uint32_t i : tick.ended) report("ended", i);
+  for (const std::uint32_t i : tick.began) report("began", i);
+  for (const auto& [object, value] : tick.not_colliding) {
+    if (json) {
+      events.push_back(
+          {{"time_s", time_s}, {"event", "notColliding"}, {"object", scene.path_of(object)}, {"value", value}});
+    } else {
+      out << time_s << " s: " << scene.path_of(object) << " notColliding " << (value ? "TRUE" : "FALSE") << '\n';
+    }
+  }
+}
+
+int watch_collisions(const std::string& path, const Scene& scene, const CollideOptions& options, std::ostream& out,
+                     std::ostream& err) {
+  const auto start = std::chrono::steady_clock::now();
+  collision::CollisionWatch watch(scene, config::mapped_hierarchies(path));
+  watch.use_boxes(box_bound(options));
+  WorldMotion motion(scene);
+  Json events = Json::array();
+  std::uint64_t ticks = 0;
+  for (double before_s = -std::numeric_limits<double>::infinity();; ++ticks) {
+    const double time_s = options.at_s + static_cast<double>(ticks) / options.hz;
+    // So late that a tick is less than a step of the numbers, time stands still.
+    if (!(time_s <= *options.until_s && time_s > before_s)) break;
+    before_s = time_s;
+    motion.go_to(watch, time_s);
+    const collision::CollisionWatch::Tick& tick = watch.tick();
+    if (!tick.refused.empty()) {
+      err << path << ": error: " << tick.refused.front().why << '\n';
+      return 1;
+    }
+    report_tick(scene, time_s, watch, tick, options.json, events, out);
+  }
+  for (const std::string& note : watch.notes()) err << path << ": note: " << note << '\n';
+  const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
+  const collision::CollisionWatchCounters counters = watch.counters();
+  if (!options.json) {
+    out << ticks << " ticks; pairs of objects: " << counters.pairs_far << " far, " << counters.pairs_unmoved
+        << " unmoved, " << counters.pairs_separated << " separated, " << counters.pairs_asked
+        << " asked; of Shapes: " << counters.shapes.pairs_witnessed << " touching where they did, "
+        << counters.shapes.pairs_tested << " tested; " << micros.count() << " us\n";
+    return 0;
+  }
+  Json counted = to_json(counters.query);
+  counted.update({{"pairs_far", counters.pairs_far},
+                  {"pairs_unmoved", counters.pairs_unmoved},
+                  {"pairs_separated", counters.pairs_separated},
+                  {"pairs_asked", counters.pairs_asked},
+                  {"pairs_witnessed", counters.shapes.pairs_witnessed},
+                  {"pairs_tested", counters.shapes.pairs_tested}});
+  const Json json = {
+      {"world", path},  {"time_s", options.at_s},      {"until_s", *options.until_s},    {"hz", options.hz},
+      {"ticks", ticks}, {"events", std::move(events)}, {"counters", std::move(counted)}, {"micros", micros.count()}};
+  out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  return 0;
+}
+
+}  // namespace
+
+int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out, std::ostream& err) {
+  const auto file = open_world(path, err);
+  if (!file) return file.error();
+  const Scene& scene = *(*file)->result.scene;
+  if (options.until_s) return watch_collisions(path, scene, options, out, err);
+  const auto start = std::chrono::steady_clock::now();
+  collision::SceneQuery query(scene, config::mapped_hierarchies(path));
+  query.use_boxes(box_bound(options));
+  WorldMotion(scene).go_to(query, options.at_s);
+  std::vector<Answer> answers;
+  for (const CollisionInterest& interest : scene.interests) {
+    for (const ObjectId collidee : interest.collidees) {
+      auto collision = query.collide(interest.collider, collidee, interest.type);
+      if (!collision) {
+        err << path << ": error: " << collision.error() << '\n';
+        return 1;
+      }
+      answers.push_back({interest.collider, collidee, interest.type, std::move(*collision)});
+    }
+  }
+  for (const std::string& note : query.notes()) err << path << ": note: " << note << '\n';
+  const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
+  const collision::SceneQueryCounters counters = query.counters();
+  if (options.json) {
+    Json interests = Json::array();
+    for (const Answer& answer : answers) interests.push_back(to_json(scene, answer));
+    const Json json = {{"world", path},
+                       {"time_s", options.at_s},
+                       {"interests", std::move(interests)},
+                       {"counters", to_json(counters)},
+                       {"micros", micros.count()}};
+    out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    return 0;
+  }
+  for (const Answer& answer : answers) print_text(scene, answer, out);
+  out << answers.size() << " interests; " << counters.hierarchies_built << " hierarchies of " << counters.nodes_built
+      << " nodes; tests: " << counters.queries.bv_tests << " of bounding volumes, " << counters.queries.triangle_tests
+      << " of polygons, " << counters.queries.orientation.exact << " in exact arithmetic; " << micros.count()
+      << " us\n";
+  return 0;
+}
+
+}  // namespace peerd

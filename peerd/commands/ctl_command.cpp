@@ -1,0 +1,184 @@
+#include <iostream>
+
+#include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
+
+#include "peerd/control/control_client.hpp"
+#include "peerd/control/control_path.hpp"
+#include "peerd/commands/commands.hpp"
+#include "peerd/commands/print.hpp"
+
+namespace peerd {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+std::string vector(const json& v) {
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>());
+}
+
+std::string motion_of(const json& object) {
+  if (object.value("outside", false)) return " by a program outside";
+  return object.at("driven").get<bool>() ? " by a formula" : "";
+}
+
+void print_objects(const json& reply) {
+  for (const json& o : reply.at("objects")) {
+    std::cout << fmt::format("{}, run by peer {}{}: at {} m, velocity {} m/s\n", o.at("path").get<std::string>(),
+                             o.at("owner").get<std::uint64_t>(), motion_of(o), vector(o.at("position_m")),
+                             vector(o.at("velocity_m_s")));
+  }
+  if (!reply.at("next").is_null()) std::cout << "and more: see peerd ctl objects\n";
+}
+
+// The reply of a peer that did what it was asked.
+Result<json> read_reply(const std::filesystem::path& socket, const std::string& line) {
+  json reply = json::parse(line, nullptr, /*allow_exceptions=*/false);
+  const bool understood =
+      reply.is_object() && reply.contains("ok") && reply.at("ok").is_boolean() && reply.value("v", 0) == 1;
+  if (!understood) {
+    return std::unexpected(InputError{
+        "error: what listens at " + socket.string() + " is no peer of this version: " + line.substr(0, 200), 3});
+  }
+  if (!reply.at("ok").get<bool>()) {
+    return std::unexpected(InputError{"error: " + reply.value("error", std::string("no reason given")), 2});
+  }
+  return reply;
+}
+
+// A peer lists so many objects or peers at a time; the rest is asked for until there is none.
+Result<void> fetch_rest(const std::filesystem::path& socket, const char* what, json& reply) {
+  while (!reply.at("next").is_null()) {
+    const auto line = api::ask(socket, json{{"do", what}, {"from", reply.at("next")}}.dump());
+    if (!line) return std::unexpected(line.error());
+    auto more = read_reply(socket, *line);
+    if (!more) return std::unexpected(more.error());
+    for (json& row : more->at(what)) reply.at(what).push_back(std::move(row));
+    reply.at("next") = more->at("next");
+  }
+  return {};
+}
+
+// "12.345 ms", or what is said where nothing is known.
+std::string milliseconds(const json& t, const char* unknown = "unknown") {
+  return t.is_null() ? unknown : fmt::format("{:.3f} ms", t.get<double>());
+}
+
+std::string percent(const json& part) {
+  return part.is_null() ? "unknown" : fmt::format("{:.1f} %", 100.0 * part.get<double>());
+}
+
+void print_clock(const json& clock) {
+  std::cout << fmt::format(
+      "session time: {} ahead of this host's clock, error at most {}, {} to slew; the OS clock {}\n",
+      milliseconds(clock.at("offset_ms")), milliseconds(clock.at("error_ms")), milliseconds(clock.at("to_slew_ms")),
+      clock.at("os_clock_error_ms").is_null() ? "does not know its error"
+                                              : "is off by at most " + milliseconds(clock.at("os_clock_error_ms")));
+}
+
+void print_peers(const json& reply) {
+  print_clock(reply.at("clock"));
+  for (const json& p : reply.at("peers")) {
+    std::cout << fmt::format(
+        "peer {} (id {}){}: round trip {}, clock ahead by {} ({} to {}), error {}; {} datagrams, {} bytes; lost here "
+        "{}, "
+        "there {}; {} duplicates, {} overtaken\n",
+        p.at("name").get<std::string>(), p.at("id").get<std::uint64_t>(),
+        reply.at("clock").at("follows") == p.at("id") ? ", followed" : "", milliseconds(p.at("round_trip_ms")),
+        milliseconds(p.at("clock_ahead_ms")), milliseconds(p.at("clock_ahead_least_ms")),
+        milliseconds(p.at("clock_ahead_most_ms")), milliseconds(p.at("clock_error_ms")),
+        p.at("datagrams_in").get<std::uint64_t>(), p.at("bytes_in").get<std::uint64_t>(), percent(p.at("loss_in")),
+        percent(p.at("loss_out")), p.at("duplicates").get<std::uint64_t>(), p.at("overtaken").get<std::uint64_t>());
+  }
+  for (const json& r : reply.at("regions")) {
+    std::cout << fmt::format("region {}: {} datagrams, {} bytes in; {}, {} out", r.at("region").get<std::uint64_t>(),
+                             r.at("datagrams_in").get<std::uint64_t>(), r.at("bytes_in").get<std::uint64_t>(),
+                             r.at("datagrams_out").get<std::uint64_t>(), r.at("bytes_out").get<std::uint64_t>());
+    for (const auto& [why, count] : r.at("drops").items())
+      std::cout << fmt::format("; dropped {}: {}", why, count.get<std::uint64_t>());
+    std::cout << '\n';
+  }
+}
+
+void print_status(const json& reply) {
+  const auto seconds = [](const json& t) {
+    return t.is_null() ? "none yet" : fmt::format("{:.3f} s", t.get<double>());
+  };
+  std::cout << fmt::format("peer {} (id {}): {}, world time {}, since the start {}\n",
+                           reply.at("peer").at("name").get<std::string>(),
+                           reply.at("peer").at("id").get<std::uint64_t>(),
+                           reply.at("session").at("joined").get<bool>() ? "in session" : "not in a session yet",
+                           seconds(reply.at("world_time_s")), seconds(reply.at("since_start_s")));
+  std::cout << fmt::format("session time is {} ahead of this host's clock, error at most {}\n",
+                           milliseconds(reply.at("session").at("clock_offset_ms")),
+                           milliseconds(reply.at("session").at("clock_error_ms")));
+  for (const json& m : reply.at("members")) {
+    std::cout << fmt::format("with peer {} (id {}){}\n", m.at("name").get<std::string>(),
+                             m.at("id").get<std::uint64_t>(),
+                             m.at("joined").get<bool>() ? "" : ", not in a session yet");
+  }
+  print_objects(reply);
+  for (const auto& [name, count] : reply.at("counters").items()) {
+    if (count != 0) std::cout << fmt::format("{}: {}\n", name, count.get<std::uint64_t>());
+  }
+}
+
+void print_pose(const json& reply) {
+  for (const json& refused : reply.at("refused")) {
+    std::cout << fmt::format("the pose of {} is not used: {}\n", refused.at("object").get<std::string>(),
+                             refused.at("why").get<std::string>());
+  }
+}
+
+void print_key(const json& reply) {
+  const std::string key = reply.at("key").get<std::string>();
+  if (reply.contains("refused"))
+    std::cout << key << " does nothing: " << reply.at("refused").get<std::string>() << '\n';
+  if (!reply.contains("refused") && reply.at("hits") == 0) std::cout << key << ": no enabled KeySensor listens to it\n";
+  for (const json& c : reply.at("changes")) {
+    const std::string what = fmt::format("{}: {}", key, c.at("sensor").get<std::string>());
+    const std::string recipient = c.at("recipient").get<std::string>();
+    if (c.contains("refused")) {
+      std::cout << fmt::format("{} does not move {}: {}\n", what, recipient, c.at("refused").get<std::string>());
+    } else {
+      std::cout << fmt::format("{} {} {} m/s\n", what,
+                               c.at("absolute").get<bool>() ? "sets the velocity of " + recipient + " to"
+                                                            : "changes the velocity of " + recipient + " by",
+                               vector(c.at("velocity_m_s")));
+    }
+  }
+}
+
+}  // namespace
+
+int run_ctl(const CtlOptions& options) {
+  const auto socket = options.socket.empty() ? api::find_socket(options.name) : options.socket;
+  if (!socket) return failed(socket.error());
+  const auto line = api::ask(*socket, options.request);
+  if (!line) return failed(line.error());
+  auto read = read_reply(*socket, *line);
+  if (!read) return failed(read.error());
+  json& reply = *read;
+  if (reply.contains("objects") && !reply.contains("peer")) {
+    if (const auto all = fetch_rest(*socket, "objects", reply); !all) return failed(all.error());
+  }
+  if (reply.contains("peers")) {
+    if (const auto all = fetch_rest(*socket, "peers", reply); !all) return failed(all.error());
+  }
+  if (options.json) {
+    std::cout << reply.dump() << '\n';
+  } else if (reply.contains("peers")) {
+    print_peers(reply);
+  } else if (reply.contains("peer")) {
+    print_status(reply);
+  } else if (reply.contains("key")) {
+    print_key(reply);
+  } else if (reply.contains("taken")) {
+    print_pose(reply);
+  } else if (reply.contains("objects")) {
+    print_objects(reply);
+  }
+  return reply.contains("done") && !reply.at("done").get<bool>() ? 1 : 0;
+}
+
+}  // namespace peerd

@@ -1,0 +1,142 @@
+#include <iostream>
+#include <optional>
+
+#include <spdlog/fmt/fmt.h>
+#include <boost/asio/io_context.hpp>
+#include <nlohmann/json.hpp>
+
+#include "peerd/commands/commands.hpp"
+#include "peerd/os/host_clock.hpp"
+#include "peerd/transport/multicast_probe.hpp"
+#include "peerd/commands/print.hpp"
+#include "peerd/transport/transport_options.hpp"
+
+namespace peerd {
+namespace {
+
+using nlohmann::ordered_json;
+
+// The table [transport] alone: the rest of a scenario says nothing about the network.
+Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
+  toml::table root;
+  if (!options.config.empty()) {
+    auto file = config::read_toml(options.config);
+    if (!file) return std::unexpected(file.error());
+    root = *std::move(file);
+  }
+  for (const std::string& text : options.sets) {
+    const auto given = config::parse_assignment(text);
+    if (!given) return std::unexpected(given.error());
+    if (auto done = config::assign(root, given->key, *given->holder.get("value")); !done)
+      return std::unexpected(done.error());
+  }
+  std::optional<InputError> error;
+  config::TomlReader reader(root, "", error);
+  static const toml::table kEmpty;
+  const toml::table* const transport = reader.table("transport");
+  auto settings = config::read_transport(config::TomlReader(transport ? *transport : kEmpty, "transport", error));
+  if (error) return std::unexpected(*error);
+  return settings;
+}
+
+// What a peer with these settings would meet, as found by trying.
+struct Findings {
+  std::optional<std::expected<net::ProbeResult, net::NetError>> probe;  // none: told to leave multicast alone
+  std::string transport;  // that a peer would use, in words; empty: it could not run
+  std::string kind;       // "multicast", "unicast" or empty
+  std::string problem;    // why it could not
+  int receive_buffer_bytes = 0;
+  int exit_code = 0;
+};
+
+Findings examine(const net::TransportOptions& options) {
+  Findings f;
+  const net::HostClock clock;
+  boost::asio::io_context io(1);
+  if (options.use != net::MulticastUse::kNever) f.probe = net::probe_multicast(clock, options.multicast);
+  if (f.probe && !*f.probe && options.use == net::MulticastUse::kAlways) {
+    f.problem = f.probe->error().sentence;
+    f.exit_code = input_error(f.probe->error()).exit_code;
+    return f;
+  }
+  const auto opened = net::open_transport(io, clock, options);
+  if (!opened) {
+    f.problem = opened.error().sentence;
+    f.exit_code = input_error(opened.error()).exit_code;
+    return f;
+  }
+  f.transport = opened->transport->describe();
+  f.kind = opened->why_unicast.empty() ? "multicast" : "unicast";
+  f.receive_buffer_bytes = opened->transport->receive_buffer_bytes();
+  return f;
+}
+
+ordered_json as_json(const Findings& f, const config::TransportSettings& settings) {
+  ordered_json multicast = {{"tried", f.probe.has_value()}, {"works", f.probe && *f.probe}};
+  ordered_json interface = nullptr, memberships = nullptr;
+  if (f.probe && *f.probe) {
+    const net::ProbeResult& p = **f.probe;
+    interface = {{"name", p.over.interface.name}, {"why", p.over.why}};
+    multicast["took_us"] = to_seconds(p.took) * 1e6;
+    multicast["kernel_stamps"] = p.stamped;
+    if (p.memberships_max) memberships = *p.memberships_max;
+  } else if (f.probe) {
+    multicast["problem"] = f.probe->error().sentence;
+  }
+  ordered_json all = {
+      {"interface", interface},
+      {"multicast", multicast},
+      {"memberships_of_a_socket", memberships},
+      {"receive_buffer_bytes", {{"asked", settings.receive_buffer_bytes}, {"granted", f.receive_buffer_bytes}}},
+      {"unicast_needed", !(f.probe && *f.probe)},
+      {"unicast_peers", settings.peers},
+      {"transport", f.kind.empty() ? ordered_json(nullptr) : ordered_json(f.kind)}};
+  if (!f.problem.empty()) all["problem"] = f.problem;
+  return all;
+}
+
+std::string as_text(const Findings& f, const config::TransportSettings& settings) {
+  std::string text;
+  const auto line = [&](std::string_view what, const std::string& found) {
+    text += fmt::format("{:<16}{}\n", what, found);
+  };
+  const bool works = f.probe && *f.probe;
+  if (works) {
+    const net::ProbeResult& p = **f.probe;
+    line("interface", p.over.why);
+    line("multicast", fmt::format("works on this computer: heard after {:.0f} us, {}stamped by the kernel",
+                                  to_seconds(p.took) * 1e6, p.stamped ? "" : "not "));
+    line("groups", p.memberships_max
+                       ? fmt::format("{} for each socket; more sockets are opened for more groups", *p.memberships_max)
+                       : "as many for each socket as its memory holds; more sockets are opened for more");
+  } else {
+    line("multicast",
+         f.probe ? "doesn't work: " + f.probe->error().sentence : "not tried: transport.multicast says so");
+  }
+  if (!f.kind.empty()) {
+    const std::string less = buffer_warning(settings, f.receive_buffer_bytes);
+    line("receive buffer", less.empty() ? fmt::format("{} bytes, as asked", f.receive_buffer_bytes) : less);
+  }
+  line("unicast",
+       works ? "not needed" : fmt::format("needed; {} peers are configured (transport.peers)", settings.peers.size()));
+  line("a peer", f.problem.empty() ? "would run: " + f.transport : "could not run: " + f.problem);
+  return text;
+}
+
+}  // namespace
+
+int run_doctor(const DoctorOptions& options) {
+  const auto settings = read_settings(options);
+  if (!settings) return failed(settings.error());
+  const auto reach = transport_options(*settings, random_key());
+  if (!reach) return failed(reach.error());
+  const Findings found = examine(*reach);
+  if (options.json) {
+    std::cout << as_json(found, *settings).dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
+  } else {
+    std::cout << as_text(found, *settings);
+  }
+  return found.exit_code;
+}
+
+}  // namespace peerd

@@ -1,0 +1,57 @@
+#include "peerd/commands/print.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/measure/expectations.hpp"
+#include "peerd/report/table.hpp"
+#include "peerd/report/write.hpp"
+
+namespace peerd {
+namespace {
+
+std::string shell_word(const std::string& word) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::string_view("/._-=+:,@").contains(c); };
+  if (!word.empty() && std::ranges::all_of(word, plain)) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+int failed(const InputError& error) {
+  std::cerr << error.text << (error.text.ends_with('\n') ? "" : "\n");
+  return error.exit_code;
+}
+
+int print_report(const report::ScenarioInfo& info, std::span<const report::RunRecord> runs,
+                 std::span<const config::Expectation> expectations, const std::filesystem::path& out, bool json) {
+  auto summary = report::summarise(info, runs);
+  const auto checked = report::check_expectations(expectations, info.mode, runs, summary["runs"]);
+  if (!checked.empty()) summary["expectations"] = report::expectations_json(checked);
+  if (const auto written = report::write_report(out, info, runs, summary); !written) {
+    return failed({"error: " + written.error(), 3});
+  }
+  std::cout << (json ? summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"
+                     : report::table(summary) + report::wrong_outcomes_table(summary) +
+                           report::expectations_table(checked, summary["runs"]));
+  return std::ranges::any_of(checked, &report::CheckedExpectation::failed) ? 1 : 0;
+}
+
+std::string command_line(const char* command, const ScenarioOptions& options) {
+  std::string line = std::string("peerd ") + command + ' ' + shell_word(options.scenario.string());
+  for (const auto& file : options.configs) line += " --config " + shell_word(file.string());
+  for (const std::string& set : options.sets) line += " --set " + shell_word(set);
+  if (options.seed) line += " --seed " + std::to_string(*options.seed);
+  return line;
+}
+
+std::string json_line(const nlohmann::json& value) {
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace peerd

@@ -1,0 +1,269 @@
+#include <chrono>
+#include <iostream>
+#include <random>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <boost/asio/io_context.hpp>
+#include <nlohmann/json.hpp>
+
+#include "peerd/control/control_path.hpp"
+#include "peerd/control/control_server.hpp"
+#include "peerd/commands/commands.hpp"
+#include "peerd/daemon/daemon.hpp"
+#include "peerd/node/describe.hpp"
+#include "peerd/os/udp_port.hpp"
+#include "peerd/os/host_clock.hpp"
+#include "peerd/node/peer_node.hpp"
+#include "peerd/commands/print.hpp"
+#include "peerd/record/capture.hpp"
+#include "peerd/daemon/rehearsal.hpp"
+#include "peerd/transport/transport_options.hpp"
+
+namespace peerd {
+namespace {
+
+namespace asio = boost::asio;
+
+// One line a fact: text with the time and the level, or one JSON object.
+class Log {
+ public:
+  Log(std::string peer, bool json, bool verbose)
+      : logger_(json ? json_line(peer) : std::move(peer), std::make_shared<spdlog::sinks::stdout_sink_st>()),
+        json_(json) {
+    logger_.set_level(verbose ? spdlog::level::debug : spdlog::level::info);
+    logger_.flush_on(spdlog::level::trace);  // a reader may follow it
+    logger_.set_pattern(json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","peer":%n,"level":"%l","text":%v})"
+                             : "%H:%M:%S.%e %-7l %n: %v");
+  }
+  void operator()(spdlog::level::level_enum level, const std::string& text) {
+    logger_.log(level, json_ ? json_line(text) : text);
+  }
+
+ private:
+  spdlog::logger logger_;
+  bool json_;
+};
+
+struct ControlPlace {
+  std::filesystem::path socket;  // empty: none
+  bool asked_for = false;        // so that a peer without it must not run
+};
+
+// The flag's, else the configuration's, else the user's own folder's where the system has made one.
+ControlPlace control_place(const PeerOptions& options, const config::ControlSettings& settings,
+                           const std::string& peer) {
+  if (const auto& given = options.control ? options.control : settings.socket) {
+    std::string path = *given;
+    if (const auto at = path.find("{peer}"); at != std::string::npos) path.replace(at, 6, peer);
+    return {path, true};
+  }
+  const auto socket = api::default_socket(peer);
+  if (!socket) return {};
+  std::error_code error;
+  if (std::filesystem::create_directory(socket->parent_path(), error)) {
+    std::filesystem::permissions(socket->parent_path(), std::filesystem::perms::owner_all, error);
+  }
+  return {*socket, false};
+}
+
+Result<const config::PeerSettings*> choose_peer(const config::RunSettings& run, const std::string& name) {
+  std::string all;
+  std::vector<std::string> names;
+  for (const config::PeerSettings& p : run.peers) {
+    if (p.name == name || (name.empty() && run.peers.size() == 1)) return &p;
+    all += (all.empty() ? "" : ", ") + p.name;
+    names.push_back(p.name);
+  }
+  if (name.empty()) return std::unexpected(InputError{"error: which peer? Say --peer NAME; there are " + all});
+  return std::unexpected(InputError{"error: there is no peer \"" + name + "\"; there are " + all});
+}
+
+// Null: none is asked for.
+Result<std::unique_ptr<record::CaptureWriter>> open_capture(
+    const PeerOptions& options, const config::Scenario& scenario, const config::PeerSettings& peer,
+    const SharedWorld& shared, const PeerNode::Options& node, const net::OpenedTransport& reached,
+    net::GroupPlan groups, HostTime now) {
+  if (options.capture.empty()) return nullptr;
+  // A datagram goes to many addresses by unicast, and stands in the capture once: as if all regions had one group.
+  if (reached.unicast()) groups.pool = 1;
+  const auto setup =
+      record::make_setup(scenario, scenario.runs.front(), peer, options.config, shared, node, std::move(groups));
+  return record::CaptureWriter::open(options.capture, setup, now, reached.transport->own_address());
+}
+
+// Null: runs without; nobody has asked for it in so many words.
+Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, const ControlPlace& place,
+                                                                 Daemon& daemon, Log& log) {
+  if (place.socket.empty()) return nullptr;
+  auto opened =
+      api::ControlServer::open(io, place.socket, [&daemon](std::string_view line) { return daemon.on_control(line); });
+  if (!opened && place.asked_for) return std::unexpected(opened.error());
+  if (!opened) {
+    log(spdlog::level::warn, "runs without peerd ctl: " + opened.error().text);
+    return nullptr;
+  }
+  log(spdlog::level::info, fmt::format("listens for peerd ctl at {}", place.socket.string()));
+  return opened;
+}
+
+// Null: the peer takes no poses by UDP.
+Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io,
+                                                              const config::PeerSettings& settings, Daemon& daemon,
+                                                              Log& log) {
+  if (settings.feed.udp.empty()) return nullptr;
+  auto opened = feed::UdpPort::open(io, settings.feed.udp, "peer." + settings.name + ".feed.udp",
+                                    [&daemon](std::string_view datagram) { daemon.on_poses(datagram); });
+  if (!opened) return opened;
+  const auto endpoint = (*opened)->endpoint();
+  log(spdlog::level::info,
+      fmt::format("takes poses by UDP at {} port {}", endpoint.address().to_string(), endpoint.port()));
+  if (!endpoint.address().is_loopback()) {
+    log(spdlog::level::warn, "whoever reaches that port, from other computers too, moves this peer's objects");
+  }
+  return opened;
+}
+
+// What clients and programs said that was not taken.
+void tell_refused(const api::ControlServer* control, const feed::UdpPort* poses, Log& log) {
+  if (control) {
+    const api::ControlServer::Counters& c = control->counters();
+    if (c.refused + c.too_long + c.too_slow > 0) {
+      log(spdlog::level::warn,
+          fmt::format("control: {} of {} clients were one too many, {} sent no end of line, {} did "
+                      "not read their reply",
+                      c.refused, c.clients, c.too_long, c.too_slow));
+    }
+  }
+  if (poses && poses->counters().lost + poses->counters().errors > 0) {
+    log(spdlog::level::warn,
+        fmt::format("poses: {} of {} datagrams were lost for want of room, {} reads failed", poses->counters().lost,
+                    poses->counters().datagrams + poses->counters().lost, poses->counters().errors));
+  }
+}
+
+void tell_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport, const Daemon& daemon,
+                 Log& log) {
+  const net::ForwardTime& forward = daemon.forward();
+  const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
+  log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
+                                       count("datagrams_out"), count("updates_out"), count("datagrams_in"),
+                                       count("updates_in"), count("ticks_missed"), count("ticks")));
+  if (const TickLateness& late = daemon.lateness(); late.count() > 0) {
+    log(spdlog::level::info, fmt::format("ticks ran late by {:.1f} ms at most but for one in a hundred, by {:.1f} at "
+                                         "the worst",
+                                         to_seconds(late.p99()) * 1e3, to_seconds(late.most()) * 1e3));
+  }
+  if (record.counters.contains("poses_taken")) {
+    log(spdlog::level::info,
+        fmt::format("took {} poses, refused {} and {} messages; {} silences", count("poses_taken"),
+                    count("poses_refused"), count("pose_messages_refused"), count("feeds_silent")));
+  }
+  for (const auto& [reason, dropped] : node.peer().counters().drops) {
+    log(spdlog::level::info, fmt::format("dropped {}: {}", dropped, reason));
+  }
+  for (const auto& [name, n] : transport.counters().named()) {
+    if (n > 0 && !(name.ends_with("_in") || name.ends_with("_out")))
+      log(spdlog::level::info, fmt::format("{}: {}", name, n));
+  }
+  if (forward.count() > 0) {
+    log(spdlog::level::info,
+        fmt::format("{} datagrams were read after a tick that they came before, by {:.1f} us at most", forward.count(),
+                    to_seconds(forward.most()) * 1e6));
+  }
+}
+
+// What a peer does while it polls; null where it sleeps too soon for that, or where that can't be had.
+std::unique_ptr<Rehearsal> open_rehearsal(const config::RunSettings& run, Log& log) {
+  if (std::chrono::microseconds(run.transport.busy_poll_us) <= Daemon::kRehearsalPeriod) return nullptr;
+  auto rehearsal = Rehearsal::make(run.replication.policy);
+  if (rehearsal) return *std::move(rehearsal);
+  log(spdlog::level::warn, "polls without rehearsing updates: " + rehearsal.error().sentence);
+  return nullptr;
+}
+
+}  // namespace
+
+int run_peer(const PeerOptions& options) {
+  config::ScenarioRequest request;
+  request.file = options.config;
+  request.configs = options.overlays;
+  request.sets = options.sets;
+  request.real = true;
+  request.sweep = false;
+  const auto scenario = config::read_scenario(request);
+  if (!scenario) return failed(scenario.error());
+  const config::RunSettings& run = scenario->runs.front();
+  const auto settings = choose_peer(run, options.peer);
+  if (!settings) return failed(settings.error());
+  const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
+  if (!shared) return failed(shared.error());
+  const Scene& scene = (*shared)->world.scene;
+  auto objects = config::resolve(run, scene);
+  if (!objects) return failed(objects.error());
+
+  const net::HostClock clock(from_seconds((*settings)->clock_offset_s));
+  PeerNode::Options node_options;
+  // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
+  node_options.boot = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
+  for (const config::PeerSettings& p : run.peers) {
+    if (config::starts_with(run.events, p.name)) node_options.wait_for.push_back(PeerId{p.id});
+  }
+  node_options.late = !config::starts_with(run.events, (*settings)->name);
+  node_options.start_lead = std::chrono::milliseconds(1000);  // a few hellos must have told everybody
+  node_options.clock_offset = from_seconds((*settings)->clock_offset_s);
+  node_options.keep_log = !options.record.empty();
+  node_options.sample_hz = run.sample_hz;
+  auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
+  const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), node_options);
+
+  auto reach = transport_options(run.transport, random_key());
+  if (!reach) return failed(reach.error());
+  const std::uint64_t session_hash = run.replication.regions.session_hash((*shared)->world.hash);
+  reach->multicast.groups = net::plan_of_world(reach->multicast.groups, session_hash);
+  asio::io_context io(1);
+  const auto reached = net::open_transport(io, clock, *reach);
+  if (!reached) return failed(input_error(reached.error()));
+  const auto& transport = reached->transport;
+
+  if (!options.record.empty()) {  // before the run, not after it, if the file can't be written
+    if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
+  }
+
+  const auto capture = open_capture(options, *scenario, **settings, **shared, node_options, *reached,
+                                    reach->multicast.groups, clock.now());
+  if (!capture) return failed(capture.error());
+
+  Log log((*settings)->name, options.json, options.verbose);
+  log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, {}", (*settings)->name, (*settings)->id,
+                                       scenario->world.filename().string(), transport->describe()));
+  if (!reached->why_unicast.empty()) log(spdlog::level::warn, "no multicast: " + reached->why_unicast);
+  if (const std::string less = buffer_warning(run.transport, transport->receive_buffer_bytes()); !less.empty()) {
+    log(spdlog::level::warn, less);
+  }
+  for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
+
+  const auto rehearsal = open_rehearsal(run, log);
+  Daemon daemon(
+      io, *node, *transport, clock, [&log](const LogLine& line) { log(line.level, line.text); },
+      options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
+  if (options.verbose) daemon.log_updates();
+  daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), rehearsal.get());
+  auto control = open_control(io, control_place(options, run.control, (*settings)->name), daemon, log);
+  if (!control) return failed(control.error());
+  const auto poses = open_pose_port(io, **settings, daemon, log);
+  if (!poses) return failed(poses.error());
+  const int code = daemon.run();
+  tell_refused(control->get(), poses->get(), log);
+  control->reset();
+  const PeerLog& record = node->log();
+  tell_totals(*node, record, *transport, daemon, log);
+  if (!options.record.empty()) {
+    if (const auto saved = save(record, options.record); !saved) return failed(saved.error());
+  }
+  return code;
+}
+
+}  // namespace peerd

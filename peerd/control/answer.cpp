@@ -1,0 +1,224 @@
+#include "peerd/control/answer.hpp"
+
+#include <map>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/control/request.hpp"
+#include "replication/decision/decision.hpp"
+
+namespace peerd::api {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+ordered_json in_ms(std::optional<Duration> d) { return d ? ordered_json(to_seconds(*d) * 1e3) : ordered_json(nullptr); }
+
+// Where the request's text comes back in it, it may be no UTF-8.
+std::string line_of(const ordered_json& reply) {
+  return reply.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+ordered_json good() { return {{"v", kVersion}, {"ok", true}}; }
+
+ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId owner) {
+  const replication::Peer& peer = node.peer();
+  const bool own = owner == peer.id();
+  const KinematicState s = own ? peer.truth(object, t) : peer.ghost(object, t);
+  ordered_json row = {
+      {"id", object.value},
+      {"path", node.scene().path_of(object)},
+      {"owner", owner.value},
+      {"own", own},
+      {"driven", own && node.drives(object)},
+      {"outside", own && node.feeds(object)},
+      {"position_m", numbers(s.position)},
+      {"orientation_xyzw", {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()}},
+      {"velocity_m_s", numbers(s.velocity)},
+      {"angular_velocity_rad_s", numbers(s.angular_velocity_body)}};
+  if (!peer.holds(object)) row["heard"] = false;
+  return row;
+}
+
+// Objects that somebody runs, from a number on. `next` is where to go on; null where this was the last.
+void add_objects(ordered_json& reply, const PeerNode& node, HostTime now, const ObjectsRequest& request, bool own) {
+  reply["objects"] = ordered_json::array();
+  reply["next"] = nullptr;
+  if (!node.peer().clock().synchronised()) return;  // nothing moves yet
+  const SimTime t = node.peer().clock().to_session(now);
+  for (const auto& [object, owner] : node.peer().owners().from(ObjectId{request.from})) {
+    if (own && owner != node.peer().id()) continue;
+    if (reply["objects"].size() == request.count) {
+      reply["next"] = object.value;
+      return;
+    }
+    reply["objects"].push_back(object_row(node, t, object, owner));
+  }
+}
+
+ordered_json status(PeerNode& node, HostTime now, const net::TrafficCounters* network) {
+  const replication::Peer& peer = node.peer();
+  const auto& clock = peer.clock();
+  const auto since = [&](std::optional<SimTime> begin) -> ordered_json {
+    if (!begin || !clock.synchronised()) return nullptr;
+    return to_seconds(clock.to_session(now) - *begin);
+  };
+  ordered_json reply = good();
+  reply["peer"] = {{"id", peer.id().value}, {"name", node.name()}};
+  reply["session"] = {
+      {"joined", clock.synchronised()},
+      {"time_s", clock.synchronised() ? ordered_json(to_seconds(clock.to_session(now).time_since_epoch()))
+                                      : ordered_json(nullptr)},
+      {"clock_offset_ms", clock.synchronised() ? in_ms(clock.session_minus_host(now)) : ordered_json(nullptr)},
+      {"clock_error_ms", in_ms(clock.error_bound(now))}};
+  reply["world_time_s"] = since(peer.world_zero());
+  reply["since_start_s"] = since(node.start());
+  reply["members"] = ordered_json::array();
+  for (const auto& [id, member] : peer.members().all()) {
+    reply["members"].push_back({{"id", id.value}, {"name", member.name}, {"joined", member.synchronised}});
+  }
+  add_objects(reply, node, now, {}, /*own=*/true);
+  reply["counters"] = node.log().counters;
+  if (network != nullptr) reply["counters"].update(ordered_json(network->named()));
+  return reply;
+}
+
+// Of `peers` and of each region: rates are for whoever asks twice.
+ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest& request) {
+  const replication::Peer& peer = node.peer();
+  const replication::SessionClock& clock = peer.clock();
+  ordered_json reply = good();
+  const auto id_of = [](std::optional<PeerId> id) { return id ? ordered_json(id->value) : ordered_json(nullptr); };
+  const auto& os = peer.os_clock();
+  reply["clock"] = {{"follows", id_of(peer.follows())},
+                    {"offset_ms", clock.synchronised() ? in_ms(clock.session_minus_host(now)) : ordered_json(nullptr)},
+                    {"error_ms", in_ms(clock.error_bound(now))},
+                    {"to_slew_ms", in_ms(clock.debt(now))},
+                    {"os_clock_error_ms", in_ms(os ? std::optional(os->error) : std::nullopt)}};
+  ordered_json peers = ordered_json::array(), next = nullptr, regions = ordered_json::array();
+  const auto& members = peer.members().all();
+  for (auto at = members.lower_bound(PeerId{request.from}); at != members.end(); ++at) {
+    const auto& [id, member] = *at;
+    if (peers.size() == kPeersMax) {
+      next = id.value;
+      break;
+    }
+    const auto bounds = member.clock.at(now, replication::kDrift_ppm + replication::kSlew_ppm);
+    const replication::LossMeter received = member.received_in_all();
+    const bool compared = bounds && clock.synchronised();
+    const Duration own = clock.session_minus_host(now);
+    peers.push_back(
+        {{"id", id.value},
+         {"name", member.name},
+         {"joined", member.synchronised},
+         {"leads", member.leads},
+         {"heard_ms_ago", in_ms(now - member.last_heard)},
+         {"round_trip_ms", in_ms(member.clock.round_trip())},
+         {"delay_ms", in_ms(member.mean_delay())},
+         {"clock_ahead_ms", compared ? in_ms(member.clock.likely(now).offset - own) : ordered_json(nullptr)},
+         {"clock_ahead_least_ms", compared ? in_ms(bounds->least - own) : ordered_json(nullptr)},
+         {"clock_ahead_most_ms", compared ? in_ms(bounds->most - own) : ordered_json(nullptr)},
+         {"clock_error_ms", member.synchronised ? in_ms(member.clock_error) : ordered_json(nullptr)},
+         {"datagrams_in", member.datagrams_in},
+         {"bytes_in", member.bytes_in},
+         {"loss_in", received.loss()},
+         {"loss_out", member.loss_of_ours ? ordered_json(*member.loss_of_ours) : ordered_json(nullptr)},
+         {"duplicates", received.duplicates()},
+         {"overtaken", received.overtaken()},
+         {"drops", member.drops}});
+  }
+  std::map<RegionId, replication::LossMeter> received;  // of all who are here
+  for (const auto& [id, member] : members) {
+    for (const auto& [region, meter] : member.received) received[region] += meter;
+  }
+  for (const auto& [region, traffic] : peer.counters().regions) {
+    if (regions.size() == kRegionsMax) break;
+    const replication::LossMeter& in = received[region];
+    regions.push_back({{"region", region.value},
+                       {"datagrams_in", traffic.datagrams_in},
+                       {"bytes_in", traffic.bytes_in},
+                       {"datagrams_out", traffic.datagrams_out},
+                       {"bytes_out", traffic.bytes_out},
+                       {"loss_in", in.loss()},
+                       {"duplicates", in.duplicates()},
+                       {"overtaken", in.overtaken()},
+                       {"drops", traffic.drops}});
+  }
+  const std::size_t left_out = peer.counters().regions.size() - regions.size();
+  reply["peers"] = std::move(peers);
+  reply["next"] = std::move(next);
+  reply["regions"] = std::move(regions);
+  reply["regions_left_out"] = left_out;
+  return reply;
+}
+
+ordered_json key_reply(const KeyReport& report, const Scene& scene) {
+  ordered_json reply = good();
+  reply["key"] = name_of(report.key);
+  reply["done"] = report.done();
+  reply["hits"] = report.hits;
+  reply["consumed"] = report.consumed;
+  if (!report.refused.empty()) reply["refused"] = report.refused;
+  reply["changes"] = ordered_json::array();
+  for (const KeyReport::Change& c : report.changes) {
+    ordered_json& change = reply["changes"].emplace_back();
+    change = {{"sensor", name_of_sensor(scene, c.sensor)},
+              {"recipient", scene.path_of(c.recipient)},
+              {"velocity_m_s", numbers(c.velocity_world)},
+              {"absolute", c.absolute},
+              {"done", c.refused.empty()}};
+    if (!c.refused.empty()) change["refused"] = c.refused;
+  }
+  return reply;
+}
+
+ordered_json pose_reply(const feed::Outcome& outcome) {
+  ordered_json reply = good();
+  reply["done"] = outcome.refused.empty();
+  reply["taken"] = outcome.taken;
+  reply["refused"] = ordered_json::array();
+  for (const auto& [object, why] : outcome.refused) {
+    reply["refused"].push_back({{"object", object}, {"why", feed::sentence(why)}});
+  }
+  return reply;
+}
+
+}  // namespace
+
+std::string refusal(const std::string& sentence) {
+  return line_of({{"v", kVersion}, {"ok", false}, {"error", sentence}});
+}
+
+Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall,
+              const net::TrafficCounters* network) {
+  const auto request = parse_request(line);
+  if (!request) return {refusal(request.error())};
+  if (const auto* key = std::get_if<KeyRequest>(&*request)) {
+    return {line_of(key_reply(node.on_key(now, key->key), node.scene()))};
+  }
+  if (const auto* objects = std::get_if<ObjectsRequest>(&*request)) {
+    ordered_json reply = good();
+    add_objects(reply, node, now, *objects, /*own=*/false);
+    return {line_of(reply)};
+  }
+  if (const auto* peers = std::get_if<PeersRequest>(&*request)) return {line_of(peers_reply(node, now, *peers))};
+  if (const auto* poses = std::get_if<PoseRequest>(&*request)) {
+    const feed::Outcome outcome = node.on_poses(now, host_minus_wall, poses->poses);
+    return {poses->reply ? line_of(pose_reply(outcome)) : ""};
+  }
+  if (std::holds_alternative<LeaveRequest>(*request)) return {line_of(good()), /*leave=*/true};
+  return {line_of(status(node, now, network))};
+}
+
+void take_datagram(PeerNode& node, HostTime now, std::string_view datagram, Duration host_minus_wall) {
+  const auto request = parse_request(datagram);
+  if (!request) return node.refuse_poses(request.error());
+  const auto* poses = std::get_if<PoseRequest>(&*request);
+  if (poses == nullptr) return node.refuse_poses("by UDP \"do\" must be \"pose\"");
+  (void)node.on_poses(now, host_minus_wall, poses->poses);
+}
+
+}  // namespace peerd::api

@@ -1,0 +1,50 @@
+#include "peerd/control/control_client.hpp"
+
+#include <optional>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+
+namespace peerd::api {
+
+namespace asio = boost::asio;
+
+Result<std::string> ask(const std::filesystem::path& path, const std::string& request,
+                                std::chrono::milliseconds within) {
+  using Protocol = asio::local::stream_protocol;
+  const auto nobody = [&](const std::string& why) {
+    return std::unexpected(InputError{"error: no peer answers at " + path.string() + ": " + why, 3});
+  };
+  asio::io_context io(1);
+  Protocol::socket socket(io);
+  boost::system::error_code error;
+  if (path.string().size() >= sizeof(sockaddr_un::sun_path)) return nobody("the path is too long for a socket's");
+  socket.open(Protocol(), error);
+  socket.non_blocking(true, error);  // a peer that is stopped, with a full queue, would keep us waiting
+  socket.connect(Protocol::endpoint(path.string()), error);
+  // Linux says EAGAIN of a full queue, which Asio makes no_buffer_space.
+  const bool full = error == asio::error::would_block || error == asio::error::no_buffer_space;
+  if (error) return nobody(full ? "it is stopped, or busy" : error.message());
+
+  const std::string line = request + '\n';
+  std::string reply;
+  std::optional<boost::system::error_code> done;
+  // Whether it got through is told by what comes back: a peer may say no and close before it has read everything.
+  asio::async_write(socket, asio::buffer(line), [](const boost::system::error_code&, std::size_t) {});
+  asio::async_read_until(socket, asio::dynamic_buffer(reply), '\n',
+                         [&](const boost::system::error_code& failed, std::size_t size_bytes) {
+                           done = failed;
+                           if (!failed) reply.resize(size_bytes - 1);
+                         });
+  const auto give_up = std::chrono::steady_clock::now() + within;
+  while (!done && io.run_one_until(give_up) > 0) {
+  }
+  if (!done) return nobody("it is silent for " + std::to_string(within.count()) + " ms");
+  if (*done) return nobody(done->message());
+  return reply;
+}
+
+}  // namespace peerd::api

@@ -1,0 +1,15 @@
+#pragma once
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "peerd/input/input_error.hpp"
+
+namespace peerd::api {
+
+// Sends one request to the peer that listens at `path` and gives its reply, both without the end of their line. The
+// error, with exit code 3, says that nobody answers.
+[[nodiscard]] Result<std::string> ask(const std::filesystem::path& path, const std::string& request,
+                                              std::chrono::milliseconds within = std::chrono::seconds(3));
+
+}  // namespace peerd::api

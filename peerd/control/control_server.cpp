@@ -1,0 +1,265 @@
+#include "peerd/control/control_server.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cassert>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+
+#include "peerd/control/answer.hpp"
+#include "peerd/control/request.hpp"
+
+namespace peerd::api {
+namespace {
+
+namespace asio = boost::asio;
+namespace fs = std::filesystem;
+using boost::system::error_code;
+using Protocol = asio::local::stream_protocol;
+using InputError;
+
+constexpr int kEnvironment = 3;
+constexpr std::chrono::seconds kAcceptAgainAfter{1};  // when the system has no descriptors left
+
+std::unexpected<InputError> cannot_listen(const fs::path& path, const std::string& why, int code = kEnvironment) {
+  return std::unexpected(InputError{"error: can't listen for control at " + path.string() + ": " + why, code});
+}
+
+// Held while a stale socket is looked at and replaced: of two peers that start at once, the second finds the first. A
+// file beside the socket that only this user may open: whoever may open a shared folder could hold that one for ever.
+class LockFile {
+ public:
+  explicit LockFile(const fs::path& path)
+      : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0600)) {
+    struct stat found {};
+    if (fd_ < 0 || fstat(fd_, &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return;
+    for (int tries = 0; !(held_ = flock(fd_, LOCK_EX | LOCK_NB) == 0) && tries < 100; ++tries) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+  LockFile(const LockFile&) = delete;
+  LockFile& operator=(const LockFile&) = delete;
+  ~LockFile() {
+    if (fd_ >= 0) close(fd_);
+  }
+  [[nodiscard]] bool held() const { return held_; }
+
+ private:
+  int fd_;
+  bool held_ = false;
+};
+
+// Makes room at `path` where a dead peer left its socket.
+Result<void> clear(asio::io_context& io, const fs::path& path) {
+  struct stat found {};
+  if (lstat(path.c_str(), &found) != 0) {
+    if (errno == ENOENT) return {};
+    return cannot_listen(path, error_code(errno, boost::system::system_category()).message());
+  }
+  if (!S_ISSOCK(found.st_mode)) return cannot_listen(path, "something that is no socket stands there", 2);
+  Protocol::socket probe(io);
+  error_code error;
+  probe.open(Protocol(), error);
+  probe.non_blocking(true, error);  // one with a full queue would keep us waiting
+  probe.connect(Protocol::endpoint(path.string()), error);
+  if (error != asio::error::connection_refused) {
+    // Linux says EAGAIN of a full queue, which Asio makes no_buffer_space.
+    const bool full = error == asio::error::would_block || error == asio::error::no_buffer_space;
+    const bool lives = !error || full;
+    return cannot_listen(path, lives ? "another peer listens there; give each its own" : error.message());
+  }
+  if (unlink(path.c_str()) != 0) {
+    return cannot_listen(path, error_code(errno, boost::system::system_category()).message());
+  }
+  return {};
+}
+
+}  // namespace
+
+// Clients and handlers outlive the server by what the io_context still holds; `over_` tells them.
+class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
+ public:
+  Impl(asio::io_context& io, fs::path path, Answer answer)
+      : io_(io), path_(std::move(path)), answer_(std::move(answer)), acceptor_(io), again_(io) {}
+
+  Result<void> listen() {
+    const LockFile lock(path_.string() + ".lock");
+    if (!lock.held()) {
+      return cannot_listen(path_,
+                           path_.string() + ".lock can't be made, is not this user's, or is held by another program");
+    }
+    if (auto cleared = clear(io_, path_); !cleared) return cleared;
+    error_code error;
+    acceptor_.open(Protocol(), error);
+    // A socket's file gets the mode of the descriptor that is bound to it: at no time may others connect.
+    if (!error && fchmod(acceptor_.native_handle(), 0600) != 0) error = {errno, boost::system::system_category()};
+    if (!error) acceptor_.bind(Protocol::endpoint(path_.string()), error);
+    if (!error) acceptor_.listen(kClientsMax, error);
+    struct stat made {};
+    if (!error && lstat(path_.c_str(), &made) != 0) error = {errno, boost::system::system_category()};
+    if (error) return cannot_listen(path_, error.message());
+    file_ = {made.st_dev, made.st_ino};
+    accept();
+    return {};
+  }
+
+  void close() {
+    over_ = true;
+    error_code ignored;
+    acceptor_.close(ignored);
+    again_.cancel();
+    for (const auto& client : std::exchange(clients_, {})) client->close();
+    struct stat found {};
+    const bool ours =
+        file_.second != 0 && lstat(path_.c_str(), &found) == 0 && std::pair(found.st_dev, found.st_ino) == file_;
+    if (ours) unlink(path_.c_str());
+  }
+
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  struct Client {
+    explicit Client(Protocol::socket s) : socket(std::move(s)), deadline(socket.get_executor()) {}
+    void close() {
+      error_code ignored;
+      socket.close(ignored);
+      deadline.cancel();
+    }
+    Protocol::socket socket;
+    asio::steady_timer deadline;
+    std::string in, out;
+    bool last = false;  // closed after this reply
+  };
+  using ClientPtr = std::shared_ptr<Client>;
+
+  void accept() {
+    acceptor_.async_accept([self = shared_from_this()](const error_code& error, Protocol::socket socket) {
+      if (self->over_) return;
+      if (error) return self->accept_later();
+      self->take(std::move(socket));
+      self->accept();
+    });
+  }
+
+  void accept_later() {
+    again_.expires_after(kAcceptAgainAfter);
+    again_.async_wait([self = shared_from_this()](const error_code&) {
+      if (!self->over_) self->accept();
+    });
+  }
+
+  void take(Protocol::socket socket) {
+    error_code error;
+    socket.non_blocking(true, error);
+    const auto client = std::make_shared<Client>(std::move(socket));
+    if (error) return;
+    ++counters_.clients;
+    const bool full = clients_.size() >= kClientsMax;
+    if (full) {
+      ++counters_.refused;
+      const std::string line = refusal("this peer has " + std::to_string(kClientsMax) + " clients already") + '\n';
+      client->socket.write_some(asio::buffer(line), error);  // all of it fits a new socket's buffer, or it is lost
+      return client->close();
+    }
+    clients_.insert(client);
+    read(client);
+  }
+
+  void read(const ClientPtr& client) {
+    asio::async_read_until(client->socket, asio::dynamic_buffer(client->in, kLineMax_bytes), '\n',
+                           [self = shared_from_this(), client](const error_code& error, std::size_t size_bytes) {
+                             self->on_read(client, error, size_bytes);
+                           });
+  }
+
+  void on_read(const ClientPtr& client, const error_code& error, std::size_t size_bytes) {
+    if (!clients_.contains(client)) return;
+    if (error == asio::error::not_found) {  // no end of line within the limit: what follows can't be told apart
+      ++counters_.too_long;
+      client->last = true;
+      return reply(client, refusal("a request may have " + std::to_string(kLineMax_bytes) + " bytes"));
+    }
+    if (error) return drop(client);  // half a line at the end of the stream asks for nothing
+    ++counters_.requests;
+    const std::string line = client->in.substr(0, size_bytes - 1);
+    client->in.erase(0, size_bytes);
+    std::string answer = answer_(line);
+    if (!clients_.contains(client)) return;
+    if (answer.empty()) return read(client);
+    reply(client, std::move(answer));
+  }
+
+  // As much as fits leaves at once, so that the reply to "leave" is out before the peer is gone; the rest has a time
+  // limit. The client's next request is read only when its reply is out: what waits here is one reply a client.
+  void reply(const ClientPtr& client, std::string line) {
+    assert(line.find('\n') == std::string::npos);
+    client->out = std::move(line) + '\n';
+    error_code error;
+    const std::size_t written = client->socket.write_some(asio::buffer(client->out), error);
+    if (error && error != asio::error::would_block && error != asio::error::try_again) return drop(client);
+    if (written == client->out.size()) return replied(client);
+    client->deadline.expires_after(kReplyWithin);
+    client->deadline.async_wait([self = shared_from_this(), client](const error_code& cancelled) {
+      if (cancelled || !self->clients_.contains(client)) return;
+      ++self->counters_.too_slow;
+      self->drop(client);
+    });
+    asio::async_write(client->socket, asio::buffer(client->out) + written,
+                      [self = shared_from_this(), client](const error_code& failed, std::size_t) {
+                        if (!self->clients_.contains(client)) return;
+                        client->deadline.cancel();
+                        if (failed) return self->drop(client);
+                        self->replied(client);
+                      });
+  }
+
+  void replied(const ClientPtr& client) {
+    if (client->last) return drop(client);
+    read(client);
+  }
+
+  void drop(const ClientPtr& client) {
+    clients_.erase(client);
+    client->close();
+  }
+
+  asio::io_context& io_;
+  fs::path path_;
+  Answer answer_;
+  Protocol::acceptor acceptor_;
+  asio::steady_timer again_;
+  std::set<ClientPtr> clients_;
+  std::pair<dev_t, ino_t> file_{};  // the socket's own: another's at the same path is not removed
+  bool over_ = false;
+  Counters counters_;
+};
+
+ControlServer::ControlServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+ControlServer::~ControlServer() { impl_->close(); }
+
+const ControlServer::Counters& ControlServer::counters() const { return impl_->counters(); }
+
+Result<std::unique_ptr<ControlServer>> ControlServer::open(asio::io_context& io, const fs::path& path,
+                                                                   Answer answer) {
+  constexpr std::size_t kPathMax_bytes = sizeof(sockaddr_un::sun_path) - 1;
+  if (path.string().size() > kPathMax_bytes) {
+    return cannot_listen(path, "a socket's path may have " + std::to_string(kPathMax_bytes) + " bytes", 2);
+  }
+  auto impl = std::make_shared<Impl>(io, path, std::move(answer));
+  if (auto listening = impl->listen(); !listening) return std::unexpected(listening.error());
+  return std::unique_ptr<ControlServer>(new ControlServer(std::move(impl)));
+}
+
+}  // namespace peerd::api

@@ -1,0 +1,219 @@
+#include "peerd/daemon/daemon.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+#include <boost/asio/post.hpp>
+
+#include "peerd/control/answer.hpp"
+#include "peerd/os/os_clock.hpp"
+#include "peerd/daemon/rehearsal.hpp"
+#include "peerd/transport/transport_options.hpp"
+
+namespace peerd {
+
+using spdlog::level::level_enum;
+
+// How often the system is asked: of its clock, whose own bound grows by 0.5 ms a second, and of the interface.
+constexpr std::chrono::seconds kSystemPeriod{1};
+// Of so many looks of one who does not sleep, one is at timers, signals and control, too.
+constexpr std::uint64_t kLooksPerPoll = 8;
+// Who wakes later than that was stopped for a while. What came meanwhile is read before anybody is judged silent, but
+// no more than so many turns of it: ticks go on in a flood, too.
+constexpr std::chrono::milliseconds kStalled{100};
+constexpr int kStalledTurns = 64;
+
+Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock,
+               Log log, std::optional<Duration> leave_after, record::CaptureWriter* capture)
+    : io_(io),
+      timer_(io),
+      signals_(io, SIGINT, SIGTERM),
+      node_(node),
+      transport_(transport),
+      clock_(clock),
+      log_(std::move(log)),
+      leave_after_(leave_after),
+      capture_(capture) {}
+
+std::string Daemon::on_control(std::string_view line) {
+  if (over_) return api::refusal("this peer is leaving");
+  const HostTime at = now();
+  const Duration host_minus_wall = clock_.minus_wall();
+  if (capture_) capture_->on_control(at, host_minus_wall, line);
+  api::Answer answer = api::answer(node_, at, line, host_minus_wall, &transport_.counters());
+  drain();
+  if (answer.leave) {
+    boost::asio::post(io_, [this] {
+      if (over_) return;
+      log_({level_enum::info, "leaving: told to"});
+      leave();
+    });
+  }
+  return std::move(answer.line);
+}
+
+void Daemon::on_poses(std::string_view datagram) {
+  if (over_) return;
+  const HostTime at = now();
+  const Duration host_minus_wall = clock_.minus_wall();
+  if (capture_) capture_->on_poses(at, host_minus_wall, datagram);
+  api::take_datagram(node_, at, datagram, host_minus_wall);
+  drain();
+}
+
+void Daemon::on_poses(std::span<const feed::FedPose> poses) {
+  assert(capture_ == nullptr);
+  if (over_) return;
+  // Two dozen readings of clocks, 0.5 us: for those alone that name a Unix time.
+  const bool stamped = std::ranges::any_of(poses, [](const feed::FedPose& fed) { return fed.time_s.has_value(); });
+  const Duration host_minus_wall = stamped ? clock_.minus_wall() : Duration{0};
+  (void)node_.on_poses(now(), host_minus_wall, poses);  // what was refused is counted, and a notice
+  drain();
+}
+
+int Daemon::run() {
+  (void)now();  // nothing counts as having come before the peer was made
+  signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+    if (error) return;
+    log_({level_enum::info, fmt::format("leaving: got {}", signal == SIGINT ? "SIGINT" : "SIGTERM")});
+    leave();
+  });
+  transport_.on_receive([this](const net::Arrival& arrival) {
+    if (over_) return;
+    const HostTime at = forward_(arrival.at);
+    if (capture_) capture_->on_packet(at, arrival.from, arrival.region, arrival.datagram);
+    node_.on_packet(at, arrival.region, arrival.datagram);
+    if (heard_) heard_();
+    drain();
+  });
+  drain();
+  if (exit_code_ == 0) wake();
+  serve();
+  return exit_code_;
+}
+
+// As io_.run(), but for what comes before it sleeps. Datagrams are what hurries: most looks ask the sockets themselves,
+// which takes one system call in place of two. Whose datagram it waits for may share its processor: between two looks
+// it offers that, or both would wait until it sleeps.
+void Daemon::serve() {
+  while (io_.run_one() > 0) {
+    HostTime done = clock_.now(), rehearsed = done;
+    for (std::uint64_t look = 1; clock_.now() - done < busy_poll_ && !io_.stopped(); ++look) {
+      const bool all = look % kLooksPerPoll == 0;
+      if (all ? io_.poll() > 0 : transport_.receive_pending()) {
+        done = clock_.now();
+      } else if (rehearsal_ != nullptr && clock_.now() - rehearsed >= kRehearsalPeriod) {
+        rehearsal_->run();
+        rehearsed = clock_.now();
+      } else {
+        std::this_thread::yield();
+      }
+    }
+  }
+}
+
+void Daemon::wake() {
+  if (over_) return;
+  const bool stalled = due_ && clock_.now() - *due_ > kStalled;
+  const int turns = stalled ? kStalledTurns : 1;
+  for (int turn = 0; turn < turns && !over_ && transport_.receive_pending(); ++turn) {
+  }
+  if (over_) return;
+  const HostTime now = this->now();
+  if (now >= system_due_) {
+    tell_os_clock(now);
+    follow_interface();
+    system_due_ = now + kSystemPeriod;
+  }
+  if (due_ && node_.peer().due_tick(now)) lateness_.add(now - *due_);
+  if (capture_) capture_->on_tick(now);
+  node_.on_tick(now);
+  drain();
+  if (over_) return;
+  if (leave_after_ && node_.start() && node_.peer().clock().to_session(now) > *node_.start() + *leave_after_) {
+    log_({level_enum::info, "leaving: the scenario is over"});
+    return leave();
+  }
+  due_ = node_.next_deadline();
+  timer_.expires_after(std::max(Duration{0}, *due_ - clock_.now()));
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) wake();
+  });
+}
+
+void Daemon::tell_os_clock(HostTime now) {
+  const auto clock = net::read_os_clock(clock_);
+  if (capture_) capture_->on_os_clock(now, clock);
+  node_.on_os_clock(now, clock);
+}
+
+void Daemon::follow_interface() {
+  if (const auto news = transport_.follow_interface())
+    log_({news->is_back ? level_enum::info : level_enum::err, news->sentence});
+}
+
+void Daemon::leave() {
+  if (over_) return;
+  const HostTime at = now();
+  if (capture_) capture_->on_leave(at);
+  node_.leave(at);
+  drain();
+  stop();
+}
+
+void Daemon::stop() {
+  over_ = true;
+  io_.stop();
+}
+
+void Daemon::drain() {
+  std::vector<replication::Output> news;  // for the log, which may be slow: datagrams leave first
+  while (auto out = node_.poll_output()) {
+    if (!logs_updates_ && std::holds_alternative<replication::Published>(*out)) continue;
+    if (auto* send = std::get_if<replication::Send>(&*out)) {
+      if (capture_) capture_->on_send(send->region, send->datagram);
+      transport_.send(send->region, send->datagram);
+      node_.reuse(std::move(send->datagram));
+      continue;
+    }
+    if (const auto* join = std::get_if<replication::Join>(&*out)) {
+      check(transport_.join(join->region));
+    } else if (const auto* left = std::get_if<replication::Leave>(&*out)) {
+      check(transport_.leave(left->region));
+    }
+    news.push_back(*std::move(out));
+  }
+  transport_.flush();
+  for (const replication::Output& out : news) {
+    if (const auto line = describe(out, node_.scene())) log_(*line);
+  }
+  while (const auto key = node_.poll_key_report()) {
+    for (const LogLine& line : describe(*key, node_.scene())) log_(line);
+  }
+  while (const auto notice = node_.poll_feed_notice()) log_(describe(*notice));
+  if (capture_) keep_capture();
+}
+
+// After each input, so that whatever ends this process leaves a capture of all that it did. Without one the peer goes
+// on for the others' sake, and ends with the exit code of what went wrong.
+void Daemon::keep_capture() {
+  capture_->flush();
+  if (capture_->good()) return;
+  log_({level_enum::err, "the capture ends here: it can't be written any more; is the disk full?"});
+  capture_ = nullptr;
+  exit_code_ = 3;
+}
+
+void Daemon::check(const std::expected<void, net::NetError>& done) {
+  if (done) return;
+  log_({level_enum::err, done.error().sentence});
+  exit_code_ = input_error(done.error()).exit_code;
+  stop();
+}
+
+}  // namespace peerd

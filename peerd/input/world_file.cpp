@@ -1,0 +1,71 @@
+#include "peerd/input/world_file.hpp"
+#include "peerd/input/text_file.hpp"
+
+#include <charconv>
+#include <utility>
+
+namespace peerd::config {
+
+std::optional<std::filesystem::path> local_path(std::string_view url) {
+  if (url.starts_with("file:")) {
+    url.remove_prefix(5);
+    if (url.starts_with("//localhost/")) url.remove_prefix(11);
+    if (url.starts_with("//")) url.remove_prefix(2);
+  } else if (const std::size_t colon = url.find(':'); colon != std::string_view::npos && colon > 1) {
+    // http:, urn:, javascript:; one letter is a drive of a system that we don't run on, and no such file will be found
+    if (url.substr(0, colon).find_first_of("/.\\") == std::string_view::npos) return std::nullopt;
+  }
+  std::string path;
+  for (std::size_t i = 0; i < url.size(); ++i) {
+    unsigned char byte = 0;
+    const char* const digits = url.data() + i + 1;
+    if (url[i] == '%' && i + 2 < url.size() && std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2 &&
+        byte != 0) {
+      path += static_cast<char>(byte);
+      i += 2;
+    } else {
+      path += url[i];
+    }
+  }
+  if (path.empty()) return std::nullopt;
+  return path;
+}
+
+FileLoader local_files() {
+  return [](std::string_view url, std::string_view base) -> std::expected<LoadedFile, std::string> {
+    const auto named = local_path(url);
+    if (!named) return std::unexpected("it is no file of this machine");
+    const std::filesystem::path path = (std::filesystem::path(base).parent_path() / *named).lexically_normal();
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return std::unexpected("there is no such file");
+    if (!std::filesystem::is_regular_file(path, error)) return std::unexpected("it is no regular file");
+    if (std::filesystem::file_size(path, error) > ReadLimits{}.text_bytes) return std::unexpected("it is too large");
+    auto bytes = read_text_file(path);
+    if (!bytes) return std::unexpected("it can't be read");
+    // Links and detours lead to one name, so that a file that includes itself is seen to.
+    const std::filesystem::path one = std::filesystem::canonical(path, error);
+    return LoadedFile{error ? path.string() : one.string(), std::move(*bytes)};
+  };
+}
+
+Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path, ReadOptions options) {
+  auto text = read_text_file(path);
+  if (!text) return std::unexpected(text.error());
+  auto file = std::make_unique<WorldFile>();
+  file->text = std::move(*text);
+  options.name = path.string();
+  if (!options.load) {
+    // The world goes by the name that it was asked for, wherever it is named.
+    std::error_code error;
+    const std::string one = std::filesystem::canonical(path, error).string();
+    options.load = [files = local_files(), one, name = options.name](std::string_view url, std::string_view base) {
+      auto loaded = files(url, base);
+      if (loaded && loaded->name == one) loaded->name = name;
+      return loaded;
+    };
+  }
+  file->result = read_world(file->text, options);
+  return file;
+}
+
+}  // namespace peerd::config

@@ -1,0 +1,245 @@
+#include "peerd/measure/expectations.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <ranges>
+
+#include "peerd/config/node_pattern.hpp"
+#include "peerd/measure/columns.hpp"
+#include "peerd/config/measures.hpp"
+#include "peerd/measure/summary.hpp"
+#include "peerd/measure/sweep.hpp"
+
+namespace peerd::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using config::Expectation;
+
+// More are counted, not listed: a crowd has thousands of views.
+constexpr std::size_t kListed = 20;
+
+// What of a run lies between two times, as if there were nothing else.
+RunRecord part_of(const RunRecord& run, double from_s, double until_s) {
+  RunRecord part = run;
+  part.duration_s = until_s - from_s;
+  const auto outside = [&](const auto& row) { return row.t_s < from_s || row.t_s > until_s; };
+  std::erase_if(part.beliefs, outside);
+  std::erase_if(part.updates, outside);
+  std::erase_if(part.datagrams, outside);
+  std::erase_if(part.contacts, outside);
+  return part;
+}
+
+bool is_meant(const std::string& pattern, const std::string& path) {
+  if (pattern.empty() || pattern == path || config::matches(pattern, path)) return true;
+  return pattern.find('/') == std::string::npos && config::matches(pattern, path.substr(path.rfind('/') + 1));
+}
+
+// How far from what is expected; 0: as expected.
+double off_by(const Expectation& e, const Json& found) {
+  if (e.equals && found.is_boolean()) return found == *e.equals ? 0.0 : 1.0;
+  const auto x = found.get<double>();
+  double off = 0.0;
+  if (e.at_least) off = std::max(off, *e.at_least - x);
+  if (e.at_most) off = std::max(off, x - *e.at_most);
+  if (e.equals) off = std::max(off, std::abs(x - e.equals->get<double>()));
+  return off;
+}
+
+class Checker {
+ public:
+  Checker(const Expectation& e, const Measure& measure) : measure_(measure) { checked_.expected = e; }
+
+  void check(std::size_t run, const Json& row) {
+    run_ = run;
+    if (measure_.of_view) return check_views(row);
+    compare(row, "", "");
+  }
+
+  CheckedExpectation finish() && {
+    std::ranges::stable_sort(checked_.failures, std::greater<>{}, [&](const Failure& f) {
+      return f.found.is_null() ? std::numeric_limits<double>::infinity() : off_by(checked_.expected, f.found);
+    });
+    return std::move(checked_);
+  }
+
+ private:
+  void check_views(const Json& run) {
+    const Expectation& e = checked_.expected;
+    bool any = false, seen = false;
+    for (const Json& row : run.at("objects")) {
+      const auto path = row.at("path").get<std::string>(), observer = row.at("observer").get<std::string>();
+      if (!is_meant(e.object, path) || (!e.observer.empty() && observer != e.observer)) continue;
+      any = true;
+      if (measure_.error && row.at("samples") == 0) continue;
+      seen = true;
+      compare(row, path, observer);
+    }
+    if (!any) return fail(e.object, e.observer, nullptr, "no such view: nobody runs it, or only who observes it");
+    if (!seen) fail(e.object, e.observer, nullptr, "no samples");
+  }
+
+  // Null: there is none of that name.
+  [[nodiscard]] const Json* number(const Json& row) const {
+    const Json* at = &row;
+    std::string_view rest = measure_.name;
+    while (!rest.empty()) {
+      const bool counter = at == counters(row);  // whose own names may hold dots
+      const std::string key(counter ? rest : rest.substr(0, rest.find('.')));
+      rest.remove_prefix(std::min(rest.size(), key.size() + 1));
+      const auto found = at->find(key);
+      if (found == at->end()) return nullptr;
+      at = &*found;
+    }
+    return at;
+  }
+  [[nodiscard]] static const Json* counters(const Json& row) {
+    const auto found = row.find("counters");
+    return found == row.end() ? nullptr : &*found;
+  }
+
+  void compare(const Json& row, const std::string& object, const std::string& observer) {
+    const Json* const found = number(row);
+    if (found == nullptr) return fail(object, observer, nullptr, "the run has no such number");
+    ++checked_.values;
+    if (off_by(checked_.expected, *found) > 0.0) fail(object, observer, *found, "");
+  }
+
+  void fail(const std::string& object, const std::string& observer, const Json& found, const std::string& why) {
+    checked_.failures.push_back({run_, object, observer, found, why});
+  }
+
+  Measure measure_;
+  CheckedExpectation checked_;
+  std::size_t run_ = 0;
+};
+
+// Six digits are enough to see by how much; summary.json has them all.
+std::string found_text(const Json& found) {
+  if (!found.is_number_float()) return found.dump();
+  std::array<char, 32> digits;
+  const auto end =
+      std::to_chars(digits.data(), digits.data() + digits.size(), found.get<double>(), std::chars_format::general, 6)
+          .ptr;
+  return {digits.data(), end};
+}
+
+std::string window_text(const Expectation& e) {
+  const auto seconds = [](double t) { return Json(t).dump() + " s"; };
+  if (e.until_s) return " from " + seconds(e.from_s) + " to " + seconds(*e.until_s);
+  return e.from_s > 0.0 ? " from " + seconds(e.from_s) : "";
+}
+
+}  // namespace
+
+std::vector<CheckedExpectation> check_expectations(std::span<const Expectation> expectations, const std::string& mode,
+                                                   std::span<const RunRecord> runs, const Json& run_rows) {
+  std::vector<CheckedExpectation> all;
+  for (const Expectation& e : expectations) {
+    Checker checker(e, find_measure(e.that).value());
+    for (const std::size_t run : e.runs) {
+      if (!e.mode.empty() && e.mode != mode) break;
+      if (e.from_s == 0.0 && !e.until_s) {
+        checker.check(run, run_rows[run]);
+        continue;
+      }
+      const RunRecord part = part_of(runs[run], e.from_s, e.until_s.value_or(runs[run].duration_s));
+      checker.check(run, summarise({}, {&part, 1})["runs"][0]);
+    }
+    all.push_back(std::move(checker).finish());
+  }
+  return all;
+}
+
+std::string describe(const Expectation& e) {
+  std::string text = e.that;
+  const auto limit = [&](const char* sign, double x) { text += sign + Json(x).dump(); };
+  if (e.equals) text += " = " + e.equals->dump();
+  if (e.at_least) limit(" >= ", *e.at_least);
+  if (e.at_most) limit(" <= ", *e.at_most);
+  if (!e.object.empty()) text += " of " + e.object;
+  if (!e.observer.empty()) text += " at " + e.observer;
+  return text + window_text(e);
+}
+
+Json expectations_json(std::span<const CheckedExpectation> checked) {
+  Json all = Json::array();
+  for (const CheckedExpectation& c : checked) {
+    const Expectation& e = c.expected;
+    Json row = {{"name", e.name}, {"that", e.that}};
+    if (e.at_least) row["at_least"] = *e.at_least;
+    if (e.at_most) row["at_most"] = *e.at_most;
+    if (e.equals) row["equals"] = *e.equals;
+    if (!e.object.empty()) row["object"] = e.object;
+    if (!e.observer.empty()) row["observer"] = e.observer;
+    if (!e.where.empty()) row["where"] = e.where;
+    if (!e.mode.empty()) row["mode"] = e.mode;
+    if (e.from_s > 0.0) row["from_s"] = e.from_s;
+    if (e.until_s) row["until_s"] = *e.until_s;
+    row["held"] = c.checked() ? Json(!c.failed()) : Json(nullptr);
+    row["values"] = c.values;
+    row["failed"] = c.failures.size();
+    row["failures"] = Json::array();
+    for (const Failure& f : c.failures | std::views::take(kListed)) {
+      Json& failure = row["failures"].emplace_back(Json{{"run", f.run + 1}});
+      if (!f.object.empty()) failure["object"] = f.object;
+      if (!f.observer.empty()) failure["observer"] = f.observer;
+      failure["found"] = f.found;
+      if (!f.why.empty()) failure["why"] = f.why;
+    }
+    all.push_back(std::move(row));
+  }
+  return all;
+}
+
+std::string expectations_table(std::span<const CheckedExpectation> checked, const Json& run_rows) {
+  if (checked.empty()) return "";
+  std::vector<Params> params;
+  for (const Json& run : run_rows) params.push_back(run.at("params"));
+  const std::vector<std::string> keys = varying_keys(params);
+
+  std::vector<Column> columns{{"", "failed", false, {}}, {"", "expected", false, {}}, {"", "found", true, {}},
+                              {"", "object", false, {}}, {"", "observer", false, {}}, {"", "run", true, {}},
+                              {"", "seed", true, {}},    {"", "of", false, {}}};
+  std::string more;
+  std::size_t held = 0, failed = 0;
+  std::uint64_t values = 0;
+  for (const CheckedExpectation& c : checked) {
+    values += c.values;
+    if (!c.checked())
+      append_line(more, "expect." + c.expected.name + " was not checked: it is about none of these runs");
+    if (!c.checked() || !c.failed()) {
+      held += c.checked() ? 1 : 0;
+      continue;
+    }
+    ++failed;
+    for (const Failure& f : c.failures | std::views::take(kListed)) {
+      const std::string cells[] = {c.expected.name,
+                                   describe(c.expected),
+                                   f.found.is_null() ? f.why : found_text(f.found),
+                                   f.object,
+                                   f.observer,
+                                   std::to_string(f.run + 1),
+                                   run_rows[f.run].at("seed").dump(),
+                                   describe(params[f.run], keys)};
+      for (std::size_t i = 0; i < columns.size(); ++i) columns[i].cells.push_back(cells[i]);
+    }
+    if (c.failures.size() > kListed) {
+      append_line(more, "expect." + c.expected.name + " failed " + std::to_string(c.failures.size() - kListed) +
+                            " times more, by less");
+    }
+  }
+  std::string out;
+  append_line(out, "");
+  append_line(out, "expectations: " + std::to_string(held) + " held, " + std::to_string(failed) + " failed (" +
+                       std::to_string(values) + " values)");
+  if (failed > 0) append_rows(out, columns);
+  return out + more;
+}
+
+}  // namespace peerd::report

@@ -1,0 +1,31 @@
+#include "peerd/measure/lookup.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace peerd::report {
+
+std::string peer_name(const RunRecord& run, PeerId peer) {
+  const auto it = std::ranges::find(run.peers, peer, &PeerInfo::peer);
+  return it != run.peers.end() ? it->name : "#" + std::to_string(peer.value);
+}
+
+std::string object_path(const RunRecord& run, ObjectId object) {
+  const auto it = std::ranges::find(run.objects, object, &ObjectInfo::object);
+  if (it != run.objects.end()) return it->path;
+  const auto scene = run.scene_paths.find(object);
+  return scene != run.scene_paths.end() ? scene->second : "#" + std::to_string(object.value);
+}
+
+bool was_there(const PeerInfo& peer, double t_s) {
+  return peer.there_s.empty() ||
+         std::ranges::any_of(peer.there_s, [&](const auto& life) { return life.first <= t_s && t_s <= life.second; });
+}
+
+std::span<const BeliefSample> beliefs_of(const RunRecord& run, PeerId observer, ObjectId object) {
+  const auto series = [](const BeliefSample& s) { return std::tuple(s.observer, s.object); };
+  const auto found = std::ranges::equal_range(run.beliefs, std::tuple(observer, object), {}, series);
+  return {found.begin(), found.end()};
+}
+
+}  // namespace peerd::report

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "peerd/measure/run_record.hpp"
+
+namespace peerd::report {
+
+// A peer's name; "#7" for a number that the record does not name.
+[[nodiscard]] std::string peer_name(const RunRecord& run, PeerId peer);
+
+// An object's path; "#17" for one that the record does not name.
+[[nodiscard]] std::string object_path(const RunRecord& run, ObjectId object);
+
+// What one observer believed of one object, in order of time.
+[[nodiscard]] std::span<const BeliefSample> beliefs_of(const RunRecord& run, PeerId observer, ObjectId object);
+
+// Whether the peer was in the session then.
+[[nodiscard]] bool was_there(const PeerInfo& peer, double t_s);
+
+// Distance from the truth to the ghost, and to what a viewer draws [m].
+[[nodiscard]] inline double ghost_error_m(const BeliefSample& s) {
+  return (s.ghost.position - s.truth.position).norm();
+}
+// What the two users would disagree about.
+[[nodiscard]] inline double view_difference_m(const BeliefSample& s) {
+  return (s.shown.position - s.seen.position).norm();
+}
+[[nodiscard]] inline double shown_error_m(const BeliefSample& s) {
+  return (s.shown.position - s.truth.position).norm();
+}
+
+}  // namespace peerd::report

@@ -1,0 +1,49 @@
+#include "peerd/measure/wrong_outcomes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace peerd::report {
+namespace {
+
+bool same_pair(const ContactRow& a, const ContactRow& b) {
+  return std::minmax(a.collider, a.collidee) == std::minmax(b.collider, b.collidee);
+}
+
+bool same_side(const ContactRow& a, const ContactRow& b) {
+  const double along = a.normal.dot(b.normal);
+  return (a.collider == b.collider ? along : -along) > 0.0 || (a.normal.isZero(0.0) && b.normal.isZero(0.0));
+}
+
+std::vector<const ContactRow*> decided(const RunRecord& run) {
+  std::vector<const ContactRow*> rows;
+  for (const ContactRow& row : run.contacts) {
+    if (row.kind == "decided") rows.push_back(&row);
+  }
+  std::ranges::stable_sort(rows, {}, [](const ContactRow* r) { return r->t_s; });
+  return rows;
+}
+
+}  // namespace
+
+WrongOutcomes wrong_outcomes(const RunRecord& run, const RunRecord& truth) {
+  std::vector<const ContactRow*> said = decided(run);
+  const std::vector<const ContactRow*> happened = decided(truth);
+  WrongOutcomes wrong{happened.size(), 0, 0};
+  for (const ContactRow* true_row : happened) {
+    const auto right = std::ranges::find_if(said, [&](const ContactRow* row) {
+      return same_pair(*row, *true_row) && same_side(*row, *true_row) &&
+             std::abs(row->t_s - true_row->t_s) <= kSameTime_s;
+    });
+    if (right == said.end()) {
+      ++wrong.missing;
+    } else {
+      said.erase(right);
+    }
+  }
+  wrong.spurious = said.size();
+  return wrong;
+}
+
+}  // namespace peerd::report

@@ -1,0 +1,23 @@
+#pragma once
+#include <filesystem>
+#include <vector>
+
+#include "peerd/motion/motion_path.hpp"
+#include "peerd/input/input_error.hpp"
+
+namespace peerd::config {
+
+// A recorded motion: a CSV file with the header t,x,y,z or t,x,y,z,qw,qx,qy,qz, in seconds and metres, in order of
+// time.
+struct Track {
+  std::filesystem::path file;
+  bool loop = false, corners = false;  // as of waypoints
+};
+
+struct LoadedTrack {
+  std::vector<Knot> knots;
+  bool turns = false;  // it has orientations
+};
+[[nodiscard]] Result<LoadedTrack> load_track(const Track& track);
+
+}  // namespace peerd::config

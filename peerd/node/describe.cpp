@@ -1,0 +1,142 @@
+#include "peerd/node/describe.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "replication/wire/codec.hpp"
+
+namespace peerd {
+namespace {
+
+using namespace replication;
+using spdlog::level::level_enum;
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+
+double ms(Duration d) { return to_seconds(d) * 1e3; }
+
+const char* verb(ContactKind kind) {
+  switch (kind) {
+    case ContactKind::kOwner:
+      return "hit";
+    case ContactKind::kDecided:
+      return "hit (decided here)";
+    case ContactKind::kPredicted:
+      return "is predicted to hit";
+    case ContactKind::kApplied:
+      return "hit (decided there)";
+  }
+  return "?";
+}
+
+}  // namespace
+
+std::optional<LogLine> describe(const Output& output, const Scene& scene) {
+  using Line = std::optional<LogLine>;
+  const auto named = [](PeerId id, const std::string& name) { return fmt::format("peer {} (id {})", name, id.value); };
+  return std::visit(
+      Overloaded{
+          [](const Send&) -> Line { return std::nullopt; },
+          [](const Join& j) -> Line {
+            return LogLine{level_enum::debug, fmt::format("joined region {}", j.region.value)};
+          },
+          [](const Leave& l) -> Line {
+            return LogLine{level_enum::debug, fmt::format("left region {}", l.region.value)};
+          },
+          [](const Synchronised& s) -> Line {
+            return LogLine{level_enum::info, fmt::format("in session: follows the clock of peer {}, offset {:.3f} ms, "
+                                                         "error at most {:.3f} ms",
+                                                         s.follows.value, ms(s.session_minus_host), ms(s.error_bound))};
+          },
+          [](const ClockStepped& s) -> Line {
+            return LogLine{level_enum::warn,
+                           fmt::format("{}: the session clock stepped forward by {:.3f} ms, offset {:.3f} ms",
+                                       s.same_session ? "back in the session" : "two sessions have met", ms(s.step),
+                                       ms(s.session_minus_host))};
+          },
+          [](const OsClockDoubted& d) -> Line {
+            return LogLine{
+                level_enum::warn,
+                fmt::format("the operating systems' clocks of peer {} and of this computer cannot both be as "
+                            "good as they say: {:.3f} ms apart from what the network shows, which is believed",
+                            d.peer.value, ms(d.apart))};
+          },
+          [](const Slept& s) -> Line {
+            return LogLine{level_enum::warn,
+                           fmt::format("this peer was stopped for {:.1f} s; its objects go on from where "
+                                       "they were",
+                                       to_seconds(s.gap))};
+          },
+          [&](const PeerJoined& p) -> Line {
+            return LogLine{level_enum::info, named(p.peer, p.name) + (p.restarted ? " restarted" : " joined")};
+          },
+          [&](const PeerLost& p) -> Line {
+            return p.said_goodbye ? LogLine{level_enum::info, named(p.peer, p.name) + " left"}
+                                  : LogLine{level_enum::warn, named(p.peer, p.name) + " is lost: it has gone silent"};
+          },
+          [&](const Frozen& f) -> Line {
+            return LogLine{level_enum::warn, fmt::format("{} stands still: peer {}, which ran it, is gone",
+                                                         scene.path_of(f.object), f.owner.value)};
+          },
+          [](const OtherVersion& o) -> Line {
+            return LogLine{level_enum::err,
+                           fmt::format("peer {} speaks version {} of the protocol, this one version {}: neither hears "
+                                       "the other; give all peers the same peerd",
+                                       o.peer.value, o.version, replication::kProtocolVersion)};
+          },
+          [&](const OtherWorld& o) -> Line {
+            return LogLine{level_enum::warn, named(o.peer, o.name) +
+                                                 " has another world and is ignored; give both the "
+                                                 "same file, and the same [regions]"};
+          },
+          [](const IdInUse& i) -> Line {
+            return LogLine{level_enum::err,
+                           fmt::format("another peer uses id {} too; give each peer its own", i.peer.value)};
+          },
+          [&](const OwnershipConflict& c) -> Line {
+            return LogLine{level_enum::err, fmt::format("two peers enslave {}; peer {} keeps it",
+                                                        scene.path_of(c.object), c.owner.value)};
+          },
+          [&](const Published& p) -> Line {
+            return LogLine{level_enum::debug, fmt::format("update of {}: {}, threshold {} m", scene.path_of(p.object),
+                                                          to_string(p.reason), p.threshold_m)};
+          },
+          [&](const ContactSeen& c) -> Line {
+            const double ago_s = to_seconds(c.known_at - c.contact.at);
+            return LogLine{c.kind == ContactKind::kPredicted ? level_enum::debug : level_enum::info,
+                           fmt::format("{} {} {}, {:.1f} ms ago", scene.path_of(c.contact.collider), verb(c.kind),
+                                       scene.path_of(c.contact.collidee), 1e3 * ago_s)};
+          },
+          [&](const Overruled& o) -> Line {
+            return LogLine{level_enum::info, fmt::format("{} on {}: another peer's decision counts",
+                                                         scene.path_of(o.collider), scene.path_of(o.collidee))};
+          },
+          [](const TakenBack&) -> Line { return std::nullopt; },
+          [&](const NotColliding& n) -> Line {
+            return LogLine{level_enum::debug,
+                           fmt::format("{} notColliding {}", scene.path_of(n.object), n.value ? "TRUE" : "FALSE")};
+          },
+      },
+      output);
+}
+
+LogLine describe(const feed::Notice& notice) {
+  const auto once = notice.again ? level_enum::debug : level_enum::warn;
+  switch (notice.kind) {
+    case feed::Notice::Kind::kBegan:
+      return {level_enum::info, "a program moves " + notice.what};
+    case feed::Notice::Kind::kSilent:
+      return {once, notice.what + " stands still: the program that moves it is silent"};
+    case feed::Notice::Kind::kResumed:
+      return {notice.again ? level_enum::debug : level_enum::info, notice.what + " gets poses again"};
+    case feed::Notice::Kind::kRefused:
+      return {once, "a pose of " + notice.what + "; more such are only counted"};
+    case feed::Notice::Kind::kNotUnderstood:
+      return {once, "a datagram that is no message of poses: " + notice.what + "; more such are only counted"};
+  }
+  return {level_enum::err, "?"};
+}
+
+}  // namespace peerd

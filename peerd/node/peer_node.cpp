@@ -1,0 +1,402 @@
+#include "peerd/node/peer_node.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "replication/decision/decision.hpp"
+
+namespace peerd {
+namespace {
+
+// Faster than this no key makes anything [m/s]: an object would soon be where no update can tell of it (1e12 m), and
+// what the others can't decode they drop without a word.
+constexpr double kKeySpeedMax_m_s = 1e6;
+
+const char* to_string(replication::ContactKind kind) {
+  switch (kind) {
+    case replication::ContactKind::kOwner:
+      return "owner";
+    case replication::ContactKind::kDecided:
+      return "decided";
+    case replication::ContactKind::kPredicted:
+      return "predicted";
+    case replication::ContactKind::kApplied:
+      return "applied";
+  }
+  return "?";
+}
+
+}  // namespace
+
+Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
+                                                               bool inlines_when_needed) {
+  auto world = config::load_world(path, inlines_when_needed);
+  if (!world) return std::unexpected(world.error());
+  auto shared = std::make_unique<SharedWorld>();
+  shared->world = std::move(*world);
+  shared->model = replication::make_world_model(shared->world.scene);
+  return shared;
+}
+
+std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
+                                         const config::ReplicationSettings& replication, const SharedWorld& shared,
+                                         config::PeerObjects objects, Options options) {
+  replication::PeerConfig config;
+  config.id = PeerId{settings.id};
+  config.name = settings.name;
+  config.boot = options.boot;
+  config.world_hash = replication.regions.session_hash(shared.world.hash);
+  config.policy = replication.policy;
+  config.convergence = replication.convergence;
+  config.relay = replication.relay;
+  config.display_delay = replication.display_delay;
+  config.regions = replication.regions;
+  config.interest_radius_m = settings.interest_radius_m;
+  config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
+  config.settled_hello_period = from_seconds(replication.settled_hello_period_s);
+  config.wait_for_start = true;
+  config.decisions = replication.decisions;
+  if (settings.viewpoint) {
+    const config::ViewpointSettings& v = *settings.viewpoint;
+    replication::Viewpoint& viewpoint = config.decisions.viewpoint.emplace();
+    viewpoint.object = objects.viewpoint;
+    constexpr double kRadians = std::numbers::pi / 180.0;
+    viewpoint.pose = {
+        Vec3(v.position[0], v.position[1], v.position[2]),
+        Quat(Eigen::AngleAxisd(v.angle_deg * kRadians, Vec3(v.axis[0], v.axis[1], v.axis[2]).normalized()))};
+    viewpoint.field_of_view = v.field_of_view_deg * kRadians;
+    viewpoint.aspect = v.aspect;
+  }
+  for (const ObjectId object : objects.enslaved) {
+    const bool outside =
+        std::ranges::any_of(objects.outside, [&](const auto& named) { return named.second == object; });
+    const auto launch = objects.launches.find(object);
+    config.enslaved.push_back({object, outside || objects.motions.contains(object),
+                               launch == objects.launches.end() ? replication::Launch{} : launch->second});
+  }
+  feed::PoseFeeds feeds({std::move(objects.outside), from_seconds(settings.feed.stale_s)}, shared.world.scene);
+  return std::unique_ptr<PeerNode>(new PeerNode(std::move(config), shared, std::move(objects.motions), std::move(feeds),
+                                                settings.keys, std::move(options)));
+}
+
+PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, config::Motions motions,
+                   feed::PoseFeeds feeds, std::vector<config::ScriptedKey> keys, Options options)
+    : shared_(shared),
+      motions_(std::move(motions)),
+      feeds_(std::move(feeds)),
+      options_(std::move(options)),
+      config_(std::move(config)),
+      peer_(config_, *shared.model),
+      key_sensors_(shared.world.scene),
+      keys_(std::move(keys)) {
+  log_.peer = config_.id;
+  log_.name = config_.name;
+}
+
+void PeerNode::on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram) {
+  (void)peer_.on_packet(now, region, datagram);  // why it was dropped is in the peer's counters
+}
+
+// The lowest of the peers that are waited for says when; the others follow its hellos. Once it has gone, the lowest of
+// those that are left says it, for whoever comes later.
+void PeerNode::agree_on_start(HostTime now) {
+  if (!peer_.clock().synchronised()) return;
+  if (options_.late) return follow_start(now);
+  const auto& members = peer_.members().all();
+  PeerId lowest = config_.id, lowest_here = config_.id;
+  bool complete = true;
+  for (PeerId peer : options_.wait_for) {
+    if (peer == config_.id) continue;
+    lowest = std::min(lowest, peer);
+    const auto member = members.find(peer);
+    complete = complete && member != members.end() && member->second.synchronised;
+    if (member != members.end()) lowest_here = std::min(lowest_here, peer);
+  }
+  if (lowest != config_.id) {
+    const auto member = members.find(lowest);
+    if (member != members.end() && member->second.start) log_.start = member->second.start;
+  } else if (complete && !log_.start) {
+    log_.start = std::chrono::ceil<std::chrono::seconds>(peer_.clock().to_session(now) + options_.start_lead);
+  }
+  if (lowest_here == config_.id && log_.start && !announces_start_) {
+    announces_start_ = true;
+    peer_.announce_start(*log_.start);
+  }
+}
+
+// Of somebody who comes later. Keys from before it was there are nobody's.
+void PeerNode::follow_start(HostTime now) {
+  const auto& members = peer_.members().all();
+  const auto told = std::ranges::find_if(members, [](const auto& member) { return member.second.start.has_value(); });
+  if (told == members.end()) return;
+  const bool first = !log_.start;
+  log_.start = told->second.start;
+  const SimTime session_now = peer_.clock().to_session(now);
+  while (first && next_key_ < keys_.size() && key_time(next_key_) < session_now) ++next_key_;
+}
+
+void PeerNode::leave(HostTime now) {
+  peer_.leave(now);
+  log_.ended_at = now - options_.clock_offset;
+}
+
+void PeerNode::on_tick(HostTime now) {
+  agree_on_start(now);
+  if (log_.start != started_for_) {
+    // A start that shifts once the motions have begun (two sessions have met) changes nothing for them.
+    const bool begun = started_for_ && *log_.start <= peer_.clock().to_session(now);
+    started_for_ = log_.start;
+    if (!begun) peer_.start_motions(now, *log_.start);
+  }
+  const std::optional<SimTime> due = peer_.due_tick(now);
+  samples_.clear();
+  if (due) {
+    for (const auto& [object, motion] : motions_) {
+      // Until it is known when the motion begins, the object stands where the world's file put it.
+      samples_.push_back({object, log_.start ? motion.sample(to_seconds(*due - *log_.start))
+                                             : at_rest(shared_.world.scene.rigid_pose(object))});
+    }
+    for (const ObjectId object : feeds_.objects()) {
+      samples_.push_back({object, feeds_.sample(object, peer_.clock().to_host(*due))});
+    }
+  }
+  const std::uint64_t ticks = peer_.counters().ticks;
+  peer_.on_tick(now, samples_);
+  const bool ticked = due && peer_.counters().ticks > ticks;  // not where the session's time has just changed
+  if (ticked) logged_at_ = *due;
+  press_keys(now);
+  if (!options_.keep_log || !log_.start) return;
+  if (ticked) record_truths(*due);
+  record_ghosts(now);
+}
+
+SimTime PeerNode::sample_time(std::int64_t number) const {
+  const std::int64_t hz = options_.sample_hz;
+  return *log_.start + std::chrono::seconds(number / hz) + Duration{number % hz * 1'000'000'000 / hz};
+}
+
+HostTime PeerNode::next_deadline() const {
+  HostTime next = peer_.next_deadline();
+  if (!log_.start) return next;
+  if (next_key_ < keys_.size()) next = std::min(next, peer_.clock().to_host(key_time(next_key_)));
+  if (options_.keep_log) next = std::min(next, peer_.clock().to_host(sample_time(next_sample_)));
+  return next;
+}
+
+// After the tick: what a key changes at a tick's own time, the tick has not yet told the others.
+void PeerNode::press_keys(HostTime now) {
+  if (!log_.start) return;
+  const SimTime session_now = peer_.clock().to_session(now);
+  while (next_key_ < keys_.size() && key_time(next_key_) <= session_now) {
+    key_reports_.push_back(press(now, keys_[next_key_++].key));
+  }
+}
+
+feed::Outcome PeerNode::on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses) {
+  feed::Outcome outcome = feeds_.push(now, host_minus_wall, poses);
+  if (outcome.taken == 0) return outcome;
+  if (peer_.due_tick(now)) on_tick(now);  // it is of an instant before: a jump is none of its business
+  samples_.clear();
+  for (const feed::FedPose& fed : poses) {
+    if (const auto object = feeds_.find(fed.object)) samples_.push_back({*object, feeds_.sample(*object, now)});
+  }
+  peer_.publish_now(now, samples_);
+  return outcome;
+}
+
+KeyReport PeerNode::on_key(HostTime now, const KeyEvent& key) {
+  on_tick(now);  // a tick that is due comes first: the motion that it tells of must not be changed behind its back
+  KeyReport report = press(now, key);
+  key_reports_.push_back(report);
+  peer_.publish_now(now, {});
+  return report;
+}
+
+KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
+  KeyReport report;
+  report.key = key;
+  ++keys_pressed_;
+  if (!log_.start || peer_.clock().to_session(now) < *log_.start) {
+    report.refused = "the objects have not begun to move yet";
+    return report;
+  }
+  const KeySensors::Outcome outcome = key_sensors_.press(key);
+  report.hits = outcome.hits.size();
+  report.consumed = outcome.consumed;
+  keys_unheard_ += report.hits == 0;
+  for (const std::size_t hit : outcome.hits) {
+    const KeySensor& sensor = scene().key_sensors[hit];
+    if (!sensor.recipient) continue;
+    KeyReport::Change& change = report.changes.emplace_back();
+    change.sensor = hit;
+    change.recipient = *sensor.recipient;
+    change.velocity_world = peer_.to_world(peer_.clock().to_session(now), *sensor.recipient, sensor.value);
+    change.absolute = sensor.absolute;
+    change.refused = why_not(now, change);
+    if (change.refused.empty() &&
+        !peer_.change_velocity(now, change.recipient, change.velocity_world, change.absolute)) {
+      change.refused = "this peer does not run it in this session";
+    }
+    ++(change.refused.empty() ? key_changes_ : key_changes_refused_);
+  }
+  return report;
+}
+
+// Why this peer does not do that; empty: it may.
+std::string PeerNode::why_not(HostTime now, const KeyReport::Change& change) const {
+  const ObjectId object = change.recipient;
+  const PeerId owner = peer_.owner(object);
+  if (owner == kNobody) return "no peer runs it";
+  if (owner != config_.id) {
+    const auto member = peer_.members().all().find(owner);
+    const std::string id = std::to_string(owner.value);
+    return member == peer_.members().all().end() ? "peer " + id + " runs it"
+                                                 : "peer " + member->second.name + " (id " + id + ") runs it";
+  }
+  if (feeds(object)) return "a program outside moves it";
+  if (drives(object)) return "a motion of the configuration moves it";
+  Vec3 velocity = change.velocity_world;
+  if (!change.absolute) velocity += peer_.truth(object, peer_.clock().to_session(now)).velocity;
+  // Written so that what is no number is refused too.
+  return velocity.norm() <= kKeySpeedMax_m_s ? "" : "it would be faster than 1e6 m/s, more than updates can tell of";
+}
+
+std::optional<KeyReport> PeerNode::poll_key_report() {
+  if (key_reports_.empty()) return std::nullopt;
+  KeyReport report = std::move(key_reports_.front());
+  key_reports_.pop_front();
+  return report;
+}
+
+void PeerNode::record_truths(SimTime t) {
+  for (const auto& [object, owner] : peer_.owners()) {
+    if (owner != config_.id) continue;
+    record(t, object, owner, peer_.truth(object, t), peer_.shown(object, t));
+  }
+}
+
+// Ghosts are looked at on a grid of their own: were it the tick's, a peer with another tick rate would show another
+// error although it believes the same. A sample that was slept through is not made up for from what is known now.
+void PeerNode::record_ghosts(HostTime now) {
+  const SimTime session_now = peer_.clock().to_session(now);
+  if (session_now < sample_time(next_sample_)) return;
+  while (sample_time(next_sample_ + 1) <= session_now) ++next_sample_;
+  const SimTime t = sample_time(next_sample_++);
+  peer_.look(t);
+  for (const auto& [object, owner] : peer_.owners()) {
+    if (owner != config_.id && peer_.holds(object))
+      record(t, object, owner, peer_.ghost(object, t), peer_.shown(object, t));
+  }
+}
+
+void PeerNode::record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state, const Pose& shown) {
+  log_.beliefs.push_back({t, peer_.clock().to_host(t) - options_.clock_offset, object, owner, state, shown});
+}
+
+std::optional<replication::Output> PeerNode::poll_output() {
+  auto out = peer_.poll_output();
+  if (!out) return out;
+  using namespace replication;
+  if (std::holds_alternative<Join>(*out)) log_.groups_joined = std::max(log_.groups_joined, ++groups_);
+  if (std::holds_alternative<Leave>(*out)) --groups_;
+  if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;
+  // The motions go on from where they are; if the other session has begun its own, its start is taken over.
+  const auto* stepped = std::get_if<ClockStepped>(&*out);
+  if (stepped != nullptr && log_.start && !stepped->same_session) *log_.start += stepped->step;
+  // Who slept through the start has still to be told of it: the sleep wiped out what was planned.
+  const bool slept = std::holds_alternative<Slept>(*out) || (stepped != nullptr && stepped->same_session);
+  if (slept && log_.start && logged_at_ < *log_.start) started_for_.reset();
+  if (!options_.keep_log) return out;
+  if (const auto* send = std::get_if<Send>(&*out)) {
+    log_.datagrams.push_back({logged_at_, static_cast<std::uint32_t>(send->datagram.size())});
+  } else if (const auto* p = std::get_if<Published>(&*out)) {
+    log_.updates.push_back(
+        {p->at, p->object, static_cast<std::uint32_t>(p->size_bytes), p->threshold_m, to_string(p->reason)});
+  } else if (const auto* c = std::get_if<ContactSeen>(&*out)) {
+    log_.contacts.push_back({c->contact.at, peerd::to_string(c->kind), c->contact.collider, c->contact.collidee,
+                             c->contact.normal, c->known_at});
+  } else if (const auto* o = std::get_if<Overruled>(&*out)) {
+    std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
+      return (row.kind == "decided" || row.kind == "applied") && row.at == o->contact && row.collider == o->collider &&
+             row.collidee == o->collidee;
+    });
+  } else if (const auto* b = std::get_if<TakenBack>(&*out)) {
+    std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
+      return (row.kind == "predicted" || row.kind == "owner") && row.at > b->since &&
+             (row.collider == b->object || row.collidee == b->object);
+    });
+  }
+  return out;
+}
+
+const PeerLog& PeerNode::log() {
+  const auto& c = peer_.counters();
+  const auto m = peer_.motion_counters();
+  auto& n = log_.counters;
+  n = {{"datagrams_in", c.datagrams_in},
+       {"datagrams_out", c.datagrams_out},
+       {"bytes_in", c.bytes_in},
+       {"bytes_out", c.bytes_out},
+       {"ticks", c.ticks},
+       {"ticks_missed", c.ticks_missed},
+       {"updates_in", c.updates_in},
+       {"updates_out", c.updates_out},
+       {"updates_at_once", c.updates_at_once},
+       {"update_bytes_out", c.update_bytes_out},
+       {"updates_repeated", c.updates_repeated},
+       {"updates_duplicate", c.updates_duplicate},
+       {"updates_relayed", c.updates_relayed},
+       {"updates_withheld", c.updates_withheld},
+       {"states_out_of_range", c.states_out_of_range},
+       {"convergence_blocked", c.convergence_blocked},
+       {"convergence_detours", c.convergence_detours},
+       {"objects_looked_at", c.objects_looked_at},
+       {"proximity_tests", c.proximity_tests},
+       {"proximity_refined", c.proximity_refined},
+       {"decisions", c.decisions},
+       {"decisions_fallback", c.decisions_fallback},
+       {"decisions_repeated", c.decisions_repeated},
+       {"decisions_overruled", c.decisions_overruled},
+       {"contacts_held", c.contacts_held},
+       {"contacts_refuted", c.contacts_refuted},
+       {"contacts_too_late", c.contacts_too_late},
+       {"contact_searches", m.contact_searches},
+       {"contact_searches_far", m.searches_far},
+       {"contact_searches_skipped", m.searches_skipped},
+       {"contacts", m.contacts},
+       {"contacts_undone", m.contacts_undone},
+       {"contact_searches_overlapped", m.overlapped},
+       {"contact_searches_unsupported", m.unsupported},
+       {"contact_searches_failed", m.failed},
+       {"contacts_capped", m.capped},
+       {"came_to_rest", m.came_to_rest},
+       {"jammed", m.jammed},
+       {"clock_steps", c.clock_steps},
+       {"clock_contradictions", c.clock_contradictions},
+       {"os_clocks_doubted", c.os_clocks_doubted}};
+  for (std::size_t i = 0; i < c.update_sizes_out.size(); ++i) {
+    const bool longer = i == replication::kRecordSizes.size();
+    const std::size_t size_bytes = replication::kRecordSizes[longer ? i - 1 : i];
+    n[(longer ? "updates_out_longer_than_" : "updates_out_up_to_") + std::to_string(size_bytes) + "_bytes"] =
+        c.update_sizes_out[i];
+  }
+  if (keys_pressed_ > 0) {
+    n["keys"] = keys_pressed_;
+    n["keys_unheard"] = keys_unheard_;
+    n["key_changes"] = key_changes_;
+    n["key_changes_refused"] = key_changes_refused_;
+  }
+  feeds_.count(n);
+  if (config_.regions.cell_m > 0.0) {
+    n["regions_joined"] = c.regions_joined;
+    n["regions_left"] = c.regions_left;
+    n["handovers"] = c.handovers;
+    n["sights_lost"] = c.sights_lost;
+    n["predictions_skipped"] = c.predictions_skipped;
+  }
+  if (peer_.time_sensors_limited_at()) n["time_sensors_stopped"] = 1;
+  for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;
+  return log_;
+}
+
+}  // namespace peerd

@@ -1,0 +1,36 @@
+#include "peerd/os/traffic_counters.hpp"
+
+namespace peerd::net {
+
+std::map<std::string, std::uint64_t> TrafficCounters::named() const {
+  return {
+      {"net.packets_in", packets_in},
+      {"net.bytes_in", bytes_in},
+      {"net.packets_out", packets_out},
+      {"net.bytes_out", bytes_out},
+      {"net.calls_in", calls_in},
+      {"net.calls_out", calls_out},
+      {"net.in_truncated", in_truncated},
+      {"net.in_other_group", in_other_group},
+      {"net.in_other_region", in_other_region},
+      {"net.in_stranger", in_stranger},
+      {"net.in_other_interface", in_other_interface},
+      {"net.in_no_destination", in_no_destination},
+      {"net.in_malformed", in_malformed},
+      {"net.in_queue_overflow", in_queue_overflow},
+      {"net.in_errors", in_errors},
+      {"net.in_unstamped", in_unstamped},
+      {"net.in_stamp_refused", in_stamp_refused},
+      {"net.out_queue_full", out_queue_full},
+      {"net.out_unreachable", out_unreachable},
+      {"net.out_blocked", out_blocked},
+      {"net.out_too_large", out_too_large},
+      {"net.out_no_group", out_no_group},
+      {"net.out_errors", out_errors},
+      {"net.greetings_in", greetings_in},
+      {"net.greetings_out", greetings_out},
+      {"net.peers_refused", peers_refused},
+  };
+}
+
+}  // namespace peerd::net

@@ -1,0 +1,170 @@
+#include "peerd/scenario/assemble.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace peerd {
+namespace {
+
+// A peer that leaves and comes back has several.
+struct Life {
+  HostTime from, until;  // in true time
+  SimTime first_row, last_row;
+};
+using Lives = std::map<PeerId, std::vector<Life>>;
+
+// Who was there from the start was so before its first row, and whom nothing has ended goes on after its last.
+Lives lives_of(const config::RunSettings& run, const std::vector<PeerLog>& logs) {
+  Lives lives;
+  for (const PeerLog& log : logs) {
+    std::vector<Life>& own = lives[log.peer];
+    const bool from_the_start = own.empty() && config::starts_with(run.events, log.name);
+    if (!log.start || (log.beliefs.empty() && !from_the_start)) continue;
+    own.push_back({from_the_start ? HostTime::min() : log.beliefs.front().true_at,
+                   log.ended_at.value_or(HostTime::max()), from_the_start ? SimTime::min() : log.beliefs.front().at,
+                   log.ended_at && !log.beliefs.empty() ? log.beliefs.back().at : SimTime::max()});
+  }
+  return lives;
+}
+
+bool alive(const std::vector<Life>& lives, HostTime t) {
+  return std::ranges::any_of(lives, [&](const Life& life) { return life.from <= t && t <= life.until; });
+}
+
+report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<Life>& lives, SimTime start) {
+  report::PeerInfo info{PeerId{peer.id}, peer.name};
+  const auto since_start = [&](SimTime t) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    return t == SimTime::min() ? -kNever : t == SimTime::max() ? kNever : to_seconds(t - start);
+  };
+  for (const Life& life : lives) info.there_s.emplace_back(since_start(life.first_row), since_start(life.last_row));
+  if (lives.empty()) info.there_s.emplace_back(1.0, 0.0);  // never
+  return info;
+}
+
+// The truth of one object as its owner logged it, in true time.
+struct Truth {
+  const config::MotionSource* motion = nullptr;  // what drives it
+  std::vector<const PeerLog::Belief*> ticks;     // by true_at
+
+  [[nodiscard]] const PeerLog::Belief* last_not_after(HostTime t) const {
+    const auto next = std::ranges::upper_bound(ticks, t, {}, [](const auto* b) { return b->true_at; });
+    return next == ticks.begin() ? nullptr : *(next - 1);
+  }
+  // The owner's session time at that instant.
+  [[nodiscard]] SimTime session_time(HostTime t) const {
+    const PeerLog::Belief* b = last_not_after(t);
+    if (b == nullptr) b = ticks.front();
+    return b->at + (t - b->true_at);
+  }
+  [[nodiscard]] Pose pose(HostTime t, SimTime start) const {
+    if (motion != nullptr) return motion->pose(to_seconds(session_time(t) - start));
+    const PeerLog::Belief* before = last_not_after(t);
+    const bool last = before == ticks.back();
+    if (before != nullptr && last) return advance(before->state, to_seconds(t - before->true_at)).pose();
+    return between(t, [](const PeerLog::Belief& b) { return b.state.pose(); });
+  }
+  // What the owner's user sees then.
+  [[nodiscard]] Pose seen(HostTime t, SimTime start) const {
+    const PeerLog::Belief* b = last_not_after(t);
+    if (b == nullptr || b->shown.position == b->state.position) return pose(t, start);
+    return between(t, [](const PeerLog::Belief& tick) { return tick.shown; });
+  }
+
+ private:
+  template <class PoseOf>
+  [[nodiscard]] Pose between(HostTime t, PoseOf pose_of) const {
+    const auto next = std::ranges::upper_bound(ticks, t, {}, [](const auto* b) { return b->true_at; });
+    if (next == ticks.begin()) return pose_of(**next);
+    const PeerLog::Belief& before = **(next - 1);
+    if (next == ticks.end() || before.true_at == t) return pose_of(before);
+    const double s = to_seconds(t - before.true_at) / to_seconds((*next)->true_at - before.true_at);
+    const Pose a = pose_of(before), b = pose_of(**next);
+    return {a.position + s * (b.position - a.position), a.orientation.slerp(s, b.orientation)};  // exact at rest
+  }
+};
+
+}  // namespace
+
+Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedWorld& shared,
+                                           const std::vector<PeerLog>& logs) {
+  const Scene& scene = shared.world.scene;
+  report::RunRecord record;
+  record.params = run.params;
+  record.seed = run.seed;
+  record.duration_s = run.duration_s;
+  for (const config::ScenarioEvent& e : run.events) record.events.push_back({e.at_s, e.name});
+
+  std::map<ObjectId, Truth> truths;
+  std::map<ObjectId, PeerId> owners;
+  const auto objects = config::resolve(run, scene);
+  if (!objects) return std::unexpected(objects.error());
+  std::optional<SimTime> start;  // the lowest peer's, which the others follow
+  for (const PeerLog& log : logs) {
+    if (!log.start && config::starts_with(run.events, log.name)) {
+      return std::unexpected(InputError{"error: peer " + log.name + " never met all the others", 3});
+    }
+    if (!start) start = log.start;
+    for (const PeerLog::Belief& b : log.beliefs) {
+      if (b.owner == log.peer) truths[b.object].ticks.push_back(&b);
+    }
+  }
+  if (!start) return std::unexpected(InputError{"error: nobody's log says when the motions began", 3});
+  Lives lives = lives_of(run, logs);
+  for (std::size_t i = 0; i < run.peers.size(); ++i) {
+    const PeerId peer{run.peers[i].id};
+    record.peers.push_back(peer_info(run.peers[i], lives[peer], *start));
+    for (const ObjectId object : (*objects)[i].enslaved) {
+      owners[object] = peer;
+      record.objects.push_back({object, scene.path_of(object), peer});
+    }
+    for (const auto& [object, motion] : (*objects)[i].motions) truths[object].motion = &motion;
+  }
+  std::ranges::sort(record.objects, {}, &report::ObjectInfo::object);
+
+  const auto within = [&](double t_s) { return t_s >= 0.0 && t_s <= run.duration_s; };
+  for (const PeerLog& log : logs) {
+    for (const PeerLog::Belief& b : log.beliefs) {
+      if (b.owner == log.peer || !owners.contains(b.object)) continue;
+      const Truth& truth = truths[b.object];
+      if (truth.ticks.empty() || !alive(lives[owners[b.object]], b.true_at)) continue;
+      const double t_s = to_seconds(truth.session_time(b.true_at) - *start);
+      if (!within(t_s)) continue;
+      record.beliefs.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), b.state.pose(), b.shown,
+                                truth.seen(b.true_at, *start)});
+    }
+    const auto since_start = [&](SimTime t) { return to_seconds(t - *start); };
+    for (const PeerLog::Update& u : log.updates) {
+      if (!within(since_start(u.at))) continue;
+      record.updates.push_back({since_start(u.at), log.peer, u.object, u.bytes, u.threshold_m, u.reason});
+    }
+    for (const PeerLog::Datagram& d : log.datagrams) {
+      if (within(since_start(d.at))) record.datagrams.push_back({since_start(d.at), log.peer, d.bytes});
+    }
+    for (const PeerLog::Contact& c : log.contacts) {
+      if (!within(since_start(c.at))) continue;
+      for (ObjectId id : {c.collider, c.collidee}) {
+        if (!owners.contains(id)) record.scene_paths.try_emplace(id, scene.path_of(id));
+      }
+      record.contacts.push_back(
+          {since_start(c.at), log.peer, c.kind, c.collider, c.collidee, c.normal, since_start(c.known_at)});
+    }
+    if (const auto& c = log.clock_error) {
+      const auto ms = [](Duration d) { return to_seconds(d) * 1e3; };
+      record.clocks.push_back(
+          {log.peer, c->samples, ms(c->p99), ms(c->max), ms(c->bound_median), ms(c->bound_max), c->beyond_bound});
+    }
+    record.groups_joined += log.groups_joined;
+    record.worlds_equal = record.worlds_equal && log.other_worlds == 0;
+    for (const auto& [name, count] : log.counters) record.counters[name] += count;
+  }
+  std::ranges::stable_sort(record.beliefs, [](const auto& a, const auto& b) {
+    return std::tie(a.observer, a.object, a.t_s) < std::tie(b.observer, b.object, b.t_s);
+  });
+  std::ranges::stable_sort(record.updates, {}, &report::UpdateSent::t_s);
+  std::ranges::stable_sort(record.datagrams, {}, &report::DatagramSent::t_s);
+  std::ranges::stable_sort(record.contacts, {}, &report::ContactRow::t_s);
+  return record;
+}
+
+}  // namespace peerd

@@ -1,0 +1,149 @@
+#include "peerd/transport/known_peers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace peerd::net {
+
+using asio::ip::udp;
+
+namespace {
+
+// Who is silent for so long where it is known but speaks from another address has moved there. Two processes of two
+// addresses each may know one another by the wrong pair: what either sends comes from another address than the other
+// holds. One of them must move first, else both do and still miss.
+constexpr Duration kMovesFirst = std::chrono::milliseconds(2'200), kMovesLater = std::chrono::milliseconds(4'200);
+
+// Port, address and, of an IPv6 address that each link has for itself, the link.
+struct EndpointBytes {
+  std::array<std::byte, 22> bytes{};
+  std::size_t size = 0;
+
+  void put(std::uint64_t value, int size_bytes) {
+    for (int i = 0; i < size_bytes; ++i) bytes[size++] = static_cast<std::byte>(value >> (8 * i));
+  }
+};
+
+EndpointBytes bytes_of(const udp::endpoint& at) {
+  EndpointBytes out;
+  out.put(at.port(), 2);
+  if (at.address().is_v4()) {
+    out.put(at.address().to_v4().to_uint(), 4);
+  } else {
+    const auto address = at.address().to_v6();
+    for (const unsigned char byte : address.to_bytes()) out.put(byte, 1);
+    out.put(static_cast<std::uint32_t>(address.scope_id()), 4);
+  }
+  return out;
+}
+
+}  // namespace
+
+// No endpoint is hashed from no bytes: what all may read says nothing of any number.
+KnownPeers::KnownPeers(Options options)
+    : options_(std::move(options)), instance_(static_cast<std::uint32_t>(sip_hash(options_.key, {}))) {}
+
+std::uint64_t KnownPeers::number_for(const udp::endpoint& at) const {
+  const EndpointBytes input = bytes_of(at);
+  return sip_hash(options_.key, std::span(input.bytes).first(input.size)) >> (64 - kAddressNumberBits) | 1;
+}
+
+bool KnownPeers::has_echoed(const udp::endpoint& from) const {
+  return std::ranges::any_of(peers_, [&](const Peer& peer) { return peer.at == from || peer.also == from; });
+}
+
+bool KnownPeers::is_known(const udp::endpoint& at) const {
+  return std::ranges::find(peers_, at, &Peer::at) != peers_.end();
+}
+
+KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& from, const Greeting& greeting) {
+  if (greeting.instance == instance_) {
+    on_own(now, from, greeting);
+    return Outcome::kOwn;
+  }
+  if (greeting.echo != number_for(from)) return Outcome::kStranger;
+  auto known = std::ranges::find(peers_, greeting.instance, &Peer::instance);
+  if (known != peers_.end() && known->at != from) {
+    known->also = from;  // it may hold us by another of our addresses, and send from there
+    if (now - known->heard < (instance_ < greeting.instance ? kMovesFirst : kMovesLater)) return Outcome::kTwice;
+    known->also = std::exchange(known->at, from);
+  }
+  if (greeting.leaving) {
+    if (known != peers_.end()) peers_.erase(known);
+    introduced_.erase(from);
+    return Outcome::kLeft;
+  }
+  const bool is_new = known == peers_.end();
+  if (is_new) {
+    std::erase_if(peers_, [&](const Peer& peer) { return peer.at == from; });  // started again
+    if (peers_.size() >= options_.most) return Outcome::kFull;
+    peers_.push_back({.at = from, .instance = greeting.instance});
+    known = peers_.end() - 1;
+  }
+  introduced_.erase(from);
+  known->heard = now;
+  known->number = greeting.number;
+  if (!greeting.reply) {  // else it is bare, and takes back nothing
+    known->all_regions = greeting.all_regions;
+    known->regions = greeting.regions;
+  }
+  for (const udp::endpoint& other : greeting.peers) {
+    if (other.port() == 0 || other.address().is_unspecified() || other.address().is_multicast()) continue;
+    if (is_known(other) || own_.contains(other)) continue;
+    introduce(other, now + options_.introduction);
+  }
+  return is_new ? Outcome::kNew : Outcome::kKnown;
+}
+
+// Only who receives at `from` can send our own number for it back to us, and only a candidate needs to be remembered.
+void KnownPeers::on_own(HostTime now, const udp::endpoint& from, const Greeting& greeting) {
+  const bool candidate = introduced_.contains(from) || std::ranges::find(options_.seeds, from) != options_.seeds.end();
+  if (greeting.number != number_for(from) || !candidate) return;
+  if (own_.size() < options_.most || own_.contains(from)) own_[from] = now + options_.own;
+  introduced_.erase(from);
+}
+
+// Never shortens: who fell silent and is named by others is greeted for the longer of both.
+void KnownPeers::introduce(const udp::endpoint& at, HostTime until) {
+  if (!introduced_.contains(at) && introduced_.size() >= options_.most) return;
+  HostTime& greeted_until = introduced_.try_emplace(at, until).first->second;
+  greeted_until = std::max(greeted_until, until);
+}
+
+void KnownPeers::forget(HostTime now) {
+  std::erase_if(introduced_, [&](const auto& entry) { return now > entry.second; });
+  std::erase_if(own_, [&](const auto& entry) { return now > entry.second; });
+  std::erase_if(peers_, [&](const Peer& peer) {
+    if (now - peer.heard <= options_.silence) return false;
+    introduce(peer.at, now + options_.again);  // whoever named it to us may be gone by now
+    return true;
+  });
+}
+
+bool KnownPeers::wants(const Peer& peer, RegionId region) {
+  return peer.all_regions || std::ranges::binary_search(peer.regions, region);
+}
+
+std::vector<udp::endpoint> KnownPeers::candidates() const {
+  std::vector<udp::endpoint> found;
+  for (const udp::endpoint& seed : options_.seeds) {
+    if (!is_known(seed) && !own_.contains(seed) && std::ranges::find(found, seed) == found.end()) found.push_back(seed);
+  }
+  for (const auto& [at, until] : introduced_) {
+    if (!is_known(at) && std::ranges::find(found, at) == found.end()) found.push_back(at);
+  }
+  return found;
+}
+
+std::vector<udp::endpoint> KnownPeers::introductions(const Peer& to, std::size_t round) const {
+  std::vector<udp::endpoint> named;
+  for (std::size_t i = 0; i < peers_.size() && named.size() < kGreetingPeersMax; ++i) {
+    const Peer& peer = peers_[(i + round * kGreetingPeersMax) % peers_.size()];
+    if (peer.at == to.at || (peer.at.address().is_loopback() && !to.at.address().is_loopback())) continue;
+    named.push_back(peer.at);
+  }
+  return named;
+}
+
+}  // namespace peerd::net

@@ -1,0 +1,51 @@
+#include "peerd/transport/multicast_probe.hpp"
+
+#include <array>
+
+#include "peerd/os/udp_socket.hpp"
+
+namespace peerd::net {
+namespace {
+
+constexpr int kTries = 6;
+constexpr std::chrono::milliseconds kWait{50};  // for each
+
+}  // namespace
+
+std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, MulticastOptions options) {
+  asio::io_context io(1);
+  options.any_port = true;  // no peer hears it
+  options.hears_itself = true;
+  const auto opened = MulticastSocket::open(io, clock, options);
+  if (!opened) return std::unexpected(opened.error());
+  MulticastSocket& socket = **opened;
+  constexpr RegionId kFirst{0};
+  if (auto joined = socket.join(kFirst); !joined) return std::unexpected(joined.error());
+
+  bool heard = false;
+  HostTime sent = clock.now();
+  ProbeResult result{.over = socket.chosen_interface(),
+                     .receive_buffer_bytes = socket.receive_buffer_bytes(),
+                     .memberships_max = memberships_limit(options.groups.base.is_v4() ? IpFamily::kV4 : IpFamily::kV6)};
+  socket.on_receive([&](const Arrival&) { heard = true; });
+  constexpr std::array<std::byte, 4> kProbe{std::byte{'p'}, std::byte{'e'}, std::byte{'e'}, std::byte{'r'}};
+  for (int tries = 0; tries < kTries && !heard; ++tries) {
+    sent = clock.now();
+    socket.send(kFirst, kProbe);
+    socket.flush();
+    for (const HostTime until = sent + kWait; !heard && clock.now() < until;) io.run_one_for(until - clock.now());
+  }
+  if (!heard) {
+    const TrafficCounters& c = socket.counters();
+    return failure(NetError::Kind::kNoMulticast,
+                   "multicast sent over \"" + socket.chosen_interface().interface.name +
+                       (c.packets_out == 0 ? "\" does not leave (a firewall, or no route)"
+                                           : "\" does not come back to this computer (a firewall, or a network without "
+                                             "multicast)"));
+  }
+  result.took = clock.now() - sent;
+  result.stamped = socket.counters().in_unstamped == 0;
+  return result;
+}
+
+}  // namespace peerd::net

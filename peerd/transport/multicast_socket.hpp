@@ -1,0 +1,119 @@
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/ids.hpp"
+#include "peerd/os/interfaces.hpp"
+#include "peerd/os/net_error.hpp"
+#include "peerd/transport/region_groups.hpp"
+#include "peerd/transport/transport.hpp"
+#include "peerd/os/udp_receiver.hpp"
+
+namespace peerd::net {
+
+struct MulticastOptions {
+  std::string interface = "";  // "lo", "eth0"; empty: choose_interface picks
+  GroupPlan groups;
+  int ttl = 1;                             // hops, 0 to 255. 0: this computer only; 1: this LAN
+  int dscp = 0;                            // 0 to 63: how routers and wireless links should treat what is sent
+  int receive_buffer_bytes = 1024 * 1024;  // asked of the kernel, which may grant less (net.core.rmem_max)
+  bool any_port = false;                   // the system chooses, whatever the plan says: for a probe
+  // Whether what is sent here to a group that is joined comes back. If not, it leaves from a port of its own, by which
+  // the kernel knows it again before it wakes anybody.
+  bool hears_itself = true;
+};
+
+// All regions of a session over one interface: sends to any, hears those that it joined. As the kernel lets each UDP
+// socket hear so many groups only, more are opened when those are used up. Loopback must be on for peers that share a
+// computer to hear each other.
+class MulticastSocket final : public Transport {
+ public:
+  // `io` and `clock` outlive it.
+  [[nodiscard]] static std::expected<std::unique_ptr<MulticastSocket>, NetError> open(asio::io_context& io,
+                                                                                      const HostClock& clock,
+                                                                                      const MulticastOptions& options);
+
+  void on_receive(ReceiveHandler handler) override;
+  bool receive_pending() override;
+  std::expected<void, NetError> join(RegionId region) override;
+  std::expected<void, NetError> leave(RegionId region) override;
+  void send(RegionId region, std::span<const std::byte> datagram) override;
+  void flush() override;
+  [[nodiscard]] std::optional<InterfaceNews> follow_interface() override;
+
+  [[nodiscard]] const TrafficCounters& counters() const override { return counters_; }
+  [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }
+  [[nodiscard]] int receive_buffer_bytes() const override;
+  [[nodiscard]] asio::ip::address own_address() const override { return own_address_; }
+  [[nodiscard]] std::string describe() const override;
+  [[nodiscard]] const ChosenInterface& chosen_interface() const { return chosen_; }
+  [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
+  // Of the one that sends.
+  [[nodiscard]] int native_handle() {
+    return (sender_ ? *sender_ : sockets_.front()->receiver.socket()).native_handle();
+  }
+
+ private:
+  struct Socket {
+    Socket(asio::io_context& io, Reading& reading) : receiver(io, reading) {}
+    UdpReceiver receiver;
+    std::size_t memberships = 0;
+  };
+  struct Membership {
+    Socket* socket;
+    asio::ip::address group;
+    std::size_t regions = 0;  // that are joined and have this group
+  };
+
+  MulticastSocket(asio::io_context& io, const HostClock& clock, const MulticastOptions& options,
+                  ChosenInterface chosen);
+
+  std::expected<void, NetError> add_sender();
+  std::expected<void, NetError> add_socket();
+  std::expected<void, NetError> turn_own_away(int fd) const;
+  std::expected<void, NetError> configure(int fd) const;
+  std::expected<void, NetError> probe_route();
+
+  [[nodiscard]] int send_over_our_interface(int fd) const;  // errno, 0 = done
+  [[nodiscard]] int change_membership(Socket& socket, bool join,
+                                      const asio::ip::address& group);  // errno, 0 = done
+  std::expected<Socket*, NetError> add_membership(RegionId region, const asio::ip::address& group);
+  [[nodiscard]] bool interface_is_another() const;
+  [[nodiscard]] int go_over_to(unsigned interface);  // errno, 0 = done
+  [[nodiscard]] NetError join_error(RegionId region, int error) const;
+  [[nodiscard]] asio::ip::udp::endpoint on_our_interface(const asio::ip::udp::endpoint& group) const;
+
+  void start(Socket& socket);
+  void take(const Received& received, HostTime at);
+
+  asio::io_context& io_;
+  MulticastOptions options_;
+  ChosenInterface chosen_;
+  bool interface_gone_ = false;  // as was told
+  asio::ip::address own_address_;
+  TrafficCounters counters_;
+  Reading reading_;
+  std::optional<asio::ip::udp::socket> sender_;  // none: the first of the others sends
+  std::vector<std::unique_ptr<Socket>> sockets_;
+  std::size_t memberships_max_;  // of one socket
+  std::set<RegionId> joined_;
+  std::map<std::uint32_t, Membership> memberships_;  // by the number of the group
+  ReceiveHandler handler_;
+  SendQueue queue_;
+  std::vector<UdpReceiver*> turning_away_;  // for each in queue_: the socket whose filter will meet it; null: none
+};
+
+// How many groups one socket may join, as the system is set up; none: it counts otherwise, or doesn't say.
+[[nodiscard]] std::optional<std::size_t> memberships_limit(IpFamily family);
+
+}  // namespace peerd::net

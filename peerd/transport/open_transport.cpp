@@ -1,0 +1,116 @@
+#include "peerd/transport/open_transport.hpp"
+
+#include <charconv>
+
+#include "peerd/transport/multicast_probe.hpp"
+#include "peerd/os/udp_socket.hpp"
+
+namespace peerd::net {
+namespace {
+
+using asio::ip::udp;
+
+struct HostAndPort {
+  std::string host, port;
+};
+
+// "host:port", or "[address]:port" where the address has colons itself.
+std::expected<HostAndPort, NetError> split(const std::string& text) {
+  const auto colon = text.rfind(':');
+  HostAndPort parts{text.substr(0, colon), colon == std::string::npos ? "" : text.substr(colon + 1)};
+  if (parts.host.size() > 2 && parts.host.front() == '[' && parts.host.back() == ']') {
+    parts.host = parts.host.substr(1, parts.host.size() - 2);
+  } else if (parts.host.find_first_of(":[]") != std::string::npos) {
+    parts.host.clear();  // whose last part may be the port, or not
+  }
+  std::uint16_t number = 0;
+  const char* const end = parts.port.data() + parts.port.size();
+  const auto read = std::from_chars(parts.port.data(), end, number);
+  if (parts.host.empty() || read.ec != std::errc{} || read.ptr != end || number == 0) {
+    return failure(NetError::Kind::kBadSetting,
+                   "transport.peers: \"" + text + "\" is no HOST:PORT, such as 192.0.2.7:47474 or [2001:db8::7]:47474");
+  }
+  return parts;
+}
+
+std::expected<std::unique_ptr<Transport>, NetError> open_unicast(asio::io_context& io, const HostClock& clock,
+                                                                 const TransportOptions& options) {
+  const MulticastOptions& m = options.multicast;
+  const IpFamily family = m.groups.base.is_v4() ? IpFamily::kV4 : IpFamily::kV6;
+  auto seeds = resolve_peers(options.peers, family);
+  if (!seeds) return std::unexpected(seeds.error());
+  return UnicastFanOut::open(io, clock,
+                             {.family = family,
+                              .interface = m.interface,
+                              .port = m.groups.port,
+                              .seeds = *std::move(seeds),
+                              .key = options.key,
+                              .dscp = m.dscp,
+                              .receive_buffer_bytes = m.receive_buffer_bytes});
+}
+
+}  // namespace
+
+std::expected<std::vector<udp::endpoint>, NetError> resolve_peers(const std::vector<std::string>& peers,
+                                                                  IpFamily family) {
+  asio::io_context io(1);
+  udp::resolver resolver(io);
+  std::vector<udp::endpoint> found;
+  for (const std::string& peer : peers) {
+    const auto parts = split(peer);
+    if (!parts) return std::unexpected(parts.error());
+    boost::system::error_code ec;
+    const auto addresses = resolver.resolve(family == IpFamily::kV4 ? udp::v4() : udp::v6(), parts->host, parts->port,
+                                            udp::resolver::numeric_service, ec);
+    if (ec || addresses.empty()) {
+      return failure(NetError::Kind::kOther,
+                     "transport.peers: \"" + peer + "\" has no " + (family == IpFamily::kV4 ? "IPv4" : "IPv6") +
+                         " address: " + ec.message() + "; unicast takes the family of transport.group");
+    }
+    found.push_back(addresses.begin()->endpoint());
+  }
+  return found;
+}
+
+namespace {
+
+// Whether unicast may do where multicast failed for that reason. It wouldn't mend a wrong setting.
+bool unicast_may_do(NetError::Kind kind) {
+  return kind == NetError::Kind::kNoMulticast || kind == NetError::Kind::kLimit || kind == NetError::Kind::kOther;
+}
+
+// Why not multicast; empty: it works.
+std::expected<std::string, NetError> why_unicast(const HostClock& clock, const TransportOptions& options) {
+  if (options.use == MulticastUse::kAlways) return "";
+  if (options.use == MulticastUse::kNever) return "transport.multicast says so";
+  const auto probe = probe_multicast(clock, options.multicast);
+  if (probe) {
+    // lo is the last resort of a peer that is to choose by itself; whoever lists peers means to reach them.
+    const bool at_home = options.multicast.interface.empty() && probe->over.interface.loopback;
+    return at_home && !options.peers.empty() ? probe->over.why : "";
+  }
+  if (!unicast_may_do(probe.error().kind)) return std::unexpected(probe.error());
+  if (options.peers.empty()) {
+    return failure(probe.error().kind,
+                   probe.error().sentence + ", or list other peers' addresses in transport.peers for unicast");
+  }
+  return probe.error().sentence;
+}
+
+}  // namespace
+
+std::expected<OpenedTransport, NetError> open_transport(asio::io_context& io, const HostClock& clock,
+                                                        const TransportOptions& options) {
+  auto why = why_unicast(clock, options);
+  if (!why) return std::unexpected(why.error());
+  if (why->empty()) {
+    auto opened = MulticastSocket::open(io, clock, options.multicast);
+    if (!opened) return std::unexpected(opened.error());
+    return OpenedTransport{*std::move(opened), {}};
+  }
+  auto opened = open_unicast(io, clock, options);
+  if (!opened) return std::unexpected(opened.error());
+  return OpenedTransport{*std::move(opened), *std::move(why)};
+}
+
+}  // namespace peerd::net

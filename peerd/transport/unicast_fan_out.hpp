@@ -1,0 +1,87 @@
+#pragma once
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "peerd/os/interfaces.hpp"
+#include "peerd/transport/known_peers.hpp"
+#include "peerd/transport/transport.hpp"
+#include "peerd/os/udp_receiver.hpp"
+
+namespace peerd::net {
+
+struct UnicastOptions {
+  IpFamily family = IpFamily::kV4;
+  std::string interface = "";  // hears what comes over this one and lo; empty: over any
+  std::uint16_t port = 0;      // of this peer alone
+  std::vector<asio::ip::udp::endpoint> seeds = {};
+  SipKey key = {};  // KnownPeers'
+  int dscp = 0;
+  int receive_buffer_bytes = 1024 * 1024;
+};
+
+// Where multicast is missing: each datagram to each peer that wants its region, one copy each. Peers find each other by
+// greetings, from the seeds on: who greets is greeted, and each tells the others whom it hears.
+class UnicastFanOut final : public Transport {
+ public:
+  // `io` and `clock` outlive it.
+  [[nodiscard]] static std::expected<std::unique_ptr<UnicastFanOut>, NetError> open(asio::io_context& io,
+                                                                                    const HostClock& clock,
+                                                                                    const UnicastOptions& options);
+  // Says goodbye.
+  ~UnicastFanOut() override;
+
+  void on_receive(ReceiveHandler handler) override;
+  bool receive_pending() override;
+  std::expected<void, NetError> join(RegionId region) override;
+  std::expected<void, NetError> leave(RegionId region) override;
+  void send(RegionId region, std::span<const std::byte> datagram) override;
+  void flush() override;
+  [[nodiscard]] std::optional<InterfaceNews> follow_interface() override;
+
+  [[nodiscard]] const TrafficCounters& counters() const override { return counters_; }
+  [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }
+  [[nodiscard]] int receive_buffer_bytes() const override;
+  [[nodiscard]] asio::ip::address own_address() const override;
+  [[nodiscard]] std::string describe() const override;
+  [[nodiscard]] const std::vector<KnownPeers::Peer>& peers() const { return known_.peers(); }
+  [[nodiscard]] int native_handle() { return receiver_.socket().native_handle(); }
+
+ private:
+  UnicastFanOut(asio::io_context& io, const HostClock& clock, const UnicastOptions& options);
+
+  void take(const Received& received, HostTime at);
+  void on_greeting(const Received& received, HostTime at);
+  void take_datagram(const Received& received, HostTime at);
+  void push(const asio::ip::udp::endpoint& to, std::span<const std::byte> header, std::span<const std::byte> datagram);
+  void greet(const asio::ip::udp::endpoint& to, Greeting greeting);
+  void greet_all(bool leaving);
+  void changed();
+  void next_round();
+
+  UnicastOptions options_;
+  std::optional<unsigned> only_over_, loopback_;  // numbers of interfaces; 0: it is gone
+  TrafficCounters counters_;
+  Reading reading_;
+  UdpReceiver receiver_;
+  SendQueue queue_;
+  KnownPeers known_;
+  std::set<RegionId> joined_;
+  ReceiveHandler handler_;
+  asio::steady_timer timer_;
+  std::size_t round_ = 0;
+  int hurried_rounds_;
+  bool round_due_ = false;
+  std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // as UdpReceiver's
+};
+
+}  // namespace peerd::net

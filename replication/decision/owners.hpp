@@ -1,0 +1,69 @@
+#pragma once
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <ranges>
+#include <utility>
+#include <vector>
+
+#include "core/ids.hpp"
+
+namespace peerd::replication {
+
+// Who runs what. A table by object: an update asks for its object's owner, and there are many of both.
+class Owners {
+ public:
+  // Of a scene with so many objects, ids below that.
+  explicit Owners(std::size_t objects) : by_object_(objects, kNobody) {}
+
+  // kNobody where nobody runs it, or where there is no such object.
+  [[nodiscard]] PeerId of(ObjectId object) const {
+    return object.value < by_object_.size() ? by_object_[object.value] : kNobody;
+  }
+  // kNobody: from now on nobody does. There is such an object.
+  void set(ObjectId object, PeerId owner) {
+    assert(object.value < by_object_.size());
+    by_object_[object.value] = owner;
+  }
+
+  // What somebody runs, each with its owner, ascending: from() those from that one on. size() counts them.
+  class Iterator {
+   public:
+    using difference_type = std::ptrdiff_t;
+    using value_type = std::pair<ObjectId, PeerId>;
+    Iterator() = default;
+    Iterator(const std::vector<PeerId>& by_object, std::size_t at) : by_object_(&by_object), at_(at) { find(); }
+    value_type operator*() const { return {ObjectId{static_cast<std::uint32_t>(at_)}, (*by_object_)[at_]}; }
+    Iterator& operator++() {
+      ++at_;
+      find();
+      return *this;
+    }
+    Iterator operator++(int) {
+      const Iterator before = *this;
+      ++*this;
+      return before;
+    }
+    friend bool operator==(const Iterator&, const Iterator&) = default;
+
+   private:
+    void find() {
+      while (at_ < by_object_->size() && (*by_object_)[at_] == kNobody) ++at_;
+    }
+    const std::vector<PeerId>* by_object_ = nullptr;
+    std::size_t at_ = 0;
+  };
+  [[nodiscard]] Iterator begin() const { return {by_object_, 0}; }
+  [[nodiscard]] Iterator end() const { return {by_object_, by_object_.size()}; }
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(std::ranges::distance(begin(), end())); }
+  [[nodiscard]] auto from(ObjectId first) const {
+    return std::ranges::subrange(Iterator(by_object_, std::min<std::size_t>(first.value, by_object_.size())), end());
+  }
+
+ private:
+  std::vector<PeerId> by_object_;
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,62 @@
+#include "replication/motion/colliding_objects.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace peerd::replication {
+
+CollidingObjects::CollidingObjects(const WorldModel& model) : model_(model) {
+  for (const CollisionPair& p : model.pairs) types_[Pair(std::minmax(p.collider, p.collidee))].push_back(p.type);
+}
+
+void CollidingObjects::on_contact(const ContactEvent& contact) {
+  const Pair pair(std::minmax(contact.collider, contact.collidee));
+  if (!types_.contains(pair) || !touching_.insert(pair).second) return;
+  for (const ObjectId object : {pair.first, pair.second}) {
+    if (partners_[object]++ == 0) events_.push_back({object, contact.at, false});
+  }
+}
+
+bool CollidingObjects::touching(const Pair& pair, const StateOf& state_of) const {
+  const KinematicState a = state_of(pair.first), b = state_of(pair.second);
+  return std::ranges::any_of(types_.at(pair), [&](CollisionType type) {
+    return collision::touching({*model_.body(pair.first), a}, {*model_.body(pair.second), b}, type);
+  });
+}
+
+void CollidingObjects::part(const Pair& pair, SimTime t) {
+  touching_.erase(pair);
+  for (const ObjectId object : {pair.first, pair.second}) {
+    const auto partners = partners_.find(object);
+    if (--partners->second > 0) continue;
+    partners_.erase(partners);
+    events_.push_back({object, t, true});
+  }
+}
+
+void CollidingObjects::update(const StateOf& state_of, SimTime t) {
+  const std::vector<Pair> before(touching_.begin(), touching_.end());
+  for (const Pair& pair : before) {
+    if (!touching(pair, state_of)) part(pair, t);
+  }
+}
+
+void CollidingObjects::forget(SimTime t) {
+  while (!touching_.empty()) part(*touching_.begin(), t);
+}
+
+void CollidingObjects::forget(ObjectId object, SimTime t) {
+  const std::vector<Pair> before(touching_.begin(), touching_.end());
+  for (const Pair& pair : before) {
+    if (pair.first == object || pair.second == object) part(pair, t);
+  }
+}
+
+std::optional<NotColliding> CollidingObjects::poll() {
+  if (events_.empty()) return std::nullopt;
+  const NotColliding event = events_.front();
+  events_.pop_front();
+  return event;
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,78 @@
+#include "replication/motion/swept_bound.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "collision/contact/contact_time.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// Of all lengths involved; the rounding of a path and of the search's own tests is below 2^-39 of them.
+constexpr double kMargin = 0x1p-30;
+// The world box of what lies in a sphere lies in the sphere this much larger (sqrt(3), rounded up):
+// CollisionType::kBox.
+constexpr double kBoxReach = 1.7320508075688774;
+
+bool turns(const KinematicState& s) { return !s.angular_velocity_body.isZero(0.0); }
+
+// Holds all vertices, and what is round where these are on it.
+double radius_of(const collision::Body& body) {
+  if (!body.round) return body.radius_m;
+  return std::max(body.radius_m, (body.round->center - body.center).norm() + body.round->radius_m);
+}
+
+}  // namespace
+
+SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {
+  SweptBound bound;
+  bound.last_change = timeline.last_change_until(s);
+  bound.next_change = timeline.next_change_after(s);
+  bound.still = stands(timeline.at(s));
+  if (bound.last_change) begin = std::max(begin, *bound.last_change);
+  if (bound.next_change) end = std::min(end, *bound.next_change);
+  // At the instant at which a law begins, and before, at() tells the law's own derivatives; after it the piece's.
+  const SimTime law_begins = timeline.segment_at(s).from;
+  bound.from = s <= law_begins ? s : std::max(begin, law_begins + Duration{1});
+  bound.until = s <= law_begins ? s + Duration{1} : end;
+
+  const double h = to_seconds(end - begin);
+  bound.low.setConstant(std::numeric_limits<double>::infinity());
+  bound.high = -bound.low;
+  const auto hold = [&](const KinematicState& at_begin, bool turning) {
+    const double radius = radius_of(body);
+    const Vec3 center = turning ? at_begin.position : Vec3(at_begin.pose() * body.center);
+    const double reach = turning ? body.center.norm() + radius : radius;
+    const Vec3 way = h * at_begin.velocity;
+    // A tangent to the path, at any instant of it, leaves the chord's box by no more, the error of the tangent
+    // included.
+    const double bend = 0.5 * h * h * at_begin.acceleration.norm();
+    const double lengths = center.norm() + body.center.norm() + way.norm() + bend + reach;
+    const double more = bend + kMargin * lengths + 4.0 * collision::kAdvancementTolerance_m;
+    bound.low = bound.low.cwiseMin(center.cwiseMin(center + way) - Vec3::Constant(more));
+    bound.high = bound.high.cwiseMax(center.cwiseMax(center + way) + Vec3::Constant(more));
+    bound.radius_m = std::max(bound.radius_m, reach);
+  };
+  const KinematicState first = timeline.at(begin);
+  if (begin > law_begins) {
+    hold(first, turns(first));
+    return bound;
+  }
+  // Partners' searches may begin with the law or within its first piece.
+  const KinematicState piece = timeline.at(begin + Duration{1});
+  const bool turning = turns(first) || turns(piece);
+  hold(first, turning);
+  hold(piece, turning);
+  return bound;
+}
+
+bool apart(const SweptBound& a, const SweptBound& b, CollisionType type) {
+  const double radii_m = a.radius_m + b.radius_m;
+  const double least = type == CollisionType::kBox ? kBoxReach * radii_m : radii_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (a.low[axis] - b.high[axis] > least || b.low[axis] - a.high[axis] > least) return true;
+  }
+  return false;
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,111 @@
+#include "replication/publish/publisher.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "replication/wire/codec.hpp"
+
+namespace peerd::replication {
+
+const char* to_string(PublishReason reason) {
+  switch (reason) {
+    case PublishReason::kFirst:
+      return "first";
+    case PublishReason::kError:
+      return "error";
+    case PublishReason::kTime:
+      return "time";
+    case PublishReason::kJoiner:
+      return "joiner";
+    case PublishReason::kGain:
+      return "gain";
+    case PublishReason::kDecision:
+      return "decision";
+    case PublishReason::kRegion:
+      return "region";
+  }
+  return "?";
+}
+
+GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double reach_m) {
+  const double angle_rad = angle_between(truth.orientation, ghost.orientation);
+  return {(truth.position - ghost.position).norm() + 2.0 * reach_m * std::sin(0.5 * angle_rad), angle_rad};
+}
+
+Duration longest_wait(const PublishPolicy& policy, bool known) {
+  return known ? std::max(policy.time_threshold, policy.resting_time_threshold) : policy.time_threshold;
+}
+
+std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
+                                 std::optional<SimTime> last_sent, SimTime now, bool known) {
+  if (!last_sent) return PublishReason::kFirst;
+  if (policy.snapshots_hz > 0) {
+    // Half a millisecond of slack: ticks are whole nanoseconds, and 1/60 s is none.
+    const Duration period = Duration{std::chrono::seconds(1)} / policy.snapshots_hz - std::chrono::microseconds(500);
+    return now - *last_sent >= period ? std::optional(PublishReason::kTime) : std::nullopt;
+  }
+  if (error.distance_m > threshold_m || error.angle_rad > policy.angle_threshold_rad) return PublishReason::kError;
+  if (now - *last_sent >= longest_wait(policy, known)) return PublishReason::kTime;
+  return std::nullopt;
+}
+
+double urgency(const PublishPolicy& policy, double threshold_m, const GhostError& error,
+               std::optional<SimTime> last_sent, SimTime now, double viewed_from_m) {
+  constexpr double kNear_m = 1.0;  // nobody looks closer
+  constexpr double kNever = 1e9;   // as wrong as somebody may be who knows nothing of it
+  const double near_m = std::max(viewed_from_m, kNear_m);
+  if (!last_sent) return kNever / near_m;
+  const double waited_s = to_seconds(now - *last_sent);
+  const auto times = [](double value, double limit) { return value > 0.0 ? value / limit : 0.0; };
+  const double most =
+      std::max({times(waited_s, to_seconds(policy.time_threshold)), times(error.distance_m, threshold_m),
+                times(error.angle_rad, policy.angle_threshold_rad)});
+  return waited_s > 0.0 ? most * waited_s / near_m : 0.0;
+}
+
+double ByteBudget::left(const PublishPolicy& policy, SimTime now) {
+  const double most = std::max(kBurst_s * *policy.bytes_per_s, static_cast<double>(kDatagramMax_bytes));
+  left_ = filled_ ? std::max(left_, -most) : most;
+  if (filled_ && now > *filled_) {
+    const double more = *policy.bytes_per_s * to_seconds(now - *filled_);
+    left_ = std::min(most, left_ + more);
+    for_updates_ = std::min(static_cast<double>(kDatagramMax_bytes), for_updates_ + kForUpdates * more);
+  }
+  filled_ = now;
+  return for_updates_ > std::max(left_, 0.0) ? for_updates_ : left_;
+}
+
+void ByteBudget::spend(std::size_t bytes, bool on_updates) {
+  left_ -= static_cast<double>(bytes);
+  if (on_updates) for_updates_ = std::max(0.0, for_updates_ - static_cast<double>(bytes));
+}
+
+MotionModel as_model(ModelOrder order, const KinematicState& truth) {
+  MotionModel model = truth;
+  if (order == ModelOrder::kFirst) {
+    model.kind = MotionKind::kFirst;
+    model.state.acceleration.setZero();
+  }
+  return model;
+}
+
+void UpdateBudget::fill(const PublishPolicy& policy, SimTime now) {
+  if (!filled_) left_ = policy.updates_saved;
+  if (filled_ && now > *filled_) {
+    left_ = std::min(policy.updates_saved, left_ + policy.updates_per_s * to_seconds(now - *filled_));
+  }
+  filled_ = now;
+}
+
+std::optional<double> UpdateBudget::worth_m(const PublishPolicy& policy, SimTime now) {
+  fill(policy, now);
+  if (left_ < 0.0) return std::nullopt;
+  return policy.wanted_error_m * std::exp2(policy.updates_saved - left_);
+}
+
+void UpdateBudget::spend(const PublishPolicy& policy, SimTime now) {
+  fill(policy, now);
+  left_ = std::max(-1.0, left_ - 1.0);
+}
+
+}  // namespace peerd::replication

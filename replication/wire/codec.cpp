@@ -1,0 +1,328 @@
+#include "replication/wire/codec.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "proto/peerd.pb.h"
+#include "replication/wire/decision_bits.hpp"
+#include "replication/wire/hello_lists.hpp"
+#include "replication/wire/varint.hpp"
+#include "replication/wire/wire_limits.hpp"
+
+namespace peerd::replication {
+namespace {
+
+constexpr std::size_t kUsualRecord_bytes = 24;
+constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes cannot hold more
+constexpr int kBase_bytes = kLowTime_bits / 8;
+
+// ---- to Protobuf ----
+
+void put(const Vec3& v, proto::Vec3* out) {
+  out->set_x(v.x());
+  out->set_y(v.y());
+  out->set_z(v.z());
+}
+
+void put(const Quat& q, proto::Quat* out) {
+  out->set_w(q.w());
+  out->set_x(q.x());
+  out->set_y(q.y());
+  out->set_z(q.z());
+}
+
+// All in one field, one behind the other; times count from the first one's, whose low bytes come first.
+void put(std::span<const EncodedUpdate> updates, proto::Datagram* out) {
+  if (updates.empty()) return;
+  std::string& bytes = *out->mutable_records();
+  bytes.reserve(kDatagramMax_bytes);
+  std::uint64_t low = low_time(updates.front().record().at);
+  for (int i = 0; i < kBase_bytes; ++i, low >>= 8) bytes.push_back(static_cast<char>(low & 0xFF));
+  for (const EncodedUpdate& u : updates) {
+    bytes.append(reinterpret_cast<const char*>(u.bytes().data()), u.bytes().size());
+  }
+}
+
+void put(const std::vector<DecisionRecord>& decisions, proto::Datagram* out) {
+  std::array<std::byte, kDecisionMax_bytes> bytes;
+  for (const DecisionRecord& d : decisions) {
+    out->mutable_decisions()->append(reinterpret_cast<const char*>(bytes.data()), encode_decision(d, bytes));
+  }
+}
+
+void put(const Viewpoint& v, proto::Viewpoint* out) {
+  if (v.object) out->set_object(v.object->value);
+  put(v.pose.position, out->mutable_position());
+  put(v.pose.orientation, out->mutable_orientation());
+  out->set_field_of_view(v.field_of_view);
+  out->set_aspect(v.aspect);
+}
+
+void put(const Introduction& i, std::uint64_t boot, proto::Introduction* out) {
+  out->set_name(i.name);
+  out->set_world_hash(i.world_hash);
+  out->set_boot(boot);
+  out->set_enslaved(packed(i.enslaved));
+  if (i.start) out->set_start_ns(i.start->time_since_epoch().count());
+  if (i.world_zero) out->set_world_zero_ns(i.world_zero->time_since_epoch().count());
+  if (i.viewpoint) put(*i.viewpoint, out->mutable_viewpoint());
+}
+
+std::uint64_t whole_us(Duration d) {
+  return static_cast<std::uint64_t>(std::chrono::ceil<std::chrono::microseconds>(d).count());
+}
+
+void put(const Hello& h, std::uint64_t boot, proto::Hello* out) {
+  if (h.session_tx) out->set_session_tx_ns(h.session_tx->time_since_epoch().count());
+  if (h.clock_error) out->set_clock_error_us(whole_us(*h.clock_error));
+  if (h.os_clock) {
+    out->set_os_minus_session_ns(h.os_clock->minus_session.count());
+    out->set_os_error_us(whole_us(h.os_clock->error));
+  }
+  out->set_sessions(h.sessions);
+  out->set_latency_ms(
+      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(h.latency).count()));
+  out->set_echoes(packed(h.echoes));
+  out->set_notes(packed(h.notes, h.session_tx.value_or(SimTime{})));
+  if (h.introduction) put(*h.introduction, boot, out->mutable_introduction());
+}
+
+void put(const std::vector<Entered>& entered, proto::Datagram* out) {
+  if (entered.empty()) return;
+  const SimTime latest = std::ranges::max(entered, {}, &Entered::since).since;
+  out->set_entered_ns(latest.time_since_epoch().count());
+  for (const Entered& e : entered) {
+    out->add_entered(e.region.value);
+    out->add_entered(static_cast<std::uint32_t>((latest - e.since) / std::chrono::milliseconds(1)));
+  }
+}
+
+void put(const std::vector<Gone>& gone, proto::Datagram* out) {
+  for (const Gone& g : gone) {
+    out->add_gone(g.object.value);
+    out->add_gone(g.sequence);
+    out->add_gone(g.to.value);
+  }
+}
+
+// What decode() does not set anyway; lists keep their memory.
+void clear(Message& m) {
+  m.hello.reset();
+  m.updates.clear();
+  m.decisions.clear();
+  m.entered.clear();
+  m.gone.clear();
+  m.unknown_models = 0;
+}
+
+// ---- from Protobuf: each take() answers whether the value may be used ----
+
+bool take(const proto::Vec3& in, Vec3& v) {
+  v = Vec3(in.x(), in.y(), in.z());
+  return acceptable(v);
+}
+
+bool take(const proto::Quat& in, Quat& q) {
+  q = Quat(in.w(), in.x(), in.y(), in.z());
+  return acceptable(q);
+}
+
+bool take(std::int64_t ns, SimTime& t) {
+  t = SimTime{Duration{ns}};
+  return in_range(ns);
+}
+
+bool take_base(std::span<const std::byte, kBase_bytes> bytes, SimTime near, SimTime& base) {
+  std::uint64_t low = 0;
+  for (int i = kBase_bytes - 1; i >= 0; --i) low = low << 8 | std::to_integer<std::uint64_t>(bytes[i]);
+  return take_low_time(low, near, base);
+}
+
+// An update of a later version's model is left out; it must not cost the rest of its datagram.
+bool take_records(const proto::Datagram& in, SimTime near, Message& m) {
+  auto rest = std::as_bytes(std::span(in.records()));
+  if (rest.empty()) return true;
+  SimTime base;
+  if (rest.size() <= kBase_bytes || !take_base(rest.first<kBase_bytes>(), near, base)) return false;
+  rest = rest.subspan(kBase_bytes);
+  m.updates.reserve(rest.size() / kUsualRecord_bytes);
+  while (!rest.empty()) {
+    const auto update = decode_record(rest, base);
+    if (update) {
+      m.updates.push_back(*update);
+    } else if (update.error() == RecordError::kUnknownModel) {
+      ++m.unknown_models;
+    } else {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool take_entered(const proto::Datagram& in, std::vector<Entered>& entered) {
+  SimTime latest;
+  if (in.entered_size() % 2 != 0 || in.entered_size() > kListMax || !take(in.entered_ns(), latest)) return false;
+  for (int i = 0; i < in.entered_size(); i += 2) {
+    const SimTime since = latest - std::chrono::milliseconds(in.entered(i + 1));
+    if (!in_range(since.time_since_epoch().count())) return false;
+    entered.push_back({RegionId{in.entered(i)}, since});
+  }
+  return true;
+}
+
+bool take_gone(const proto::Datagram& in, std::vector<Gone>& gone) {
+  if (in.gone_size() % 3 != 0 || in.gone_size() > kListMax) return false;
+  for (int i = 0; i < in.gone_size(); i += 3) {
+    if (in.gone(i + 1) == 0) return false;
+    gone.push_back({ObjectId{in.gone(i)}, in.gone(i + 1), RegionId{in.gone(i + 2)}});
+  }
+  return true;
+}
+
+bool take_decisions(const proto::Datagram& in, SimTime near, std::vector<DecisionRecord>& decisions) {
+  for (auto rest = std::as_bytes(std::span(in.decisions())); !rest.empty();) {
+    const auto decision = decode_decision(rest, near);
+    if (!decision) return false;
+    decisions.push_back(*decision);
+  }
+  return true;
+}
+
+bool take(const proto::Viewpoint& in, Viewpoint& v) {
+  if (in.has_object()) v.object = ObjectId{in.object()};
+  v.field_of_view = in.field_of_view();
+  v.aspect = in.aspect();
+  return take(in.position(), v.pose.position) && take(in.orientation(), v.pose.orientation) && v.field_of_view > 0.0 &&
+         v.field_of_view < std::numbers::pi && v.aspect > 0.0 && v.aspect <= kMagnitudeMax;
+}
+
+bool take(const proto::Introduction& in, Introduction& i) {
+  if (!is_name(in.name()) || !take_objects(in.enslaved(), i.enslaved)) return false;
+  i.name = in.name();
+  i.world_hash = in.world_hash();
+  if (in.has_start_ns() && !take(in.start_ns(), i.start.emplace())) return false;
+  if (in.has_world_zero_ns() && !take(in.world_zero_ns(), i.world_zero.emplace())) return false;
+  return !in.has_viewpoint() || take(in.viewpoint(), i.viewpoint.emplace());
+}
+
+bool take_us(std::uint64_t us, Duration most, Duration& d) {
+  if (us > whole_us(most)) return false;
+  d = std::chrono::microseconds(us);
+  return true;
+}
+
+bool take(const proto::Hello& in, Hello& h) {
+  if (in.has_session_tx_ns() && !take(in.session_tx_ns(), h.session_tx.emplace())) return false;
+  if (in.has_clock_error_us() && !take_us(in.clock_error_us(), kClockErrorMax, h.clock_error.emplace())) return false;
+  if (in.has_os_error_us()) {
+    OsClockNote& os = h.os_clock.emplace();
+    os.minus_session = Duration{in.os_minus_session_ns()};
+    if (!in_range(in.os_minus_session_ns()) || !take_us(in.os_error_us(), kOsErrorMax, os.error)) {
+      return false;
+    }
+  }
+  if (in.latency_ms() > static_cast<std::uint32_t>(kLatencyMax.count())) return false;
+  h.sessions = in.sessions();
+  h.latency = std::chrono::milliseconds(in.latency_ms());
+  return take_echoes(in.echoes(), h.echoes) && take_notes(in.notes(), h.session_tx.value_or(SimTime{}), h.notes) &&
+         (!in.has_introduction() || take(in.introduction(), h.introduction.emplace()));
+}
+
+}  // namespace
+
+const char* to_string(DecodeError e) {
+  switch (e) {
+    case DecodeError::kTooLong:
+      return "too_long";
+    case DecodeError::kNotADatagram:
+      return "not_a_datagram";
+    case DecodeError::kVersion:
+      return "version";
+    case DecodeError::kSender:
+      return "sender";
+    case DecodeError::kValue:
+      return "value";
+  }
+  return "?";
+}
+
+Codec::Codec() : datagram_(std::make_unique<proto::Datagram>()) {}
+Codec::~Codec() = default;
+
+void Codec::encode(const Message& m, std::span<const EncodedUpdate> updates, Bytes& datagram) {
+  assert(m.sender.value != 0);
+  proto::Datagram& d = *datagram_;
+  d.Clear();
+  d.set_version(kProtocolVersion);
+  d.set_sender(m.sender.value);
+  d.set_number(m.number);
+  if (m.introduction() == nullptr) d.set_boot_low(static_cast<std::uint32_t>(boot_low(m.boot)));
+  if (m.hello) put(*m.hello, m.boot, d.mutable_hello());
+  put(updates, &d);
+  put(m.decisions, &d);
+  put(m.entered, &d);
+  put(m.gone, &d);
+  d.set_leaving(m.leaving);
+  datagram.resize(d.ByteSizeLong());
+  d.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data()));
+}
+
+std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> datagram, SimTime near) {
+  if (datagram.size() > kDatagramMax_bytes) return std::unexpected(DecodeError::kTooLong);
+  proto::Datagram& d = *datagram_;
+  if (!d.ParseFromArray(datagram.data(), static_cast<int>(datagram.size()))) {
+    return std::unexpected(DecodeError::kNotADatagram);
+  }
+  if (d.version() != kProtocolVersion) return std::unexpected(DecodeError::kVersion);
+  if (d.sender() == 0) return std::unexpected(DecodeError::kSender);
+  Message& m = decoded_;
+  clear(m);
+  m.sender = PeerId{d.sender()};
+  m.number = d.number();
+  m.leaving = d.leaving();
+  if (d.has_hello() && !take(d.hello(), m.hello.emplace())) return std::unexpected(DecodeError::kValue);
+  m.boot = m.introduction() != nullptr ? d.hello().introduction().boot() : boot_low(d.boot_low());
+  if (!take_records(d, near, m)) return std::unexpected(DecodeError::kValue);
+  if (!take_decisions(d, near, m.decisions)) return std::unexpected(DecodeError::kValue);
+  if (!take_entered(d, m.entered) || !take_gone(d, m.gone)) return std::unexpected(DecodeError::kValue);
+  return &m;
+}
+
+std::uint32_t Codec::version() const { return datagram_->version(); }
+PeerId Codec::sender() const { return PeerId{datagram_->sender()}; }
+
+Bytes encode(const Message& m) {
+  std::vector<EncodedUpdate> updates;
+  for (const UpdateRecord& u : m.updates) updates.emplace_back(u, m.updates.front().at);
+  Bytes datagram;
+  Codec().encode(m, updates, datagram);
+  return datagram;
+}
+
+std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, SimTime near) {
+  Codec codec;
+  const auto message = codec.decode(datagram, near);
+  if (!message) return std::unexpected(message.error());
+  return std::move(**message);
+}
+
+bool is_name(std::string_view text) {
+  const auto visible = [](char c) { return c > ' ' && c < 0x7f && c != '/'; };
+  return !text.empty() && text.size() <= kNameMax_bytes && std::ranges::all_of(text, visible);
+}
+
+std::size_t encoded_size_bytes(const UpdateRecord& record, SimTime first) {
+  std::array<std::byte, kRecordMax_bytes> bytes;
+  return encode_record(record, first, bytes);
+}
+
+std::size_t encoded_size_bytes(const DecisionRecord& record) {
+  std::array<std::byte, kDecisionMax_bytes> bytes;
+  return encode_decision(record, bytes);
+}
+
+}  // namespace peerd::replication

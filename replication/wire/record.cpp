@@ -1,0 +1,432 @@
+#include "replication/wire/record.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+
+#include "replication/wire/smallest_three.hpp"
+#include "replication/wire/varint.hpp"
+#include "replication/wire/vector_bits.hpp"
+#include "replication/wire/wire_limits.hpp"
+
+namespace peerd::replication {
+namespace {
+
+constexpr int kKind_bits = 4, kStep_bits = 4;
+constexpr std::uint64_t kExact = 15;       // in the step's field, which codes -23 to -9 by 0 to 14
+constexpr std::uint64_t kUnknownKind = 8;  // from here on: a later version's
+static_assert(kStepMost_log2 - kStepLeast_log2 < static_cast<int>(kExact));
+
+// A vector's field begins with the bits that its longest component takes, in so many bits.
+constexpr int kLongWidth_bits = 6, kWidth_bits = 5;
+constexpr int kComponentMax_bits = 52;  // whole numbers up to there are binary64's
+
+bool is_zero(const Vec3& v) { return v.isZero(0.0); }
+bool has_acceleration(MotionKind kind) { return kind != MotionKind::kFirst; }
+bool has_jerk(MotionKind kind) { return kind == MotionKind::kThird || kind == MotionKind::kOscillating; }
+bool has_rate(MotionKind kind) { return kind == MotionKind::kTurning || kind == MotionKind::kOscillating; }
+
+// Which axes a vector may have: any, which it says itself, or those of what moves level or turns upright.
+using Axes = std::optional<unsigned>;
+constexpr unsigned kAlong_y = 0b010, kAlong_xz = 0b101;
+
+bool within(unsigned axes, const Vec3& v) {
+  for (int i = 0; i < 3; ++i) {
+    if ((axes >> i & 1) == 0 && v[i] != 0.0) return false;
+  }
+  return true;
+}
+
+unsigned rate_axes(MotionKind kind) { return kind == MotionKind::kTurning ? kAlong_y : kAlong_xz; }
+
+// As most of what walks and drives, on a plane.
+bool is_level(const MotionModel& m) {
+  return within(kAlong_xz, m.state.velocity) && within(kAlong_xz, m.state.acceleration) && within(kAlong_xz, m.jerk) &&
+         within(rate_axes(m.kind), m.rate_rad_s);
+}
+
+// Turned about the vertical alone, and turning about it.
+bool is_upright(const MotionModel& m) {
+  return m.state.orientation.x() == 0.0 && m.state.orientation.z() == 0.0 &&
+         within(kAlong_y, m.state.angular_velocity_body) && within(kAlong_y, m.angular_acceleration_body);
+}
+
+double power_of_two(int exponent) {
+  assert(exponent > -1023 && exponent < 1024);
+  return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
+}
+
+// ---- steps, as exponents of two: all products and quotients by them are exact ----
+
+struct Steps {
+  int position, velocity, acceleration, jerk;
+  int spin, spin_acceleration;
+};
+
+// With h the horizon: v h, a h^2 / 2 and j h^3 / 6 are each off by at most one step of the position, per axis. The
+// orientation likewise by half a step of 2^-10 rad: 0.028 degrees per axis, 0.0485 in all.
+Steps steps_of(MotionKind kind, int position_log2) {
+  const int h = horizon_log2_s(kind);
+  return {position_log2, position_log2 + 1 - h, position_log2 + 2 - 2 * h, position_log2 + 3 - 3 * h, -10 - h,
+          -9 - 2 * h};
+}
+
+// Bits of the longest component, in steps. It must be a whole number of them.
+int width_of(const Vec3& v, int step_log2) {
+  const double most = v.cwiseAbs().maxCoeff() * power_of_two(-step_log2);
+  return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(most)));
+}
+
+// A rate that is off by d moves an axis by at most d (|a| h^3 / 6 + |j| h^4 / 24); about an axis, with vectors for d
+// and a, by |d| |a| h^3 / 6. Below, |a| < 2^A and |j| < 2^J on each axis, and d is half a step (of a vector: sqrt(3)
+// halves). None: without either it moves nothing.
+std::optional<int> rate_step_log2(const MotionModel& m, const Steps& steps) {
+  const int a = width_of(m.state.acceleration, steps.acceleration), j = width_of(m.jerk, steps.jerk);
+  if (a == 0 && j == 0) return std::nullopt;
+  const int h = horizon_log2_s(m.kind);
+  const int by_a = a + steps.acceleration + 3 * h, by_j = j + steps.jerk + 4 * h - 2;
+  return steps.position + 2 - (j == 0 ? by_a : a == 0 ? by_j : std::max(by_a, by_j));
+}
+
+// ---- rounding ----
+
+// Whether it fits its field.
+bool round_to_steps(Vec3& v, int step_log2, int width_bits) {
+  if (is_zero(v)) {  // as most are
+    v.setZero();
+    return true;
+  }
+  const double per_step = power_of_two(-step_log2), step = power_of_two(step_log2);
+  const double most = power_of_two(std::min((1 << width_bits) - 1, kComponentMax_bits));
+  for (double& component : v) {
+    const double n = std::nearbyint(component * per_step);
+    if (!(std::abs(n) < most)) return false;
+    component = n * step + 0.0;  // no -0: it has no bits of its own
+  }
+  return true;
+}
+
+bool round_to_steps(MotionModel& m, int position_log2) {
+  const Steps steps = steps_of(m.kind, position_log2);
+  KinematicState& s = m.state;
+  if (!round_to_steps(s.position, steps.position, kLongWidth_bits) ||
+      !round_to_steps(s.velocity, steps.velocity, kWidth_bits) ||
+      !round_to_steps(s.acceleration, steps.acceleration, kWidth_bits) ||
+      !round_to_steps(m.jerk, steps.jerk, kWidth_bits) ||
+      !round_to_steps(s.angular_velocity_body, steps.spin, kWidth_bits) ||
+      !round_to_steps(m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits)) {
+    return false;
+  }
+  s.orientation = is_identity(s.orientation) ? Quat::Identity() : to_orientation(smallest_three(s.orientation)).value();
+  if (m.kind == MotionKind::kSliding) {  // what has as good as stopped has
+    if (is_zero(s.velocity)) s.acceleration.setZero();
+    if (is_zero(s.angular_velocity_body)) m.angular_acceleration_body.setZero();
+  }
+  if (!has_rate(m.kind)) return true;
+  const auto rate_log2 = rate_step_log2(m, steps);
+  if (rate_log2) return round_to_steps(m.rate_rad_s, *rate_log2, kLongWidth_bits);
+  m.rate_rad_s.setZero();
+  return true;
+}
+
+bool rounds_to_first(const MotionModel& m, int position_log2) {
+  if (m.kind != MotionKind::kSecond && m.kind != MotionKind::kHistory) return false;
+  const double half_a_step = 0.5 * power_of_two(steps_of(m.kind, position_log2).acceleration);
+  return m.state.acceleration.cwiseAbs().maxCoeff() <= half_a_step;
+}
+
+// Friction that no longer points against the motion would stop it at once, and none would never.
+bool brakes_alike(const Vec3& v, const Vec3& friction, const Vec3& v_rounded, const Vec3& friction_rounded) {
+  return is_zero(v_rounded) || ((v.dot(friction) < 0.0) == (v_rounded.dot(friction_rounded) < 0.0) &&
+                                is_zero(friction) == is_zero(friction_rounded));
+}
+bool stops_alike(const MotionModel& a, const MotionModel& b) {
+  const KinematicState &s = a.state, &r = b.state;
+  return a.kind != MotionKind::kSliding || (brakes_alike(s.velocity, s.acceleration, r.velocity, r.acceleration) &&
+                                            brakes_alike(s.angular_velocity_body, a.angular_acceleration_body,
+                                                         r.angular_velocity_body, b.angular_acceleration_body));
+}
+
+// What is absent on the wire has no signs.
+void drop_signs_of_zero(MotionModel& m) {
+  for (Vec3* v : {&m.state.position, &m.state.velocity, &m.state.acceleration, &m.state.angular_velocity_body, &m.jerk,
+                  &m.rate_rad_s, &m.angular_acceleration_body}) {
+    if (is_zero(*v)) v->setZero();
+  }
+  if (is_identity(m.state.orientation)) m.state.orientation = Quat::Identity();
+}
+
+// ---- to bits ----
+
+// Which axes the vectors have.
+struct Form {
+  Axes moves, rate, turns;
+};
+Form form_of(MotionKind kind, bool level, bool upright) {
+  Form form;
+  if (level) form.moves = kAlong_xz, form.rate = rate_axes(kind);
+  if (upright) form.turns = kAlong_y;
+  return form;
+}
+
+void put_sign_and_magnitude(BitWriter& out, std::int64_t n, int magnitude_bits) {
+  out.put((static_cast<std::uint64_t>(std::abs(n)) << 1) | (n < 0 ? 1 : 0), magnitude_bits + 1);
+}
+
+void put_steps(BitWriter& out, const Vec3& v, int step_log2, int width_bits, Axes axes = {}) {
+  const double per_step = power_of_two(-step_log2);
+  std::array<std::int64_t, 3> n{};
+  std::uint64_t all = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    n[i] = static_cast<std::int64_t>(v[static_cast<Eigen::Index>(i)] * per_step);
+    assert(static_cast<double>(n[i]) == v[static_cast<Eigen::Index>(i)] * per_step);
+    all |= static_cast<std::uint64_t>(std::abs(n[i]));
+  }
+  const int width = static_cast<int>(std::bit_width(all));
+  out.put(static_cast<std::uint64_t>(width), width_bits);
+  if (width == 0) return;
+  const unsigned mask = axes ? *axes : put_mask(out, n);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if ((mask >> i & 1) != 0) put_sign_and_magnitude(out, n[i], width);
+  }
+}
+
+// Of what is upright w or y is the largest, and of the other three the one between that is not x or z.
+constexpr int kLargestIs_y = 2;
+std::int32_t& other_of_wy(SmallestThree& three) { return three.steps[three.largest == kLargestIs_y ? 0 : 1]; }
+
+void put_orientation(BitWriter& out, const Quat& q, bool upright) {
+  SmallestThree three = smallest_three(q);
+  if (upright) {
+    assert(three.largest == 0 || three.largest == kLargestIs_y);
+    out.put(three.largest == kLargestIs_y ? 1 : 0, 1);
+    put_sign_and_magnitude(out, other_of_wy(three), SmallestThree::kMagnitude_bits);
+    return;
+  }
+  out.put(static_cast<std::uint64_t>(three.largest), 2);
+  const unsigned mask = put_mask(out, three.steps);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if ((mask >> i & 1) != 0) put_sign_and_magnitude(out, three.steps[i], SmallestThree::kMagnitude_bits);
+  }
+}
+
+void put_exact(BitWriter& out, const MotionModel& m) {
+  put_exact(out, m.state.position);
+  put_exact(out, m.state.velocity);
+  if (has_acceleration(m.kind)) put_exact(out, m.state.acceleration);
+  if (has_jerk(m.kind)) put_exact(out, m.jerk);
+  if (has_rate(m.kind)) put_exact(out, m.rate_rad_s);
+  const Quat& q = m.state.orientation;
+  if (!is_identity(q)) put_exact(out, q);
+  put_exact(out, m.state.angular_velocity_body);
+  if (!is_zero(m.angular_acceleration_body)) put_exact(out, m.angular_acceleration_body);
+}
+
+void put_steps(BitWriter& out, const MotionModel& m, int position_log2, const Form& form) {
+  const Steps steps = steps_of(m.kind, position_log2);
+  put_steps(out, m.state.position, steps.position, kLongWidth_bits);
+  put_steps(out, m.state.velocity, steps.velocity, kWidth_bits, form.moves);
+  if (has_acceleration(m.kind)) put_steps(out, m.state.acceleration, steps.acceleration, kWidth_bits, form.moves);
+  if (has_jerk(m.kind)) put_steps(out, m.jerk, steps.jerk, kWidth_bits, form.moves);
+  if (has_rate(m.kind)) {
+    if (const auto log2 = rate_step_log2(m, steps)) put_steps(out, m.rate_rad_s, *log2, kLongWidth_bits, form.rate);
+  }
+  if (!is_identity(m.state.orientation)) put_orientation(out, m.state.orientation, form.turns.has_value());
+  put_steps(out, m.state.angular_velocity_body, steps.spin, kWidth_bits, form.turns);
+  if (!is_zero(m.angular_acceleration_body)) {
+    put_steps(out, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits, form.turns);
+  }
+}
+
+// ---- from bits: each take() answers whether encode_record() could have made it; what the reader gives beyond its end
+// is refused when all is read ----
+
+// `may_be_zero`: where no mask says that it isn't. Zero has one sign.
+bool take_sign_and_magnitude(BitReader& in, int magnitude_bits, bool may_be_zero, std::int64_t& n) {
+  const std::uint64_t bits = in.get(magnitude_bits + 1);
+  n = static_cast<std::int64_t>(bits >> 1);
+  if ((bits & 1) != 0) n = -n;
+  return n != 0 || (may_be_zero && bits == 0);
+}
+
+bool take_steps(BitReader& in, Vec3& v, int step_log2, int width_bits, Axes axes = {}) {
+  const int width = static_cast<int>(in.get(width_bits));
+  if (width == 0) return true;
+  unsigned mask = axes.value_or(0);
+  if (width > kComponentMax_bits || (!axes && !take_mask(in, false, mask))) return false;
+  const double step = power_of_two(step_log2);
+  std::uint64_t all = 0;
+  for (int i = 0; i < 3; ++i) {
+    std::int64_t n = 0;
+    if ((mask >> i & 1) != 0 && !take_sign_and_magnitude(in, width, axes.has_value(), n)) return false;
+    all |= static_cast<std::uint64_t>(std::abs(n));
+    v[i] = static_cast<double>(n) * step;
+  }
+  return static_cast<int>(std::bit_width(all)) == width;
+}
+
+bool take_orientation(BitReader& in, Quat& q, bool upright) {
+  SmallestThree three;
+  if (upright) {
+    three.largest = in.get(1) != 0 ? kLargestIs_y : 0;
+    std::int64_t n = 0;
+    const bool half_a_turn = three.largest == kLargestIs_y;  // w may be zero; with y it would be the identity
+    if (!take_sign_and_magnitude(in, SmallestThree::kMagnitude_bits, half_a_turn, n)) return false;
+    other_of_wy(three) = static_cast<std::int32_t>(n);
+    q = to_orientation(three).value();
+    return true;
+  }
+  three.largest = static_cast<int>(in.get(2));
+  unsigned mask = 0;
+  if (!take_mask(in, three.largest != 0, mask)) return false;  // empty and w: the identity, which is not sent
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::int64_t n = 0;
+    if ((mask >> i & 1) != 0 && !take_sign_and_magnitude(in, SmallestThree::kMagnitude_bits, false, n)) return false;
+    three.steps[i] = static_cast<std::int32_t>(n);
+  }
+  const auto taken = to_orientation(three);
+  if (taken) q = *taken;
+  return taken.has_value();
+}
+
+struct Present {
+  bool orientation, spin_acceleration, level, upright;
+};
+
+bool take_exact(BitReader& in, const Present& present, MotionModel& m) {
+  if (!take_exact(in, m.state.position) || !take_exact(in, m.state.velocity)) return false;
+  if (has_acceleration(m.kind) && !take_exact(in, m.state.acceleration)) return false;
+  if (has_jerk(m.kind) && !take_exact(in, m.jerk)) return false;
+  if (has_rate(m.kind) && !take_exact(in, m.rate_rad_s)) return false;
+  if (present.orientation && !take_exact(in, m.state.orientation)) return false;
+  if (!take_exact(in, m.state.angular_velocity_body)) return false;
+  return !present.spin_acceleration ||
+         (take_exact(in, m.angular_acceleration_body) && !is_zero(m.angular_acceleration_body));
+}
+
+bool take_steps(BitReader& in, int position_log2, const Present& present, MotionModel& m) {
+  const Steps steps = steps_of(m.kind, position_log2);
+  const Form form = form_of(m.kind, present.level, present.upright);
+  if (!take_steps(in, m.state.position, steps.position, kLongWidth_bits) ||
+      !take_steps(in, m.state.velocity, steps.velocity, kWidth_bits, form.moves)) {
+    return false;
+  }
+  if (has_acceleration(m.kind) && !take_steps(in, m.state.acceleration, steps.acceleration, kWidth_bits, form.moves)) {
+    return false;
+  }
+  if (has_jerk(m.kind) && !take_steps(in, m.jerk, steps.jerk, kWidth_bits, form.moves)) return false;
+  if (has_rate(m.kind)) {
+    const auto log2 = rate_step_log2(m, steps);
+    if (log2 && !take_steps(in, m.rate_rad_s, *log2, kLongWidth_bits, form.rate)) return false;
+  }
+  if (present.orientation && !take_orientation(in, m.state.orientation, present.upright)) return false;
+  if (!take_steps(in, m.state.angular_velocity_body, steps.spin, kWidth_bits, form.turns)) return false;
+  if (present.spin_acceleration &&
+      (!take_steps(in, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits, form.turns) ||
+       is_zero(m.angular_acceleration_body))) {
+    return false;
+  }
+  return present.level == is_level(m) && present.upright == is_upright(m);
+}
+
+bool take(BitReader& in, SimTime base, UpdateRecord& u) {
+  u.model.kind = static_cast<MotionKind>(in.get(kKind_bits));
+  if (static_cast<int>(u.model.kind) == 0) return false;
+  const std::uint64_t step = in.get(kStep_bits);
+  const bool later = in.get(1) != 0, decided = in.get(1) != 0;
+  const bool turned = in.get(1) != 0, spins_up = in.get(1) != 0;
+  const bool level = in.get(1) != 0, upright = in.get(1) != 0;
+  if (!take_varint(in, u.object.value) || !take_varint(in, u.sequence) || u.sequence == 0) return false;
+  u.at = base;
+  if (later && (!take_time(in, base, u.at) || u.at == base)) return false;
+  if (decided && (!take_time(in, u.at, u.decision) || u.decision == SimTime{})) return false;
+  if (step != kExact) u.position_step_log2 = static_cast<int>(step) + kStepLeast_log2;
+  const Present present{turned, spins_up, level, upright};
+  if ((level || upright) && !u.position_step_log2) return false;
+  const bool taken =
+      u.position_step_log2 ? take_steps(in, *u.position_step_log2, present, u.model) : take_exact(in, present, u.model);
+  return taken && in.good() && in.padded_with_zeros() && acceptable(u.model.state) && within_limits(u.model);
+}
+
+}  // namespace
+
+std::optional<int> position_step_log2(MotionKind kind, double tolerance_m) {
+  if (!(tolerance_m > 0.0)) return std::nullopt;  // NaN, too
+  const int step = std::ilogb(std::min(tolerance_m, 1.0)) - 4 - horizon_log2_s(kind);
+  return step < kStepLeast_log2 ? std::nullopt : std::optional(std::min(step, kStepMost_log2));
+}
+
+int horizon_log2_s(MotionKind kind) {
+  return kind == MotionKind::kSecond || kind == MotionKind::kHistory || kind == MotionKind::kThird ? 0 : 2;
+}
+
+UpdateRecord quantised(const UpdateRecord& record, const Tolerance& tolerance) {
+  assert(acceptable(record.model.state) && within_limits(record.model));
+  UpdateRecord out = record;
+  MotionModel& m = out.model;
+  out.position_step_log2 = position_step_log2(m.kind, tolerance.distance_m);
+  if (out.position_step_log2 && rounds_to_first(m, *out.position_step_log2)) {
+    m.kind = MotionKind::kFirst;
+    m.state.acceleration.setZero();
+    out.position_step_log2 = position_step_log2(m.kind, tolerance.distance_m);
+  }
+  if (!(tolerance.angle_rad >= kCoarsestAngle_rad)) out.position_step_log2.reset();
+  if (out.position_step_log2 && round_to_steps(m, *out.position_step_log2) && acceptable(m.state) && within_limits(m) &&
+      stops_alike(record.model, m)) {
+    return out;
+  }
+  out.position_step_log2.reset();
+  m = record.model;
+  drop_signs_of_zero(m);
+  return out;
+}
+
+std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::byte, kRecordMax_bytes> bytes) {
+  assert(static_cast<std::uint64_t>(u.model.kind) < kUnknownKind);
+  BitWriter out(bytes);
+  const bool later = u.at != base, decided = u.decision != SimTime{};
+  out.put(static_cast<std::uint64_t>(u.model.kind), kKind_bits);
+  out.put(u.position_step_log2 ? static_cast<std::uint64_t>(*u.position_step_log2 - kStepLeast_log2) : kExact,
+          kStep_bits);
+  out.put(later ? 1 : 0, 1);
+  out.put(decided ? 1 : 0, 1);
+  out.put(is_identity(u.model.state.orientation) ? 0 : 1, 1);
+  out.put(is_zero(u.model.angular_acceleration_body) ? 0 : 1, 1);
+  const Form form = u.position_step_log2 ? form_of(u.model.kind, is_level(u.model), is_upright(u.model)) : Form{};
+  out.put(form.moves ? 1 : 0, 1);
+  out.put(form.turns ? 1 : 0, 1);
+  put_varint(out, u.object.value);
+  put_varint(out, u.sequence);
+  if (later) put_time(out, base, u.at);
+  if (decided) put_time(out, u.at, u.decision);
+  u.position_step_log2 ? put_steps(out, u.model, *u.position_step_log2, form) : put_exact(out, u.model);
+  return out.finish();
+}
+
+EncodedUpdate::EncodedUpdate(const UpdateRecord& record, SimTime base)
+    : record_(record), base_(base), size_bytes_(encode_record(record, base, bytes_)) {}
+
+void EncodedUpdate::count_from(SimTime base) {
+  if (base == base_) return;
+  base_ = base;
+  size_bytes_ = encode_record(record_, base, bytes_);
+}
+
+std::expected<UpdateRecord, RecordError> decode_record(std::span<const std::byte>& rest, SimTime base) {
+  assert(!rest.empty());
+  if ((std::to_integer<std::uint64_t>(rest[0]) & ((1 << kKind_bits) - 1)) >= kUnknownKind) {
+    const std::size_t size = rest.size() < 2 ? rest.size() : std::to_integer<std::size_t>(rest[1]);
+    if (rest.size() < 2 + size) return std::unexpected(RecordError::kValue);
+    rest = rest.subspan(2 + size);
+    return std::unexpected(RecordError::kUnknownModel);
+  }
+  BitReader in(rest);
+  std::expected<UpdateRecord, RecordError> out;
+  if (!take(in, base, *out)) return std::unexpected(RecordError::kValue);
+  rest = rest.subspan(in.size_bytes());
+  return out;
+}
+
+}  // namespace peerd::replication

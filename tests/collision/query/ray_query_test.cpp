@@ -1,0 +1,371 @@
+#include "collision/query/ray_query.hpp"
+
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+#include <hwy/targets.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/allocation_counter.hpp"
+#include "tests/collision/soups.hpp"
+#include "tests/oracle/ray_oracle.hpp"
+
+namespace peerd::collision {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+oracle::Point point(const Vec3& p) { return {p[0], p[1], p[2]}; }
+
+std::optional<double> oracle_parameter(const Ray& ray, const Triangle& t) {
+  return oracle::first_parameter(point(ray.origin), point(ray.direction), {point(t[0]), point(t[1]), point(t[2])});
+}
+
+// Every triangle, by the oracle.
+std::optional<RayHit> slow_nearest(const TriangleSoup& soup, const Ray& ray) {
+  std::optional<RayHit> best;
+  for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
+    const auto t = oracle_parameter(ray, soup.triangle(f));
+    if (!t || *t > ray.longest) continue;
+    const std::uint32_t polygon = soup.faces[f].polygon;
+    if (!best || *t < best->t || (*t == best->t && polygon < best->polygon)) best = RayHit{polygon, f, *t};
+  }
+  return best;
+}
+
+// Every triangle, by the library's exact test: for soups of more triangles than the oracle is asked about.
+std::optional<RayHit> flat_nearest(const TriangleSoup& soup, const Ray& ray) {
+  std::optional<RayHit> best;
+  OrientationCounters counters;
+  for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
+    const auto t = first_parameter(ray, soup.triangle(f), counters);
+    if (!t || *t > ray.longest) continue;
+    const std::uint32_t polygon = soup.faces[f].polygon;
+    if (!best || *t < best->t || (*t == best->t && polygon < best->polygon)) best = RayHit{polygon, f, *t};
+  }
+  return best;
+}
+
+void expect_same(const std::optional<RayHit>& found, const std::optional<RayHit>& expected) {
+  ASSERT_EQ(found.has_value(), expected.has_value());
+  if (!found) return;
+  EXPECT_EQ(found->t, expected->t);
+  EXPECT_EQ(found->polygon, expected->polygon);
+  EXPECT_EQ(found->face, expected->face);
+}
+
+// Numbers of few bits: so that lines meet, planes contain and edges are parallel to axes often.
+double coarse(Numbers& numbers) { return std::floor(numbers.between(-3.0, 4.0)) * 0.5; }
+Vec3 coarse_point(Numbers& numbers) {
+  const double x = coarse(numbers), y = coarse(numbers), z = coarse(numbers);
+  return {x, y, z};
+}
+
+struct Tally {
+  int hits = 0, misses = 0, at_origin = 0, degenerate = 0;
+};
+void expect_as_the_oracle(const Ray& ray, const Triangle& t, Tally& tally) {
+  OrientationCounters counters;
+  const auto found = first_parameter(ray, t, counters), expected = oracle_parameter(ray, t);
+  ASSERT_EQ(found.has_value(), expected.has_value());
+  if (found) {
+    EXPECT_EQ(*found, *expected);
+  }
+  ++(found ? tally.hits : tally.misses);
+  if (found && *found == 0.0) ++tally.at_origin;
+}
+
+TEST(RayTriangle, SmallNumbersAreAsTheOracleSays) {
+  Numbers numbers(101);
+  Tally tally;
+  for (int i = 0; i < 20000; ++i) {
+    const Triangle t = {coarse_point(numbers), coarse_point(numbers), coarse_point(numbers)};
+    const Ray ray{coarse_point(numbers), coarse_point(numbers)};
+    if (ray.direction == Vec3::Zero()) continue;
+    expect_as_the_oracle(ray, t, tally);
+  }
+  EXPECT_GT(tally.hits, 1000);
+  EXPECT_GT(tally.misses, 1000);
+  EXPECT_GT(tally.at_origin, 100);
+}
+
+// In one plane and on one line, in all positions.
+TEST(RayTriangle, FlatCasesAreAsTheOracleSays) {
+  Numbers numbers(102);
+  Tally tally;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 u = coarse_point(numbers), v = coarse_point(numbers), at = coarse_point(numbers);
+    const bool line = i % 3 == 0;
+    const auto somewhere = [&] { return Vec3(at + coarse(numbers) * u + (line ? 0.0 : coarse(numbers)) * v); };
+    Triangle t = {somewhere(), somewhere(), somewhere()};
+    if (i % 5 == 0) t[1] = t[0];
+    if (i % 10 == 0) t[2] = t[0];
+    const Vec3 origin = somewhere();
+    const Ray ray{origin, somewhere() - origin};
+    if (ray.direction == Vec3::Zero()) continue;
+    expect_as_the_oracle(ray, t, tally);
+  }
+  EXPECT_GT(tally.hits, 4000);
+  EXPECT_GT(tally.misses, 2000);
+}
+
+// Through a point of a triangle's border as it is rounded: a hair beside it, to either side, or on it.
+TEST(RayTriangle, HairsBreadthsAreAsTheOracleSays) {
+  Numbers numbers(103);
+  Tally tally;
+  for (int i = 0; i < 6000; ++i) {
+    const Triangle t = {numbers.point(1.0), numbers.point(1.0), numbers.point(1.0)};
+    const double w = i % 4 == 0 ? 0.0 : numbers.unit();
+    const Vec3 target = t[0] + w * (t[1] - t[0]);
+    Ray ray{numbers.point(2.0), Vec3::Zero()};
+    ray.direction = target - ray.origin;
+    if (i % 2 == 0) {  // a step beyond, of that accuracy
+      ray.direction[i % 3] = std::nextafter(ray.direction[i % 3], i % 8 < 4 ? 9.0 : -9.0);
+    }
+    if (i % 7 == 0) ray.origin = target;                                     // from there
+    if (i % 11 == 0) ray.direction = (t[1] - t[0]) + 1e-17 * (t[2] - t[0]);  // nearly along
+    expect_as_the_oracle(ray, t, tally);
+  }
+  EXPECT_GT(tally.hits, 1000);
+  EXPECT_GT(tally.misses, 1000);
+}
+
+TEST(RayTriangle, AnySizeIsAsTheOracleSays) {
+  Numbers numbers(104);
+  Tally tally;
+  for (int i = 0; i < 4000; ++i) {
+    const auto power = [&](double least, double most) { return std::exp2(std::floor(numbers.between(least, most))); };
+    const double size = power(-1060.0, 128.0), step = power(-499.0, 499.0);
+    const auto place = [&]() -> Vec3 { return (i % 2 == 0 ? coarse_point(numbers) : numbers.point(1.0)) * size; };
+    const Triangle t = {place(), place(), place()};
+    const Vec3 origin = place();
+    Vec3 towards = t[0] / size * 0.5 + t[1] / size * 0.25 + t[2] / size * 0.25 - origin / size;
+    if (i % 3 == 0) towards = coarse_point(numbers);
+    if (towards == Vec3::Zero()) continue;
+    expect_as_the_oracle({origin, towards * step}, t, tally);
+  }
+  EXPECT_GT(tally.hits, 500);
+  EXPECT_GT(tally.misses, 500);
+}
+
+TEST(RayTriangle, RefusesWhatIsNoRay) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Vec3 o(1, 2, 3), d(0, 0, 1);
+  EXPECT_TRUE(is_usable({o, d}));
+  EXPECT_TRUE(is_usable({o, d, 0.0}));
+  EXPECT_FALSE(is_usable({o, Vec3::Zero()}));
+  EXPECT_FALSE(is_usable({o, d * 0x1p-501}));
+  EXPECT_FALSE(is_usable({o, d * 0x1p501}));
+  EXPECT_FALSE(is_usable({o * 0x1p130, d}));
+  EXPECT_FALSE(is_usable({o, d, -1.0}));
+  EXPECT_FALSE(is_usable({o, d, nan}));
+  for (const double bad : {nan, kInfinity, -kInfinity}) {
+    for (int k = 0; k < 3; ++k) {
+      Vec3 p = o, q = d;
+      p[k] = q[k] = bad;
+      EXPECT_FALSE(is_usable({p, d}));
+      EXPECT_FALSE(is_usable({o, q}));
+    }
+  }
+}
+
+// At vertices, along edges, along axes, out of faces; from near, from inside and from far away.
+std::vector<Ray> rays_at(const TriangleSoup& soup, int count, std::uint64_t seed) {
+  Numbers numbers(seed);
+  std::vector<Ray> rays;
+  const Vec3 middle = soup.box.lo / 2 + soup.box.hi / 2;
+  const double size = (soup.box.hi - soup.box.lo).maxCoeff();
+  for (int i = 0; i < count; ++i) {
+    const auto face = static_cast<std::uint32_t>(numbers.unit() * static_cast<double>(soup.faces.size()));
+    const Triangle t = soup.triangle(face);
+    const double far = i % 16 == 8 ? 1e12 : i % 16 == 9 ? 1e6 : i % 16 == 10 ? 0.1 : 1.5;
+    const Vec3 eye = middle + numbers.point(far * size);
+    Ray ray{eye, t[0] - eye};
+    switch (i % 8) {
+      case 0:
+        break;  // a vertex
+      case 1:
+        ray.direction = (t[0] / 2 + t[1] / 2) - eye;
+        break;  // an edge
+      case 2:
+        ray = {t[0] - (t[1] - t[0]), t[1] - t[0]};
+        break;  // along an edge
+      case 3:
+        ray.direction = Vec3::Unit(i / 8 % 3) * (i % 5 < 2 ? -1.0 : 1.0);  // along an axis
+        ray.origin = t[0] - size * ray.direction;
+        break;
+      case 4:
+        ray.origin = t[0] / 2 + t[1] / 2;
+        ray.direction = numbers.point(1.0);
+        break;  // from an edge
+      case 5:
+        ray.direction = numbers.point(1.0);
+        break;
+      case 6:
+        ray.direction = (t[0] + t[1] + t[2]) / 3 - eye;
+        break;
+      default:
+        ray.direction = (t[2] + (t[1] - t[0])) - eye;  // in the plane or past it
+    }
+    if (ray.direction == Vec3::Zero()) continue;
+    ray.direction *= std::exp2(std::floor(numbers.between(-20.0, 20.0)));
+    if (i % 6 == 5) ray.longest = numbers.between(0.0, 2.0) * size / ray.direction.norm();
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
+void scale(TriangleSoup& soup, double factor, const Vec3& by = Vec3::Zero()) {
+  soup.box = {};
+  for (Vec3& v : soup.vertices) v = v * factor + by;
+  for (const Vec3& v : soup.vertices) soup.box.merge(v);
+}
+
+TEST(RayQuery, IsTheNearestOfAllByTheOracle) {
+  RayQuery query;
+  int hits = 0, rays = 0;
+  for (const TriangleSoup& soup : {random_soup(150, 0.3, 111), torus(8, 10, true), random_soup(3, 0.9, 112)}) {
+    for (const Ray& ray : rays_at(soup, 150, 113)) {
+      WideTree tree(soup);
+      const auto found = query.nearest(tree, ray);
+      expect_same(found, slow_nearest(soup, ray));
+      hits += found.has_value();
+      ++rays;
+    }
+  }
+  EXPECT_GT(hits, rays / 3);
+  EXPECT_LT(hits, rays);
+}
+
+std::vector<TriangleSoup> large_soups() {
+  std::vector<TriangleSoup> soups = {random_soup(2000, 0.1, 121), torus(24, 40, true), torus(40, 24, false)};
+  soups.push_back(torus(16, 20, true));
+  scale(soups.back(), 1.0, Vec3(4096, -1e5, 0));
+  soups.push_back(random_soup(300, 0.1, 122));
+  scale(soups.back(), 0x1p90);
+  soups.push_back(random_soup(300, 0.1, 123));
+  scale(soups.back(), 0x1p-140);
+  soups.push_back(random_soup(60, 0.1, 124));
+  scale(soups.back(), 0x1p-1040);
+  soups.push_back(half_space());
+  TriangleSoup one;  // a point
+  one.vertices = {Vec3(1, 2, 3)};
+  one.faces = {{{0, 0, 0}, 0}};
+  one.box.merge(one.vertices[0]);
+  soups.push_back(one);
+  return soups;
+}
+
+TEST(RayQuery, CullingLosesNothing) {
+  RayQuery query;
+  std::size_t hits = 0;
+  for (const TriangleSoup& soup : large_soups()) {
+    WideTree tree(soup);
+    for (const Ray& ray : rays_at(soup, 600, 125)) {
+      if (!is_usable(ray)) continue;
+      const auto found = query.nearest(tree, ray);
+      expect_same(found, flat_nearest(soup, ray));
+      hits += found.has_value();
+    }
+  }
+  EXPECT_GT(hits, 1500u);
+}
+
+TEST(RayQuery, AnswersAndWorkAreTheSameForEachInstructionSet) {
+  const TriangleSoup soup = torus(24, 40, true);
+  std::vector<std::pair<std::uint32_t, double>> first_answers;
+  std::uint64_t first_tests = 0;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    WideTree tree(soup);
+    RayQuery query;
+    std::vector<std::pair<std::uint32_t, double>> answers;
+    for (const Ray& ray : rays_at(soup, 500, 126)) {
+      const auto hit = query.nearest(tree, ray);
+      answers.emplace_back(hit ? hit->face : ~0u, hit ? hit->t : -1.0);
+    }
+    const std::uint64_t tests = query.counters().bv_tests * 1000003 + query.counters().triangle_tests;
+    if (first_answers.empty()) {
+      first_answers = answers;
+      first_tests = tests;
+    }
+    EXPECT_EQ(answers, first_answers) << target;
+    EXPECT_EQ(tests, first_tests) << target;
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+// From within a closed tube at each of its vertices and at the middle of each edge, which several polygons share.
+TEST(RayQuery, NoRaySlipsThroughAnEdgeOrAVertex) {
+  const TriangleSoup soup = torus(16, 24, false);
+  WideTree tree(soup);
+  RayQuery query;
+  Numbers numbers(131);
+  for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
+    const Triangle t = soup.triangle(f);
+    for (std::size_t e = 0; e < 3; ++e) {
+      const double angle = numbers.between(0.0, 6.28);
+      const Vec3 eye = Vec3(0.7 * std::cos(angle), 0.7 * std::sin(angle), 0.0) + numbers.point(0.05);
+      for (const Vec3& target : {t[e], Vec3(t[e] / 2 + t[(e + 1) % 3] / 2)}) {
+        ASSERT_TRUE(query.nearest(tree, {eye, target - eye}).has_value()) << f << ' ' << e;
+      }
+    }
+  }
+}
+
+// Where edges are met exactly, the lowest polygon of those that share it is named; not the one that the tree has first.
+TEST(RayQuery, TheLowestPolygonOfThoseMetInOnePointIsNamed) {
+  TriangleSoup fan;  // eight triangles around the z axis; polygons are numbered the other way round
+  fan.vertices.push_back(Vec3::Zero());
+  for (int i = 0; i < 8; ++i)
+    fan.vertices.push_back(Vec3(i % 4 == 2 ? 0 : i < 2 || i > 6 ? 1 : -1, i % 4 == 0 ? 0 : i < 4 ? 1 : -1, 0));
+  for (std::uint32_t i = 0; i < 8; ++i) fan.faces.push_back({{0, i + 1, (i + 1) % 8 + 1}, 7 - i});
+  for (std::uint32_t i = 0; i < 64; ++i) fan.faces.push_back({{0, 0, 0}, 100 + i});
+  for (const Vec3& v : fan.vertices) fan.box.merge(v);
+  WideTree tree(fan);
+  RayQuery query;
+  const auto hit = query.nearest(tree, {Vec3(0, 0, 5), Vec3(0, 0, -2)});
+  ASSERT_TRUE(hit.has_value());
+  EXPECT_EQ(hit->polygon, 0u);
+  EXPECT_EQ(hit->face, 7u);
+  EXPECT_EQ(hit->t, 2.5);
+  EXPECT_EQ(hit->point, Vec3::Zero());
+}
+
+TEST(RayQuery, BuildsTheTreeWhereTheRayGoes) {
+  const TriangleSoup soup = torus(64, 128, true);
+  WideTree all(soup);
+  all.build_all();
+  WideTree tree(soup);
+  RayQuery query;
+  EXPECT_FALSE(query.nearest(tree, {Vec3(5, 5, 5), Vec3(1, 0, 0)}).has_value());
+  EXPECT_EQ(tree.nodes_built(), 0u);
+  EXPECT_TRUE(query.nearest(tree, {Vec3(0.7, 0.01, 5), Vec3(0, 0, -1)}).has_value());
+  EXPECT_GT(tree.nodes_built(), 0u);
+  EXPECT_LT(tree.nodes_built(), all.nodes_built() / 20);
+  EXPECT_LT(query.counters().triangle_tests, 5u);
+}
+
+#if PEERD_COUNTS_ALLOCATIONS
+TEST(RayQuery, AllocatesNothingOnceItsMemoryHasGrown) {
+  const TriangleSoup soup = torus(24, 40, true);
+  WideTree tree(soup);
+  tree.build_all();
+  RayQuery query;
+  const std::vector<Ray> rays = rays_at(soup, 100, 141);
+  std::size_t hits = 0;
+  const auto ask = [&] {
+    for (const Ray& ray : rays) hits += query.nearest(tree, ray).has_value();
+  };
+  ask();
+  const long before = allocations();
+  ask();
+  EXPECT_EQ(allocations(), before);
+  EXPECT_GT(hits, 20u);
+}
+#endif
+
+}  // namespace
+}  // namespace peerd::collision

@@ -1,0 +1,555 @@
+#include "collision/scene/scene_query.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/allocation_counter.hpp"
+#include "tests/collision/soups.hpp"
+#include "tests/core/read_text.hpp"
+#include "tests/oracle/ray_oracle.hpp"
+
+namespace peerd::collision {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+ObjectId id(const Scene& scene, std::string_view path) { return scene.find(path).value(); }
+
+Collision ask(SceneQuery& query, const Scene& scene, std::string_view a, std::string_view b, CollisionType type) {
+  const auto collision = query.collide(id(scene, a), id(scene, b), type);
+  EXPECT_TRUE(collision.has_value()) << collision.error();
+  return collision.value_or(Collision{});
+}
+
+StretchedPose placed(const Scene& scene, std::uint32_t shape) {
+  std::vector<TransformFields> path;
+  for (auto i = static_cast<std::int32_t>(shape); i >= 0; i = scene.instances[static_cast<std::size_t>(i)].parent) {
+    path.insert(path.begin(), scene.transform({static_cast<std::uint32_t>(i)}));
+  }
+  return stretched_pose(path);
+}
+
+// Every shape against every one, every triangle against every one, by the documented operations written out again.
+std::vector<ShapePair> expected_pairs(const Scene& scene, std::string_view collider, std::string_view collidee) {
+  std::vector<ShapePair> pairs;
+  const auto surfaces = [&](std::string_view path) {
+    std::vector<std::uint32_t> shapes;
+    const ObjectId object = id(scene, path);
+    for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
+      if (scene.geometry({i}) != nullptr && scene.at({i}).collides) shapes.push_back(i);
+    }
+    return shapes;
+  };
+  for (const std::uint32_t s : surfaces(collider)) {
+    for (const std::uint32_t t : surfaces(collidee)) {
+      if (s == t) continue;
+      const std::uint32_t a = std::min(s, t), b = std::max(s, t);
+      const StretchedPose at_a = placed(scene, a), at_b = placed(scene, b);
+      const auto soup_a = make_soup(build_mesh(*scene.geometry({a})), at_a.stretch);
+      const auto soup_b = make_soup(build_mesh(*scene.geometry({b})), at_b.stretch);
+      for (const PolygonPair& pair : brute_force(*soup_a, *soup_b, RelativeMotion(at_a.pose, at_b.pose))) {
+        const ShapePolygon of_a{{a}, pair.a}, of_b{{b}, pair.b};
+        pairs.push_back(s == a ? ShapePair{of_a, of_b} : ShapePair{of_b, of_a});
+      }
+    }
+  }
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+constexpr std::string_view kGroups = R"(
+  DEF A Group { children [
+    Transform { rotation 1 2 3 0.7 scale 1.5 0.5 1 children DEF BALL Shape { geometry Sphere {} } }
+    Transform { translation 1 0.5 0 scale 2 2 2 scaleOrientation 0 0 1 0.3 children [
+      Transform { rotation 0 1 0 0.4 scale 0.5 1 0.25 children Shape { geometry Cone {} } }
+      Shape { geometry Box { size 0.5 0.5 0.5 } } ] } ] }
+  DEF B Transform { translation 0.8 0.2 0.1 rotation 0 1 1 1 center 0.1 0 0 children [
+    USE BALL
+    Transform { translation 0 1 0 children [ Shape { geometry Cylinder {} } Shape { geometry PointSet {} } ] }
+    Collision { collide FALSE children Shape { geometry Box { size 9 9 9 } } } ] })";
+
+TEST(SceneQuery, GroupsCollideAsAllPairsOfTheirShapesDo) {
+  const Scene scene = scene_of(std::string(kGroups));
+  SceneQuery query(scene);
+  const std::vector<ShapePair> expected = expected_pairs(scene, "A", "B");
+  ASSERT_THAT(expected, Not(IsEmpty()));
+  EXPECT_THAT(ask(query, scene, "A", "B", CollisionType::kAllPairs).pairs, ElementsAreArray(expected));
+  EXPECT_THAT(ask(query, scene, "B", "A", CollisionType::kAllPairs).pairs,
+              ElementsAreArray(expected_pairs(scene, "B", "A")));
+  const Collision witness = ask(query, scene, "A", "B", CollisionType::kWitness);
+  ASSERT_EQ(witness.pairs.size(), 1u);
+  EXPECT_TRUE(std::ranges::binary_search(expected, witness.pairs[0]));
+}
+
+TEST(SceneQuery, FollowsWhatMoves) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children Shape { geometry Box {} } }
+    DEF B Transform { translation 5 0 0 children Shape { geometry Box {} } })");
+  SceneQuery query(scene);
+  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  std::vector<TransformFields> transforms = scene.transforms;
+  for (TransformFields& t : transforms) t.translation *= 0.4;
+  query.place(transforms);
+  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  EXPECT_EQ(query.counters().meshes_built, 2u);
+}
+
+TEST(SceneQuery, MovingOneCostsWhatIsBelowIt) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children [
+      DEF B Transform { children [ Shape { geometry Box {} } Shape { geometry Cone {} } ] }
+      DEF C Transform { children Shape { geometry Sphere {} } } ] }
+    DEF D Transform { translation 9 0 0 children Shape { geometry Box {} } })");
+  SceneQuery query(scene);
+  const auto placed_for_a = [&] {
+    const std::uint64_t before = query.counters().boxes_placed;
+    (void)query.box(id(scene, "A"));
+    (void)query.box(id(scene, "D"));
+    return query.counters().boxes_placed - before;
+  };
+  EXPECT_EQ(placed_for_a(), 4u);
+  EXPECT_EQ(placed_for_a(), 0u);
+  TransformFields moved;
+  moved.translation = {0, 5, 0};
+  EXPECT_TRUE(query.move(scene.at(id(scene, "B")).transform, moved));
+  EXPECT_EQ(placed_for_a(), 2u);
+  EXPECT_GT(query.box(id(scene, "A")).hi[1], 5.9);
+  EXPECT_LT(query.box(id(scene, "C")).hi[1], 1.1);
+  EXPECT_FALSE(query.move(scene.at(id(scene, "B")).transform, moved));
+  query.move(scene.at(id(scene, "C")).transform, moved);
+  query.move(scene.at(id(scene, "A")).transform, moved);
+  query.move(scene.at(id(scene, "B")).transform, TransformFields{});
+  EXPECT_EQ(placed_for_a(), 3u);
+  EXPECT_GT(query.box(id(scene, "C")).hi[1], 10.9);
+}
+
+// No corner of a Shape's box goes farther than the way, however it is turned and scaled, and one goes as far.
+TEST(SceneQuery, WaysAreThoseOfTheFarthestCorners) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children DEF B Transform { translation 1 2 3 children [
+      Shape { geometry Box { size 1 2 3 } } Transform { translation 4 0 0 children DEF S Shape { geometry IndexedFaceSet {
+        coord Coordinate { point [ 3 0 0, 5 1 0, 3 2 2 ] } coordIndex [ 0 1 2 ] } } } ] } })");
+  SceneQuery query(scene);
+  std::vector<TransformFields> transforms = scene.transforms;
+  const auto corners = [&] {
+    std::vector<Vec3> all;
+    Scene now = scene;
+    now.transforms = transforms;
+    for (std::uint32_t i = 0; i < now.instances.size(); ++i) {
+      if (now.geometry({i}) == nullptr) continue;
+      const LocalBox box = box_of(build_mesh(*now.geometry({i})));
+      for (int corner = 0; corner < 8; ++corner) {
+        Vec3 p;
+        for (int k = 0; k < 3; ++k) p[k] = (corner >> k & 1) == 0 ? box.lo[k] : box.hi[k];
+        all.push_back(now.world_from_local({i}) * p);
+      }
+    }
+    return all;
+  };
+  (void)query.box(id(scene, "A"));
+  Numbers numbers(6);
+  for (int i = 0; i < 200; ++i) {
+    const std::vector<Vec3> before = corners();
+    TransformFields& moved = transforms[static_cast<std::size_t>(i) % transforms.size()];
+    const double size = std::exp2(numbers.between(-30, 2));
+    moved.translation += numbers.point(size);
+    moved.rotation = normalized(multiply(moved.rotation, quat_exp(numbers.point(size))));
+    if (i % 5 == 0) moved.scale = Vec3(1, 1, 1) + numbers.point(0.3);
+    query.place(transforms);
+    (void)query.box(id(scene, "A"));
+    const std::vector<Vec3> after = corners();
+    double farthest = 0.0;
+    for (std::size_t v = 0; v < after.size(); ++v) farthest = std::max(farthest, (after[v] - before[v]).norm());
+    EXPECT_GE(query.way_m(id(scene, "A")), farthest);
+    EXPECT_LE(query.way_m(id(scene, "A")), farthest * (1.0 + 1e-9) + 1e-9);
+    EXPECT_LE(query.way_m(id(scene, "S")), query.way_m(id(scene, "B")));
+  }
+}
+
+// What scales all the time doesn't fill the memory.
+TEST(SceneQuery, ForgetsFormsThatNoShapeHasAnyMore) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children Shape { geometry Box {} } }
+    DEF B Transform { translation 1 0 0 children Shape { geometry Sphere {} } })");
+  SceneQuery query(scene);
+  for (int i = 1; i <= 50; ++i) {
+    TransformFields scaled;
+    scaled.scale = {1.0 + 0.01 * i, 1, 1};
+    query.move(scene.at(id(scene, "A")).transform, scaled);
+    EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+    EXPECT_EQ(query.counters().soups_built, 1u + static_cast<unsigned>(i));
+    EXPECT_EQ(query.forms(), 2u);
+  }
+}
+
+TEST(SceneQuery, FollowsWhatBends) {
+  const Scene scene = scene_of(R"(
+    DEF A Shape { geometry IndexedFaceSet {
+      coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0, 1 1 0 ] } coordIndex [ 0 1 2 -1 1 3 2 ] } }
+    DEF B Transform { translation 0 0 3 children Shape { geometry Sphere {} } })");
+  SceneQuery query(scene);
+  Geometry bent = scene.geometries[0];
+  auto& faces = std::get<FaceSetGeometry>(bent);
+  const auto lifted = [&](float by) {
+    std::vector<Eigen::Vector3f> points(faces.points.begin(), faces.points.end());
+    points[0][2] += by;
+    faces.points = std::move(points);
+  };
+  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  lifted(2.5f);
+  query.reshape(0, bent);
+  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  lifted(-0.25f);
+  query.reshape(0, bent);
+  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+  EXPECT_EQ(query.counters().hierarchies_refitted, 1u);
+  lifted(-1.0f);
+  query.reshape(0, bent);
+  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
+}
+
+// Closed boxes, of the vertices that polygons use.
+TEST(SceneQuery, BoxesAreTightAndClosed) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { rotation 0 0 1 0.785398163 children Shape { geometry Box {} } }
+    DEF B Transform { translation 2.4 0 0 children Shape { geometry Box {} } }
+    DEF C Transform { translation 2.42 0 0 children Shape { geometry Box {} } }
+    DEF D Transform { translation 4.42 0 0 children Shape { geometry IndexedFaceSet {
+      coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0, -9 0 0 ] } coordIndex [ 0 1 2 ] } } })");
+  SceneQuery query(scene);
+  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kBox).colliding);
+  EXPECT_FALSE(ask(query, scene, "A", "C", CollisionType::kBox).colliding);
+  EXPECT_FALSE(ask(query, scene, "B", "D", CollisionType::kBox).colliding);
+  const SceneQueryCounters counters = query.counters();
+  EXPECT_EQ(counters.hierarchies_built, 0u);
+  EXPECT_EQ(counters.soups_built, 0u);
+  EXPECT_EQ(counters.nodes_built, 0u);
+}
+
+TEST(SceneQuery, BuildsNothingThatNoQuestionNeeds) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { children Shape { geometry DEF S Sphere {} } }
+    DEF B Transform { translation 9 0 0 children Shape { geometry USE S } }
+    DEF C Transform { translation 1.2 0 0 children Shape { geometry USE S } }
+    DEF D Transform { translation 1.2 1 0 scale 2 2 2 children Shape { geometry USE S } }
+    DEF E Transform { children Shape { geometry Box {} } })");
+  SceneQuery query(scene);
+  EXPECT_EQ(query.counters().meshes_built, 0u);
+  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);  // their boxes are apart
+  EXPECT_EQ(query.counters().meshes_built, 1u);
+  EXPECT_EQ(query.counters().soups_built, 0u);
+  EXPECT_TRUE(ask(query, scene, "A", "C", CollisionType::kWitness).colliding);
+  EXPECT_EQ(query.counters().soups_built, 1u);
+  EXPECT_EQ(query.counters().hierarchies_built, 1u);  // of one mesh, however many instances
+  const std::uint64_t nodes = query.counters().nodes_built;
+  (void)ask(query, scene, "A", "D", CollisionType::kAllPairs);
+  EXPECT_EQ(query.counters().soups_built, 2u);  // stretched otherwise
+  EXPECT_GT(query.counters().nodes_built, nodes);
+  EXPECT_EQ(query.counters().meshes_built, 1u);
+}
+
+TEST(SceneQuery, RefusesWhatIsTooFarOutByName) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { scale 1e38 1 1 children DEF FAR Shape { geometry Box { size 10 10 10 } } }
+    DEF B Shape { geometry Box {} })");
+  SceneQuery query(scene);
+  const auto collision = query.collide(id(scene, "A"), id(scene, "B"), CollisionType::kWitness);
+  ASSERT_FALSE(collision.has_value());
+  EXPECT_THAT(collision.error(), HasSubstr("A/FAR: vertex"));
+}
+
+struct Nearest {
+  double t = 0.0;
+  ShapePolygon at;
+};
+
+// Every triangle of every Shape that is drawn, by rational numbers, after the documented operations written out again.
+std::optional<Nearest> expected_pick(const Scene& scene, const Vec3& origin, const Vec3& direction, double longest) {
+  std::optional<Nearest> best;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (scene.geometry({i}) == nullptr || !scene.at({i}).drawn) continue;
+    const StretchedPose at = placed(scene, i);
+    const auto soup = make_soup(build_mesh(*scene.geometry({i})), at.stretch);
+    const Mat3 back = at.pose.orientation.toRotationMatrix().transpose();
+    const Vec3 o = multiply(back, Vec3(origin - at.pose.position)), d = multiply(back, direction);
+    for (std::uint32_t f = 0; f < soup->faces.size(); ++f) {
+      oracle::Triangle triangle;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Vec3 p = soup->triangle(f)[c];
+        triangle[c] = {p[0], p[1], p[2]};
+      }
+      const auto t = oracle::first_parameter({o[0], o[1], o[2]}, {d[0], d[1], d[2]}, triangle);
+      const ShapePolygon polygon{{i}, soup->faces[f].polygon};
+      if (t && *t <= longest && (!best || std::pair(*t, polygon) < std::pair(best->t, best->at))) best = {*t, polygon};
+    }
+  }
+  return best;
+}
+
+std::optional<Pick> pick(SceneQuery& query, const Vec3& origin, const Vec3& direction) {
+  const auto picked = query.pick(origin, direction);
+  EXPECT_TRUE(picked.has_value()) << picked.error();
+  return picked.value_or(std::nullopt);
+}
+
+TEST(ScenePick, IsTheNearestPolygonOfWhatIsDrawn) {
+  const Scene scene = scene_of(std::string(kGroups) + R"(
+    Collision { children Transform { translation 0 3 0 children Shape { geometry Box {} } }
+                proxy Shape { geometry Box { size 30 30 0.1 } } }
+    Switch { choice Shape { geometry Box { size 40 40 0.1 } } })");
+  SceneQuery query(scene);
+  Numbers numbers(301);
+  int hits = 0, rays = 0;
+  std::set<std::uint32_t> shapes;
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 origin = numbers.point(i % 3 == 0 ? 1.0 : 12.0);
+    const Vec3 direction = i % 4 == 3 ? numbers.point(1.0) : Vec3(numbers.point(1.5) - origin);
+    const double longest = i % 5 == 4 ? 4.0 : std::numeric_limits<double>::infinity();
+    const auto picked = query.pick(origin, direction, longest * direction.norm());
+    const auto expected = expected_pick(scene, origin, direction, longest);
+    ASSERT_TRUE(picked.has_value());
+    ASSERT_EQ(picked->has_value(), expected.has_value()) << i;
+    ++rays;
+    if (!expected) continue;
+    const Pick& found = **picked;
+    EXPECT_EQ(found.at, expected->at);
+    EXPECT_DOUBLE_EQ(found.distance_m, expected->t * direction.norm());
+    EXPECT_LT((found.point_world - (origin + expected->t * direction)).norm(), 1e-12);
+    EXPECT_NEAR(found.normal_world.norm(), 1.0, 1e-12);
+    EXPECT_LT(found.normal_world.dot(direction), 0.0);
+    shapes.insert(found.at.shape.value);
+    ++hits;
+  }
+  EXPECT_GT(hits, rays / 2);
+  EXPECT_LT(hits, rays);
+  EXPECT_GT(shapes.size(), 4u);
+}
+
+TEST(ScenePick, WhatIsSeenCanBePickedAndAProxyCanNot) {
+  const Scene scene = scene_of(R"(
+    Collision { collide FALSE children DEF SEEN Shape { geometry Box {} } }
+    Collision { children Transform { translation 0 0 -9 children DEF BEHIND Shape { geometry Box {} } }
+                proxy Transform { translation 0 0 9 children Shape { geometry Box {} } } })");
+  SceneQuery query(scene);
+  const auto picked = pick(query, Vec3(0.25, 0.5, 20), Vec3(0, 0, -0.5));
+  ASSERT_TRUE(picked.has_value());
+  EXPECT_EQ(picked->at.shape, id(scene, "SEEN"));
+  EXPECT_EQ(picked->distance_m, 19.0);
+  EXPECT_EQ(picked->point_world, Vec3(0.25, 0.5, 1));
+  EXPECT_EQ(picked->normal_world, Vec3(0, 0, 1));
+}
+
+TEST(ScenePick, TheLowerShapeIsNamedWhereTwoAreHitInOnePoint) {
+  for (const bool swapped : {false, true}) {
+    const std::string near = "Transform { translation 0 0 1 children Shape { geometry Box { size 2 2 2 } } }";
+    const std::string same = "Transform { translation 0 0 0 children Shape { geometry Box { size 9 9 4 } } }";
+    const Scene scene = scene_of(swapped ? same + near : near + same);
+    SceneQuery query(scene);
+    const auto picked = pick(query, Vec3(0.1, 0.2, 7), Vec3(0, 0, -1));
+    ASSERT_TRUE(picked.has_value());
+    EXPECT_EQ(picked->at.shape.value, 1u);
+    EXPECT_EQ(picked->distance_m, 5.0);
+  }
+}
+
+TEST(ScenePick, AsksAndBuildsNothingBehindTheNearestHit) {
+  const Scene scene = scene_of(R"(
+    DEF BEHIND Transform { translation 0 0 -20 children Shape { geometry Sphere { radius 2 } } }
+    DEF ASIDE Transform { translation 20 0 0 children Shape { geometry Cone {} } }
+    DEF GROUP Group { children [
+      Transform { translation 0 0 -5 children Shape { geometry Cylinder {} } }
+      Transform { children Shape { geometry Box {} } } ] })");
+  SceneQuery query(scene);
+  EXPECT_FALSE(pick(query, Vec3(0, 50, 0), Vec3(0, 1, 0)).has_value());
+  EXPECT_EQ(query.counters().soups_built, 0u);
+  const auto picked = pick(query, Vec3(0.1, 0.2, 30), Vec3(0, 0, -1));
+  ASSERT_TRUE(picked.has_value());
+  EXPECT_EQ(picked->distance_m, 29.0);
+  EXPECT_EQ(query.counters().soups_built, 1u);
+  EXPECT_EQ(query.counters().hierarchies_built, 1u);
+  const std::uint64_t boxes = query.counters().boxes_placed;
+  EXPECT_EQ(boxes, 4u);
+  (void)pick(query, Vec3(0.1, 0.2, 30), Vec3(0, 0, -1));
+  EXPECT_EQ(query.counters().boxes_placed, boxes);
+  EXPECT_EQ(query.counters().soups_built, 1u);
+}
+
+TEST(ScenePick, RefusesWhatIsNoRayAndNamesWhatItCanNotUse) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { scale 1e38 1 1 children DEF FAR Shape { geometry Box { size 10 10 10 } } }
+    DEF B Transform { translation 0 0 50 children Shape { geometry Box {} } })");
+  SceneQuery query(scene);
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(query.pick(Vec3::Zero(), Vec3::Zero()).has_value());
+  EXPECT_FALSE(query.pick(Vec3(nan, 0, 0), Vec3(0, 0, 1)).has_value());
+  EXPECT_FALSE(query.pick(Vec3(0, infinity, 0), Vec3(0, 0, 1)).has_value());
+  EXPECT_FALSE(query.pick(Vec3::Zero(), Vec3(0, 0, infinity)).has_value());
+  EXPECT_FALSE(query.pick(Vec3::Zero(), Vec3(0, nan, 1)).has_value());
+  EXPECT_FALSE(query.pick(Vec3::Zero(), Vec3(0, 0, 1), nan).has_value());
+  EXPECT_FALSE(query.pick(Vec3::Zero(), Vec3(0, 0, 1), -1.0).has_value());
+  const auto refused = query.pick(Vec3(0, 0, 20), Vec3(0, 0, -1));
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_THAT(refused.error(), HasSubstr("A/FAR: vertex"));
+}
+
+TEST(SceneView, LeavesOutNoShapeThatIsInView) {
+  std::string body;
+  Numbers numbers(302);
+  for (int i = 0; i < 40; ++i) {
+    const Vec3 p = numbers.point(10.0);
+    const std::string at = std::to_string(p[0]) + ' ' + std::to_string(p[1]) + ' ' + std::to_string(p[2]);
+    body += "Transform { rotation 1 2 3 " + std::to_string(i) + " translation " + at + " children [ Shape { geometry " +
+            (i % 3 == 0   ? "Box {}"
+             : i % 3 == 1 ? "Cone {}"
+                          : "Sphere {}") +
+            " } Transform { translation 0 2 0 scale 1 0.5 2 children Shape { geometry Cylinder {} } } ] }\n";
+  }
+  const Scene scene = scene_of(body);
+  std::size_t seen = 0, hidden = 0, wholly = 0, refined = 0;
+  for (int i = 0; i < 40; ++i) {
+    const auto frustum = make_frustum({random_pose(numbers, 8.0), numbers.between(0.3, 2.5), 1.5, 0.1, 20.0}).value();
+    SceneQuery query(scene);
+    const auto listed = query.in_view(frustum);
+    ASSERT_TRUE(listed.has_value());
+    EXPECT_EQ(query.counters().soups_built, 0u);
+    const std::vector<ShapeInView> by_boxes(listed->begin(), listed->end());
+    EXPECT_TRUE(std::ranges::is_sorted(by_boxes));
+    const auto listed_by_nodes = query.in_view(frustum, 3);
+    ASSERT_TRUE(listed_by_nodes.has_value());
+    const std::vector<ShapeInView> by_nodes(listed_by_nodes->begin(), listed_by_nodes->end());
+    EXPECT_TRUE(std::ranges::includes(by_boxes, by_nodes));
+    for (std::uint32_t s = 0; s < scene.instances.size(); ++s) {
+      if (scene.geometry({s}) == nullptr) continue;
+      const StretchedPose at = placed(scene, s);
+      bool some = false, all = true;
+      for (const Eigen::Vector3f& v : build_mesh(*scene.geometry({s})).vertices) {
+        const Vec3 p = at.pose * Vec3(at.stretch * v.cast<double>());
+        bool in = true;
+        for (std::size_t n = 0; n < frustum.count(); ++n) {
+          in &= frustum[n].normal.dot(p) + frustum[n].offset_m > 1e-9;
+        }
+        some |= in;
+        all &= in;
+      }
+      const auto listed_as = [&](const auto& list) {
+        return std::ranges::find(list, ObjectId{s}, &ShapeInView::shape);
+      };
+      const bool listed_here = listed_as(by_boxes) != by_boxes.end();
+      if (some) {
+        EXPECT_TRUE(listed_here);
+        EXPECT_NE(listed_as(by_nodes), by_nodes.end());
+        EXPECT_TRUE(query.may_be_in_view({s}, frustum).value());
+      }
+      if (listed_here && listed_as(by_boxes)->wholly) {
+        EXPECT_TRUE(all);
+        ++wholly;
+      }
+      ++(listed_here ? seen : hidden);
+    }
+    refined += by_boxes.size() - by_nodes.size();
+  }
+  EXPECT_GT(seen, 100u);
+  EXPECT_GT(hidden, 1000u);
+  EXPECT_GT(wholly, 20u);
+  EXPECT_GT(refined, 10u);
+}
+
+TEST(SceneView, SaysOfAnObjectThatNoPolygonOfItIsSeen) {
+  const Scene scene = scene_of(R"(
+    DEF A Transform { translation 0 0 -10 children [
+      DEF LEFT Transform { translation -3 0 0 children Shape { geometry Sphere {} } }
+      DEF RIGHT Transform { translation 3 0 0 children Shape { geometry Sphere {} } } ] }
+    DEF PROXY Collision { proxy Transform { translation 0 0 -10 children Shape { geometry Box {} } } })");
+  SceneQuery query(scene);
+  const Frustum ahead = make_frustum({Pose{}, 0.2}).value();  // 1 m to each side there
+  EXPECT_FALSE(query.may_be_in_view(id(scene, "A"), ahead).value());
+  EXPECT_FALSE(query.may_be_in_view(id(scene, "PROXY"), ahead).value());
+  const Frustum wide = make_frustum({Pose{}, 0.5}).value();
+  EXPECT_TRUE(query.may_be_in_view(id(scene, "A"), wide).value());
+  EXPECT_TRUE(query.may_be_in_view(id(scene, "RIGHT"), wide).value());
+}
+
+#if PEERD_COUNTS_ALLOCATIONS
+TEST(SceneView, PickingAndLookingAllocateNothingOnceAllIsBuilt) {
+  const Scene scene = scene_of(std::string(kGroups));
+  SceneQuery query(scene);
+  std::size_t hits = 0, seen = 0;
+  const auto ask = [&] {
+    Numbers numbers(303);
+    for (int i = 0; i < 40; ++i) {
+      const Vec3 origin = numbers.point(10.0);
+      hits += query.pick(origin, Vec3(numbers.point(1.5) - origin)).value().has_value();
+      const auto frustum = make_frustum({random_pose(numbers, 5.0), 0.6}).value();
+      seen += query.in_view(frustum, 2).value().size();
+    }
+  };
+  ask();
+  const long before = allocations();
+  ask();
+  EXPECT_EQ(allocations(), before);
+  EXPECT_GT(hits, 20u);
+  EXPECT_GT(seen, 20u);
+}
+#endif
+
+// The seed's box holds every vertex, is larger than theirs where an object is turned, and reads none again.
+TEST(SceneQuery, RealignedBoxesAreLargerAndReadNoVertexTwice) {
+  const std::string ball = "Shape { geometry Sphere { radius 1 } }";
+  const Scene scene = scene_of("DEF A Transform { rotation 1 1 0.3 0.7 children " + ball + "}" +
+                               "DEF B Transform { rotation 0.2 1 0.5 0.4 translation 3 0 0 children " + ball + "}" +
+                               "CollisionInterest { objectPath \"A\" interests \"B\" }");
+  const ObjectId a = scene.find("A").value(), b = scene.find("B").value();
+  SceneQuery tight(scene), loose(scene);
+  loose.use_boxes(BoxBound::kRealigned);
+  int only_loose = 0;
+  for (int i = 0; i < 400; ++i) {
+    TransformFields moved = scene.transform(b);
+    moved.translation = {1.9 + 0.001 * i, 0, 0};
+    for (SceneQuery* query : {&tight, &loose}) query->move(scene.at(b).transform, moved);
+    const bool by_vertices = tight.collide(a, b, CollisionType::kBox).value().colliding;
+    const bool realigned = loose.collide(a, b, CollisionType::kBox).value().colliding;
+    ASSERT_TRUE(realigned || !by_vertices) << i;
+    only_loose += realigned && !by_vertices;
+  }
+  EXPECT_GT(only_loose, 20);
+  EXPECT_EQ(loose.counters().vertices_placed, 0u);
+  EXPECT_EQ(loose.counters().soups_built, 0u);
+}
+
+// Not rounded where only the last transform scales; with rotations between, rotation * stretch is the whole map.
+TEST(StretchedPose, IsThePathInTwoParts) {
+  TransformFields turn, stretch;
+  turn.rotation = normalized(Quat(0.9, 0.1, -0.3, 0.2));
+  turn.translation = {1, 2, 3};
+  stretch.scale = {2, 0.5, 3};
+  const StretchedPose simple = stretched_pose(std::array{turn, stretch});
+  EXPECT_EQ(simple.stretch, Mat3(stretch.scale.asDiagonal()));
+  EXPECT_EQ(stretched_pose(std::array{turn, turn}).stretch, Mat3::Identity());
+  TransformFields both = turn;
+  both.scale = {1, 4, 0.25};
+  both.scale_orientation = normalized(Quat(0.5, 0.5, 0.1, -0.7));
+  both.center = {0.5, -1, 2};
+  const std::array path = {both, turn, stretch, both};
+  const StretchedPose parts = stretched_pose(path);
+  Affine whole;
+  for (const TransformFields& t : path) whole = multiply(whole, parent_from_local(t));
+  const Mat3 product = parts.pose.orientation.toRotationMatrix() * parts.stretch;
+  EXPECT_LT((product - whole.linear).cwiseAbs().maxCoeff(), 1e-13);
+  EXPECT_LT((parts.pose.position - whole.offset).norm(), 1e-13);
+}
+
+}  // namespace
+}  // namespace peerd::collision

@@ -1,0 +1,426 @@
+#include "core/geometry/triangulation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <random>
+#include <set>
+
+namespace peerd {
+namespace {
+
+using Rational = boost::multiprecision::cpp_rational;
+using Point3 = Eigen::Vector3f;
+using Polygon = std::vector<Point3>;
+using Triangles = std::vector<CornerTriangle>;
+
+Triangles triangulated(const Polygon& polygon) {
+  std::vector<std::int32_t> corners(polygon.size());
+  std::iota(corners.begin(), corners.end(), 0);
+  Triangulator triangulator;
+  const auto triangles = triangulator.triangulate(polygon, corners);
+  return {triangles.begin(), triangles.end()};
+}
+
+// The rule once more, in rational numbers and the plainest way: nothing is remembered from one cut to the next.
+class Oracle {
+ public:
+  struct Point {
+    Rational x, y;
+    bool operator==(const Point&) const = default;
+  };
+
+  explicit Oracle(const Polygon& polygon) {
+    std::array<Rational, 3> area;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Point3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+        area[static_cast<std::size_t>(k)] +=
+            Rational(p[(k + 1) % 3]) * Rational(q[(k + 2) % 3]) - Rational(p[(k + 2) % 3]) * Rational(q[(k + 1) % 3]);
+      }
+    }
+    std::size_t axis = 0;
+    for (const std::size_t k : {1U, 2U}) {
+      if (abs(area[k]) > abs(area[axis])) axis = k;
+    }
+    twice_area = abs(area[axis]);
+    auto x = static_cast<Eigen::Index>((axis + 1) % 3), y = static_cast<Eigen::Index>((axis + 2) % 3);
+    if (area[axis] < 0) std::swap(x, y);
+    for (const Point3& p : polygon) points.push_back({Rational(p[x]), Rational(p[y])});
+  }
+
+  [[nodiscard]] Rational twice_area_of(const CornerTriangle& t) const {
+    return cross(points[t[0]], points[t[1]], points[t[2]]);
+  }
+
+  [[nodiscard]] bool is_convex() const {
+    std::vector<Point> p;
+    for (const Point& q : points) {
+      if (p.empty() || q != p.back()) p.push_back(q);
+    }
+    while (p.size() > 1 && p.front() == p.back()) p.pop_back();
+    if (p.size() == 1) return true;
+    double turned = 0.0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const Point &a = p[i], &b = p[(i + 1) % p.size()], &c = p[(i + 2) % p.size()];
+      const Rational area = cross(a, b, c);
+      if (area < 0) return false;
+      const Rational forward = (b.x - a.x) * (c.x - b.x) + (b.y - a.y) * (c.y - b.y);
+      turned += std::atan2(area.convert_to<double>(), forward.convert_to<double>());
+    }
+    return turned < 3 * std::numbers::pi;  // one turn, not two
+  }
+
+  [[nodiscard]] Triangles triangulate() const {
+    Triangles out;
+    const auto count = static_cast<std::uint32_t>(points.size());
+    if (is_convex()) {
+      for (std::uint32_t i = 1; i + 1 < count; ++i) out.push_back({0, i, i + 1});
+      return out;
+    }
+    std::vector<std::uint32_t> left(count);
+    std::iota(left.begin(), left.end(), 0U);
+    while (left.size() > 3) {
+      const std::size_t i = next_to_cut(left), n = left.size();
+      out.push_back({left[(i + n - 1) % n], left[i], left[(i + 1) % n]});
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    out.push_back({left[0], left[1], left[2]});
+    return out;
+  }
+
+  std::vector<Point> points;
+  Rational twice_area;
+
+ private:
+  static Rational cross(const Point& a, const Point& b, const Point& c) {
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  }
+  static Rational dot(const Point& a, const Point& b, const Point& c) {  // at b
+    return (a.x - b.x) * (c.x - b.x) + (a.y - b.y) * (c.y - b.y);
+  }
+
+  [[nodiscard]] std::size_t next_to_cut(const std::vector<std::uint32_t>& left) const {
+    for (const bool spikes : {true, false}) {
+      for (std::size_t i = 0; i < left.size(); ++i) {
+        if (spikes ? is_spike(left, i) : is_ear(left, i)) return i;
+      }
+    }
+    return 0;
+  }
+  [[nodiscard]] std::array<Point, 3> around(const std::vector<std::uint32_t>& left, std::size_t i) const {
+    const std::size_t n = left.size();
+    return {points[left[(i + n - 1) % n]], points[left[i]], points[left[(i + 1) % n]]};
+  }
+  [[nodiscard]] bool is_spike(const std::vector<std::uint32_t>& left, std::size_t i) const {
+    const auto [a, b, c] = around(left, i);
+    return cross(a, b, c) == 0 && dot(a, b, c) >= 0;
+  }
+  [[nodiscard]] bool is_ear(const std::vector<std::uint32_t>& left, std::size_t i) const {
+    const auto [a, b, c] = around(left, i);
+    if (cross(a, b, c) <= 0) return false;
+    for (std::size_t j = 0; j < left.size(); ++j) {
+      const std::size_t n = left.size();
+      if (j == i || j == (i + 1) % n || j == (i + n - 1) % n) continue;
+      const Point& p = points[left[j]];
+      if (p == a || p == c) continue;
+      if (cross(a, b, p) < 0 || cross(b, c, p) < 0 || cross(c, a, p) < 0) continue;
+      for (const std::size_t step : {std::size_t{1}, points.size() - 1}) {  // along the whole polygon, both ways
+        std::size_t k = left[j];
+        while (points[k] == p) k = (k + step) % points.size();
+        if ((cross(a, b, p) > 0 || cross(a, b, points[k]) > 0) && (cross(b, c, p) > 0 || cross(b, c, points[k]) > 0)) {
+          return false;
+        }
+      }
+    }
+    return true;
+  }
+};
+
+// Whatever the polygon: n - 2 triangles; each edge of the polygon in one of them, each other edge in two, once each
+// way; signed areas that add up exactly.
+void expect_sound(const Polygon& polygon, const Triangles& triangles) {
+  ASSERT_EQ(triangles.size(), polygon.size() - 2);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  const Oracle oracle(polygon);
+  Rational sum = 0;
+  for (const CornerTriangle& t : triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      ASSERT_LT(t[k], polygon.size());
+      ++edges[{t[k], t[(k + 1) % 3]}];
+      --edges[{t[(k + 1) % 3], t[k]}];
+    }
+    sum += oracle.twice_area_of(t);
+  }
+  const auto n = static_cast<std::uint32_t>(polygon.size());
+  for (std::uint32_t i = 0; i < n; ++i) {
+    --edges[{i, (i + 1) % n}];
+    ++edges[{(i + 1) % n, i}];
+  }
+  for (const auto& [edge, count] : edges) ASSERT_EQ(count, 0) << edge.first << " " << edge.second;
+  ASSERT_EQ(sum, oracle.twice_area);
+}
+
+// So that those of a simple polygon cover it and nothing else, once.
+void expect_all_counter_clockwise(const Polygon& polygon, const Triangles& triangles) {
+  const Oracle oracle(polygon);
+  for (const CornerTriangle& t : triangles) {
+    ASSERT_GT(oracle.twice_area_of(t), 0) << t[0] << " " << t[1] << " " << t[2];
+  }
+}
+
+Polygon flat(const std::vector<std::array<float, 2>>& points) {
+  Polygon polygon;
+  for (const auto& [x, y] : points) polygon.emplace_back(x, y, 0.0F);
+  return polygon;
+}
+
+struct Case {
+  const char* name;
+  Polygon polygon;
+  Triangles triangles;
+};
+class Rule : public testing::TestWithParam<Case> {};
+TEST_P(Rule, ByHand) { EXPECT_EQ(triangulated(GetParam().polygon), GetParam().triangles); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, Rule,
+    testing::Values(
+        Case{"OneCorner", {{1, 2, 3}}, {{0, 0, 0}}}, Case{"TwoCorners", {{1, 2, 3}, {4, 5, 6}}, {{0, 1, 1}}},
+        Case{"Triangle", {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}, {{0, 1, 2}}},
+        Case{"TriangleInAPoint", {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {{0, 1, 2}}},
+        Case{"Square", flat({{0, 0}, {1, 0}, {1, 1}, {0, 1}}), {{0, 1, 2}, {0, 2, 3}}},
+        Case{"SquareClockwise", flat({{0, 0}, {0, 1}, {1, 1}, {1, 0}}), {{0, 1, 2}, {0, 2, 3}}},
+        Case{"SquareInXZ", {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}},
+        // Cut along 0 2, and along 1 3, which is where they are concave. At 2: 0 is no ear, as 2 is in its triangle.
+        Case{"DartConcaveAt2", flat({{0, 0}, {4, -1}, {1, 0}, {4, 1}}), {{0, 1, 2}, {0, 2, 3}}},
+        Case{"DartConcaveAt1", flat({{4, 1}, {1, 0}, {4, -1}, {0, 0}}), {{3, 0, 1}, {1, 2, 3}}},
+        Case{"StraightCornerIsConvex", flat({{0, 0}, {1, 0}, {2, 0}, {1, 1}}), {{0, 1, 2}, {0, 2, 3}}},
+        Case{"RepeatedCornerIsConvex", flat({{0, 0}, {1, 0}, {1, 0}, {1, 1}}), {{0, 1, 2}, {0, 2, 3}}},
+        Case{"AllOnePoint", flat({{1, 1}, {1, 1}, {1, 1}, {1, 1}}), {{0, 1, 2}, {0, 2, 3}}},
+        Case{"ThereAndBack", flat({{0, 0}, {1, 0}, {3, 0}, {2, 0}}), {{0, 1, 2}, {0, 2, 3}}},
+        // Twisted, with the area vector (1, 1, 1): x is dropped. It's convex in y z, and concave at 1 in x y.
+        Case{"TieDropsX", {{0, 0, 0}, {2, -1, 1}, {1, -1, 0}, {3, 0, -1}}, {{0, 1, 2}, {0, 2, 3}}},
+        Case{"TieDropsXTurned", {{0, 0, 0}, {1, 2, -1}, {0, 1, -1}, {-1, 3, 0}}, {{3, 0, 1}, {1, 2, 3}}},
+        // L: corner 3 is concave. 0 sees it on its new edge 5 1; 1 is the lowest ear.
+        Case{"L", flat({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}), {{0, 1, 2}, {0, 2, 3}, {5, 0, 3}, {3, 4, 5}}},
+        // A spike goes first: 2 is one, and then 1 (or 3), which is where its neighbour is.
+        Case{"Spike", flat({{0, 0}, {2, 1}, {5, 1}, {2, 1}, {0, 3}}), {{1, 2, 3}, {0, 1, 3}, {0, 3, 4}}},
+        // Crossed: the areas cancel, so that all axes tie and x is dropped. In y z it's to and fro on one line, twice.
+        Case{"BowTie", flat({{0, 0}, {1, 1}, {1, 0}, {0, 1}}), {{3, 0, 1}, {1, 2, 3}}}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+Polygon star_shaped(std::mt19937& rng, std::size_t n) {
+  std::vector<double> angles(n);
+  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+  for (double& a : angles) a = angle(rng);
+  std::ranges::sort(angles);
+  std::uniform_real_distribution<double> radius(0.1, 1);
+  // In a random direction, and not quite planar once it's rounded.
+  const Eigen::Quaterniond q = Eigen::Quaterniond(angle(rng), angle(rng), angle(rng), angle(rng)).normalized();
+  const Eigen::Vector3d offset(angle(rng), angle(rng), angle(rng));
+  Polygon polygon;
+  for (const double a : angles) {
+    const double r = radius(rng);
+    polygon.emplace_back((q * Eigen::Vector3d(r * std::cos(a), r * std::sin(a), 0) + 10 * offset).cast<float>());
+  }
+  return polygon;
+}
+
+TEST(Triangulation, OfStarShapedPolygonsIsExact) {
+  std::mt19937 rng(3);
+  for (int round = 0; round < 300; ++round) {
+    const std::size_t n = 5 + rng() % 30;
+    const Polygon polygon = star_shaped(rng, n);
+    const Triangles triangles = triangulated(polygon);
+    expect_sound(polygon, triangles);
+    if (n < 16) {  // few corners may leave a gap of half a turn, and cross there
+      ASSERT_EQ(triangles, Oracle(polygon).triangulate());
+    } else {
+      expect_all_counter_clockwise(polygon, triangles);
+    }
+  }
+}
+
+// Two arms around each other.
+Polygon spiral(std::size_t n, double turns) {
+  Polygon polygon;
+  for (std::size_t i = 0; i < 2 * n; ++i) {
+    const bool outward = i < n;
+    const double t = static_cast<double>(outward ? i : 2 * n - 1 - i) / static_cast<double>(n);
+    const double r = 1 + 10 * t + (outward ? 0.4 : 0.0), a = 2 * std::numbers::pi * turns * t;
+    polygon.emplace_back(static_cast<float>(r * std::cos(a)), 0.5F, static_cast<float>(r * std::sin(a)));
+  }
+  return polygon;
+}
+
+TEST(Triangulation, OfSpiralsIsExact) {
+  for (const std::size_t n : {10U, 100U, 400U}) {
+    for (const double turns : {0.3, 1.0, 4.0}) {
+      if (static_cast<double>(n) < 20 * turns) continue;  // too coarse to be simple
+      const Polygon polygon = spiral(n, turns);
+      const Triangles triangles = triangulated(polygon);
+      expect_sound(polygon, triangles);
+      expect_all_counter_clockwise(polygon, triangles);
+    }
+  }
+}
+
+// Teeth whose tips and gaps are on lines, with straight corners between them, and as many of equal x as can be.
+TEST(Triangulation, OfCombsIsExact) {
+  for (const int teeth : {1, 2, 3, 10, 100}) {
+    Polygon polygon;
+    for (int i = 0; i < teeth; ++i) {
+      const auto x = static_cast<float>(4 * i);
+      for (const auto& [dx, y] : {std::pair{0, 1}, {0, 9}, {1, 9}, {2, 9}, {2, 1}, {3, 1}}) {
+        polygon.emplace_back(0.0F, x + static_cast<float>(dx), static_cast<float>(y));
+      }
+    }
+    polygon.emplace_back(0.0F, static_cast<float>(4 * teeth), 1.0F);
+    polygon.emplace_back(0.0F, static_cast<float>(4 * teeth), 0.0F);
+    polygon.emplace_back(0.0F, 0.0F, 0.0F);
+    for (std::size_t first = 0; first < std::min<std::size_t>(polygon.size(), 8); ++first) {
+      const Triangles triangles = triangulated(polygon);
+      expect_sound(polygon, triangles);
+      expect_all_counter_clockwise(polygon, triangles);
+      if (teeth <= 3) {
+        EXPECT_EQ(triangles, Oracle(polygon).triangulate());
+      }
+      std::ranges::rotate(polygon, polygon.begin() + 1);
+    }
+  }
+}
+
+// A polygon can't have a hole in VRML97, so that files lead a pair of edges to it.
+TEST(Triangulation, OfHolesJoinedByPairsOfEdgesIsExact) {
+  const Polygon one = flat({{0, 0}, {6, 0}, {6, 6}, {0, 6}, {0, 0}, {2, 2}, {2, 4}, {4, 4}, {4, 2}, {2, 2}});
+  const Polygon two = flat({{0, 0},
+                            {9, 0},
+                            {9, 6},
+                            {0, 6},
+                            {0, 0},
+                            {2, 2},
+                            {2, 4},
+                            {4, 4},
+                            {4, 2},
+                            {5, 2},
+                            {5, 4},
+                            {7, 4},
+                            {7, 2},
+                            {5, 2},
+                            {4, 2},
+                            {2, 2}});
+  const Polygon touching = flat({{0, 0}, {3, 0}, {6, 0}, {6, 6}, {0, 6}, {0, 0}, {3, 0}, {2, 2}, {4, 2}, {3, 0}});
+  for (Polygon polygon : {one, two}) {
+    for (std::size_t first = 0; first < polygon.size(); ++first) {
+      const Triangles triangles = triangulated(polygon);
+      expect_sound(polygon, triangles);
+      expect_all_counter_clockwise(polygon, triangles);
+      EXPECT_EQ(triangles, Oracle(polygon).triangulate());
+      std::ranges::rotate(polygon, polygon.begin() + 1);
+    }
+  }
+  expect_sound(touching, triangulated(touching));
+}
+
+// Few places make every degeneracy common: crossings, spikes, repeated and straight corners, no area, ties of axes.
+TEST(Triangulation, OfAnyPolygonIsWhatTheRuleSays) {
+  std::mt19937 rng(4);
+  for (int round = 0; round < 6000; ++round) {
+    const std::size_t n = 4 + rng() % 9;
+    const int size = 1 + static_cast<int>(rng() % 6);
+    const bool planar = rng() % 2 == 0;
+    Polygon polygon;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto at = [&] { return static_cast<float>(static_cast<int>(rng() % static_cast<unsigned>(size + 1))); };
+      const float x = at(), y = at();
+      polygon.emplace_back(x, y, planar ? x + 2 * y : at());
+    }
+    const Triangles triangles = triangulated(polygon);
+    expect_sound(polygon, triangles);
+    ASSERT_EQ(triangles, Oracle(polygon).triangulate()) << "round " << round;
+  }
+}
+
+TEST(Triangulation, OfHugeAndTinyCoordinatesIsExact) {
+  constexpr float kMax = std::numeric_limits<float>::max(), kTiny = std::numeric_limits<float>::denorm_min();
+  std::mt19937 rng(5);
+  const std::vector<float> values = {0,    kTiny, -kTiny, 3 * kTiny, 1, -1, std::nextafter(1.0F, 2.0F),
+                                     kMax, -kMax, 1e-20F};
+  for (int round = 0; round < 3000; ++round) {
+    Polygon polygon;
+    const std::size_t n = 4 + rng() % 6;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto at = [&] { return values[rng() % values.size()]; };
+      const float x = at(), y = at(), z = at();
+      polygon.emplace_back(x, y, z);
+    }
+    const Triangles triangles = triangulated(polygon);
+    expect_sound(polygon, triangles);
+    ASSERT_EQ(triangles.size(), n - 2);
+  }
+}
+
+// Twisted quadrilaterals whose area vector has equal components but for the last places, far from the origin.
+TEST(Triangulation, OfNearTiesIsWhatTheRuleSays) {
+  std::mt19937 rng(7);
+  for (int round = 0; round < 3000; ++round) {
+    Polygon polygon = {{0, 0, 0}, {2, -1, 1}, {1, -1, 0}, {3, 0, -1}};
+    const float scale = 0.1F * static_cast<float>(1 + rng() % 9), offset = static_cast<float>(rng() % 3) * 1e4F;
+    const int turned = static_cast<int>(rng() % 3);
+    for (Point3& p : polygon) {
+      p = Point3(p[turned], p[(turned + 1) % 3], p[(turned + 2) % 3]) * scale + Point3::Constant(offset);
+      if (rng() % 4 == 0) p.x() = std::nextafter(p.x(), 0.0F);
+      for (float& x : p) {  // where it's 0 still: of the size of what binary64 loses of the others
+        if (x == 0.0F) x = static_cast<float>(static_cast<int>(rng() % 33) - 16) * 0x1p-55F;
+      }
+    }
+    ASSERT_EQ(triangulated(polygon), Oracle(polygon).triangulate()) << round;
+  }
+}
+
+TEST(Triangulation, DoesNotDependOnScale) {
+  std::mt19937 rng(6);
+  for (int round = 0; round < 100; ++round) {
+    const Polygon polygon = star_shaped(rng, 12);
+    Polygon scaled = polygon;
+    for (Point3& p : scaled) p *= round % 2 == 0 ? 0x1p100F : 0x1p-60F;
+    EXPECT_EQ(triangulated(polygon), triangulated(scaled));
+  }
+}
+
+TEST(Triangulator, ReadsPolygonsOfAMeshOneAfterTheOther) {
+  const Mesh mesh = make_mesh(std::vector<Point3>{{0, 0, 0}, {4, -1, 0}, {1, 0, 0}, {4, 1, 0}},
+                              std::vector<std::int32_t>{3, -1, 0, 1, 2, 3, -1, 2, 3, -1, 1, 2, 3});
+  Triangulator triangulator;
+  const auto of = [&](std::size_t i) {
+    const auto triangles = triangulator.triangulate(mesh, i);
+    return Triangles(triangles.begin(), triangles.end());
+  };
+  EXPECT_EQ(of(0), (Triangles{{0, 0, 0}}));
+  EXPECT_EQ(of(1), (Triangles{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(of(2), (Triangles{{0, 1, 1}}));
+  EXPECT_EQ(of(3), (Triangles{{0, 1, 2}}));
+  EXPECT_EQ(of(1), (Triangles{{0, 1, 2}, {0, 2, 3}}));
+}
+
+// A circle whose every other corner is pulled in: quick, or the sorting by x is broken.
+TEST(Triangulation, OfManyCornersIsQuick) {
+  Polygon polygon;
+  const std::size_t n = 20000;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double a = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n),
+                 r = i % 2 == 0 ? 1.0 : 0.99;
+    polygon.emplace_back(static_cast<float>(r * std::cos(a)), static_cast<float>(r * std::sin(a)), 0.0F);
+  }
+  EXPECT_EQ(triangulated(polygon).size(), n - 2);
+}
+
+}  // namespace
+}  // namespace peerd

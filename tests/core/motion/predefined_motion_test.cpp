@@ -1,0 +1,152 @@
+#include "core/motion/predefined_motion.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/core/read_text.hpp"
+
+namespace peerd {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr double kPi = std::numbers::pi;
+
+// Up 2 m in 2 s and down again; a turn about +y in 4 s, quarter by quarter; both for ever.
+const std::string kClock = R"(
+DEF T TimeSensor { cycleInterval 4 loop TRUE }
+DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 0 0 0, 0 2 0, 0 0 0 ] }
+DEF O OrientationInterpolator { key [ 0 0.25 0.5 0.75 1 ] keyValue [ 0 1 0 0, 0 1 0 1.57079633, 0 1 0 3.14159265, 0 1 0 4.71238898, 0 1 0 6.2831853 ] }
+ROUTE T.fraction_changed TO P.set_fraction
+ROUTE T.fraction_changed TO O.set_fraction
+)";
+
+TEST(PredefinedMotion, NothingMovesWhereNothingIsRouted) {
+  const Scene scene = scene_of("DEF A Transform { } TimeSensor { loop TRUE }");
+  PredefinedMotion motion(scene);
+  EXPECT_FALSE(motion.moves({0}));
+  EXPECT_THAT(motion.driven_transforms(), IsEmpty());
+  EXPECT_EQ(motion.animation(), nullptr);
+}
+
+TEST(PredefinedMotion, ATranslationBetweenTwoKeysIsConstantVelocity) {
+  const Scene scene = scene_of("DEF A Transform { rotation 0 0 1 1.5707963 children DEF LIFT Transform { } }" + kClock +
+                               "ROUTE P.value_changed TO LIFT.set_translation");
+  PredefinedMotion motion(scene);
+  EXPECT_FALSE(motion.moves({0}));
+  ASSERT_TRUE(motion.moves({1}));
+  EXPECT_TRUE(motion.stays_rigid({1}));
+  EXPECT_FALSE(motion.stays_rigid({0})) << "its LIFT goes up and down in it";
+  EXPECT_THAT(motion.driven_transforms(), ElementsAre(ObjectId{1}));
+  const auto up = motion.piece({1}, 0.5);
+  EXPECT_EQ(up.begin_s, 0.0);
+  EXPECT_EQ(up.end_s, 2.0);
+  EXPECT_TRUE(up.state.velocity.isApprox(Vec3(-1, 0, 0), 1e-7)) << "its parent is turned by a quarter about z";
+  EXPECT_TRUE(up.state.acceleration.isZero(0.0));
+  const auto down = motion.piece({1}, 2.0);
+  EXPECT_EQ(down.begin_s, 2.0);
+  EXPECT_TRUE(down.state.velocity.isApprox(Vec3(1, 0, 0), 1e-7));
+  EXPECT_TRUE(motion.rigid_pose({1}, 13.0).position.isApprox(Vec3(-1, 0, 0), 1e-7)) << "13 s is 1 s into a cycle";
+  EXPECT_TRUE(motion.transform({1}, 13.0).translation.isApprox(Vec3(0, 1, 0)));
+}
+
+TEST(PredefinedMotion, ATurnAboutTheOwnOriginIsConstantAngularVelocity) {
+  const Scene scene =
+      scene_of("DEF ARM Transform { translation 5 0 0 }" + kClock + "ROUTE O.value_changed TO ARM.rotation");
+  PredefinedMotion motion(scene);
+  const auto piece = motion.piece({0}, 1.5);
+  EXPECT_EQ(piece.begin_s, 1.0);
+  EXPECT_EQ(piece.end_s, 2.0);
+  EXPECT_TRUE(piece.state.angular_velocity_body.isApprox(Vec3(0, kPi / 2, 0), 1e-7));
+  EXPECT_TRUE(piece.state.velocity.isZero(0.0));
+  EXPECT_EQ(piece.state.position, Vec3(5, 0, 0));
+}
+
+// HAND stands 3 m out on ARM, which turns: a circle, which no parabola is. Its pieces stay within what is promised.
+TEST(PredefinedMotion, ACircleIsCutIntoPiecesThatMeet) {
+  const Scene scene = scene_of("DEF ARM Transform { children DEF HAND Transform { translation 3 0 0 } }" + kClock +
+                               "ROUTE O.value_changed TO ARM.rotation");
+  PredefinedMotion motion(scene);
+  const double jerk = 3 * std::pow(kPi / 2, 3);
+  const double bound = jerk * std::pow(PredefinedMotion::kPiece_s, 3) / 125 + 1e-12;
+  double t = 0.25;
+  for (int i = 0; i < 2000; ++i) {
+    const auto piece = motion.piece({1}, t);
+    ASSERT_LE(piece.begin_s, t);
+    ASSERT_GT(piece.end_s, t);
+    ASSERT_LE(piece.end_s - piece.begin_s, PredefinedMotion::kPiece_s);
+    for (const double part : {0.01, 0.2, 0.5, 0.8, 0.99}) {
+      const double s = piece.begin_s + part * (piece.end_s - piece.begin_s);
+      const Pose at = advance(piece.state, s - piece.begin_s).pose(), there = motion.rigid_pose({1}, s);
+      ASSERT_LT((at.position - there.position).norm(), bound)
+          << "t = " << s << ", piece from " << piece.begin_s << " to " << piece.end_s;
+      ASSERT_LT(angle_between(at.orientation, there.orientation), 1e-7) << "t = " << s;
+    }
+    t = piece.end_s;
+  }
+}
+
+TEST(PredefinedMotion, PiecesDependOnTimeAloneAndNotOnTheQuestionsBefore) {
+  const Scene scene = scene_of("DEF ARM Transform { center 1 0 0 }" + kClock + "ROUTE O.value_changed TO ARM.rotation");
+  PredefinedMotion forwards(scene), backwards(scene);
+  std::vector<PredefinedMotion::Piece> there, back;
+  for (int i = 0; i < 500; ++i) there.push_back(forwards.piece({0}, 0.037 * i));
+  for (int i = 499; i >= 0; --i) back.push_back(backwards.piece({0}, 0.037 * i));
+  std::ranges::reverse(back);
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    ASSERT_EQ(there[i].begin_s, back[i].begin_s);
+    ASSERT_EQ(there[i].state.position, back[i].state.position);
+    ASSERT_EQ(there[i].state.velocity, back[i].state.velocity);
+    ASSERT_EQ(there[i].state.orientation.coeffs(), back[i].state.orientation.coeffs());
+  }
+}
+
+TEST(PredefinedMotion, AVectorIsInTheFrameOfTheParentAsItStands) {
+  const Scene scene = scene_of("DEF ARM Transform { scale 2 2 2 children DEF HAND Transform { rotation 1 0 0 1 } }" +
+                               kClock + "ROUTE O.value_changed TO ARM.rotation");
+  PredefinedMotion motion(scene);
+  const ObjectId hand = *scene.find("ARM/HAND");
+  EXPECT_EQ(motion.to_world(hand, Vec3(1, 2, 3), -1), scene.to_world(hand, Vec3(1, 2, 3)));
+  for (const double t : {0.5, 1.3, 2.7}) {
+    const Quat turned = motion.rigid_pose(*scene.find("ARM"), t).orientation;
+    EXPECT_NEAR((motion.to_world(hand, Vec3(1, 2, 3), t) - 2 * (turned * Vec3(1, 2, 3))).norm(), 0, 1e-12) << t;
+  }
+}
+
+TEST(PredefinedMotion, SaysWhatIsNoRigidBody) {
+  const std::string scaled = R"(DEF S ScalarInterpolator { key [ 0 1 ] keyValue [ 0 1 ] }
+    DEF UNEVEN Transform { scale 1 2 1 children DEF TURNS Transform { } }
+    DEF EVEN Transform { scale 2 2 2 children DEF TURNS2 Transform { } }
+    DEF GROWS Transform { })" +
+                             kClock + R"(
+    ROUTE O.value_changed TO TURNS.rotation ROUTE O.value_changed TO TURNS2.rotation ROUTE P.value_changed TO GROWS.scale)";
+  const Scene scene = scene_of(scaled);
+  const PredefinedMotion motion(scene);
+  const auto id = [&](const char* path) { return scene.find(path).value(); };
+  EXPECT_FALSE(motion.stays_rigid(id("TURNS")));
+  EXPECT_TRUE(motion.stays_rigid(id("TURNS2")));
+  EXPECT_FALSE(motion.stays_rigid(id("GROWS")));
+}
+
+TEST(PredefinedMotion, RunsThroughProtosAndTheirInterfaces) {
+  const Scene scene = scene_of(R"(
+    PROTO Mover [ field SFVec3f to 0 2 0  field SFTime period 4  eventOut SFVec3f moved ] {
+      DEF M Transform { children DEF BOX Shape { geometry Box { } } }
+      DEF T TimeSensor { cycleInterval IS period loop TRUE }
+      DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0 4 4 4 ] value_changed IS moved }
+      ROUTE T.fraction_changed TO P.set_fraction
+      ROUTE P.value_changed TO M.set_translation
+    }
+    DEF A Mover { period 2 } DEF B Mover { } DEF FOLLOWS Transform { }
+    ROUTE A.moved TO FOLLOWS.translation)");
+  PredefinedMotion motion(scene);
+  EXPECT_TRUE(motion.rigid_pose(scene.find("A").value(), 1.0).position.isApprox(Vec3(2, 2, 2), 1e-7));
+  EXPECT_TRUE(motion.rigid_pose(scene.find("B").value(), 1.0).position.isApprox(Vec3(1, 1, 1), 1e-7));
+  EXPECT_TRUE(motion.rigid_pose(scene.find("FOLLOWS").value(), 1.0).position.isApprox(Vec3(2, 2, 2), 1e-7));
+}
+
+}  // namespace
+}  // namespace peerd

@@ -1,0 +1,350 @@
+#include "peerd/commands/collide_command.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/commands/bake_command.hpp"
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing_support::ScratchFolder;
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kHeader = "#VRML V2.0 utf8\n";
+
+struct Outcome {
+  int exit_code = 0;
+  std::string out, err;
+  [[nodiscard]] Json json() const { return Json::parse(out); }
+};
+
+Outcome collide(const std::filesystem::path& world, double at_s = 0.0, bool json = true) {
+  std::ostringstream out, err;
+  const int exit_code = run_collide(world.string(), {.json = json, .at_s = at_s}, out, err);
+  return {exit_code, out.str(), err.str()};
+}
+Outcome bake(const std::filesystem::path& world) {
+  std::ostringstream out, err;
+  const int exit_code = run_bake(world.string(), true, out, err);
+  return {exit_code, out.str(), err.str()};
+}
+std::filesystem::path write(const ScratchFolder& folder, std::string_view body) {
+  return folder.write("world.wrl", std::string(kHeader) + std::string(body));
+}
+
+std::vector<std::string> keys_of(const Json& json) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : json.items()) keys.push_back(key);
+  return keys;
+}
+
+// Two unit squares that share the corner (1, 1, 0), and one far off.
+constexpr std::string_view kSquares = R"(
+DEF A Transform { children DEF SA Shape { geometry IndexedFaceSet {
+  coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] } coordIndex [ 0 1 2 3 -1 ] } } }
+DEF B Transform { translation 1 1 0 children Shape { geometry IndexedFaceSet {
+  coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 0 1 ] } coordIndex [ 3 1 2 -1 0 1 2 -1 ] } } }
+DEF C Transform { translation 9 0 0 children Shape { geometry Box {} } }
+)";
+
+TEST(Collide, JsonIsAsItIsPromised) {
+  const ScratchFolder folder;
+  const Outcome outcome = collide(write(folder, std::string(kSquares) + R"(
+    CollisionInterest { objectPath "A" interests [ "B" "C" ] collisionType 2 }
+    CollisionInterest { objectPath "B" interests "A" collisionType 1 }
+    CollisionInterest { objectPath "A" interests "B" }
+  )"));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = outcome.json();
+  EXPECT_THAT(keys_of(json), ElementsAre("world", "time_s", "interests", "counters", "micros"));
+  EXPECT_THAT(keys_of(json["counters"]),
+              ElementsAre("hierarchies_built", "nodes_built", "bv_tests", "polygon_tests", "exact_tests"));
+  ASSERT_EQ(json["interests"].size(), 4u);
+  EXPECT_EQ(json["interests"][0],
+            Json::parse(R"({"collider": "A", "collidee": "B", "type": "allpairs", "colliding": true,
+    "pairs": [{"a": ["A/SA", 0], "b": ["B/0", 1]}]})"));
+  EXPECT_EQ(json["interests"][1],
+            Json::parse(R"({"collider": "A", "collidee": "C", "type": "allpairs", "colliding": false,
+    "pairs": []})"));
+  EXPECT_EQ(json["interests"][2],
+            Json::parse(R"({"collider": "B", "collidee": "A", "type": "witness", "colliding": true,
+    "pairs": [{"a": ["B/0", 1], "b": ["A/SA", 0]}]})"));
+  EXPECT_EQ(json["interests"][3], Json::parse(R"({"collider": "A", "collidee": "B", "type": "box", "colliding": true,
+    "pairs": []})"));
+  EXPECT_THAT(collide(folder.path() / "world.wrl", 0.0, false).out, HasSubstr("A - B (allpairs): colliding, 1 pair"));
+}
+
+// The boxes of their vertices are apart, the seed's overlap.
+TEST(Collide, BoxesCanBeTheSeedsLargerOnes) {
+  const ScratchFolder folder;
+  const auto world = write(folder, R"(
+    DEF A Transform { rotation 1 1 0.3 0.7 children Shape { geometry Sphere { } } }
+    DEF B Transform { rotation 0.2 1 0.5 0.4 translation 2.03 0 0 children Shape { geometry Sphere { } } }
+    CollisionInterest { objectPath "A" interests "B" }
+  )");
+  for (const bool realigned : {false, true}) {
+    std::ostringstream out, err;
+    ASSERT_EQ(run_collide(world, {.json = true, .realigned_boxes = realigned}, out, err), 0) << err.str();
+    EXPECT_EQ(Json::parse(out.str())["interests"][0]["colliding"], realigned);
+  }
+}
+
+// 2^-20 m at 10^6 m is no more than at the origin.
+TEST(Collide, FarFromTheOriginIsAsAtTheOrigin) {
+  const ScratchFolder folder;
+  for (const char* const at : {"0", "1000000", "-1048576"}) {
+    for (const auto& [gap, colliding] : {std::pair("0", true), {"0.00000095367431640625", false}}) {
+      const std::string world = std::string("DEF A Transform { translation ") + at +
+                                " 0 0 children Shape { geometry Box {} } } Transform { translation " + at +
+                                " 0 0 children DEF B Transform { translation 2 0 0 children Transform { translation " +
+                                gap +
+                                " 0 0 children Shape { geometry Box {} } } } }"
+                                "CollisionInterest { objectPath \"A\" interests \"B\" collisionType 1 }";
+      EXPECT_EQ(collide(write(folder, world)).json()["interests"][0]["colliding"], colliding) << at << ' ' << gap;
+    }
+  }
+}
+
+TEST(Collide, WhatMovesByItselfIsWhereItIsByThen) {
+  const ScratchFolder folder;
+  const auto world = write(folder, R"(
+    DEF A Transform { children Shape { geometry Box {} } }
+    DEF B Transform { translation 10 0 0 velocityVector -1 0 0 children Shape { geometry Box {} } }
+    DEF C Transform { children Shape { geometry Box {} } }
+    DEF T TimeSensor { cycleInterval 10 loop TRUE startTime 0 }
+    DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 10 0, 0 0 0 ] }
+    ROUTE T.fraction_changed TO P.set_fraction
+    ROUTE P.value_changed TO C.set_translation
+    CollisionInterest { objectPath "A" interests [ "B" "C" ] collisionType 1 })");
+  const auto colliding = [&](double at_s) {
+    const Json json = collide(world, at_s).json();
+    return std::pair(json["interests"][0]["colliding"].get<bool>(), json["interests"][1]["colliding"].get<bool>());
+  };
+  EXPECT_EQ(colliding(0.0), std::pair(false, false));
+  EXPECT_EQ(colliding(7.5), std::pair(false, false));
+  EXPECT_EQ(colliding(8.0), std::pair(true, true));
+  EXPECT_EQ(colliding(10.5), std::pair(true, false));
+}
+
+Outcome watch(const std::filesystem::path& world, const CollideOptions& options) {
+  std::ostringstream out, err;
+  const int exit_code = run_collide(world.string(), options, out, err);
+  return {exit_code, out.str(), err.str()};
+}
+
+// B meets A at 8 s and leaves it at 12 s; C falls on A from 8 s to 10 s, where it still is at the end of the cycle. D
+// is a Shape: no eventOut.
+constexpr std::string_view kMoving = R"(
+    DEF A Transform { children Shape { geometry Box {} } }
+    DEF B Transform { translation 10 0 0 velocityVector -1 0 0 children DEF D Shape { geometry Box {} } }
+    DEF C Transform { children Shape { geometry Box {} } }
+    DEF T TimeSensor { cycleInterval 10 loop TRUE startTime 0 }
+    DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 10 0, 0 0 0 ] }
+    ROUTE T.fraction_changed TO P.set_fraction
+    ROUTE P.value_changed TO C.set_translation
+    CollisionInterest { objectPath "A" interests [ "D" "C" ] collisionType 1 })";
+
+TEST(Collide, UntilATimeSaysWhatBeginsAndEnds) {
+  const ScratchFolder folder;
+  const auto world = write(folder, kMoving);
+  const Outcome outcome = watch(world, {.json = true, .at_s = 7.0, .until_s = 12.75, .hz = 4.0});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = outcome.json();
+  EXPECT_THAT(keys_of(json), ElementsAre("world", "time_s", "until_s", "hz", "ticks", "events", "counters", "micros"));
+  EXPECT_EQ(json["ticks"], 24);
+  EXPECT_EQ(json["events"], Json::parse(R"([
+    {"time_s": 8.0, "event": "began", "collider": "A", "collidee": "B/D", "type": "witness"},
+    {"time_s": 8.0, "event": "began", "collider": "A", "collidee": "C", "type": "witness"},
+    {"time_s": 8.0, "event": "notColliding", "object": "A", "value": false},
+    {"time_s": 8.0, "event": "notColliding", "object": "C", "value": false},
+    {"time_s": 10.25, "event": "ended", "collider": "A", "collidee": "C", "type": "witness"},
+    {"time_s": 10.25, "event": "notColliding", "object": "C", "value": true},
+    {"time_s": 12.25, "event": "ended", "collider": "A", "collidee": "B/D", "type": "witness"},
+    {"time_s": 12.25, "event": "notColliding", "object": "A", "value": true}])"));
+  const Json& counters = json["counters"];
+  EXPECT_EQ(counters["pairs_far"].get<int>() + counters["pairs_unmoved"].get<int>() +
+                counters["pairs_separated"].get<int>() + counters["pairs_asked"].get<int>(),
+            48);
+  EXPECT_GT(counters["pairs_far"], 10);
+  EXPECT_THAT(
+      watch(world, {.until_s = 8.0}).out,
+      HasSubstr("8 s: A - C (witness) began\n8 s: A notColliding FALSE\n8 s: C notColliding FALSE\n481 ticks;"));
+}
+
+// Tick by tick is what asking at each time says, also of what bends.
+TEST(Collide, UntilATimeAgreesWithAskingAtEachTime) {
+  const ScratchFolder folder;
+  const auto world = write(folder, std::string(kMoving) + R"(
+    DEF E Shape { geometry IndexedFaceSet { coord DEF F Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 ] } }
+    DEF G Transform { translation 0 5 0 children Shape { geometry Box { size 2 2 2 } } }
+    DEF Q CoordinateInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0, 0 1 0, 0 0 0, 1 0 0, 0 11 0 ] }
+    ROUTE T.fraction_changed TO Q.set_fraction
+    ROUTE Q.value_changed TO F.set_point
+    CollisionInterest { objectPath "E" interests [ "G" "C" ] collisionType 2 })");
+  const Json events = watch(world, {.json = true, .until_s = 14.0, .hz = 8.0}).json()["events"];
+  std::map<std::string, bool> colliding;
+  std::size_t changes = 0, i = 0;
+  for (int tick = 0; tick <= 112; ++tick) {
+    for (; i < events.size() && events[i]["time_s"] == tick / 8.0; ++i) {
+      const Json& event = events[i];
+      if (event["event"] == "notColliding") continue;
+      colliding[event["collider"].get<std::string>() + event["collidee"].get<std::string>()] =
+          event["event"] == "began";
+      ++changes;
+    }
+    const Json now = collide(world, tick / 8.0).json();
+    for (const Json& interest : now["interests"]) {
+      EXPECT_EQ(interest["colliding"],
+                colliding[interest["collider"].get<std::string>() + interest["collidee"].get<std::string>()])
+          << tick << interest;
+    }
+  }
+  EXPECT_EQ(i, events.size());
+  EXPECT_GT(changes, 8u);
+}
+
+TEST(Collide, UntilATimeRefusesByNameToo) {
+  const ScratchFolder folder;
+  const Outcome outcome = watch(write(folder, R"(
+    Transform { scale 1 10 1 children DEF A Shape { geometry IndexedFaceSet {
+      coord Coordinate { point [ 0 0 0, 1 0 0, 0 3e38 0 ] } coordIndex [ 0 1 2 ] } } }
+    DEF B Shape { geometry Box {} }
+    CollisionInterest { objectPath "A" interests "B" collisionType 1 })"),
+                                {.until_s = 1.0});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("0/A: vertex 2 of polygon 0"));
+}
+
+TEST(Collide, WhatBendsByItselfIsAsItIsByThen) {
+  const ScratchFolder folder;
+  const auto world = write(folder, R"(
+    DEF A Shape { geometry IndexedFaceSet { coord DEF C Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 ] } }
+    DEF B Transform { translation 0 5 0 children Shape { geometry Box { size 2 2 2 } } }
+    DEF T TimeSensor { cycleInterval 10 loop TRUE startTime 0 }
+    DEF P CoordinateInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0, 0 1 0, 0 0 0, 1 0 0, 0 11 0 ] }
+    ROUTE T.fraction_changed TO P.set_fraction
+    ROUTE P.value_changed TO C.set_point
+    CollisionInterest { objectPath "A" interests "B" collisionType 1 })");
+  EXPECT_EQ(collide(world, 2.5).json()["interests"][0]["colliding"], false);
+  EXPECT_EQ(collide(world, 3.5).json()["interests"][0]["colliding"], true);
+}
+
+TEST(Collide, WhatDoesNotCollideIsLeftOut) {
+  const ScratchFolder folder;
+  const Json json = collide(write(folder, R"(
+    DEF A Switch { whichChoice 1 choice [ Shape { geometry Box {} } Shape { geometry Box { size 1 1 1 } } ] }
+    DEF B Transform { translation 1.2 0 0 children Shape { geometry Box { size 1 1 1 } } }
+    CollisionInterest { objectPath "A" interests "B" collisionType 1 })"))
+                        .json();
+  EXPECT_EQ(json["interests"][0]["colliding"], false);
+}
+
+TEST(Collide, VerticesBeyondAllMeasureAreRefusedByName) {
+  const ScratchFolder folder;
+  const std::string shapes = R"(
+    Transform { scale 1 10 1 children DEF A Shape { geometry IndexedFaceSet {
+      coord Coordinate { point [ 0 0 0, 1 0 0, 0 3e38 0 ] } coordIndex [ 0 1 2 ] } } }
+    DEF B Shape { geometry Box {} } )";
+  const Outcome outcome =
+      collide(write(folder, shapes + "CollisionInterest { objectPath \"A\" interests \"B\" collisionType 1 }"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("0/A: vertex 2 of polygon 0"));
+}
+
+TEST(Collide, AWorldWithErrorsOrNoneIsNoWorld) {
+  const ScratchFolder folder;
+  EXPECT_EQ(collide(write(folder, "Shape { geometry Bix {} }")).exit_code, 1);
+  EXPECT_EQ(collide(folder.path() / "none.wrl").exit_code, 2);
+}
+
+constexpr std::string_view kBaked = R"(
+DEF A Shape { hierarchyFile "a.hierarchy" geometry Sphere {} }
+DEF B Transform { translation 1.5 0 0 children Shape { geometry Box {} } }
+CollisionInterest { objectPath "A" interests "B" collisionType 2 })";
+
+TEST(Bake, CollideUsesTheFileAndGivesTheSameAnswer) {
+  const ScratchFolder folder;
+  const auto world = write(folder, kBaked);
+  const Json built = collide(world).json();
+  EXPECT_EQ(built["counters"]["hierarchies_built"], 2);
+  const Outcome baked = bake(world);
+  EXPECT_EQ(baked.exit_code, 0) << baked.err;
+  EXPECT_EQ(baked.json()["files"].size(), 1u);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "a.hierarchy"));
+  const Outcome read = collide(world);
+  EXPECT_EQ(read.err, "");
+  EXPECT_EQ(read.json()["interests"], built["interests"]);
+  EXPECT_EQ(read.json()["counters"]["hierarchies_built"], 1);
+  EXPECT_EQ(bake(world).exit_code, 0);  // again, over its own file
+}
+
+TEST(Bake, AFileThatDoesNotFitIsSaidAndNotUsed) {
+  const ScratchFolder folder;
+  const auto world = write(folder, kBaked);
+  const Json expected = collide(world).json();
+  ASSERT_EQ(bake(world).exit_code, 0);
+  const auto file = folder.path() / "a.hierarchy";
+  std::string bytes;
+  {
+    std::ifstream in(file, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  const auto note_for = [&](const std::string& content) {
+    std::ofstream(file, std::ios::binary | std::ios::trunc) << content;
+    const Outcome outcome = collide(world);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.json()["interests"], expected["interests"]);
+    return outcome.err;
+  };
+  std::string damaged = bytes;
+  damaged[bytes.size() / 2] ^= 1;
+  EXPECT_THAT(note_for(damaged), HasSubstr("A: hierarchyFile \"a.hierarchy\" is not used: it is damaged"));
+  EXPECT_THAT(note_for(bytes.substr(0, bytes.size() - 1)), HasSubstr("cut short"));
+  EXPECT_THAT(note_for(""), HasSubstr("it is empty"));
+  EXPECT_THAT(note_for("no hierarchy at all"), HasSubstr("it is no hierarchy file"));
+  std::string newer = bytes;
+  newer[8] = 2;
+  EXPECT_THAT(note_for(newer), HasSubstr("another version"));
+  write(folder, std::string(kBaked).replace(kBaked.find("Sphere {}"), 9, "Sphere { radius 1.1 }"));
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
+  EXPECT_THAT(collide(world).err, HasSubstr("it is of another mesh"));
+}
+
+TEST(Bake, WritesNowhereElseAndOverNothingElse) {
+  const ScratchFolder folder;
+  const auto said = [&](std::string_view url) {
+    const Outcome outcome =
+        bake(write(folder, "Shape { hierarchyFile \"" + std::string(url) + "\" geometry Sphere {} }"));
+    EXPECT_EQ(outcome.exit_code, 3);
+    return outcome.err;
+  };
+  EXPECT_THAT(said("../a.hierarchy"), HasSubstr("it is not in the folder of the world"));
+  EXPECT_THAT(said("/tmp/a.hierarchy"), HasSubstr("it is not in the folder of the world"));
+  EXPECT_THAT(said("b/../../a.hierarchy"), HasSubstr("it is not in the folder of the world"));
+  EXPECT_THAT(said("http://a/b"), HasSubstr("it is no file of this machine"));
+  EXPECT_THAT(said("world.wrl"), HasSubstr("there is another file of that name"));
+}
+
+TEST(Bake, OneFileHoldsOneHierarchy) {
+  const ScratchFolder folder;
+  const Outcome outcome = bake(write(folder, R"(
+    Shape { hierarchyFile "a.hierarchy" geometry Sphere {} }
+    DEF B Shape { hierarchyFile "a.hierarchy" geometry Box {} })"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("B: hierarchyFile \"a.hierarchy\" is another Shape's too"));
+}
+
+}  // namespace
+}  // namespace peerd

@@ -1,0 +1,279 @@
+#include "peerd/control/control_server.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+#include <thread>
+
+#include "peerd/control/control_client.hpp"
+#include "peerd/control/request.hpp"
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::api {
+namespace {
+
+namespace asio = boost::asio;
+using Protocol = asio::local::stream_protocol;
+using testing::HasSubstr;
+
+// A server that answers each line with the line itself, or with much more.
+class ControlServerTest : public testing::Test {
+ protected:
+  ControlServerTest() : path(folder / "c.sock") {}
+  std::unique_ptr<ControlServer> open() {
+    auto server = ControlServer::open(io, path, [this](std::string_view line) {
+      if (line == "quiet") return std::string();
+      return line == "much" ? std::string(kMuch_bytes, 'x') : "got " + std::string(line);
+    });
+    if (!server) {
+      ADD_FAILURE() << server.error().text;
+      return nullptr;
+    }
+    return std::move(*server);
+  }
+  Protocol::socket connect() {
+    Protocol::socket socket(io);
+    socket.connect(Protocol::endpoint(path.string()));
+    socket.non_blocking(true);
+    return socket;
+  }
+  void send(Protocol::socket& socket, const std::string& bytes) {
+    boost::system::error_code ignored;
+    asio::write(socket, asio::buffer(bytes), ignored);
+  }
+  // What comes until that many lines are there, or the end, or nothing for a second.
+  std::string receive(Protocol::socket& socket, int lines) {
+    std::string all;
+    char part[4096];
+    for (int tries = 0; tries < 1000 && std::ranges::count(all, '\n') < lines; ++tries) {
+      io.restart();
+      io.run_for(std::chrono::milliseconds(1));
+      boost::system::error_code error;
+      const std::size_t size = socket.read_some(asio::buffer(part), error);
+      all.append(part, size);
+      if (error && error != asio::error::would_block) return all + "<end>";
+    }
+    return all;
+  }
+  static constexpr std::size_t kMuch_bytes = 4'000'000;
+
+  testing_support::ScratchFolder folder;
+  std::filesystem::path path;
+  asio::io_context io;
+};
+
+TEST_F(ControlServerTest, OneLineInOneLineOut) {
+  const auto server = open();
+  Protocol::socket a = connect(), b = connect();
+  send(a, "one\ntwo\nthr");
+  EXPECT_EQ(receive(a, 2), "got one\ngot two\n");
+  send(b, "quiet\nquiet\nloud\n");
+  EXPECT_EQ(receive(b, 1), "got loud\n") << "no reply where none is wanted";
+  send(b, "other\n");
+  EXPECT_EQ(receive(b, 1), "got other\n");
+  send(a, "ee\n");
+  EXPECT_EQ(receive(a, 1), "got three\n");
+  EXPECT_EQ(server->counters().requests, 7u);
+}
+
+TEST_F(ControlServerTest, OnlyThisUserMayConnect) {
+  const auto server = open();
+  struct stat found {};
+  ASSERT_EQ(stat(path.c_str(), &found), 0);
+  EXPECT_EQ(found.st_mode & 0777, 0600u);
+}
+
+TEST_F(ControlServerTest, IsGoneWithItsFile) {
+  auto server = open();
+  EXPECT_TRUE(std::filesystem::exists(path));
+  Protocol::socket a = connect();
+  send(a, "one\n");
+  EXPECT_EQ(receive(a, 1), "got one\n");
+  server.reset();
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_EQ(receive(a, 1), "<end>");
+}
+
+TEST_F(ControlServerTest, AnothersFileAtItsPathStays) {
+  auto server = open();
+  std::filesystem::remove(path);
+  folder.write("c.sock", "mine");
+  server.reset();
+  EXPECT_TRUE(std::filesystem::exists(path));
+}
+
+TEST_F(ControlServerTest, ADeadPeersSocketIsReplaced) {
+  { Protocol::acceptor dead(io, Protocol::endpoint(path.string())); }
+  ASSERT_TRUE(std::filesystem::exists(path));
+  const auto server = open();
+  Protocol::socket a = connect();
+  send(a, "one\n");
+  EXPECT_EQ(receive(a, 1), "got one\n");
+}
+
+TEST_F(ControlServerTest, ALivingPeersSocketIsNot) {
+  const auto first = open();
+  const auto second = ControlServer::open(io, path, {});
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().exit_code, 3);
+  EXPECT_THAT(second.error().text, HasSubstr("another peer listens there"));
+  Protocol::socket a = connect();
+  send(a, "one\n");
+  EXPECT_EQ(receive(a, 1), "got one\n");
+}
+
+// As any user may hold a folder that is open to all.
+TEST_F(ControlServerTest, DoesNotWaitForWhoHoldsTheFolder) {
+  const int folder_fd = ::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_GE(folder_fd, 0);
+  ASSERT_EQ(flock(folder_fd, LOCK_EX), 0);
+  const auto server = open();
+  close(folder_fd);
+  struct stat found {};
+  ASSERT_EQ(stat((path.string() + ".lock").c_str(), &found), 0);
+  EXPECT_EQ(found.st_mode & 0777, 0600u);
+}
+
+TEST_F(ControlServerTest, WaitsForWhoHoldsTheLockFileAndFollowsNoLink) {
+  const std::string lock = path.string() + ".lock";
+  std::filesystem::create_symlink(folder / "elsewhere", lock);
+  const auto linked = ControlServer::open(io, path, {});
+  ASSERT_FALSE(linked);
+  EXPECT_THAT(linked.error().text, HasSubstr("c.sock.lock can't be made"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere"));
+  std::filesystem::remove(lock);
+  const int lock_fd = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_GE(lock_fd, 0);
+  ASSERT_EQ(flock(lock_fd, LOCK_EX), 0);
+  const auto held = ControlServer::open(io, path, {});
+  close(lock_fd);
+  ASSERT_FALSE(held);
+  EXPECT_THAT(held.error().text, HasSubstr("is held by another program"));
+}
+
+TEST_F(ControlServerTest, WhatIsNoSocketIsLeftAlone) {
+  folder.write("c.sock", "precious");
+  const auto server = ControlServer::open(io, path, {});
+  ASSERT_FALSE(server);
+  EXPECT_EQ(server.error().exit_code, 2);
+  EXPECT_EQ(testing_support::text_of(path), "precious");
+}
+
+TEST_F(ControlServerTest, PathsThatCannotBe) {
+  const auto far = ControlServer::open(io, folder / std::string(120, 'x'), {});
+  ASSERT_FALSE(far);
+  EXPECT_EQ(far.error().exit_code, 2);
+  EXPECT_THAT(far.error().text, HasSubstr("107 bytes"));
+  const auto nowhere = ControlServer::open(io, folder / "no/c.sock", {});
+  ASSERT_FALSE(nowhere);
+  EXPECT_EQ(nowhere.error().exit_code, 3);
+}
+
+TEST_F(ControlServerTest, ALineWithoutAnEndIsRefused) {
+  const auto server = open();
+  Protocol::socket a = connect();
+  send(a, std::string(kLineMax_bytes, 'x'));
+  EXPECT_THAT(receive(a, 2), AllOf(HasSubstr("may have 65536 bytes"), HasSubstr("<end>")));
+  EXPECT_EQ(server->counters().too_long, 1u);
+  Protocol::socket b = connect();
+  send(b, std::string(kLineMax_bytes - 1, 'x') + "\n");
+  EXPECT_EQ(receive(b, 1).size(), 4 + kLineMax_bytes) << "the longest";
+}
+
+TEST_F(ControlServerTest, ClientsAreCounted) {
+  const auto server = open();
+  std::vector<Protocol::socket> clients;
+  for (std::size_t i = 0; i < ControlServer::kClientsMax; ++i) {
+    clients.push_back(connect());
+    send(clients.back(), "one\n");
+    EXPECT_EQ(receive(clients.back(), 1), "got one\n") << i;
+  }
+  Protocol::socket late = connect();
+  EXPECT_THAT(receive(late, 2), AllOf(HasSubstr("16 clients already"), HasSubstr("<end>")));
+  EXPECT_EQ(server->counters().refused, 1u);
+  clients.pop_back();
+  io.restart();
+  io.run_for(std::chrono::milliseconds(20));
+  Protocol::socket next = connect();
+  send(next, "one\n");
+  EXPECT_EQ(receive(next, 1), "got one\n") << "who leaves makes room";
+}
+
+TEST_F(ControlServerTest, WhoDoesNotReadIsDroppedAndHoldsNobodyUp) {
+  const auto server = open();
+  Protocol::socket slow = connect(), quick = connect();
+  send(slow, "much\nmuch\nmuch\n");
+  const auto begun = std::chrono::steady_clock::now();
+  send(quick, "one\n");
+  EXPECT_EQ(receive(quick, 1), "got one\n");
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, ControlServer::kReplyWithin);
+  EXPECT_EQ(server->counters().requests, 2u) << "the next request of who has not read the last reply waits";
+  io.restart();
+  io.run_for(ControlServer::kReplyWithin + std::chrono::milliseconds(200));
+  EXPECT_EQ(server->counters().too_slow, 1u);
+  send(quick, "two\n");
+  EXPECT_EQ(receive(quick, 1), "got two\n");
+}
+
+TEST_F(ControlServerTest, AReplyLargerThanTheSocketsBufferArrives) {
+  const auto server = open();
+  std::atomic<bool> over = false;
+  std::thread serves([&] {
+    while (!over) {
+      io.restart();
+      io.run_for(std::chrono::milliseconds(5));
+    }
+  });
+  const auto reply = ask(path, "much");
+  over = true;
+  serves.join();
+  ASSERT_TRUE(reply) << reply.error().text;
+  EXPECT_EQ(reply->size(), kMuch_bytes);
+}
+
+TEST_F(ControlServerTest, AskingNobodyIsTheEnvironmentsFault) {
+  const auto none = ask(path, "one");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().exit_code, 3);
+  EXPECT_THAT(none.error().text, HasSubstr("no peer answers"));
+  const auto server = open();  // and never runs
+  const auto silent = ask(path, "one", std::chrono::milliseconds(50));
+  ASSERT_FALSE(silent);
+  EXPECT_EQ(silent.error().exit_code, 3);
+  EXPECT_THAT(silent.error().text, HasSubstr("silent for 50 ms"));
+}
+
+// As a peer that is stopped: the system takes what its queue holds, and nobody more.
+TEST_F(ControlServerTest, WhoseQueueIsFullLivesAndIsBusy) {
+  Protocol::acceptor stopped(io);
+  stopped.open();
+  stopped.bind(Protocol::endpoint(path.string()));
+  stopped.listen(1);
+  std::vector<Protocol::socket> waiting;
+  boost::system::error_code error;
+  while (!error && waiting.size() < 10) {
+    waiting.emplace_back(io, Protocol()).non_blocking(true);
+    waiting.back().connect(Protocol::endpoint(path.string()), error);
+  }
+  ASSERT_TRUE(error) << "the queue is full";
+  const auto busy = ask(path, "one");
+  ASSERT_FALSE(busy);
+  EXPECT_EQ(busy.error().exit_code, 3);
+  EXPECT_THAT(busy.error().text, HasSubstr("it is stopped, or busy"));
+  const auto second = ControlServer::open(io, path, {});
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().text, HasSubstr("another peer listens there"));
+}
+
+}  // namespace
+}  // namespace peerd::api

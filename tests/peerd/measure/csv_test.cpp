@@ -1,0 +1,103 @@
+#include "peerd/measure/csv.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <charconv>
+#include <sstream>
+
+#include "tests/peerd/report_samples.hpp"
+
+namespace peerd::report {
+namespace {
+
+using samples::belief, samples::kA, samples::kB, samples::kCar, samples::kWall;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+TEST(Csv, EveryRowHasTheCellsOfTheHeading) {
+  const std::vector<RunRecord> runs = samples::zigzag_sweep();
+  for (const std::string& text : {errors_csv(runs), traffic_csv(runs), collisions_csv(runs)}) {
+    const std::vector<std::string> lines = lines_of(text);
+    EXPECT_EQ(text.back(), '\n');
+    for (const std::string& line : lines) {
+      EXPECT_EQ(cells_of(line).size(), cells_of(lines.front()).size()) << line;
+    }
+  }
+}
+
+TEST(Csv, RowCounts) {
+  const std::vector<RunRecord> runs = samples::zigzag_sweep();
+  EXPECT_EQ(lines_of(errors_csv(runs)).size(), 1u + 6u * 4u * 100u);
+  EXPECT_EQ(lines_of(traffic_csv(runs)).size(), 1u + 6u * (6u + 5u));
+  EXPECT_EQ(lines_of(collisions_csv(runs)).size(), 1u + 6u * 2u);
+  EXPECT_EQ(lines_of(errors_csv({})).size(), 1u);
+}
+
+TEST(Csv, SameRecordsSameBytes) {
+  EXPECT_EQ(errors_csv(samples::zigzag_sweep()), errors_csv(samples::zigzag_sweep()));
+  EXPECT_EQ(traffic_csv(samples::zigzag_sweep()), traffic_csv(samples::zigzag_sweep()));
+  EXPECT_EQ(collisions_csv(samples::zigzag_sweep()), collisions_csv(samples::zigzag_sweep()));
+}
+
+TEST(Csv, NumbersReadBackToTheSameBits) {
+  RunRecord run = samples::quiet_run();
+  const double awkward = 0.1 + 0.2;
+  run.beliefs = {belief(1.0 / 3.0, kB, kCar, {awkward, -0.0, 1e-300}, {awkward, 0, 0})};
+  const std::vector<std::string> cells = cells_of(lines_of(errors_csv({&run, 1}))[1]);
+  const auto value = [&](std::size_t i) {
+    double v = 0.0;
+    std::from_chars(cells[i].data(), cells[i].data() + cells[i].size(), v);
+    return v;
+  };
+  EXPECT_EQ(cells[0], "1");
+  EXPECT_EQ(value(1), 1.0 / 3.0);
+  EXPECT_EQ(cells[2], "b");
+  EXPECT_EQ(cells[3], "CAR");
+  EXPECT_EQ(cells[4], "0.30000000000000004");
+  EXPECT_EQ(value(6), 1e-300);
+}
+
+TEST(Csv, NamesWithCommasAndQuotesAreQuoted) {
+  RunRecord run = samples::quiet_run();
+  run.objects[0].path = "A,\"B\"";
+  run.updates = {{0, kA, kCar, 31, 0.5, "first"}};
+  EXPECT_EQ(lines_of(traffic_csv({&run, 1}))[1], "1,0,a,update,\"A,\"\"B\"\"\",31,0.5,first");
+}
+
+TEST(Csv, TrafficIsInOrderOfTimeUpdatesFirst) {
+  RunRecord run = samples::quiet_run();
+  run.updates = {{1, kA, kCar, 31, 0.5, "error"}, {3, kA, kCar, 31, 0.01, "error"}};
+  run.datagrams = {{2, kB, 70}, {1, kA, 98}};
+  EXPECT_THAT(
+      lines_of(traffic_csv({&run, 1})),
+      testing::ElementsAre("run,t_s,sender,kind,object,bytes,threshold_m,reason", "1,1,a,update,CAR,31,0.5,error",
+                           "1,1,a,datagram,,98,,", "1,2,b,datagram,,70,,", "1,3,a,update,CAR,31,0.01,error"));
+}
+
+TEST(Csv, CollisionsCarryTheirVerdict) {
+  const RunRecord run = samples::zigzag_run(0.1);
+  EXPECT_THAT(lines_of(collisions_csv({&run, 1})),
+              testing::ElementsAre(testing::_, "1,2,a,owner,CAR,#17,1,0,0,2.01,outcome",
+                                   "1,2.1,b,predicted,CAR,#17,1,0,0,2.15,agreed"));
+}
+
+}  // namespace
+}  // namespace peerd::report

@@ -1,0 +1,48 @@
+#include "peerd/node/peer_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A start that comes while the computer sleeps must not be slept through for good.
+TEST(PeerNode, WhoSleepsThroughTheStartBeginsWhenItWakes) {
+  const testing_support::ScratchFolder folder;
+  folder.write("w.wrl",
+               "#VRML V2.0 utf8\nDEF A Transform { velocityVector 2 0 0 children Shape { geometry Box { } } }\n");
+  const auto shared = share_world(folder / "w.wrl");
+  ASSERT_TRUE(shared.has_value());
+  config::PeerSettings settings;
+  settings.name = "a";
+  settings.id = 1;
+  config::PeerObjects objects;
+  objects.enslaved = {*(*shared)->world.scene.find("A")};
+  PeerNode::Options options;
+  options.start_lead = 4s;
+  const auto made = PeerNode::make(settings, {}, **shared, std::move(objects), options);
+  PeerNode& node = *made;
+  const auto run = [&](HostTime from, HostTime until) {
+    for (HostTime now = from; now < until; now += 10ms) {
+      node.on_tick(now);
+      while (node.poll_output()) {
+      }
+    }
+  };
+  const HostTime begin{1000s};
+  run(begin, begin + 2s);
+  ASSERT_TRUE(node.start().has_value());
+  const SimTime woken = node.peer().clock().to_session(begin + 12s);
+  ASSERT_LT(*node.start(), woken);
+  run(begin + 12s, begin + 14s);
+  const ObjectId a = *(*shared)->world.scene.find("A");
+  const KinematicState s = node.peer().truth(a, woken + 1s);
+  EXPECT_EQ(s.velocity.x(), 2.0);
+  EXPECT_NEAR(s.position.x(), 2.0, 0.1);
+}
+
+}  // namespace
+}  // namespace peerd

@@ -1,0 +1,38 @@
+#include "peerd/transport/sip_hash.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace peerd::net {
+namespace {
+
+// Bytes 00, 01, 02 ...
+std::array<std::byte, 16> counting() {
+  std::array<std::byte, 16> bytes{};
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i);
+  return bytes;
+}
+const SipKey kKey{.k0 = 0x0706050403020100, .k1 = 0x0f0e0d0c0b0a0908};
+
+// Appendix A of the paper (15 bytes), and the empty input of its authors' reference vectors.
+TEST(SipHash, IsThatOfThePaper) {
+  const auto bytes = counting();
+  EXPECT_EQ(sip_hash(kKey, std::span(bytes).first(15)), 0xa129ca6149be45e5u);
+  EXPECT_EQ(sip_hash(kKey, {}), 0x726fdb47dd0e0e31u);
+}
+
+TEST(SipHash, DependsOnEveryByteAndOnTheKey) {
+  const auto bytes = counting();
+  const std::uint64_t hash = sip_hash(kKey, bytes);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    auto changed = bytes;
+    changed[i] ^= std::byte{0x80};
+    EXPECT_NE(sip_hash(kKey, changed), hash) << i;
+  }
+  EXPECT_NE(sip_hash({kKey.k0 ^ 1, kKey.k1}, bytes), hash);
+  EXPECT_NE(sip_hash({kKey.k0, kKey.k1 ^ 1}, bytes), hash);
+}
+
+}  // namespace
+}  // namespace peerd::net

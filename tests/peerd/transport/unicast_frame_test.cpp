@@ -1,0 +1,118 @@
+#include "peerd/transport/unicast_frame.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/net/listener.hpp"
+
+namespace peerd::net {
+namespace {
+
+using asio::ip::udp;
+using testing::ElementsAre;
+using testing_support::bytes_of;
+
+constexpr const char* kV4[] = {"192.0.2.1", "203.0.113.254"};
+constexpr const char* kV6[] = {"2001:db8::1", "2001:db8:ffff:ffff:ffff:ffff:ffff:fffe"};
+
+Greeting greeting(bool v4) {
+  Greeting g{.instance = 0x81020304, .number = 0xA1A2A3A4A5A6, .echo = 0xF1F2F3F4F5F6, .reply = true};
+  g.regions = {RegionId{0}, RegionId{7}, RegionId{0xFFFF'FFFF}};
+  for (const char* address : v4 ? kV4 : kV6) g.peers.emplace_back(asio::ip::make_address(address), 47474);
+  return g;
+}
+
+TEST(RegionHeader, IsTheMarkAndTheRegion) {
+  EXPECT_THAT(region_header(RegionId{0x01020304}),
+              ElementsAre(std::byte{0x52}, std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}));
+  EXPECT_EQ(read_region_header(region_header(RegionId{0xFFFF'FFFF})), RegionId{0xFFFF'FFFF});
+  EXPECT_FALSE(read_region_header({}));
+  EXPECT_FALSE(read_region_header(bytes_of("R123")));
+  EXPECT_FALSE(read_region_header(bytes_of("G1234")));
+}
+
+class Greetings : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Families, Greetings, testing::Bool(), [](const auto& c) { return c.param ? "V4" : "V6"; });
+
+TEST_P(Greetings, ComeBackAsTheyWere) {
+  const bool v4 = GetParam();
+  for (const bool reply : {false, true}) {
+    for (const bool leaving : {false, true}) {
+      Greeting sent = greeting(v4);
+      sent.reply = reply, sent.leaving = leaving;
+      const auto got = decode_greeting(encode(sent, v4), v4);
+      ASSERT_TRUE(got);
+      EXPECT_EQ(got->instance, sent.instance);
+      EXPECT_EQ(got->number, sent.number);
+      EXPECT_EQ(got->echo, sent.echo);
+      EXPECT_EQ(got->reply, reply);
+      EXPECT_EQ(got->leaving, leaving);
+      EXPECT_FALSE(got->all_regions);
+      EXPECT_EQ(got->regions, sent.regions);
+      EXPECT_EQ(got->peers, sent.peers);
+    }
+  }
+}
+
+TEST_P(Greetings, TheShortestIsNoLongerThanTheOneThatAsksForIt) {
+  EXPECT_EQ(encode({.instance = 1, .number = 2, .reply = true}, GetParam()).size(), 20u);
+  EXPECT_EQ(encode({.instance = 1, .number = 2, .echo = 3}, GetParam()).size(), 20u);
+}
+
+TEST_P(Greetings, WhatDoesNotFitIsAllRegionsAndFewerPeers) {
+  const bool v4 = GetParam();
+  Greeting sent = greeting(v4);
+  sent.regions.clear();
+  for (std::uint32_t i = 0; i < kGreetingRegionsMax; ++i) sent.regions.push_back(RegionId{i});
+  while (sent.peers.size() <= kGreetingPeersMax) sent.peers.push_back(sent.peers.front());
+  auto bytes = encode(sent, v4);
+  EXPECT_LE(bytes.size(), kGreetingMaxBytes);
+  auto got = decode_greeting(bytes, v4);
+  ASSERT_TRUE(got);
+  EXPECT_EQ(got->regions, sent.regions);
+  EXPECT_EQ(got->peers.size(), kGreetingPeersMax);
+  sent.regions.push_back(RegionId{1000});
+  got = decode_greeting(encode(sent, v4), v4);
+  ASSERT_TRUE(got);
+  EXPECT_TRUE(got->all_regions);
+  EXPECT_TRUE(got->regions.empty());
+}
+
+// Hostile input: nothing but a whole greeting is one.
+TEST_P(Greetings, NoPartAndNoMoreOfOneIsOne) {
+  const auto bytes = encode(greeting(GetParam()), GetParam());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_FALSE(decode_greeting(std::span(bytes).first(size), GetParam())) << size;
+  }
+  auto longer = bytes;
+  longer.push_back(std::byte{0});
+  EXPECT_FALSE(decode_greeting(longer, GetParam()));
+  EXPECT_FALSE(decode_greeting(bytes, !GetParam())) << "the other family's addresses have another length";
+}
+
+TEST_P(Greetings, RegionsThatDoNotAscendAreRefused) {
+  for (const auto& regions : {std::vector{RegionId{7}, RegionId{7}}, std::vector{RegionId{8}, RegionId{7}}}) {
+    Greeting wrong = greeting(GetParam());
+    wrong.regions = regions;
+    EXPECT_FALSE(decode_greeting(encode(wrong, GetParam()), GetParam()));
+  }
+}
+
+TEST_P(Greetings, ChangedBytesAreRefusedOrAGreeting) {
+  std::mt19937_64 random(1);
+  const auto good = encode(greeting(GetParam()), GetParam());
+  for (int i = 0; i < 20'000; ++i) {
+    auto bytes = good;
+    bytes.resize(random() % 1200);
+    for (int changes = 0; changes < 4 && !bytes.empty(); ++changes)
+      bytes[random() % bytes.size()] = static_cast<std::byte>(random());
+    if (const auto got = decode_greeting(bytes, GetParam())) {
+      EXPECT_EQ(encode(*got, GetParam()), bytes) << "one text for each greeting";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace peerd::net

@@ -1,0 +1,956 @@
+#include "replication/motion/motion_world.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+
+#include "tests/replication/worlds.hpp"
+
+namespace peerd::replication {
+namespace {
+
+using namespace test;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+std::vector<MotionWorld::Event> drain(MotionWorld& world) {
+  std::vector<MotionWorld::Event> events;
+  while (auto e = world.poll_event()) events.push_back(std::move(*e));
+  return events;
+}
+std::vector<ContactEvent> contacts(MotionWorld& world) {
+  std::vector<ContactEvent> all;
+  for (const auto& e : drain(world)) {
+    if (const auto* c = std::get_if<ContactEvent>(&e)) all.push_back(*c);
+  }
+  return all;
+}
+std::vector<SimTime> contact_times(MotionWorld& world) {
+  std::vector<SimTime> all;
+  for (const ContactEvent& c : contacts(world)) all.push_back(c.at);
+  return all;
+}
+// What an observer still believes to have happened after all it was told.
+std::vector<SimTime> standing(MotionWorld& world) {
+  std::vector<ContactEvent> all;
+  for (const auto& e : drain(world)) {
+    if (const auto* c = std::get_if<ContactEvent>(&e)) {
+      all.push_back(*c);
+    } else {
+      const TakenBack& back = std::get<TakenBack>(e);
+      std::erase_if(all, [&](const ContactEvent& c2) {
+        return c2.at > back.since && (c2.collider == back.object || c2.collidee == back.object);
+      });
+    }
+  }
+  std::vector<SimTime> times;
+  for (const ContactEvent& c : all) times.push_back(c.at);
+  std::ranges::sort(times);
+  return times;
+}
+
+// ---- contact time, not contact tick ----
+
+TEST(MotionWorld, BouncesAtTheContactTimeWhereverTicksLie) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 1, 0}, {2, 0.5, 0}));
+  drain(world);
+  world.advance(sim(1700ms));
+  const auto seen = contacts(world);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].at, sim(1500ms));
+  EXPECT_EQ(seen[0].collider, w["BALL"]);
+  EXPECT_EQ(seen[0].collidee, w["RIGHT"]);
+  EXPECT_EQ(seen[0].normal, -Vec3::UnitX());
+  EXPECT_EQ(seen[0].collider_before.velocity, Vec3(2, 0.5, 0));
+  EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-2, 0.5, 0));
+  EXPECT_NEAR(world.at(w["BALL"], sim(1700ms)).position.x(), 2.6, 1e-12);
+  EXPECT_NEAR(world.at(w["BALL"], sim(1300ms)).position.x(), 2.6, 1e-12);
+}
+
+// What a peer's ghosts live through: updates that arrive late and out of their order, and a world of several movers.
+struct Told {
+  Duration when;  // arrives
+  const char* object;
+  Duration at;  // says how it moves from then on
+  KinematicState state;
+};
+struct Lived {
+  std::vector<SimTime> contacts;
+  std::vector<KinematicState> states;
+};
+Lived live(const World& w, const std::vector<Told>& told, const std::function<Duration(Duration)>& next_tick) {
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kBelief);
+  Lived lived;
+  auto next = told.begin();
+  Duration now = 0s;
+  while (now < 6s) {
+    const Duration tick = std::min<Duration>(next_tick(now), 6s);
+    for (; next != told.end() && next->when <= tick; ++next) {
+      world.advance(sim(next->when));
+      world.set_base(w[next->object], sim(next->at), next->state);
+    }
+    world.advance(sim(tick));
+    now = tick;
+  }
+  lived.contacts = standing(world);
+  for (Duration t = 2s; t <= 6s; t += 17ms) {
+    for (const char* mover : {"BALL", "CUBE"}) lived.states.push_back(world.at(w[mover], sim(t)));
+  }
+  return lived;
+}
+
+TEST(MotionWorld, AnyFrameRateGivesTheSameBits) {
+  const World w(corridor() + box("CUBE", "0.6 0.6 0.6", "1 0 0", kBounces) +
+                interest("CUBE", "\"LEFT\" \"RIGHT\" \"BALL\"") + interest("BALL", "\"CUBE\""));
+  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 rng(seed);
+    std::uniform_real_distribution<double> u(-1.0, 1.0);
+    std::vector<Told> told = {{0s, "BALL", 0s, moving({-1, 0, 0}, {3 * u(rng), 0, 0})},
+                              {0s, "CUBE", 0s, moving({1, 0, 0}, {3 * u(rng), 0, 0}, {u(rng), 0, 0})}};
+    Duration when = 0s;
+    for (int i = 0; i < 8; ++i) {
+      when += 300ms + seconds(0.3 * (1 + u(rng)));
+      const bool ball = i % 2 == 0;
+      const Duration at = when - seconds(0.15 * (1 + u(rng)));
+      told.push_back({when, ball ? "BALL" : "CUBE", at, moving({ball ? -2.0 : 2.0, 0, 0}, {2 * u(rng), 0, 0})});
+    }
+    const auto every = [](Duration period) { return [=](Duration t) { return t + period; }; };
+    const Lived expected = live(w, told, every(seconds(1.0 / 60)));
+    EXPECT_GE(expected.contacts.size(), 1u);
+    const auto same = [&](const Lived& lived) {
+      return lived.contacts == expected.contacts &&
+             std::ranges::equal(lived.states, expected.states,
+                                [](const auto& a, const auto& b) { return same_bits(a, b); });
+    };
+    EXPECT_TRUE(same(live(w, told, every(seconds(1.0 / 30)))));
+    EXPECT_TRUE(same(live(w, told, every(seconds(1.0 / 144)))));
+    EXPECT_TRUE(same(live(w, told, every(7s))));
+    std::mt19937_64 ticks(seed);
+    EXPECT_TRUE(same(live(w, told, [&](Duration t) { return t + 1us * (1 + ticks() % 200'000); })));
+  }
+}
+
+// A ball between two walls is where folding its straight path says, however many bounces it took.
+TEST(MotionWorld, ABounceChainFollowsTheFoldedPath) {
+  const World w(corridor());
+  for (const double speed : {0.7, 5.0, 97.3}) {
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kFirm);
+    world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {speed, 0, 0}));
+    std::size_t bounces = 0;
+    for (Duration t = 0s; t <= 20s; t += 50ms) {
+      world.advance(sim(t));
+      const double path = std::fmod(speed * to_seconds(t) + 3.0, 12.0);
+      const double folded = path < 6.0 ? path - 3.0 : 9.0 - path;
+      for (const ContactEvent& c : contacts(world)) {
+        ++bounces;
+        ASSERT_LE(std::abs(c.collider_before.position.x()), 3.0 + 1e-12) << "a contact is before, never inside";
+      }
+      // Each bounce is told up to a nanosecond early.
+      ASSERT_NEAR(world.at(w["BALL"], sim(t)).position.x(), folded,
+                  1e-9 * speed * 2 * (1.0 + static_cast<double>(bounces)));
+    }
+    EXPECT_NEAR(static_cast<double>(bounces), (speed * 20.0 + 3.0) / 6.0, 1.0);
+    EXPECT_EQ(world.counters().contacts, bounces);
+  }
+}
+
+TEST(MotionWorld, StandingPairsAreSearchedOnce) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  for (int i = 1; i <= 600; ++i) world.advance(sim(i * 16ms));
+  EXPECT_EQ(world.counters().contact_searches, 0u);
+  world.set_base(w["BALL"], sim(10s), moving({0, 0, 0}, {0.1, 0, 0}));
+  world.advance(sim(10s));
+  EXPECT_EQ(world.counters().contact_searches, 2u);  // a pair each
+  for (int i = 0; i < 240; ++i) world.advance(sim(10s + i * 1ms));
+  EXPECT_EQ(world.counters().contact_searches, 2u);
+}
+
+// ---- roles ----
+
+TEST(MotionWorld, ADrivenObjectsContactIsToldOnceAndNotAnswered) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kDriven);
+  std::size_t told = 0;
+  for (int i = 0; i <= 120; ++i) {  // into the wall by 0.5 m and out again
+    const double t = i / 60.0, x = 3.5 - std::abs(t - 1.0) * 2.0, v = t < 1.0 ? 2.0 : -2.0;
+    world.advance(sim(seconds(t)));
+    world.set_base(w["BALL"], sim(seconds(t)), moving({x, 0, 0}, {v, 0, 0}));
+    for (const ContactEvent& c : contacts(world)) {
+      ++told;
+      EXPECT_NEAR(to_seconds(c.at.time_since_epoch()), 0.75, 1e-6);
+      EXPECT_TRUE(same_bits(c.collider_after, c.collider_before));
+    }
+  }
+  EXPECT_EQ(told, 1u);
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 1.5, 1e-9);
+}
+
+TEST(MotionWorld, ADrivenObjectsNextContactIsToldAgain) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kDriven);
+  std::size_t told = 0;
+  for (int i = 0; i <= 300; ++i) {  // four times against the right wall
+    const double t = i / 60.0, phase = std::fmod(t, 1.25);
+    const double x = phase < 0.625 ? 2.0 + 2.0 * phase : 4.5 - 2.0 * phase;
+    world.advance(sim(seconds(t)));
+    world.set_base(w["BALL"], sim(seconds(t)), moving({x, 0, 0}, {phase < 0.625 ? 2.0 : -2.0, 0, 0}));
+    told += contacts(world).size();
+  }
+  EXPECT_EQ(told, 4u);
+}
+
+TEST(MotionWorld, SceneObjectsStayAndAreNotPaired) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));  // nobody runs BALL
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(5s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_EQ(world.counters().contact_searches, 0u);
+}
+
+// A pair of movers that fly at each other along x, mutual: BALL from -2, CUBE stands at 0.
+std::string two_movers() {
+  return box("BALL", "0.5 0.5 0.5", "-2 0 0", kBounces) + box("CUBE", "0.5 0.5 0.5", "0 0 0", kBounces) +
+         interest("BALL", "\"CUBE\"");
+}
+
+TEST(MotionWorld, OnlyTheRegisteredColliderAnswersUnlessMutual) {
+  for (const bool mutual : {false, true}) {
+    const World w(two_movers() + (mutual ? interest("CUBE", "\"BALL\"") : ""));
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kFirm);
+    world.declare(w["CUBE"], Role::kFirm);
+    world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+    world.set_base(w["CUBE"], sim(0s), moving({0, 0, 0}, {-0.5, 0, 0}));
+    world.advance(sim(1100ms));
+    const auto seen = contacts(world);
+    ASSERT_EQ(seen.size(), 1u);
+    EXPECT_EQ(seen[0].at, sim(1s));
+    EXPECT_EQ(seen[0].collider_after.velocity, mutual ? Vec3(-1, 0, 0) : Vec3(-2, 0, 0));
+    EXPECT_EQ(seen[0].collidee_after.velocity, mutual ? Vec3(0.5, 0, 0) : Vec3(-0.5, 0, 0));
+  }
+}
+
+TEST(MotionWorld, AnObjectWithoutAResponseIsSeenButNotTurned) {
+  const World w(corridor(""));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  for (int i = 0; i < 200; ++i) world.advance(sim(i * 16ms));
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
+  EXPECT_NEAR(world.at(w["BALL"], sim(3s)).position.x(), 6.0, 1e-12);
+}
+
+// ---- beliefs ----
+
+TEST(MotionWorld, ABeliefIsTakenBackWhenItsCauseMovedOtherwise) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  drain(world);
+  world.advance(sim(2s));
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -1.0, 1e-9);
+
+  world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}, {0, 5, 0}));  // it had left by then
+  world.advance(sim(2s));
+  bool told = false;
+  for (const auto& e : drain(world)) {
+    EXPECT_FALSE(std::holds_alternative<ContactEvent>(e));
+    const auto* back = std::get_if<TakenBack>(&e);
+    told = told || (back != nullptr && back->object == w["BALL"] && back->since < sim(1500ms));
+  }
+  EXPECT_TRUE(told);
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 0.0, 1e-9);
+  EXPECT_EQ(world.counters().contacts_undone, 1u);
+
+  world.set_base(w["CUBE"], sim(1100ms), moving({0.25, 0, 0}));  // and stood again, a little farther away
+  world.advance(sim(2s));
+  const auto found_anew = standing(world);
+  ASSERT_EQ(found_anew.size(), 1u);
+  EXPECT_NEAR(to_seconds(found_anew[0] - sim(1750ms)), 0.0, 1.1e-9);
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -0.5, 1e-8);
+}
+
+TEST(MotionWorld, SaysWhatHasChangedAndWhatStands) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["CUBE"], Role::kBelief);
+  const auto changed = [&] {
+    std::vector<ObjectId> all;
+    world.take_changed([&](ObjectId object) { all.push_back(object); });
+    return all;
+  };
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.set_base(w["CUBE"], sim(0s), moving({0, 0, 0}));
+  world.set_base(w["CUBE"], sim(0s), moving({0, 0, 0}));
+  EXPECT_THAT(changed(), testing::UnorderedElementsAre(w["BALL"], w["CUBE"])) << "each once";
+  world.advance(sim(1s));
+  EXPECT_THAT(changed(), IsEmpty());
+  EXPECT_TRUE(world.stands_from(w["CUBE"], sim(1s)));
+  EXPECT_FALSE(world.stands_from(w["BALL"], sim(1s)));
+  world.advance(sim(2s));  // the ball has hit the cube
+  EXPECT_THAT(changed(), testing::Contains(w["BALL"]));
+  world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}, {0, 5, 0}));  // it had left by then
+  EXPECT_THAT(changed(), testing::UnorderedElementsAre(w["BALL"], w["CUBE"])) << "what followed is taken back";
+  world.set_base(w["CUBE"], sim(3s), moving({0, 9, 0}));
+  EXPECT_FALSE(world.stands_from(w["CUBE"], sim(2s)));
+  EXPECT_TRUE(world.stands_from(w["CUBE"], sim(3s)));
+  world.set_base(w["CUBE"], sim(3500ms), moving({0, 9, 0}, {1, 0, 0}));
+  EXPECT_FALSE(world.stands_from(w["CUBE"], sim(3s))) << "not for long";
+  MotionModel later = moving({0, 9, 0});
+  later.kind = MotionKind::kThird;
+  later.jerk = {1, 0, 0};
+  world.set_base(w["CUBE"], sim(4s), later);
+  EXPECT_FALSE(world.stands_from(w["CUBE"], sim(4s))) << "it is about to move";
+}
+
+// What follows from a belief that was taken back is taken back too: BALL threw CUBE, CUBE threw LAST.
+TEST(MotionWorld, TakingBackFollowsTheChain) {
+  const World w(box("BALL", "0.5 0.5 0.5", "-2 0 0") + box("CUBE", "0.5 0.5 0.5", "0 0 0", kBounces) +
+                box("LAST", "0.5 0.5 0.5", "2 0 0", kBounces) + interest("CUBE", "\"BALL\"") +
+                interest("LAST", "\"CUBE\""));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE", "LAST"}) world.declare(w[mover], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.advance(sim(3s));
+  EXPECT_THAT(standing(world), ElementsAre(sim(1500ms), sim(2250ms)));
+  EXPECT_EQ(world.at(w["LAST"], sim(3s)).velocity, Vec3(4, 0, 0));
+  world.set_base(w["BALL"], sim(1s), moving({-1, 0, 0}));  // it had stopped
+  world.advance(sim(4s));
+  EXPECT_THAT(standing(world), IsEmpty());
+  EXPECT_EQ(world.at(w["CUBE"], sim(4s)).position, Vec3(0, 0, 0));
+  EXPECT_EQ(world.at(w["LAST"], sim(4s)).position, Vec3(2, 0, 0));
+  EXPECT_EQ(world.counters().contacts_undone, 2u);
+}
+
+TEST(MotionWorld, AFirmAnswerStands) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.advance(sim(2s));
+  EXPECT_EQ(contact_times(world).size(), 1u);
+  world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}, {0, 5, 0}));
+  world.advance(sim(2s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -1.0, 1e-9);
+  EXPECT_EQ(world.counters().contacts_undone, 0u);
+}
+
+TEST(MotionWorld, AFirmObjectIsNotSearchedInThePastItLived) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["CUBE"], sim(0s), moving({0, 9, 0}));
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.advance(sim(4s));
+  drain(world);
+  world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}));  // it had stood in the way after all
+  world.advance(sim(4s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_NEAR(world.at(w["BALL"], sim(4s)).position.x(), 2.0, 1e-12);
+}
+
+TEST(MotionWorld, ALateUpdateIsSearchedFromItsOwnTime) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.advance(sim(3s));
+  world.set_base(w["BALL"], sim(500ms), moving({1, 0, 0}, {4, 0, 0}));  // right wall at 1 s, left wall at 2.5 s
+  world.advance(sim(3s));
+  EXPECT_THAT(standing(world), ElementsAre(sim(1s), sim(2500ms)));
+  EXPECT_NEAR(world.at(w["BALL"], sim(3s)).position.x(), -1.0, 1e-8);
+}
+
+TEST(MotionWorld, AnUpdateAfterTheContactHoldsItsOutcome) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.set_base(w["BALL"], sim(1900ms), moving({-0.9, 0, 0}, {-3, 0, 0}));  // its owner has bounced already
+  world.advance(sim(3s));
+  EXPECT_NEAR(world.at(w["BALL"], sim(3s)).position.x(), -4.2, 1e-12);
+  EXPECT_EQ(world.base_time(w["BALL"]), sim(1900ms));
+}
+
+// A late update puts CUBE where BALL was before its owner's last word: nobody answers that any more.
+TEST(MotionWorld, AnOverlapFromBeforeTheLastUpdateIsNotFoundOverAndOver) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["CUBE"], Role::kBelief);
+  world.set_base(w["CUBE"], sim(0s), moving({0, 9, 0}));
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {0.1, 0, 0}));
+  world.advance(sim(1s));
+  world.set_base(w["BALL"], sim(2s), moving({-5, 0, 0}));
+  world.advance(sim(3s));
+  drain(world);
+  world.set_base(w["CUBE"], sim(1s), moving({-1.8, 0, 0}));
+  world.advance(sim(3s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_EQ(world.counters().capped, 0u);
+  EXPECT_EQ(world.at(w["BALL"], sim(3s)).position, Vec3(-5, 0, 0));
+}
+
+// ---- overlap and rest ----
+
+TEST(MotionWorld, SetBackOnlyOnOverlapAndOnlyWhereAsked) {
+  for (const bool set_back : {true, false}) {
+    const World w(corridor(std::string(" collisionResponse CollisionResponse { setBack ") +
+                           (set_back ? "TRUE" : "FALSE") + " } "));
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kFirm);
+    world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
+    world.advance(sim(100ms));
+    drain(world);
+    world.set_base(w["BALL"], sim(1s), moving({3.2, 0, 0}, {1, 0, 0}));  // put into the wall from outside
+    world.advance(sim(1s));
+    const auto seen = contacts(world);
+    ASSERT_EQ(seen.size(), 1u);
+    EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-1, 0, 0));
+    if (set_back) {
+      EXPECT_LT(seen[0].collider_after.position.x(), 3.0);
+    } else {
+      EXPECT_EQ(seen[0].collider_after.position, Vec3(3.2, 0, 0));
+    }
+    EXPECT_GE(world.counters().overlapped, 1u);
+  }
+}
+
+// As above where the ball is a mesh and the walls are.
+TEST(MotionWorld, WhatIsNotConvexAnswersAlike) {
+  for (const char* response : {kBounces, kStops}) {
+    const World w("DEF BALL Transform { " + std::string(response) +
+                  "children Shape { geometry Sphere { radius 0.25 } } }" + box("LEFT", "1 50 50", "-3.75 0 0") +
+                  box("RIGHT", "1 50 50", "3.75 0 0") + interest("BALL", "\"LEFT\" \"RIGHT\""));
+    ASSERT_NE(w.model->body(w["BALL"])->not_convex, "");
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kFirm);
+    world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0.5, 0}));
+    for (int i = 0; i < 600; ++i) world.advance(sim(i * 16ms));
+    const auto seen = contacts(world);
+    if (response == kStops) {
+      ASSERT_EQ(seen.size(), 1u);
+      EXPECT_EQ(seen[0].collider_after.velocity, Vec3(0, 0, 0));
+      continue;
+    }
+    ASSERT_EQ(seen.size(), 3u);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      EXPECT_NEAR(to_seconds(seen[i].at - sim(0s)), 1.5 + 3.0 * static_cast<double>(i), 1e-5);
+      EXPECT_EQ(seen[i].normal, Vec3(i == 1 ? 1.0 : -1.0, 0, 0));
+    }
+    EXPECT_EQ(world.counters().overlapped, 0u);
+    EXPECT_EQ(world.counters().failed, 0u);
+  }
+}
+
+TEST(MotionWorld, SetBackGoesToAPlaceOfThePast) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {0.5, 0, 0}));
+  world.advance(sim(3s));
+  drain(world);
+  world.set_base(w["BALL"], sim(1s), moving({3.2, 0, 0}, {1, 0, 0}));  // late, and inside the wall
+  world.advance(sim(3s));
+  for (const ContactEvent& c : contacts(world)) EXPECT_LE(c.collider_after.position.x(), 3.2);
+  EXPECT_LE(world.at(w["BALL"], sim(3s)).position.x(), 3.2);
+}
+
+TEST(MotionWorld, ATouchIsNotSetBack) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(2s));
+  const auto seen = contacts(world);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].collider_after.position, seen[0].collider_before.position);
+}
+
+TEST(MotionWorld, WhatMovesApartIsLetOut) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({3.2, 0, 0}, {-1, 0, 0}));
+  world.advance(sim(2s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 1.2, 1e-12);
+}
+
+std::string floor_world(const char* response) {
+  return box("BALL", "0.5 0.5 0.5", "0 1.25 0", response) + box("FLOOR", "50 1 50", "0 -0.5 0") +
+         interest("BALL", "\"FLOOR\"");
+}
+
+TEST(MotionWorld, WhatIsPressedAgainstAFloorComesToRestAndSlides) {
+  const World w(floor_world(kBounces));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0.25, 0}, {1, 0, 0}, {0, -9.81, 0}));
+  for (int i = 0; i <= 180; ++i) world.advance(sim(i * 16ms));
+  const KinematicState s = world.at(w["BALL"], sim(3s));
+  EXPECT_NEAR(s.position.x(), 3.0, 1e-9);
+  EXPECT_NEAR(s.position.y(), 0.25, 1e-6);
+  EXPECT_EQ(world.counters().came_to_rest, 1u);
+  EXPECT_LE(world.counters().contacts, 16u);
+  EXPECT_EQ(world.counters().capped, 0u);
+}
+
+// On a slope no number is round: what rounding leaves of the push must not end the rest, nor let the box sink.
+TEST(MotionWorld, WhatRestsOnASlopeGoesOnSliding) {
+  for (const double slope : {0.1, 0.3, 0.7}) {
+    SCOPED_TRACE(slope);
+    const std::string turned = " rotation 0 0 1 -" + std::to_string(slope) + " ";
+    const World w(box("BALL", "0.5 0.5 0.5", "0 0 0", turned + kBounces) + box("FLOOR", "500 1 500", "0 0 0", turned) +
+                  interest("BALL", "\"FLOOR\""));
+    const Quat tilt = w.scene.rigid_pose(w["FLOOR"]).orientation;
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kBelief);
+    KinematicState s = moving(tilt * Vec3(0, 0.75, 0), Vec3::Zero(), {0, -9.81, 0});
+    s.orientation = tilt;
+    world.set_base(w["BALL"], sim(0s), s);
+    for (int i = 0; i <= 300; ++i) world.advance(sim(i * 16ms));
+    const Vec3 p = tilt.conjugate() * world.at(w["BALL"], sim(4s)).position;
+    EXPECT_NEAR(p.y(), 0.75, 1e-6);
+    EXPECT_NEAR(p.x(), 0.5 * 9.81 * std::sin(slope) * 16.0, 1e-3);
+    EXPECT_LE(world.counters().contacts, 64u);
+    EXPECT_EQ(world.counters().capped, 0u);
+  }
+}
+
+TEST(MotionWorld, ADropOnAFloorBouncesBackToItsHeight) {
+  const World w(floor_world(kBounces));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 1.25, 0}, {0, 0, 0}, {0, -9.81, 0}));
+  world.advance(sim(20s));
+  const auto times = contact_times(world);
+  const double fall = std::sqrt(2.0 / 9.81);
+  ASSERT_EQ(times.size(), static_cast<std::size_t>((20.0 / fall + 1.0) / 2.0));
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    EXPECT_NEAR(to_seconds(times[i].time_since_epoch()), fall * static_cast<double>(2 * i + 1), 1e-6);
+  }
+  EXPECT_EQ(world.counters().came_to_rest, 0u);
+}
+
+TEST(MotionWorld, ZeroStopsAtTheContact) {
+  const World w(corridor(kStops));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 1, 0}));
+  for (int i = 0; i < 300; ++i) world.advance(sim(i * 16ms));
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
+  EXPECT_EQ(world.at(w["BALL"], sim(4s)).position, Vec3(3, 1.5, 0));
+}
+
+// ---- watching, limits ----
+
+TEST(MotionWorld, AnUnwatchedPairMeetsNothingAndAWatchedOneFromNowOn) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.watch(w["RIGHT"], w["BALL"], false);  // either order names the pair
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(2s));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  world.set_base(w["BALL"], sim(2s), moving({0, 0, 0}, {2, 0, 0}));
+  world.watch(w["BALL"], w["RIGHT"], true);
+  world.advance(sim(4s));
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(3500ms)));
+}
+
+TEST(MotionWorld, WhatCannotBeAnsweredIsCountedOnceAndTheRestGoesOn) {
+  const World w(corridor() +
+                "DEF EGG Transform { translation 1 0 0 children Shape { geometry Sphere { radius 1e18 } } }" +
+                interest("BALL", "\"EGG\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  for (int i = 0; i < 200; ++i) world.advance(sim(i * 16ms));
+  EXPECT_EQ(world.counters().unsupported, 1u);
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
+}
+
+TEST(MotionWorld, OneAdvanceDoesBoundedWork) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kFirm);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {30'000, 0, 0}));  // a wall every 0.2 ms
+  world.advance(sim(1s));
+  EXPECT_EQ(world.counters().capped, 1u);
+  EXPECT_LE(contacts(world).size(), 1024u);
+  world.advance(sim(2s));
+  EXPECT_EQ(world.counters().capped, 1u) << "it flies free now; nothing is left to catch up on";
+}
+
+// Between a wall and a press that gives no way there is no room for an answer: it stops, after a few.
+TEST(MotionWorld, WhatIsJammedStops) {
+  const World w(corridor() + box("PRESS", "0.5 0.5 0.5", "0 0 0") + interest("BALL", "\"PRESS\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["PRESS"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({2.9, 0, 0}));
+  world.set_base(w["PRESS"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
+  for (int i = 0; i <= 300; ++i) world.advance(sim(i * 16ms));
+  EXPECT_EQ(world.counters().capped, 0u);
+  EXPECT_GE(world.counters().jammed, 1u);
+  EXPECT_LE(world.counters().contacts, 600u);
+  EXPECT_TRUE(world.at(w["BALL"], sim(4s)).position.allFinite());
+}
+
+TEST(MotionWorld, HistoryReachesBackAndEnds) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  for (int i = 0; i <= 10; ++i) {
+    world.advance(sim(i * 1s));
+    world.set_base(w["BALL"], sim(i * 1s), moving({0.1 * i, 0, 0}));
+  }
+  world.advance(sim(10s));
+  EXPECT_EQ(world.at(w["BALL"], sim(6500ms)).position.x(), 0.1 * 6);
+  EXPECT_EQ(world.at(w["BALL"], sim(9500ms)).position.x(), 0.1 * 9);
+  EXPECT_EQ(world.at(w["BALL"], sim(1s)).position.x(), 0.1 * 6) << "older pieces are forgotten";
+  // An update from before all history: its contacts are searched as far back as history reaches, not to its begin.
+  drain(world);
+  world.set_base(w["BALL"], sim(-3600s), moving({0, 0, 0}, {1.0 / 4096, 0, 0}));
+  const auto before = world.counters().contact_searches;
+  world.advance(sim(10s));
+  EXPECT_LE(world.counters().contact_searches - before, 40u);
+}
+
+// Objects that no interest names may be declared at any time; the pairs keep meaning what they meant.
+TEST(MotionWorld, ObjectsDeclaredLateLeaveThePairsAlone) {
+  const World w(box("FIRST", "1 1 1", "0 20 0") + corridor() + box("LAST", "1 1 1", "0 -20 0"));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(1s));
+  EXPECT_FALSE(world.has(w["FIRST"]));
+  world.declare(w["FIRST"], Role::kFirm);
+  world.declare(w["LAST"], Role::kBelief);
+  world.set_base(w["FIRST"], sim(1s), moving({0, 20, 0}, {1, 0, 0}));
+  world.advance(sim(2s));
+  const auto seen = contacts(world);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].collider, w["BALL"]);
+  EXPECT_EQ(seen[0].collidee, w["RIGHT"]);
+  EXPECT_EQ(world.at(w["FIRST"], sim(2s)).position, Vec3(1, 20, 0));
+  EXPECT_TRUE(world.has(w["LAST"]));
+}
+
+TEST(MotionWorld, ManyMoversInACorridorStayInIt) {
+  std::string text = corridor();
+  for (int i = 0; i < 8; ++i) {
+    const std::string name = "M" + std::to_string(i);
+    text += box(name, "0.3 0.3 0.3", std::to_string(-2.4 + 0.6 * i) + " 2 0", kBounces) +
+            interest(name, "\"LEFT\" \"RIGHT\"");
+    for (int j = 0; j < 8; ++j) {
+      if (j != i) text += interest(name, "\"M" + std::to_string(j) + "\"");
+    }
+  }
+  const World w(text);
+  MotionWorld world(*w.model, sim(0s));
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  for (int i = 0; i < 8; ++i) {
+    const ObjectId id = w[("M" + std::to_string(i)).c_str()];
+    world.declare(id, Role::kBelief);
+    world.set_base(id, sim(0s), moving({-2.4 + 0.6 * i, 2, 0}, {u(rng), 0, 0}));
+  }
+  for (int i = 0; i <= 600; ++i) {
+    const SimTime t = sim(i * 16ms);
+    world.advance(t);
+    for (int j = 0; j < 8; ++j) {
+      const double x = world.at(w[("M" + std::to_string(j)).c_str()], t).position.x();
+      ASSERT_LE(std::abs(x), 3.1 + 1e-6) << j << " at " << i;
+    }
+  }
+  EXPECT_EQ(world.counters().capped, 0u);
+}
+
+// ---- what a scene doesn't need is not done ----
+
+std::uint64_t looks(const MotionWorld& world) {
+  const MotionWorld::Counters& c = world.counters();
+  return c.contact_searches + c.searches_far + c.searches_skipped;
+}
+
+TEST(MotionWorld, AWorldWithoutInterestsLooksAtNothing) {
+  const World w(box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "0.5 0 0", kBounces));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"B", "A"}) world.declare(w[mover], Role::kBelief);
+  for (Duration t = 0s; t < 5s; t += 100ms) {
+    world.set_base(w["A"], sim(t), moving({0, 0, 0}, {1, 0, 0}));
+    world.advance(sim(t));
+  }
+  EXPECT_EQ(looks(world), 0u);
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_THAT(world.objects(), ElementsAre(w["A"], w["B"]));  // in the file's order, whatever that of declaring
+}
+
+TEST(MotionWorld, APairFarApartIsSparedItsSearch) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-20, 0, 0}, {4, 0, 0}));
+  world.advance(sim(3s));
+  EXPECT_EQ(world.counters().contact_searches, 0u);
+  EXPECT_EQ(world.counters().searches_far, 13u);  // one a multiple of 250 ms, that of 3 s included
+  EXPECT_THAT(contacts(world), IsEmpty());
+  world.advance(sim(6s));  // they meet at 4.875 s
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(4875ms)));
+  EXPECT_GE(world.counters().contact_searches, 1u);
+  EXPECT_LE(world.counters().contact_searches, 3u);
+}
+
+// What was spared was apart: what went on before is over, and setBack goes there.
+TEST(MotionWorld, APairThatWasSparedWasApart) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kFirm);
+  bool answers = false;
+  world.set_outcomes([&](ObjectId, ObjectId, SimTime) { return answers ? Outcome::kAsTold : Outcome::kAnothers; });
+  world.set_base(w["BALL"], sim(0s), moving({-0.75, 0, 0}, {1, 0, 0}));
+  world.advance(sim(300ms));
+  EXPECT_EQ(contact_times(world).size(), 1u);  // held: another peer decides
+  answers = true;
+  world.set_base(w["BALL"], sim(1s), moving({-20, 0, 0}, {1, 0, 0}));
+  world.advance(sim(1600ms));
+  EXPECT_GE(world.counters().searches_far, 3u);
+  world.set_base(w["BALL"], sim(1700ms), moving({-0.3, 0, 0}, {1, 0, 0}));  // its owner puts it into the other
+  world.advance(sim(1800ms));
+  const auto seen = contacts(world);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].at, sim(1700ms));
+  EXPECT_NEAR(seen[0].collider_after.position.x(), -19.5, 1e-12);  // where it was at 1.5 s
+}
+
+TEST(MotionWorld, APairOfTheSceneIsNotLookedAt) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), moving({-20, 0, 0}, {1, 0, 0}));
+  world.declare(w["BALL"], Role::kScene);  // its peer is lost
+  world.advance(sim(5s));
+  EXPECT_EQ(looks(world), 0u);
+  world.declare(w["BALL"], Role::kBelief);
+  world.advance(sim(6s));
+  EXPECT_GT(looks(world), 0u);
+}
+
+TEST(MotionWorld, APairThatIsNotWatchedIsNotLookedAt) {
+  const World w(two_movers());
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kBelief);
+  world.watch(w["CUBE"], w["BALL"], false);
+  world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
+  world.advance(sim(5s));
+  EXPECT_EQ(looks(world), 0u);
+  EXPECT_THAT(contacts(world), IsEmpty());
+}
+
+// Each timeline forgets what ended more than 4 s before the latest advance(), then and not later, however it was told.
+TEST(MotionWorld, ForgetsWhatIsOld) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + box("C", "1 1 1", "0 0 9") +
+                interest("A", "\"B\""));
+  std::mt19937_64 rng(5);
+  MotionWorld world(*w.model, sim(0s));
+  struct Line {
+    ObjectId id;
+    std::vector<SimTime> told;
+  };
+  std::vector<Line> lines = {{w["A"], {sim(0s)}}, {w["B"], {sim(0s)}}, {w["C"], {sim(0s)}}};
+  for (const Line& line : lines) world.declare(line.id, Role::kBelief);
+  for (Duration now = 0s; now < 60s; now += 1ms + Duration{rng() % 700'000'000}) {
+    for (Line& line : lines) {
+      for (auto tells = rng() % 3; tells > 0; --tells) {
+        const SimTime t = sim(now - Duration{rng() % 3'900'000'000});
+        std::erase_if(line.told, [&](SimTime told) { return told >= t; });
+        line.told.push_back(t);
+        world.set_base(line.id, t, moving({0, 50, 0}));
+      }
+    }
+    world.advance(sim(now));
+    drain(world);
+    for (Line& line : lines) {
+      while (line.told.size() > 1 && line.told[1] <= sim(now - 4s)) line.told.erase(line.told.begin());
+      ASSERT_TRUE(world.knows(line.id, line.told.front()));
+      ASSERT_FALSE(world.knows(line.id, line.told.front() - 1ns));
+      ASSERT_EQ(world.law_since(line.id, sim(now)),
+                line.told.back() <= sim(now) ? line.told.back() : line.told.front());
+    }
+  }
+}
+
+TEST(MotionWorld, KeepsWhereADrivenObjectWasAsLongAsItIsTold) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + box("C", "1 1 1", "0 0 9") +
+                box("WALL", "1 1 1", "0 0 -99") + interest("WALL", "\"A\" \"B\" \"C\""));
+  MotionWorld usual(*w.model, sim(0s)), brief(*w.model, sim(0s));
+  brief.keep_driven(500ms);
+  for (MotionWorld* world : {&usual, &brief}) {
+    world->declare(w["A"], Role::kDriven);
+    world->declare(w["B"], Role::kFirm);
+    world->declare(w["C"], Role::kDriven);  // seldom told
+    for (Duration now = 0s; now <= 10s; now += 10ms) {
+      for (const char* moved : {"A", "B"})
+        world->set_base(w[moved], sim(now), moving({to_seconds(now), 9, 0}, {1, 0, 0}));
+      if (now % 2s == 0s) world->set_base(w["C"], sim(now), moving({to_seconds(now), 99, 0}, {1, 0, 0}));
+      world->advance(sim(now));
+    }
+  }
+  for (const char* moved : {"A", "B"}) {
+    const bool driven = moved == std::string_view("A");
+    EXPECT_TRUE(usual.knows(w[moved], sim(6s)));
+    EXPECT_EQ(brief.knows(w[moved], sim(9490ms)), !driven);
+    for (const Duration t : {9500ms, 9777ms, 10000ms}) {
+      EXPECT_TRUE(brief.knows(w[moved], sim(t)));
+      EXPECT_EQ(brief.at(w[moved], sim(t)).position, usual.at(w[moved], sim(t)).position);
+    }
+  }
+  EXPECT_NEAR(brief.at(w["C"], sim(9500ms)).position.x(), 9.5, 1e-12);
+  EXPECT_GT(brief.at(w["A"], sim(8s)).position.x(), 9.4) << "nothing is kept that nobody may ask for";
+}
+
+TEST(MotionWorld, OfADrivenObjectThatMeetsNothingKeepsWhatItWasToldLast) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0"));
+  MotionWorld usual(*w.model, sim(0s)), brief(*w.model, sim(0s));
+  brief.keep_driven(500ms);
+  for (MotionWorld* world : {&usual, &brief}) {
+    world->declare(w["A"], Role::kDriven);
+    world->declare(w["B"], Role::kFirm);
+    for (const char* moved : {"A", "B"}) {
+      world->set_base(w[moved], sim(10ms), moving({1, 0, 0}, {1, 0, 0}));
+      world->set_base(w[moved], sim(20ms), moving({2, 0, 0}, {1, 0, 0}));
+    }
+    world->advance(sim(20ms));
+  }
+  EXPECT_TRUE(usual.knows(w["A"], sim(10ms)));
+  EXPECT_TRUE(brief.knows(w["B"], sim(10ms)));
+  EXPECT_FALSE(brief.knows(w["A"], sim(10ms)));
+  EXPECT_TRUE(brief.knows(w["A"], sim(20ms)));
+  EXPECT_EQ(brief.at(w["A"], sim(10ms)).position.x(), 2.0) << "it has not moved before";
+  EXPECT_EQ(brief.at(w["A"], sim(30ms)).position, usual.at(w["A"], sim(30ms)).position);
+  EXPECT_EQ(brief.base_time(w["A"]), sim(20ms));
+  EXPECT_EQ(brief.revision(w["A"]), usual.revision(w["A"]));
+}
+
+// Its driver has given it to another peer; what is told late of its partner is from before what is kept of it.
+TEST(MotionWorld, FindsNoContactWhereItNoLongerKnowsWhereOneWas) {
+  const World w(box("A", "1 1 1", "0 50 0") + box("B", "1 1 1", "-20 0 0", kBounces) + interest("B", "\"A\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.keep_driven(500ms);
+  world.declare(w["A"], Role::kDriven);
+  world.declare(w["B"], Role::kBelief);
+  for (Duration now = 0s; now <= 10s; now += 10ms) {
+    world.set_base(w["A"], sim(now), moving({0, now < 9s ? 50.0 : 0.0, 0}));
+    world.advance(sim(now));
+  }
+  world.declare(w["A"], Role::kBelief);
+  world.set_base(w["B"], sim(8s), moving({-8, 0, 0}, {10, 0, 0}));  // was at A's place before A was
+  world.advance(sim(10100ms));
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_NEAR(world.at(w["B"], sim(10s)).position.x(), 12.0, 1e-12);
+}
+
+// ---- laws that are no constant acceleration ----
+
+MotionModel spring(double amplitude, double rate) {  // from x = 0 to the right, with a drift along z
+  MotionModel m = moving({0, 0, 0}, {amplitude * rate, 0, 1});
+  m.kind = MotionKind::kOscillating;
+  m.jerk.x() = -amplitude * rate * rate * rate;
+  m.rate_rad_s.x() = rate;
+  return m;
+}
+
+// A spring of 4 m between walls 3 m to either side: the law goes on after each bounce as in the mirror. The contacts'
+// times have the pieces' error, and no more after ten bounces than after one.
+TEST(MotionWorld, ALawGoesOnAfterItsBounces) {
+  const World w(corridor());
+  const double rate = 0.9, hit = std::asin(0.75) / rate;  // 4 sin(rate t) = 3
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), spring(4, rate));
+  std::vector<SimTime> contacts;
+  for (Duration t = 0s; t <= 20 * seconds(hit); t += 10ms) {
+    world.advance(sim(t));
+    while (const auto event = world.poll_event()) {
+      if (const auto* c = std::get_if<ContactEvent>(&*event)) contacts.push_back(c->at);
+    }
+    EXPECT_LE(std::abs(world.at(w["BALL"], sim(t)).position.x()), 3.0 + 1e-9);
+    const double phase = std::fmod(to_seconds(t), 4 * hit);
+    const double x = phase <= hit       ? 4 * std::sin(rate * phase)
+                     : phase <= 3 * hit ? 4 * std::sin(rate * (2 * hit - phase))
+                                        : 4 * std::sin(rate * (phase - 4 * hit));
+    EXPECT_NEAR(world.at(w["BALL"], sim(t)).position.x(), x, 1e-3) << to_seconds(t);
+  }
+  ASSERT_EQ(contacts.size(), 10u);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    EXPECT_NEAR(to_seconds(contacts[i] - sim(0s)), (2.0 * static_cast<double>(i) + 1) * hit, 1e-4 * (i + 1.0)) << i;
+  }
+}
+
+// As for constant accelerations: when advance() is called changes nothing.
+TEST(MotionWorld, LawsDoNotDependOnHowOftenTheyAreLookedAt) {
+  const World w(corridor());
+  const auto lived = [&](Duration step) {
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kBelief);
+    world.set_base(w["BALL"], sim(0s), spring(4, 0.9));
+    for (Duration t = 0s; t < 12s; t += step) world.advance(sim(t));
+    world.advance(sim(12s));
+    return world.at(w["BALL"], sim(12s));
+  };
+  const KinematicState once = lived(12s);
+  EXPECT_TRUE(same_bits(lived(7ms), once));
+  EXPECT_TRUE(same_bits(lived(333ms), once));
+}
+
+TEST(MotionWorld, AStoppedLawIsForgotten) {
+  const World w(corridor(kStops));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  world.set_base(w["BALL"], sim(0s), spring(4, 0.9));
+  world.advance(sim(10s));
+  const KinematicState s = world.at(w["BALL"], sim(10s));
+  EXPECT_NEAR(s.position.x(), 3.0, 1e-6);
+  EXPECT_TRUE(s.velocity.isZero(0.0) && s.acceleration.isZero(0.0));
+}
+
+// What slides stops short of the wall, and is not searched for ever.
+TEST(MotionWorld, WhatSlidesComesToRestAndCostsNothingThen) {
+  const World w(corridor());
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kBelief);
+  MotionModel m = moving({0, 0, 0}, {2, 0, 0}, {-1, 0, 0});
+  m.kind = MotionKind::kSliding;
+  world.set_base(w["BALL"], sim(0s), m);
+  world.advance(sim(3s));
+  EXPECT_EQ(world.at(w["BALL"], sim(3s)).position, Vec3(2, 0, 0));
+  const std::uint64_t searches = world.counters().contact_searches;
+  world.advance(sim(100s));
+  EXPECT_EQ(world.counters().contact_searches, searches);
+  EXPECT_EQ(world.counters().contacts, 0u);
+}
+
+}  // namespace
+}  // namespace peerd::replication

@@ -1,0 +1,43 @@
+#include "replication/motion/schedule.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace peerd::replication {
+namespace {
+
+// Any sequence of settings, at any size, against looking at all of them.
+TEST(Schedule, FindsWhatIsDueInOrder) {
+  std::mt19937_64 rng(1);
+  for (const std::size_t count : {0u, 1u, 2u, 3u, 8u, 9u, 100u}) {
+    Schedule schedule(count);
+    std::vector<SimTime> oracle(count, SimTime::max());
+    ASSERT_EQ(schedule.size(), count);
+    for (int step = 0; step < 400; ++step) {
+      for (int changes = 0; count > 0 && changes < 3; ++changes) {
+        const std::size_t number = rng() % count;
+        oracle[number] = rng() % 4 == 0 ? SimTime::max() : SimTime{Duration{rng() % 50}};
+        schedule.set(number, oracle[number]);
+      }
+      const SimTime until{Duration{rng() % 60} - Duration{5}};
+      std::vector<std::size_t> due, expected;
+      for (std::size_t i = schedule.next_due(0, until); i < count; i = schedule.next_due(i + 1, until))
+        due.push_back(i);
+      for (std::size_t i = 0; i < count; ++i) {
+        ASSERT_EQ(schedule.at(i), oracle[i]);
+        if (oracle[i] <= until) expected.push_back(i);
+      }
+      ASSERT_EQ(due, expected) << "of " << count << " at step " << step;
+    }
+  }
+}
+
+TEST(Schedule, NothingIsDueAtFirst) {
+  const Schedule schedule(5);
+  EXPECT_EQ(schedule.next_due(0, SimTime::max() - Duration{1}), 5u);
+}
+
+}  // namespace
+}  // namespace peerd::replication

@@ -1,0 +1,227 @@
+#include "replication/publish/publisher.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/replication/worlds.hpp"
+
+namespace peerd::replication {
+namespace {
+
+using namespace test;
+
+struct Case {
+  const char* name;
+  GhostError error;
+  std::optional<Duration> last_sent;  // before now
+  std::optional<PublishReason> expected;
+};
+class Due : public testing::TestWithParam<Case> {};
+TEST_P(Due, SaysWhy) {
+  PublishPolicy policy;
+  policy.angle_threshold_rad = 0.1;
+  policy.time_threshold = 5s;
+  const auto& [name, error, ago, expected] = GetParam();
+  const SimTime now = sim(100s);
+  EXPECT_EQ(due(policy, 0.5, error, ago ? std::optional(now - *ago) : std::nullopt, now), expected);
+}
+INSTANTIATE_TEST_SUITE_P(Table, Due,
+                         testing::Values(Case{"NeverSent", {0, 0}, std::nullopt, PublishReason::kFirst},
+                                         Case{"FirstBeatsError", {9, 9}, std::nullopt, PublishReason::kFirst},
+                                         Case{"AllWell", {0.4, 0.09}, 1s, std::nullopt},
+                                         Case{"AtTheThresholdIsStillWell", {0.5, 0.1}, 1s, std::nullopt},
+                                         Case{"TooFar", {0.500001, 0}, 1s, PublishReason::kError},
+                                         Case{"TurnedTooFar", {0, 0.100001}, 1s, PublishReason::kError},
+                                         Case{"ErrorBeatsTime", {1, 0}, 6s, PublishReason::kError},
+                                         Case{"NotYetTime", {0, 0}, 5s - 1ns, std::nullopt},
+                                         Case{"Time", {0, 0}, 5s, PublishReason::kTime}),
+                         [](const auto& c) { return std::string(c.param.name); });
+
+TEST(DueAtRest, WhatIsKnownToRestWaitsLonger) {
+  PublishPolicy policy;
+  policy.time_threshold = 5s;
+  policy.resting_time_threshold = 20s;
+  const auto after = [&](Duration ago) { return due(policy, 0.5, {}, sim(100s) - ago, sim(100s), true); };
+  EXPECT_EQ(after(20s - 1ns), std::nullopt);
+  EXPECT_EQ(after(20s), PublishReason::kTime);
+  policy.resting_time_threshold = 0s;  // not below what counts for all
+  EXPECT_EQ(after(5s - 1ns), std::nullopt);
+  EXPECT_EQ(after(5s), PublishReason::kTime);
+}
+
+TEST(GhostError, IsEuclideanNotPerAxis) {
+  const GhostError e = ghost_error(moving({0.4, 0.4, 0.4}), moving({0, 0, 0}));
+  EXPECT_NEAR(e.distance_m, 0.4 * std::sqrt(3.0), 1e-15);  // above 0.5, though no axis is
+}
+
+TEST(GhostError, TakesTheSmallestAngleWhateverTheQuaternionsSign) {
+  KinematicState truth, ghost;
+  truth.orientation = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitY()));
+  EXPECT_NEAR(ghost_error(truth, ghost).angle_rad, 0.3, 1e-12);
+  ghost.orientation.coeffs() = -truth.orientation.coeffs();
+  EXPECT_NEAR(ghost_error(truth, ghost).angle_rad, 0.0, 1e-7);
+}
+
+// A turn moves the farthest vertex along a chord.
+TEST(GhostError, OfTheSurfaceCountsTheTurnByWhatItMoves) {
+  KinematicState truth = moving({3, 0, 0}), ghost = moving({3, 4, 0});
+  truth.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 3, Vec3::UnitZ()));
+  EXPECT_NEAR(ghost_error(truth, ghost, 2.5).distance_m, 4.0 + 2.5, 1e-12);
+  EXPECT_EQ(ghost_error(truth, ghost).distance_m, 4.0);
+}
+
+// A displacement along the diagonal of the axes counts as what it is long: at the threshold it is still well, whichever
+// way it points, and a hair beyond it is not.
+TEST(GhostError, OnTheDiagonalIsHeldAgainstTheThresholdLikeAnyOther) {
+  PublishPolicy policy;
+  const SimTime now = sim(100s);
+  for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 1), Vec3(1, -1, -1)}) {
+    const Vec3 at_threshold = 0.5 * way.normalized();
+    const GhostError at = ghost_error(moving(Vec3::Zero()), moving((1 - 1e-15) * at_threshold));
+    const GhostError beyond = ghost_error(moving(Vec3::Zero()), moving((1 + 1e-12) * at_threshold));
+    EXPECT_EQ(due(policy, 0.5, at, now - 1s, now), std::nullopt) << way.transpose();
+    EXPECT_EQ(due(policy, 0.5, beyond, now - 1s, now), PublishReason::kError) << way.transpose();
+  }
+}
+
+// Half a turn: the farthest that two orientations can be apart, and where q and -q are equally near.
+TEST(GhostError, OfTwoOrientationsHalfATurnApartIsPi) {
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 2, 2)}) {
+    for (const double sign : {1.0, -1.0}) {
+      const Vec3 n = axis.normalized();
+      KinematicState truth = moving({1, 2, 3}), ghost = truth;
+      truth.orientation = Quat(0.5, 0.5, -0.5, 0.5);
+      ghost.orientation = truth.orientation * Quat(0.0, n.x(), n.y(), n.z());
+      ghost.orientation.coeffs() *= sign;
+      const GhostError error = ghost_error(truth, ghost);
+      EXPECT_EQ(error.distance_m, 0.0);
+      EXPECT_NEAR(error.angle_rad, std::numbers::pi, 1e-15);
+      EXPECT_EQ(due({}, 0.5, error, sim(99s), sim(100s)), PublishReason::kError);
+    }
+  }
+}
+
+// ---- the budget ----
+
+TEST(UpdateBudget, IsFullAtFirstAndDearerTheEmptierItIs) {
+  PublishPolicy policy;
+  policy.wanted_error_m = 0.01;
+  policy.updates_per_s = 2;
+  policy.updates_saved = 4;
+  UpdateBudget budget;
+  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.01);
+  budget.spend(policy, sim(0s));
+  budget.spend(policy, sim(0s));
+  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.04);
+  budget.spend(policy, sim(0s));
+  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.08);
+  budget.spend(policy, sim(0s));
+  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.16) << "the last";
+  budget.spend(policy, sim(0s));
+  EXPECT_EQ(budget.worth_m(policy, sim(0s)), std::nullopt) << "one is owed";
+  EXPECT_EQ(budget.worth_m(policy, sim(500ms)), 0.16) << "one more after half a second";
+  EXPECT_EQ(budget.worth_m(policy, sim(100s)), 0.01) << "never more than can be saved";
+}
+
+TEST(UpdateBudget, BoundsWhatIsSentOfItsOwn) {
+  PublishPolicy policy;
+  policy.wanted_error_m = 1e-6;
+  policy.updates_per_s = 1.9;
+  policy.updates_saved = 6;
+  UpdateBudget budget;
+  int sent = 0;
+  for (Duration t = 0s; t < 15s; t += 16ms) {
+    if (!budget.worth_m(policy, sim(t))) continue;
+    budget.spend(policy, sim(t));
+    ++sent;
+  }
+  EXPECT_LE(sent, 7 + 1.9 * 15);
+  EXPECT_GE(sent, 33);
+}
+
+// ---- the budget of bytes ----
+
+TEST(ByteBudget, FillsAtItsRateUpToAQuarterOfASecond) {
+  PublishPolicy policy;
+  policy.bytes_per_s = 10'000.0;
+  ByteBudget budget;
+  EXPECT_EQ(budget.left(policy, sim(10s)), 2500.0) << "full at first";
+  budget.spend(3000, true);
+  EXPECT_EQ(budget.left(policy, sim(10s)), -500.0) << "what must go is owed";
+  EXPECT_EQ(budget.left(policy, sim(10s + 100ms)), 500.0);
+  EXPECT_EQ(budget.left(policy, sim(20s)), 2500.0);
+  EXPECT_EQ(budget.left(policy, sim(15s)), 2500.0) << "session time has stepped";
+  policy.bytes_per_s = 1000.0;
+  EXPECT_EQ(ByteBudget().left(policy, sim(0s)), 1200.0) << "a datagram at least";
+}
+
+TEST(ByteBudget, AQuarterIsForUpdatesWhateverIsOwed) {
+  PublishPolicy policy;
+  policy.bytes_per_s = 1000.0;
+  ByteBudget budget;
+  EXPECT_EQ(budget.left(policy, sim(0s)), 1200.0);
+  budget.spend(100'000, false);
+  EXPECT_EQ(budget.left(policy, sim(0s)), -1200.0) << "more is not owed";
+  EXPECT_EQ(budget.left(policy, sim(1s)), 250.0);
+  budget.spend(1000, false);
+  EXPECT_EQ(budget.left(policy, sim(2s)), 500.0);
+  budget.spend(400, true);
+  EXPECT_EQ(budget.left(policy, sim(2s)), 100.0);
+  budget.spend(1000, true);
+  EXPECT_EQ(budget.left(policy, sim(3s)), 250.0) << "of that share nothing is owed";
+  EXPECT_EQ(budget.left(policy, sim(60s)), 1200.0) << "a datagram at most";
+}
+
+TEST(ByteBudget, AnHourOfOverloadIsMadeUpForWithinSeconds) {
+  PublishPolicy policy;
+  policy.bytes_per_s = 1000.0;
+  ByteBudget budget;
+  SimTime t = sim(0s);
+  for (; t < sim(3600s); t += 250ms) {
+    (void)budget.left(policy, t);
+    budget.spend(400, false);
+  }
+  std::size_t sent = 0;
+  for (const SimTime end = t + 60s; t < end; t += 250ms) {
+    if (budget.left(policy, t) < 100.0) continue;
+    budget.spend(250, true);
+    sent += 250;
+  }
+  EXPECT_GT(sent, 55'000u);
+}
+
+TEST(Urgency, IsByErrorByTimeAndByWhoLooks) {
+  const PublishPolicy policy;  // 3 degrees, 5 s
+  const auto of = [&](double distance_m, double angle_rad, Duration since, double viewed_from_m) {
+    return urgency(policy, 0.5, {distance_m, angle_rad}, sim(100s), sim(100s + since), viewed_from_m);
+  };
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 1s, 0.0), 3.0);
+  EXPECT_DOUBLE_EQ(of(1.5, 5.0 * policy.angle_threshold_rad, 1s, 0.0), 5.0);
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 4s, 0.0), 12.0) << "nothing waits for ever";
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 20s, 0.0), 80.0);
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 1s, 1.0), 3.0);
+  EXPECT_DOUBLE_EQ(of(1.5, 0.0, 1s, 30.0), 0.1);
+  EXPECT_GT(urgency(policy, 0.5, {}, std::nullopt, sim(100s), 0.0), 1e6) << "somebody knows nothing of it";
+  EXPECT_EQ(urgency(policy, 0.0, {}, sim(100s), sim(100s), 0.0), 0.0) << "no threshold, no error";
+}
+
+TEST(AsModel, FirstOrderDropsTheAccelerationAlone) {
+  KinematicState truth = moving({1, 2, 3}, {4, 5, 6}, {7, 8, 9});
+  truth.angular_velocity_body = {1, 0, 0};
+  EXPECT_TRUE(same_bits(as_model(ModelOrder::kSecond, truth).state, truth));
+  KinematicState expected = truth;
+  expected.acceleration.setZero();
+  EXPECT_TRUE(same_bits(as_model(ModelOrder::kFirst, truth).state, expected));
+}
+
+TEST(PublishReasonName, IsDistinctForEach) {
+  EXPECT_STREQ(to_string(PublishReason::kFirst), "first");
+  EXPECT_STREQ(to_string(PublishReason::kError), "error");
+  EXPECT_STREQ(to_string(PublishReason::kTime), "time");
+  EXPECT_STREQ(to_string(PublishReason::kJoiner), "joiner");
+  EXPECT_STREQ(to_string(PublishReason::kGain), "gain");
+}
+
+}  // namespace
+}  // namespace peerd::replication
