@@ -9,7 +9,7 @@ KinematicState advance(const KinematicState& base, double dt_s) {
   s.position = base.position + dt_s * (base.velocity + (0.5 * dt_s) * base.acceleration);
   s.velocity = base.velocity + dt_s * base.acceleration;
   if (!base.angular_velocity_body.isZero(0.0)) {
-    s.orientation = turned(base.orientation, dt_s * base.angular_velocity_body);
+    s.orientation = rotated_in_body_frame(base.orientation, dt_s * base.angular_velocity_body);
   }
   return s;
 }

@@ -4,7 +4,7 @@
 
 namespace peerd {
 
-Quat turned(const Quat& orientation, const Vec3& rotation_body_rad) {
+Quat rotated_in_body_frame(const Quat& orientation, const Vec3& rotation_body_rad) {
   Quat q = orientation * quat_exp(rotation_body_rad);
   const double off = q.squaredNorm() - 1.0;
   if (std::abs(off) < 1e-8) {  // 1 / sqrt(1 + off) but for a term in off^2, less than any rounding

@@ -57,7 +57,7 @@ Peer::Peer(PeerConfig config, const WorldModel& model)
     Own& own = own_[e.object];
     own.driven = e.driven;
     own.launch = e.launch;
-    if (config_.policy.surface_error) own.reach_m = reach_m(*model.scene, e.object);
+    if (config_.policy.surface_error) own.bounding_radius_m = bounding_radius_m(*model.scene, e.object);
     owners_.set(e.object, config_.id);
   }
   place_own();

@@ -79,7 +79,7 @@ class Peer {
   [[nodiscard]] Vec3 to_world(SimTime at, ObjectId object, const Vec3& in_parent);
   // PredefinedMotion::limited_at(): since when the world's TimeSensors stand still [s, world time].
   [[nodiscard]] std::optional<double> time_sensors_limited_at() const {
-    return predefined_ ? predefined_->limited_at() : std::nullopt;
+    return predefined_ ? predefined_->transition_limit_reached_at() : std::nullopt;
   }
   // A key or a hand changes the velocity [m/s, world frame] of an object that this peer runs and does not drive:
   // replaces it, or adds to it. False, and nothing done, for any other object and before a session. The others are told
@@ -160,7 +160,7 @@ class Peer {
     PoseHistory poses;  // of samples without derivatives
     UpdateBudget budget;
     double interval_s = 0.25;  // between updates, of late
-    double reach_m = 0.0;      // of its vertices, where errors count by its surface
+    double bounding_radius_m = 0.0;      // of its vertices, where errors count by its surface
     // Regions (peer_regions.cpp).
     std::optional<Vec3> told_at;  // where the last update had it
     bool must_arrive = false;     // somebody may know nothing of the object but by that update

@@ -410,7 +410,7 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
     if (!added && !taken) continue;
     owners_.set(object, peer);
     if (grid_.cuts() && config_.interest_radius_m) {
-      others_reach_m_ = std::max(others_reach_m_, reach_m(*model_.scene, object));
+      others_reach_m_ = std::max(others_reach_m_, bounding_radius_m(*model_.scene, object));
     }
     changed.push_back(object);
     // Where an owner has it who was away, nobody here has heard.

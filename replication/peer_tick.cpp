@@ -46,13 +46,13 @@ double finer(MotionKind kind, Duration time_threshold) {
 
 // The tightest threshold in force. What physics moves is told exactly: resting against something and rounded, it could
 // lie inside it. Where snapshots go out whatever the thresholds, the tight one says what is close.
-Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, double reach_m, MotionKind kind,
+Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, double bounding_radius_m, MotionKind kind,
                              double expected_error_m) {
   double distance_m = policy.snapshots_hz > 0 ? std::min(threshold_m, policy.tight_threshold_m) : threshold_m;
   if (policy.wanted_error_m > 0.0) distance_m = std::min(distance_m, policy.wanted_error_m);
   if (expected_error_m < kAllButExact * distance_m) distance_m *= finer(kind, policy.time_threshold);
   // An orientation is rounded by a quarter of this at most: that moves the surface by half of the threshold.
-  const double turn_rad = reach_m > 0.0 ? 2.0 * threshold_m / reach_m : policy.angle_threshold_rad;
+  const double turn_rad = bounding_radius_m > 0.0 ? 2.0 * threshold_m / bounding_radius_m : policy.angle_threshold_rad;
   return {distance_m, std::min(policy.angle_threshold_rad, turn_rad)};
 }
 
@@ -147,7 +147,7 @@ void Peer::observe(ObjectId object, Own& own, SimTime t, double latency_s) {
 bool Peer::gains(Own& own, SimTime t, const GhostError& error) {
   if (config_.policy.wanted_error_m == 0.0) return false;
   const auto worth_m = own.budget.worth_m(config_.policy, t);
-  return worth_m && error.distance_m > std::max(*worth_m, 2.0 * own.reach_m * kOrientationError_rad);
+  return worth_m && error.distance_m > std::max(*worth_m, 2.0 * own.bounding_radius_m * kOrientationError_rad);
 }
 
 void Peer::publish(SimTime t) {
@@ -168,7 +168,7 @@ void Peer::publish(SimTime t) {
     // Where physics takes an object that has met something is not known before its decider says: until then its truth
     // is no better than what the ghosts believe.
     const bool undecided = !own.driven && awaits_decision(object);
-    const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.reach_m);
+    const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.bounding_radius_m);
     const double threshold_m = threshold_now_m(object, t);
     if (const auto reason = why_due(object, own, t, threshold_m, truth, ghost, error)) {
       if (config_.policy.bytes_per_s) {
@@ -253,7 +253,7 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
     if (own == own_.end() || out_of_bytes_ || told_since_tick(own->second)) continue;
     if (!acceptable(sample.state)) continue;  // the tick says something in its place
     assert(own->second.driven && sample.has_derivatives);
-    const GhostError error = ghost_error(sample.state, replica_->ghosts.at(sample.object, t), own->second.reach_m);
+    const GhostError error = ghost_error(sample.state, replica_->ghosts.at(sample.object, t), own->second.bounding_radius_m);
     if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t))
       wrong.push_back(&sample);
   }
@@ -269,7 +269,7 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
     Own& own = own_.at(sample->object);
     const double threshold_m = threshold_now_m(sample->object, t);
     const KinematicState ghost = replica_->ghosts.at(sample->object, t);
-    const GhostError error = ghost_error(sample->state, ghost, own.reach_m);
+    const GhostError error = ghost_error(sample->state, ghost, own.bounding_radius_m);
     const auto reason = why_due(sample->object, own, t, threshold_m, sample->state, ghost, error);
     if (!reason) continue;
     observe(sample->object, own, t, to_seconds(farthest_latency()));
@@ -402,7 +402,7 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
   }
   const double expected_error_m = own.models ? own.models->expected_error_m() : threshold_m;
   const Tolerance tolerance = own.driven
-                                  ? rounding_tolerance(policy, threshold_m, own.reach_m, model.kind, expected_error_m)
+                                  ? rounding_tolerance(policy, threshold_m, own.bounding_radius_m, model.kind, expected_error_m)
                                   : Tolerance{};  // none: exact
   const EncodedUpdate& due =
       updates_due_.emplace_back(quantised({object, ++own.sequence, at, model, decisions_.last(object)}, tolerance), t);

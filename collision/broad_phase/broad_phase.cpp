@@ -99,15 +99,15 @@ class Incremental final : public BroadPhase {
  private:
   struct Interest {  // in the list of one of the two
     BroadIndex other;
-    std::uint32_t twin;  // where in the other's list
+    std::uint32_t reverse_index;  // where in the other's list
   };
   struct State {
-    bool there = false;
-    bool touched = false;  // in touched_
+    bool exists = false;
+    bool in_to_test = false;  // in touched_
     bool changed = false;  // in changed_
   };
   struct Refit {  // of the fat box, the last
-    float room_m = 0.0F;
+    float margin_m = 0.0F;
     std::uint32_t tick = 0;
   };
   struct Group {
@@ -116,14 +116,14 @@ class Incremental final : public BroadPhase {
   };
 
   [[nodiscard]] std::unique_ptr<OverlapFinder> make_finder() const {
-    if (method_ == BroadPhaseMethod::kSweepAndPrune) return std::make_unique<SweepAndPrune>(fat_);
-    return std::make_unique<DynamicTree>(fat_);
+    if (method_ == BroadPhaseMethod::kSweepAndPrune) return std::make_unique<SweepAndPrune>(fat_boxes_);
+    return std::make_unique<DynamicTree>(fat_boxes_);
   }
-  [[nodiscard]] bool is_there(BroadIndex object) const { return object < state_.size() && state_[object].there; }
-  void touch(BroadIndex object) {
-    if (!std::exchange(state_[object].touched, true)) touched_.push_back(object);
+  [[nodiscard]] bool exists(BroadIndex object) const { return object < state_.size() && state_[object].exists; }
+  void mark_for_test(BroadIndex object) {
+    if (!std::exchange(state_[object].in_to_test, true)) to_test_.push_back(object);
   }
-  void search_for(BroadIndex object) {
+  void mark_for_search(BroadIndex object) {
     if (!std::exchange(state_[object].changed, true)) changed_.push_back(object);
   }
   [[nodiscard]] const Interest* find_interest(BroadIndex a, BroadIndex b) const;
@@ -146,7 +146,7 @@ class Incremental final : public BroadPhase {
   BroadPhaseMethod method_;
   // By object.
   std::vector<ExactBox> boxes_;
-  std::vector<FatBox> fat_;
+  std::vector<FatBox> fat_boxes_;
   std::vector<Refit> refit_;
   std::vector<State> state_;
   std::vector<std::vector<Interest>> interests_;
@@ -159,7 +159,7 @@ class Incremental final : public BroadPhase {
   std::size_t count_ = 0;
   std::uint64_t mark_now_ = 0;
   std::uint32_t tick_ = 0;
-  std::vector<BroadIndex> touched_;  // what is near to them is tested
+  std::vector<BroadIndex> to_test_;  // what is near to them is tested
   std::vector<BroadIndex> changed_;  // and what is near is looked for: they left their fat boxes, or have new interests
   std::vector<BroadIndex> pair_changed_;
   std::vector<OverlapFinder::Found> found_;
@@ -172,7 +172,7 @@ void Incremental::add(BroadIndex object, const WorldBox& box) {
   if (state_.size() <= object) {
     const std::size_t n = std::size_t{object} + 1;
     boxes_.resize(n, ExactBox::none());
-    fat_.resize(n, FatBox::none());
+    fat_boxes_.resize(n, FatBox::none());
     refit_.resize(n);
     state_.resize(n);
     interests_.resize(n);
@@ -181,52 +181,52 @@ void Incremental::add(BroadIndex object, const WorldBox& box) {
     near_.grow(n);
     // What the number of objects doesn't bound grows by doubling; from here, so that it does so early if at all.
     const std::size_t room = boxes_.capacity();
-    for (auto* list : {&touched_, &changed_, &pair_changed_}) list->reserve(room);
+    for (auto* list : {&to_test_, &changed_, &pair_changed_}) list->reserve(room);
     for (auto* list : {&toggled_, &answer_, &merged_}) list->reserve(room);
     found_.reserve(4 * room);
     near_.reserve(4 * room);
   }
-  assert(!is_there(object));
-  state_[object].there = true;
+  assert(!exists(object));
+  state_[object].exists = true;
   boxes_[object] = ExactBox::of(box);
   ++count_;
-  touch(object);
-  search_for(object);
+  mark_for_test(object);
+  mark_for_search(object);
 }
 
 void Incremental::remove(BroadIndex object) {
-  assert(is_there(object));
+  assert(exists(object));
   drop_if(object, [](BroadIndex) { return true; });
   if (pair_finder_ && !interests_[object].empty()) pair_finder_->erase(object);
   while (!interests_[object].empty()) {
     const Interest interest = interests_[object].back();
-    erase_interest(interest.other, interest.twin);
+    erase_interest(interest.other, interest.reverse_index);
     interests_[object].pop_back();
     if (pair_finder_ && interests_[interest.other].empty()) pair_finder_->erase(interest.other);
   }
   for (const BroadGroup group : groups_of_[object]) groups_[group].finder->erase(object);
   groups_of_[object].clear();
   boxes_[object] = ExactBox::none();
-  fat_[object] = FatBox::none();
-  state_[object].there = false;
+  fat_boxes_[object] = FatBox::none();
+  state_[object].exists = false;
   --count_;
 }
 
 void Incremental::move(BroadIndex object, const WorldBox& box) {
-  assert(is_there(object));
+  assert(exists(object));
   const ExactBox to = ExactBox::of(box);
   ExactBox& from = boxes_[object];
   if (to == from || (to.is_none() && from.is_none())) return;
   from = to;
   ++counters_.moves;
-  touch(object);
-  if (!contains(fat_[object], to)) search_for(object);
+  mark_for_test(object);
+  if (!contains(fat_boxes_[object], to)) mark_for_search(object);
 }
 
 const Incremental::Interest* Incremental::find_interest(BroadIndex a, BroadIndex b) const {
   if (interests_[b].size() < interests_[a].size()) {
     const Interest* of_b = find_interest(b, a);
-    return of_b == nullptr ? nullptr : &interests_[a][of_b->twin];
+    return of_b == nullptr ? nullptr : &interests_[a][of_b->reverse_index];
   }
   const auto found = std::ranges::find(interests_[a], b, &Interest::other);
   return found == interests_[a].end() ? nullptr : &*found;
@@ -237,7 +237,7 @@ void Incremental::erase_interest(BroadIndex object, std::uint32_t i) {
   auto& list = interests_[object];
   list[i] = list.back();
   list.pop_back();
-  if (i < list.size()) interests_[list[i].other][list[i].twin].twin = i;
+  if (i < list.size()) interests_[list[i].other][list[i].reverse_index].reverse_index = i;
 }
 
 bool Incremental::share_group(BroadIndex a, BroadIndex b) const {
@@ -246,32 +246,32 @@ bool Incremental::share_group(BroadIndex a, BroadIndex b) const {
 }
 
 bool Incremental::register_interest(BroadIndex a, BroadIndex b) {
-  assert(a != b && is_there(a) && is_there(b));
+  assert(a != b && exists(a) && exists(b));
   if (find_interest(a, b) != nullptr) return false;
   for (const BroadIndex object : {a, b}) {
     if (!pair_finder_ || !interests_[object].empty()) continue;
     pair_finder_->insert(object);
-    touch(object);
-    search_for(object);
+    mark_for_test(object);
+    mark_for_search(object);
   }
   interests_[a].push_back({b, static_cast<std::uint32_t>(interests_[b].size())});
   interests_[b].push_back({a, static_cast<std::uint32_t>(interests_[a].size() - 1)});
   ++counters_.box_tests;
-  if (overlap(fat_[a], fat_[b]) && near_.find(a, b) == NearPairs::kNone) {
+  if (overlap(fat_boxes_[a], fat_boxes_[b]) && near_.find(a, b) == NearPairs::kNone) {
     near_.add(make_broad_pair(a, b));
-    touch(a);
+    mark_for_test(a);
   }
   return true;
 }
 
 bool Incremental::unregister_interest(BroadIndex a, BroadIndex b) {
-  assert(a != b && is_there(a) && is_there(b));
+  assert(a != b && exists(a) && exists(b));
   const Interest* interest = find_interest(a, b);
   if (interest == nullptr) return false;
-  const std::uint32_t twin = interest->twin;
+  const std::uint32_t reverse_index = interest->reverse_index;
   const auto i = static_cast<std::uint32_t>(interest - interests_[a].data());
   erase_interest(a, i);
-  erase_interest(b, twin);
+  erase_interest(b, reverse_index);
   for (const BroadIndex object : {a, b}) {
     if (pair_finder_ && interests_[object].empty()) pair_finder_->erase(object);
   }
@@ -280,20 +280,20 @@ bool Incremental::unregister_interest(BroadIndex a, BroadIndex b) {
 }
 
 bool Incremental::join(BroadGroup group, BroadIndex object) {
-  assert(is_there(object));
+  assert(exists(object));
   if (groups_.size() <= group) groups_.resize(std::size_t{group} + 1);
   if (!groups_[group].finder) groups_[group].finder = make_finder();
   auto& groups = groups_of_[object];
   if (std::ranges::find(groups, group) != groups.end()) return false;
   groups.push_back(group);
   groups_[group].finder->insert(object);
-  touch(object);
-  search_for(object);
+  mark_for_test(object);
+  mark_for_search(object);
   return true;
 }
 
 bool Incremental::leave(BroadGroup group, BroadIndex object) {
-  assert(is_there(object));
+  assert(exists(object));
   if (std::erase(groups_of_[object], group) == 0) return false;
   groups_[group].finder->erase(object);
   drop_if(object, [&](BroadIndex o) { return !share_group(object, o) && find_interest(object, o) == nullptr; });
@@ -337,8 +337,8 @@ std::span<const BroadPair> Incremental::tick() {
   for (const BroadIndex object : changed_) state_[object].changed = false;
   changed_.clear();
   test_near();
-  for (const BroadIndex object : touched_) state_[object].touched = false;
-  touched_.clear();
+  for (const BroadIndex object : to_test_) state_[object].in_to_test = false;
+  to_test_.clear();
   apply_toggles();
   return answer_;
 }
@@ -346,29 +346,29 @@ std::span<const BroadPair> Incremental::tick() {
 // The room is by how far the sides went since the last time, a tick.
 void Incremental::refit(BroadIndex object) {
   const ExactBox& box = boxes_[object];
-  FatBox& fat = fat_[object];
+  FatBox& fat = fat_boxes_[object];
   Refit& last = refit_[object];
-  double way_m = 0.0;
+  double step_m = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {  // what is NaN, as of infinite sides that stay, is passed over
-    way_m = std::max(way_m, std::abs(box.lo[i] - (fat.lo[i] + last.room_m)));
-    way_m = std::max(way_m, std::abs(box.hi[i] - (fat.hi[i] - last.room_m)));
+    step_m = std::max(step_m, std::abs(box.lo[i] - (fat.lo[i] + last.margin_m)));
+    step_m = std::max(step_m, std::abs(box.hi[i] - (fat.hi[i] - last.margin_m)));
   }
   // More for some and less for others, by index: or all that started together leave their boxes together, ever again.
   const double share = 0.75 + 0.5 * 0x1p-32 * (object * 0x9e37'79b1u);
-  const double room_m = room_for(box, share * way_m / std::max(tick_ - last.tick, 1u));
-  fat = fattened(box, room_m);
-  last = {static_cast<float>(room_m), tick_};
+  const double margin_m = fat_margin_m(box, share * step_m / std::max(tick_ - last.tick, 1u));
+  fat = fattened(box, margin_m);
+  last = {static_cast<float>(margin_m), tick_};
   ++counters_.refits;
 }
 
 void Incremental::refit_changed() {
   for (const BroadIndex object : changed_) {
-    if (!contains(fat_[object], boxes_[object])) refit(object);
+    if (!contains(fat_boxes_[object], boxes_[object])) refit(object);
   }
   for (const BroadIndex object : changed_) {
     drop_if(object, [&](BroadIndex other) {
       ++counters_.box_tests;
-      return !overlap(fat_[object], fat_[other]);
+      return !overlap(fat_boxes_[object], fat_boxes_[other]);
     });
   }
 }
@@ -388,10 +388,10 @@ void Incremental::search_lists() {
   for (const BroadIndex object : changed_) {
     if (interests_[object].empty()) continue;
     begin_marks(object);
-    const FatBox fat = fat_[object];
+    const FatBox fat = fat_boxes_[object];
     counters_.box_tests += interests_[object].size();
     for (const Interest& interest : interests_[object]) {
-      if (overlap(fat, fat_[interest.other])) add_near(object, interest.other);
+      if (overlap(fat, fat_boxes_[interest.other])) add_near(object, interest.other);
     }
   }
 }
@@ -419,16 +419,16 @@ void Incremental::test(NearPairs::Pair& pair) {
 
 // When much has moved, all near pairs in their order in memory; otherwise the moved objects' own.
 void Incremental::test_near() {
-  if (2 * touched_.size() > count_) {
+  if (2 * to_test_.size() > count_) {
     for (NearPairs::Pair& pair : near_.all()) {
-      if (state_[pair.object[0]].touched || state_[pair.object[1]].touched) test(pair);
+      if (state_[pair.object[0]].in_to_test || state_[pair.object[1]].in_to_test) test(pair);
     }
     return;
   }
-  for (const BroadIndex object : touched_) {
+  for (const BroadIndex object : to_test_) {
     for (auto i = near_.first(object); i != NearPairs::kNone; i = near_.next(i, object)) {
       const BroadIndex other = near_[i].other(object);
-      if (other > object || !state_[other].touched) test(near_[i]);
+      if (other > object || !state_[other].in_to_test) test(near_[i]);
     }
   }
 }

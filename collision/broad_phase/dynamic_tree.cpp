@@ -26,7 +26,7 @@ void DynamicTree::erase(BroadIndex object) {
   const Ref leaf = leaf_of_[object];
   leaf_of_[object] = kNone;
   if (leaf == kNone) return;
-  take_out(leaf);
+  remove_leaf(leaf);
   free_.push_back(leaf);
 }
 
@@ -38,13 +38,13 @@ void DynamicTree::update(std::span<const BroadIndex> changed, std::vector<Found>
       continue;
     }
     if (leaf == kNone) {
-      leaf = take_node();
+      leaf = allocate_node();
       nodes_[leaf] = {boxes_[object], {kNone, object}, kNone, 0};
     } else {
-      take_out(leaf);
+      remove_leaf(leaf);
       nodes_[leaf].box = boxes_[object];
     }
-    put_in(leaf);
+    insert_leaf(leaf);
   }
   for (const BroadIndex object : changed) {
     if (leaf_of_[object] != kNone) query(object, found);
@@ -68,7 +68,7 @@ void DynamicTree::query(BroadIndex object, std::vector<Found>& found) {
   }
 }
 
-DynamicTree::Ref DynamicTree::take_node() {
+DynamicTree::Ref DynamicTree::allocate_node() {
   if (!free_.empty()) {
     const Ref node = free_.back();
     free_.pop_back();
@@ -97,14 +97,14 @@ DynamicTree::Ref DynamicTree::sibling_for(const FatBox& box) const {
   return at;
 }
 
-void DynamicTree::put_in(Ref leaf) {
+void DynamicTree::insert_leaf(Ref leaf) {
   if (root_ == kNone) {
     root_ = leaf;
     nodes_[leaf].parent = kNone;
     return;
   }
   const Ref sibling = sibling_for(nodes_[leaf].box);
-  const Ref parent = take_node();
+  const Ref parent = allocate_node();
   const Ref above = nodes_[sibling].parent;
   nodes_[parent] = {{}, {sibling, leaf}, above, 1};
   replace_child(above, sibling, parent);
@@ -113,7 +113,7 @@ void DynamicTree::put_in(Ref leaf) {
   refit_upwards(parent);
 }
 
-void DynamicTree::take_out(Ref leaf) {
+void DynamicTree::remove_leaf(Ref leaf) {
   const Ref parent = nodes_[leaf].parent;
   if (parent == kNone) {
     root_ = kNone;

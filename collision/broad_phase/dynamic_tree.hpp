@@ -32,9 +32,9 @@ class DynamicTree final : public OverlapFinder {
     [[nodiscard]] bool is_leaf() const { return height == 0; }
   };
 
-  [[nodiscard]] Ref take_node();
-  void put_in(Ref leaf);
-  void take_out(Ref leaf);
+  [[nodiscard]] Ref allocate_node();
+  void insert_leaf(Ref leaf);
+  void remove_leaf(Ref leaf);
   void replace_child(Ref parent, Ref from, Ref to);
   void refit_upwards(Ref node);
   void refit(Ref node);

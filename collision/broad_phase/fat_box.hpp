@@ -62,20 +62,20 @@ struct ExactBox {
 
 // What room to give a box on all sides whose own go by `step_m` a tick. Never more than two of its largest side:
 // something that jumped need not jump on, and a bullet's box is then renewed each tick.
-[[nodiscard]] inline double room_for(const ExactBox& box, double step_m) {
+[[nodiscard]] inline double fat_margin_m(const ExactBox& box, double step_m) {
   // Fewer: more boxes are renewed; more: more pairs are near that don't overlap. README.md has figures.
   constexpr double kSteps = 12.0, kSides = 2.0;
   double side_m = 0.0;
   for (std::size_t i = 0; i < 3; ++i) side_m = std::max(side_m, box.hi[i] - box.lo[i]);  // keeps side_m if that is NaN
-  const double room_m = std::min(kSteps * step_m, kSides * side_m);
-  return std::isfinite(room_m) ? room_m : 0.0;
+  const double margin_m = std::min(kSteps * step_m, kSides * side_m);
+  return std::isfinite(margin_m) ? margin_m : 0.0;
 }
-[[nodiscard]] inline FatBox fattened(const ExactBox& box, double room_m) {
+[[nodiscard]] inline FatBox fattened(const ExactBox& box, double margin_m) {
   if (box.is_none()) return FatBox::none();
   constexpr float infinity = std::numeric_limits<float>::infinity();
   FatBox out;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double lo = box.lo[i] - room_m, hi = box.hi[i] + room_m;
+    const double lo = box.lo[i] - margin_m, hi = box.hi[i] + margin_m;
     out.lo[i] = static_cast<float>(lo);
     out.hi[i] = static_cast<float>(hi);
     if (out.lo[i] > lo) out.lo[i] = std::nextafter(out.lo[i], -infinity);

@@ -21,27 +21,27 @@ class SweepAndPrune final : public OverlapFinder {
 
  private:
   static constexpr std::uint32_t kNone = ~0u;
-  struct End {
+  struct Endpoint {
     float at_m;
-    std::uint32_t who;  // 2 * object + (1: upper end)
+    std::uint32_t endpoint_id;  // 2 * object + (1: upper end)
 
     // Closed boxes: of ends at the same place the lower ones come first.
-    [[nodiscard]] bool before(const End& b) const { return at_m < b.at_m || (at_m == b.at_m && !upper() && b.upper()); }
-    [[nodiscard]] bool upper() const { return (who & 1) != 0; }
-    [[nodiscard]] BroadIndex object() const { return who >> 1; }
+    [[nodiscard]] bool before(const Endpoint& b) const { return at_m < b.at_m || (at_m == b.at_m && !upper() && b.upper()); }
+    [[nodiscard]] bool upper() const { return (endpoint_id & 1) != 0; }
+    [[nodiscard]] BroadIndex object() const { return endpoint_id >> 1; }
   };
   struct Axis {
-    std::vector<End> ends;             // sorted
-    std::vector<std::uint32_t> place;  // by End::who: where in `ends`; kNone: isn't there
+    std::vector<Endpoint> endpoints;             // sorted
+    std::vector<std::uint32_t> position_of;  // by End::who: where in `endpoints`; kNone: isn't there
   };
 
-  void walk(Axis& axis, std::uint32_t who, float to_m, std::vector<Found>& found);
-  void take_out(BroadIndex object);
-  void sort_anew(std::span<const BroadIndex> changed, std::vector<Found>& found);
+  void move_endpoint(Axis& axis, std::uint32_t endpoint_id, float to_m, std::vector<Found>& found);
+  void remove_endpoints(BroadIndex object);
+  void sort_all(std::span<const BroadIndex> changed, std::vector<Found>& found);
 
   const std::vector<FatBox>& boxes_;
   std::array<Axis, 3> axes_;
-  std::vector<BroadIndex> open_;  // of sort_anew()
+  std::vector<BroadIndex> open_;  // of sort_all()
 };
 
 }  // namespace peerd::collision

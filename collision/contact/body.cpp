@@ -62,11 +62,11 @@ void enclose(Body& body) {
 }
 
 // Only where its transform is exactly a translation and one scale: a rounded rotation is not told from a shear.
-std::optional<Round> as_round(const Geometry& geometry, ObjectId shape, const Placement& placement) {
+std::optional<ExactSphere> as_exact_sphere(const Geometry& geometry, ObjectId shape, const Placement& placement) {
   const auto* const sphere = std::get_if<SphereGeometry>(&geometry);
   const double scale = placement.linear(0, 0);
   if (sphere == nullptr || !(scale > 0.0) || placement.linear != Mat3(scale * Mat3::Identity())) return std::nullopt;
-  return Round{shape, placement.offset, scale * static_cast<double>(sphere->radius)};
+  return ExactSphere{shape, placement.offset, scale * static_cast<double>(sphere->radius)};
 }
 
 // Of several reasons the first, and how many more there are.
@@ -94,7 +94,7 @@ Body make_body(const Scene& scene, ObjectId object) {
   body.surface = std::make_shared<Surface>();
   {
     std::size_t shapes = 0;
-    Reasons not_convex(scene, body.not_convex), unsupported(scene, body.unsupported);
+    Reasons not_convex_reason(scene, body.not_convex_reason), unsupported(scene, body.unsupported);
     for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
       const ObjectId shape{i};
       const Geometry* const geometry = scene.geometry(shape);
@@ -103,17 +103,17 @@ Body make_body(const Scene& scene, ObjectId object) {
       ++body.meshes_built;
       if (mesh.polygon_count() == 0) continue;
       const Placement placement(scene.object_from_shape(object, shape));
-      body.round = ++shapes == 1 ? as_round(*geometry, shape, placement) : std::nullopt;
+      body.sphere = ++shapes == 1 ? as_exact_sphere(*geometry, shape, placement) : std::nullopt;
       const auto placed =
           body.surface->append(shape, mesh, [&](const Eigen::Vector3f& p) { return placement.point(p); });
       if (!placed) {
         unsupported.add(shape, placed.error());
       } else if (placement.determinant == 0.0) {
-        not_convex.add(shape, "its transform leaves no volume");
+        not_convex_reason.add(shape, "its transform leaves no volume");
       } else if (const auto surface = convex_surface(mesh)) {
         body.pieces.push_back(place(*surface, shape, placement));
       } else {
-        not_convex.add(shape, surface.error());
+        not_convex_reason.add(shape, surface.error());
       }
     }
   }

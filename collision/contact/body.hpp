@@ -22,7 +22,7 @@ struct ConvexPiece {
 };
 
 // What a body is that consists of one VRML Sphere, moved and evenly scaled: exactly round, where its polygons are not.
-struct Round {
+struct ExactSphere {
   ObjectId shape;
   Vec3 center;      // object frame [m]
   double radius_m;  // > 0
@@ -33,12 +33,12 @@ struct Body {
   ObjectId object;
   std::vector<ConvexPiece> pieces;   // depth-first order of their Shapes
   std::shared_ptr<Surface> surface;  // of all Shapes, convex or not; copies of a body share it
-  std::optional<Round> round;        // two such bodies meet as spheres
+  std::optional<ExactSphere> sphere;        // two such bodies meet as spheres
   Vec3 center = Vec3::Zero();        // of the bounding sphere, object frame [m]
   double radius_m = 0.0;             // encloses every vertex; 0 when there are none
   std::uint32_t meshes_built = 0;    // for it
   // Why not all of it are pieces, naming the Shape and its reason: then its surface is asked. Empty when they are.
-  std::string not_convex;
+  std::string not_convex_reason;
   // Why this body has no exact answer, naming the Shape and its reason; empty when it has. A body that can't be
   // answered is never replaced by its hull or its box.
   std::string unsupported;

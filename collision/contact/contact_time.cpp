@@ -63,7 +63,7 @@ bool comes_first(const Contact& candidate, const Contact& best) {
          (candidate.state == ContactState::kOverlapped && best.state != ContactState::kOverlapped);
 }
 
-bool both_convex(const Body& a, const Body& b) { return a.not_convex.empty() && b.not_convex.empty(); }
+bool both_convex(const Body& a, const Body& b) { return a.not_convex_reason.empty() && b.not_convex_reason.empty(); }
 
 WorldBox tight_box(const MovingBody& m) {
   const Mat3 R = m.motion.orientation.toRotationMatrix();
@@ -122,7 +122,7 @@ class Query {
   [[nodiscard]] Contact pair(const Solid& a, const Solid& b, double horizon) const {
     const PairQuery query{a, b, a_.motion, b_.motion, horizon};
     const double radius_sum = reach(a_.body) + reach(b_.body);
-    return turning_ ? turning_contact(query, radius_sum) : sliding_contact(query, radius_sum, R_a_, R_b_);
+    return turning_ ? rotational_contact(query, radius_sum) : translational_contact(query, radius_sum, R_a_, R_b_);
   }
 
   const MovingBody &a_, &b_;
@@ -146,10 +146,10 @@ bool touching(const MovingBody& a, const MovingBody& b, CollisionType type) {
   constexpr double kNear_m = 2.0 * kAdvancementTolerance_m;
   if (type == CollisionType::kBox) return boxes_within(a, b, kNear_m);
   if (meet_as_spheres(a, b)) return spheres_within(a, b, kNear_m);
-  return answerable(a.body, b.body) && surfaces_within(a, b, kNear_m);
+  return has_exact_answer(a.body, b.body) && surfaces_within(a, b, kNear_m);
 }
 
-bool answerable(const Body& a, const Body& b) {
+bool has_exact_answer(const Body& a, const Body& b) {
   constexpr double kLargest_m = 0x1p58;  // MeshImpactQuery's, with room
   if (!a.unsupported.empty() || !b.unsupported.empty()) return false;
   return both_convex(a, b) || (a.radius_m <= kLargest_m && b.radius_m <= kLargest_m);
@@ -159,7 +159,7 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
   assert(horizon_s >= 0.0 && std::isfinite(horizon_s));
   assert(collider.motion.position.allFinite() && collidee.motion.position.allFinite());
   const bool box = type == CollisionType::kBox;
-  if (!box && !answerable(collider.body, collidee.body)) {
+  if (!box && !has_exact_answer(collider.body, collidee.body)) {
     Contact contact;
     contact.state = ContactState::kUnsupported;
     return contact;

@@ -10,7 +10,7 @@ enum class ContactState : std::uint8_t {
   kSeparated,    // no contact in [0, horizon]
   kContact,      // first contact at time_s
   kOverlapped,   // the bodies share more than touching points at 0, whichever way they move
-  kUnsupported,  // the two have no exact answer: see answerable()
+  kUnsupported,  // the two have no exact answer: see has_exact_answer()
   kFailed,       // the iteration cap was reached: certainly no contact before time_s, nothing is known of later
 };
 
@@ -60,13 +60,13 @@ struct MovingBody {
                                     double horizon_s);
 
 // Whether they touch as they stand, or are nearer than contact times leave them: to within twice
-// kAdvancementTolerance_m. One that is wholly inside a convex piece touches it, too. Needs to be answerable() but for
+// kAdvancementTolerance_m. One that is wholly inside a convex piece touches it, too. Needs to be has_exact_answer() but for
 // kBox.
 [[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type);
 
 // Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and
 // where a surface is asked, both are within 2^58 m.
-[[nodiscard]] bool answerable(const Body& a, const Body& b);
+[[nodiscard]] bool has_exact_answer(const Body& a, const Body& b);
 
 // Times are handed on as SimTime, whole nanoseconds (core/time.hpp): where a body was told to touch, it may already be
 // this much of its motion inside. Longer, and a bounce of that length is taken for rest.

@@ -14,16 +14,16 @@ namespace {
 
 // Between calls they keep memory, never values.
 thread_local MeshImpactQuery impacts;
-thread_local WideQuery near_by;
+thread_local WideQuery near_query;
 
-void name(Contact& contact, const Surface& collidee, std::uint32_t polygon_of_soup) {
+void set_polygon(Contact& contact, const Surface& collidee, std::uint32_t polygon_of_soup) {
   const Surface::Polygon polygon = collidee.polygon(polygon_of_soup);
   contact.collidee_shape = polygon.shape;
   contact.collidee_polygon = polygon.polygon;
 }
 
 // How the collider comes: at a place of the world, its material against the collidee's [m/s].
-Vec3 approach(const KinematicState& a, const KinematicState& b, const Vec3& place) {
+Vec3 approach_velocity(const KinematicState& a, const KinematicState& b, const Vec3& place) {
   const auto velocity = [&](const KinematicState& s) {
     const Vec3 turn = rotate(s.orientation.toRotationMatrix(), s.angular_velocity_body);
     return Vec3(s.velocity + turn.cross(place - s.position));
@@ -33,7 +33,7 @@ Vec3 approach(const KinematicState& a, const KinematicState& b, const Vec3& plac
 
 // Two triangles that are near: the normal of the collidee's polygon, on the side of the collider, if that comes towards
 // it.
-std::optional<Vec3> met(const Contact& contact, const Surface& collider, const KinematicState& a,
+std::optional<Vec3> approached_normal(const Contact& contact, const Surface& collider, const KinematicState& a,
                         const Surface& collidee, const KinematicState& b, const RelativeMotion& a_from_b,
                         const FacePair& faces) {
   const Triangle in_b = collidee.soup().triangle(faces.b);
@@ -47,43 +47,43 @@ std::optional<Vec3> met(const Contact& contact, const Surface& collider, const K
   const double side = dot(n, rotate(R_a, gap.on_a - gap.on_b)) / gap.distance;
   if (std::abs(side) < 0x1p-10) return std::nullopt;
   if (side < 0.0) n = -n;
-  const Vec3 comes =
-      contact.resting ? Vec3(a.acceleration - b.acceleration) : approach(a, b, rotate(R_a, gap.on_a) + a.position);
-  if (dot(n, comes) >= -0x1p-30 * length(comes)) return std::nullopt;
+  const Vec3 approach_direction =
+      contact.resting ? Vec3(a.acceleration - b.acceleration) : approach_velocity(a, b, rotate(R_a, gap.on_a) + a.position);
+  if (dot(n, approach_direction) >= -0x1p-30 * length(approach_direction)) return std::nullopt;
   return n;
 }
 
 // The least pair of polygons that meets, if any does: sets polygon and normal.
-bool find_met(Contact& contact, Surface& collider, const KinematicState& a, Surface& collidee,
+bool find_approached_polygon(Contact& contact, Surface& collider, const KinematicState& a, Surface& collidee,
               const KinematicState& b) {
   const RelativeMotion a_from_b(a.pose(), b.pose());
   std::optional<PolygonPair> least;
   for (const FacePair& faces :
-       near_by.faces_within(collider.tree(), collidee.tree(), a_from_b, 2.0 * kAdvancementTolerance_m)) {
+       near_query.faces_within(collider.tree(), collidee.tree(), a_from_b, 2.0 * kAdvancementTolerance_m)) {
     const PolygonPair pair{collider.soup().faces[faces.a].polygon, collidee.soup().faces[faces.b].polygon};
     if (least && !(pair < *least)) continue;
-    const auto normal = met(contact, collider, a, collidee, b, a_from_b, faces);
+    const auto normal = approached_normal(contact, collider, a, collidee, b, a_from_b, faces);
     if (!normal) continue;
     least = pair;
-    name(contact, collidee, pair.b);
+    set_polygon(contact, collidee, pair.b);
     contact.normal_world = *normal;
   }
   return least.has_value();
 }
 
-void name_hit(Contact& contact, const MovingBody& collider, const MovingBody& collidee, const MeshImpact& impact) {
+void set_hit_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee, const MeshImpact& impact) {
   const KinematicState a = advance(collider.motion, impact.time_s), b = advance(collidee.motion, impact.time_s);
-  if (find_met(contact, *collider.body.surface, a, *collidee.body.surface, b)) return;
-  name(contact, *collidee.body.surface, impact.pair.b);
+  if (find_approached_polygon(contact, *collider.body.surface, a, *collidee.body.surface, b)) return;
+  set_polygon(contact, *collidee.body.surface, impact.pair.b);
   contact.normal_world = -impact.direction;
 }
 
-void name_overlap(Contact& contact, const MovingBody& collider, const MovingBody& collidee) {
+void set_overlap_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee) {
   Surface &a = *collider.body.surface, &b = *collidee.body.surface;
   const RelativeMotion a_from_b(collider.motion.pose(), collidee.motion.pose());
-  const auto& pairs = near_by.all_pairs(a.tree(), b.tree(), a_from_b);
+  const auto& pairs = near_query.all_pairs(a.tree(), b.tree(), a_from_b);
   assert(!pairs.empty());
-  name(contact, b, pairs.front().b);
+  set_polygon(contact, b, pairs.front().b);
   const Mat3 R_a = collider.motion.orientation.toRotationMatrix(), R_b = collidee.motion.orientation.toRotationMatrix();
   const Vec3 middle = collider.motion.position + rotate(R_a, collider.body.center);
   const Vec3 other_middle = collidee.motion.position + rotate(R_b, collidee.body.center);
@@ -104,7 +104,7 @@ bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m
   Surface &of_a = *a.body.surface, &of_b = *b.body.surface;
   if (of_a.soup().faces.empty() || of_b.soup().faces.empty()) return false;
   const RelativeMotion a_from_b(a.motion.pose(), b.motion.pose());
-  return !near_by.faces_within(of_a.tree(), of_b.tree(), a_from_b, distance_m).empty();
+  return !near_query.faces_within(of_a.tree(), of_b.tree(), a_from_b, distance_m).empty();
 }
 
 Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
@@ -122,13 +122,13 @@ Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, dou
     case MeshImpactState::kHit:
       contact.state = ContactState::kContact;
       contact.resting = impact.resting;
-      name_hit(contact, collider, collidee, impact);
+      set_hit_polygon(contact, collider, collidee, impact);
       break;
     case MeshImpactState::kOverlapped:
       contact.state = ContactState::kOverlapped;
-      name_overlap(contact, collider, collidee);
+      set_overlap_polygon(contact, collider, collidee);
       break;
-    case MeshImpactState::kOutOfWork:
+    case MeshImpactState::kIterationLimit:
       contact.state = ContactState::kFailed;
       break;
     case MeshImpactState::kTooLarge:

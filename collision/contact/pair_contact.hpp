@@ -24,10 +24,10 @@ struct RoundingBound {
 [[nodiscard]] RoundingBound rounding_bound(const PairQuery& query, double radius_sum_m);
 
 // Both orientations constant: closed form.
-[[nodiscard]] Contact sliding_contact(const PairQuery& query, double radius_sum_m, const Mat3& R_world_collider,
+[[nodiscard]] Contact translational_contact(const PairQuery& query, double radius_sum_m, const Mat3& R_world_collider,
                                       const Mat3& R_world_collidee);
 
 // At least one body turns: conservative advancement.
-[[nodiscard]] Contact turning_contact(const PairQuery& query, double radius_sum_m);
+[[nodiscard]] Contact rotational_contact(const PairQuery& query, double radius_sum_m);
 
 }  // namespace peerd::collision

@@ -15,7 +15,7 @@ Vec3 sphere_center(const MovingBody& m) {
   return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.center);
 }
 
-constexpr std::uint32_t kMost = 1024;
+constexpr std::uint32_t kMaxIterations = 1024;
 
 // Between calls they keep memory, never values.
 thread_local MeshImpactQuery impacts;
@@ -37,16 +37,16 @@ double proximity_time_s(const MovingBody& p, const MovingBody& q) {
 }
 
 bool may_come_near(const MovingBody& p, const MovingBody& q, double within_s, double margin_m) {
-  if (!answerable(p.body, q.body)) return true;
+  if (!has_exact_answer(p.body, q.body)) return true;
   Surface &of_p = *p.body.surface, &of_q = *q.body.surface;
   if (of_p.soup().faces.empty() || of_q.soup().faces.empty()) return false;
   const MeshDistance now =
       distances.distance(of_p.tree(), of_q.tree(), RelativeMotion(p.motion.pose(), q.motion.pose()),
-                         {.enough_m = margin_m, .near_m = margin_m, .most_iterations = kMost});
+                         {.stop_above_m = margin_m, .stop_below_m = margin_m, .max_iterations = kMaxIterations});
   if (now.lower_m < margin_m) return true;
   const MeshImpact impact =
       impacts.first_impact(of_p.tree(), p.motion, of_q.tree(), q.motion, within_s,
-                           {.tolerance_m = 2.0 * margin_m, .most_iterations = kMost, .only_distance = true});
+                           {.tolerance_m = 2.0 * margin_m, .max_iterations = kMaxIterations, .only_distance = true});
   return impact.state != MeshImpactState::kSeparated;
 }
 

@@ -11,7 +11,7 @@ namespace peerd::collision {
 // Whether their polygons may come nearer to each other than `margin_m` > 0 within `within_s`, or are that near now, as
 // both move; false is certain. True may be of what only comes within twice the margin. Of what the spheres let through
 // most is no danger: a long wall's sphere holds half the street. Costs a few nodes of the hierarchies; what isn't
-// settled by kMost steps may come near, and so may what has no surface to ask (answerable()).
+// settled by kMost steps may come near, and so may what has no surface to ask (has_exact_answer()).
 [[nodiscard]] bool may_come_near(const MovingBody& p, const MovingBody& q, double within_s, double margin_m);
 
 }  // namespace peerd::collision

@@ -154,7 +154,7 @@ const Gap& starting_gap(const std::vector<Gap>& gaps, const PairQuery& query, co
 
 }  // namespace
 
-Contact sliding_contact(const PairQuery& query, double radius_sum_m, const Mat3& R_a, const Mat3& R_b) {
+Contact translational_contact(const PairQuery& query, double radius_sum_m, const Mat3& R_a, const Mat3& R_b) {
   const KinematicState &a = query.collider_motion, &b = query.collidee_motion;
   const double horizon = query.horizon_s;
   const Vec3 p = a.position - b.position, v = a.velocity - b.velocity;
@@ -203,7 +203,7 @@ Contact sliding_contact(const PairQuery& query, double radius_sum_m, const Mat3&
   const auto finish = [&](ContactState state, double t, const Vec3& n) {
     contact.state = state;
     contact.time_s = t;
-    name_polygon(contact, query.collidee, R_b, n, v + (2.0 * t) * half_acceleration, e.at(t));
+    set_contact_polygon(contact, query.collidee, R_b, n, v + (2.0 * t) * half_acceleration, e.at(t));
     return contact;
   };
   if (!apart && (any(Start::kApproaching) || any(Start::kPressed))) {

@@ -70,7 +70,7 @@ double first_not_positive(const Quartic& c, double horizon_s, std::uint32_t& ite
 }
 
 Vec3 center_of(const MovingBody& m) {
-  return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.round->center);
+  return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.sphere->center);
 }
 
 // One sphere as seen from the other.
@@ -84,11 +84,11 @@ struct Approach {
       : apart(center_of(a) - center_of(b)),
         velocity(a.motion.velocity - b.motion.velocity),
         half_acceleration(0.5 * (a.motion.acceleration - b.motion.acceleration)),
-        radii_m(a.body.round->radius_m + b.body.round->radius_m) {
+        radii_m(a.body.sphere->radius_m + b.body.sphere->radius_m) {
     const auto magnitudes = [](const Vec3& p, const Vec3& q) { return magnitude(p) + magnitude(q); };
     const double speed = magnitudes(a.motion.velocity, b.motion.velocity);
     gap_error_m = kRounding * (magnitudes(a.motion.position, b.motion.position) + radii_m +
-                               magnitudes(a.body.round->center, b.body.round->center));
+                               magnitudes(a.body.sphere->center, b.body.sphere->center));
     speed_error_m_s = kRounding * speed;
     bend_error_m_s2 = kRounding * (0.5 * magnitudes(a.motion.acceleration, b.motion.acceleration) +
                                    speed * magnitude(velocity) / radii_m);
@@ -115,21 +115,21 @@ Quartic without_root(const Quartic& c) { return {c[1], c[2], c[3], c[4], 0.0}; }
 
 bool meet_as_spheres(const MovingBody& a, const MovingBody& b) {
   const auto round = [](const MovingBody& m) {
-    if (!m.body.round) return false;
-    return m.body.round->center.isZero(0.0) || m.motion.angular_velocity_body.isZero(0.0);
+    if (!m.body.sphere) return false;
+    return m.body.sphere->center.isZero(0.0) || m.motion.angular_velocity_body.isZero(0.0);
   };
   return round(a) && round(b);
 }
 
 bool spheres_within(const MovingBody& a, const MovingBody& b, double distance_m) {
-  return length(center_of(a) - center_of(b)) <= a.body.round->radius_m + b.body.round->radius_m + distance_m;
+  return length(center_of(a) - center_of(b)) <= a.body.sphere->radius_m + b.body.sphere->radius_m + distance_m;
 }
 
 Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
   const Approach way(collider, collidee);
   Quartic f = way.polynomial();
   Contact contact;
-  contact.collidee_shape = collidee.body.round->shape;
+  contact.collidee_shape = collidee.body.sphere->shape;
   const auto finish = [&](ContactState state, double t) {
     contact.state = state;
     contact.time_s = t;

@@ -23,7 +23,7 @@ std::expected<void, std::string> Surface::append(ObjectId shape, const Mesh& mes
     if (number[v] != kUnused) continue;
     number[v] = static_cast<std::uint32_t>(soup_.vertices.size());
     const Vec3 there = place(mesh.vertices[v]);
-    if (!is_place(there) && good) {
+    if (!is_representable(there) && good) {
       good = std::unexpected("vertex " + std::to_string(v) + " is not within 2^128 m of its object's origin");
     }
     soup_.vertices.push_back(there);

@@ -16,7 +16,7 @@ std::vector<std::uint32_t> support_feature(const Solid& solid, const Vec3& n_bod
   return feature;
 }
 
-bool holds(const std::vector<std::uint32_t>& face, const std::vector<std::uint32_t>& feature) {
+bool contains_all(const std::vector<std::uint32_t>& face, const std::vector<std::uint32_t>& feature) {
   return std::ranges::all_of(feature, [&](std::uint32_t v) { return std::ranges::find(face, v) != face.end(); });
 }
 
@@ -34,7 +34,7 @@ std::int64_t face_along(const Solid& collidee, const Mat3& R, const Vec3& n_worl
   return -1;
 }
 
-void name_polygon(Contact& contact, const Solid& collidee, const Mat3& R, const Vec3& n_world, const Vec3& velocity,
+void set_contact_polygon(Contact& contact, const Solid& collidee, const Mat3& R, const Vec3& n_world, const Vec3& velocity,
                   double e) {
   contact.collidee_shape = collidee.shape;
   contact.collidee_polygon = 0;
@@ -51,7 +51,7 @@ void name_polygon(Contact& contact, const Solid& collidee, const Mat3& R, const 
   const std::vector<std::uint32_t> feature = support_feature(collidee, rotate_back(R, n_world), e);
   bool any_adjacent = false;
   for (std::uint32_t i = 0; i < piece.faces.size(); ++i) {
-    if (!holds(piece.faces[i], feature)) continue;
+    if (!contains_all(piece.faces[i], feature)) continue;
     if (!any_adjacent) contact.collidee_polygon = i;
     any_adjacent = true;
     const Vec3 normal = rotate(R, piece.face_normals[i]);

@@ -11,7 +11,7 @@ namespace peerd::collision {
 // Fills in normal, Shape and polygon of a contact that closes along n. A face's normal where n is one; otherwise that
 // of the lowest polygon around the touching corner or edge that the collider's velocity relative to it runs against;
 // otherwise n itself. e [m] is the rounding bound of a vertex's distance along n.
-void name_polygon(Contact& contact, const Solid& collidee, const Mat3& R_world_collidee, const Vec3& n_world,
+void set_contact_polygon(Contact& contact, const Solid& collidee, const Mat3& R_world_collidee, const Vec3& n_world,
                   const Vec3& approach_velocity_world, double e);
 
 }  // namespace peerd::collision

@@ -35,7 +35,7 @@ double largest_radius(const Solid& solid) {
 }
 
 // How fast the vertices' distances along n can change [m/s], and how much that can change in turn [m/s^2].
-struct Turning {
+struct RotationBounds {
   double speed, curvature;
 };
 
@@ -44,7 +44,7 @@ struct Turning {
 // vertices + k s^2 with k <= 0, hence concave: F(s) >= 0 means F >= 0 all the way to s.
 class LowerBound {
  public:
-  LowerBound(const PairQuery& query, const Instant& now, const Turning& turning, const Vec3& n)
+  LowerBound(const PairQuery& query, const Instant& now, const RotationBounds& turning, const Vec3& n)
       : a_(query.collider.vertices),
         b_(query.collidee.vertices),
         n_a_(rotate_back(now.R_a, n)),
@@ -139,7 +139,7 @@ Axis widest(const PairQuery& query, const Instant& now) {
 }
 
 // Far away the first-order bound reaches further: closing speed at most n.v + |w| r, exact for the acceleration.
-double far_step(const Instant& now, const Turning& turning, const Axis& axis) {
+double far_step(const Instant& now, const RotationBounds& turning, const Axis& axis) {
   return first_descent({axis.gap, dot(axis.n, now.v) - turning.speed, dot(axis.n, now.half_acceleration)});
 }
 
@@ -149,7 +149,7 @@ struct Touch {
   Axis closing;               // the collidee's face if it is among those that close, else the widest
   double closing_rate = kNever;
 };
-Touch examine_touch(const PairQuery& query, const Instant& now, const Turning& turning, const RoundingBound& e,
+Touch examine_touch(const PairQuery& query, const Instant& now, const RotationBounds& turning, const RoundingBound& e,
                     double window, double limit) {
   Touch touch;
   bool closing_is_face = false;
@@ -189,12 +189,12 @@ Vec3 approach_velocity(const PairQuery& query, const Instant& now, const Vec3& n
 
 }  // namespace
 
-Contact turning_contact(const PairQuery& query, double radius_sum_m) {
+Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
   const RoundingBound e0 = rounding_bound(query, radius_sum_m);
   const double w_a = length(query.collider_motion.angular_velocity_body);
   const double w_b = length(query.collidee_motion.angular_velocity_body);
   const double r_a = largest_radius(query.collider), r_b = largest_radius(query.collidee);
-  const Turning turning{w_a * r_a + w_b * r_b, w_a * w_a * r_a + w_b * w_b * r_b};
+  const RotationBounds turning{w_a * r_a + w_b * r_b, w_a * w_a * r_a + w_b * w_b * r_b};
 
   Contact contact;
   double t = 0.0;
@@ -225,7 +225,7 @@ Contact turning_contact(const PairQuery& query, double radius_sum_m) {
     contact.state = overlapped ? ContactState::kOverlapped : ContactState::kContact;
     contact.time_s = t;
     contact.resting = !overlapped && t == 0.0 && touch.closing_rate >= -(e.speed_m_s + kRounding * turning.speed);
-    name_polygon(contact, query.collidee, now.R_b, n, approach_velocity(query, now, n), e.gap_m);
+    set_contact_polygon(contact, query.collidee, now.R_b, n, approach_velocity(query, now, n), e.gap_m);
     if (overlapped) contact.normal_world = n;
     return contact;
   }

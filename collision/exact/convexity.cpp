@@ -70,9 +70,9 @@ std::vector<Integer3> to_integers(const std::vector<Eigen::Vector3f>& vertices) 
   return result;
 }
 
-class Examination {
+class ConvexityTest {
  public:
-  explicit Examination(const Mesh& mesh) : mesh_(mesh) {}
+  explicit ConvexityTest(const Mesh& mesh) : mesh_(mesh) {}
 
   std::expected<ConvexSurface, std::string> run() {
     std::optional<std::string> refused = gather();
@@ -285,7 +285,7 @@ class Examination {
 
 std::expected<ConvexSurface, std::string> convex_surface(const Mesh& mesh) {
   assert(mesh.polygon_count() > 0);
-  return Examination(mesh).run();
+  return ConvexityTest(mesh).run();
 }
 
 }  // namespace peerd::collision

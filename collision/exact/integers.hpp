@@ -10,11 +10,11 @@ namespace peerd::collision {
 
 // Binary64 numbers as integers, times a common power of two: what exact arithmetic falls back on where exponents leave
 // the range of expansions.
-class Integers {
+class ScaledIntegers {
  public:
   using Int = boost::multiprecision::cpp_int;
 
-  Integers(std::initializer_list<double> numbers) {
+  ScaledIntegers(std::initializer_list<double> numbers) {
     for (const double x : numbers) {
       int exponent = 0;
       if (std::frexp(x, &exponent) != 0.0) least_ = std::min(least_, exponent);

@@ -16,16 +16,16 @@ struct Interval {
 };
 
 // Of time and the two coordinates.
-struct Cell {
+struct ParameterBox {
   std::array<Interval, 3> side;
 };
 
 // The first in time first, then the largest: its halves say more.
 struct Later {
-  bool operator()(const Cell& a, const Cell& b) const {
+  bool operator()(const ParameterBox& a, const ParameterBox& b) const {
     const double ta = a.side[0].lo, tb = b.side[0].lo;
     if (ta != tb) return ta > tb;
-    const auto size = [](const Cell& c) { return std::max({c.side[0].width(), c.side[1].width(), c.side[2].width()}); };
+    const auto size = [](const ParameterBox& c) { return std::max({c.side[0].width(), c.side[1].width(), c.side[2].width()}); };
     return size(a) < size(b);
   }
 };
@@ -42,7 +42,7 @@ struct VertexFace {
     return at(vertex, t) - ((a + (b - a) * u) + (c - a) * v);
   }
   // Beyond the third edge. u and v are exact, and so is their sum: 53 bits hold it.
-  [[nodiscard]] bool outside(const Cell& cell) const { return cell.side[1].lo + cell.side[2].lo > 1.0; }
+  [[nodiscard]] bool outside(const ParameterBox& cell) const { return cell.side[1].lo + cell.side[2].lo > 1.0; }
 };
 
 struct EdgeEdge {
@@ -53,7 +53,7 @@ struct EdgeEdge {
     const Vec3 p = at(a[0], t), q = at(b[0], t);
     return (p + (at(a[1], t) - p) * u) - (q + (at(b[1], t) - q) * v);
   }
-  [[nodiscard]] bool outside(const Cell&) const { return false; }
+  [[nodiscard]] bool outside(const ParameterBox&) const { return false; }
 };
 
 double largest(const Vec3& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
@@ -71,13 +71,13 @@ LinearImpact first_root(const Distance& distance, double largest_coordinate, con
       reach[side] = std::max(reach[side], largest(value(corner | 1 << side) - value(corner)));
     }
   }
-  std::vector<Cell> open = {Cell{}};
+  std::vector<ParameterBox> open = {ParameterBox{}};
   LinearImpact impact;
   while (!open.empty()) {
     std::ranges::pop_heap(open, Later());
-    const Cell cell = open.back();
+    const ParameterBox cell = open.back();
     open.pop_back();
-    if (impact.iterations == options.most_iterations) return {ImpactState::kUnsure, cell.side[0].lo, impact.iterations};
+    if (impact.iterations == options.max_iterations) return {ImpactState::kUnsure, cell.side[0].lo, impact.iterations};
     ++impact.iterations;
     if (distance.outside(cell)) continue;
     Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
@@ -99,7 +99,7 @@ LinearImpact first_root(const Distance& distance, double largest_coordinate, con
     const double middle = side.lo + side.width() / 2.0;
     if (small || middle == side.lo || middle == side.hi) return {ImpactState::kHit, cell.side[0].lo, impact.iterations};
     for (const bool upper : {true, false}) {
-      Cell& half = open.emplace_back(cell);
+      ParameterBox& half = open.emplace_back(cell);
       (upper ? half.side[widest].lo : half.side[widest].hi) = middle;
       std::ranges::push_heap(open, Later());
     }

@@ -33,7 +33,7 @@ struct ImpactOptions {
   // Where the distance along each axis is certainly below it, that is a hit [m]. Contacts have no such distance at
   // their time; what passes each other more closely may be taken for one.
   double tolerance_m = 1e-6;
-  std::uint32_t most_iterations = 1u << 18;
+  std::uint32_t max_iterations = 1u << 18;
 };
 
 // Finite coordinates. The triangle, or a segment, may have no area or length.

@@ -79,7 +79,7 @@ Expansion<24> determinant_of_heads(const Differences& m) {
 
 // In place of Shewchuk's stage C: twice the precision, tails to first order, and without a branch. What it leaves out,
 // the products of two tails and its own roundings, is below 70 u^2 times the permanent, and `error` is beyond that.
-struct TwiceThePrecision {
+struct DoubleDoubleSum {
   double head, tail, error;
 
   [[nodiscard]] int sign() const {  // 0: uncertain
@@ -87,7 +87,7 @@ struct TwiceThePrecision {
     return (value > error) - (-value > error);
   }
 };
-TwiceThePrecision in_twice_the_precision(const Differences& m) {
+DoubleDoubleSum in_double_double(const Differences& m) {
   double head = 0.0, tail = 0.0, permanent = 0.0;
   for (int i = 0; i < 3; ++i) {
     const int j = kNext[i], k = kAfterNext[i];
@@ -116,14 +116,14 @@ Expansion<192> full_determinant(const Differences& m) {
 }
 
 int exact_sign(const Differences& m) {
-  if (const int sign = in_twice_the_precision(m).sign(); sign != 0) return sign;
+  if (const int sign = in_double_double(m).sign(); sign != 0) return sign;
   return m.exact() ? determinant_of_heads(m).sign() : full_determinant(m).sign();
 }
 
 // An exact value in two numbers. At most 192 terms make as many roundings in the tail, each of at most that many tails
 // of u of their sizes.
 template <std::size_t N>
-TwiceThePrecision condensed(const Expansion<N>& x) {
+DoubleDoubleSum condensed(const Expansion<N>& x) {
   double head = 0.0, tail = 0.0, size = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const TwoTerms sum = two_sum(head, x[i]);
@@ -134,18 +134,18 @@ TwiceThePrecision condensed(const Expansion<N>& x) {
   return {head, tail, 0x1p18 * kUnitRoundoff * kUnitRoundoff * size};
 }
 
-using Int = Integers::Int;
+using Int = ScaledIntegers::Int;
 struct IntVector {
   Int x[3];
 };
 
-IntVector minus(const Integers& of, const Vec3& b, const Vec3& a) {
+IntVector minus(const ScaledIntegers& of, const Vec3& b, const Vec3& a) {
   IntVector out;
   for (int i = 0; i < 3; ++i) out.x[i] = of(b[i]) - of(a[i]);
   return out;
 }
 
-IntVector integers(const Integers& of, const Vec3& direction) {
+IntVector integers(const ScaledIntegers& of, const Vec3& direction) {
   return {{of(direction[0]), of(direction[1]), of(direction[2])}};
 }
 
@@ -182,7 +182,7 @@ double rounded_quotient(Int numerator, Int denominator, int exponent) {
 }
 
 // The same, of two determinants in twice the precision; none where that leaves it open.
-std::optional<double> rounded_quotient(const TwiceThePrecision& a, const TwiceThePrecision& b) {
+std::optional<double> rounded_quotient(const DoubleDoubleSum& a, const DoubleDoubleSum& b) {
   constexpr double kLeast = 0x1p-900;  // below that, tails would underflow
   const TwoTerms n = two_sum(a.head, a.tail), d = two_sum(b.head, b.tail);
   const double guess = n.head / d.head;
@@ -207,7 +207,7 @@ int volume_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
     return exact_sign({{b, a}, {c, a}, {d, a}});
   }
   ++counters.wide;
-  const Integers of({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], d[0], d[1], d[2]});
+  const ScaledIntegers of({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], d[0], d[1], d[2]});
   return volume(minus(of, b, a), minus(of, c, a), minus(of, d, a)).sign();
 }
 
@@ -220,11 +220,11 @@ int volume_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& c, const V
     return exact_sign({{b, a}, {c, a}, Difference(d)});
   }
   ++counters.wide;
-  const Integers of({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]}), along({d[0], d[1], d[2]});
+  const ScaledIntegers of({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]}), along({d[0], d[1], d[2]});
   return volume(minus(of, b, a), minus(of, c, a), integers(along, d)).sign();
 }
 
-int turn_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j, OrientationCounters& counters) {
+int orient2d_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j, OrientationCounters& counters) {
   ++counters.exact;
   if (in_range({a[i], a[j], b[i], b[j], c[i], c[j]})) {
     return determinant(exact_difference(b[i], a[i]), exact_difference(b[j], a[j]), exact_difference(c[i], a[i]),
@@ -232,12 +232,12 @@ int turn_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j, O
         .sign();
   }
   ++counters.wide;
-  const Integers of({a[i], a[j], b[i], b[j], c[i], c[j]});
+  const ScaledIntegers of({a[i], a[j], b[i], b[j], c[i], c[j]});
   const Int turn = (of(b[i]) - of(a[i])) * (of(c[j]) - of(a[j])) - (of(b[j]) - of(a[j])) * (of(c[i]) - of(a[i]));
   return turn.sign();
 }
 
-int turn_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
+int orient2d_along_exact(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
                           OrientationCounters& counters) {
   ++counters.exact;
   const Vec3& d = direction;
@@ -246,7 +246,7 @@ int turn_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& direction, i
     return determinant(exact_difference(b[i], a[i]), exact_difference(b[j], a[j]), of(d[i]), of(d[j])).sign();
   }
   ++counters.wide;
-  const Integers of({a[i], a[j], b[i], b[j]}), along({d[i], d[j]});
+  const ScaledIntegers of({a[i], a[j], b[i], b[j]}), along({d[i], d[j]});
   const Int turn = (of(b[i]) - of(a[i])) * along(d[j]) - (of(b[j]) - of(a[j])) * along(d[i]);
   return turn.sign();
 }
@@ -257,13 +257,13 @@ double plane_parameter(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
   if (in_range({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], o[0], o[1], o[2], d[0], d[1], d[2]})) {
     const Difference u(b, a), v(c, a);
     const Differences height{u, v, {a, o}}, descent{u, v, Difference(d)};
-    if (const auto t = rounded_quotient(in_twice_the_precision(height), in_twice_the_precision(descent))) return *t;
+    if (const auto t = rounded_quotient(in_double_double(height), in_double_double(descent))) return *t;
     if (const auto t = rounded_quotient(condensed(full_determinant(height)), condensed(full_determinant(descent)))) {
       return *t;
     }
   }
   ++counters.quotients;
-  const Integers of({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], o[0], o[1], o[2]}),
+  const ScaledIntegers of({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], o[0], o[1], o[2]}),
       along({d[0], d[1], d[2]});
   const IntVector u = minus(of, b, a), v = minus(of, c, a);
   return rounded_quotient(volume(u, v, minus(of, a, o)), volume(u, v, integers(along, d)),
@@ -281,7 +281,7 @@ double line_parameter(const Vec3& a, const Vec3& b, const Vec3& origin, const Ve
     if (const auto t = rounded_quotient(condensed(height), condensed(descent))) return *t;
   }
   ++counters.quotients;
-  const Integers of({a[i], a[j], b[i], b[j], o[i], o[j]}), along({d[i], d[j]});
+  const ScaledIntegers of({a[i], a[j], b[i], b[j], o[i], o[j]}), along({d[i], d[j]});
   const auto difference = [&](const Vec3& p, const Vec3& q, int k) { return Int(of(p[k]) - of(q[k])); };
   return rounded_quotient(difference(a, o, i) * difference(b, o, j) - difference(a, o, j) * difference(b, o, i),
                           along(d[i]) * difference(b, a, j) - along(d[j]) * difference(b, a, i),
@@ -295,7 +295,7 @@ double point_parameter(const Vec3& a, const Vec3& origin, const Vec3& direction,
     if (const auto t = rounded_quotient({to.head, to.tail, 0.0}, {direction[i], 0.0, 0.0})) return *t;
   }
   ++counters.quotients;
-  const Integers of({a[i], origin[i]}), along({direction[i]});
+  const ScaledIntegers of({a[i], origin[i]}), along({direction[i]});
   return rounded_quotient(of(a[i]) - of(origin[i]), along(direction[i]), of.exponent() - along.exponent());
 }
 

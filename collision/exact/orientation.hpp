@@ -24,13 +24,13 @@ inline constexpr double kUnitRoundoff = 0x1p-53;
 [[nodiscard]] int volume_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d,
                                     OrientationCounters& counters);
 // Of |b - a, c - a| in the plane of the coordinates i and j: 1 when a b c turn to the left, i to the right and j up.
-[[nodiscard]] int turn_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
+[[nodiscard]] int orient2d_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
                                   OrientationCounters& counters);
 
 // The same with a direction in place of the last point: of |b - a, c - a, direction| and of |b - a, direction|.
 [[nodiscard]] int volume_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& direction,
                                           OrientationCounters& counters);
-[[nodiscard]] int turn_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
+[[nodiscard]] int orient2d_along_exact(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
                                         OrientationCounters& counters);
 
 // Underflow: each of the few products of a determinant can lose 2^-1075, and what was lost is multiplied by at most one
@@ -83,7 +83,7 @@ class PlaneFilter {
 }
 
 // Bound: section 4.3, (3 + 16 u) u times the permanent.
-[[nodiscard]] inline int turn_sign(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
+[[nodiscard]] inline int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
                                    OrientationCounters& counters) {
   const double plus = (b[i] - a[i]) * (c[j] - a[j]);
   const double minus = (b[j] - a[j]) * (c[i] - a[i]);
@@ -91,10 +91,10 @@ class PlaneFilter {
   const double bound = 4.0 * kUnitRoundoff * (std::abs(plus) + std::abs(minus)) + kUnderflow;
   if (value > bound) return 1;
   if (-value > bound) return -1;
-  return turn_sign_exact(a, b, c, i, j, counters);
+  return orient2d_exact(a, b, c, i, j, counters);
 }
 
-[[nodiscard]] inline int turn_sign_along(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
+[[nodiscard]] inline int orient2d_along(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
                                          OrientationCounters& counters) {
   const double plus = (b[i] - a[i]) * direction[j];
   const double minus = (b[j] - a[j]) * direction[i];
@@ -102,7 +102,7 @@ class PlaneFilter {
   const double bound = 4.0 * kUnitRoundoff * (std::abs(plus) + std::abs(minus)) + kUnderflow;
   if (value > bound) return 1;
   if (-value > bound) return -1;
-  return turn_sign_along_exact(a, b, direction, i, j, counters);
+  return orient2d_along_exact(a, b, direction, i, j, counters);
 }
 
 // Where origin + t * direction meets something, rounded to nearest, ties to even: the binary64 number that is closest

@@ -6,18 +6,18 @@
 namespace peerd::collision {
 
 // A closed interval of times [s]; empty when begin > end.
-struct Times {
+struct TimeInterval {
   double begin = std::numeric_limits<double>::infinity();
   double end = -std::numeric_limits<double>::infinity();
 
-  [[nodiscard]] static constexpr Times always() {
+  [[nodiscard]] static constexpr TimeInterval always() {
     return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   }
 };
 
 // At most two disjoint intervals, the earlier one first.
 struct TimeSet {
-  Times first, second;
+  TimeInterval first, second;
 
   // The least member >= t; +inf when there is none.
   [[nodiscard]] double next(double t) const {
@@ -61,12 +61,12 @@ struct Quadratic {
 [[nodiscard]] inline TimeSet non_positive(const Quadratic& q) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   if (q.c2 == 0.0) {
-    if (q.c1 == 0.0) return {q.c0 <= 0.0 ? Times::always() : Times{}, {}};
+    if (q.c1 == 0.0) return {q.c0 <= 0.0 ? TimeInterval::always() : TimeInterval{}, {}};
     const double root = -q.c0 / q.c1;
-    return {q.c1 > 0.0 ? Times{-inf, root} : Times{root, inf}, {}};
+    return {q.c1 > 0.0 ? TimeInterval{-inf, root} : TimeInterval{root, inf}, {}};
   }
   const double d = discriminant(q);
-  if (d < 0.0) return {q.c2 < 0.0 ? Times::always() : Times{}, {}};
+  if (d < 0.0) return {q.c2 < 0.0 ? TimeInterval::always() : TimeInterval{}, {}};
   const auto [r, s] = roots(q, d);
   return q.c2 > 0.0 ? TimeSet{{r, s}, {}} : TimeSet{{-inf, r}, {s, inf}};
 }

@@ -10,10 +10,10 @@ namespace {
 
 using detail::Projection;
 
-struct TurnSigns {
+struct Orient2dSigns {
   OrientationCounters& counters;
-  [[nodiscard]] int turn(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) const {
-    return turn_sign(a, b, c, i, j, counters);
+  [[nodiscard]] int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) const {
+    return orient2d(a, b, c, i, j, counters);
   }
 };
 
@@ -50,13 +50,13 @@ std::optional<double> at_segment_along(const Ray& ray, const Vec3& p, const Vec3
 // A closed segment of a plane that the ray is in, too; its ends may be equal.
 std::optional<double> at_segment(const Ray& ray, const Vec3& p, const Vec3& q, OrientationCounters& counters) {
   for (const auto& [i, j] : detail::kProjections) {
-    const int side_p = turn_sign_along(ray.origin, p, ray.direction, i, j, counters);
-    const int side_q = turn_sign_along(ray.origin, q, ray.direction, i, j, counters);
+    const int side_p = orient2d_along(ray.origin, p, ray.direction, i, j, counters);
+    const int side_q = orient2d_along(ray.origin, q, ray.direction, i, j, counters);
     if (side_p == 0 && side_q == 0) continue;
     // An end is off the ray's line, and so it is in this projection: which maps the plane one to one.
     if (side_p == 0) return at_point(ray, p, counters);
     if (side_q == 0) return at_point(ray, q, counters);
-    if (side_p == side_q || turn_sign(ray.origin, p, q, i, j, counters) * side_p < 0) return std::nullopt;
+    if (side_p == side_q || orient2d(ray.origin, p, q, i, j, counters) * side_p < 0) return std::nullopt;
     return line_parameter(p, q, ray.origin, ray.direction, i, j, counters);
   }
   return at_segment_along(ray, p, q, counters);
@@ -65,7 +65,7 @@ std::optional<double> at_segment(const Ray& ray, const Vec3& p, const Vec3& q, O
 // The ray is in the triangle's plane; or the triangle has no area, and where its ends are off the ray's line they are
 // in a plane with it.
 std::optional<double> in_plane(const Ray& ray, const Triangle& t, OrientationCounters& counters) {
-  TurnSigns signs{counters};
+  Orient2dSigns signs{counters};
   const Projection* const projection = detail::area_projection(t, signs);
   if (projection == nullptr) {
     const detail::Segment hull = detail::hull_of_collinear(t);

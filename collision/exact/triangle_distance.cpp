@@ -165,7 +165,7 @@ void bound(TriangleDistance& out, const Nearest& nearest, const Triangle& a, con
 
 }  // namespace
 
-TriangleDistance triangle_distance(const Triangle& a, const Triangle& b, double enough) {
+TriangleDistance triangle_distance(const Triangle& a, const Triangle& b, double relative_accuracy) {
   const double largest = largest_coordinate(a, b);
   TriangleDistance out{kInfinity, a[0], b[0], 0.0, kInfinity};
   // A point of an edge or a face is off it by at most 10 u of the largest coordinate along each axis, and by 2 u more
@@ -175,14 +175,14 @@ TriangleDistance triangle_distance(const Triangle& a, const Triangle& b, double 
   if (out.lower == 0.0 && touch(a, b, ignored)) {
     Nearest common = Search<double>(a, b).run_touching();
     if (!(std::sqrt(common.square) <= 0x1p-44 * largest)) {
-      const Nearest again = Search<Twofold>(a, b).run_touching();
+      const Nearest again = Search<DoubleDouble>(a, b).run_touching();
       if (again.square < common.square) common = again;
     }
     return {0.0, common.on_a, common.on_b, 0.0, 0.0};
   }
   // Where the nearest points are ill-conditioned, the gap along them is not that of their distance.
-  if (out.upper - out.lower > std::max(0x1p-44 * largest, enough * out.upper)) {
-    bound(out, Search<Twofold>(a, b).run(), a, b, 0x1p-90 * largest);
+  if (out.upper - out.lower > std::max(0x1p-44 * largest, relative_accuracy * out.upper)) {
+    bound(out, Search<DoubleDouble>(a, b).run(), a, b, 0x1p-90 * largest);
   }
   out.lower = std::min(out.lower, out.upper);
   return out;

@@ -20,8 +20,8 @@ struct ExactSigns {
   [[nodiscard]] int volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     return volume_sign(a, b, c, d, counters);
   }
-  [[nodiscard]] int turn(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) {
-    return turn_sign(a, b, c, i, j, counters);
+  [[nodiscard]] int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) {
+    return orient2d(a, b, c, i, j, counters);
   }
 };
 

@@ -6,7 +6,7 @@
 #include "core/geometry/triangulation.hpp"
 
 namespace peerd::collision {
-bool is_place(const Vec3& v) {
+bool is_representable(const Vec3& v) {
   // Not one comparison holds for what is no number.
   return std::abs(v[0]) <= kLargestCoordinate_m && std::abs(v[1]) <= kLargestCoordinate_m &&
          std::abs(v[2]) <= kLargestCoordinate_m;
@@ -20,7 +20,7 @@ std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh, const Mat3&
   for (const Eigen::Vector3f& v : mesh.vertices) {
     const Vec3 parsed = v.cast<double>();
     soup.vertices.push_back(stretched ? multiply(stretch, parsed) : parsed);
-    all_places &= is_place(soup.vertices.back());
+    all_places &= is_representable(soup.vertices.back());
   }
   soup.faces.reserve(mesh.polygon_count());
   std::vector<std::uint8_t> used(mesh.vertices.size());  // a byte is set in one step, a bit in three
@@ -29,7 +29,7 @@ std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh, const Mat3&
     const auto corners = mesh.polygon(polygon);
     for (const std::int32_t corner : corners) {
       used[static_cast<std::size_t>(corner)] = 1;
-      if (!all_places && !is_place(soup.vertices[static_cast<std::size_t>(corner)])) {
+      if (!all_places && !is_representable(soup.vertices[static_cast<std::size_t>(corner)])) {
         return std::unexpected("vertex " + std::to_string(corner) + " of polygon " + std::to_string(polygon) +
                                " is not within 2^128 m of its Shape's origin");
       }

@@ -34,7 +34,7 @@ struct TriangleSoup {
 inline constexpr double kLargestCoordinate_m = 0x1p128;
 
 // Each coordinate; not what is no number.
-[[nodiscard]] bool is_place(const Vec3& vertex);
+[[nodiscard]] bool is_representable(const Vec3& vertex);
 
 // `stretch` (core/transform.hpp, StretchedPose) is baked into the vertices: multiply(stretch, vertex) as binary64; the
 // identity leaves them as they were parsed. The error names the vertex that is too far out or no number at all.

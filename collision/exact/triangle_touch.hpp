@@ -12,7 +12,7 @@
 //                                                                         triangle runs counter-clockwise seen from
 //                                                                         them
 //   int volume(a, b, c, d)         of one point
-//   int turn(a, b, c, i, j)        in the plane of the coordinates i and j
+//   int orient2d(a, b, c, i, j)      in the plane of the coordinates i and j
 // With exact signs the answer is exact; the benchmarks put rounded ones beside it and count what they get wrong.
 namespace peerd::collision::detail {
 
@@ -37,7 +37,7 @@ const Projection* area_projection(const Triangle& t, Signs& signs) {
   const auto first = static_cast<std::size_t>(std::ranges::max_element(size) - size.begin());
   for (std::size_t n = 0; n < 3; ++n) {
     const Projection& p = kProjections[(first + n) % 3];
-    if (signs.turn(t[0], t[1], t[2], p.i, p.j) != 0) return &p;
+    if (signs.orient2d(t[0], t[1], t[2], p.i, p.j) != 0) return &p;
   }
   return nullptr;
 }
@@ -73,8 +73,8 @@ bool segments_touch(const Segment& a, const Segment& b, const Projection& to, Si
       return false;
     }
   }
-  return signs.turn(a.p, a.q, b.p, to.i, to.j) * signs.turn(a.p, a.q, b.q, to.i, to.j) <= 0 &&
-         signs.turn(b.p, b.q, a.p, to.i, to.j) * signs.turn(b.p, b.q, a.q, to.i, to.j) <= 0;
+  return signs.orient2d(a.p, a.q, b.p, to.i, to.j) * signs.orient2d(a.p, a.q, b.q, to.i, to.j) <= 0 &&
+         signs.orient2d(b.p, b.q, a.p, to.i, to.j) * signs.orient2d(b.p, b.q, a.q, to.i, to.j) <= 0;
 }
 
 // Border or inside, of a triangle with an area.
@@ -82,7 +82,7 @@ template <class Signs>
 bool contains(const Triangle& t, const Vec3& p, const Projection& to, Signs& signs) {
   int least = 1, most = -1;
   for (int e = 0; e < 3; ++e) {
-    const int side = signs.turn(t[e], t[(e + 1) % 3], p, to.i, to.j);
+    const int side = signs.orient2d(t[e], t[(e + 1) % 3], p, to.i, to.j);
     least = std::min(least, side);
     most = std::max(most, side);
   }
@@ -92,9 +92,9 @@ bool contains(const Triangle& t, const Vec3& p, const Projection& to, Signs& sig
 // An edge of `a`, which has an area, whose line has all of `b` strictly on its other side.
 template <class Signs>
 bool an_edge_separates(const Triangle& a, const Triangle& b, const Projection& to, Signs& signs) {
-  const int inside = signs.turn(a[0], a[1], a[2], to.i, to.j);
+  const int inside = signs.orient2d(a[0], a[1], a[2], to.i, to.j);
   for (int e = 0; e < 3; ++e) {
-    const auto outside = [&](const Vec3& p) { return signs.turn(a[e], a[(e + 1) % 3], p, to.i, to.j) == -inside; };
+    const auto outside = [&](const Vec3& p) { return signs.orient2d(a[e], a[(e + 1) % 3], p, to.i, to.j) == -inside; };
     if (outside(b[0]) && outside(b[1]) && outside(b[2])) return true;
   }
   return false;

@@ -86,7 +86,7 @@ struct MeshDistanceQuery::Search {
   // What is nearer than this must be looked at.
   [[nodiscard]] double worth_m() const {
     const double accurate = found.upper_m - std::max(options.accuracy_m, options.relative_accuracy * found.upper_m);
-    return std::min(std::isnan(accurate) ? kInfinity : accurate, options.enough_m);
+    return std::min(std::isnan(accurate) ? kInfinity : accurate, options.stop_above_m);
   }
   [[nodiscard]] float worth() const {
     const double scaled = worth_m() * a.scale() * (1.0 + 0x1p-22);
@@ -177,7 +177,7 @@ struct MeshDistanceQuery::Search {
     distances_of_leaves(leaf_a, leaf_b, motion, toward, worth(), distances, estimates);
     skip(meters(std::max(distances.skipped, pair.lower)));
     Best best = least_below(distances, leaf_b.count, estimates);
-    if (meters(best.value) < found.upper_m && found.iterations < options.most_iterations) {
+    if (meters(best.value) < found.upper_m && found.iterations < options.max_iterations) {
       look_at_triangles(leaf_a.faces[best.i], leaf_b.faces[best.j]);
     } else {
       best = {};
@@ -199,8 +199,8 @@ struct MeshDistanceQuery::Search {
     if (best.value == kNone) return;
     const bool leaf_a = of_a.kind() == Ref::kLeaf, leaf_b = of_b.kind() == Ref::kLeaf;
     const auto child = [&](std::size_t i, std::size_t j) {
-      return Open{std::max(distances.lower[j][i], pair.lower), leaf_a ? pair.a : WideTree::place(of_a, i),
-                  leaf_b ? pair.b : WideTree::place(of_b, j), false};
+      return Open{std::max(distances.lower[j][i], pair.lower), leaf_a ? pair.a : WideTree::child_slot(of_a, i),
+                  leaf_b ? pair.b : WideTree::child_slot(of_b, j), false};
     };
     for_each_below(distances, boxes_b.count, [&](std::size_t i, std::size_t j) {
       if (!best.is(i, j)) push(child(i, j));
@@ -210,7 +210,7 @@ struct MeshDistanceQuery::Search {
 
   void look_at(const Open& pair) {
     if (pair.triangles) return look_at_triangles(pair.a, pair.b);
-    if (found.iterations == options.most_iterations) return push(pair);
+    if (found.iterations == options.max_iterations) return push(pair);
     ++found.iterations;
     const Ref of_a = a.at(pair.a), of_b = b.at(pair.b);
     if (of_a.kind() == Ref::kLeaf && of_b.kind() == Ref::kLeaf) {
@@ -221,8 +221,8 @@ struct MeshDistanceQuery::Search {
   }
 
   [[nodiscard]] bool goes_on() const {
-    return !open.empty() && meters(open.front().lower) < worth_m() && found.upper_m > options.near_m &&
-           found.iterations < options.most_iterations;
+    return !open.empty() && meters(open.front().lower) < worth_m() && found.upper_m > options.stop_below_m &&
+           found.iterations < options.max_iterations;
   }
   void run() {
     while (goes_on()) {

@@ -38,7 +38,7 @@ std::optional<RayHit> RayQuery::nearest(WideTree& tree, const Ray& ray) {
       const auto first = static_cast<std::ptrdiff_t>(stack_.size());
       for (std::uint32_t bits = test_ray_node(tree.node(ref.index()), wide, entries); bits != 0; bits &= bits - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(bits));
-        const Visit child{WideTree::place(ref, i), entries[i]};
+        const Visit child{WideTree::child_slot(ref, i), entries[i]};
         auto at = stack_.insert(stack_.end(), child);  // a few: sorted as they come, the nearest last
         for (; at != stack_.begin() + first && (at - 1)->entry < child.entry; --at) *at = *(at - 1);
         *at = child;

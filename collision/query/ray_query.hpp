@@ -38,7 +38,7 @@ class RayQuery {
 
  private:
   struct Visit {
-    WideTree::Place place;
+    WideTree::ChildSlot place;
     float entry;  // no later than where the ray enters its box
   };
   std::vector<Visit> stack_;

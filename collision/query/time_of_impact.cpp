@@ -26,10 +26,10 @@ constexpr double kWindowOfExtent = 0.125;
 constexpr double kLongerIdle = 8.0;
 constexpr std::uint32_t kIdleWork = 16;
 // What the direction between two triangles needs to be known to: the gap along it is certain, whatever it is.
-constexpr double kEnough = 0.125;
+constexpr double kRelativeAccuracy = 0.125;
 // What a window may look at before it is given up and tried again: half of it, and so many times as much; then so many
 // windows are not longer. Where meshes are close along large parts shorter windows don't look at less, hence the 4.
-constexpr std::uint32_t kWindowWork = 512, kMoreWork = 4, kAsLong = 4;
+constexpr std::uint32_t kWindowWork = 512, kMoreWork = 4, kShortWindows = 4;
 
 // No point of the soup is farther from its frame's origin.
 double radius(const TriangleSoup& soup) {
@@ -39,55 +39,55 @@ double radius(const TriangleSoup& soup) {
 }
 
 // How material points of both move at an instant. In A's frame, as it stands then.
-struct Moment {
+struct MotionState {
   RelativeMotion a_from_b;
   Mat3 world_from_a;
   Vec3 velocity_a, velocity_b;  // of the bodies' origins [m/s]
-  Vec3 turn_a, turn_b;          // [rad/s]
+  Vec3 angular_velocity_a, angular_velocity_b;          // [rad/s]
   Vec3 pressing;                // A's acceleration less B's [m/s^2]
 
-  Moment(const KinematicState& a, const KinematicState& b)
+  MotionState(const KinematicState& a, const KinematicState& b)
       : a_from_b(a.pose(), b.pose()),
         world_from_a(a.orientation.toRotationMatrix()),
         velocity_a(rotate_back(world_from_a, a.velocity)),
         velocity_b(rotate_back(world_from_a, b.velocity)),
-        turn_a(a.angular_velocity_body),
-        turn_b(multiply(a_from_b.rotation, b.angular_velocity_body)),
+        angular_velocity_a(a.angular_velocity_body),
+        angular_velocity_b(multiply(a_from_b.rotation, b.angular_velocity_body)),
         pressing(rotate_back(world_from_a, a.acceleration - b.acceleration)) {}
 
-  [[nodiscard]] Vec3 speed_of_a(const Vec3& p) const { return velocity_a + turn_a.cross(p); }
-  [[nodiscard]] Vec3 speed_of_b(const Vec3& p) const { return velocity_b + turn_b.cross(p - a_from_b.translation); }
+  [[nodiscard]] Vec3 velocity_at_a(const Vec3& p) const { return velocity_a + angular_velocity_a.cross(p); }
+  [[nodiscard]] Vec3 velocity_at_b(const Vec3& p) const { return velocity_b + angular_velocity_b.cross(p - a_from_b.translation); }
 };
 
-// The time until a gap that closes at `closing` and ever faster, by `bend` [m/s^2] at most, is gone.
-double time_to_close(double gap, double closing, double bend) {
+// The time until a gap that closes at `closing` and ever faster, by `closing_acceleration_bound` [m/s^2] at most, is gone.
+double time_to_close(double gap, double closing, double closing_acceleration_bound) {
   if (gap <= 0.0) return 0.0;
-  if (closing <= 0.0 && bend <= 0.0) return kInfinity;
-  const double root = std::sqrt(closing * closing + 2.0 * bend * gap);
-  const double s = closing > 0.0 ? 2.0 * gap / (closing + root) : (root - closing) / bend;
+  if (closing <= 0.0 && closing_acceleration_bound <= 0.0) return kInfinity;
+  const double root = std::sqrt(closing * closing + 2.0 * closing_acceleration_bound * gap);
+  const double s = closing > 0.0 ? 2.0 * gap / (closing + root) : (root - closing) / closing_acceleration_bound;
   return s * (1.0 - 0x1p-45);
 }
 
 // Two triangles along a direction from A to B: what is between their corners, now and as they go on.
-struct Along {
+struct AxisProjections {
   std::array<double, 3> at_a, at_b, speed_a, speed_b;
 
-  Along(const Moment& now, const Vec3& n, const Triangle& a, const Triangle& b) {
+  AxisProjections(const MotionState& now, const Vec3& n, const Triangle& a, const Triangle& b) {
     for (std::size_t i = 0; i < 3; ++i) {
       at_a[i] = dot(n, a[i]);
       at_b[i] = dot(n, b[i]);
-      speed_a[i] = dot(n, now.speed_of_a(a[i]));
-      speed_b[i] = dot(n, now.speed_of_b(b[i]));
+      speed_a[i] = dot(n, now.velocity_at_a(a[i]));
+      speed_b[i] = dot(n, now.velocity_at_b(b[i]));
     }
   }
   [[nodiscard]] double gap() const { return *std::ranges::min_element(at_b) - *std::ranges::max_element(at_a); }
 
   // How long at least the gap stays above `least`: corner against corner.
-  [[nodiscard]] double time_above(double least, double bend) const {
+  [[nodiscard]] double time_above(double least, double closing_acceleration_bound) const {
     double s = kInfinity;
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < 3; ++j)
-        s = std::min(s, time_to_close(at_b[j] - at_a[i] - least, speed_a[i] - speed_b[j], bend));
+        s = std::min(s, time_to_close(at_b[j] - at_a[i] - least, speed_a[i] - speed_b[j], closing_acceleration_bound));
     }
     return s;
   }
@@ -160,39 +160,39 @@ class MeshImpactQuery::Search {
     rate_a_ = length(motion_a.angular_velocity_body) * (1.0 + 0x1p-40);
     rate_b_ = length(motion_b.angular_velocity_body) * (1.0 + 0x1p-40);
     const double edge_a = rate_a_ * radius(a.soup()), edge_b = rate_b_ * radius(b.soup());
-    edge_m_s_ = edge_a + edge_b;
-    bend_m_s2_ = (rate_a_ * edge_a + rate_b_ * edge_b) * (1.0 + 0x1p-40);
+    spin_speed_m_s_ = edge_a + edge_b;
+    centripetal_m_s2_ = (rate_a_ * edge_a + rate_b_ * edge_b) * (1.0 + 0x1p-40);
     acceleration_m_s2_ = length(motion_a.acceleration - motion_b.acceleration) * (1.0 + 0x1p-40);
-    places_m_ = magnitude(motion_a.position) + magnitude(motion_b.position) + a.extent_m() + b.extent_m() +
+    coordinate_bound_m_ = magnitude(motion_a.position) + magnitude(motion_b.position) + a.extent_m() + b.extent_m() +
                 magnitude(a.origin()) + magnitude(b.origin());
   }
 
   MeshImpact run() {
     const double usual_s = usual_window();
     double from_s = 0.0, window_s = usual_s;
-    std::uint32_t most_work = kWindowWork, as_long = 0;
+    std::uint32_t max_work = kWindowWork, short_windows_left = 0;
     while (true) {
       // Rounding must not stop the time.
       const double until_s = std::min(best_s_, std::max(from_s + window_s, from_s * (1.0 + 0x1p-40)));
-      const std::uint32_t work = search_window(from_s, until_s, most_work);
+      const std::uint32_t work = search_window(from_s, until_s, max_work);
       if (exhausted_) {
-        impact_.state = MeshImpactState::kOutOfWork;
+        impact_.state = MeshImpactState::kIterationLimit;
         impact_.time_s = from_s;
         return impact_;
       }
-      if (work > most_work) {  // given up
+      if (work > max_work) {  // given up
         window_s = 0.5 * (until_s - from_s);
-        most_work *= kMoreWork;
-        as_long = kAsLong;
+        max_work *= kMoreWork;
+        short_windows_left = kShortWindows;
         continue;
       }
       if (until_s >= best_s_) break;
       from_s = until_s;
-      most_work = std::max(kWindowWork, 2 * work);
-      if (as_long > 0) --as_long;
+      max_work = std::max(kWindowWork, 2 * work);
+      if (short_windows_left > 0) --short_windows_left;
       // While the roots alone are looked at, they are far: ever longer.
       const double most_s = work > kIdleWork ? usual_s : work > 1 ? kLongerIdle * usual_s : kInfinity;
-      if (as_long == 0) window_s = std::min(2.0 * window_s, most_s);
+      if (short_windows_left == 0) window_s = std::min(2.0 * window_s, most_s);
     }
     impact_.state = hit_ ? MeshImpactState::kHit : MeshImpactState::kSeparated;
     impact_.time_s = best_s_;
@@ -209,28 +209,28 @@ class MeshImpactQuery::Search {
     return std::min(by_turning, speed > 0.0 ? way / speed : kInfinity);
   }
 
-  // Pairs of nodes and leaves looked at: more than `most_work` where it was given up.
-  std::uint32_t search_window(double from_s, double until_s, std::uint32_t most_work) {
+  // Pairs of nodes and leaves looked at: more than `max_work` where it was given up.
+  std::uint32_t search_window(double from_s, double until_s, std::uint32_t max_work) {
     const KinematicState at_a = advance(motion_a_, from_s), at_b = advance(motion_b_, from_s);
-    const Moment now(at_a, at_b);
+    const MotionState now(at_a, at_b);
     // What is nearer than the tolerance is looked at: else it would come nearer before it is a hit.
     const WideMotion wide(a_, b_, now.a_from_b, options_.tolerance_m);
     const WideSpeeds speeds = speeds_at(at_a, at_b, until_s - from_s);
     stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
     pairs_.clear();
     Masks masks;
-    Times times;
+    MeetTimes times;
     WideTree::Node around;  // a leaf beside a node
     // With the pairs of triangles that wait.
-    const auto looked_at = [&, before = impact_.iterations] {
+    const auto work_done = [&, before = impact_.iterations] {
       return impact_.iterations - before + static_cast<std::uint32_t>(pairs_.size());
     };
     while (!stack_.empty()) {
-      if (looked_at() > most_work || !work()) break;
-      const auto [place_a, place_b] = stack_.back();
+      if (work_done() > max_work || !spend_iteration()) break;
+      const auto [slot_a, slot_b] = stack_.back();
       stack_.pop_back();
       const auto within_s = static_cast<float>((std::min(best_s_, until_s) - from_s) * (1.0 + 0x1p-20));
-      const Ref of_a = a_.at(place_a), of_b = b_.at(place_b);
+      const Ref of_a = a_.at(slot_a), of_b = b_.at(slot_b);
       const bool node_a = of_a.kind() == Ref::kNode, node_b = of_b.kind() == Ref::kNode;
       if (node_a || node_b) {
         if (!node_a) around = node_around(a_.leaf(of_a.index()));
@@ -239,8 +239,8 @@ class MeshImpactQuery::Search {
                        within_s, masks);
         for (std::size_t row = WideTree::kWidth; row-- > 0;) {
           for_each_bit(masks[row], [&](std::size_t i) {
-            stack_.emplace_back(node_a ? WideTree::place(of_a, i) : place_a,
-                                node_b ? WideTree::place(of_b, row) : place_b);
+            stack_.emplace_back(node_a ? WideTree::child_slot(of_a, i) : slot_a,
+                                node_b ? WideTree::child_slot(of_b, row) : slot_b);
           });
         }
         continue;
@@ -253,8 +253,8 @@ class MeshImpactQuery::Search {
         });
       }
     }
-    const std::uint32_t sum = looked_at();
-    if (sum <= most_work) follow_pairs(now, from_s, until_s);
+    const std::uint32_t sum = work_done();
+    if (sum <= max_work) follow_pairs(now, from_s, until_s);
     return sum;
   }
 
@@ -268,56 +268,56 @@ class MeshImpactQuery::Search {
         turn[static_cast<std::size_t>(k)] = static_cast<float>(w[k]);
       }
     };
-    fill(a, a_.origin(), speeds.base_a, speeds.turn_a);
-    fill(b, b_.origin(), speeds.base_b, speeds.turn_b);
+    fill(a, a_.origin(), speeds.linear_velocity_a, speeds.angular_velocity_a);
+    fill(b, b_.origin(), speeds.linear_velocity_b, speeds.angular_velocity_b);
     speeds.rate_a = static_cast<float>(rate_a_ * (1.0 + 0x1p-20));
     speeds.rate_b = static_cast<float>(rate_b_ * (1.0 + 0x1p-20));
-    const double rounding = 0x1p-18 * (length(a.velocity) + length(b.velocity) + edge_m_s_);
-    const double change = std::min(0.5 * bend_m_s2_ * window_s, 2.0 * edge_m_s_) + 0.5 * acceleration_m_s2_ * window_s;
-    speeds.spare_m_s = static_cast<float>((change + rounding) * (1.0 + 0x1p-20));
+    const double rounding = 0x1p-18 * (length(a.velocity) + length(b.velocity) + spin_speed_m_s_);
+    const double change = std::min(0.5 * centripetal_m_s2_ * window_s, 2.0 * spin_speed_m_s_) + 0.5 * acceleration_m_s2_ * window_s;
+    speeds.slack_m_s = static_cast<float>((change + rounding) * (1.0 + 0x1p-20));
     return speeds;
   }
 
   // Those first that may meet first: what is found then ends the others.
-  void follow_pairs(const Moment& at_begin, double from_s, double until_s) {
+  void follow_pairs(const MotionState& at_begin, double from_s, double until_s) {
     std::ranges::sort(pairs_, {}, [](const TrianglePair& pair) { return std::tuple(pair.free_s, pair.b, pair.a); });
     for (const TrianglePair& pair : pairs_) advance_pair(pair, at_begin, from_s, until_s);
     pairs_.clear();
   }
 
   // Follows two triangles until they can't meet before a window's end, or the best hit.
-  void advance_pair(const TrianglePair& pair, const Moment& at_begin, double from_s, double until_s) {
+  void advance_pair(const TrianglePair& pair, const MotionState& at_begin, double from_s, double until_s) {
     const Triangle triangle_a = a_.soup().triangle(pair.a), in_b = b_.soup().triangle(pair.b);
     double t = from_s + static_cast<double>(pair.free_s);
-    std::optional<Moment> later;
-    while (t <= std::min(best_s_, until_s) && work()) {
+    std::optional<MotionState> later;
+    while (t <= std::min(best_s_, until_s) && spend_iteration()) {
       if (t > from_s) later.emplace(advance(motion_a_, t), advance(motion_b_, t));
-      const Moment& now = later ? *later : at_begin;
+      const MotionState& now = later ? *later : at_begin;
       const Triangle triangle_b = {now.a_from_b(in_b[0]), now.a_from_b(in_b[1]), now.a_from_b(in_b[2])};
-      const double step = look(pair.a, pair.b, now, t, triangle_a, triangle_b);
+      const double step = safe_step(pair.a, pair.b, now, t, triangle_a, triangle_b);
       if (step == 0.0) return;
       t += step;
     }
   }
 
   // How long they certainly don't touch; 0 where that is not known to be any longer, and they are the best hit now.
-  double look(std::uint32_t face_a, std::uint32_t face_b, const Moment& now, double t, const Triangle& a,
+  double safe_step(std::uint32_t face_a, std::uint32_t face_b, const MotionState& now, double t, const Triangle& a,
               const Triangle& b) {
-    TriangleDistance found = triangle_distance(a, b, kEnough);
-    if (found.distance == 0.0) return hit(face_a, face_b, now, t, found, from_a_to_b(now), false);
+    TriangleDistance found = triangle_distance(a, b, kRelativeAccuracy);
+    if (found.distance == 0.0) return hit(face_a, face_b, now, t, found, center_direction(now), false);
     // Where the world's coordinates are large, places in it are known less well than the tolerance.
-    const double rounding = 0x1p-46 * (magnitude(now.a_from_b.translation) + places_m_);
+    const double rounding = 0x1p-46 * (magnitude(now.a_from_b.translation) + coordinate_bound_m_);
     const double band = options_.tolerance_m + rounding;
     if (found.lower <= band && found.upper - found.lower > 0x1p-20 * found.upper) found = triangle_distance(a, b);
     const double apart = length(found.on_b - found.on_a);
-    const Vec3 between = apart > 0.0 ? Vec3((found.on_b - found.on_a) / apart) : from_a_to_b(now);
+    const Vec3 between = apart > 0.0 ? Vec3((found.on_b - found.on_a) / apart) : center_direction(now);
     if (found.distance > band) {
       const double least = 0.5 * options_.tolerance_m + rounding;
-      const Along along(now, between, a, b);
-      double step = along.time_above(least, bend(now, between));
+      const AxisProjections along(now, between, a, b);
+      double step = along.time_above(least, closing_acceleration_bound(now, between));
       if (along.gap() < 0.5 * found.distance) {  // large triangles, tilted by rounding
         for_each_direction(a, b, between, 0.0, [&](const Vec3& n, double) {
-          step = std::max(step, Along(now, n, a, b).time_above(least, bend(now, n)));
+          step = std::max(step, AxisProjections(now, n, a, b).time_above(least, closing_acceleration_bound(now, n)));
           return true;
         });
       }
@@ -329,22 +329,22 @@ class MeshImpactQuery::Search {
     std::optional<Vec3> closing;
     bool rests = false;
     for_each_direction(a, b, between, rounding / found.distance, [&](const Vec3& n, double noise) {
-      const Along along(now, n, a, b);
+      const AxisProjections along(now, n, a, b);
       const double gap = along.gap();
       if (gap < 0.25 * options_.tolerance_m) return true;
-      const Touch touch = judge(along, now, n, 2.0 * band, noise);
-      if (touch == Touch::kFree) {
+      const NearPairState touch = classify_contact(along, now, n, 2.0 * band, noise);
+      if (touch == NearPairState::kFree) {
         // What parts comes back to half the tolerance, or to where it is: half of that with each bounce, and soon there
         // would be no gap left to find.
         const double half_m = 0.5 * std::min(gap, options_.tolerance_m);
         const bool parts = along.closing_speed(2.0 * band) < 0.0;
         const double least_m = parts ? std::min(0.5 * options_.tolerance_m, (1.0 - 0x1p-10) * gap) : half_m;
-        free_s = along.time_above(least_m, bend(now, n));
+        free_s = along.time_above(least_m, closing_acceleration_bound(now, n));
         return false;
       }
       if (!closing) {
         closing = n;
-        rests = touch == Touch::kRests;
+        rests = touch == NearPairState::kRests;
       }
       return true;
     });
@@ -353,24 +353,24 @@ class MeshImpactQuery::Search {
   }
 
   // Where they are in each other, which takes coordinates whose rounding is as large as the tolerance.
-  [[nodiscard]] static Vec3 from_a_to_b(const Moment& now) {
+  [[nodiscard]] static Vec3 center_direction(const MotionState& now) {
     const double distance = length(now.a_from_b.translation);
     return distance > 0.0 ? Vec3(now.a_from_b.translation / distance) : Vec3::UnitX();
   }
 
-  enum class Touch : std::uint8_t { kCloses, kRests, kFree };
-  [[nodiscard]] Touch judge(const Along& along, const Moment& now, const Vec3& n, double reach, double noise) const {
+  enum class NearPairState : std::uint8_t { kCloses, kRests, kFree };
+  [[nodiscard]] NearPairState classify_contact(const AxisProjections& along, const MotionState& now, const Vec3& n, double reach, double noise) const {
     const double unknown = 0x1p-40 + noise;
-    const double still = unknown * (length(now.velocity_a) + length(now.velocity_b) + edge_m_s_);
+    const double still = unknown * (length(now.velocity_a) + length(now.velocity_b) + spin_speed_m_s_);
     const double closing = along.closing_speed(reach), pressing = dot(n, now.pressing);
-    if (closing > still) return Touch::kCloses;
+    if (closing > still) return NearPairState::kCloses;
     // What doesn't rise by the tolerance before it comes back rests.
-    if (closing < -still && closing * closing > 2.0 * pressing * options_.tolerance_m) return Touch::kFree;
+    if (closing < -still && closing * closing > 2.0 * pressing * options_.tolerance_m) return NearPairState::kFree;
     // Of what turns only a bound of how it goes on is known.
-    return pressing > unknown * acceleration_m_s2_ || edge_m_s_ > 0.0 ? Touch::kRests : Touch::kFree;
+    return pressing > unknown * acceleration_m_s2_ || spin_speed_m_s_ > 0.0 ? NearPairState::kRests : NearPairState::kFree;
   }
 
-  double hit(std::uint32_t face_a, std::uint32_t face_b, const Moment& now, double t, const TriangleDistance& found,
+  double hit(std::uint32_t face_a, std::uint32_t face_b, const MotionState& now, double t, const TriangleDistance& found,
              const Vec3& direction, bool rests) {
     if (hit_ && t >= best_s_) return 0.0;
     hit_ = true;
@@ -383,27 +383,27 @@ class MeshImpactQuery::Search {
   }
 
   // How much faster points come nearer to each other along a direction, at most, than they do now.
-  [[nodiscard]] double bend(const Moment& now, const Vec3& direction) const {
-    return bend_m_s2_ + std::max(0.0, dot(direction, now.pressing) + 0x1p-40 * acceleration_m_s2_);
+  [[nodiscard]] double closing_acceleration_bound(const MotionState& now, const Vec3& direction) const {
+    return centripetal_m_s2_ + std::max(0.0, dot(direction, now.pressing) + 0x1p-40 * acceleration_m_s2_);
   }
 
-  bool work() {
-    exhausted_ = exhausted_ || impact_.iterations >= options_.most_iterations;
+  bool spend_iteration() {
+    exhausted_ = exhausted_ || impact_.iterations >= options_.max_iterations;
     impact_.iterations += !exhausted_;
     return !exhausted_;
   }
 
-  std::vector<std::pair<WideTree::Place, WideTree::Place>>& stack_;
+  std::vector<std::pair<WideTree::ChildSlot, WideTree::ChildSlot>>& stack_;
   std::vector<TrianglePair>& pairs_;
   WideTree &a_, &b_;
   const KinematicState &motion_a_, &motion_b_;
   const MeshImpactOptions& options_;
   double step_s_, best_s_;
   double rate_a_ = 0.0, rate_b_ = 0.0;  // [rad/s]
-  double edge_m_s_ = 0.0;               // no two points move faster by turning, together
-  double bend_m_s2_ = 0.0;              // nor do those velocities change faster
+  double spin_speed_m_s_ = 0.0;               // no two points move faster by turning, together
+  double centripetal_m_s2_ = 0.0;              // nor do those velocities change faster
   double acceleration_m_s2_ = 0.0;      // of one origin against the other
-  double places_m_ = 0.0;               // the sum of the largest coordinates at the start
+  double coordinate_bound_m_ = 0.0;               // the sum of the largest coordinates at the start
   bool hit_ = false, exhausted_ = false;
   MeshImpact impact_;
 };

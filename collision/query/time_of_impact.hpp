@@ -14,7 +14,7 @@ enum class MeshImpactState : std::uint8_t {
   kSeparated,   // certainly no contact within the step
   kHit,         // nearer than the tolerance at `time_s` and not parting, and no contact before
   kOverlapped,  // they touch at the start: exact
-  kOutOfWork,   // failed: no contact before `time_s`, nothing is known of later; the iterations ran out
+  kIterationLimit,   // failed: no contact before `time_s`, nothing is known of later; the iterations ran out
   kTooLarge,    // failed: nothing is known, a mesh is larger than 2^60 m
 };
 
@@ -34,7 +34,7 @@ struct MeshImpactOptions {
   // they approach), and what passes more closely is taken for a contact. More than the rounding of a place in the
   // world, 2^-46 of its largest coordinate, or else that counts. They stay at least half of it apart until then.
   double tolerance_m = 1e-6;
-  std::uint32_t most_iterations = 1u << 18;
+  std::uint32_t max_iterations = 1u << 18;
   // What is nearer than the tolerance is a hit however it goes on: how near things come, not when they touch. Then
   // kSeparated says that nothing comes as near as half of it.
   bool only_distance = false;
@@ -64,7 +64,7 @@ class MeshImpactQuery {
   class Search;
 
   WideQuery overlap_;
-  std::vector<std::pair<WideTree::Place, WideTree::Place>> stack_;
+  std::vector<std::pair<WideTree::ChildSlot, WideTree::ChildSlot>> stack_;
   std::vector<TrianglePair> pairs_;  // of a window's leaves
 };
 

@@ -41,7 +41,7 @@ WidePlanes planes_of(const WideTree& tree, const Pose& T_world_soup, const Frust
 
 bool Frustum::add(const Vec3& normal, double offset) {
   const double length = std::sqrt(dot(normal, normal));
-  if (count_ == kMostPlanes || !(length > 0.0) || !std::isfinite(length) || !std::isfinite(offset / length))
+  if (count_ == kMaxPlanes || !(length > 0.0) || !std::isfinite(length) || !std::isfinite(offset / length))
     return false;
   planes_[count_++] = {normal / length, offset / length};
   return true;
@@ -126,7 +126,7 @@ void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& r
       const auto i = static_cast<std::size_t>(std::bit_width(bits) - 1);
       bits ^= 1u << i;
       if (node.children[i].kind() == Ref::kNone) continue;
-      stack_.push_back({WideTree::place(ref, i), crossed[i], visit.levels - 1});
+      stack_.push_back({WideTree::child_slot(ref, i), crossed[i], visit.levels - 1});
     }
   }
 }

@@ -15,7 +15,7 @@ namespace peerd::collision {
 // What a viewer sees of: all points with normal . p + offset_m >= 0 for each plane. Closed, in the world frame.
 class Frustum {
  public:
-  static constexpr std::size_t kMostPlanes = WidePlanes::kMost;
+  static constexpr std::size_t kMaxPlanes = WidePlanes::kMaxPlanes;
   struct Plane {
     Vec3 normal;  // unit, inwards
     double offset_m = 0.0;
@@ -30,7 +30,7 @@ class Frustum {
   [[nodiscard]] PlaneMask all() const { return static_cast<PlaneMask>((1u << count_) - 1); }
 
  private:
-  std::array<Plane, kMostPlanes> planes_;
+  std::array<Plane, kMaxPlanes> planes_;
   std::size_t count_ = 0;
 };
 
@@ -83,7 +83,7 @@ class ViewQuery {
 
  private:
   struct Visit {
-    WideTree::Place place;
+    WideTree::ChildSlot place;
     PlaneMask active;
     int levels;
   };

@@ -15,14 +15,14 @@ HWY_BEFORE_NAMESPACE();
 namespace peerd::collision::HWY_NAMESPACE {
 
 // At most the length of three gaps. Where their squares over- or underflow, it is the largest of them.
-HWY_INLINE V length_of_gaps(V x, V y, V z) {
+HWY_INLINE V gap_length(V x, V y, V z) {
   const V square = dot({x, y, z}, {x, y, z});
   const V length = hn::IfThenElseZero(hn::Gt(square, set(0x1p-100f)), hn::Mul(hn::Sqrt(square), set(kRoundedDown)));
   return hn::Max(known(length), hn::Max(hn::Max(x, y), z));
 }
 HWY_INLINE V gap_of_boxes(const V3& center_a, const V3& half_a, const V3& center_b, const V3& half_b) {
   const auto along = [](V ca, V ha, V cb, V hb) { return known(hn::Sub(hn::Abs(hn::Sub(ca, cb)), hn::Add(ha, hb))); };
-  return length_of_gaps(along(center_a.x, half_a.x, center_b.x, half_b.x),
+  return gap_length(along(center_a.x, half_a.x, center_b.x, half_b.x),
                         along(center_a.y, half_a.y, center_b.y, half_b.y),
                         along(center_a.z, half_a.z, center_b.z, half_b.z));
 }
@@ -30,7 +30,7 @@ HWY_INLINE V gap_of_boxes(const V3& center_a, const V3& half_a, const V3& center
 HWY_INLINE std::uint32_t first_bits(std::size_t count) { return (1u << count) - 1; }
 
 // Files the lanes from i on of a row of lower bounds.
-HWY_INLINE void file(V lower, V most, std::uint32_t count_a, std::size_t row, std::size_t i, Distances& out) {
+HWY_INLINE void record(V lower, V most, std::uint32_t count_a, std::size_t row, std::size_t i, Distances& out) {
   store(lower, out.lower[row], i);
   const std::uint32_t lanes = first_bits(hn::Lanes(Lanes())) << i;
   const std::uint32_t below = bits(hn::Lt(lower, most), i) & lanes & first_bits(count_a);
@@ -84,7 +84,7 @@ void DistancesOfNodes(const WideTree::Node& a, std::uint32_t count_a, const Wide
       const V in_b_known = hn::IfThenElseZero(hn::Gt(scaled_b, set(0x1p-100f)), scaled_b);
       const V line = gap_along_centers(center_a, half_a, center_in_b, set3(b_in_a.center, row), set3(b.half, row),
                                        set3(b.center, row), a_from_b, m.slack_a);
-      file(hn::Max(line, hn::Max(in_a, in_b_known)), set(most), count_a, row, i, out);
+      record(hn::Max(line, hn::Max(in_a, in_b_known)), set(most), count_a, row, i, out);
     }
   }
   out.skipped = least_skipped(count_a, count_b, most, out);
@@ -142,7 +142,7 @@ void DistancesOfLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const W
       const auto gap = [&](std::size_t n) {
         return known(hn::Sub(hn::Mul(hn::Sub(set(firsts[n][row]), lasts[n]), set(directions[n].inverse)), slack));
       };
-      file(hn::Max(gap(0), gap(1)), set(most), a.count, row, i, out);
+      record(hn::Max(gap(0), gap(1)), set(most), a.count, row, i, out);
       open |= out.below[row];
     }
     if (open >> i == 0) continue;
@@ -154,7 +154,7 @@ void DistancesOfLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const W
       const V before = load(out.lower[row], i), gap = gap_along(found, corners, shape_b.corners, m.slack_a);
       // Only where it was asked for, however many lanes there are: the rest is the same on every machine then.
       const V lower = hn::Max(before, hn::IfThenElseZero(hn::Lt(before, set(most)), gap));
-      file(lower, set(most), a.count, row, i, out);
+      record(lower, set(most), a.count, row, i, out);
       store(hn::Sqrt(found.square), estimates[row], i);
     }
   }

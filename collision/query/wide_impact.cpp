@@ -46,16 +46,16 @@ void NodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMo
   to_b(a, m, a_in_b);
   Velocities of_a, of_b;
   velocities(
-      a, s.base_a, s.turn_a, s.rate_a, [&](const V3& v) { return times(m.b_from_a, v); }, of_a);
+      a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, [&](const V3& v) { return times(m.b_from_a, v); }, of_a);
   velocities(
-      b, s.base_b, s.turn_b, s.rate_b, [&](const V3& v) { return times(m.a_from_b, v); }, of_b);
+      b, s.linear_velocity_b, s.angular_velocity_b, s.rate_b, [&](const V3& v) { return times(m.a_from_b, v); }, of_b);
   const V within = set(within_s);
   masks.fill(0);
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const auto there = hn::Ge(load(a.half[0], i), hn::Zero(Lanes()));
     for (std::size_t row = 0; row < kWidth; ++row) {
       if (b.half[0][row] < 0.0f) continue;
-      const V spare = hn::Add(load(of_a.spread, i), set(of_b.spread[row] + s.spare_m_s));
+      const V spare = hn::Add(load(of_a.spread, i), set(of_b.spread[row] + s.slack_m_s));
       auto apart = hn::Not(there);
       for (std::size_t k = 0; k < 3; ++k) {
         apart = hn::Or(apart, apart_along(hn::Sub(set(b_in_a.center[k][row]), load(a.center[k], i)),
@@ -74,7 +74,7 @@ void NodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMo
 }
 
 // What the corners of eight triangles come to when they go on as they do now, one to a lane.
-HWY_INLINE Corners gone_on(const Corners& at, const std::array<float, 3>& base, const std::array<float, 3>& turn,
+HWY_INLINE Corners advanced(const Corners& at, const std::array<float, 3>& base, const std::array<float, 3>& turn,
                            float within_s) {
   const V3 axis{set(turn[0]), set(turn[1]), set(turn[2])};
   const V within = set(within_s);
@@ -87,41 +87,41 @@ HWY_INLINE Corners gone_on(const Corners& at, const std::array<float, 3>& base, 
 }
 
 // What triangles take up along a direction, now and later.
-struct Reach {
+struct SweptInterval {
   V low, high, low_later, high_later;
 };
 // Of their three corners' places.
-HWY_INLINE Reach reach_of(const V3& now, const V3& later) {
+HWY_INLINE SweptInterval swept_interval_of(const V3& now, const V3& later) {
   return {hn::Min(hn::Min(now.x, now.y), now.z), hn::Max(hn::Max(now.x, now.y), now.z),
           hn::Min(hn::Min(later.x, later.y), later.z), hn::Max(hn::Max(later.x, later.y), later.z)};
 }
-HWY_INLINE Reach reach_along(const V3& n, const Corners& now, const Corners& later) {
-  return reach_of({dot(n, now.p), dot(n, now.q), dot(n, now.r)}, {dot(n, later.p), dot(n, later.q), dot(n, later.r)});
+HWY_INLINE SweptInterval swept_interval_along(const V3& n, const Corners& now, const Corners& later) {
+  return swept_interval_of({dot(n, now.p), dot(n, now.q), dot(n, now.r)}, {dot(n, later.p), dot(n, later.q), dot(n, later.r)});
 }
 
 HWY_INLINE V coordinate(const V3& p, std::size_t k) { return k == 0 ? p.x : k == 1 ? p.y : p.z; }
 // Along an axis.
-HWY_INLINE Reach reach_of(const Corners& now, const Corners& later, std::size_t k) {
-  return reach_of({coordinate(now.p, k), coordinate(now.q, k), coordinate(now.r, k)},
+HWY_INLINE SweptInterval swept_interval_of(const Corners& now, const Corners& later, std::size_t k) {
+  return swept_interval_of({coordinate(now.p, k), coordinate(now.q, k), coordinate(now.r, k)},
                   {coordinate(later.p, k), coordinate(later.q, k), coordinate(later.r, k)});
 }
-HWY_INLINE V farthest_of(const Reach& reach) {
+HWY_INLINE V farthest_of(const SweptInterval& reach) {
   return hn::Max(hn::Max(hn::Abs(reach.low), hn::Abs(reach.high)),
                  hn::Max(hn::Abs(reach.low_later), hn::Abs(reach.high_later)));
 }
 
 // More than `margin` between them, now and later, on the same side. Corners move along straight lines between the two,
 // so the gap is a concave function of time, and is there in between as well.
-HWY_INLINE auto apart_along(const Reach& a, const Reach& b, V margin) {
-  const auto ahead = [&](const Reach& low, const Reach& high) {
+HWY_INLINE auto apart_along(const SweptInterval& a, const SweptInterval& b, V margin) {
+  const auto ahead = [&](const SweptInterval& low, const SweptInterval& high) {
     return hn::And(hn::Gt(hn::Sub(high.low, low.high), margin),
                    hn::Gt(hn::Sub(high.low_later, low.high_later), margin));
   };
   return hn::Or(ahead(a, b), ahead(b, a));
 }
 // Where they aren't apart till later: the part of that time for which they are, since the gap is above its chord.
-HWY_INLINE V part_apart(const Reach& a, const Reach& b, V margin) {
-  const auto ahead = [&](const Reach& low, const Reach& high) {
+HWY_INLINE V part_apart(const SweptInterval& a, const SweptInterval& b, V margin) {
+  const auto ahead = [&](const SweptInterval& low, const SweptInterval& high) {
     const V now = hn::Sub(high.low, low.high), after = hn::Sub(high.low_later, low.high_later);
     const V spare = hn::Sub(now, margin);
     const V part = hn::Mul(hn::Div(spare, hn::Sub(now, after)), set(1.0f - 0x1p-20f));
@@ -132,22 +132,22 @@ HWY_INLINE V part_apart(const Reach& a, const Reach& b, V margin) {
 }
 
 // Of triangles one to a lane: by x, y and z.
-struct Reaches {
+struct SweptIntervals {
   Rows low, high, low_later, high_later;
 };
-HWY_INLINE void store_reach(const Reach& reach, Reaches& out, std::size_t k, std::size_t i) {
+HWY_INLINE void store_swept_interval(const SweptInterval& reach, SweptIntervals& out, std::size_t k, std::size_t i) {
   store(reach.low, out.low[k], i), store(reach.high, out.high[k], i);
   store(reach.low_later, out.low_later[k], i), store(reach.high_later, out.high_later[k], i);
 }
-HWY_INLINE Reach set_reach(const Reaches& from, std::size_t k, std::size_t lane) {
+HWY_INLINE SweptInterval set_swept_interval(const SweptIntervals& from, std::size_t k, std::size_t lane) {
   return {set(from.low[k][lane]), set(from.high[k][lane]), set(from.low_later[k][lane]), set(from.high_later[k][lane])};
 }
 
 // What the box of a leaf's triangles takes up along an axis, and how far from the origin that is.
-struct BoxReach {
+struct SweptBox {
   float low, high, low_later, high_later, far;
 };
-HWY_INLINE BoxReach reach_of(const WideTree::Leaf& leaf, const std::array<float, 3>& base,
+HWY_INLINE SweptBox swept_interval_of(const WideTree::Leaf& leaf, const std::array<float, 3>& base,
                              const std::array<float, 3>& turn, float rate, float within_s, std::size_t k) {
   const std::size_t x = (k + 1) % 3, y = (k + 2) % 3;
   const float way = (base[k] + (turn[x] * leaf.center[y] - turn[y] * leaf.center[x])) * within_s;
@@ -158,30 +158,30 @@ HWY_INLINE BoxReach reach_of(const WideTree::Leaf& leaf, const std::array<float,
 }
 
 void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& m, const WideSpeeds& s,
-                   float within_s, Masks& masks, Times& times) {
+                   float within_s, Masks& masks, MeetTimes& times) {
   masks.fill(0);
-  const BoxReach box_a[3] = {reach_of(a, s.base_a, s.turn_a, s.rate_a, within_s, 0),
-                             reach_of(a, s.base_a, s.turn_a, s.rate_a, within_s, 1),
-                             reach_of(a, s.base_a, s.turn_a, s.rate_a, within_s, 2)};
+  const SweptBox box_a[3] = {swept_interval_of(a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, within_s, 0),
+                             swept_interval_of(a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, within_s, 1),
+                             swept_interval_of(a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, within_s, 2)};
   const float far_box = std::max({box_a[0].far, box_a[1].far, box_a[2].far});
   // What corners are off by, besides their part of where they are: what their velocities change by, for one.
-  const V off_anywhere = set(2.0f * m.slack_a + s.spare_m_s * within_s), off_of_far = set(0x1p-19f);
+  const V off_anywhere = set(2.0f * m.slack_a + s.slack_m_s * within_s), off_of_far = set(0x1p-19f);
   std::array<Rows, 3> corners, later;
-  Reaches reaches;
+  SweptIntervals reaches;
   Row far;
   std::uint32_t rows = 0;  // of B's triangles: those that A's box may meet
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const Corners own = load_corners(b.corners, i);
-    const Corners here = moved(own, m), there = moved(gone_on(own, s.base_b, s.turn_b, within_s), m);
+    const Corners here = moved(own, m), there = moved(advanced(own, s.linear_velocity_b, s.angular_velocity_b, within_s), m);
     store_corners(here, corners, i);
     store_corners(there, later, i);
-    const Reach of_b[3] = {reach_of(here, there, 0), reach_of(here, there, 1), reach_of(here, there, 2)};
+    const SweptInterval of_b[3] = {swept_interval_of(here, there, 0), swept_interval_of(here, there, 1), swept_interval_of(here, there, 2)};
     const V farthest = hn::Max(hn::Max(farthest_of(of_b[0]), farthest_of(of_b[1])), farthest_of(of_b[2]));
     const V off = hn::Add(off_anywhere, hn::Mul(hn::Add(set(far_box), farthest), off_of_far));
     auto apart = hn::Lt(off, hn::Zero(Lanes()));  // none yet
     for (std::size_t k = 0; k < 3; ++k) {
-      store_reach(of_b[k], reaches, k, i);
-      const BoxReach& of_a = box_a[k];
+      store_swept_interval(of_b[k], reaches, k, i);
+      const SweptBox& of_a = box_a[k];
       apart = hn::Or(
           apart, apart_along({set(of_a.low), set(of_a.high), set(of_a.low_later), set(of_a.high_later)}, of_b[k], off));
     }
@@ -199,22 +199,22 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
   }
   const std::uint32_t present = (1u << a.count) - 1;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const Corners here = load_corners(a.corners, i), there = gone_on(here, s.base_a, s.turn_a, within_s);
-    const Reach of_a[3] = {reach_of(here, there, 0), reach_of(here, there, 1), reach_of(here, there, 2)};
+    const Corners here = load_corners(a.corners, i), there = advanced(here, s.linear_velocity_a, s.angular_velocity_a, within_s);
+    const SweptInterval of_a[3] = {swept_interval_of(here, there, 0), swept_interval_of(here, there, 1), swept_interval_of(here, there, 2)};
     const V far_a = hn::Max(hn::Max(farthest_of(of_a[0]), farthest_of(of_a[1])), farthest_of(of_a[2]));
     const Planes plane = planes(here);
-    const Reach across_a = reach_along(plane.normal, here, there);
+    const SweptInterval across_a = swept_interval_along(plane.normal, here, there);
     Shape shape_a;
     bool has_shape = false;
     for (std::size_t row = 0; row < b.count; ++row) {
       if ((rows >> row & 1) == 0) continue;
       const V off = hn::Add(off_anywhere, hn::Mul(hn::Add(far_a, set(far[row])), off_of_far));
       auto apart = hn::Lt(off, hn::Zero(Lanes()));  // none yet
-      for (std::size_t k = 0; k < 3; ++k) apart = hn::Or(apart, apart_along(of_a[k], set_reach(reaches, k, row), off));
+      for (std::size_t k = 0; k < 3; ++k) apart = hn::Or(apart, apart_along(of_a[k], set_swept_interval(reaches, k, row), off));
       if (hn::AllTrue(Lanes(), apart)) continue;
       const Corners other = set_corners(corners, row), other_later = set_corners(later, row);
-      const auto along = [&](const V3& n, const Reach& reach_a, V n_size, V& part) {
-        const Reach reach_b = reach_along(n, other, other_later);
+      const auto along = [&](const V3& n, const SweptInterval& reach_a, V n_size, V& part) {
+        const SweptInterval reach_b = swept_interval_along(n, other, other_later);
         const V margin = certain_margin(n_size, off);
         part = part_apart(reach_a, reach_b, margin);
         apart = hn::Or(apart, apart_along(reach_a, reach_b, margin));
@@ -222,14 +222,14 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
       V part_a, part_b, part_line;
       const V3 n = set3(normal, row);
       along(plane.normal, across_a, plane.size, part_a);
-      along(n, reach_along(n, here, there), set(size[row]), part_b);
+      along(n, swept_interval_along(n, here, there), set(size[row]), part_b);
       // Most of what is left is apart along the line of their nearest points.
       if (hn::AllTrue(Lanes(), apart)) continue;
       if (!has_shape) shape_a = shape(here);
       has_shape = true;
       const V3 line = shortest(shape_a, shape(other)).gap;
       const V length = hn::Add(hn::Add(hn::Abs(line.x), hn::Abs(line.y)), hn::Abs(line.z));  // at least that
-      along(line, reach_along(line, here, there), length, part_line);
+      along(line, swept_interval_along(line, here, there), length, part_line);
       store(hn::Mul(hn::Max(hn::Max(part_a, part_b), part_line), set(within_s)), times[row], i);
       masks[row] = static_cast<std::uint8_t>(masks[row] | (bits(hn::Not(apart), i) & present));
     }
@@ -250,7 +250,7 @@ void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const Wide
   HWY_DYNAMIC_DISPATCH(NodesMayMeet)(a, b, motion, speeds, within_s, masks);
 }
 void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
-                     const WideSpeeds& speeds, float within_s, Masks& masks, Times& times) {
+                     const WideSpeeds& speeds, float within_s, Masks& masks, MeetTimes& times) {
   HWY_DYNAMIC_DISPATCH(LeavesMayMeet)(a, b, motion, speeds, within_s, masks, times);
 }
 

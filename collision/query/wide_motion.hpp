@@ -12,8 +12,8 @@ namespace peerd::collision {
 
 // Takes B's tree to A's and back, in binary32.
 struct WideMotion {
-  // What is nearer than `room_m` overlaps, too.
-  WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion, double room_m = 0.0);
+  // What is nearer than `margin_m` overlaps, too.
+  WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion, double margin_m = 0.0);
 
   using Matrix = std::array<std::array<float, 3>, 3>;
   Matrix a_from_b, b_from_a;              // the rotations, between the trees' scales

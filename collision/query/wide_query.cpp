@@ -29,7 +29,7 @@ void WideQuery::open(const WideTree& a, const WideTree& b, Ref of_a, Ref of_b, c
   test_nodes(a.node(of_a.index()), b.node(of_b.index()), motion, masks);
   for (std::size_t row = WideTree::kWidth; row-- > 0;) {
     for_bits_downwards(
-        masks[row], [&](std::size_t i) { stack_.emplace_back(WideTree::place(of_a, i), WideTree::place(of_b, row)); });
+        masks[row], [&](std::size_t i) { stack_.emplace_back(WideTree::child_slot(of_a, i), WideTree::child_slot(of_b, row)); });
   }
 }
 
@@ -38,21 +38,21 @@ void WideQuery::open(const WideTree& a, const WideTree& b, Ref of_a, Ref of_b, c
 template <class Leaves>
 bool WideQuery::descend(WideTree& a, WideTree& b, const WideMotion& motion, Leaves leaves) {
   while (!stack_.empty()) {
-    const auto [place_a, place_b] = stack_.back();
+    const auto [slot_a, slot_b] = stack_.back();
     stack_.pop_back();
-    const Ref of_a = a.at(place_a), of_b = b.at(place_b);
+    const Ref of_a = a.at(slot_a), of_b = b.at(slot_b);
     const bool node_a = of_a.kind() == Ref::kNode, node_b = of_b.kind() == Ref::kNode;
     if (node_a && node_b) {
       open(a, b, of_a, of_b, motion);
     } else if (node_a) {
       counters_.bv_tests += 8;
       for_bits_downwards(test_node_leaf(a.node(of_a.index()), b.leaf(of_b.index()), motion),
-                         [&](std::size_t i) { stack_.emplace_back(WideTree::place(of_a, i), place_b); });
+                         [&](std::size_t i) { stack_.emplace_back(WideTree::child_slot(of_a, i), slot_b); });
     } else if (node_b) {
       counters_.bv_tests += 8;
       for_bits_downwards(test_leaf_node(a.leaf(of_a.index()), b.node(of_b.index()), motion),
-                         [&](std::size_t i) { stack_.emplace_back(place_a, WideTree::place(of_b, i)); });
-    } else if (leaves(Spot{place_a, place_b}, a.leaf(of_a.index()), b.leaf(of_b.index()))) {
+                         [&](std::size_t i) { stack_.emplace_back(slot_a, WideTree::child_slot(of_b, i)); });
+    } else if (leaves(LeafPair{slot_a, slot_b}, a.leaf(of_a.index()), b.leaf(of_b.index()))) {
       return true;
     }
   }
@@ -85,42 +85,42 @@ template <class Found>
 bool WideQuery::search(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Found found) {
   const WideMotion motion(a, b, a_from_b);
   stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
-  return descend(a, b, motion, [&](Spot spot, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+  return descend(a, b, motion, [&](LeafPair leaf_pair, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
     return test_triangles(
         a, b, leaf_a, leaf_b, motion, a_from_b, [&](const FacePair& faces, const Triangle& of_a, const Triangle& of_b) {
           return touch(of_a, of_b, counters_.orientation) &&
-                 found(PolygonPair{a.soup().faces[faces.a].polygon, b.soup().faces[faces.b].polygon}, spot);
+                 found(PolygonPair{a.soup().faces[faces.a].polygon, b.soup().faces[faces.b].polygon}, leaf_pair);
         });
   });
 }
 
-bool WideQuery::find_pair(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, PolygonPair& pair, Spot* spot) {
-  return search(a, b, a_from_b, [&](const PolygonPair& found, Spot at) {
+bool WideQuery::find_pair(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, PolygonPair& pair, LeafPair* leaf_pair) {
+  return search(a, b, a_from_b, [&](const PolygonPair& found, LeafPair at) {
     pair = found;
-    if (spot != nullptr) *spot = at;
+    if (leaf_pair != nullptr) *leaf_pair = at;
     return true;
   });
 }
 
-bool WideQuery::touch_near(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Spot& spot) {
+bool WideQuery::touch_near_leaves(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, LeafPair& leaf_pair) {
   const WideMotion motion(a, b, a_from_b);
-  const auto touching = [&](Spot at, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
-    spot = at;
+  const auto touching = [&](LeafPair at, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+    leaf_pair = at;
     return test_triangles(a, b, leaf_a, leaf_b, motion, a_from_b,
                           [&](const FacePair&, const Triangle& of_a, const Triangle& of_b) {
                             return touch(of_a, of_b, counters_.orientation);
                           });
   };
-  if (touching(spot, a.leaf(a.at(spot.a).index()), b.leaf(b.at(spot.b).index()))) return true;
-  if (spot.a == WideTree::kRoot || spot.b == WideTree::kRoot) return false;
+  if (touching(leaf_pair, a.leaf(a.at(leaf_pair.a).index()), b.leaf(b.at(leaf_pair.b).index()))) return true;
+  if (leaf_pair.a == WideTree::kRoot || leaf_pair.b == WideTree::kRoot) return false;
   stack_.clear();
-  open(a, b, WideTree::parent(spot.a), WideTree::parent(spot.b), motion);
+  open(a, b, WideTree::parent(leaf_pair.a), WideTree::parent(leaf_pair.b), motion);
   return descend(a, b, motion, touching);
 }
 
 const std::vector<PolygonPair>& WideQuery::all_pairs(WideTree& a, WideTree& b, const RelativeMotion& a_from_b) {
   pairs_.clear();
-  (void)search(a, b, a_from_b, [&](const PolygonPair& found, Spot) {
+  (void)search(a, b, a_from_b, [&](const PolygonPair& found, LeafPair) {
     pairs_.push_back(found);
     return false;
   });
@@ -134,7 +134,7 @@ const std::vector<FacePair>& WideQuery::faces_within(WideTree& a, WideTree& b, c
   faces_.clear();
   const WideMotion motion(a, b, a_from_b, distance_m);
   stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
-  (void)descend(a, b, motion, [&](Spot, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+  (void)descend(a, b, motion, [&](LeafPair, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
     return test_triangles(a, b, leaf_a, leaf_b, motion, a_from_b,
                           [&](const FacePair& faces, const Triangle& of_a, const Triangle& of_b) {
                             if (triangle_distance(of_a, of_b).distance <= distance_m) faces_.push_back(faces);
@@ -145,11 +145,11 @@ const std::vector<FacePair>& WideQuery::faces_within(WideTree& a, WideTree& b, c
   return faces_;
 }
 
-bool WideQuery::apart_by(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double gap_m) {
+bool WideQuery::separated_by(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double gap_m) {
   const WideMotion motion(a, b, a_from_b, gap_m);
   stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
   Masks masks;
-  return !descend(a, b, motion, [&](Spot, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+  return !descend(a, b, motion, [&](LeafPair, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
     test_leaves(leaf_a, leaf_b, motion, masks);
     return std::ranges::any_of(masks, [](std::uint8_t bits) { return bits != 0; });
   });

@@ -23,22 +23,22 @@ struct FacePair {
 // An object keeps its memory, so that a query like one before allocates nothing. Not thread-safe.
 class WideQuery {
  public:
-  // One true pair: of those that there are, the first in the order of the trees. False where there is none. `spot`: the
+  // One true pair: of those that there are, the first in the order of the trees. False where there is none. `leaf_pair`: the
   // leaves that it is in.
-  struct Spot {
-    WideTree::Place a = 0, b = 0;
+  struct LeafPair {
+    WideTree::ChildSlot a = 0, b = 0;
   };
   [[nodiscard]] bool find_pair(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, PolygonPair& pair,
-                               Spot* spot = nullptr);
+                               LeafPair* leaf_pair = nullptr);
   // Whether they touch in a spot where the same trees did before, or beside it: below the parents of those leaves.
-  // True: `spot` is where. False says nothing.
-  [[nodiscard]] bool touch_near(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Spot& spot);
+  // True: `leaf_pair` is where. False says nothing.
+  [[nodiscard]] bool touch_near_leaves(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, LeafPair& leaf_pair);
   // All, sorted, each once; valid until the next query.
   [[nodiscard]] const std::vector<PolygonPair>& all_pairs(WideTree& a, WideTree& b, const RelativeMotion& a_from_b);
 
   // True: no point of A is as near as `gap_m` to one of B. False says nothing: the bound is that of boxes and planes,
   // not the distance: it is for those that are easily seen to be apart.
-  [[nodiscard]] bool apart_by(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double gap_m);
+  [[nodiscard]] bool separated_by(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double gap_m);
   // Triangles no farther apart than that, by triangle_distance(), sorted; valid until the next query.
   [[nodiscard]] const std::vector<FacePair>& faces_within(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
                                                           double distance_m);
@@ -55,7 +55,7 @@ class WideQuery {
   template <class Found>
   bool search(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Found found);
 
-  std::vector<std::pair<WideTree::Place, WideTree::Place>> stack_;  // pairs to visit
+  std::vector<std::pair<WideTree::ChildSlot, WideTree::ChildSlot>> stack_;  // pairs to visit
   std::vector<PolygonPair> pairs_;
   std::vector<FacePair> faces_;
   QueryCounters counters_;

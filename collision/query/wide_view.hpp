@@ -37,12 +37,12 @@ using Entries = std::array<float, WideTree::kWidth>;  // no later than where the
 
 // Half spaces in a tree's numbers: normal . p + offset >= 0.
 struct WidePlanes {
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMaxPlanes = 16;
   struct Plane {
     std::array<float, 3> normal;
     float offset, slack;  // more than can be wrong about a distance from it
   };
-  std::array<Plane, kMost> planes;
+  std::array<Plane, kMaxPlanes> planes;
   std::size_t count = 0;
 };
 

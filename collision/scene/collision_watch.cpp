@@ -20,7 +20,7 @@ CollisionWatch::CollisionWatch(const Scene& scene, HierarchyLoader load_hierarch
       coherence_(options.witnesses),
       broad_(make_broad_phase()),
       object_of_(scene.instances.size(), kNone),
-      said_(scene.transforms),
+      pending_transforms_(scene.transforms),
       options_(options) {
   for (const CollisionInterest& interest : scene.interests) {
     for (const ObjectId collidee : interest.collidees) {
@@ -51,32 +51,32 @@ void CollisionWatch::add_pairs() {
   const auto objects_of = [&](std::uint32_t i) {
     return make_broad_pair(object_of_[interests_[i].collider.value], object_of_[interests_[i].collidee.value]);
   };
-  for (std::uint32_t i = 0; i < interests_.size(); ++i) by_pair_.push_back(i);
-  std::ranges::stable_sort(by_pair_, {}, objects_of);
-  for (std::uint32_t i = 0; i < by_pair_.size(); ++i) {
-    const BroadPair objects = objects_of(by_pair_[i]);
+  for (std::uint32_t i = 0; i < interests_.size(); ++i) interests_by_pair_.push_back(i);
+  std::ranges::stable_sort(interests_by_pair_, {}, objects_of);
+  for (std::uint32_t i = 0; i < interests_by_pair_.size(); ++i) {
+    const BroadPair objects = objects_of(interests_by_pair_[i]);
     if (pairs_.empty() || pairs_.back().objects != objects) {
       pairs_.push_back({.objects = objects, .begin = i, .end = i});
       broad_->register_interest(objects.low, objects.high);
     }
     ++pairs_.back().end;
-    (interests_[by_pair_[i]].type == CollisionType::kBox ? pairs_.back().asks_boxes : pairs_.back().asks_shapes) = true;
+    (interests_[interests_by_pair_[i]].type == CollisionType::kBox ? pairs_.back().has_box_interest : pairs_.back().has_shape_interest) = true;
   }
 }
 
 void CollisionWatch::move(std::uint32_t transform, const TransformFields& fields) {
-  said_[transform] = fields;
+  pending_transforms_[transform] = fields;
   moved_transforms_.push_back(transform);
 }
 
-void CollisionWatch::place(std::span<const TransformFields> transforms) {
-  assert(transforms.size() == said_.size());
+void CollisionWatch::set_transforms(std::span<const TransformFields> transforms) {
+  assert(transforms.size() == pending_transforms_.size());
   moved_transforms_.clear();
   for (std::uint32_t t = 0; t < transforms.size(); ++t) move(t, transforms[t]);
 }
 
 void CollisionWatch::reshape(std::uint32_t geometry, Geometry form) {
-  reshaped_.insert_or_assign(geometry, std::move(form));
+  pending_geometries_.insert_or_assign(geometry, std::move(form));
 }
 
 const CollisionWatch::Tick& CollisionWatch::tick() {
@@ -84,40 +84,40 @@ const CollisionWatch::Tick& CollisionWatch::tick() {
   began_.clear();
   ended_.clear();
   not_colliding_.clear();
-  move_what_was_said();
+  apply_pending_changes();
   if (!moved_objects_.empty()) {
     counters_.objects_moved += moved_objects_.size();
     for (const BroadIndex i : moved_objects_) {
       Object& object = objects_[i];
       broad_->move(i, query_.box(object.id));
-      go(object);
+      accumulate_travel(object);
     }
     find_near();
   }
-  counters_.pairs_far += pairs_.size() - near_.size();
+  counters_.pairs_far += pairs_.size() - near_pairs_.size();
   if (moved_objects_.empty()) {
-    counters_.pairs_unmoved += near_.size();
+    counters_.pairs_unmoved += near_pairs_.size();
   } else {
-    ask_near();
+    test_near_pairs();
   }
   for (const BroadIndex object : moved_objects_) {
     objects_[object].moved = false;
-    objects_[object].way_m = 0.0;
+    objects_[object].displacement_m = 0.0;
   }
   moved_objects_.clear();
-  tell();
-  return answer_;
+  update_result();
+  return result_;
 }
 
 // Its sum is rounded up. What has gone nowhere in particular is as good as reshaped: no gap is known of it.
-void CollisionWatch::go(Object& object) {
+void CollisionWatch::accumulate_travel(Object& object) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  object.way_m = query_.way_m(object.id);
-  if (!(object.way_m < kInfinity)) {
-    object.way_m = 0.0;
-    object.reshaped_at = tick_;
+  object.displacement_m = query_.displacement_m(object.id);
+  if (!(object.displacement_m < kInfinity)) {
+    object.displacement_m = 0.0;
+    object.reshaped_at_tick = tick_;
   }
-  object.gone_m = std::nextafter(object.gone_m + object.way_m, kInfinity);
+  object.travelled_m = std::nextafter(object.travelled_m + object.displacement_m, kInfinity);
 }
 
 // The objects that have the instance in their path, or below them.
@@ -135,57 +135,57 @@ void CollisionWatch::mark(std::uint32_t instance) {
   }
 }
 
-void CollisionWatch::move_what_was_said() {
+void CollisionWatch::apply_pending_changes() {
   for (const std::uint32_t transform : moved_transforms_) {
-    if (!query_.move(transform, said_[transform])) continue;
+    if (!query_.move(transform, pending_transforms_[transform])) continue;
     for (const std::uint32_t instance : query_.instances_of_transform(transform)) mark(instance);
   }
   moved_transforms_.clear();
-  for (const auto& [geometry, form] : reshaped_) {
+  for (const auto& [geometry, form] : pending_geometries_) {
     query_.reshape(geometry, form);
     for (const std::uint32_t instance : query_.instances_of_geometry(geometry)) {
       mark(instance);
       for (auto i = static_cast<std::int32_t>(instance); i >= 0;
            i = scene_.instances[static_cast<std::size_t>(i)].parent) {
         if (const std::uint32_t object = object_of_[static_cast<std::size_t>(i)]; object != kNone) {
-          objects_[object].reshaped_at = tick_;
+          objects_[object].reshaped_at_tick = tick_;
         }
       }
     }
   }
-  reshaped_.clear();
+  pending_geometries_.clear();
 }
 
 // The answer changes little from tick to tick, so that most pairs are where they were.
 void CollisionWatch::find_near() {
-  std::swap(near_, near_before_);
-  near_.clear();
-  auto before = near_before_.begin();
+  std::swap(near_pairs_, previous_near_pairs_);
+  near_pairs_.clear();
+  auto before = previous_near_pairs_.begin();
   for (const BroadPair objects : broad_->tick()) {
-    while (before != near_before_.end() && before->objects < objects) leave((before++)->pair);
-    if (before != near_before_.end() && before->objects == objects) {
-      near_.push_back(*before++);
+    while (before != previous_near_pairs_.end() && before->objects < objects) clear_pair((before++)->pair);
+    if (before != previous_near_pairs_.end() && before->objects == objects) {
+      near_pairs_.push_back(*before++);
       continue;
     }
     const auto pair = std::ranges::lower_bound(pairs_, objects, {}, &Pair::objects);
-    near_.push_back({.objects = objects, .pair = static_cast<std::uint32_t>(pair - pairs_.begin())});
+    near_pairs_.push_back({.objects = objects, .pair = static_cast<std::uint32_t>(pair - pairs_.begin())});
   }
-  while (before != near_before_.end()) leave((before++)->pair);
+  while (before != previous_near_pairs_.end()) clear_pair((before++)->pair);
 }
 
 // Their boxes are apart now.
-void CollisionWatch::leave(std::uint32_t pair) {
+void CollisionWatch::clear_pair(std::uint32_t pair) {
   for (std::uint32_t i = pairs_[pair].begin; i < pairs_[pair].end; ++i) {
-    refusals_changed_ |= refusals_.erase(by_pair_[i]) > 0;
-    answer(by_pair_[i], false);
+    refusals_changed_ |= refusals_.erase(interests_by_pair_[i]) > 0;
+    set_colliding(interests_by_pair_[i], false);
   }
 }
 
 // What became near has moved.
-void CollisionWatch::ask_near() {
-  for (Near& near : near_) {
+void CollisionWatch::test_near_pairs() {
+  for (NearPair& near : near_pairs_) {
     if (objects_[near.objects.low].moved || objects_[near.objects.high].moved) {
-      ask(near);
+      test_pair(near);
     } else {
       ++counters_.pairs_unmoved;
     }
@@ -194,38 +194,38 @@ void CollisionWatch::ask_near() {
 
 // Several interests in one pair, and interests above and below each other, come to the same pairs of Shapes, which
 // remember the tick.
-void CollisionWatch::ask(Near& near) {
+void CollisionWatch::test_pair(NearPair& near) {
   const Pair& pair = pairs_[near.pair];
-  const bool separated = pair.asks_shapes && is_separated(near);
+  const bool separated = pair.has_shape_interest && is_separated(near);
   if (separated) {
     ++counters_.pairs_separated;
-    if (!pair.asks_boxes) return;  // as at the last tick
+    if (!pair.has_box_interest) return;  // as at the last tick
   } else {
-    ++counters_.pairs_asked;
+    ++counters_.pairs_queried;
   }
-  const bool apart = separated || (pair.asks_shapes && find_gap(near));
+  const bool apart = separated || (pair.has_shape_interest && find_gap(near));
   near.touching = false;
   for (std::uint32_t i = pair.begin; i < pair.end; ++i) {
-    const std::uint32_t interest = by_pair_[i];
+    const std::uint32_t interest = interests_by_pair_[i];
     refusals_changed_ |= refusals_.erase(interest) > 0;
-    const bool asks_boxes = interests_[interest].type == CollisionType::kBox;
-    const bool colliding = asks_boxes ? boxes_collide(interest) : !apart && shapes_collide(interest, near);
-    near.touching |= !asks_boxes && (colliding || refusals_.contains(interest));
+    const bool has_box_interest = interests_[interest].type == CollisionType::kBox;
+    const bool colliding = has_box_interest ? boxes_collide(interest) : !apart && shapes_collide(interest, near);
+    near.touching |= !has_box_interest && (colliding || refusals_.contains(interest));
     if (is_colliding_[interest]) collisions_[interest].reset();
-    answer(interest, colliding);
+    set_colliding(interest, colliding);
   }
 }
 
-bool CollisionWatch::is_separated(const Near& near) const {
+bool CollisionWatch::is_separated(const NearPair& near) const {
   const Object &low = objects_[near.objects.low], &high = objects_[near.objects.high];
-  const double gone_m = low.gone_m + high.gone_m, rounding_m = 0x1p-51 * gone_m;
-  return low.reshaped_at <= near.gap_at && high.reshaped_at <= near.gap_at &&
-         gone_m - near.gone_m + rounding_m < near.gap_m;
+  const double travelled_m = low.travelled_m + high.travelled_m, rounding_m = 0x1p-51 * travelled_m;
+  return low.reshaped_at_tick <= near.gap_tick && high.reshaped_at_tick <= near.gap_tick &&
+         travelled_m - near.travelled_m + rounding_m < near.gap_m;
 }
 
 // A gap is sought that would last for some ticks of the present motion: more where the last one was found, fewer where
 // there was none so wide; and none for a while after that.
-bool CollisionWatch::find_gap(Near& near) {
+bool CollisionWatch::find_gap(NearPair& near) {
   constexpr int kLongestHorizon = 64;
   constexpr std::uint8_t kMostFailures = 5;
   near.gap_m = 0.0;
@@ -235,14 +235,14 @@ bool CollisionWatch::find_gap(Near& near) {
     return false;
   }
   const Object &low = objects_[near.objects.low], &high = objects_[near.objects.high];
-  const double gap_m = (low.way_m + high.way_m) * near.horizon;
+  const double gap_m = (low.displacement_m + high.displacement_m) * near.horizon;
   if (!(gap_m > 0.0 && std::isfinite(gap_m))) return false;  // in the first tick
-  ++counters_.gaps_sought;
-  if (query_.apart_by(low.id, high.id, gap_m)) {
+  ++counters_.gap_searches;
+  if (query_.separated_by(low.id, high.id, gap_m)) {
     ++counters_.gaps_found;
     near.gap_m = gap_m;
-    near.gone_m = low.gone_m + high.gone_m;
-    near.gap_at = tick_;
+    near.travelled_m = low.travelled_m + high.travelled_m;
+    near.gap_tick = tick_;
     near.horizon = static_cast<std::uint16_t>(std::min(near.horizon + (near.horizon + 3) / 4, kLongestHorizon));
     near.failures = 0;
     return true;
@@ -260,14 +260,14 @@ bool CollisionWatch::refuse(std::uint32_t interest, const std::string& why) {
 }
 
 bool CollisionWatch::boxes_collide(std::uint32_t interest) {
-  ++counters_.boxes_asked;
+  ++counters_.boxes_queried;
   const auto& [collider, collidee, type] = interests_[interest];
   const auto boxes = query_.collide(collider, collidee, type);
   return boxes ? boxes->colliding : refuse(interest, boxes.error());
 }
 
 // All pairs are looked at for one that would be refused; but tested only until two touch.
-bool CollisionWatch::shapes_collide(std::uint32_t interest, Near& near) {
+bool CollisionWatch::shapes_collide(std::uint32_t interest, NearPair& near) {
   const auto& [collider, collidee, type] = interests_[interest];
   bool touching = false;
   const bool all = type == CollisionType::kAllPairs;
@@ -279,7 +279,7 @@ bool CollisionWatch::shapes_collide(std::uint32_t interest, Near& near) {
   return searched ? touching : refuse(interest, searched.error());
 }
 
-void CollisionWatch::answer(std::uint32_t interest, bool colliding) {
+void CollisionWatch::set_colliding(std::uint32_t interest, bool colliding) {
   if (static_cast<bool>(is_colliding_[interest]) == colliding) return;
   is_colliding_[interest] = colliding;
   (colliding ? began_ : ended_).push_back(interest);
@@ -291,7 +291,7 @@ void CollisionWatch::answer(std::uint32_t interest, bool colliding) {
   if (!colliding) collisions_[interest].reset();
 }
 
-void CollisionWatch::tell() {
+void CollisionWatch::update_result() {
   ++counters_.ticks;
   if (!began_.empty() || !ended_.empty()) {
     std::ranges::sort(began_);
@@ -315,7 +315,7 @@ void CollisionWatch::tell() {
     refused_.clear();
     for (const auto& [interest, why] : refusals_) refused_.push_back({interest, why});
   }
-  answer_ = {colliding_, began_, ended_, not_colliding_, refused_};
+  result_ = {colliding_, began_, ended_, not_colliding_, refused_};
 }
 
 const Collision& CollisionWatch::collision(std::uint32_t interest) {

@@ -34,10 +34,10 @@ struct CollisionWatchCounters {
   std::uint64_t pairs_far = 0;        // passed over: their boxes are apart
   std::uint64_t pairs_unmoved = 0;    // passed over: near, but neither has moved since the answer
   std::uint64_t pairs_separated = 0;  // passed over: they have not gone as far as they were apart
-  std::uint64_t pairs_asked = 0;      // all others
-  std::uint64_t gaps_sought = 0;      // of those asked
+  std::uint64_t pairs_queried = 0;      // all others
+  std::uint64_t gap_searches = 0;      // of those asked
   std::uint64_t gaps_found = 0;       // ", apart by as much as was sought, so that no more was asked
-  std::uint64_t boxes_asked = 0;      // for boxes
+  std::uint64_t boxes_queried = 0;      // for boxes
   PairCoherence::Counters shapes;     // what those asked came to, for witnesses and all pairs
   BroadPhaseCounters broad;
   SceneQueryCounters query;  // its `queries` with those of all ticks
@@ -59,12 +59,12 @@ class CollisionWatch {
   [[nodiscard]] std::span<const WatchedInterest> interests() const { return interests_; }
 
   // What kBox compares, from the next tick on; before the first one.
-  void use_boxes(BoxBound bound) { query_.use_boxes(bound); }
+  void set_box_bound(BoxBound bound) { query_.set_box_bound(bound); }
 
   // What is said between two ticks counts from the next one on. Transforms and geometries by their indices in Scene;
   // before the first word of them they are as the file has them.
   void move(std::uint32_t transform, const TransformFields& fields);
-  void place(std::span<const TransformFields> transforms);  // all; those that differ have moved
+  void set_transforms(std::span<const TransformFields> transforms);  // all; those that differ have moved
   void reshape(std::uint32_t geometry, Geometry form);
 
   // A Transform's eventOut notColliding (seed, C.5): FALSE when it begins to collide with anything, as a collider or as
@@ -104,25 +104,25 @@ class CollisionWatch {
     bool moved = true;           // before this tick
     bool was_colliding = false;  // at the last one
     bool changed = false;        // in changed_objects_
-    double way_m = 0.0;          // gone in this tick, at most
-    double gone_m = 0.0;         // ", in all ticks
-    std::uint64_t reshaped_at = 0;
+    double displacement_m = 0.0;          // gone in this tick, at most
+    double travelled_m = 0.0;         // ", in all ticks
+    std::uint64_t reshaped_at_tick = 0;
     std::uint32_t collisions = 0;  // of its interests
   };
   struct Pair {  // of objects that interests join
     BroadPair objects;
     std::uint32_t begin = 0, end = 0;  // of by_pair_
-    bool asks_boxes = false, asks_shapes = false;
+    bool has_box_interest = false, has_shape_interest = false;
   };
-  struct Near {
+  struct NearPair {
     BroadPair objects;
     std::uint32_t pair = 0;  // of pairs_
     std::uint32_t hint = 0;  // PairCoherence's
     // No two points of what can collide were nearer than gap_m [m] when the two together had gone gone_m; 0 where that
     // is not known. Boxes and trees have room for rounding many times over, so there is enough of it at both ends of a
     // way.
-    double gap_m = 0.0, gone_m = 0.0;
-    std::uint64_t gap_at = 0;   // the tick
+    double gap_m = 0.0, travelled_m = 0.0;
+    std::uint64_t gap_tick = 0;   // the tick
     std::uint16_t horizon = 4;  // ticks of motion that a gap is sought for
     std::uint8_t failures = 0;  // how often none was found in a row
     std::uint8_t pause = 0;     // times not to seek one
@@ -132,19 +132,19 @@ class CollisionWatch {
   void add_objects(const Scene& scene);
   void add_pairs();
   void mark(std::uint32_t instance);
-  void move_what_was_said();
-  void go(Object& object);
+  void apply_pending_changes();
+  void accumulate_travel(Object& object);
   void find_near();
-  void ask_near();
-  void ask(Near& near);
-  [[nodiscard]] bool is_separated(const Near& near) const;
-  [[nodiscard]] bool find_gap(Near& near);
-  [[nodiscard]] bool shapes_collide(std::uint32_t interest, Near& near);
+  void test_near_pairs();
+  void test_pair(NearPair& near);
+  [[nodiscard]] bool is_separated(const NearPair& near) const;
+  [[nodiscard]] bool find_gap(NearPair& near);
+  [[nodiscard]] bool shapes_collide(std::uint32_t interest, NearPair& near);
   [[nodiscard]] bool boxes_collide(std::uint32_t interest);
   bool refuse(std::uint32_t interest, const std::string& why);
-  void leave(std::uint32_t pair);
-  void answer(std::uint32_t interest, bool colliding);
-  void tell();
+  void clear_pair(std::uint32_t pair);
+  void set_colliding(std::uint32_t interest, bool colliding);
+  void update_result();
 
   const Scene& scene_;
   SceneQuery query_;
@@ -154,15 +154,15 @@ class CollisionWatch {
   std::vector<Object> objects_;           // by BroadIndex, in the order of ids
   std::vector<std::uint32_t> object_of_;  // by instance: BroadIndex or kNone
   std::vector<Pair> pairs_;               // sorted
-  std::vector<std::uint32_t> by_pair_;    // interests
+  std::vector<std::uint32_t> interests_by_pair_;    // interests
 
   // Said since the last tick.
   std::vector<std::uint32_t> moved_transforms_;
-  std::vector<TransformFields> said_;  // by transform
-  std::map<std::uint32_t, Geometry> reshaped_;
+  std::vector<TransformFields> pending_transforms_;  // by transform
+  std::map<std::uint32_t, Geometry> pending_geometries_;
 
   std::vector<BroadIndex> moved_objects_;
-  std::vector<Near> near_, near_before_;  // sorted
+  std::vector<NearPair> near_pairs_, previous_near_pairs_;  // sorted
   // By interest.
   std::vector<std::uint8_t> is_colliding_;
   std::vector<std::optional<Collision>> collisions_;
@@ -174,7 +174,7 @@ class CollisionWatch {
   std::vector<Refused> refused_;
   bool refusals_changed_ = false;
   std::uint64_t tick_ = 0;
-  Tick answer_;
+  Tick result_;
   CoherenceOptions options_;
   CollisionWatchCounters counters_;
 };

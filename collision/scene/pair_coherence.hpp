@@ -17,8 +17,8 @@ class PairCoherence {
     std::uint64_t pairs_tested = 0;     // from the roots of their trees
   };
 
-  // Without `remembers`, all pairs are tested.
-  explicit PairCoherence(bool remembers) : remembers_(remembers) {}
+  // Without `caches`, all pairs are tested.
+  explicit PairCoherence(bool caches) : caches_(caches) {}
 
   // `tick` grows; asked again in one tick, a pair costs nothing. `hint`: the caller's, of this pair most likely; any
   // number will do.
@@ -28,20 +28,20 @@ class PairCoherence {
   [[nodiscard]] const QueryCounters& query_counters() const { return query_.counters(); }
 
  private:
-  struct Memory {
+  struct CachedPair {
     std::uint64_t key = 0;                 // both instances
-    std::uint64_t form_a = 0, form_b = 0;  // 0: of nothing
-    std::uint64_t asked_at = 0;            // the last tick
-    WideQuery::Spot spot{};                // where they touch
+    std::uint64_t version_a = 0, version_b = 0;  // 0: of nothing
+    std::uint64_t tested_at_tick = 0;            // the last tick
+    WideQuery::LeafPair leaf_pair{};                // where they touch
     bool touching = false;
   };
-  [[nodiscard]] Memory& find(std::uint64_t key, std::uint64_t tick, std::uint32_t& hint);
-  void forget_old(std::uint64_t tick);
+  [[nodiscard]] CachedPair& find(std::uint64_t key, std::uint64_t tick, std::uint32_t& hint);
+  void evict_old(std::uint64_t tick);
 
-  bool remembers_;
-  std::vector<Memory> memories_;
-  std::unordered_map<std::uint64_t, std::uint32_t> places_;  // in memories_, by key
-  std::size_t room_ = 4096;                                  // of memories, before old ones are looked for
+  bool caches_;
+  std::vector<CachedPair> cache_;
+  std::unordered_map<std::uint64_t, std::uint32_t> index_of_key_;  // in memories_, by key
+  std::size_t eviction_size_ = 4096;                                  // of memories, before old ones are looked for
   WideQuery query_;
   Counters counters_;
 };

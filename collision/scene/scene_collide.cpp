@@ -38,7 +38,7 @@ struct SceneQuery::Search {
   }
 
   bool shapes(std::uint32_t collider, std::uint32_t collidee) {
-    const auto of_collider = query.shaped(collider), of_collidee = query.shaped(collidee);
+    const auto of_collider = query.scaled_geometry(collider), of_collidee = query.scaled_geometry(collidee);
     if (!of_collider || !of_collidee) {
       error = of_collider ? of_collidee.error() : of_collider.error();
       return true;
@@ -46,27 +46,27 @@ struct SceneQuery::Search {
     if ((*of_collider)->soup.faces.empty() || (*of_collidee)->soup.faces.empty()) return false;
     const bool collider_first = collider < collidee;
     const std::uint32_t a = collider_first ? collider : collidee, b = collider_first ? collidee : collider;
-    Shaped& shaped_a = collider_first ? **of_collider : **of_collidee;
-    Shaped& shaped_b = collider_first ? **of_collidee : **of_collider;
-    return visit({a, b, shaped_a.form, shaped_b.form, &query.tree(a, shaped_a), &query.tree(b, shaped_b),
+    ScaledGeometry& shaped_a = collider_first ? **of_collider : **of_collidee;
+    ScaledGeometry& shaped_b = collider_first ? **of_collidee : **of_collider;
+    return visit({a, b, shaped_a.version, shaped_b.version, &query.tree(a, shaped_a), &query.tree(b, shaped_b),
                   RelativeMotion(query.placed(a).at.pose, query.placed(b).at.pose), collider_first});
   }
 };
 
 std::expected<void, std::string> SceneQuery::visit_close_pairs(ObjectId collider, ObjectId collidee,
                                                                const std::function<bool(const ClosePair&)>& visit) {
-  settle();
+  apply_moves();
   Search search{*this, visit};
   (void)search.run(collider, collidee);
   if (!search.error.empty()) return std::unexpected(std::move(search.error));
   return {};
 }
 
-bool SceneQuery::apart_by(ObjectId a, ObjectId b, double gap_m) {
-  settle();
+bool SceneQuery::separated_by(ObjectId a, ObjectId b, double gap_m) {
+  apply_moves();
   bool apart = true;
   const auto visit = [&](const ClosePair& close) {
-    apart = query_.apart_by(*close.tree_a, *close.tree_b, close.a_from_b, gap_m);
+    apart = query_.separated_by(*close.tree_a, *close.tree_b, close.a_from_b, gap_m);
     return !apart;
   };
   const std::function<bool(const ClosePair&)> visitor = std::ref(visit);
@@ -75,17 +75,17 @@ bool SceneQuery::apart_by(ObjectId a, ObjectId b, double gap_m) {
   return apart && search.error.empty();
 }
 
-double SceneQuery::way_m(ObjectId object) {
-  settle();
+double SceneQuery::displacement_m(ObjectId object) {
+  apply_moves();
   double most = 0.0;
   for (std::uint32_t i = object.value; i < scene_.at(object).subtree_end; ++i) {
-    if (is_surface(i) && placed(i).settled_at == settled_) most = std::max(most, placed(i).way_m);
+    if (is_surface(i) && placed(i).updated_at == move_batch_) most = std::max(most, placed(i).displacement_m);
   }
   return most;
 }
 
 std::expected<Collision, std::string> SceneQuery::collide(ObjectId collider, ObjectId collidee, CollisionType type) {
-  settle();
+  apply_moves();
   Collision found;
   if (type == CollisionType::kBox) {
     const auto a = tight_box(collider), b = tight_box(collidee);

@@ -16,7 +16,7 @@ namespace {
 
 // No point of the box goes farther [m]. The difference of two affine maps is one, so its length is greatest at a
 // corner. The rounding of all this is some 2^-50 of `reach`, and so is that of the vertices that decide.
-double largest_way(const Affine& from, const Affine& to, const LocalBox& box) {
+double displacement_bound_m(const Affine& from, const Affine& to, const LocalBox& box) {
   if (box.is_empty()) return 0.0;
   Vec3 middle = to.offset - from.offset, aside[3];
   double reach = to.offset.cwiseAbs().maxCoeff() + from.offset.cwiseAbs().maxCoeff();
@@ -55,15 +55,15 @@ bool equal(const TransformFields& a, const TransformFields& b) {
 
 }  // namespace
 
-SceneQuery::Users::Users(const Scene& scene, std::uint32_t Instance::*thing, std::size_t things) : begin_(things + 1) {
+SceneQuery::InstanceIndex::InstanceIndex(const Scene& scene, std::uint32_t Instance::*member, std::size_t count) : begin_(count + 1) {
   for (const Instance& i : scene.instances) {
-    if (i.*thing != Instance::kNone) ++begin_[i.*thing + 1];
+    if (i.*member != Instance::kNone) ++begin_[i.*member + 1];
   }
-  for (std::size_t t = 0; t < things; ++t) begin_[t + 1] += begin_[t];
+  for (std::size_t t = 0; t < count; ++t) begin_[t + 1] += begin_[t];
   instances_.resize(begin_.back());
   std::vector<std::uint32_t> next(begin_);
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (const std::uint32_t t = scene.instances[i].*thing; t != Instance::kNone) instances_[next[t]++] = i;
+    if (const std::uint32_t t = scene.instances[i].*member; t != Instance::kNone) instances_[next[t]++] = i;
   }
 }
 
@@ -71,8 +71,8 @@ SceneQuery::SceneQuery(const Scene& scene, HierarchyLoader load_hierarchy)
     : scene_(scene),
       load_hierarchy_(std::move(load_hierarchy)),
       transforms_(scene.transforms),
-      moved_by_(scene, &Instance::transform, scene.transforms.size()),
-      shaped_by_(scene, &Instance::geometry, scene.geometries.size()),
+      instances_of_transform_(scene, &Instance::transform, scene.transforms.size()),
+      instances_of_geometry_(scene, &Instance::geometry, scene.geometries.size()),
       meshes_(scene.geometries.size()),
       local_boxes_(scene.geometries.size()),
       placed_(scene.instances.size()),
@@ -82,26 +82,26 @@ SceneQuery::SceneQuery(const Scene& scene, HierarchyLoader load_hierarchy)
 bool SceneQuery::move(std::uint32_t transform, const TransformFields& fields) {
   if (equal(transforms_[transform], fields)) return false;
   transforms_[transform] = fields;
-  const auto moved = moved_by_.of(transform);
+  const auto moved = instances_of_transform_.of(transform);
   moved_.insert(moved_.end(), moved.begin(), moved.end());
   return true;
 }
 
-void SceneQuery::place(std::span<const TransformFields> transforms) {
+void SceneQuery::set_transforms(std::span<const TransformFields> transforms) {
   assert(transforms.size() == scene_.transforms.size());
   for (std::uint32_t t = 0; t < transforms.size(); ++t) move(t, transforms[t]);
 }
 
 // What is below something that moved is passed over once, however much of it has moved as well.
-void SceneQuery::settle() {
+void SceneQuery::apply_moves() {
   if (moved_.empty()) return;
-  ++settled_;
+  ++move_batch_;
   std::ranges::sort(moved_);
   std::uint32_t end = 0;
   for (const std::uint32_t moved : moved_) {
     if (moved < end) continue;
     end = scene_.instances[moved].subtree_end;
-    forget_box(moved);
+    invalidate_box(moved);
     for (std::uint32_t i = moved; i < end; ++i) {
       placed_[i].known = false;
       for (auto& boxes : boxes_) boxes[i].reset();
@@ -112,7 +112,7 @@ void SceneQuery::settle() {
 }
 
 // And those above it that know theirs: above one that doesn't, none does.
-void SceneQuery::forget_box(std::uint32_t instance) {
+void SceneQuery::invalidate_box(std::uint32_t instance) {
   for (auto& boxes : boxes_) {
     for (auto i = static_cast<std::int32_t>(instance); i >= 0 && boxes[static_cast<std::size_t>(i)];) {
       boxes[static_cast<std::size_t>(i)].reset();
@@ -121,40 +121,40 @@ void SceneQuery::forget_box(std::uint32_t instance) {
   }
 }
 
-void SceneQuery::forget(std::map<StretchKey, std::unique_ptr<Shaped>>::iterator shaped) {
-  if (shaped->second->tree) counters_.nodes_built += shaped->second->tree->nodes_built();
-  shaped_.erase(shaped);
+void SceneQuery::erase_scaled_geometry(std::map<StretchKey, std::unique_ptr<ScaledGeometry>>::iterator scaled_geometry) {
+  if (scaled_geometry->second->tree) counters_.nodes_built += scaled_geometry->second->tree->nodes_built();
+  scaled_geometries_.erase(scaled_geometry);
 }
 
 void SceneQuery::reshape(std::uint32_t geometry, const Geometry& form) {
   meshes_[geometry] = build_mesh(form, scene_.tessellation);
   ++counters_.meshes_built;
   local_boxes_[geometry].reset();
-  for (const std::uint32_t i : shaped_by_.of(geometry)) {
-    forget_box(i);
+  for (const std::uint32_t i : instances_of_geometry_.of(geometry)) {
+    invalidate_box(i);
     if (!tight_boxes_.empty()) tight_boxes_[i].reset();
     if (!dops_.empty()) dops_[i].reset();
   }
-  for (auto entry = shaped_.lower_bound({geometry, kLeastStretch});
-       entry != shaped_.end() && entry->first.geometry == geometry;) {
-    Shaped& shaped = *entry->second;
+  for (auto entry = scaled_geometries_.lower_bound({geometry, kLeastStretch});
+       entry != scaled_geometries_.end() && entry->first.geometry == geometry;) {
+    ScaledGeometry& scaled_geometry = *entry->second;
     Mat3 stretch;
     for (int i = 0; i < 9; ++i) stretch(i / 3, i % 3) = entry->first.stretch[static_cast<std::size_t>(i)];
     auto soup = make_soup(*meshes_[geometry], stretch);
     // Other polygons, or others cut otherwise, or none that are finite: it is made anew, or refused, when it is asked
     // for.
-    if (soup && soup->faces == shaped.soup.faces && shaped.tree && shaped.tree->refittable()) {
-      shaped.soup = std::move(*soup);
-      shaped.form = ++forms_;
-      shaped.tree->refit();
+    if (soup && soup->faces == scaled_geometry.soup.faces && scaled_geometry.tree && scaled_geometry.tree->refittable()) {
+      scaled_geometry.soup = std::move(*soup);
+      scaled_geometry.version = ++next_version_;
+      scaled_geometry.tree->refit();
       ++counters_.hierarchies_refitted;
       ++entry;
       continue;
     }
-    for (const std::uint32_t i : shaped_by_.of(geometry)) {
-      if (placed_[i].shaped == &shaped) placed_[i].shaped = nullptr;
+    for (const std::uint32_t i : instances_of_geometry_.of(geometry)) {
+      if (placed_[i].scaled_geometry == &scaled_geometry) placed_[i].scaled_geometry = nullptr;
     }
-    forget(entry++);
+    erase_scaled_geometry(entry++);
   }
 }
 
@@ -191,36 +191,36 @@ const SceneQuery::Placed& SceneQuery::placed(std::uint32_t shape) {
   }
   std::ranges::reverse(path_);
   const StretchedPose now = stretched_pose(path_);
-  if (at.shaped != nullptr && now.stretch != at.at.stretch) {
-    if (--at.shaped->users == 0) forget(shaped_.find(at.shaped->key));
-    at.shaped = nullptr;
+  if (at.scaled_geometry != nullptr && now.stretch != at.at.stretch) {
+    if (--at.scaled_geometry->use_count == 0) erase_scaled_geometry(scaled_geometries_.find(at.scaled_geometry->key));
+    at.scaled_geometry = nullptr;
   }
   const Affine from = at.world_from_shape;
   at.at = now;
   at.world_from_shape = {multiply(now.pose.orientation.toRotationMatrix(), now.stretch), now.pose.position};
-  at.settled_at = settled_;
-  if (std::exchange(at.was_known, true)) {
-    at.way_m = largest_way(from, at.world_from_shape, local_box(scene_.instances[shape].geometry));
+  at.updated_at = move_batch_;
+  if (std::exchange(at.had_pose, true)) {
+    at.displacement_m = displacement_bound_m(from, at.world_from_shape, local_box(scene_.instances[shape].geometry));
   }
   at.known = true;
   return at;
 }
 
-std::expected<SceneQuery::Shaped*, std::string> SceneQuery::shaped(std::uint32_t shape) {
+std::expected<SceneQuery::ScaledGeometry*, std::string> SceneQuery::scaled_geometry(std::uint32_t shape) {
   const Mat3& stretch = placed(shape).at.stretch;
-  if (placed_[shape].shaped != nullptr) return placed_[shape].shaped;
+  if (placed_[shape].scaled_geometry != nullptr) return placed_[shape].scaled_geometry;
   const std::uint32_t geometry = scene_.instances[shape].geometry;
   StretchKey key{geometry, {}};
   for (int i = 0; i < 9; ++i) key.stretch[static_cast<std::size_t>(i)] = stretch(i / 3, i % 3);
-  auto known = shaped_.find(key);
-  if (known == shaped_.end()) {
+  auto known = scaled_geometries_.find(key);
+  if (known == scaled_geometries_.end()) {
     auto soup = make_soup(mesh(geometry), stretch);
     if (!soup) return std::unexpected(scene_.path_of({shape}) + ": " + soup.error());
     ++counters_.soups_built;
-    known = shaped_.emplace(key, std::make_unique<Shaped>(key, ++forms_, std::move(*soup))).first;
+    known = scaled_geometries_.emplace(key, std::make_unique<ScaledGeometry>(key, ++next_version_, std::move(*soup))).first;
   }
-  placed_[shape].shaped = known->second.get();
-  ++known->second->users;
+  placed_[shape].scaled_geometry = known->second.get();
+  ++known->second->use_count;
   return known->second.get();
 }
 
@@ -244,24 +244,24 @@ std::optional<WideTree> SceneQuery::read_tree(std::uint32_t shape, const Triangl
   return std::nullopt;
 }
 
-WideTree& SceneQuery::tree(std::uint32_t shape, Shaped& shaped) {
-  if (shaped.tree) return *shaped.tree;
-  shaped.tree = read_tree(shape, shaped.soup);
-  if (!shaped.tree) {
-    shaped.tree.emplace(shaped.soup);
+WideTree& SceneQuery::tree(std::uint32_t shape, ScaledGeometry& scaled_geometry) {
+  if (scaled_geometry.tree) return *scaled_geometry.tree;
+  scaled_geometry.tree = read_tree(shape, scaled_geometry.soup);
+  if (!scaled_geometry.tree) {
+    scaled_geometry.tree.emplace(scaled_geometry.soup);
     ++counters_.hierarchies_built;
   }
-  return *shaped.tree;
+  return *scaled_geometry.tree;
 }
 
 std::expected<std::vector<SceneQuery::Baked>, std::string> SceneQuery::bake() {
-  settle();
+  apply_moves();
   std::vector<Baked> files;
-  std::map<std::string_view, const Shaped*> of_file;
+  std::map<std::string_view, const ScaledGeometry*> of_file;
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const std::string_view url = scene_.shape({i}).hierarchy_file;
     if (url.empty() || !is_surface(i)) continue;
-    const auto shape = shaped(i);
+    const auto shape = scaled_geometry(i);
     if (!shape) return std::unexpected(shape.error());
     if ((*shape)->soup.faces.empty()) continue;
     const auto [known, is_new] = of_file.try_emplace(url, *shape);
@@ -303,7 +303,7 @@ WorldBox SceneQuery::shape_box(std::uint32_t shape) {
 // From the end of the subtree, so that no recursion is as deep as the scene.
 const WorldBox& SceneQuery::box(std::uint32_t instance, Surfaces which) {
   auto& boxes = boxes_[static_cast<std::size_t>(which)];
-  auto& others = boxes_[1 - static_cast<std::size_t>(which)];
+  auto& other_boxes = boxes_[1 - static_cast<std::size_t>(which)];
   if (boxes[instance]) return *boxes[instance];
   for (std::uint32_t i = scene_.instances[instance].subtree_end; i-- > instance;) {
     if (boxes[i]) continue;
@@ -311,7 +311,7 @@ const WorldBox& SceneQuery::box(std::uint32_t instance, Surfaces which) {
     const std::uint32_t end = scene_.instances[i].subtree_end;
     if (is_surface(i, which)) {  // a Shape's box is the same whatever it is for
       const bool other = end == i + 1 && is_surface(i, Surfaces::kDrawn) && is_surface(i, Surfaces::kColliding);
-      box = other && others[i] ? *others[i] : shape_box(i);
+      box = other && other_boxes[i] ? *other_boxes[i] : shape_box(i);
     }
     for (std::uint32_t child = i + 1; child < end; child = scene_.instances[child].subtree_end) {
       box.merge(*boxes[child]);
@@ -359,7 +359,7 @@ WorldBox SceneQuery::realigned_shape_box(std::uint32_t shape) {
   return out;
 }
 
-void SceneQuery::use_boxes(BoxBound bound) {
+void SceneQuery::set_box_bound(BoxBound bound) {
   box_bound_ = bound;
   tight_boxes_.clear();
 }
@@ -383,8 +383,8 @@ SceneQueryCounters SceneQuery::counters() const {
   out.queries = query_.counters();
   out.rays = rays_.counters();
   out.views = views_.counters();
-  for (const auto& [key, shaped] : shaped_) {
-    if (shaped->tree) out.nodes_built += shaped->tree->nodes_built();
+  for (const auto& [key, scaled_geometry] : scaled_geometries_) {
+    if (scaled_geometry->tree) out.nodes_built += scaled_geometry->tree->nodes_built();
   }
   return out;
 }

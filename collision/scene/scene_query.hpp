@@ -95,13 +95,13 @@ class SceneQuery {
   explicit SceneQuery(const Scene& scene, HierarchyLoader load_hierarchy = {});  // the scene outlives it, at its place
 
   // What kBox compares from now on.
-  void use_boxes(BoxBound bound);
+  void set_box_bound(BoxBound bound);
 
   // Where a Transform is from now on, by its index in Scene::transforms; before, it is where the file puts it. Costs
   // what is below it, when a question comes to that. What is built stays, but for forms that a scale made and no Shape
   // has any more. False, and nothing is done, where it is there already.
   bool move(std::uint32_t transform, const TransformFields& fields);
-  void place(std::span<const TransformFields> transforms);  // all; those that differ are moved
+  void set_transforms(std::span<const TransformFields> transforms);  // all; those that differ are moved
 
   // A geometry has another form from now on: flexible objects (the seed's 3.2.1), such as what a CoordinateInterpolator
   // moves. Where only vertices moved, hierarchies are refitted, as deep as they are; a witness that they find may then
@@ -139,19 +139,19 @@ class SceneQuery {
   // A box of all that can collide below an object, with room for all rounding: objects whose boxes are apart don't
   // collide, in any of the three ways. Valid until something moves.
   [[nodiscard]] const WorldBox& box(ObjectId object) {
-    settle();
+    apply_moves();
     return box(object.value);
   }
   // How far what can collide below an object has gone from where it was when its box was asked for before [m]: no point
   // farther, all rounding included. Only of what moved since the last question but these; reshaped ones don't count.
-  [[nodiscard]] double way_m(ObjectId object);
-  // Whether what can collide below two objects is certainly farther apart than that [m]; see WideQuery::apart_by().
-  [[nodiscard]] bool apart_by(ObjectId a, ObjectId b, double gap_m);
+  [[nodiscard]] double displacement_m(ObjectId object);
+  // Whether what can collide below two objects is certainly farther apart than that [m]; see WideQuery::separated_by().
+  [[nodiscard]] bool separated_by(ObjectId a, ObjectId b, double gap_m);
 
   // Two Shapes whose boxes overlap, as the exact questions see them.
   struct ClosePair {
     std::uint32_t a = 0, b = 0;            // instances, a < b: a gives the frame
-    std::uint64_t form_a = 0, form_b = 0;  // another number, never used before, whenever the vertices are others
+    std::uint64_t version_a = 0, version_b = 0;  // another number, never used before, whenever the vertices are others
     WideTree *tree_a = nullptr, *tree_b = nullptr;
     RelativeMotion a_from_b;
     bool collider_first = true;  // a is below the collider
@@ -162,8 +162,8 @@ class SceneQuery {
                                                                    const std::function<bool(const ClosePair&)>& visit);
 
   // The instances that have a Transform, or a geometry: several where it is USEd.
-  [[nodiscard]] std::span<const std::uint32_t> instances_of_transform(std::uint32_t i) const { return moved_by_.of(i); }
-  [[nodiscard]] std::span<const std::uint32_t> instances_of_geometry(std::uint32_t i) const { return shaped_by_.of(i); }
+  [[nodiscard]] std::span<const std::uint32_t> instances_of_transform(std::uint32_t i) const { return instances_of_transform_.of(i); }
+  [[nodiscard]] std::span<const std::uint32_t> instances_of_geometry(std::uint32_t i) const { return instances_of_geometry_.of(i); }
 
   // The hierarchies of the Shapes below an object that collide and name a hierarchyFile, each file once: its URL and
   // what belongs in it.
@@ -176,7 +176,7 @@ class SceneQuery {
   // hierarchyFiles that were refused, each with its Shape and the reason; their hierarchies were built instead.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   [[nodiscard]] SceneQueryCounters counters() const;
-  [[nodiscard]] std::size_t forms() const { return shaped_.size(); }  // that are kept: geometries, each as it is scaled
+  [[nodiscard]] std::size_t forms() const { return scaled_geometries_.size(); }  // that are kept: geometries, each as it is scaled
 
  private:
   struct StretchKey {
@@ -184,29 +184,29 @@ class SceneQuery {
     std::array<double, 9> stretch{};
     friend auto operator<=>(const StretchKey&, const StretchKey&) = default;
   };
-  struct Shaped {  // by geometry and stretch
+  struct ScaledGeometry {  // by geometry and stretch
     StretchKey key;
-    std::uint64_t form = 0;
+    std::uint64_t version = 0;
     TriangleSoup soup;
     std::optional<WideTree> tree{};
-    std::size_t users = 0;  // instances that were asked about
+    std::size_t use_count = 0;  // instances that were asked about
   };
   // Of a placed instance: what is known of it now.
   struct Placed {
     bool known = false;  // `at` and what follows from it
-    bool was_known = false;
+    bool had_pose = false;
     StretchedPose at;
     Affine world_from_shape;
-    double way_m = 0.0;            // to there from where it was before
-    std::uint64_t settled_at = 0;  // when that was
-    Shaped* shaped = nullptr;      // of that stretch
+    double displacement_m = 0.0;            // to there from where it was before
+    std::uint64_t updated_at = 0;  // when that was
+    ScaledGeometry* scaled_geometry = nullptr;      // of that stretch
   };
   // The instances that have each of a number of things, in order.
-  class Users {
+  class InstanceIndex {
    public:
-    Users(const Scene& scene, std::uint32_t Instance::*thing, std::size_t things);
-    [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t thing) const {
-      return std::span(instances_).subspan(begin_[thing], begin_[thing + 1] - begin_[thing]);
+    InstanceIndex(const Scene& scene, std::uint32_t Instance::*member, std::size_t count);
+    [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t member) const {
+      return std::span(instances_).subspan(begin_[member], begin_[member + 1] - begin_[member]);
     }
 
    private:
@@ -215,14 +215,14 @@ class SceneQuery {
   struct Search;
   enum class Surfaces : std::uint8_t { kColliding, kDrawn };
 
-  void settle();
-  void forget_box(std::uint32_t instance);
-  void forget(std::map<StretchKey, std::unique_ptr<Shaped>>::iterator shaped);
+  void apply_moves();
+  void invalidate_box(std::uint32_t instance);
+  void erase_scaled_geometry(std::map<StretchKey, std::unique_ptr<ScaledGeometry>>::iterator scaled_geometry);
   [[nodiscard]] const Mesh& mesh(std::uint32_t geometry);
   [[nodiscard]] const LocalBox& local_box(std::uint32_t geometry);
   [[nodiscard]] const Placed& placed(std::uint32_t shape);
-  [[nodiscard]] std::expected<Shaped*, std::string> shaped(std::uint32_t shape);
-  [[nodiscard]] WideTree& tree(std::uint32_t shape, Shaped& shaped);
+  [[nodiscard]] std::expected<ScaledGeometry*, std::string> scaled_geometry(std::uint32_t shape);
+  [[nodiscard]] WideTree& tree(std::uint32_t shape, ScaledGeometry& scaled_geometry);
   [[nodiscard]] std::optional<WideTree> read_tree(std::uint32_t shape, const TriangleSoup& soup);
   [[nodiscard]] const WorldBox& box(std::uint32_t instance, Surfaces which = Surfaces::kColliding);
   [[nodiscard]] WorldBox shape_box(std::uint32_t shape);
@@ -231,22 +231,22 @@ class SceneQuery {
   [[nodiscard]] WorldBox realigned_shape_box(std::uint32_t shape);
   [[nodiscard]] bool is_surface(std::uint32_t instance, Surfaces which = Surfaces::kColliding) const;
   [[nodiscard]] std::expected<void, std::string> pick_shape(std::uint32_t shape, const Ray& world);
-  void enter(std::uint32_t instance, const Ray& world);
+  void push_if_hit(std::uint32_t instance, const Ray& world);
   [[nodiscard]] std::expected<bool, std::string> shape_in_view(std::uint32_t shape, const Frustum& frustum,
                                                                PlaneMask active, int levels);
   // found(shape, planes that its box is not certainly inside of) -> whether that was all, for each that may be in view.
   template <class Found>
-  void look(std::uint32_t begin, std::uint32_t end, const Frustum& frustum, Found found);
+  void cull_subtrees(std::uint32_t begin, std::uint32_t end, const Frustum& frustum, Found found);
 
   const Scene& scene_;
   HierarchyLoader load_hierarchy_;
   std::vector<std::string> notes_;
   std::vector<TransformFields> transforms_;
-  Users moved_by_, shaped_by_;                        // by transform, by geometry
+  InstanceIndex instances_of_transform_, instances_of_geometry_;                        // by transform, by geometry
   std::vector<std::uint32_t> moved_;                  // instances whose Transform has moved since the last question
   std::vector<std::optional<Mesh>> meshes_;           // by geometry
   std::vector<std::optional<LocalBox>> local_boxes_;  // ", of all vertices: fewer than there are corners
-  std::map<StretchKey, std::unique_ptr<Shaped>> shaped_;
+  std::map<StretchKey, std::unique_ptr<ScaledGeometry>> scaled_geometries_;
   std::vector<Placed> placed_;  // by instance
   // By Surfaces and instance: of its subtree, with room for all rounding. Where one is known, all below it are.
   std::array<std::vector<std::optional<WorldBox>>, 2> boxes_;
@@ -259,7 +259,7 @@ class SceneQuery {
   };
   std::vector<std::optional<StretchedDop>> dops_;
   std::vector<TransformFields> path_;  // scratch
-  std::uint64_t forms_ = 0, settled_ = 0;
+  std::uint64_t next_version_ = 0, move_batch_ = 0;
   WideQuery query_;
   RayQuery rays_;
   ViewQuery views_;

@@ -43,7 +43,7 @@ Vec3 facing_normal(const Vec3& u, const Vec3& v, const Vec3& direction) {
 
 }  // namespace
 
-void SceneQuery::enter(std::uint32_t instance, const Ray& world) {
+void SceneQuery::push_if_hit(std::uint32_t instance, const Ray& world) {
   const auto t = entry(world, box(instance, Surfaces::kDrawn));
   if (!t || (picked_ && *t > picked_->t)) return;
   entries_.push_back({*t, instance});
@@ -52,7 +52,7 @@ void SceneQuery::enter(std::uint32_t instance, const Ray& world) {
 
 // The nearest hit so far is the longest that the ray can be; what is hit there as well counts where its id is lower.
 std::expected<void, std::string> SceneQuery::pick_shape(std::uint32_t shape, const Ray& world) {
-  const auto of_shape = shaped(shape);
+  const auto of_shape = scaled_geometry(shape);
   if (!of_shape) return std::unexpected(of_shape.error());
   if ((*of_shape)->soup.faces.empty()) return {};
   const Pose& pose = placed(shape).at.pose;
@@ -68,7 +68,7 @@ std::expected<void, std::string> SceneQuery::pick_shape(std::uint32_t shape, con
 
 std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& origin_world, const Vec3& direction_world,
                                                                  double longest_m) {
-  settle();
+  apply_moves();
   Ray world{origin_world, direction_world, longest_m};
   if (!is_usable(world)) {
     return std::unexpected("a ray needs a finite origin, a direction that is neither zero nor infinite, and a length");
@@ -78,7 +78,7 @@ std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& ori
   world.longest = longest_m / length;
   picked_.reset();
   entries_.clear();
-  for (std::uint32_t i = 0; i < scene_.instances.size(); i = scene_.instances[i].subtree_end) enter(i, world);
+  for (std::uint32_t i = 0; i < scene_.instances.size(); i = scene_.instances[i].subtree_end) push_if_hit(i, world);
   while (!entries_.empty()) {
     std::ranges::pop_heap(entries_, std::greater());
     const Entry next = entries_.back();
@@ -89,12 +89,12 @@ std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& ori
     }
     const std::uint32_t end = scene_.instances[next.instance].subtree_end;
     for (std::uint32_t child = next.instance + 1; child < end; child = scene_.instances[child].subtree_end) {
-      enter(child, world);
+      push_if_hit(child, world);
     }
   }
   if (!picked_) return std::nullopt;
   const Mat3 rotation = placed(picked_->shape).at.pose.orientation.toRotationMatrix();
-  const Triangle triangle = placed_[picked_->shape].shaped->soup.triangle(picked_->hit.face);
+  const Triangle triangle = placed_[picked_->shape].scaled_geometry->soup.triangle(picked_->hit.face);
   return Pick{{{picked_->shape}, picked_->hit.polygon},
               picked_->t * length,
               origin_world + picked_->t * direction_world,
@@ -105,8 +105,8 @@ std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& ori
 // In the scene's order: subtrees that are outside are skipped, and what one is wholly inside of isn't asked again
 // below.
 template <class Found>
-void SceneQuery::look(std::uint32_t begin, std::uint32_t end, const Frustum& frustum, Found found) {
-  settle();
+void SceneQuery::cull_subtrees(std::uint32_t begin, std::uint32_t end, const Frustum& frustum, Found found) {
+  apply_moves();
   open_.clear();
   for (std::uint32_t i = begin; i < end;) {
     while (!open_.empty() && open_.back().end <= i) open_.pop_back();
@@ -125,7 +125,7 @@ void SceneQuery::look(std::uint32_t begin, std::uint32_t end, const Frustum& fru
 std::expected<std::span<const ShapeInView>, std::string> SceneQuery::in_view(const Frustum& frustum, int levels) {
   in_view_.clear();
   std::string error;
-  look(0, static_cast<std::uint32_t>(scene_.instances.size()), frustum, [&](std::uint32_t shape, PlaneMask active) {
+  cull_subtrees(0, static_cast<std::uint32_t>(scene_.instances.size()), frustum, [&](std::uint32_t shape, PlaneMask active) {
     const auto seen = levels > 0 ? shape_in_view(shape, frustum, active, levels) : true;
     if (!seen)
       error = seen.error();
@@ -139,7 +139,7 @@ std::expected<std::span<const ShapeInView>, std::string> SceneQuery::in_view(con
 
 std::expected<bool, std::string> SceneQuery::may_be_in_view(ObjectId object, const Frustum& frustum) {
   std::expected<bool, std::string> answer = false;
-  look(object.value, scene_.at(object).subtree_end, frustum, [&](std::uint32_t shape, PlaneMask active) {
+  cull_subtrees(object.value, scene_.at(object).subtree_end, frustum, [&](std::uint32_t shape, PlaneMask active) {
     answer = shape_in_view(shape, frustum, active, ViewQuery::kAllLevels);
     return !answer || *answer;
   });
@@ -150,7 +150,7 @@ std::expected<bool, std::string> SceneQuery::may_be_in_view(ObjectId object, con
 std::expected<bool, std::string> SceneQuery::shape_in_view(std::uint32_t shape, const Frustum& frustum,
                                                            PlaneMask active, int levels) {
   if (active == 0) return mesh(scene_.instances[shape].geometry).polygon_count() > 0;
-  const auto of_shape = shaped(shape);
+  const auto of_shape = scaled_geometry(shape);
   if (!of_shape) return std::unexpected(of_shape.error());
   if ((*of_shape)->soup.faces.empty()) return false;
   return views_.may_be_in_view(tree(shape, **of_shape), placed(shape).at.pose, frustum, active, levels);

@@ -105,15 +105,15 @@ WideTree::Box WideTree::box_of(const Bounds& bounds) {
 // what costs, are left with one bin. A float's way to its bin keeps order.
 void WideTree::divide(Range range, std::uint32_t middle, std::size_t axis, float least, float most) {
   constexpr std::uint32_t kBins = 1024;
-  const auto place = [axis](const Item& item) { return item.lo[axis] + item.hi[axis]; };
-  const auto before = [place](const Item& a, const Item& b) {
-    return place(a) != place(b) ? place(a) < place(b) : a.face < b.face;
+  const auto slot = [axis](const Item& item) { return item.lo[axis] + item.hi[axis]; };
+  const auto before = [slot](const Item& a, const Item& b) {
+    return slot(a) != slot(b) ? slot(a) < slot(b) : a.face < b.face;
   };
   auto begin = items_.begin() + range.begin, end = items_.begin() + range.end;
   const float scale = static_cast<float>(kBins) / (most - least);
   if (range.count() >= kBins && scale > 0.0f && std::isfinite(scale)) {
     const auto bin_of = [&](const Item& item) {
-      return std::min(kBins - 1, static_cast<std::uint32_t>((place(item) - least) * scale));
+      return std::min(kBins - 1, static_cast<std::uint32_t>((slot(item) - least) * scale));
     };
     std::array<std::uint32_t, kBins> counts{};
     for (auto item = begin; item != end; ++item) ++counts[bin_of(*item)];

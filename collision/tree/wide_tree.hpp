@@ -68,19 +68,19 @@ class WideTree {
   [[nodiscard]] const Leaf& leaf(std::uint32_t i) const { return leaf_data_[i]; }
 
   // Where a child hangs: what is not built yet has no other name.
-  using Place = std::uint32_t;
-  static constexpr Place kRoot = ~0u;
-  [[nodiscard]] static constexpr Place place(Ref node, std::size_t i) {
-    return node.index() * kWidth + static_cast<Place>(i);
+  using ChildSlot = std::uint32_t;
+  static constexpr ChildSlot kRoot = ~0u;
+  [[nodiscard]] static constexpr ChildSlot child_slot(Ref node, std::size_t i) {
+    return node.index() * kWidth + static_cast<ChildSlot>(i);
   }
-  [[nodiscard]] static constexpr Ref parent(Place place) {
-    return {Ref::kNode, static_cast<std::uint32_t>(place / kWidth)};
+  [[nodiscard]] static constexpr Ref parent(ChildSlot slot) {
+    return {Ref::kNode, static_cast<std::uint32_t>(slot / kWidth)};
   }  // not of the root
   // What hangs there, built now if it never was: a node or a leaf. References to both stay valid.
-  [[nodiscard]] Ref at(Place place) {
-    const Ref ref = place == kRoot ? root_ : node_data_[place / kWidth].children[place % kWidth];
+  [[nodiscard]] Ref at(ChildSlot slot) {
+    const Ref ref = slot == kRoot ? root_ : node_data_[slot / kWidth].children[slot % kWidth];
     if (ref.kind() != Ref::kPending) return ref;
-    return resolve(place == kRoot ? root_ : nodes_[place / kWidth].children[place % kWidth]);
+    return resolve(slot == kRoot ? root_ : nodes_[slot / kWidth].children[slot % kWidth]);
   }
   void build_all();
   // The soup's vertices have moved, its faces have not: new boxes for what is built, over the same triangles. O(soup).

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/animation/cell_graph.hpp"
+#include "core/animation/event_graph.hpp"
 #include "core/animation/control.hpp"
 #include "core/animation/network.hpp"
 
@@ -34,7 +34,7 @@ struct Segment {
   double begin_s = -std::numeric_limits<double>::infinity();  // [s]
   double end_s = std::numeric_limits<double>::infinity();     // [s], exclusive; +inf: it never changes again
   bool initial = true;                  // no event has come: the file's value holds, and what is below means nothing
-  bool still = true;                    // nothing moves
+  bool is_constant = true;                    // nothing moves
   Vec3 position = Vec3::Zero();         // at begin_s
   Vec3 velocity = Vec3::Zero();         // [1/s]; a translation's [m/s]
   Quat orientation = Quat::Identity();  // at begin_s, unit
@@ -59,17 +59,17 @@ struct AnimationOptions {
   // and limited_at() says since when. Bounds the work of a question about a far time where sensors start each other
   // (~50 ns a transition: 3 s); nothing is limited where they do not. Two sensors that start each other every second
   // use ten a second: 77 days. The same on all peers.
-  std::size_t most_transitions = std::size_t{1} << 26;
+  std::size_t max_transitions = std::size_t{1} << 26;
   // How many transitions of a component are remembered at least (~100 bytes each). A question about a time before them
   // simulates the component from the beginning again.
-  std::size_t remembered = std::size_t{1} << 16;
+  std::size_t min_history = std::size_t{1} << 16;
 };
 
 // The predefined movement of a VRML97 world, as a function of world time. A pure function of the network and of what
 // was delivered: not of what was asked before. Any t may be asked at any time; all peers get the same bits.
 //
 // Continuous parts (fraction_changed through interpolators and relays) are evaluated in closed form, backwards from the
-// field that is asked for: at any t this costs as many steps as there are cells upstream of it. Discrete parts
+// field that is asked for: at any t this costs as many steps as there are ports upstream of it. Discrete parts
 // (isActive, cycleTime and time into the fields of TimeSensors) are simulated by Control, once, from transition to
 // transition; a later question about a time that was passed costs a binary search, unless it is forgotten by then.
 //
@@ -114,7 +114,7 @@ class Animation {
   std::optional<DeliverError> deliver(double t, std::uint32_t node, std::string_view name, const Value& value);
 
   // Since when something stands still for want of transitions; looks at what has been evaluated so far. O(sensors).
-  [[nodiscard]] std::optional<double> limited_at() const { return control_->limited_at(); }
+  [[nodiscard]] std::optional<double> transition_limit_reached_at() const { return simulator_->transition_limit_reached_at(); }
 
  private:
   struct Delivered {
@@ -123,24 +123,24 @@ class Animation {
   };
   struct Source {
     Stamp stamp;
-    std::uint32_t cell = kNone;
+    std::uint32_t port = kNone;
   };
   struct Upcoming {
     double t = 0.0;
-    std::uint32_t index = 0;  // of a component, or of a cell that has a delivery
-    bool is_cell = false;
+    std::uint32_t index = 0;  // of a component, or of a port that has a delivery
+    bool is_port = false;
     friend bool operator<(const Upcoming& a, const Upcoming& b) { return a.t > b.t; }
   };
   enum class At : std::uint8_t { kNow, kJustAfter };
 
-  [[nodiscard]] bool is_leaf(const Cell& c) const;
-  [[nodiscard]] const Delivered* delivered(std::uint32_t cell, double t) const;
-  [[nodiscard]] std::optional<Stamp> leaf_event(std::uint32_t cell, double t, At at);
-  [[nodiscard]] bool interpolates(std::uint32_t cell, double t) const;
-  [[nodiscard]] Keys keys_at(std::uint32_t cell, double t) const;
-  [[nodiscard]] bool find_path(std::uint32_t cell, double t, At at);
-  [[nodiscard]] bool find_simple_path(std::uint32_t cell, double t, At at, bool& found);
-  void spread(const Source* group_begin, const Source* group_end, std::uint32_t target);
+  [[nodiscard]] bool is_source(const EventPort& c) const;
+  [[nodiscard]] const Delivered* delivered(std::uint32_t port, double t) const;
+  [[nodiscard]] std::optional<Stamp> source_event(std::uint32_t port, double t, At at);
+  [[nodiscard]] bool interpolates(std::uint32_t port, double t) const;
+  [[nodiscard]] Keys keys_at(std::uint32_t port, double t) const;
+  [[nodiscard]] bool find_path(std::uint32_t port, double t, At at);
+  [[nodiscard]] bool find_simple_path(std::uint32_t port, double t, At at, bool& found);
+  void propagate(const Source* group_begin, const Source* group_end, std::uint32_t target);
   void evaluate_path(double t, Value& out);
   [[nodiscard]] std::optional<std::uint32_t> find_or_add(std::uint32_t node, std::string_view name, FieldType type,
                                                          bool in);
@@ -154,23 +154,23 @@ class Animation {
   void refresh(std::uint32_t component, double t);
   void set_active(std::uint32_t sensor, bool active);
   void push_component(std::uint32_t component, double t);
-  void mark_downstream(std::uint32_t cell, std::vector<FieldId>& out);
+  void mark_downstream(std::uint32_t port, std::vector<FieldId>& out);
 
-  std::unique_ptr<CellGraph> graph_;  // at a fixed place: Control refers to it
-  std::unique_ptr<Control> control_;
+  std::unique_ptr<EventGraph> graph_;  // at a fixed place: Control refers to it
+  std::unique_ptr<SensorSimulator> simulator_;
   AnimationOptions options_;
-  std::map<std::uint32_t, std::vector<Delivered>> delivered_;  // by cell that is not control, then time
-  std::vector<std::uint8_t> has_delivered_;                    // by cell
+  std::map<std::uint32_t, std::vector<Delivered>> delivered_;  // by port that is not control, then time
+  std::vector<std::uint8_t> has_delivered_;                    // by port
 
   // Of the question that is being answered.
   Source source_;                        // whose event counts
-  std::vector<std::uint32_t> path_;      // the cells from the one asked for back to the source's
-  std::vector<std::uint32_t> upstream_;  // cells that events may have come over, the one asked for first
+  std::vector<std::uint32_t> path_;      // the ports from the one asked for back to the source's
+  std::vector<std::uint32_t> upstream_;  // ports that events may have come over, the one asked for first
   std::vector<Source> sources_;
-  std::vector<std::uint64_t> seen_;     // by cell: the question's mark
-  std::vector<std::uint64_t> claimed_;  // "
-  std::vector<std::uint32_t> via_;      // by cell: the ROUTE of the event that counts
-  std::vector<std::uint32_t> front_, next_front_;
+  std::vector<std::uint64_t> seen_;     // by port: the question's mark
+  std::vector<std::uint64_t> reached_;  // "
+  std::vector<std::uint32_t> via_;      // by port: the ROUTE of the event that counts
+  std::vector<std::uint32_t> wave_, next_wave_;
   std::uint64_t mark_ = 0;
   Value scratch_;
 
@@ -180,7 +180,7 @@ class Animation {
   std::vector<std::uint32_t> active_;
   std::vector<std::uint32_t> place_;                        // by sensor: in active_, or kNone
   std::vector<Upcoming> upcoming_;                          // heap; may hold an instant twice, or one that is no more
-  std::vector<std::uint32_t> noted_sensors_, noted_cells_;  // changed since the last call
+  std::vector<std::uint32_t> changed_sensors_, changed_ports_;  // changed since the last call
 };
 
 }  // namespace peerd::animation

@@ -50,7 +50,7 @@ Piece enter_piece(std::span<const float> key, const Line& line, double t, Segmen
 }
 
 void hold(const Value& value, Segment& s) {
-  s.still = true;
+  s.is_constant = true;
   if (value.type == FieldType::kRotation) {
     s.orientation = value.quat();
   } else {
@@ -60,40 +60,40 @@ void hold(const Value& value, Segment& s) {
 
 }  // namespace
 
-Vec3 Segment::position_at(double t) const { return still ? position : position + (t - begin_s) * velocity; }
+Vec3 Segment::position_at(double t) const { return is_constant ? position : position + (t - begin_s) * velocity; }
 
 Quat Segment::orientation_at(double t) const {
-  return still ? orientation : turned(orientation, (t - begin_s) * angular_velocity_body);
+  return is_constant ? orientation : rotated_in_body_frame(orientation, (t - begin_s) * angular_velocity_body);
 }
 
 // Between the instants at which something upstream starts, stops or is delivered.
 void Animation::bound_segment(double t, Segment& s) {
-  const auto bound_by_deliveries = [&](std::uint32_t cell) {
-    if (cell == kNone || !has_delivered_[cell]) return;
-    const std::vector<Delivered>& all = delivered_.at(cell);
+  const auto bound_by_deliveries = [&](std::uint32_t port) {
+    if (port == kNone || !has_delivered_[port]) return;
+    const std::vector<Delivered>& all = delivered_.at(port);
     const auto after = std::ranges::upper_bound(all, t, {}, &Delivered::t);
     if (after != all.end()) s.end_s = std::min(s.end_s, after->t);
     if (after != all.begin()) s.begin_s = std::max(s.begin_s, std::prev(after)->t);
   };
-  for (const std::uint32_t cell : upstream_) {
-    const Cell& c = graph_->cells[cell];
-    if (c.control || c.kind == CellKind::kSensorOutput) {
+  for (const std::uint32_t port : upstream_) {
+    const EventPort& c = graph_->ports[port];
+    if (c.feeds_sensor || c.kind == PortKind::kSensorOutput) {
       const std::uint32_t component =
-          c.control ? control_->component_of_cell(cell) : control_->component_of_sensor(graph_->index_of_node[c.node]);
-      s.begin_s = std::max(s.begin_s, control_->previous_instant(component, t));
-      s.end_s = std::min(s.end_s, control_->next_instant(component, t));
+          c.feeds_sensor ? simulator_->component_of_port(port) : simulator_->component_of_sensor(graph_->index_of_node[c.node]);
+      s.begin_s = std::max(s.begin_s, simulator_->previous_instant(component, t));
+      s.end_s = std::min(s.end_s, simulator_->next_instant(component, t));
       // The latest cycleTime changes with the cycles, which need not be instants of Control.
-      if (!c.control && c.port == static_cast<std::uint8_t>(SensorOutput::kCycleTime)) {
-        const TimeSensorState& sensor = control_->sensor(graph_->index_of_node[c.node], t);
-        if (sensor.active && t < control_->last_time(component)) {
+      if (!c.feeds_sensor && c.slot == static_cast<std::uint8_t>(SensorOutput::kCycleTime)) {
+        const TimeSensorState& sensor = simulator_->sensor(graph_->index_of_node[c.node], t);
+        if (sensor.active && t < simulator_->last_time(component)) {
           s.begin_s = std::max(s.begin_s, cycle_start(sensor.fields, t));
           s.end_s = std::min(s.end_s, next_cycle_start(sensor.fields, t));
         }
       }
     } else {
-      bound_by_deliveries(cell);
-      if (c.kind == CellKind::kInterpolator) {
-        for (const std::uint32_t key : graph_->key_cells[graph_->index_of_node[c.node]]) bound_by_deliveries(key);
+      bound_by_deliveries(port);
+      if (c.kind == PortKind::kInterpolator) {
+        for (const std::uint32_t key : graph_->key_ports[graph_->index_of_node[c.node]]) bound_by_deliveries(key);
       }
     }
   }
@@ -111,33 +111,33 @@ std::optional<Segment> Animation::segment(FieldId id, double t) {
 
 // The movement along path_ from t on. False if it is one that a segment cannot say.
 bool Animation::follow_path(double t, Segment& s, Value& held) {
-  const Cell& source = graph_->cells[source_.cell];
+  const EventPort& source = graph_->ports[source_.port];
   if (source_.stamp.t != kInfinity) {  // not one of an active sensor's continuous eventOuts
     evaluate_path(t, held);
     hold(held, s);
     return true;
   }
-  const TimeSensorFields& fields = control_->sensor(graph_->index_of_node[source.node], t).fields;
+  const TimeSensorFields& fields = simulator_->sensor(graph_->index_of_node[source.node], t).fields;
   Line line;  // `time`
-  if (source.port == static_cast<std::uint8_t>(SensorOutput::kFraction)) {
+  if (source.slot == static_cast<std::uint8_t>(SensorOutput::kFraction)) {
     line = {cycle_start(fields, t), 0.0, fields.cycle_interval};
     s.begin_s = std::max(s.begin_s, line.at_s);
     s.end_s = std::min(s.end_s, next_cycle_start(fields, t));
   }
-  s.still = false;
+  s.is_constant = false;
   for (std::size_t i = path_.size() - 1; i-- > 0;) {
-    const Cell& c = graph_->cells[path_[i]];
-    if (c.kind != CellKind::kInterpolator) continue;
+    const EventPort& c = graph_->ports[path_[i]];
+    if (c.kind != PortKind::kInterpolator) continue;
     const InterpolatorType type = graph_->interpolators[graph_->index_of_node[c.node]].type;
     const Keys keys = usable(type, keys_at(path_[i], t));
-    if (s.still) {
+    if (s.is_constant) {
       evaluate(type, keys, held.scalar(), held);
       continue;
     }
     const auto [a, b] = enter_piece(keys.key, line, t, s);
     if (a == b) {
       evaluate(type, keys, a == 0 ? -kInfinity : kInfinity, held);
-      s.still = true;
+      s.is_constant = true;
       continue;
     }
     const double ka = keys.key[a];
@@ -149,7 +149,7 @@ bool Animation::follow_path(double t, Segment& s, Value& held) {
       case InterpolatorType::kScalar: {
         const double va = keys.key_value[a];
         const double change = keys.key_value[b] - va;
-        s.still = change == 0.0;
+        s.is_constant = change == 0.0;
         held.set(FieldType::kFloat, va);
         line = {s.begin_s, va + weight * change, duration_s / change};
         break;
@@ -159,22 +159,22 @@ bool Animation::follow_path(double t, Segment& s, Value& held) {
         const Vec3 change = position_at(keys, b) - va;
         s.velocity = change / duration_s;
         s.position = va + weight * change;
-        s.still = change == Vec3::Zero();
+        s.is_constant = change == Vec3::Zero();
         return true;
       }
       case InterpolatorType::kOrientation: {
         const Quat qa = orientation_at(keys, a);
         const Vec3 change = rotation_between(qa, orientation_at(keys, b));
         s.angular_velocity_body = change / duration_s;
-        s.orientation = turned(qa, weight * change);
-        s.still = change == Vec3::Zero();
+        s.orientation = rotated_in_body_frame(qa, weight * change);
+        s.is_constant = change == Vec3::Zero();
         return true;
       }
       default:
         return false;
     }
   }
-  if (s.still) {
+  if (s.is_constant) {
     hold(held, s);
   } else {
     s.position = {line.at(s.begin_s), 0.0, 0.0};

@@ -30,7 +30,7 @@ Vec3 rotation_between(const Quat& a, const Quat& b) {
   return (d.w() < 0.0 ? -angle / sine : angle / sine) * v;
 }
 
-Quat turned(const Quat& a, const Vec3& r) {
+Quat rotated_in_body_frame(const Quat& a, const Vec3& r) {
   const double angle = length(r);
   if (angle == 0.0) return a;
   const auto [s, c] = sin_cos(0.5 * angle);

@@ -14,7 +14,7 @@ namespace peerd::animation {
 [[nodiscard]] Vec3 rotation_between(const Quat& a, const Quat& b);
 
 // a turned by r [rad], given in a's own frame: a * exp(r / 2). Unit to 3e-16; error below 2e-15 for |r| <= 2 pi.
-[[nodiscard]] Quat turned(const Quat& a, const Vec3& r);
+[[nodiscard]] Quat rotated_in_body_frame(const Quat& a, const Vec3& r);
 
 // The point at `fraction` of the shorter arc from p to q, both of which should be unit; their lengths are interpolated
 // too. Opposite points (undefined by 6.31) take an arc through the axis on which p is least. A vector of length 0 has

@@ -1,4 +1,4 @@
-#include "core/animation/cell_graph.hpp"
+#include "core/animation/event_graph.hpp"
 
 #include <cmath>
 #include <utility>
@@ -6,10 +6,10 @@
 namespace peerd::animation {
 namespace {
 
-struct SensorPort {
+struct SensorPortName {
   std::string_view name;
-  CellKind kind;
-  std::uint8_t port;
+  PortKind kind;
+  std::uint8_t slot;
   FieldType type;
 };
 
@@ -17,20 +17,20 @@ constexpr std::uint8_t index_of(SensorOutput o) { return static_cast<std::uint8_
 constexpr std::uint8_t index_of(SensorInput i) { return static_cast<std::uint8_t>(i); }
 
 // 6.50
-constexpr SensorPort kSensorPorts[] = {
-    {"isActive", CellKind::kSensorOutput, index_of(SensorOutput::kIsActive), FieldType::kBool},
-    {"cycleTime", CellKind::kSensorOutput, index_of(SensorOutput::kCycleTime), FieldType::kTime},
-    {"fraction_changed", CellKind::kSensorOutput, index_of(SensorOutput::kFraction), FieldType::kFloat},
-    {"time", CellKind::kSensorOutput, index_of(SensorOutput::kTime), FieldType::kTime},
-    {"stopTime", CellKind::kSensorInput, index_of(SensorInput::kStopTime), FieldType::kTime},
-    {"enabled", CellKind::kSensorInput, index_of(SensorInput::kEnabled), FieldType::kBool},
-    {"loop", CellKind::kSensorInput, index_of(SensorInput::kLoop), FieldType::kBool},
-    {"cycleInterval", CellKind::kSensorInput, index_of(SensorInput::kCycleInterval), FieldType::kTime},
-    {"startTime", CellKind::kSensorInput, index_of(SensorInput::kStartTime), FieldType::kTime},
+constexpr SensorPortName kSensorPorts[] = {
+    {"isActive", PortKind::kSensorOutput, index_of(SensorOutput::kIsActive), FieldType::kBool},
+    {"cycleTime", PortKind::kSensorOutput, index_of(SensorOutput::kCycleTime), FieldType::kTime},
+    {"fraction_changed", PortKind::kSensorOutput, index_of(SensorOutput::kFraction), FieldType::kFloat},
+    {"time", PortKind::kSensorOutput, index_of(SensorOutput::kTime), FieldType::kTime},
+    {"stopTime", PortKind::kSensorInput, index_of(SensorInput::kStopTime), FieldType::kTime},
+    {"enabled", PortKind::kSensorInput, index_of(SensorInput::kEnabled), FieldType::kBool},
+    {"loop", PortKind::kSensorInput, index_of(SensorInput::kLoop), FieldType::kBool},
+    {"cycleInterval", PortKind::kSensorInput, index_of(SensorInput::kCycleInterval), FieldType::kTime},
+    {"startTime", PortKind::kSensorInput, index_of(SensorInput::kStartTime), FieldType::kTime},
 };
 
 // x, set_x or x_changed
-bool means(std::string_view field, std::string_view exposed_field) {
+bool names_field(std::string_view field, std::string_view exposed_field) {
   if (field.starts_with("set_")) return field.substr(4) == exposed_field;
   if (field.ends_with("_changed")) return field.substr(0, field.size() - 8) == exposed_field;
   return field == exposed_field;
@@ -40,7 +40,7 @@ std::uint64_t field_key(std::uint32_t node, std::uint32_t name) { return std::ui
 
 }  // namespace
 
-CellGraph::CellGraph(const Network& network) {
+EventGraph::EventGraph(const Network& network) {
   const auto count = static_cast<std::uint32_t>(network.nodes.size());
   index_of_node.assign(count, kNone);
   kind_of_node_.assign(count, NodeKind::kPlain);
@@ -60,18 +60,18 @@ CellGraph::CellGraph(const Network& network) {
       kind_of_node_[n] = NodeKind::kInterpolator;
       index_of_node[n] = static_cast<std::uint32_t>(interpolators.size());
       interpolators.push_back(*interpolator);
-      key_cells.push_back({kNone, kNone});
-      Interpolator& ours = interpolators.back();
-      if (!is_sorted(ours.key.span())) {
+      key_ports.push_back({kNone, kNone});
+      Interpolator& copy = interpolators.back();
+      if (!is_sorted(copy.key.span())) {
         findings.push_back({Problem::kUnsortedKeys, n});
-        std::vector<float> sorted(ours.key.begin(), ours.key.end());
+        std::vector<float> sorted(copy.key.begin(), copy.key.end());
         sort_keys(sorted);
-        ours.key = std::move(sorted);
+        copy.key = std::move(sorted);
       }
-      const Keys used = usable(ours.type, keys_of(ours));
+      const Keys used = usable(copy.type, keys_of(copy));
       if (used.key.empty()) {
         findings.push_back({Problem::kNoKeys, n});
-      } else if (used.key.size() != ours.key.size() || used.key_value.size() != ours.key_value.size()) {
+      } else if (used.key.size() != copy.key.size() || used.key_value.size() != copy.key_value.size()) {
         findings.push_back({Problem::kUnusedKeys, n});
       }
     }
@@ -81,18 +81,18 @@ CellGraph::CellGraph(const Network& network) {
     if (const auto problem = add_route(network, network.routes[r], r)) findings.push_back({*problem, r});
   }
   mark_driven();
-  mark_control();
+  mark_sensor_inputs();
 }
 
-std::optional<CellGraph::Port> CellGraph::port_of(std::uint32_t node, std::string_view field, FieldType type) const {
+std::optional<EventGraph::PortSpec> EventGraph::port_spec_of(std::uint32_t node, std::string_view field, FieldType type) const {
   switch (kind_of_node_[node]) {
     case NodeKind::kPlain:
-      return Port{field, CellKind::kRelay, 0, type, true, true, type};
+      return PortSpec{field, PortKind::kRelay, 0, type, true, true, type};
     case NodeKind::kSensor:
-      for (const SensorPort& p : kSensorPorts) {
-        const bool out = p.kind == CellKind::kSensorOutput;
-        if (out ? field == p.name : means(field, p.name))
-          return Port{p.name, p.kind, p.port, p.type, !out, true, p.type};
+      for (const SensorPortName& p : kSensorPorts) {
+        const bool out = p.kind == PortKind::kSensorOutput;
+        if (out ? field == p.name : names_field(field, p.name))
+          return PortSpec{p.name, p.kind, p.slot, p.type, !out, true, p.type};
       }
       return std::nullopt;
     case NodeKind::kInterpolator:
@@ -100,96 +100,96 @@ std::optional<CellGraph::Port> CellGraph::port_of(std::uint32_t node, std::strin
   }
   const InterpolatorType itype = interpolators[index_of_node[node]].type;
   if (field == "set_fraction" || field == "value_changed") {
-    return Port{"value_changed", CellKind::kInterpolator, 0, value_type(itype), field[0] == 's',
+    return PortSpec{"value_changed", PortKind::kInterpolator, 0, value_type(itype), field[0] == 's',
                 field[0] == 'v', FieldType::kFloat};
   }
-  if (means(field, "key")) return Port{"key", CellKind::kKey, 0, FieldType::kFloats, true, true, FieldType::kFloats};
-  if (means(field, "keyValue")) {
-    return Port{"keyValue", CellKind::kKey, 1, key_value_type(itype), true, true, key_value_type(itype)};
+  if (names_field(field, "key")) return PortSpec{"key", PortKind::kKey, 0, FieldType::kFloats, true, true, FieldType::kFloats};
+  if (names_field(field, "keyValue")) {
+    return PortSpec{"keyValue", PortKind::kKey, 1, key_value_type(itype), true, true, key_value_type(itype)};
   }
   return std::nullopt;
 }
 
-std::optional<std::uint32_t> CellGraph::find(std::uint32_t node, std::string_view field) const {
+std::optional<std::uint32_t> EventGraph::find(std::uint32_t node, std::string_view field) const {
   if (node >= kind_of_node_.size()) return std::nullopt;
-  const auto port = port_of(node, field, FieldType::kFloat);
-  if (!port) return std::nullopt;
-  const auto name = name_ids_.find(std::string(port->name));
+  const auto slot = port_spec_of(node, field, FieldType::kFloat);
+  if (!slot) return std::nullopt;
+  const auto name = name_ids_.find(std::string(slot->name));
   if (name == name_ids_.end()) return std::nullopt;
-  const auto cell = cell_of_field_.find(field_key(node, name->second));
-  if (cell == cell_of_field_.end()) return std::nullopt;
-  return cell->second;
+  const auto port = port_of_field_.find(field_key(node, name->second));
+  if (port == port_of_field_.end()) return std::nullopt;
+  return port->second;
 }
 
-std::optional<std::uint32_t> CellGraph::find_or_add(std::uint32_t node, std::string_view field, FieldType type,
+std::optional<std::uint32_t> EventGraph::find_or_add(std::uint32_t node, std::string_view field, FieldType type,
                                                     bool in) {
   if (node >= kind_of_node_.size()) return std::nullopt;
-  const auto port = port_of(node, field, type);
-  if (!port || (in ? !port->in : !port->out)) return std::nullopt;
+  const auto slot = port_spec_of(node, field, type);
+  if (!slot || (in ? !slot->in : !slot->out)) return std::nullopt;
   const auto [name, new_name] =
-      name_ids_.try_emplace(std::string(port->name), static_cast<std::uint32_t>(names.size()));
-  if (new_name) names.emplace_back(port->name);
-  const auto id = static_cast<std::uint32_t>(cells.size());
-  const auto [cell, added] = cell_of_field_.try_emplace(field_key(node, name->second), id);
-  if (!added) return cell->second;
-  Cell c;
+      name_ids_.try_emplace(std::string(slot->name), static_cast<std::uint32_t>(names.size()));
+  if (new_name) names.emplace_back(slot->name);
+  const auto id = static_cast<std::uint32_t>(ports.size());
+  const auto [port, added] = port_of_field_.try_emplace(field_key(node, name->second), id);
+  if (!added) return port->second;
+  EventPort c;
   c.node = node;
   c.name = name->second;
-  c.kind = port->kind;
-  c.port = port->port;
-  c.type = port->type;
-  c.control = port->kind == CellKind::kSensorInput;
-  cells.push_back(c);
-  if (c.kind == CellKind::kSensorOutput) sensor_outputs[index_of_node[node]][c.port] = id;
-  if (c.kind == CellKind::kKey) key_cells[index_of_node[node]][c.port] = id;
+  c.kind = slot->kind;
+  c.slot = slot->slot;
+  c.type = slot->type;
+  c.feeds_sensor = slot->kind == PortKind::kSensorInput;
+  ports.push_back(c);
+  if (c.kind == PortKind::kSensorOutput) sensor_outputs[index_of_node[node]][c.slot] = id;
+  if (c.kind == PortKind::kKey) key_ports[index_of_node[node]][c.slot] = id;
   return id;
 }
 
-std::optional<Problem> CellGraph::add_route(const Network& network, const Route& route, std::uint32_t index) {
+std::optional<Problem> EventGraph::add_route(const Network& network, const Route& route, std::uint32_t index) {
   if (route.from_node >= network.nodes.size() || route.to_node >= network.nodes.size()) return Problem::kNoSuchNode;
-  const auto from_port = port_of(route.from_node, route.from_field, route.type);
-  const auto to_port = port_of(route.to_node, route.to_field, route.type);
+  const auto from_port = port_spec_of(route.from_node, route.from_field, route.type);
+  const auto to_port = port_spec_of(route.to_node, route.to_field, route.type);
   if (!from_port || !from_port->out || !to_port || !to_port->in) return Problem::kNoSuchField;
   if (from_port->type != route.type || to_port->in_type != route.type) return Problem::kTypeMismatch;
-  if (to_port->kind == CellKind::kKey) return Problem::kRouteToKeys;
+  if (to_port->kind == PortKind::kKey) return Problem::kRouteToKeys;
   const std::uint32_t from = *find_or_add(route.from_node, route.from_field, route.type, false);
   const std::uint32_t to = *find_or_add(route.to_node, route.to_field, route.type, true);
-  const FieldType takes = cells[to].kind == CellKind::kInterpolator ? FieldType::kFloat : cells[to].type;
-  if (cells[from].type != route.type || takes != route.type) return Problem::kTypeMismatch;  // two ROUTEs of one field
+  const FieldType takes = ports[to].kind == PortKind::kInterpolator ? FieldType::kFloat : ports[to].type;
+  if (ports[from].type != route.type || takes != route.type) return Problem::kTypeMismatch;  // two ROUTEs of one field
   if (!routed_.insert(field_key(from, to)).second) return Problem::kRepeated;
-  links[index] = {from, to, cells[to].first_in, cells[from].first_out};
-  cells[to].first_in = index;
-  cells[from].first_out = index;
+  links[index] = {from, to, ports[to].first_in, ports[from].first_out};
+  ports[to].first_in = index;
+  ports[from].first_out = index;
   return std::nullopt;
 }
 
-void CellGraph::mark_driven() {
+void EventGraph::mark_driven() {
   std::vector<std::uint32_t> todo;
-  for (std::uint32_t c = 0; c < cells.size(); ++c) {
-    if (cells[c].kind == CellKind::kSensorOutput) todo.push_back(c);
+  for (std::uint32_t c = 0; c < ports.size(); ++c) {
+    if (ports[c].kind == PortKind::kSensorOutput) todo.push_back(c);
   }
   while (!todo.empty()) {
     const std::uint32_t c = todo.back();
     todo.pop_back();
-    for (std::uint32_t r = cells[c].first_out; r != kNone; r = links[r].next_out) {
-      Cell& to = cells[links[r].to];
+    for (std::uint32_t r = ports[c].first_out; r != kNone; r = links[r].next_out) {
+      EventPort& to = ports[links[r].to];
       if (std::exchange(to.driven, true)) continue;
       todo.push_back(links[r].to);
     }
   }
 }
 
-void CellGraph::mark_control() {
+void EventGraph::mark_sensor_inputs() {
   std::vector<std::uint32_t> todo;
-  for (std::uint32_t c = 0; c < cells.size(); ++c) {
-    if (cells[c].control) todo.push_back(c);
+  for (std::uint32_t c = 0; c < ports.size(); ++c) {
+    if (ports[c].feeds_sensor) todo.push_back(c);
   }
   while (!todo.empty()) {
     const std::uint32_t c = todo.back();
     todo.pop_back();
-    for (std::uint32_t r = cells[c].first_in; r != kNone; r = links[r].next_in) {
-      Cell& from = cells[links[r].from];
-      if (from.kind != CellKind::kRelay || std::exchange(from.control, true)) continue;
+    for (std::uint32_t r = ports[c].first_in; r != kNone; r = links[r].next_in) {
+      EventPort& from = ports[links[r].from];
+      if (from.kind != PortKind::kRelay || std::exchange(from.feeds_sensor, true)) continue;
       todo.push_back(links[r].from);
     }
   }

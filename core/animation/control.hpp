@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/animation/cell_graph.hpp"
+#include "core/animation/event_graph.hpp"
 
 namespace peerd::animation {
 
@@ -17,7 +17,7 @@ struct Stamp {
   std::uint32_t wave = 0;
 };
 
-struct CellEvent {
+struct PortEvent {
   Stamp stamp;
   double value = 0.0;  // SFTime [s], SFBool 0 or 1
 };
@@ -29,7 +29,7 @@ struct CellEvent {
 //
 // At an instant everything happens at one timestamp, in steps. In a step the sensors that are due start, stop or begin
 // a cycle; their eventOuts fire (wave 0, together with the first step's deliveries), and each wave passes every ROUTE
-// out of what the last one fired. A cell fires at most once a step (4.10.4); of several events that reach it in one
+// out of what the last one fired. A port fires at most once a step (4.10.4); of several events that reach it in one
 // wave, the one of the ROUTE that is last in the file counts. Events only set fields; a sensor that must start or stop
 // because of them sends its isActive in the next step, at the same t. A sensor starts at most once at one t, and
 // otherwise waits for the next tick: so two sensors that retrigger each other end.
@@ -41,24 +41,24 @@ struct CellEvent {
 //
 // Sensors that cannot affect each other are in different components, each simulated by itself. A sensor that no event
 // reaches has two instants at most, so that any t costs the same.
-class Control {
+class SensorSimulator {
  public:
   static constexpr double kTick_s = 0x1p-6;
 
-  Control(const CellGraph& graph, const Network& network, double read_time_s, std::size_t most_transitions,
-          std::size_t remembered);
+  SensorSimulator(const EventGraph& graph, const Network& network, double read_time_s, std::size_t max_transitions,
+          std::size_t min_history);
 
   // The state whose transition is the latest at or before t.
   [[nodiscard]] const TimeSensorState& sensor(std::uint32_t sensor, double t);
-  // The latest event of a control cell at or before t, or null.
-  [[nodiscard]] const CellEvent* latest(std::uint32_t cell, double t);
+  // The latest event of a control port at or before t, or null.
+  [[nodiscard]] const PortEvent* latest(std::uint32_t port, double t);
 
-  void deliver(double t, std::uint32_t cell, double value);
-  void cell_added(std::uint32_t cell);  // by CellGraph::find_or_add, to a sensor
+  void deliver(double t, std::uint32_t port, double value);
+  void port_added(std::uint32_t port);  // by EventGraph::find_or_add, to a sensor
 
   [[nodiscard]] std::uint32_t component_count() const { return static_cast<std::uint32_t>(components_.size()); }
   [[nodiscard]] std::uint32_t component_of_sensor(std::uint32_t s) const { return component_of_sensor_[s]; }
-  [[nodiscard]] std::uint32_t component_of_cell(std::uint32_t c) const { return component_of_cell_[c]; }
+  [[nodiscard]] std::uint32_t component_of_port(std::uint32_t c) const { return component_of_port_[c]; }
   [[nodiscard]] const std::vector<std::uint32_t>& sensors(std::uint32_t component) const {
     return components_[component].sensors;
   }
@@ -67,30 +67,30 @@ class Control {
   [[nodiscard]] double previous_instant(std::uint32_t component, double t);  // <= t
   [[nodiscard]] double next_instant(std::uint32_t component, double t);      // > t
 
-  // What was looked at in (from, to]: calls f(is_cell, index), in order of time, repeatedly for one that changed often;
+  // What was looked at in (from, to]: calls f(is_port, index), in order of time, repeatedly for one that changed often;
   // once for everything where `from` is forgotten.
   template <class F>
   void for_each_change(std::uint32_t component, double from, double to, F&& f) {
     Component& c = components_[component];
-    seek(c, to);
-    if (from < c.known_from) {
+    run_or_replay_until(c, to);
+    if (from < c.history_begin_s) {
       for (const std::uint32_t s : c.sensors) f(false, s);
-      for (const std::uint32_t cell : c.cells) f(true, cell);
+      for (const std::uint32_t port : c.ports) f(true, port);
       return;
     }
     for (std::size_t i = change_after(c, from); i < c.changes.size() && c.changes[i].t <= to; ++i) {
-      f(c.changes[i].is_cell, c.changes[i].index);
+      f(c.changes[i].is_port, c.changes[i].index);
     }
   }
 
   // A component that has used up its transitions stands still from that instant on, sensors included.
-  [[nodiscard]] double last_time(std::uint32_t component) const { return components_[component].frozen_at; }
-  [[nodiscard]] std::optional<double> limited_at() const;
+  [[nodiscard]] double last_time(std::uint32_t component) const { return components_[component].stopped_at_s; }
+  [[nodiscard]] std::optional<double> transition_limit_reached_at() const;
 
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-  struct Epoch {
+  struct TimedState {
     double t = -kInfinity;
     TimeSensorState state;
   };
@@ -103,29 +103,29 @@ class Control {
   struct Change {
     double t = 0.0;
     std::uint32_t index : 31 = 0;
-    std::uint32_t is_cell : 1 = 0;
+    std::uint32_t is_port : 1 = 0;
   };
   struct Delivered {
     double t = 0.0;
-    std::uint32_t cell = 0;
+    std::uint32_t port = 0;
     double value = 0.0;
     std::size_t transitions = 0;  // before it was taken
   };
   struct Component {
     std::vector<std::uint32_t> sensors;
-    std::vector<std::uint32_t> cells;
+    std::vector<std::uint32_t> ports;
     std::vector<Due> heap;             // least t on top; an entry counts if its version is the sensor's
     std::vector<Change> changes;       // by t
-    std::vector<Delivered> delivered;  // by t and cell, then in order of the calls
+    std::vector<Delivered> delivered;  // by t and port, then in order of the calls
     std::size_t next_delivered = 0;
     std::size_t transitions = 0;               // changes there have been
     std::size_t transitions_counted_from = 0;  // when the latest delivery was taken
-    double known_from = -kInfinity;            // what was before is forgotten
-    double horizon = -kInfinity;               // every instant up to here is done
-    double frozen_at = kInfinity;
+    double history_begin_s = -kInfinity;            // what was before is forgotten
+    double simulated_until_s = -kInfinity;               // every instant up to here is done
+    double stopped_at_s = kInfinity;
   };
-  struct Sent {
-    std::uint32_t cell = 0;
+  struct PendingEvent {
+    std::uint32_t port = 0;
     std::uint32_t route = kNone;
     double value = 0.0;
   };
@@ -133,39 +133,39 @@ class Control {
   [[nodiscard]] double due(std::uint32_t sensor, double now) const;
   void push_due(Component& c, std::uint32_t sensor, double now);
   [[nodiscard]] double peek(Component& c);
-  void seek(Component& c, double t);
+  void run_or_replay_until(Component& c, double t);
   void run_until(Component& c, double t);
-  void forget(Component& c);
+  void drop_old_history(Component& c);
   void reset(Component& c);
-  void changed(Component& c, double t, std::uint32_t index, bool is_cell);
+  void changed(Component& c, double t, std::uint32_t index, bool is_port);
   void run_instant(Component& c, double t);
   void sensor_phase(Component& c, std::uint32_t sensor, double t, std::uint32_t step);
   void take_deliveries(Component& c, double t);
   void cascade(Component& c, double t, std::uint32_t step);
-  bool arrive(Component& c, const Sent& event, const Stamp& stamp);
+  bool receive(Component& c, const PendingEvent& event, const Stamp& stamp);
   void send(std::uint32_t sensor, SensorOutput output, double value);
-  TimeSensorState& touch(Component& c, std::uint32_t sensor, double t);
+  TimeSensorState& state_for_change(Component& c, std::uint32_t sensor, double t);
   void roll_back(Component& c, double t);
   [[nodiscard]] static std::size_t change_after(const Component& c, double t);
-  void by_field(std::vector<Sent>& events) const;
+  void sort_by_field(std::vector<PendingEvent>& events) const;
 
-  const CellGraph& graph_;
+  const EventGraph& graph_;
   double read_time_s_ = 0.0;
-  std::size_t most_transitions_ = 0;
-  std::size_t remembered_ = 0;
+  std::size_t max_transitions_ = 0;
+  std::size_t min_history_ = 0;
   std::vector<Component> components_;
   std::vector<std::uint32_t> component_of_sensor_;
-  std::vector<std::uint32_t> component_of_cell_;  // kNone unless control
-  std::vector<std::vector<Epoch>> epochs_;        // by sensor, then time; the first is the file's
-  std::vector<std::vector<CellEvent>> log_;       // by cell, then time; control cells only
+  std::vector<std::uint32_t> component_of_port_;  // kNone unless control
+  std::vector<std::vector<TimedState>> state_history_;        // by sensor, then time; the first is the file's
+  std::vector<std::vector<PortEvent>> log_;       // by port, then time; control ports only
   std::vector<std::uint32_t> version_;            // by sensor, of its valid Due
-  std::vector<std::uint8_t> leads_to_control_;    // by sensor: bits, of SensorOutput
+  std::vector<std::uint8_t> feeds_sensor_inputs_;    // by sensor: bits, of SensorOutput
 
   // Of the instant that is being run.
   std::vector<std::uint8_t> stop_pending_;  // by sensor: stopped by an event, has yet to say so
-  std::vector<std::uint32_t> look_, look_next_, looked_;
-  std::vector<Sent> front_, arriving_;
-  std::vector<std::uint64_t> fired_, candidate_;  // by cell: the mark of the step, of the wave
+  std::vector<std::uint32_t> due_sensors_, next_sensors_, processed_sensors_;
+  std::vector<PendingEvent> wave_, next_wave_;
+  std::vector<std::uint64_t> fired_, candidate_;  // by port: the mark of the step, of the wave
   std::vector<std::uint32_t> candidate_at_;
   std::uint64_t mark_ = 0;
 };

@@ -26,17 +26,17 @@ Hsv hsv_from_rgb(const Vec3& rgb) {
   const double g = rgb[1];
   const double b = rgb[2];
   const double most = std::max({r, g, b});
-  const double spread = most - std::min({r, g, b});
-  if (!(spread > 0.0) || !(most > 0.0)) return {0.0, 0.0, most};
+  const double propagate = most - std::min({r, g, b});
+  if (!(propagate > 0.0) || !(most > 0.0)) return {0.0, 0.0, most};
   double hue = 0.0;
   if (r == most) {
-    hue = (g - b) / spread;
+    hue = (g - b) / propagate;
   } else if (g == most) {
-    hue = 2.0 + (b - r) / spread;
+    hue = 2.0 + (b - r) / propagate;
   } else {
-    hue = 4.0 + (r - g) / spread;
+    hue = 4.0 + (r - g) / propagate;
   }
-  return {hue < 0.0 ? hue + 6.0 : hue, spread / most, most};
+  return {hue < 0.0 ? hue + 6.0 : hue, propagate / most, most};
 }
 
 Vec3 rgb_from_hsv(const Hsv& c) {
@@ -78,7 +78,7 @@ Vec3 lerp_hsv(const Vec3& rgb_a, const Vec3& rgb_b, double weight) {
 
 Vec3 triple(std::span<const float> floats, std::size_t at) { return {floats[at], floats[at + 1], floats[at + 2]}; }
 
-void evaluate_many(InterpolatorType type, const Keys& keys, const Between& between, Value& out) {
+void evaluate_many(InterpolatorType type, const Keys& keys, const KeyInterval& between, Value& out) {
   const std::size_t count = keys.key_value.size() / keys.key.size();
   out.numbers.resize(count);
   for (std::size_t i = 0; i < count; i += 3) {
@@ -162,7 +162,7 @@ void sort_keys(std::span<float> key) {
   }
 }
 
-Between locate(std::span<const float> key, double fraction) {
+KeyInterval find_key_interval(std::span<const float> key, double fraction) {
   assert(!key.empty());
   const std::size_t last = key.size() - 1;
   if (!(fraction > key[0])) return {0, 0, 0.0};
@@ -188,7 +188,7 @@ Vec3 position_at(const Keys& keys, std::size_t i) { return triple(keys.key_value
 void evaluate(InterpolatorType type, const Keys& all, double fraction, Value& out) {
   const Keys keys = usable(type, all);
   assert(!keys.key.empty());
-  const Between at = locate(keys.key, fraction);
+  const KeyInterval at = find_key_interval(keys.key, fraction);
   out.type = value_type(type);
   switch (type) {
     case InterpolatorType::kColor:
@@ -200,7 +200,7 @@ void evaluate(InterpolatorType type, const Keys& all, double fraction, Value& ou
     case InterpolatorType::kOrientation: {
       const Quat a = orientation_at(keys, at.a);
       if (at.a == at.b) return out.set(a);
-      return out.set(turned(a, at.weight * rotation_between(a, orientation_at(keys, at.b))));
+      return out.set(rotated_in_body_frame(a, at.weight * rotation_between(a, orientation_at(keys, at.b))));
     }
     case InterpolatorType::kCoordinate:
     case InterpolatorType::kNormal:

@@ -76,14 +76,14 @@ animation::Node read_node(const std::shared_ptr<const Document>& document, const
 
 }  // namespace
 
-NetworkReading read_network(const std::shared_ptr<const Document>& document) {
-  NetworkReading reading;
+NetworkReadResult read_network(const std::shared_ptr<const Document>& document) {
+  NetworkReadResult reading;
   std::map<std::uint32_t, std::uint32_t> place;  // of the document's nodes in the network
   const auto node = [&](std::uint32_t index) {
     const auto [it, is_new] = place.try_emplace(index, static_cast<std::uint32_t>(reading.network.nodes.size()));
     if (is_new) {
       reading.network.nodes.push_back(read_node(document, document->nodes[index]));
-      reading.documents_node.push_back(index);
+      reading.document_node.push_back(index);
       reading.has_sensors |= std::holds_alternative<animation::TimeSensorFields>(reading.network.nodes.back());
     }
     return it->second;
@@ -103,13 +103,13 @@ NetworkReading read_network(const std::shared_ptr<const Document>& document) {
 
 void check_network(const std::shared_ptr<const Document>& document, Problems& problems) {
   if (document->routes.empty()) return;
-  const NetworkReading reading = read_network(document);
+  const NetworkReadResult reading = read_network(document);
   if (!reading.has_sensors) return;
   const animation::Animation animation(reading.network);
   for (const animation::Finding& finding : animation.findings()) {
     const auto at_route = [&](const char* what) { problems.warning(reading.routes_at[finding.index], what); };
     const auto at_node = [&](const char* what) {
-      const Node& node = document->nodes[reading.documents_node[finding.index]];
+      const Node& node = document->nodes[reading.document_node[finding.index]];
       problems.warning(node.at, "this " + std::string(node.type->name) + what);
     };
     using enum animation::Problem;

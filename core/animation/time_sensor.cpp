@@ -57,7 +57,7 @@ TimeSensorState read_sensor(const TimeSensorFields& fields, double read_time_s) 
   if (!(fields.cycle_interval > 0.0) || !std::isfinite(fields.cycle_interval))
     s.fields.cycle_interval = defaults.cycle_interval;
   s.fields.cycle_interval = std::max(s.fields.cycle_interval, kShortestCycle_s);
-  s.spent = s.fields.start_time <= read_time_s;
+  s.cycle_done = s.fields.start_time <= read_time_s;
   s.end_s = -kInfinity;
   return s;
 }
@@ -66,7 +66,7 @@ bool starts(const TimeSensorState& s, double now) {
   const TimeSensorFields& f = s.fields;
   if (s.active || !f.enabled || !(f.start_time <= now)) return false;
   if (stop_time_counts(f) && f.stop_time <= now) return false;
-  return f.loop || (!s.spent && now < cycle(f, 1.0));
+  return f.loop || (!s.cycle_done && now < cycle(f, 1.0));
 }
 
 double end_of_run(const TimeSensorFields& f, double now) {
@@ -76,7 +76,7 @@ double end_of_run(const TimeSensorFields& f, double now) {
 
 void start(TimeSensorState& s, double now) {
   s.active = true;
-  s.ran = true;
+  s.has_run = true;
   s.begin_s = now;
   s.end_s = end_of_run(s.fields, now);
 }
@@ -89,7 +89,7 @@ void stop(TimeSensorState& s, double now, bool at_end) {
   const double before = at_end ? std::max(std::nextafter(now, -kInfinity), s.fields.start_time) : now;
   s.final_cycle_s = cycle_start(s.fields, before);
   s.end_s = now;
-  if (!s.fields.loop && now >= cycle(s.fields, 1.0)) s.spent = true;
+  if (!s.fields.loop && now >= cycle(s.fields, 1.0)) s.cycle_done = true;
 }
 
 double next_transition(const TimeSensorState& s, double now) {
@@ -127,7 +127,7 @@ SetResult set(TimeSensorState& s, SensorInput input, double value, double now) {
     case SensorInput::kStartTime:
       if (s.active) return SetResult::kIgnored;
       f.start_time = value;
-      s.spent = false;
+      s.cycle_done = false;
       break;
   }
   if (s.active) s.end_s = end_of_run(f, now);
@@ -135,7 +135,7 @@ SetResult set(TimeSensorState& s, SensorInput input, double value, double now) {
 }
 
 std::optional<TimeSensorOutput> output(const TimeSensorState& s, double t) {
-  if (!s.ran) return std::nullopt;
+  if (!s.has_run) return std::nullopt;
   if (!s.active) return TimeSensorOutput{false, s.final_fraction, s.end_s, s.final_cycle_s};
   return TimeSensorOutput{true, fraction(s.fields, t), t, cycle_start(s.fields, t)};
 }

@@ -20,7 +20,7 @@ bool CornerTree::is_outside(const Box& box, const Triangle& triangle) {
   for (int i = 0; i < 3; ++i) {
     const PlanePoint &p = triangle.corners[i], &q = triangle.corners[(i + 1) % 3];
     const PlanePoint leftmost{q.y > p.y ? box.lo.x : box.hi.x, q.x > p.x ? box.hi.y : box.lo.y};
-    if (turn(p, q, leftmost) < 0) return true;
+    if (orient2d(p, q, leftmost) < 0) return true;
   }
   return false;
 }

@@ -18,13 +18,13 @@ class CornerTree {
 
   [[nodiscard]] std::uint32_t corner_at(std::uint32_t place) const { return corners_[place]; }
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(corners_.size()); }
-  // The first place from `from` on with a corner that is left and for which is_wanted(corner), or size(). That is asked
+  // The first place from `from` on with a corner that is left and for which accepts(corner), or size(). That is asked
   // of all corners within the triangle a b c, which turns to the left, or on its boundary, and of some others.
-  template <class IsWanted>
+  template <class Accepts>
   [[nodiscard]] std::uint32_t find(std::uint32_t from, const PlanePoint& a, const PlanePoint& b, const PlanePoint& c,
-                                   const IsWanted& is_wanted) const {
+                                   const Accepts& accepts) const {
     const Triangle triangle{{a, b, c}, box_of(std::span<const PlanePoint>({a, b, c}))};
-    return find_in(0, 0, size(), from, triangle, is_wanted);
+    return find_in(0, 0, size(), from, triangle, accepts);
   }
 
  private:
@@ -50,21 +50,21 @@ class CornerTree {
   static bool is_outside(const Box& box, const Triangle& triangle);
   void build_node(std::uint32_t node, std::uint32_t begin, std::uint32_t end);
 
-  template <class IsWanted>
+  template <class Accepts>
   [[nodiscard]] std::uint32_t find_in(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::uint32_t from,
-                                      const Triangle& triangle, const IsWanted& is_wanted) const {
+                                      const Triangle& triangle, const Accepts& accepts) const {
     if (end <= from || nodes_[node].left == 0 || !nodes_[node].box.meets(triangle.box)) return size();
     if (end - begin <= kLeaf) {
       for (std::uint32_t place = std::max(begin, from); place < end; ++place) {
         const std::uint32_t corner = corners_[place];
-        if (!is_removed_[corner] && triangle.box.holds(points_[corner]) && is_wanted(corner)) return place;
+        if (!is_removed_[corner] && triangle.box.holds(points_[corner]) && accepts(corner)) return place;
       }
       return size();
     }
     if (is_outside(nodes_[node].box, triangle)) return size();
     const std::uint32_t middle = begin + (end - begin) / 2;
-    const std::uint32_t place = find_in(2 * node + 1, begin, middle, from, triangle, is_wanted);
-    return place < size() ? place : find_in(2 * node + 2, middle, end, from, triangle, is_wanted);
+    const std::uint32_t place = find_in(2 * node + 1, begin, middle, from, triangle, accepts);
+    return place < size() ? place : find_in(2 * node + 2, middle, end, from, triangle, accepts);
   }
 
   std::span<const PlanePoint> points_;

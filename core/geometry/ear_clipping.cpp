@@ -9,7 +9,7 @@ namespace {
 
 // For three points of a line: b is inside the segment from a to c.
 bool between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
-  return (before(a, b) && before(b, c)) || (before(c, b) && before(b, a));
+  return (lexicographically_less(a, b) && lexicographically_less(b, c)) || (lexicographically_less(c, b) && lexicographically_less(b, a));
 }
 
 }  // namespace
@@ -32,8 +32,8 @@ void EarClipping::cut(std::span<const PlanePoint> points, std::vector<CornerTria
 void EarClipping::link() {
   const auto count = static_cast<std::uint32_t>(points_.size());
   corners_.assign(count, {});
-  waiting_.clear();
-  offered_.clear();
+  blocked_corners_.clear();
+  candidates_.clear();
   lowest_ = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     corners_[i].previous = i == 0 ? count - 1 : i - 1;
@@ -53,12 +53,12 @@ void EarClipping::link() {
 void EarClipping::classify(std::uint32_t i) {
   Corner& corner = corners_[i];
   const PlanePoint &a = points_[corner.previous], &b = points_[i], &c = points_[corner.next];
-  const int t = turn(a, b, c);
+  const int t = orient2d(a, b, c);
   if (t > 0) {
-    corner.searched = 0;
+    corner.searched_until = 0;
     find_blocker(i);
   } else if (t == 0 && !between(a, b, c)) {
-    offer(Kind::kSpike, i);
+    push_candidate(Kind::kSpike, i);
   } else {
     corner.kind = Kind::kOther;
   }
@@ -74,11 +74,11 @@ void EarClipping::find_blocker(std::uint32_t i) {
   };
   corner.kind = Kind::kBlocked;
   if (corner.blocker != kNone && corners_[corner.blocker].kind != Kind::kCut && is_blocker(corner.blocker)) return;
-  corner.searched = tree_.find(corner.searched, a, b, c, is_blocker);
-  if (corner.searched == tree_.size()) return offer(Kind::kEar, i);
-  corner.blocker = tree_.corner_at(corner.searched);
-  waiting_.push_back({i, corners_[corner.blocker].first_waiting});
-  corners_[corner.blocker].first_waiting = static_cast<std::uint32_t>(waiting_.size() - 1);
+  corner.searched_until = tree_.find(corner.searched_until, a, b, c, is_blocker);
+  if (corner.searched_until == tree_.size()) return push_candidate(Kind::kEar, i);
+  corner.blocker = tree_.corner_at(corner.searched_until);
+  blocked_corners_.push_back({i, corners_[corner.blocker].first_blocked});
+  corners_[corner.blocker].first_blocked = static_cast<std::uint32_t>(blocked_corners_.size() - 1);
 }
 
 // Does corner j keep triangle a b c from being cut off? Inside it and on the new edge, yes. On the polygon's own edges
@@ -88,10 +88,10 @@ bool EarClipping::blocks(std::uint32_t i, std::uint32_t j) const {
   const PlanePoint &a = points_[corners_[i].previous], &b = points_[i], &c = points_[corners_[i].next];
   const PlanePoint& p = points_[j];
   if (p == a || p == c) return false;
-  const int ab = turn(a, b, p), bc = turn(b, c, p);
-  if (ab < 0 || bc < 0 || turn(c, a, p) < 0) return false;
+  const int ab = orient2d(a, b, p), bc = orient2d(b, c, p);
+  if (ab < 0 || bc < 0 || orient2d(c, a, p) < 0) return false;
   const auto leads_inside = [&](const PlanePoint& q) {
-    return (ab > 0 || turn(a, b, q) > 0) && (bc > 0 || turn(b, c, q) > 0);
+    return (ab > 0 || orient2d(a, b, q) > 0) && (bc > 0 || orient2d(b, c, q) > 0);
   };
   return leads_inside(points_[corners_[j].previous_distinct]) || leads_inside(points_[corners_[j].next_distinct]);
 }
@@ -104,24 +104,24 @@ void EarClipping::remove(std::uint32_t i) {
   corners_[next].previous = previous;
   classify(previous);
   classify(next);
-  for (std::uint32_t entry = corners_[i].first_waiting; entry != kNone; entry = waiting_[entry].next_entry) {
-    const std::uint32_t waiting = waiting_[entry].corner;  // or it did once
+  for (std::uint32_t entry = corners_[i].first_blocked; entry != kNone; entry = blocked_corners_[entry].next_entry) {
+    const std::uint32_t waiting = blocked_corners_[entry].corner;  // or it did once
     const Corner& corner = corners_[waiting];
     if (corner.kind == Kind::kBlocked && corner.blocker == i) find_blocker(waiting);
   }
 }
 
-void EarClipping::offer(Kind kind, std::uint32_t i) {
+void EarClipping::push_candidate(Kind kind, std::uint32_t i) {
   corners_[i].kind = kind;
-  offered_.push_back(std::uint64_t{kind == Kind::kEar} << 32 | i);
-  std::ranges::push_heap(offered_, std::greater());
+  candidates_.push_back(std::uint64_t{kind == Kind::kEar} << 32 | i);
+  std::ranges::push_heap(candidates_, std::greater());
 }
 
 std::uint32_t EarClipping::take_next() {
-  while (!offered_.empty()) {
-    std::ranges::pop_heap(offered_, std::greater());
-    const std::uint64_t best = offered_.back();
-    offered_.pop_back();
+  while (!candidates_.empty()) {
+    std::ranges::pop_heap(candidates_, std::greater());
+    const std::uint64_t best = candidates_.back();
+    candidates_.pop_back();
     const auto i = static_cast<std::uint32_t>(best);
     if (corners_[i].kind == (best >> 32 != 0 ? Kind::kEar : Kind::kSpike)) return i;
   }

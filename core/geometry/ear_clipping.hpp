@@ -35,12 +35,12 @@ class EarClipping {
   struct Corner {
     std::uint32_t previous = 0, next = 0;                    // of the polygon that is left
     std::uint32_t previous_distinct = 0, next_distinct = 0;  // of the whole polygon: the nearest at another point
-    std::uint32_t searched = 0;                              // place in tree_; all before it don't block
+    std::uint32_t searched_until = 0;                              // place in tree_; all before it don't block
     std::uint32_t blocker = kNone;                           // the last one that did; it knows who waits for it
-    std::uint32_t first_waiting = kNone;                     // entry of waiting_ for who is blocked by this corner
+    std::uint32_t first_blocked = kNone;                     // entry of waiting_ for who is blocked by this corner
     Kind kind = Kind::kOther;
   };
-  struct Waiting {
+  struct BlockedCorner {
     std::uint32_t corner, next_entry;
   };
   static constexpr std::uint32_t kNone = 0xffff'ffff;
@@ -50,15 +50,15 @@ class EarClipping {
   void find_blocker(std::uint32_t i);
   [[nodiscard]] bool blocks(std::uint32_t i, std::uint32_t j) const;
   void remove(std::uint32_t i);
-  void offer(Kind kind, std::uint32_t i);
+  void push_candidate(Kind kind, std::uint32_t i);
   [[nodiscard]] std::uint32_t take_next();
 
   std::span<const PlanePoint> points_;
   // Kept from call to call for their memory.
   std::vector<Corner> corners_;
   CornerTree tree_;                     // of corners that are left
-  std::vector<Waiting> waiting_;        // lists
-  std::vector<std::uint64_t> offered_;  // heap of spikes and ears, the best on top; some are stale
+  std::vector<BlockedCorner> blocked_corners_;        // lists
+  std::vector<std::uint64_t> candidates_;  // heap of spikes and ears, the best on top; some are stale
   std::uint32_t lowest_ = 0;            // no corner below it is left
 };
 

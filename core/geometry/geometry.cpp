@@ -16,7 +16,7 @@ namespace {
 
 // Sine and cosine of k/n of a full turn. Only angles up to 1/8 turn are computed, so that every circle is its own
 // mirror image and meets the axes, to the last bit.
-SinCos part_of_turn(std::uint64_t k, std::uint64_t n) {
+SinCos sin_cos_of_fraction(std::uint64_t k, std::uint64_t n) {
   const std::uint64_t quarter = 4 * k / n, rest = 4 * k % n;  // rest/n of a quarter
   const auto angle = [&](std::uint64_t r) {
     return std::numbers::pi / 2.0 * (static_cast<double>(r) / static_cast<double>(n));
@@ -40,7 +40,7 @@ using Circle = std::vector<SinCos>;
 
 Circle make_circle(const Tessellation& tessellation) {
   Circle circle;
-  for (std::uint64_t k = 0; k < tessellation.slices; ++k) circle.push_back(part_of_turn(k, tessellation.slices));
+  for (std::uint64_t k = 0; k < tessellation.slices; ++k) circle.push_back(sin_cos_of_fraction(k, tessellation.slices));
   return circle;
 }
 
@@ -135,7 +135,7 @@ struct Builder {
     PolygonWriter out(slices * (stacks - 1) + 2, size(sphere));
     out.vertex(0, radius, 0);
     for (std::uint64_t j = 1; j < stacks; ++j) {
-      const SinCos polar = part_of_turn(j, 2 * stacks);
+      const SinCos polar = sin_cos_of_fraction(j, 2 * stacks);
       add_ring(out, circle, radius * polar.sin, radius * polar.cos);
     }
     const std::uint64_t bottom = out.vertex_count();

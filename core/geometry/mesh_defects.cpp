@@ -77,15 +77,15 @@ void make_canonical(std::span<std::uint32_t> cycle, std::vector<std::uint32_t>& 
 
 MeshDefects MeshDefectFinder::find(const Mesh& mesh) {
   MeshDefects found;
-  number_places(mesh);
+  weld_vertices(mesh);
   find_shapes(mesh, found);
   find_edges(found);
   find_duplicates(found);  // last, as it reorders the corners
   return found;
 }
 
-void MeshDefectFinder::number_places(const Mesh& mesh) {
-  places_.clear();
+void MeshDefectFinder::weld_vertices(const Mesh& mesh) {
+  positions_.clear();
   corners_.clear();
   corners_.reserve(mesh.corners.size());
   begin_.assign(1, 0);
@@ -93,31 +93,31 @@ void MeshDefectFinder::number_places(const Mesh& mesh) {
   slots_.assign(std::bit_ceil(2 * std::min(mesh.vertices.size(), mesh.corners.size()) + 2), 0);
   // Remembered by vertex, unless most vertices are other meshes'.
   const bool remember = mesh.vertices.size() <= mesh.corners.size();
-  place_of_vertex_.assign(remember ? mesh.vertices.size() : 0, kUnknown);
+  position_of_vertex_.assign(remember ? mesh.vertices.size() : 0, kUnknown);
   for (std::size_t i = 0; i < mesh.polygon_count(); ++i) {
     for (const std::int32_t corner : mesh.polygon(i)) {
       const auto vertex = static_cast<std::size_t>(corner);
-      std::uint32_t place = remember ? place_of_vertex_[vertex] : kUnknown;
-      if (place == kUnknown) place = place_of(mesh.vertices[vertex]);
-      if (remember) place_of_vertex_[vertex] = place;
+      std::uint32_t place = remember ? position_of_vertex_[vertex] : kUnknown;
+      if (place == kUnknown) place = position_index(mesh.vertices[vertex]);
+      if (remember) position_of_vertex_[vertex] = place;
       corners_.push_back(place);
     }
     begin_.push_back(static_cast<std::uint32_t>(corners_.size()));
   }
 }
 
-std::uint32_t MeshDefectFinder::place_of(const Point& point) {
+std::uint32_t MeshDefectFinder::position_index(const Point& point) {
   const Point place = point + Point::Zero();  // -0 + 0 = 0
   const auto bits = [&](Eigen::Index k) { return std::uint64_t{std::bit_cast<std::uint32_t>(place[k])}; };
   std::uint64_t hash = (bits(0) | bits(1) << 32) * 0x9e37'79b9'7f4a'7c15;
   hash = (hash ^ (hash >> 32) ^ bits(2) << 16) * 0xd6e8'feb8'6659'fd93;  // an odd constant of mixed bits, as above
   std::size_t slot = (hash ^ (hash >> 32)) & (slots_.size() - 1);
   while (slots_[slot] != 0) {
-    if (places_[slots_[slot] - 1] == place) return slots_[slot] - 1;
+    if (positions_[slots_[slot] - 1] == place) return slots_[slot] - 1;
     slot = (slot + 1) & (slots_.size() - 1);
   }
-  places_.push_back(place);
-  slots_[slot] = static_cast<std::uint32_t>(places_.size());
+  positions_.push_back(place);
+  slots_[slot] = static_cast<std::uint32_t>(positions_.size());
   return slots_[slot] - 1;
 }
 
@@ -133,7 +133,7 @@ void MeshDefectFinder::find_shapes(const Mesh& mesh, MeshDefects& found) {
     if (!has_area(mesh, i)) count(found, Defect::kDegenerate, i);
     if (polygon(i).size() <= 3) continue;
     points_.clear();
-    for (const std::uint32_t place : polygon(i)) points_.push_back(places_[place]);
+    for (const std::uint32_t place : polygon(i)) points_.push_back(positions_[place]);
     if (coplanar(points_)) continue;
     count(found, Defect::kNonPlanar, i);
     if (is_warped(points_)) count(found, Defect::kWarped, i);
@@ -142,7 +142,7 @@ void MeshDefectFinder::find_shapes(const Mesh& mesh, MeshDefects& found) {
 
 // Lists are filled in two rounds, as by counting sort: ++list_end_[place] for each entry to come, lay_out_lists(), then
 // entries_[list_end_[place]++] = entry.
-void MeshDefectFinder::start_lists() { list_end_.assign(places_.size(), 0); }
+void MeshDefectFinder::start_lists() { list_end_.assign(positions_.size(), 0); }
 
 void MeshDefectFinder::lay_out_lists() {
   std::uint32_t begin = 0;
@@ -184,12 +184,12 @@ void MeshDefectFinder::find_edges(MeshDefects& found) {
   });
 
   non_manifold_.assign(polygons(), false);
-  for (std::uint32_t place = 0; place < places_.size(); ++place) {
+  for (std::uint32_t place = 0; place < positions_.size(); ++place) {
     const std::span<std::uint64_t> edges = list(place);
     std::ranges::sort(edges);
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
       while (end < edges.size() && edges[end] >> 32 == edges[begin] >> 32) ++end;
-      look_at_edge(edges.subspan(begin, end - begin), found);
+      classify_edge(edges.subspan(begin, end - begin), found);
     }
   }
   if (found.non_manifold_edges == 0) return;
@@ -199,7 +199,7 @@ void MeshDefectFinder::find_edges(MeshDefects& found) {
 }
 
 // `uses` by polygon.
-void MeshDefectFinder::look_at_edge(std::span<const std::uint64_t> uses, MeshDefects& found) {
+void MeshDefectFinder::classify_edge(std::span<const std::uint64_t> uses, MeshDefects& found) {
   const auto polygon_of = [](std::uint64_t use) { return static_cast<std::uint32_t>(use) >> 1; };
   std::size_t polygons = 1, downward = uses[0] & 1;
   for (std::size_t i = 1; i < uses.size(); ++i) {
@@ -236,7 +236,7 @@ void MeshDefectFinder::find_duplicates(MeshDefects& found) {
                                                               corners_of(b).begin(), corners_of(b).end());
     return order != 0 ? order < 0 : a < b;
   };
-  for (std::uint32_t place = 0; place < places_.size(); ++place) {
+  for (std::uint32_t place = 0; place < positions_.size(); ++place) {
     const std::span<std::uint64_t> same_lowest = list(place);
     std::ranges::sort(same_lowest, less);
     for (std::size_t i = 1; i < same_lowest.size(); ++i) {

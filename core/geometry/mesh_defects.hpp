@@ -56,8 +56,8 @@ class MeshDefectFinder {
  private:
   using Point = Eigen::Vector3f;
 
-  void number_places(const Mesh& mesh);
-  [[nodiscard]] std::uint32_t place_of(const Point& point);
+  void weld_vertices(const Mesh& mesh);
+  [[nodiscard]] std::uint32_t position_index(const Point& point);
   [[nodiscard]] std::span<std::uint32_t> polygon(std::uint32_t i) {
     return std::span(corners_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
   }
@@ -65,7 +65,7 @@ class MeshDefectFinder {
   [[nodiscard]] bool has_area(const Mesh& mesh, std::uint32_t polygon);
   void find_shapes(const Mesh& mesh, MeshDefects& found);
   void find_edges(MeshDefects& found);
-  void look_at_edge(std::span<const std::uint64_t> uses, MeshDefects& found);
+  void classify_edge(std::span<const std::uint64_t> uses, MeshDefects& found);
   void find_duplicates(MeshDefects& found);
   void start_lists();
   void lay_out_lists();
@@ -75,8 +75,8 @@ class MeshDefectFinder {
   }
 
   // Kept from call to call for their memory.
-  std::vector<Point> places_;  // distinct ones
-  std::vector<std::uint32_t> place_of_vertex_;
+  std::vector<Point> positions_;  // distinct ones
+  std::vector<std::uint32_t> position_of_vertex_;
   std::vector<std::uint32_t> slots_;    // hash table: place + 1, 0 where it's free
   std::vector<std::uint32_t> corners_;  // places of all polygons
   std::vector<std::uint32_t> begin_;    // polygons + 1 offsets into it

@@ -67,7 +67,7 @@ bool exactly_coplanar(const Point& a, const Point& b, const Point& c, const Poin
 bool collinear(const Point& a, const Point& b, const Point& c) {
   for (Eigen::Index x = 0; x < 3; ++x) {
     const Eigen::Index y = (x + 1) % 3;
-    if (turn({a[x], a[y]}, {b[x], b[y]}, {c[x], c[y]}) != 0) return false;
+    if (orient2d({a[x], a[y]}, {b[x], b[y]}, {c[x], c[y]}) != 0) return false;
   }
   return true;
 }

@@ -103,14 +103,14 @@ bool is_convex(std::span<const PlanePoint> points) {
   while (last > 0 && points[last] == points[0]) --last;
   if (last == 0) return true;
   PlanePoint a = points[last], b = points[0];
-  bool forward = before(a, b);
+  bool forward = lexicographically_less(a, b);
   int changes = 0;
   for (std::size_t i = 1; i <= last + 1; ++i) {
     const PlanePoint& c = points[i <= last ? i : 0];
     if (c == b) continue;  // no edge
-    if (turn(a, b, c) < 0) return false;
-    if (before(b, c) != forward && ++changes > 2) return false;
-    forward = before(b, c);
+    if (orient2d(a, b, c) < 0) return false;
+    if (lexicographically_less(b, c) != forward && ++changes > 2) return false;
+    forward = lexicographically_less(b, c);
     a = b;
     b = c;
   }

@@ -72,7 +72,7 @@ void MovingScene::fill_inline(std::size_t pending, std::shared_ptr<const Scene> 
   graph_.update();
 }
 
-void MovingScene::give_boxes(Part& part, std::uint32_t begin, std::uint32_t end) {
+void MovingScene::set_local_boxes(Part& part, std::uint32_t begin, std::uint32_t end) {
   const Scene& scene = part.scene;
   part.has_box.resize(scene.instances.size());
   part.has_geometry_box.resize(scene.geometries.size());
@@ -93,10 +93,10 @@ void MovingScene::give_boxes(Part& part, std::uint32_t begin, std::uint32_t end)
 WorldBox MovingScene::box(ObjectId id) {
   const Scene& world = parts_.front().scene;
   const std::uint32_t end = world.at(id).subtree_end;
-  give_boxes(parts_.front(), id.value, end);
+  set_local_boxes(parts_.front(), id.value, end);
   for (auto part = parts_.begin() + 1; part != parts_.end(); ++part) {
     const ObjectId at = world.pending_inlines[part->pending].instance;
-    if (at >= id && at.value < end) give_boxes(*part, 0, static_cast<std::uint32_t>(part->scene.instances.size()));
+    if (at >= id && at.value < end) set_local_boxes(*part, 0, static_cast<std::uint32_t>(part->scene.instances.size()));
   }
   return graph_.box(node(id));
 }

@@ -55,7 +55,7 @@ class MovingScene {
     std::size_t pending = 0;             // which Inline's
   };
   void place(Part& part, double t_s);
-  void give_boxes(Part& part, std::uint32_t begin, std::uint32_t end);
+  void set_local_boxes(Part& part, std::uint32_t begin, std::uint32_t end);
 
   SceneGraph graph_;
   std::deque<Part> parts_;  // the world's own first

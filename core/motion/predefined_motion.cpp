@@ -50,7 +50,7 @@ Quat conjugate(const Quat& q) { return {q.w(), -q.x(), -q.y(), -q.z()}; }
 
 PredefinedMotion::PredefinedMotion(const Scene& scene) : scene_(scene) {
   if (scene.document == nullptr || scene.document->routes.empty()) return;
-  vrml::NetworkReading reading = vrml::read_network(scene.document);
+  vrml::NetworkReadResult reading = vrml::read_network(scene.document);
   if (!reading.has_sensors) return;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> transform_of;  // document's node, transform
   for (const Instance& i : scene.instances) {
@@ -58,9 +58,9 @@ PredefinedMotion::PredefinedMotion(const Scene& scene) : scene_(scene) {
   }
   std::ranges::sort(transform_of);
   const auto coordinate_of = coordinates_of(scene);
-  const std::vector<std::uint32_t> nodes = std::move(reading.documents_node);
+  const std::vector<std::uint32_t> nodes = std::move(reading.document_node);
   // Chains of sensors that start each other are stepped through; a peer that joins late has 50 ns a step for it.
-  animation_.emplace(reading.network, animation::AnimationOptions{.most_transitions = std::size_t{1} << 20});
+  animation_.emplace(reading.network, animation::AnimationOptions{.max_transitions = std::size_t{1} << 20});
   for (const animation::Field& field : animation_->driven()) {
     const std::uint32_t node = nodes[field.node];
     if (field.name == "point" && field.type == animation::FieldType::kVec3s) {
@@ -207,7 +207,7 @@ PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s) {
       piece.end_s = std::min(piece.end_s, segment->end_s);
       if (segment->initial) continue;
       moving.push_back({depth, d.part, *segment});
-      if (segment->still) continue;
+      if (segment->is_constant) continue;
       still = false;
       const bool own_turn = d.part == kRotation && depth + 1 == way.size() && now.center.isZero(0.0);
       if (d.part == kTranslation) velocity += multiply(above.linear, segment->velocity);

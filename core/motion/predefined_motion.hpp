@@ -58,8 +58,8 @@ class PredefinedMotion {
 
   // Since when TimeSensors that start each other stand still, as they have used up what one world may: see
   // animation::AnimationOptions. As far as anybody has asked.
-  [[nodiscard]] std::optional<double> limited_at() const {
-    return animation_ ? animation_->limited_at() : std::nullopt;
+  [[nodiscard]] std::optional<double> transition_limit_reached_at() const {
+    return animation_ ? animation_->transition_limit_reached_at() : std::nullopt;
   }
   [[nodiscard]] animation::Animation* animation() { return animation_ ? &*animation_ : nullptr; }
 

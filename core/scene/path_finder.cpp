@@ -5,7 +5,7 @@
 
 namespace peerd::vrml {
 
-const PathFinder::Siblings& PathFinder::children_of(std::int32_t parent) {
+const PathResolver::Siblings& PathResolver::children_of(std::int32_t parent) {
   const auto [it, is_new] = children_.try_emplace(parent);
   if (!is_new) return it->second;
   const auto& instances = scene_.instances;
@@ -21,7 +21,7 @@ const PathFinder::Siblings& PathFinder::children_of(std::int32_t parent) {
 }
 
 // The first whose name or number that is: a name may be made of digits.
-std::optional<std::uint32_t> PathFinder::child(std::int32_t parent, std::string_view component) {
+std::optional<std::uint32_t> PathResolver::child(std::int32_t parent, std::string_view component) {
   const Siblings& siblings = children_of(parent);
   std::optional<std::uint32_t> found;
   if (const std::uint32_t* named = siblings.by_name.find(component)) found = *named;
@@ -34,7 +34,7 @@ std::optional<std::uint32_t> PathFinder::child(std::int32_t parent, std::string_
   return found;
 }
 
-std::optional<ObjectId> PathFinder::by_name(std::string_view name) {
+std::optional<ObjectId> PathResolver::by_name(std::string_view name) {
   if (name.empty()) return std::nullopt;
   if (!knows_names_) {
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
@@ -49,7 +49,7 @@ std::optional<ObjectId> PathFinder::by_name(std::string_view name) {
   return std::nullopt;
 }
 
-std::optional<ObjectId> PathFinder::find(std::string_view path) {
+std::optional<ObjectId> PathResolver::find(std::string_view path) {
   if (path.find('/') == std::string_view::npos) {
     if (const auto id = by_name(path)) return id;
   }

@@ -12,9 +12,9 @@ namespace peerd::vrml {
 
 // Scene::find() for a world that names many paths. It looks at each instance at most twice, however many paths are
 // asked for, where find() looks at all siblings on the way of each; and at none that no path leads by.
-class PathFinder {
+class PathResolver {
  public:
-  explicit PathFinder(const Scene& scene) : scene_(scene) {}  // the scene outlives it and stays as it is
+  explicit PathResolver(const Scene& scene) : scene_(scene) {}  // the scene outlives it and stays as it is
 
   [[nodiscard]] std::optional<ObjectId> find(std::string_view path);  // what scene.find(path) gives
 

@@ -7,7 +7,7 @@
 
 namespace peerd {
 
-double reach_m(const Scene& scene, ObjectId object) {
+double bounding_radius_m(const Scene& scene, ObjectId object) {
   double farthest_m2 = 0.0;
   for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
     const ObjectId shape{i};

@@ -5,6 +5,6 @@ namespace peerd {
 
 // The distance [m] of the farthest vertex of all Shapes at and below `object` from the object's origin, in its rigid
 // frame; 0 where there are none. Builds each mesh once and keeps none.
-[[nodiscard]] double reach_m(const Scene& scene, ObjectId object);
+[[nodiscard]] double bounding_radius_m(const Scene& scene, ObjectId object);
 
 }  // namespace peerd

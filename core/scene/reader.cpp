@@ -46,7 +46,7 @@ std::set<std::pair<std::string, std::size_t>> needed_inlines(const Scene& scene,
 
 ReadResult read_world(std::string_view text, const ReadOptions& options) {
   ReadResult result;
-  vrml::ParseOptions parsing{options.load, options.inlines_later, {}, options.limits};
+  vrml::ParseOptions parsing{options.load, options.defer_inlines, {}, options.limits};
   vrml::Problems problems;
   Scene scene;
   // Which Inlines collide is known when all are numbered; those are read in a second pass, and what they bring may need
@@ -55,9 +55,9 @@ ReadResult read_world(std::string_view text, const ReadOptions& options) {
     const std::shared_ptr<const vrml::Document> document =
         vrml::parse({options.name, text, nullptr}, problems, parsing);
     scene = vrml::build_scene(document, options.tessellation, options.limits, problems);
-    const std::size_t before = parsing.inlines_now.size();
-    parsing.inlines_now.merge(needed_inlines(scene, problems));
-    if (parsing.inlines_now.size() == before) break;
+    const std::size_t before = parsing.undeferred_inlines.size();
+    parsing.undeferred_inlines.merge(needed_inlines(scene, problems));
+    if (parsing.undeferred_inlines.size() == before) break;
     problems = {};
   }
   if (problems.errors() == 0) vrml::check_network(scene.document, problems);

@@ -16,7 +16,7 @@ struct ReadOptions {
   // An Inline that says how large it is (bboxSize) and is not within anything that a CollisionInterest names is not
   // read, but listed in Scene::pending_inlines. Instances are numbered without it: the same on all peers, or not at
   // all.
-  bool inlines_later = false;
+  bool defer_inlines = false;
   Tessellation tessellation{};  // of curved geometry
   ReadLimits limits{};
 };

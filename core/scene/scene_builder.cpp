@@ -25,23 +25,23 @@ Vec3 to_vec3(const Field& field) {
 
 Quat rotation_of(const Field& field) { return to_quat(field.as<float>().first<4>()); }
 
-bool is_instance(Meaning meaning) { return meaning >= Meaning::kGroup && meaning <= Meaning::kShape; }
+bool is_instance(NodeRole role) { return role >= NodeRole::kGroup && role <= NodeRole::kShape; }
 
-NodeKind kind_of(Meaning meaning) {
-  switch (meaning) {
-    case Meaning::kTransform:
+NodeKind kind_of(NodeRole role) {
+  switch (role) {
+    case NodeRole::kTransform:
       return NodeKind::kTransform;
-    case Meaning::kBillboard:
+    case NodeRole::kBillboard:
       return NodeKind::kBillboard;
-    case Meaning::kCollision:
+    case NodeRole::kCollision:
       return NodeKind::kCollision;
-    case Meaning::kInline:
+    case NodeRole::kInline:
       return NodeKind::kInline;
-    case Meaning::kLod:
+    case NodeRole::kLod:
       return NodeKind::kLod;
-    case Meaning::kSwitch:
+    case NodeRole::kSwitch:
       return NodeKind::kSwitch;
-    case Meaning::kShape:
+    case NodeRole::kShape:
       return NodeKind::kShape;
     default:
       return NodeKind::kGroup;
@@ -57,7 +57,7 @@ class Builder {
         tessellation_(tessellation),
         limits_(limits),
         problems_(problems),
-        lost_names_(document->lost_names.begin(), document->lost_names.end()) {}
+        unreadable_names_(document->unreadable_names.begin(), document->unreadable_names.end()) {}
 
   Scene build();
 
@@ -123,8 +123,8 @@ class Builder {
   NameTable<std::uint32_t> name_numbers_;     // of all names of instances
   std::vector<std::uint32_t> first_of_name_;  // by number, the first instance; kNone: no name of the world's own
   std::vector<std::uint32_t> last_parent_;    // by number, of the instance that was marked last
-  PathFinder paths_{scene_};
-  std::unordered_set<std::string_view> lost_names_;
+  PathResolver paths_{scene_};
+  std::unordered_set<std::string_view> unreadable_names_;
   bool gathered_ = false;  // inner_names_
   std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_names_;
   std::unordered_set<std::uint32_t> routed_keys_;  // KeySensors that tell others
@@ -256,16 +256,16 @@ void Builder::share_children(const Node& node, Shared& shared) {
     return field == nullptr ? std::span<const NodeRef>{} : field->as<NodeRef>();
   };
   shared.first_child = static_cast<std::uint32_t>(children_.size());
-  switch (node.type->meaning) {
-    case Meaning::kShape:
+  switch (node.type->role) {
+    case NodeRole::kShape:
       break;
-    case Meaning::kLod:
+    case NodeRole::kLod:
       for (const NodeRef& ref : refs("level")) {
         const bool first = children_.size() == shared.first_child;
         add_child(ref, {first, first});
       }
       break;
-    case Meaning::kSwitch: {
+    case NodeRole::kSwitch: {
       std::int64_t which = value_of(node, "whichChoice").as<std::int32_t>()[0];
       for (const NodeRef& ref : refs("choice")) {
         const bool chosen = which-- == 0;
@@ -273,7 +273,7 @@ void Builder::share_children(const Node& node, Shared& shared) {
       }
       break;
     }
-    case Meaning::kCollision: {
+    case NodeRole::kCollision: {
       const bool collide = value_of(node, "collide").as<bool>()[0];
       const auto proxy = refs("proxy");
       const bool proxied = !proxy.empty() && proxy[0].is_node();
@@ -292,10 +292,10 @@ void Builder::share(std::uint32_t index) {
   shared_of_[index] = static_cast<std::uint32_t>(shared_.size());
   Shared& shared = shared_.emplace_back();
   shared.node = index;
-  shared.kind = kind_of(node.type->meaning);
+  shared.kind = kind_of(node.type->role);
   shared.inner_name = node.scope != 0;
-  if (node.type->meaning == Meaning::kTransform) share_transform(node, shared);
-  if (node.type->meaning == Meaning::kShape) share_shape(node, shared);
+  if (node.type->role == NodeRole::kTransform) share_transform(node, shared);
+  if (node.type->role == NodeRole::kShape) share_shape(node, shared);
   share_children(node, shared);
   if (node.def.empty()) return;
   // Each name is looked up once a node, however many instances there are of it.
@@ -453,7 +453,7 @@ std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t sc
   }
   if (const auto id = paths_.find(path)) return id;
   const std::string_view first = path.substr(0, path.find('/'));
-  if (lost_names_.contains(first)) return std::nullopt;
+  if (unreadable_names_.contains(first)) return std::nullopt;
   const auto named = std::ranges::find(nodes_, path, &Node::def);
   if (named != nodes_.end() && !path.empty()) {
     problems_.error(at,
@@ -461,7 +461,7 @@ std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t sc
     return std::nullopt;
   }
   Suggestion suggestion(path);
-  if (first_of_name_.size() <= kFewEnough) {
+  if (first_of_name_.size() <= kMaxSuggestionNames) {
     for (const auto& [name, number] : name_numbers_) suggestion.consider(name);
   }
   problems_.error(at, "no node of the scene is named " + quoted(path) + did_you_mean(suggestion));
@@ -538,8 +538,8 @@ void Builder::add_key_sensor(std::uint32_t index) {
 // Only one peer knows of a key, and what a world moves by itself must be the same on all of them.
 void Builder::check_key_routes() {
   for (const Route& route : document_->routes) {
-    const bool from_key = nodes_[route.from_node].type->meaning == Meaning::kKeySensor;
-    const bool to_key = nodes_[route.to_node].type->meaning == Meaning::kKeySensor;
+    const bool from_key = nodes_[route.from_node].type->role == NodeRole::kKeySensor;
+    const bool to_key = nodes_[route.to_node].type->role == NodeRole::kKeySensor;
     if (from_key) routed_keys_.insert(route.from_node);
     if (from_key && !to_key) {
       problems_.warning(route.at,
@@ -560,10 +560,10 @@ Scene Builder::build() {
   shared_of_.assign(nodes_.size(), kNone);
   std::size_t transforms = 0, geometries = 0, shared = 0;
   for (const Node& node : nodes_) {
-    const Meaning meaning = node.type->meaning;
-    transforms += meaning == Meaning::kTransform ? 1 : 0;
-    geometries += meaning == Meaning::kGeometry && node.scope == 0 ? 1 : 0;  // PROTOs share theirs
-    shared += is_instance(meaning) ? 1 : 0;
+    const NodeRole role = node.type->role;
+    transforms += role == NodeRole::kTransform ? 1 : 0;
+    geometries += role == NodeRole::kGeometry && node.scope == 0 ? 1 : 0;  // PROTOs share theirs
+    shared += is_instance(role) ? 1 : 0;
   }
   scene_.transforms.reserve(transforms);
   scene_.geometries.reserve(geometries);
@@ -573,13 +573,13 @@ Scene Builder::build() {
   std::vector<std::uint32_t> with_paths;  // nodes that name instances
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     const Node& node = nodes_[i];
-    const Meaning meaning = node.type->meaning;
-    if (meaning == Meaning::kGeometry) geometry_of_[i] = add_geometry(i);
-    if (meaning == Meaning::kScript && !std::exchange(scripts, true)) {
+    const NodeRole role = node.type->role;
+    if (role == NodeRole::kGeometry) geometry_of_[i] = add_geometry(i);
+    if (role == NodeRole::kScript && !std::exchange(scripts, true)) {
       problems_.warning(node.at, "Scripts are kept and not run; this is the first one");
     }
-    if (meaning == Meaning::kCollisionInterest || meaning == Meaning::kKeySensor) with_paths.push_back(i);
-    if (is_instance(meaning)) share(i);
+    if (role == NodeRole::kCollisionInterest || role == NodeRole::kKeySensor) with_paths.push_back(i);
+    if (is_instance(role)) share(i);
   }
   if (!measure_instances()) return {};
   for (std::uint32_t i = 0; i < document_->top_level.size(); ++i) {
@@ -588,8 +588,8 @@ Scene Builder::build() {
   mark_siblings(kTop, 0, static_cast<std::uint32_t>(scene_.instances.size()));
   check_key_routes();
   for (const std::uint32_t i : with_paths) {
-    if (nodes_[i].type->meaning == Meaning::kCollisionInterest) add_interest(nodes_[i]);
-    if (nodes_[i].type->meaning == Meaning::kKeySensor) add_key_sensor(i);
+    if (nodes_[i].type->role == NodeRole::kCollisionInterest) add_interest(nodes_[i]);
+    if (nodes_[i].type->role == NodeRole::kKeySensor) add_key_sensor(i);
   }
   return std::move(scene_);
 }

@@ -24,7 +24,7 @@ Key key_of(const CylinderGeometry& cylinder) {
 Key key_of(const auto&) { return {}; }  // lists of any length: equal ones are rarely written twice
 
 // A few bytes of text ask for hundreds of polygons, and worlds repeat them.
-class SeenBefore {
+class RepeatedGeometryCache {
  public:
   // The defects of an equal geometry, or none yet, to be filled in. Null where it isn't worth it.
   [[nodiscard]] std::optional<MeshDefects>* find(const Geometry& geometry) {
@@ -49,7 +49,7 @@ SceneDefects defects_of(const Scene& scene) {
 
   SceneDefects all;
   MeshDefectFinder finder;
-  SeenBefore seen_before;
+  RepeatedGeometryCache seen_before;
   for (std::size_t g = 0; g < scene.geometries.size(); ++g) {
     std::optional<MeshDefects>* const known = seen_before.find(scene.geometries[g]);
     const MeshDefects found =

@@ -174,13 +174,13 @@ std::vector<NodeHandle> SceneGraph::add_subtree(NodeHandle parent, std::span<con
 void SceneGraph::remove(NodeHandle node) {
   const std::uint32_t top = slot(node);
   assert(top != kRoot);
-  if (nodes_[top].box_tracked) absorb(nodes_[top].parent, world_boxes_[nodes_[top].box], {});
+  if (nodes_[top].box_tracked) propagate_box_change(nodes_[top].parent, world_boxes_[nodes_[top].box], {});
   unlink(top);
   nodes_[top].next = kNone;
   // Freed from the last to the first, so that the same subtree added again lies depth first again.
-  std::vector<std::uint32_t> doomed;
-  for (std::uint32_t i = top; i != kNone; i = after(i, top)) doomed.push_back(i);
-  for (auto i = doomed.rbegin(); i != doomed.rend(); ++i) free_node(*i);
+  std::vector<std::uint32_t> removed;
+  for (std::uint32_t i = top; i != kNone; i = after(i, top)) removed.push_back(i);
+  for (auto i = removed.rbegin(); i != removed.rend(); ++i) free_node(*i);
 }
 
 bool SceneGraph::move(NodeHandle node, NodeHandle parent, NodeHandle before) {
@@ -195,14 +195,14 @@ bool SceneGraph::move(NodeHandle node, NodeHandle parent, NodeHandle before) {
   if (behind == i) behind = nodes_[i].next;
   if (nodes_[i].box_tracked) {  // leaves the boxes that it has been in; those that it comes to have to absorb it
     WorldBox& world = world_boxes_[nodes_[i].box];
-    absorb(nodes_[i].parent, world, {});
+    propagate_box_change(nodes_[i].parent, world, {});
     world = {};
   }
   if (nodes_[i].box_tracked || nodes_[above].box_tracked) mark_box_pending(i);
   unlink(i);
   link(i, above, behind);
   shift_depths(i, std::int64_t{nodes_[above].depth} + 1 - nodes_[i].depth);
-  hang_poses(i);
+  relink_poses(i);
   mark_dirty(i);
   return true;
 }
@@ -217,7 +217,7 @@ void SceneGraph::shift_depths(std::uint32_t top, std::int64_t by) {
 }
 
 // What hangs from the pose above `top`: itself, or the nodes below down to the first that have poses of their own.
-void SceneGraph::hang_poses(std::uint32_t top) {
+void SceneGraph::relink_poses(std::uint32_t top) {
   const std::uint32_t pose = nodes_[nodes_[top].parent].pose;
   for (std::uint32_t i = top; i != kNone;) {
     if (nodes_[i].has_transform) {
@@ -286,7 +286,7 @@ void SceneGraph::set_rigid(NodeHandle node, const Vec3& translation_m, const Qua
   placed.rotation = stored(rotation);
 }
 
-void SceneGraph::fetch_box_early(const Node& node) const {
+void SceneGraph::prefetch_box(const Node& node) const {
   if (!node.box_tracked) return;
   prefetch(local_boxes_.items[node.box]);
   prefetch(world_boxes_[node.box]);
@@ -308,14 +308,14 @@ void SceneGraph::set_rigid(std::span<const RigidMove> moves) {
       prefetch(placed_.items[node.pose]);
       if (node.first_child != kNone) prefetch(nodes_[node.first_child]);
       if (node.box_tracked) prefetch(nodes_[node.parent]);
-      fetch_box_early(node);
+      prefetch_box(node);
     }
     for (const RigidMove& move : step) {
       set_rigid(move.node, move.translation_m, move.rotation);
       const Node& node = nodes_[move.node.index];
       prefetch(placed_.items[placed_.items[node.pose].parent_pose].world);
-      if (node.first_child != kNone) fetch_box_early(nodes_[node.first_child]);
-      if (node.box_tracked) fetch_box_early(nodes_[node.parent]);
+      if (node.first_child != kNone) prefetch_box(nodes_[node.first_child]);
+      if (node.box_tracked) prefetch_box(nodes_[node.parent]);
     }
   }
 }
@@ -362,7 +362,7 @@ void SceneGraph::update_below(std::uint32_t top) {
     changed_.push_back({i, node.generation});
     if (node.box_tracked) {
       mark_box_pending(i);
-      fetch_box_early(node);
+      prefetch_box(node);
     }
   }
 }

@@ -188,20 +188,20 @@ class SceneGraph {
   [[nodiscard]] std::uint32_t after_subtree(std::uint32_t i, std::uint32_t top) const;
   [[nodiscard]] std::uint32_t after(std::uint32_t i, std::uint32_t top) const;
   void shift_depths(std::uint32_t top, std::int64_t by);
-  void hang_poses(std::uint32_t top);
+  void relink_poses(std::uint32_t top);
   void drop_stretch(Placed& placed);
   void write_fields(Placed& placed, const TransformFields& fields);
   [[nodiscard]] TransformFields read_fields(const Placed& placed) const;
   Placed& set_placed(NodeHandle node);
-  void fetch_box_early(const Node& node) const;
+  void prefetch_box(const Node& node) const;
   void mark_dirty(std::uint32_t i);
   void update_below(std::uint32_t top);
 
   void mark_box_pending(std::uint32_t i);
-  void settle_pending_boxes();
+  void update_pending_boxes();
   void make_box(std::uint32_t top);
   void tighten_box(std::uint32_t top);
-  void absorb(std::uint32_t above, const WorldBox& before, const WorldBox& after);
+  void propagate_box_change(std::uint32_t above, const WorldBox& before, const WorldBox& after);
   [[nodiscard]] WorldBox own_box(std::uint32_t i);
   void take_box_slot(std::uint32_t i);
 

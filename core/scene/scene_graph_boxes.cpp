@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSides = 6;
 // How far out a side of a box lies, along its own outward axis: -x -y -z +x +y +z.
-double reach(const WorldBox& box, int side) { return side < 3 ? -box.lo[side] : box.hi[side - 3]; }
+double outward_extent(const WorldBox& box, int side) { return side < 3 ? -box.lo[side] : box.hi[side - 3]; }
 
 }  // namespace
 
@@ -40,18 +40,18 @@ void SceneGraph::set_local_box(NodeHandle node, const LocalBox& box) {
 WorldBox SceneGraph::box(NodeHandle node) {
   const std::uint32_t i = slot(node);
   assert(up_to_date());
-  settle_pending_boxes();
+  update_pending_boxes();
   make_box(i);
   return world_boxes_[nodes_[i].box];
 }
 
-void SceneGraph::settle_pending_boxes() {
+void SceneGraph::update_pending_boxes() {
   for (const std::uint32_t i : pending_boxes_) {
     nodes_[i].in_pending_list = 0;
     if (!nodes_[i].box_pending) continue;
     const WorldBox before = nodes_[i].box_tracked ? world_boxes_[nodes_[i].box] : WorldBox{};
     make_box(i);
-    absorb(nodes_[i].parent, before, world_boxes_[nodes_[i].box]);
+    propagate_box_change(nodes_[i].parent, before, world_boxes_[nodes_[i].box]);
   }
   pending_boxes_.clear();
 }
@@ -111,7 +111,7 @@ void SceneGraph::tighten_box(std::uint32_t top) {
   const auto reached = [](std::uint32_t of, const WorldBox& a, const WorldBox& b) {
     std::uint32_t out = 0;
     for (int side = 0; side < kSides; ++side) {
-      if (reach(a, side) >= reach(b, side)) out |= 1u << side;
+      if (outward_extent(a, side) >= outward_extent(b, side)) out |= 1u << side;
     }
     return out & of;
   };
@@ -151,14 +151,14 @@ void SceneGraph::tighten_box(std::uint32_t top) {
   }
 }
 
-void SceneGraph::absorb(std::uint32_t above, const WorldBox& before, const WorldBox& after) {
+void SceneGraph::propagate_box_change(std::uint32_t above, const WorldBox& before, const WorldBox& after) {
   for (; above != kNone && nodes_[above].box_tracked; above = nodes_[above].parent) {
     WorldBox& box = world_boxes_[nodes_[above].box];
     ++counters_.boxes_merged;
     std::uint32_t left = 0;
     for (int side = 0; side < kSides; ++side) {
-      const double at = reach(box, side);
-      if (reach(before, side) >= at && at > reach(after, side)) left |= 1u << side;
+      const double at = outward_extent(box, side);
+      if (outward_extent(before, side) >= at && at > outward_extent(after, side)) left |= 1u << side;
     }
     if (left == 0 && box.contains(after)) return;
     nodes_[above].box_loose |= left;

@@ -64,7 +64,7 @@ std::pair<std::string, std::size_t> Problems::place_of(Position at) const {
 Position Problems::begin_of(Position at) const { return begins_[source_at(at)]; }
 
 bool Problems::is_new(Position at, const std::string& message) {
-  return said_.insert(std::to_string(at) + message).second;
+  return reported_.insert(std::to_string(at) + message).second;
 }
 
 void Problems::error(Position at, std::string message) {

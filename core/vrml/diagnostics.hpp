@@ -87,7 +87,7 @@ class Problems {
   std::vector<Position> begins_;  // of each source
   std::uint64_t bytes_ = 0;
   std::vector<Entry> list_;
-  std::unordered_set<std::string> said_;
+  std::unordered_set<std::string> reported_;
   std::size_t errors_ = 0;
   std::size_t warnings_ = 0;
 };
@@ -96,7 +96,7 @@ class Problems {
 [[nodiscard]] std::string quoted(std::string_view text);
 
 // Of more names than this none is looked for: a misspelt one among millions must not cost minutes.
-inline constexpr std::size_t kFewEnough = 4096;
+inline constexpr std::size_t kMaxSuggestionNames = 4096;
 
 [[nodiscard]] std::string did_you_mean(const Suggestion& suggestion);  // ", did you mean 'Transform'?", or empty
 

@@ -83,7 +83,7 @@ struct Document {
   std::vector<NodeRef> top_level;  // null where a node could not be read
   std::vector<Route> routes;       // in file order
   std::vector<InnerName> inner_names;
-  std::vector<std::string_view> lost_names;  // of the world's nodes that errors made unreadable
+  std::vector<std::string_view> unreadable_names;  // of the world's nodes that errors made unreadable
   Arena arena;                               // all values and names
   std::deque<NodeType> own_types;            // of Scripts, and of EXTERNPROTOs that were not found
 };

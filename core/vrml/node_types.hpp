@@ -62,7 +62,7 @@ enum NodeClass : std::uint16_t {
 };
 
 // What the scene builder makes of a node.
-enum class Meaning : std::uint8_t {
+enum class NodeRole : std::uint8_t {
   kPart,     // read through the node that holds it, or what moves others
   kDisplay,  // for eyes and ears: of no concern to a scene that collides. Other fields of a browser's own are let pass
   kGroup,    // a grouping node that only groups
@@ -91,7 +91,7 @@ struct FieldSpec {
 struct NodeType {
   std::string_view name;
   std::uint16_t classes;  // NodeClass set; of a prototype, its first node's
-  Meaning meaning;
+  NodeRole role;
   std::span<const FieldSpec> fields;
 };
 

@@ -36,9 +36,9 @@ void drop_repeated(std::vector<Route>& routes) {
 
 }  // namespace
 
-std::expected<OpenText, std::string> open_text(Reading& reading, Source source) {
+std::expected<OpenText, std::string> open_text(ParseContext& context, Source source) {
   const std::uint64_t left =
-      reading.options.limits.text_bytes - std::min(reading.text_bytes, reading.options.limits.text_bytes);
+      context.options.limits.text_bytes - std::min(context.text_bytes, context.options.limits.text_bytes);
   std::expected<Header, std::string> header = std::unexpected("");
   if (is_gzip(source.text)) {
     std::expected<std::string, std::string> unpacked = gunzip(source.text, left);
@@ -55,26 +55,26 @@ std::expected<OpenText, std::string> open_text(Reading& reading, Source source) 
   } else {
     header = read_header(source.text);
   }
-  reading.text_bytes += source.text.size();
-  const std::optional<Position> begin = reading.problems.open(std::move(source));
+  context.text_bytes += source.text.size();
+  const std::optional<Position> begin = context.problems.open(std::move(source));
   if (!header) return std::unexpected(header.error());
   if (!begin) return std::unexpected("its files together are larger than 4 GiB, more than this reader takes");
-  if (!header->remark.empty()) reading.problems.warning(*begin, std::string(header->remark));
+  if (!header->remark.empty()) context.problems.warning(*begin, std::string(header->remark));
   return OpenText{*begin, header->end};
 }
 
 std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOptions& options) {
   auto document = std::make_shared<Document>();
-  Reading reading{.document = *document, .problems = problems, .options = options};
+  ParseContext context{.document = *document, .problems = problems, .options = options};
   const std::string name = world.name;
-  if (const auto text = open_text(reading, std::move(world))) {
-    reading.open_files.push_back(name);
-    reading.world.nodes.reserve(guess_nodes(problems.text_of(text->begin), options.limits));
-    TextParser(reading, text->begin, text->body, 0).parse_text(reading.world);
-    document->nodes = std::move(reading.world.nodes);
-    document->top_level = std::move(reading.world.roots);
-    document->routes = std::move(reading.world.routes);
-    document->inner_names = std::move(reading.world.inner_names);
+  if (const auto text = open_text(context, std::move(world))) {
+    context.open_files.push_back(name);
+    context.world.nodes.reserve(guess_nodes(problems.text_of(text->begin), options.limits));
+    TextParser(context, text->begin, text->body, 0).parse_text(context.world);
+    document->nodes = std::move(context.world.nodes);
+    document->top_level = std::move(context.world.roots);
+    document->routes = std::move(context.world.routes);
+    document->inner_names = std::move(context.world.inner_names);
     drop_repeated(document->routes);
   } else {
     problems.error(0, text.error());

@@ -11,9 +11,9 @@ namespace peerd::vrml {
 
 struct ParseOptions {
   FileLoader load;             // without it, no Inline and no EXTERNPROTO is found
-  bool inlines_later = false;  // an Inline that says how large it is (bboxSize) is left empty
+  bool defer_inlines = false;  // an Inline that says how large it is (bboxSize) is left empty
   // but for those that stand there: a source's name, and an offset in its text
-  std::set<std::pair<std::string, std::size_t>> inlines_now{};
+  std::set<std::pair<std::string, std::size_t>> undeferred_inlines{};
   ReadLimits limits;
 };
 

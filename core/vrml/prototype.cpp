@@ -90,7 +90,7 @@ bool check_range(const FieldSpec& spec, const Field& value, Problems& problems) 
   return good;
 }
 
-NodeSet reach(const Body& body, std::uint32_t node) {
+NodeSet reachable_nodes(const Body& body, std::uint32_t node) {
   NodeSet set;
   std::unordered_set<std::uint32_t> seen = {node};
   std::vector<std::uint32_t> open = {node};

@@ -85,7 +85,7 @@ struct NodeSet {
   std::uint64_t references = 0;  // in their fields
   std::uint64_t cost = 0;        // of a copy, beside the nodes: in references
 };
-[[nodiscard]] NodeSet reach(const Body& body, std::uint32_t node);
+[[nodiscard]] NodeSet reachable_nodes(const Body& body, std::uint32_t node);
 // Puts a copy of them from one body into another; gives the place of the last.
 [[nodiscard]] std::uint32_t copy_nodes(const Body& from, const NodeSet& nodes, Body& to, Arena& arena);
 

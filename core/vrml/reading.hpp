@@ -18,14 +18,14 @@
 namespace peerd::vrml {
 
 inline constexpr std::size_t kMaxOpenFiles = 32;  // an Inline in an Inline in ..; each is a recursion
-inline constexpr std::uint32_t kAround =
+inline constexpr std::uint32_t kOpenNode =
     NodeRef::kNull - 1;                          // a node that is still open, until its closing brace is read
 inline constexpr std::size_t kMaxFields = 4096;  // that a PROTO or a Script may declare: they are looked for one by one
 inline constexpr std::uint32_t kMaxResolving = 64;  // EXTERNPROTOs that lead to one another; each is a recursion
-inline constexpr std::string_view kOwnUrn = "urn:peerd:node:";
+inline constexpr std::string_view kExtensionUrn = "urn:peerd:node:";
 
 // The nodes of the seed's appendix C that a world may also declare, so that other browsers load it.
-inline constexpr std::string_view kOwnNodes[] = {"CollisionInterest", "CollisionResponse", "KeySensor"};
+inline constexpr std::string_view kExtensionNodes[] = {"CollisionInterest", "CollisionResponse", "KeySensor"};
 
 // What a DEF names, from its node's '{' on.
 struct Definition {
@@ -63,13 +63,13 @@ struct Scope {
   std::uint32_t id = 0;            // Node::scope
   std::deque<Definition> definitions{};
   LateNameTable<Definition*> names{};
-  std::unordered_map<const Definition*, std::vector<NodeRef*>> waiting{};  // Scripts' fields that refer to open ones
+  std::unordered_map<const Definition*, std::vector<NodeRef*>> unresolved_refs{};  // Scripts' fields that refer to open ones
   Declarations declarations{};
   std::vector<std::pair<RouteEnd, RouteEnd>> routes{};
 };
 
 // What all texts of a world share.
-struct Reading {
+struct ParseContext {
   Document& document;
   Problems& problems;
   const ParseOptions& options;
@@ -112,6 +112,6 @@ struct OpenText {
 };
 
 // Unpacks a text, checks its header and takes it among the sources.
-[[nodiscard]] std::expected<OpenText, std::string> open_text(Reading& reading, Source source);
+[[nodiscard]] std::expected<OpenText, std::string> open_text(ParseContext& context, Source source);
 
 }  // namespace peerd::vrml

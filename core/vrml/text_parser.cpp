@@ -15,7 +15,7 @@ Definition& TextParser::define(std::string_view name) {
 
 Declarations TextParser::parse_text(Body& body) {
   Scope scope{.body = &body};
-  if (reading_.open_files.size() > 1 || &body != &reading_.world) scope.id = body.scopes++;
+  if (context_.open_files.size() > 1 || &body != &context_.world) scope.id = body.scopes++;
   scope_ = &scope;
   while (!tokens_.at(kEnd)) {
     if (tokens_.at(kWord)) {
@@ -48,7 +48,7 @@ std::optional<NodeRef> TextParser::parse_node_value(const FieldSpec& spec) {
   std::optional<NodeRef> value(parse_node());
   NodeRef& ref = *value;
   const Field one{&spec, &ref, 1, ref.at};
-  if (ref.is_node() && ref.index != kAround && !check_nodes(spec, one, scope_->body->nodes, problems_))
+  if (ref.is_node() && ref.index != kOpenNode && !check_nodes(spec, one, scope_->body->nodes, problems_))
     ref.index = NodeRef::kNull;
   return value;
 }
@@ -69,7 +69,7 @@ NodeRef TextParser::parse_node() {
   }
   if (!tokens_.at(kWord)) {
     tokens_.error(tokens_.position(), "expected a node type, found " + described(tokens_.peek()));
-    lose(def.text);
+    define_unreadable(def.text);
     return {NodeRef::kNull, at};
   }
   const Token type_name = tokens_.take();
@@ -90,8 +90,8 @@ NodeRef TextParser::parse_use() {
     Definition* const* const around = scope_->outer->names.find(name.text);
     if (around != nullptr && !(*around)->open && (*around)->node != NodeRef::kNull) {
       const Body& from = *scope_->outer->body;
-      const NodeSet reached = reach(from, (*around)->node);
-      if (!reading_.room_for(reached.nodes.size(), reached.cost, null.at)) return null;
+      const NodeSet reached = reachable_nodes(from, (*around)->node);
+      if (!context_.room_for(reached.nodes.size(), reached.cost, null.at)) return null;
       return {copy_nodes(from, reached, *scope_->body, arena_), null.at};
     }
   }
@@ -103,9 +103,9 @@ NodeRef TextParser::parse_use() {
   Definition& definition = **named;
   if (definition.open) {
     // A Script may be told of itself and of what it stands in (4.12): it doesn't contain what its fields name.
-    if (open_ != nullptr && open_->type->meaning == Meaning::kScript) {
+    if (open_ != nullptr && open_->type->role == NodeRole::kScript) {
       script_uses_.push_back(&definition);
-      return {kAround, null.at};
+      return {kOpenNode, null.at};
     }
     tokens_.error(tokens_.position_of(name),
                   "USE of " + quoted(name.text) + " inside that node itself: a node cannot contain itself");
@@ -125,7 +125,7 @@ void TextParser::report_unknown_type(const Token& name) {
   for (const NodeType& type : node_types()) suggestion.consider(type.name);
   std::vector<std::string_view> names;
   for (Scope* scope = scope_; scope != nullptr; scope = scope->outer) {
-    if (scope->declarations.size() > kFewEnough) continue;
+    if (scope->declarations.size() > kMaxSuggestionNames) continue;
     for (const auto& [known, declaration] : scope->declarations) names.push_back(known);
   }
   std::ranges::sort(names);
@@ -147,7 +147,7 @@ NodeRef TextParser::parse_node_body(const Token& def, const Token& type_name, Po
     type = {};
   }
   if (type.type == nullptr || !tokens_.at(kOpenBrace)) {
-    lose(def.text);
+    define_unreadable(def.text);
     if (tokens_.at(kOpenBrace)) {
       skip_balanced();
     } else if (nesting_ == 0) {
@@ -159,7 +159,7 @@ NodeRef TextParser::parse_node_body(const Token& def, const Token& type_name, Po
     return {NodeRef::kNull, at};
   }
 
-  Open open{.type = type.type, .outer = open_, .first_field = fields_.size()};
+  OpenNode open{.type = type.type, .outer = open_, .first_field = fields_.size()};
   if (!def.text.empty()) {
     open.definition = &define(def.text);
     open.definition->type = type.type;
@@ -176,17 +176,17 @@ NodeRef TextParser::parse_node_body(const Token& def, const Token& type_name, Po
   if (open.definition != nullptr) {
     open.definition->node = ref.index;
     open.definition->open = false;
-    const auto waiting = scope_->waiting.find(open.definition);
-    if (waiting != scope_->waiting.end()) {
+    const auto waiting = scope_->unresolved_refs.find(open.definition);
+    if (waiting != scope_->unresolved_refs.end()) {
       for (NodeRef* const waiter : waiting->second) waiter->index = ref.index;
-      scope_->waiting.erase(waiting);
+      scope_->unresolved_refs.erase(waiting);
     }
   }
   return ref;
 }
 
-NodeRef TextParser::close_node(Open& open, const Token& def, Position at) {
-  if (!reading_.room_for(1, 0, at)) return {NodeRef::kNull, at};
+NodeRef TextParser::close_node(OpenNode& open, const Token& def, Position at) {
+  if (!context_.room_for(1, 0, at)) return {NodeRef::kNull, at};
   if (!open.own_fields.empty()) finish_script(open);
   Body& body = *scope_->body;
   const auto fields = arena_.copy(std::span<const Field>(fields_).subspan(open.first_field));
@@ -197,7 +197,7 @@ NodeRef TextParser::close_node(Open& open, const Token& def, Position at) {
             .scope = scope_->id,
             .field_count = static_cast<std::uint32_t>(fields.size()),
             .damaged = open.damaged};
-  if (node.type->meaning == Meaning::kInline && live()) fill_inline(node);
+  if (node.type->role == NodeRole::kInline && in_world_body()) fill_inline(node);
   const auto index = static_cast<std::uint32_t>(body.nodes.size());
   for (const PendingLink& link : open.links) {
     const FieldSpec* inner = find_field(*open.type, link.inner->name);
@@ -212,19 +212,19 @@ NodeRef TextParser::close_node(Open& open, const Token& def, Position at) {
 }
 
 // An instance stands in the text as a node and in the document as a copy of the prototype's body.
-NodeRef TextParser::close_instance(Open& open, const Prototype& prototype, const Token& def, Position at) {
+NodeRef TextParser::close_instance(OpenNode& open, const Prototype& prototype, const Token& def, Position at) {
   const std::span<const Field> given = std::span<const Field>(fields_).subspan(open.first_field);
   const Body& copied = prototype.body;
   const std::uint64_t references =
       copied.references + 2 * copied.routes.size() + prototype.copied_references + cost_of_values(prototype, given);
-  if (!reading_.room_for(copied.nodes.size(), references, at)) return {NodeRef::kNull, at};
-  if (live()) load_inlines_of(prototype, given);
+  if (!context_.room_for(copied.nodes.size(), references, at)) return {NodeRef::kNull, at};
+  if (in_world_body()) load_inlines_of(prototype, given);
   Body& body = *scope_->body;
   const std::size_t first = body.nodes.size();
   const Expansion copy = expand(prototype, given, body, arena_, problems_);
-  if (live()) {
+  if (in_world_body()) {
     for (std::size_t i = first; i < body.nodes.size(); ++i) {
-      if (body.nodes[i].type->meaning != Meaning::kInline) continue;
+      if (body.nodes[i].type->role != NodeRole::kInline) continue;
       Node node = body.nodes[i];  // not in place: reading a file may move all nodes
       fill_inline(node);
       body.nodes[i] = node;
@@ -232,7 +232,7 @@ NodeRef TextParser::close_instance(Open& open, const Prototype& prototype, const
   }
   for (const PendingLink& link : open.links) {
     for (const IsLink& inner : links_of(prototype.links, *link.inner)) {
-      if (!reading_.room_for(0, 4, at)) break;  // sort_links() keeps it twice
+      if (!context_.room_for(0, 4, at)) break;  // sort_links() keeps it twice
       scope_->prototype->links.push_back({link.outer, copy.base + inner.node, inner.inner, link.at});
     }
   }
@@ -254,10 +254,10 @@ NodeRef TextParser::close_instance(Open& open, const Prototype& prototype, const
 }
 
 // A Script's type is its own: the fields of every Script and those that it declares.
-void TextParser::finish_script(Open& open) {
+void TextParser::finish_script(OpenNode& open) {
   std::vector<FieldSpec> specs(open.type->fields.begin(), open.type->fields.end());
   specs.insert(specs.end(), open.own_fields.begin(), open.own_fields.end());
-  NodeType& type = reading_.document.own_types.emplace_back(*open.type);
+  NodeType& type = context_.document.own_types.emplace_back(*open.type);
   type.fields = arena_.copy(std::span<const FieldSpec>(specs));
   for (std::size_t i = open.first_field; i < fields_.size(); ++i)
     fields_[i].spec = find_field(type, fields_[i].spec->name);

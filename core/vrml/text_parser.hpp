@@ -17,10 +17,10 @@ namespace peerd::vrml {
 // EXTERNPROTO, _routes ROUTE, _files Inlines and what is behind URLs.
 class TextParser {
  public:
-  TextParser(Reading& reading, Position text_begin, std::size_t begin, std::uint32_t nesting)
-      : reading_(reading),
-        arena_(reading.document.arena),
-        problems_(reading.problems),
+  TextParser(ParseContext& context, Position text_begin, std::size_t begin, std::uint32_t nesting)
+      : context_(context),
+        arena_(context.document.arena),
+        problems_(context.problems),
         tokens_(problems_.text_of(text_begin), text_begin, begin, problems_),
         values_(tokens_, arena_, problems_),
         nesting_(nesting) {
@@ -38,9 +38,9 @@ class TextParser {
     Position at;
   };
   // A node between its braces.
-  struct Open {
+  struct OpenNode {
     const NodeType* type = nullptr;
-    Open* outer = nullptr;
+    OpenNode* outer = nullptr;
     std::size_t first_field = 0;  // of it in fields_
     std::vector<PendingLink> links{};
     std::vector<const FieldSpec*>
@@ -68,7 +68,7 @@ class TextParser {
   bool fits(std::span<const FieldSpec> interface, const NodeType& type, Position at);
   Type find_type(const Token& name);
   void resolve(Declaration& declaration, std::string_view name);
-  const Declaration* look_into_library(std::string_view url, Position at, std::string& why);
+  const Declaration* find_in_library(std::string_view url, Position at, std::string& why);
   void close(Scope& scope);
   void too_many(Position at) {
     tokens_.error(
@@ -94,47 +94,47 @@ class TextParser {
   NodeRef parse_node();
   NodeRef parse_use();
   NodeRef parse_node_body(const Token& def, const Token& type_name, Position at);
-  NodeRef close_node(Open& open, const Token& def, Position at);
-  NodeRef close_instance(Open& open, const Prototype& prototype, const Token& def, Position at);
-  void finish_script(Open& open);
-  void parse_fields(Open& open);
-  void parse_field(Open& open);
-  void parse_is(Open& open, const FieldSpec& spec, Access access, Position at);
-  void parse_script_declaration(Open& open);
-  void parse_unknown_field(Open& open, const Token& name);
+  NodeRef close_node(OpenNode& open, const Token& def, Position at);
+  NodeRef close_instance(OpenNode& open, const Prototype& prototype, const Token& def, Position at);
+  void finish_script(OpenNode& open);
+  void parse_fields(OpenNode& open);
+  void parse_field(OpenNode& open);
+  void parse_is(OpenNode& open, const FieldSpec& spec, Access access, Position at);
+  void parse_script_declaration(OpenNode& open);
+  void parse_unknown_field(OpenNode& open, const Token& name);
   void report_unknown_type(const Token& name);
   bool is_field_of_open_node(std::string_view word) const;
-  const FieldSpec* find_field_of(const Open& open, std::string_view name) const;
+  const FieldSpec* find_field_of(const OpenNode& open, std::string_view name) const;
   void skip_value() {
     // Nodes in there are none of the Script field in hand.
     std::vector<Definition*> outer_uses = std::exchange(script_uses_, {});
-    lose(values_.skip());
+    define_unreadable(values_.skip());
     script_uses_ = std::move(outer_uses);
   }
-  void skip_balanced() { lose(tokens_.skip_balanced()); }
-  void lose(const std::vector<std::string_view>& names) {
-    for (const std::string_view name : names) lose(name);
+  void skip_balanced() { define_unreadable(tokens_.skip_balanced()); }
+  void define_unreadable(const std::vector<std::string_view>& names) {
+    for (const std::string_view name : names) define_unreadable(name);
   }
-  void lose(std::string_view name) {
+  void define_unreadable(std::string_view name) {
     if (!name.empty()) define(name);
   }
   Definition& define(std::string_view name);
-  [[nodiscard]] bool live() const { return scope_->body == &reading_.world; }
+  [[nodiscard]] bool in_world_body() const { return scope_->body == &context_.world; }
 
   void load_inlines_of(const Prototype& prototype, std::span<const Field> given);
-  [[nodiscard]] bool is_for_later(Position inline_at, const Field* box_size) const;
+  [[nodiscard]] bool is_deferred(Position inline_at, const Field* box_size) const;
   void fill_inline(Node& node);
   const std::vector<NodeRef>* load_content(const Field& url);
-  Reading::File* open_file(std::string_view url, Position at, std::string& why);
+  ParseContext::File* open_file(std::string_view url, Position at, std::string& why);
   bool is_open(std::string_view name) const;
 
-  Reading& reading_;
+  ParseContext& context_;
   Arena& arena_;
   Problems& problems_;
   TokenStream tokens_;
   ValueReader values_;
   Scope* scope_ = nullptr;
-  Open* open_ = nullptr;                  // the innermost open node
+  OpenNode* open_ = nullptr;                  // the innermost open node
   std::vector<Field> fields_;             // of all open nodes
   std::vector<Definition*> script_uses_;  // open ones that the Script field in hand names, in order
   std::uint32_t nesting_;                 // of nodes and PROTOs, through files: each is a recursion

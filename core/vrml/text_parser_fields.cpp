@@ -8,7 +8,7 @@ namespace peerd::vrml {
 
 using enum TokenKind;
 
-const FieldSpec* TextParser::find_field_of(const Open& open, std::string_view name) const {
+const FieldSpec* TextParser::find_field_of(const OpenNode& open, std::string_view name) const {
   const FieldSpec* field = find_field(*open.type, name);
   if (field != nullptr) return field->access == Access::kContent ? nullptr : field;
   const auto it = std::ranges::find(open.own_fields, name, &FieldSpec::name);
@@ -18,10 +18,10 @@ const FieldSpec* TextParser::find_field_of(const Open& open, std::string_view na
 bool TextParser::is_field_of_open_node(std::string_view word) const {
   if (open_ == nullptr) return find_access(word).has_value();  // in an interface
   return find_field_of(*open_, word) != nullptr ||
-         (open_->type->meaning == Meaning::kScript && find_access(word).has_value());
+         (open_->type->role == NodeRole::kScript && find_access(word).has_value());
 }
 
-void TextParser::parse_fields(Open& open) {
+void TextParser::parse_fields(OpenNode& open) {
   const Position brace = tokens_.position();
   tokens_.take();
   const auto type = [&] { return std::string(open.type->name); };
@@ -31,7 +31,7 @@ void TextParser::parse_fields(Open& open) {
         tokens_.take();
         return;
       case kWord:
-        if (open.type->meaning == Meaning::kScript && find_access(tokens_.peek().text)) {
+        if (open.type->role == NodeRole::kScript && find_access(tokens_.peek().text)) {
           parse_script_declaration(open);
         } else if (!parse_statement()) {
           parse_field(open);
@@ -56,7 +56,7 @@ void TextParser::parse_fields(Open& open) {
   }
 }
 
-void TextParser::parse_field(Open& open) {
+void TextParser::parse_field(OpenNode& open) {
   const Token name = tokens_.take();
   const FieldSpec* spec = find_field_of(open, name.text);
   Access access = spec != nullptr ? spec->access : Access::kField;
@@ -98,7 +98,7 @@ void TextParser::parse_field(Open& open) {
 }
 
 // FIELD IS NAME: table 4.4 of the standard says what may be which.
-void TextParser::parse_is(Open& open, const FieldSpec& spec, Access access, Position at) {
+void TextParser::parse_is(OpenNode& open, const FieldSpec& spec, Access access, Position at) {
   const Position is_at = tokens_.position();
   tokens_.take();
   if (!tokens_.at(kWord)) {
@@ -143,7 +143,7 @@ void TextParser::parse_is(Open& open, const FieldSpec& spec, Access access, Posi
   if (!linked) open.linked.push_back(&spec);
 }
 
-void TextParser::parse_script_declaration(Open& open) {
+void TextParser::parse_script_declaration(OpenNode& open) {
   const Token keyword = tokens_.take();
   const Access access = *find_access(keyword.text);
   const auto type = tokens_.at(kWord) ? find_field_type(tokens_.peek().text) : std::nullopt;
@@ -185,7 +185,7 @@ void TextParser::parse_script_declaration(Open& open) {
     auto around = script_uses_.begin();
     for (const NodeRef& ref : value->as<NodeRef>().first(script_uses_.empty() ? 0 : value->count)) {
       // The document's arena is ours to write until it is handed over.
-      if (ref.index == kAround) scope_->waiting[*around++].push_back(const_cast<NodeRef*>(&ref));
+      if (ref.index == kOpenNode) scope_->unresolved_refs[*around++].push_back(const_cast<NodeRef*>(&ref));
     }
   } else {
     open.damaged = true;
@@ -193,7 +193,7 @@ void TextParser::parse_script_declaration(Open& open) {
   script_uses_ = std::move(outer_uses);
 }
 
-void TextParser::parse_unknown_field(Open& open, const Token& name) {
+void TextParser::parse_unknown_field(OpenNode& open, const Token& name) {
   const std::string type(open.type->name);
   if (tokens_.at(kOpenBrace) && find_type(name).type != nullptr) {
     open.damaged = true;
@@ -207,13 +207,13 @@ void TextParser::parse_unknown_field(Open& open, const Token& name) {
     if (field.access != Access::kContent) suggestion.consider(field.name);
   }
   for (const FieldSpec& field : open.own_fields) suggestion.consider(field.name);
-  if (open.type->meaning == Meaning::kDisplay && !suggestion.best()) {
+  if (open.type->role == NodeRole::kDisplay && !suggestion.best()) {
     // A browser's own addition, as many have: passed over whole, not read.
     tokens_.warning(tokens_.position_of(name),
                     type + " has no field " + quoted(name.text) + " in VRML97; it is passed over");
     while (tokens_.at_word("DEF") || tokens_.at_word("USE") || tokens_.kind_after() == kOpenBrace) {
       const bool def = tokens_.take().text == "DEF";
-      if (def && tokens_.at(kWord)) lose(tokens_.take().text);
+      if (def && tokens_.at(kWord)) define_unreadable(tokens_.take().text);
     }
     if (tokens_.at(kOpenBrace)) return skip_balanced();
     return skip_value();

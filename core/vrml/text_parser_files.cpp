@@ -9,16 +9,16 @@ namespace peerd::vrml {
 using enum TokenKind;
 
 bool TextParser::is_open(std::string_view name) const {
-  return std::ranges::find(reading_.open_files, name) != reading_.open_files.end();
+  return std::ranges::find(context_.open_files, name) != context_.open_files.end();
 }
 
 // The file behind a URL, read and unpacked, now at the end of open_files; or null, and why.
-Reading::File* TextParser::open_file(std::string_view url, Position at, std::string& why) {
-  if (!reading_.options.load) {
+ParseContext::File* TextParser::open_file(std::string_view url, Position at, std::string& why) {
+  if (!context_.options.load) {
     why = "no other file is read here";
     return nullptr;
   }
-  std::expected<LoadedFile, std::string> loaded = reading_.options.load(url, problems_.name_of(at));
+  std::expected<LoadedFile, std::string> loaded = context_.options.load(url, problems_.name_of(at));
   if (!loaded) {
     why = loaded.error();
     return nullptr;
@@ -28,17 +28,17 @@ Reading::File* TextParser::open_file(std::string_view url, Position at, std::str
     tokens_.error(at, quoted(url) + ": " + why);
     return nullptr;
   }
-  if (reading_.open_files.size() >= kMaxOpenFiles) {
+  if (context_.open_files.size() >= kMaxOpenFiles) {
     why = "files are nested more than " + std::to_string(kMaxOpenFiles) + " deep";
     tokens_.error(at, quoted(url) + ": " + why);
     return nullptr;
   }
-  const auto [it, is_new] = reading_.files.try_emplace(loaded->name);
-  Reading::File& file = it->second;
+  const auto [it, is_new] = context_.files.try_emplace(loaded->name);
+  ParseContext::File& file = it->second;
   if (is_new) {
     Source source{it->first, {}, std::make_shared<const std::string>(std::move(loaded->bytes))};
     source.text = *source.owned;
-    const auto opened = open_text(reading_, std::move(source));
+    const auto opened = open_text(context_, std::move(source));
     if (opened) {
       file = {.begin = opened->begin, .body = opened->body, .readable = true};
     } else {
@@ -49,7 +49,7 @@ Reading::File* TextParser::open_file(std::string_view url, Position at, std::str
     why = file.why;
     return nullptr;
   }
-  reading_.open_files.push_back(it->first);
+  context_.open_files.push_back(it->first);
   return &file;
 }
 
@@ -59,16 +59,16 @@ const std::vector<NodeRef>* TextParser::load_content(const Field& url) {
   const std::size_t errors = problems_.errors();
   for (const std::string_view one : url.as<std::string_view>()) {
     std::string why;
-    Reading::File* const file = open_file(one.substr(0, one.find('#')), url.at, why);
+    ParseContext::File* const file = open_file(one.substr(0, one.find('#')), url.at, why);
     if (file != nullptr) {
       if (!file->content) {
-        const std::size_t first = reading_.world.roots.size();
-        TextParser(reading_, file->begin, file->body, nesting_).parse_text(reading_.world);
-        auto& roots = reading_.world.roots;
+        const std::size_t first = context_.world.roots.size();
+        TextParser(context_, file->begin, file->body, nesting_).parse_text(context_.world);
+        auto& roots = context_.world.roots;
         file->content.emplace(roots.begin() + static_cast<std::ptrdiff_t>(first), roots.end());
         roots.resize(first);
       }
-      reading_.open_files.pop_back();
+      context_.open_files.pop_back();
       return &*file->content;
     }
     tried += (tried.empty() ? "" : "; ") + quoted(one) + ": " + why;
@@ -84,7 +84,7 @@ void TextParser::load_inlines_of(const Prototype& prototype, std::span<const Fie
   std::optional<std::vector<const Field*>> values;
   for (std::uint32_t i = 0; i < prototype.body.nodes.size(); ++i) {
     const Node& node = prototype.body.nodes[i];
-    if (node.type->meaning != Meaning::kInline) continue;
+    if (node.type->role != NodeRole::kInline) continue;
     if (!values) values = linked_values(prototype, given);
     const auto value = [&](std::string_view name) {
       const Field* field = node.find(name);
@@ -100,21 +100,21 @@ void TextParser::load_inlines_of(const Prototype& prototype, std::span<const Fie
       return field;
     };
     const Field* url = value("url");
-    if (url != nullptr && !is_for_later(node.at, value("bboxSize"))) static_cast<void>(load_content(*url));
+    if (url != nullptr && !is_deferred(node.at, value("bboxSize"))) static_cast<void>(load_content(*url));
   }
 }
 
-bool TextParser::is_for_later(Position inline_at, const Field* box_size) const {
-  if (!reading_.options.inlines_later || box_size == nullptr) return false;
+bool TextParser::is_deferred(Position inline_at, const Field* box_size) const {
+  if (!context_.options.defer_inlines || box_size == nullptr) return false;
   const std::span<const float> size = box_size->as<float>();
   const bool sized = size[0] >= 0 && size[1] >= 0 && size[2] >= 0;
-  return sized && !reading_.options.inlines_now.contains(problems_.place_of(inline_at));
+  return sized && !context_.options.undeferred_inlines.contains(problems_.place_of(inline_at));
 }
 
 void TextParser::fill_inline(Node& node) {
   const Field* url = node.find("url");
   if (url == nullptr) return;
-  if (is_for_later(node.at, node.find("bboxSize"))) return;
+  if (is_deferred(node.at, node.find("bboxSize"))) return;
   const std::vector<NodeRef>* content = load_content(*url);
   std::vector<Field> fields(node.given().begin(), node.given().end());
   const auto refs = arena_.copy(content != nullptr ? std::span<const NodeRef>(*content) : std::span<const NodeRef>());

@@ -48,7 +48,7 @@ void keep(Interface& interface, Prototype& prototype, Arena& arena) {
 }  // namespace
 
 void TextParser::check_name(const Token& name) {
-  const bool own = std::ranges::find(kOwnNodes, name.text) != std::end(kOwnNodes);
+  const bool own = std::ranges::find(kExtensionNodes, name.text) != std::end(kExtensionNodes);
   if (find_node_type(name.text) != nullptr && !own) {
     tokens_.error(tokens_.position_of(name),
                   quoted(name.text) + " is a node of the standard: no PROTO can take its name");
@@ -84,8 +84,8 @@ void TextParser::parse_proto() {
   if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) return skip_declaration("PROTO");
   const Token name = tokens_.take();
   check_name(name);
-  Prototype& prototype = reading_.prototypes.emplace_back();
-  prototype.type = {arena_.copy(name.text), kAnyClass, Meaning::kPart, {}};
+  Prototype& prototype = context_.prototypes.emplace_back();
+  prototype.type = {arena_.copy(name.text), kAnyClass, NodeRole::kPart, {}};
   if (nesting_ >= kMaxNesting) {
     tokens_.error(tokens_.position_of(keyword),
                   "PROTOs and nodes are nested more than " + std::to_string(kMaxNesting) + " deep");
@@ -94,7 +94,7 @@ void TextParser::parse_proto() {
     return;
   }
   ++nesting_;
-  Open* const outer_open = std::exchange(open_, nullptr);
+  OpenNode* const outer_open = std::exchange(open_, nullptr);
   parse_interface(name.text, true, prototype);
   parse_body_of(prototype, name.text);
   open_ = outer_open;
@@ -253,9 +253,9 @@ void TextParser::parse_externproto() {
 
 // A world may declare our own nodes, by their names or by URN, so that browsers that don't know them find a PROTO.
 void TextParser::add_native(Declaration& declaration, std::string_view name) {
-  if (std::ranges::find(kOwnNodes, name) != std::end(kOwnNodes)) declaration.native = find_node_type(name);
+  if (std::ranges::find(kExtensionNodes, name) != std::end(kExtensionNodes)) declaration.native = find_node_type(name);
   for (const std::string_view url : declaration.urls) {
-    if (url.starts_with(kOwnUrn)) declaration.native = find_node_type(url.substr(kOwnUrn.size()));
+    if (url.starts_with(kExtensionUrn)) declaration.native = find_node_type(url.substr(kExtensionUrn.size()));
   }
   if (declaration.native != nullptr && !fits(declaration.interface, *declaration.native, declaration.at)) {
     declaration.native = nullptr;
@@ -316,10 +316,10 @@ void TextParser::resolve(Declaration& declaration, std::string_view name) {
   std::string tried;
   bool misfit = false;
   declaration.resolving = true;
-  ++reading_.resolving;
+  ++context_.resolving;
   for (const std::string_view url : declaration.urls) {
     std::string why;
-    const Declaration* const found = look_into_library(url, declaration.at, why);
+    const Declaration* const found = find_in_library(url, declaration.at, why);
     if (found != nullptr) {
       const NodeType& type = found->native != nullptr ? *found->native : found->prototype->type;
       misfit = !fits(declaration.interface, type, declaration.at);
@@ -331,30 +331,30 @@ void TextParser::resolve(Declaration& declaration, std::string_view name) {
     tried += (tried.empty() ? "" : "; ") + quoted(url) + ": " + why;
   }
   declaration.resolving = false;
-  --reading_.resolving;
+  --context_.resolving;
   if (declaration.prototype != nullptr || declaration.native != nullptr) return;
   if (tried.empty()) tried = "it has no URL";
   if (!misfit) {
     tokens_.warning(declaration.at,
                     "EXTERNPROTO " + quoted(name) + " is not found, its instances stay empty: " + tried);
   }
-  Prototype& empty = reading_.prototypes.emplace_back();
-  empty.not_found = &reading_.document.own_types.emplace_back(
-      NodeType{arena_.copy(name), kAnyClass, Meaning::kPart, declaration.interface});
+  Prototype& empty = context_.prototypes.emplace_back();
+  empty.not_found = &context_.document.own_types.emplace_back(
+      NodeType{arena_.copy(name), kAnyClass, NodeRole::kPart, declaration.interface});
   empty.type = *empty.not_found;
   declaration.prototype = &empty;
 }
 
-const Declaration* TextParser::look_into_library(std::string_view url, Position at, std::string& why) {
+const Declaration* TextParser::find_in_library(std::string_view url, Position at, std::string& why) {
   const std::size_t hash = std::min(url.find('#'), url.size());
-  Reading::File* const file = open_file(url.substr(0, hash), at, why);
+  ParseContext::File* const file = open_file(url.substr(0, hash), at, why);
   if (file == nullptr) return nullptr;
   if (!file->library) {
     Body unused;
-    file->library = TextParser(reading_, file->begin, file->body, nesting_).parse_text(unused);
-    reading_.node_eighths -= 8 * unused.nodes.size();
+    file->library = TextParser(context_, file->begin, file->body, nesting_).parse_text(unused);
+    context_.node_eighths -= 8 * unused.nodes.size();
   }
-  reading_.open_files.pop_back();
+  context_.open_files.pop_back();
   if (hash < url.size()) {
     const auto it = file->library->find(url.substr(hash + 1));
     if (it == file->library->end()) {
@@ -366,7 +366,7 @@ const Declaration* TextParser::look_into_library(std::string_view url, Position 
       tokens_.error(at, quoted(url) + ": " + why);
       return nullptr;
     }
-    if (reading_.resolving >= kMaxResolving) {
+    if (context_.resolving >= kMaxResolving) {
       why = "EXTERNPROTOs lead to one another more than " + std::to_string(kMaxResolving) + " times";
       tokens_.error(at, quoted(url) + ": " + why);
       return nullptr;

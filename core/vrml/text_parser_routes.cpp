@@ -60,7 +60,7 @@ std::optional<RouteEnd> TextParser::parse_route_end() {
 Suggestion TextParser::names_like(std::string_view name) const {
   Suggestion suggestion(name);
   std::vector<std::string_view> names;  // in an order that doesn't depend on where they stand
-  if (scope_->names.table().size() <= kFewEnough) {
+  if (scope_->names.table().size() <= kMaxSuggestionNames) {
     for (const auto& [known, definition] : scope_->names.table()) names.push_back(known);
   }
   std::ranges::sort(names);
@@ -127,7 +127,7 @@ void TextParser::add_routes(const Scope& scope, const RouteEnd& from, const Rout
   }
   for (const IsLink& out : source.links()) {
     for (const IsLink& in : target.links()) {
-      if (!reading_.room_for(0, 2, from.at)) return;
+      if (!context_.room_for(0, 2, from.at)) return;
       scope.body->routes.push_back({source.base + out.node, target.base + in.node, out.inner, in.inner, from.at});
     }
   }
@@ -137,9 +137,9 @@ void TextParser::close(Scope& scope) {
   for (const auto& [from, to] : scope.routes) add_routes(scope, from, to);
   const bool lost =
       std::ranges::any_of(scope.definitions, [](const Definition& d) { return d.node == NodeRef::kNull; });
-  if (!live() || !lost) return;
+  if (!in_world_body() || !lost) return;
   for (const auto& [name, definition] : scope.names.table()) {
-    if (definition->node == NodeRef::kNull) reading_.document.lost_names.push_back(arena_.copy(name));
+    if (definition->node == NodeRef::kNull) context_.document.unreadable_names.push_back(arena_.copy(name));
   }
 }
 

@@ -24,11 +24,11 @@ bool is_renamed(std::string_view name, std::string_view original) {
 }
 
 bool is_path(const Node& node, const FieldSpec& spec) {
-  const bool has_paths = node.type->meaning == Meaning::kCollisionInterest || node.type->meaning == Meaning::kKeySensor;
+  const bool has_paths = node.type->role == NodeRole::kCollisionInterest || node.type->role == NodeRole::kKeySensor;
   return has_paths && (spec.type == FieldType::kSFString || spec.type == FieldType::kMFString);
 }
 
-bool is_stand_in(const Node& node) { return node.type->name == kStandInType && node.given().empty(); }
+bool is_placeholder(const Node& node) { return node.type->name == kPlaceholderType && node.given().empty(); }
 
 std::size_t element_size(FieldType type) {
   switch (type) {
@@ -81,7 +81,7 @@ class Comparison {
     return false;
   }
   bool compare_documents();
-  OutsideNodes outside(const Scene& scene, const NamePaths& paths, std::size_t common) const;
+  OutsideNodes outside(const Scene& scene, const PathRewriter& paths, std::size_t common) const;
   bool pair(const NodeRef& a, const NodeRef& b, const std::string& where);
   bool pair_lists(const Node& node, const Field& a, const Field& b);
   bool drain();
@@ -95,7 +95,7 @@ class Comparison {
 
   const Scene &scene_a_, &scene_b_;
   const Document &a_, &b_;
-  NamePaths paths_a_, paths_b_;
+  PathRewriter paths_a_, paths_b_;
   std::vector<std::uint32_t> partner_, partner_of_b_;
   std::unordered_set<std::string_view> names_b_;
   std::vector<std::uint32_t> waiting_;  // nodes of a_ that have a partner and are not compared yet
@@ -103,7 +103,7 @@ class Comparison {
 };
 
 // Beyond the top level that both have: the nodes that the writer puts behind it, or would.
-OutsideNodes Comparison::outside(const Scene& scene, const NamePaths& paths, std::size_t common) const {
+OutsideNodes Comparison::outside(const Scene& scene, const PathRewriter& paths, std::size_t common) const {
   const Document& document = *scene.document;
   OutsideNodes out;
   for (std::size_t i = common; i < document.top_level.size(); ++i) {
@@ -144,8 +144,8 @@ bool Comparison::compare_documents() {
 }
 
 bool Comparison::pair(const NodeRef& a, const NodeRef& b, const std::string& where) {
-  if (!a.is_node() || (b.is_node() && is_stand_in(b_.nodes[b.index]) && paths_a_.names_nothing(a_.nodes[a.index]))) {
-    return !b.is_node() || is_stand_in(b_.nodes[b.index]) || differs(where + " is null in the first only");
+  if (!a.is_node() || (b.is_node() && is_placeholder(b_.nodes[b.index]) && paths_a_.has_no_target(a_.nodes[a.index]))) {
+    return !b.is_node() || is_placeholder(b_.nodes[b.index]) || differs(where + " is null in the first only");
   }
   if (!b.is_node()) return differs(where + " is null in the second only");
   std::uint32_t& partner = partner_[a.index];
@@ -184,7 +184,7 @@ bool Comparison::drain() {
 bool Comparison::compare_types(const Node& a, const Node& b) {
   if (is_filled_inline(a) && b.type->name == "Group") return true;
   const bool external = find_node_type(a.type->name) == nullptr;
-  if (a.type->meaning != b.type->meaning ||
+  if (a.type->role != b.type->role ||
       !(external ? is_renamed(b.type->name, a.type->name) : a.type->name == b.type->name)) {
     return differs(quoted_name(a) + " is a " + std::string(b.type->name));
   }

@@ -9,12 +9,12 @@ namespace {
 constexpr std::uint32_t kNone = Instance::kNone;
 
 bool has_paths(const Node& node) {
-  return node.type->meaning == Meaning::kCollisionInterest || node.type->meaning == Meaning::kKeySensor;
+  return node.type->role == NodeRole::kCollisionInterest || node.type->role == NodeRole::kKeySensor;
 }
 
 }  // namespace
 
-NamePaths::NamePaths(const Scene& scene) : scene_(scene), first_instance_(scene.document->nodes.size(), kNone) {
+PathRewriter::PathRewriter(const Scene& scene) : scene_(scene), first_instance_(scene.document->nodes.size(), kNone) {
   const Document& document = *scene.document;
   std::set<std::uint32_t> scopes;
   for (const Node& node : document.nodes) {
@@ -35,12 +35,12 @@ NamePaths::NamePaths(const Scene& scene) : scene_(scene), first_instance_(scene.
   }
 }
 
-std::optional<std::uint32_t> NamePaths::first_of_the_world(std::string_view name) const {
+std::optional<std::uint32_t> PathRewriter::first_in_world_scope(std::string_view name) const {
   const auto it = first_of_name_.find(name);
   return it == first_of_name_.end() ? std::nullopt : std::optional(it->second);
 }
 
-std::optional<std::uint32_t> NamePaths::instance_of(std::string_view path, std::uint32_t scope) const {
+std::optional<std::uint32_t> PathRewriter::instance_of(std::string_view path, std::uint32_t scope) const {
   if (scope != 0) {
     if (const auto it = inner_nodes_.find({scope, path}); it != inner_nodes_.end()) {
       const std::uint32_t first = first_instance_[it->second];
@@ -48,18 +48,18 @@ std::optional<std::uint32_t> NamePaths::instance_of(std::string_view path, std::
     }
     if (const auto it = inner_instances_.find({scope, path}); it != inner_instances_.end()) return it->second;
   }
-  if (const auto first = first_of_the_world(path)) return first;
+  if (const auto first = first_in_world_scope(path)) return first;
   const auto id = paths_.find(path);
   return id ? std::optional(static_cast<std::uint32_t>(id->value)) : std::nullopt;
 }
 
-bool NamePaths::names_nothing(const Node& node) const {
-  if (node.type->meaning != Meaning::kCollisionInterest) return false;
+bool PathRewriter::has_no_target(const Node& node) const {
+  if (node.type->role != NodeRole::kCollisionInterest) return false;
   const Field* path = node.find("objectPath");
   return path == nullptr || !instance_of(path->as<std::string_view>()[0], node.scope);
 }
 
-void NamePaths::rename(const std::vector<std::string_view>& names, const std::vector<bool>& written) {
+void PathRewriter::rename(const std::vector<std::string_view>& names, const std::vector<bool>& written) {
   if (!has_paths_) return;
   renamed_.instances = scene_.instances;
   auto& instances = renamed_.instances;
@@ -82,13 +82,13 @@ void NamePaths::rename(const std::vector<std::string_view>& names, const std::ve
   }
 }
 
-std::optional<std::uint32_t> NamePaths::renamed_instance_of(std::string_view path) const {
+std::optional<std::uint32_t> PathRewriter::renamed_instance_of(std::string_view path) const {
   if (const auto it = first_renamed_.find(path); it != first_renamed_.end()) return it->second;
   const auto id = renamed_paths_.find(path);
   return id ? std::optional(static_cast<std::uint32_t>(id->value)) : std::nullopt;
 }
 
-std::optional<std::string> NamePaths::rewritten(std::string_view path, std::uint32_t scope) const {
+std::optional<std::string> PathRewriter::rewritten(std::string_view path, std::uint32_t scope) const {
   const auto id = instance_of(path, scope);
   if (!id) return std::nullopt;
   if (renamed_instance_of(path) == id) return std::string(path);

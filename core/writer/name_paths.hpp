@@ -16,18 +16,18 @@ namespace peerd::vrml {
 
 // What the paths of CollisionInterests and KeySensors mean, where they stand in PROTOs and Inlines, and how to say the
 // same where all names are the world's.
-class NamePaths {
+class PathRewriter {
  public:
-  explicit NamePaths(const Scene& scene);
-  NamePaths(const NamePaths&) = delete;
-  NamePaths& operator=(const NamePaths&) = delete;
+  explicit PathRewriter(const Scene& scene);
+  PathRewriter(const PathRewriter&) = delete;
+  PathRewriter& operator=(const PathRewriter&) = delete;
 
   // As the reader finds it: a name inside of a PROTO or an Inline means a node in there first.
   [[nodiscard]] std::optional<std::uint32_t> instance_of(std::string_view path, std::uint32_t scope) const;
   // A CollisionInterest whose object is in no scene: it does nothing, and could not be read again.
-  [[nodiscard]] bool names_nothing(const Node& node) const;
+  [[nodiscard]] bool has_no_target(const Node& node) const;
   // The first instance that has the name outside of PROTOs and Inlines.
-  [[nodiscard]] std::optional<std::uint32_t> first_of_the_world(std::string_view name) const;
+  [[nodiscard]] std::optional<std::uint32_t> first_in_world_scope(std::string_view name) const;
 
   // From here on names are `names` of each node, all the world's; where `written` has none the node stays as it is.
   void rename(const std::vector<std::string_view>& names, const std::vector<bool>& written);
@@ -44,7 +44,7 @@ class NamePaths {
   bool has_paths_ = false;
   Scene renamed_;  // its instances only
   std::unordered_map<std::string_view, std::uint32_t> first_renamed_;
-  mutable PathFinder paths_{scene_}, renamed_paths_{renamed_};  // they remember what they have looked at
+  mutable PathResolver paths_{scene_}, renamed_paths_{renamed_};  // they remember what they have looked at
 };
 
 }  // namespace peerd::vrml

@@ -33,12 +33,12 @@ std::string string_text(std::string_view value) {
   return out;
 }
 
-void TextOut::number(float value) { append_number(out_, value); }
-void TextOut::number(double value) { append_number(out_, value); }
-void TextOut::number(std::int32_t value) { append_number(out_, value); }
+void TextWriter::number(float value) { append_number(out_, value); }
+void TextWriter::number(double value) { append_number(out_, value); }
+void TextWriter::number(std::int32_t value) { append_number(out_, value); }
 
 template <class AddOne, class Closes>
-void TextOut::list(std::size_t count, AddOne add_one, Closes closes, std::string_view between_groups) {
+void TextWriter::list(std::size_t count, AddOne add_one, Closes closes, std::string_view between_groups) {
   if (count == 0) {
     out_ += "[ ]";
     return end_line();
@@ -92,13 +92,13 @@ void TextOut::list(std::size_t count, AddOne add_one, Closes closes, std::string
   close("]");
 }
 
-void TextOut::strings(std::span<const std::string> texts) {
+void TextWriter::strings(std::span<const std::string> texts) {
   list(
       texts.size(), [&](std::size_t i) { append_string(out_, texts[i]); }, [](std::size_t) { return true; }, " ");
 }
 
 // A pixel's bytes, one for each component, in hexadecimal; a row of pixels begins a line.
-void TextOut::image(std::span<const std::int32_t> image) {
+void TextWriter::image(std::span<const std::int32_t> image) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (i > 0) out_ += ' ';
     number(image[i]);
@@ -128,7 +128,7 @@ void TextOut::image(std::span<const std::int32_t> image) {
   end_line();
 }
 
-void TextOut::value(const Field& field) {
+void TextWriter::value(const Field& field) {
   using enum FieldType;
   const FieldType type = field.spec->type;
   const auto always = [](std::size_t) { return true; };

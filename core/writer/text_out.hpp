@@ -8,7 +8,7 @@
 namespace peerd::vrml {
 
 // VRML97 text in lines of about kWidth columns, two blanks deeper in each node and list.
-class TextOut {
+class TextWriter {
  public:
   static constexpr std::size_t kWidth = 100;
 

@@ -10,15 +10,15 @@ namespace {
 constexpr std::uint32_t kNever = ~0u;
 
 bool is_external(const Node& node) {
-  return node.type->meaning == Meaning::kPart && find_node_type(node.type->name) != node.type;
+  return node.type->role == NodeRole::kPart && find_node_type(node.type->name) != node.type;
 }
 
 // Whether a node may stand at the top level without being seen, heard or sensed there.
 bool is_plain(const Node& node) {
-  const Meaning meaning = node.type->meaning;
-  if (meaning == Meaning::kScript || meaning == Meaning::kCollisionInterest || meaning == Meaning::kKeySensor)
+  const NodeRole role = node.type->role;
+  if (role == NodeRole::kScript || role == NodeRole::kCollisionInterest || role == NodeRole::kKeySensor)
     return true;
-  return meaning == Meaning::kPart && !is_external(node) &&
+  return role == NodeRole::kPart && !is_external(node) &&
          (node.type->name.ends_with("Interpolator") || node.type->name == "TimeSensor");
 }
 
@@ -78,12 +78,12 @@ Position last_own_reference(const Document& document) {
 }  // namespace
 
 bool is_filled_inline(const Node& node) {
-  return node.type->meaning == Meaning::kInline && std::ranges::any_of(node.given(), [](const Field& f) {
+  return node.type->role == NodeRole::kInline && std::ranges::any_of(node.given(), [](const Field& f) {
            return f.spec->access == Access::kContent && f.count > 0;
          });
 }
 
-OutsideNodes outside_nodes(const Document& document, const NamePaths& paths) {
+OutsideNodes outside_nodes(const Document& document, const PathRewriter& paths) {
   const std::size_t count = document.nodes.size();
   std::vector<bool> in_scene = marked_top_level(document), in_files = in_scene;
   mark_below(document, false, in_scene);
@@ -108,10 +108,10 @@ OutsideNodes outside_nodes(const Document& document, const NamePaths& paths) {
     const bool filled = is_filled_inline(node);
     if (in_scene[i] || content[i] || (filled && node.at <= last_own)) inside = content[i] && !in_scene[i];
     of_inline[i] = inside && node.scope != 0 && node.at > last_own;
-    const Meaning meaning = node.type->meaning;
-    const bool acts = filled || meaning == Meaning::kScript || meaning == Meaning::kKeySensor ||
-                      meaning == Meaning::kCollisionInterest;
-    wanted[i] = (wanted[i] || acts || !node.def.empty()) && !paths.names_nothing(node);
+    const NodeRole role = node.type->role;
+    const bool acts = filled || role == NodeRole::kScript || role == NodeRole::kKeySensor ||
+                      role == NodeRole::kCollisionInterest;
+    wanted[i] = (wanted[i] || acts || !node.def.empty()) && !paths.has_no_target(node);
   }
   OutsideNodes out;
   std::vector<std::uint32_t> roots;
@@ -148,7 +148,7 @@ WritePlan::WritePlan(const Scene& scene, const WriteOptions& options)
     outside_.held.resize(outside_.held_own);
   }
   const std::size_t count = document_.nodes.size();
-  met_.assign(count, false);
+  visited_.assign(count, false);
   defined_.assign(count, 0);
   needed_.assign(count, 0);
   names_.assign(count, {});
@@ -156,7 +156,7 @@ WritePlan::WritePlan(const Scene& scene, const WriteOptions& options)
   if (too_deep_) return;
   plan_routes();
   choose_names();
-  paths_.rename(names_, met_);
+  paths_.rename(names_, visited_);
   name_external_types();
 }
 
@@ -169,7 +169,7 @@ std::string_view WritePlan::type_name_of(const Node& node) const {
 std::vector<WrittenField> WritePlan::fields_of(const Node& node) const {
   std::vector<WrittenField> fields;
   const bool as_group = is_filled_inline(node) && !options_.keep_inlines;
-  if (node.type->meaning != Meaning::kScript) {
+  if (node.type->role != NodeRole::kScript) {
     for (const Field& field : node.given()) {
       const bool content = field.spec->access == Access::kContent;
       if (as_group ? field.spec->name == "url" : content) continue;
@@ -197,13 +197,13 @@ std::vector<WrittenField> WritePlan::fields_of(const Node& node) const {
 
 // The walk
 
-WritePlan::Meeting WritePlan::meet(const NodeRef& ref, std::uint32_t holder, std::vector<bool>& met) const {
-  if (!ref.is_node()) return Meeting::kNull;
-  if (met[ref.index]) return Meeting::kUse;
-  if (ref.index >= holder) return Meeting::kLater;
-  if (paths_.names_nothing(document_.nodes[ref.index])) return Meeting::kStandIn;
-  met[ref.index] = true;
-  return Meeting::kDefine;
+WritePlan::RefAction WritePlan::action_at(const NodeRef& ref, std::uint32_t holder, std::vector<bool>& visited) const {
+  if (!ref.is_node()) return RefAction::kNull;
+  if (visited[ref.index]) return RefAction::kUse;
+  if (ref.index >= holder) return RefAction::kLater;
+  if (paths_.has_no_target(document_.nodes[ref.index])) return RefAction::kPlaceholder;
+  visited[ref.index] = true;
+  return RefAction::kDefine;
 }
 
 void WritePlan::visit_top_level() {
@@ -220,22 +220,22 @@ void WritePlan::visit_top_level() {
 }
 
 void WritePlan::visit_item(const NodeRef& ref, std::uint32_t holder, std::uint32_t depth) {
-  switch (meet(ref, holder, met_)) {
-    case Meeting::kDefine:
+  switch (action_at(ref, holder, visited_)) {
+    case RefAction::kDefine:
       defined_[ref.index] = ++time_;
       order_.push_back(ref.index);
       visit(ref.index, depth);
       break;
-    case Meeting::kUse:
+    case RefAction::kUse:
       needed_[ref.index] = ++time_;
       break;
-    case Meeting::kStandIn:
+    case RefAction::kPlaceholder:
       notes_.push_back("a CollisionInterest whose object is not part of the scene is left out");
       break;
-    case Meeting::kLater:
+    case RefAction::kLater:
       notes_.push_back("a Script's field refers to a node that is written behind it: it is written as NULL");
       break;
-    case Meeting::kNull:
+    case RefAction::kNull:
       break;
   }
 }
@@ -260,7 +260,7 @@ void WritePlan::plan_routes() {
   std::size_t lost = 0;
   for (std::uint32_t i = 0; i < document_.routes.size(); ++i) {
     const Route& route = document_.routes[i];
-    if (!met_[route.from_node] || !met_[route.to_node]) continue;  // of an Inline that stays one
+    if (!visited_[route.from_node] || !visited_[route.to_node]) continue;  // of an Inline that stays one
     if (!is_written(document_, route, options_.keep_inlines)) {
       ++lost;
       continue;
@@ -307,7 +307,7 @@ void WritePlan::choose_names() {
   }
   // Whether a lone name finds it: it must go on doing so.
   const auto found_first = [&](std::uint32_t index) {
-    const auto first = paths_.first_of_the_world(document_.nodes[index].def);
+    const auto first = paths_.first_in_world_scope(document_.nodes[index].def);
     return first && *first == first_instance[index];
   };
   std::unordered_map<std::string_view, std::uint32_t> in_force;  // the node that has the name
@@ -319,7 +319,7 @@ void WritePlan::choose_names() {
       continue;
     }
     if (node.scope != 0) {
-      const auto of_world = paths_.first_of_the_world(node.def);
+      const auto of_world = paths_.first_in_world_scope(node.def);
       if (of_world && first_instance[index] < *of_world) {
         rename(index, "a node of the world has that name, and paths would find this one first");
         continue;

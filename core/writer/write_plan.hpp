@@ -28,11 +28,11 @@ struct OutsideNodes {
   std::vector<std::uint32_t> held;
   std::size_t plain_own = 0, held_own = 0;  // the first of each that are of no Inline
 };
-[[nodiscard]] OutsideNodes outside_nodes(const Document& document, const NamePaths& paths);
+[[nodiscard]] OutsideNodes outside_nodes(const Document& document, const PathRewriter& paths);
 
 // What stands in the place of a null among nodes, and of a CollisionInterest that names nothing: no instance, and the
 // children behind it keep their numbers.
-inline constexpr std::string_view kStandInType = "WorldInfo";
+inline constexpr std::string_view kPlaceholderType = "WorldInfo";
 
 // One field as it is written; without a value, an event or what a Script does not give.
 struct WrittenField {
@@ -57,8 +57,8 @@ class WritePlan {
   [[nodiscard]] bool too_deep() const { return too_deep_; }
 
   // What a walk meets at a reference, `holder` being the node that has it (kNull: the top level).
-  enum class Meeting : std::uint8_t { kNull, kStandIn, kDefine, kUse, kLater };
-  [[nodiscard]] Meeting meet(const NodeRef& ref, std::uint32_t holder, std::vector<bool>& met) const;
+  enum class RefAction : std::uint8_t { kNull, kPlaceholder, kDefine, kUse, kLater };
+  [[nodiscard]] RefAction action_at(const NodeRef& ref, std::uint32_t holder, std::vector<bool>& visited) const;
 
   // ROUTEs to write where the walk is the i-th time at a place for them (before the '}' of a node that holds nodes, and
   // behind each node at the top level); and all others, at the end.
@@ -84,12 +84,12 @@ class WritePlan {
   const Scene& scene_;
   const Document& document_;
   WriteOptions options_;
-  NamePaths paths_;
+  PathRewriter paths_;
   OutsideNodes outside_;
 
   // The walk. Times count DEFs, USEs and places for ROUTEs.
   std::uint32_t time_ = 0;
-  std::vector<bool> met_;
+  std::vector<bool> visited_;
   std::vector<std::uint32_t> order_;             // of nodes, by their first place
   std::vector<std::uint32_t> defined_, needed_;  // by node: when, and until when; 0: never
   std::vector<std::uint32_t> places_;            // times at which ROUTEs may stand

@@ -13,12 +13,12 @@ namespace {
 class Writer {
  public:
   Writer(const Document& document, const WritePlan& plan)
-      : document_(document), plan_(plan), met_(document.nodes.size(), false) {}
+      : document_(document), plan_(plan), visited_(document.nodes.size(), false) {}
 
   std::string write();
 
  private:
-  using Meeting = WritePlan::Meeting;
+  using RefAction = WritePlan::RefAction;
 
   void declare(const NodeType& type, std::string_view name);
   void item(const NodeRef& ref, std::uint32_t holder);
@@ -33,9 +33,9 @@ class Writer {
 
   const Document& document_;
   const WritePlan& plan_;
-  std::vector<bool> met_;
+  std::vector<bool> visited_;
   std::uint32_t place_ = 0;
-  TextOut out_;
+  TextWriter out_;
 };
 
 std::string Writer::write() {
@@ -88,17 +88,17 @@ void Writer::declare(const NodeType& type, std::string_view name) {
 
 // One node on the line that is begun; ends it.
 void Writer::item(const NodeRef& ref, std::uint32_t holder) {
-  switch (plan_.meet(ref, holder, met_)) {
-    case Meeting::kDefine:
+  switch (plan_.action_at(ref, holder, visited_)) {
+    case RefAction::kDefine:
       return node(ref.index);
-    case Meeting::kUse:
+    case RefAction::kUse:
       out_.add("USE ");
       out_.add(plan_.name_of(ref.index));
       return out_.end_line();
-    case Meeting::kNull:
-    case Meeting::kStandIn:
-    case Meeting::kLater:
-      out_.add(kStandInType);
+    case RefAction::kNull:
+    case RefAction::kPlaceholder:
+    case RefAction::kLater:
+      out_.add(kPlaceholderType);
       out_.add(" { }");
       return out_.end_line();
   }
@@ -130,7 +130,7 @@ void Writer::node(std::uint32_t index) {
 void Writer::field(const WrittenField& field, std::uint32_t holder) {
   const FieldSpec& spec = *field.spec;
   const Node& node = document_.nodes[holder];
-  const bool has_paths = node.type->meaning == Meaning::kCollisionInterest || node.type->meaning == Meaning::kKeySensor;
+  const bool has_paths = node.type->role == NodeRole::kCollisionInterest || node.type->role == NodeRole::kKeySensor;
   const bool text = spec.type == FieldType::kSFString || spec.type == FieldType::kMFString;
   if (has_paths && text) return paths(node, *field.value);
   out_.begin_line({});
@@ -151,7 +151,7 @@ void Writer::field(const WrittenField& field, std::uint32_t holder) {
 void Writer::nodes(const Field* value, const FieldSpec& spec, std::uint32_t holder) {
   const std::span<const NodeRef> refs = value == nullptr ? std::span<const NodeRef>{} : value->as<NodeRef>();
   if (spec.type == FieldType::kSFNode) {
-    const bool later = !refs.empty() && refs[0].is_node() && refs[0].index >= holder && !met_[refs[0].index];
+    const bool later = !refs.empty() && refs[0].is_node() && refs[0].index >= holder && !visited_[refs[0].index];
     if (!refs.empty() && refs[0].is_node() && !later) return item(refs[0], holder);
     out_.add("NULL");
     return out_.end_line();

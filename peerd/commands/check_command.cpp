@@ -266,7 +266,7 @@ Json moving_at(const Scene& scene, double t_s, std::vector<std::string>& unsuppo
                     {"position", {p.x(), p.y(), p.z()}},
                     {"orientation", {q.x(), q.y(), q.z(), q.w()}}});
   }
-  if (const std::optional<double> since = motion.limited_at()) {
+  if (const std::optional<double> since = motion.transition_limit_reached_at()) {
     unsupported.push_back("TimeSensors that start each other so often: they stand still from " +
                           std::to_string(*since) + " s on");
   }

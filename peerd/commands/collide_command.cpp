@@ -54,7 +54,7 @@ class WorldMotion {
     for (const ObjectId id : motion_.driven_transforms()) {
       transforms_[scene_.at(id).transform] = motion_.transform(id, t_s);
     }
-    target.place(transforms_);
+    target.set_transforms(transforms_);
     for (const std::uint32_t geometry : motion_.flexible_geometries()) bend(target, geometry, t_s);
   }
 
@@ -155,7 +155,7 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
                      std::ostream& err) {
   const auto start = std::chrono::steady_clock::now();
   collision::CollisionWatch watch(scene, config::mapped_hierarchies(path));
-  watch.use_boxes(box_bound(options));
+  watch.set_box_bound(box_bound(options));
   WorldMotion motion(scene);
   Json events = Json::array();
   std::uint64_t ticks = 0;
@@ -177,7 +177,7 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
   const collision::CollisionWatchCounters counters = watch.counters();
   if (!options.json) {
     out << ticks << " ticks; pairs of objects: " << counters.pairs_far << " far, " << counters.pairs_unmoved
-        << " unmoved, " << counters.pairs_separated << " separated, " << counters.pairs_asked
+        << " unmoved, " << counters.pairs_separated << " separated, " << counters.pairs_queried
         << " asked; of Shapes: " << counters.shapes.pairs_witnessed << " touching where they did, "
         << counters.shapes.pairs_tested << " tested; " << micros.count() << " us\n";
     return 0;
@@ -186,7 +186,7 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
   counted.update({{"pairs_far", counters.pairs_far},
                   {"pairs_unmoved", counters.pairs_unmoved},
                   {"pairs_separated", counters.pairs_separated},
-                  {"pairs_asked", counters.pairs_asked},
+                  {"pairs_asked", counters.pairs_queried},
                   {"pairs_witnessed", counters.shapes.pairs_witnessed},
                   {"pairs_tested", counters.shapes.pairs_tested}});
   const Json json = {
@@ -205,7 +205,7 @@ int run_collide(const std::string& path, const CollideOptions& options, std::ost
   if (options.until_s) return watch_collisions(path, scene, options, out, err);
   const auto start = std::chrono::steady_clock::now();
   collision::SceneQuery query(scene, config::mapped_hierarchies(path));
-  query.use_boxes(box_bound(options));
+  query.set_box_bound(box_bound(options));
   WorldMotion(scene).go_to(query, options.at_s);
   std::vector<Answer> answers;
   for (const CollisionInterest& interest : scene.interests) {

@@ -313,7 +313,7 @@ ControlSettings read_control(TomlReader reader) {
 
 Result<LoadedWorld> load_world(const std::filesystem::path& path, bool inlines_when_needed) {
   ReadOptions options;
-  options.inlines_later = inlines_when_needed;
+  options.defer_inlines = inlines_when_needed;
   const auto file = read_world_file(path, options);
   if (!file) return std::unexpected(file.error());
   const ReadResult& read = (*file)->result;

@@ -65,10 +65,10 @@ class RowReader {
     return *this;
   }
   template <class Tag>
-  RowReader& operator>>(std::chrono::time_point<ToldClock<Tag>>& t) {
+  RowReader& operator>>(std::chrono::time_point<InjectedClock<Tag>>& t) {
     std::int64_t ns = 0;
     *this >> ns;
-    t = std::chrono::time_point<ToldClock<Tag>>{Duration{ns}};
+    t = std::chrono::time_point<InjectedClock<Tag>>{Duration{ns}};
     return *this;
   }
   template <class Tag, class Rep>

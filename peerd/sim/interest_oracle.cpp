@@ -89,7 +89,7 @@ void InterestOracle::look() {
     for (const auto& [object, owner] : peers_[i].node->peer().owners()) {
       if (owner != peers_[i].node->peer().id()) continue;
       owners_.emplace(object, i);
-      if (!reaches_m_.contains(object)) reaches_m_.emplace(object, reach_m(scene_, object));
+      if (!reaches_m_.contains(object)) reaches_m_.emplace(object, bounding_radius_m(scene_, object));
     }
   }
   for (Asked& asked : asked_) look(asked, t);

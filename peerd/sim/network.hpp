@@ -15,7 +15,7 @@
 namespace peerd::sim {
 
 // Time that all simulated peers share and none can read.
-using VirtualTime = ToldClock<struct VirtualClockTag>::time_point;
+using VirtualTime = InjectedClock<struct VirtualClockTag>::time_point;
 
 // One direction between two peers. Each has a generator of its own, seeded from the run's seed and its two ends, so
 // that what one link draws changes nothing on another.

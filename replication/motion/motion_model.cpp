@@ -182,12 +182,12 @@ void turn(const MotionModel& m, double t, KinematicState& out) {
     const auto stop = stop_s(w, alpha);
     if (!stop || t >= *stop) {
       const double until = stop.value_or(0.0);
-      out.orientation = turned(m.state.orientation, until * (w + (0.5 * until) * alpha));
+      out.orientation = rotated_in_body_frame(m.state.orientation, until * (w + (0.5 * until) * alpha));
       out.angular_velocity_body.setZero();
       return;
     }
   }
-  out.orientation = turned(m.state.orientation, t * (w + (0.5 * t) * alpha));
+  out.orientation = rotated_in_body_frame(m.state.orientation, t * (w + (0.5 * t) * alpha));
   out.angular_velocity_body = w + t * alpha;
 }
 

@@ -87,7 +87,7 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
          .type = p.type,
          .collider_answers = answers(p.collider),
          .collidee_answers = p.mutual && answers(p.collidee),
-         .may_be_spared = p.type == CollisionType::kBox || collision::answerable(body(collider), body(collidee)),
+         .may_be_spared = p.type == CollisionType::kBox || collision::has_exact_answer(body(collider), body(collidee)),
          .clear_until = start,
          .contact = {},
          .free_at = {},

@@ -18,8 +18,8 @@ bool turns(const KinematicState& s) { return !s.angular_velocity_body.isZero(0.0
 
 // Holds all vertices, and what is round where these are on it.
 double radius_of(const collision::Body& body) {
-  if (!body.round) return body.radius_m;
-  return std::max(body.radius_m, (body.round->center - body.center).norm() + body.round->radius_m);
+  if (!body.sphere) return body.radius_m;
+  return std::max(body.radius_m, (body.sphere->center - body.center).norm() + body.sphere->radius_m);
 }
 
 }  // namespace

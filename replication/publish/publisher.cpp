@@ -27,9 +27,9 @@ const char* to_string(PublishReason reason) {
   return "?";
 }
 
-GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double reach_m) {
+GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double bounding_radius_m) {
   const double angle_rad = angle_between(truth.orientation, ghost.orientation);
-  return {(truth.position - ghost.position).norm() + 2.0 * reach_m * std::sin(0.5 * angle_rad), angle_rad};
+  return {(truth.position - ghost.position).norm() + 2.0 * bounding_radius_m * std::sin(0.5 * angle_rad), angle_rad};
 }
 
 Duration longest_wait(const PublishPolicy& policy, bool known) {

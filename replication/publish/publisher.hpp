@@ -54,8 +54,8 @@ struct GhostError {
   double distance_m = 0.0;  // Euclidean, not per axis: a cube of that edge would let 1.7 times as much through
   double angle_rad = 0.0;
 };
-// `reach_m`: of the object's farthest vertex from its origin, which the turn moves besides; 0: the origin's error.
-[[nodiscard]] GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double reach_m = 0.0);
+// `bounding_radius_m`: of the object's farthest vertex from its origin, which the turn moves besides; 0: the origin's error.
+[[nodiscard]] GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost, double bounding_radius_m = 0.0);
 
 // Why an update is due now; none when the others still believe well enough. `known`: another one would say what
 // everybody knows.

@@ -750,7 +750,7 @@ void compare_interpolator(const InterpolatorKind& kind, std::uint32_t seed, Repo
     }
     // 6.10: "A linear interpolation using the value of set_fraction as input is performed in HSV space." Coin's is in
     // RGB, so only at the keys and outside of them it must be the same.
-    if (is_color && !shades && animation::locate(keys.key, double{fractions[i]}).weight > 0) {
+    if (is_color && !shades && animation::find_key_interval(keys.key, double{fractions[i]}).weight > 0) {
       report.leave_out(kind.figure, kind.unit, "6.10: colours are interpolated in HSV; Coin does it in RGB", difference,
                        bound, world.name);
     } else {

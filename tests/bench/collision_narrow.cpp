@@ -39,7 +39,7 @@ struct RoundedSigns {
   int volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
     return side(cross(difference(b, a), difference(c, a)), difference(d, a));
   }
-  int turn(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) const {
+  int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) const {
     const auto minus_a = [&](const Vec3& p, int k) { return static_cast<Real>(p[k]) - static_cast<Real>(a[k]); };
     return sign(minus_a(b, i) * minus_a(c, j) - minus_a(b, j) * minus_a(c, i));
   }
@@ -54,7 +54,7 @@ struct FilteredSigns {
   int volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
     return collision::PlaneFilter(a, b, c).sign(d);
   }
-  int turn(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) const {
+  int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) const {
     const double plus = (b[i] - a[i]) * (c[j] - a[j]), minus = (b[j] - a[j]) * (c[i] - a[i]);
     const double bound = 4.0 * collision::kUnitRoundoff * (std::abs(plus) + std::abs(minus)) + collision::kUnderflow;
     return (plus - minus > bound) - (minus - plus > bound);
@@ -75,7 +75,7 @@ bool touch_exactly(const Triangle& a, const Triangle& b) {
 }  // namespace
 
 const std::array<Narrow, 5>& narrow_tests() {
-  static constexpr std::array<Narrow, 5> kTests = {{{"seed", seed_polygons_touch},
+  static constexpr std::array<Narrow, 5> kTests = {{{"seed", thesis_polygons_touch},
                                                     {"float", touch_by<RoundedSigns<float>>},
                                                     {"double", touch_by<RoundedSigns<double>>},
                                                     {"filtered", touch_by<FilteredSigns>},

@@ -10,7 +10,7 @@ struct Narrow {
   const char* name;
   bool (*touch)(const collision::Triangle& a, const collision::Triangle& b);
 };
-enum NarrowIndex : std::size_t { kSeed, kFloat, kDouble, kFiltered, kExact };
+enum NarrowIndex : std::size_t { kThesis, kFloat, kDouble, kFiltered, kExact };
 [[nodiscard]] const std::array<Narrow, 5>& narrow_tests();
 
 }  // namespace peerd::bench

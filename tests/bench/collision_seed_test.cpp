@@ -1,4 +1,4 @@
-#include "collision_seed_test.hpp"
+#include "collision_thesis_test.hpp"
 
 #include <Eigen/Geometry>
 #include <span>
@@ -37,7 +37,7 @@ bool an_edge_crosses(std::span<const Vec3> edges, std::span<const Vec3> polygon)
 
 }  // namespace
 
-bool seed_polygons_touch(const collision::Triangle& a, const collision::Triangle& b) {
+bool thesis_polygons_touch(const collision::Triangle& a, const collision::Triangle& b) {
   return an_edge_crosses(a, b) || an_edge_crosses(b, a);
 }
 

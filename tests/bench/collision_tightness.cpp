@@ -49,7 +49,7 @@ std::array<double, kVolumes> volumes_of(const Hull& hull, const Quat& turn, std:
 }
 
 // Around x, y, z, xy, xz, yz and xyz, a full turn each.
-Quat seed_rotation(int i, int steps) {
+Quat thesis_rotation(int i, int steps) {
   constexpr int kAxes[7][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}};
   const auto& axis = kAxes[i / steps];
   return quat_exp(2 * kPi * (i % steps) / steps * Vec3(axis[0], axis[1], axis[2]).normalized());
@@ -80,7 +80,7 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
       continue;
     }
     Random random(23);
-    std::array<double, kVolumes> seeds{}, randoms{};
+    std::array<double, kVolumes> thesis_sums{}, randoms{};
     std::vector<Vec3> scratch;
     Chart& chart = charts.emplace_back(Chart{object.name,
                                              {.label = "rotations: x, y, z, xy, xz, yz, xyz", .from_zero = true},
@@ -89,14 +89,14 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
     for (const char* name : kNames) chart.series.push_back({.name = name, .points = {}});
     bool ordered = true;
     for (int i = 0; i < 7 * steps; ++i) {
-      const auto seed = volumes_of(*hull, seed_rotation(i, steps), scratch);
+      const auto thesis_volumes = volumes_of(*hull, thesis_rotation(i, steps), scratch);
       const auto any = volumes_of(*hull, random_rotation(random), scratch);
-      const auto no_larger = [&](std::size_t v, std::size_t than) { return seed[v] <= seed[than] + 1e-6; };  // rounding
-      ordered = ordered && no_larger(2, 0) && no_larger(3, 2) && no_larger(3, 1) && seed[3] > 100 - 1e-6;
+      const auto no_larger = [&](std::size_t v, std::size_t than) { return thesis_volumes[v] <= thesis_volumes[than] + 1e-6; };  // rounding
+      ordered = ordered && no_larger(2, 0) && no_larger(3, 2) && no_larger(3, 1) && thesis_volumes[3] > 100 - 1e-6;
       for (std::size_t v = 0; v < kVolumes; ++v) {
-        seeds[v] += seed[v] / (7 * steps);
+        thesis_sums[v] += thesis_volumes[v] / (7 * steps);
         randoms[v] += any[v] / (7 * steps);
-        if (i % std::max(1, steps / 100) == 0) chart.series[v].points.push_back({static_cast<double>(i), seed[v]});
+        if (i % std::max(1, steps / 100) == 0) chart.series[v].points.push_back({static_cast<double>(i), thesis_volumes[v]});
       }
     }
     report.check(ordered, object.name + ": a k-DOP of more slabs is larger, or the hull is");
@@ -107,7 +107,7 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
     chart.series.push_back({.name = "sphere", .points = {{0, ball}, {end, ball}}});
     auto& row = table.rows.emplace_back(std::vector{object.name, text(std::uint64_t{hull->vertices.size()})});
     for (std::size_t v = 0; v < kVolumes; ++v) {
-      row.insert(row.end(), {text(randoms[v], 1), text(seeds[v], 1)});
+      row.insert(row.end(), {text(randoms[v], 1), text(thesis_sums[v], 1)});
       report.figure("tightness." + object.name + '.' + kNames[v], randoms[v], "%", "convex hull", randoms[v] / 100);
     }
     row.insert(row.end(), {text(box, 1), text(ball, 1)});

@@ -221,7 +221,7 @@ class Bench {
     out.polygons = static_cast<double>(polygons) / ticks;
     out.allocations = static_cast<double>(allocations) / ticks;
     out.near =
-        static_cast<double>(out.counters.pairs_asked + out.counters.pairs_separated + out.counters.pairs_unmoved) /
+        static_cast<double>(out.counters.pairs_queried + out.counters.pairs_separated + out.counters.pairs_unmoved) /
         ticks;
     out.ticks = ticks;
     measure_phases(world, warm_up, ticks, out);
@@ -238,7 +238,7 @@ class Bench {
     for (int tick = 0; tick < 2 + ticks; ++tick) {
       world.go_to(50 + tick);
       const double start = thread_us();
-      query.place(world.transforms);
+      query.set_transforms(world.transforms);
       for (const CollisionInterest& interest : world.scene.interests) {
         for (const ObjectId collidee : interest.collidees) {
           colliding += query.collide(interest.collider, collidee, interest.type)->colliding;
@@ -252,7 +252,7 @@ class Bench {
 
   void report(const std::string& name, const Run& run, const std::string& against = {}, double reference = 0.0) {
     const CollisionWatchCounters& c = run.counters;
-    const std::uint64_t all = c.pairs_far + c.pairs_unmoved + c.pairs_separated + c.pairs_asked;
+    const std::uint64_t all = c.pairs_far + c.pairs_unmoved + c.pairs_separated + c.pairs_queried;
     const std::uint64_t near = all - c.pairs_far, shapes = c.shapes.pairs_witnessed + c.shapes.pairs_tested;
     std::printf(
         "%-22s %9.0f us [%.0f %.0f] placing %.0f broad %.0f narrow %.0f | near %.0f colliding %.0f polygons %.0f | far "
@@ -260,8 +260,8 @@ class Bench {
         "allocations\n",
         name.c_str(), run.tick.median, run.tick.low, run.tick.high, run.placing.median, run.broad.median, run.narrow(),
         run.near, run.colliding, run.polygons, share(c.pairs_far, all), share(c.pairs_unmoved, near),
-        share(c.pairs_separated, near), share(c.pairs_asked, near), run.per_tick(c.shapes.pairs_witnessed),
-        run.per_tick(c.shapes.pairs_tested), run.per_tick(c.gaps_found), run.per_tick(c.gaps_sought), run.allocations);
+        share(c.pairs_separated, near), share(c.pairs_queried, near), run.per_tick(c.shapes.pairs_witnessed),
+        run.per_tick(c.shapes.pairs_tested), run.per_tick(c.gaps_found), run.per_tick(c.gap_searches), run.allocations);
     std::fflush(stdout);
     const auto ratio = reference > 0.0 ? std::optional(run.tick.median / reference) : std::nullopt;
     figures_.push_back({name + ".tick", run.tick.median, "us", against, ratio, run.tick.low, run.tick.high});
@@ -278,9 +278,9 @@ class Bench {
     add("far", share(c.pairs_far, all), "of all pairs");
     add("unmoved", share(c.pairs_unmoved, near), "of near pairs");
     add("separated", share(c.pairs_separated, near), "of near pairs");
-    add("asked", share(c.pairs_asked, near), "of near pairs");
+    add("asked", share(c.pairs_queried, near), "of near pairs");
     add("witnessed", share(c.shapes.pairs_witnessed, shapes), "of pairs of shapes asked");
-    add("gaps", share(c.gaps_found, c.gaps_sought), "of those sought");
+    add("gaps", share(c.gaps_found, c.gap_searches), "of those sought");
     add("allocations", run.allocations, "a tick");
   }
   void report_plain(const std::string& name, const Quartiles& us) {
@@ -304,17 +304,17 @@ class Bench {
   static void subtract(CollisionWatchCounters& of, const CollisionWatchCounters& first) {
     of.pairs_far -= first.pairs_far;
     of.pairs_unmoved -= first.pairs_unmoved;
-    of.pairs_asked -= first.pairs_asked;
+    of.pairs_queried -= first.pairs_queried;
     of.pairs_separated -= first.pairs_separated;
     of.shapes.pairs_witnessed -= first.shapes.pairs_witnessed;
     of.shapes.pairs_tested -= first.shapes.pairs_tested;
-    of.gaps_sought -= first.gaps_sought;
+    of.gap_searches -= first.gap_searches;
     of.gaps_found -= first.gaps_found;
   }
   void check(const std::string& name, const World& world, CollisionWatch& watch, const CollisionWatch::Tick& answer,
              bool polygons) {
     SceneQuery fresh(world.scene);
-    fresh.place(world.transforms);
+    fresh.set_transforms(world.transforms);
     std::size_t wrong = 0;
     for (std::uint32_t i = 0; i < watch.interests().size(); ++i) {
       const auto& [collider, collidee, type] = watch.interests()[i];

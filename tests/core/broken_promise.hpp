@@ -7,7 +7,7 @@
 namespace peerd::vrml {
 
 // What document.hpp promises of every document; nothing, or what is wrong.
-inline std::string broken_promise(const Document& document) {
+inline std::string document_violation(const Document& document) {
   const auto owns = [](const NodeType& type, const FieldSpec* spec) {
     return std::ranges::any_of(type.fields, [&](const FieldSpec& field) { return &field == spec; });
   };

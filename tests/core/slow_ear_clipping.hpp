@@ -37,7 +37,7 @@ class SlowEarClipping {
   void find_blocker(std::uint32_t i);
   [[nodiscard]] bool blocks(std::uint32_t i, std::uint32_t j) const;
   void remove(std::uint32_t i);
-  void offer(Kind kind, std::uint32_t i);
+  void push_candidate(Kind kind, std::uint32_t i);
   [[nodiscard]] std::uint32_t take_next();
 
   std::span<const PlanePoint> points_;
@@ -45,13 +45,13 @@ class SlowEarClipping {
   std::vector<Corner> corners_;
   std::vector<std::uint32_t> by_x_;     // corners sorted by x
   std::vector<Waiting> waiting_;        // lists
-  std::vector<std::uint64_t> offered_;  // heap of spikes and ears, the best on top; some are stale
+  std::vector<std::uint64_t> candidates_;  // heap of spikes and ears, the best on top; some are stale
   std::uint32_t lowest_ = 0;            // no corner below it is left
 };
 
 // For three points of a line: b is inside the segment from a to c.
 inline bool between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
-  return (before(a, b) && before(b, c)) || (before(c, b) && before(b, a));
+  return (lexicographically_less(a, b) && lexicographically_less(b, c)) || (lexicographically_less(c, b) && lexicographically_less(b, a));
 }
 
 inline void SlowEarClipping::cut(std::span<const PlanePoint> points, std::vector<CornerTriangle>& triangles) {
@@ -73,7 +73,7 @@ inline void SlowEarClipping::link() {
   const auto count = static_cast<std::uint32_t>(points_.size());
   corners_.assign(count, {});
   waiting_.clear();
-  offered_.clear();
+  candidates_.clear();
   lowest_ = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     corners_[i].previous = i == 0 ? count - 1 : i - 1;
@@ -95,14 +95,14 @@ inline void SlowEarClipping::link() {
 inline void SlowEarClipping::classify(std::uint32_t i) {
   Corner& corner = corners_[i];
   const PlanePoint &a = points_[corner.previous], &b = points_[i], &c = points_[corner.next];
-  const int t = turn(a, b, c);
+  const int t = orient2d(a, b, c);
   if (t > 0) {
     const auto first =
         std::ranges::lower_bound(by_x_, std::min({a.x, b.x, c.x}), {}, [&](std::uint32_t j) { return points_[j].x; });
     corner.blocker = static_cast<std::uint32_t>(first - by_x_.begin());
     find_blocker(i);
   } else if (t == 0 && !between(a, b, c)) {
-    offer(Kind::kSpike, i);
+    push_candidate(Kind::kSpike, i);
   } else {
     corner.kind = Kind::kOther;
   }
@@ -124,7 +124,7 @@ inline void SlowEarClipping::find_blocker(std::uint32_t i) {
     corners_[j].first_waiting = static_cast<std::uint32_t>(waiting_.size() - 1);
     return;
   }
-  offer(Kind::kEar, i);
+  push_candidate(Kind::kEar, i);
 }
 
 // Does corner j keep triangle a b c from being cut off? Inside it and on the new edge, yes. On the polygon's own edges
@@ -134,10 +134,10 @@ inline bool SlowEarClipping::blocks(std::uint32_t i, std::uint32_t j) const {
   const PlanePoint &a = points_[corners_[i].previous], &b = points_[i], &c = points_[corners_[i].next];
   const PlanePoint& p = points_[j];
   if (p == a || p == c) return false;
-  const int ab = turn(a, b, p), bc = turn(b, c, p);
-  if (ab < 0 || bc < 0 || turn(c, a, p) < 0) return false;
+  const int ab = orient2d(a, b, p), bc = orient2d(b, c, p);
+  if (ab < 0 || bc < 0 || orient2d(c, a, p) < 0) return false;
   const auto leads_inside = [&](const PlanePoint& q) {
-    return (ab > 0 || turn(a, b, q) > 0) && (bc > 0 || turn(b, c, q) > 0);
+    return (ab > 0 || orient2d(a, b, q) > 0) && (bc > 0 || orient2d(b, c, q) > 0);
   };
   return leads_inside(points_[corners_[j].previous_distinct]) || leads_inside(points_[corners_[j].next_distinct]);
 }
@@ -155,17 +155,17 @@ inline void SlowEarClipping::remove(std::uint32_t i) {
   }
 }
 
-inline void SlowEarClipping::offer(Kind kind, std::uint32_t i) {
+inline void SlowEarClipping::push_candidate(Kind kind, std::uint32_t i) {
   corners_[i].kind = kind;
-  offered_.push_back(std::uint64_t{kind == Kind::kEar} << 32 | i);
-  std::ranges::push_heap(offered_, std::greater());
+  candidates_.push_back(std::uint64_t{kind == Kind::kEar} << 32 | i);
+  std::ranges::push_heap(candidates_, std::greater());
 }
 
 inline std::uint32_t SlowEarClipping::take_next() {
-  while (!offered_.empty()) {
-    std::ranges::pop_heap(offered_, std::greater());
-    const std::uint64_t best = offered_.back();
-    offered_.pop_back();
+  while (!candidates_.empty()) {
+    std::ranges::pop_heap(candidates_, std::greater());
+    const std::uint64_t best = candidates_.back();
+    candidates_.pop_back();
     const auto i = static_cast<std::uint32_t>(best);
     if (corners_[i].kind == (best >> 32 != 0 ? Kind::kEar : Kind::kSpike)) return i;
   }

@@ -15,7 +15,7 @@ TEST(Turned, IsTheProductOfUnitLength) {
   for (int i = 0; i < 10'000; ++i) {
     const Quat from = Quat(drawn(rng), drawn(rng), drawn(rng), drawn(rng)).normalized();
     const Vec3 by = (i % 2 == 0 ? 0.1 : 10.0) * Vec3(drawn(rng), drawn(rng), drawn(rng));
-    const Quat to = turned(from, by);
+    const Quat to = rotated_in_body_frame(from, by);
     EXPECT_LT((to.coeffs() - (from * quat_exp(by)).normalized().coeffs()).norm(), 5e-16) << by.transpose();
     EXPECT_NEAR(to.norm(), 1.0, 3e-16);
   }
@@ -24,15 +24,15 @@ TEST(Turned, IsTheProductOfUnitLength) {
 TEST(Turned, IsOfUnitLengthWhateverItBeganWith) {
   const Vec3 by(0.1, -0.2, 0.3);
   for (const double length : {1.0 + 4e-9, 1.0 - 4e-9, 1.0 + 6e-9, 1.0 - 1e-6, 0.5, 3.0}) {
-    const Quat to = turned(Quat(0.0, length, 0.0, 0.0), by);
+    const Quat to = rotated_in_body_frame(Quat(0.0, length, 0.0, 0.0), by);
     EXPECT_NEAR(to.norm(), 1.0, 3e-16) << length;
-    EXPECT_LT((to.coeffs() - turned(Quat(0.0, 1.0, 0.0, 0.0), by).coeffs()).norm(), 5e-16) << length;
+    EXPECT_LT((to.coeffs() - rotated_in_body_frame(Quat(0.0, 1.0, 0.0, 0.0), by).coeffs()).norm(), 5e-16) << length;
   }
 }
 
 TEST(Turned, ByNothingStaysToTheLastBit) {
   const Quat from(0.5, -0.5, 0.5, 0.5);
-  EXPECT_EQ(turned(from, Vec3::Zero()).coeffs(), from.coeffs());
+  EXPECT_EQ(rotated_in_body_frame(from, Vec3::Zero()).coeffs(), from.coeffs());
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ Ran must_one(std::vector<Ran> runs) {
   return std::move(runs.front());
 }
 
-TEST(Best, KeepsTheSeedsScenarioWithinItsFigures) {
+TEST(Best, KeepsTheScenarioOfTheThesisWithinItsFigures) {
   constexpr double kMost_m[] = {0.006, 0.018, 0.050, 0.200};
   const auto runs = run_scenario(kEq47, {}, {kBest});
   ASSERT_EQ(runs.size(), 4u) << "one configuration: the latencies alone are swept";

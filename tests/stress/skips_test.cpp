@@ -23,7 +23,7 @@ TEST(Skips, WithoutInterestsNoMeshIsMadeAndNoBoxTested) {
   EXPECT_EQ(counters.query.hierarchies_built, 0u);
   EXPECT_EQ(counters.query.boxes_placed, 0u);
   EXPECT_EQ(counters.broad.box_tests, 0u);
-  EXPECT_EQ(counters.pairs_asked, 0u);
+  EXPECT_EQ(counters.pairs_queried, 0u);
 }
 
 TEST(Skips, AWitnessIsOnePairAndNoMore) {

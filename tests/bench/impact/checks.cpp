@@ -58,9 +58,9 @@ class Checker::Case {
     ++out_.samples;
     return checker_.exact_.find_pair(tree_a_, tree_b_, motion(t), pair);
   }
-  MeshDistance distance(double t, double relative, double enough_m = std::numeric_limits<double>::infinity()) {
+  MeshDistance distance(double t, double relative, double stop_above_m = std::numeric_limits<double>::infinity()) {
     return checker_.distances_.distance(tree_a_, tree_b_, motion(t),
-                                        {.relative_accuracy = relative, .enough_m = enough_m});
+                                        {.relative_accuracy = relative, .stop_above_m = stop_above_m});
   }
 
   void try_before(double t, double until) {

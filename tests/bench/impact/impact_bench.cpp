@@ -55,13 +55,13 @@ std::optional<Wish> parse(const std::vector<std::string>& arguments) {
 }
 
 bool is_wrong(const Judgement& j) {
-  return j.false_negative || j.not_near || j.wrong_start || j.impact.state == MeshImpactState::kOutOfWork ||
+  return j.false_negative || j.not_near || j.wrong_start || j.impact.state == MeshImpactState::kIterationLimit ||
          j.impact.state == MeshImpactState::kTooLarge;
 }
 
 struct Sums {
   std::array<std::uint64_t, 5> states{};
-  std::uint64_t samples = 0, iterations = 0, most_iterations = 0;
+  std::uint64_t samples = 0, iterations = 0, max_iterations = 0;
   std::uint64_t false_negatives = 0, not_near = 0, wrong_starts = 0, parting = 0, resting = 0, touched = 0, wrong = 0;
   std::vector<double> early, distance;  // in tolerances
 
@@ -71,7 +71,7 @@ struct Sums {
     ++states[static_cast<std::size_t>(j.impact.state)];
     samples += j.samples;
     iterations += j.impact.iterations;
-    most_iterations = std::max<std::uint64_t>(most_iterations, j.impact.iterations);
+    max_iterations = std::max<std::uint64_t>(max_iterations, j.impact.iterations);
     false_negatives += j.false_negative;
     not_near += j.not_near;
     wrong_starts += j.wrong_start;
@@ -118,7 +118,7 @@ std::vector<Figure> figures_of(Sums& sums) {
   count("hits", sums.of(MeshImpactState::kHit));
   count("separated", sums.of(MeshImpactState::kSeparated));
   count("overlapped", sums.of(MeshImpactState::kOverlapped));
-  count("out_of_work", sums.of(MeshImpactState::kOutOfWork));
+  count("out_of_work", sums.of(MeshImpactState::kIterationLimit));
   count("samples", sums.samples);
   count("false_negatives", sums.false_negatives);
   count("not_near", sums.not_near);
@@ -128,7 +128,7 @@ std::vector<Figure> figures_of(Sums& sums) {
   count("touch_later", sums.touched);
   add("iterations", static_cast<double>(sums.iterations) / static_cast<double>(std::max<std::uint64_t>(pairs, 1)),
       "1/pair");
-  count("iterations.most", sums.most_iterations);
+  count("iterations.most", sums.max_iterations);
   constexpr std::pair<const char*, double> kParts[] = {
       {"least", 0.0}, {"median", 0.5}, {"p99", 0.99}, {"p999", 0.999}, {"most", 1.0}};
   for (const auto& [name, part] : kParts)

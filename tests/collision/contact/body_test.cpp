@@ -109,8 +109,8 @@ class NotConvex : public testing::TestWithParam<Refused> {};
 TEST_P(NotConvex, IsASurfaceAndSaysWhy) {
   const Body body = make_body(scene_of({box_mesh(1, 1, 1), GetParam().mesh}), ObjectId{0});
   EXPECT_EQ(body.unsupported, "");
-  EXPECT_THAT(body.not_convex, HasSubstr("OBJECT/1: "));
-  EXPECT_THAT(body.not_convex, HasSubstr(GetParam().why));
+  EXPECT_THAT(body.not_convex_reason, HasSubstr("OBJECT/1: "));
+  EXPECT_THAT(body.not_convex_reason, HasSubstr(GetParam().why));
   EXPECT_EQ(body.pieces.size(), 1U);
   const Surface::Polygon first = body.surface->polygon(5), second = body.surface->polygon(6);
   EXPECT_EQ(first.shape, ObjectId{1});

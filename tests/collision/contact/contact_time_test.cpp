@@ -42,7 +42,7 @@ TEST(ContactTime, HorizonIsClosed) {
 
 // The seed's scenario: x = |z|/6, the car as long as its way to the wall; the wall slab's near face at x = 5 pi/3
 // + 2.71.
-TEST(ContactTime, CarSlidesIntoTheWallOfTheSeed) {
+TEST(ContactTime, CarSlidesIntoTheWallOfTheThesis) {
   const Body car = box(5.42F, 0.8F, 0.8F), wall = box(1, 4, 200);
   const double speed = 40.0 * std::numbers::pi / 15.0;
   const double half = 0.5 * static_cast<double>(5.42F);

@@ -83,7 +83,7 @@ TEST(MeshContact, AStickGoesThroughARingOrHitsIt) {
     faces.push_back({2 * i, 2 * j, 2 * j + 1, 2 * i + 1});
   }
   const Body ring = body_of(make_mesh(v, faces));
-  ASSERT_NE(ring.not_convex, "");
+  ASSERT_NE(ring.not_convex_reason, "");
   const KinematicState still = moving(Vec3::Zero());
   EXPECT_EQ(contact(stick, moving({0.3, 5, 0.4}, {0, -10, 0}), ring, still, 2.0).state, ContactState::kSeparated);
   const Contact hit = contact(stick, moving({1.2, 5, 0.1}, {0, -10, 0}), ring, still, 2.0);
@@ -99,7 +99,7 @@ TEST(MeshContact, AStickGoesThroughARingOrHitsIt) {
 TEST(MeshContact, ABallBouncesOnGroundThatIsManyPolygons) {
   std::mt19937_64 rng(7);
   const Body ball = body_of(random_polyhedron(rng, 40)), floor = body_of(ground(12));
-  ASSERT_NE(floor.not_convex, "");
+  ASSERT_NE(floor.not_convex_reason, "");
   const KinematicState still = moving(Vec3::Zero());
   KinematicState s = moving({0.2, 5, 0.3}, {0.1, 0, 0.05}, {0, -kGravity, 0});
   double lowest = 0.0;
@@ -136,7 +136,7 @@ TEST(MeshContact, SlidingOverSeamsMeetsNothing) {
 
 TEST(MeshContact, WhatStandsInATrayMeetsItsWalls) {
   const Body crate = box(1, 1, 1), around = body_of(tray());
-  ASSERT_NE(around.not_convex, "");
+  ASSERT_NE(around.not_convex_reason, "");
   const KinematicState still = moving(Vec3::Zero());
   const double on_bottom = -1.0 + 0.5 + 0.7 * kAdvancementTolerance_m;
   const Contact wall = contact(crate, moving({0, on_bottom, 0}, {2, 0, 0}), around, still, 2.0);
@@ -165,9 +165,9 @@ TEST(MeshContact, AnOverlapFacesTheMiddleOfTheCollider) {
 
 TEST(MeshContact, IsUnsupportedOnlyWhereAMeshIsBeyondAllMeasure) {
   const Body crate = box(1, 1, 1), tray_body = body_of(tray()), half_space = box(1e30F, 1, 1);
-  EXPECT_TRUE(answerable(crate, half_space));
-  EXPECT_TRUE(answerable(crate, tray_body));
-  EXPECT_FALSE(answerable(tray_body, half_space));
+  EXPECT_TRUE(has_exact_answer(crate, half_space));
+  EXPECT_TRUE(has_exact_answer(crate, tray_body));
+  EXPECT_FALSE(has_exact_answer(tray_body, half_space));
   const KinematicState still = moving(Vec3::Zero());
   EXPECT_EQ(contact(tray_body, still, half_space, still, 1.0).state, ContactState::kUnsupported);
 }

@@ -34,7 +34,7 @@ KinematicState moving(const Vec3& p, const Vec3& v = Vec3::Zero(), const Vec3& a
 
 TEST(SphereContact, IsOfTheSpheresAndNotOfTheirFacets) {
   const Balls balls;
-  ASSERT_TRUE(balls.bodies[0].round.has_value());
+  ASSERT_TRUE(balls.bodies[0].sphere.has_value());
   // Head-on along a direction in which the polygons are flat between two stacks and two slices.
   const Vec3 n = Vec3(0.3, 0.7, 0.2).normalized();
   const Contact c = balls.meet(moving(2.0 * n, -1.0 * n), moving({0, 0, 0}), 10.0);
@@ -45,13 +45,13 @@ TEST(SphereContact, IsOfTheSpheresAndNotOfTheirFacets) {
 }
 
 TEST(SphereContact, IsLeftToPolygonsWhereItIsNoSphere) {
-  EXPECT_FALSE(Balls("Shape { geometry Box { } }").bodies[0].round.has_value());
-  EXPECT_FALSE(Balls("[ Shape { geometry Sphere { } } Shape { geometry Sphere { } } ]").bodies[0].round.has_value());
-  EXPECT_FALSE(Balls("Transform { scale 1 2 1 children Shape { geometry Sphere { } } }").bodies[0].round.has_value());
+  EXPECT_FALSE(Balls("Shape { geometry Box { } }").bodies[0].sphere.has_value());
+  EXPECT_FALSE(Balls("[ Shape { geometry Sphere { } } Shape { geometry Sphere { } } ]").bodies[0].sphere.has_value());
+  EXPECT_FALSE(Balls("Transform { scale 1 2 1 children Shape { geometry Sphere { } } }").bodies[0].sphere.has_value());
   const Balls scaled("Transform { translation 1 0 0 scale 2 2 2 children Shape { geometry Sphere { } } }");
-  ASSERT_TRUE(scaled.bodies[0].round.has_value());
-  EXPECT_EQ(scaled.bodies[0].round->radius_m, 2.0);
-  EXPECT_EQ(scaled.bodies[0].round->center, Vec3(1, 0, 0));
+  ASSERT_TRUE(scaled.bodies[0].sphere.has_value());
+  EXPECT_EQ(scaled.bodies[0].sphere->radius_m, 2.0);
+  EXPECT_EQ(scaled.bodies[0].sphere->center, Vec3(1, 0, 0));
   KinematicState turning = moving({0, 0, 0});
   turning.angular_velocity_body = {0, 0, 1};
   const KinematicState stands = moving({9, 0, 0});

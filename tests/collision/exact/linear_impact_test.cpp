@@ -56,7 +56,7 @@ TEST(EdgeEdgeImpact, CrossingAndParallelEdges) {
   EXPECT_NEAR(crosses.time, 0.25, 1e-6);
   // A whole stretch touches at once: it takes long to be sure of the time, and never says that there is none.
   const LinearImpact parallel = edge_edge_impact({moving({-1, 0, 1}, {0, 0, -4}), moving({1, 0, 1}, {0, 0, -4})}, rail,
-                                                 {.most_iterations = 4096});
+                                                 {.max_iterations = 4096});
   EXPECT_NE(parallel.state, ImpactState::kSeparated);
   EXPECT_LE(parallel.time, 0.25);
   EXPECT_EQ(edge_edge_impact({moving({-1, 1e-4, 1}, {0, 0, -4}), moving({1, 1e-4, 1}, {0, 0, -4})}, rail).state,
@@ -127,7 +127,7 @@ TEST(LinearImpact, MissesNoneOfTheRationalQueries) {
       numbers >> truth;
       if (p.size() < 8) continue;
       const auto corner = [&](std::size_t i) { return MovingPoint{p[i], p[i + 4]}; };
-      const ImpactOptions options{.most_iterations = 1u << 14};
+      const ImpactOptions options{.max_iterations = 1u << 14};
       const LinearImpact impact = of_face ? vertex_face_impact(corner(0), {corner(1), corner(2), corner(3)}, options)
                                           : edge_edge_impact({corner(0), corner(1)}, {corner(2), corner(3)}, options);
       const bool hit = impact.state != ImpactState::kSeparated;

@@ -10,7 +10,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 struct Case {
   const char* name;
   Quadratic q;
-  Times first, second;
+  TimeInterval first, second;
 };
 class NonPositive : public testing::TestWithParam<Case> {};
 TEST_P(NonPositive, Intervals) {
@@ -22,11 +22,11 @@ TEST_P(NonPositive, Intervals) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, NonPositive,
-    testing::Values(Case{"AlwaysAbove", {1, 0, 0}, {}, {}}, Case{"AlwaysTouching", {0, 0, 0}, Times::always(), {}},
+    testing::Values(Case{"AlwaysAbove", {1, 0, 0}, {}, {}}, Case{"AlwaysTouching", {0, 0, 0}, TimeInterval::always(), {}},
                     Case{"Falling", {2, -1, 0}, {2, kInf}, {}}, Case{"Rising", {2, 1, 0}, {-kInf, -2}, {}},
                     Case{"Bowl", {2, -3, 1}, {1, 2}, {}}, Case{"BowlTouching", {1, -2, 1}, {1, 1}, {}},
                     Case{"BowlAbove", {1.5, -2, 1}, {}, {}}, Case{"Hill", {-2, 3, -1}, {-kInf, 1}, {2, kInf}},
-                    Case{"HillBelow", {-2, 2, -1}, Times::always(), {}},
+                    Case{"HillBelow", {-2, 2, -1}, TimeInterval::always(), {}},
                     Case{"HillFromTouch", {0, 2, -1}, {-kInf, 0}, {2, kInf}},
                     Case{"PlainSquare", {-4, 0, 1}, {-2, 2}, {}}),
     [](const auto& which) { return std::string(which.param.name); });

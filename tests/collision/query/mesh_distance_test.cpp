@@ -180,15 +180,15 @@ TEST(MeshDistance, IntervalsHoldTheTruth) {
     }
     const std::uint32_t all = query.distance(a, b, motion).iterations;
     for (std::uint32_t most = 0; most <= all; most += 1 + most / 2) {
-      const MeshDistance found = query.distance(a, b, motion, {.most_iterations = most});
+      const MeshDistance found = query.distance(a, b, motion, {.max_iterations = most});
       ASSERT_NO_FATAL_FAILURE(expect_certain(found, square));
       ASSERT_LE(found.iterations, square == 0 ? 4 : most);
     }
     for (const double limit : {1e-3, 0.3, 3.0}) {
-      const MeshDistance far = query.distance(a, b, motion, {.enough_m = limit});
+      const MeshDistance far = query.distance(a, b, motion, {.stop_above_m = limit});
       ASSERT_NO_FATAL_FAILURE(expect_certain(far, square));
       ASSERT_TRUE(far.lower_m >= limit || far.upper_m - far.lower_m <= 0x1p-43 * (distance + 2.0));
-      const MeshDistance near = query.distance(a, b, motion, {.near_m = limit});
+      const MeshDistance near = query.distance(a, b, motion, {.stop_below_m = limit});
       ASSERT_NO_FATAL_FAILURE(expect_certain(near, square));
       ASSERT_TRUE(near.upper_m <= limit || near.upper_m - near.lower_m <= 0x1p-43 * (distance + 2.0));
     }
@@ -307,7 +307,7 @@ TEST(MeshDistance, OfSmallGapsAndTouches) {
   MeshDistanceQuery query;
   const RelativeMotion beside = between({}, {{2.0, 0, 0}, Quat::Identity()});  // x to 1: they touch in a corner
   EXPECT_EQ(query.distance(a, b, beside).upper_m, 0.0);
-  EXPECT_EQ(query.distance(a, b, beside, {.accuracy_m = 1.0, .most_iterations = 0}).upper_m, 0.0);
+  EXPECT_EQ(query.distance(a, b, beside, {.accuracy_m = 1.0, .max_iterations = 0}).upper_m, 0.0);
   for (int e = -52; e <= 0; ++e) {
     const double gap = std::ldexp(1.0, e);
     const RelativeMotion apart = between({}, {{2.0 + 2.0 * gap, 0, 0}, Quat::Identity()});
@@ -417,10 +417,10 @@ TEST(MeshDistance, BuildsWhatItLooksAt) {
   MeshDistanceQuery query;
   WideTree a(ring), b(ring);
   const RelativeMotion far = between({}, {{30, 4, 5}, Quat::Identity()});
-  const MeshDistance enough = query.distance(a, b, far, {.enough_m = 10.0});
+  const MeshDistance enough = query.distance(a, b, far, {.stop_above_m = 10.0});
   EXPECT_GE(enough.lower_m, 10.0);
   EXPECT_EQ(a.nodes_built() + b.nodes_built(), 0u);
-  EXPECT_EQ(query.distance(a, b, far, {.near_m = 100.0}).iterations, 0u);
+  EXPECT_EQ(query.distance(a, b, far, {.stop_below_m = 100.0}).iterations, 0u);
   EXPECT_EQ(a.nodes_built() + b.nodes_built(), 0u);
   (void)query.distance(a, b, far, {.relative_accuracy = 0.1});
   EXPECT_LE(a.nodes_built(), 10u);

@@ -219,8 +219,8 @@ TEST(TimeOfImpact, TellsWhatTouchesAtTheStartAndWhatItDidNotFind) {
   EXPECT_EQ(query.first_impact(left, {}, right, at_rest({{2, 0, 0}, Quat::Identity()}), 1.0).state,
             MeshImpactState::kOverlapped);
   const KinematicState coming = moving({{9, 0, 0}, Quat::Identity()}, {-1, 0.1, 0}, {1, 2, 3});
-  const MeshImpact failed = query.first_impact(left, {}, right, coming, 10.0, {.most_iterations = 20});
-  EXPECT_EQ(failed.state, MeshImpactState::kOutOfWork);
+  const MeshImpact failed = query.first_impact(left, {}, right, coming, 10.0, {.max_iterations = 20});
+  EXPECT_EQ(failed.state, MeshImpactState::kIterationLimit);
   const MeshImpact found = query.first_impact(left, {}, right, coming, 10.0);
   EXPECT_EQ(found.state, MeshImpactState::kHit);
   EXPECT_LE(failed.time_s, found.time_s);
@@ -264,7 +264,7 @@ TEST(TimeOfImpact, IsBeforeTheFirstInstantThatTouches) {
     of_b.position += Vec3(4, 0, 0);
     of_b.velocity += Vec3(-3, 0, 0);
     const MeshImpact impact = query.first_impact(a, of_a, b, of_b, 1.0);
-    ASSERT_NE(impact.state, MeshImpactState::kOutOfWork);
+    ASSERT_NE(impact.state, MeshImpactState::kIterationLimit);
     PolygonPair pair{};
     for (int n = 0; n <= 200; ++n) {
       const double t = n / 200.0;

@@ -88,7 +88,7 @@ TEST(Frustum, RefusesWhatNobodyCanSeeBy) {
   Frustum frustum;
   EXPECT_FALSE(frustum.add(Vec3::Zero(), 1.0));
   EXPECT_FALSE(frustum.add(Vec3(nan, 0, 0), 1.0));
-  for (std::size_t i = 0; i < Frustum::kMostPlanes; ++i) EXPECT_TRUE(frustum.add(Vec3(0, 2, 0), 4.0));
+  for (std::size_t i = 0; i < Frustum::kMaxPlanes; ++i) EXPECT_TRUE(frustum.add(Vec3(0, 2, 0), 4.0));
   EXPECT_FALSE(frustum.add(Vec3(0, 1, 0), 1.0));
   EXPECT_EQ(frustum[0].offset_m, 2.0);
 }

@@ -35,7 +35,7 @@ TEST(WideTree, HoldsEachTriangleOnceInFullLeaves) {
       }
       ASSERT_EQ(ref.kind(), WideTree::Ref::kNode);
       for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
-        const WideTree::Ref child = tree.at(WideTree::place(ref, i));
+        const WideTree::Ref child = tree.at(WideTree::child_slot(ref, i));
         if (child.kind() != WideTree::Ref::kNone) stack.push_back(child);
       }
     }

@@ -40,7 +40,7 @@ class Oracle {
 
   [[nodiscard]] SceneQuery fresh() const {
     SceneQuery query(scene_);
-    query.place(transforms);
+    query.set_transforms(transforms);
     for (const auto& [geometry, form] : forms) query.reshape(geometry, form);
     return query;
   }
@@ -197,15 +197,15 @@ TEST_P(Walks, EveryTickIsWhatANewQueryAnswers) {
   for (int tick = 0; tick < 1500 && !HasFailure(); ++tick) {
     SCOPED_TRACE(tick);
     walk.step(oracle, Teller{watch});
-    if (tick % 3 == 0) watch.place(oracle.transforms);
+    if (tick % 3 == 0) watch.set_transforms(oracle.transforms);
     oracle.expect(watch, watch.tick(), tick % 4 != 0);
   }
   EXPECT_GT(oracle.pairs, 1000u);
   EXPECT_GT(oracle.changes, 100u);
   const CollisionWatchCounters counters = watch.counters();
   for (const std::uint64_t some :
-       {counters.pairs_far, counters.pairs_unmoved, counters.pairs_separated, counters.pairs_asked, counters.gaps_found,
-        counters.boxes_asked, counters.shapes.pairs_witnessed, counters.shapes.pairs_tested}) {
+       {counters.pairs_far, counters.pairs_unmoved, counters.pairs_separated, counters.pairs_queried, counters.gaps_found,
+        counters.boxes_queried, counters.shapes.pairs_witnessed, counters.shapes.pairs_tested}) {
     EXPECT_GT(some, 10u);
   }
 }
@@ -277,7 +277,7 @@ TEST(CollisionWatch, WhatIsFarOutIsAskedAsOften) {
     }
     for (int tick = -150; tick <= 150; ++tick) {
       a.translation[1] = low - tick * step;
-      watch.place(oracle.transforms);
+      watch.set_transforms(oracle.transforms);
       oracle.expect(watch, watch.tick(), tick % 16 == 0);
     }
     EXPECT_GT(oracle.changes, 0u);
@@ -330,14 +330,14 @@ TEST(CollisionWatch, WhatDoesNotMoveIsNotTested) {
   EXPECT_EQ(first.shapes.pairs_tested, 3u);
   EXPECT_EQ(first.pairs_far, 1u);
   for (int tick = 0; tick < 5; ++tick) {
-    watch.place(scene.transforms);  // where they are
+    watch.set_transforms(scene.transforms);  // where they are
     EXPECT_THAT(watch.tick().colliding, ElementsAre(0u, 2u, 3u));
     for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(watch.collision(i).colliding, i != 1);
   }
   CollisionWatchCounters still = watch.counters();
   EXPECT_EQ(still.pairs_unmoved, first.pairs_unmoved + 15);
   EXPECT_EQ(still.pairs_far, first.pairs_far + 5);
-  EXPECT_EQ(still.pairs_asked, first.pairs_asked);
+  EXPECT_EQ(still.pairs_queried, first.pairs_queried);
   EXPECT_EQ(still.objects_moved, first.objects_moved);
   EXPECT_EQ(still.query.boxes_placed, first.query.boxes_placed);
   EXPECT_EQ(still.query.queries.bv_tests, first.query.queries.bv_tests);
@@ -355,14 +355,14 @@ TEST(CollisionWatch, OneMovedObjectCostsItsOwnPairs) {
   const CollisionWatchCounters after = watch.counters();
   EXPECT_EQ(after.objects_moved, before.objects_moved + 1);
   EXPECT_EQ(after.query.boxes_placed, before.query.boxes_placed + 1);
-  EXPECT_EQ(after.pairs_asked, before.pairs_asked + 1);
+  EXPECT_EQ(after.pairs_queried, before.pairs_queried + 1);
   EXPECT_EQ(after.pairs_unmoved, before.pairs_unmoved + 2);
   EXPECT_EQ(after.pairs_far, before.pairs_far + 1);
   // E comes, and is gone again before the tick.
   watch.move(transform_of(scene, "E"), at(0, 0, 0));
   watch.move(transform_of(scene, "E"), at(99, 0, 0));
   watch.tick();
-  EXPECT_EQ(watch.counters().pairs_asked, after.pairs_asked);
+  EXPECT_EQ(watch.counters().pairs_queried, after.pairs_queried);
 }
 
 TEST(CollisionWatch, OnePairOfShapesIsTestedOnceATick) {

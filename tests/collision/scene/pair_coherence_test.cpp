@@ -35,10 +35,10 @@ TEST(ApartBy, IsBelowTheDistance) {
     for (int i = 0; i < 100; ++i) {
       const RelativeMotion motion(random_pose(numbers, 2.0), random_pose(numbers, 2.0));
       const double truth = distance(ring, *soup, motion);
-      EXPECT_FALSE(query.apart_by(a, b, motion, truth + 1e-12));  // triangle_distance() rounds, too
+      EXPECT_FALSE(query.separated_by(a, b, motion, truth + 1e-12));  // triangle_distance() rounds, too
       if (truth == 0.0) continue;
       ++apart;
-      found += query.apart_by(a, b, motion, 0.5 * truth);
+      found += query.separated_by(a, b, motion, 0.5 * truth);
     }
   }
   EXPECT_GT(apart, 80);
@@ -58,8 +58,8 @@ TEST(ApartBy, IsCertifiedWhereBoxesAreTight) {
     const double gap_m = std::exp2(numbers.between(-12, 3));
     RelativeMotion motion{Pose{}, Pose{}};
     motion.translation = {0.0, 0.0, gap_m};
-    EXPECT_FALSE(query.apart_by(a, b, motion, gap_m * (1.0 + 0x1p-50)));
-    EXPECT_TRUE(query.apart_by(a, b, motion, gap_m * 0.4 - 1e-4));
+    EXPECT_FALSE(query.separated_by(a, b, motion, gap_m * (1.0 + 0x1p-50)));
+    EXPECT_TRUE(query.separated_by(a, b, motion, gap_m * 0.4 - 1e-4));
   }
 }
 
@@ -73,16 +73,16 @@ TEST(TouchNear, FindsOnlyWhatTouches) {
     const Pose here = random_pose(numbers, 0.8);
     Pose there = random_pose(numbers, 0.8);
     PolygonPair pair{};
-    WideQuery::Spot spot;
-    if (!query.find_pair(a, b, RelativeMotion(here, there), pair, &spot)) continue;
+    WideQuery::LeafPair leaf_pair;
+    if (!query.find_pair(a, b, RelativeMotion(here, there), pair, &leaf_pair)) continue;
     for (int k = 0; k < 30; ++k) {
       there.position += Vec3(0.03, 0.01, 0.02);
       const RelativeMotion motion(here, there);
       const bool touching = query.find_pair(a, b, motion, pair);
-      WideQuery::Spot beside = spot;
-      const bool found = query.touch_near(a, b, motion, beside);
+      WideQuery::LeafPair beside = leaf_pair;
+      const bool found = query.touch_near_leaves(a, b, motion, beside);
       EXPECT_LE(found, touching);
-      if (found) spot = beside;
+      if (found) leaf_pair = beside;
       again += found;
       never += !touching;
     }

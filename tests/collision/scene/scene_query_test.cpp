@@ -102,7 +102,7 @@ TEST(SceneQuery, FollowsWhatMoves) {
   EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
   std::vector<TransformFields> transforms = scene.transforms;
   for (TransformFields& t : transforms) t.translation *= 0.4;
-  query.place(transforms);
+  query.set_transforms(transforms);
   EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
   EXPECT_EQ(query.counters().meshes_built, 2u);
 }
@@ -168,14 +168,14 @@ TEST(SceneQuery, WaysAreThoseOfTheFarthestCorners) {
     moved.translation += numbers.point(size);
     moved.rotation = normalized(multiply(moved.rotation, quat_exp(numbers.point(size))));
     if (i % 5 == 0) moved.scale = Vec3(1, 1, 1) + numbers.point(0.3);
-    query.place(transforms);
+    query.set_transforms(transforms);
     (void)query.box(id(scene, "A"));
     const std::vector<Vec3> after = corners();
     double farthest = 0.0;
     for (std::size_t v = 0; v < after.size(); ++v) farthest = std::max(farthest, (after[v] - before[v]).norm());
-    EXPECT_GE(query.way_m(id(scene, "A")), farthest);
-    EXPECT_LE(query.way_m(id(scene, "A")), farthest * (1.0 + 1e-9) + 1e-9);
-    EXPECT_LE(query.way_m(id(scene, "S")), query.way_m(id(scene, "B")));
+    EXPECT_GE(query.displacement_m(id(scene, "A")), farthest);
+    EXPECT_LE(query.displacement_m(id(scene, "A")), farthest * (1.0 + 1e-9) + 1e-9);
+    EXPECT_LE(query.displacement_m(id(scene, "S")), query.displacement_m(id(scene, "B")));
   }
 }
 
@@ -513,7 +513,7 @@ TEST(SceneQuery, RealignedBoxesAreLargerAndReadNoVertexTwice) {
                                "CollisionInterest { objectPath \"A\" interests \"B\" }");
   const ObjectId a = scene.find("A").value(), b = scene.find("B").value();
   SceneQuery tight(scene), loose(scene);
-  loose.use_boxes(BoxBound::kRealigned);
+  loose.set_box_bound(BoxBound::kRealigned);
   int only_loose = 0;
   for (int i = 0; i < 400; ++i) {
     TransformFields moved = scene.transform(b);

@@ -114,15 +114,15 @@ TEST(Loops, OfSensorsThatRetriggerEachOtherAtOneInstantEnd) {
   EXPECT_EQ(number(a, 1, "isActive", 1), 1.0);
   EXPECT_EQ(number(a, 0, "isActive", 3), 0.0);
   EXPECT_EQ(number(a, 1, "isActive", 1e6), 0.0);
-  EXPECT_FALSE(a.limited_at());
+  EXPECT_FALSE(a.transition_limit_reached_at());
 }
 
 TEST(Loops, OfTimeIntoStopTimeTakeTicks) {
   // The sensor starts, tells itself to stop at its own time, which is ignored at startTime and heeded a tick later.
   Animation a({{looping(8, 1.0)}, {{0, "time", 0, "set_stopTime", kTime}}});
   EXPECT_EQ(number(a, 0, "isActive", 1.01), 1.0);
-  EXPECT_EQ(number(a, 0, "isActive", 1.0 + Control::kTick_s), 0.0);
-  EXPECT_EQ(number(a, 0, "stopTime", 5), 1.0 + Control::kTick_s);
+  EXPECT_EQ(number(a, 0, "isActive", 1.0 + SensorSimulator::kTick_s), 0.0);
+  EXPECT_EQ(number(a, 0, "stopTime", 5), 1.0 + SensorSimulator::kTick_s);
 }
 
 // Ping-pong: the end of each starts the other, by way of the final `time`.
@@ -165,8 +165,8 @@ TEST(Loops, ASensorStartsOnceAnInstant) {
   EXPECT_EQ(number(a, 2, "isActive", 1), 1.0);
   EXPECT_EQ(number(a, 0, "enabled", 1), 1.0);
   EXPECT_EQ(number(a, 0, "isActive", 1), 0.0);
-  EXPECT_EQ(number(a, 0, "fraction_changed", 1 + 0.5 * Control::kTick_s), 0.0);
-  EXPECT_EQ(number(a, 0, "isActive", 1 + Control::kTick_s), 1.0);  // at the next tick, in phase
+  EXPECT_EQ(number(a, 0, "fraction_changed", 1 + 0.5 * SensorSimulator::kTick_s), 0.0);
+  EXPECT_EQ(number(a, 0, "isActive", 1 + SensorSimulator::kTick_s), 1.0);  // at the next tick, in phase
   EXPECT_EQ(number(a, 0, "fraction_changed", 2), 0.125);
 }
 
@@ -189,14 +189,14 @@ TEST(Limits, TinyCyclesThatStartEachOtherStop) {
   EXPECT_EQ(a.findings().size(), 2u);
   EXPECT_EQ(a.findings()[0].problem, Problem::kShortCycleInterval);
   EXPECT_FALSE(none(a, 2, "x", 1e9));
-  ASSERT_TRUE(a.limited_at());
-  EXPECT_GT(*a.limited_at(), 1.0);
+  ASSERT_TRUE(a.transition_limit_reached_at());
+  EXPECT_GT(*a.transition_limit_reached_at(), 1.0);
   const double x = number(a, 2, "x", 1e9);
-  EXPECT_EQ(number(a, 2, "x", *a.limited_at()), x);  // it stands still
+  EXPECT_EQ(number(a, 2, "x", *a.transition_limit_reached_at()), x);  // it stands still
   Animation other(n, {0.0, 5000});
   for (double t = 0; t < 1e9; t = 2 * t + 0.3) (void)number(other, 2, "x", t);
   EXPECT_EQ(number(other, 2, "x", 1e9), x);
-  EXPECT_EQ(other.limited_at(), a.limited_at());
+  EXPECT_EQ(other.transition_limit_reached_at(), a.transition_limit_reached_at());
 }
 
 TEST(Limits, WhatIsForgottenIsFoundAgain) {
@@ -221,7 +221,7 @@ TEST(Limits, ATinyCycleAloneCostsNothing) {
       {{looping(1e-300), PlainNode{}}, {{0, "fraction_changed", 1, "x", kFloat}, {0, "cycleTime", 1, "t", kTime}}});
   EXPECT_FALSE(none(a, 1, "x", 1e15));
   EXPECT_FALSE(none(a, 1, "t", 1e300));
-  EXPECT_FALSE(a.limited_at());
+  EXPECT_FALSE(a.transition_limit_reached_at());
 }
 
 TEST(Limits, HundredThousandRelaysInARowAndInARing) {
@@ -358,14 +358,14 @@ TEST(Findings, SayWhatIsLeftOut) {
                           Problem::kRepeated, Problem::kTypeMismatch));
 }
 
-TEST(Reading, AtMinusInfinityLetsAllSensorsOfTheFileRun) {
+TEST(ParseContext, AtMinusInfinityLetsAllSensorsOfTheFileRun) {
   Animation a({{TimeSensorFields{}, PlainNode{}}, {{0, "fraction_changed", 1, "x", kFloat}}}, {-kNever});
   EXPECT_TRUE(none(a, 1, "x", -0.5));
   EXPECT_EQ(number(a, 1, "x", 0.5), 0.5);
   EXPECT_EQ(number(a, 1, "x", 7), 1.0);
 }
 
-TEST(Reading, StartsWhatIsActiveThen) {
+TEST(ParseContext, StartsWhatIsActiveThen) {
   Animation a(
       {{looping(4, -1), PlainNode{}}, {{0, "fraction_changed", 1, "x", kFloat}, {0, "cycleTime", 1, "t", kTime}}},
       {10.0});

@@ -444,7 +444,7 @@ TEST(Oracle, SegmentsSayWhatValuesSay) {
               << "seed " << seed << " t " << at;
           ASSERT_NEAR(std::min(same->end_s, 99.0), std::min(s->end_s, 99.0), 1e-9) << "seed " << seed << " t " << at;
           if (s->initial) continue;
-          moving += !s->still;
+          moving += !s->is_constant;
           ASSERT_LT((v.vec3() - s->position_at(at)).norm(), 1e-9)
               << "seed " << seed << " t " << at << ' ' << slot.first << '.' << slot.second;
         }

@@ -66,7 +66,7 @@ TEST(Segment, SaysWhereTheMovementBendsAndHowFastItIs) {
 TEST(Segment, EndsNeverWhereNothingComes) {
   Animation a(network({10, true, false, 2, 0}, {0, 1}, {0, 1}, {0, 1}, {0, 0, 0, 5, 0, 0}, {0, 0, 1, 0, 0, 0, 1, 1}));
   const Segment s = *a.segment(*a.field(4, "translation"), 50.0);
-  EXPECT_TRUE(s.still);
+  EXPECT_TRUE(s.is_constant);
   EXPECT_EQ(s.begin_s, 12.0);
   EXPECT_EQ(s.end_s, kNever);
   EXPECT_EQ(s.position_at(1e9), Vec3(5, 0, 0));
@@ -164,7 +164,7 @@ TEST(Segment, OfWhatASegmentCannotSayIsNone) {
   EXPECT_FALSE(a.segment(*a.field(2, "diffuseColor"), 1));
   const auto still = a.segment(*a.field(2, "diffuseColor"), 3);
   ASSERT_TRUE(still);
-  EXPECT_TRUE(still->still);
+  EXPECT_TRUE(still->is_constant);
   EXPECT_EQ(still->end_s, 4.0);
 }
 

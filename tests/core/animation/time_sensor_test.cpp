@@ -23,8 +23,8 @@ TEST_P(Sensor, IsWhatTheStandardSays) {
   const Case& c = GetParam();
   const TimeSensorState s = sensor_at(c.fields, 0.0, c.t);
   const auto o = output(s, c.t);
-  ASSERT_EQ(o.has_value(), c.ran);
-  if (!c.ran) return;
+  ASSERT_EQ(o.has_value(), c.has_run);
+  if (!c.has_run) return;
   EXPECT_EQ(o->is_active, c.active);
   EXPECT_EQ(o->fraction, c.fraction);
   EXPECT_EQ(o->time_s, c.time_s);

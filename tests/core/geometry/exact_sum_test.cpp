@@ -71,9 +71,9 @@ TEST(Turn, AgreesWithRationalNumbers) {
     const float t = std::uniform_real_distribution(-2.0F, 2.0F)(rng);
     const PlanePoint c{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
     if (!std::isfinite(c.x) || !std::isfinite(c.y)) continue;
-    EXPECT_EQ(turn(a, b, c), exact_turn_of(a, b, c));
-    EXPECT_EQ(turn(b, c, a), turn(a, b, c));
-    EXPECT_EQ(turn(b, a, c), -turn(a, b, c));
+    EXPECT_EQ(orient2d(a, b, c), exact_turn_of(a, b, c));
+    EXPECT_EQ(orient2d(b, c, a), orient2d(a, b, c));
+    EXPECT_EQ(orient2d(b, a, c), -orient2d(a, b, c));
   }
 }
 
@@ -86,16 +86,16 @@ TEST(Turn, AgreesWithRationalNumbersWhereDifferencesAreRounded) {
                 y = std::ldexp(static_cast<float>(1 + rng() % 99), 26);
     const float k = static_cast<float>(1 + rng() % 99);
     const PlanePoint a{x, y}, b{-k * x, -k * y}, c{tiny(rng), tiny(rng)};  // a and b on a line through the origin
-    EXPECT_EQ(turn(a, b, c), exact_turn_of(a, b, c));
-    EXPECT_EQ(turn(c, a, b), turn(a, b, c));
+    EXPECT_EQ(orient2d(a, b, c), exact_turn_of(a, b, c));
+    EXPECT_EQ(orient2d(c, a, b), orient2d(a, b, c));
   }
 }
 
 TEST(Turn, OfThreePointsOfALine) {
-  EXPECT_EQ(turn({0.1F, 0.1F}, {0.3F, 0.3F}, {0.7F, 0.7F}), 0);
-  EXPECT_EQ(turn({0.1F, 0.1F}, {0.3F, std::nextafter(0.3F, 0.0F)}, {0.7F, 0.7F}), 1);
-  EXPECT_EQ(turn({kMax, 0}, {-kMax, 0}, {kTiny, kTiny}), -1);
-  EXPECT_EQ(turn({kMax, 0}, {-kMax, 0}, {kTiny, 0}), 0);
+  EXPECT_EQ(orient2d({0.1F, 0.1F}, {0.3F, 0.3F}, {0.7F, 0.7F}), 0);
+  EXPECT_EQ(orient2d({0.1F, 0.1F}, {0.3F, std::nextafter(0.3F, 0.0F)}, {0.7F, 0.7F}), 1);
+  EXPECT_EQ(orient2d({kMax, 0}, {-kMax, 0}, {kTiny, kTiny}), -1);
+  EXPECT_EQ(orient2d({kMax, 0}, {-kMax, 0}, {kTiny, 0}), 0);
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ TEST(MovingSceneInlines, AreFilledWhereTheyAreOfInterest) {
   ReadOptions options;
   options.load = files({{"house.wrl", "DEF DOOR Transform { children Shape { geometry Box { } } }" + kClock +
                                           "ROUTE P.value_changed TO DOOR.translation"}});
-  options.inlines_later = true;
+  options.defer_inlines = true;
   const std::string text = world_text(kTwoHouses);
   const ReadResult read = read_world(text, options);
   ASSERT_TRUE(read.scene.has_value());
@@ -119,7 +119,7 @@ TEST(MovingSceneInlines, AreReadAtOnceWhereTheyCollide) {
   ReadOptions options;
   options.load = files({{"house.wrl", "Shape { geometry Box { } } Inline { url \"shed.wrl\" bboxSize 1 1 1 }"},
                         {"shed.wrl", "Shape { }"}});
-  options.inlines_later = true;
+  options.defer_inlines = true;
   const std::string text =
       world_text(kTwoHouses + std::string("CollisionInterest { objectPath \"CAR\" interests \"NEAR\" }"));
   const ReadResult read = read_world(text, options);

@@ -46,12 +46,12 @@ std::string random_path(std::mt19937& random) {
   return path;
 }
 
-TEST(PathFinder, FindsWhatTheSceneFinds) {
+TEST(PathResolver, FindsWhatTheSceneFinds) {
   std::mt19937 random(7);
   std::size_t found = 0;
   for (int world = 0; world < 200; ++world) {
     const Scene scene = scene_of(random_world(random));
-    PathFinder finder(scene);
+    PathResolver finder(scene);
     for (int i = 0; i < 200; ++i) {
       const std::string path = random_path(random);
       const auto expected = scene.find(path);

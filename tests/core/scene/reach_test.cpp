@@ -11,7 +11,7 @@ namespace {
 
 double reach_of(const std::string& text) {
   const Scene scene = scene_of(text);
-  return reach_m(scene, *scene.find("A"));
+  return bounding_radius_m(scene, *scene.find("A"));
 }
 
 TEST(Reach, FarthestVertexFromTheObjectsOrigin) {

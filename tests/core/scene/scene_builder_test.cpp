@@ -36,7 +36,7 @@ TEST(SceneBuilderUse, IsTheSameSubtreeAgain) {
 
 TEST(SceneBuilderUse, LeavesEachInstanceOfALaterInlinePending) {
   ReadOptions options;
-  options.inlines_later = true;
+  options.defer_inlines = true;
   const Scene scene =
       scene_of("DEF G Group { children Inline { url \"a.wrl\" bboxSize 1 1 1 } } Transform { children USE G }",
                {{"a.wrl", "Shape { }"}}, options);
@@ -45,7 +45,7 @@ TEST(SceneBuilderUse, LeavesEachInstanceOfALaterInlinePending) {
   EXPECT_EQ(scene.path_of(scene.pending_inlines[1].instance), "1/G/0");
 }
 
-TEST(SceneBuilderFields, CarryTheSeedsExtensions) {
+TEST(SceneBuilderFields, CarryTheExtensionsOfTheThesis) {
   const Scene scene = scene_of(R"(
     Transform {
       velocityVector 1 2 3 distanceThreshold 0.25 enslaved TRUE remote FALSE

@@ -26,7 +26,7 @@ TEST(ExternProto, TakesTheFirstProtoOfAFileWhateverItsName) {  // 4.9.3
   const Scene scene =
       scene_of("EXTERNPROTO Cube [ field SFVec3f s ] \"lib/parts.wrl\" Cube { s 1 2 3 } Cube { }", kLibrary);
   EXPECT_THAT(floats_of(*scene.document, "Box", "size"), ElementsAre(Numbers{1, 2, 3}, Numbers{1, 1, 1}));
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
 }
 
 TEST(ExternProto, TakesTheNamedProto) {  // 4.9.3
@@ -82,7 +82,7 @@ TEST(ExternProto, NotFoundKeepsItsTypeInTheDocument) {
       world_text("EXTERNPROTO Torus [ field SFFloat r ] \"none.wrl\" Shape { geometry Torus { r 2 } }");
   Problems problems;
   const auto document = parse({"w", text, nullptr}, problems, {.load = loader_of({}), .limits = {}});
-  EXPECT_EQ(broken_promise(*document), "");
+  EXPECT_EQ(document_violation(*document), "");
 }
 
 TEST(ExternProto, WithoutALoaderIsNotFound) {
@@ -194,7 +194,7 @@ TEST(ExternProtoScope, UsedInAPrototypeAndThroughAnInline) {
       {{"lib/more.wrl", kLibrary.at("lib/more.wrl")},
        {"lib/user.wrl", "EXTERNPROTO Ball [ field SFFloat r ] \"more.wrl\" Ball { r 7 }"}});
   EXPECT_THAT(floats_of(*scene.document, "Sphere", "radius"), ElementsAre(Numbers{8}, Numbers{5}, Numbers{7}));
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
 }
 
 // In processes of their own: what goes wrong here is the stack.

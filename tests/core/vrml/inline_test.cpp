@@ -18,7 +18,7 @@ TEST(Inline, IsAGroupOfItsFilesNodes) {
   EXPECT_EQ(scene.instances[0].kind, NodeKind::kInline);
   EXPECT_FALSE(scene.instances[0].inner_name);
   EXPECT_TRUE(scene.instances[1].inner_name);
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
   EXPECT_THAT(scene.pending_inlines, IsEmpty());
 }
 
@@ -101,7 +101,7 @@ TEST(InlineInAProto, TakesItsUrlFromTheInstance) {
   EXPECT_THAT(paths_of(scene), ElementsAre("0", "0/0", "0/0/A", "0/1", "0/1/C",  //
                                            "1", "1/0", "1/0/B", "1/1", "1/1/C",  //
                                            "2", "2/0", "2/0/B", "2/1", "2/1/C"));
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
 }
 
 TEST(InlineInAProto, TakesItsUrlThroughTwoLevels) {
@@ -210,7 +210,7 @@ TEST(InlineErrors, WarnOfWhatIsNoChild) {  // 6.25: undefined
 
 class InlinesLater : public testing::Test {
  protected:
-  InlinesLater() { options.inlines_later = true; }
+  InlinesLater() { options.defer_inlines = true; }
   ReadOptions options;
   const Files files{{"a.wrl", "DEF A Shape { }"}, {"bad.wrl", "Shpae { }"}};
 };

@@ -405,7 +405,7 @@ TEST(ManyInterests, BesideManyInlinesLeftEmpty) {
       "DEF A Group { } DEF B Group { } DEF I Inline { url \"a\" bboxSize 1 1 1 } " +
       times(100'000, "USE I ") + times(80'000, "C{}");
   ReadOptions options;
-  options.inlines_later = true;
+  options.defer_inlines = true;
   const ReadResult result = read_body(body, {{"a", "Shape { }"}}, options);
   ASSERT_TRUE(result.scene);
   EXPECT_EQ(result.scene->pending_inlines.size(), 100'001u);

@@ -227,7 +227,7 @@ TEST_P(EveryNode, ReadsEachFieldsDefaultAndAnotherValue) {
       const std::string body = std::string(type.name) + " { " + std::string(field.name) + " " + value + " }";
       const auto [document, diagnostics] = read_node(body);
       EXPECT_TRUE(diagnostics.empty()) << body << ": " << diagnostics.front().message;
-      EXPECT_EQ(broken_promise(*document), "") << body;
+      EXPECT_EQ(document_violation(*document), "") << body;
       const Node& node = document->nodes.at(document->top_level.at(0).index);
       const Field* const given = node.find(field.name);
       ASSERT_NE(given, nullptr) << body;
@@ -254,7 +254,7 @@ TEST_P(EveryNode, ReadsAllFieldsTogetherAndInAProto) {
   const auto proto =
       read_node("PROTO P [\n" + interface + "] { " + type_name + " {\n" + is + "} } P { " + fields + " } P { }");
   EXPECT_TRUE(proto.diagnostics.empty()) << type_name << ": " << proto.diagnostics.front().message;
-  EXPECT_EQ(broken_promise(*proto.document), "");
+  EXPECT_EQ(document_violation(*proto.document), "");
   const Node& a = plain.document->nodes.at(plain.document->top_level.at(0).index);
   const Node& b = proto.document->nodes.at(proto.document->top_level.at(0).index);
   const Node& c = proto.document->nodes.at(proto.document->top_level.at(1).index);

@@ -52,7 +52,7 @@ TEST(Parser, ReadsEveryFieldType) {
 
 TEST(Parser, PutsNodesBehindAllThatTheyReferTo) {
   const auto document = document_of("DEF A Group { children [ DEF B Shape { } Group { children USE B } ] } USE A");
-  EXPECT_EQ(broken_promise(*document), "");
+  EXPECT_EQ(document_violation(*document), "");
   EXPECT_EQ(document->top_level[0].index, document->top_level[1].index);
 }
 

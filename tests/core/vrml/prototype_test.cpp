@@ -19,7 +19,7 @@ TEST(Proto, GivesEachInstanceItsOwnFields) {
     PROTO Ball [ field SFFloat r 2 ] { Shape { geometry Sphere { radius IS r } } }
     Ball { } Ball { r 3 } Ball { })");
   EXPECT_THAT(floats_of(*scene.document, "Sphere", "radius"), ElementsAre(Numbers{2}, Numbers{3}, Numbers{2}));
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
   ASSERT_EQ(scene.instances.size(), 3u);
   EXPECT_NE(scene.instances[0].node, scene.instances[2].node);
   // Geometry of the same values is kept once.
@@ -73,7 +73,7 @@ TEST(Proto, PassesValuesThroughTwoLevels) {
                           Numbers{3, 3, 3}, Numbers{1, 1, 1}, Numbers{3, 3, 3}));
   EXPECT_THAT(floats_of(*scene.document, "Sphere", "radius"),
               ElementsAre(Numbers{7}, Numbers{8}, Numbers{8}, Numbers{7}, Numbers{9}, Numbers{9}));
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
 }
 
 // 4.8.3: one interface field may be that of many nodes.
@@ -99,7 +99,7 @@ TEST(Proto, CopiesTheNodesOfItsDefaults) {
                                            "2", "2/0", "2/0/K", "2/0/1", "2/1"));
   EXPECT_EQ(scene.instances[2].node, scene.instances[3].node);
   EXPECT_NE(scene.instances[2].node, scene.instances[10].node);
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
 }
 
 TEST(Proto, HasDefaultsOfInstancesOfOtherProtos) {
@@ -136,7 +136,7 @@ TEST(Proto, CarriesEveryFieldType) {
           mn [ Group { } ] mr 1 0 0 1 ms "c" mt 9 mv2 [ 3 4 5 6 ] mv3 [ ] })");
   const auto scripts = nodes_of_type(*scene.document, "Script");
   ASSERT_EQ(scripts.size(), 2u);
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
   const Node& first = scene.document->nodes[scripts[0]];
   const Node& second = scene.document->nodes[scripts[1]];
   const auto get = [](const Node& node, std::string_view field) -> const Field& { return *node.find(field); };
@@ -420,7 +420,7 @@ TEST(ProtoScope, LetsDefaultsUseWhatStandsBefore) {
     PROTO P [ field MFNode kids [ USE S USE S ] field SFNode form USE G ] {
       Group { children [ Group { children IS kids } Shape { geometry IS form } ] } }
     P { } P { })");
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
   EXPECT_EQ(scene.instances.size(), 1u + 2 * 5u);
 }
 
@@ -450,7 +450,7 @@ TEST(ProtoInstance, CanHoldAnInstanceOfItsOwnType) {
     PROTO Bag [ field MFNode kids [ ] ] { Group { children IS kids } }
     Bag { kids [ Bag { kids Bag { } } Bag { } ] })");
   EXPECT_THAT(paths_of(scene), ElementsAre("0", "0/0", "0/0/0", "0/1"));
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
 }
 
 TEST(ProtoInstance, ChoosesASwitchsChild) {

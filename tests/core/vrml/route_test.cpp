@@ -16,7 +16,7 @@ const std::string kNodes =
 
 std::vector<std::string> routes(const std::string& body, const Files& files = {}) {
   const Scene scene = scene_of(body, files);
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
   return routes_of(*scene.document);
 }
 
@@ -91,7 +91,7 @@ TEST(RouteInAProto, IsEachInstancesOwn) {
                       ROUTE T.fraction_changed TO I.set_fraction }
     Clock { } Clock { })");
   ASSERT_EQ(scene.document->routes.size(), 2u);
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
   EXPECT_NE(scene.document->routes[0].from_node, scene.document->routes[1].from_node);
   EXPECT_NE(scene.document->routes[0].to_node, scene.document->routes[1].to_node);
 }

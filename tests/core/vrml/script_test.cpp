@@ -32,7 +32,7 @@ TEST(Script, HasFieldsOfItsOwn) {
             "javascript: function start(v) { moved = '}'; } # \"quoted\"");
   EXPECT_TRUE(value_of(script, "directOutput").as<bool>()[0]);
   EXPECT_EQ(script.find("start"), nullptr);
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
   EXPECT_THAT(routes_of(*scene.document), ElementsAre("S.moved > N.translation"));
   EXPECT_THAT(problems_of(body), ElementsAre("warning 4:5: Scripts are kept and not run; this is the first one"));
 }
@@ -52,7 +52,7 @@ TEST(Script, MayHoldItself) {
   EXPECT_EQ(script.find("all")->as<NodeRef>()[0].index, s);
   EXPECT_LT(script.find("all")->as<NodeRef>()[1].index, s);
   EXPECT_EQ(script.find("all")->as<NodeRef>()[2].index, s);
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
 }
 
 TEST(Script, MayHoldWhatIsAroundIt) {
@@ -62,7 +62,7 @@ TEST(Script, MayHoldWhatIsAroundIt) {
   const auto n = document.nodes[nodes_of_type(document, "Script").at(0)].find("n")->as<NodeRef>();
   EXPECT_EQ(n[0].index, nodes_of_type(document, "Group").at(0));
   EXPECT_EQ(n[1].index, nodes_of_type(document, "Transform").at(0));
-  EXPECT_EQ(broken_promise(document), "");
+  EXPECT_EQ(document_violation(document), "");
 }
 
 TEST(Script, MayHoldScriptsThatHoldWhatIsAroundThem) {
@@ -70,7 +70,7 @@ TEST(Script, MayHoldScriptsThatHoldWhatIsAroundThem) {
                             "Script { field MFNode m [ USE A USE A ] }"}) {
     const Scene scene =
         scene_of(std::string("DEF A Group { children Script { field MFNode n [ USE A ") + inner + " USE A ] } }");
-    EXPECT_EQ(broken_promise(*scene.document), "") << inner;
+    EXPECT_EQ(document_violation(*scene.document), "") << inner;
     const std::uint32_t a = nodes_of_type(*scene.document, "Group").at(0);
     const Node& outer = scene.document->nodes[nodes_of_type(*scene.document, "Script").at(1)];
     EXPECT_EQ(outer.find("n")->as<NodeRef>()[0].index, a) << inner;
@@ -85,7 +85,7 @@ TEST(Script, MayHoldTheInstanceAroundIt) {
   const Document& document = *scene.document;
   EXPECT_EQ(document.nodes[nodes_of_type(document, "Script").at(0)].find("n")->as<NodeRef>()[0].index,
             nodes_of_type(document, "Transform").at(0));
-  EXPECT_EQ(broken_promise(document), "");
+  EXPECT_EQ(document_violation(document), "");
 }
 
 TEST(Script, OfALostNodeHoldsNothing) {
@@ -106,7 +106,7 @@ TEST(Script, MayHoldItselfInAProto) {
     EXPECT_EQ(scene.document->nodes[scripts[i]].find("self")->as<NodeRef>()[0].index, scripts[i]);
     EXPECT_EQ(scene.document->nodes[scripts[i]].find("up")->as<NodeRef>()[0].index, groups[i]);
   }
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
 }
 
 // 4.8.3: IS may stand wherever fields may.
@@ -129,7 +129,7 @@ TEST(Script, TakesItsFieldsAndEventsFromAProto) {
   EXPECT_EQ(get(1, "after").as<float>()[0], 7);
   EXPECT_EQ(get(0, "node").count, 0u);
   EXPECT_TRUE(get(1, "node").as<NodeRef>()[0].is_node());
-  EXPECT_EQ(broken_promise(*scene.document), "");
+  EXPECT_EQ(document_violation(*scene.document), "");
   EXPECT_THAT(routes_of(*scene.document), ElementsAre("A.gone > B.go"));
 }
 

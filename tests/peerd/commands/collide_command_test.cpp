@@ -87,7 +87,7 @@ TEST(Collide, JsonIsAsItIsPromised) {
 }
 
 // The boxes of their vertices are apart, the seed's overlap.
-TEST(Collide, BoxesCanBeTheSeedsLargerOnes) {
+TEST(Collide, BoxesCanBeTheLargerOnesOfTheThesis) {
   const ScratchFolder folder;
   const auto world = write(folder, R"(
     DEF A Transform { rotation 1 1 0.3 0.7 children Shape { geometry Sphere { } } }

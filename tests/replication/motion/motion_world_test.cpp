@@ -442,7 +442,7 @@ TEST(MotionWorld, WhatIsNotConvexAnswersAlike) {
     const World w("DEF BALL Transform { " + std::string(response) +
                   "children Shape { geometry Sphere { radius 0.25 } } }" + box("LEFT", "1 50 50", "-3.75 0 0") +
                   box("RIGHT", "1 50 50", "3.75 0 0") + interest("BALL", "\"LEFT\" \"RIGHT\""));
-    ASSERT_NE(w.model->body(w["BALL"])->not_convex, "");
+    ASSERT_NE(w.model->body(w["BALL"])->not_convex_reason, "");
     MotionWorld world(*w.model, sim(0s));
     world.declare(w["BALL"], Role::kFirm);
     world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0.5, 0}));
