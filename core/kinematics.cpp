@@ -1,6 +1,6 @@
 #include "core/kinematics.hpp"
 
-#include "core/turned.hpp"
+#include "core/rotate_body.hpp"
 
 namespace peerd {
 

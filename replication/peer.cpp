@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "core/scene/reach.hpp"
+#include "core/scene/bounding_radius.hpp"
 #include "replication/decision/decision.hpp"
 
 namespace peerd::replication {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/scene/reach.hpp"
+#include "core/scene/bounding_radius.hpp"
 #include "replication/decision/decision.hpp"
 #include "replication/wire/hello_lists.hpp"
 #include "replication/peer.hpp"

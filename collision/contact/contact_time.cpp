@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "collision/contact/mesh_contact.hpp"
-#include "collision/contact/pair_contact.hpp"
+#include "collision/contact/convex_contact.hpp"
 #include "collision/contact/separating_axis.hpp"
 #include "collision/contact/sphere_contact.hpp"
 

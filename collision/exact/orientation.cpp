@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "collision/exact/expansion.hpp"
-#include "collision/exact/integers.hpp"
+#include "collision/exact/scaled_integers.hpp"
 
 namespace peerd::collision {
 namespace {

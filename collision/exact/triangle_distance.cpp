@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "collision/exact/ordered_sums.hpp"
-#include "collision/exact/twofold.hpp"
+#include "collision/exact/double_double.hpp"
 
 namespace peerd::collision {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/animation/event_graph.hpp"
-#include "core/animation/control.hpp"
+#include "core/animation/sensor_simulator.hpp"
 #include "core/animation/network.hpp"
 
 namespace peerd::animation {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/animation/animation.hpp"
-#include "core/animation/arc.hpp"
+#include "core/animation/spherical_interpolation.hpp"
 
 namespace peerd::animation {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/animation/arc.hpp"
+#include "core/animation/spherical_interpolation.hpp"
 
 namespace peerd::animation {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/scene/scene.hpp"
 #include "core/vrml/diagnostics.hpp"
-#include "core/vrml/files.hpp"
+#include "core/vrml/file_loader.hpp"
 
 namespace peerd {
 

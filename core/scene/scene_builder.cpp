@@ -9,7 +9,7 @@
 #include "core/vrml/element_positions.hpp"
 #include "core/scene/geometry_reader.hpp"
 #include "core/vrml/name_table.hpp"
-#include "core/scene/path_finder.hpp"
+#include "core/scene/path_resolver.hpp"
 #include "core/scene/rotation.hpp"
 
 namespace peerd::vrml {

@@ -3,7 +3,7 @@
 
 #include "core/scene/scene.hpp"
 #include "core/vrml/document.hpp"
-#include "core/vrml/files.hpp"
+#include "core/vrml/file_loader.hpp"
 
 namespace peerd::vrml {
 

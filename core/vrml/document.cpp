@@ -2,7 +2,7 @@
 
 #include <unordered_map>
 
-#include "core/vrml/values.hpp"
+#include "core/vrml/value_reader.hpp"
 
 namespace peerd::vrml {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/vrml/document.hpp"
-#include "core/vrml/files.hpp"
+#include "core/vrml/file_loader.hpp"
 
 namespace peerd::vrml {
 

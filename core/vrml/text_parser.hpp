@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/vrml/reading.hpp"
+#include "core/vrml/parse_context.hpp"
 #include "core/vrml/token_stream.hpp"
-#include "core/vrml/values.hpp"
+#include "core/vrml/value_reader.hpp"
 
 namespace peerd::vrml {
 

@@ -11,7 +11,7 @@
 
 #include "core/scene/scene.hpp"
 #include "core/vrml/document.hpp"
-#include "core/writer/name_paths.hpp"
+#include "core/writer/path_rewriter.hpp"
 #include "core/writer/writer.hpp"
 
 namespace peerd::vrml {

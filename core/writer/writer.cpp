@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-#include "core/writer/text_out.hpp"
+#include "core/writer/text_writer.hpp"
 #include "core/writer/write_plan.hpp"
 
 namespace peerd {

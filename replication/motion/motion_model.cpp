@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/sin_cos.hpp"
-#include "core/turned.hpp"
+#include "core/rotate_body.hpp"
 #include "replication/motion/position_history.hpp"
 
 namespace peerd::replication {

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "collision_descent.hpp"
-#include "collision_dops.hpp"
+#include "collision_kdops.hpp"
 #include "collision_experiments.hpp"
 #include "collision_motion.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "collision/exact/triangle_touch.hpp"
-#include "collision_seed_test.hpp"
+#include "collision_thesis_test.hpp"
 
 namespace peerd::bench {
 namespace {

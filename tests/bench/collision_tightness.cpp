@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "collision/tree/kdop_tree.hpp"
-#include "collision_dops.hpp"
+#include "collision_kdops.hpp"
 #include "collision_experiments.hpp"
 #include "collision_hull.hpp"
 #include "generated_text.hpp"

@@ -27,7 +27,7 @@
 
 #include "collision_chart.hpp"
 #include "figures.hpp"
-#include "loopback/loopback.hpp"
+#include "tests/bench/loopback/loopback.hpp"
 #include "replication/wire/codec.hpp"
 #include "replication/peer.hpp"
 #include "simulated_run.hpp"

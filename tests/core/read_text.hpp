@@ -10,7 +10,7 @@
 
 #include "core/vrml/document.hpp"
 #include "core/scene/reader.hpp"
-#include "tests/core/broken_promise.hpp"
+#include "tests/core/document_violation.hpp"
 
 namespace peerd {
 

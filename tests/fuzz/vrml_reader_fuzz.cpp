@@ -11,7 +11,7 @@
 
 #include "core/motion/moving_scene.hpp"
 #include "core/scene/reader.hpp"
-#include "tests/core/broken_promise.hpp"
+#include "tests/core/document_violation.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "../temporary_folder.hpp"
+#include "tests/bench/temporary_folder.hpp"
 #include "peerd/daemon/daemon.hpp"
 #include "peerd/transport/open_transport.hpp"
 #include "peerd/daemon/rehearsal.hpp"

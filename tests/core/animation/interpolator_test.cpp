@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/animation/arc.hpp"
+#include "core/animation/spherical_interpolation.hpp"
 
 namespace peerd::animation {
 namespace {

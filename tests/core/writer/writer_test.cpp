@@ -13,7 +13,7 @@
 #include <random>
 #include <sstream>
 
-#include "core/writer/difference.hpp"
+#include "core/writer/scene_difference.hpp"
 #include "core/vrml/document.hpp"
 #include "core/scene/reader.hpp"
 

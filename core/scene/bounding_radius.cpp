@@ -1,4 +1,4 @@
-#include "core/scene/reach.hpp"
+#include "core/scene/bounding_radius.hpp"
 
 #include <algorithm>
 #include <cmath>

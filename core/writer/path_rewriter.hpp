@@ -10,7 +10,7 @@
 
 #include "core/scene/scene.hpp"
 #include "core/vrml/document.hpp"
-#include "core/scene/path_finder.hpp"
+#include "core/scene/path_resolver.hpp"
 
 namespace peerd::vrml {
 

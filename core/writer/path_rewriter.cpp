@@ -1,4 +1,4 @@
-#include "core/writer/name_paths.hpp"
+#include "core/writer/path_rewriter.hpp"
 
 #include <algorithm>
 #include <set>

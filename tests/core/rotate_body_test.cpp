@@ -1,4 +1,4 @@
-#include "core/turned.hpp"
+#include "core/rotate_body.hpp"
 
 #include <gtest/gtest.h>
 

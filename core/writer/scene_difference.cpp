@@ -1,4 +1,4 @@
-#include "core/writer/difference.hpp"
+#include "core/writer/scene_difference.hpp"
 
 #include <algorithm>
 #include <cstring>

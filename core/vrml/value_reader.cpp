@@ -1,4 +1,4 @@
-#include "core/vrml/values.hpp"
+#include "core/vrml/value_reader.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "core/animation/arc.hpp"
+#include "core/animation/spherical_interpolation.hpp"
 
 #include <cmath>
 

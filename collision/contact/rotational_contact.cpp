@@ -2,9 +2,9 @@
 #include <cmath>
 #include <limits>
 
-#include "collision/contact/pair_contact.hpp"
+#include "collision/contact/convex_contact.hpp"
 #include "collision/exact/quadratic.hpp"
-#include "collision/contact/touching_polygon.hpp"
+#include "collision/contact/contact_polygon.hpp"
 
 namespace peerd::collision {
 namespace {

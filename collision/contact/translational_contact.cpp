@@ -5,9 +5,9 @@
 #include <limits>
 #include <vector>
 
-#include "collision/contact/pair_contact.hpp"
+#include "collision/contact/convex_contact.hpp"
 #include "collision/exact/quadratic.hpp"
-#include "collision/contact/touching_polygon.hpp"
+#include "collision/contact/contact_polygon.hpp"
 
 // The collidee's and the mirrored collider's Minkowski sum is a convex polytope in which the collider's origin, seen
 // from the collidee's, moves along a parabola. Every facet of it gives one gap (the signed distance in front of that

@@ -1,4 +1,4 @@
-#include "core/scene/path_finder.hpp"
+#include "core/scene/path_resolver.hpp"
 
 #include <algorithm>
 #include <charconv>

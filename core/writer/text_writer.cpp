@@ -1,4 +1,4 @@
-#include "core/writer/text_out.hpp"
+#include "core/writer/text_writer.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "collision/contact/touching_polygon.hpp"
+#include "collision/contact/contact_polygon.hpp"
 
 #include <algorithm>
 #include <vector>

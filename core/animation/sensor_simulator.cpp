@@ -1,4 +1,4 @@
-#include "core/animation/control.hpp"
+#include "core/animation/sensor_simulator.hpp"
 
 #include <algorithm>
 #include <cassert>
