@@ -12,8 +12,7 @@
 
 #include "tests/net/process.hpp"
 
-namespace peerd::testing_support {
-namespace {
+namespace peerd::testing_support::report_page_test {
 
 namespace fs = std::filesystem;
 
@@ -148,5 +147,4 @@ TEST_P(ReportPageOfWidth, IsWithoutFaults) {
 INSTANTIATE_TEST_SUITE_P(Widths, ReportPageOfWidth, testing::Values(400, 1400),
                          [](const auto& tested) { return "Of" + std::to_string(tested.param); });
 
-}  // namespace
-}  // namespace peerd::testing_support
+}  // namespace peerd::testing_support::report_page_test

@@ -7,8 +7,7 @@
 
 // Chains of contacts as a caller lives them: move to the contact time, reflect, ask again. Nothing may stick (a contact
 // at 0 after a bounce) or skip (end on the other side).
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::bounce_test {
 
 using namespace test;
 
@@ -126,5 +125,4 @@ TEST(Bounce, SpinningCubeBetweenWalls) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::bounce_test

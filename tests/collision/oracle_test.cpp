@@ -8,8 +8,7 @@
 
 // Property tests against an oracle that knows nothing of faces, edges or axes: the Minkowski difference as a cloud of
 // points, its hull by brute force over triples, and time by dense sampling and bisection.
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::oracle_test {
 
 using namespace test;
 
@@ -229,5 +228,4 @@ TEST(Oracle, RotationIsNeverLateAndAtMostTheToleranceEarly) {
   EXPECT_LT(most, kAdvancementCap / 2);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::oracle_test

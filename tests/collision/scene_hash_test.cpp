@@ -2,12 +2,10 @@
 
 #include <gtest/gtest.h>
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::scene_hash_test {
 
 // tests/collision/hash_everywhere.sh asks other compilers, levels and instruction sets.
 TEST(SceneHash, IsTheSameEverywhere) { EXPECT_EQ(scene_hash(), kSceneHash); }
 TEST(SceneHash, OfViewsIsTheSameEverywhere) { EXPECT_EQ(view_hash(), kViewHash); }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::scene_hash_test

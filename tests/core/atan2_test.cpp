@@ -8,8 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace peerd {
-namespace {
+namespace peerd::atan2_test {
 
 TEST(Atan2, MeetsTheLibrarysInLongDouble) {
   std::mt19937_64 random(1);
@@ -54,5 +53,4 @@ TEST(Atan2, IsTheSameEverywhere) {
   EXPECT_EQ(peerd::atan2(-2.0, -0.7), -0x1.e850076ee9e8ep+0);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::atan2_test

@@ -4,8 +4,7 @@
 
 #include <numbers>
 
-namespace peerd {
-namespace {
+namespace peerd::kinematics_test {
 
 KinematicState sample() {
   KinematicState s;
@@ -58,5 +57,4 @@ TEST(AtRest, StaysWhereItIs) {
   EXPECT_EQ(s.orientation.coeffs(), pose.orientation.coeffs());
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::kinematics_test

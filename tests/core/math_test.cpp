@@ -5,8 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace peerd {
-namespace {
+namespace peerd::math_test {
 
 TEST(QuatExp, IsTheRotationAboutItsDirection) {
   const Quat q = quat_exp({0, std::numbers::pi / 2, 0});
@@ -48,5 +47,4 @@ TEST(AngleBetween, IsAccurateForTinyAndForStraightAngles) {
   EXPECT_NEAR(angle_between(a, a * quat_exp({std::numbers::pi, 0, 0})), std::numbers::pi, 1e-15);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::math_test

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace peerd {
-namespace {
+namespace peerd::rotate_body_test {
 
 double drawn(std::mt19937_64& rng) { return 2.0 * std::ldexp(static_cast<double>(rng() >> 11), -53) - 1.0; }
 
@@ -35,5 +34,4 @@ TEST(Turned, ByNothingStaysToTheLastBit) {
   EXPECT_EQ(rotated_in_body_frame(from, Vec3::Zero()).coeffs(), from.coeffs());
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::rotate_body_test

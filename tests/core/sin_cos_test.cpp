@@ -6,8 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace peerd {
-namespace {
+namespace peerd::sin_cos_test {
 
 double off_by(const SinCos& is, double x) {
   const long double exact = x;
@@ -50,5 +49,4 @@ TEST(SinCos, IsTheSameEverywhere) {
   EXPECT_EQ(cos, 0x1.42e3dd88bd952p-2);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::sin_cos_test

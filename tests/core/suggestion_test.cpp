@@ -4,8 +4,7 @@
 
 #include <string>
 
-namespace peerd {
-namespace {
+namespace peerd::suggestion_test {
 
 TEST(Suggestion, OffersTheNearestOrNothing) {
   const auto suggest = [](std::string_view word) {
@@ -22,5 +21,4 @@ TEST(Suggestion, OffersTheNearestOrNothing) {
   EXPECT_EQ(suggest(std::string(100000, 'x')), "(none)");
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::suggestion_test

@@ -16,8 +16,7 @@
 #include "tests/net/allocation_meter.hpp"
 #include "tests/net/listener.hpp"
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::allocation_test {
 
 using testing_support::allocations;
 using testing_support::bytes_of;
@@ -192,5 +191,4 @@ TEST_F(PeerAllocations, NoneForADatagramOfUpdates) {
   EXPECT_EQ(out.allocations, 0u);
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::allocation_test

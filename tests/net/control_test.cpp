@@ -8,8 +8,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::control_test {
 
 using net::testing_support::own_port;
 using nlohmann::json;
@@ -203,5 +202,4 @@ TEST_F(Control, WrongUseIsOneSentence) {
   }
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::control_test

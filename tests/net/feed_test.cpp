@@ -13,8 +13,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::feed_test {
 
 using net::testing_support::own_port;
 using testing::HasSubstr;
@@ -195,5 +194,4 @@ TEST_P(Example, DrivesTheCarOfItsScenario) {
 INSTANTIATE_TEST_SUITE_P(By, Example, testing::Values("Udp", "Socket"),
                          [](const auto& c) { return std::string(c.param); });
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::feed_test

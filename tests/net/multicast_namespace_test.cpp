@@ -13,8 +13,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::multicast_namespace_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -313,5 +312,4 @@ TEST(OverLo, NoTwoSendersHaveOnePort) {
   });
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::multicast_namespace_test

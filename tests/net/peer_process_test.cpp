@@ -16,8 +16,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::peer_process_test {
 
 using net::testing_support::own_port;
 using testing::AllOf;
@@ -417,5 +416,4 @@ TEST_F(PeerProcess, TwoMeetOverIpv6) {
   if (!missing.empty()) GTEST_SKIP() << missing;
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::peer_process_test

@@ -11,8 +11,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::record_test {
 
 using net::testing_support::own_port;
 using testing::HasSubstr;
@@ -147,5 +146,4 @@ TEST_P(Record, WhatARealPeerDidIsReplayed) {
 INSTANTIATE_TEST_SUITE_P(Over, Record, testing::Values("Multicast", "Unicast"),
                          [](const auto& c) { return std::string(c.param); });
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::record_test

@@ -8,8 +8,7 @@
 #include "tests/net/process.hpp"
 #include "tests/net/wire.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::unicast_process_test {
 
 using net::testing_support::own_port;
 using net::testing_support::shell;
@@ -130,5 +129,4 @@ TEST_F(UnicastProcess, WithoutMulticastAndWithoutPeersItDoesNotRun) {
   });
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::unicast_process_test

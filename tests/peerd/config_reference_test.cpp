@@ -12,8 +12,7 @@
 #include "peerd/config/scenario.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::config_reference_test {
 
 using testing::HasSubstr;
 
@@ -168,5 +167,4 @@ TEST_F(Reference, EveryKeyIsDescribed) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::config_reference_test

@@ -8,8 +8,7 @@
 #include "peerd/node/peer_node.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::peer_node_feed_test {
 
 using namespace std::chrono_literals;
 using nlohmann::json;
@@ -215,5 +214,4 @@ TEST_F(PeerNodeFeed, APeerWithoutSuchObjectsSaysSo) {
   EXPECT_FALSE(node->log().counters.contains("poses_taken"));
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::peer_node_feed_test

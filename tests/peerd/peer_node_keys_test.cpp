@@ -8,8 +8,7 @@
 #include "peerd/node/peer_node.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::peer_node_keys_test {
 
 using namespace std::chrono_literals;
 using nlohmann::json;
@@ -271,5 +270,4 @@ TEST_F(PeerNodeKeys, RubbishGetsAReasonAndLeavesThePeerAlone) {
   EXPECT_TRUE(api::answer(*node, now, "{\"do\":\"leave\"}").leave);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::peer_node_keys_test

@@ -6,8 +6,7 @@
 #include "tests/replication/lan.hpp"
 
 // Collisions between what peers run: predicted, tracked, decided.
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::peer_collision_test {
 
 using namespace test;
 
@@ -480,5 +479,4 @@ TEST(Squeezed, ASqueezedObjectDoesNotFloodTheNetwork) {
   EXPECT_LE(decisions, 3u * 100u);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::peer_collision_test

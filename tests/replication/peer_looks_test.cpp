@@ -5,8 +5,7 @@
 
 // Which of its own objects a peer looks at each tick: what physics moves it leaves alone while it rests, until
 // something could make an update due.
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::peer_looks_test {
 
 using namespace test;
 
@@ -174,5 +173,4 @@ TEST(Looks, GoOnWhenAnObjectIsLost) {
   EXPECT_NEAR(static_cast<double>(looks(lan) - before), 120.0, 3.0);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::peer_looks_test

@@ -10,8 +10,7 @@
 #include "tests/replication/messages.hpp"
 
 // What a peer sends, how often, and which models it chooses.
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::peer_output_test {
 
 using namespace test;
 
@@ -714,5 +713,4 @@ TEST(Peer, WhatWasToldBeforeAnythingGotLostIsCopiedOnceItDoes) {
   EXPECT_EQ(lan.peer(0).counters().updates_repeated, 3u);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::peer_output_test

@@ -5,8 +5,7 @@
 #include "tests/replication/lan.hpp"
 #include "tests/replication/messages.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::peer_regions_test {
 
 using namespace test;
 using testing::Contains;
@@ -940,5 +939,4 @@ TEST(RegionsProperty, AreasAreFullAndBeliefsAreTheOwners) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::peer_regions_test

@@ -7,8 +7,7 @@
 #include "tests/replication/lan.hpp"
 
 // Joining, leaving, clocks: several peers on one network.
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::peer_session_test {
 
 using namespace test;
 using testing::IsEmpty;
@@ -527,5 +526,4 @@ TEST(PeerSession, LongSleepsAreSurvived) {
   EXPECT_GT(lan.peer(0).counters().ticks_missed, 60u * 60u);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::peer_session_test

@@ -9,8 +9,7 @@
 #include "tests/replication/messages.hpp"
 
 // What a peer does with datagrams, and how its objects look elsewhere. Sessions and collisions have files of their own.
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::peer_test {
 
 using namespace test;
 using testing::IsEmpty;
@@ -428,5 +427,4 @@ TEST(Peer, CallingEarlyIsHarmless) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::peer_test

@@ -5,8 +5,7 @@
 #include "replication/motion/response.hpp"
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::physics_test {
 
 using namespace test;
 
@@ -169,5 +168,4 @@ TEST(Outcome, TellsOfWhatSlidesThoughItDoesNotAnswer) {
   EXPECT_GT(met, 10);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::physics_test

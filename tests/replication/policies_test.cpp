@@ -6,8 +6,7 @@
 
 #include "tests/replication/lan.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::policies_test {
 
 using namespace test;
 
@@ -477,5 +476,4 @@ TEST_P(Traffic, EveryCollisionHasOneOutcomeOnAllPeers) {
 }
 INSTANTIATE_TEST_SUITE_P(Ways, Traffic, testing::ValuesIn(every_way()), name_of);
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::policies_test

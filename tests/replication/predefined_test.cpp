@@ -3,8 +3,7 @@
 
 #include "tests/replication/lan.hpp"
 
-namespace peerd::replication::test {
-namespace {
+namespace peerd::replication::test::predefined_test {
 
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -141,5 +140,4 @@ TEST(Predefined, ABodyThatChangesItsShapeHasNoAnswerAndSaysSo) {
   EXPECT_EQ(world.model->unsupported[0], "PRESS: the file changes its shape as it moves");
 }
 
-}  // namespace
-}  // namespace peerd::replication::test
+}  // namespace peerd::replication::test::predefined_test

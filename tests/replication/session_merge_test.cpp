@@ -5,8 +5,7 @@
 
 // Two sessions that founded themselves apart meet: the one whose time is later goes on, the other's peers step forward
 // into it.
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::session_merge_test {
 
 using namespace test;
 
@@ -67,5 +66,4 @@ TEST(SessionsMeeting, NobodyMeetsWhatTheOtherHasNotToldYet) {
 
 INSTANTIATE_TEST_SUITE_P(ClocksApart, SessionsMeet, testing::Values(3s, -3s));
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::session_merge_test

@@ -3,8 +3,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::baselines_test {
 
 using testing_support::kEq47;
 using testing_support::Ran;
@@ -62,5 +61,4 @@ TEST(Baselines, LocalLagHidesLatency) {
   EXPECT_GT(mean_m(late, "shown_error_m"), 0.14 * kSpeed_m_s);
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::baselines_test

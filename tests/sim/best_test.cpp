@@ -5,8 +5,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::best_test {
 
 using testing_support::kEq47;
 using testing_support::Ran;
@@ -96,5 +95,4 @@ INSTANTIATE_TEST_SUITE_P(Table, BestMotion,
                            return name;
                          });
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::best_test

@@ -4,8 +4,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::bodies_meet_test {
 
 using testing_support::Ran;
 using testing_support::run_scenario;
@@ -132,5 +131,4 @@ TEST(BodiesMeetPrediction, SparesTheObserverTheLatency) {
   EXPECT_LT(worst_m(rcp), 0.1);
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::bodies_meet_test

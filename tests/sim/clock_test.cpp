@@ -7,8 +7,7 @@
 
 #include "tests/sim/clock_lab.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::clock_test {
 
 using namespace std::chrono_literals;
 using testing::IsEmpty;
@@ -337,5 +336,4 @@ TEST_P(AnyTrouble, NeitherRunsBackNorExceedsTheBound) {
   EXPECT_THAT(lab.findings(), IsEmpty());
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::clock_test

@@ -3,8 +3,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::dense_test {
 
 using testing_support::Ran;
 using testing_support::run_scenario;
@@ -28,5 +27,4 @@ TEST_P(Dense, OneOutcomeEverywhere) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, Dense, testing::Values(1, 2));
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::dense_test

@@ -6,8 +6,7 @@
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::determinism_test {
 
 using peerd::testing_support::ScratchFolder;
 using peerd::testing_support::text_of;
@@ -73,5 +72,4 @@ TEST(Determinism, ARunOfASweepIsWhatItIsAlone) {
   EXPECT_EQ(swept[1].summary["traffic"], alone[0].summary["traffic"]);
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::determinism_test

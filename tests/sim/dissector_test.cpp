@@ -17,8 +17,7 @@
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::dissector_test {
 
 using namespace replication;
 using peerd::testing_support::Process;
@@ -479,5 +478,4 @@ TEST_F(Dissector, MarksWhatTheDecoderRefuses) {
   EXPECT_GT(seen["peerd.sender"], kCount / 20u) << "some are sound in spite of it";
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::dissector_test

@@ -7,8 +7,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::eq47_test {
 
 using testing_support::kEq47;
 using testing_support::Ran;
@@ -211,5 +210,4 @@ TEST(Eq47, HostClocksThatDifferChangeNothingMuch) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::eq47_test

@@ -3,8 +3,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::events_test {
 
 using testing::HasSubstr;
 using testing_support::kEq47;
@@ -157,5 +156,4 @@ TEST(Events, WhenAllHaveGoneTheRunIsOver) {
   EXPECT_EQ(ran.logs.size(), 3u);
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::events_test

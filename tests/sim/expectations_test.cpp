@@ -5,8 +5,7 @@
 #include "peerd/measure/wrong_outcomes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::expectations_test {
 
 using testing_support::must;
 using testing_support::Ran;
@@ -62,5 +61,4 @@ TEST(ExpectationsThatDoNotHold, Fail) {
   EXPECT_FALSE(std::ranges::all_of(all, failed)) << "all have the same world, whatever is lost";
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::expectations_test

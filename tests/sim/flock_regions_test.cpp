@@ -4,8 +4,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::flock_regions_test {
 
 using testing_support::must;
 
@@ -92,5 +91,4 @@ TEST(FlockOverRegions, TheSameSeedGivesTheSame) {
   EXPECT_EQ(a.received_over_interest(), b.received_over_interest());
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::flock_regions_test

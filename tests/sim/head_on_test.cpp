@@ -6,8 +6,7 @@
 #include "peerd/measure/wrong_outcomes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::head_on_test {
 
 using testing_support::must;
 using testing_support::Ran;
@@ -55,5 +54,4 @@ TEST(HeadOnView, WhoLooksDecides) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::head_on_test

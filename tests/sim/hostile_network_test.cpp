@@ -4,8 +4,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::hostile_network_test {
 
 using testing_support::Ran;
 using testing_support::run_eq47;
@@ -82,5 +81,4 @@ TEST(HostileNetworks, OneThatLosesEverythingIsSaidNotWaitedForForEver) {
   EXPECT_THAT(logs.error().text, testing::HasSubstr("never had all the others"));
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::hostile_network_test

@@ -6,8 +6,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::key_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -149,5 +148,4 @@ TEST(Keys, OfACarThatNobodyRunsAreRefused) {
   EXPECT_THAT(lines, ElementsAre("a: ArrowUp: FASTER does not move RED: no peer runs it"));
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::key_test

@@ -5,8 +5,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::moving_scenarios_test {
 
 using testing_support::Ran;
 using testing_support::run_scenario;
@@ -99,5 +98,4 @@ INSTANTIATE_TEST_SUITE_P(Table, Movers,
                                          Mover{"orbit", 12, 2, 50.0, 0.05}),
                          [](const auto& c) { return std::string(c.param.name); });
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::moving_scenarios_test

@@ -7,8 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::network_test {
 
 using std::chrono::milliseconds;
 using testing::Pair;
@@ -208,5 +207,4 @@ TEST(LinkSeeds, ALinkOfItsOwnHoldsOneWay) {
   EXPECT_THAT(arrivals, testing::UnorderedElementsAre(Pair(11, 70), Pair(12, 5), Pair(20, 5), Pair(22, 5)));
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::network_test

@@ -11,8 +11,7 @@
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::replay_test {
 
 using peerd::testing_support::ScratchFolder;
 using peerd::testing_support::text_of;
@@ -216,5 +215,4 @@ TEST_F(ReplayOfOne, NoCaptureIsAFindingAboutTheFile) {
   EXPECT_THAT(text.error, HasSubstr("no pcapng file"));
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::replay_test

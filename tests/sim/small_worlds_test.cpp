@@ -6,8 +6,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::small_worlds_test {
 
 using testing::HasSubstr;
 using testing_support::must;
@@ -80,5 +79,4 @@ TEST(Street, AlongAWallOnlySpheresRaiseTraffic) {
   EXPECT_GT(ran[1].summary["counters"]["proximity_refined"], 400);
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::small_worlds_test

@@ -8,8 +8,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::snooker_test {
 
 using testing_support::must;
 
@@ -214,5 +213,4 @@ TEST_P(SnookerByConfiguration, OneUpdateIsEnough) {
   EXPECT_GT(compared, 200u);
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::snooker_test

@@ -4,8 +4,7 @@
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim {
-namespace {
+namespace peerd::sim::tennis_test {
 
 using testing_support::Ran;
 using testing_support::run_scenario;
@@ -196,5 +195,4 @@ TEST(TennisBall, ComesToRestOnTheCourt) {
   EXPECT_LT(met(ran, world.scene, "COURT"), 60u);
 }
 
-}  // namespace
-}  // namespace peerd::sim
+}  // namespace peerd::sim::tennis_test

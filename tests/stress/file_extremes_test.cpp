@@ -10,8 +10,7 @@
 #include "core/scene/reader.hpp"
 #include "replication/motion/motion_world.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::file_extremes_test {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
@@ -141,5 +140,4 @@ TEST_P(WorldNumbers, AreRefusedByNameOrHandled) {
 INSTANTIATE_TEST_SUITE_P(Fields, WorldNumbers, testing::ValuesIn(kFields),
                          [](const auto& f) { return std::string(f.param.name); });
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::file_extremes_test

@@ -3,8 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace peerd::stress {
-namespace {
+namespace peerd::stress::long_life_test {
 
 TEST(LongLife, AnHourChangesNothing) {
   using namespace std::chrono_literals;
@@ -25,5 +24,4 @@ TEST(LongLife, AnHourChangesNothing) {
   EXPECT_LT(life.clocks_apart_ns, kClocksBound_ns);
 }
 
-}  // namespace
-}  // namespace peerd::stress
+}  // namespace peerd::stress::long_life_test

@@ -2,8 +2,7 @@
 
 #include <cstdio>
 
-namespace peerd::stress {
-namespace {
+namespace peerd::stress::many_bounces_test {
 
 struct Case {
   const char* name;
@@ -30,5 +29,4 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"BallByImpulse", "Sphere { radius 0.125 }", 0.125, "responseType 2 restitution 1", 2'000}),
     [](const auto& c) { return std::string(c.param.name); });
 
-}  // namespace
-}  // namespace peerd::stress
+}  // namespace peerd::stress::many_bounces_test

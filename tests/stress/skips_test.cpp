@@ -4,8 +4,7 @@
 #include "core/scene/reader.hpp"
 #include "tests/replication/lan.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::skips_test {
 
 using namespace test;
 
@@ -152,5 +151,4 @@ TEST(Skips, WhatNobodyDrawsHasNoConvergence) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::skips_test

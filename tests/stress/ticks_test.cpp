@@ -3,8 +3,7 @@
 
 #include "tests/replication/lan.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::ticks_test {
 
 using namespace test;
 
@@ -155,5 +154,4 @@ TEST(TickLength, WhatIsToldAgainAtALateTickIsTheSameForAll) {
   EXPECT_TRUE(rounded_otherwise) << "nothing was told again that could tell a ghost from its truth";
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::ticks_test

@@ -11,8 +11,7 @@
 #include "tests/oracle/triangle_cases.hpp"
 #include "tests/oracle/triangle_oracle.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::ulp_sweep_test {
 
 using namespace test;
 
@@ -202,5 +201,4 @@ TEST_P(Meeting, GrazingTurnsIntoAHitOnce) {
   expect_once(border(-aside - 1e-3, -aside + 1e-3, hits), hits);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::ulp_sweep_test

@@ -9,8 +9,7 @@
 #include "replication/wire/wire_limits.hpp"
 #include "tests/replication/lan.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::wire_extremes_test {
 
 using namespace test;
 
@@ -194,5 +193,4 @@ TEST(WireExtremesDecided, WhatHasLeftTheLimitsIsDecidedAsStanding) {
   EXPECT_GE(lan.peer(decides).counters().states_out_of_range, 2u);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::wire_extremes_test

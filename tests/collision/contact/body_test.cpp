@@ -6,8 +6,7 @@
 #include "collision/exact/convexity.hpp"
 #include "tests/collision/shapes.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::body_test {
 
 using namespace test;
 using testing::HasSubstr;
@@ -210,5 +209,4 @@ TEST(Convexity, WideRangeOfMagnitudes) {
   EXPECT_TRUE(convex_surface(make_mesh({{0, 0, 0}, {large, 0, 0}, {0, large, 0}, {0, 0, tiny}}, faces)).has_value());
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::body_test

@@ -6,8 +6,7 @@
 
 #include "tests/collision/shapes.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::contact_time_test {
 
 using namespace test;
 using enum CollisionType;
@@ -282,5 +281,4 @@ TEST(TurningContact, DeepOverlapIsSaid) {
   EXPECT_EQ(c.normal_world, Vec3::UnitX());
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::contact_time_test

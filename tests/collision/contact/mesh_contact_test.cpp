@@ -6,8 +6,7 @@
 
 #include "tests/collision/shapes.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::mesh_contact_test {
 
 using namespace test;
 
@@ -172,5 +171,4 @@ TEST(MeshContact, IsUnsupportedOnlyWhereAMeshIsBeyondAllMeasure) {
   EXPECT_EQ(contact(tray_body, still, half_space, still, 1.0).state, ContactState::kUnsupported);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::mesh_contact_test

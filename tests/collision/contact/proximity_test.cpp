@@ -4,8 +4,7 @@
 
 #include "tests/collision/shapes.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::proximity_test {
 
 using test::box;
 using test::moving;
@@ -85,5 +84,4 @@ TEST(Proximity, WhatHasNoAnswerMayComeNear) {
   EXPECT_TRUE(may_come_near({unknown, here}, {car, there}, 0.5, 0.5));
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::proximity_test

@@ -6,8 +6,7 @@
 
 #include "core/scene/reader.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::sphere_contact_test {
 
 struct Balls {
   explicit Balls(const std::string& a = "Shape { geometry Sphere { radius 0.5 } }",
@@ -133,5 +132,4 @@ TEST(SphereContact, TouchesAtItsContactTimeAndNotBefore) {
   EXPECT_FALSE(touching({balls.bodies[0], before}, {balls.bodies[1], b}, CollisionType::kWitness));
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::sphere_contact_test

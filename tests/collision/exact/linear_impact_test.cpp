@@ -13,8 +13,7 @@
 
 #include "tests/collision/soups.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::linear_impact_test {
 
 using Face = std::array<MovingPoint, 3>;
 using Edge = std::array<MovingPoint, 2>;
@@ -143,5 +142,4 @@ TEST(LinearImpact, MissesNoneOfTheRationalQueries) {
   RecordProperty("hits_without_contact", more);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::linear_impact_test

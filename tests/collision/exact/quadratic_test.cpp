@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::quadratic_test {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
@@ -49,5 +48,4 @@ TEST(Roots, DiscriminantSurvivesCancellation) {  // (t - 1)(t - 1 - 2^-27): c1^2
   EXPECT_EQ(discriminant(q), d * d);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::quadratic_test

@@ -15,8 +15,7 @@
 #include "tests/oracle/triangle_oracle.hpp"
 #include "tests/oracle/tritri_files.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::triangle_pair_test {
 
 Vec3 to_vec3(const oracle::Point& p) { return {p[0], p[1], p[2]}; }
 Triangle to_triangle(const oracle::Triangle& t) { return {to_vec3(t[0]), to_vec3(t[1]), to_vec3(t[2])}; }
@@ -143,5 +142,4 @@ TEST(Expansion, SumsAndProductsKeepEveryBit) {
   EXPECT_EQ(difference(square, square).sign(), 0);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::triangle_pair_test

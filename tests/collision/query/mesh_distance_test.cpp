@@ -12,8 +12,7 @@
 #include "tests/oracle/distance_oracle.hpp"
 #include "tests/oracle/triangle_cases.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::mesh_distance_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -465,5 +464,4 @@ TEST(MeshDistance, IsTheSameEverywhere) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::mesh_distance_test

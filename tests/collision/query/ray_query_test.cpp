@@ -12,8 +12,7 @@
 #include "tests/collision/soups.hpp"
 #include "tests/oracle/ray_oracle.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::ray_query_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -367,5 +366,4 @@ TEST(RayQuery, AllocatesNothingOnceItsMemoryHasGrown) {
 }
 #endif
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::ray_query_test

@@ -9,8 +9,7 @@
 #include "collision/exact/triangle_distance.hpp"
 #include "tests/collision/soups.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::time_of_impact_test {
 
 TriangleSoup soup_of(std::vector<Vec3> vertices, const std::vector<std::array<std::uint32_t, 3>>& faces) {
   TriangleSoup soup;
@@ -288,5 +287,4 @@ TEST(TriangleDistance, OfPairsThatAreEasilySeen) {
   EXPECT_EQ(distance({Vec3(1, 1, 0.5), Vec3(2, 1, 0.5), Vec3(1, 2, 0.5)}), 0.5);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::time_of_impact_test

@@ -11,8 +11,7 @@
 #include "tests/allocation_counter.hpp"
 #include "tests/collision/soups.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::view_query_test {
 
 using Real = long double;
 
@@ -310,5 +309,4 @@ TEST(ViewQuery, AllocatesNothingOnceItsMemoryHasGrown) {
 }
 #endif
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::view_query_test

@@ -11,8 +11,7 @@
 
 #include "tests/collision/soups.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::wide_query_test {
 
 using ::testing::ElementsAreArray;
 
@@ -223,5 +222,4 @@ TEST(WideQuery, FindsWhatATinyTriangleTouches) {
   EXPECT_GT(touching, 0);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::wide_query_test

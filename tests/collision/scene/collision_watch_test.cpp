@@ -12,8 +12,7 @@
 #include "tests/collision/soups.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::collision_watch_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -440,5 +439,4 @@ TEST(CollisionWatch, OneThatIsRefusedLeavesTheOthersTheirAnswers) {
   EXPECT_THAT(tick.refused, IsEmpty());
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::collision_watch_test

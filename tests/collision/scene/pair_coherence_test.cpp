@@ -9,8 +9,7 @@
 #include "collision/exact/triangle_distance.hpp"
 #include "tests/collision/soups.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::pair_coherence_test {
 
 double distance(const TriangleSoup& a, const TriangleSoup& b, const RelativeMotion& a_from_b) {
   double least = std::numeric_limits<double>::infinity();
@@ -91,5 +90,4 @@ TEST(TouchNear, FindsOnlyWhatTouches) {
   EXPECT_GT(never, 100);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::pair_coherence_test

@@ -17,8 +17,7 @@
 #include "tests/core/read_text.hpp"
 #include "tests/oracle/ray_oracle.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::scene_query_test {
 
 using ::testing::ElementsAre;
 using ::testing::ElementsAreArray;
@@ -551,5 +550,4 @@ TEST(StretchedPose, IsThePathInTwoParts) {
   EXPECT_LT((parts.pose.position - whole.offset).norm(), 1e-13);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::scene_query_test

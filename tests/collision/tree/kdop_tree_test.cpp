@@ -11,8 +11,7 @@
 #include "collision/tree/kdop_volume.hpp"
 #include "tests/collision/soups.hpp"
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::kdop_tree_test {
 
 using ::testing::ElementsAreArray;
 using ::testing::IsEmpty;
@@ -216,5 +215,4 @@ TEST(KdopVolume, OfSolidsThatAKdopFits) {
   EXPECT_EQ(volume(octahedron), 0.0);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::kdop_tree_test

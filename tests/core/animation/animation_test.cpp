@@ -7,8 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace peerd::animation {
-namespace {
+namespace peerd::animation::animation_test {
 
 using testing::ElementsAre;
 using Floats = std::vector<float>;
@@ -444,5 +443,4 @@ TEST(Scale, IdleNodesCostNothing) {
   EXPECT_LT(micros[1], 20.0 * micros[0] + 100.0);  // caches aside; proportional would be 1000 times
 }
 
-}  // namespace
-}  // namespace peerd::animation
+}  // namespace peerd::animation::animation_test

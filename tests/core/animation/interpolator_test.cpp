@@ -8,8 +8,7 @@
 
 #include "core/animation/spherical_interpolation.hpp"
 
-namespace peerd::animation {
-namespace {
+namespace peerd::animation::interpolator_test {
 
 using Floats = std::vector<float>;
 using LongVec = Eigen::Matrix<long double, 3, 1>;
@@ -217,5 +216,4 @@ TEST(Orientation, IsTheSameEverywhere) {
   EXPECT_EQ(q.z(), 0x1.32344a77c69dp-3);
 }
 
-}  // namespace
-}  // namespace peerd::animation
+}  // namespace peerd::animation::interpolator_test

@@ -12,8 +12,7 @@
 
 #include "core/animation/animation.hpp"
 
-namespace peerd::animation {
-namespace {
+namespace peerd::animation::oracle_test {
 
 constexpr int kTicksPerSecond = 64;
 constexpr int kTicks = 8 * kTicksPerSecond;
@@ -482,5 +481,4 @@ TEST(Oracle, WhatIsNotChangingStays) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::animation
+}  // namespace peerd::animation::oracle_test

@@ -8,8 +8,7 @@
 #include "core/animation/animation.hpp"
 #include "core/math.hpp"
 
-namespace peerd::animation {
-namespace {
+namespace peerd::animation::segment_test {
 
 using Floats = std::vector<float>;
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -178,5 +177,4 @@ TEST(Segment, OfNumbersIsTheirRate) {
   EXPECT_EQ(a.segment(*a.field(1, "t"), 5)->position_at(7).x(), 7.0);
 }
 
-}  // namespace
-}  // namespace peerd::animation
+}  // namespace peerd::animation::segment_test

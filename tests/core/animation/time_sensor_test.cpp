@@ -6,8 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace peerd::animation {
-namespace {
+namespace peerd::animation::time_sensor_test {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -153,5 +152,4 @@ TEST(SetInactive, TakesEverythingButNoInterval) {
   EXPECT_TRUE(starts(s, 5.0));
 }
 
-}  // namespace
-}  // namespace peerd::animation
+}  // namespace peerd::animation::time_sensor_test

@@ -9,8 +9,7 @@
 
 #include "tests/core/slow_ear_clipping.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::ear_clipping_test {
 
 using Points = std::vector<PlanePoint>;
 using Triangles = std::vector<CornerTriangle>;
@@ -147,5 +146,4 @@ TEST(EarClipping, OfManyCornersIsNotQuadratic) {
   EXPECT_EQ(cut<EarClipping>(funnel(80'000)).size(), 79'997U);  // of 79,999 corners
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::ear_clipping_test

@@ -6,8 +6,7 @@
 
 #include "tests/core/mesh_checks.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::elevation_grid_test {
 
 ElevationGridGeometry grid(std::int32_t x, std::int32_t z, std::vector<float> height) {
   return {.x_dimension = x, .z_dimension = z, .height = std::move(height)};
@@ -79,5 +78,4 @@ TEST(ElevationGrid, StaysFinite) {
   EXPECT_EQ(build_mesh(g).vertices[2].x(), std::numeric_limits<float>::max());
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::elevation_grid_test

@@ -10,8 +10,7 @@
 
 #include "core/geometry/plane_point.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::exact_sum_test {
 
 using Rational = boost::multiprecision::cpp_rational;
 
@@ -98,5 +97,4 @@ TEST(Turn, OfThreePointsOfALine) {
   EXPECT_EQ(orient2d({kMax, 0}, {-kMax, 0}, {kTiny, 0}), 0);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::exact_sum_test

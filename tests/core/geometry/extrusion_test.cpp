@@ -8,8 +8,7 @@
 
 #include "tests/core/mesh_checks.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::extrusion_test {
 
 using Spine = std::vector<Eigen::Vector3f>;
 using Section = std::vector<std::array<float, 2>>;
@@ -364,5 +363,4 @@ TEST(Extrusion, StaysFinite) {
   for (const Eigen::Vector3f& v : build_mesh(e).vertices) EXPECT_TRUE(v.allFinite());
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::extrusion_test

@@ -9,8 +9,7 @@
 
 #include "tests/core/mesh_checks.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::geometry_test {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -232,5 +231,4 @@ TEST(NoSurface, HasNoPolygons) {
   EXPECT_EQ(mesh_size(text), MeshSize{});
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::geometry_test

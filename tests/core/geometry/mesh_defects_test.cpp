@@ -13,8 +13,7 @@
 
 #include "core/geometry/geometry.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::mesh_defects_test {
 
 using Rational = boost::multiprecision::cpp_rational;
 using Point = Eigen::Vector3f;
@@ -397,5 +396,4 @@ TEST(MeshDefects, OfManyPolygonsAroundACornerAreQuick) {
   EXPECT_EQ(counts_of(defects_of(vertices, corners)), (Counts{2, 1}));
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::mesh_defects_test

@@ -8,8 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace peerd {
-namespace {
+namespace peerd::planarity_test {
 
 using Rational = boost::multiprecision::cpp_rational;
 using Point = Eigen::Vector3f;
@@ -86,5 +85,4 @@ TEST(Planarity, IsWhatRationalNumbersSay) {
   EXPECT_GT(lines, 500);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::planarity_test

@@ -12,8 +12,7 @@
 #include <random>
 #include <set>
 
-namespace peerd {
-namespace {
+namespace peerd::triangulation_test {
 
 using Rational = boost::multiprecision::cpp_rational;
 using Point3 = Eigen::Vector3f;
@@ -422,5 +421,4 @@ TEST(Triangulation, OfManyCornersIsQuick) {
   EXPECT_EQ(triangulated(polygon).size(), n - 2);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::triangulation_test

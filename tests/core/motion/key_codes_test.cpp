@@ -3,8 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace peerd {
-namespace {
+namespace peerd::key_codes_test {
 
 using testing::HasSubstr;
 
@@ -100,5 +99,4 @@ TEST(KeyName, IsForPeople) {
   EXPECT_EQ(name_of({0x41, 7}), "key 65 with state 7");
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::key_codes_test

@@ -5,8 +5,7 @@
 
 #include "core/scene/reader.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::key_sensors_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -167,5 +166,4 @@ TEST(KeySensors, OfAWorldWithoutAnyHearNothing) {
   EXPECT_THAT(sensors.press(kA).hits, IsEmpty());
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::key_sensors_test

@@ -6,8 +6,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::moving_scene_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -142,5 +141,4 @@ TEST(MovingSceneInlines, SayWhatCannotBeRead) {
   EXPECT_EQ(render(bad, bad.diagnostics.at(0)).substr(0, 19), "bad.wrl:2:1: error:");
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::moving_scene_test

@@ -7,8 +7,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::predefined_motion_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -148,5 +147,4 @@ TEST(PredefinedMotion, RunsThroughProtosAndTheirInterfaces) {
   EXPECT_TRUE(motion.rigid_pose(scene.find("FOLLOWS").value(), 1.0).position.isApprox(Vec3(2, 2, 2), 1e-7));
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::predefined_motion_test

@@ -6,8 +6,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::bounding_radius_test {
 
 double reach_of(const std::string& text) {
   const Scene scene = scene_of(text);
@@ -26,5 +25,4 @@ TEST(Reach, FarthestVertexFromTheObjectsOrigin) {
   EXPECT_EQ(reach_of("DEF A Transform { }"), 0.0);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::bounding_radius_test

@@ -5,8 +5,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::geometry_reader_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -219,5 +218,4 @@ TEST(Extrusions, NeedOneScaleAndOrientationOrOneEach) {  // 6.18
   EXPECT_THAT(with("scale [ 1 1, 0 0, -1 1 ]"), testing::Each(HasSubstr("warning")));
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::geometry_reader_test

@@ -4,8 +4,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::path_resolver_test {
 
 // Names that are used again, that look like child indices, that hold a '/', and that stand in PROTOs only.
 std::string random_world(std::mt19937& random) {
@@ -63,5 +62,4 @@ TEST(PathResolver, FindsWhatTheSceneFinds) {
   EXPECT_GT(found, 5'000u);
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::path_resolver_test

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::rotation_test {
 
 Quat turned(float x, float y, float z, float angle) { return to_quat(std::array{x, y, z, angle}); }
 
@@ -49,5 +48,4 @@ TEST(ToQuat, IsTheSameEverywhere) {
   EXPECT_EQ(q.z(), 0x1.96401c3d5084p-3);
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::rotation_test

@@ -4,8 +4,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::scene_builder_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -263,5 +262,4 @@ TEST(SceneBuilderScripts, AreMentionedOnce) {
               ElementsAre("warning 3:1: Scripts are kept and not run; this is the first one"));
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::scene_builder_test

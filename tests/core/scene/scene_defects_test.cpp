@@ -4,8 +4,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::scene_defects_test {
 
 TEST(SceneDefects, AreOfGeometriesNotOfTheirUses) {
   const Scene scene = scene_of(R"(
@@ -45,5 +44,4 @@ TEST(SceneDefects, OfEqualPrimitivesAreEqual) {
   for (std::size_t i = 0; i < kDefects; ++i) EXPECT_EQ(2 * once.counts[i].polygons, twice.counts[i].polygons);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::scene_defects_test

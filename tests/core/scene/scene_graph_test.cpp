@@ -14,8 +14,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::scene_graph_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -747,5 +746,4 @@ TEST(SceneGraphSize, ListsOfWorkToDoAreBounded) {
   EXPECT_EQ(graph.memory_bytes(), bytes);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::scene_graph_test

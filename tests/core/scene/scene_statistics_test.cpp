@@ -4,8 +4,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::scene_statistics_test {
 
 TEST(SceneStatistics, CountWhatIsThere) {
   const SceneStatistics s = statistics_of(scene_of(R"(
@@ -39,5 +38,4 @@ TEST(SceneStatistics, OfNothingAreNothing) {
   EXPECT_EQ(s.nodes + s.instances + s.depth + s.geometries, 0U);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::scene_statistics_test

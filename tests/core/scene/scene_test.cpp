@@ -4,8 +4,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::scene_test {
 
 constexpr const char* kCar = R"(
   Viewpoint { }
@@ -129,5 +128,4 @@ TEST(SceneObjectFromShape, IsExactWithoutScale) {
   EXPECT_EQ(moved.translation(), Vec3(0.1f, 0.7f, -3.0f));
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::scene_test

@@ -4,8 +4,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::diagnostics_test {
 
 std::string rendered(const std::string& text) {
   std::string out;
@@ -127,5 +126,4 @@ TEST(Problems, StopAtTheirLimitAndSaySo) {
   EXPECT_TRUE(problems.back().ends_with("the reader stops here, after 1000 errors")) << problems.back();
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::diagnostics_test

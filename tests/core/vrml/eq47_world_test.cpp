@@ -9,8 +9,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::eq47_world_test {
 
 using std::numbers::pi;
 
@@ -112,5 +111,4 @@ TEST_F(Eq47World, RegistersTheCarWithEverything) {
   EXPECT_EQ(paths, (std::vector<std::string>{"WALL_RIGHT", "WALL_LEFT", "CUBE_1", "CUBE_2", "CUBE_3"}));
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::eq47_world_test

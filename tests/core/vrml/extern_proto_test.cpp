@@ -4,8 +4,7 @@
 #include "core/vrml/parser.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::extern_proto_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -273,5 +272,4 @@ TEST(ExternProtoOfOurOwn, IsKnownByItsUrnInALibraryToo) {
   EXPECT_EQ(scene.interests.size(), 1u);
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::extern_proto_test

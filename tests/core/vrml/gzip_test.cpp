@@ -8,8 +8,7 @@
 #include "tests/core/gzip_text.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::gzip_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -127,5 +126,4 @@ TEST(PackedWorld, CountsUnpacked) {
   EXPECT_THAT(errors_of("Inline { url \"a\" }", {{"a", gzipped(world_text("Shape { }"))}}, options), IsEmpty());
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::gzip_test

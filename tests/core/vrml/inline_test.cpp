@@ -4,8 +4,7 @@
 #include "core/scene/scene_statistics.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::inline_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -257,5 +256,4 @@ TEST(ContentHash, CoversAllFiles) {
   EXPECT_NE(hash("Group { }"), hash("Shape { }"));
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::inline_test

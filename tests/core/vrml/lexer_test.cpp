@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::lexer_test {
 
 std::vector<std::string> words(std::string_view text) {
   std::vector<std::string> out;
@@ -179,5 +178,4 @@ TEST(ReadInt32, TakesDecimalAndHexadecimal) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::lexer_test

@@ -4,8 +4,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::limits_test {
 
 using testing::Contains;
 using testing::ElementsAre;
@@ -411,5 +410,4 @@ TEST(ManyInterests, BesideManyInlinesLeftEmpty) {
   EXPECT_EQ(result.scene->pending_inlines.size(), 100'001u);
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::limits_test

@@ -9,8 +9,7 @@
 #include "core/vrml/parser.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::node_types_test {
 
 TEST(NodeTypes, AreInAlphabeticalOrderWithoutRepeats) {
   std::string_view before;
@@ -302,5 +301,4 @@ TEST(NodeTypes, NameTheirFieldTypes) {
   EXPECT_EQ(find_access("content"), std::nullopt) << "no word of the language";
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::node_types_test

@@ -14,8 +14,7 @@
 #include "core/vrml/lexer.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::number_test {
 
 std::uint32_t bits(float f) { return std::bit_cast<std::uint32_t>(f); }
 
@@ -235,5 +234,4 @@ TEST(Numbers, BehindWhatIsNoneAreJudgedToo) {
                                       "2:36: '0x10' is not a number of MFFloat"}));
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::number_test

@@ -4,8 +4,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::parser_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -236,5 +235,4 @@ TEST(UnknownFields, LoseTheNamesInThem) {
   EXPECT_THAT(errors_of("Viewpoint { extra DEF N Thing { part DEF M Thing { } } } USE N USE M"), IsEmpty());
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::parser_test

@@ -5,8 +5,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::prototype_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -569,5 +568,4 @@ TEST(MemoryLimit, CountsWhatDefaultsUse) {
   EXPECT_FALSE(result.scene.has_value());
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::prototype_test

@@ -3,8 +3,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::route_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -218,5 +217,4 @@ TEST(RouteToALostNode, IsNotReportedAgain) {
               IsEmpty());
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::route_test

@@ -3,8 +3,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml {
-namespace {
+namespace peerd::vrml::script_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -189,5 +188,4 @@ TEST(Script, KeepsSeventyThousandFields) {
   EXPECT_EQ(result.scene->document->nodes.at(0).given().size(), 70'000u);
 }
 
-}  // namespace
-}  // namespace peerd::vrml
+}  // namespace peerd::vrml::script_test

@@ -7,8 +7,7 @@
 #include "core/vrml/node_types.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::shipped_nodes_test {
 
 std::string shipped() {
   std::ifstream in(PEERD_SOURCE_DIR "/configs/worlds/peerd-nodes.wrl");
@@ -60,5 +59,4 @@ TEST(ShippedNodes, MeanTheSameAsTheBuiltInOnes) {
   EXPECT_EQ(scene.object({0}).response->type, ResponseType::kZero);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::shipped_nodes_test

@@ -17,8 +17,7 @@
 #include "core/vrml/document.hpp"
 #include "core/scene/reader.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::writer_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -609,5 +608,4 @@ TEST(WriterCorpus, EachGoodFileComesBackTheSame) {
   EXPECT_GT(good, 0u);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::writer_test

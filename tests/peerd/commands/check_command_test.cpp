@@ -11,8 +11,7 @@
 
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::check_command_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -318,5 +317,4 @@ TEST(Check, WritesACopyThatNeedsNoOtherFile) {
   EXPECT_EQ(nlohmann::json::parse(again.str())["statistics"]["polygons"], 6);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::check_command_test

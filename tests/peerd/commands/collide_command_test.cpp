@@ -14,8 +14,7 @@
 #include "peerd/commands/bake_command.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::collide_command_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -346,5 +345,4 @@ TEST(Bake, OneFileHoldsOneHierarchy) {
   EXPECT_THAT(outcome.err, HasSubstr("B: hierarchyFile \"a.hierarchy\" is another Shape's too"));
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::collide_command_test

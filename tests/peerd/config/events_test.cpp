@@ -6,8 +6,7 @@
 #include "peerd/config/scenario.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::events_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -181,5 +180,4 @@ TEST_F(EventsTest, SomebodyIsThereFromTheStart) {
   EXPECT_THAT(scenario.error().text, HasSubstr("somebody must be there from the start"));
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::events_test

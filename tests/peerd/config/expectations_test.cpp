@@ -6,8 +6,7 @@
 #include "peerd/config/scenario.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::expectations_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -150,5 +149,4 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"NoMode", "that = \"updates_sent\"\nequals = 1\nmode = \"live\"", "11:8: ", "must be one of"}),
     [](const auto& c) { return std::string(c.param.name); });
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::expectations_test

@@ -5,8 +5,7 @@
 
 #include "core/scene/reader.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::node_pattern_test {
 
 using testing::ElementsAre;
 
@@ -68,5 +67,4 @@ TEST_F(FindObjects, NoneIsAnErrorWithItsPlace) {
   EXPECT_EQ(find_objects(scene, {"B*", "f.toml:3:4: "}, "k").error().text.substr(0, 12), "f.toml:3:4: ");
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::node_pattern_test

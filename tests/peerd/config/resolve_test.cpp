@@ -5,8 +5,7 @@
 
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::resolve_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -176,5 +175,4 @@ TEST_F(ResolveTest, AProgramOutsideCallsThemAsTheSettingsDo) {
   EXPECT_TRUE(all[1].outside.empty());
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::resolve_test

@@ -5,8 +5,7 @@
 
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::scenario_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -591,5 +590,4 @@ TEST_F(ScenarioTest, RegionsThatCannotBeAreRefused) {
   EXPECT_THAT(error(kTwoPeers, {"regions.cell_m=75", "relay.through=b"}), HasSubstr("leave out one of the two"));
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::scenario_test

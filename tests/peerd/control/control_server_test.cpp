@@ -19,8 +19,7 @@
 #include "peerd/control/request.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::api {
-namespace {
+namespace peerd::api::control_server_test {
 
 namespace asio = boost::asio;
 using Protocol = asio::local::stream_protocol;
@@ -275,5 +274,4 @@ TEST_F(ControlServerTest, WhoseQueueIsFullLivesAndIsBusy) {
   EXPECT_THAT(second.error().text, HasSubstr("another peer listens there"));
 }
 
-}  // namespace
-}  // namespace peerd::api
+}  // namespace peerd::api::control_server_test

@@ -5,8 +5,7 @@
 
 #include <random>
 
-namespace peerd::api {
-namespace {
+namespace peerd::api::request_test {
 
 using testing::HasSubstr;
 
@@ -147,5 +146,4 @@ TEST(Request, AnyBytesAreRefusedOrUnderstood) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::api
+}  // namespace peerd::api::request_test

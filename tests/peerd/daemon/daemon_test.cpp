@@ -16,8 +16,7 @@
 #include "tests/net/wire.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::daemon_test {
 
 using namespace std::chrono_literals;
 using net::testing_support::Listener;
@@ -226,5 +225,4 @@ TEST(FollowsItsInterface, OneThatIsDeletedAndMadeAnew) {
   });
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::daemon_test

@@ -6,8 +6,7 @@
 #include <ostream>
 #include <string>
 
-namespace peerd {
-namespace {
+namespace peerd::rehearsal_test {
 
 using replication::PublishPolicy;
 
@@ -57,5 +56,4 @@ TEST(Rehearsal, TellsInEachRunOfAnotherSession) {
   expect_told(**rehearsal);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::rehearsal_test

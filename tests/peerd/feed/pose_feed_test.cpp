@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace peerd::feed {
-namespace {
+namespace peerd::feed::pose_feed_test {
 
 using namespace std::chrono_literals;
 
@@ -383,5 +382,4 @@ TEST(PoseFeed, QueuesAreNotMadeIntoVelocity) {
   EXPECT_LT(worst, 4.5 / s * 0.5 * kSpeed * j);
 }
 
-}  // namespace
-}  // namespace peerd::feed
+}  // namespace peerd::feed::pose_feed_test

@@ -6,8 +6,7 @@
 
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::toml_input_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -215,5 +214,4 @@ TEST(Merge, OverWinsTableByTable) {
   EXPECT_EQ(base, *parse_toml("a = 2\nlist = [3]\nv = 7\nw = 8\n[t]\nx = 1\ny = 3", "f"));
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::toml_input_test

@@ -6,8 +6,7 @@
 
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::agreement_test {
 
 using enum Verdict;
 using samples::kA, samples::kB, samples::kC, samples::kCar, samples::kCube, samples::kWall;
@@ -144,5 +143,4 @@ TEST(Agreement, LatencyRunsToTheFirstOfTheWordsThatStay) {
   EXPECT_DOUBLE_EQ(a.latency_s.front(), 0.25);
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::agreement_test

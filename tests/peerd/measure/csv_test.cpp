@@ -8,8 +8,7 @@
 
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::csv_test {
 
 using samples::belief, samples::kA, samples::kB, samples::kCar, samples::kWall;
 
@@ -99,5 +98,4 @@ TEST(Csv, CollisionsCarryTheirVerdict) {
                                    "1,2.1,b,predicted,CAR,#17,1,0,0,2.15,agreed"));
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::csv_test

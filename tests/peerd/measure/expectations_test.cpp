@@ -7,8 +7,7 @@
 #include "peerd/measure/summary.hpp"
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::expectations_test {
 
 using Json = nlohmann::ordered_json;
 using config::Expectation;
@@ -173,5 +172,4 @@ TEST_F(ExpectationsReport, IsWrittenDown) {
   EXPECT_EQ(expectations_table({}, rows), "");
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::expectations_test

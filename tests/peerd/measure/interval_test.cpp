@@ -10,8 +10,7 @@
 #include "peerd/report/table.hpp"
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::interval_test {
 
 // n numbers whose mean is 0 and whose standard deviation is 1: the half width is t / sqrt(n).
 std::vector<double> standard(std::size_t n) {
@@ -81,5 +80,4 @@ TEST(Points, LeaveOutWhatWasNotSeen) {
             summary["runs"][0]["objects"][0]["ghost_error_m"]["mean"]);
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::interval_test

@@ -5,8 +5,7 @@
 #include "peerd/report/figures.hpp"
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::pareto_test {
 
 using Json = nlohmann::ordered_json;
 
@@ -75,5 +74,4 @@ TEST(ParetoFigure, NeedsTwoRunsOfOneNetwork) {
   EXPECT_THAT(pareto_figure(summary_of(runs)), testing::HasSubstr(">mean ghost error [m], logarithmic</text>"));
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::pareto_test

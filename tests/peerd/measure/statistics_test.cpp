@@ -6,8 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::statistics_test {
 
 TEST(Statistics, HandNumbers) {
   const Statistics s = statistics({3.0, 1.0, 2.0, 6.0});
@@ -51,5 +50,4 @@ TEST(Integral, TrapezoidsOfUnevenSteps) {
   EXPECT_EQ(integral({}), 0.0);
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::statistics_test

@@ -9,8 +9,7 @@
 #include "peerd/report/table.hpp"
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::summary_test {
 
 using Json = nlohmann::ordered_json;
 using samples::belief, samples::kA, samples::kB, samples::kC, samples::kCar, samples::kCube;
@@ -202,5 +201,4 @@ TEST(Sweep, Words) {
   EXPECT_EQ(short_name("a.rate_hz", keys), "a.rate_hz");
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::summary_test

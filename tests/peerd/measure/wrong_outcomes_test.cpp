@@ -5,8 +5,7 @@
 #include "peerd/report/table.hpp"
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::wrong_outcomes_test {
 
 using samples::kA, samples::kB, samples::kCar, samples::kCube, samples::kWall;
 
@@ -69,5 +68,4 @@ TEST(WrongOutcomesTable, IsNotThereWhereNothingWasCompared) {
   EXPECT_EQ(wrong_outcomes_table(summary), "");
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::wrong_outcomes_test

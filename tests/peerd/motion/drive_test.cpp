@@ -6,8 +6,7 @@
 
 #include "tests/peerd/path_checks.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::drive_test {
 
 constexpr PathTimes kTimes{-5.0, 120.0};
 const Vec3 kStart(20, 0.5, 1.75);
@@ -98,5 +97,4 @@ TEST(Drive, IsSmooth) {
   path_checks::expect_derivatives(path, -5.0, 120.0, 3000);
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::drive_test

@@ -4,8 +4,7 @@
 
 #include "tests/peerd/path_checks.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::flock_test {
 
 constexpr PathTimes kTimes{-5.0, 60.0};
 
@@ -82,5 +81,4 @@ TEST(Flock, LooksWhereItFliesAndIsSmooth) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::flock_test

@@ -9,8 +9,7 @@
 
 #include "peerd/motion/right_derivatives.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::motion_formula_test {
 
 using std::numbers::pi;
 using testing::HasSubstr;
@@ -306,5 +305,4 @@ TEST(RightDerivatives, NeverLookLeft) {
   EXPECT_NEAR(right_derivatives(right_only, 3.0).first, 6.0, 1e-9);
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::motion_formula_test

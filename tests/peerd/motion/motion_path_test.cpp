@@ -7,8 +7,7 @@
 
 #include "tests/peerd/path_checks.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::motion_path_test {
 
 using path_checks::expect_continuous;
 using path_checks::expect_derivatives;
@@ -144,5 +143,4 @@ TEST(FaceForward, WhoStandsLooksWhereItDid) {
   EXPECT_TRUE(s.angular_velocity_body.isZero(0.0));
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::motion_path_test

@@ -8,8 +8,7 @@
 #include "tests/peerd/path_checks.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::track_test {
 
 using testing::HasSubstr;
 using testing_support::ScratchFolder;
@@ -74,5 +73,4 @@ TEST(Track, WhatIsWrongIsNamedWithItsLine) {
   EXPECT_THAT(load_track({folder / "none.csv"}).error().text, HasSubstr("none.csv: error: there is no such file"));
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::track_test

@@ -4,8 +4,7 @@
 
 #include "tests/peerd/path_checks.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::walk_test {
 
 WalkSettings square() {
   WalkSettings s;
@@ -82,5 +81,4 @@ TEST(Walk, NobodyStandsWithoutStops) {
   for (const Knot& k : walk(s, 1, 0, Vec3::Zero(), kTimes)) ASSERT_GT(k.state.velocity.norm(), 0.4) << k.t_s;
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::walk_test

@@ -4,8 +4,7 @@
 
 #include "tests/peerd/path_checks.hpp"
 
-namespace peerd::config {
-namespace {
+namespace peerd::config::waypoints_test {
 
 using path_checks::expect_continuous;
 using path_checks::expect_derivatives;
@@ -108,5 +107,4 @@ TEST(FacingForward, ItTurnsAtOnceAtACorner) {
   EXPECT_LT((path.sample(1.0).velocity - Vec3(2, 0, 0)).norm(), 1e-12);
 }
 
-}  // namespace
-}  // namespace peerd::config
+}  // namespace peerd::config::waypoints_test

@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace peerd::netem {
-namespace {
+namespace peerd::netem::netem_settings_test {
 
 struct Case {
   const char* name;
@@ -82,5 +81,4 @@ TEST(NetemTable, AllHeldBack) {
   for (const double ms : delays) ASSERT_DOUBLE_EQ(ms, 200);
 }
 
-}  // namespace
-}  // namespace peerd::netem
+}  // namespace peerd::netem::netem_settings_test

@@ -7,8 +7,7 @@
 
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::peer_log_test {
 
 using testing::HasSubstr;
 using testing_support::ScratchFolder;
@@ -124,5 +123,4 @@ TEST(PeerLog, SaysWhichFileCannotBeHad) {
   EXPECT_EQ(saved.error().exit_code, 3);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::peer_log_test

@@ -4,8 +4,7 @@
 
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::peer_node_test {
 
 using namespace std::chrono_literals;
 
@@ -44,5 +43,4 @@ TEST(PeerNode, WhoSleepsThroughTheStartBeginsWhenItWakes) {
   EXPECT_NEAR(s.position.x(), 2.0, 0.1);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::peer_node_test

@@ -5,8 +5,7 @@
 #include <chrono>
 #include <random>
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::arrival_clock_test {
 
 using namespace std::chrono_literals;
 
@@ -144,5 +143,4 @@ TEST(ArrivalClock, SlowReadingsAreNoStep) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::arrival_clock_test

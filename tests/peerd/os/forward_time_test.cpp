@@ -4,8 +4,7 @@
 
 #include <chrono>
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::forward_time_test {
 
 using namespace std::chrono_literals;
 
@@ -22,5 +21,4 @@ TEST(ForwardTime, NeverRunsBackwardsAndSaysHowOftenItWouldHave) {
   EXPECT_EQ(time.most(), 2s);
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::forward_time_test

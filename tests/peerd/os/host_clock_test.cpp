@@ -4,8 +4,7 @@
 
 #include <chrono>
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::host_clock_test {
 
 using namespace std::chrono_literals;
 
@@ -57,5 +56,4 @@ TEST(HostClock, TwoClocksOfOneComputerRunAtOneRate) {
   EXPECT_LT(std::chrono::abs((b.now() - a.now()) - first), 10ms);
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::host_clock_test

@@ -5,8 +5,7 @@
 
 #include <algorithm>
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::interfaces_test {
 
 using testing::HasSubstr;
 
@@ -140,5 +139,4 @@ TEST(ListInterfaces, FindsLo) {
   EXPECT_TRUE(std::ranges::is_sorted(*here, {}, &Interface::index));
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::interfaces_test

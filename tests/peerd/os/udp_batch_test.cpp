@@ -8,8 +8,7 @@
 #include "peerd/os/udp_socket.hpp"
 #include "tests/net/listener.hpp"
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::udp_batch_test {
 
 using asio::ip::udp;
 using testing::ElementsAre;
@@ -123,5 +122,4 @@ TEST_F(UdpBatch, TheRefusedAreCountedAndTheOthersLeave) {
   EXPECT_THAT(read_all(), ElementsAre("next")) << "nothing of the last batch is sent again";
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::udp_batch_test

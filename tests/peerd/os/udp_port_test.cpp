@@ -7,8 +7,7 @@
 
 #include "tests/net/listener.hpp"
 
-namespace peerd::feed {
-namespace {
+namespace peerd::feed::udp_port_test {
 
 namespace asio = boost::asio;
 using asio::ip::udp;
@@ -106,5 +105,4 @@ TEST_F(UdpPortTest, MayGoWhileItListens) {
   EXPECT_TRUE(heard.empty());
 }
 
-}  // namespace
-}  // namespace peerd::feed
+}  // namespace peerd::feed::udp_port_test

@@ -5,8 +5,7 @@
 
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::record {
-namespace {
+namespace peerd::record::capture_test {
 
 namespace ip = boost::asio::ip;
 using peerd::testing_support::ScratchFolder;
@@ -128,5 +127,4 @@ TEST(CaptureFile, OfSomebodyElseIsRefused) {
   EXPECT_THAT(reader.error(), HasSubstr("no capture of peerd's"));
 }
 
-}  // namespace
-}  // namespace peerd::record
+}  // namespace peerd::record::capture_test

@@ -5,8 +5,7 @@
 
 #include <sstream>
 
-namespace peerd::record {
-namespace {
+namespace peerd::record::pcapng_test {
 
 using testing::HasSubstr;
 
@@ -164,5 +163,4 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"LongOption", [] { return with_byte(3, 34, 99); }, "option is longer"}),
     [](const auto& c) { return std::string(c.param.name); });
 
-}  // namespace
-}  // namespace peerd::record
+}  // namespace peerd::record::pcapng_test

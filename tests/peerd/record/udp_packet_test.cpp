@@ -5,8 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace peerd::record {
-namespace {
+namespace peerd::record::udp_packet_test {
 
 namespace ip = boost::asio::ip;
 
@@ -61,5 +60,4 @@ TEST(UdpPacket, WhatIsEncodedDecodesAndNoBitMayDiffer) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::record
+}  // namespace peerd::record::udp_packet_test

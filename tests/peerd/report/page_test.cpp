@@ -9,8 +9,7 @@
 #include "peerd/report/page_style.hpp"
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::page_test {
 
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
@@ -191,5 +190,4 @@ TEST(ReportPage, KnowsEveryNeutralColourOfItsPictures) {
   EXPECT_GT(colours.size(), 6u);
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::page_test

@@ -11,8 +11,7 @@
 #include "peerd/report/figures.hpp"
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::svg_test {
 
 // Why a text is not well-formed XML of the simple kind that we write; nullopt if it is.
 std::optional<std::string> malformed(const std::string& xml) {
@@ -299,5 +298,4 @@ TEST(FigureFrame, SameScaleForSameLatency) {
   EXPECT_LT(frame.error_m.at("5").hi, frame.error_m.at("500").hi);
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::svg_test

@@ -9,8 +9,7 @@
 
 #include "tests/peerd/report_samples.hpp"
 
-namespace peerd::report {
-namespace {
+namespace peerd::report::write_test {
 
 namespace fs = std::filesystem;
 
@@ -98,5 +97,4 @@ TEST_F(WriteReport, NamesThatAreNotUtf8AreWrittenAnyway) {
   EXPECT_TRUE(nlohmann::json::accept(slurp(dir_ / "summary.json")));
 }
 
-}  // namespace
-}  // namespace peerd::report
+}  // namespace peerd::report::write_test

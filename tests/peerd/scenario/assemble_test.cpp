@@ -5,8 +5,7 @@
 
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::assemble_test {
 
 using testing::HasSubstr;
 
@@ -168,5 +167,4 @@ TEST_F(AssembleTest, WithoutTheOwnersRowsThereIsNoSample) {
   EXPECT_TRUE(record().beliefs.empty());
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::assemble_test

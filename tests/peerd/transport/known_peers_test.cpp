@@ -5,8 +5,7 @@
 
 #include <set>
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::known_peers_test {
 
 using namespace std::chrono_literals;
 using asio::ip::udp;
@@ -317,5 +316,4 @@ TEST(KnownPeers, ItNamesTheOthersAndInTurnsWhereTheyAreMany) {
   EXPECT_EQ(named.size(), 61u) << "all but itself and the loopback address";
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::known_peers_test

@@ -13,8 +13,7 @@
 
 #include "tests/net/listener.hpp"
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::multicast_socket_test {
 
 using asio::ip::udp;
 using testing::ElementsAre;
@@ -482,5 +481,4 @@ TEST_F(MulticastSocketTest, SettingsThatCannotWorkAreRefused) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::multicast_socket_test

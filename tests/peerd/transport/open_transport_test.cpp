@@ -7,8 +7,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::open_transport_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -159,5 +158,4 @@ INSTANTIATE_TEST_SUITE_P(Table, BadPeer,
                                          "192.0.2.1:4x", "192.0.2.1: 4000", "2001:db8::1:4000", "[]:4000",
                                          "[192.0.2.1:4000", "192.0.2.1]:4000"));
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::open_transport_test

@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::region_groups_test {
 
 using testing::HasSubstr;
 
@@ -202,5 +201,4 @@ INSTANTIATE_TEST_SUITE_P(
                     Garbage{"NoPort", "239.192.0.0", 0, "port 0"}),
     [](const auto& c) { return std::string(c.param.name); });
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::region_groups_test

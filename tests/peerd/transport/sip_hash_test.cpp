@@ -4,8 +4,7 @@
 
 #include <array>
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::sip_hash_test {
 
 // Bytes 00, 01, 02 ...
 std::array<std::byte, 16> counting() {
@@ -34,5 +33,4 @@ TEST(SipHash, DependsOnEveryByteAndOnTheKey) {
   EXPECT_NE(sip_hash({kKey.k0, kKey.k1 ^ 1}, bytes), hash);
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::sip_hash_test

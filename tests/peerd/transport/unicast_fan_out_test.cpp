@@ -8,8 +8,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::unicast_fan_out_test {
 
 using asio::ip::udp;
 using testing::ElementsAre;
@@ -375,5 +374,4 @@ TEST_F(UnicastFanOutTest, APortOfSomebodyElseIsRefused) {
   EXPECT_THAT(second.error().sentence, HasSubstr("give this peer another port"));
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::unicast_fan_out_test

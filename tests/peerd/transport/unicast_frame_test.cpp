@@ -7,8 +7,7 @@
 
 #include "tests/net/listener.hpp"
 
-namespace peerd::net {
-namespace {
+namespace peerd::net::unicast_frame_test {
 
 using asio::ip::udp;
 using testing::ElementsAre;
@@ -114,5 +113,4 @@ TEST_P(Greetings, ChangedBytesAreRefusedOrAGreeting) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::net
+}  // namespace peerd::net::unicast_frame_test

@@ -6,8 +6,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::decision_log_test {
 
 using namespace test;
 
@@ -133,5 +132,4 @@ TEST(DecisionLogProperty, WhatStandsIsAFunctionOfTheSet) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::decision_log_test

@@ -4,8 +4,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::decision_test {
 
 using namespace test;
 
@@ -110,5 +109,4 @@ TEST(Sees, WhatLiesInTheFrustum) {
   EXPECT_FALSE(sees({{}, 0.0, 1.0}, box_at(0, -10))) << "no frustum at all";
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::decision_test

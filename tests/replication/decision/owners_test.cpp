@@ -7,8 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::owners_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -58,5 +57,4 @@ TEST(Owners, ATableAsAMapIs) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::owners_test

@@ -6,8 +6,7 @@
 #include <random>
 #include <set>
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::interest_test {
 
 using namespace std::chrono_literals;
 using testing::ElementsAre;
@@ -129,5 +128,4 @@ TEST(RegionSettings, ASessionIsThatOfOneCut) {
   EXPECT_EQ(a.session_hash(77), b.session_hash(77)) << "a peer's own affair";
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::interest_test

@@ -6,8 +6,7 @@
 #include <random>
 #include <set>
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::region_grid_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -145,5 +144,4 @@ TEST(RegionGrid, HowFarOutsideOfItsCell) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::region_grid_test

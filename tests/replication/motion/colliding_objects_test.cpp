@@ -9,8 +9,7 @@
 #include "tests/replication/lan.hpp"
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::colliding_objects_test {
 
 using namespace test;
 using testing::ElementsAre;
@@ -132,5 +131,4 @@ TEST(CollidingObjects, OfAnOwnObjectTheTruthTellsNotItsGhost) {
   EXPECT_THAT(lan.seen<NotColliding>(0), IsEmpty());
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::colliding_objects_test

@@ -10,8 +10,7 @@
 #include "tests/replication/lan.hpp"
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::convergence_test {
 
 using namespace test;
 
@@ -182,5 +181,4 @@ TEST(Convergence, WhereAnOwnWallWasAndIsNoLongerKnownHindersNothing) {
   EXPECT_EQ(lan.peer(1).counters().convergence_detours, 0u);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::convergence_test

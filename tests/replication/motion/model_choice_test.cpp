@@ -8,8 +8,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::model_choice_test {
 
 using namespace test;
 
@@ -172,5 +171,4 @@ TEST(Choice, OfNonsenseIsWithinLimits) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::model_choice_test

@@ -9,8 +9,7 @@
 #include "replication/motion/timeline.hpp"
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::motion_model_test {
 
 using namespace test;
 
@@ -305,5 +304,4 @@ TEST(Evaluate, ItsPartsAreTheSameToTheLastBit) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::motion_model_test

@@ -8,8 +8,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::motion_world_test {
 
 using namespace test;
 using testing::ElementsAre;
@@ -952,5 +951,4 @@ TEST(MotionWorld, WhatSlidesComesToRestAndCostsNothingThen) {
   EXPECT_EQ(world.counters().contacts, 0u);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::motion_world_test

@@ -7,8 +7,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::position_history_test {
 
 using namespace test;
 
@@ -75,5 +74,4 @@ TEST(PoseHistory, FindsWhatASourceDoesNotSay) {
   EXPECT_LT((found.angular_velocity_body - s.angular_velocity_body).norm(), 1e-9);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::position_history_test

@@ -6,8 +6,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::response_test {
 
 using namespace test;
 
@@ -231,5 +230,4 @@ TEST(LawOfOutcome, TellsFrictionFromGravity) {
   EXPECT_EQ(law_of_outcome(nullptr, slides.state).kind, MotionKind::kSecond);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::response_test

@@ -5,8 +5,7 @@
 #include <random>
 #include <vector>
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::schedule_test {
 
 // Any sequence of settings, at any size, against looking at all of them.
 TEST(Schedule, FindsWhatIsDueInOrder) {
@@ -39,5 +38,4 @@ TEST(Schedule, NothingIsDueAtFirst) {
   EXPECT_EQ(schedule.next_due(0, SimTime::max() - Duration{1}), 5u);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::schedule_test

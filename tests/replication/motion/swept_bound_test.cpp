@@ -7,8 +7,7 @@
 #include "collision/contact/contact_time.hpp"
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::swept_bound_test {
 
 using namespace test;
 
@@ -145,5 +144,4 @@ TEST(SweptBound, IsOfOneInstantWhereALawBegins) {
   EXPECT_FALSE(bound(1s + 1ns).answers_for(sim(1s)));
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::swept_bound_test

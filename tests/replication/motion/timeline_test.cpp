@@ -8,8 +8,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::timeline_test {
 
 using namespace test;
 
@@ -142,5 +141,4 @@ TEST(Timeline, AnswersDoNotDependOnWhatWasAskedBefore) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::timeline_test

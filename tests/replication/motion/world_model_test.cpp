@@ -6,8 +6,7 @@
 #include "replication/motion/motion_world.hpp"
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::world_model_test {
 
 using namespace test;
 using testing::ElementsAre;
@@ -84,5 +83,4 @@ TEST(WorldModel, FindsAnObjectsPairsAndPartners) {
   EXPECT_THAT(w.model->partners_of_body[1], ElementsAre(0));
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::world_model_test

@@ -6,8 +6,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::publisher_test {
 
 using namespace test;
 
@@ -223,5 +222,4 @@ TEST(PublishReasonName, IsDistinctForEach) {
   EXPECT_STREQ(to_string(PublishReason::kGain), "gain");
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::publisher_test

@@ -5,8 +5,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::membership_test {
 
 using namespace test;
 using Heard = Membership::Heard;
@@ -86,5 +85,4 @@ TEST(Membership, RemovesOnce) {
   EXPECT_FALSE(members.remove(kThree).has_value());
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::membership_test

@@ -8,8 +8,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::offset_interval_test {
 
 using namespace test;
 
@@ -165,5 +164,4 @@ TEST(OffsetBounds, MeetOrNot) {
   EXPECT_FALSE(intersection({1s, 2s}, {2s + 1ns, 3s}));
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::offset_interval_test

@@ -4,8 +4,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::session_clock_test {
 
 using namespace test;
 
@@ -122,5 +121,4 @@ TEST(SessionClock, LeadingGoesOnWithTheTimeAsItIs) {
   EXPECT_EQ(clock.session_minus_host(host(120s)), Duration(3s));
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::session_clock_test

@@ -6,8 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::bit_stream_test {
 
 struct Field {
   std::uint64_t value;
@@ -69,5 +68,4 @@ TEST(BitStream, ReadsBitByBitAndZerosBeyondTheEnd) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::bit_stream_test

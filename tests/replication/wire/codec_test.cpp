@@ -8,8 +8,7 @@
 
 #include "tests/replication/messages.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::codec_test {
 
 using namespace test;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -458,5 +457,4 @@ TEST(HelloSize, AFullHelloFits) {
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::codec_test

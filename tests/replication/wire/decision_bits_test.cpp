@@ -8,8 +8,7 @@
 
 #include "tests/replication/messages.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::decision_bits_test {
 
 using namespace test;
 
@@ -112,5 +111,4 @@ TEST(DecisionBits, OnlyWhatCanBeIsTaken) {
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.known = SimTime::max(); }));
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::decision_bits_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::hello_lists_test {
 
 std::vector<Echo> echoes_of(const std::vector<std::uint32_t>& peers) {
   std::vector<Echo> echoes;
@@ -29,5 +28,4 @@ TEST(LeavesOut, WhatAListPassesOverThatGoesRound) {
   for (const std::uint32_t peer : {13u, 20u, 29u}) EXPECT_FALSE(leaves_out(echoes, PeerId{peer})) << peer;
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::hello_lists_test

@@ -6,8 +6,7 @@
 #include <random>
 #include <set>
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::loss_meter_test {
 
 TEST(LossMeter, OneInTenBeforeAnythingIsKnown) { EXPECT_DOUBLE_EQ(LossMeter{}.loss(), 0.1); }
 
@@ -142,5 +141,4 @@ TEST(CopiesAgainst, FewestThatSuffice) {
   EXPECT_EQ(copies_against(0.5, 1), 1U);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::loss_meter_test

@@ -6,8 +6,7 @@
 
 #include "tests/replication/traffic.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::record_test {
 
 using namespace test;
 
@@ -465,5 +464,4 @@ TEST(Damage, OfNoiseIsRefusedOrARecord) {
   EXPECT_GT(taken, 0);  // some noise is one
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::record_test

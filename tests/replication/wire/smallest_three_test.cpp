@@ -8,8 +8,7 @@
 #include "replication/wire/record.hpp"
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::smallest_three_test {
 
 bool same_bits(const Quat& a, const Quat& b) {
   return test::same_bits(at_rest({Vec3::Zero(), a}), at_rest({Vec3::Zero(), b}));
@@ -83,5 +82,4 @@ TEST(SmallestThree, RefusesMoreThanAUnit) {
   EXPECT_FALSE(to_orientation({0, {SmallestThree::kMost, SmallestThree::kMost, 1}}));
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::smallest_three_test
