@@ -24,7 +24,7 @@ constexpr int kEnvironment = 3;
 struct RunFlags {
   std::string world, name, interface, group;
   std::optional<std::uint32_t> id, port;
-  std::vector<std::string> enslaves;
+  std::vector<std::string> owns;
 };
 
 // A number for a peer that was given none. Two that start in the same microsecond clash, and say so; configured peers,
@@ -55,7 +55,7 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
   if (options.config.empty()) {
     options.peer = flags.name.empty() ? "peer" : flags.name;
     sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : number_by_clock()));
-    sets.push_back("peer." + options.peer + ".enslaves=" + json_line(flags.enslaves));
+    sets.push_back("peer." + options.peer + ".enslaves=" + json_line(flags.owns));
   }
   for (const std::string& set : network_settings(flags)) sets.push_back(set);
   sets.insert(sets.end(), options.sets.begin(), options.sets.end());
@@ -83,7 +83,7 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_option("--peer", peer.peer, "which of the configuration's peers");
   command.add_option("--name", flags.name, "this peer's name, without a configuration");
   command.add_option("--id", flags.id, "this peer's number; each peer needs its own");
-  command.add_option("--enslave", flags.enslaves, "a node of the world that this peer runs (repeatable)")
+  command.add_option("--enslave", flags.owns, "a node of the world that this peer runs (repeatable)")
       ->allow_extra_args(false);
   add_network_options(command, flags);
   command.add_option("--control", peer.control,
@@ -300,7 +300,7 @@ int run(int argc, char** argv) {
   if (peer.config.empty() && flags.world.empty()) {
     return failed({"error: give a configuration (--config FILE) or a world (--world FILE)", kWrongUse});
   }
-  const bool describes_peer = !flags.name.empty() || flags.id || !flags.enslaves.empty();
+  const bool describes_peer = !flags.name.empty() || flags.id || !flags.owns.empty();
   if (!peer.config.empty() && describes_peer) {
     return failed(
         {"error: --name, --id and --enslave describe a peer without a configuration; change one of the "

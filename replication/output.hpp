@@ -45,7 +45,7 @@ struct OsClockDoubted {
   PeerId peer;
   Duration apart;  // of what they say and what the stamps allow
 };
-struct Slept {
+struct HostSuspended {
   Duration gap;  // this peer was not run for so long; its objects go on from where they were
 };
 struct PeerJoined {
@@ -56,9 +56,9 @@ struct PeerJoined {
 struct PeerLost {
   PeerId peer;
   std::string name;
-  bool said_goodbye;
+  bool left_gracefully;
 };
-struct Frozen {
+struct ObjectOrphaned {
   ObjectId object;
   PeerId owner;
 };
@@ -96,8 +96,8 @@ struct ContactSeen {
   ContactEvent contact;
   SimTime known_at;
 };
-using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, Slept, PeerJoined, PeerLost,
-                            Frozen, OtherVersion, OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen,
-                            Overruled, TakenBack, NotColliding>;
+using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined, PeerLost,
+                            ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen,
+                            Overruled, ContactsRetracted, NotColliding>;
 
 }  // namespace peerd::replication

@@ -24,13 +24,13 @@ const char* to_string(Drop drop) {
       return "undecodable";
     case Drop::kIdInUse:
       return "id_in_use";
-    case Drop::kStaleBoot:
+    case Drop::kStaleIncarnation:
       return "stale_boot";
     case Drop::kOtherWorld:
       return "other_world";
     case Drop::kTooMany:
       return "too_many";
-    case Drop::kStranger:
+    case Drop::kUnintroduced:
       return "stranger";
     case Drop::kRegion:
       return "region";
@@ -44,29 +44,29 @@ Peer::Peer(PeerConfig config, const WorldModel& model)
     : config_(std::move(config)),
       model_(model),
       members_(config_.lost_after),
-      places_(model.scene->instances.size()),
+      own_index_(model.scene->instances.size()),
       owners_(model.scene->instances.size()),
       colliding_(model),
       grid_(config_.regions.grid()),
       interest_(grid_, config_.regions.hysteresis) {
   if (!model.moving.empty()) predefined_.emplace(*model.scene);
-  assert(config_.id.value != 0 && config_.boot != 0 && config_.tick_hz > 0);
-  std::ranges::sort(config_.enslaved, {}, &Enslaved::object);
-  own_.reserve(config_.enslaved.size());
-  for (const Enslaved& e : config_.enslaved) {
-    Own& own = own_[e.object];
+  assert(config_.id.value != 0 && config_.incarnation != 0 && config_.tick_hz > 0);
+  std::ranges::sort(config_.owned, {}, &OwnedObject::object);
+  own_objects_.reserve(config_.owned.size());
+  for (const OwnedObject& e : config_.owned) {
+    OwnObject& own = own_objects_[e.object];
     own.driven = e.driven;
     own.launch = e.launch;
     if (config_.policy.surface_error) own.bounding_radius_m = bounding_radius_m(*model.scene, e.object);
     owners_.set(e.object, config_.id);
   }
-  place_own();
+  index_own_objects();
   outputs_.push_back(Join{kWholeScene});
 }
 
 void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
   const std::optional<SimTime> due = due_tick(now);
-  const bool ticks = keep_session(now) && due;
+  const bool ticks = maintain_session(now) && due;
   if (ticks) {
     const std::int64_t number = tick_number(*due);
     ++counters_.ticks;
@@ -79,17 +79,17 @@ void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
   if (now >= *next_hello_) {  // before the records: who has not heard of a peer can't use its updates
     send_hello(now, false);
     repeat_updates(now);
-    repeat_decisions();
+    repeat_unacknowledged_decisions();
     last_hello_ = now;
     next_hello_ = now + (clock_.synchronised() ? config_.settled_hello_period : kJoiningHelloPeriod);
   }
-  if (ticks) announce_entered();
+  if (ticks) announce_subscriptions();
   flush_records(ticks);
   const std::uint32_t& number = datagram_numbers_[kWholeScene];
-  if (number == said_ && now - last_said_ >= config_.hello_period) say_nothing();
-  if (number == said_) return;
-  said_ = number;
-  last_said_ = now;
+  if (number == last_sent_number_ && now - last_sent_at_ >= config_.hello_period) send_keepalive();
+  if (number == last_sent_number_) return;
+  last_sent_number_ = number;
+  last_sent_at_ = now;
 }
 
 std::int64_t Peer::tick_number(SimTime t) const {
@@ -114,9 +114,9 @@ std::optional<SimTime> Peer::due_tick(HostTime now) const {
   return tick_time(number);
 }
 
-void Peer::look(SimTime t) {
+void Peer::advance_ghosts(SimTime t) {
   if (!replica_) return;
-  tell_predefined(t);
+  extend_predefined(t);
   replica_->ghosts.advance(t);
 }
 
@@ -138,7 +138,7 @@ void Peer::reuse(Bytes&& datagram) {
 
 HostTime Peer::next_deadline() const {
   if (!next_hello_) return HostTime::min();
-  HostTime next = std::min(*next_hello_, last_said_ + config_.hello_period);
+  HostTime next = std::min(*next_hello_, last_sent_at_ + config_.hello_period);
   if (replica_) next = std::min(next, clock_.to_host(tick_time(last_tick_ + 1)));
   if (const auto expiry = members_.next_expiry()) next = std::min(next, *expiry);
   return next;
@@ -163,10 +163,10 @@ bool Peer::may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from,
   return std::ranges::none_of(model_.pairs_of(object), [&](std::uint32_t number) {
     const CollisionPair& pair = model_.pairs[number];
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
-    if (!holds(other)) return false;
-    const MotionWorld& drawn = own_.contains(other) ? replica_->truth : replica_->ghosts;
+    if (!receives(other)) return false;
+    const MotionWorld& drawn = own_objects_.contains(other) ? replica_->truth : replica_->ghosts;
     const Pose now = drawn.at(other, t).pose();
-    const Vec3 then = drawn.knows(other, since) ? drawn.at(other, since).position : now.position;
+    const Vec3 then = drawn.has_history_at(other, since) ? drawn.at(other, since).position : now.position;
     KinematicState goes = at_rest({then, now.orientation});
     goes.velocity = now.position - goes.position;
     const collision::ContactState met =
@@ -184,7 +184,7 @@ Duration Peer::display_delay() const {
 
 Pose Peer::shown(ObjectId object, SimTime t) {
   const Duration delay = display_delay();
-  if (own_.contains(object)) return truth(object, config_.display_delay.own ? t - delay : t).pose();
+  if (own_objects_.contains(object)) return truth(object, config_.display_delay.own ? t - delay : t).pose();
   if (delay > Duration{0}) return ghost(object, t - delay).pose();
   const KinematicState state = ghost(object, t);
   if (!replica_->ghosts.has(object)) return state.pose();
@@ -196,7 +196,7 @@ Pose Peer::shown(ObjectId object, SimTime t) {
       t, state, ghosts.revision(object),
       [&](const Vec3& from, const Vec3& to) { return may_pass(object, since, t, from, to); },
       [&](SimTime at) {
-        return ghosts.knows(object, at) ? std::optional(ghosts.at(object, at).pose()) : std::nullopt;
+        return ghosts.has_history_at(object, at) ? std::optional(ghosts.at(object, at).pose()) : std::nullopt;
       });
   counters_.convergence_blocked += convergence.blocked() - blocked;
   counters_.convergence_detours += convergence.detours() - detours;

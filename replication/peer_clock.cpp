@@ -14,29 +14,29 @@ constexpr Duration kOtherSession = std::chrono::milliseconds(500);
 constexpr std::uint64_t kExchangesToStart = 4;
 // So many times as long as it listens anyway, a peer waits for somebody heard to introduce itself, who may have a
 // session.
-constexpr int kStrangersAwaited = 3;
+constexpr int kIntroductionPatience = 3;
 
 }  // namespace
 
 // Who hears nobody answers nobody: once it has had the time to, nobody waits for it or follows it.
-bool Peer::may_answer(HostTime now, const Member& member) const {
+bool Peer::may_respond(HostTime now, const Member& member) const {
   const auto turn = static_cast<std::int64_t>(hellos_to_name(members_.all().size()));
-  const Duration patience = kStrangersAwaited * config_.listen_first + turn * config_.settled_hello_period;
-  return member.knows_us || now - listens_since_ < patience;
+  const Duration patience = kIntroductionPatience * config_.listen_first + turn * config_.settled_hello_period;
+  return member.echoes_us || now - listening_since_ < patience;
 }
 
 // True when this peer has founded a session, or goes on with one that nobody else is left of.
 bool Peer::found_session(HostTime now) {
-  const Duration listened = now - listens_since_;
+  const Duration listened = now - listening_since_;
   if (clock_.synchronised() || listened < config_.listen_first) return false;
-  const bool awaits_stranger = stranger_heard_ && now - *stranger_heard_ < config_.listen_first;
-  if (awaits_stranger && listened < kStrangersAwaited * config_.listen_first) return false;
+  const bool awaits_introduction = unintroduced_peer_at_ && now - *unintroduced_peer_at_ < config_.listen_first;
+  if (awaits_introduction && listened < kIntroductionPatience * config_.listen_first) return false;
   for (const auto& [peer, member] : members_.all()) {
-    if ((member.synchronised || peer < config_.id) && may_answer(now, member)) return false;
+    if ((member.synchronised || peer < config_.id) && may_respond(now, member)) return false;
   }
   clock_.lead(now);
   follows_ = config_.id;
-  slept_ = false;
+  was_suspended_ = false;
   outputs_.push_back(Synchronised{config_.id, clock_.session_minus_host(now), Duration{0}});
   if (!replica_) enter_session(now);
   return true;
@@ -46,22 +46,22 @@ bool Peer::found_session(HostTime now) {
 // has really passed, only the others can tell. So session time goes on from where it was, and this peer says no time
 // until it has heard: one that led would else lead everybody into the wrong one. Where nobody is left it founds again.
 // True when it is so, and no time of before this call means anything.
-bool Peer::notice_gap(HostTime now) {
+bool Peer::detect_suspension(HostTime now) {
   const auto last = std::exchange(called_at_, now);
-  if (!last || now - *last <= kSlept) return false;
+  if (!last || now - *last <= kSuspendedAfter) return false;
   if (members_.all().empty()) return false;  // nobody to be out of step with: its own clock counts on (keep_session)
   const Duration gap = now - *last;
-  members_.excuse(now);  // it was not they who were silent
+  members_.restart_silence_of_all(now);  // it was not they who were silent
   members_.forget_clocks();
   follows_.reset();
-  listens_since_ = now;
+  listening_since_ = now;
   if (!replica_) return true;
   clock_.stop(now, gap);
-  slept_ = true;
+  was_suspended_ = true;
   next_hello_ = now;
-  settles_ = now + kSettling;
+  settling_until_ = now + kSettling;
   counters_.ticks_missed += static_cast<std::uint64_t>(gap * config_.tick_hz / std::chrono::seconds(1));
-  outputs_.push_back(Slept{gap});
+  outputs_.push_back(HostSuspended{gap});
   return true;
 }
 
@@ -94,7 +94,7 @@ void Peer::on_stamps(HostTime now, Member& member, const Hello& hello, const Ech
   std::optional<OffsetInterval::Echo> stamps;
   if (echo != nullptr) {
     const auto sent = std::ranges::find(sent_hellos_, echo->hello, &SentHello::number);
-    if (sent != sent_hellos_.end()) stamps = {sent->at, *hello.session_tx - echo->held};
+    if (sent != sent_hellos_.end()) stamps = {sent->at, *hello.session_tx - echo->hold_time};
   }
   if (!member.clock.on_hello(*hello.session_tx, now, stamps, drift_ppm)) ++counters_.clock_contradictions;
   const auto bounds = member.clock.at(now, drift_ppm);
@@ -161,7 +161,7 @@ Peer::Session Peer::session_of(HostTime now, const Member& member, Duration own_
 std::optional<PeerId> Peer::choose_leader(HostTime now) const {
   if (!clock_.synchronised()) {
     const auto lowest = std::ranges::find_if(
-        members_.all(), [&](const auto& m) { return m.second.synchronised && may_answer(now, m.second); });
+        members_.all(), [&](const auto& m) { return m.second.synchronised && may_respond(now, m.second); });
     return lowest == members_.all().end() ? std::nullopt : std::optional(lowest->first);
   }
   // Who has still to step forward into the session leads nobody, and knows nothing of the others' times.
@@ -187,14 +187,14 @@ std::optional<PeerId> Peer::choose_leader(HostTime now) const {
 }
 
 // `heard`: whose hello has just come.
-void Peer::follow_leader(HostTime now, std::optional<PeerId> heard) {
+void Peer::follow_leader(HostTime now, std::optional<PeerId> sender) {
   const auto leader = choose_leader(now);
   const bool new_leader = std::exchange(follows_, leader) != leader;
   if (leader == config_.id) {
     if (clock_.error_bound(now) != Duration{0}) clock_.lead(now);
     return;
   }
-  if (!leader || (!new_leader && leader != heard)) return;  // nothing new of its clock
+  if (!leader || (!new_leader && leader != sender)) return;  // nothing new of its clock
   clock_.follow(now, estimate(now, *leader), config_.lost_after + longest_latency());
   if (!clock_.synchronised() || replica_) return;
   outputs_.push_back(Synchronised{*leader, clock_.session_minus_host(now), *clock_.error_bound(now)});

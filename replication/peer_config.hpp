@@ -24,7 +24,7 @@ struct Launch {
 
 // An object that this peer runs. A driven one is moved by samples that come with each tick; the others move by their
 // launch and answer their contacts.
-struct Enslaved {
+struct OwnedObject {
   ObjectId object;
   bool driven = false;
   Launch launch = {};
@@ -60,9 +60,9 @@ struct DisplayDelay {
 struct PeerConfig {
   PeerId id{1};
   std::string name;
-  std::uint64_t boot = 1;        // must grow from one start of this peer to the next
+  std::uint64_t incarnation = 1;        // must grow from one start of this peer to the next
   std::uint64_t world_hash = 0;  // peers with another world are ignored, and named once
-  std::vector<Enslaved> enslaved;
+  std::vector<OwnedObject> owned;
   PublishPolicy policy;
   ConvergencePolicy convergence;
   DecisionSettings decisions;

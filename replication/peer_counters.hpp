@@ -17,10 +17,10 @@ enum class Drop : std::uint8_t {
   kOwn,          // multicast loopback brings back what this peer sent
   kUndecodable,  // see codec.hpp
   kIdInUse,      // our id, another boot
-  kStaleBoot,    // from before that peer's restart
+  kStaleIncarnation,    // from before that peer's restart
   kOtherWorld,
   kTooMany,          // more peers than can be
-  kStranger,         // no hello of that peer has named its world yet
+  kUnintroduced,         // no hello of that peer has named its world yet
   kNotYetInSession,  // this peer has no session time yet
   kRegion,           // said in one region what concerns everybody
 };

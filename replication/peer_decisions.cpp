@@ -18,9 +18,9 @@ constexpr std::uint32_t kDecisionCopies = 3;
 constexpr Duration kDecidedWithin = std::chrono::seconds(3);
 // Decisions are told again until they are so old: receivers drop those of more than 6 s (peer_intake.cpp), and a
 // latency has to fit between.
-constexpr Duration kToldFor = std::chrono::seconds(5);
+constexpr Duration kRepeatedFor = std::chrono::seconds(5);
 // .. and noted in hellos so long, where there is little room.
-constexpr Duration kNotedFor = std::chrono::milliseconds(3500);
+constexpr Duration kAnnouncedFor = std::chrono::milliseconds(3500);
 // Longer than any decision that a receiver would take can be on its way.
 constexpr Duration kRememberedFor = std::chrono::seconds(8);
 // What hangs between two others touches them many times a second. Of one pair only the newest are repeated where
@@ -34,12 +34,12 @@ constexpr Duration kDrivenKept = std::chrono::milliseconds(500);
 
 }  // namespace
 
-bool Peer::is_shared(ObjectId a, ObjectId b) const {
+bool Peer::has_two_owners(ObjectId a, ObjectId b) const {
   const PeerId owner_a = owner(a), owner_b = owner(b);
   return owner_a != kNobody && owner_b != kNobody && owner_a != owner_b;
 }
 
-bool Peer::serves() const {
+bool Peer::is_decision_server() const {
   return config_.decisions.policy == DecisionPolicy::kServer && config_.decisions.server == config_.id;
 }
 
@@ -52,11 +52,11 @@ bool Peer::may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) const {
 
 // Whether this peer looks for contacts of the two. By id, who doesn't decide has no need to; else both owners look:
 // which of them is to decide depends on when, and it may fall back to the other.
-bool Peer::finds(ObjectId a, ObjectId b) const {
-  const bool mine = own_.contains(a) || own_.contains(b);
-  if (!is_shared(a, b)) return mine;
+bool Peer::searches_contacts_of(ObjectId a, ObjectId b) const {
+  const bool mine = own_objects_.contains(a) || own_objects_.contains(b);
+  if (!has_two_owners(a, b)) return mine;
   if (config_.decisions.policy == DecisionPolicy::kId) return decider_by_id(owner(a), owner(b)) == config_.id;
-  return mine || serves();
+  return mine || is_decision_server();
 }
 
 Duration Peer::own_latency() const {
@@ -87,17 +87,17 @@ void Peer::measure_latency(Member& member, HostTime now, SimTime sent) {
 }
 
 // None: where its object is then is not known.
-std::optional<Pose> Peer::eye(const Viewpoint& viewpoint, SimTime at) const {
+std::optional<Pose> Peer::camera_pose(const Viewpoint& viewpoint, SimTime at) const {
   if (!viewpoint.object) return viewpoint.pose;
-  if (!replica_->ghosts.knows(*viewpoint.object, at)) return std::nullopt;
+  if (!replica_->ghosts.has_history_at(*viewpoint.object, at)) return std::nullopt;
   const Pose carrier = replica_->ghosts.at(*viewpoint.object, at).pose();
   return Pose{carrier * viewpoint.pose.position, (carrier.orientation * viewpoint.pose.orientation).normalized()};
 }
 
-Stake Peer::stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const {
-  Stake s{owner(object), std::nullopt, own_latency(), false};
+Contender Peer::contender(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const {
+  Contender s{owner(object), std::nullopt, own_latency(), false};
   const MotionWorld& ghosts = replica_->ghosts;
-  if (ghosts.knows(object, at)) s.state = ghosts.at(object, at);
+  if (ghosts.has_history_at(object, at)) s.state = ghosts.at(object, at);
   std::optional<Viewpoint> viewpoint = config_.decisions.viewpoint;
   if (s.owner != config_.id) {
     const auto member = members_.all().find(s.owner);
@@ -106,7 +106,7 @@ Stake Peer::stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting
     viewpoint = member->second.viewpoint;
   }
   if (config_.decisions.policy != DecisionPolicy::kFieldOfView || !viewpoint) return s;
-  const std::optional<Pose> from = eye(*viewpoint, at);
+  const std::optional<Pose> from = camera_pose(*viewpoint, at);
   if (!from) return s;
   // Both of them: who rides on one has that one in view wherever he looks.
   const collision::Camera camera{*from, viewpoint->field_of_view, viewpoint->aspect};
@@ -114,7 +114,7 @@ Stake Peer::stake(ObjectId object, SimTime at, std::span<const WorldBox> meeting
   return s;
 }
 
-PeerId Peer::decider_of(ObjectId a, ObjectId b, SimTime contact) const {
+PeerId Peer::choose_decider(ObjectId a, ObjectId b, SimTime contact) const {
   const SimTime at = decided_as_of(contact, lookback());
   std::vector<WorldBox> meeting;  // where the two then are
   for (const ObjectId object : {a, b}) {
@@ -124,33 +124,33 @@ PeerId Peer::decider_of(ObjectId a, ObjectId b, SimTime contact) const {
   }
   const PeerId server = config_.decisions.server;
   const bool here = server == config_.id || members_.all().contains(server);
-  return decider(config_.decisions.policy, stake(a, at, meeting), stake(b, at, meeting), here ? server : kNobody);
+  return decider(config_.decisions.policy, contender(a, at, meeting), contender(b, at, meeting), here ? server : kNobody);
 }
 
 // Whether what is decided of it now reaches everybody in time.
-bool Peer::in_time(SimTime contact) const { return contact >= tick_time(last_tick_) - kDecidedWithin; }
+bool Peer::reaches_all_in_time(SimTime contact) const { return contact >= tick_time(last_tick_) - kDecidedWithin; }
 
 // Of a contact that the truth has found. What two others' objects do is nothing but a belief.
-Outcome Peer::outcome(ObjectId a, ObjectId b, SimTime contact) const {
-  if (!is_shared(a, b) || !finds(a, b)) return Outcome::kAsTold;
-  if (!in_time(contact)) return Outcome::kAnothers;
-  if (config_.decisions.policy == DecisionPolicy::kId) return Outcome::kOwn;
-  return decider_of(a, b, contact) == config_.id ? Outcome::kOwn : Outcome::kAnothers;
+ContactAuthority Peer::contact_authority(ObjectId a, ObjectId b, SimTime contact) const {
+  if (!has_two_owners(a, b) || !searches_contacts_of(a, b)) return ContactAuthority::kAsPublished;
+  if (!reaches_all_in_time(contact)) return ContactAuthority::kDeferred;
+  if (config_.decisions.policy == DecisionPolicy::kId) return ContactAuthority::kLocal;
+  return choose_decider(a, b, contact) == config_.id ? ContactAuthority::kLocal : ContactAuthority::kDeferred;
 }
 
 void Peer::begin_worlds(SimTime now) {
   replica_.emplace(MotionWorld(model_, now), MotionWorld(model_, now));
-  look_at_all();
-  if (!config_.display_delay.own) replica_->truth.keep_driven(kDrivenKept);
-  replica_->truth.set_outcomes([this](ObjectId a, ObjectId b, SimTime contact) { return outcome(a, b, contact); });
+  schedule_all_checks();
+  if (!config_.display_delay.own) replica_->truth.keep_history_of_driven(kDrivenKept);
+  replica_->truth.set_authority([this](ObjectId a, ObjectId b, SimTime contact) { return contact_authority(a, b, contact); });
 }
 
 // What spins up, or is hit by what goes as fast as can be, leaves the limits within which receivers take states. They
 // would refuse the decision, and the whole datagram with it.
-ContactEvent Peer::tellable(ContactEvent c) {
+ContactEvent Peer::within_wire_limits(ContactEvent c) {
   for (KinematicState* const s : {&c.collider_before, &c.collidee_before, &c.collider_after, &c.collidee_after}) {
     if (acceptable(*s)) continue;
-    *s = standing_inside_limits(*s);
+    *s = at_rest_within_limits(*s);
     ++counters_.states_out_of_range;
   }
   return c;
@@ -169,13 +169,13 @@ DecisionRecord Peer::record_of(const ContactEvent& c, DecisionRule rule) const {
           decisions_.last(c.collider, c.collidee)};
 }
 
-std::vector<DecisionLog::Change> Peer::add_own(const DecisionRecord& d) {
+std::vector<DecisionLog::Change> Peer::add_own_decision(const DecisionRecord& d) {
   ++counters_.decisions;
   auto changes = decisions_.add(d, config_.id);
   for (DecisionLog::Entry& e : decisions_.entries()) {
     const bool added =
         e.author == config_.id && e.record.contact == d.contact && of_pair(e.record, d.collider, d.collidee);
-    if (added && e.stands) e.copies = static_cast<int>(copies_against(loss(), kDecisionCopies));
+    if (added && e.in_force) e.copies = static_cast<int>(copies_against(loss(), kDecisionCopies));
   }
   return changes.value_or(std::vector<DecisionLog::Change>{});
 }
@@ -184,86 +184,86 @@ std::vector<DecisionLog::Change> Peer::add_own(const DecisionRecord& d) {
 // the way that the others' decision gave, is another decision: a nanosecond later, for they are told apart by their
 // times.
 void Peer::decide(const ContactEvent& contact, SimTime known_at) {
-  ContactEvent c = tellable(contact);
+  ContactEvent c = within_wire_limits(contact);
   while (const auto* known = decisions_.find(c.at, config_.id, c.collider, c.collidee)) {
-    if (known->stands) break;  // the same once more
+    if (known->in_force) break;  // the same once more
     c.at += Duration{1};
   }
-  const auto changes = add_own(record_of(c, config_.decisions.policy));
+  const auto changes = add_own_decision(record_of(c, config_.decisions.policy));
   // As all who hear of it will: the own object's ghost too, or this peer's copy of their ghosts would not be theirs.
   replica_->ghosts.set_base(c.collider, c.at, law_of_outcome(model_.response_of(c.collider), c.collider_after));
   replica_->ghosts.set_base(c.collidee, c.at, law_of_outcome(model_.response_of(c.collidee), c.collidee_after));
   colliding_.on_contact(c);
   outputs_.push_back(ContactSeen{ContactKind::kDecided, c, known_at});
   const bool alone = changes.size() == 1 && changes.front().author == config_.id;
-  if (!alone) follow(changes, known_at);
+  if (!alone) apply_changes(changes, known_at);
 }
 
 // A contact just before one that has been decided is the same collision, found here by somewhat other states than the
 // decider's: its decision has come before this peer's own tick.
-void Peer::hold(const ContactEvent& c) {
+void Peer::defer_contact(const ContactEvent& c) {
   const SimTime decided = decisions_.last(c.collider, c.collidee);
   if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
-  if (!in_time(c.at)) {
+  if (!reaches_all_in_time(c.at)) {
     ++counters_.contacts_too_late;
     return;
   }
   ++counters_.contacts_held;
-  held_.push_back({c, decider_of(c.collider, c.collidee, c.at)});
+  deferred_contacts_.push_back({c, choose_decider(c.collider, c.collidee, c.at)});
 }
 
-bool Peer::awaits_decision(ObjectId object) const {
+bool Peer::awaits_decision_on(ObjectId object) const {
   return std::ranges::any_of(
-      held_, [&](const Held& h) { return h.contact.collider == object || h.contact.collidee == object; });
+      deferred_contacts_, [&](const DeferredContact& h) { return h.contact.collider == object || h.contact.collidee == object; });
 }
 
 // What this peer has found, and the one that is to decide it says nothing of, in time. The lower id decides; the other
 // one where it was the lower one that said nothing, and else once a decision of the lower one would have come: it may
 // not have found the contact.
-void Peer::release_held(SimTime t) {
+void Peer::resolve_overdue_contacts(SimTime t) {
   decisions_.forget_before(t - kRememberedFor);
   const Duration patience = 2 * lookback() + 3 * config_.hello_period;
-  const Duration lower_ones = lookback() + config_.hello_period;
-  std::vector<Held> over;
-  for (const Held& h : held_) {
+  const Duration lower_id_delay = lookback() + config_.hello_period;
+  std::vector<DeferredContact> over;
+  for (const DeferredContact& h : deferred_contacts_) {
     const PeerId lower = decider_by_id(owner(h.contact.collider), owner(h.contact.collidee));
     const Duration wait = members_.all().contains(h.decider) ? patience : Duration{0};
     const bool first = lower == config_.id || lower == h.decider;
-    if (t >= h.contact.at + wait + (first ? Duration{0} : lower_ones)) over.push_back(h);
+    if (t >= h.contact.at + wait + (first ? Duration{0} : lower_id_delay)) over.push_back(h);
   }
-  for (const Held& h : over) fall_back(h.contact, t);
+  for (const DeferredContact& h : over) decide_by_fallback(h.contact, t);
 }
 
-void Peer::fall_back(const ContactEvent& c, SimTime known_at) {
-  std::erase_if(held_, [&](const Held& h) {
+void Peer::decide_by_fallback(const ContactEvent& c, SimTime known_at) {
+  std::erase_if(deferred_contacts_, [&](const DeferredContact& h) {
     return h.contact.at == c.at && h.contact.collider == c.collider && h.contact.collidee == c.collidee;
   });
-  if (!config_.decisions.fallback || !is_shared(c.collider, c.collidee)) return;
-  if (!in_time(c.at)) {
+  if (!config_.decisions.fallback || !has_two_owners(c.collider, c.collidee)) return;
+  if (!reaches_all_in_time(c.at)) {
     ++counters_.contacts_too_late;
     return;
   }
   ++counters_.decisions_fallback;
-  follow(add_own(record_of(tellable(c), DecisionRule::kId)), known_at);
+  apply_changes(add_own_decision(record_of(within_wire_limits(c), DecisionRule::kId)), known_at);
 }
 
 // Whether that peer may have found nothing because it has not heard how an own object came to the contact: it has not
 // confirmed the last update from before it, or one that was replaced unconfirmed.
-bool Peer::may_lack_ours(PeerId peer, const ContactEvent& c) const {
+bool Peer::may_have_missed_our_update(PeerId peer, const ContactEvent& c) const {
   if (grid_.cuts()) return false;  // regions have no receipts
   return std::ranges::any_of(std::array{c.collider, c.collidee}, [&](ObjectId object) {
-    const auto at = own_.find(object);
-    if (at == own_.end() || !at->second.last_sent || at->second.heard.contains(peer)) return false;
-    return at->second.may_lack.contains(peer) || *at->second.last_sent <= c.at;
+    const auto at = own_objects_.find(object);
+    if (at == own_objects_.end() || !at->second.last_sent || at->second.acknowledged_by.contains(peer)) return false;
+    return at->second.unacknowledged_by.contains(peer) || *at->second.last_sent <= c.at;
   });
 }
 
 // What the sender's hello says of contacts: whether it has found what this peer left to it.
-void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
+void Peer::on_contact_notes(PeerId sender, const Hello& hello, SimTime known_at) {
   const Member& member = *members_.find(sender);
-  const SimTime said_at = known_at - member.delays[(member.delays_known - 1) % Member::kDelays];
-  const std::vector<Held> waiting = held_;
-  for (const Held& h : waiting) {
+  const SimTime sent_at = known_at - member.delays[(member.delays_known - 1) % Member::kDelays];
+  const std::vector<DeferredContact> waiting = deferred_contacts_;
+  for (const DeferredContact& h : waiting) {
     if (h.decider != sender) continue;
     const auto same = [&](const ContactNote& n) {
       const bool pair = (n.collider == h.contact.collider && n.collidee == h.contact.collidee) ||
@@ -272,13 +272,13 @@ void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
              n.contact <= h.contact.at + DecisionLog::kSameCollision;
     };
     const auto note = std::ranges::find_if(hello.notes, same);
-    if (note != hello.notes.end() && note->held) {  // each left it to the other
-      if (decider_by_id(config_.id, sender) == config_.id) fall_back(h.contact, known_at);
-    } else if (note == hello.notes.end() && said_at >= h.contact.at + lookback() && hello.notes.size() < kNotesMax &&
-               !may_lack_ours(sender, h.contact)) {
+    if (note != hello.notes.end() && note->deferred) {  // each left it to the other
+      if (decider_by_id(config_.id, sender) == config_.id) decide_by_fallback(h.contact, known_at);
+    } else if (note == hello.notes.end() && sent_at >= h.contact.at + lookback() && hello.notes.size() < kNotesMax &&
+               !may_have_missed_our_update(sender, h.contact)) {
       ++counters_.contacts_refuted;
-      std::erase_if(held_,
-                    [&](const Held& other) { return other.contact.at == h.contact.at && other.decider == sender; });
+      std::erase_if(deferred_contacts_,
+                    [&](const DeferredContact& other) { return other.contact.at == h.contact.at && other.decider == sender; });
     }
   }
 }
@@ -286,39 +286,39 @@ void Peer::on_notes(PeerId sender, const Hello& hello, SimTime known_at) {
 // Whoever has just come may not know yet whose the objects are: as far as its receipts tell, the decision has not come.
 void Peer::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d, SimTime known_at) {
   if (!may_decide(sender, owner(d.collider), owner(d.collidee))) {
-    members_.find(sender)->received[kWholeScene].ask_again(number);
+    members_.find(sender)->received[kWholeScene].mark_as_missing(number);
     return drop(sender, "not_decider");
   }
   if (decisions_.count(sender, d.collider, d.collidee) >= kOfPairMax) return drop(sender, "too_many_decisions");
   const auto changes = decisions_.add(d, sender);
   if (!changes) return drop(sender, "decision_known");
   if (changes->empty()) return drop(sender, "decision_overruled");
-  follow(*changes, known_at);
+  apply_changes(*changes, known_at);
 }
 
-void Peer::follow(const std::vector<DecisionLog::Change>& changes, SimTime known_at) {
+void Peer::apply_changes(const std::vector<DecisionLog::Change>& changes, SimTime known_at) {
   for (const DecisionLog::Change& change : changes) {
     const DecisionRecord& d = change.record;
-    if (change.stands) {
-      apply(d, change.author, known_at);
+    if (change.in_force) {
+      apply_decision(d, change.author, known_at);
       continue;
     }
     ++counters_.decisions_overruled;
     outputs_.push_back(Overruled{d.collider, d.collidee, d.contact});
-    for (const ObjectId object : {d.collider, d.collidee}) retell(object);
+    for (const ObjectId object : {d.collider, d.collidee}) republish(object);
   }
 }
 
 // As of the contact time, not of arrival.
-void Peer::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
-  std::erase_if(held_, [&](const Held& h) { return of_pair(d, h.contact.collider, h.contact.collidee); });
+void Peer::apply_decision(const DecisionRecord& d, PeerId author, SimTime known_at) {
+  std::erase_if(deferred_contacts_, [&](const DeferredContact& h) { return of_pair(d, h.contact.collider, h.contact.collidee); });
   for (const ObjectId object : {d.collider, d.collidee}) {
     rebase(object, d.contact);
-    const auto own = own_.find(object);
-    if (own == own_.end()) continue;
-    if (own->second.last_sent && *own->second.last_sent > d.contact) retell(object);
+    const auto own = own_objects_.find(object);
+    if (own == own_objects_.end()) continue;
+    if (own->second.last_sent && *own->second.last_sent > d.contact) republish(object);
   }
-  if (!holds(d.collider) || !holds(d.collidee)) return;  // nobody is told of what is not heard of
+  if (!receives(d.collider) || !receives(d.collidee)) return;  // nobody is told of what is not heard of
   const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
                              d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
   colliding_.on_contact(contact);
@@ -329,75 +329,75 @@ void Peer::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
 // The object's way from there on, by all that is known: the decisions that stand, and its owner's last update if that
 // knew of them. Leaving out what came earlier but was heard later would leave a gap in which the two meet once more.
 void Peer::rebase(ObjectId object, SimTime from) {
-  const auto own = own_.find(object);
+  const auto own = own_objects_.find(object);
   // What it met by itself from there on it may not have met.
-  if (own != own_.end() && !own->second.driven) outputs_.push_back(TakenBack{object, from});
+  if (own != own_objects_.end() && !own->second.driven) outputs_.push_back(ContactsRetracted{object, from});
   SimTime last = from;
   for (const DecisionLog::Entry& e : decisions_.entries()) {
     const DecisionRecord& d = e.record;
-    if (!e.stands || d.contact < from || (d.collider != object && d.collidee != object)) continue;
+    if (!e.in_force || d.contact < from || (d.collider != object && d.collidee != object)) continue;
     const MotionModel after =
         law_of_outcome(model_.response_of(object), d.collider == object ? d.collider_after : d.collidee_after);
-    if (own != own_.end() && !own->second.driven) replica_->truth.set_base(object, d.contact, after);
+    if (own != own_objects_.end() && !own->second.driven) replica_->truth.set_base(object, d.contact, after);
     set_ghost(object, d.contact, after);
     last = d.contact;
   }
-  const auto told = told_.find(object);
-  if (own != own_.end() || told == told_.end()) return;
-  const UpdateRecord& u = told->second;
+  const auto last_update = last_updates_.find(object);
+  if (own != own_objects_.end() || last_update == last_updates_.end()) return;
+  const UpdateRecord& u = last_update->second;
   if (u.at > last && u.decision >= last && !decisions_.overruled(object, u.decision)) set_ghost(object, u.at, u.model);
 }
 
 // Everybody in the session, by their receipts.
-bool Peer::all_heard(const DecisionLog::Entry& own) const {
+bool Peer::is_acknowledged_by_all(const DecisionLog::Entry& own) const {
   return std::ranges::all_of(members_.all(), [&](const auto& member) {
-    return !member.second.synchronised || own.heard.contains(member.first);
+    return !member.second.synchronised || own.acknowledged_by.contains(member.first);
   });
 }
 
 // Which of this peer's decisions the sender has, by its receipt. Whose last copy has surely not come there goes out
 // again at once.
-void Peer::on_receipt(PeerId sender, const Receipt& receipt) {
+void Peer::on_acknowledgement(PeerId sender, const Acknowledgement& acknowledgement) {
   for (DecisionLog::Entry& e : decisions_.entries()) {
-    if (e.author != config_.id || e.told_in.empty() || e.heard.contains(sender)) continue;
-    if (std::ranges::any_of(e.told_in, [&](std::uint32_t number) { return receipt.has(number); })) {
-      e.heard.insert(sender);
-    } else if (receipt.lacks(e.told_in.back())) {
+    if (e.author != config_.id || e.sent_in.empty() || e.acknowledged_by.contains(sender)) continue;
+    if (std::ranges::any_of(e.sent_in, [&](std::uint32_t number) { return acknowledgement.has(number); })) {
+      e.acknowledged_by.insert(sender);
+    } else if (acknowledgement.surely_lost(e.sent_in.back())) {
       repeat(e);
     }
   }
 }
 
 // Those that everybody in the session could have confirmed, and somebody has not.
-void Peer::repeat_decisions() {
+void Peer::repeat_unacknowledged_decisions() {
   if (!replica_) return;
-  const SimTime answered = tick_time(last_tick_) - std::min<Duration>(answered_within(), kToldFor / 2);
+  const SimTime answered = tick_time(last_tick_) - std::min<Duration>(answered_within(), kRepeatedFor / 2);
   std::map<std::pair<ObjectId, ObjectId>, int> newer;
   for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
-    if (entry->author != config_.id || !entry->stands || entry->record.contact > answered) continue;
+    if (entry->author != config_.id || !entry->in_force || entry->record.contact > answered) continue;
     if (newer[std::minmax(entry->record.collider, entry->record.collidee)]++ >= kRepeatedOfPair) continue;
-    if (!all_heard(*entry)) repeat(*entry);
+    if (!is_acknowledged_by_all(*entry)) repeat(*entry);
   }
 }
 
 void Peer::repeat(DecisionLog::Entry& own) {
-  if (!config_.decisions.repeat || !own.stands || own.copies > 0) return;
-  if (own.record.contact < tick_time(last_tick_) - kToldFor) return;
+  if (!config_.decisions.repeat || !own.in_force || own.copies > 0) return;
+  if (own.record.contact < tick_time(last_tick_) - kRepeatedFor) return;
   own.copies = 1;
   ++counters_.decisions_repeated;
 }
 
 // What this peer holds, and what it has decided, until all have heard: who holds the same contact waits for it.
-std::vector<ContactNote> Peer::take_notes() {
+std::vector<ContactNote> Peer::contact_notes_to_send() {
   std::vector<ContactNote> notes;
-  for (const Held& h : held_) {
+  for (const DeferredContact& h : deferred_contacts_) {
     if (notes.size() == kNotesMax) return notes;
     notes.push_back({h.contact.collider, h.contact.collidee, h.contact.at, true});
   }
-  const SimTime since = replica_ ? tick_time(last_tick_) - kNotedFor : SimTime{};
+  const SimTime since = replica_ ? tick_time(last_tick_) - kAnnouncedFor : SimTime{};
   for (auto entry = decisions_.entries().rbegin(); entry != decisions_.entries().rend(); ++entry) {
     const DecisionRecord& d = entry->record;
-    if (entry->author != config_.id || d.contact < since || all_heard(*entry)) continue;
+    if (entry->author != config_.id || d.contact < since || is_acknowledged_by_all(*entry)) continue;
     if (notes.size() == kNotesMax) break;
     notes.push_back({d.collider, d.collidee, d.contact, false});
   }

@@ -18,7 +18,7 @@ constexpr std::size_t kMembersMax = 4096;
 // So many are told of.
 constexpr std::size_t kVersionsMax = 8;
 // Of so many that have left, what they sent before is known when it comes again.
-constexpr std::size_t kLeftMax = 4096;
+constexpr std::size_t kDepartedPeersMax = 4096;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
     }
     return std::unexpected(why);
   };
-  (void)notice_gap(now);  // what comes is read by the time that goes on
+  (void)detect_suspension(now);  // what comes is read by the time that goes on
   const auto message = codec_.decode(datagram, clock_.to_session(now));
   if (!message) {
     ++counters_.drops[std::string("undecodable_") + to_string(message.error())];  // which of them
@@ -38,7 +38,7 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
     return dropped(Drop::kUndecodable);
   }
   Message& m = **message;
-  const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.entered.empty();
+  const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.subscriptions.empty();
   if (for_all && region != kWholeScene) return dropped(Drop::kRegion);
   if (const auto admitted = admit(now, m); !admitted) return dropped(admitted.error());
   ++counters_.datagrams_in;
@@ -53,8 +53,8 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
   if (m.hello) on_hello(now, m.sender, m.number, *m.hello);
   if (m.leaving) {
     const Member left = *members_.remove(m.sender);
-    if (left_.size() < kLeftMax) left_[m.sender] = left.boot;
-    lose(m.sender, left.name, now, true);
+    if (departed_peers_.size() < kDepartedPeersMax) departed_peers_[m.sender] = left.incarnation;
+    lose_peer(m.sender, left.name, now, true);
     return {};
   }
   if (!replica_) {
@@ -63,8 +63,8 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
   }
   if (m.unknown_models > 0) counters_.drops["unknown_model"] += m.unknown_models;
   const SimTime session_now = clock_.to_session(now);
-  on_entered(m.sender, m.entered, session_now);
-  on_gone(m.sender, m.gone, session_now);
+  on_subscriptions(m.sender, m.subscriptions, session_now);
+  on_handovers(m.sender, m.handovers, session_now);
   for (UpdateRecord& u : m.updates) {
     if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
       drop(m.sender, "update_time");
@@ -87,50 +87,50 @@ std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::sp
 std::expected<void, Drop> Peer::admit(HostTime now, const Message& m) {
   const Introduction* introduction = m.introduction();
   if (m.sender == config_.id) {
-    if (m.boot == (introduction != nullptr ? config_.boot : boot_low(config_.boot))) return std::unexpected(Drop::kOwn);
+    if (m.incarnation == (introduction != nullptr ? config_.incarnation : incarnation_low(config_.incarnation))) return std::unexpected(Drop::kOwn);
     // What this peer sent in its last life may still be under way.
     const bool just_started = !started_ || now - *started_ < config_.lost_after;
-    if (just_started && (introduction == nullptr || m.boot < config_.boot)) return std::unexpected(Drop::kStaleBoot);
+    if (just_started && (introduction == nullptr || m.incarnation < config_.incarnation)) return std::unexpected(Drop::kStaleIncarnation);
     if (introduction == nullptr) return std::unexpected(Drop::kIdInUse);  // if not in another world
     if (introduction->world_hash != config_.world_hash) return on_other_world(m);
-    if (!std::exchange(id_in_use_told_, true)) outputs_.push_back(IdInUse{m.sender});
+    if (!std::exchange(id_in_use_reported_, true)) outputs_.push_back(IdInUse{m.sender});
     return std::unexpected(Drop::kIdInUse);
   }
   const Member* known = members_.find(m.sender);
   if (introduction == nullptr) {
     if (known == nullptr) {
-      on_stranger(now, m.sender);
-      return std::unexpected(Drop::kStranger);
+      on_unintroduced_peer(now, m.sender);
+      return std::unexpected(Drop::kUnintroduced);
     }
-    if (boot_low(known->boot) != m.boot) return std::unexpected(Drop::kStaleBoot);
-    members_.on_datagram(now, m.sender, known->boot);
+    if (incarnation_low(known->incarnation) != m.incarnation) return std::unexpected(Drop::kStaleIncarnation);
+    members_.on_datagram(now, m.sender, known->incarnation);
     return {};
   }
   // What it said before its goodbye, or that again.
-  if (const auto left = left_.find(m.sender); known == nullptr && left != left_.end() && m.boot <= left->second) {
-    return std::unexpected(Drop::kStaleBoot);
+  if (const auto left = departed_peers_.find(m.sender); known == nullptr && left != departed_peers_.end() && m.incarnation <= left->second) {
+    return std::unexpected(Drop::kStaleIncarnation);
   }
   if (known == nullptr && members_.all().size() == kMembersMax) return std::unexpected(Drop::kTooMany);
   if (introduction->world_hash != config_.world_hash) {
-    if (known != nullptr && m.boot < known->boot) return std::unexpected(Drop::kStaleBoot);
-    if (const auto member = members_.remove(m.sender)) lose(m.sender, member->name, now, true);
+    if (known != nullptr && m.incarnation < known->incarnation) return std::unexpected(Drop::kStaleIncarnation);
+    if (const auto member = members_.remove(m.sender)) lose_peer(m.sender, member->name, now, true);
     return on_other_world(m);
   }
-  const Membership::Heard heard = members_.on_datagram(now, m.sender, m.boot);
-  if (heard == Membership::Heard::kJoined || heard == Membership::Heard::kRestarted) {
-    settles_ = now + kSettling;
-    look_at_all();  // not everybody has heard of what rests any more
+  const Membership::Admission admission = members_.on_datagram(now, m.sender, m.incarnation);
+  if (admission == Membership::Admission::kJoined || admission == Membership::Admission::kRestarted) {
+    settling_until_ = now + kSettling;
+    schedule_all_checks();  // not everybody has heard of what rests any more
   }
-  switch (heard) {
-    case Membership::Heard::kStale:
-      return std::unexpected(Drop::kStaleBoot);
-    case Membership::Heard::kKnown:
+  switch (admission) {
+    case Membership::Admission::kStale:
+      return std::unexpected(Drop::kStaleIncarnation);
+    case Membership::Admission::kKnown:
       break;
-    case Membership::Heard::kJoined:
+    case Membership::Admission::kJoined:
       outputs_.push_back(PeerJoined{m.sender, introduction->name, false});
       break;
-    case Membership::Heard::kRestarted:
-      release(m.sender, now);
+    case Membership::Admission::kRestarted:
+      orphan_objects_of(m.sender, now);
       outputs_.push_back(PeerJoined{m.sender, introduction->name, true});
       break;
   }
@@ -150,10 +150,10 @@ void Peer::on_other_version() {
 }
 
 // Somebody who says nothing of himself knows nobody new: who hears him introduces itself, and will be answered.
-void Peer::on_stranger(HostTime now, PeerId stranger) {
-  if (other_worlds_.contains(stranger)) return;
-  stranger_heard_ = now;
-  settles_ = now + kSettling;
+void Peer::on_unintroduced_peer(HostTime now, PeerId sender) {
+  if (other_worlds_.contains(sender)) return;
+  unintroduced_peer_at_ = now;
+  settling_until_ = now + kSettling;
   introductions_due_ = std::max<std::size_t>(introductions_due_, 1);
 }
 
@@ -161,23 +161,23 @@ void Peer::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, SimTi
   const RelaySettings& relay = config_.relay;
   const bool relayed = relay.through == sender;
   if (relay.through != kNobody && !relayed && relay.through != config_.id) return;  // the relay will say
-  PeerId runs = owner(u.object);
-  if (runs == kNobody && !relayed) {  // its hello may have been lost
+  PeerId object_owner = owner(u.object);
+  if (object_owner == kNobody && !relayed) {  // its hello may have been lost
     claim(sender, {&u.object, 1});
-    runs = owner(u.object);
+    object_owner = owner(u.object);
   }
-  if (relayed && own_.contains(u.object)) {
+  if (relayed && own_objects_.contains(u.object)) {
     oldest_update_ = std::max(oldest_update_, session_now - u.at);
     return;
   }
-  Member* owning = members_.find(runs);
-  if (owning == nullptr || (runs != sender && !relayed)) {
+  Member* owner_member = members_.find(object_owner);
+  if (owner_member == nullptr || (object_owner != sender && !relayed)) {
     // It may be its owner's successor, or go on under an owner whose claim has not come yet. Regions have no receipts.
-    if (!grid_.cuts()) members_.find(sender)->received[kWholeScene].ask_again(number);
+    if (!grid_.cuts()) members_.find(sender)->received[kWholeScene].mark_as_missing(number);
     return drop(sender, "not_owner");
   }
-  std::uint32_t& last = owning->last_sequence[u.object];
-  if (u.sequence == last && (holds(u.object) || !interest_.hears(u.model.state.position))) {
+  std::uint32_t& last = owner_member->last_sequence[u.object];
+  if (u.sequence == last && (receives(u.object) || !interest_.receives(u.model.state.position))) {
     ++counters_.updates_duplicate;
     return;
   }
@@ -190,18 +190,18 @@ void Peer::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, SimTi
     updates_due_.emplace_back(u, u.at);
     ++counters_.updates_relayed;
   }
-  if (!hear(u, session_now)) return;
+  if (!accept_by_region(u, session_now)) return;
   const SimTime decided = decisions_.last(u.object);
   if (u.decision < decided && u.at < decided + kDecisionStands) return drop(sender, "before_decision");
   if (decisions_.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands)
     return drop(sender, "before_decision");
-  told_.insert_or_assign(u.object, u);
+  last_updates_.insert_or_assign(u.object, u);
   set_ghost(u.object, u.at, u.model);
 }
 
 void Peer::set_ghost(ObjectId object, SimTime t, const MotionModel& model) {
   replica_->ghosts.set_base(object, t, model);
-  if (!own_.contains(object) && replica_->truth.has(object)) replica_->truth.set_base(object, t, model);
+  if (!own_objects_.contains(object) && replica_->truth.has(object)) replica_->truth.set_base(object, t, model);
 }
 
 }  // namespace peerd::replication

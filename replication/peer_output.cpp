@@ -14,18 +14,18 @@ namespace {
 // What a datagram's header (version, sender, number, the boot's low bits) leaves for records.
 constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHeader_bytes - kDecisionsHeader_bytes;
 // Per introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of at most 20, a viewpoint
-// of at most 97, a name of 64 and kEnteredWithHello regions of at most 7, and 11 for them all, fit.
-constexpr std::size_t kEnslavedMax = 50;
+// of at most 97, a name of 64 and kSubscriptionsWithHello regions of at most 7, and 11 for them all, fit.
+constexpr std::size_t kOwnedMax = 50;
 // With one hello in so many a peer says who it is, to whom it may concern; and with so many in a row that something
 // new, more of them where the loss asks for it.
 constexpr std::size_t kIntroductionEvery = 8;
-constexpr std::uint32_t kNewsRepeated = 3, kNewsRepeatedMost = 6;
+constexpr std::uint32_t kIntroductionRepeats = 3, kIntroductionRepeatsMax = 6;
 // Without receipts: a state that has not been replaced for so long is one that stays for a while.
-constexpr Duration kStandsFor = std::chrono::seconds(1);
+constexpr Duration kUnreplacedFor = std::chrono::seconds(1);
 // So often at most goes a state out again with hellos; enough for three in ten lost (0.3^6 = 0.0007).
 constexpr std::uint32_t kWithHellosMax = 5;
 // A Gone: three varints; the first also takes the list's tag and length.
-constexpr std::size_t kGoneMax_bytes = 15 + 4;
+constexpr std::size_t kHandoverMax_bytes = 15 + 4;
 // At most, of what somebody may know nothing without: enough for one in five lost (0.2^4 = 0.0016).
 constexpr std::uint32_t kCopiesToArrive = 4;
 
@@ -40,7 +40,7 @@ void take_turns(std::size_t first, std::size_t size, std::size_t most, Take take
 Message Peer::blank() const {
   Message m;
   m.sender = config_.id;
-  m.boot = config_.boot;
+  m.incarnation = config_.incarnation;
   return m;
 }
 
@@ -54,29 +54,29 @@ Duration Peer::answered_within() const {
 // threshold: with the next one where datagrams do get lost, and whenever somebody's hello says that the last one did;
 // where no hello says anything in time, as often as the loss asks for.
 void Peer::repeat_updates(HostTime now) {
-  if (out_of_bytes_) return;
+  if (over_byte_budget_) return;
   const bool lossy = copies_against(loss(), 2) > 1;
-  const bool receipts = !grid_.cuts();  // regions have none
-  const std::uint32_t most = receipts ? kWithHellosMax : 1;
-  const Duration patience = receipts ? answered_within() : kStandsFor;
+  const bool acknowledged = !grid_.cuts();  // regions have none
+  const std::uint32_t most = acknowledged ? kWithHellosMax : 1;
+  const Duration patience = acknowledged ? answered_within() : kUnreplacedFor;
   const SimTime t = clock_.to_session(now);
   std::unordered_set<ObjectId> due_anyway;  // they go out for the first time just now
   for (const EncodedUpdate& u : updates_due_) due_anyway.insert(u.record().object);
-  for (auto& [object, own] : own_) {
-    if (!own.to_repeat || own.times_with_hello >= most || everybody_has(own)) continue;
-    const bool lost = !own.told_in.empty() && std::ranges::any_of(members_.all(), [&](const auto& entry) {
+  for (auto& [object, own] : own_objects_) {
+    if (!own.to_repeat || own.times_with_hello >= most || is_acknowledged_by_all(own)) continue;
+    const bool lost = !own.sent_in.empty() && std::ranges::any_of(members_.all(), [&](const auto& entry) {
       const auto& [peer, member] = entry;
-      return !own.heard.contains(peer) && member.receipt && member.receipt->lacks(own.told_in.back());
+      return !own.acknowledged_by.contains(peer) && member.acknowledgement && member.acknowledgement->surely_lost(own.sent_in.back());
     });
     const bool first = own.times_with_hello == 0;
     const bool overdue =
         first ? lossy || t - *own.last_sent >= patience
-              : now - own.with_hello_at >= patience && own.told_in.size() < copies_against(loss(), 1 + kWithHellosMax);
+              : now - own.with_hello_at >= patience && own.sent_in.size() < copies_against(loss(), 1 + kWithHellosMax);
     if (!lost && !overdue) continue;
     if (due_anyway.contains(object)) continue;
     if (t + longest_latency() - own.to_repeat->at > kUpdateAgeMax) {
       own.resend = true;  // nobody would take what is so old: the next tick tells how it goes by now
-      look_at(object);
+      schedule_check(object);
       continue;
     }
     ++own.times_with_hello;
@@ -87,21 +87,21 @@ void Peer::repeat_updates(HostTime now) {
 }
 
 // Before something newer is told of it.
-void Peer::note_who_may_lack(Own& own, SimTime t) {
+void Peer::note_unacknowledged(OwnObject& own, SimTime t) {
   if (t - *own.last_sent < answered_within()) return;
   for (const auto& [peer, member] : members_.all()) {
-    if (!own.heard.contains(peer)) own.may_lack.insert(peer);
+    if (!own.acknowledged_by.contains(peer)) own.unacknowledged_by.insert(peer);
   }
 }
 
 // Its last update.
-bool Peer::everybody_has(const Own& own) const { return own.heard.size() == members_.all().size(); }
+bool Peer::is_acknowledged_by_all(const OwnObject& own) const { return own.acknowledged_by.size() == members_.all().size(); }
 
 // What the worst of the others says it loses of what this peer sends.
 double Peer::loss() const {
   double worst = 0.0;
   for (const auto& [peer, member] : members_.all()) {
-    if (!member.deaf) worst = std::max(worst, member.loss_of_ours.value_or(LossMeter{}.loss()));
+    if (!member.unreachable) worst = std::max(worst, member.loss_to_peer.value_or(LossMeter{}.loss()));
   }
   return worst;
 }
@@ -116,21 +116,21 @@ double Peer::loss_of(const Member& member, double others) const {
 // Where an update's loss would cost more than its bytes: again at once in another datagram, then with the ticks that
 // follow, while nothing newer goes.
 void Peer::send_copies() {
-  if (out_of_bytes_) return;
+  if (over_byte_budget_) return;
   const double loss_now = loss();
   const std::uint32_t usual = copies_against(loss_now, config_.policy.copies);
   const std::uint32_t to_arrive = copies_against(loss_now, std::max(config_.policy.copies, kCopiesToArrive));
-  if (to_arrive > copied_) {  // what has gone out often enough so far may not have any more
-    for (auto& [object, own] : own_) copy_later(object, own);
+  if (to_arrive > copies_wanted_) {  // what has gone out often enough so far may not have any more
+    for (auto& [object, own] : own_objects_) copy_later(object, own);
   }
-  copied_ = to_arrive;
+  copies_wanted_ = to_arrive;
   std::ranges::sort(copying_);
   auto kept = copying_.begin();
   for (const ObjectId object : copying_) {
-    const auto at = own_.find(object);
-    if (at == own_.end()) continue;  // another peer's by now
-    Own& own = at->second;
-    const std::uint32_t times = own.must_arrive ? to_arrive : usual;
+    const auto at = own_objects_.find(object);
+    if (at == own_objects_.end()) continue;  // another peer's by now
+    OwnObject& own = at->second;
+    const std::uint32_t times = own.copy_until_received ? to_arrive : usual;
     if (own.to_repeat && own.times_sent < times) {
       ++own.times_sent;
       copies_due_.emplace_back(*own.to_repeat, own.to_repeat->at);
@@ -143,7 +143,7 @@ void Peer::send_copies() {
 }
 
 // With the next send_copies(), as often as the loss then asks for.
-void Peer::copy_later(ObjectId object, Own& own) {
+void Peer::copy_later(ObjectId object, OwnObject& own) {
   if (!std::exchange(own.copying, true)) copying_.push_back(object);
 }
 
@@ -156,9 +156,9 @@ void Peer::flush_records(bool decisions) {
     for (const EncodedUpdate& u : updates_due_) {
       due[grid_.region_of(u.record().model.state.position)].updates.push_back(u);
     }
-    if (decisions) sort_gone(due);
+    if (decisions) sort_handovers(due);
     for (auto& [region, records] : due) {
-      flush_region(region, records.gone, records.updates, decisions && region == kWholeScene);
+      flush_region(region, records.handovers, records.updates, decisions && region == kWholeScene);
     }
   } else {
     flush_region(kWholeScene, {}, updates_due_, decisions);
@@ -169,7 +169,7 @@ void Peer::flush_records(bool decisions) {
   flush_records(false);
 }
 
-void Peer::flush_region(RegionId region, std::span<const Gone> gone, std::span<EncodedUpdate> updates, bool decisions) {
+void Peer::flush_region(RegionId region, std::span<const Handover> handovers, std::span<EncodedUpdate> updates, bool decisions) {
   Message m = blank();
   std::size_t used_bytes = 0, first = 0, next = 0;  // of the updates, m goes with [first, next)
   const auto send_all = [&] { send(m, region, updates.subspan(first, next - first)); };
@@ -182,9 +182,9 @@ void Peer::flush_region(RegionId region, std::span<const Gone> gone, std::span<E
     }
     used_bytes += size_bytes;
   };
-  for (const Gone& g : gone) {
-    make_room(kGoneMax_bytes);
-    m.gone.push_back(g);
+  for (const Handover& g : handovers) {
+    make_room(kHandoverMax_bytes);
+    m.handovers.push_back(g);
   }
   for (; next < updates.size(); ++next) {
     EncodedUpdate& update = updates[next];
@@ -202,33 +202,33 @@ void Peer::flush_region(RegionId region, std::span<const Gone> gone, std::span<E
   if (used_bytes > 0) send_all();
 }
 
-void Peer::introduce_anew() {
-  const std::uint32_t times = std::max(kNewsRepeated, copies_against(loss(), kNewsRepeatedMost));
-  introductions_due_ = times * (1 + own_.size() / kEnslavedMax);
+void Peer::reintroduce() {
+  const std::uint32_t times = std::max(kIntroductionRepeats, copies_against(loss(), kIntroductionRepeatsMax));
+  introductions_due_ = times * (1 + own_objects_.size() / kOwnedMax);
 }
 
 // Whoever is new here, or has news, or is not known to somebody who may hear it, says who it is.
-bool Peer::has_news() const {
+bool Peer::must_introduce() const {
   return !clock_.synchronised() || introductions_due_ > 0 || std::ranges::any_of(members_.all(), [](const auto& entry) {
-    return !entry.second.knows_us && !entry.second.deaf;
+    return !entry.second.echoes_us && !entry.second.unreachable;
   });
 }
 
 // Nobody waits for what this peer's next hello says: all have a session, know each other and each other's clocks, what
 // is sent arrives, and no contact is open that this peer has found or may be the one to decide.
 bool Peer::settled(HostTime now) const {
-  const auto waits_for_us = [](const auto& entry) { return entry.second.waits_for_us || !entry.second.synchronised; };
-  return replica_ && now >= settles_ && !has_news() && copies_against(loss(), 2) == 1 && held_.empty() &&
-         std::ranges::none_of(members_.all(), waits_for_us);
+  const auto awaits_our_decision = [](const auto& entry) { return entry.second.awaits_our_decision || !entry.second.synchronised; };
+  return replica_ && now >= settling_until_ && !must_introduce() && copies_against(loss(), 2) == 1 && deferred_contacts_.empty() &&
+         std::ranges::none_of(members_.all(), awaits_our_decision);
 }
 
 Introduction Peer::introduction() {
   Introduction i{config_.name, config_.world_hash, {}, start_, world_zero_, config_.decisions.viewpoint};
-  std::vector<ObjectId> enslaved;
-  for (const auto& [object, own] : own_) enslaved.push_back(object);
-  take_turns(introductions_ * kEnslavedMax, enslaved.size(), kEnslavedMax,
-             [&](std::size_t k) { i.enslaved.push_back(enslaved[k]); });
-  std::ranges::sort(i.enslaved);
+  std::vector<ObjectId> owned;
+  for (const auto& [object, own] : own_objects_) owned.push_back(object);
+  take_turns(introductions_ * kOwnedMax, owned.size(), kOwnedMax,
+             [&](std::size_t k) { i.owned.push_back(owned[k]); });
+  std::ranges::sort(i.owned);
   ++introductions_;
   if (introductions_due_ > 0) --introductions_due_;
   return i;
@@ -245,36 +245,36 @@ void Peer::send_hello(HostTime now, bool leaving) {
   }
   hello.sessions = sessions_;
   hello.latency = own_latency();
-  hello.notes = take_notes();
+  hello.notes = contact_notes_to_send();
   // Who has no session yet waits for its echoes: where they take turns every other hello begins with the next one of
   // those.
   const auto is_new = [](const auto& entry) { return !entry.second.synchronised; };
   const bool newcomers = std::ranges::any_of(members_.all(), is_new);
   // Who was lost and finds no echo, though it was its turn, knows that it was.
   const std::size_t turn = hellos_to_name(members_.all().size()), unnamed = turn > 1 && newcomers ? 2 * turn : turn;
-  std::vector<std::pair<PeerId, const Member*>> heard;
-  std::vector<std::size_t> heard_new;
+  std::vector<std::pair<PeerId, const Member*>> echoable;
+  std::vector<std::size_t> echoable_new;
   for (const auto& [peer, member] : members_.all()) {
     const auto received = member.received.find(kWholeScene);
-    if (const auto lost = forgotten_.find(peer); lost != forgotten_.end()) {
+    if (const auto lost = lost_peers_.find(peer); lost != lost_peers_.end()) {
       if (lost->second++ < unnamed) continue;
-      forgotten_.erase(lost);
+      lost_peers_.erase(lost);
     }
     if (member.hello == 0 || now - member.hello_rx > kHeldMax) continue;
     if (received == member.received.end()) continue;
-    if (!member.synchronised) heard_new.push_back(heard.size());
-    heard.emplace_back(peer, &member);
+    if (!member.synchronised) echoable_new.push_back(echoable.size());
+    echoable.emplace_back(peer, &member);
   }
-  const bool for_new = !heard_new.empty() && hellos_ % 2 == 1;
-  const std::size_t first = for_new ? heard_new[hellos_ / 2 % heard_new.size()] : kEchoesStep * echo_turns_++;
+  const bool for_new = !echoable_new.empty() && hellos_ % 2 == 1;
+  const std::size_t first = for_new ? echoable_new[hellos_ / 2 % echoable_new.size()] : kEchoesStep * echo_turns_++;
   const double others = members_.mean_loss();
-  take_turns(first, heard.size(), kEchoesMax, [&](std::size_t i) {
-    const auto& [peer, member] = heard[i];
+  take_turns(first, echoable.size(), kEchoesMax, [&](std::size_t i) {
+    const auto& [peer, member] = echoable[i];
     const LossMeter& meter = member->received.at(kWholeScene);
     hello.echoes.push_back({peer, member->hello, now - member->hello_rx, meter.received(), loss_of(*member, others)});
   });
-  if (has_news() || hellos_ % kIntroductionEvery == 0) hello.introduction = introduction();
-  if (!leaving) m.entered = take_entered(kEnteredWithHello, true);
+  if (must_introduce() || hellos_ % kIntroductionEvery == 0) hello.introduction = introduction();
+  if (!leaving) m.subscriptions = take_subscriptions(kSubscriptionsWithHello, true);
   ++hellos_;
   send(m);
   while (!sent_hellos_.empty() && now - sent_hellos_.front().at > kHeldMax) sent_hellos_.pop_front();
@@ -282,7 +282,7 @@ void Peer::send_hello(HostTime now, bool leaving) {
 }
 
 // That this peer is here, and nothing else.
-void Peer::say_nothing() {
+void Peer::send_keepalive() {
   Message m = blank();
   send(m);
 }
@@ -305,11 +305,11 @@ void Peer::send(Message& message, RegionId region, std::span<const EncodedUpdate
   outputs_.push_back(Send{region, std::move(datagram)});
   for (const EncodedUpdate& u : updates) {
     if (region != kWholeScene) break;
-    const auto own = own_.find(u.record().object);
-    if (own != own_.end() && own->second.sequence == u.record().sequence) own->second.told_in.push_back(message.number);
+    const auto own = own_objects_.find(u.record().object);
+    if (own != own_objects_.end() && own->second.sequence == u.record().sequence) own->second.sent_in.push_back(message.number);
   }
   for (const DecisionRecord& d : message.decisions) {
-    decisions_.find(d.contact, config_.id, d.collider, d.collidee)->told_in.push_back(message.number);
+    decisions_.find(d.contact, config_.id, d.collider, d.collidee)->sent_in.push_back(message.number);
   }
 }
 

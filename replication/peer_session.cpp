@@ -16,11 +16,11 @@ namespace peerd::replication {
 namespace {
 
 // Of lost peers, so many are told that they were. More than one network carries.
-constexpr std::size_t kForgottenMax = 4096;
+constexpr std::size_t kLostPeersMax = 4096;
 // Who has not been named in so many turns is not heard: enough for one hello in ten lost (0.1^4 = 0.0001).
 constexpr std::size_t kTurnsUnechoed = 4;
 // Who has not named this peer in so many hears nothing of it: no copy gets there, nor does an introduction.
-constexpr std::size_t kTurnsDeaf = 20;
+constexpr std::size_t kTurnsUnreachable = 20;
 // World time beyond which a nanosecond count would overflow: 100 years.
 constexpr double kFarthest_s = 3.2e9;
 
@@ -34,73 +34,73 @@ std::vector<T> without_doubles(std::vector<T> all) {
 }  // namespace
 
 // What the world moves by itself is told to both worlds anew, from where it is now.
-void Peer::restart_predefined() {
-  predefined_told_.clear();
-  for (const ObjectId object : model_.moving) predefined_told_.push_back({object, std::nullopt, std::nullopt});
+void Peer::restart_predefined_motion() {
+  predefined_pieces_.clear();
+  for (const ObjectId object : model_.moving) predefined_pieces_.push_back({object, std::nullopt, std::nullopt});
 }
 
 // Tells both worlds how what the file moves goes on until `to`. Pieces begin at the same instants with the same bits on
 // every peer, whenever it came; but what somebody ran until now is not moved in its past.
-void Peer::tell_predefined(SimTime to) {
+void Peer::extend_predefined(SimTime to) {
   if (!world_zero_) return;
   // Rounded up to where a nanosecond lies within a piece.
   const auto session_time = [&](double world_s) {
     return *world_zero_ + Duration{static_cast<std::int64_t>(std::ceil(world_s * 1e9))};
   };
-  for (Predefined& p : predefined_told_) {
+  for (Predefined& p : predefined_pieces_) {
     if (owner(p.object) != kNobody) {  // somebody runs it: that counts
-      p.told.reset();
+      p.known_until.reset();
       p.run_until = to;
       continue;
     }
-    while (!p.told || *p.told <= to) {
-      const SimTime from = p.told.value_or(to);
+    while (!p.known_until || *p.known_until <= to) {
+      const SimTime from = p.known_until.value_or(to);
       const PredefinedMotion::Piece piece = predefined_->piece(p.object, to_seconds(from - *world_zero_));
       const SimTime begin = std::max(session_time(piece.begin_s), p.run_until.value_or(SimTime::min()));
       const KinematicState state = advance(piece.state, to_seconds(begin - *world_zero_) - piece.begin_s);
       replica_->truth.set_base(p.object, begin, state);
       replica_->ghosts.set_base(p.object, begin, state);
       const bool ends = piece.end_s < kFarthest_s;
-      p.told = ends ? std::max(session_time(piece.end_s), from + Duration{1}) : SimTime::max();
+      p.known_until = ends ? std::max(session_time(piece.end_s), from + Duration{1}) : SimTime::max();
     }
   }
 }
 
 // False when everything begins anew at this instant, and what was due is not.
-bool Peer::keep_session(HostTime now) {
+bool Peer::maintain_session(HostTime now) {
   if (!started_) {
-    started_ = listens_since_ = now;
+    started_ = listening_since_ = now;
     next_hello_ = now;
   }
-  if (notice_gap(now)) return false;
-  if (const Duration gap = replica_ ? clock_.to_session(now) - tick_time(last_tick_) : Duration{0}; gap > kSlept) {
+  if (detect_suspension(now)) return false;
+  if (const Duration gap = replica_ ? clock_.to_session(now) - tick_time(last_tick_) : Duration{0}; gap > kSuspendedAfter) {
     counters_.ticks_missed += static_cast<std::uint64_t>(tick_number(clock_.to_session(now)) - last_tick_);
-    members_.excuse(now);  // it was not they who were silent
-    change_session(tick_time(last_tick_), clock_.to_session(now));
-    outputs_.push_back(Slept{gap});
+    members_.restart_silence_of_all(now);  // it was not they who were silent
+    move_to_session_time(tick_time(last_tick_), clock_.to_session(now));
+    outputs_.push_back(HostSuspended{gap});
     return false;
   }
   for (auto& [peer, member] : members_.expire(now)) {
-    lose(peer, member.name, now, false);
+    lose_peer(peer, member.name, now, false);
   }
-  const bool leader_gone = follows_ && follows_ != config_.id && members_.find(*follows_) == nullptr;
-  if (!found_session(now) && leader_gone) follow_leader(now, std::nullopt);
+  const bool leader_left = follows_ && follows_ != config_.id && members_.find(*follows_) == nullptr;
+  if (!found_session(now) && leader_left) follow_leader(now, std::nullopt);
   if (const auto step = clock_.adjust(now)) {
     const SimTime after = clock_.to_session(now);
     ++counters_.clock_steps;
-    const bool same_session = std::exchange(slept_, false);
+    const bool same_session = std::exchange(was_suspended_, false);
     if (!same_session) {
       // The other session's counts, as the peer says that is followed into it.
-      if (world_zero_) zero_before_ = std::exchange(world_zero_, std::nullopt);
-      if (zero_before_) *zero_before_ += *step;
-      zero_from_ = follows_;
+      if (world_zero_) previous_world_zero_ = std::exchange(world_zero_, std::nullopt);
+      if (previous_world_zero_) *previous_world_zero_ += *step;
+      world_zero_source_ = follows_;
       clock_stepped_ = true;
     }
-    if (replica_) change_session(after - *step, after);
+    if (replica_) move_to_session_time(after - *step, after);
     outputs_.push_back(ClockStepped{clock_.session_minus_host(now), *step, same_session});
     return false;
   }
-  if (clock_.synchronised()) slept_ = false;
+  if (clock_.synchronised()) was_suspended_ = false;
   return true;
 }
 
@@ -110,16 +110,16 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   const bool is_newest = number > member.hello;
   member.hello = number;
   member.hello_rx = now;
-  member.waits_for_us = std::ranges::any_of(hello.notes, [&](const ContactNote& n) {
-    return n.held && may_decide(config_.id, owner(n.collider), owner(n.collidee));
+  member.awaits_our_decision = std::ranges::any_of(hello.notes, [&](const ContactNote& n) {
+    return n.deferred && may_decide(config_.id, owner(n.collider), owner(n.collidee));
   });
   if (hello.sessions != member.sessions) {  // it knows of no updates yet
     resend_all();
     for (DecisionLog::Entry& decision : decisions_.entries()) {
-      decision.told_in.clear();
-      decision.heard.erase(sender);
+      decision.sent_in.clear();
+      decision.acknowledged_by.erase(sender);
     }
-    if (world_zero_) introduce_anew();
+    if (world_zero_) reintroduce();
   }
   member.sessions = hello.sessions;
   member.synchronised = hello.session_tx.has_value();
@@ -130,7 +130,7 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
     member.viewpoint = introduction->viewpoint;
     // Who is in another session has told nothing yet that this one could take.
     const Duration ahead = hello.session_tx && replica_ ? *hello.session_tx - clock_.to_session(now) : Duration{0};
-    if (hello.session_tx && ahead > -kUpdateAgeMax && ahead < kUpdateAheadMax) claim(sender, introduction->enslaved);
+    if (hello.session_tx && ahead > -kUpdateAgeMax && ahead < kUpdateAheadMax) claim(sender, introduction->owned);
   }
   const auto named = std::ranges::find(hello.echoes, config_.id, &Echo::peer);
   // Of more than this peer has sent: its last life's.
@@ -139,16 +139,16 @@ void Peer::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hel
   on_echo(sender, member, echo, hello.echoes);
   if (hello.session_tx && replica_ && clock_.synchronised()) {
     measure_latency(member, now, *hello.session_tx);
-    on_notes(sender, hello, clock_.to_session(now));
+    on_contact_notes(sender, hello, clock_.to_session(now));
   }
 
-  const bool zero_counts = sender == follows_ || (!world_zero_ && (!clock_stepped_ || sender == zero_from_));
+  const bool zero_counts = sender == follows_ || (!world_zero_ && (!clock_stepped_ || sender == world_zero_source_));
   const auto zero = introduction != nullptr && hello.session_tx ? introduction->world_zero : std::nullopt;
   if (zero && zero_counts && zero != world_zero_) {
     world_zero_ = zero;
-    zero_before_.reset();
-    introduce_anew();
-    restart_predefined();
+    previous_world_zero_.reset();
+    reintroduce();
+    restart_predefined_motion();
   }
   if (is_newest) {
     on_stamps(now, member, hello, echo);
@@ -161,37 +161,37 @@ void Peer::on_echo(PeerId sender, Member& member, const Echo* echo, std::span<co
   if (echo == nullptr) {
     // A hello may name others only because it is their turn; then many in a row without this peer's name say it, too.
     const std::size_t turn = hellos_to_name(members_.all().size());
-    ++member.unechoed;
-    member.deaf = member.unechoed > kTurnsDeaf * turn;
-    const bool unnamed = leaves_out(all, config_.id) || member.unechoed > kTurnsUnechoed * turn;
-    if (unnamed && std::exchange(member.knows_us, false)) {
-      member.forgot_us = true;
-      member.receipt.reset();
+    ++member.hellos_without_echo;
+    member.unreachable = member.hellos_without_echo > kTurnsUnreachable * turn;
+    const bool unnamed = leaves_out(all, config_.id) || member.hellos_without_echo > kTurnsUnechoed * turn;
+    if (unnamed && std::exchange(member.echoes_us, false)) {
+      member.stopped_echoing_us = true;
+      member.acknowledgement.reset();
     }
     return;
   }
-  member.unechoed = 0;
-  member.deaf = false;
-  member.knows_us = true;
-  if (std::exchange(member.forgot_us, false)) {  // what it has forgotten stands still there
+  member.hellos_without_echo = 0;
+  member.unreachable = false;
+  member.echoes_us = true;
+  if (std::exchange(member.stopped_echoing_us, false)) {  // what it has forgotten stands still there
     resend_all();
   }
-  member.loss_of_ours = echo->loss;
-  if (!member.receipt) member.receipt.emplace(echo->received);
-  member.receipt->on_echo(*echo);
-  for (auto& [object, own] : own_) {
-    if (own.heard.contains(sender)) continue;
-    if (std::ranges::none_of(own.told_in, [&](std::uint32_t n) { return member.receipt->has(n); })) continue;
-    own.heard.insert(sender);
-    own.may_lack.erase(sender);
+  member.loss_to_peer = echo->loss;
+  if (!member.acknowledgement) member.acknowledgement.emplace(echo->received);
+  member.acknowledgement->on_echo(*echo);
+  for (auto& [object, own] : own_objects_) {
+    if (own.acknowledged_by.contains(sender)) continue;
+    if (std::ranges::none_of(own.sent_in, [&](std::uint32_t n) { return member.acknowledgement->has(n); })) continue;
+    own.acknowledged_by.insert(sender);
+    own.unacknowledged_by.erase(sender);
   }
-  on_receipt(sender, *member.receipt);
+  on_acknowledgement(sender, *member.acknowledgement);
 }
 
 // Somebody may not have what was told.
 void Peer::resend_all() {
-  for (auto& [object, own] : own_) own.resend = true;
-  look_at_all();
+  for (auto& [object, own] : own_objects_) own.resend = true;
+  schedule_all_checks();
 }
 
 // How long the farthest of the others waits for what is sent now.
@@ -205,18 +205,18 @@ Duration Peer::farthest_latency() const {
 void Peer::enter_session(HostTime host_now) {
   const SimTime now = clock_.to_session(host_now);
   ++sessions_;
-  introduce_anew();
+  reintroduce();
   next_hello_ = host_now;
-  settles_ = host_now + kSettling;
+  settling_until_ = host_now + kSettling;
   begin_worlds(now);
   last_tick_ = tick_number(now);
   declare_all();
-  restart_predefined();
-  for (auto& [object, own] : own_) {
+  restart_predefined_motion();
+  for (auto& [object, own] : own_objects_) {
     replica_->truth.set_base(object, now, at_rest(model_.scene->rigid_pose(object)));
     if (own.driven || config_.wait_for_start) continue;
     if (own.launch.after > Duration{0}) {
-      starts_[object] = now + own.launch.after;
+      scheduled_launches_[object] = now + own.launch.after;
     } else {
       launch(now, object, own);
     }
@@ -229,7 +229,7 @@ Vec3 Peer::to_world(SimTime at, ObjectId object, const Vec3& in_parent) {
 }
 
 // The world's velocityVector is in its parent's frame.
-void Peer::launch(SimTime at, ObjectId object, Own& own) {
+void Peer::launch(SimTime at, ObjectId object, OwnObject& own) {
   KinematicState state = replica_->truth.at(object, at);
   state.velocity =
       own.launch.velocity ? *own.launch.velocity : to_world(at, object, model_.scene->object(object).velocity);
@@ -240,21 +240,21 @@ void Peer::launch(SimTime at, ObjectId object, Own& own) {
 // The launches that are due, in order of time.
 void Peer::begin_motions(SimTime until) {
   std::vector<std::pair<SimTime, ObjectId>> due;
-  for (const auto& [object, at] : starts_) {
+  for (const auto& [object, at] : scheduled_launches_) {
     if (at <= until) due.emplace_back(at, object);
   }
   std::ranges::sort(due);
   for (const auto& [at, object] : due) {
     replica_->truth.advance(at);
-    launch(at, object, own_.at(object));
-    changed_[object] = at;
-    starts_.erase(object);
+    launch(at, object, own_objects_.at(object));
+    unpublished_changes_[object] = at;
+    scheduled_launches_.erase(object);
   }
 }
 
 bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute) {
-  const auto own = own_.find(object);
-  if (!replica_ || own == own_.end() || own->second.driven) return false;
+  const auto own = own_objects_.find(object);
+  if (!replica_ || own == own_objects_.end() || own->second.driven) return false;
   const SimTime t = std::max(clock_.to_session(now), tick_time(last_tick_));
   begin_motions(t);
   replica_->truth.advance(t);
@@ -262,38 +262,38 @@ bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, 
   KinematicState state = law.state;
   state.velocity = absolute ? velocity : Vec3(state.velocity + velocity);
   replica_->truth.set_base(object, t, law_after(model_.response_of(object), law, state));
-  starts_.erase(object);
-  changed_[object] = t;  // nobody could know
+  scheduled_launches_.erase(object);
+  unpublished_changes_[object] = t;  // nobody could know
   return true;
 }
 
 void Peer::start_motions(HostTime now, SimTime start) {
   if (!replica_) return;
   const SimTime from = std::max(start, clock_.to_session(now));
-  for (auto& [object, own] : own_) {
-    if (!own.driven) starts_[object] = from + own.launch.after;
+  for (auto& [object, own] : own_objects_) {
+    if (!own.driven) scheduled_launches_[object] = from + own.launch.after;
   }
 }
 
 // The clock has stepped into another session, or this computer has slept. Everything goes on from where it is, at the
 // other session's time; what was known of the past, and what the others were told in the old time, is void.
-void Peer::change_session(SimTime before, SimTime now) {
+void Peer::move_to_session_time(SimTime before, SimTime now) {
   const Replica old = std::move(*replica_);
   colliding_.forget(now);
   shown_.clear();
   ++sessions_;
-  introduce_anew();
+  reintroduce();
   next_hello_ = clock_.to_host(now);
-  settles_ = *next_hello_ + kSettling;
+  settling_until_ = *next_hello_ + kSettling;
   begin_worlds(now);
   last_tick_ = tick_number(now);
   decisions_.clear();
-  held_.clear();
-  told_.clear();
-  entering_.clear();  // all others tell everything anew
-  interest_.redate(now);
+  deferred_contacts_.clear();
+  last_updates_.clear();
+  pending_subscriptions_.clear();  // all others tell everything anew
+  interest_.restart_at(now);
   for (const auto& [object, peer] : owners_) {
-    if (grid_.cuts() && peer != config_.id) unhear(object);  // it may have gone anywhere
+    if (grid_.cuts() && peer != config_.id) stop_receiving(object);  // it may have gone anywhere
   }
   updates_due_.clear();
   copies_due_.clear();
@@ -304,10 +304,10 @@ void Peer::change_session(SimTime before, SimTime now) {
     if (replica_->truth.has(object)) replica_->truth.set_base(object, now, old.truth.model_at(object, before));
     replica_->ghosts.set_base(object, now, old.ghosts.model_at(object, before));
   }
-  restart_predefined();
-  changed_.clear();
-  for (auto& [object, start] : starts_) start += now - before;
-  for (auto& [object, own] : own_) {
+  restart_predefined_motion();
+  unpublished_changes_.clear();
+  for (auto& [object, start] : scheduled_launches_) start += now - before;
+  for (auto& [object, own] : own_objects_) {
     own.last_sent.reset();
     own.to_repeat.reset();
     own.models.reset();  // their samples are of the other time
@@ -318,19 +318,19 @@ void Peer::change_session(SimTime before, SimTime now) {
 
 void Peer::declare_all() {
   for (const auto& [object, peer] : owners_) {
-    const auto own = own_.find(object);
-    if (own != own_.end()) {
-      replica_->truth.declare(object, own->second.driven ? Role::kDriven : Role::kFirm);
-      replica_->ghosts.declare(object, Role::kBelief);
+    const auto own = own_objects_.find(object);
+    if (own != own_objects_.end()) {
+      replica_->truth.declare(object, own->second.driven ? Role::kDriven : Role::kAuthoritative);
+      replica_->ghosts.declare(object, Role::kPredicted);
     } else {
-      declare_anothers(object, Role::kBelief);
+      declare_remote(object, Role::kPredicted);
     }
   }
   watch_decided_pairs();
 }
 
 // What nothing can meet is what the ghosts say: the truth has no use for it.
-void Peer::declare_anothers(ObjectId object, Role role) {
+void Peer::declare_remote(ObjectId object, Role role) {
   if (replica_->truth.has(object)) replica_->truth.declare(object, role);
   replica_->ghosts.declare(object, role);
 }
@@ -341,8 +341,8 @@ void Peer::declare_anothers(ObjectId object, Role role) {
 void Peer::watch_decided_pairs() {
   std::vector<std::uint32_t> all(model_.pairs.size());
   std::iota(all.begin(), all.end(), 0U);
-  for (auto& [object, own] : own_) own.meets_within_m = 0.0;
-  measure_meetings(all);
+  for (auto& [object, own] : own_objects_) own.contact_range_m = 0.0;
+  measure_contact_ranges(all);
   watch_decided_pairs(all);
 }
 
@@ -360,28 +360,28 @@ void Peer::watch_pairs_around(std::span<const ObjectId> objects) {
     paired.push_back(model_.pairs[number].collidee);
   }
   const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
-  measure_meetings(theirs);
+  measure_contact_ranges(theirs);
   watch_decided_pairs(around);
 }
 
 void Peer::watch_decided_pairs(std::span<const std::uint32_t> pairs) {
   if (!replica_) return;
-  const auto ours = [&](ObjectId id) { return own_.contains(id); };
+  const auto ours = [&](ObjectId id) { return own_objects_.contains(id); };
   std::map<ObjectId, bool> partners;
   // A remote object whose collisions with ours this peer finds, or with any as the server.
   const auto is_partner = [&](ObjectId object) {
     const auto [at, is_new] = partners.try_emplace(object, false);
     if (is_new && !ours(object) && owner(object) != kNobody) {
       at->second = std::ranges::any_of(model_.pairs_of(object), [&](std::uint32_t number) {
-        return finds(model_.pairs[number].collider, model_.pairs[number].collidee);
+        return searches_contacts_of(model_.pairs[number].collider, model_.pairs[number].collidee);
       });
     }
     return at->second;
   };
   for (const std::uint32_t number : pairs) {
     const auto& [a, b, type, mutual] = model_.pairs[number];
-    const bool here = holds(a) && holds(b), mine = ours(a) || ours(b);
-    replica_->truth.watch(number, here && (mine ? finds(a, b) : is_partner(a) || is_partner(b)));
+    const bool here = receives(a) && receives(b), mine = ours(a) || ours(b);
+    replica_->truth.watch(number, here && (mine ? searches_contacts_of(a, b) : is_partner(a) || is_partner(b)));
     replica_->ghosts.watch(number, here && config_.policy.predict_collisions);
   }
 }
@@ -400,64 +400,64 @@ void Peer::claim(PeerId peer, std::span<const ObjectId> objects) {
     if (taken) {
       outputs_.push_back(OwnershipConflict{object, peer});
       if (before == config_.id) {
-        own_.erase(object);
+        own_objects_.erase(object);
         lost_own = true;
-        starts_.erase(object);
-        changed_.erase(object);
+        scheduled_launches_.erase(object);
+        unpublished_changes_.erase(object);
       }
-      std::erase_if(departures_, [&](const Departure& d) { return d.gone.object == object; });
+      std::erase_if(pending_handovers_, [&](const PendingHandover& d) { return d.handover.object == object; });
     }
     if (!added && !taken) continue;
     owners_.set(object, peer);
     if (grid_.cuts() && config_.interest_radius_m) {
-      others_reach_m_ = std::max(others_reach_m_, bounding_radius_m(*model_.scene, object));
+      remote_reach_m_ = std::max(remote_reach_m_, bounding_radius_m(*model_.scene, object));
     }
     changed.push_back(object);
     // Where an owner has it who was away, nobody here has heard.
-    if (grid_.cuts()) unhear(object);
+    if (grid_.cuts()) stop_receiving(object);
     if (replica_) {
       if (grid_.cuts()) colliding_.forget(object, tick_time(last_tick_));
-      declare_anothers(object, Role::kBelief);
+      declare_remote(object, Role::kPredicted);
     }
   }
-  if (lost_own) place_own();
+  if (lost_own) index_own_objects();
   watch_pairs_around(changed);
 }
 
-void Peer::lose(PeerId peer, const std::string& name, HostTime now, bool said_goodbye) {
-  release(peer, now);
-  if (forgotten_.size() < kForgottenMax) forgotten_[peer] = 0;
-  outputs_.push_back(PeerLost{peer, name, said_goodbye});
+void Peer::lose_peer(PeerId peer, const std::string& name, HostTime now, bool left_gracefully) {
+  orphan_objects_of(peer, now);
+  if (lost_peers_.size() < kLostPeersMax) lost_peers_[peer] = 0;
+  outputs_.push_back(PeerLost{peer, name, left_gracefully});
 }
 
 // A peer is gone, or begins anew. What it ran stands still from now on, and belongs to nobody.
-void Peer::release(PeerId peer, HostTime now) {
-  if (zero_from_ == peer && !world_zero_) {  // it never said: this peer's own goes on, or anybody's
-    zero_from_.reset();
+void Peer::orphan_objects_of(PeerId peer, HostTime now) {
+  if (world_zero_source_ == peer && !world_zero_) {  // it never said: this peer's own goes on, or anybody's
+    world_zero_source_.reset();
     clock_stepped_ = false;
-    world_zero_ = std::exchange(zero_before_, std::nullopt);
-    introduce_anew();
-    restart_predefined();
+    world_zero_ = std::exchange(previous_world_zero_, std::nullopt);
+    reintroduce();
+    restart_predefined_motion();
   }
   const SimTime t = clock_.to_session(now);
-  for (auto& [object, own] : own_) {
-    own.heard.erase(peer);
-    own.may_lack.erase(peer);
+  for (auto& [object, own] : own_objects_) {
+    own.acknowledged_by.erase(peer);
+    own.unacknowledged_by.erase(peer);
   }
-  bool ran_any = false;
+  bool owned_any = false;
   for (const auto& [object, owner] : owners_) {
     if (owner != peer) continue;
-    ran_any = true;
+    owned_any = true;
     if (replica_) {
       set_ghost(object, t, at_rest(replica_->ghosts.at(object, t).pose()));
-      declare_anothers(object, Role::kScene);
-      if (holds(object)) outputs_.push_back(Frozen{object, peer});
-      told_.erase(object);
+      declare_remote(object, Role::kScene);
+      if (receives(object)) outputs_.push_back(ObjectOrphaned{object, peer});
+      last_updates_.erase(object);
     }
-    heard_in_.erase(object);  // it stays where it is: who leaves its region keeps it
+    last_receptions_.erase(object);  // it stays where it is: who leaves its region keeps it
     owners_.set(object, kNobody);
   }
-  if (ran_any) watch_decided_pairs();  // a pass over all pairs: not for each datagram that says goodbye
+  if (owned_any) watch_decided_pairs();  // a pass over all pairs: not for each datagram that says goodbye
 }
 
 }  // namespace peerd::replication

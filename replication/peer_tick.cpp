@@ -21,17 +21,17 @@ constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
 constexpr double kTimeSteps = 16.0;
 // What is squeezed between two others touches each of them many times a millisecond. Contacts of one pair no farther
 // apart are one touch, and the last of them is what becomes of it.
-constexpr Duration kOneTouch = std::chrono::milliseconds(4);
+constexpr Duration kSameTouch = std::chrono::milliseconds(4);
 
-bool one_touch(const ContactEvent& a, const ContactEvent& b) {
+bool is_same_touch(const ContactEvent& a, const ContactEvent& b) {
   const bool pair =
       (a.collider == b.collider && a.collidee == b.collidee) || (a.collider == b.collidee && a.collidee == b.collider);
-  return pair && a.at <= b.at + kOneTouch && b.at <= a.at + kOneTouch;
+  return pair && a.at <= b.at + kSameTouch && b.at <= a.at + kSameTouch;
 }
 
 // Who is short of bytes waits for so many before the next datagram: one a tick with a record each would be half
 // headers.
-constexpr double kWorthADatagram_bytes = 256.0;
+constexpr double kSmallestWorthwhileDatagram_bytes = 256.0;
 
 // A model that is expected to err by less than so much of what the thresholds ask won't be corrected before its time is
 // up, unless its rounding asks for that.
@@ -75,19 +75,19 @@ double apart_for_s(const collision::MovingBody& a, const collision::MovingBody& 
 }  // namespace
 
 void Peer::tick(SimTime t, std::span<const OwnSample> samples) {
-  tell_predefined(t);
+  extend_predefined(t);
   begin_motions(t);
   replica_->truth.advance(t);
-  auto own = own_.begin();
+  auto own = own_objects_.begin();
   for (std::size_t i = 0; i < samples.size(); ++i) {  // most come in the same order
     const OwnSample& sample = samples[i];
     if (i + kOwnAhead < samples.size()) replica_->truth.prefetch(samples[i + kOwnAhead].object);
-    if (own == own_.end() || own->first != sample.object) own = own_.find(sample.object);
-    if (own == own_.end()) continue;  // lost to another peer
+    if (own == own_objects_.end() || own->first != sample.object) own = own_objects_.find(sample.object);
+    if (own == own_objects_.end()) continue;  // lost to another peer
     assert(own->second.driven);
     KinematicState state = sample.has_derivatives ? sample.state : own->second.poses.derive(t, sample.state.pose());
     if (!acceptable(state)) {
-      state = standing_inside_limits(state);
+      state = at_rest_within_limits(state);
       ++counters_.states_out_of_range;
     }
     replica_->truth.set_base(sample.object, t, state);
@@ -103,14 +103,14 @@ void Peer::report_contacts(SimTime t) {
   while (const auto event = replica_->truth.poll_event()) {
     const auto* contact = std::get_if<ContactEvent>(&*event);
     if (contact == nullptr) continue;
-    const bool a = own_.contains(contact->collider), b = own_.contains(contact->collidee);
-    const bool shared = is_shared(contact->collider, contact->collidee);
-    if (!a && !b && !(shared && serves())) continue;  // a partner's own contacts; the ghosts tell of them
+    const bool a = own_objects_.contains(contact->collider), b = own_objects_.contains(contact->collidee);
+    const bool shared = has_two_owners(contact->collider, contact->collidee);
+    if (!a && !b && !(shared && is_decision_server())) continue;  // a partner's own contacts; the ghosts tell of them
     if (shared) {
-      if (contact->held) {
-        hold(*contact);
+      if (contact->deferred) {
+        defer_contact(*contact);
       } else {
-        std::erase_if(decided, [&](const ContactEvent& c) { return one_touch(c, *contact); });
+        std::erase_if(decided, [&](const ContactEvent& c) { return is_same_touch(c, *contact); });
         decided.push_back(*contact);
       }
       continue;
@@ -119,46 +119,46 @@ void Peer::report_contacts(SimTime t) {
     outputs_.push_back(ContactSeen{ContactKind::kOwner, *contact, t});
   }
   for (const ContactEvent& contact : decided) decide(contact, t);
-  release_held(t);
-  const auto others = [&](ObjectId id) { return !own_.contains(id) && owner(id) != kNobody; };
+  resolve_overdue_contacts(t);
+  const auto others = [&](ObjectId id) { return !own_objects_.contains(id) && owner(id) != kNobody; };
   while (const auto event = replica_->ghosts.poll_event()) {
-    if (const auto* met = std::get_if<ContactEvent>(&*event)) retell_across(*met);
-    if (const auto* taken_back = std::get_if<TakenBack>(&*event)) {
-      if (others(taken_back->object)) outputs_.push_back(*taken_back);
+    if (const auto* met = std::get_if<ContactEvent>(&*event)) republish_across_regions(*met);
+    if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
+      if (others(retracted->object)) outputs_.push_back(*retracted);
     } else if (const auto& contact = std::get<ContactEvent>(*event);
                others(contact.collider) || others(contact.collidee)) {
       // Of an own object its truth tells, or a decision.
-      if (!own_.contains(contact.collider) && !own_.contains(contact.collidee)) colliding_.on_contact(contact);
+      if (!own_objects_.contains(contact.collider) && !own_objects_.contains(contact.collidee)) colliding_.on_contact(contact);
       outputs_.push_back(ContactSeen{ContactKind::kPredicted, contact, t});
     }
   }
-  colliding_.update([&](ObjectId id) { return (own_.contains(id) ? replica_->truth : replica_->ghosts).at(id, t); }, t);
+  colliding_.update([&](ObjectId id) { return (own_objects_.contains(id) ? replica_->truth : replica_->ghosts).at(id, t); }, t);
   while (const auto change = colliding_.poll()) outputs_.push_back(*change);
 }
 
 // Hands an own object's state to what chooses its models; what physics moves names its law.
-void Peer::observe(ObjectId object, Own& own, SimTime t, double latency_s) {
+void Peer::observe(ObjectId object, OwnObject& own, SimTime t, double latency_s) {
   if (!config_.policy.models || !own.driven) return;
   if (!own.models) own.models.emplace(*config_.policy.models);
   own.models->push(t, replica_->truth.at(object, t), Horizon{latency_s, own.interval_s});
 }
 
 // Whether an update is worth one of the budget: of what it mends, rounding its orientation may bring back as much.
-bool Peer::gains(Own& own, SimTime t, const GhostError& error) {
+bool Peer::is_worth_an_update(OwnObject& own, SimTime t, const GhostError& error) {
   if (config_.policy.wanted_error_m == 0.0) return false;
-  const auto worth_m = own.budget.worth_m(config_.policy, t);
-  return worth_m && error.distance_m > std::max(*worth_m, 2.0 * own.bounding_radius_m * kOrientationError_rad);
+  const auto least_gain_m = own.budget.least_gain_m(config_.policy, t);
+  return least_gain_m && error.distance_m > std::max(*least_gain_m, 2.0 * own.bounding_radius_m * kOrientationError_rad);
 }
 
 void Peer::publish(SimTime t) {
   const double latency_s = to_seconds(farthest_latency());
-  tell_changed(t);
-  waiting_.clear();
-  due_.clear();
-  look_at_changed();
-  for (std::size_t place = looks_.next_due(0, t); place != own_.size(); place = looks_.next_due(place + 1, t)) {
-    const auto at = own_.nth(place);
-    const std::ptrdiff_t left = own_.end() - at;
+  publish_changed(t);
+  not_due_.clear();
+  due_updates_.clear();
+  schedule_checks_of_changed();
+  for (std::size_t index = checks_.next_due(0, t); index != own_objects_.size(); index = checks_.next_due(index + 1, t)) {
+    const auto at = own_objects_.nth(index);
+    const std::ptrdiff_t left = own_objects_.end() - at;
     if (left > kOwnAhead) prefetch(at[kOwnAhead]);
     if (left > kSamplesAhead && at[kSamplesAhead].second.models) at[kSamplesAhead].second.models->prefetch();
     auto& [object, own] = *at;
@@ -167,78 +167,78 @@ void Peer::publish(SimTime t) {
     const KinematicState truth = replica_->truth.at(object, t), ghost = replica_->ghosts.at(object, t);
     // Where physics takes an object that has met something is not known before its decider says: until then its truth
     // is no better than what the ghosts believe.
-    const bool undecided = !own.driven && awaits_decision(object);
+    const bool undecided = !own.driven && awaits_decision_on(object);
     const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.bounding_radius_m);
     const double threshold_m = threshold_now_m(object, t);
     if (const auto reason = why_due(object, own, t, threshold_m, truth, ghost, error)) {
       if (config_.policy.bytes_per_s) {
-        due_.push_back({{object, &own, error, threshold_m}, *reason});
+        due_updates_.push_back({{object, &own, error, threshold_m}, *reason});
       } else {
-        tell(object, own, t, t, *reason, threshold_m);
+        publish_update(object, own, t, t, *reason, threshold_m);
       }
       continue;
     }
-    if (config_.policy.along_at < 1.0) waiting_.push_back({object, &own, error, threshold_m});
-    if (!own.driven && !undecided && stands(truth)) looks_.set(place, next_look(object, own, t, error));
+    if (config_.policy.piggyback_fraction < 1.0) not_due_.push_back({object, &own, error, threshold_m});
+    if (!own.driven && !undecided && is_motionless(truth)) checks_.set(index, next_check(object, own, t, error));
   }
-  tell_most_urgent(t);
-  if (!out_of_bytes_) tell_along(t);
+  publish_most_urgent(t);
+  if (!over_byte_budget_) publish_piggybacked(t);
   send_copies();
 }
 
 // Of what is due, as much as the budget of bytes allows.
-void Peer::tell_most_urgent(SimTime t) {
+void Peer::publish_most_urgent(SimTime t) {
   const PublishPolicy& policy = config_.policy;
   if (!policy.bytes_per_s) return;
   std::vector<Vec3> eyes;  // of those who say where they look from; empty where anybody does not: he sees it all
   for (const auto& [peer, member] : members_.all()) {
-    const auto from = member.viewpoint ? eye(*member.viewpoint, t) : std::nullopt;
+    const auto from = member.viewpoint ? camera_pose(*member.viewpoint, t) : std::nullopt;
     if (!from) {
       eyes.clear();
       break;
     }
     eyes.push_back(from->position);
   }
-  for (Due& due : due_) {
+  for (Due& due : due_updates_) {
     const Vec3 at = replica_->truth.at(due.what.object, t).position;
     double viewed_from_m = eyes.empty() ? 0.0 : std::numeric_limits<double>::infinity();
     for (const Vec3& from : eyes) viewed_from_m = std::min(viewed_from_m, (at - from).norm());
-    const bool is_news = due.what.own->resend || due.what.own->retell ||
+    const bool is_unpredictable = due.what.own->resend || due.what.own->republish ||
                          (due.reason != PublishReason::kError && due.reason != PublishReason::kTime &&
                           due.reason != PublishReason::kGain);
-    const auto last_sent = is_news ? std::nullopt : due.what.own->last_sent;
+    const auto last_sent = is_unpredictable ? std::nullopt : due.what.own->last_sent;
     due.urgency = urgency(policy, due.what.threshold_m, due.what.error, last_sent, t, viewed_from_m);
   }
-  std::ranges::stable_sort(due_, std::greater{}, &Due::urgency);
+  std::ranges::stable_sort(due_updates_, std::greater{}, &Due::urgency);
   double left = bytes_.left(policy, t);
-  if (out_of_bytes_ && left < kWorthADatagram_bytes) left = 0.0;
-  for (const Due& due : due_) {
+  if (over_byte_budget_ && left < kSmallestWorthwhileDatagram_bytes) left = 0.0;
+  for (const Due& due : due_updates_) {
     const auto& [object, own, error, threshold_m] = due.what;
     if (left > 0.0) {
-      left -= static_cast<double>(tell(object, *own, t, t, due.reason, threshold_m));
+      left -= static_cast<double>(publish_update(object, *own, t, t, due.reason, threshold_m));
     } else {
       ++counters_.updates_withheld;
     }
   }
-  out_of_bytes_ = !(left > 0.0);
+  over_byte_budget_ = !(left > 0.0);
 }
 
 // What is not due yet but has come so far goes with what is, in a datagram that goes anyway.
-void Peer::tell_along(SimTime t) {
+void Peer::publish_piggybacked(SimTime t) {
   if (updates_due_.empty()) return;
-  boost::container::small_vector<RegionId, 16> told_in;
+  boost::container::small_vector<RegionId, 16> due_regions;
   for (const EncodedUpdate& u : updates_due_) {
     const RegionId region = grid_.region_of(u.record().model.state.position);
-    if (std::ranges::find(told_in, region) == told_in.end()) told_in.push_back(region);
+    if (std::ranges::find(due_regions, region) == due_regions.end()) due_regions.push_back(region);
   }
-  const double share = config_.policy.along_at;
-  for (const Waiting& w : waiting_) {
+  const double share = config_.policy.piggyback_fraction;
+  for (const NotDue& w : not_due_) {
     const RegionId region = grid_.region_of(replica_->truth.at(w.object, t).position);
-    if (std::ranges::find(told_in, region) == told_in.end()) continue;
+    if (std::ranges::find(due_regions, region) == due_regions.end()) continue;
     const GhostError grown{w.error.distance_m / share, w.error.angle_rad / share};
     auto reason = due(config_.policy, w.threshold_m, grown, w.own->last_sent, t, true);
-    if (!reason && gains(*w.own, t, grown)) reason = PublishReason::kGain;
-    if (reason) tell(w.object, *w.own, t, t, *reason, w.threshold_m);
+    if (!reason && is_worth_an_update(*w.own, t, grown)) reason = PublishReason::kGain;
+    if (reason) publish_update(w.object, *w.own, t, t, *reason, w.threshold_m);
   }
 }
 
@@ -249,117 +249,117 @@ void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) {
   if (t <= tick_time(last_tick_)) return;  // the session's time was ahead and is being put right
   std::vector<const OwnSample*> wrong;     // as the others believe them
   for (const OwnSample& sample : samples) {
-    const auto own = own_.find(sample.object);
-    if (own == own_.end() || out_of_bytes_ || told_since_tick(own->second)) continue;
+    const auto own = own_objects_.find(sample.object);
+    if (own == own_objects_.end() || over_byte_budget_ || published_since_tick(own->second)) continue;
     if (!acceptable(sample.state)) continue;  // the tick says something in its place
     assert(own->second.driven && sample.has_derivatives);
     const GhostError error = ghost_error(sample.state, replica_->ghosts.at(sample.object, t), own->second.bounding_radius_m);
     if (due(config_.policy, least_threshold_m(sample.object), error, own->second.last_sent, t))
       wrong.push_back(&sample);
   }
-  if (wrong.empty() && changed_.empty()) return;
-  const std::uint64_t told_before = counters_.updates_out;
-  tell_predefined(t);
+  if (wrong.empty() && unpublished_changes_.empty()) return;
+  const std::uint64_t published_before = counters_.updates_out;
+  extend_predefined(t);
   begin_motions(t);
   replica_->truth.advance(t);
   for (const OwnSample* sample : wrong) replica_->truth.set_base(sample->object, t, sample->state);
   replica_->ghosts.advance(t);
-  tell_changed(t);
+  publish_changed(t);
   for (const OwnSample* sample : wrong) {
-    Own& own = own_.at(sample->object);
+    OwnObject& own = own_objects_.at(sample->object);
     const double threshold_m = threshold_now_m(sample->object, t);
     const KinematicState ghost = replica_->ghosts.at(sample->object, t);
     const GhostError error = ghost_error(sample->state, ghost, own.bounding_radius_m);
     const auto reason = why_due(sample->object, own, t, threshold_m, sample->state, ghost, error);
     if (!reason) continue;
     observe(sample->object, own, t, to_seconds(farthest_latency()));
-    tell(sample->object, own, t, t, *reason, threshold_m);
+    publish_update(sample->object, own, t, t, *reason, threshold_m);
   }
-  counters_.updates_at_once += counters_.updates_out - told_before;
+  counters_.updates_at_once += counters_.updates_out - published_before;
   flush_records(false);
 }
 
-bool Peer::told_since_tick(const Own& own) const { return own.last_sent && *own.last_sent > tick_time(last_tick_); }
+bool Peer::published_since_tick(const OwnObject& own) const { return own.last_sent && *own.last_sent > tick_time(last_tick_); }
 
 // What nobody could know comes before all else, and of the instant at which it began: what follows from it the others
 // find themselves, and so do this peer's ghosts, before they are asked whether anything else is worth an update.
-void Peer::tell_changed(SimTime t) {
-  bool told = false;
-  for (const auto& [object, since] : std::map(changed_)) {
-    Own& own = own_.at(object);
-    if (told_since_tick(own)) continue;
+void Peer::publish_changed(SimTime t) {
+  bool published = false;
+  for (const auto& [object, since] : std::map(unpublished_changes_)) {
+    OwnObject& own = own_objects_.at(object);
+    if (published_since_tick(own)) continue;
     const bool follows = config_.policy.predict_collisions || replica_->truth.law_since(object, t) == since;
-    tell(object, own, follows ? since : t, t, PublishReason::kFirst, threshold_now_m(object, t));
-    told = true;
+    publish_update(object, own, follows ? since : t, t, PublishReason::kFirst, threshold_now_m(object, t));
+    published = true;
   }
-  if (told) replica_->ghosts.advance(t);
+  if (published) replica_->ghosts.advance(t);
 }
 
 // Whether another update would say what everybody knows: the object rests where they have it; or a decision tells where
 // physics takes it, one that is still to come or from within the time threshold. Regions forget what they do not hear
 // of, and what a relay passed on has no receipt.
-bool Peer::is_known(ObjectId object, const Own& own, SimTime t, const KinematicState& truth,
+bool Peer::update_is_redundant(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
                     const KinematicState& ghost) const {
-  if (!knows_who_heard()) return false;
-  if (stands(truth) && stands(ghost) && everybody_has(own)) return true;
-  return !own.driven && (awaits_decision(object) || t - decisions_.last(object) < config_.policy.time_threshold);
+  if (!tracks_acknowledgements()) return false;
+  if (is_motionless(truth) && is_motionless(ghost) && is_acknowledged_by_all(own)) return true;
+  return !own.driven && (awaits_decision_on(object) || t - decisions_.last(object) < config_.policy.time_threshold);
 }
 
-bool Peer::knows_who_heard() const { return !grid_.cuts() && config_.relay.through == kNobody; }
+bool Peer::tracks_acknowledgements() const { return !grid_.cuts() && config_.relay.through == kNobody; }
 
 // When a tick has to look next at an object that physics moves and of which no update is due at t. Where it stands, and
 // its ghost too, that is when its time is up: what changes that before changes a timeline, or calls look_at().
-SimTime Peer::next_look(ObjectId object, const Own& own, SimTime t, const GhostError& error) const {
+SimTime Peer::next_check(ObjectId object, const OwnObject& own, SimTime t, const GhostError& error) const {
   const PublishPolicy& policy = config_.policy;
   if (policy.snapshots_hz > 0) return t;
-  if (!replica_->truth.stands_from(object, t) || !replica_->ghosts.stands_from(object, t)) return t;
+  if (!replica_->truth.is_at_rest_from(object, t) || !replica_->ghosts.is_at_rest_from(object, t)) return t;
   // Something close to it, the budget or another update that goes out may ask for one.
-  const GhostError most{error.distance_m / policy.along_at, error.angle_rad / policy.along_at};
+  const GhostError most{error.distance_m / policy.piggyback_fraction, error.angle_rad / policy.piggyback_fraction};
   if (due(policy, least_threshold_m(object), most, t, t)) return t;
-  return *own.last_sent + longest_wait(policy, knows_who_heard() && everybody_has(own));
+  return *own.last_sent + longest_interval(policy, tracks_acknowledgements() && is_acknowledged_by_all(own));
 }
 
-void Peer::look_at(ObjectId object) {
-  if (const std::uint32_t place = places_[object.value]; place != kNoPlace) looks_.set(place, SimTime::min());
+void Peer::schedule_check(ObjectId object) {
+  if (const std::uint32_t index = own_index_[object.value]; index != kNoIndex) checks_.set(index, SimTime::min());
 }
 
-void Peer::look_at_all() {
-  for (std::size_t place = 0; place < looks_.size(); ++place) looks_.set(place, SimTime::min());
+void Peer::schedule_all_checks() {
+  for (std::size_t index = 0; index < checks_.size(); ++index) checks_.set(index, SimTime::min());
 }
 
-void Peer::look_at_changed() {
-  const auto look = [this](ObjectId object) { look_at(object); };
-  replica_->truth.take_changed(look);
-  replica_->ghosts.take_changed(look);
+void Peer::schedule_checks_of_changed() {
+  const auto check = [this](ObjectId object) { schedule_check(object); };
+  replica_->truth.take_changed(check);
+  replica_->ghosts.take_changed(check);
 }
 
 // What was told last of an own object was not true.
-void Peer::retell(ObjectId object) {
-  const auto own = own_.find(object);
-  if (own == own_.end()) return;
-  own->second.retell = true;
-  look_at(object);
+void Peer::republish(ObjectId object) {
+  const auto own = own_objects_.find(object);
+  if (own == own_objects_.end()) return;
+  own->second.republish = true;
+  schedule_check(object);
 }
 
 // Once it is known what this peer runs, and when that has become less.
-void Peer::place_own() {
-  std::ranges::fill(places_, kNoPlace);
-  looks_ = Schedule(own_.size());
-  for (std::uint32_t place = 0; const auto& [object, own] : own_) places_[object.value] = place++;
-  look_at_all();
+void Peer::index_own_objects() {
+  std::ranges::fill(own_index_, kNoIndex);
+  checks_ = Schedule(own_objects_.size());
+  for (std::uint32_t index = 0; const auto& [object, own] : own_objects_) own_index_[object.value] = index++;
+  schedule_all_checks();
 }
 
 // `error`: of the ghost against the truth, which is that of `own` at t.
-std::optional<PublishReason> Peer::why_due(ObjectId object, Own& own, SimTime t, double threshold_m,
+std::optional<PublishReason> Peer::why_due(ObjectId object, OwnObject& own, SimTime t, double threshold_m,
                                            const KinematicState& truth, const KinematicState& ghost,
                                            const GhostError& error) {
   const bool old = own.last_sent && t - *own.last_sent >= config_.policy.time_threshold;
-  const bool known = old && is_known(object, own, t, truth, ghost);
-  if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, known)) return reason;
-  if (own.retell) return PublishReason::kDecision;
+  const bool redundant = old && update_is_redundant(object, own, t, truth, ghost);
+  if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, redundant)) return reason;
+  if (own.republish) return PublishReason::kDecision;
   if (own.resend) return PublishReason::kJoiner;
-  if (has_crossed(own, truth.position)) return PublishReason::kRegion;
-  if (gains(own, t, error)) return PublishReason::kGain;
+  if (has_left_region(own, truth.position)) return PublishReason::kRegion;
+  if (is_worth_an_update(own, t, error)) return PublishReason::kGain;
   return std::nullopt;
 }
 
@@ -375,21 +375,21 @@ double Peer::least_threshold_m(ObjectId object) const {
 // what was told: its truth and all its ghosts are one motion, to the last bit. Contact times are whole nanoseconds, and
 // the same motion, rounded at another instant, may meet a wall in another one.
 // Returns what it takes [bytes].
-std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, PublishReason reason, double threshold_m) {
+std::size_t Peer::publish_update(ObjectId object, OwnObject& own, SimTime at, SimTime t, PublishReason reason, double threshold_m) {
   const PublishPolicy& policy = config_.policy;
   own.budget.spend(policy, t);
   if (own.last_sent) {
-    note_who_may_lack(own, t);
+    note_unacknowledged(own, t);
     const double interval_s = std::clamp(to_seconds(t - *own.last_sent), kIntervalMin_s, kIntervalMax_s);
     own.interval_s += (interval_s - own.interval_s) / 4.0;
   }
   own.last_sent = t;
-  own.retell = false;
+  own.republish = false;
   const bool answers = std::exchange(own.resend, false);
-  changed_.erase(object);
+  unpublished_changes_.erase(object);
   MotionModel law = replica_->truth.model_at(object, at);
   if (!own.driven && !sendable(law)) {
-    law = standing_inside_limits(replica_->truth.at(object, t));
+    law = at_rest_within_limits(replica_->truth.at(object, t));
     at = t;
     replica_->truth.set_base(object, t, law);
     ++counters_.states_out_of_range;
@@ -397,7 +397,7 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
   const bool exact = !own.driven && (policy.models || policy.order == ModelOrder::kSecond);
   MotionModel model = exact ? law : own.models ? own.models->choose() : as_model(policy.order, law.state);
   if (!sendable(model)) {
-    model = standing_inside_limits(law.state);
+    model = at_rest_within_limits(law.state);
     ++counters_.states_out_of_range;
   }
   const double expected_error_m = own.models ? own.models->expected_error_m() : threshold_m;
@@ -415,13 +415,13 @@ std::size_t Peer::tell(ObjectId object, Own& own, SimTime at, SimTime t, Publish
   ++counters_.update_sizes_out[static_cast<std::size_t>(std::ranges::lower_bound(kRecordSizes, size_bytes) -
                                                         kRecordSizes.begin())];
   outputs_.push_back(Published{t, object, size_bytes, threshold_m, reason});
-  note_told(own, record, answers || reason == PublishReason::kFirst);
+  note_published(own, record, answers || reason == PublishReason::kFirst);
   own.to_repeat = record;
   own.times_sent = 1;
   copy_later(object, own);
   own.times_with_hello = 0;
-  own.told_in.clear();
-  own.heard.clear();
+  own.sent_in.clear();
+  own.acknowledged_by.clear();
   return size_bytes;
 }
 
@@ -448,7 +448,7 @@ double Peer::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) {
     const CollisionPair& pair = model_.pairs[number];
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
     const PeerId other_owner = owner(other);
-    if (other_owner == kNobody || other_owner == config_.id || !holds(other)) continue;
+    if (other_owner == kNobody || other_owner == config_.id || !receives(other)) continue;
     ++counters_.proximity_tests;
     const KinematicState other_state = replica_->truth.at(other, t);
     const collision::MovingBody here{*body, state}, there{*model_.body(other), other_state};

@@ -63,7 +63,7 @@ class Replay {
             packet, (*event)->at,
             "before that it sends a datagram of " + size_of(sent_.front().datagram.size()) + " that it did not send");
       } else {
-        tell(**event);
+        apply_input(**event);
         drain((*event)->at);
       }
       if (outcome_.difference) return outcome_;
@@ -87,7 +87,7 @@ class Replay {
     return compare(sent, recorded);
   }
 
-  void tell(const record::Event& event) {
+  void apply_input(const record::Event& event) {
     ++outcome_.inputs;
     if (const auto* in = std::get_if<record::DatagramIn>(&event.what)) {
       ++outcome_.datagrams_in;

@@ -49,7 +49,7 @@ class Log {
 
 struct ControlPlace {
   std::filesystem::path socket;  // empty: none
-  bool asked_for = false;        // so that a peer without it must not run
+  bool requested_explicitly = false;        // so that a peer without it must not run
 };
 
 // The flag's, else the configuration's, else the user's own folder's where the system has made one.
@@ -100,7 +100,7 @@ Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, c
   if (place.socket.empty()) return nullptr;
   auto opened =
       api::ControlServer::open(io, place.socket, [&daemon](std::string_view line) { return daemon.on_control(line); });
-  if (!opened && place.asked_for) return std::unexpected(opened.error());
+  if (!opened && place.requested_explicitly) return std::unexpected(opened.error());
   if (!opened) {
     log(spdlog::level::warn, "runs without peerd ctl: " + opened.error().text);
     return nullptr;
@@ -127,7 +127,7 @@ Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io,
 }
 
 // What clients and programs said that was not taken.
-void tell_refused(const api::ControlServer* control, const feed::UdpPort* poses, Log& log) {
+void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, Log& log) {
   if (control) {
     const api::ControlServer::Counters& c = control->counters();
     if (c.refused + c.too_long + c.too_slow > 0) {
@@ -144,7 +144,7 @@ void tell_refused(const api::ControlServer* control, const feed::UdpPort* poses,
   }
 }
 
-void tell_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport, const Daemon& daemon,
+void log_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport, const Daemon& daemon,
                  Log& log) {
   const net::ForwardTime& forward = daemon.forward();
   const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
@@ -176,11 +176,11 @@ void tell_totals(const PeerNode& node, const PeerLog& record, const net::Transpo
 }
 
 // What a peer does while it polls; null where it sleeps too soon for that, or where that can't be had.
-std::unique_ptr<Rehearsal> open_rehearsal(const config::RunSettings& run, Log& log) {
-  if (std::chrono::microseconds(run.transport.busy_poll_us) <= Daemon::kRehearsalPeriod) return nullptr;
-  auto rehearsal = Rehearsal::make(run.replication.policy);
-  if (rehearsal) return *std::move(rehearsal);
-  log(spdlog::level::warn, "polls without rehearsing updates: " + rehearsal.error().sentence);
+std::unique_ptr<CacheWarmer> open_cache_warmer(const config::RunSettings& run, Log& log) {
+  if (std::chrono::microseconds(run.transport.busy_poll_us) <= Daemon::kCacheWarmingPeriod) return nullptr;
+  auto cache_warmer = CacheWarmer::make(run.replication.policy);
+  if (cache_warmer) return *std::move(cache_warmer);
+  log(spdlog::level::warn, "polls without cache warming: " + cache_warmer.error().sentence);
   return nullptr;
 }
 
@@ -207,7 +207,7 @@ int run_peer(const PeerOptions& options) {
   const net::HostClock clock(from_seconds((*settings)->clock_offset_s));
   PeerNode::Options node_options;
   // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
-  node_options.boot = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
+  node_options.incarnation = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
   for (const config::PeerSettings& p : run.peers) {
     if (config::starts_with(run.events, p.name)) node_options.wait_for.push_back(PeerId{p.id});
   }
@@ -245,21 +245,21 @@ int run_peer(const PeerOptions& options) {
   }
   for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
 
-  const auto rehearsal = open_rehearsal(run, log);
+  const auto cache_warmer = open_cache_warmer(run, log);
   Daemon daemon(
       io, *node, *transport, clock, [&log](const LogLine& line) { log(line.level, line.text); },
       options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   if (options.verbose) daemon.log_updates();
-  daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), rehearsal.get());
+  daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), cache_warmer.get());
   auto control = open_control(io, control_place(options, run.control, (*settings)->name), daemon, log);
   if (!control) return failed(control.error());
   const auto poses = open_pose_port(io, **settings, daemon, log);
   if (!poses) return failed(poses.error());
   const int code = daemon.run();
-  tell_refused(control->get(), poses->get(), log);
+  log_refused(control->get(), poses->get(), log);
   control->reset();
   const PeerLog& record = node->log();
-  tell_totals(*node, record, *transport, daemon, log);
+  log_totals(*node, record, *transport, daemon, log);
   if (!options.record.empty()) {
     if (const auto saved = save(record, options.record); !saved) return failed(saved.error());
   }

@@ -238,11 +238,11 @@ Result<std::vector<PeerLog>> run_live(const Launch& launch, const config::RunSet
                                     std::chrono::duration<double>(now - begun).count(), children.size());
       std::cerr << (show_progress ? "\r" + line : line + "\n") << std::flush;
     }
-    const auto slept = std::chrono::steady_clock::now();
+    const auto sleep_began = std::chrono::steady_clock::now();
     if (asked_to_stop()) {
       return std::unexpected(InputError{"error: stopped by a signal; the peers were stopped too", 3});
     }
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - slept;
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - sleep_began;
     oversleep_ms.push_back((took - kWait).count());
   }
   if (show_progress) std::cerr << "\r\033[K";

@@ -10,7 +10,7 @@ namespace {
 constexpr double kForever_s = 1e6;
 const std::initializer_list<std::string_view> kKinds{"join", "leave", "kill", "partition", "heal", "network", "key"};
 
-bool comes_or_goes(EventKind kind) {
+bool joins_or_leaves(EventKind kind) {
   return kind == EventKind::kJoin || kind == EventKind::kLeave || kind == EventKind::kKill;
 }
 
@@ -49,7 +49,7 @@ class EventReader {
     std::size_t kind = 0;
     reader.read_word("kind", kind, kKinds);
     e.kind = static_cast<EventKind>(kind);
-    if (comes_or_goes(e.kind)) {
+    if (joins_or_leaves(e.kind)) {
       reader.require("peer");
       e.peer = peer(reader, "peer");
     } else if (e.kind == EventKind::kPartition) {
@@ -121,7 +121,7 @@ class EventReader {
     }
     bool parted = false;
     for (const ScenarioEvent& e : events) {
-      if (comes_or_goes(e.kind)) {
+      if (joins_or_leaves(e.kind)) {
         const bool joins = e.kind == EventKind::kJoin;
         if (there[e.peer] == joins) fail(e, "\"" + e.peer + "\" is " + (joins ? "there already" : "not there then"));
         there[e.peer] = joins;
@@ -147,7 +147,7 @@ std::vector<ScenarioEvent> read_events(TomlReader& root, const std::vector<PeerS
 
 bool starts_with(const std::vector<ScenarioEvent>& events, std::string_view peer) {
   const auto first =
-      std::ranges::find_if(events, [&](const ScenarioEvent& e) { return comes_or_goes(e.kind) && e.peer == peer; });
+      std::ranges::find_if(events, [&](const ScenarioEvent& e) { return joins_or_leaves(e.kind) && e.peer == peer; });
   return first == events.end() || first->kind != EventKind::kJoin;
 }
 
@@ -161,7 +161,7 @@ void give_keys(const std::vector<ScenarioEvent>& events, std::vector<PeerSetting
 }
 
 bool peers_change(const std::vector<ScenarioEvent>& events) {
-  return std::ranges::any_of(events, [](const ScenarioEvent& e) { return comes_or_goes(e.kind); });
+  return std::ranges::any_of(events, [](const ScenarioEvent& e) { return joins_or_leaves(e.kind); });
 }
 
 }  // namespace peerd::config

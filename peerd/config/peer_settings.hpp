@@ -52,7 +52,7 @@ struct FeedSettings {
 struct PeerSettings {
   std::string name;
   std::uint32_t id = 0;
-  std::vector<NodePattern> enslaves;
+  std::vector<NodePattern> owns;
   std::map<std::string, MotionSettings> motion;  // by path or pattern, before those of the scenario
   FeedSettings feed;
   std::vector<ScriptedKey> keys;  // by time, then as in the file

@@ -12,7 +12,7 @@ class Resolver {
   Resolver(const RunSettings& run, const Scene& scene) : run_(run), scene_(scene), peers_(run.peers.size()) {}
 
   Result<std::vector<PeerObjects>> all() {
-    for (std::size_t p = 0; p < peers_.size(); ++p) enslave(p);
+    for (std::size_t p = 0; p < peers_.size(); ++p) assign_owner(p);
     for (std::size_t p = 0; p < peers_.size(); ++p) {
       const PeerSettings& peer = run_.peers[p];
       std::map<ObjectId, std::string> claimed;
@@ -23,7 +23,7 @@ class Resolver {
     std::map<ObjectId, std::string> claimed;
     for (const auto& [pattern, motion] : run_.motion) move(motion, pattern, "motion." + pattern, claimed, std::nullopt);
     for (std::size_t p = 0; p < peers_.size(); ++p) {
-      look(p);
+      find_objects_of(p);
       if (run_.peers[p].feed.udp.empty() || !peers_[p].outside.empty()) continue;
       fail("", "peer." + run_.peers[p].name +
                    ".feed.udp: no program moves anything here; write outside = true in a motion");
@@ -45,12 +45,12 @@ class Resolver {
     if (!error_) error_ = InputError{at + "error: " + sentence};
   }
 
-  void enslave(std::size_t p) {
+  void assign_owner(std::size_t p) {
     const std::string key = "peer." + run_.peers[p].name + ".enslaves";
-    for (const NodePattern& pattern : run_.peers[p].enslaves) {
+    for (const NodePattern& pattern : run_.peers[p].owns) {
       for (const ObjectId object : find(pattern, key)) {
         const auto [at, added] = runs_.try_emplace(object, p);
-        if (added) peers_[p].enslaved.push_back(object);
+        if (added) peers_[p].owned.push_back(object);
         if (at->second == p) continue;
         fail(pattern.at,
              key + ": peer " + run_.peers[at->second].name + " enslaves \"" + scene_.path_of(object) + "\" too");
@@ -64,24 +64,24 @@ class Resolver {
     const NodePattern asked(pattern, motion.at);
     const std::vector<ObjectId> objects = find(asked, key);
     std::vector<std::size_t> numbers;
-    bool runs_any = false;
+    bool owns_any = false;
     for (std::size_t n = 0; n < objects.size(); ++n) {
       const auto runner = runs_.find(objects[n]);
       const bool here = runner != runs_.end() && (!only || runner->second == *only);
-      runs_any = runs_any || here;
+      owns_any = owns_any || here;
       if (only && !here) continue;
       const auto [other, added] = claimed.try_emplace(objects[n], key);
       if (!added)
         fail(motion.at, key + ": \"" + scene_.path_of(objects[n]) + "\" is moved by " + other->second + " too");
       if (here && !moved_.contains(objects[n])) numbers.push_back(n);
     }
-    if (only && !runs_any) {
+    if (only && !owns_any) {
       fail(motion.at, key + ": the peer moves only what it enslaves; add \"" + pattern + "\" to peer." +
                           run_.peers[*only].name + ".enslaves");
     }
     if (error_ || numbers.empty()) return;
     for (const std::size_t n : numbers) moved_.insert(objects[n]);
-    if (std::holds_alternative<Outside>(motion.kind)) {
+    if (std::holds_alternative<ExternalProgram>(motion.kind)) {
       for (const std::size_t n : numbers) {
         const std::string name = asked.is_path() ? pattern : scene_.path_of(objects[n]);
         peers_[runs_.at(objects[n])].outside.emplace(name, objects[n]);
@@ -105,7 +105,7 @@ class Resolver {
     }
   }
 
-  void look(std::size_t p) {
+  void find_objects_of(std::size_t p) {
     const auto& viewpoint = run_.peers[p].viewpoint;
     if (error_ || !viewpoint || viewpoint->object.empty()) return;
     const auto object = find_object(scene_, viewpoint->object, "peer." + run_.peers[p].name + ".viewpoint");

@@ -14,7 +14,7 @@ using Motions = std::map<ObjectId, MotionSource>;
 
 // A peer's paths and patterns as nodes of the scene.
 struct PeerObjects {
-  std::vector<ObjectId> enslaved;                    // in the order of the settings, none twice
+  std::vector<ObjectId> owned;                    // in the order of the settings, none twice
   Motions motions;                                   // of enslaved ones
   std::map<std::string, ObjectId> outside;           // enslaved ones that a program moves, by what it calls them
   std::map<ObjectId, replication::Launch> launches;  // of enslaved ones that physics moves

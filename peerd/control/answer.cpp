@@ -39,7 +39,7 @@ ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId
       {"orientation_xyzw", {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()}},
       {"velocity_m_s", numbers(s.velocity)},
       {"angular_velocity_rad_s", numbers(s.angular_velocity_body)}};
-  if (!peer.holds(object)) row["heard"] = false;
+  if (!peer.receives(object)) row["heard"] = false;
   return row;
 }
 
@@ -115,7 +115,7 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
          {"name", member.name},
          {"joined", member.synchronised},
          {"leads", member.leads},
-         {"heard_ms_ago", in_ms(now - member.last_heard)},
+         {"heard_ms_ago", in_ms(now - member.last_received)},
          {"round_trip_ms", in_ms(member.clock.round_trip())},
          {"delay_ms", in_ms(member.mean_delay())},
          {"clock_ahead_ms", compared ? in_ms(member.clock.likely(now).offset - own) : ordered_json(nullptr)},
@@ -125,7 +125,7 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
          {"datagrams_in", member.datagrams_in},
          {"bytes_in", member.bytes_in},
          {"loss_in", received.loss()},
-         {"loss_out", member.loss_of_ours ? ordered_json(*member.loss_of_ours) : ordered_json(nullptr)},
+         {"loss_out", member.loss_to_peer ? ordered_json(*member.loss_to_peer) : ordered_json(nullptr)},
          {"duplicates", received.duplicates()},
          {"overtaken", received.overtaken()},
          {"drops", member.drops}});

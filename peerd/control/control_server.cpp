@@ -76,8 +76,8 @@ Result<void> clear(asio::io_context& io, const fs::path& path) {
   if (error != asio::error::connection_refused) {
     // Linux says EAGAIN of a full queue, which Asio makes no_buffer_space.
     const bool full = error == asio::error::would_block || error == asio::error::no_buffer_space;
-    const bool lives = !error || full;
-    return cannot_listen(path, lives ? "another peer listens there; give each its own" : error.message());
+    const bool is_alive = !error || full;
+    return cannot_listen(path, is_alive ? "another peer listens there; give each its own" : error.message());
   }
   if (unlink(path.c_str()) != 0) {
     return cannot_listen(path, error_code(errno, boost::system::system_category()).message());

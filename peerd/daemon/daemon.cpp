@@ -22,7 +22,7 @@ using spdlog::level::level_enum;
 // How often the system is asked: of its clock, whose own bound grows by 0.5 ms a second, and of the interface.
 constexpr std::chrono::seconds kSystemPeriod{1};
 // Of so many looks of one who does not sleep, one is at timers, signals and control, too.
-constexpr std::uint64_t kLooksPerPoll = 8;
+constexpr std::uint64_t kReadsPerPoll = 8;
 // Who wakes later than that was stopped for a while. What came meanwhile is read before anybody is judged silent, but
 // no more than so many turns of it: ticks go on in a flood, too.
 constexpr std::chrono::milliseconds kStalled{100};
@@ -50,7 +50,7 @@ std::string Daemon::on_control(std::string_view line) {
   if (answer.leave) {
     boost::asio::post(io_, [this] {
       if (over_) return;
-      log_({level_enum::info, "leaving: told to"});
+      log_({level_enum::info, "leaving: as requested"});
       leave();
     });
   }
@@ -88,7 +88,7 @@ int Daemon::run() {
     const HostTime at = forward_(arrival.at);
     if (capture_) capture_->on_packet(at, arrival.from, arrival.region, arrival.datagram);
     node_.on_packet(at, arrival.region, arrival.datagram);
-    if (heard_) heard_();
+    if (received_handler_) received_handler_();
     drain();
   });
   drain();
@@ -102,14 +102,14 @@ int Daemon::run() {
 // it offers that, or both would wait until it sleeps.
 void Daemon::serve() {
   while (io_.run_one() > 0) {
-    HostTime done = clock_.now(), rehearsed = done;
-    for (std::uint64_t look = 1; clock_.now() - done < busy_poll_ && !io_.stopped(); ++look) {
-      const bool all = look % kLooksPerPoll == 0;
+    HostTime done = clock_.now(), warmed_at = done;
+    for (std::uint64_t attempt = 1; clock_.now() - done < busy_poll_ && !io_.stopped(); ++attempt) {
+      const bool all = attempt % kReadsPerPoll == 0;
       if (all ? io_.poll() > 0 : transport_.receive_pending()) {
         done = clock_.now();
-      } else if (rehearsal_ != nullptr && clock_.now() - rehearsed >= kRehearsalPeriod) {
-        rehearsal_->run();
-        rehearsed = clock_.now();
+      } else if (cache_warmer_ != nullptr && clock_.now() - warmed_at >= kCacheWarmingPeriod) {
+        cache_warmer_->run();
+        warmed_at = clock_.now();
       } else {
         std::this_thread::yield();
       }
@@ -126,7 +126,7 @@ void Daemon::wake() {
   if (over_) return;
   const HostTime now = this->now();
   if (now >= system_due_) {
-    tell_os_clock(now);
+    read_os_clock_into_node(now);
     follow_interface();
     system_due_ = now + kSystemPeriod;
   }
@@ -146,15 +146,15 @@ void Daemon::wake() {
   });
 }
 
-void Daemon::tell_os_clock(HostTime now) {
+void Daemon::read_os_clock_into_node(HostTime now) {
   const auto clock = net::read_os_clock(clock_);
   if (capture_) capture_->on_os_clock(now, clock);
   node_.on_os_clock(now, clock);
 }
 
 void Daemon::follow_interface() {
-  if (const auto news = transport_.follow_interface())
-    log_({news->is_back ? level_enum::info : level_enum::err, news->sentence});
+  if (const auto change = transport_.follow_interface())
+    log_({change->is_back ? level_enum::info : level_enum::err, change->sentence});
 }
 
 void Daemon::leave() {
@@ -172,7 +172,7 @@ void Daemon::stop() {
 }
 
 void Daemon::drain() {
-  std::vector<replication::Output> news;  // for the log, which may be slow: datagrams leave first
+  std::vector<replication::Output> change;  // for the log, which may be slow: datagrams leave first
   while (auto out = node_.poll_output()) {
     if (!logs_updates_ && std::holds_alternative<replication::Published>(*out)) continue;
     if (auto* send = std::get_if<replication::Send>(&*out)) {
@@ -186,10 +186,10 @@ void Daemon::drain() {
     } else if (const auto* left = std::get_if<replication::Leave>(&*out)) {
       check(transport_.leave(left->region));
     }
-    news.push_back(*std::move(out));
+    change.push_back(*std::move(out));
   }
   transport_.flush();
-  for (const replication::Output& out : news) {
+  for (const replication::Output& out : change) {
     if (const auto line = describe(out, node_.scene())) log_(*line);
   }
   while (const auto key = node_.poll_key_report()) {

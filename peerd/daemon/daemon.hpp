@@ -19,7 +19,7 @@
 
 namespace peerd {
 
-class Rehearsal;
+class CacheWarmer;
 
 // The driver of DESIGN section 5, over a real clock and a real network. One thread.
 //
@@ -45,16 +45,16 @@ class Daemon {
   // Each update gets a line from now on. They are many: else not even their words are put together.
   void log_updates() { logs_updates_ = true; }
   // Whenever it has done something, it looks for more for so long before it sleeps, so that what comes meanwhile need
-  // not wake it. Not negative; zero, as at first: it sleeps at once. Every kRehearsalPeriod of that it runs
-  // `rehearsal`, if there is one; that outlives it.
-  void busy_poll(Duration before_sleep, Rehearsal* rehearsal = nullptr) {
+  // not wake it. Not negative; zero, as at first: it sleeps at once. Every kCacheWarmingPeriod of that it runs
+  // `cache_warmer`, if there is one; that outlives it.
+  void busy_poll(Duration before_sleep, CacheWarmer* cache_warmer = nullptr) {
     busy_poll_ = before_sleep;
-    rehearsal_ = rehearsal;
+    cache_warmer_ = cache_warmer;
   }
-  static constexpr Duration kRehearsalPeriod = std::chrono::microseconds(200);
-  // `heard` is called whenever a datagram has been taken: what it told is in the node's ghosts by then, and what the
+  static constexpr Duration kCacheWarmingPeriod = std::chrono::microseconds(200);
+  // `handler` is called whenever a datagram has been taken: what it told is in the node's ghosts by then, and what the
   // node has to say to that leaves afterwards.
-  void on_heard(std::function<void()> heard) { heard_ = std::move(heard); }
+  void on_received(std::function<void()> handler) { received_handler_ = std::move(handler); }
 
   // Until a signal comes, it is told to leave or the scenario is over. The exit code.
   int run();
@@ -67,7 +67,7 @@ class Daemon {
   HostTime now() { return forward_(clock_.now()); }
   void serve();
   void wake();
-  void tell_os_clock(HostTime now);
+  void read_os_clock_into_node(HostTime now);
   void follow_interface();
   void leave();
   void stop();
@@ -84,13 +84,13 @@ class Daemon {
   Log log_;
   std::optional<Duration> leave_after_;
   record::CaptureWriter* capture_;  // null: none, or none any more
-  std::function<void()> heard_;
+  std::function<void()> received_handler_;
   net::ForwardTime forward_;
   TickLateness lateness_;
   std::optional<HostTime> due_;  // what the timer was set for
   HostTime system_due_ = HostTime::min();
   Duration busy_poll_{0};
-  Rehearsal* rehearsal_ = nullptr;  // null: none
+  CacheWarmer* cache_warmer_ = nullptr;  // null: none
   bool logs_updates_ = false;
   bool over_ = false;
   int exit_code_ = 0;

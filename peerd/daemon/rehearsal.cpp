@@ -14,14 +14,14 @@ namespace {
 
 constexpr std::array<const char*, 2> kObjects{"A", "B"};
 constexpr const char* kWorld = "#VRML V2.0 utf8\nDEF A Transform { }\nDEF B Transform { }\n";
-constexpr RegionId kEverywhere{0};
+constexpr RegionId kRegion{0};
 
 // More than from one tick to the next, and no whole number of them: each time there is something to tell.
 constexpr Duration kStep = std::chrono::milliseconds(50) + std::chrono::nanoseconds(17);
 // Farther than any threshold that a scene has.
 constexpr double kStride_m = 1e3;
 // Until the two share a session and no hello hurries.
-constexpr Duration kSettled = std::chrono::seconds(8);
+constexpr Duration kSettledAfter = std::chrono::seconds(8);
 
 std::unique_ptr<const SharedWorld> make_world() {
   auto shared = std::make_unique<SharedWorld>();
@@ -39,7 +39,7 @@ std::unique_ptr<PeerNode> make_node(std::size_t number, const replication::Publi
   replication.policy = policy;
   const ObjectId object = shared.world.scene.find(kObjects[number]).value();
   config::PeerObjects objects;
-  objects.enslaved = {object};
+  objects.owned = {object};
   objects.outside.emplace(kObjects[number], object);
   PeerNode::Options options;
   options.keep_log = false;
@@ -48,11 +48,11 @@ std::unique_ptr<PeerNode> make_node(std::size_t number, const replication::Publi
 
 }  // namespace
 
-std::expected<std::unique_ptr<Rehearsal>, net::NetError> Rehearsal::make(replication::PublishPolicy policy,
-                                                                         std::uint64_t runs_of_a_session) {
+std::expected<std::unique_ptr<CacheWarmer>, net::NetError> CacheWarmer::make(replication::PublishPolicy policy,
+                                                                         std::uint64_t runs_per_session) {
   policy.bytes_per_s.reset();
   if (policy.error_threshold_m >= kStride_m) policy.error_threshold_m.reset();
-  std::unique_ptr<Rehearsal> made(new Rehearsal(policy, runs_of_a_session));
+  std::unique_ptr<CacheWarmer> made(new CacheWarmer(policy, runs_per_session));
   net::MulticastOptions options;
   options.interface = "lo";
   options.groups.base = boost::asio::ip::make_address("239.192.80.0");
@@ -61,29 +61,29 @@ std::expected<std::unique_ptr<Rehearsal>, net::NetError> Rehearsal::make(replica
   auto socket = net::MulticastSocket::open(made->io_, made->clock_, options);
   if (!socket) return std::unexpected(socket.error());
   made->socket_ = *std::move(socket);
-  if (auto joined = made->socket_->join(kEverywhere); !joined) return std::unexpected(joined.error());
-  Rehearsal& r = *made;
+  if (auto joined = made->socket_->join(kRegion); !joined) return std::unexpected(joined.error());
+  CacheWarmer& r = *made;
   r.socket_->on_receive([&r](const net::Arrival& arrival) {
     for (const auto& node : r.nodes_) node->on_packet(r.now_, arrival.region, arrival.datagram);  // its own it drops
   });
   r.begin();
   r.run();
-  if (r.heard() == 0) {
+  if (r.updates_received() == 0) {
     return net::failure(net::NetError::Kind::kNoMulticast,
                         "multicast sent over \"lo\" does not come back (a firewall?)");
   }
   return made;
 }
 
-Rehearsal::Rehearsal(const replication::PublishPolicy& policy, std::uint64_t runs_of_a_session)
-    : policy_(policy), runs_of_a_session_(runs_of_a_session), shared_(make_world()) {}
+CacheWarmer::CacheWarmer(const replication::PublishPolicy& policy, std::uint64_t runs_per_session)
+    : policy_(policy), runs_per_session_(runs_per_session), shared_(make_world()) {}
 
-void Rehearsal::begin() {
+void CacheWarmer::begin() {
   runs_ = 0;
   ++sessions_;
   now_ = HostTime{};
   for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i] = make_node(i, policy_, *shared_);
-  while (now_.time_since_epoch() < kSettled) {
+  while (now_.time_since_epoch() < kSettledAfter) {
     now_ += kStep;
     for (const auto& node : nodes_) {
       node->on_tick(now_);
@@ -92,23 +92,23 @@ void Rehearsal::begin() {
   }
 }
 
-void Rehearsal::run() {
-  if (runs_ == runs_of_a_session_) begin();
+void CacheWarmer::run() {
+  if (runs_ == runs_per_session_) begin();
   now_ += kStep;
-  const std::uint64_t turn = runs_ / nodes_.size(), teller = runs_ % nodes_.size();
-  pose_.object = kObjects[teller];
+  const std::uint64_t turn = runs_ / nodes_.size(), sender = runs_ % nodes_.size();
+  pose_.object = kObjects[sender];
   pose_.pose.position = {kStride_m * static_cast<double>((turn + 1) % 2), 0.0, 0.0};
   pose_.pose.jump = true;
-  (void)nodes_[teller]->on_poses(now_, Duration{0}, {&pose_, 1});
-  send_all(*nodes_[teller]);
+  (void)nodes_[sender]->on_poses(now_, Duration{0}, {&pose_, 1});
+  send_all(*nodes_[sender]);
   ++runs_;
 }
 
-std::uint64_t Rehearsal::heard() const {
+std::uint64_t CacheWarmer::updates_received() const {
   return nodes_[0]->peer().counters().updates_in + nodes_[1]->peer().counters().updates_in;
 }
 
-void Rehearsal::send_all(PeerNode& node) {
+void CacheWarmer::send_all(PeerNode& node) {
   bool sent = false;
   while (const auto out = node.poll_output()) {
     const auto* send = std::get_if<replication::Send>(&*out);

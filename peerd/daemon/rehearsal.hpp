@@ -19,33 +19,33 @@ namespace peerd {
 //
 // Both live here, in a time of their own that only run() moves. What they send stays on this computer: over lo, with a
 // TTL of 0, to a port that the system has chosen for this.
-class Rehearsal {
+class CacheWarmer {
  public:
   // An update's number is finite, and these two live fast: after so many runs, 2.5 days of a peer that polls all the
   // time, they begin anew, which takes some milliseconds.
-  static constexpr std::uint64_t kRunsOfASession = std::uint64_t{1} << 30;
+  static constexpr std::uint64_t kRunsPerSession = std::uint64_t{1} << 30;
 
   // They publish as `policy` has it, but for what would keep them silent: its budget of bytes, thresholds beyond those
   // of scenes. An error, too, where nothing of what is sent comes back.
-  [[nodiscard]] static std::expected<std::unique_ptr<Rehearsal>, net::NetError> make(
-      replication::PublishPolicy policy, std::uint64_t runs_of_a_session = kRunsOfASession);
-  Rehearsal(const Rehearsal&) = delete;
-  Rehearsal& operator=(const Rehearsal&) = delete;
+  [[nodiscard]] static std::expected<std::unique_ptr<CacheWarmer>, net::NetError> make(
+      replication::PublishPolicy policy, std::uint64_t runs_per_session = kRunsPerSession);
+  CacheWarmer(const CacheWarmer&) = delete;
+  CacheWarmer& operator=(const CacheWarmer&) = delete;
 
   // One of them, by turns, ticks and is told where its object is, which it tells the other.
   void run();
 
   // Updates that one has had from the other, in this session.
-  [[nodiscard]] std::uint64_t heard() const;
+  [[nodiscard]] std::uint64_t updates_received() const;
   [[nodiscard]] std::uint64_t sessions() const { return sessions_; }
 
  private:
-  Rehearsal(const replication::PublishPolicy& policy, std::uint64_t runs_of_a_session);
+  CacheWarmer(const replication::PublishPolicy& policy, std::uint64_t runs_per_session);
   void begin();
   void send_all(PeerNode& node);
 
   replication::PublishPolicy policy_;
-  std::uint64_t runs_of_a_session_;
+  std::uint64_t runs_per_session_;
   net::HostClock clock_;
   boost::asio::io_context io_{1};  // never run: the socket is read where something has been sent
   std::unique_ptr<const SharedWorld> shared_;

@@ -110,50 +110,50 @@ bool same_side(const ContactRow& a, const ContactRow& b) {
 // One peer's words on one outcome, as row indices. The last word counts, and none comes after taking over the very
 // decision: what is predicted later is another contact. It has been held since the first of the
 // unbroken run of words at the end that say the same: saying it again is no delay.
-void judge_words(const RunRecord& run, const Outcome& outcome, std::vector<std::size_t> words, Agreement& result) {
+void judge_statements(const RunRecord& run, const Outcome& outcome, std::vector<std::size_t> statements, Agreement& result) {
   const ContactRow& truth = run.contacts[outcome.row];
-  const auto taken_over = [&](const ContactRow& row) { return row.kind == "applied" && row.t_s == truth.t_s; };
-  std::ranges::sort(words, {}, [&](std::size_t i) {
+  const auto applied = [&](const ContactRow& row) { return row.kind == "applied" && row.t_s == truth.t_s; };
+  std::ranges::sort(statements, {}, [&](std::size_t i) {
     const ContactRow& row = run.contacts[i];
-    return std::tuple(taken_over(row), row.reported_at_s, row.kind == "applied", row.t_s, i);
+    return std::tuple(applied(row), row.reported_at_s, row.kind == "applied", row.t_s, i);
   });
-  const bool agrees = same_side(truth, run.contacts[words.back()]);
-  std::size_t held = words.size() - 1;
-  while (held > 0 && same_side(truth, run.contacts[words[held - 1]]) == agrees) --held;
+  const bool agrees = same_side(truth, run.contacts[statements.back()]);
+  std::size_t held = statements.size() - 1;
+  while (held > 0 && same_side(truth, run.contacts[statements[held - 1]]) == agrees) --held;
 
-  const ContactRow& first = run.contacts[words[held]];
+  const ContactRow& first = run.contacts[statements[held]];
   result.latency_s.push_back(first.reported_at_s - first.t_s);
   ++(agrees ? result.agreed : result.disagreed);
-  result.revised += words.size() - 1;
-  for (const std::size_t i : words) result.verdicts[i] = Verdict::kRevised;
-  result.verdicts[words.back()] = agrees ? Verdict::kAgreed : Verdict::kDisagreed;
+  result.revised += statements.size() - 1;
+  for (const std::size_t i : statements) result.verdicts[i] = Verdict::kRevised;
+  result.verdicts[statements.back()] = agrees ? Verdict::kAgreed : Verdict::kDisagreed;
 }
 
 // What each peer has made or taken over of one decision is its last row of exactly that contact.
 Agreement::Shared compare_shared(const RunRecord& run) {
   struct Decision {
     const ContactRow* stated = nullptr;              // by the first that decided it
-    std::map<PeerId, const ContactRow*> taken_over;  // and by whom
+    std::map<PeerId, const ContactRow*> applied;  // and by whom
   };
   std::map<std::pair<Pair, double>, Decision> decisions;
   for (const ContactRow& row : run.contacts) {
     if (row.kind != "decided" && row.kind != "applied") continue;
     Decision& decision = decisions[{pair_of(row), row.t_s}];
-    decision.taken_over[row.peer] = &row;
+    decision.applied[row.peer] = &row;
     if (row.kind == "decided" && decision.stated == nullptr) decision.stated = &row;
   }
   Agreement::Shared shared;
   for (const auto& [contact, decision] : decisions) {
     if (decision.stated == nullptr) {
-      shared.spurious += decision.taken_over.size();
+      shared.spurious += decision.applied.size();
       continue;
     }
     ++shared.decided;
     for (const PeerInfo& peer : run.peers) {
       if (peer.peer == decision.stated->peer) continue;
-      const auto held = decision.taken_over.find(peer.peer);
-      if (held == decision.taken_over.end()) {
-        shared.missed += was_there(peer, decision.stated->t_s) ? 1 : 0;
+      const auto held = decision.applied.find(peer.peer);
+      if (held == decision.applied.end()) {
+        shared.missed += was_present(peer, decision.stated->t_s) ? 1 : 0;
       } else {
         ++(same_side(*decision.stated, *held->second) ? shared.agreed : shared.disagreed);
       }
@@ -192,7 +192,7 @@ Agreement agreement(const RunRecord& run) {
   OutcomesByPair by_pair = collect_outcomes(run, result);
   for (auto& [key, pair] : by_pair) pair.window_s = window_s(run, by_pair, pair);
 
-  std::map<std::pair<const Outcome*, PeerId>, std::vector<std::size_t>> words;  // looked up, never walked
+  std::map<std::pair<const Outcome*, PeerId>, std::vector<std::size_t>> statements;  // looked up, never walked
   for (std::size_t i = 0; i < run.contacts.size(); ++i) {
     const ContactRow& row = run.contacts[i];
     if (is_outcome(row)) continue;
@@ -202,18 +202,18 @@ Agreement agreement(const RunRecord& run) {
       result.verdicts[i] = Verdict::kSpurious;
       ++result.spurious;
     } else if (!has_author(*outcome, row.peer)) {
-      words[{outcome, row.peer}].push_back(i);
+      statements[{outcome, row.peer}].push_back(i);
     }
   }
   for (const auto& [key, pair] : by_pair) {
     for (const Outcome& outcome : pair.outcomes) {
       for (const PeerInfo& peer : run.peers) {
         if (has_author(outcome, peer.peer)) continue;
-        const auto said = words.find({&outcome, peer.peer});
-        if (said == words.end()) {
-          result.missed += was_there(peer, outcome.t_s) ? 1 : 0;
+        const auto stated = statements.find({&outcome, peer.peer});
+        if (stated == statements.end()) {
+          result.missed += was_present(peer, outcome.t_s) ? 1 : 0;
         } else {
-          judge_words(run, outcome, said->second, result);
+          judge_statements(run, outcome, stated->second, result);
         }
       }
     }

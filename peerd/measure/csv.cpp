@@ -70,7 +70,7 @@ std::string errors_csv(std::span<const RunRecord> runs) {
       "run,t_s,observer,object,truth_x,truth_y,truth_z,ghost_x,ghost_y,ghost_z,shown_x,shown_y,shown_z,"
       "ghost_error_m,shown_error_m,ghost_angle_error_rad");
   std::size_t rows = 0;
-  for (const RunRecord& run : runs) rows += run.beliefs.size();
+  for (const RunRecord& run : runs) rows += run.ghost_samples.size();
   csv.reserve(rows * 240 + 256);  // a moving object's row is about this long
 
   for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -78,7 +78,7 @@ std::string errors_csv(std::span<const RunRecord> runs) {
     PeerId observer;
     ObjectId object;
     std::string names;  // of the series that we are in
-    for (const BeliefSample& s : run.beliefs) {
+    for (const GhostSample& s : run.ghost_samples) {
       if (names.empty() || s.observer != observer || s.object != object) {
         observer = s.observer;
         object = s.object;

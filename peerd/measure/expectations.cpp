@@ -28,7 +28,7 @@ RunRecord part_of(const RunRecord& run, double from_s, double until_s) {
   RunRecord part = run;
   part.duration_s = until_s - from_s;
   const auto outside = [&](const auto& row) { return row.t_s < from_s || row.t_s > until_s; };
-  std::erase_if(part.beliefs, outside);
+  std::erase_if(part.ghost_samples, outside);
   std::erase_if(part.updates, outside);
   std::erase_if(part.datagrams, outside);
   std::erase_if(part.contacts, outside);

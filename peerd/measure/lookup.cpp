@@ -17,14 +17,14 @@ std::string object_path(const RunRecord& run, ObjectId object) {
   return scene != run.scene_paths.end() ? scene->second : "#" + std::to_string(object.value);
 }
 
-bool was_there(const PeerInfo& peer, double t_s) {
+bool was_present(const PeerInfo& peer, double t_s) {
   return peer.there_s.empty() ||
-         std::ranges::any_of(peer.there_s, [&](const auto& life) { return life.first <= t_s && t_s <= life.second; });
+         std::ranges::any_of(peer.there_s, [&](const auto& presence) { return presence.first <= t_s && t_s <= presence.second; });
 }
 
-std::span<const BeliefSample> beliefs_of(const RunRecord& run, PeerId observer, ObjectId object) {
-  const auto series = [](const BeliefSample& s) { return std::tuple(s.observer, s.object); };
-  const auto found = std::ranges::equal_range(run.beliefs, std::tuple(observer, object), {}, series);
+std::span<const GhostSample> ghost_samples_of(const RunRecord& run, PeerId observer, ObjectId object) {
+  const auto series = [](const GhostSample& s) { return std::tuple(s.observer, s.object); };
+  const auto found = std::ranges::equal_range(run.ghost_samples, std::tuple(observer, object), {}, series);
   return {found.begin(), found.end()};
 }
 

@@ -14,20 +14,20 @@ namespace peerd::report {
 [[nodiscard]] std::string object_path(const RunRecord& run, ObjectId object);
 
 // What one observer believed of one object, in order of time.
-[[nodiscard]] std::span<const BeliefSample> beliefs_of(const RunRecord& run, PeerId observer, ObjectId object);
+[[nodiscard]] std::span<const GhostSample> ghost_samples_of(const RunRecord& run, PeerId observer, ObjectId object);
 
 // Whether the peer was in the session then.
-[[nodiscard]] bool was_there(const PeerInfo& peer, double t_s);
+[[nodiscard]] bool was_present(const PeerInfo& peer, double t_s);
 
 // Distance from the truth to the ghost, and to what a viewer draws [m].
-[[nodiscard]] inline double ghost_error_m(const BeliefSample& s) {
+[[nodiscard]] inline double ghost_error_m(const GhostSample& s) {
   return (s.ghost.position - s.truth.position).norm();
 }
 // What the two users would disagree about.
-[[nodiscard]] inline double view_difference_m(const BeliefSample& s) {
+[[nodiscard]] inline double view_difference_m(const GhostSample& s) {
   return (s.shown.position - s.seen.position).norm();
 }
-[[nodiscard]] inline double shown_error_m(const BeliefSample& s) {
+[[nodiscard]] inline double shown_error_m(const GhostSample& s) {
   return (s.shown.position - s.truth.position).norm();
 }
 

@@ -28,7 +28,7 @@ struct PeerInfo {
 };
 
 // What one peer believed of one remote object at one of its ticks.
-struct BeliefSample {
+struct GhostSample {
   double t_s = 0.0;
   PeerId observer;
   ObjectId object;
@@ -111,7 +111,7 @@ struct RunRecord {
   std::vector<PeerInfo> peers;
   std::vector<ObjectInfo> objects;              // the replicated ones
   std::map<ObjectId, std::string> scene_paths;  // of what nobody runs but contacts name: walls
-  std::vector<BeliefSample> beliefs;            // sorted by (observer, object, t_s)
+  std::vector<GhostSample> ghost_samples;            // sorted by (observer, object, t_s)
   std::vector<UpdateSent> updates;              // sorted by t_s
   std::vector<DatagramSent> datagrams;
   std::vector<ContactRow> contacts;

@@ -45,7 +45,7 @@ Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo&
   std::vector<double> ghost_m;
   std::vector<double> shown_m;
   std::vector<double> difference_m;
-  for (const BeliefSample& s : beliefs_of(run, observer.peer, object.object)) {
+  for (const GhostSample& s : ghost_samples_of(run, observer.peer, object.object)) {
     const double g = ghost_error_m(s);
     const double d = shown_error_m(s);
     if (!(g < kGreatestError_m) || !(d < kGreatestError_m)) {
@@ -173,8 +173,8 @@ Json clocks_json(const RunRecord& run) {
 }
 
 Json run_json(const RunRecord& run) {
-  assert(std::ranges::is_sorted(run.beliefs, {},
-                                [](const BeliefSample& s) { return std::tuple(s.observer, s.object, s.t_s); }));
+  assert(std::ranges::is_sorted(run.ghost_samples, {},
+                                [](const GhostSample& s) { return std::tuple(s.observer, s.object, s.t_s); }));
   std::map<ObjectId, UpdateTotals> sent = update_totals(run);
   std::uint64_t not_finite = 0;
   Json objects = Json::array();

@@ -28,21 +28,21 @@ std::vector<const ContactRow*> decided(const RunRecord& run) {
 }  // namespace
 
 WrongOutcomes wrong_outcomes(const RunRecord& run, const RunRecord& truth) {
-  std::vector<const ContactRow*> said = decided(run);
+  std::vector<const ContactRow*> decisions = decided(run);
   const std::vector<const ContactRow*> happened = decided(truth);
   WrongOutcomes wrong{happened.size(), 0, 0};
   for (const ContactRow* true_row : happened) {
-    const auto right = std::ranges::find_if(said, [&](const ContactRow* row) {
+    const auto right = std::ranges::find_if(decisions, [&](const ContactRow* row) {
       return same_pair(*row, *true_row) && same_side(*row, *true_row) &&
              std::abs(row->t_s - true_row->t_s) <= kSameTime_s;
     });
-    if (right == said.end()) {
+    if (right == decisions.end()) {
       ++wrong.missing;
     } else {
-      said.erase(right);
+      decisions.erase(right);
     }
   }
-  wrong.spurious = said.size();
+  wrong.spurious = decisions.size();
   return wrong;
 }
 

@@ -101,7 +101,7 @@ MotionSettings read_motion(TomlReader reader, const std::filesystem::path& folde
   bool outside = false;
   reader.read("outside", outside);
   if (outside) {
-    m.kind = Outside{};
+    m.kind = ExternalProgram{};
     for (const auto& [key, value] : reader.raw()) {
       if (key.str() == "outside") continue;
       reader.fail(&value, reader.dotted(key.str()) + ": outside = true leaves all to a program; it has no other key");

@@ -18,14 +18,14 @@
 namespace peerd::config {
 
 // Samples come from a program, while the peer runs.
-struct Outside {};
+struct ExternalProgram {};
 
 // A table [motion.PATTERN] or [peer.NAME.motion.OBJECT]: one way to move the objects that it names. It stands for
 // whatever moves an object in earnest (a hand, a vehicle model, a motion capture): it hands out samples, and
 // replication never sees what is behind them.
 struct MotionSettings {
   std::string at;  // FILE:LINE:COLUMN: of the table; empty where none is known
-  std::variant<MotionFormula, Waypoints, Track, WalkSettings, DriveSettings, FlockSettings, Outside,
+  std::variant<MotionFormula, Waypoints, Track, WalkSettings, DriveSettings, FlockSettings, ExternalProgram,
                replication::Launch>
       kind;
   bool face_forward = false;          // of all but formulas: look along the velocity

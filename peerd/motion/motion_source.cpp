@@ -88,7 +88,7 @@ struct Maker {
     }
     add_same(loaded->knots, track.loop, loaded->turns);
   }
-  void operator()(const Outside&) { assert(false && "a program drives it"); }
+  void operator()(const ExternalProgram&) { assert(false && "a program drives it"); }
   void operator()(const replication::Launch&) { assert(false && "nothing drives it"); }
   void operator()(const auto& random) {  // a walk, a drive or a flock
     if (duration_s > kGeneratedMax_s) return fail("such a motion is made before the run, so for 3600 s at most");

@@ -26,9 +26,9 @@ namespace {
 // and `tc` are to read.
 constexpr const char* kNames = "/run/netns";
 
-InputError lacks(const std::string& what) { return {"error: no network by netem here: " + what, 3}; }
+InputError missing(const std::string& what) { return {"error: no network by netem here: " + what, 3}; }
 InputError system_lacks(const std::string& what) {
-  return lacks(what + ": " + std::generic_category().message(errno));
+  return missing(what + ": " + std::generic_category().message(errno));
 }
 
 std::string name(std::size_t peer) { return fmt::format("peer{}", peer); }
@@ -45,7 +45,7 @@ bool write_text(const std::string& file, const std::string& text) {
 Result<void> run_batch(const std::string& tool, const std::string& lines, const std::string& what) {
   const std::string file = std::string(kNames) + "/.batch";
   if (!write_text(file, lines)) return std::unexpected(system_lacks("can't write " + file));
-  if (std::system((tool + " -batch " + file).c_str()) != 0) return std::unexpected(lacks(what));
+  if (std::system((tool + " -batch " + file).c_str()) != 0) return std::unexpected(missing(what));
   return {};
 }
 
@@ -63,7 +63,7 @@ Result<void> own_namespaces() {
 }  // namespace
 
 Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
-  if (peers > kPeersMax) return std::unexpected(lacks(fmt::format("{} peers at most", kPeersMax)));
+  if (peers > kPeersMax) return std::unexpected(missing(fmt::format("{} peers at most", kPeersMax)));
   if (auto done = own_namespaces(); !done) return std::unexpected(done.error());
   std::string names, ports, addresses, devices, queues;
   for (std::size_t i = 0; i < peers; ++i) {
@@ -129,7 +129,7 @@ Result<void> Lab::set_links(const config::RunSettings& run) {
       const std::string dev = device(from, to);
       const std::string command = fmt::format(
           "tc qdisc del dev {1} root && TC_LIB_DIR={0} tc qdisc add dev {1} root {2}", kNames, dev, s.options);
-      if (std::system(command.c_str()) != 0) return std::unexpected(lacks("tc refused: " + s.options));
+      if (std::system(command.c_str()) != 0) return std::unexpected(missing("tc refused: " + s.options));
     }
   }
   return {};
@@ -173,7 +173,7 @@ Result<void> Lab::count(report::NetworkMeasured& measured) const {
   if (tc == nullptr) return std::unexpected(system_lacks("tc"));
   char part[4096];
   for (std::size_t n; (n = fread(part, 1, sizeof part, tc)) > 0;) text.append(part, n);
-  if (pclose(tc) != 0) return std::unexpected(lacks("tc does not say what it has counted"));
+  if (pclose(tc) != 0) return std::unexpected(missing("tc does not say what it has counted"));
   const auto all = nlohmann::json::parse(text);
   auto link = measured.links.begin();
   for (std::size_t from = 0; from < peers_; ++from) {
@@ -181,7 +181,7 @@ Result<void> Lab::count(report::NetworkMeasured& measured) const {
       if (from == to) continue;
       const auto at = std::ranges::find_if(
           all, [&](const auto& q) { return q.at("dev") == device(from, to) && q.at("kind") == "netem"; });
-      if (at == all.end()) return std::unexpected(lacks("tc has lost " + device(from, to)));
+      if (at == all.end()) return std::unexpected(missing("tc has lost " + device(from, to)));
       link->packets = at->at("packets").template get<std::uint64_t>();
       link->packets_lost = at->at("drops").template get<std::uint64_t>();
       ++link;

@@ -60,10 +60,10 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
             return LogLine{
                 level_enum::warn,
                 fmt::format("the operating systems' clocks of peer {} and of this computer cannot both be as "
-                            "good as they say: {:.3f} ms apart from what the network shows, which is believed",
+                            "good as they say: {:.3f} ms apart from what the network shows, which takes precedence",
                             d.peer.value, ms(d.apart))};
           },
-          [](const Slept& s) -> Line {
+          [](const HostSuspended& s) -> Line {
             return LogLine{level_enum::warn,
                            fmt::format("this peer was stopped for {:.1f} s; its objects go on from where "
                                        "they were",
@@ -73,11 +73,11 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
             return LogLine{level_enum::info, named(p.peer, p.name) + (p.restarted ? " restarted" : " joined")};
           },
           [&](const PeerLost& p) -> Line {
-            return p.said_goodbye ? LogLine{level_enum::info, named(p.peer, p.name) + " left"}
+            return p.left_gracefully ? LogLine{level_enum::info, named(p.peer, p.name) + " left"}
                                   : LogLine{level_enum::warn, named(p.peer, p.name) + " is lost: it has gone silent"};
           },
-          [&](const Frozen& f) -> Line {
-            return LogLine{level_enum::warn, fmt::format("{} stands still: peer {}, which ran it, is gone",
+          [&](const ObjectOrphaned& f) -> Line {
+            return LogLine{level_enum::warn, fmt::format("{} stands still: its owner, peer {}, is gone",
                                                          scene.path_of(f.object), f.owner.value)};
           },
           [](const OtherVersion& o) -> Line {
@@ -96,7 +96,7 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
                            fmt::format("another peer uses id {} too; give each peer its own", i.peer.value)};
           },
           [&](const OwnershipConflict& c) -> Line {
-            return LogLine{level_enum::err, fmt::format("two peers enslave {}; peer {} keeps it",
+            return LogLine{level_enum::err, fmt::format("two peers own {}; peer {} keeps it",
                                                         scene.path_of(c.object), c.owner.value)};
           },
           [&](const Published& p) -> Line {
@@ -113,7 +113,7 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
             return LogLine{level_enum::info, fmt::format("{} on {}: another peer's decision counts",
                                                          scene.path_of(o.collider), scene.path_of(o.collidee))};
           },
-          [](const TakenBack&) -> Line { return std::nullopt; },
+          [](const ContactsRetracted&) -> Line { return std::nullopt; },
           [&](const NotColliding& n) -> Line {
             return LogLine{level_enum::debug,
                            fmt::format("{} notColliding {}", scene.path_of(n.object), n.value ? "TRUE" : "FALSE")};

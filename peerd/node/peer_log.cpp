@@ -104,7 +104,7 @@ bool read_row(const std::string& line, PeerLog& log) {
       in >> log.ended_at.emplace();
       break;
     case 'B': {
-      auto& b = log.beliefs.emplace_back();
+      auto& b = log.object_samples.emplace_back();
       in >> b.at >> b.true_at >> b.object >> b.owner >> b.state >> b.shown;
       break;
     }
@@ -143,7 +143,7 @@ Result<void> save(const PeerLog& log, const std::filesystem::path& path) {
   out.row('P') << log.peer << log.name << log.groups_joined << log.other_worlds;
   if (log.start) out.row('S') << *log.start;
   if (log.ended_at) out.row('E') << *log.ended_at;
-  for (const auto& b : log.beliefs) {
+  for (const auto& b : log.object_samples) {
     out.row('B') << b.at << b.true_at << b.object << b.owner << b.state << b.shown;
   }
   for (const auto& u : log.updates) out.row('U') << u.at << u.object << u.bytes << u.threshold_m << u.reason;

@@ -18,7 +18,7 @@ namespace peerd {
 struct PeerLog {
   // `at` is a tick of the peer's own session clock, `true_at` the same instant on a clock that all peers share (the
   // simulator's, or the computer's without the test offset): what an error of the session clock hides, that one shows.
-  struct Belief {
+  struct ObjectSample {
     SimTime at;
     HostTime true_at;
     ObjectId object;
@@ -57,7 +57,7 @@ struct PeerLog {
   std::string name;
   std::optional<SimTime> start;      // of the motions
   std::optional<HostTime> ended_at;  // when it left or was killed, like `true_at`; none: it was there to the end
-  std::vector<Belief> beliefs;
+  std::vector<ObjectSample> object_samples;
   std::vector<Update> updates;
   std::vector<Datagram> datagrams;
   std::vector<Contact> contacts;

@@ -44,7 +44,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   replication::PeerConfig config;
   config.id = PeerId{settings.id};
   config.name = settings.name;
-  config.boot = options.boot;
+  config.incarnation = options.incarnation;
   config.world_hash = replication.regions.session_hash(shared.world.hash);
   config.policy = replication.policy;
   config.convergence = replication.convergence;
@@ -67,11 +67,11 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
     viewpoint.field_of_view = v.field_of_view_deg * kRadians;
     viewpoint.aspect = v.aspect;
   }
-  for (const ObjectId object : objects.enslaved) {
+  for (const ObjectId object : objects.owned) {
     const bool outside =
         std::ranges::any_of(objects.outside, [&](const auto& named) { return named.second == object; });
     const auto launch = objects.launches.find(object);
-    config.enslaved.push_back({object, outside || objects.motions.contains(object),
+    config.owned.push_back({object, outside || objects.motions.contains(object),
                                launch == objects.launches.end() ? replication::Launch{} : launch->second});
   }
   feed::PoseFeeds feeds({std::move(objects.outside), from_seconds(settings.feed.stale_s)}, shared.world.scene);
@@ -103,14 +103,14 @@ void PeerNode::agree_on_start(HostTime now) {
   if (!peer_.clock().synchronised()) return;
   if (options_.late) return follow_start(now);
   const auto& members = peer_.members().all();
-  PeerId lowest = config_.id, lowest_here = config_.id;
+  PeerId lowest = config_.id, lowest_present = config_.id;
   bool complete = true;
   for (PeerId peer : options_.wait_for) {
     if (peer == config_.id) continue;
     lowest = std::min(lowest, peer);
     const auto member = members.find(peer);
     complete = complete && member != members.end() && member->second.synchronised;
-    if (member != members.end()) lowest_here = std::min(lowest_here, peer);
+    if (member != members.end()) lowest_present = std::min(lowest_present, peer);
   }
   if (lowest != config_.id) {
     const auto member = members.find(lowest);
@@ -118,7 +118,7 @@ void PeerNode::agree_on_start(HostTime now) {
   } else if (complete && !log_.start) {
     log_.start = std::chrono::ceil<std::chrono::seconds>(peer_.clock().to_session(now) + options_.start_lead);
   }
-  if (lowest_here == config_.id && log_.start && !announces_start_) {
+  if (lowest_present == config_.id && log_.start && !announces_start_) {
     announces_start_ = true;
     peer_.announce_start(*log_.start);
   }
@@ -127,10 +127,10 @@ void PeerNode::agree_on_start(HostTime now) {
 // Of somebody who comes later. Keys from before it was there are nobody's.
 void PeerNode::follow_start(HostTime now) {
   const auto& members = peer_.members().all();
-  const auto told = std::ranges::find_if(members, [](const auto& member) { return member.second.start.has_value(); });
-  if (told == members.end()) return;
+  const auto announcing = std::ranges::find_if(members, [](const auto& member) { return member.second.start.has_value(); });
+  if (announcing == members.end()) return;
   const bool first = !log_.start;
-  log_.start = told->second.start;
+  log_.start = announcing->second.start;
   const SimTime session_now = peer_.clock().to_session(now);
   while (first && next_key_ < keys_.size() && key_time(next_key_) < session_now) ++next_key_;
 }
@@ -223,7 +223,7 @@ KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
   const KeySensors::Outcome outcome = key_sensors_.press(key);
   report.hits = outcome.hits.size();
   report.consumed = outcome.consumed;
-  keys_unheard_ += report.hits == 0;
+  keys_unhandled_ += report.hits == 0;
   for (const std::size_t hit : outcome.hits) {
     const KeySensor& sensor = scene().key_sensors[hit];
     if (!sensor.recipient) continue;
@@ -282,15 +282,15 @@ void PeerNode::record_ghosts(HostTime now) {
   if (session_now < sample_time(next_sample_)) return;
   while (sample_time(next_sample_ + 1) <= session_now) ++next_sample_;
   const SimTime t = sample_time(next_sample_++);
-  peer_.look(t);
+  peer_.advance_ghosts(t);
   for (const auto& [object, owner] : peer_.owners()) {
-    if (owner != config_.id && peer_.holds(object))
+    if (owner != config_.id && peer_.receives(object))
       record(t, object, owner, peer_.ghost(object, t), peer_.shown(object, t));
   }
 }
 
 void PeerNode::record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state, const Pose& shown) {
-  log_.beliefs.push_back({t, peer_.clock().to_host(t) - options_.clock_offset, object, owner, state, shown});
+  log_.object_samples.push_back({t, peer_.clock().to_host(t) - options_.clock_offset, object, owner, state, shown});
 }
 
 std::optional<replication::Output> PeerNode::poll_output() {
@@ -304,8 +304,8 @@ std::optional<replication::Output> PeerNode::poll_output() {
   const auto* stepped = std::get_if<ClockStepped>(&*out);
   if (stepped != nullptr && log_.start && !stepped->same_session) *log_.start += stepped->step;
   // Who slept through the start has still to be told of it: the sleep wiped out what was planned.
-  const bool slept = std::holds_alternative<Slept>(*out) || (stepped != nullptr && stepped->same_session);
-  if (slept && log_.start && logged_at_ < *log_.start) started_for_.reset();
+  const bool suspended = std::holds_alternative<HostSuspended>(*out) || (stepped != nullptr && stepped->same_session);
+  if (suspended && log_.start && logged_at_ < *log_.start) started_for_.reset();
   if (!options_.keep_log) return out;
   if (const auto* send = std::get_if<Send>(&*out)) {
     log_.datagrams.push_back({logged_at_, static_cast<std::uint32_t>(send->datagram.size())});
@@ -320,7 +320,7 @@ std::optional<replication::Output> PeerNode::poll_output() {
       return (row.kind == "decided" || row.kind == "applied") && row.at == o->contact && row.collider == o->collider &&
              row.collidee == o->collidee;
     });
-  } else if (const auto* b = std::get_if<TakenBack>(&*out)) {
+  } else if (const auto* b = std::get_if<ContactsRetracted>(&*out)) {
     std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
       return (row.kind == "predicted" || row.kind == "owner") && row.at > b->since &&
              (row.collider == b->object || row.collidee == b->object);
@@ -382,7 +382,7 @@ const PeerLog& PeerNode::log() {
   }
   if (keys_pressed_ > 0) {
     n["keys"] = keys_pressed_;
-    n["keys_unheard"] = keys_unheard_;
+    n["keys_unheard"] = keys_unhandled_;
     n["key_changes"] = key_changes_;
     n["key_changes_refused"] = key_changes_refused_;
   }

@@ -28,7 +28,7 @@ struct SharedWorld {
 class PeerNode {
  public:
   struct Options {
-    std::uint64_t boot = 1;
+    std::uint64_t incarnation = 1;
     std::vector<PeerId> wait_for;  // motions begin when all of these are here; empty: at once
     bool late = false;             // the others have begun without it: it takes the start that they say
     Duration start_lead{0};        // from then to the first whole second that is at least so far ahead
@@ -107,7 +107,7 @@ class PeerNode {
   std::vector<config::ScriptedKey> keys_;  // by time
   std::size_t next_key_ = 0;
   std::deque<KeyReport> key_reports_;
-  std::uint64_t keys_pressed_ = 0, keys_unheard_ = 0, key_changes_ = 0, key_changes_refused_ = 0;
+  std::uint64_t keys_pressed_ = 0, keys_unhandled_ = 0, key_changes_ = 0, key_changes_refused_ = 0;
 };
 
 }  // namespace peerd

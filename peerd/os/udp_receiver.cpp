@@ -64,7 +64,7 @@ bool UdpReceiver::read() {
 // the difference less than what is known already, until the next one comes.
 void UdpReceiver::count_lost(const Received& received) {
   if (!received.lost_before) return;
-  const auto more = static_cast<std::int32_t>(*received.lost_before - turned_away_ - lost_);
+  const auto more = static_cast<std::int32_t>(*received.lost_before - filtered_ - lost_);
   if (more <= 0) return;
   reading_.counters.in_queue_overflow += static_cast<std::uint32_t>(more);
   lost_ += static_cast<std::uint32_t>(more);

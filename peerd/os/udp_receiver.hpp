@@ -37,7 +37,7 @@ class UdpReceiver {
   // Once, with the socket open. `handler` must not read, nor destroy this.
   void start(Handler handler);
   // The socket's filter has dropped one, or soon will: the kernel counts it among those it lost.
-  void on_turned_away() { ++turned_away_; }
+  void on_filtered() { ++filtered_; }
   // What waits now, as much as is fair to others; whether anything did.
   bool read();
 
@@ -49,7 +49,7 @@ class UdpReceiver {
   asio::ip::udp::socket socket_;
   Reading& reading_;
   Handler handler_;
-  std::uint32_t turned_away_ = 0;  // modulo 2^32, as the next one
+  std::uint32_t filtered_ = 0;  // modulo 2^32, as the next one
   std::uint32_t lost_ = 0;         // for want of room, as far as the kernel has said
   HostTime empty_at_;              // the socket's queue was empty then or later
   // Closing a socket does not call back completions that are already queued (Asio, cancel()): they look here first.

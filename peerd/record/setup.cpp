@@ -30,7 +30,7 @@ std::string to_text(const Setup& s) {
       {"base", g.base.to_string()}, {"port", g.port}, {"pool", g.pool}, {"offset", g.offset}};
   const nlohmann::ordered_json json{{"format", kFormat},
                                     {"peer", s.peer},
-                                    {"boot", s.options.boot},
+                                    {"boot", s.options.incarnation},
                                     {"wait_for", wait_for},
                                     {"start_lead_ns", s.options.start_lead.count()},
                                     {"clock_offset_ns", s.options.clock_offset.count()},
@@ -55,7 +55,7 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
                              std::to_string(kFormat));
     }
     s.peer = json.at("peer").get<std::string>();
-    s.options.boot = json.at("boot").get<std::uint64_t>();
+    s.options.incarnation = json.at("boot").get<std::uint64_t>();
     for (const auto& peer : json.at("wait_for")) s.options.wait_for.push_back(PeerId{peer.get<std::uint32_t>()});
     s.options.start_lead = Duration{json.at("start_lead_ns").get<std::int64_t>()};
     s.options.clock_offset = Duration{json.at("clock_offset_ns").get<std::int64_t>()};

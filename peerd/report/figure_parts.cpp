@@ -152,7 +152,7 @@ const ObjectInfo* find_object(const RunRecord& run, std::string_view path) {
 std::vector<PeerInfo> observers_of(const RunRecord& run, const ObjectInfo& object) {
   std::vector<PeerInfo> observers;
   for (const PeerInfo& peer : run.peers) {
-    if (peer.peer != object.owner && !beliefs_of(run, peer.peer, object.object).empty()) observers.push_back(peer);
+    if (peer.peer != object.owner && !ghost_samples_of(run, peer.peer, object.object).empty()) observers.push_back(peer);
   }
   return observers;
 }
@@ -168,7 +168,7 @@ std::string run_title(const ScenarioInfo& info, const RunRecord& run) {
 std::vector<TruthSample> truth_of(const RunRecord& run, const ObjectInfo& object) {
   std::vector<TruthSample> truth;
   for (const PeerInfo& observer : run.peers) {
-    for (const BeliefSample& s : beliefs_of(run, observer.peer, object.object))
+    for (const GhostSample& s : ghost_samples_of(run, observer.peer, object.object))
       truth.push_back({s.t_s, s.truth.position});
   }
   std::ranges::stable_sort(truth, {}, &TruthSample::t_s);
@@ -183,10 +183,10 @@ std::vector<Point> component_over_time(std::span<const TruthSample> truth, int c
   return points;
 }
 
-ErrorSeries error_series(std::span<const BeliefSample> beliefs, int component) {
+ErrorSeries error_series(std::span<const GhostSample> ghost_samples, int component) {
   ErrorSeries series;
   std::vector<double> errors;
-  for (const BeliefSample& s : beliefs) {
+  for (const GhostSample& s : ghost_samples) {
     series.ghost.push_back({s.t_s, s.ghost.position[component]});
     series.error.push_back({s.t_s, ghost_error_m(s)});
     if (std::isfinite(series.error.back().y)) errors.push_back(series.error.back().y);

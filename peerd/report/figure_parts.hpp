@@ -92,6 +92,6 @@ struct ErrorSeries {
   std::vector<Point> ghost, error;  // component of the position [m], distance [m]
   double mean_m = 0.0;              // of the finite errors
 };
-[[nodiscard]] ErrorSeries error_series(std::span<const BeliefSample> beliefs, int component);
+[[nodiscard]] ErrorSeries error_series(std::span<const GhostSample> ghost_samples, int component);
 
 }  // namespace peerd::report

@@ -156,7 +156,7 @@ struct Drawn {
 
 Drawn draw_run(Svg& svg, const RunRecord& run, const ObjectInfo& object, PeerId observer, std::size_t colour,
                const Picture& picture, int component) {
-  const ErrorSeries series = error_series(beliefs_of(run, observer, object.object), component);
+  const ErrorSeries series = error_series(ghost_samples_of(run, observer, object.object), component);
   const Stroke stroke = colour_stroke(colour);
   picture.position.draw_curve(svg, series.ghost, stroke);
   picture.error.draw_curve(svg, series.error, stroke);

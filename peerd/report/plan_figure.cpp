@@ -83,7 +83,7 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
   for (const TruthSample& s : truth_of(run, *object)) paths.truth.push_back(s.position);
   for (const PeerInfo& observer : observers) {
     paths.ghosts.emplace_back();
-    for (const BeliefSample& s : beliefs_of(run, observer.peer, object->object)) {
+    for (const GhostSample& s : ghost_samples_of(run, observer.peer, object->object)) {
       paths.ghosts.back().push_back(s.ghost.position);
     }
   }
@@ -92,7 +92,7 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
   for (const ObjectInfo& other : run.objects) {
     if (other.object == object->object) continue;
     const std::vector<PeerInfo> by = observers_of(run, other);
-    if (!by.empty()) others.push_back(beliefs_of(run, by.front().peer, other.object).front().truth.position);
+    if (!by.empty()) others.push_back(ghost_samples_of(run, by.front().peer, other.object).front().truth.position);
   }
 
   Range x, z;

@@ -30,13 +30,13 @@ int component_of(std::span<const RunRecord> runs, const std::string& path) {
     const ObjectInfo* object = find_object(run, path);
     const std::vector<PeerInfo> observers = object ? observers_of(run, *object) : std::vector<PeerInfo>{};
     if (observers.empty()) continue;
-    const auto series = beliefs_of(run, observers.front().peer, object->object);
-    const BeliefSample& first = series.front();
-    const BeliefSample& last = series.back();
+    const auto series = ghost_samples_of(run, observers.front().peer, object->object);
+    const GhostSample& first = series.front();
+    const GhostSample& last = series.back();
     for (int c = 0; c < 3; ++c) {
       Range bent;
       Range plain;
-      for (const BeliefSample& s : series) {
+      for (const GhostSample& s : series) {
         const double along = last.t_s > first.t_s ? (s.t_s - first.t_s) / (last.t_s - first.t_s) : 0.0;
         bent.add(s.truth.position[c] - std::lerp(first.truth.position[c], last.truth.position[c], along));
         plain.add(s.truth.position[c]);
@@ -145,7 +145,7 @@ FigureFrame figure_frame(std::span<const RunRecord> runs, const nlohmann::ordere
     Range& error = frame.error_m[latency_text(run)];
     error.add(0.0);
     for (const PeerInfo& observer : observers_of(run, *object)) {
-      for (const BeliefSample& s : beliefs_of(run, observer.peer, object->object)) {
+      for (const GhostSample& s : ghost_samples_of(run, observer.peer, object->object)) {
         position.add(s.truth.position[frame.component]);
         position.add(s.ghost.position[frame.component]);
         error.add(ghost_error_m(s));
@@ -196,7 +196,7 @@ std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size
   const std::vector<PeerInfo> observers = observers_of(run, *object);
   std::vector<ErrorSeries> all;
   for (const PeerInfo& observer : observers) {
-    all.push_back(error_series(beliefs_of(run, observer.peer, object->object), frame.component));
+    all.push_back(error_series(ghost_samples_of(run, observer.peer, object->object), frame.component));
   }
   position.draw_curve(svg, component_over_time(truth_of(run, *object), frame.component),
                       {.colour = kTruthColour, .width = 4.0});

@@ -101,18 +101,18 @@ void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, c
   draw_legend(svg, {kLeft, kThresholdBox.y - 9.0}, kPlotWidth, legend);
 }
 
-enum class Said : std::uint8_t { kHappened, kDecided, kPredicted, kWrong, kTaken };
+enum class ContactMark : std::uint8_t { kHappened, kDecided, kPredicted, kWrong, kApplied };
 
 // What a mark says of a contact's row; nothing for what only repeats another.
-std::optional<Said> said_by(const ContactRow& contact, Verdict verdict) {
+std::optional<ContactMark> mark_of(const ContactRow& contact, Verdict verdict) {
   switch (verdict) {
     case Verdict::kOutcome:
-      return contact.kind == "decided" ? Said::kDecided : Said::kHappened;
+      return contact.kind == "decided" ? ContactMark::kDecided : ContactMark::kHappened;
     case Verdict::kAgreed:
-      return contact.kind == "applied" ? Said::kTaken : Said::kPredicted;
+      return contact.kind == "applied" ? ContactMark::kApplied : ContactMark::kPredicted;
     case Verdict::kDisagreed:
     case Verdict::kSpurious:
-      return Said::kWrong;
+      return ContactMark::kWrong;
     case Verdict::kRepeated:
     case Verdict::kRevised:
     case Verdict::kOwn:
@@ -121,21 +121,21 @@ std::optional<Said> said_by(const ContactRow& contact, Verdict verdict) {
   return std::nullopt;
 }
 
-void draw_mark(Svg& svg, Point at, Said said) {
-  switch (said) {
-    case Said::kHappened:
+void draw_mark(Svg& svg, Point at, ContactMark mark) {
+  switch (mark) {
+    case ContactMark::kHappened:
       svg.rect({at.x - 3.5, at.y - 3.5, 7.0, 7.0}, kBarColour);
       break;
-    case Said::kDecided:
+    case ContactMark::kDecided:
       svg.rect({at.x - 4.0, at.y - 4.0, 8.0, 8.0}, colour_of(0));
       break;
-    case Said::kPredicted:
+    case ContactMark::kPredicted:
       svg.circle(at, 3.5, "none", {.colour = colour_of(2), .width = 1.5});
       break;
-    case Said::kTaken:
+    case ContactMark::kApplied:
       svg.circle(at, 3.5, colour_of(4), {.colour = colour_of(4)});
       break;
-    case Said::kWrong:
+    case ContactMark::kWrong:
       svg.cross(at, 4.0, {.colour = colour_of(1), .width = 1.8});
       break;
   }
@@ -179,11 +179,11 @@ void draw_lanes(Svg& svg, const RunRecord& run, std::size_t lanes, const Panel& 
   std::size_t left_out = 0;
   for (std::size_t i = 0; i < run.contacts.size(); ++i) {
     const ContactRow& c = run.contacts[i];
-    const std::optional<Said> said = said_by(c, judged.verdicts[i]);
-    if (!said || !std::isfinite(c.t_s)) continue;
+    const std::optional<ContactMark> mark = mark_of(c, judged.verdicts[i]);
+    if (!mark || !std::isfinite(c.t_s)) continue;
     const auto lane =
         static_cast<std::size_t>(std::ranges::find(run.peers, c.peer, &PeerInfo::peer) - run.peers.begin());
-    ++counts[static_cast<std::size_t>(*said)];
+    ++counts[static_cast<std::size_t>(*mark)];
     if (lane >= lanes || drawn >= kMostMarks) {
       ++left_out;
       continue;
@@ -193,7 +193,7 @@ void draw_lanes(Svg& svg, const RunRecord& run, std::size_t lanes, const Panel& 
     const double known_s = std::clamp(c.reported_at_s, 0.0, run.duration_s);
     if (std::isfinite(known_s) && std::fabs(panel.px(known_s) - panel.px(c.t_s)) > 4.0)
       svg.line({panel.px(c.t_s), y}, {panel.px(known_s), y}, {.colour = kContactColour});
-    draw_mark(svg, {panel.px(c.t_s), y}, *said);
+    draw_mark(svg, {panel.px(c.t_s), y}, *mark);
   }
   std::vector<LegendEntry> legend = lanes_legend(counts);
   using Mark = LegendEntry::Mark;

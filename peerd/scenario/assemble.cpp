@@ -7,68 +7,68 @@ namespace peerd {
 namespace {
 
 // A peer that leaves and comes back has several.
-struct Life {
+struct Presence {
   HostTime from, until;  // in true time
   SimTime first_row, last_row;
 };
-using Lives = std::map<PeerId, std::vector<Life>>;
+using Presences = std::map<PeerId, std::vector<Presence>>;
 
 // Who was there from the start was so before its first row, and whom nothing has ended goes on after its last.
-Lives lives_of(const config::RunSettings& run, const std::vector<PeerLog>& logs) {
-  Lives lives;
+Presences presences_of(const config::RunSettings& run, const std::vector<PeerLog>& logs) {
+  Presences presences;
   for (const PeerLog& log : logs) {
-    std::vector<Life>& own = lives[log.peer];
+    std::vector<Presence>& own = presences[log.peer];
     const bool from_the_start = own.empty() && config::starts_with(run.events, log.name);
-    if (!log.start || (log.beliefs.empty() && !from_the_start)) continue;
-    own.push_back({from_the_start ? HostTime::min() : log.beliefs.front().true_at,
-                   log.ended_at.value_or(HostTime::max()), from_the_start ? SimTime::min() : log.beliefs.front().at,
-                   log.ended_at && !log.beliefs.empty() ? log.beliefs.back().at : SimTime::max()});
+    if (!log.start || (log.object_samples.empty() && !from_the_start)) continue;
+    own.push_back({from_the_start ? HostTime::min() : log.object_samples.front().true_at,
+                   log.ended_at.value_or(HostTime::max()), from_the_start ? SimTime::min() : log.object_samples.front().at,
+                   log.ended_at && !log.object_samples.empty() ? log.object_samples.back().at : SimTime::max()});
   }
-  return lives;
+  return presences;
 }
 
-bool alive(const std::vector<Life>& lives, HostTime t) {
-  return std::ranges::any_of(lives, [&](const Life& life) { return life.from <= t && t <= life.until; });
+bool alive(const std::vector<Presence>& presences, HostTime t) {
+  return std::ranges::any_of(presences, [&](const Presence& presence) { return presence.from <= t && t <= presence.until; });
 }
 
-report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<Life>& lives, SimTime start) {
+report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<Presence>& presences, SimTime start) {
   report::PeerInfo info{PeerId{peer.id}, peer.name};
   const auto since_start = [&](SimTime t) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
     return t == SimTime::min() ? -kNever : t == SimTime::max() ? kNever : to_seconds(t - start);
   };
-  for (const Life& life : lives) info.there_s.emplace_back(since_start(life.first_row), since_start(life.last_row));
-  if (lives.empty()) info.there_s.emplace_back(1.0, 0.0);  // never
+  for (const Presence& presence : presences) info.there_s.emplace_back(since_start(presence.first_row), since_start(presence.last_row));
+  if (presences.empty()) info.there_s.emplace_back(1.0, 0.0);  // never
   return info;
 }
 
 // The truth of one object as its owner logged it, in true time.
 struct Truth {
   const config::MotionSource* motion = nullptr;  // what drives it
-  std::vector<const PeerLog::Belief*> ticks;     // by true_at
+  std::vector<const PeerLog::ObjectSample*> ticks;     // by true_at
 
-  [[nodiscard]] const PeerLog::Belief* last_not_after(HostTime t) const {
+  [[nodiscard]] const PeerLog::ObjectSample* last_not_after(HostTime t) const {
     const auto next = std::ranges::upper_bound(ticks, t, {}, [](const auto* b) { return b->true_at; });
     return next == ticks.begin() ? nullptr : *(next - 1);
   }
   // The owner's session time at that instant.
   [[nodiscard]] SimTime session_time(HostTime t) const {
-    const PeerLog::Belief* b = last_not_after(t);
+    const PeerLog::ObjectSample* b = last_not_after(t);
     if (b == nullptr) b = ticks.front();
     return b->at + (t - b->true_at);
   }
   [[nodiscard]] Pose pose(HostTime t, SimTime start) const {
     if (motion != nullptr) return motion->pose(to_seconds(session_time(t) - start));
-    const PeerLog::Belief* before = last_not_after(t);
+    const PeerLog::ObjectSample* before = last_not_after(t);
     const bool last = before == ticks.back();
     if (before != nullptr && last) return advance(before->state, to_seconds(t - before->true_at)).pose();
-    return between(t, [](const PeerLog::Belief& b) { return b.state.pose(); });
+    return between(t, [](const PeerLog::ObjectSample& b) { return b.state.pose(); });
   }
   // What the owner's user sees then.
   [[nodiscard]] Pose seen(HostTime t, SimTime start) const {
-    const PeerLog::Belief* b = last_not_after(t);
+    const PeerLog::ObjectSample* b = last_not_after(t);
     if (b == nullptr || b->shown.position == b->state.position) return pose(t, start);
-    return between(t, [](const PeerLog::Belief& tick) { return tick.shown; });
+    return between(t, [](const PeerLog::ObjectSample& tick) { return tick.shown; });
   }
 
  private:
@@ -76,7 +76,7 @@ struct Truth {
   [[nodiscard]] Pose between(HostTime t, PoseOf pose_of) const {
     const auto next = std::ranges::upper_bound(ticks, t, {}, [](const auto* b) { return b->true_at; });
     if (next == ticks.begin()) return pose_of(**next);
-    const PeerLog::Belief& before = **(next - 1);
+    const PeerLog::ObjectSample& before = **(next - 1);
     if (next == ticks.end() || before.true_at == t) return pose_of(before);
     const double s = to_seconds(t - before.true_at) / to_seconds((*next)->true_at - before.true_at);
     const Pose a = pose_of(before), b = pose_of(**next);
@@ -105,16 +105,16 @@ Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedW
       return std::unexpected(InputError{"error: peer " + log.name + " never met all the others", 3});
     }
     if (!start) start = log.start;
-    for (const PeerLog::Belief& b : log.beliefs) {
+    for (const PeerLog::ObjectSample& b : log.object_samples) {
       if (b.owner == log.peer) truths[b.object].ticks.push_back(&b);
     }
   }
   if (!start) return std::unexpected(InputError{"error: nobody's log says when the motions began", 3});
-  Lives lives = lives_of(run, logs);
+  Presences presences = presences_of(run, logs);
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
     const PeerId peer{run.peers[i].id};
-    record.peers.push_back(peer_info(run.peers[i], lives[peer], *start));
-    for (const ObjectId object : (*objects)[i].enslaved) {
+    record.peers.push_back(peer_info(run.peers[i], presences[peer], *start));
+    for (const ObjectId object : (*objects)[i].owned) {
       owners[object] = peer;
       record.objects.push_back({object, scene.path_of(object), peer});
     }
@@ -124,13 +124,13 @@ Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedW
 
   const auto within = [&](double t_s) { return t_s >= 0.0 && t_s <= run.duration_s; };
   for (const PeerLog& log : logs) {
-    for (const PeerLog::Belief& b : log.beliefs) {
+    for (const PeerLog::ObjectSample& b : log.object_samples) {
       if (b.owner == log.peer || !owners.contains(b.object)) continue;
       const Truth& truth = truths[b.object];
-      if (truth.ticks.empty() || !alive(lives[owners[b.object]], b.true_at)) continue;
+      if (truth.ticks.empty() || !alive(presences[owners[b.object]], b.true_at)) continue;
       const double t_s = to_seconds(truth.session_time(b.true_at) - *start);
       if (!within(t_s)) continue;
-      record.beliefs.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), b.state.pose(), b.shown,
+      record.ghost_samples.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), b.state.pose(), b.shown,
                                 truth.seen(b.true_at, *start)});
     }
     const auto since_start = [&](SimTime t) { return to_seconds(t - *start); };
@@ -158,7 +158,7 @@ Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedW
     record.worlds_equal = record.worlds_equal && log.other_worlds == 0;
     for (const auto& [name, count] : log.counters) record.counters[name] += count;
   }
-  std::ranges::stable_sort(record.beliefs, [](const auto& a, const auto& b) {
+  std::ranges::stable_sort(record.ghost_samples, [](const auto& a, const auto& b) {
     return std::tie(a.observer, a.object, a.t_s) < std::tie(b.observer, b.object, b.t_s);
   });
   std::ranges::stable_sort(record.updates, {}, &report::UpdateSent::t_s);

@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kAnswerWithin{200};
 }  // namespace
 
 std::optional<InputError> why_not_live(const std::vector<config::ScenarioEvent>& events) {
-  std::set<std::string> been_there;
+  std::set<std::string> already_joined;
   for (const config::ScenarioEvent& e : events) {
     const std::string key = "error: event." + e.name + ": ";
     if (e.peer.empty()) {
@@ -27,10 +27,10 @@ std::optional<InputError> why_not_live(const std::vector<config::ScenarioEvent>&
                                 " is for a simulated network; use peerd sim, or take the event out"};
     }
     const bool joins = e.kind == config::EventKind::kJoin;
-    if (joins && (been_there.contains(e.peer) || config::starts_with(events, e.peer))) {
+    if (joins && (already_joined.contains(e.peer) || config::starts_with(events, e.peer))) {
       return InputError{key + "a real peer that has gone does not come back; peerd sim has such peers"};
     }
-    been_there.insert(e.peer);
+    already_joined.insert(e.peer);
   }
   return std::nullopt;
 }

@@ -4,7 +4,7 @@
 
 namespace peerd::sim {
 
-void ClockOracle::look(HostTime now, std::size_t i) {
+void ClockOracle::take_sample(HostTime now, std::size_t i) {
   const replication::Peer& peer = peers_[i].node->peer();
   const auto follows = peer.follows();
   if (!peer.clock().synchronised() || !follows || follows == peer.id()) return;

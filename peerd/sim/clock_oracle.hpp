@@ -18,7 +18,7 @@ class ClockOracle {
   explicit ClockOracle(std::vector<WatchedPeer> peers) : peers_(std::move(peers)), seen_(peers_.size()) {}
 
   // After each tick of that peer. `now` is true time, which all hosts' clocks differ from by their offset.
-  void look(HostTime now, std::size_t peer);
+  void take_sample(HostTime now, std::size_t peer);
   // Of the peer; none: it led all the time.
   [[nodiscard]] std::optional<PeerLog::ClockError> error_of(std::size_t peer) const;
 

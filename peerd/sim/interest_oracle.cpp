@@ -10,7 +10,7 @@ namespace peerd::sim {
 namespace {
 
 // More updates of one object than can be under way.
-constexpr std::size_t kToldMax = 1024;
+constexpr std::size_t kUpdatesKeptMax = 1024;
 
 double ms(Duration d) { return 1e3 * to_seconds(d); }
 
@@ -26,7 +26,7 @@ InterestOracle::InterestOracle(const config::RunSettings& run, const Scene& scen
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     const config::PeerSettings& settings = run_.peers[i];
     if (settings.interest_radius_m)
-      asked_.push_back({i, *settings.interest_radius_m, {PeerId{settings.id}}, 0, 0, {}, {}});
+      observed_.push_back({i, *settings.interest_radius_m, {PeerId{settings.id}}, 0, 0, {}, {}});
   }
   for (const config::PeerSettings& from : run_.peers) {
     for (const config::PeerSettings& to : run_.peers) {
@@ -40,7 +40,7 @@ SimTime InterestOracle::session_time(std::size_t peer, VirtualTime t) const {
   return peers_[peer].node->peer().clock().to_session(HostTime{t.time_since_epoch() + peers_[peer].clock_offset});
 }
 
-std::optional<VirtualTime> InterestOracle::next_look() {
+std::optional<VirtualTime> InterestOracle::next_sample_time() {
   if (!begin_) {
     const bool ready = std::ranges::all_of(peers_, [](const WatchedPeer& p) { return p.node->start().has_value(); });
     if (!ready) return std::nullopt;
@@ -48,7 +48,7 @@ std::optional<VirtualTime> InterestOracle::next_look() {
     const HostTime host = first.node->peer().clock().to_host(*first.node->start());
     begin_ = VirtualTime{host.time_since_epoch() - first.clock_offset};
   }
-  const VirtualTime at = *begin_ + from_seconds(static_cast<double>(looks_) / run_.sample_hz);
+  const VirtualTime at = *begin_ + from_seconds(static_cast<double>(samples_taken_) / run_.sample_hz);
   return in_run(at) ? std::optional(at) : std::nullopt;
 }
 
@@ -61,9 +61,9 @@ KinematicState InterestOracle::truth(ObjectId object, VirtualTime t) const {
   return peers_[owner].node->peer().truth(object, session_time(owner, t));
 }
 
-bool InterestOracle::in_area(const Asked& asked, ObjectId object, VirtualTime t) const {
+bool InterestOracle::in_area(const ObservedPeer& observed, ObjectId object, VirtualTime t) const {
   const Vec3 position = truth(object, t).position;
-  const double within_m = asked.radius_m + reaches_m_.at(object);
+  const double within_m = observed.radius_m + reaches_m_.at(object);
   const auto near = [&](const Vec3& seen_from) {
     Vec3 apart = position - seen_from;
     for (int axis = 0; axis < 3; ++axis) {
@@ -71,19 +71,19 @@ bool InterestOracle::in_area(const Asked& asked, ObjectId object, VirtualTime t)
     }
     return apart.norm() <= within_m;
   };
-  const WatchedPeer& self = peers_[asked.peer];
+  const WatchedPeer& self = peers_[observed.peer];
   const auto& viewpoint = self.node->viewpoint();
   if (!viewpoint) {
     return std::ranges::any_of(
-        owners_, [&](const auto& o) { return o.second == asked.peer && near(truth(o.first, t).position); });
+        owners_, [&](const auto& o) { return o.second == observed.peer && near(truth(o.first, t).position); });
   }
   if (!viewpoint->object || !owners_.contains(*viewpoint->object)) return near(viewpoint->pose.position);
   return near(truth(*viewpoint->object, t).pose() * viewpoint->pose.position);
 }
 
-void InterestOracle::look() {
-  const VirtualTime t = *next_look();
-  ++looks_;
+void InterestOracle::take_sample() {
+  const VirtualTime t = *next_sample_time();
+  ++samples_taken_;
   owners_.clear();
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     for (const auto& [object, owner] : peers_[i].node->peer().owners()) {
@@ -92,27 +92,27 @@ void InterestOracle::look() {
       if (!reaches_m_.contains(object)) reaches_m_.emplace(object, bounding_radius_m(scene_, object));
     }
   }
-  for (Asked& asked : asked_) look(asked, t);
+  for (ObservedPeer& observed : observed_) take_sample(observed, t);
 }
 
-void InterestOracle::look(Asked& asked, VirtualTime t) {
-  const replication::Peer& peer = peers_[asked.peer].node->peer();
-  asked.groups += 1 + peer.interest().regions().size();
+void InterestOracle::take_sample(ObservedPeer& observed, VirtualTime t) {
+  const replication::Peer& peer = peers_[observed.peer].node->peer();
+  observed.groups += 1 + peer.interest().regions().size();
   for (const auto& [object, owner] : owners_) {
-    if (owner == asked.peer) continue;
-    const auto gap = asked.missing_since.find(object);
-    const bool inside = in_area(asked, object, t);
-    const replication::UpdateRecord* told = peer.last_told(object);
-    const bool missing = inside && (!peer.holds(object) || told == nullptr);
-    if (inside) ++asked.objects, ++found_.samples;
+    if (owner == observed.peer) continue;
+    const auto gap = observed.missing_since.find(object);
+    const bool inside = in_area(observed, object, t);
+    const replication::UpdateRecord* held = peer.last_update_of(object);
+    const bool missing = inside && (!peer.receives(object) || held == nullptr);
+    if (inside) ++observed.objects, ++found_.samples;
     if (missing) ++found_.missing_samples;
-    if (missing && gap == asked.missing_since.end()) asked.missing_since.emplace(object, t);
-    if (!missing && gap != asked.missing_since.end()) {
+    if (missing && gap == observed.missing_since.end()) observed.missing_since.emplace(object, t);
+    if (!missing && gap != observed.missing_since.end()) {
       close_gap(t - gap->second);
-      asked.missing_since.erase(gap);
+      observed.missing_since.erase(gap);
     }
     if (!inside || missing) continue;
-    if (const auto since = outdated_since(object, told->sequence)) {
+    if (const auto since = outdated_since(object, held->sequence)) {
       found_.longest_outdated_ms = std::max(found_.longest_outdated_ms, ms(t - *since));
     }
   }
@@ -125,20 +125,20 @@ void InterestOracle::close_gap(Duration length) {
 
 // When something newer was first sent than the update of that number; none where that is the newest.
 std::optional<VirtualTime> InterestOracle::outdated_since(ObjectId object, std::uint32_t sequence) const {
-  const auto told = told_.find(object);
-  if (told == told_.end()) return std::nullopt;
-  const auto newer = std::ranges::upper_bound(told->second, sequence, {}, &Told::sequence);
-  return newer == told->second.end() ? std::nullopt : std::optional(newer->at);
+  const auto sent = sent_updates_.find(object);
+  if (sent == sent_updates_.end()) return std::nullopt;
+  const auto newer = std::ranges::upper_bound(sent->second, sequence, {}, &SentUpdate::sequence);
+  return newer == sent->second.end() ? std::nullopt : std::optional(newer->at);
 }
 
 void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region, std::span<const std::byte> datagram,
                              const Network& network) {
   const auto message = replication::decode(datagram, session_time(from, now));
-  if (!message || (message->updates.empty() && message->gone.empty() && message->entered.empty())) return;
+  if (!message || (message->updates.empty() && message->handovers.empty() && message->subscriptions.empty())) return;
   std::size_t counted_bytes = datagram.size();
   if (message->hello) {  // only the regions entered that go with it
     replication::Message hello = *message;
-    hello.entered.clear();
+    hello.subscriptions.clear();
     counted_bytes = replication::encode(*message).size() - replication::encode(hello).size();
   }
   double records_bytes = 0.0;
@@ -147,52 +147,52 @@ void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region,
   };
   for (const replication::UpdateRecord& u : message->updates) {
     records_bytes += size_bytes(u);
-    std::deque<Told>& told = told_[u.object];
-    if (told.empty() || u.sequence > told.back().sequence) told.push_back({now, u.sequence});
-    if (told.size() > kToldMax) told.pop_front();
+    std::deque<SentUpdate>& sent = sent_updates_[u.object];
+    if (sent.empty() || u.sequence > sent.back().sequence) sent.push_back({now, u.sequence});
+    if (sent.size() > kUpdatesKeptMax) sent.pop_front();
   }
   if (!in_run(now)) return;
-  for (Asked& asked : asked_) {
-    if (asked.peer == from) continue;
-    if (network.joined(asked.peer, region)) asked.found.received_bytes += counted_bytes;
+  for (ObservedPeer& observed : observed_) {
+    if (observed.peer == from) continue;
+    if (network.joined(observed.peer, region)) observed.found.received_bytes += counted_bytes;
     double wanted_bytes = 0.0;
     for (const replication::UpdateRecord& u : message->updates) {
       const bool own_region = !grid_.cuts() || grid_.region_of(u.model.state.position) == region;
-      if (own_region && owners_.contains(u.object) && in_area(asked, u.object, now)) {
+      if (own_region && owners_.contains(u.object) && in_area(observed, u.object, now)) {
         wanted_bytes += size_bytes(u);
       }
     }
     const double share = records_bytes > 0.0 ? wanted_bytes / records_bytes : 0.0;
-    asked.found.interest_bytes += static_cast<std::uint64_t>(share * static_cast<double>(counted_bytes) + 0.5);
+    observed.found.interest_bytes += static_cast<std::uint64_t>(share * static_cast<double>(counted_bytes) + 0.5);
   }
 }
 
 void InterestOracle::on_membership(VirtualTime now, std::size_t peer, bool joined) {
   if (!in_run(now)) return;
-  for (Asked& asked : asked_) {
-    if (asked.peer != peer) continue;
+  for (ObservedPeer& observed : observed_) {
+    if (observed.peer != peer) continue;
     if (!joined) {
-      ++asked.found.leaves;
+      ++observed.found.leaves;
       continue;
     }
-    ++asked.found.joins;
-    std::deque<VirtualTime>& late = asked.joins_of_late;
+    ++observed.found.joins;
+    std::deque<VirtualTime>& late = observed.joins_of_late;
     late.push_back(now);
     while (late.front() <= now - std::chrono::seconds(1)) late.pop_front();
-    asked.found.joins_in_a_second = std::max(asked.found.joins_in_a_second, static_cast<std::uint32_t>(late.size()));
+    observed.found.joins_in_a_second = std::max(observed.found.joins_in_a_second, static_cast<std::uint32_t>(late.size()));
   }
 }
 
 report::InterestRecord InterestOracle::record() const {
   InterestOracle all = *this;
-  for (Asked& asked : all.asked_) {
-    for (const auto& [object, since] : asked.missing_since) {  // gaps that the run's end has cut
-      all.close_gap(*begin_ + from_seconds(static_cast<double>(looks_) / run_.sample_hz) - since);
+  for (ObservedPeer& observed : all.observed_) {
+    for (const auto& [object, since] : observed.missing_since) {  // gaps that the run's end has cut
+      all.close_gap(*begin_ + from_seconds(static_cast<double>(samples_taken_) / run_.sample_hz) - since);
     }
-    const double looks = static_cast<double>(std::max<std::uint64_t>(looks_, 1));
-    asked.found.objects = static_cast<double>(asked.objects) / looks;
-    asked.found.groups = static_cast<double>(asked.groups) / looks;
-    all.found_.peers.push_back(asked.found);
+    const double samples = static_cast<double>(std::max<std::uint64_t>(samples_taken_, 1));
+    observed.found.objects = static_cast<double>(observed.objects) / samples;
+    observed.found.groups = static_cast<double>(observed.groups) / samples;
+    all.found_.peers.push_back(observed.found);
   }
   return all.found_;
 }

@@ -31,8 +31,8 @@ class InterestOracle {
   [[nodiscard]] static bool has_areas(const config::RunSettings& run);
 
   // When it wants to look next: from the start of the motions, sample_hz times a second. None: not yet, or never again.
-  [[nodiscard]] std::optional<VirtualTime> next_look();
-  void look();  // at next_look()
+  [[nodiscard]] std::optional<VirtualTime> next_sample_time();
+  void take_sample();  // at next_look()
   void on_send(VirtualTime now, std::size_t from, RegionId region, std::span<const std::byte> datagram,
                const Network& network);
   void on_membership(VirtualTime now, std::size_t peer, bool joined);
@@ -40,7 +40,7 @@ class InterestOracle {
   [[nodiscard]] report::InterestRecord record() const;
 
  private:
-  struct Asked {
+  struct ObservedPeer {
     std::size_t peer;
     double radius_m;
     report::PeerInterest found;
@@ -48,7 +48,7 @@ class InterestOracle {
     std::map<ObjectId, VirtualTime> missing_since;  // what is missing now
     std::deque<VirtualTime> joins_of_late;
   };
-  struct Told {
+  struct SentUpdate {
     VirtualTime at;
     std::uint32_t sequence;
   };
@@ -56,8 +56,8 @@ class InterestOracle {
   [[nodiscard]] SimTime session_time(std::size_t peer, VirtualTime t) const;
   [[nodiscard]] bool in_run(VirtualTime t);
   [[nodiscard]] KinematicState truth(ObjectId object, VirtualTime t) const;
-  [[nodiscard]] bool in_area(const Asked& asked, ObjectId object, VirtualTime t) const;
-  void look(Asked& asked, VirtualTime t);
+  [[nodiscard]] bool in_area(const ObservedPeer& observed, ObjectId object, VirtualTime t) const;
+  void take_sample(ObservedPeer& observed, VirtualTime t);
   [[nodiscard]] std::optional<VirtualTime> outdated_since(ObjectId object, std::uint32_t sequence) const;
   void close_gap(Duration length);
 
@@ -65,12 +65,12 @@ class InterestOracle {
   const Scene& scene_;
   std::vector<WatchedPeer> peers_;
   replication::RegionGrid grid_;  // to tell an update's own region from the one that its object came from
-  std::vector<Asked> asked_;
+  std::vector<ObservedPeer> observed_;
   std::map<ObjectId, std::size_t> owners_;
   std::map<ObjectId, double> reaches_m_;  // of whatever had an owner once
-  std::map<ObjectId, std::deque<Told>> told_;
+  std::map<ObjectId, std::deque<SentUpdate>> sent_updates_;
   std::optional<VirtualTime> begin_;  // of the motions
-  std::uint64_t looks_ = 0;
+  std::uint64_t samples_taken_ = 0;
   report::InterestRecord found_;
 };
 

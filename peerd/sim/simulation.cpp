@@ -22,7 +22,7 @@ struct SimulatedPeer {
   std::unique_ptr<PeerNode> node;  // null: it is not there
   Duration clock_offset;
   VirtualTime came_at;
-  std::uint64_t lives = 0;
+  std::uint64_t incarnations = 0;
   std::unique_ptr<record::CaptureWriter> capture = nullptr;  // null: none
 
   [[nodiscard]] HostTime host(VirtualTime t) const { return HostTime{t.time_since_epoch() + clock_offset}; }
@@ -139,7 +139,7 @@ class Simulation {
   std::optional<InputError> enter(std::size_t i, config::PeerObjects objects, bool late) {
     SimulatedPeer& peer = peers_[i];
     PeerNode::Options options;
-    options.boot = ++peer.lives;
+    options.incarnation = ++peer.incarnations;
     options.late = late;
     for (const config::PeerSettings& p : run_.peers) {
       if (config::starts_with(run_.events, p.name)) options.wait_for.push_back(PeerId{p.id});
@@ -269,7 +269,7 @@ class Simulation {
         if (const auto error = happen(events_.take())) return error;
         continue;
       }
-      while (oracle_ && oracle_->next_look() && *oracle_->next_look() < first_at) oracle_->look();
+      while (oracle_ && oracle_->next_sample_time() && *oracle_->next_sample_time() < first_at) oracle_->take_sample();
       if (!network_.idle() && network_.next_delivery() <= tick_at) {  // datagrams first: a tick begins by draining them
         const Delivery d = network_.take_next();
         now_ = d.at;
@@ -288,7 +288,7 @@ class Simulation {
       if (peers_[*next].capture) peers_[*next].capture->on_tick(host);
       node.on_tick(host);
       drain(*next);
-      if (clock_oracle_) clock_oracle_->look(HostTime{now_.time_since_epoch()}, *next);
+      if (clock_oracle_) clock_oracle_->take_sample(HostTime{now_.time_since_epoch()}, *next);
       if (!events_.begun()) note_begin();
       if (!node.start() && now_ - peers_[*next].came_at > kJoinWithin) {
         return InputError{"error: peer " + run_.peers[*next].name +

@@ -62,11 +62,11 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
     on_own(now, from, greeting);
     return Outcome::kOwn;
   }
-  if (greeting.echo != number_for(from)) return Outcome::kStranger;
+  if (greeting.echo != number_for(from)) return Outcome::kUnverified;
   auto known = std::ranges::find(peers_, greeting.instance, &Peer::instance);
   if (known != peers_.end() && known->at != from) {
     known->also = from;  // it may hold us by another of our addresses, and send from there
-    if (now - known->heard < (instance_ < greeting.instance ? kMovesFirst : kMovesLater)) return Outcome::kTwice;
+    if (now - known->last_received < (instance_ < greeting.instance ? kMovesFirst : kMovesLater)) return Outcome::kTwice;
     known->also = std::exchange(known->at, from);
   }
   if (greeting.leaving) {
@@ -82,7 +82,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
     known = peers_.end() - 1;
   }
   introduced_.erase(from);
-  known->heard = now;
+  known->last_received = now;
   known->number = greeting.number;
   if (!greeting.reply) {  // else it is bare, and takes back nothing
     known->all_regions = greeting.all_regions;
@@ -115,7 +115,7 @@ void KnownPeers::forget(HostTime now) {
   std::erase_if(introduced_, [&](const auto& entry) { return now > entry.second; });
   std::erase_if(own_, [&](const auto& entry) { return now > entry.second; });
   std::erase_if(peers_, [&](const Peer& peer) {
-    if (now - peer.heard <= options_.silence) return false;
+    if (now - peer.last_received <= options_.silence) return false;
     introduce(peer.at, now + options_.again);  // whoever named it to us may be gone by now
     return true;
   });

@@ -32,14 +32,14 @@ class KnownPeers {
     asio::ip::udp::endpoint at;
     std::uint32_t instance = 0;
     std::uint64_t number = 0;  // to echo to it
-    HostTime heard{};
+    HostTime last_received{};
     bool all_regions = false;
     std::vector<RegionId> regions = {};                // that it wants, ascending
     std::optional<asio::ip::udp::endpoint> also = {};  // where it echoed, too; nothing is sent there
   };
   enum class Outcome : std::uint8_t {
     kOwn,       // we greeted ourselves: by an address of this computer that is among the seeds
-    kStranger,  // hasn't echoed its number: answer it shortly, believe it nothing
+    kUnverified,  // hasn't echoed its number: answer it shortly, believe it nothing
     kNew,
     kKnown,
     kTwice,  // known by another address already

@@ -15,27 +15,27 @@ constexpr std::chrono::milliseconds kWait{50};  // for each
 std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, MulticastOptions options) {
   asio::io_context io(1);
   options.any_port = true;  // no peer hears it
-  options.hears_itself = true;
+  options.receives_own_datagrams = true;
   const auto opened = MulticastSocket::open(io, clock, options);
   if (!opened) return std::unexpected(opened.error());
   MulticastSocket& socket = **opened;
   constexpr RegionId kFirst{0};
   if (auto joined = socket.join(kFirst); !joined) return std::unexpected(joined.error());
 
-  bool heard = false;
+  bool received = false;
   HostTime sent = clock.now();
   ProbeResult result{.over = socket.chosen_interface(),
                      .receive_buffer_bytes = socket.receive_buffer_bytes(),
                      .memberships_max = memberships_limit(options.groups.base.is_v4() ? IpFamily::kV4 : IpFamily::kV6)};
-  socket.on_receive([&](const Arrival&) { heard = true; });
+  socket.on_receive([&](const Arrival&) { received = true; });
   constexpr std::array<std::byte, 4> kProbe{std::byte{'p'}, std::byte{'e'}, std::byte{'e'}, std::byte{'r'}};
-  for (int tries = 0; tries < kTries && !heard; ++tries) {
+  for (int tries = 0; tries < kTries && !received; ++tries) {
     sent = clock.now();
     socket.send(kFirst, kProbe);
     socket.flush();
-    for (const HostTime until = sent + kWait; !heard && clock.now() < until;) io.run_one_for(until - clock.now());
+    for (const HostTime until = sent + kWait; !received && clock.now() < until;) io.run_one_for(until - clock.now());
   }
-  if (!heard) {
+  if (!received) {
     const TrafficCounters& c = socket.counters();
     return failure(NetError::Kind::kNoMulticast,
                    "multicast sent over \"" + socket.chosen_interface().interface.name +

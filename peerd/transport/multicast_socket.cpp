@@ -69,7 +69,7 @@ std::expected<std::unique_ptr<MulticastSocket>, NetError> MulticastSocket::open(
   if (!chosen) return std::unexpected(chosen.error());
 
   std::unique_ptr<MulticastSocket> opened(new MulticastSocket(io, clock, options, *std::move(chosen)));
-  if (!options.hears_itself) {
+  if (!options.receives_own_datagrams) {
     if (auto good = opened->add_sender(); !good) return std::unexpected(good.error());
   }
   if (auto good = opened->add_socket(); !good) return std::unexpected(good.error());
@@ -85,7 +85,7 @@ MulticastSocket::MulticastSocket(asio::io_context& io, const HostClock& clock, c
       reading_(clock, counters_, most_bytes(options.groups)),
       memberships_max_(memberships_limit(family_of(options.groups)).value_or(std::numeric_limits<std::size_t>::max())),
       queue_(most_bytes(options.groups)) {
-  turning_away_.reserve(kBatch);
+  filtered_by_.reserve(kBatch);
 }
 
 // From a port that nobody else has. Nothing is read from it.
@@ -99,7 +99,7 @@ std::expected<void, NetError> MulticastSocket::add_sender() {
 
 // Lets the kernel drop what our sender has sent before it is queued: it comes from its port, and from this computer. A
 // classic BPF program, which sees a datagram from its UDP header on (sk_filter); 0 drops it.
-std::expected<void, NetError> MulticastSocket::turn_own_away(int fd) const {
+std::expected<void, NetError> MulticastSocket::filter_own_datagrams(int fd) const {
   constexpr std::uint32_t kAll = 0xffffffff;
   const std::uint32_t port = sender_->local_endpoint().port();
   std::array<sock_filter, 6> program{{
@@ -128,7 +128,7 @@ std::expected<void, NetError> MulticastSocket::add_socket() {
   if (auto good = open_udp(socket, wanted); !good) return good;
   if (auto good = configure(socket.native_handle()); !good) return good;
   if (sender_) {
-    if (auto good = turn_own_away(socket.native_handle()); !good) return good;
+    if (auto good = filter_own_datagrams(socket.native_handle()); !good) return good;
   }
   const bool choose_port = options_.any_port && sockets_.empty();
   if (!choose_port) {
@@ -155,7 +155,7 @@ std::expected<void, NetError> MulticastSocket::configure(int fd) const {
                                         {IPPROTO_IPV6, IPV6_MULTICAST_HOPS, options_.ttl, "IPV6_MULTICAST_HOPS"}}};
   if (auto good = options_.groups.base.is_v4() ? set_options(fd, v4) : set_options(fd, v6); !good) return good;
   // Over one that is gone it sends once that is back.
-  if (const int error = send_over_our_interface(fd); error && !interface_is_another()) {
+  if (const int error = send_over_our_interface(fd); error && !interface_was_replaced()) {
     return failure(NetError::Kind::kNoMulticast, "cannot send multicast over \"" + chosen_.interface.name +
                                                      "\": " + text_of(error) + "; name another interface");
   }
@@ -227,13 +227,13 @@ std::expected<MulticastSocket::Socket*, NetError> MulticastSocket::add_membershi
     const int error = change_membership(*socket, true, group);
     if (error == ENOBUFS || error == ENOMEM) continue;
     // Of an interface that is gone it is joined once that is back.
-    if (error && !interface_is_another()) return std::unexpected(join_error(region, error));
+    if (error && !interface_was_replaced()) return std::unexpected(join_error(region, error));
     ++socket->memberships;
     return socket.get();
   }
   if (auto good = add_socket(); !good) return std::unexpected(good.error());
   Socket& added = *sockets_.back();
-  if (const int error = change_membership(added, true, group); error && !interface_is_another()) {
+  if (const int error = change_membership(added, true, group); error && !interface_was_replaced()) {
     sockets_.pop_back();
     return std::unexpected(join_error(region, error));
   }
@@ -250,7 +250,7 @@ std::expected<void, NetError> MulticastSocket::leave(RegionId region) {
   const asio::ip::address group = membership->second.group;
   memberships_.erase(membership);
   --socket.memberships;
-  if (const int error = change_membership(socket, false, group); error && !interface_is_another()) {
+  if (const int error = change_membership(socket, false, group); error && !interface_was_replaced()) {
     return failure(NetError::Kind::kOther, "cannot leave multicast group " + group.to_string() + " on \"" +
                                                chosen_.interface.name + "\": " + text_of(error) +
                                                "; its datagrams are dropped here all the same");
@@ -258,23 +258,23 @@ std::expected<void, NetError> MulticastSocket::leave(RegionId region) {
   return {};
 }
 
-std::optional<InterfaceNews> MulticastSocket::follow_interface() {
+std::optional<InterfaceChange> MulticastSocket::follow_interface() {
   const std::string name = "interface \"" + chosen_.interface.name + '"';
   const unsigned interface = if_nametoindex(chosen_.interface.name.c_str());
   if (interface == chosen_.interface.index && !interface_gone_) return std::nullopt;
-  const int error = interface == 0 ? ENODEV : go_over_to(interface);
+  const int error = interface == 0 ? ENODEV : switch_to(interface);
   const bool was_gone = std::exchange(interface_gone_, error != 0);
-  if (error == 0) return InterfaceNews{true, name + " is another one by now: goes on over that"};
+  if (error == 0) return InterfaceChange{true, name + " is another one by now: goes on over that"};
   if (was_gone) return std::nullopt;
-  return InterfaceNews{false, name + " is gone (" + text_of(error) + "): nothing is sent or heard until it is back"};
+  return InterfaceChange{false, name + " is gone (" + text_of(error) + "): nothing is sent or heard until it is back"};
 }
 
-bool MulticastSocket::interface_is_another() const {
+bool MulticastSocket::interface_was_replaced() const {
   return if_nametoindex(chosen_.interface.name.c_str()) != chosen_.interface.index;
 }
 
 // Its memberships went with the old one, but the sockets count them until they are left.
-int MulticastSocket::go_over_to(unsigned interface) {
+int MulticastSocket::switch_to(unsigned interface) {
   const auto change_all = [this](bool join) {
     int error = 0;
     for (const auto& [number, membership] : memberships_) {
@@ -354,15 +354,15 @@ void MulticastSocket::send(RegionId region, std::span<const std::byte> datagram)
               datagram);
   if (!sender_) return;
   const auto membership = memberships_.find(group_number(options_.groups, region));
-  turning_away_.push_back(membership == memberships_.end() ? nullptr : &membership->second.socket->receiver);
+  filtered_by_.push_back(membership == memberships_.end() ? nullptr : &membership->second.socket->receiver);
 }
 
 void MulticastSocket::flush() {
   const auto refused = queue_.flush(native_handle(), counters_);
-  for (std::size_t i = 0; i < turning_away_.size(); ++i) {
-    if (turning_away_[i] != nullptr && !refused.test(i)) turning_away_[i]->on_turned_away();
+  for (std::size_t i = 0; i < filtered_by_.size(); ++i) {
+    if (filtered_by_[i] != nullptr && !refused.test(i)) filtered_by_[i]->on_filtered();
   }
-  turning_away_.clear();
+  filtered_by_.clear();
 }
 
 void MulticastSocket::on_receive(ReceiveHandler handler) {
@@ -404,16 +404,16 @@ void MulticastSocket::take(const Received& received, HostTime at) {
   std::optional<RegionId> region = region_of_group(options_.groups, *group);
   std::span<const std::byte> datagram = received.bytes;
   if (options_.groups.pool > 0) {
-    const auto said = read_region_header(datagram);
-    if (!said || group_number(options_.groups, *said) != *group) {
+    const auto named_region = read_region_header(datagram);
+    if (!named_region || group_number(options_.groups, *named_region) != *group) {
       ++counters_.in_malformed;
       return;
     }
-    if (!joined_.contains(*said)) {
+    if (!joined_.contains(*named_region)) {
       ++counters_.in_other_region;
       return;
     }
-    region = said;
+    region = named_region;
     datagram = datagram.subspan(kRegionHeaderBytes);
   }
   assert(region);  // of no region's group was this socket made a member

@@ -30,7 +30,7 @@ struct MulticastOptions {
   bool any_port = false;                   // the system chooses, whatever the plan says: for a probe
   // Whether what is sent here to a group that is joined comes back. If not, it leaves from a port of its own, by which
   // the kernel knows it again before it wakes anybody.
-  bool hears_itself = true;
+  bool receives_own_datagrams = true;
 };
 
 // All regions of a session over one interface: sends to any, hears those that it joined. As the kernel lets each UDP
@@ -49,7 +49,7 @@ class MulticastSocket final : public Transport {
   std::expected<void, NetError> leave(RegionId region) override;
   void send(RegionId region, std::span<const std::byte> datagram) override;
   void flush() override;
-  [[nodiscard]] std::optional<InterfaceNews> follow_interface() override;
+  [[nodiscard]] std::optional<InterfaceChange> follow_interface() override;
 
   [[nodiscard]] const TrafficCounters& counters() const override { return counters_; }
   [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }
@@ -80,7 +80,7 @@ class MulticastSocket final : public Transport {
 
   std::expected<void, NetError> add_sender();
   std::expected<void, NetError> add_socket();
-  std::expected<void, NetError> turn_own_away(int fd) const;
+  std::expected<void, NetError> filter_own_datagrams(int fd) const;
   std::expected<void, NetError> configure(int fd) const;
   std::expected<void, NetError> probe_route();
 
@@ -88,8 +88,8 @@ class MulticastSocket final : public Transport {
   [[nodiscard]] int change_membership(Socket& socket, bool join,
                                       const asio::ip::address& group);  // errno, 0 = done
   std::expected<Socket*, NetError> add_membership(RegionId region, const asio::ip::address& group);
-  [[nodiscard]] bool interface_is_another() const;
-  [[nodiscard]] int go_over_to(unsigned interface);  // errno, 0 = done
+  [[nodiscard]] bool interface_was_replaced() const;
+  [[nodiscard]] int switch_to(unsigned interface);  // errno, 0 = done
   [[nodiscard]] NetError join_error(RegionId region, int error) const;
   [[nodiscard]] asio::ip::udp::endpoint on_our_interface(const asio::ip::udp::endpoint& group) const;
 
@@ -110,7 +110,7 @@ class MulticastSocket final : public Transport {
   std::map<std::uint32_t, Membership> memberships_;  // by the number of the group
   ReceiveHandler handler_;
   SendQueue queue_;
-  std::vector<UdpReceiver*> turning_away_;  // for each in queue_: the socket whose filter will meet it; null: none
+  std::vector<UdpReceiver*> filtered_by_;  // for each in queue_: the socket whose filter will meet it; null: none
 };
 
 // How many groups one socket may join, as the system is set up; none: it counts otherwise, or doesn't say.

@@ -86,8 +86,8 @@ std::expected<std::string, NetError> why_unicast(const HostClock& clock, const T
   const auto probe = probe_multicast(clock, options.multicast);
   if (probe) {
     // lo is the last resort of a peer that is to choose by itself; whoever lists peers means to reach them.
-    const bool at_home = options.multicast.interface.empty() && probe->over.interface.loopback;
-    return at_home && !options.peers.empty() ? probe->over.why : "";
+    const bool only_loopback = options.multicast.interface.empty() && probe->over.interface.loopback;
+    return only_loopback && !options.peers.empty() ? probe->over.why : "";
   }
   if (!unicast_may_do(probe.error().kind)) return std::unexpected(probe.error());
   if (options.peers.empty()) {

@@ -29,7 +29,7 @@ struct Arrival {
 };
 
 // What became of a transport's interface, for the log.
-struct InterfaceNews {
+struct InterfaceChange {
   bool is_back;  // else it is gone
   std::string sentence;
 };
@@ -64,7 +64,7 @@ class Transport {
 
   // An interface that is deleted and made anew under its old name (a VPN, a container's network) is another one to the
   // kernel: goes over to it. What there is to say of that, each time once. Asks the system: for now and then.
-  [[nodiscard]] virtual std::optional<InterfaceNews> follow_interface() = 0;
+  [[nodiscard]] virtual std::optional<InterfaceChange> follow_interface() = 0;
 
   [[nodiscard]] virtual const TrafficCounters& counters() const = 0;
   [[nodiscard]] virtual std::size_t joined_count() const = 0;  // regions

@@ -38,7 +38,7 @@ Result<net::TransportOptions> transport_options(const config::TransportSettings&
   options.multicast.groups = *plan;
   options.multicast.ttl = static_cast<int>(settings.ttl);
   options.multicast.dscp = static_cast<int>(settings.dscp);
-  options.multicast.hears_itself = false;  // a peer has no use for its own words
+  options.multicast.receives_own_datagrams = false;  // a peer has no use for its own words
   options.multicast.receive_buffer_bytes = static_cast<int>(settings.receive_buffer_bytes);
   options.use = use_of(settings.multicast);
   options.peers = settings.peers;

@@ -79,13 +79,13 @@ std::string UnicastFanOut::describe() const {
 }
 
 // Datagrams go where the routes lead; what comes is told apart by the interface's number.
-std::optional<InterfaceNews> UnicastFanOut::follow_interface() {
+std::optional<InterfaceChange> UnicastFanOut::follow_interface() {
   if (!only_over_) return std::nullopt;
   const unsigned interface = if_nametoindex(options_.interface.c_str());
   if (std::exchange(*only_over_, interface) == interface) return std::nullopt;
   const std::string name = "interface \"" + options_.interface + '"';
-  if (interface != 0) return InterfaceNews{true, name + " is another one by now: goes on over that"};
-  return InterfaceNews{false, name + " is gone: nothing that comes over it is heard until it is back"};
+  if (interface != 0) return InterfaceChange{true, name + " is another one by now: goes on over that"};
+  return InterfaceChange{false, name + " is gone: nothing that comes over it is heard until it is back"};
 }
 
 void UnicastFanOut::on_receive(ReceiveHandler handler) {
@@ -177,11 +177,11 @@ void UnicastFanOut::on_greeting(const Received& received, HostTime at) {
   // The others are to be told of a new one, and who was named is to be greeted.
   if (outcome == Outcome::kNew || known_.introduced() > introduced) round_due_ = true;
   // Who echoes the number of a process that is no more is told of this one, asked or not.
-  const bool stranger = outcome == Outcome::kStranger && !greeting->leaving;
+  const bool unverified = outcome == Outcome::kUnverified && !greeting->leaving;
   const bool known = outcome == Outcome::kNew || outcome == Outcome::kKnown;
-  const bool told = outcome == Outcome::kKnown && !greeting->reply;  // what we want
-  if (!(known && !told) && !(stranger && (greeting->reply || greeting->echo != 0))) return;
-  Greeting reply{.echo = greeting->number, .reply = stranger};
+  const bool answered = outcome == Outcome::kKnown && !greeting->reply;  // what we want
+  if (!(known && !answered) && !(unverified && (greeting->reply || greeting->echo != 0))) return;
+  Greeting reply{.echo = greeting->number, .reply = unverified};
   if (known) reply.regions.assign(joined_.begin(), joined_.end());
   greet(received.from, std::move(reply));
   queue_.flush(native_handle(), counters_);

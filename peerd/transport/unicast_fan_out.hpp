@@ -46,7 +46,7 @@ class UnicastFanOut final : public Transport {
   std::expected<void, NetError> leave(RegionId region) override;
   void send(RegionId region, std::span<const std::byte> datagram) override;
   void flush() override;
-  [[nodiscard]] std::optional<InterfaceNews> follow_interface() override;
+  [[nodiscard]] std::optional<InterfaceChange> follow_interface() override;
 
   [[nodiscard]] const TrafficCounters& counters() const override { return counters_; }
   [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }

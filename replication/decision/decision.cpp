@@ -10,7 +10,7 @@ constexpr Duration kLatencyGrid = std::chrono::milliseconds(50);
 constexpr double kClocksDiffer_s = 1e-3;
 
 // The one with the greater claim; the lower id where neither has.
-PeerId by_claim(const Stake& a, const Stake& b, double claim_a, double claim_b) {
+PeerId by_claim(const Contender& a, const Contender& b, double claim_a, double claim_b) {
   if (claim_a > claim_b) return a.owner;
   if (claim_b > claim_a) return b.owner;
   return decider_by_id(a.owner, b.owner);
@@ -24,7 +24,7 @@ PeerId decider_by_id(PeerId owner_a, PeerId owner_b) {
   return std::min(owner_a, owner_b);
 }
 
-PeerId decider(DecisionPolicy policy, const Stake& a, const Stake& b, PeerId server) {
+PeerId decider(DecisionPolicy policy, const Contender& a, const Contender& b, PeerId server) {
   if (a.owner == kNobody || b.owner == kNobody || a.owner == b.owner) return decider_by_id(a.owner, b.owner);
   if (policy == DecisionPolicy::kServer && server != kNobody) return server;
   if (!a.state || !b.state) return decider_by_id(a.owner, b.owner);

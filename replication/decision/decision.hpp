@@ -11,7 +11,7 @@
 namespace peerd::replication {
 
 // One of the two objects and who runs it, as everybody knows them.
-struct Stake {
+struct Contender {
   PeerId owner;
   std::optional<KinematicState> state;  // published; none: not known so far back
   Duration latency{0};                  // how late its owner hears of others
@@ -20,7 +20,7 @@ struct Stake {
 
 // The peer that decides whether the two collided, and how (seed 4.4.4): the one that runs them, or of two owners the
 // one by `policy`. kNobody for two scene objects, which do not move. `server`: kNobody where it is not here.
-[[nodiscard]] PeerId decider(DecisionPolicy policy, const Stake& a, const Stake& b, PeerId server);
+[[nodiscard]] PeerId decider(DecisionPolicy policy, const Contender& a, const Contender& b, PeerId server);
 [[nodiscard]] PeerId decider_by_id(PeerId owner_a, PeerId owner_b);
 
 // By how much a peer that hears of others `latency` late misjudges where such an object is [m]: |v| dt + |a| L^2 / 2.

@@ -50,23 +50,23 @@ std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionR
     conflicts = conflicts || conflict(e, added);
   }
   if (!conflicts) {  // nor does anything else change
-    added.stands = true;
+    added.in_force = true;
     return std::vector{Change{record, author, true}};
   }
   std::ranges::sort(pair, {}, [](const Entry* e) { return rank(*e); });
   std::map<PeerId, std::vector<const Entry*>> standing;  // by author: one's own do not conflict
   std::vector<Change> changes;
   for (Entry* e : pair) {
-    const bool stands = std::ranges::none_of(standing, [&](const auto& of_one) {
+    const bool in_force = std::ranges::none_of(standing, [&](const auto& of_one) {
       return of_one.first != e->author &&
              std::ranges::any_of(of_one.second, [&](const Entry* s) { return conflict(*s, *e); });
     });
-    if (stands) standing[e->author].push_back(e);
-    if (stands == e->stands) continue;
-    e->stands = stands;
-    changes.push_back({e->record, e->author, stands});
+    if (in_force) standing[e->author].push_back(e);
+    if (in_force == e->in_force) continue;
+    e->in_force = in_force;
+    changes.push_back({e->record, e->author, in_force});
   }
-  std::ranges::stable_sort(changes, {}, [](const Change& c) { return std::pair(c.stands, c.record.contact); });
+  std::ranges::stable_sort(changes, {}, [](const Change& c) { return std::pair(c.in_force, c.record.contact); });
   return changes;
 }
 
@@ -93,21 +93,21 @@ void DecisionLog::forget_before(SimTime contact) {
 
 SimTime DecisionLog::last(ObjectId object) const {
   for (auto e = entries_.rbegin(); e != entries_.rend(); ++e) {
-    if (e->stands && involves(e->record, object)) return e->record.contact;
+    if (e->in_force && involves(e->record, object)) return e->record.contact;
   }
   return SimTime{};
 }
 
 SimTime DecisionLog::last(ObjectId a, ObjectId b) const {
   for (auto e = entries_.rbegin(); e != entries_.rend(); ++e) {
-    if (e->stands && of_pair(e->record, a, b)) return e->record.contact;
+    if (e->in_force && of_pair(e->record, a, b)) return e->record.contact;
   }
   return SimTime{};
 }
 
 bool DecisionLog::overruled(ObjectId object, SimTime contact) const {
   return std::ranges::any_of(
-      entries_, [&](const Entry& e) { return !e.stands && e.record.contact == contact && involves(e.record, object); });
+      entries_, [&](const Entry& e) { return !e.in_force && e.record.contact == contact && involves(e.record, object); });
 }
 
 }  // namespace peerd::replication

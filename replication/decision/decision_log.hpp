@@ -21,17 +21,17 @@ class DecisionLog {
   struct Entry {
     DecisionRecord record;
     PeerId author;
-    bool stands = false;
+    bool in_force = false;
     // Of our own: how often still to be sent, the numbers of the datagrams that carried it (since somebody last forgot
     // all), who has one of them.
     int copies = 0;
-    std::vector<std::uint32_t> told_in;
-    std::set<PeerId> heard;
+    std::vector<std::uint32_t> sent_in;
+    std::set<PeerId> acknowledged_by;
   };
   struct Change {
     DecisionRecord record;
     PeerId author;
-    bool stands;  // false: it did, until now
+    bool in_force;  // false: it did, until now
   };
 
   // What is different now, those that no longer stand first. None: it is known already.

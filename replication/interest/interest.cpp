@@ -59,7 +59,7 @@ std::vector<Interest::Change> Interest::change(SimTime now, std::span<const Regi
   return changes;
 }
 
-void Interest::redate(SimTime now) {
+void Interest::restart_at(SimTime now) {
   for (auto& [region, since] : since_) since = now;
 }
 

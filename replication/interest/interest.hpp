@@ -56,10 +56,10 @@ class Interest {
 
   [[nodiscard]] bool joined(RegionId region) const { return since_.contains(region); }
   // Whether what is there is told of in a region that this peer listens to; always where nothing is cut.
-  [[nodiscard]] bool hears(const Vec3& position) const { return !grid_.cuts() || joined(grid_.region_of(position)); }
+  [[nodiscard]] bool receives(const Vec3& position) const { return !grid_.cuts() || joined(grid_.region_of(position)); }
   [[nodiscard]] const std::map<RegionId, SimTime>& regions() const { return since_; }  // and when each was joined
   // Time has stepped: all count as joined at `now`.
-  void redate(SimTime now);
+  void restart_at(SimTime now);
 
  private:
   [[nodiscard]] std::vector<Change> change(SimTime now, std::span<const RegionId> wanted,

@@ -57,7 +57,7 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
 }
 
 // The latest time at which the ghost was where the object may go to at once.
-std::optional<SimTime> Convergence::reachable(SimTime t, const MayPass& may_pass, const Was& was) const {
+std::optional<SimTime> Convergence::reachable(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) const {
   for (int i = 0; i <= kTrailSteps; ++i) {
     const SimTime earlier = t - i * (kTrailMax / kTrailSteps);
     const auto pose = was(earlier);
@@ -69,7 +69,7 @@ std::optional<SimTime> Convergence::reachable(SimTime t, const MayPass& may_pass
 
 // On along the ghost's way, so fast that it is caught up with when the time of the way back is over; more slowly where
 // a straight step would cut a corner, and ahead where the next part of the way is barred by now. None: nothing is free.
-std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass& may_pass, const Was& was) {
+std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) {
   const auto draw = [&](SimTime at) -> std::optional<Drawn> {
     const auto pose = was(at);
     if (!pose || !may_pass(last_->pose.position, pose->position)) return std::nullopt;
@@ -102,10 +102,10 @@ std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass
 }
 
 Pose Convergence::shown(SimTime t, const KinematicState& ghost, std::uint64_t revision, const MayPass& may_pass,
-                        const Was& was) {
-  const bool news = revision_ && *revision_ != revision;
+                        const GhostPoseAt& was) {
+  const bool ghost_changed = revision_ && *revision_ != revision;
   revision_ = revision;
-  if (news && last_ && policy_.method != ConvergenceMethod::kJump && policy_.over > Duration{0}) {
+  if (ghost_changed && last_ && policy_.method != ConvergenceMethod::kJump && policy_.over > Duration{0}) {
     from_ = last_;
     trail_.reset();
   }

@@ -30,14 +30,14 @@ class Convergence {
   // Whether the object may be drawn on its straight way from one place, where it was drawn last, to the other.
   using MayPass = std::function<bool(const Vec3& from, const Vec3& to)>;
   // Where the ghost was at an earlier time, by what is believed now; none where that is not known.
-  using Was = std::function<std::optional<Pose>(SimTime)>;
+  using GhostPoseAt = std::function<std::optional<Pose>(SimTime)>;
 
   // At t, which never goes back. `revision`: of the ghost's future; when that is another one than at the last call, the
   // way back begins where the object was drawn then. Where something is in the way the object follows the ghost's own
   // way instead, from an earlier time on and faster: the ghost has got past what it may collide with. It jumps where no
   // place on that can be reached, or where the ghost itself has jumped.
   [[nodiscard]] Pose shown(SimTime t, const KinematicState& ghost, std::uint64_t revision, const MayPass& may_pass,
-                           const Was& was = {});
+                           const GhostPoseAt& was = {});
 
   [[nodiscard]] std::optional<SimTime> last_shown() const { return last_ ? std::optional(last_->at) : std::nullopt; }
   [[nodiscard]] std::uint64_t blocked() const { return blocked_; }  // ways that ended in a jump
@@ -55,8 +55,8 @@ class Convergence {
     SimTime moved_at;  // when that last went on
   };
   [[nodiscard]] Drawn blended(SimTime t, const KinematicState& ghost) const;
-  [[nodiscard]] std::optional<SimTime> reachable(SimTime t, const MayPass& may_pass, const Was& was) const;
-  [[nodiscard]] std::optional<Drawn> trailing(SimTime t, const MayPass& may_pass, const Was& was);
+  [[nodiscard]] std::optional<SimTime> reachable(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) const;
+  [[nodiscard]] std::optional<Drawn> trailing(SimTime t, const MayPass& may_pass, const GhostPoseAt& was);
 
   ConvergencePolicy policy_;
   std::optional<std::uint64_t> revision_;

@@ -233,7 +233,7 @@ bool ModelChooser::make(MotionKind kind, std::size_t i, MotionModel& model) cons
 void ModelChooser::judge(const Horizon& horizon) {
   const std::size_t n = samples_.size() - 1, back = std::min(samples_[n].run - 1, n);
   if (back == 0) return;
-  if (stands(samples_[n].state) && stands(samples_[n - 1].state)) {  // nothing to choose: what stands costs nothing
+  if (is_motionless(samples_[n].state) && is_motionless(samples_[n - 1].state)) {  // nothing to choose: what stands costs nothing
     scores_[index_of(MotionKind::kFirst)].add(0.0, 1.0);
     return;
   }

@@ -36,7 +36,7 @@ struct MotionModel {
 };
 
 // With no velocity, acceleration or spin.
-[[nodiscard]] inline bool stands(const KinematicState& s) {
+[[nodiscard]] inline bool is_motionless(const KinematicState& s) {
   return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
 }
 

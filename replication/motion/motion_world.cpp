@@ -30,9 +30,9 @@ constexpr std::size_t kContactsMax = 1024;
 constexpr Duration kHistory = std::chrono::seconds(4);
 // .. and what is older for this at most, or for as long again where that is less: a driven object gets a segment a
 // tick, and to forget them one by one would cost more than all else that is done with them.
-constexpr Duration kForgetsWithin = std::chrono::seconds(2);
+constexpr Duration kPruneWithin = std::chrono::seconds(2);
 // In that time the objects' turns to forget, so that one tick does not do it for all of them.
-constexpr std::int64_t kForgettingTurns = 128;
+constexpr std::int64_t kPruningSlots = 128;
 
 SimTime grid_floor(SimTime t) {
   const std::int64_t ns = t.time_since_epoch().count(), step = kLookahead.count();
@@ -75,8 +75,8 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
       start_(start),
       advanced_(start),
       index_by_id_(model.scene->instances.size(), kNone),
-      looks_(model.pairs.size()),
-      in_looks_(model.pairs.size()) {
+      pair_checks_(model.pairs.size()),
+      in_pair_checks_(model.pairs.size()) {
   for (const collision::Body& b : model.bodies) declare(b.object, Role::kScene);
   for (const CollisionPair& p : model.pairs) {
     const auto answers = [&](ObjectId id) { return model.scene->object(id).response.has_value(); };
@@ -85,9 +85,9 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
         {.collider = static_cast<std::uint32_t>(collider),
          .collidee = static_cast<std::uint32_t>(collidee),
          .type = p.type,
-         .collider_answers = answers(p.collider),
-         .collidee_answers = p.mutual && answers(p.collidee),
-         .may_be_spared = p.type == CollisionType::kBox || collision::has_exact_answer(body(collider), body(collidee)),
+         .collider_responds = answers(p.collider),
+         .collidee_responds = p.mutual && answers(p.collidee),
+         .has_exact_search = p.type == CollisionType::kBox || collision::has_exact_answer(body(collider), body(collidee)),
          .clear_until = start,
          .contact = {},
          .free_at = {},
@@ -142,12 +142,12 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
 void MotionWorld::reschedule(std::size_t i) {
   const Pair& pair = pairs_[i];
   const bool scene = objects_[pair.collider].role == Role::kScene && objects_[pair.collidee].role == Role::kScene;
-  const bool in_looks = pair.watched && !pair.unsupported && !scene;
-  if (in_looks != in_looks_[i]) {
-    in_looks_[i] = in_looks;
-    in_looks ? ++watched_ : --watched_;
+  const bool scheduled = pair.watched && !pair.unsupported && !scene;
+  if (scheduled != in_pair_checks_[i]) {
+    in_pair_checks_[i] = scheduled;
+    scheduled ? ++watched_ : --watched_;
   }
-  looks_.set(i, in_looks ? pair.contact.value_or(pair.clear_until) : SimTime::max());
+  pair_checks_.set(i, scheduled ? pair.contact.value_or(pair.clear_until) : SimTime::max());
 }
 
 Duration MotionWorld::history_of(const Object& o) const {
@@ -162,31 +162,31 @@ void MotionWorld::note_change(std::size_t index) {
 // After any change of its timeline.
 void MotionWorld::timeline_changed(std::size_t index) {
   note_change(index);
-  forget_later(index);
+  schedule_pruning(index);
 }
 
-void MotionWorld::forget_later(std::size_t index) {
+void MotionWorld::schedule_pruning(std::size_t index) {
   Object& o = objects_[index];
   o.bound.until = SimTime::min();
-  if (o.forgets || o.timeline.segment_count() < 2) return;
-  o.forgets = true;
-  const Duration history = history_of(o), within = std::min(kForgetsWithin, history);
-  const Duration turn = within / kForgettingTurns * (static_cast<std::int64_t>(index) % kForgettingTurns);
+  if (o.pruning_scheduled || o.timeline.segment_count() < 2) return;
+  o.pruning_scheduled = true;
+  const Duration history = history_of(o), within = std::min(kPruneWithin, history);
+  const Duration turn = within / kPruningSlots * (static_cast<std::int64_t>(index) % kPruningSlots);
   const SimTime old = o.timeline.segment(1).from;
   const Duration wait = within - (old.time_since_epoch() + turn) % within;
-  forgetting_.push_back({old + wait + history, static_cast<std::uint32_t>(index)});
-  std::ranges::push_heap(forgetting_, std::greater{});
+  prunings_.push_back({old + wait + history, static_cast<std::uint32_t>(index)});
+  std::ranges::push_heap(prunings_, std::greater{});
 }
 
-void MotionWorld::forget() {
-  while (!forgetting_.empty() && forgetting_.front().at <= advanced_) {
-    const Forgetting due = forgetting_.front();
-    std::ranges::pop_heap(forgetting_, std::greater{});
-    forgetting_.pop_back();
+void MotionWorld::prune_timelines() {
+  while (!prunings_.empty() && prunings_.front().at <= advanced_) {
+    const Pruning due = prunings_.front();
+    std::ranges::pop_heap(prunings_, std::greater{});
+    prunings_.pop_back();
     Object& o = objects_[due.object];
-    o.forgets = false;
+    o.pruning_scheduled = false;
     o.timeline.forget_before(advanced_ - history_of(o));
-    forget_later(due.object);
+    schedule_pruning(due.object);
   }
 }
 
@@ -205,26 +205,26 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
     }
     return;
   }
-  events_.push_back(TakenBack{object, t - Duration{1}});
-  take_back(index, t);
+  events_.push_back(ContactsRetracted{object, t - Duration{1}});
+  retract(index, t);
   o.timeline.replace_from(t, model, std::nullopt);
   timeline_changed(index);
-  forget_bounces(index, SimTime::min());
-  reopen(index, t);
+  clear_bounces(index, SimTime::min());
+  reopen_pairs(index, t);
 }
 
-void MotionWorld::forget_bounces(std::size_t object, SimTime from) {
+void MotionWorld::clear_bounces(std::size_t object, SimTime from) {
   const auto later = [&](SimTime t) { return t >= from; };
   std::erase_if(objects_[object].recent, later);
   for (const std::uint32_t i : pairs_of(object)) std::erase_if(pairs_[i].recent, later);
 }
 
 // What followed from a contact with `cause` at t or later is believed no more. Firm answers stand.
-void MotionWorld::take_back(std::size_t cause, SimTime t) {
+void MotionWorld::retract(std::size_t cause, SimTime t) {
   if (cause >= model_.partners_of_body.size()) return;  // it meets nothing
   for (const std::uint32_t i : model_.partners_of_body[cause]) {
     Object& o = objects_[i];
-    if (o.role != Role::kBelief) continue;
+    if (o.role != Role::kPredicted) continue;
     std::size_t wrong = o.timeline.first_not_before(t);
     while (wrong < o.timeline.segment_count() && o.timeline.segment(wrong).cause != objects_[cause].id) ++wrong;
     if (wrong == 0 || wrong == o.timeline.segment_count()) continue;
@@ -232,23 +232,23 @@ void MotionWorld::take_back(std::size_t cause, SimTime t) {
     if (o.base_time >= from) continue;  // its owner has spoken since
     o.timeline.truncate_from(from);
     timeline_changed(i);
-    forget_bounces(i, from);
+    clear_bounces(i, from);
     ++o.revision;
-    events_.push_back(TakenBack{o.id, from - Duration{1}});
+    events_.push_back(ContactsRetracted{o.id, from - Duration{1}});
     ++counters_.contacts_undone;
-    reopen(i, from);
-    take_back(i, from);
+    reopen_pairs(i, from);
+    retract(i, from);
   }
 }
 
 // The object's pieces changed from t on: what its pairs know of later contacts is void. What stands firm is not
 // searched in the past that this peer has already lived because another moved otherwise; its own change (a decision)
 // is.
-void MotionWorld::reopen(std::size_t object, SimTime t) {
+void MotionWorld::reopen_pairs(std::size_t object, SimTime t) {
   for (const std::uint32_t i : pairs_of(object)) {
     Pair& pair = pairs_[i];
     const Role other = objects_[pair.collider == object ? pair.collidee : pair.collider].role;
-    const bool lived = other == Role::kFirm || other == Role::kDriven;
+    const bool lived = other == Role::kAuthoritative || other == Role::kDriven;
     const SimTime known = std::max(objects_[pair.collider].timeline.begin(), objects_[pair.collidee].timeline.begin());
     const SimTime from = std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
     if (pair.contact && *pair.contact >= from) pair.contact.reset();
@@ -259,8 +259,8 @@ void MotionWorld::reopen(std::size_t object, SimTime t) {
 }
 
 // An update that its owner made after t already holds the outcome.
-bool MotionWorld::will_answer(const Object& o, bool registered, SimTime t) {
-  return registered && o.role >= Role::kFirm && o.base_time <= t;
+bool MotionWorld::will_respond(const Object& o, bool registered, SimTime t) {
+  return registered && o.role >= Role::kAuthoritative && o.base_time <= t;
 }
 
 const SweptBound& MotionWorld::bound_of(std::size_t object, SimTime s) {
@@ -285,7 +285,7 @@ void MotionWorld::search_window(Pair& pair) {
     pair.clear_until = bound_a.next_change || bound_b.next_change ? end : SimTime::max();
     return;
   }
-  if (pair.may_be_spared && apart(bound_a, bound_b, pair.type)) {
+  if (pair.has_exact_search && apart(bound_a, bound_b, pair.type)) {
     ++counters_.searches_far;
     pair.inside = false;
     pair.free_at = s;
@@ -343,7 +343,7 @@ void MotionWorld::search_window(Pair& pair) {
     case collision::ContactState::kOverlapped: {
       ++counters_.overlapped;
       const bool approaching = c.normal_world.dot(state_a.velocity - state_b.velocity) < 0.0;
-      const bool answers = will_answer(a, pair.collider_answers, s) || will_answer(b, pair.collidee_answers, s);
+      const bool answers = will_respond(a, pair.collider_responds, s) || will_respond(b, pair.collidee_responds, s);
       if (approaching && answers && !pair.inside) {
         contact_at(s, true);
       } else {
@@ -370,12 +370,12 @@ void MotionWorld::search(Pair& pair, SimTime to) {
   while (!pair.contact && !pair.unsupported && pair.clear_until <= to) search_window(pair);
 }
 
-MotionModel MotionWorld::answered(std::size_t object, const Pair& pair, const MotionModel& self,
-                                  const KinematicState& other, bool other_answers, const Vec3& n) {
+MotionModel MotionWorld::motion_after_response(std::size_t object, const Pair& pair, const MotionModel& self,
+                                  const KinematicState& other, bool other_responds, const Vec3& n) {
   Object& o = objects_[object];
   const CollisionResponse* const response = model_.response_of(o.id);
   const Object& met = objects_[pair.collider == object ? pair.collidee : pair.collider];
-  const Meeting meeting{*response, model_.response_of(met.id), other_answers, self.state, other, n};
+  const ContactSide side{*response, model_.response_of(met.id), other_responds, self.state, other, n};
   const SimTime t = *pair.contact;
   const bool impulse = response->type == ResponseType::kImpulse;
   remember(o.recent, t);
@@ -384,14 +384,14 @@ MotionModel MotionWorld::answered(std::size_t object, const Pair& pair, const Mo
     ++counters_.jammed;
     CollisionResponse stops = *response;
     stops.type = ResponseType::kZero;
-    return respond({stops, meeting.other_response, other_answers, self.state, other, n});
+    return respond({stops, side.other_response, other_responds, self.state, other, n});
   }
   if (pair.resting || bounces > kBouncesMax) {
     ++counters_.came_to_rest;
-    const KinematicState after = rest_against(meeting, pair.resting);
+    const KinematicState after = come_to_rest_against(side, pair.resting);
     return impulse ? law_after(response, self, after) : MotionModel(after);
   }
-  KinematicState after = respond(meeting);
+  KinematicState after = respond(side);
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
   if (pair.overlapped && response->set_back && pair.free_at) after.position = o.timeline.at(*pair.free_at).position;
   if (same_motion(after, self.state)) return self;
@@ -399,48 +399,48 @@ MotionModel MotionWorld::answered(std::size_t object, const Pair& pair, const Mo
   return after_contact(self, after, n, response->type == ResponseType::kInverse);
 }
 
-void MotionWorld::answer(Pair& pair) {
+void MotionWorld::respond_to_contact(Pair& pair) {
   const SimTime t = *pair.contact;
   Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
   const MotionModel model_a = a.timeline.model_at(t), model_b = b.timeline.model_at(t);
   MotionModel after_a = model_a, after_b = model_b;
   const KinematicState &before_a = model_a.state, &before_b = model_b.state;
-  const Outcome outcome = outcomes_ ? outcomes_(a.id, b.id, t) : Outcome::kAsTold;
+  const ContactAuthority authority = authority_of_ ? authority_of_(a.id, b.id, t) : ContactAuthority::kAsPublished;
   const auto answers = [&](const Object& o, bool registered) {
-    const bool could_not_know = outcome != Outcome::kAsTold && o.role == Role::kBelief;
-    return will_answer(o, registered, could_not_know ? SimTime::max() : t);
+    const bool could_not_know = authority != ContactAuthority::kAsPublished && o.role == Role::kPredicted;
+    return will_respond(o, registered, could_not_know ? SimTime::max() : t);
   };
-  const bool a_answers = answers(a, pair.collider_answers), b_answers = answers(b, pair.collidee_answers);
+  const bool a_responds = answers(a, pair.collider_responds), b_responds = answers(b, pair.collidee_responds);
   remember(pair.recent, t);
-  if (a_answers) after_a = answered(pair.collider, pair, model_a, before_b, b_answers, pair.normal);
-  if (b_answers) after_b = answered(pair.collidee, pair, model_b, before_a, a_answers, -pair.normal);
+  if (a_responds) after_a = motion_after_response(pair.collider, pair, model_a, before_b, b_responds, pair.normal);
+  if (b_responds) after_b = motion_after_response(pair.collidee, pair, model_b, before_a, a_responds, -pair.normal);
   // What slides by the world's friction is told with just the deceleration that whoever hears of it knows it by
   // (law_of_outcome), also where it does not answer: its own law's has been turned and rounded since its base.
-  const auto told = [&](ObjectId id, const MotionModel& after) {
+  const auto state_as_published = [&](ObjectId id, const MotionModel& after) {
     const bool slides = after.kind == MotionKind::kSliding;
     return slides ? law_after(model_.response_of(id), after, after.state).state : after.state;
   };
-  ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, told(a.id, after_a), told(b.id, after_b)};
+  ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, state_as_published(a.id, after_a), state_as_published(b.id, after_b)};
   pair.contact.reset();
   ++counters_.contacts;
-  if (outcome == Outcome::kAnothers) {
+  if (authority == ContactAuthority::kDeferred) {
     pair.inside = true;
-    event.held = true;
+    event.deferred = true;
     events_.push_back(event);
     return;
   }
-  for (const auto& [changes, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
+  for (const auto& [changes, index] : {std::pair{a_responds, pair.collider}, std::pair{b_responds, pair.collidee}}) {
     if (!changes) continue;
-    if (objects_[index].timeline.last_segment().from > t) events_.push_back(TakenBack{objects_[index].id, t});
-    take_back(index, t);
-    forget_bounces(index, t + Duration{1});
+    if (objects_[index].timeline.last_segment().from > t) events_.push_back(ContactsRetracted{objects_[index].id, t});
+    retract(index, t);
+    clear_bounces(index, t + Duration{1});
   }
-  if (a_answers) a.timeline.replace_from(t, after_a, b.id);
-  if (b_answers) b.timeline.replace_from(t, after_b, a.id);
-  for (const auto& [changes, index] : {std::pair{a_answers, pair.collider}, std::pair{b_answers, pair.collidee}}) {
+  if (a_responds) a.timeline.replace_from(t, after_a, b.id);
+  if (b_responds) b.timeline.replace_from(t, after_b, a.id);
+  for (const auto& [changes, index] : {std::pair{a_responds, pair.collider}, std::pair{b_responds, pair.collidee}}) {
     if (!changes) continue;
     timeline_changed(index);
-    reopen(index, t);
+    reopen_pairs(index, t);
   }
   // Where no answer changes anything (nobody answers; an object that was stopped is run into) the contact goes on.
   pair.inside = same_motion(before_a, after_a.state) && same_motion(before_b, after_b.state);
@@ -451,16 +451,16 @@ void MotionWorld::advance(SimTime to) {
   for (std::size_t contacts = 0;; ++contacts) {
     std::optional<std::size_t> first;
     const std::size_t watched = watched_;
-    std::size_t looked_at = 0;
-    for (std::size_t i = looks_.next_due(0, to); i != pairs_.size(); i = looks_.next_due(i + 1, to)) {
+    std::size_t checked = 0;
+    for (std::size_t i = pair_checks_.next_due(0, to); i != pairs_.size(); i = pair_checks_.next_due(i + 1, to)) {
       Pair& pair = pairs_[i];
-      ++looked_at;
+      ++checked;
       search(pair, first ? *pairs_[*first].contact : to);
       reschedule(i);
       const bool due = pair.contact && *pair.contact <= to;
       if (due && (!first || *pair.contact < *pairs_[*first].contact)) first = i;
     }
-    counters_.searches_skipped += watched - looked_at;
+    counters_.searches_skipped += watched - checked;
     if (!first) break;
     if (contacts == kContactsMax) {
       ++counters_.capped;
@@ -473,11 +473,11 @@ void MotionWorld::advance(SimTime to) {
       }
       break;
     }
-    answer(pairs_[*first]);
+    respond_to_contact(pairs_[*first]);
     reschedule(*first);
   }
   advanced_ = std::max(advanced_, to);
-  forget();
+  prune_timelines();
 }
 
 std::vector<ObjectId> MotionWorld::objects() const {
@@ -496,16 +496,16 @@ KinematicState MotionWorld::at(ObjectId object, SimTime t) const {
   return objects_[index].timeline.at(t);
 }
 
-bool MotionWorld::stands_from(ObjectId object, SimTime t) const {
+bool MotionWorld::is_at_rest_from(ObjectId object, SimTime t) const {
   const Timeline& timeline = objects_[index_of(object)].timeline;
-  return stands(timeline.at(t)) && !timeline.next_change_after(t);
+  return is_motionless(timeline.at(t)) && !timeline.next_change_after(t);
 }
 
 MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
   return objects_[index_of(object)].timeline.model_at(t);
 }
 
-bool MotionWorld::knows(ObjectId object, SimTime t) const {
+bool MotionWorld::has_history_at(ObjectId object, SimTime t) const {
   const Object* o = find(object);
   return o != nullptr && o->timeline.segment_at(advanced_ - history_of(*o)).from <= t;
 }

@@ -17,19 +17,19 @@
 
 namespace peerd::replication {
 
-// What an object does in a MotionWorld when it touches something. Those from kFirm on answer.
+// What an object does in a MotionWorld when it touches something. Those from kAuthoritative on answer.
 enum class Role : std::uint8_t {
   kScene,   // run by nobody: stays
   kDriven,  // moved by samples from outside; contacts are seen, not answered
-  kFirm,    // answers contacts, and what it answered stays (an object that this peer runs)
-  kBelief,  // answers contacts, but takes the answer back when its cause turns out to have moved otherwise
+  kAuthoritative,    // answers contacts, and what it answered stays (an object that this peer runs)
+  kPredicted,  // answers contacts, but takes the answer back when its cause turns out to have moved otherwise
 };
 
 // Whose outcome of a contact counts.
-enum class Outcome : std::uint8_t {
-  kAsTold,   // this world's, but for an object whose owner has told of later: that holds it already
-  kOwn,      // this world's: whoever has told of later was to leave it to this peer
-  kAnothers  // the contact is told once, `held`, and the two go on
+enum class ContactAuthority : std::uint8_t {
+  kAsPublished,   // this world's, but for an object whose owner has told of later: that holds it already
+  kLocal,      // this world's: whoever has told of later was to leave it to this peer
+  kDeferred  // the contact is told once, `held`, and the two go on
 };
 
 struct ContactEvent {
@@ -37,11 +37,11 @@ struct ContactEvent {
   ObjectId collider, collidee;
   Vec3 normal = Vec3::Zero();  // world frame, of the collidee's polygon, facing the collider
   KinematicState collider_before, collidee_before, collider_after, collidee_after;
-  bool held = false;  // nobody answered: another peer decides. The states after are what it would come to here
+  bool deferred = false;  // nobody answered: another peer decides. The states after are what it would come to here
 };
 
 // Contacts of `object` after `since` that were told are believed no more; those that still hold are told again.
-struct TakenBack {
+struct ContactsRetracted {
   ObjectId object;
   SimTime since;
 };
@@ -60,7 +60,7 @@ class MotionWorld {
     std::uint64_t searches_skipped = 0;  // pairs whose cached answer still stood
     std::uint64_t contacts = 0;
     std::uint64_t contacts_undone = 0;  // beliefs taken back
-    std::uint64_t came_to_rest = 0;     // ever lower bounces ended by rest_against
+    std::uint64_t came_to_rest = 0;     // ever lower bounces ended by come_to_rest_against
     std::uint64_t jammed = 0;           // objects stopped because rest gave way to rest
     std::uint64_t overlapped = 0;       // searches that began inside another object
     std::uint64_t unsupported = 0;      // pairs that collision can't answer yet
@@ -81,14 +81,14 @@ class MotionWorld {
 
   // How long where a driven object was is kept after the last advance(), > 0; 4 s at first, as of all others. Of one
   // that no interest names, nothing but what was told last is kept from then on: nobody meets it.
-  void keep_driven(Duration history) {
+  void keep_history_of_driven(Duration history) {
     assert(history > Duration{0});
     driven_history_ = history;
   }
 
   // Asked at each contact.
-  using Outcomes = std::function<Outcome(ObjectId collider, ObjectId collidee, SimTime contact)>;
-  void set_outcomes(Outcomes outcomes) { outcomes_ = std::move(outcomes); }
+  using AuthorityOf = std::function<ContactAuthority(ObjectId collider, ObjectId collidee, SimTime contact)>;
+  void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
 
   // From t on, the object moves so: an update, a sample, a decision. t may lie in the past; beliefs that followed from
   // what is replaced are taken back and found anew by the next advance().
@@ -107,13 +107,13 @@ class MotionWorld {
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
   // Whether it is known where it was at t: what ended more than 4 s before the last advance() (keep_driven) is not.
-  [[nodiscard]] bool knows(ObjectId object, SimTime t) const;
+  [[nodiscard]] bool has_history_at(ObjectId object, SimTime t) const;
   // Since when the law that is in force at t is.
   [[nodiscard]] SimTime law_since(ObjectId object, SimTime t) const;
   // When the last told (not predicted) piece of its timeline began.
   [[nodiscard]] SimTime base_time(ObjectId object) const;
   // Whether it stands still from t on, for all that this world knows now.
-  [[nodiscard]] bool stands_from(ObjectId object, SimTime t) const;
+  [[nodiscard]] bool is_at_rest_from(ObjectId object, SimTime t) const;
   // Hands over, each once and in any order, the objects whose way may have become another one since the last call.
   // `function` tells this world nothing.
   template <class Function>
@@ -127,7 +127,7 @@ class MotionWorld {
   // Another number whenever its future became another one: it was told, or what it had answered was taken back.
   [[nodiscard]] std::uint64_t revision(ObjectId object) const;
   // What happened, in order; drain after advance().
-  using Event = std::variant<ContactEvent, TakenBack>;
+  using Event = std::variant<ContactEvent, ContactsRetracted>;
   [[nodiscard]] std::optional<Event> poll_event();
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -139,15 +139,15 @@ class MotionWorld {
     SimTime base_time;
     std::vector<SimTime> recent;  // of its last contacts, for ever lower bounces
     std::uint64_t revision = 0;
-    bool forgets = false;  // it is in forgetting_
+    bool pruning_scheduled = false;  // it is in forgetting_
     bool changed = false;  // .. in changed_
     SweptBound bound;      // what was asked for last; it answers for nothing once the timeline changes
   };
   struct Pair {
     std::uint32_t collider, collidee;  // into objects_
     CollisionType type;
-    bool collider_answers, collidee_answers;
-    bool may_be_spared;  // collision has an answer
+    bool collider_responds, collidee_responds;
+    bool has_exact_search;  // collision has an answer
     bool watched = true;
     bool unsupported = false;        // told once, then left alone
     bool overlapped = false;         // `contact` is an overlap found, not a touch
@@ -160,10 +160,10 @@ class MotionWorld {
     std::vector<SimTime> recent;  // of its last contacts, for those that answer by impulse
   };
   // When a timeline forgets what is too old by then.
-  struct Forgetting {
+  struct Pruning {
     SimTime at;
     std::uint32_t object;
-    bool operator>(const Forgetting& other) const { return at > other.at; }
+    bool operator>(const Pruning& other) const { return at > other.at; }
   };
 
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -177,7 +177,7 @@ class MotionWorld {
   }
   [[nodiscard]] std::span<const std::uint32_t> pairs_of(std::size_t object) const;
   [[nodiscard]] const collision::Body& body(std::size_t object) const { return model_.bodies[object]; }
-  [[nodiscard]] static bool will_answer(const Object& o, bool registered, SimTime t);
+  [[nodiscard]] static bool will_respond(const Object& o, bool registered, SimTime t);
   [[nodiscard]] const SweptBound& bound_of(std::size_t object, SimTime s);
   void search(Pair& pair, SimTime to);
   void search_window(Pair& pair);
@@ -185,14 +185,14 @@ class MotionWorld {
   [[nodiscard]] Duration history_of(const Object& o) const;
   void note_change(std::size_t object);
   void timeline_changed(std::size_t object);
-  void forget_later(std::size_t object);
-  void forget();
-  void answer(Pair& pair);
-  [[nodiscard]] MotionModel answered(std::size_t object, const Pair& pair, const MotionModel& self,
-                                     const KinematicState& other, bool other_answers, const Vec3& n);
-  void take_back(std::size_t cause, SimTime t);
-  void reopen(std::size_t object, SimTime t);
-  void forget_bounces(std::size_t object, SimTime from);
+  void schedule_pruning(std::size_t object);
+  void prune_timelines();
+  void respond_to_contact(Pair& pair);
+  [[nodiscard]] MotionModel motion_after_response(std::size_t object, const Pair& pair, const MotionModel& self,
+                                     const KinematicState& other, bool other_responds, const Vec3& n);
+  void retract(std::size_t cause, SimTime t);
+  void reopen_pairs(std::size_t object, SimTime t);
+  void clear_bounces(std::size_t object, SimTime from);
 
   const WorldModel& model_;
   SimTime start_, advanced_;
@@ -200,12 +200,12 @@ class MotionWorld {
   std::vector<Object> objects_;             // the model's bodies, then what else was declared, as it came
   std::vector<std::uint32_t> index_by_id_;  // into objects_; kNone
   std::vector<Pair> pairs_;                 // the model's
-  Schedule looks_;                          // pairs: when the next look is due
+  Schedule pair_checks_;                          // pairs: when the next look is due
   std::size_t watched_ = 0;                 // pairs in looks_, whenever that is
-  std::vector<bool> in_looks_;
-  std::vector<Forgetting> forgetting_;  // a heap, the earliest first
+  std::vector<bool> in_pair_checks_;
+  std::vector<Pruning> prunings_;  // a heap, the earliest first
   std::vector<std::uint32_t> changed_;  // objects
-  Outcomes outcomes_;                   // none: as told
+  AuthorityOf authority_of_;                   // none: as told
   std::vector<Event> events_;
   std::size_t polled_ = 0;  // of events_
   Counters counters_;

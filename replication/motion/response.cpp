@@ -12,29 +12,29 @@ bool by_impulse(const CollisionResponse* response) {
 }
 
 // How much of what both together have to change is this one's.
-double share(const Meeting& m) {
-  if (!by_impulse(&m.response) || !m.other_answers || !by_impulse(m.other_response)) return 1.0;
+double share(const ContactSide& m) {
+  if (!by_impulse(&m.response) || !m.other_responds || !by_impulse(m.other_response)) return 1.0;
   return m.other_response->mass_kg / (m.response.mass_kg + m.other_response->mass_kg);
 }
 
-double restitution(const Meeting& m) {
+double restitution(const ContactSide& m) {
   const double own = m.response.restitution;
   return by_impulse(m.other_response) ? std::min(own, m.other_response->restitution) : own;
 }
 
 // Negative: they approach.
-double parting_speed(const Meeting& m) { return m.n.dot(m.self.velocity - m.other.velocity); }
+double parting_speed(const ContactSide& m) { return m.n.dot(m.self.velocity - m.other.velocity); }
 
 double friction(const CollisionResponse* response) { return by_impulse(response) ? response->friction_m_s2 : 0.0; }
 
 }  // namespace
 
-KinematicState respond(const Meeting& m) {
+KinematicState respond(const ContactSide& m) {
   assert(std::abs(m.n.norm() - 1.0) < 1e-9);
   KinematicState after = m.self;
   switch (m.response.type) {
     case ResponseType::kInverse: {
-      const Vec3 seen_from = m.other_answers ? Vec3::Zero() : m.other.velocity;
+      const Vec3 seen_from = m.other_responds ? Vec3::Zero() : m.other.velocity;
       after.velocity -= 2.0 * std::min(0.0, m.n.dot(m.self.velocity - seen_from)) * m.n;
       break;
     }
@@ -50,12 +50,12 @@ KinematicState respond(const Meeting& m) {
   return after;
 }
 
-KinematicState rest_against(const Meeting& m, bool pressed) {
+KinematicState come_to_rest_against(const ContactSide& m, bool pressed) {
   KinematicState after = m.self;
   const bool turns = !m.self.angular_velocity_body.isZero(0.0) || !m.other.angular_velocity_body.isZero(0.0);
   // Two of the seed's kind don't share what they change, and where a body turns its centre's speed is not the
   // contact's.
-  const bool stops = pressed && !turns && (!m.other_answers || share(m) < 1.0);
+  const bool stops = pressed && !turns && (!m.other_responds || share(m) < 1.0);
   const double speed = parting_speed(m);
   after.velocity -= share(m) * (stops ? speed : std::min(0.0, speed)) * m.n;
   after.acceleration -= share(m) * std::min(0.0, m.n.dot(m.self.acceleration - m.other.acceleration)) * m.n;

@@ -8,10 +8,10 @@ namespace peerd::replication {
 // What one object answers a contact with, and what it meets. `n` is the unit normal of the contact in the world frame,
 // facing this object: of the other's polygon, or, where both are a Sphere each (collision::Body::round), along the line
 // of their centres. States are those at the contact time, before anybody answered.
-struct Meeting {
+struct ContactSide {
   const CollisionResponse& response;        // of this object
   const CollisionResponse* other_response;  // null: the other has none
-  bool other_answers;                       // false: it goes on as it does, whatever its response says
+  bool other_responds;                       // false: it goes on as it does, whatever its response says
   const KinematicState &self, &other;
   Vec3 n;
 };
@@ -32,13 +32,13 @@ struct Meeting {
 // of the two (PhysX's PxCombineMode::eMIN; others take the product or the larger: the smaller keeps a dead cushion dead
 // and needs no table of pairs); one without a response of this type sets none. There is no friction at the contact, so
 // neither spin changes.
-[[nodiscard]] KinematicState respond(const Meeting& meeting);
+[[nodiscard]] KinematicState respond(const ContactSide& side);
 
 // Takes the approaching part out of velocity and acceleration, so that an object that bounces ever lower comes to rest
 // against the other and goes on sliding. Of two that answer by impulse each takes its share by mass: e = 0. `pressed`:
 // they part too slowly to come apart (collision::Contact::resting), and what is left of that goes too: without the
 // acceleration it would lift the object off for good.
-[[nodiscard]] KinematicState rest_against(const Meeting& meeting, bool pressed = false);
+[[nodiscard]] KinematicState come_to_rest_against(const ContactSide& side, bool pressed = false);
 
 // The law by which an object of that response goes on. With `friction` it slides to rest where nothing else accelerates
 // it: one that flies under gravity keeps that until it lies on what it fell on. `law` is the one that it was under,

@@ -28,7 +28,7 @@ SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, Si
   SweptBound bound;
   bound.last_change = timeline.last_change_until(s);
   bound.next_change = timeline.next_change_after(s);
-  bound.still = stands(timeline.at(s));
+  bound.still = is_motionless(timeline.at(s));
   if (bound.last_change) begin = std::max(begin, *bound.last_change);
   if (bound.next_change) end = std::min(end, *bound.next_change);
   // At the instant at which a law begins, and before, at() tells the law's own derivatives; after it the piece's.

@@ -44,7 +44,7 @@ const Timeline::Segment& Timeline::segment_at(SimTime t) const {
 
 std::optional<SimTime> Timeline::last_change_until(SimTime t) const {
   const Segment& s = segment_at(t);
-  const bool stays = stands(s.model.state) && s.model.jerk.isZero(0.0) && s.model.angular_acceleration_body.isZero(0.0);
+  const bool stays = is_motionless(s.model.state) && s.model.jerk.isZero(0.0) && s.model.angular_acceleration_body.isZero(0.0);
   if (t < s.from || (&s == &segment(0) && stays)) return std::nullopt;
   return in_piece(t) ? piece_.begin : s.from + piece_begin(s.model, t - s.from);
 }

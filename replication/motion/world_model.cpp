@@ -94,8 +94,8 @@ std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
   index_pairs(*model);
   for (const CollisionPair& pair : model->pairs) {
     const collision::Body &a = *model->body(pair.collider), &b = *model->body(pair.collidee);
-    const bool said = !a.unsupported.empty() || !b.unsupported.empty();
-    if (pair.type == CollisionType::kBox || said || collision::has_exact_answer(a, b)) continue;
+    const bool already_reported = !a.unsupported.empty() || !b.unsupported.empty();
+    if (pair.type == CollisionType::kBox || already_reported || collision::has_exact_answer(a, b)) continue;
     model->unsupported.push_back(scene.path_of(pair.collider) + " against " + scene.path_of(pair.collidee) +
                                  ": one is not convex, and one is larger than 2^58 m");
   }

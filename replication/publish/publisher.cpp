@@ -32,12 +32,12 @@ GhostError ghost_error(const KinematicState& truth, const KinematicState& ghost,
   return {(truth.position - ghost.position).norm() + 2.0 * bounding_radius_m * std::sin(0.5 * angle_rad), angle_rad};
 }
 
-Duration longest_wait(const PublishPolicy& policy, bool known) {
-  return known ? std::max(policy.time_threshold, policy.resting_time_threshold) : policy.time_threshold;
+Duration longest_interval(const PublishPolicy& policy, bool redundant) {
+  return redundant ? std::max(policy.time_threshold, policy.resting_time_threshold) : policy.time_threshold;
 }
 
 std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
-                                 std::optional<SimTime> last_sent, SimTime now, bool known) {
+                                 std::optional<SimTime> last_sent, SimTime now, bool redundant) {
   if (!last_sent) return PublishReason::kFirst;
   if (policy.snapshots_hz > 0) {
     // Half a millisecond of slack: ticks are whole nanoseconds, and 1/60 s is none.
@@ -45,7 +45,7 @@ std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m
     return now - *last_sent >= period ? std::optional(PublishReason::kTime) : std::nullopt;
   }
   if (error.distance_m > threshold_m || error.angle_rad > policy.angle_threshold_rad) return PublishReason::kError;
-  if (now - *last_sent >= longest_wait(policy, known)) return PublishReason::kTime;
+  if (now - *last_sent >= longest_interval(policy, redundant)) return PublishReason::kTime;
   return std::nullopt;
 }
 
@@ -65,18 +65,18 @@ double urgency(const PublishPolicy& policy, double threshold_m, const GhostError
 
 double ByteBudget::left(const PublishPolicy& policy, SimTime now) {
   const double most = std::max(kBurst_s * *policy.bytes_per_s, static_cast<double>(kDatagramMax_bytes));
-  left_ = filled_ ? std::max(left_, -most) : most;
+  remaining_ = filled_ ? std::max(remaining_, -most) : most;
   if (filled_ && now > *filled_) {
     const double more = *policy.bytes_per_s * to_seconds(now - *filled_);
-    left_ = std::min(most, left_ + more);
+    remaining_ = std::min(most, remaining_ + more);
     for_updates_ = std::min(static_cast<double>(kDatagramMax_bytes), for_updates_ + kForUpdates * more);
   }
   filled_ = now;
-  return for_updates_ > std::max(left_, 0.0) ? for_updates_ : left_;
+  return for_updates_ > std::max(remaining_, 0.0) ? for_updates_ : remaining_;
 }
 
 void ByteBudget::spend(std::size_t bytes, bool on_updates) {
-  left_ -= static_cast<double>(bytes);
+  remaining_ -= static_cast<double>(bytes);
   if (on_updates) for_updates_ = std::max(0.0, for_updates_ - static_cast<double>(bytes));
 }
 
@@ -90,22 +90,22 @@ MotionModel as_model(ModelOrder order, const KinematicState& truth) {
 }
 
 void UpdateBudget::fill(const PublishPolicy& policy, SimTime now) {
-  if (!filled_) left_ = policy.updates_saved;
+  if (!filled_) remaining_ = policy.updates_saved;
   if (filled_ && now > *filled_) {
-    left_ = std::min(policy.updates_saved, left_ + policy.updates_per_s * to_seconds(now - *filled_));
+    remaining_ = std::min(policy.updates_saved, remaining_ + policy.updates_per_s * to_seconds(now - *filled_));
   }
   filled_ = now;
 }
 
-std::optional<double> UpdateBudget::worth_m(const PublishPolicy& policy, SimTime now) {
+std::optional<double> UpdateBudget::least_gain_m(const PublishPolicy& policy, SimTime now) {
   fill(policy, now);
-  if (left_ < 0.0) return std::nullopt;
-  return policy.wanted_error_m * std::exp2(policy.updates_saved - left_);
+  if (remaining_ < 0.0) return std::nullopt;
+  return policy.wanted_error_m * std::exp2(policy.updates_saved - remaining_);
 }
 
 void UpdateBudget::spend(const PublishPolicy& policy, SimTime now) {
   fill(policy, now);
-  left_ = std::max(-1.0, left_ - 1.0);
+  remaining_ = std::max(-1.0, remaining_ - 1.0);
 }
 
 }  // namespace peerd::replication

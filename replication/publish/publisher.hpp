@@ -39,7 +39,7 @@ struct PublishPolicy {
   double updates_saved = 6.0;  // how much of it can be saved up; >= 1
   // What shares a datagram costs its record and no header: it goes along with what is due from this share on of the
   // error that it would wait for otherwise. 1: not before.
-  double along_at = 1.0;
+  double piggyback_fraction = 1.0;
   std::uint32_t copies = 1;  // of each update: two at once, then one a tick until a newer update goes out
   // What a peer's datagrams may take, headers of UDP and IP aside; none: what they need. Beyond it updates wait, the
   // most urgent first out; hellos, decisions and what nobody could know do not wait, but take of it.
@@ -60,10 +60,10 @@ struct GhostError {
 // Why an update is due now; none when the others still believe well enough. `known`: another one would say what
 // everybody knows.
 [[nodiscard]] std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
-                                               std::optional<SimTime> last_sent, SimTime now, bool known = false);
+                                               std::optional<SimTime> last_sent, SimTime now, bool redundant = false);
 
 // From one update of an object to the next, where no error asks for it.
-[[nodiscard]] Duration longest_wait(const PublishPolicy& policy, bool known);
+[[nodiscard]] Duration longest_interval(const PublishPolicy& policy, bool redundant);
 
 // What goes into the update: the truth as the model's order can express it.
 [[nodiscard]] MotionModel as_model(ModelOrder order, const KinematicState& truth);
@@ -86,7 +86,7 @@ class ByteBudget {
  private:
   static constexpr double kBurst_s = 0.25, kForUpdates = 0.25;
   std::optional<SimTime> filled_;
-  double left_ = 0.0, for_updates_ = 0.0;
+  double remaining_ = 0.0, for_updates_ = 0.0;
 };
 
 // What may be spent on updates that no threshold asks for: a bucket that fills at a rate and holds so many.
@@ -95,14 +95,14 @@ class UpdateBudget {
   // The error [m] beyond which an update is worth one of what is left: `wanted_m` when the bucket is full, twice as
   // much for each that is gone, so that it settles where the object's motion asks for as many as the rate allows: for a
   // given number of updates the mean error is least where the threshold stays the same. None when one is owed.
-  [[nodiscard]] std::optional<double> worth_m(const PublishPolicy& policy, SimTime now);
+  [[nodiscard]] std::optional<double> least_gain_m(const PublishPolicy& policy, SimTime now);
   // Any update takes one; what thresholds ask for is not refused, but paid for, down to one that is owed.
   void spend(const PublishPolicy& policy, SimTime now);
 
  private:
   void fill(const PublishPolicy& policy, SimTime now);
   std::optional<SimTime> filled_;
-  double left_ = 0.0;
+  double remaining_ = 0.0;
 };
 
 }  // namespace peerd::replication

@@ -4,28 +4,28 @@
 
 namespace peerd::replication {
 
-void Receipt::on_echo(const Echo& echo) {
+void Acknowledgement::on_echo(const Echo& echo) {
   if (echo.received.highest >= received.highest) received = echo.received;  // else overtaken by a later one
 }
 
-Membership::Heard Membership::on_datagram(HostTime now, PeerId peer, std::uint64_t boot) {
+Membership::Admission Membership::on_datagram(HostTime now, PeerId peer, std::uint64_t incarnation) {
   const auto [at, added] = members_.try_emplace(peer);
   Member& member = at->second;
-  Heard heard = added ? Heard::kJoined : Heard::kKnown;
-  if (!added && boot < member.boot) return Heard::kStale;
-  if (!added && boot > member.boot) {
+  Admission admission = added ? Admission::kJoined : Admission::kKnown;
+  if (!added && incarnation < member.incarnation) return Admission::kStale;
+  if (!added && incarnation > member.incarnation) {
     member = Member{};
-    heard = Heard::kRestarted;
+    admission = Admission::kRestarted;
   }
-  member.boot = boot;
-  member.last_heard = now;
-  return heard;
+  member.incarnation = incarnation;
+  member.last_received = now;
+  return admission;
 }
 
 std::vector<std::pair<PeerId, Member>> Membership::expire(HostTime now) {
   std::vector<std::pair<PeerId, Member>> lost;
   for (auto at = members_.begin(); at != members_.end();) {
-    if (now - at->second.last_heard < lost_after_) {
+    if (now - at->second.last_received < lost_after_) {
       ++at;
       continue;
     }
@@ -41,8 +41,8 @@ std::optional<Member> Membership::remove(PeerId peer) {
   return std::move(node.mapped());
 }
 
-void Membership::excuse(HostTime now) {
-  for (auto& [peer, member] : members_) member.last_heard = now;
+void Membership::restart_silence_of_all(HostTime now) {
+  for (auto& [peer, member] : members_) member.last_received = now;
 }
 
 Member* Membership::find(PeerId peer) {
@@ -52,8 +52,8 @@ Member* Membership::find(PeerId peer) {
 
 std::optional<HostTime> Membership::next_expiry() const {
   if (members_.empty()) return std::nullopt;
-  const auto first = std::ranges::min_element(members_, {}, [](const auto& e) { return e.second.last_heard; });
-  return first->second.last_heard + lost_after_;
+  const auto first = std::ranges::min_element(members_, {}, [](const auto& e) { return e.second.last_received; });
+  return first->second.last_received + lost_after_;
 }
 
 }  // namespace peerd::replication

@@ -18,25 +18,25 @@
 namespace peerd::replication {
 
 // Which datagrams of ours another peer has, as its echoes say: of those after the one that it heard first.
-struct Receipt {
+struct Acknowledgement {
   std::uint32_t after;
   Received received;
-  explicit Receipt(const Received& first) : after(first.highest), received(first) {}
+  explicit Acknowledgement(const Received& first) : after(first.highest), received(first) {}
   [[nodiscard]] bool has(std::uint32_t number) const { return number > after && received.has(number); }
-  [[nodiscard]] bool lacks(std::uint32_t number) const { return number > after && received.lacks(number); }
+  [[nodiscard]] bool surely_lost(std::uint32_t number) const { return number > after && received.surely_lost(number); }
   void on_echo(const Echo& echo);
 };
 
 // One other peer, as far as it has been heard.
 struct Member {
-  std::uint64_t boot = 0;
+  std::uint64_t incarnation = 0;
   std::string name;
-  HostTime last_heard{};  // our clock
+  HostTime last_received{};  // our clock
   std::uint64_t datagrams_in = 0, bytes_in = 0;
   std::map<std::string, std::uint64_t> drops;  // of what it said, by reason
   std::uint32_t hello = 0;                     // the number of its last hello's datagram; 0: none
   HostTime hello_rx{};                         // when that came, our clock
-  bool waits_for_us = false;                   // it holds a contact that this peer may be the one to decide
+  bool awaits_our_decision = false;                   // it holds a contact that this peer may be the one to decide
   bool synchronised = false;
   OffsetInterval clock;                 // its session time minus our clock
   bool leads = false;                   // it says that the session's time is its
@@ -51,12 +51,12 @@ struct Member {
     for (const auto& [region, meter] : received) all += meter;
     return all;
   }
-  bool knows_us = false;               // its hellos echo ours
-  bool forgot_us = false;              // they did, until it lost us
-  std::size_t unechoed = 0;            // hellos without our echo since the last with one
-  bool deaf = false;                   // so many that nothing we say gets there
-  std::optional<double> loss_of_ours;  // of our datagrams on their way to it, as it says
-  std::optional<Receipt> receipt;      // for our datagrams, as it says
+  bool echoes_us = false;               // its hellos echo ours
+  bool stopped_echoing_us = false;              // they did, until it lost us
+  std::size_t hellos_without_echo = 0;            // hellos without our echo since the last with one
+  bool unreachable = false;                   // so many that nothing we say gets there
+  std::optional<double> loss_to_peer;  // of our datagrams on their way to it, as it says
+  std::optional<Acknowledgement> acknowledgement;      // for our datagrams, as it says
   static constexpr std::size_t kDelays = 16;
   std::array<Duration, kDelays> delays{};  // of its last hellos, session time to session time
   std::size_t delays_known = 0;            // ever measured
@@ -75,17 +75,17 @@ struct Member {
 // Who is here. Silence makes a peer lost, a higher boot number makes it a new one.
 class Membership {
  public:
-  enum class Heard : std::uint8_t { kKnown, kJoined, kRestarted, kStale };
+  enum class Admission : std::uint8_t { kKnown, kJoined, kRestarted, kStale };
 
   explicit Membership(Duration lost_after) : lost_after_(lost_after) {}
 
   // Any datagram of a peer. kStale: it belongs to an earlier life of that peer and must be dropped.
-  Heard on_datagram(HostTime now, PeerId peer, std::uint64_t boot);
+  Admission on_datagram(HostTime now, PeerId peer, std::uint64_t incarnation);
   // Those silent for longer than lost_after, removed; ascending.
   [[nodiscard]] std::vector<std::pair<PeerId, Member>> expire(HostTime now);
   std::optional<Member> remove(PeerId peer);
   // Counts everybody's silence anew from now on.
-  void excuse(HostTime now);
+  void restart_silence_of_all(HostTime now);
   // This host's clock has jumped: what it was compared with is void.
   void forget_clocks() {
     for (auto& [peer, member] : members_) member.clock = {};
@@ -99,7 +99,7 @@ class Membership {
     return all.loss();
   }
   // What was not listened to is no loss: counts a region's datagrams anew.
-  void count_anew(RegionId region) {
+  void reset_loss_of(RegionId region) {
     for (auto& [peer, member] : members_) member.received.erase(region);
   }
   // The lowest synchronised peer: the one whose session time the others follow.

@@ -58,11 +58,11 @@ bool OffsetInterval::on_hello(SimTime t3, HostTime t4, const std::optional<Echo>
     most_ = std::min(most_.value_or(most), most);
     ++exchanges_;
     round_trip_ = ahead - behind;
-    there_.add({ahead, echo->t1});
+    from_us_.add({ahead, echo->t1});
   }
   at_ = t4;
   origin_ = behind;
-  here_.add({behind, t4});
+  to_us_.add({behind, t4});
   return agrees;
 }
 
@@ -71,7 +71,7 @@ std::optional<OffsetBounds> OffsetInterval::at(HostTime now, std::int64_t drift_
   return OffsetBounds{*least_, *most_}.aged(now - at_, drift_ppm);
 }
 
-double OffsetInterval::by_now_s(const Way::Sample& sample, HostTime now, double speed) const {
+double OffsetInterval::by_now_s(const Direction::Sample& sample, HostTime now, double speed) const {
   return to_seconds(sample.offset - origin_) + speed * to_seconds(now - sample.at);
 }
 
@@ -83,14 +83,14 @@ OffsetInterval::Speed OffsetInterval::speed() const {
   // So many times as late as half of its direction: delays that are spread evenly are none.
   constexpr double kStraggling = 3.0;
   Speed speed{0.0, kMost};
-  std::array<std::pair<Way, double>, 2> ways{{{here_, 1.0}, {there_, -1.0}}};  // to be put in order, the quickest first
+  std::array<std::pair<Direction, double>, 2> ways{{{to_us_, 1.0}, {from_us_, -1.0}}};  // to be put in order, the quickest first
   for (const bool without_stragglers : {false, true, true}) {
     double n = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
     for (auto& [way, sign] : ways) {
-      std::span<Way::Sample> kept = way.samples();
+      std::span<Direction::Sample> kept = way.samples();
       if (kept.empty()) continue;
       if (without_stragglers) {
-        const auto quickness_s = [&, sign = sign](const Way::Sample& s) {
+        const auto quickness_s = [&, sign = sign](const Direction::Sample& s) {
           return sign * by_now_s(s, at_, speed.value);
         };
         std::ranges::sort(kept, std::greater{}, quickness_s);
@@ -100,11 +100,11 @@ OffsetInterval::Speed OffsetInterval::speed() const {
         kept = {kept.begin(), stragglers};
       }
       double mean_x = 0.0, mean_y = 0.0;
-      for (const Way::Sample& s : kept) {
+      for (const Direction::Sample& s : kept) {
         mean_x += to_seconds(s.at - at_) / static_cast<double>(kept.size());
         mean_y += to_seconds(s.offset - origin_) / static_cast<double>(kept.size());
       }
-      for (const Way::Sample& s : kept) {
+      for (const Direction::Sample& s : kept) {
         const double x = to_seconds(s.at - at_) - mean_x, y = to_seconds(s.offset - origin_) - mean_y;
         xx += x * x;
         xy += x * y;
@@ -123,14 +123,14 @@ OffsetInterval::Speed OffsetInterval::speed() const {
 OffsetInterval::Likely OffsetInterval::likely(HostTime now) const {
   const Speed known = speed();
   // The quickest of a direction; what the speed may be wrong by counts against old ones.
-  const auto quickest_s = [&](const Way& way, double sign) {
-    const auto quickness_s = [&](const Way::Sample& s) {
+  const auto quickest_s = [&](const Direction& way, double sign) {
+    const auto quickness_s = [&](const Direction::Sample& s) {
       return sign * by_now_s(s, now, known.value) - known.error * to_seconds(now - s.at);
     };
     return by_now_s(*std::ranges::max_element(way.samples(), {}, quickness_s), now, known.value);
   };
   // One is of when it came, the other of when it left: what the clocks drift by meanwhile cancels.
-  return {origin_ + from_seconds((quickest_s(here_, 1.0) + quickest_s(there_, -1.0)) / 2.0), known.value};
+  return {origin_ + from_seconds((quickest_s(to_us_, 1.0) + quickest_s(from_us_, -1.0)) / 2.0), known.value};
 }
 
 }  // namespace peerd::replication

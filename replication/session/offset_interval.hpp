@@ -69,7 +69,7 @@ class OffsetInterval {
 
  private:
   // What one direction's last datagrams said of the offset: each is wrong by its delay.
-  class Way {
+  class Direction {
    public:
     struct Sample {
       Duration offset;
@@ -90,13 +90,13 @@ class OffsetInterval {
   };
   [[nodiscard]] Speed speed() const;
   // A sample's offset from origin_ [s], by `now` at that speed.
-  [[nodiscard]] double by_now_s(const Way::Sample& sample, HostTime now, double speed) const;
+  [[nodiscard]] double by_now_s(const Direction::Sample& sample, HostTime now, double speed) const;
 
   std::optional<Duration> least_, most_;
   HostTime at_{};  // when they were so
   std::uint64_t exchanges_ = 0;
   std::optional<Duration> round_trip_;
-  Way here_, there_;
+  Direction to_us_, from_us_;
   Duration origin_{0};  // offsets are computed from here: a double holds no nanosecond since 1970
 };
 

@@ -62,11 +62,11 @@ void put(const Viewpoint& v, proto::Viewpoint* out) {
   out->set_aspect(v.aspect);
 }
 
-void put(const Introduction& i, std::uint64_t boot, proto::Introduction* out) {
+void put(const Introduction& i, std::uint64_t incarnation, proto::Introduction* out) {
   out->set_name(i.name);
   out->set_world_hash(i.world_hash);
-  out->set_boot(boot);
-  out->set_enslaved(packed(i.enslaved));
+  out->set_incarnation(incarnation);
+  out->set_owned(packed(i.owned));
   if (i.start) out->set_start_ns(i.start->time_since_epoch().count());
   if (i.world_zero) out->set_world_zero_ns(i.world_zero->time_since_epoch().count());
   if (i.viewpoint) put(*i.viewpoint, out->mutable_viewpoint());
@@ -76,7 +76,7 @@ std::uint64_t whole_us(Duration d) {
   return static_cast<std::uint64_t>(std::chrono::ceil<std::chrono::microseconds>(d).count());
 }
 
-void put(const Hello& h, std::uint64_t boot, proto::Hello* out) {
+void put(const Hello& h, std::uint64_t incarnation, proto::Hello* out) {
   if (h.session_tx) out->set_session_tx_ns(h.session_tx->time_since_epoch().count());
   if (h.clock_error) out->set_clock_error_us(whole_us(*h.clock_error));
   if (h.os_clock) {
@@ -88,24 +88,24 @@ void put(const Hello& h, std::uint64_t boot, proto::Hello* out) {
       static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(h.latency).count()));
   out->set_echoes(packed(h.echoes));
   out->set_notes(packed(h.notes, h.session_tx.value_or(SimTime{})));
-  if (h.introduction) put(*h.introduction, boot, out->mutable_introduction());
+  if (h.introduction) put(*h.introduction, incarnation, out->mutable_introduction());
 }
 
-void put(const std::vector<Entered>& entered, proto::Datagram* out) {
-  if (entered.empty()) return;
-  const SimTime latest = std::ranges::max(entered, {}, &Entered::since).since;
-  out->set_entered_ns(latest.time_since_epoch().count());
-  for (const Entered& e : entered) {
-    out->add_entered(e.region.value);
-    out->add_entered(static_cast<std::uint32_t>((latest - e.since) / std::chrono::milliseconds(1)));
+void put(const std::vector<Subscription>& subscriptions, proto::Datagram* out) {
+  if (subscriptions.empty()) return;
+  const SimTime latest = std::ranges::max(subscriptions, {}, &Subscription::since).since;
+  out->set_subscriptions_ns(latest.time_since_epoch().count());
+  for (const Subscription& e : subscriptions) {
+    out->add_subscriptions(e.region.value);
+    out->add_subscriptions(static_cast<std::uint32_t>((latest - e.since) / std::chrono::milliseconds(1)));
   }
 }
 
-void put(const std::vector<Gone>& gone, proto::Datagram* out) {
-  for (const Gone& g : gone) {
-    out->add_gone(g.object.value);
-    out->add_gone(g.sequence);
-    out->add_gone(g.to.value);
+void put(const std::vector<Handover>& handovers, proto::Datagram* out) {
+  for (const Handover& g : handovers) {
+    out->add_handovers(g.object.value);
+    out->add_handovers(g.sequence);
+    out->add_handovers(g.to.value);
   }
 }
 
@@ -114,8 +114,8 @@ void clear(Message& m) {
   m.hello.reset();
   m.updates.clear();
   m.decisions.clear();
-  m.entered.clear();
-  m.gone.clear();
+  m.subscriptions.clear();
+  m.handovers.clear();
   m.unknown_models = 0;
 }
 
@@ -163,22 +163,22 @@ bool take_records(const proto::Datagram& in, SimTime near, Message& m) {
   return true;
 }
 
-bool take_entered(const proto::Datagram& in, std::vector<Entered>& entered) {
+bool take_subscriptions(const proto::Datagram& in, std::vector<Subscription>& subscriptions) {
   SimTime latest;
-  if (in.entered_size() % 2 != 0 || in.entered_size() > kListMax || !take(in.entered_ns(), latest)) return false;
-  for (int i = 0; i < in.entered_size(); i += 2) {
-    const SimTime since = latest - std::chrono::milliseconds(in.entered(i + 1));
+  if (in.subscriptions_size() % 2 != 0 || in.subscriptions_size() > kListMax || !take(in.subscriptions_ns(), latest)) return false;
+  for (int i = 0; i < in.subscriptions_size(); i += 2) {
+    const SimTime since = latest - std::chrono::milliseconds(in.subscriptions(i + 1));
     if (!in_range(since.time_since_epoch().count())) return false;
-    entered.push_back({RegionId{in.entered(i)}, since});
+    subscriptions.push_back({RegionId{in.subscriptions(i)}, since});
   }
   return true;
 }
 
-bool take_gone(const proto::Datagram& in, std::vector<Gone>& gone) {
-  if (in.gone_size() % 3 != 0 || in.gone_size() > kListMax) return false;
-  for (int i = 0; i < in.gone_size(); i += 3) {
-    if (in.gone(i + 1) == 0) return false;
-    gone.push_back({ObjectId{in.gone(i)}, in.gone(i + 1), RegionId{in.gone(i + 2)}});
+bool take_handovers(const proto::Datagram& in, std::vector<Handover>& handovers) {
+  if (in.handovers_size() % 3 != 0 || in.handovers_size() > kListMax) return false;
+  for (int i = 0; i < in.handovers_size(); i += 3) {
+    if (in.handovers(i + 1) == 0) return false;
+    handovers.push_back({ObjectId{in.handovers(i)}, in.handovers(i + 1), RegionId{in.handovers(i + 2)}});
   }
   return true;
 }
@@ -201,7 +201,7 @@ bool take(const proto::Viewpoint& in, Viewpoint& v) {
 }
 
 bool take(const proto::Introduction& in, Introduction& i) {
-  if (!is_name(in.name()) || !take_objects(in.enslaved(), i.enslaved)) return false;
+  if (!is_name(in.name()) || !take_objects(in.owned(), i.owned)) return false;
   i.name = in.name();
   i.world_hash = in.world_hash();
   if (in.has_start_ns() && !take(in.start_ns(), i.start.emplace())) return false;
@@ -260,12 +260,12 @@ void Codec::encode(const Message& m, std::span<const EncodedUpdate> updates, Byt
   d.set_version(kProtocolVersion);
   d.set_sender(m.sender.value);
   d.set_number(m.number);
-  if (m.introduction() == nullptr) d.set_boot_low(static_cast<std::uint32_t>(boot_low(m.boot)));
-  if (m.hello) put(*m.hello, m.boot, d.mutable_hello());
+  if (m.introduction() == nullptr) d.set_incarnation_low(static_cast<std::uint32_t>(incarnation_low(m.incarnation)));
+  if (m.hello) put(*m.hello, m.incarnation, d.mutable_hello());
   put(updates, &d);
   put(m.decisions, &d);
-  put(m.entered, &d);
-  put(m.gone, &d);
+  put(m.subscriptions, &d);
+  put(m.handovers, &d);
   d.set_leaving(m.leaving);
   datagram.resize(d.ByteSizeLong());
   d.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data()));
@@ -285,10 +285,10 @@ std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> da
   m.number = d.number();
   m.leaving = d.leaving();
   if (d.has_hello() && !take(d.hello(), m.hello.emplace())) return std::unexpected(DecodeError::kValue);
-  m.boot = m.introduction() != nullptr ? d.hello().introduction().boot() : boot_low(d.boot_low());
+  m.incarnation = m.introduction() != nullptr ? d.hello().introduction().incarnation() : incarnation_low(d.incarnation_low());
   if (!take_records(d, near, m)) return std::unexpected(DecodeError::kValue);
   if (!take_decisions(d, near, m.decisions)) return std::unexpected(DecodeError::kValue);
-  if (!take_entered(d, m.entered) || !take_gone(d, m.gone)) return std::unexpected(DecodeError::kValue);
+  if (!take_subscriptions(d, m.subscriptions) || !take_handovers(d, m.handovers)) return std::unexpected(DecodeError::kValue);
   return &m;
 }
 

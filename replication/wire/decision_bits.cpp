@@ -93,9 +93,9 @@ std::size_t encode_decision(const DecisionRecord& d, std::span<std::byte, kDecis
   put_varint(out, d.collider.value);
   put_varint(out, d.collidee.value);
   out.put(static_cast<std::uint64_t>(d.rule), kRule_bits);
-  const bool knows = d.known != SimTime{};
-  out.put(knows ? 1 : 0, 1);
-  if (knows) put_time(out, d.contact, d.known);
+  const bool has_previous = d.known != SimTime{};
+  out.put(has_previous ? 1 : 0, 1);
+  if (has_previous) put_time(out, d.contact, d.known);
   put_exact(out, d.normal);
   put_change(out, KinematicState{}, d.collider_before);
   put_change(out, d.collider_before, d.collider_after);

@@ -61,10 +61,10 @@ bool take_received(BitReader& in, std::uint32_t highest, Received& r) {
 std::string packed(const std::vector<Echo>& echoes) {
   return packed_by(echoes, [](BitWriter& out, const Echo& e) {
     const Received& r = e.received;
-    assert(r.highest >= e.hello && e.held >= Duration{0});
+    assert(r.highest >= e.hello && e.hold_time >= Duration{0});
     put_varint(out, e.peer.value);
     put_varint(out, e.hello);
-    put_varint(out, static_cast<std::uint64_t>(e.held.count()));
+    put_varint(out, static_cast<std::uint64_t>(e.hold_time.count()));
     put_varint(out, r.highest - e.hello);
     put_varint(out, r.run);
     if (names_holes(r)) put_varint(out, ~r.last >> r.run);
@@ -82,7 +82,7 @@ bool take_echoes(std::string_view bytes, std::vector<Echo>& echoes) {
       return false;
     }
     if (held_ns > static_cast<std::uint64_t>(kHeldMax.count()) || loss_permille > 1000) return false;
-    e.held = Duration{static_cast<std::int64_t>(held_ns)};
+    e.hold_time = Duration{static_cast<std::int64_t>(held_ns)};
     e.loss = 1e-3 * loss_permille;
     return true;
   });
@@ -120,7 +120,7 @@ bool take_objects(std::string_view bytes, std::vector<ObjectId>& objects) {
 std::string packed(const std::vector<ContactNote>& notes, SimTime base) {
   return packed_by(notes, [&](BitWriter& out, const ContactNote& n) {
     put_varint(out, n.collider.value);
-    put_varint(out, std::uint64_t{n.collidee.value} << 1 | (n.held ? 1 : 0));
+    put_varint(out, std::uint64_t{n.collidee.value} << 1 | (n.deferred ? 1 : 0));
     put_time(out, base, n.contact);
   });
 }
@@ -130,7 +130,7 @@ bool take_notes(std::string_view bytes, SimTime base, std::vector<ContactNote>& 
     std::uint64_t collidee = 0;
     if (!take_id(in, n.collider) || !take_varint(in, collidee) || collidee >> 33 != 0) return false;
     n.collidee.value = static_cast<std::uint32_t>(collidee >> 1);
-    n.held = (collidee & 1) != 0;
+    n.deferred = (collidee & 1) != 0;
     return take_time(in, base, n.contact);
   });
 }

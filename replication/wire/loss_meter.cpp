@@ -6,7 +6,7 @@
 namespace peerd::replication {
 namespace {
 
-constexpr double kForgets = 1.0 / 1000.0;  // of what was counted, with each datagram
+constexpr double kDecay = 1.0 / 1000.0;  // of what was counted, with each datagram
 
 }  // namespace
 
@@ -16,21 +16,21 @@ void LossMeter::on_datagram(std::uint32_t number) {
     const bool first = highest_ == 0;  // what went before this peer listened is no loss
     if (ahead > kWindow && !first) {
       hole_ = number - kWindow;
-    } else if (const std::uint64_t left_out = first ? 0 : ~(seen_ & ~asked_) >> (kWindow - ahead); left_out != 0) {
+    } else if (const std::uint64_t left_out = first ? 0 : ~(seen_ & ~marked_missing_) >> (kWindow - ahead); left_out != 0) {
       hole_ = highest_ - (kWindow - ahead) - static_cast<std::uint32_t>(std::countr_zero(left_out));
     }
     seen_ = first ? ~std::uint64_t{0} : ahead < kWindow ? seen_ << ahead | 1 : 1;
-    asked_ = ahead < kWindow ? asked_ << ahead : 0;
+    marked_missing_ = ahead < kWindow ? marked_missing_ << ahead : 0;
     highest_ = number;
     const double newly = first ? 1 : std::min(ahead, kWindow);  // no gap counts for more than the window
-    sent_ = sent_ * (1.0 - kForgets) + newly;
-    lost_ = lost_ * (1.0 - kForgets) + newly - 1.0;
+    sent_ = sent_ * (1.0 - kDecay) + newly;
+    lost_ = lost_ * (1.0 - kDecay) + newly - 1.0;
     return;
   }
   const std::uint32_t behind = highest_ - number;
   if (behind < kWindow && (seen_ >> behind & 1) != 0) {
     ++duplicates_;
-    asked_ &= ~(std::uint64_t{1} << behind);
+    marked_missing_ &= ~(std::uint64_t{1} << behind);
     return;
   }
   ++overtaken_;
@@ -39,13 +39,13 @@ void LossMeter::on_datagram(std::uint32_t number) {
   lost_ = std::max(0.0, lost_ - 1.0);
 }
 
-void LossMeter::ask_again(std::uint32_t number) {
+void LossMeter::mark_as_missing(std::uint32_t number) {
   if (number == 0 || number > highest_ || highest_ - number >= kWindow) return;
-  asked_ |= std::uint64_t{1} << (highest_ - number);
+  marked_missing_ |= std::uint64_t{1} << (highest_ - number);
 }
 
 Received LossMeter::received() const {
-  const std::uint64_t used = seen_ & ~asked_;
+  const std::uint64_t used = seen_ & ~marked_missing_;
   const auto in_window = static_cast<std::uint32_t>(std::countr_one(used));
   const std::uint32_t run = in_window < kWindow ? in_window : highest_ - hole_;
   return {highest_, std::min({run, highest_, Received::kRunMax}), used};

@@ -16,7 +16,7 @@ struct Received {
     return behind < run || (behind < kWindow && (last >> behind & 1) != 0);
   }
   // Surely not; the others are not known of.
-  [[nodiscard]] bool lacks(std::uint32_t number) const {
+  [[nodiscard]] bool surely_lost(std::uint32_t number) const {
     return number <= highest && highest - number < kWindow && !has(number);
   }
   friend bool operator==(const Received&, const Received&) = default;
@@ -29,7 +29,7 @@ class LossMeter {
   // `number`: the sender's count of its datagrams, from 1.
   void on_datagram(std::uint32_t number);
   // That datagram could not be used yet: in what is told of it, it has not come.
-  void ask_again(std::uint32_t number);
+  void mark_as_missing(std::uint32_t number);
   // Those from before the first that came count as come, and what is later than by the window as lost.
   [[nodiscard]] Received received() const;
   // Those that came again, and those that came after a later one.
@@ -39,7 +39,7 @@ class LossMeter {
   [[nodiscard]] double loss() const { return loss(0.1); }
   // The same where so much of others gets lost on average: what to believe before anything has come, in place of one
   // in ten.
-  [[nodiscard]] double loss(double of_others) const { return (lost_ + kBelief * of_others) / (sent_ + kBelief); }
+  [[nodiscard]] double loss(double of_others) const { return (lost_ + kPriorDatagrams * of_others) / (sent_ + kPriorDatagrams); }
   // What of both together gets lost, where each has its own numbers.
   LossMeter& operator+=(const LossMeter& other) {
     sent_ += other.sent_;
@@ -53,11 +53,11 @@ class LossMeter {
   // What is believed before counts like so many datagrams: eight without a loss are a link worth no copies. More would
   // send the world's first states twice or three times over links that lose nothing; less would take the luck of a few
   // for one, and a receipt mends that.
-  static constexpr double kBelief = 0.5;
+  static constexpr double kPriorDatagrams = 0.5;
   static constexpr std::uint32_t kWindow = Received::kWindow;  // later than by so many, a datagram stays lost
   std::uint32_t highest_ = 0;
   // Bit k: highest_ - k has come, and has been asked for again.
-  std::uint64_t seen_ = 0, asked_ = 0;
+  std::uint64_t seen_ = 0, marked_missing_ = 0;
   std::uint32_t hole_ = 0;  // the highest of those before that have not; 0: none
   std::uint64_t duplicates_ = 0, overtaken_ = 0;
   double sent_ = 0.0, lost_ = 0.0;

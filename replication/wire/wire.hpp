@@ -52,7 +52,7 @@ struct DecisionRecord {
 struct ContactNote {
   ObjectId collider, collidee;
   SimTime contact{};
-  bool held = false;  // the sender has found it, and leaves it to another to decide; else it has decided it itself
+  bool deferred = false;  // the sender has found it, and leaves it to another to decide; else it has decided it itself
 };
 
 // As many notes as fit into a hello whose other lists are full.
@@ -71,7 +71,7 @@ struct Viewpoint {
 struct Echo {
   PeerId peer;
   std::uint32_t hello = 0;  // the number of its last hello's datagram
-  Duration held{0};         // from that one's arrival to this hello
+  Duration hold_time{0};         // from that one's arrival to this hello
   Received received;        // of its datagrams; the highest is not below `hello`
   double loss = 0.0;        // what gets lost on the way (LossMeter), in thousandths
 };
@@ -88,7 +88,7 @@ inline constexpr std::size_t kEchoesMax = 15, kEchoesStep = kEchoesMax - 1;
 struct Introduction {
   std::string name;
   std::uint64_t world_hash = 0;
-  std::vector<ObjectId> enslaved;
+  std::vector<ObjectId> owned;
   std::optional<SimTime> start;       // when this peer lets motions by formula begin, if it says so
   std::optional<SimTime> world_zero;  // time 0 of the world's TimeSensors
   std::optional<Viewpoint> viewpoint;
@@ -114,21 +114,21 @@ struct Hello {
 };
 
 // Of a boot number, what goes with every datagram; the whole of it goes with introductions.
-inline constexpr int kBootLow_bits = 21;
-[[nodiscard]] constexpr std::uint64_t boot_low(std::uint64_t boot) {
-  return boot & ((std::uint64_t{1} << kBootLow_bits) - 1);
+inline constexpr int kIncarnationLow_bits = 21;
+[[nodiscard]] constexpr std::uint64_t incarnation_low(std::uint64_t incarnation) {
+  return incarnation & ((std::uint64_t{1} << kIncarnationLow_bits) - 1);
 }
 
 // "I listen there since then", or ask anew: who has an object there and has not told of it since tells its state anew.
-struct Entered {
+struct Subscription {
   RegionId region;
   SimTime since{};  // on the wire, milliseconds before the latest of a message's; rounded towards that
 };
 // As many as fit into a datagram of their own; into a hello with all of its lists full.
-inline constexpr std::size_t kEnteredMax = 150, kEnteredWithHello = 8;
+inline constexpr std::size_t kSubscriptionsMax = 150, kSubscriptionsWithHello = 8;
 
 // "It is told elsewhere from now on": who does not listen there knows nothing of it any more.
-struct Gone {
+struct Handover {
   ObjectId object;
   std::uint32_t sequence = 0;  // of the update that is told there
   RegionId to;
@@ -136,13 +136,13 @@ struct Gone {
 
 struct Message {
   PeerId sender;
-  std::uint64_t boot = 0;    // grows with each start of that peer; boot_low() of it where nothing introduces
+  std::uint64_t incarnation = 0;    // grows with each start of that peer; boot_low() of it where nothing introduces
   std::uint32_t number = 0;  // of the sender's datagrams to that region since then, from 1; 0: not counted
   std::optional<Hello> hello;
   std::vector<UpdateRecord> updates;
   std::vector<DecisionRecord> decisions;
-  std::vector<Entered> entered;
-  std::vector<Gone> gone;  // from the region that the message goes to
+  std::vector<Subscription> subscriptions;
+  std::vector<Handover> handovers;  // from the region that the message goes to
   bool leaving = false;
   std::uint32_t unknown_models = 0;  // updates left out by decode(): they name a model that this build does not know
 

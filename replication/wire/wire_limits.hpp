@@ -32,7 +32,7 @@ inline bool acceptable(const KinematicState& s) {
 }
 // What may be said of a state that is not acceptable: it stands, at the nearest place that is. What is no number counts
 // as 0, and as the identity.
-inline KinematicState standing_inside_limits(const KinematicState& s) {
+inline KinematicState at_rest_within_limits(const KinematicState& s) {
   Pose inside;
   for (int axis = 0; axis < 3; ++axis) {
     const double p = s.position[axis];

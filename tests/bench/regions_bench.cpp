@@ -105,7 +105,7 @@ class Watch {
 class AreaPath {
  public:
   AreaPath(const PeerLog& log, ObjectId carrier) {
-    for (const PeerLog::Belief& b : log.beliefs) {
+    for (const PeerLog::ObjectSample& b : log.object_samples) {
       if (b.object == carrier && b.owner == log.peer)
         ticks_.emplace_back(to_seconds(b.at - *log.start), b.state.position);
     }
@@ -128,7 +128,7 @@ report::Statistics error_in_areas(const ReadyRun& run, const Played& played, con
   for (const PeerLog& log : played.logs) {
     const auto peer = std::ranges::find(run.settings().peers, log.peer.value, &config::PeerSettings::id);
     const AreaPath area(log, run.shared->world.scene.find(peer->viewpoint->object).value());
-    for (const report::BeliefSample& s : record.beliefs) {
+    for (const report::GhostSample& s : record.ghost_samples) {
       if (s.observer != log.peer) continue;
       Vec3 apart = s.truth.position - area.at(s.t_s);
       apart.y() = 0.0;

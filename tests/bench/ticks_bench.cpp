@@ -84,7 +84,7 @@ AtRate measure(const std::string& scenario, double duration_s, std::uint32_t tic
     const report::RunRecord record = record_of(run, played);
     if (seed == 1) out.told = told(played, duration_s);
     out.disagreed += report::agreement(record).shared.disagreed;
-    for (const report::BeliefSample& s : record.beliefs) {
+    for (const report::GhostSample& s : record.ghost_samples) {
       if (driven.contains(s.object)) errors_m.push_back(report::ghost_error_m(s));
     }
     for (const report::DatagramSent& d : record.datagrams) out.bytes_s += d.bytes / all_s;

@@ -138,7 +138,7 @@ class Town {
     c.name = "peer" + std::to_string(id);
     c.world_hash = 1;
     c.policy = policy;
-    for (std::size_t i = 0; i < own_count_; ++i) c.enslaved.push_back({object(block, i), true, {}});
+    for (std::size_t i = 0; i < own_count_; ++i) c.owned.push_back({object(block, i), true, {}});
     return c;
   }
   [[nodiscard]] std::vector<OwnSample> samples(const Peer& peer, std::size_t block, std::size_t first_path) const {
@@ -219,7 +219,7 @@ class Town {
       };
       m.sender = PeerId{1 + k};
       if (m.introduction() != nullptr) {
-        for (ObjectId& o : m.hello->introduction->enslaved) o = shifted(o);
+        for (ObjectId& o : m.hello->introduction->owned) o = shifted(o);
       }
       for (UpdateRecord& u : m.updates) u.object = shifted(u.object);
       flights_.push_back({now_ + kLatency, false, encode(m)});

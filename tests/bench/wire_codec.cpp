@@ -112,7 +112,7 @@ class Listener {
   Message blank() {
     Message m;
     m.sender = PeerId{2};
-    m.boot = 1;
+    m.incarnation = 1;
     m.number = ++number_;
     return m;
   }
@@ -152,7 +152,7 @@ CodecRates encode_batches(std::size_t objects, bool quick) {
   std::vector<Message> messages(batches);
   for (Message& m : messages) {
     m.sender = PeerId{2};
-    m.boot = m.number = 1;
+    m.incarnation = m.number = 1;
     for (std::size_t i = 0; i < kBatch; ++i) m.updates.push_back(updates.next(SimTime{10s + i * 1us}));
   }
   CodecRates rates;

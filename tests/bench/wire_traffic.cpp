@@ -132,7 +132,7 @@ class Telling {
     c.name = "peer" + std::to_string(id);
     c.world_hash = 1;
     c.policy = policy;
-    for (std::size_t i = 0; i < own; ++i) c.enslaved.push_back({crowd_.object(i), true, {}});
+    for (std::size_t i = 0; i < own; ++i) c.owned.push_back({crowd_.object(i), true, {}});
     return c;
   }
   [[nodiscard]] Counted counted() const {

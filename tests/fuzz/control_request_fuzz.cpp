@@ -49,7 +49,7 @@ class Driver {
     settings.name = "fuzzed";
     settings.id = 1;
     config::PeerObjects objects;
-    objects.enslaved = {*world_.world.scene.find("A")};
+    objects.owned = {*world_.world.scene.find("A")};
     node_ = PeerNode::make(settings, {}, world_, std::move(objects), {});
     while (!node_->start() || node_->peer().clock().to_session(now_) < *node_->start()) pass();
   }

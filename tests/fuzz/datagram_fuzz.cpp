@@ -88,10 +88,10 @@ class Driver {
     PeerConfig c;
     c.id = PeerId{2};
     c.name = "fuzzed";
-    c.boot = 7;
+    c.incarnation = 7;
     c.world_hash = 1;
     if (cuts) c.regions.cell_m = 4.0;
-    c.enslaved = {{scene.find("BALL").value(), false}};
+    c.owned = {{scene.find("BALL").value(), false}};
     return c;
   }
 

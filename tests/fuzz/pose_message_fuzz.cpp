@@ -43,8 +43,8 @@ class Driver {
     settings.id = 1;
     config::PeerObjects objects;
     for (const char* path : {"A", "B"}) {
-      objects.enslaved.push_back(*world_.world.scene.find(path));
-      objects.outside.emplace(path, objects.enslaved.back());
+      objects.owned.push_back(*world_.world.scene.find(path));
+      objects.outside.emplace(path, objects.owned.back());
     }
     config::ReplicationSettings replication;
     replication.policy.models = replication::ModelPolicy{};

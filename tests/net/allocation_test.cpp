@@ -106,8 +106,8 @@ class PeerAllocations : public testing::Test {
       config.id = PeerId{1 + peer};
       config.name = "peer" + std::to_string(config.id.value);
       for (std::uint32_t i = 0; i < kObjects; ++i) {
-        config.enslaved.push_back({ObjectId{first + peer * kObjects + i}, true, {}});
-        samples_[peer].push_back({config.enslaved.back().object, {}, true});
+        config.owned.push_back({ObjectId{first + peer * kObjects + i}, true, {}});
+        samples_[peer].push_back({config.owned.back().object, {}, true});
       }
       peers_.push_back(std::make_unique<replication::Peer>(std::move(config), *model_));
     }

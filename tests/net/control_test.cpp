@@ -21,7 +21,7 @@ constexpr const char* kWorlds = PEERD_SOURCE_DIR "/configs/worlds/keys.wrl";
 // Each test uses a port of its own: slots 10 to 15 of this process.
 class Control : public testing::Test {
  protected:
-  Process start_peer(const std::string& name, int id, const std::string& enslaves, unsigned slot, Words more) {
+  Process start_peer(const std::string& name, int id, const std::string& owns, unsigned slot, Words more) {
     Words words{"run",
                 "--world",
                 kWorlds,
@@ -30,7 +30,7 @@ class Control : public testing::Test {
                 "--id",
                 std::to_string(id),
                 "--enslave",
-                enslaves,
+                owns,
                 "--interface",
                 "lo",
                 "--port",
@@ -121,7 +121,7 @@ TEST_F(Control, AKeySetsACarInMotionAndTheOtherPeerSeesIt) {
 
   EXPECT_EQ(ctl({"--control", at_a, "leave"}).code, 0);
   EXPECT_EQ(a.exit_code(2), 0) << a.err();
-  EXPECT_THAT(a.out(), HasSubstr("leaving: told to"));
+  EXPECT_THAT(a.out(), HasSubstr("leaving: as requested"));
   EXPECT_TRUE(b.says("peer a (id 1) left", 2));
   EXPECT_FALSE(std::filesystem::exists(at_a));
   const Said nobody = ctl({"--control", at_a, "status"});

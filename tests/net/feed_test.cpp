@@ -98,7 +98,7 @@ class Feed : public testing::Test {
 // Half of the rows of that time are off by at most this. (A sender that the system lets wait for long spoils some.)
 double median_error_m(const PeerLog& log, double from_s, double until_s) {
   std::vector<double> errors;
-  for (const PeerLog::Belief& b : log.beliefs) {
+  for (const PeerLog::ObjectSample& b : log.object_samples) {
     const double t = to_seconds(b.true_at.time_since_epoch());
     if (t > from_s && t < until_s) errors.push_back((b.state.position - circle(t)).norm());
   }
@@ -108,7 +108,7 @@ double median_error_m(const PeerLog& log, double from_s, double until_s) {
   return errors[errors.size() / 2];
 }
 
-TEST_F(Feed, AnotherPeersGhostFollowsWhatAProgramSaysByUdp) {
+TEST_F(Feed, ARemoteGhostFollowsAProgramsPosesByUdp) {
   folder.write("w.wrl", kWorld);
   const std::string scenario = folder.write("s.toml", kScenario).string();
   Process a = start_peer(scenario, "a", 14), b = start_peer(scenario, "b", 14);
@@ -180,7 +180,7 @@ TEST_P(Example, DrivesTheCarOfItsScenario) {
   double way_m = 0.0, worst_m = 0.0;
   int moving = 0;
   std::optional<Vec3> last;
-  for (const PeerLog::Belief& belief : of_b.beliefs) {
+  for (const PeerLog::ObjectSample& belief : of_b.object_samples) {
     if (belief.owner != PeerId{1} || belief.state.velocity.isZero(0.0)) continue;
     ++moving;
     worst_m = std::max(worst_m, off_m(belief.state.position));

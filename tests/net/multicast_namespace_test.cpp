@@ -77,12 +77,12 @@ TEST_P(OverAWire, DatagramsCrossIt) {
 }
 
 // Nor over an interface whose own copies come by another way through the kernel than those of lo.
-TEST_P(OverAWire, WhoDoesNotHearItselfHearsTheOthers) {
+TEST_P(OverAWire, ASocketWithoutOwnDatagramsReceivesTheOthers) {
   with_wire([](const Wire& wire) {
     asio::io_context io;
     wire.left.enter();
     const auto deaf_to_itself = [](MulticastOptions options) {
-      options.hears_itself = false;
+      options.receives_own_datagrams = false;
       return options;
     };
     Listener a(io, deaf_to_itself(options(6, "va"))), c(io, deaf_to_itself(options(6, "va")));
@@ -122,7 +122,7 @@ void follow_what_is_made_anew(MulticastOptions left, MulticastOptions right) {
   with_wire([&](const Wire& wire) {
     asio::io_context io;
     wire.left.enter();
-    left.hears_itself = false;
+    left.receives_own_datagrams = false;
     Listener a(io, left);
     EXPECT_FALSE(a.socket->follow_interface());
     wire.right.enter();
@@ -295,7 +295,7 @@ TEST(OverLo, NoTwoSendersHaveOnePort) {
     wire.left.enter();
     ASSERT_TRUE(shell("ip link set lo up && echo 40000 40013 > /proc/sys/net/ipv4/ip_local_port_range"));
     const MulticastOptions options{
-        .interface = "lo", .groups = {asio::ip::make_address("239.192.0.0"), own_port(2)}, .hears_itself = false};
+        .interface = "lo", .groups = {asio::ip::make_address("239.192.0.0"), own_port(2)}, .receives_own_datagrams = false};
     std::vector<std::unique_ptr<MulticastSocket>> open;
     std::set<std::uint16_t> ports;
     for (int i = 0; i < 12; ++i) {

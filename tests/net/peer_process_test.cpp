@@ -153,7 +153,7 @@ TEST_F(PeerProcess, ClocksThatDifferByThreeSecondsAgree) {
   EXPECT_LT(mean_error_m(summary, "a", "CUBE"), 0.05);
 }
 
-TEST_F(PeerProcess, OneThatDiesIsLostAndOneThatIsToldToLeavesAtOnce) {
+TEST_F(PeerProcess, AKilledPeerIsLostAndATerminatedOneLeavesAtOnce) {
   Process a = start_peer("a", 2), b = start_peer("b", 2), c = start_peer("c", 2);
   ASSERT_TRUE(a.says(joined("c", 3), 5) && b.says(joined("c", 3), 5) && a.says("in session", 5) &&
               b.says("in session", 5) && c.says("in session", 5))
@@ -164,7 +164,7 @@ TEST_F(PeerProcess, OneThatDiesIsLostAndOneThatIsToldToLeavesAtOnce) {
   c.signal(SIGKILL);
   for (Process* p : {&a, &b}) {
     EXPECT_TRUE(p->says("peer c (id 3) is lost", 4)) << p->out();
-    EXPECT_TRUE(p->says("CUBE stands still: peer 3, which ran it, is gone", 1)) << p->out();
+    EXPECT_TRUE(p->says("CUBE stands still: its owner, peer 3, is gone", 1)) << p->out();
   }
   const std::chrono::duration<double> noticed = std::chrono::steady_clock::now() - killed;
   EXPECT_LT(noticed.count(), 2.0 + 0.2) << "2 s, and what this test takes to read it";

@@ -28,7 +28,7 @@ TEST_F(ConfigFeed, SaysWhatAProgramMovesAndWhereItSpeaks) {
   const auto s = read("[peer.a.motion.CAR]\noutside = true\n[peer.a.feed]\nudp = \"127.0.0.1:0\"\nstale_s = 2\n");
   ASSERT_TRUE(s) << s.error().text;
   const PeerSettings& a = s->runs.front().peers.front();
-  EXPECT_TRUE(std::holds_alternative<Outside>(a.motion.at("CAR").kind));
+  EXPECT_TRUE(std::holds_alternative<ExternalProgram>(a.motion.at("CAR").kind));
   EXPECT_EQ(a.feed.udp, "127.0.0.1:0");
   EXPECT_EQ(a.feed.stale_s, 2.0);
 }

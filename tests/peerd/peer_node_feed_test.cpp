@@ -34,7 +34,7 @@ class PeerNodeFeed : public testing::Test {
   void begin(const std::vector<std::string>& outside) {
     const auto id = [&](const std::string& path) { return *shared->world.scene.find(path); };
     config::PeerObjects objects;
-    objects.enslaved = {id("CAR"), id("ARM"), id("FREE")};
+    objects.owned = {id("CAR"), id("ARM"), id("FREE")};
     for (const std::string& path : outside) objects.outside.emplace(path, id(path));
     node = PeerNode::make(settings, {}, *shared, std::move(objects), {});
   }
@@ -68,7 +68,7 @@ class PeerNodeFeed : public testing::Test {
 };
 
 // Between two ticks: to whoever hears it now, not 16 ms later.
-TEST_F(PeerNodeFeed, WhatOthersBelieveTooWrongLeavesAtOnce) {
+TEST_F(PeerNodeFeed, GhostErrorsAboveTheThresholdArePublishedAtOnce) {
   run(3s);
   const auto jumps_to = [&](double x) {
     datagram(json{{"do", "pose"}, {"object", "CAR"}, {"position_m", {x, 0, 0}}, {"jump", true}}.dump());
@@ -113,7 +113,7 @@ TEST_F(PeerNodeFeed, StandsUntilTheFirstPoseAndFollowsFromThen) {
   EXPECT_EQ(said, "a program moves CAR\n");
 }
 
-TEST_F(PeerNodeFeed, SilenceIsToldOnceAndCounted) {
+TEST_F(PeerNodeFeed, SilenceIsLoggedOnceAndCounted) {
   run(2s);
   for (int silence = 0; silence < 3; ++silence) {
     run(200ms, [&] { ask({{"do", "pose"}, {"object", "CAR"}, {"position_m", {unix_s(), 0, 0}}}); });
@@ -182,7 +182,7 @@ TEST_F(PeerNodeFeed, ByUdpNothingButPosesIsTaken) {
 }
 
 // A log line is one line, and can be put into JSON.
-TEST_F(PeerNodeFeed, AStrangersWordsAreMadeFitForALog) {
+TEST_F(PeerNodeFeed, UntrustedTextIsSanitisedForTheLog) {
   const std::string name = std::string(159, 'x') + "\u00e4\n" + std::string(1000, 'y');
   ask({{"do", "pose"}, {"object", name}, {"position_m", {0, 0, 0}}});
   datagram(R"({"do":"pose","\u000a\u0000\u00e4":1})");

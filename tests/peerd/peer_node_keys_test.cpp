@@ -46,7 +46,7 @@ class PeerNodeKeys : public testing::Test {
     shared = std::move(*read);
     settings.name = "a";
     settings.id = 1;
-    settings.enslaves = {"A", "TURNED", "DRIVEN"};
+    settings.owns = {"A", "TURNED", "DRIVEN"};
     std::get<config::MotionFormula>(settings.motion["DRIVEN"].kind).x = "t";
   }
   PeerNode& make(std::vector<config::ScriptedKey> keys = {}) {
@@ -103,7 +103,7 @@ TEST_F(PeerNodeKeys, AValueIsInTheFrameOfTheParent) {
 }
 
 TEST_F(PeerNodeKeys, AParentThatTheFileMovesCountsAsItStands) {
-  settings.enslaves.push_back("ON_TABLE");
+  settings.owns.push_back("ON_TABLE");
   make();
   run(2);
   EXPECT_TRUE(node->on_key(now, {'G', 0}).done());
@@ -128,7 +128,7 @@ TEST_F(PeerNodeKeys, WhatThisPeerDoesNotMoveIsRefusedWithAReason) {
   EXPECT_EQ(node->log().counters.at("key_changes_refused"), 2u);
 }
 
-TEST_F(PeerNodeKeys, ASpeedThatNoUpdateCanTellOfIsRefused) {
+TEST_F(PeerNodeKeys, ASpeedBeyondTheWireLimitsIsRefused) {
   make();
   run(1);
   EXPECT_TRUE(node->on_key(now, {'E', 0}).done());
@@ -194,12 +194,12 @@ TEST_F(PeerNodeKeys, StatusSaysWhoWhereAndHowFast) {
   EXPECT_GT(s["counters"]["ticks"].get<int>(), 10);
 }
 
-TEST_F(PeerNodeKeys, PeersSaysHowTheOthersAreHeard) {
+TEST_F(PeerNodeKeys, PeersReportsReceptionOfEachPeer) {
   make();
   run(1);
   replication::Message hello;
   hello.sender = PeerId{2};
-  hello.boot = 7;
+  hello.incarnation = 7;
   hello.number = 1;
   hello.hello.emplace().introduction.emplace();
   hello.hello->introduction->name = "b";
@@ -208,8 +208,8 @@ TEST_F(PeerNodeKeys, PeersSaysHowTheOthersAreHeard) {
   node->on_packet(now, replication::kWholeScene, datagram);
   replication::Message more;  // the fourth comes, twice, and then the third
   more.sender = PeerId{2};
-  more.boot = 7;
-  more.gone = {{ObjectId{0}, 1, RegionId{1}}};  // which is not its own
+  more.incarnation = 7;
+  more.handovers = {{ObjectId{0}, 1, RegionId{1}}};  // which is not its own
   for (const std::uint32_t number : {4u, 4u, 3u}) {
     more.number = number;
     node->on_packet(now, replication::kWholeScene, replication::encode(more));

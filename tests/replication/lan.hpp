@@ -219,32 +219,32 @@ class Lan {
   std::uint64_t sent_ = 0;
 };
 
-inline PeerConfig config(std::uint32_t id, std::vector<Enslaved> enslaved = {}) {
+inline PeerConfig config(std::uint32_t id, std::vector<OwnedObject> owned = {}) {
   PeerConfig c;
   c.id = PeerId{id};
   c.name = "peer" + std::to_string(id);
-  c.boot = 100;
+  c.incarnation = 100;
   c.world_hash = 0xC0FFEE;
-  c.enslaved = std::move(enslaved);
+  c.owned = std::move(owned);
   return c;
 }
 
 // A message of a peer that is not there: a member of the session as far as anybody can tell.
-inline Message message_of(std::uint32_t id, std::uint64_t boot = 100) {
+inline Message message_of(std::uint32_t id, std::uint64_t incarnation = 100) {
   Message m;
   m.sender = PeerId{id};
-  m.boot = boot;
+  m.incarnation = incarnation;
   return m;
 }
-inline Message hello_of(std::uint32_t id, HostTime now, std::vector<ObjectId> enslaved = {}, std::uint64_t boot = 100) {
-  Message m = message_of(id, boot);
+inline Message hello_of(std::uint32_t id, HostTime now, std::vector<ObjectId> owned = {}, std::uint64_t incarnation = 100) {
+  Message m = message_of(id, incarnation);
   m.number = 1;
   Hello& hello = m.hello.emplace();
   hello.session_tx = SimTime{now.time_since_epoch()};
   Introduction& introduction = hello.introduction.emplace();
   introduction.name = "forged" + std::to_string(id);
   introduction.world_hash = 0xC0FFEE;
-  introduction.enslaved = std::move(enslaved);
+  introduction.owned = std::move(owned);
   return m;
 }
 
@@ -255,7 +255,7 @@ inline std::string fingerprint(const Lan& lan, std::size_t i) {
   s.precision(17);
   for (const auto& [object, owner] : p.owners()) s << object.value << " by " << owner.value << '\n';
   for (const auto& [id, m] : p.members().all())
-    s << id.value << ' ' << m.boot << ' ' << m.last_heard.time_since_epoch().count() << '\n';
+    s << id.value << ' ' << m.incarnation << ' ' << m.last_received.time_since_epoch().count() << '\n';
   s << p.clock().session_minus_host(lan.host_now(i)).count() << '\n';
   if (p.clock().synchronised()) {
     for (const auto& [object, owner] : p.owners()) {

@@ -18,9 +18,9 @@ class MessageMaker {
   Message message(std::size_t updates, std::size_t decisions, bool with_hello) {
     Message m;
     m.sender = PeerId{1 + number<std::uint32_t>() % 0xFFFF'FFFEU};
-    m.boot = number<std::uint64_t>();
+    m.incarnation = number<std::uint64_t>();
     if (with_hello) m.hello = hello();
-    if (m.introduction() == nullptr) m.boot = boot_low(m.boot);
+    if (m.introduction() == nullptr) m.incarnation = incarnation_low(m.incarnation);
     for (std::size_t i = 0; i < updates; ++i) m.updates.push_back(update());
     for (std::size_t i = 0; i < decisions; ++i) {
       m.decisions.push_back(decision());
@@ -30,11 +30,11 @@ class MessageMaker {
     m.leaving = coin();
     const SimTime latest{coin() ? 0ns : 12345678901234567ns};
     for (std::uint32_t i = number<std::uint32_t>() % 3; i > 0; --i) {
-      const auto age = std::chrono::milliseconds(m.entered.empty() ? 0 : number<std::uint32_t>());
-      m.entered.push_back({RegionId{number<std::uint32_t>()}, latest - age});
+      const auto age = std::chrono::milliseconds(m.subscriptions.empty() ? 0 : number<std::uint32_t>());
+      m.subscriptions.push_back({RegionId{number<std::uint32_t>()}, latest - age});
     }
     for (std::uint32_t i = number<std::uint32_t>() % 3; i > 0; --i) {
-      m.gone.push_back({ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
+      m.handovers.push_back({ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
                         RegionId{number<std::uint32_t>()}});
     }
     return m;
@@ -109,8 +109,8 @@ class MessageMaker {
     n.name = std::string(1 + number<std::uint32_t>() % kNameMax_bytes, 'x');
     n.world_hash = number<std::uint64_t>();
     for (std::uint32_t i = number<std::uint32_t>() % 9; i > 0; --i)
-      n.enslaved.push_back(ObjectId{number<std::uint32_t>()});
-    std::ranges::sort(n.enslaved);
+      n.owned.push_back(ObjectId{number<std::uint32_t>()});
+    std::ranges::sort(n.owned);
     if (coin()) n.start = SimTime{time()};
     if (coin()) n.world_zero = SimTime{time()};
     if (coin()) {
@@ -195,15 +195,15 @@ inline bool same_bits(const Message& a, const Message& b) {
            same_bits(d.collidee_after, e.collidee_after);
   };
   const auto same_echo = [](const Echo& e, const Echo& f) {
-    return e.peer == f.peer && e.hello == f.hello && e.held == f.held && e.received == f.received && e.loss == f.loss;
+    return e.peer == f.peer && e.hello == f.hello && e.hold_time == f.hold_time && e.received == f.received && e.loss == f.loss;
   };
   const auto same_note = [](const ContactNote& n, const ContactNote& o) {
-    return n.collider == o.collider && n.collidee == o.collidee && n.contact == o.contact && n.held == o.held;
+    return n.collider == o.collider && n.collidee == o.collidee && n.contact == o.contact && n.deferred == o.deferred;
   };
-  const auto same_entered = [](const Entered& e, const Entered& f) {
+  const auto same_subscription = [](const Subscription& e, const Subscription& f) {
     return e.region == f.region && e.since == f.since;
   };
-  const auto same_gone = [](const Gone& one, const Gone& other) {
+  const auto same_handover = [](const Handover& one, const Handover& other) {
     return one.object == other.object && one.sequence == other.sequence && one.to == other.to;
   };
   const auto same_viewpoint = [](const std::optional<Viewpoint>& v, const std::optional<Viewpoint>& w) {
@@ -213,7 +213,7 @@ inline bool same_bits(const Message& a, const Message& b) {
   };
   const auto same_introduction = [&](const std::optional<Introduction>& i, const std::optional<Introduction>& j) {
     if (!i || !j) return !i && !j;
-    return i->name == j->name && i->world_hash == j->world_hash && i->enslaved == j->enslaved && i->start == j->start &&
+    return i->name == j->name && i->world_hash == j->world_hash && i->owned == j->owned && i->start == j->start &&
            i->world_zero == j->world_zero && same_viewpoint(i->viewpoint, j->viewpoint);
   };
   const auto same_os_clock = [](const std::optional<OsClockNote>& o, const std::optional<OsClockNote>& p) {
@@ -227,8 +227,8 @@ inline bool same_bits(const Message& a, const Message& b) {
            std::ranges::equal(h->echoes, g->echoes, same_echo) && std::ranges::equal(h->notes, g->notes, same_note) &&
            same_introduction(h->introduction, g->introduction);
   };
-  return std::ranges::equal(a.entered, b.entered, same_entered) && std::ranges::equal(a.gone, b.gone, same_gone) &&
-         a.sender == b.sender && a.boot == b.boot && a.number == b.number && a.leaving == b.leaving &&
+  return std::ranges::equal(a.subscriptions, b.subscriptions, same_subscription) && std::ranges::equal(a.handovers, b.handovers, same_handover) &&
+         a.sender == b.sender && a.incarnation == b.incarnation && a.number == b.number && a.leaving == b.leaving &&
          same_hello(a.hello, b.hello) && std::ranges::equal(a.updates, b.updates, same_update) &&
          std::ranges::equal(a.decisions, b.decisions, same_decision);
 }
@@ -253,14 +253,14 @@ inline bool is_sound(const Message& m) {
     sound = sound && h.latency <= kLatencyMax && is_sound(h.session_tx.value_or(SimTime{}).time_since_epoch());
     sound = sound && h.clock_error.value_or(0s) >= 0s && h.clock_error.value_or(0s) <= kClockErrorMax;
     if (h.os_clock) sound = sound && is_sound(h.os_clock->minus_session) && h.os_clock->error <= kOsErrorMax;
-    for (const Echo& e : h.echoes) sound = sound && e.held >= 0s && e.held <= 10s && e.loss <= 1.0;
+    for (const Echo& e : h.echoes) sound = sound && e.hold_time >= 0s && e.hold_time <= 10s && e.loss <= 1.0;
     for (const Echo& e : h.echoes)
       sound = sound && e.received.highest >= e.hello && e.received.run <= e.received.highest;
     for (const ContactNote& n : h.notes) sound = sound && is_sound(n.contact.time_since_epoch());
   }
   if (const Introduction* i = m.introduction()) {
     sound = sound && is_name(i->name) && is_sound(i->start.value_or(SimTime{}).time_since_epoch()) &&
-            is_sound(i->world_zero.value_or(SimTime{}).time_since_epoch()) && std::ranges::is_sorted(i->enslaved);
+            is_sound(i->world_zero.value_or(SimTime{}).time_since_epoch()) && std::ranges::is_sorted(i->owned);
   }
   for (const UpdateRecord& u : m.updates) {
     sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) && is_sound(u.decision.time_since_epoch()) &&

@@ -20,7 +20,7 @@ TEST(Prediction, ACollisionThatEverybodyPredictsCostsNoUpdate) {
   Lan lan(world, {100ms, 0ms, 0, 0});
   const std::uint32_t hz[] = {60, 144, 30};
   for (std::uint32_t i = 0; i < 3; ++i) {
-    PeerConfig c = config(i + 1, i == 0 ? std::vector<Enslaved>{{world["BALL"], false}} : std::vector<Enslaved>{});
+    PeerConfig c = config(i + 1, i == 0 ? std::vector<OwnedObject>{{world["BALL"], false}} : std::vector<OwnedObject>{});
     c.tick_hz = hz[i];
     lan.add(c, i * 3s);
   }
@@ -46,7 +46,7 @@ TEST(Prediction, ACollisionThatEverybodyPredictsCostsNoUpdate) {
 
 // A defect: whoever joined was told of a ball under way, and from there on its ghosts met each wall where the told
 // state led, and its truth where the state before that did, a nanosecond apart.
-TEST(Prediction, WhatIsToldUnderWayIsWhatTheTruthGoesOnFrom) {
+TEST(Prediction, TheTruthContinuesFromThePublishedState) {
   const World world(corridor(std::string(kBounces) + "velocityVector 2 0 0 "));
   for (int i = 0; i < 8; ++i) {
     SCOPED_TRACE(i);
@@ -78,7 +78,7 @@ TEST(Prediction, WithoutItEveryBounceCostsAnUpdate) {
   const World world(corridor(std::string("velocityVector 2 0 0") + kBounces));
   Lan lan(world, {5ms, 0ms, 0, 0});
   for (std::uint32_t i = 0; i < 2; ++i) {
-    PeerConfig c = config(i + 1, i == 0 ? std::vector<Enslaved>{{world["BALL"], false}} : std::vector<Enslaved>{});
+    PeerConfig c = config(i + 1, i == 0 ? std::vector<OwnedObject>{{world["BALL"], false}} : std::vector<OwnedObject>{});
     c.policy.predict_collisions = false;
     lan.add(c);
   }
@@ -138,15 +138,15 @@ struct Case {
   bool track, tight;
 };
 class Tracking : public testing::TestWithParam<Case> {};
-TEST_P(Tracking, TightensNearWhatAnotherPeerRuns) {
+TEST_P(Tracking, TightensNearRemoteObjects) {
   const auto& [name, interests, cube_owner, track, tight] = GetParam();
   const World world(drive_by(interests.c_str()));
   Lan lan(world, {5ms, 0ms, 0, 0});
   for (const std::uint32_t id : {1u, 2u}) {
     PeerConfig c = config(id);
     c.policy.track_proximity = track;
-    if (id == 1) c.enslaved.push_back({world["CAR"], true});
-    if (!cube_owner.empty() && cube_owner[0] == id) c.enslaved.push_back({world["CUBE"], false});
+    if (id == 1) c.owned.push_back({world["CAR"], true});
+    if (!cube_owner.empty() && cube_owner[0] == id) c.owned.push_back({world["CUBE"], false});
     lan.add(c, 0s,
             id == 1 ? std::map<ObjectId, Lan::Motion>{{world["CAR"], to_and_fro}} : std::map<ObjectId, Lan::Motion>{});
   }
@@ -335,7 +335,7 @@ class Decided : public testing::Test {
   std::size_t self = 0;
 };
 
-TEST_F(Decided, TheLowerIdsWordMovesOurObject) {
+TEST_F(Decided, TheLowerIdsDecisionMovesOurObject) {
   lan.inject(self, encode(decision(1, "CAR", 100ms, {1, 0, 0})));
   EXPECT_EQ(velocity(), Vec3(1, 0, 0));
   EXPECT_NEAR(lan.peer(self).truth(world["CUBE"], lan.session_now(self)).position.x(), 0.1, 1e-9);
@@ -358,7 +358,7 @@ TEST_F(Decided, NoMoreThanThereCanBeAreRemembered) {
   EXPECT_EQ(lan.drops(self, "too_many_decisions"), 1000u);
 }
 
-TEST_F(Decided, TheHigherIdHasNoSay) {
+TEST_F(Decided, TheHigherIdDoesNotDecide) {
   lan.inject(self, encode(decision(7, "LORRY", 100ms, {1, 0, 0})));
   EXPECT_EQ(velocity(), Vec3::Zero());
   EXPECT_EQ(lan.drops(self, "not_decider"), 1u);
@@ -372,7 +372,7 @@ TEST_F(Decided, NobodyDecidesForOthers) {
 }
 
 // Its owner's hello may be still to come.
-TEST_F(Decided, OfAnObjectThatNobodyRunsYetIsAskedForAgain) {
+TEST_F(Decided, AnUpdateOfAnUnownedObjectIsRequestedAgain) {
   std::optional<Received> told;
   lan.filter = [&](std::size_t, std::size_t, const Message& m) {
     for (const Echo& echo : m.hello ? m.hello->echoes : std::vector<Echo>{}) {
@@ -447,7 +447,7 @@ TEST(DecidedLate, WhatFollowsFromADecisionIsFoundInThePast) {
 }
 
 // What nobody runs stays where it is, whoever runs into it.
-TEST(FrozenObject, StaysWhenItIsHit) {
+TEST(OrphanedObject, StaysWhenItIsHit) {
   const World world(box("CAR", "1 1 1", "0 0 0", std::string("velocityVector 2 0 0") + kBounces) +
                     box("CUBE", "1 1 1", "14 0 0", kBounces) + interest("CUBE", "\"CAR\""));
   Lan lan(world, {20ms, 0ms, 0, 0});

@@ -26,7 +26,7 @@ struct Resting {
       : lan(world, {5ms, 0ms, 0, 0}) {
     for (const std::uint32_t i : {id, id + 1}) {
       PeerConfig c = config(i);
-      if (i == id) c.enslaved = {{world["A"], false}, {world["B"], false}};
+      if (i == id) c.owned = {{world["A"], false}, {world["B"], false}};
       if (change) change(c);
       lan.add(c);
     }
@@ -38,7 +38,7 @@ struct Resting {
   Lan lan;
 };
 
-TEST(Looks, GoOnWhereSomethingMovesAndEndWhenItRests) {
+TEST(CheckSchedule, GoOnWhereSomethingMovesAndEndWhenItRests) {
   const World world(kThree);
   Resting run(world);
   Lan& lan = run.lan;
@@ -58,7 +58,7 @@ TEST(Looks, GoOnWhereSomethingMovesAndEndWhenItRests) {
 }
 
 // Nobody predicts anything: what the ghosts of others have says nothing of a hit.
-TEST(Looks, FindWhatAnotherOwnObjectHasHit) {
+TEST(CheckSchedule, FindAnObjectHitByAnotherOwnObject) {
   const World world(kThree);
   Resting run(world, [](PeerConfig& c) { c.policy.predict_collisions = false; });
   Lan& lan = run.lan;
@@ -70,7 +70,7 @@ TEST(Looks, FindWhatAnotherOwnObjectHasHit) {
 }
 
 // The other's C turns away just before it hits A, as is heard 400 ms later: meanwhile all ghosts of A have been hit.
-TEST(Looks, FindWhoseGhostHasBeenHitInVain) {
+TEST(CheckSchedule, FindAnObjectWhoseGhostWasHitWithoutEffect) {
   const World world(kThree + interest("A", "\"C\"") + interest("C", "\"A\""));
   Lan lan(world, {400ms, 0ms, 0, 0});
   const auto passing = [](SimTime t) {
@@ -95,7 +95,7 @@ TEST(Looks, FindWhoseGhostHasBeenHitInVain) {
 
 constexpr Duration kTwoTicks = 34ms;
 
-TEST(Looks, FindWhatANewcomerMayNotKnow) {
+TEST(CheckSchedule, FindStatesThatAJoiningPeerMayNotHold) {
   const World world(kThree);
   Resting run(world);
   std::optional<Duration> in_session;
@@ -109,7 +109,7 @@ TEST(Looks, FindWhatANewcomerMayNotKnow) {
   for (const char* name : {"A", "B"}) EXPECT_EQ(told_of(run.lan, world[name], PublishReason::kJoiner), 2u) << name;
 }
 
-TEST(Looks, FindWhoseTimeIsUp) {
+TEST(CheckSchedule, FindAnObjectWhoseTimeThresholdHasPassed) {
   const World world(kThree);
   Resting run(world);
   run.lan.run_until(200s);
@@ -118,7 +118,7 @@ TEST(Looks, FindWhoseTimeIsUp) {
 }
 
 // Somebody is here who has heard of nothing yet: the shorter time threshold counts again, and is over.
-TEST(Looks, FindThatNotEverybodyHasHeardAnyMore) {
+TEST(CheckSchedule, FindThatAnUpdateIsNoLongerAcknowledgedByAll) {
   const World world(kThree);
   Resting run(world);
   Message m = hello_of(9, run.lan.host_now(0));
@@ -129,7 +129,7 @@ TEST(Looks, FindThatNotEverybodyHasHeardAnyMore) {
 }
 
 // .. and before it is over: nobody would take a repetition of what is more than 4 s old.
-TEST(Looks, FindWhatIsTooOldToBeRepeated) {
+TEST(CheckSchedule, FindUpdatesTooOldToBeRepeated) {
   const World world(kThree);
   Resting run(world);
   Lan& lan = run.lan;
@@ -146,7 +146,7 @@ TEST(Looks, FindWhatIsTooOldToBeRepeated) {
   EXPECT_EQ(told_of(lan, world["B"], PublishReason::kJoiner), 2u);
 }
 
-TEST(Looks, GoOnWhereSnapshotsAreSent) {
+TEST(CheckSchedule, GoOnWhereSnapshotsAreSent) {
   const World world(kThree);
   Lan lan(world);
   PeerConfig c = config(1, {{world["A"], false}});
@@ -160,7 +160,7 @@ TEST(Looks, GoOnWhereSnapshotsAreSent) {
 }
 
 // A lower id runs A from the start, and has been away: B has another place in the list from then on.
-TEST(Looks, GoOnWhenAnObjectIsLost) {
+TEST(CheckSchedule, GoOnWhenAnObjectIsLost) {
   const World world(kThree);
   Resting run(world, {}, 2);
   Lan& lan = run.lan;

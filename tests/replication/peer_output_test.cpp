@@ -21,7 +21,7 @@ TEST(Peer, TheLargestDatagramsFitAndEverythingGetsItsTurn) {
   Lan lan(world);
   PeerConfig c = config(0xFFFF'FFFE, {});
   c.name.assign(kNameMax_bytes, 'n');
-  c.boot = ~std::uint64_t{0};
+  c.incarnation = ~std::uint64_t{0};
   c.world_hash = 0xC0FFEE;
   KinematicState full = moving({1.1, 2.2, 3.3}, {4.4, 5.5, 6.6}, {7.7, 8.8, 9.9});
   full.orientation = Quat(0.1, 0.2, 0.3, 0.4).normalized();
@@ -29,7 +29,7 @@ TEST(Peer, TheLargestDatagramsFitAndEverythingGetsItsTurn) {
   std::map<ObjectId, Lan::Motion> motions;
   for (int i = 0; i < 260; ++i) {
     const ObjectId id = world[("O" + std::to_string(i)).c_str()];
-    c.enslaved.push_back({id, true});
+    c.owned.push_back({id, true});
     motions[id] = [=](SimTime) { return full; };
   }
   lan.add(c, 0s, motions);
@@ -42,7 +42,7 @@ TEST(Peer, TheLargestDatagramsFitAndEverythingGetsItsTurn) {
     if (m.hello) {
       for (const Echo& e : m.hello->echoes) echoed.insert(e.peer.value);
     }
-    if (const Introduction* i = m.introduction()) claimed.insert(i->enslaved.begin(), i->enslaved.end());
+    if (const Introduction* i = m.introduction()) claimed.insert(i->owned.begin(), i->owned.end());
     largest = std::max(largest, encode(m).size());
     return true;
   };
@@ -60,7 +60,7 @@ TEST(Peer, ManyUpdatesShareFewDatagrams) {
   const World world(field(50));
   Lan lan(world);
   PeerConfig c = config(1);
-  for (int i = 0; i < 50; ++i) c.enslaved.push_back({world[("O" + std::to_string(i)).c_str()], false});
+  for (int i = 0; i < 50; ++i) c.owned.push_back({world[("O" + std::to_string(i)).c_str()], false});
   lan.add(c);
   std::size_t datagrams = 0, updates = 0;
   lan.filter = [&](std::size_t, std::size_t, const Message& m) {
@@ -96,7 +96,7 @@ TEST(Peer, WhatHasArrivedIsNotRepeated) {
 }
 
 // A link that is dead one way for longer than a peer is waited for: who was forgotten says where everything is.
-TEST(Peer, WhoWasForgottenTellsItsStatesAnew) {
+TEST(Peer, APeerThatWasLostRepublishesItsStates) {
   const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 4 0 0"));
   for (const Duration dead : {1800ms, 1900ms, 2000ms, 2100ms, 2200ms, 2300ms}) {
     SCOPED_TRACE(dead.count());
@@ -117,7 +117,7 @@ TEST(Peer, WhoWasForgottenTellsItsStatesAnew) {
 
 // Nor is it missed among more than a hello names: of 30 others, 17 goes between the last of a list and the next one's
 // first.
-TEST(Peer, WhoWasForgottenAmongManyTellsItsStatesAnew) {
+TEST(Peer, APeerThatWasLostAmongManyRepublishesItsStates) {
   constexpr std::uint32_t kPeers = 32, kForgotten = 17;
   const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 4 0 0"));
   for (const Duration dead : {1800ms, 2000ms}) {
@@ -125,7 +125,7 @@ TEST(Peer, WhoWasForgottenAmongManyTellsItsStatesAnew) {
     Lan lan(world, {20ms, 0ms, 0, 0});
     for (std::uint32_t id = 1; id <= kPeers; ++id) {
       PeerConfig c = config(id);
-      if (id == kForgotten) c.enslaved = {{world["O0"], false}};
+      if (id == kForgotten) c.owned = {{world["O0"], false}};
       c.policy.time_threshold = 60s;
       lan.add(c);
     }
@@ -141,11 +141,11 @@ TEST(Peer, WhoWasForgottenAmongManyTellsItsStatesAnew) {
 }
 
 // A relay's own words have no receipts: what rests behind it is told each time threshold.
-TEST(Peer, WhatARelayLosesIsToldAgain) {
+TEST(Peer, UpdatesLostByARelayAreRepublished) {
   const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 1 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
   for (std::uint32_t id = 1; id <= 3; ++id) {
-    PeerConfig c = config(id, id == 1 ? std::vector<Enslaved>{{world["O0"], false}} : std::vector<Enslaved>{});
+    PeerConfig c = config(id, id == 1 ? std::vector<OwnedObject>{{world["O0"], false}} : std::vector<OwnedObject>{});
     c.relay.through = PeerId{2};
     lan.add(c);
   }
@@ -164,7 +164,7 @@ TEST(Peer, WhatARelayLosesIsToldAgain) {
 }
 
 // What is told between two ticks is something said: that its sender is here needs no word of its own.
-TEST(Peer, SaysThatItIsHereOnlyWhereItHasSaidNothing) {
+TEST(Peer, SendsAKeepaliveOnlyWhenNothingElseWasSent) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
   lan.add(config(1, {{world["O0"], false}}));
@@ -189,7 +189,7 @@ TEST(Peer, SaysThatItIsHereOnlyWhereItHasSaidNothing) {
 }
 
 // Of 29 others a hello names 15. That one which named this peer was lost does not mean that it was forgotten.
-TEST(Peer, WhoIsNotNamedForALostHelloIsNotForgotten) {
+TEST(Peer, AHelloLostOnceDoesNotLoseAPeer) {
   constexpr int kPeers = 30;
   const World world(field(kPeers));
   Lan lan(world, {5ms, 0ms, 0.02, 0});
@@ -211,7 +211,7 @@ TEST(Peer, WhoIsNotNamedForALostHelloIsNotForgotten) {
 
 // Once all know each other, a hello goes out each second, and who they are with one in eight; a newcomer hears it with
 // the next, which does not wait.
-TEST(Peer, IntroducesItselfToWhoDoesNotKnowIt) {
+TEST(Peer, IntroducesItselfToPeersThatDoNotEchoIt) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
   lan.add(config(1, {{world["O0"], false}}));
@@ -254,7 +254,7 @@ class ShortOfBytes : public testing::Test {
   }
   // From 5 s on.
   void run(PeerConfig watcher, std::optional<double> bytes_per_s, Duration until) {
-    std::vector<Enslaved> all;
+    std::vector<OwnedObject> all;
     for (int i = 0; i < kObjects; ++i) all.push_back({object(i), true});
     PeerConfig c = config(1, all);
     c.policy.error_threshold_m = 0.5;
@@ -308,7 +308,7 @@ TEST_F(ShortOfBytes, NothingIsWithheldWithoutOne) {
   EXPECT_EQ(lan.peer(0).counters().updates_withheld, 0u);
 }
 
-TEST_F(ShortOfBytes, WhatIsMostWrongIsToldMostAndNothingNever) {
+TEST_F(ShortOfBytes, TheMostWrongIsPublishedMostAndNothingStarves) {
   run(config(2), kBytes_per_s, 65s);
   EXPECT_GT(2 * told_of(19), 3 * told_of(4)) << "20 m, or 5 m";
   EXPECT_GT(told_of(39), told_of(19));
@@ -320,7 +320,7 @@ TEST_F(ShortOfBytes, WhatIsMostWrongIsToldMostAndNothingNever) {
 }
 
 // All of it is a second's bytes.
-TEST_F(ShortOfBytes, WhatSomebodyKnowsNothingOfComesFirstHoweverLittleWrong) {
+TEST_F(ShortOfBytes, FirstStatesComeFirstHoweverSmallTheirError) {
   run(config(2), kBytes_per_s, 20s);
   const std::size_t newcomer = lan.add(config(3));
   while (!lan.peer(newcomer).clock().synchronised() && lan.now() < 25s) lan.run_until(lan.now() + 10ms);
@@ -332,7 +332,7 @@ TEST_F(ShortOfBytes, WhatSomebodyKnowsNothingOfComesFirstHoweverLittleWrong) {
 }
 
 // What is four times as wrong but four times as far away is no more urgent.
-TEST_F(ShortOfBytes, WhatIsFarFromWhoLooksIsToldLess) {
+TEST_F(ShortOfBytes, ObjectsFarFromViewersArePublishedLess) {
   PeerConfig watcher = config(2);
   watcher.decisions.viewpoint = Viewpoint{std::nullopt, {Vec3(0, 0, 5), Quat::Identity()}};
   run(watcher, kBytes_per_s, 65s);
@@ -340,14 +340,14 @@ TEST_F(ShortOfBytes, WhatIsFarFromWhoLooksIsToldLess) {
 }
 
 // O0 runs ahead of its ghost twice as fast as O1 does: when it is told, O1 is half as wrong as it may be.
-TEST(Peer, WhatIsHalfWrongGoesAlongWithWhatIsWrong) {
+TEST(Peer, HalfWrongObjectsPiggybackOnDueUpdates) {
   const World world(field(2));
-  for (const double along_at : {1.0, 0.4}) {
+  for (const double piggyback_fraction : {1.0, 0.4}) {
     Lan lan(world);
     PeerConfig c = config(1, {{world["O0"], true}, {world["O1"], true}});
     c.policy.order = ModelOrder::kFirst;
     c.policy.error_threshold_m = 0.5;
-    c.policy.along_at = along_at;
+    c.policy.piggyback_fraction = piggyback_fraction;
     const auto speeding = [](double a) {
       return [a](SimTime t) {
         const double s = to_seconds(t.time_since_epoch() - kEpoch);
@@ -364,14 +364,14 @@ TEST(Peer, WhatIsHalfWrongGoesAlongWithWhatIsWrong) {
       return true;
     };
     lan.run_until(15s);
-    EXPECT_EQ(along_at < 1.0, alone < together / 4) << alone << " alone, " << together << " together";
+    EXPECT_EQ(piggyback_fraction < 1.0, alone < together / 4) << alone << " alone, " << together << " together";
     EXPECT_GT(alone + together, 5u);
   }
 }
 
 // What stands, and all are known to have heard where, needs no heartbeat, whether datagrams get lost or not; what
 // somebody has never heard of has one.
-TEST(Peer, WhatIsKnownToRestIsSeldomToldAgain) {
+TEST(Peer, AcknowledgedRestingObjectsAreSeldomRepublished) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   for (const bool heard : {true, false}) {
     for (const Link link :
@@ -391,7 +391,7 @@ TEST(Peer, WhatIsKnownToRestIsSeldomToldAgain) {
 }
 
 // The first words on a motion are lost, three times: it goes on being told, and not first by the heartbeat.
-TEST(Peer, WhatSomebodyMayLackIsToldUntilItIsHeard) {
+TEST(Peer, UnacknowledgedUpdatesAreRepeatedUntilAcknowledged) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   for (const Duration latency : {20ms, 500ms}) {
     for (const double loss : {0.0, 0.2}) {
@@ -440,8 +440,8 @@ TEST(Peer, ALostUpdateComesAgainWithTheNextHello) {
 
 // ---- models ----
 
-PeerConfig choosing(std::uint32_t id, std::vector<Enslaved> enslaved = {}) {
-  PeerConfig c = config(id, std::move(enslaved));
+PeerConfig choosing(std::uint32_t id, std::vector<OwnedObject> owned = {}) {
+  PeerConfig c = config(id, std::move(owned));
   c.policy.models.emplace();
   c.policy.wanted_error_m = 0.005;
   return c;
@@ -669,7 +669,7 @@ TEST(Peer, CopiesOfAnUpdateSurviveTheLossOfTheFirst) {
 }
 
 // What drives an object, or how the world launches it, may be farther and faster than anybody would take.
-TEST(Peer, StatesOutOfRangeAreToldAsStanding) {
+TEST(Peer, StatesOutOfRangeArePublishedAtRest) {
   const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 1e13 0 0") + box("O1", "1 1 1", "0 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
   const auto far = [](SimTime t) {
@@ -698,7 +698,7 @@ TEST(Peer, NoCopiesWhereNothingGetsLost) {
   EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u) << "hellos have told before there was anything to copy";
 }
 
-TEST(Peer, WhatWasToldBeforeAnythingGotLostIsCopiedOnceItDoes) {
+TEST(Peer, EarlierUpdatesAreCopiedOnceLossBegins) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
   PeerConfig c = config(1, {{world["O0"], false}});
@@ -709,7 +709,7 @@ TEST(Peer, WhatWasToldBeforeAnythingGotLostIsCopiedOnceItDoes) {
   EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u);
   lan.filter = [&](std::size_t from, std::size_t, const Message& m) { return from != 0 || m.number % 4 != 0; };
   lan.run_until(40s);
-  EXPECT_GT(lan.peer(0).members().all().at(PeerId{2}).loss_of_ours.value(), 0.1);
+  EXPECT_GT(lan.peer(0).members().all().at(PeerId{2}).loss_to_peer.value(), 0.1);
   EXPECT_EQ(lan.peer(0).counters().updates_repeated, 3u);
 }
 

@@ -22,8 +22,8 @@ RegionSettings cut() {
   return r;
 }
 
-PeerConfig in_regions(std::uint32_t id, std::vector<Enslaved> enslaved = {}, std::optional<double> radius_m = {}) {
-  PeerConfig c = config(id, std::move(enslaved));
+PeerConfig in_regions(std::uint32_t id, std::vector<OwnedObject> owned = {}, std::optional<double> radius_m = {}) {
+  PeerConfig c = config(id, std::move(owned));
   c.regions = cut();
   c.interest_radius_m = radius_m;
   return c;
@@ -58,7 +58,7 @@ class Regions : public testing::Test {
     };
   }
   // Of an object: the regions that its updates went to since `since`, each once a change.
-  [[nodiscard]] std::vector<std::uint32_t> told_in(const char* object, Duration since = 0s) const {
+  [[nodiscard]] std::vector<std::uint32_t> sent_in(const char* object, Duration since = 0s) const {
     std::vector<std::uint32_t> regions;
     for (const Sent& s : sent) {
       for (const UpdateRecord& u : s.message.updates) {
@@ -78,7 +78,7 @@ class Regions : public testing::Test {
     }
     return static_cast<std::size_t>(std::ranges::count_if(first, [&](const auto& f) { return f.second >= since; }));
   }
-  [[nodiscard]] bool holds(std::size_t i, const char* object) const { return lan.peer(i).holds(world[object]); }
+  [[nodiscard]] bool holds(std::size_t i, const char* object) const { return lan.peer(i).receives(world[object]); }
   [[nodiscard]] bool right(std::size_t i, const char* object, std::size_t owner) const {
     const SimTime t = lan.session_now(owner);
     return same_bits(lan.peer(i).ghost(world[object], t), lan.peer(owner).ghost(world[object], t));
@@ -99,7 +99,7 @@ TEST_F(Regions, WithoutThemAllGoesToTheWholeScene) {
 }
 
 // A stands, and is told of every 5 s: at 11 and 16 s. From 12 s on the other peer comes near.
-TEST_F(Regions, WhatRestsIsToldToWhoComesNear) {
+TEST_F(Regions, RestingObjectsArePublishedToNewSubscribers) {
   PeerConfig coming = in_regions(2, {{world["C"], true}}, 12.0);
   coming.decisions.viewpoint.emplace().object = world["C"];
   lan.add(in_regions(1, {{world["A"], false}}));
@@ -117,11 +117,11 @@ TEST_F(Regions, WhatRestsIsToldToWhoComesNear) {
   EXPECT_GE(updates_of("A", 12s), 1u);
 }
 
-TEST_F(Regions, AnObjectIsToldWhereItIsAndHellosToAll) {
+TEST_F(Regions, UpdatesGoToTheObjectsRegionAndHellosToEveryone) {
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], steady(lan, -25, 10)}});
   lan.add(in_regions(2));
   lan.run_until(7s);
-  EXPECT_EQ(told_in("A", 3s), (std::vector<std::uint32_t>{7, 8, 1, 2})) << "from -25 to 15 m";
+  EXPECT_EQ(sent_in("A", 3s), (std::vector<std::uint32_t>{7, 8, 1, 2})) << "from -25 to 15 m";
   for (const Sent& s : sent) {
     if (s.message.hello) {
       EXPECT_EQ(s.region, kWholeScene);
@@ -130,7 +130,7 @@ TEST_F(Regions, AnObjectIsToldWhereItIsAndHellosToAll) {
   EXPECT_EQ(lan.joined(1).size(), 9u) << "no area of interest: it hears of everything";
 }
 
-TEST_F(Regions, AcrossABorderItIsToldOnceAndAnnouncedGone) {
+TEST_F(Regions, CrossingABorderPublishesOnceAndAnnouncesTheHandover) {
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], steady(lan, 5, 4)}});
   lan.add(in_regions(2));
   lan.run_until(5s);
@@ -138,16 +138,16 @@ TEST_F(Regions, AcrossABorderItIsToldOnceAndAnnouncedGone) {
   EXPECT_EQ(updates_of("A", 3500ms), 1u) << "it moves as predicted";
   std::vector<Sent> gone;
   std::ranges::copy_if(sent, std::back_inserter(gone),
-                       [](const Sent& s) { return s.at >= 3500ms && !s.message.gone.empty(); });
+                       [](const Sent& s) { return s.at >= 3500ms && !s.message.handovers.empty(); });
   ASSERT_FALSE(gone.empty());
   EXPECT_EQ(gone.front().region, RegionId{1});
-  EXPECT_EQ(gone.front().message.gone.front().to, RegionId{2});
+  EXPECT_EQ(gone.front().message.handovers.front().to, RegionId{2});
   EXPECT_GE(gone.front().at, 4375ms);
   EXPECT_LE(gone.front().at, 4375ms + 17ms);
   EXPECT_TRUE(gone.front().message.updates.empty());
 }
 
-TEST_F(Regions, AlongABorderItIsNotToldAllTheTime) {
+TEST_F(Regions, MovingAlongABorderDoesNotPublishConstantly) {
   const auto shaking = [&](SimTime t) {
     const double s = to_seconds(t.time_since_epoch() % std::chrono::seconds(1000));
     return moving({10.0 + 0.4 * std::sin(9.0 * s), 0, 0});
@@ -160,7 +160,7 @@ TEST_F(Regions, AlongABorderItIsNotToldAllTheTime) {
   EXPECT_LE(updates_of("A", 3s), 1u) << "the time threshold's";
 }
 
-TEST_F(Regions, OneThatHasGoneIsNotHeldAndComesBackClean) {
+TEST_F(Regions, AnObjectHandedOverIsDroppedAndReturnsClean) {
   const auto there_and_back = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now())) - 3.0;
     const double x = s < 3.0 ? 5.0 + 5.0 * s : 20.0 - 5.0 * (s - 3.0);
@@ -178,7 +178,7 @@ TEST_F(Regions, OneThatHasGoneIsNotHeldAndComesBackClean) {
   EXPECT_NEAR(shown_x(), 10.5, 0.1);
   lan.run_until(4100ms + 40ms + 17ms);
   EXPECT_FALSE(holds(b, "A"));
-  EXPECT_EQ(lan.peer(b).last_told(world["A"]), nullptr);
+  EXPECT_EQ(lan.peer(b).last_update_of(world["A"]), nullptr);
   EXPECT_EQ(lan.peer(b).counters().sights_lost, 1u);
   lan.run_until(8100ms);  // 9.5 m at 8.1 s
   (void)shown_x();        // means nothing, and must not be where it comes from
@@ -192,7 +192,7 @@ TEST_F(Regions, OneThatHasGoneIsNotHeldAndComesBackClean) {
 }
 
 // The joiner's area comes to objects that stand and have nothing to say.
-TEST_F(Regions, WhoEntersIsToldWithinTwoLatenciesAndTicks) {
+TEST_F(Regions, SubscribersReceiveStatesWithinTwoLatenciesAndTicks) {
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], [](SimTime) { return moving({25, 0, 0}); }}});
   lan.add(in_regions(2, {{world["B"], true}}), 0s, {{world["B"], [](SimTime) { return moving({-5, 0, 0}); }}});
   PeerConfig c = in_regions(3, {{world["C"], true}}, 1.0);
@@ -216,7 +216,7 @@ TEST_F(Regions, WhoEntersIsToldWithinTwoLatenciesAndTicks) {
 }
 
 // A joins at a tick that comes late: what was told between the tick's time and the joining has not come.
-TEST_F(Regions, WhoJoinsLateIsToldWhatWasToldMeanwhile) {
+TEST_F(Regions, LateSubscribersReceiveWhatWasPublishedMeanwhile) {
   for (const Duration phase : {1ms, 3ms, 5ms, 7ms}) {
     SCOPED_TRACE(phase.count());
     std::optional<Duration> joins;
@@ -238,25 +238,25 @@ TEST_F(Regions, WhoJoinsLateIsToldWhatWasToldMeanwhile) {
       apart.run_until(*joins + 12ms);
       apart.node(b).running = true;
       apart.run_until(*joins + 112ms);
-      ASSERT_TRUE(apart.peer(b).holds(world["A"]));
+      ASSERT_TRUE(apart.peer(b).receives(world["A"]));
       EXPECT_NEAR(apart.peer(b).ghost(world["A"], apart.session_now(b)).position.z(), 3.0, 0.01);
     }
   }
 }
 
 // What is told where its origin is reaches farther.
-TEST_F(Regions, ALongObjectIsHeardOfAsFarAsItReaches) {
+TEST_F(Regions, ALongObjectIsReceivedAsFarAsItExtends) {
   const World long_one(box("A", "30 1 1", "0 0 0") + box("B", "1 1 1", "0 0 5"));
   Lan apart(long_one, {.latency = 40ms});
   apart.add(in_regions(1, {{long_one["A"], true}}), 0s, {{long_one["A"], [](SimTime) { return moving({25, 0, 0}); }}});
   apart.add(looking_from(in_regions(2, {}, 1.0), 9.5));  // its end is at 10
   apart.add(looking_from(in_regions(3, {}, 1.0), -15.0));
   apart.run_until(6s);
-  EXPECT_TRUE(apart.peer(1).holds(long_one["A"]));
-  EXPECT_FALSE(apart.peer(2).holds(long_one["A"]));
+  EXPECT_TRUE(apart.peer(1).receives(long_one["A"]));
+  EXPECT_FALSE(apart.peer(2).receives(long_one["A"]));
 }
 
-TEST_F(Regions, WhatWasToldSinceIsNotAskedForAgain) {
+TEST_F(Regions, StatesPublishedSinceAreNotRequestedAgain) {
   const auto self = lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], [](SimTime) {
                                                                          return moving({5, 0, 0});
                                                                        }}});
@@ -266,7 +266,7 @@ TEST_F(Regions, WhatWasToldSinceIsNotAskedForAgain) {
   const auto ask = [&](RegionId region, SimTime since) {
     const Duration before = lan.now();
     Message m = message_of(7);
-    m.entered = {{region, since}};
+    m.subscriptions = {{region, since}};
     lan.inject(self, encode(m));
     lan.run_until(lan.now() + 50ms);
     return updates_of("A", before);
@@ -282,7 +282,7 @@ TEST_F(Regions, WhatWasToldSinceIsNotAskedForAgain) {
   EXPECT_EQ(lan.peer(self).members().all().at(PeerId{7}).drops.at("entered_time"), 2u);
 }
 
-TEST_F(Regions, OnlyTheOwnerSaysThatItHasGone) {
+TEST_F(Regions, OnlyTheOwnerAnnouncesAHandover) {
   const auto self = lan.add(looking_from(in_regions(1, {}, 1.0), 5.0));
   lan.run_until(2s);
   lan.inject(self, encode(hello_of(7, lan.host_now(self), {world["A"]})));
@@ -294,7 +294,7 @@ TEST_F(Regions, OnlyTheOwnerSaysThatItHasGone) {
   EXPECT_TRUE(holds(self, "A"));
   const auto gone = [&](std::uint32_t by, std::uint32_t sequence, std::uint32_t to) {
     Message m = message_of(by);
-    m.gone = {{world["A"], sequence, RegionId{to}}};
+    m.handovers = {{world["A"], sequence, RegionId{to}}};
     lan.inject(self, encode(m), RegionId{1});
     return !holds(self, "A");
   };
@@ -311,13 +311,13 @@ TEST_F(Regions, OnlyTheOwnerSaysThatItHasGone) {
 }
 
 // All copies of the word that it has gone are lost.
-TEST_F(Regions, OneThatFallsSilentIsForgotten) {
+TEST_F(Regions, SilentObjectsExpire) {
   PeerConfig a = in_regions(1, {{world["A"], true}});
   PeerConfig b = looking_from(in_regions(2, {}, 2.0), 5.0);
   a.policy.time_threshold = b.policy.time_threshold = 1s;
   lan.add(a, 0s, {{world["A"], steady(lan, 5, 5)}});
   lan.add(b);
-  lan.filter = [](std::size_t, std::size_t, const Message& m) { return m.gone.empty(); };
+  lan.filter = [](std::size_t, std::size_t, const Message& m) { return m.handovers.empty(); };
   lan.run_until(5s);
   EXPECT_TRUE(holds(1, "A"));
   lan.run_until(8s);
@@ -344,7 +344,7 @@ TEST_F(Regions, OneWhoseOwnerSpeaksSeldomIsAskedForAndStays) {
 }
 
 // Where it has gone to, nobody has been asked yet.
-TEST_F(Regions, OneThatHasGoneElsewhereMeanwhileIsAskedForThere) {
+TEST_F(Regions, AnObjectHandedOverMeanwhileIsRequestedInItsNewRegion) {
   PeerConfig c = in_regions(1);
   c.policy.time_threshold = 2s;
   const auto self = lan.add(c);
@@ -357,7 +357,7 @@ TEST_F(Regions, OneThatHasGoneElsewhereMeanwhileIsAskedForThere) {
   const auto asked = [&](std::uint32_t region, Duration since) {
     return std::ranges::any_of(sent, [&](const Sent& s) {
       return s.at > since &&
-             std::ranges::find(s.message.entered, RegionId{region}, &Entered::region) != s.message.entered.end();
+             std::ranges::find(s.message.subscriptions, RegionId{region}, &Subscription::region) != s.message.subscriptions.end();
     });
   };
   const Duration heard = lan.now();
@@ -366,7 +366,7 @@ TEST_F(Regions, OneThatHasGoneElsewhereMeanwhileIsAskedForThere) {
     say();
   }
   Message gone = message_of(7);
-  gone.gone = {{world["A"], 6, RegionId{2}}};
+  gone.handovers = {{world["A"], 6, RegionId{2}}};
   lan.inject(self, encode(gone), RegionId{1});
   const Duration went = lan.now();
   while (!asked(2, went) && lan.now() < went + 6s) {
@@ -389,7 +389,7 @@ TEST(RegionsFarAway, OneThatIsAskedForMayTakeItsTimeToAnswer) {
     lan.add(a, 0s, {{world["A"], [](SimTime) { return moving({5, 0, 0}); }}});
     lan.add(b);
     lan.run_until(6s);
-    EXPECT_TRUE(lan.peer(1).holds(world["A"]));
+    EXPECT_TRUE(lan.peer(1).receives(world["A"]));
     lan.run_until(26s);
     EXPECT_EQ(lan.peer(1).counters().sights_lost, 0u) << to_seconds(threshold);
   }
@@ -403,8 +403,8 @@ TEST(RegionsMany, NoHelloTakesMoreThanFit) {
   std::size_t most = 0;
   lan.on_send = [&](std::size_t from, RegionId, const Message& m) {
     if (from != 0) return;
-    for (const Entered& e : m.entered) ++said[e.region];
-    if (m.hello) most = std::max(most, m.entered.size());
+    for (const Subscription& e : m.subscriptions) ++said[e.region];
+    if (m.hello) most = std::max(most, m.subscriptions.size());
   };
   for (std::uint32_t id : {1u, 2u}) {
     PeerConfig c = in_regions(id);
@@ -412,7 +412,7 @@ TEST(RegionsMany, NoHelloTakesMoreThanFit) {
     lan.add(c);
   }
   lan.run_until(8s);
-  EXPECT_EQ(most, kEnteredWithHello);
+  EXPECT_EQ(most, kSubscriptionsWithHello);
   EXPECT_EQ(said.size(), 40u);
   for (const auto& [region, times] : said) EXPECT_GE(times, 3) << region.value;
 }
@@ -426,12 +426,12 @@ Lan::Motion shaking(const Lan& lan, double x, double v) {
 }
 
 // What is told next in the new region takes nothing back of the word in the old one.
-TEST_F(Regions, ThatItHasGoneIsSaidAgainWhateverIsToldMeanwhile) {
+TEST_F(Regions, AHandoverIsRepeatedWhateverIsPublishedMeanwhile) {
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], shaking(lan, 5, 2)}});
   const auto b = lan.add(looking_from(in_regions(2, {}, 3.0), 5));
   std::optional<Duration> first;
   lan.filter = [&](std::size_t, std::size_t to, const Message& m) {
-    if (to != b || m.gone.empty() || lan.now() < 4s || first) return true;
+    if (to != b || m.handovers.empty() || lan.now() < 4s || first) return true;
     first = lan.now();
     return false;
   };
@@ -446,7 +446,7 @@ TEST_F(Regions, ThatItHasGoneIsSaidAgainWhateverIsToldMeanwhile) {
 }
 
 // It was away for longer than others wait, and comes back while its last word of having gone is still due.
-TEST_F(Regions, WhatHasComeBackIsNotSaidToHaveGone) {
+TEST_F(Regions, AnObjectThatReturnedIsNotAnnouncedAsHandedOver) {
   const auto jumps = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
     return moving({s >= 5.0 && s < 5.05 ? 15.0 : 5.0, 0, 0});
@@ -456,7 +456,7 @@ TEST_F(Regions, WhatHasComeBackIsNotSaidToHaveGone) {
   lan.run_until(5500ms);
   std::set<std::uint32_t> before, after;  // regions in which it is said to have gone
   for (const Sent& s : sent) {
-    for (const Gone& g : s.message.gone) {
+    for (const Handover& g : s.message.handovers) {
       EXPECT_NE(s.region, g.to);
       (s.at < 5050ms ? before : after).insert(s.region.value);
     }
@@ -467,7 +467,7 @@ TEST_F(Regions, WhatHasComeBackIsNotSaidToHaveGone) {
 }
 
 // Who listens to the first and the second hears at last that it is in neither.
-TEST_F(Regions, WhereItWasEarlierItIsSaidWhereItIsNow) {
+TEST_F(Regions, EarlierRegionsLearnTheLatestRegion) {
   const auto jumps = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
     return moving({s < 5.0 ? 5.0 : s < 5.05 ? 15.0 : 25.0, 0, 0});
@@ -477,13 +477,13 @@ TEST_F(Regions, WhereItWasEarlierItIsSaidWhereItIsNow) {
   lan.run_until(5500ms);
   std::map<RegionId, RegionId> last;
   for (const Sent& s : sent) {
-    for (const Gone& g : s.message.gone) last[s.region] = g.to;
+    for (const Handover& g : s.message.handovers) last[s.region] = g.to;
   }
   EXPECT_EQ(last, (std::map<RegionId, RegionId>{{RegionId{1}, RegionId{3}}, {RegionId{2}, RegionId{3}}}));
 }
 
 // What its last owner told of it is not its new one's word.
-TEST_F(Regions, WhatALowerPeerTakesOverIsNotHeldUntilTold) {
+TEST_F(Regions, ObjectsClaimedByALowerIdAreDroppedUntilPublished) {
   const auto self = lan.add(looking_from(in_regions(1, {}, 1.0), 5.0));
   lan.run_until(2s);
   const auto tell = [&](std::uint32_t by) {
@@ -527,7 +527,7 @@ TEST_F(Regions, WhatARestartedPeerHasElsewhereIsNotHeld) {
   lan.run_until(5s);
   EXPECT_TRUE(holds(1, "A"));
   PeerConfig again = looking_from(in_regions(1, {{world["A"], true}}, 4.0), 45);
-  again.boot = 101;
+  again.incarnation = 101;
   lan.node(0).motions = {{world["A"], stands(45)}};
   lan.restart(0, again);
   lan.run_until(9s);
@@ -535,7 +535,7 @@ TEST_F(Regions, WhatARestartedPeerHasElsewhereIsNotHeld) {
   EXPECT_FALSE(holds(1, "A"));
 }
 
-TEST_F(Regions, WhatWentWhileAPeerSleptIsNotHeld) {
+TEST_F(Regions, ObjectsHandedOverDuringASuspensionAreDropped) {
   lan.add(looking_from(in_regions(1, {{world["A"], true}, {world["B"], true}}, 4.0), 5), 0s,
           {{world["A"], steady(lan, 5, 4)}, {world["B"], [](SimTime) {
                                                return moving({7, 0, 0});
@@ -547,14 +547,14 @@ TEST_F(Regions, WhatWentWhileAPeerSleptIsNotHeld) {
   lan.run_until(9500ms);
   lan.node(1).running = true;
   lan.run_until(11500ms);  // sooner than silence makes it forgotten
-  ASSERT_THAT(lan.seen<Slept>(1), testing::SizeIs(1));
+  ASSERT_THAT(lan.seen<HostSuspended>(1), testing::SizeIs(1));
   EXPECT_EQ(lan.peer(1).owner(world["A"]), PeerId{1});
   EXPECT_FALSE(holds(1, "A"));
   EXPECT_TRUE(holds(1, "B")) << "it is told anew where it has stayed";
 }
 
 // Its owner is gone: nobody could tell of it again.
-TEST_F(Regions, WhatIsFrozenStaysWithWhoLeavesItsRegion) {
+TEST_F(Regions, OrphanedObjectsStayWithAPeerThatLeavesTheirRegion) {
   const auto there_and_back = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
     const double x = s < 9 ? 5 : s < 13 ? 5 + 10 * (s - 9) : s < 17 ? 45 - 10 * (s - 13) : 5;
@@ -575,12 +575,12 @@ TEST_F(Regions, WhatIsFrozenStaysWithWhoLeavesItsRegion) {
   lan.run_until(19s);
   EXPECT_TRUE(lan.joined(visitor).contains(RegionId{1}));
   EXPECT_TRUE(holds(visitor, "A"));
-  const auto frozen = lan.seen<Frozen>(visitor);
+  const auto frozen = lan.seen<ObjectOrphaned>(visitor);
   ASSERT_THAT(frozen, testing::SizeIs(1)) << "of what it does not hear nobody is told";
   EXPECT_EQ(frozen.front().object, world["A"]);
 }
 
-TEST_F(Regions, ThatAPeerHasEnteredIsSaidTwiceMore) {
+TEST_F(Regions, ASubscriptionIsRepeatedTwice) {
   const auto comes = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
     const double x = s < 9 ? 5 : s < 13 ? 5 + 10 * (s - 9) : 45;
@@ -591,7 +591,7 @@ TEST_F(Regions, ThatAPeerHasEnteredIsSaidTwiceMore) {
   lan.run_until(9s);
   std::vector<Duration> said;
   lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
-    const bool entered = std::ranges::any_of(m.entered, [](const Entered& e) { return e.region == RegionId{5}; });
+    const bool entered = std::ranges::any_of(m.subscriptions, [](const Subscription& e) { return e.region == RegionId{5}; });
     if (from != 0 || to != 1 || !entered) return true;
     said.push_back(lan.now());
     return said.size() == 3;
@@ -607,7 +607,7 @@ TEST_F(Regions, ThatAPeerHasEnteredIsSaidTwiceMore) {
 // A carrier that crosses a border every 1.4 s, and what follows it: words of that leave all the time, and no hello
 // because of them. What leaves anyway takes them along: a hello; updates of what follows, where the first has gone
 // from.
-TEST_F(Regions, WhoCrossesBordersAllTheTimeSaysHelloNoMoreOften) {
+TEST_F(Regions, FrequentBorderCrossingsSendNoExtraHellos) {
   PeerConfig c = in_regions(1, {{world["A"], true}, {world["B"], true}}, 3.0);
   c.decisions.viewpoint.emplace().object = world["A"];
   lan.add(c, 0s, {{world["A"], steady(lan, 0, 7)}, {world["B"], shaking(lan, -6, 7)}});
@@ -620,11 +620,11 @@ TEST_F(Regions, WhoCrossesBordersAllTheTimeSaysHelloNoMoreOften) {
   for (const Sent& s : sent) {
     if (s.from != 0) continue;
     hellos += s.message.hello.has_value();
-    for (const Entered& e : s.message.entered) said[e.region].push_back(s.at);
-    entered += s.message.entered.size();
-    with_hello += s.message.hello ? s.message.entered.size() : 0;
-    gone += s.message.gone.size();
-    with_updates += s.message.updates.empty() ? 0 : s.message.gone.size();
+    for (const Subscription& e : s.message.subscriptions) said[e.region].push_back(s.at);
+    entered += s.message.subscriptions.size();
+    with_hello += s.message.hello ? s.message.subscriptions.size() : 0;
+    gone += s.message.handovers.size();
+    with_updates += s.message.updates.empty() ? 0 : s.message.handovers.size();
   }
   EXPECT_LE(hellos, 32u) << "once a second";
   EXPECT_GE(entered, 60u) << "21 regions, three times each";
@@ -638,7 +638,7 @@ TEST_F(Regions, WhoCrossesBordersAllTheTimeSaysHelloNoMoreOften) {
   }
 }
 
-TEST_F(Regions, AStandingObjectThatIsHeardOfIsNotForgotten) {
+TEST_F(Regions, AReceivedRestingObjectDoesNotExpire) {
   PeerConfig a = in_regions(1, {{world["A"], true}});
   PeerConfig b = looking_from(in_regions(2, {}, 2.0), 5.0);
   a.policy.time_threshold = b.policy.time_threshold = 1s;
@@ -681,10 +681,10 @@ TEST_F(Regions, AFarPeerJudgesALinkByTheOthersToo) {
   lan.add(looking_from(in_regions(3, {}, 2.0), 45.0));
   lan.run_until(10s);
   EXPECT_FALSE(holds(2, "A"));
-  EXPECT_LT(lan.peer(0).members().all().at(PeerId{3}).loss_of_ours.value(), 0.006);
+  EXPECT_LT(lan.peer(0).members().all().at(PeerId{3}).loss_to_peer.value(), 0.006);
 }
 
-TEST(RegionsInLoss, WhatSomebodyMayKnowNothingWithoutGoesOutMoreOften) {
+TEST(RegionsInLoss, UpdatesThatReceiversDependOnAreCopiedMoreOften) {
   const World world(box("A", "1 1 1", "0 0 0"));
   Lan lan(world, {.latency = 20ms, .loss = 0.1});
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], steady(lan, 5, 12)}});
@@ -693,7 +693,7 @@ TEST(RegionsInLoss, WhatSomebodyMayKnowNothingWithoutGoesOutMoreOften) {
   lan.on_send = [&](std::size_t, RegionId, const Message& m) {
     if (lan.now() < 4s) return;
     for (const UpdateRecord& u : m.updates) ++sends[u.sequence];
-    for (const Gone& g : m.gone) ++gone[g.sequence];
+    for (const Handover& g : m.handovers) ++gone[g.sequence];
   };
   lan.run_until(9s);
   ASSERT_GE(gone.size(), 4u);
@@ -704,7 +704,7 @@ TEST(RegionsInLoss, WhatSomebodyMayKnowNothingWithoutGoesOutMoreOften) {
 }
 
 // Whatever else is a reason to tell: here its error is.
-TEST(RegionsInLoss, AnAnswerToAJoinerGoesOutMoreOften) {
+TEST(RegionsInLoss, StatesForAJoiningPeerAreCopiedMoreOften) {
   const World world(box("A", "1 1 1", "0 0 0"));
   Lan lan(world, {.latency = 20ms, .loss = 0.1});
   bool jumped = false;
@@ -720,7 +720,7 @@ TEST(RegionsInLoss, AnAnswerToAJoinerGoesOutMoreOften) {
     for (const UpdateRecord& u : m.updates) sends[u.sequence] += from == self ? 1 : 0;
   };
   Message m = message_of(2);
-  m.entered = {{RegionId{1}, lan.session_now(self)}};
+  m.subscriptions = {{RegionId{1}, lan.session_now(self)}};
   jumped = true;
   lan.inject(self, encode(m));
   lan.run_until(asked + 100ms);
@@ -731,7 +731,7 @@ TEST(RegionsInLoss, AnAnswerToAJoinerGoesOutMoreOften) {
   EXPECT_GE(sends.rbegin()->second, 3);
 }
 
-TEST(RegionsInLoss, ThatSomebodyHasEnteredIsSaidMoreOften) {
+TEST(RegionsInLoss, SubscriptionsAreRepeatedMoreOften) {
   const World world(box("A", "1 1 1", "0 0 0"));
   Lan lan(world, {.latency = 20ms, .loss = 0.1});
   PeerConfig c = in_regions(1, {{world["A"], true}}, 1.0);
@@ -742,7 +742,7 @@ TEST(RegionsInLoss, ThatSomebodyHasEnteredIsSaidMoreOften) {
   std::map<std::pair<RegionId, SimTime>, Duration> last;
   lan.on_send = [&](std::size_t from, RegionId region, const Message& m) {
     if (from != 0 || lan.now() < 4s) return;
-    for (const Entered& e : m.entered) {
+    for (const Subscription& e : m.subscriptions) {
       EXPECT_EQ(region, kWholeScene);
       const std::pair what{e.region,
                            SimTime{std::chrono::floor<std::chrono::milliseconds>(e.since.time_since_epoch())}};
@@ -769,12 +769,12 @@ TEST(RegionsCollide, OwnObjectsAreSurroundedByWhatTheyMayMeet) {
       PeerConfig c = regions ? looking_from(in_regions(id, {}, 0.0), 0.0) : config(id);
       c.decisions.viewpoint.reset();
       c.interest_radius_m = 0.0;
-      c.enslaved = {{world[id == 1 ? "A" : "B"], false, {2s, Vec3(id == 1 ? 4.0 : -4.0, 0, 0), Vec3::Zero()}}};
+      c.owned = {{world[id == 1 ? "A" : "B"], false, {2s, Vec3(id == 1 ? 4.0 : -4.0, 0, 0), Vec3::Zero()}}};
       lan.add(c);
     }
     lan.run_until(3s);
     if (regions) {
-      EXPECT_FALSE(lan.peer(0).holds(world["B"])) << "far away";
+      EXPECT_FALSE(lan.peer(0).receives(world["B"])) << "far away";
     }
     lan.run_until(12s);
     std::vector<std::pair<double, double>> all;  // where A was hit, and which way
@@ -797,7 +797,7 @@ TEST(RegionsCollide, OwnObjectsAreSurroundedByWhatTheyMayMeet) {
 }
 
 // Nothing meets what a peer only remembers.
-TEST(RegionsCollide, NothingMeetsWhatIsNotHeardOf) {
+TEST(RegionsCollide, ObjectsThatAreNotReceivedCollideWithNothing) {
   const World world(box("A", "1 1 1", "5 0 0", kBounces) + box("B", "1 1 1", "5 0 -8", kBounces) +
                     interest("B", "\"A\""));
   Lan lan(world, {.latency = 20ms});
@@ -810,10 +810,10 @@ TEST(RegionsCollide, NothingMeetsWhatIsNotHeardOf) {
   b.regions.fastest_m_s = 0.0;
   lan.add(b);  // the lower id: it would decide
   lan.run_until(4s);
-  EXPECT_FALSE(lan.peer(1).holds(world["A"]));
+  EXPECT_FALSE(lan.peer(1).receives(world["A"]));
   const auto tests = lan.peer(1).counters().proximity_tests, skipped = lan.peer(1).counters().predictions_skipped;
   lan.run_until(12s);
-  EXPECT_FALSE(lan.peer(1).holds(world["A"]));
+  EXPECT_FALSE(lan.peer(1).receives(world["A"]));
   EXPECT_EQ(lan.peer(1).counters().proximity_tests, tests) << "nor is it close to anything";
   EXPECT_EQ(lan.peer(1).counters().predictions_skipped, skipped + 8 * 60) << "of one pair";
   EXPECT_THAT(lan.contacts(1, ContactKind::kDecided), IsEmpty());
@@ -822,7 +822,7 @@ TEST(RegionsCollide, NothingMeetsWhatIsNotHeardOf) {
 }
 
 // Two that have met over a border: who hears of one of them alone is told what became of it.
-TEST(RegionsCollide, AcrossABorderTheOutcomeIsTold) {
+TEST(RegionsCollide, OutcomesArePublishedAcrossABorder) {
   const World world(box("A", "1 1 1", "8.5 0 0", kBounces) + box("B", "1 1 1", "13 0 0", kBounces) +
                     interest("A", "\"B\"") + interest("B", "\"A\""));
   Lan lan(world, {.latency = 20ms});
@@ -831,17 +831,17 @@ TEST(RegionsCollide, AcrossABorderTheOutcomeIsTold) {
                          {world["B"], false, {3s, Vec3(-0.9, 0, 0), Vec3::Zero()}}}));
   const auto b = lan.add(looking_from(in_regions(2, {}, 2.0), 5.0));
   lan.run_until(4s);
-  EXPECT_TRUE(lan.peer(b).holds(world["A"]));
-  EXPECT_FALSE(lan.peer(b).holds(world["B"]));
+  EXPECT_TRUE(lan.peer(b).receives(world["A"]));
+  EXPECT_FALSE(lan.peer(b).receives(world["B"]));
   lan.run_until(7s);  // they meet at about 6 s
   const SimTime t = lan.session_now(0);
-  ASSERT_TRUE(lan.peer(b).holds(world["A"]));
+  ASSERT_TRUE(lan.peer(b).receives(world["A"]));
   EXPECT_LT(lan.peer(0).truth(world["A"], t).velocity.x(), 0.0) << "it has bounced";
   EXPECT_TRUE(same_bits(lan.peer(b).ghost(world["A"], t), lan.peer(0).ghost(world["A"], t)));
 }
 
 // Others decide what becomes of two objects far away: no log or viewer is told.
-TEST(RegionsCollide, ADecisionOnWhatIsNotHeardOfIsNotShown) {
+TEST(RegionsCollide, DecisionsOnObjectsThatAreNotReceivedAreNotShown) {
   const World world(box("A", "1 1 1", "5 0 0", kBounces) + box("B", "1 1 1", "6 0 0", kBounces) +
                     interest("A", "\"B\"") + interest("B", "\"A\""));
   Lan lan(world, {.latency = 20ms});
@@ -870,14 +870,14 @@ TEST(RegionsCollide, ADecisionOnWhatIsNotHeardOfIsNotShown) {
     told.updates.front().decision = lan.session_now(self) - 20ms;
     lan.inject(self, encode(told), RegionId{1});
   }
-  ASSERT_TRUE(lan.peer(self).holds(world["A"]) && lan.peer(self).holds(world["B"]));
+  ASSERT_TRUE(lan.peer(self).receives(world["A"]) && lan.peer(self).receives(world["B"]));
   lan.run_until(3s);
   EXPECT_EQ(applied(), 1u) << "and these it hears of";
 }
 
 // Whatever the objects do and wherever peers look: who holds an object, and has had the time to hear, believes what its
 // owner told, to the bit; and what is in a peer's area it holds.
-TEST(RegionsProperty, AreasAreFullAndBeliefsAreTheOwners) {
+TEST(RegionsProperty, AreasAreCompleteAndGhostsMatchTheOwners) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(seed);
     std::string text;
@@ -894,7 +894,7 @@ TEST(RegionsProperty, AreasAreFullAndBeliefsAreTheOwners) {
       std::map<ObjectId, Lan::Motion> motions;
       for (int i = 0; i < 3; ++i) {
         const ObjectId object = world[("O" + std::to_string(3 * (id - 1) + i)).c_str()];
-        c.enslaved.push_back({object, true});
+        c.owned.push_back({object, true});
         const double a = uniform(5, 20), w = uniform(0.1, 0.6), p = uniform(0, 6), b = uniform(3, 12),
                      u = uniform(0.1, 0.6);
         motions[object] = [=](SimTime t) {
@@ -903,7 +903,7 @@ TEST(RegionsProperty, AreasAreFullAndBeliefsAreTheOwners) {
                         {a * w * std::cos(w * s + p), 0, -b * u * std::sin(u * s)});
         };
       }
-      c.decisions.viewpoint.emplace().object = c.enslaved.front().object;
+      c.decisions.viewpoint.emplace().object = c.owned.front().object;
       lan.add(c, 0s, std::move(motions));
     }
     lan.run_until(4s);
@@ -923,12 +923,12 @@ TEST(RegionsProperty, AreasAreFullAndBeliefsAreTheOwners) {
           const bool in = apart.norm() <= 6.0;
           inside += in;
           Duration& gap = missing[{i, object}];
-          gap = in && !peer.holds(object) ? gap + 20ms : 0ms;
+          gap = in && !peer.receives(object) ? gap + 20ms : 0ms;
           EXPECT_LE(gap, 80ms) << "one latency and one tick; sampled";
-          if (!peer.holds(object)) ++lost;
+          if (!peer.receives(object)) ++lost;
           Duration& wrong = differs[{i, object}];
           const bool same = same_bits(peer.ghost(object, now), lan.peer(owner).ghost(object, now));
-          wrong = peer.holds(object) && !same ? wrong + 20ms : 0ms;
+          wrong = peer.receives(object) && !same ? wrong + 20ms : 0ms;
           // Its next update may be under way when one arrives: with several a second not for long.
           EXPECT_LE(wrong, 700ms);
         }

@@ -140,10 +140,10 @@ TEST(PeerSession, AGoodbyeFreezesAtOnce) {
   lan.run_until(5s + 20ms);
   const auto lost = lan.seen<PeerLost>(0);
   ASSERT_EQ(lost.size(), 1u);
-  EXPECT_TRUE(lost[0].said_goodbye);
+  EXPECT_TRUE(lost[0].left_gracefully);
   EXPECT_EQ(lost[0].name, "peer2");
-  ASSERT_EQ(lan.seen<Frozen>(0).size(), 1u);
-  EXPECT_EQ(lan.seen<Frozen>(0)[0].object, world["B"]);
+  ASSERT_EQ(lan.seen<ObjectOrphaned>(0).size(), 1u);
+  EXPECT_EQ(lan.seen<ObjectOrphaned>(0)[0].object, world["B"]);
   EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{0});
   const KinematicState then = lan.peer(0).ghost(world["B"], lan.session_now(0));
   lan.run_until(8s);
@@ -161,20 +161,20 @@ TEST(PeerSession, SilenceFreezesWithinTwoSeconds) {
     lan.kill(1);
     lan.run_until(10s);
     ASSERT_EQ(lan.seen<PeerLost>(0).size(), 1u);
-    EXPECT_FALSE(lan.seen<PeerLost>(0)[0].said_goodbye);
-    ASSERT_EQ(lan.seen<Frozen>(0).size(), 1u);
+    EXPECT_FALSE(lan.seen<PeerLost>(0)[0].left_gracefully);
+    ASSERT_EQ(lan.seen<ObjectOrphaned>(0).size(), 1u);
     EXPECT_TRUE(lan.peer(0).ghost(world["B"], lan.session_now(0)).velocity.isZero(0.0));
   }
 }
 
-TEST(PeerSession, ARestartedPeerIsTakenBack) {
+TEST(PeerSession, ARestartedPeerIsReadmitted) {
   const World world(three_boxes());
   Lan lan(world);
   lan.add(config(1, {{world["A"], false}}));
   lan.add(config(2, {{world["B"], false}}));
   lan.run_until(5s);
   PeerConfig again = config(2, {{world["B"], false}});
-  again.boot = 101;
+  again.incarnation = 101;
   lan.restart(1, again);  // before anybody noticed
   lan.run_until(12s);
   const auto joined = lan.seen<PeerJoined>(0);
@@ -187,7 +187,7 @@ TEST(PeerSession, ARestartedPeerIsTakenBack) {
 }
 
 // What others say of its last life's datagrams, many more than it has sent in this one, says nothing of these.
-TEST(PeerSession, ReceiptsOfTheLastLifeDoNotCount) {
+TEST(PeerSession, AcknowledgementsOfTheLastIncarnationDoNotCount) {
   const World world(three_boxes());
   for (Duration when{0}; when < 8s; when += 500ms) {  // the other introduces itself in one of eight hellos
     SCOPED_TRACE(when.count());
@@ -196,20 +196,20 @@ TEST(PeerSession, ReceiptsOfTheLastLifeDoNotCount) {
     lan.add(config(2, {{world["B"], false}}));
     lan.run_until(40s + when);
     PeerConfig again = config(2, {{world["B"], false}});
-    again.boot = 101;
+    again.incarnation = 101;
     lan.restart(1, again);
     lan.run_until(45s + when);
     const auto& members = lan.peer(1).members().all();
     ASSERT_TRUE(members.contains(PeerId{1}));
-    const auto& receipt = members.at(PeerId{1}).receipt;
-    ASSERT_TRUE(receipt);
-    EXPECT_LE(receipt->received.highest, lan.peer(1).counters().datagrams_out);
+    const auto& acknowledgement = members.at(PeerId{1}).acknowledgement;
+    ASSERT_TRUE(acknowledgement);
+    EXPECT_LE(acknowledgement->received.highest, lan.peer(1).counters().datagrams_out);
   }
 }
 
 // A new life that runs less: what it ran before is nobody's.
 // What a successor tells before its predecessor is lost is nobody's word yet, and not one that has come.
-TEST(PeerSession, ASuccessorIsHeardAsSoonAsItsPredecessorIsLost) {
+TEST(PeerSession, ASuccessorIsAcceptedAsSoonAsItsPredecessorIsLost) {
   const World world(box("A", "1 1 1", "0 0 0"));
   const auto at = [](double y) { return [y](SimTime) { return moving({0, y, 0}); }; };
   Lan lan(world);
@@ -226,7 +226,7 @@ TEST(PeerSession, ASuccessorIsHeardAsSoonAsItsPredecessorIsLost) {
 }
 
 // Its computer lets nothing in: it founds a session of its own, and goes on saying so.
-TEST(PeerSession, WhoHearsNobodyKeepsNobodyOut) {
+TEST(PeerSession, APeerThatReceivesNothingBlocksNobody) {
   const World world(three_boxes());
   Lan lan(world);
   for (std::uint32_t id = 1; id <= 4; ++id) lan.add(config(id));
@@ -237,10 +237,10 @@ TEST(PeerSession, WhoHearsNobodyKeepsNobodyOut) {
 }
 
 // Nor do the others say everything to it three times, and who they are with every hello.
-TEST(PeerSession, WhoHearsNobodyCostsNothingAfterAWhile) {
+TEST(PeerSession, APeerThatReceivesNothingCostsNothingAfterAWhile) {
   const World world(three_boxes());
   std::array<std::uint64_t, 2> bytes{};
-  for (const bool deaf : {false, true}) {
+  for (const bool unreachable : {false, true}) {
     Lan lan(world);
     const auto weaves = [](SimTime t) {
       std::mt19937_64 random(static_cast<std::uint64_t>(t.time_since_epoch().count()));
@@ -249,11 +249,11 @@ TEST(PeerSession, WhoHearsNobodyCostsNothingAfterAWhile) {
     lan.add(config(1, {{world["A"], true}}), 0s, {{world["A"], weaves}});
     lan.add(config(2));
     lan.add(config(9));
-    lan.filter = [=](std::size_t from, std::size_t to, const Message&) { return !deaf || to != 2 || from == 2; };
+    lan.filter = [=](std::size_t from, std::size_t to, const Message&) { return !unreachable || to != 2 || from == 2; };
     lan.run_until(40s);
     const std::uint64_t before = lan.peer(0).counters().bytes_out;
     lan.run_until(60s);
-    bytes[deaf ? 1 : 0] = lan.peer(0).counters().bytes_out - before;
+    bytes[unreachable ? 1 : 0] = lan.peer(0).counters().bytes_out - before;
   }
   EXPECT_LT(static_cast<double>(bytes[1]), 1.1 * static_cast<double>(bytes[0]));
 }
@@ -288,7 +288,7 @@ TEST(PeerSession, ANewcomerAmongManyIsInSessionSoon) {
   EXPECT_TRUE(lan.peer(newcomer).clock().synchronised());
 }
 
-TEST(PeerSession, WhoHasSaidGoodbyeIsNotTakenBackByWhatItSaidBefore) {
+TEST(PeerSession, ALatePacketDoesNotReadmitAPeerThatLeft) {
   const World world(three_boxes());
   Lan lan(world);
   lan.add(config(1));
@@ -301,24 +301,24 @@ TEST(PeerSession, WhoHasSaidGoodbyeIsNotTakenBackByWhatItSaidBefore) {
   lan.leave(leaves);
   lan.run_until(6s);
   for (const Bytes& again : {said.front(), said.back()}) {
-    EXPECT_EQ(lan.inject(0, again).error(), Drop::kStaleBoot);
+    EXPECT_EQ(lan.inject(0, again).error(), Drop::kStaleIncarnation);
   }
   EXPECT_TRUE(lan.peer(0).members().all().empty());
   PeerConfig anew = config(2);
-  ++anew.boot;
+  ++anew.incarnation;
   lan.restart(leaves, std::move(anew));
   lan.run_until(9s);
   EXPECT_EQ(lan.peer(0).members().all().size(), 1u);
 }
 
-TEST(PeerSession, ARestartLetsGoOfWhatItNoLongerRuns) {
+TEST(PeerSession, ARestartReleasesObjectsNoLongerOwned) {
   const World world(three_boxes());
   Lan lan(world);
   lan.add(config(1, {{world["A"], false}}));
   lan.add(config(2, {{world["B"], false}}));
   lan.run_until(5s);
   PeerConfig again = config(2);
-  again.boot = 101;
+  again.incarnation = 101;
   lan.restart(1, again);
   lan.run_until(10s);
   EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{0});
@@ -332,13 +332,13 @@ TEST(PeerSession, AMemberThatComesBackWithAnotherWorldIsLost) {
   lan.add(config(2, {{world["B"], false}}));
   lan.run_until(5s);
   PeerConfig again = config(2, {{world["B"], false}});
-  again.boot = 101;
+  again.incarnation = 101;
   again.world_hash = 1;
   lan.restart(1, again);
   lan.run_until(10s);
   EXPECT_EQ(lan.seen<OtherWorld>(0).size(), 1u);
   EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{0});
-  EXPECT_EQ(lan.seen<Frozen>(0).size(), 1u);
+  EXPECT_EQ(lan.seen<ObjectOrphaned>(0).size(), 1u);
 }
 
 // An object is nobody's once its owner is gone, even if that was before this peer had a session.
@@ -354,7 +354,7 @@ TEST(PeerSession, APeerLostBeforeTheSessionOwnsNothing) {
   EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{0});
 }
 
-TEST(PeerSession, TheSessionOutlivesItsFounder) {
+TEST(PeerSession, TheSessionSurvivesItsFounder) {
   const World world(three_boxes());
   Lan lan(world, {20ms, 10ms, 0, 0});
   lan.add(config(1, {{world["A"], false}}));
@@ -478,8 +478,8 @@ TEST(PeerSession, AStoppedPeerBlamesNobody) {
   EXPECT_EQ(lan.seen<PeerLost>(0).size(), 1u);
   lan.node(1).running = true;
   lan.run_until(13s);
-  ASSERT_EQ(lan.seen<Slept>(1).size(), 1u);
-  EXPECT_NEAR(to_seconds(lan.seen<Slept>(1)[0].gap), 7.0, 0.1);
+  ASSERT_EQ(lan.seen<HostSuspended>(1).size(), 1u);
+  EXPECT_NEAR(to_seconds(lan.seen<HostSuspended>(1)[0].gap), 7.0, 0.1);
   EXPECT_THAT(lan.seen<PeerLost>(1), IsEmpty());
   // It goes on from where it was, and the other takes it back.
   const SimTime t = lan.session_now(1);
@@ -489,7 +489,7 @@ TEST(PeerSession, AStoppedPeerBlamesNobody) {
 }
 
 // What moves by itself may be told to wait, for everybody to be there.
-TEST(PeerSession, MotionsBeginWhenTheyAreTold) {
+TEST(PeerSession, MotionsBeginAtTheAnnouncedStart) {
   const World world(three_boxes());
   Lan lan(world);
   PeerConfig c = config(1, {{world["A"], false}});
@@ -508,7 +508,7 @@ TEST(PeerSession, MotionsBeginWhenTheyAreTold) {
 }
 
 // A computer that slept wakes up with hours to catch up on: it must do so in bounded work and be in step soon after.
-TEST(PeerSession, LongSleepsAreSurvived) {
+TEST(PeerSession, LongSuspensionsAreSurvived) {
   const World world(corridor("velocityVector 2 0 0 collisionResponse CollisionResponse { }"));
   Lan lan(world);
   lan.add(config(1, {{world["BALL"], false}}));

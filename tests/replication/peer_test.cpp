@@ -89,14 +89,14 @@ TEST_F(InSession, OnlyTheOwnerMovesAnObject) {
   EXPECT_EQ(lan.drops(self, "not_owner"), 1u);
 }
 
-TEST_F(InSession, OfAnothersObjectTheTruthIsWhatItsOwnerSays) {
+TEST_F(InSession, TheTruthOfARemoteObjectIsItsOwnersUpdate) {
   receive(update(1, 10ms, 8.0));
   EXPECT_EQ(lan.peer(self).truth(world["O1"], lan.session_now(self)).position.x(), 8.0);
   EXPECT_EQ(lan.peer(self).truth(world["O3"], lan.session_now(self)).position.x(), 9.0) << "where the file has it";
 }
 
 // The hello that says who runs it may have been lost.
-TEST_F(InSession, AnUpdateOfWhatNobodyRunsClaimsIt) {
+TEST_F(InSession, AnUpdateOfAnUnownedObjectClaimsIt) {
   receive(update(1, 0s, 8.0, "O3"));
   EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{7});
   EXPECT_EQ(ghost_x("O3"), 8.0);
@@ -108,16 +108,16 @@ TEST_F(InSession, ClaimsOfObjectsThatAreNotThereAreDropped) {
   EXPECT_EQ(lan.peer(self).owners().size(), 3u);
 }
 
-TEST_F(InSession, AnEarlierLifeIsDropped) {
+TEST_F(InSession, DatagramsOfAnEarlierIncarnationAreDropped) {
   Message old = update(5, 0s, 8.0);
-  old.boot = 99;
-  EXPECT_EQ(receive(old).error(), Drop::kStaleBoot);
-  EXPECT_EQ(receive(hello_of(7, lan.host_now(self), {world["O3"]}, 99)).error(), Drop::kStaleBoot);
+  old.incarnation = 99;
+  EXPECT_EQ(receive(old).error(), Drop::kStaleIncarnation);
+  EXPECT_EQ(receive(hello_of(7, lan.host_now(self), {world["O3"]}, 99)).error(), Drop::kStaleIncarnation);
   EXPECT_EQ(ghost_x(), 3.0);
   EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{0});
 }
 
-TEST_F(InSession, ALaterLifeBeginsItsSequencesAnew) {
+TEST_F(InSession, ALaterIncarnationRestartsItsSequences) {
   receive(update(50, 10ms, 8.0));
   EXPECT_TRUE(receive(hello_of(7, lan.host_now(self), {world["O1"]}, 101)).has_value());
   const auto joined = lan.seen<PeerJoined>(self);
@@ -125,19 +125,19 @@ TEST_F(InSession, ALaterLifeBeginsItsSequencesAnew) {
   EXPECT_FALSE(joined[0].restarted);
   EXPECT_TRUE(joined[1].restarted);
   Message m = update(1, 5ms, 9.0);
-  m.boot = 101;
+  m.incarnation = 101;
   receive(m);
   EXPECT_EQ(ghost_x(), 9.0);
 }
 
-TEST_F(InSession, ItsOwnDatagramsAreNoNews) {
+TEST_F(InSession, OwnDatagramsAreIgnored) {
   Message m = hello_of(5, lan.host_now(self), {world["O3"]});
   EXPECT_EQ(receive(m).error(), Drop::kOwn);
   EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{0});
   EXPECT_TRUE(lan.seen<IdInUse>(self).empty());
 }
 
-TEST_F(InSession, ItsOwnIdFromAnotherLifeIsReported) {
+TEST_F(InSession, ItsOwnIdFromAnotherIncarnationIsReported) {
   EXPECT_EQ(receive(hello_of(5, lan.host_now(self), {world["O3"]}, 101)).error(), Drop::kIdInUse);
   ASSERT_EQ(lan.seen<IdInUse>(self).size(), 1u);
   EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{0});
@@ -179,14 +179,14 @@ TEST_F(InSession, AnotherVersionIsNamedOnce) {
   EXPECT_EQ(told[0].version, kProtocolVersion + 1);
 }
 
-TEST_F(InSession, AStrangerMustSayHelloFirst) {
+TEST_F(InSession, AnUnknownPeerMustIntroduceItselfFirst) {
   Message m = update(1, 0s, 8.0);
   m.sender = PeerId{8};
-  EXPECT_EQ(receive(m).error(), Drop::kStranger);
+  EXPECT_EQ(receive(m).error(), Drop::kUnintroduced);
   EXPECT_EQ(lan.peer(self).members().all().size(), 1u);
   m.sender = PeerId{9};
   m.leaving = true;
-  EXPECT_EQ(receive(m).error(), Drop::kStranger);
+  EXPECT_EQ(receive(m).error(), Drop::kUnintroduced);
   EXPECT_TRUE(lan.seen<PeerLost>(self).empty());
 }
 
@@ -220,7 +220,7 @@ TEST_F(InSession, GarbageChangesNothing) {
 }
 
 // Sound messages of peers that nobody knows, whatever they say, move nothing that somebody runs.
-TEST_F(InSession, SoundNoiseOfStrangersMovesNothing) {
+TEST_F(InSession, ValidDatagramsOfUnknownPeersChangeNothing) {
   receive(update(1, 10ms, 8.0));
   MessageMaker make(2);
   for (int i = 0; i < 2000; ++i) {
@@ -310,7 +310,7 @@ TEST_P(DeadReckoning, AllHoldTheSameGhost) {
     Lan lan(world, GetParam().link, seed);
     const std::uint32_t hz[] = {60, 144, 30};
     for (std::uint32_t i = 0; i < 3; ++i) {
-      PeerConfig c = config(i + 1, i == 0 ? std::vector<Enslaved>{{world["O0"], true}} : std::vector<Enslaved>{});
+      PeerConfig c = config(i + 1, i == 0 ? std::vector<OwnedObject>{{world["O0"], true}} : std::vector<OwnedObject>{});
       c.tick_hz = hz[i];
       c.policy.order = GetParam().order;
       lan.add(c, i * 3s,

@@ -36,7 +36,7 @@ TEST_P(Drop, ComesToRestOnTheFloorAndSlidesOn) {
                     answers(c.restitution, 0.5) + " children Shape { geometry " + c.geometry + " } }\n" +
                     box("FLOOR", "60 0.2 60", "0 -0.1 0", answers(1.0)) + interest("BALL", "\"FLOOR\""));
   MotionWorld motions(*world.model, sim(0s));
-  motions.declare(world["BALL"], Role::kFirm);
+  motions.declare(world["BALL"], Role::kAuthoritative);
   const Vec3 from = world.scene.rigid_pose(world["BALL"]).position;
   motions.set_base(world["BALL"], sim(0s), moving(from, {c.across_m_s, 0, 0}, {0, -9.81, 0}));
   for (Duration t = 0s; t <= 40s; t += 7ms) {
@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Table, Drop,
 TEST(Impulse, IsPassedOnAlongARow) {
   const World world(three_on_a_line(1.0));
   MotionWorld motions(*world.model, sim(0s));
-  for (const char* name : {"A", "B", "C"}) motions.declare(world[name], Role::kFirm);
+  for (const char* name : {"A", "B", "C"}) motions.declare(world[name], Role::kAuthoritative);
   motions.set_base(world["A"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
   motions.advance(sim(3s));
   EXPECT_EQ(motions.at(world["A"], sim(3s)).velocity, Vec3::Zero());
@@ -74,7 +74,7 @@ TEST(Impulse, IsPassedOnAlongARow) {
 }
 
 // Whatever each had got to when the news came, and however often it looked.
-TEST(Beliefs, AreTheSameBitsWhenTheNewsComesLate) {
+TEST(Ghosts, AreTheSameBitsWhenTheUpdateComesLate) {
   const std::string text =
       ball("A", "0 0 0", answers(0.9, 0.3)) + ball("B", "1 0.02 0", answers(0.9, 0.3)) +
       ball("C", "2 0.01 0", answers(0.9, 0.3)) + box("WALL", "1 9 9", "3 0 0", answers(0.8)) +
@@ -85,7 +85,7 @@ TEST(Beliefs, AreTheSameBitsWhenTheNewsComesLate) {
   const SimTime at = sim(1234567891ns), end = sim(9s);
   const auto run = [&](Duration began, Duration step, Duration late) {
     auto motions = std::make_unique<MotionWorld>(*world.model, sim(began));
-    for (const char* name : {"A", "B", "C"}) motions->declare(world[name], Role::kBelief);
+    for (const char* name : {"A", "B", "C"}) motions->declare(world[name], Role::kPredicted);
     bool told = false;
     for (Duration t = began; sim(t) <= end; t += step) {
       if (!told && sim(t) >= at + late) {
@@ -113,7 +113,7 @@ TEST(Beliefs, AreTheSameBitsWhenTheNewsComesLate) {
 
 // A peer that hears of an object's owner late searches from another instant on, which must not be seen: not even in the
 // last bit of the line of centres.
-TEST(Beliefs, AreTheSameBitsWhereAnObjectIsDeclaredLate) {
+TEST(Ghosts, AreTheSameBitsWhereAnObjectIsDeclaredLate) {
   for (int i = 0; i < 50; ++i) {
     const World world(ball("A", "0 0 0", answers(0.9)) +
                       ball("B", "3 0.0" + std::to_string(10 + i) + " 0.03", answers(0.9)) + interest("A", "\"B\"") +
@@ -122,8 +122,8 @@ TEST(Beliefs, AreTheSameBitsWhereAnObjectIsDeclaredLate) {
       MotionWorld motions(*world.model, sim(0s));
       motions.set_base(world["A"], sim(0s), moving({0, 0, 0}, {1.7, 0.01, 0}, {0.1, 0, 0}));
       motions.advance(sim(declared));
-      motions.declare(world["A"], Role::kBelief);
-      motions.declare(world["B"], Role::kBelief);
+      motions.declare(world["A"], Role::kPredicted);
+      motions.declare(world["B"], Role::kPredicted);
       motions.advance(sim(3s));
       EXPECT_EQ(motions.counters().contacts, 1u);
       return motions.at(world["B"], sim(3s));
@@ -144,14 +144,14 @@ TEST(Sliding, StopsHoweverLongItTakes) {
 }
 
 // Of an interest that is one's alone only one answers; whoever hears of the outcome must know that the other slides on.
-TEST(Outcome, TellsOfWhatSlidesThoughItDoesNotAnswer) {
+TEST(Outcome, ReportsSlidingObjectsWithoutAResponse) {
   const World world(ball("A", "0 0 0", answers(1.0)) + ball("B", "3 0 0.7", answers(1.0, 0.2)) +
                     interest("A", "\"B\""));
   int met = 0;
   for (int i = 0; i < 40; ++i) {
     MotionWorld motions(*world.model, sim(0s));
-    motions.declare(world["A"], Role::kFirm);
-    motions.declare(world["B"], Role::kFirm);
+    motions.declare(world["A"], Role::kAuthoritative);
+    motions.declare(world["B"], Role::kAuthoritative);
     motions.set_base(world["A"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
     const KinematicState slides = moving({3, 0, 0.7}, {-2.3 - 0.013 * i, 0, -1.1});
     motions.set_base(world["B"], sim(0s), sliding_to_rest(slides, 0.2F));

@@ -66,8 +66,8 @@ class HeadOn : public testing::TestWithParam<Way> {
     lan.emplace(*world, link, seed);
     for (const std::uint32_t id : {1u, 2u, 9u}) {
       PeerConfig c = config(id);
-      if (id == 1) c.enslaved = {{(*world)["CAR"], false}};
-      if (id == 2) c.enslaved = {{(*world)["CUBE"], false}};
+      if (id == 1) c.owned = {{(*world)["CAR"], false}};
+      if (id == 2) c.owned = {{(*world)["CUBE"], false}};
       c.policy.time_threshold = time_threshold;
       c.decisions = settings;
       c.decisions.policy = GetParam().policy;
@@ -167,7 +167,7 @@ TEST_P(HeadOn, TheDecisionsPacketsAreLost) {
 }
 
 // The one to decide is not heard at all around the contact: hellos, updates, decisions.
-TEST_P(HeadOn, TheDeciderIsNotHeard) {
+TEST_P(HeadOn, TheDecidersDatagramsAreLost) {
   begin();
   Duration from = Duration::max(), until = Duration::max();
   lan->filter = [&](std::size_t sender, std::size_t to, const Message&) {
@@ -213,7 +213,7 @@ INSTANTIATE_TEST_SUITE_P(Ways, HeadOn, testing::ValuesIn(every_way()), name_of);
 class ByVelocity : public HeadOn {};
 INSTANTIATE_TEST_SUITE_P(Ways, ByVelocity, testing::Values(Way{DecisionPolicy::kVelocity, 100ms}), name_of);
 
-TEST_P(ByVelocity, TheOtherHoldsItBackUntilItHears) {
+TEST_P(ByVelocity, TheOtherPeerDefersUntilTheDecisionArrives) {
   begin();
   lan->filter = [](std::size_t, std::size_t, const Message& m) { return m.decisions.empty(); };
   run_to_contact();
@@ -226,7 +226,7 @@ TEST_P(ByVelocity, TheOtherHoldsItBackUntilItHears) {
 
 // The ghosts bounce, as all predict, and its own truth goes on until the decision: telling that would be telling what
 // is going to be taken back.
-TEST_P(ByVelocity, NothingIsToldOfWhatAwaitsADecision) {
+TEST_P(ByVelocity, NothingIsPublishedWhileADecisionIsAwaited) {
   begin();
   lan->run_until(4s);
   const std::uint64_t told = lan->peer(0).counters().updates_out;
@@ -250,7 +250,7 @@ TEST_P(ByVelocity, NoTimeThresholdAsksForWhatAwaitsADecision) {
 }
 
 // What has been decided is told as by an update: the time threshold counts from the contact.
-TEST_P(ByVelocity, ADecisionTellsOfBoth) {
+TEST_P(ByVelocity, ADecisionReplacesUpdatesOfBothObjects) {
   begin();
   run_to_contact();
   const Duration contact = lan->now();
@@ -291,7 +291,7 @@ TEST_P(ByVelocity, TheOutcomeIsOfTheContactTime) {
 
 // A receipt that proves it lost brings it again, long before a peer's silence about it would (2 latencies and a
 // second).
-TEST_P(ByVelocity, WhatIsProvedLostIsToldAgainAtOnce) {
+TEST_P(ByVelocity, DecisionsProvedLostAreRepeatedAtOnce) {
   begin();
   bool lost = false;
   lan->filter = [&](std::size_t, std::size_t to, const Message& m) {
@@ -308,7 +308,7 @@ TEST_P(ByVelocity, WhatIsProvedLostIsToldAgainAtOnce) {
 }
 
 // What came before it was in the session it did not take, received or not.
-TEST_P(ByVelocity, WhoComesBackJustThenIsTold) {
+TEST_P(ByVelocity, APeerReturningJustThenReceivesTheDecision) {
   begin();
   run_to_contact();
   const Duration contact = lan->now();
@@ -317,7 +317,7 @@ TEST_P(ByVelocity, WhoComesBackJustThenIsTold) {
     begin();
     lan->run_until(contact - before);
     PeerConfig again = config(9);
-    again.boot = 101;
+    again.incarnation = 101;
     again.decisions.policy = GetParam().policy;
     lan->restart(2, again);
     lan->run_until(contact + 6s);
@@ -454,7 +454,7 @@ TEST_P(Traffic, EveryCollisionHasOneOutcomeOnAllPeers) {
     Lan lan(world, {GetParam().latency, 20ms, 0.05, 0.02}, seed);
     for (std::uint32_t id = 1; id <= 3; ++id) {
       PeerConfig c = config(id);
-      for (int i = static_cast<int>(id) - 1; i < 12; i += 3) c.enslaved.push_back({world[name(i).c_str()], false});
+      for (int i = static_cast<int>(id) - 1; i < 12; i += 3) c.owned.push_back({world[name(i).c_str()], false});
       c.decisions.policy = GetParam().policy;
       c.decisions.server = PeerId{3};
       c.decisions.viewpoint = Viewpoint{std::nullopt, {Vec3(10.0 * id - 20.0, 0, 15), Quat::Identity()}, 0.8, 1.0};

@@ -49,7 +49,7 @@ TEST(Predefined, IsTheSameOnAllPeersWithoutTraffic) {
 
 // Peer 1 comes into a later session by peer 5, which goes, or begins anew, before it has said when world time began
 // there.
-TEST(Predefined, WorldTimeGoesOnWhenWhoWasToSayItGoes) {
+TEST(Predefined, WorldTimeContinuesWhenItsSourceLeaves) {
   for (const auto& [size, restarts] : {std::pair(2u, false), {3u, false}, {2u, true}, {3u, true}}) {
     SCOPED_TRACE(testing::Message() << size << (restarts ? " restarts" : ""));
     const World world(kMachine + box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PLATE\" \"ARM\""));
@@ -66,7 +66,7 @@ TEST(Predefined, WorldTimeGoesOnWhenWhoWasToSayItGoes) {
     lan.kill(1);
     if (restarts) {
       PeerConfig anew = config(5);
-      ++anew.boot;
+      ++anew.incarnation;
       lan.restart(1, std::move(anew));
     }
     lan.run_until(lan.now() + 15s);
@@ -79,7 +79,7 @@ TEST(Predefined, WorldTimeGoesOnWhenWhoWasToSayItGoes) {
 
 // A computer that stands still with its clock comes back into a session it knows: PLATE leaves its path until somebody
 // says anew when world time began.
-TEST(Predefined, WhoComesBackIsToldWorldTimeAtOnce) {
+TEST(Predefined, AReturningPeerReceivesWorldTimeAtOnce) {
   const World world(kMachine + box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PLATE\" \"ARM\""));
   for (const Duration came : {22000ms, 22300ms, 22600ms, 22900ms}) {
     SCOPED_TRACE(came.count());
@@ -105,7 +105,7 @@ TEST(Predefined, BouncesWhatItMeets) {
                     interest("BALL", "\"PLATE\""));
   Lan lan(world, {5ms, 0ms, 0, 0});
   for (const std::uint32_t id : {1u, 2u}) {
-    PeerConfig c = config(id, id == 1 ? std::vector<Enslaved>{{world["BALL"], false}} : std::vector<Enslaved>{});
+    PeerConfig c = config(id, id == 1 ? std::vector<OwnedObject>{{world["BALL"], false}} : std::vector<OwnedObject>{});
     c.wait_for_start = true;
     lan.add(std::move(c));
   }

@@ -43,7 +43,7 @@ TEST_P(SessionsMeet, TheEarlierPeerStepsOnceAndEverythingGoesOn) {
 }
 // Until the other has stepped into it, nothing of what that one runs is told in this session: nothing meets it where
 // the file has it.
-TEST(SessionsMeeting, NobodyMeetsWhatTheOtherHasNotToldYet) {
+TEST(SessionsMeeting, NothingCollidesWithUnpublishedObjects) {
   const World world(box("BALL", "1 1 1", "-19 0 0", std::string(kBounces) + "velocityVector 5 0 0 ") +
                     box("BOX", "1 1 1", "0 0 0", std::string(kBounces) + "velocityVector 0 0 5 ") +
                     interest("BALL", "\"BOX\"") + interest("BOX", "\"BALL\""));

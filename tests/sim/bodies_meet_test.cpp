@@ -16,7 +16,7 @@ KinematicState last_word(const Ran& ran, const std::string& peer, const std::str
   const auto object = std::ranges::find(ran.record.objects, path, &report::ObjectInfo::path)->object;
   for (const PeerLog& log : ran.logs) {
     if (log.name != peer) continue;
-    for (auto b = log.beliefs.rbegin(); b != log.beliefs.rend(); ++b) {
+    for (auto b = log.object_samples.rbegin(); b != log.object_samples.rend(); ++b) {
       if (b->object == object) return b->state;
     }
   }
@@ -79,13 +79,13 @@ TEST_P(BodiesMeet, OnePeerDecidesAndAllHoldOneOutcome) {
 }
 
 // A peer's log goes by its own ticks, so positions of a moving body are compared through the report, at one true time.
-TEST_P(BodiesMeet, NobodyIsWrongForLongerThanTheNewsTakes) {
+TEST_P(BodiesMeet, NoGhostIsWrongForLongerThanTheLatency) {
   const Ran ran = run_scenario(kMeeting, GetParam().sets).front();
   const auto decided = std::ranges::find(ran.record.contacts, "decided", &report::ContactRow::kind);
   ASSERT_NE(decided, ran.record.contacts.end());
   const double news_s = decided->t_s + 1e-3 * ran.settings.network.latency_ms + 0.25;
   std::size_t late_samples = 0;
-  for (const auto& s : ran.record.beliefs) {
+  for (const auto& s : ran.record.ghost_samples) {
     const double error_m = (s.truth.position - s.ghost.position).norm();
     if (s.t_s > news_s) {
       EXPECT_LT(error_m, 0.15) << "at " << s.t_s
@@ -108,7 +108,7 @@ TEST(BodiesMeetBefore, EveryoneKnowsWhatMovesFromTheStart) {
         const double unknown_s = 1e-3 * std::stod(latency_ms) + 1.01 / 60;
         EXPECT_LE(ran.view(observer, path)["ghost_error_m"]["max"].get<double>(), speed * unknown_s)
             << observer << " of " << path;
-        EXPECT_EQ(ran.record.beliefs.back().truth.position, ran.record.beliefs.back().ghost.position);
+        EXPECT_EQ(ran.record.ghost_samples.back().truth.position, ran.record.ghost_samples.back().ghost.position);
       }
     }
   }
@@ -121,7 +121,7 @@ TEST(BodiesMeetPrediction, SparesTheObserverTheLatency) {
   const auto worst_m = [](const Ran& ran) {  // of LEFT at c, once the start has been heard of
     const ObjectId left = std::ranges::find(ran.record.objects, "LEFT", &report::ObjectInfo::path)->object;
     double worst = 0.0;
-    for (const auto& s : ran.record.beliefs) {
+    for (const auto& s : ran.record.ghost_samples) {
       if (s.observer == PeerId{3} && s.object == left && s.t_s > 1.0)
         worst = std::max(worst, (s.truth.position - s.ghost.position).norm());
     }

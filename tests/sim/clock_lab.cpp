@@ -61,7 +61,7 @@ void ClockLab::start(std::size_t i) {
   replication::PeerConfig c;
   c.id = PeerId{run_.peers[i].id};
   c.name = run_.peers[i].name;
-  c.boot = ++hosts_[i].boot;
+  c.incarnation = ++hosts_[i].incarnation;
   hosts_[i].peer = std::make_unique<replication::Peer>(std::move(c), *model_);
   hosts_[i].runs = true;
   hosts_[i].last_reading.reset();

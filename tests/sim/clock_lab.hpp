@@ -49,7 +49,7 @@ class ClockLab {
   // The network falls apart into these and the others; none: it is whole again.
   void part(std::vector<std::size_t> side) { apart_ = std::move(side); }
   // Of this peer, and of who follows it, nobody can know their error until then: its clock has just jumped.
-  void excuse(std::size_t peer, Duration until) { hosts_[peer].excused_until = until; }
+  void restart_silence_of_all(std::size_t peer, Duration until) { hosts_[peer].excused_until = until; }
 
   [[nodiscard]] Duration now() const { return now_; }
   [[nodiscard]] const replication::Peer& peer(std::size_t i) const { return *hosts_[i].peer; }
@@ -66,7 +66,7 @@ class ClockLab {
     std::unique_ptr<replication::Peer> peer;
     bool runs = true, clock_runs = true;
     Duration stopped_at{0};
-    std::uint64_t boot = 1;
+    std::uint64_t incarnation = 1;
     std::optional<SimTime> last_reading;
     Duration excused_until{-1};
     std::size_t steps = 0;

@@ -123,7 +123,7 @@ class JumpingClock : public testing::TestWithParam<Jump> {};
 TEST_P(JumpingClock, EverybodyIsBackInStepAndNobodysTimeRunsBackwards) {
   ClockLab lab(kLan, {{0s, 500}, {3s, -500}, {-2s, 0}, {100s, 20}}, 3);
   lab.run_until(30s);
-  lab.excuse(GetParam().host, 32s - std::min(Duration{0}, GetParam().by));
+  lab.restart_silence_of_all(GetParam().host, 32s - std::min(Duration{0}, GetParam().by));
   if (GetParam().by > 0s) {
     lab.jump(GetParam().host, GetParam().by);
   } else {  // a clock that is told its past again waits for it (ForwardTime)
@@ -156,7 +156,7 @@ class SleepingHost : public testing::TestWithParam<Sleep> {};
 TEST_P(SleepingHost, IsBackInStepAndNobodysTimeRunsBackwards) {
   ClockLab lab(kLan, {{0s, 500}, {3s, -500}, {-2s, 0}, {100s, 20}}, 4);
   lab.run_until(20s);
-  if (!GetParam().clock_runs) lab.excuse(GetParam().host, 52s);
+  if (!GetParam().clock_runs) lab.restart_silence_of_all(GetParam().host, 52s);
   lab.suspend(GetParam().host, GetParam().clock_runs);
   lab.run_until(50s);
   lab.wake(GetParam().host);

@@ -63,7 +63,7 @@ class Expected {
 
 bool is_identity(const Quat& q) { return q.coeffs() == Quat::Identity().coeffs(); }
 
-void add(Expected& out, const Hello& h, std::uint64_t boot) {
+void add(Expected& out, const Hello& h, std::uint64_t incarnation) {
   if (h.session_tx) out.add("hello.session_tx_ns", *h.session_tx);
   // Protobuf sends no zeros.
   if (h.sessions != 0) out.add("hello.sessions", h.sessions);
@@ -78,7 +78,7 @@ void add(Expected& out, const Hello& h, std::uint64_t boot) {
   for (const Echo& e : h.echoes) {
     out.add("echo.peer", e.peer.value);
     out.add("echo.hello", e.hello);
-    out.add("echo.held_ns", e.held.count());
+    out.add("echo.held_ns", e.hold_time.count());
     const Received& r = e.received;
     out.add("echo.newer", r.highest - e.hello);
     out.add("echo.run", r.run);
@@ -89,14 +89,14 @@ void add(Expected& out, const Hello& h, std::uint64_t boot) {
     out.add("note.collider", n.collider.value);
     out.add("note.collidee", n.collidee.value);
     out.add("note.contact_ns", n.contact);
-    out.add("note.held", n.held);
+    out.add("note.held", n.deferred);
   }
   if (!h.introduction) return;
   const Introduction& i = *h.introduction;
   out.add("introduction.name", i.name);
   if (i.world_hash != 0) out.add("introduction.world_hash", i.world_hash);
-  if (boot != 0) out.add("introduction.boot", boot);
-  for (const ObjectId object : i.enslaved) out.add("introduction.enslaved", object.value);
+  if (incarnation != 0) out.add("introduction.boot", incarnation);
+  for (const ObjectId object : i.owned) out.add("introduction.enslaved", object.value);
   if (i.start) out.add("introduction.start_ns", *i.start);
   if (i.world_zero) out.add("introduction.world_zero_ns", *i.world_zero);
   if (!i.viewpoint) return;
@@ -163,15 +163,15 @@ Fields expected_of(std::span<const std::byte> datagram, RegionId region, SimTime
   out.add("version", kProtocolVersion);
   out.add("sender", m->sender.value);
   if (m->number != 0) out.add("number", m->number);
-  if (m->introduction() == nullptr && m->boot != 0) out.add("boot_low", m->boot);
-  if (m->hello) add(out, *m->hello, m->boot);
+  if (m->introduction() == nullptr && m->incarnation != 0) out.add("boot_low", m->incarnation);
+  if (m->hello) add(out, *m->hello, m->incarnation);
   for (const UpdateRecord& u : m->updates) add(out, u);
   for (const DecisionRecord& d : m->decisions) add(out, d);
-  for (const Entered& e : m->entered) {
+  for (const Subscription& e : m->subscriptions) {
     out.add("entered.region", e.region.value);
     out.add("entered.since_ns", e.since);
   }
-  for (const Gone& g : m->gone) {
+  for (const Handover& g : m->handovers) {
     out.add("gone.object", g.object.value);
     out.add("gone.sequence", g.sequence);
     out.add("gone.region", g.to.value);
@@ -315,7 +315,7 @@ void compare_all(const ScratchFolder& folder, const std::filesystem::path& file,
 Message farewell() {
   Message m;
   m.sender = PeerId{4'000'000'000};
-  m.boot = 77;
+  m.incarnation = 77;
   m.number = 1;
   m.leaving = true;
   DecisionRecord& d = m.decisions.emplace_back();
@@ -339,7 +339,7 @@ Message farewell() {
 Message of_a_good_clock() {
   Message m;
   m.sender = PeerId{1};
-  m.boot = 1;
+  m.incarnation = 1;
   m.number = 1;
   Hello& hello = m.hello.emplace();
   hello.session_tx = SimTime{std::chrono::seconds(10'000'003)};

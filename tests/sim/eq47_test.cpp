@@ -116,8 +116,8 @@ std::size_t updates_between(const Ran& ran, double from_s, double to_s, bool nee
 }
 // What b believes of CAR's velocity along x around then: the difference over ten ticks.
 double ghost_velocity_x(const Ran& ran, PeerId observer, double t_s) {
-  const report::BeliefSample *first = nullptr, *last = nullptr;
-  for (const auto& s : ran.record.beliefs) {
+  const report::GhostSample *first = nullptr, *last = nullptr;
+  for (const auto& s : ran.record.ghost_samples) {
     if (s.observer != observer || ran.record.objects.front().object != s.object) continue;
     if (s.t_s <= t_s + 1e-6) first = &s;
     if (s.t_s <= t_s + 0.05 + 1e-6) last = &s;
@@ -172,7 +172,7 @@ TEST_P(Walls, TheOneAtTwentyPiIsPredictedWithTheWrongWayOut) {
 TEST(Eq47, NoErrorOutlivesItsUpdate) {
   const Ran ran = run_eq47("dr+rcp", 2, 5);
   int over = 0, most = 0;
-  for (const auto& s : ran.record.beliefs) {
+  for (const auto& s : ran.record.ghost_samples) {
     if (s.observer != kB || s.object != ran.record.objects.front().object) continue;
     over = (s.truth.position - s.ghost.position).norm() > 0.5 ? over + 1 : 0;
     most = std::max(most, over);
@@ -203,7 +203,7 @@ TEST(Eq47, HostClocksThatDifferChangeNothingMuch) {
       EXPECT_NEAR(apart.mean_error_m(observer, "CAR"), level.mean_error_m(observer, "CAR"), 0.005) << latency_ms;
     }
     for (const PeerLog& log : apart.logs) {  // a founded the session: its host's clock is everybody's session clock
-      const auto& last = log.beliefs.back();
+      const auto& last = log.object_samples.back();
       EXPECT_NEAR(to_seconds(last.at.time_since_epoch() - last.true_at.time_since_epoch()), -1.5, 0.01) << log.name;
     }
     EXPECT_NEAR(static_cast<double>(apart.updates("CAR")), static_cast<double>(level.updates("CAR")), 2.0);

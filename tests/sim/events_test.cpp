@@ -23,24 +23,24 @@ const std::string kApart = "event.apart={at_s = 4, kind = \"partition\", groups 
 const std::string kTogether = "event.together={at_s = 7, kind = \"heal\"}";
 
 // An observer's views of an object between two times.
-std::vector<report::BeliefSample> views(const Ran& ran, const std::string& observer, const std::string& path,
+std::vector<report::GhostSample> views(const Ran& ran, const std::string& observer, const std::string& path,
                                         double from_s, double until_s) {
   const auto who = std::ranges::find(ran.record.peers, observer, &report::PeerInfo::name)->peer;
   const auto what = std::ranges::find(ran.record.objects, path, &report::ObjectInfo::path)->object;
-  std::vector<report::BeliefSample> found;
-  std::ranges::copy_if(ran.record.beliefs, std::back_inserter(found), [&](const report::BeliefSample& s) {
+  std::vector<report::GhostSample> found;
+  std::ranges::copy_if(ran.record.ghost_samples, std::back_inserter(found), [&](const report::GhostSample& s) {
     return s.observer == who && s.object == what && s.t_s >= from_s && s.t_s <= until_s;
   });
   return found;
 }
 
-double worst_m(const std::vector<report::BeliefSample>& views) {
+double worst_m(const std::vector<report::GhostSample>& views) {
   double worst = 0;
   for (const auto& s : views) worst = std::max(worst, (s.ghost.position - s.truth.position).norm());
   return worst;
 }
 
-TEST(Partition, WhoIsNotHeardIsGoneAndComesBack) {
+TEST(Partition, AnUnreachablePeerIsLostAndComesBack) {
   const Ran whole = run({}), parted = run({kApart, kTogether});
   for (const char* observer : {"b", "c"}) {
     EXPECT_TRUE(views(parted, observer, "CAR", 4 + kLostAfter_s + 0.2, 7).empty()) << "nobody's: it stands still there";
@@ -85,7 +85,7 @@ TEST(Kill, WhatItRanIsNobodysOnceItIsMissed) {
   const auto watcher = std::ranges::find(ran.logs, "c", &PeerLog::name);
   const HostTime found_out = *dead->ended_at + from_seconds(kLostAfter_s + 1e-3 * kLatency_ms);
   bool believed_on = false;
-  for (const PeerLog::Belief& b : watcher->beliefs) {
+  for (const PeerLog::ObjectSample& b : watcher->object_samples) {
     if (b.owner != PeerId{1}) continue;
     believed_on = believed_on || b.true_at > *dead->ended_at + std::chrono::seconds(1);
     EXPECT_LE(b.true_at, found_out);
@@ -94,17 +94,17 @@ TEST(Kill, WhatItRanIsNobodysOnceItIsMissed) {
   EXPECT_EQ(worst_m(views(ran, "c", "CUBE_1", 6, 15)), 0.0) << "the others go on";
 }
 
-TEST(Leave, IsHeardOfAtOnce) {
+TEST(Leave, IsNoticedAtOnce) {
   const Ran ran = run({"event.bye={at_s = 4, kind = \"leave\", peer = \"a\"}"});
   const auto gone = std::ranges::find(ran.logs, "a", &PeerLog::name);
   const auto watcher = std::ranges::find(ran.logs, "c", &PeerLog::name);
-  for (const PeerLog::Belief& b : watcher->beliefs) {
+  for (const PeerLog::ObjectSample& b : watcher->object_samples) {
     if (b.owner != PeerId{1}) continue;
     EXPECT_LE(b.true_at, *gone->ended_at + from_seconds(1e-3 * kLatency_ms + 1.0 / 60));
   }
 }
 
-TEST(Join, HearsOfEverything) {
+TEST(Join, ReceivesEverything) {
   const Ran whole = run({}), ran = run({"event.late={at_s = 5, kind = \"join\", peer = \"c\"}"});
   EXPECT_TRUE(views(ran, "c", "CAR", 0, 5).empty());
   for (const char* object : {"CAR", "CUBE_1", "CUBE_2", "CUBE_3"}) {

@@ -42,7 +42,7 @@ TEST_P(HeadOn, OneOutcomeEverywhereAndExpectedErrorIsBest) {
 INSTANTIATE_TEST_SUITE_P(Seeds, HeadOn, testing::Values(1, 2, 3));
 
 // A viewpoint that moves with an object of its peer: RIGHT's owner looks where RIGHT goes, so at LEFT, and decides.
-TEST(HeadOnView, WhoLooksDecides) {
+TEST(HeadOnView, TheViewingPeerDecides) {
   const std::string meeting = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
   for (const auto& [angle_deg, decider] : {std::pair{"90", 2u}, {"-90", 1u}}) {
     const Ran ran = run_scenario(meeting, {"decisions.policy=field-of-view", "peer.b.viewpoint.object=RIGHT",

@@ -24,7 +24,7 @@ std::vector<std::pair<double, KinematicState>> states(const Ran& ran, std::size_
   if (known == ran.record.objects.end()) throw std::runtime_error("nobody runs " + path);
   const ObjectId object = known->object;
   std::vector<std::pair<double, KinematicState>> rows;
-  for (const PeerLog::Belief& b : log.beliefs) {
+  for (const PeerLog::ObjectSample& b : log.object_samples) {
     if (b.object == object) rows.emplace_back(to_seconds(b.at - *log.start), b.state);
   }
   EXPECT_GT(rows.size(), 300u) << path;
@@ -111,7 +111,7 @@ TEST(Keys, TheSameRunGivesTheSameBits) {
     const Ran ran = run_scenario(kKeys, {"network.jitter_ms=20", "network.loss=0.1"}).front();
     std::vector<double> z;
     for (const PeerLog& log : ran.logs) {
-      for (const auto& b : log.beliefs) z.push_back(b.state.position.z());
+      for (const auto& b : log.object_samples) z.push_back(b.state.position.z());
     }
     return z;
   };

@@ -85,7 +85,7 @@ TEST_P(Movers, AreFollowed) {
   EXPECT_EQ(paths.size(), GetParam().objects);
   EXPECT_EQ(ran.summary["objects"].size(), GetParam().objects * GetParam().observers);
   std::map<ObjectId, std::pair<Vec3, double>> ways;  // where it was, how far it has come
-  for (const auto& b : ran.record.beliefs) {
+  for (const auto& b : ran.record.ghost_samples) {
     if (b.observer != PeerId{1} && b.observer != PeerId{2}) continue;
     const auto [way, first] = ways.try_emplace(b.object, b.truth.position, 0.0);
     if (!first) way->second.second += (b.truth.position - way->second.first).norm();

@@ -17,7 +17,7 @@ const std::string kWorlds = PEERD_SOURCE_DIR "/tests/sim/worlds/";
 
 double worst_angle_rad(const Ran& ran) {
   double worst = 0;
-  for (const auto& s : ran.record.beliefs) {
+  for (const auto& s : ran.record.ghost_samples) {
     worst = std::max(worst, angle_between(s.truth.orientation, s.ghost.orientation));
   }
   return worst;
@@ -25,9 +25,9 @@ double worst_angle_rad(const Ran& ran) {
 
 TEST(Turner, ASteadyTurnIsDeadReckonedExactly) {
   const Ran ran = run_scenario(kWorlds + "turner.toml").front();
-  ASSERT_GT(ran.record.beliefs.size(), 500u);
-  const auto& first = ran.record.beliefs.front();
-  const auto& later = ran.record.beliefs[60];
+  ASSERT_GT(ran.record.ghost_samples.size(), 500u);
+  const auto& first = ran.record.ghost_samples.front();
+  const auto& later = ran.record.ghost_samples[60];
   EXPECT_GT(angle_between(first.truth.orientation, later.truth.orientation), 1.0) << "it does turn";
   EXPECT_LT(worst_angle_rad(ran), 1e-3);
   EXPECT_LE(ran.updates("TURNER"), 3u) << "one in five seconds is all that it takes";
@@ -61,7 +61,7 @@ TEST(Ball, BouncesOffTheWallAsTheBoxDoes) {
     std::size_t hits = 0;
     for (const auto& c : ran.record.contacts) hits += c.collider == id(name) && c.kind == "owner";
     EXPECT_EQ(hits, 1u) << name;
-    for (const auto& s : ran.record.beliefs) {
+    for (const auto& s : ran.record.ghost_samples) {
       if (s.object != id(name)) continue;
       EXPECT_LT(s.ghost.position.x(), 18.51) << "20 - 0.5 - 1: " << name;
     }

@@ -42,7 +42,7 @@ struct Played {
   // What a peer held of all balls, by session instant.
   [[nodiscard]] std::map<SimTime, std::map<ObjectId, Bits>> tables(const PeerLog& log) const {
     std::map<SimTime, std::map<ObjectId, Bits>> out;
-    for (const PeerLog::Belief& b : log.beliefs) out[b.at][b.object] = bits_of(b.state);
+    for (const PeerLog::ObjectSample& b : log.object_samples) out[b.at][b.object] = bits_of(b.state);
     return out;
   }
 };
@@ -167,7 +167,7 @@ TEST(SnookerPhysics, KeepsMomentumAndNeverGainsEnergy) {
 
   const PeerLog& a = played.logs[0];
   std::map<SimTime, double> energy_j;
-  for (const PeerLog::Belief& b : a.beliefs) energy_j[b.at] += 0.5 * kMass_kg * b.state.velocity.squaredNorm();
+  for (const PeerLog::ObjectSample& b : a.object_samples) energy_j[b.at] += 0.5 * kMass_kg * b.state.velocity.squaredNorm();
   double last_j = 1e9, most_j = 0.0;
   for (const auto& [at, j] : energy_j) {
     if (played.time_s(a, at) < kShot_s + 0.02) continue;
@@ -179,7 +179,7 @@ TEST(SnookerPhysics, KeepsMomentumAndNeverGainsEnergy) {
   EXPECT_EQ(last_j, 0.0) << "friction stops all of them within 30 s";
   // On the table, and no two in one place.
   std::map<ObjectId, Vec3> at_rest;
-  for (const PeerLog::Belief& b : a.beliefs) at_rest[b.object] = b.state.position;
+  for (const PeerLog::ObjectSample& b : a.object_samples) at_rest[b.object] = b.state.position;
   ASSERT_EQ(at_rest.size(), 22u);
   for (const auto& [id, p] : at_rest) {
     EXPECT_LT(std::abs(p.x()), 1.7845 - 0.026);

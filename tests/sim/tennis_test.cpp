@@ -35,7 +35,7 @@ bool crosses(const Vec3& from, const Vec3& to, const Vec3& half) {
   return enters <= leaves;
 }
 
-TEST(Crosses, TellsThroughFromPast) {
+TEST(Crosses, DistinguishesThroughFromPast) {
   const Vec3 half(0.02, 0.5, 5);
   EXPECT_TRUE(crosses({-1, 0, 0}, {1, 0.2, 0}, half));
   EXPECT_FALSE(crosses({-1, 0, 0}, {1, 1.2, 0}, half));
@@ -65,7 +65,7 @@ struct Seen {
 
 Seen look(const Scene& scene, const PeerLog& log) {
   std::map<ObjectId, Drawn> drawn;
-  for (const PeerLog::Belief& b : log.beliefs) drawn[b.object].poses[b.at] = b.shown;
+  for (const PeerLog::ObjectSample& b : log.object_samples) drawn[b.object].poses[b.at] = b.shown;
   Seen seen;
   const Drawn& ball = drawn.at(*scene.find("BALL"));
   for (auto step = std::next(ball.poses.begin()); step != ball.poses.end(); ++step) {
@@ -185,7 +185,7 @@ TEST(TennisBall, ComesToRestOnTheCourt) {
   const ObjectId ball = *world.scene.find("BALL");
   for (const PeerLog& log : ran.logs) {
     KinematicState last;
-    for (const PeerLog::Belief& b : log.beliefs) {
+    for (const PeerLog::ObjectSample& b : log.object_samples) {
       if (b.object == ball) last = b.state;
     }
     EXPECT_EQ(last.velocity, Vec3::Zero()) << log.name;

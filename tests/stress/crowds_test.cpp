@@ -108,8 +108,8 @@ std::string crowd(double step_m, bool each_with_the_next) {
   }
   return text;
 }
-std::vector<Enslaved> all_of(const World& world) {
-  std::vector<Enslaved> all;
+std::vector<OwnedObject> all_of(const World& world) {
+  std::vector<OwnedObject> all;
   for (std::uint32_t i = 0; i < kCrowd; ++i) all.push_back({world[("B" + std::to_string(i)).c_str()], false});
   return all;
 }
@@ -125,7 +125,7 @@ TEST_P(CrowdedPeer, WorksInProportion) {
   ASSERT_EQ(world.model->pairs.size(), kCrowd - 1);
   Lan lan(world, {5ms, 0ms, 0, 0});
   for (const std::uint32_t id : {1u, 2u}) {
-    PeerConfig c = config(id, id == 1 ? all_of(world) : std::vector<Enslaved>{});
+    PeerConfig c = config(id, id == 1 ? all_of(world) : std::vector<OwnedObject>{});
     c.tick_hz = 10;
     if (GetParam().regions) {
       c.regions.cell_m = 1e6;  // all in one cell
@@ -158,11 +158,11 @@ INSTANTIATE_TEST_SUITE_P(Places, CrowdedPeer,
 
 // Ten thousand that are in each other and begin to move together: each pair is looked at every 10 ms of its time at
 // most.
-TEST(CrowdThatMoves, IsLookedAtAHundredTimesASecond) {
+TEST(CrowdThatMoves, IsSampledAHundredTimesASecond) {
   const World world(crowd(0.0, true));
   MotionWorld motions(*world.model, sim(0s));
-  for (const Enslaved& e : all_of(world)) {
-    motions.declare(e.object, Role::kFirm);
+  for (const OwnedObject& e : all_of(world)) {
+    motions.declare(e.object, Role::kAuthoritative);
     motions.set_base(e.object, sim(0s), moving({0, 0, 0}, {1, 0, 0}));
   }
   for (Duration t = 0s; t <= 500ms; t += 100ms) motions.advance(sim(t));

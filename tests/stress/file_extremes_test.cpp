@@ -125,7 +125,7 @@ TEST_P(WorldNumbers, AreRefusedByNameOrHandled) {
     replication::MotionWorld motions(*model, SimTime{});
     for (const ObjectId object : {box, ball}) {
       if (moves.moves(object)) continue;
-      motions.declare(object, replication::Role::kFirm);
+      motions.declare(object, replication::Role::kAuthoritative);
       KinematicState s = motions.at(object, SimTime{});
       ASSERT_TRUE(sound(s)) << "where the file has it";
       s.velocity = object == ball ? Vec3(-1, 0, 0) : Vec3::Zero();

@@ -58,7 +58,7 @@ inline LongLife live_for(Duration total, std::uint32_t tick_hz, Duration look) {
     PeerConfig c = config(id);
     c.tick_hz = tick_hz;
     if (id == 1) {
-      c.enslaved = {{world["BALL"], false}, {world["SPINNER"], true}, {world["MOVER"], true}};
+      c.owned = {{world["BALL"], false}, {world["SPINNER"], true}, {world["MOVER"], true}};
       c.policy.error_threshold_m = 0.05;
       lan.add(c, 0s, {{world["SPINNER"], spinner}, {world["MOVER"], mover}});
     } else {
@@ -72,7 +72,7 @@ inline LongLife live_for(Duration total, std::uint32_t tick_hz, Duration look) {
   LongLife life;
   const auto count_outputs = [&] {
     for (std::size_t i : {0u, 1u}) {
-      life.lost += lan.seen<PeerLost>(i).size() + lan.seen<ClockStepped>(i).size() + lan.seen<Slept>(i).size();
+      life.lost += lan.seen<PeerLost>(i).size() + lan.seen<ClockStepped>(i).size() + lan.seen<HostSuspended>(i).size();
       lan.node(i).outputs.clear();
     }
   };

@@ -29,7 +29,7 @@ inline ManyBounces bounce(const std::string& geometry, double low_m, const std::
                     interest("BALL", "\"FLOOR\""));
   MotionWorld motions(*world.model, sim(0s));
   const ObjectId ball = world["BALL"];
-  motions.declare(ball, Role::kFirm);
+  motions.declare(ball, Role::kAuthoritative);
   motions.set_base(ball, sim(0s), moving({0, low_m + kHeight_m, 0}, Vec3::Zero(), {0, -kGravity, 0}));
   ManyBounces out;
   const double energy = kGravity * kHeight_m;

@@ -45,7 +45,7 @@ std::vector<std::uint64_t> meet(const World& world, const std::vector<std::uint3
     c.wait_for_start = true;
     for (const char* name : objects) {
       const std::uint32_t owner = *name == 'A' || *name == 'D' ? 1 : *name == 'B' ? 2 : 3;
-      if (owner == id) c.enslaved.push_back({world[name], false});
+      if (owner == id) c.owned.push_back({world[name], false});
     }
     place[id] = lan.add(c);
   }
@@ -97,7 +97,7 @@ TEST(Orders, OfInterests) {
     const std::map<const char*, Vec3> velocities{
         {"A", {1.3, 0, 0}}, {"B", {-0.2, 0, 0}}, {"C", {-1.1, 0, 0}}, {"D", {0, 0, -0.7}}};
     for (const auto& [name, velocity] : velocities) {
-      motions.declare(world[name], Role::kFirm);
+      motions.declare(world[name], Role::kAuthoritative);
       motions.set_base(world[name], sim(0s), moving(world.scene.rigid_pose(world[name]).position, velocity));
     }
     motions.advance(sim(9s));

@@ -39,14 +39,14 @@ TEST(Skips, AWitnessIsOnePairAndNoMore) {
   EXPECT_EQ(tests(CollisionType::kBox), 0u);
 }
 
-// Two peers; `enslaved` is the first one's, if anything is.
+// Two peers; `owned` is the first one's, if anything is.
 struct Session {
-  Session(const World& world, std::vector<Enslaved> of_first, std::vector<Enslaved> of_second,
+  Session(const World& world, std::vector<OwnedObject> of_first, std::vector<OwnedObject> of_second,
           const std::function<void(PeerConfig&)>& change = {})
       : lan(world, {5ms, 0ms, 0, 0}) {
     lan.on_send = [this](std::size_t, RegionId region, const Message& m) {
       if (m.hello) ++with_hello;
-      if (!m.updates.empty() || !m.decisions.empty() || !m.entered.empty() || !m.gone.empty()) ++with_more;
+      if (!m.updates.empty() || !m.decisions.empty() || !m.subscriptions.empty() || !m.handovers.empty()) ++with_more;
       elsewhere += region != kWholeScene;
     };
     for (const std::uint32_t id : {1u, 2u}) {
@@ -77,7 +77,7 @@ TEST(Skips, WhoRunsNothingSendsBeaconsAlone) {
   }
 }
 
-TEST(Skips, WithoutAnothersObjectsNothingIsDecidedAndNoProximityAsked) {
+TEST(Skips, WithoutRemoteObjectsNothingIsDecidedAndNoProximityTested) {
   const World world(kMeeting);
   const Session run(world, {{world["A"], false}, {world["B"], false}}, {});
   EXPECT_GE(run.lan.contacts(0, ContactKind::kOwner).size(), 1u) << "they do meet";
@@ -120,7 +120,7 @@ TEST(Skips, WithoutTrackingNoProximityIsAskedAndWithoutRefiningNoSurface) {
   }
 }
 
-TEST(Skips, WhatRestsIsNotLookedAt) {
+TEST(Skips, RestingObjectsAreNotChecked) {
   const World world(box("A", "1 1 1", "-4 0 0", kBounces) + box("B", "1 1 1", "4 0 0", kBounces) +
                     interest("A", "\"B\""));
   Session run(world, {{world["A"], false}}, {{world["B"], false}});

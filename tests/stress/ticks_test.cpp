@@ -16,8 +16,8 @@ struct Met {
 // Three bodies in a corridor, from one end of the time to the other in steps of `tick`.
 std::vector<Met> contacts_in(const World& world, Duration until, Duration tick, KinematicState* end) {
   MotionWorld motions(*world.model, sim(0s));
-  motions.declare(world["BALL"], Role::kFirm);
-  motions.declare(world["CUBE"], Role::kFirm);
+  motions.declare(world["BALL"], Role::kAuthoritative);
+  motions.declare(world["CUBE"], Role::kAuthoritative);
   motions.set_base(world["BALL"], sim(0s), moving({-1, 0, 0}, {1.7, 0.02, 0}, {0, -0.01, 0}));
   motions.set_base(world["CUBE"], sim(0s), moving({1, 0.1, 0}, {-0.9, 0, 0.01}));
   std::vector<Met> met;
@@ -66,7 +66,7 @@ Shared share(const World& world, std::uint32_t owner_hz, std::uint32_t observer_
     c.wait_for_start = true;
     c.policy.time_threshold = time_threshold;
     c.lost_after = 10s;  // nobody is, by pauses that add up
-    if (id == 1) c.enslaved = {{world["BALL"], false}};
+    if (id == 1) c.owned = {{world["BALL"], false}};
     lan.add(c);
   }
   lan.run_until(3s);
@@ -137,7 +137,7 @@ TEST(TickLength, PausesChangeNoOutcome) {
 // Pauses keep receipts away, so that the ball is told of again, at a late tick. There its law begins anew, for its
 // owner as for all others; against a run without pauses that is another rounding of contact times, which are whole
 // nanoseconds: by one each, and the way of twice that.
-TEST(TickLength, WhatIsToldAgainAtALateTickIsTheSameForAll) {
+TEST(TickLength, RepublishingAtALateTickIsTheSameForAllPeers) {
   const World world(corridor(std::string(kBounces) + "velocityVector 2 0.1 0 "));
   const Shared expected = share(world, 60, 60, 0s, 1);
   bool rounded_otherwise = false;

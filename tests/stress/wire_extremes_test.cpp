@@ -95,7 +95,7 @@ bool sound(const KinematicState& s) {
 class WireExtremes : public testing::TestWithParam<int> {};
 
 // Peer 5 runs OWN; peer 7, which is not there, says the others move in ways that no body could.
-TEST_P(WireExtremes, WhatIsTakenLeavesFiniteStates) {
+TEST_P(WireExtremes, AcceptedMessagesLeaveFiniteStates) {
   const World world(room());
   Numbers numbers(static_cast<std::uint64_t>(GetParam()));
   Lan lan(world);
@@ -149,7 +149,7 @@ TEST_P(WireExtremes, WhatIsTakenLeavesFiniteStates) {
       ASSERT_TRUE(sound(lan.peer(self).ghost(world["OWN"], t)));
       ASSERT_TRUE(sound(lan.peer(self).truth(world["OWN"], t)));
     }
-    lan.peer(self).look(lan.session_now(self));
+    lan.peer(self).advance_ghosts(lan.session_now(self));
     for (const ObjectId object : others) {
       const Pose shown = lan.peer(self).shown(object, lan.session_now(self));
       ASSERT_TRUE(shown.position.allFinite() && std::abs(shown.orientation.norm() - 1.0) < 1e-9) << object.value;

@@ -36,17 +36,17 @@ class Session {
     std::string world = "#VRML V2.0 utf8\n", scenario = "world = \"w.wrl\"\n";
     for (const char side : {'a', 'b'}) {
       const std::string peer = std::string("[peer.") + side;
-      std::string enslaves, motions;
+      std::string owns, motions;
       for (std::size_t i = 0; i < moving_; ++i) {
         world += "DEF " + name_of(side, i) + " Transform { }\n";
-        enslaves += (i == 0 ? "\"" : ", \"") + name_of(side, i) + '"';
+        owns += (i == 0 ? "\"" : ", \"") + name_of(side, i) + '"';
         motions += peer + ".motion." + name_of(side, i) + "]\noutside = true\n";
       }
       for (std::size_t i = 0; i < others_; ++i) {
         world += std::string("DEF s") + side + std::to_string(i) + " Transform { }\n";
       }
-      if (others_ > 0) enslaves += std::string(", \"s") + side + "*\"";
-      scenario += peer + "]\nid = " + (side == 'a' ? "1" : "2") + "\nenslaves = [" + enslaves + "]\n" + motions;
+      if (others_ > 0) owns += std::string(", \"s") + side + "*\"";
+      scenario += peer + "]\nid = " + (side == 'a' ? "1" : "2") + "\nenslaves = [" + owns + "]\n" + motions;
     }
     std::ofstream(folder_ / "w.wrl") << world;
     std::ofstream(folder_ / "s.toml") << scenario;
@@ -93,9 +93,9 @@ class Side {
     const config::RunSettings& run = scenario_.runs.front();
     const std::chrono::microseconds before_sleep(run.transport.busy_poll_us);
     if (before_sleep.count() > 0) {
-      rehearsal_ = value_of(Rehearsal::make(run.replication.policy), "no rehearsal");
+      cache_warmer_ = value_of(CacheWarmer::make(run.replication.policy), "no rehearsal");
     }
-    daemon_.busy_poll(before_sleep, rehearsal_.get());
+    daemon_.busy_poll(before_sleep, cache_warmer_.get());
     const Scene& scene = shared_->world.scene;
     for (std::size_t i = 0; i < session.moving(); ++i) {
       names_.push_back(name_of(side, i));
@@ -112,12 +112,12 @@ class Side {
   }
   // Whether the other's i-th object is where that was put.
   [[nodiscard]] bool hears(std::size_t i) const {
-    const replication::UpdateRecord* told = node_->peer().last_told(others_[i % others_.size()]);
+    const replication::UpdateRecord* told = node_->peer().last_update_of(others_[i % others_.size()]);
     return told != nullptr && (told->model.state.position - place(i)).norm() < 0.01;
   }
   [[nodiscard]] bool ready() const {
     const auto& members = node_->peer().members().all();
-    return node_->start() && members.size() == 1 && members.begin()->second.knows_us &&
+    return node_->start() && members.size() == 1 && members.begin()->second.echoes_us &&
            node_->peer().owners().size() == objects_;
   }
   [[nodiscard]] std::uint64_t lost() const {
@@ -137,7 +137,7 @@ class Side {
     if (!objects) throw std::runtime_error(objects.error().text);
     const std::size_t number = own_ == 'a' ? 0 : 1;
     PeerNode::Options options;
-    options.boot = static_cast<std::uint64_t>(clock_.now().time_since_epoch().count());
+    options.incarnation = static_cast<std::uint64_t>(clock_.now().time_since_epoch().count());
     options.wait_for = {PeerId{1}, PeerId{2}};
     options.keep_log = false;
     return PeerNode::make(run.peers[number], run.replication, *shared_, std::move((*objects)[number]),
@@ -160,7 +160,7 @@ class Side {
   std::unique_ptr<const SharedWorld> shared_;
   std::unique_ptr<PeerNode> node_;
   std::unique_ptr<net::Transport> transport_;
-  std::unique_ptr<Rehearsal> rehearsal_;
+  std::unique_ptr<CacheWarmer> cache_warmer_;
   Daemon daemon_;
   std::vector<std::string> names_;  // of its own that move,
   std::vector<ObjectId> others_;    // .. and of the other's
@@ -217,7 +217,7 @@ void ping(Side& side, Pace pace, Stamps& stamps) {
       side.ready() ? send() : schedule();
     });
   };
-  side.daemon().on_heard([&] {
+  side.daemon().on_received([&] {
     if (!under_way || !side.hears(next)) return;
     stamps.answered[next] = Clock::now();
     watch.progress();
@@ -233,7 +233,7 @@ void ping(Side& side, Pace pace, Stamps& stamps) {
 void pong(Side& side, Stamps& stamps) {
   Watch watch(side.io());
   std::size_t next = 0;
-  side.daemon().on_heard([&] {
+  side.daemon().on_received([&] {
     if (next == stamps.pings || !side.hears(next)) return;
     stamps.heard[next] = Clock::now();
     watch.progress();

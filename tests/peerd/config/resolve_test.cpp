@@ -59,8 +59,8 @@ const std::string kTwo = "[peer.a]\nid = 1\nenslaves = [\"CAR_*\"]\n[peer.b]\nid
 TEST_F(ResolveTest, PatternsBecomeObjectsOnceEach) {
   const auto p = peers("[peer.b]\nid = 2\nenslaves = [\"CAR_C\", \"CAR_?\"]\n[peer.a]\nid = 1\nenslaves = [\"V*\"]\n");
   ASSERT_EQ(p.size(), 2u);
-  EXPECT_THAT(p[0].enslaved, ElementsAre(kVan)) << "in the order of run.peers, by id";
-  EXPECT_THAT(p[1].enslaved, ElementsAre(kCarC, kCarB, kCarA)) << "in the order of the settings, then of the world";
+  EXPECT_THAT(p[0].owned, ElementsAre(kVan)) << "in the order of run.peers, by id";
+  EXPECT_THAT(p[1].owned, ElementsAre(kCarC, kCarB, kCarA)) << "in the order of the settings, then of the world";
   EXPECT_THAT(moved(p[1]), IsEmpty());
 }
 

@@ -115,9 +115,9 @@ TEST_F(ScenarioTest, ReadsWhatTheFileSays) {
   EXPECT_EQ(run.peers[0].name, "a") << "by id";
   EXPECT_EQ(run.peers[1].name, "b");
   EXPECT_EQ(run.peers[2].name, "zoe");
-  ASSERT_EQ(run.peers[0].enslaves.size(), 1u);
-  EXPECT_EQ(run.peers[0].enslaves[0].text, "CAR");
-  EXPECT_THAT(run.peers[0].enslaves[0].at, testing::EndsWith("my.toml:18:13: "));
+  ASSERT_EQ(run.peers[0].owns.size(), 1u);
+  EXPECT_EQ(run.peers[0].owns[0].text, "CAR");
+  EXPECT_THAT(run.peers[0].owns[0].at, testing::EndsWith("my.toml:18:13: "));
   EXPECT_EQ(std::get<MotionFormula>(run.peers[0].motion.at("CAR").kind).x, "t");
 }
 
@@ -250,7 +250,7 @@ TEST_F(ScenarioTest, ASetListSweeps) {
 TEST_F(ScenarioTest, AListOfNodesIsOneValue) {
   const Scenario s = read(kTwoPeers, {"peer.zoe.enslaves=[\"X\", \"Y\"]"});
   ASSERT_EQ(s.runs.size(), 1u);
-  EXPECT_THAT(s.runs.front().peers[2].enslaves,
+  EXPECT_THAT(s.runs.front().peers[2].owns,
               ElementsAre(testing::Field(&NodePattern::text, "X"), testing::Field(&NodePattern::text, "Y")));
 }
 

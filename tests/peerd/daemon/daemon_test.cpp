@@ -38,7 +38,7 @@ class Waiting : public testing::Test {
     settings.name = "a";
     settings.id = 1;
     config::PeerObjects objects;
-    objects.enslaved = {*shared->world.scene.find("CAR")};
+    objects.owned = {*shared->world.scene.find("CAR")};
     node = PeerNode::make(settings, {}, *shared, std::move(objects), {});
     transport = *net::MulticastSocket::open(io, clock, options());
   }
@@ -71,7 +71,7 @@ class Waiting : public testing::Test {
   Used run(Duration busy_poll) {
     Daemon daemon(
         io, *node, *transport, clock, [](const LogLine&) {}, std::nullopt);
-    daemon.busy_poll(busy_poll, rehearsal.get());
+    daemon.busy_poll(busy_poll, cache_warmer.get());
     Listener stranger(io, options());
     boost::asio::steady_timer timer(io);
     const auto give_up = std::chrono::steady_clock::now() + 10s;
@@ -106,8 +106,8 @@ class Waiting : public testing::Test {
   std::unique_ptr<const SharedWorld> shared;
   std::unique_ptr<PeerNode> node;
   std::unique_ptr<net::Transport> transport;
-  std::unique_ptr<Rehearsal> rehearsal = std::move(*Rehearsal::make({}));
-  std::uint64_t rehearsed_before = rehearsal->heard();
+  std::unique_ptr<CacheWarmer> cache_warmer = std::move(*CacheWarmer::make({}));
+  std::uint64_t received_before = cache_warmer->updates_received();
   nlohmann::json status;
 };
 
@@ -115,14 +115,14 @@ TEST_F(Waiting, SleepsAtOnceByDefault) {
   const Used all = run(Duration{0});
   EXPECT_GE(all.sleeps, static_cast<long>(kTicks));
   EXPECT_LT(all.cpu_s, 0.5 * all.wall_s);
-  EXPECT_EQ(rehearsal->heard(), rehearsed_before);
+  EXPECT_EQ(cache_warmer->updates_received(), received_before);
 }
 
 // For longer than the run takes: all that it does, it does while it polls.
 TEST_F(Waiting, TicksHearsAnswersAndLeavesWhileItPolls) {
   const Used all = run(20s);
   EXPECT_LT(all.sleeps, static_cast<long>(kTicks) / 2);
-  EXPECT_GT(rehearsal->heard(), rehearsed_before + kTicks) << "some 80 could be between two ticks";
+  EXPECT_GT(cache_warmer->updates_received(), received_before + kTicks) << "some 80 could be between two ticks";
 }
 
 // 60 ticks a second, 100 timers and 100 datagrams: 0.26 of the time at most, and what it does.

@@ -16,22 +16,22 @@ struct Policy {
 };
 void PrintTo(const Policy& p, std::ostream* out) { *out << p.name; }
 
-class RehearsalOf : public testing::TestWithParam<Policy> {};
+class CacheWarmerOf : public testing::TestWithParam<Policy> {};
 
 // So many runs tell as many updates, which leave, come back and are taken; but for some that a kernel with much to do
 // may still hold back.
-void expect_told(Rehearsal& rehearsal) {
+void expect_told(CacheWarmer& cache_warmer) {
   constexpr std::uint64_t kRuns = 200;
-  const std::uint64_t before = rehearsal.heard();
-  for (std::uint64_t i = 0; i < kRuns; ++i) rehearsal.run();
-  EXPECT_GE(rehearsal.heard(), before + kRuns * 9 / 10);
+  const std::uint64_t before = cache_warmer.updates_received();
+  for (std::uint64_t i = 0; i < kRuns; ++i) cache_warmer.run();
+  EXPECT_GE(cache_warmer.updates_received(), before + kRuns * 9 / 10);
 }
 
 // However updates are published.
-TEST_P(RehearsalOf, TellsInEachRun) {
-  const auto rehearsal = Rehearsal::make(GetParam().policy);
-  ASSERT_TRUE(rehearsal) << rehearsal.error().sentence;
-  expect_told(**rehearsal);
+TEST_P(CacheWarmerOf, UpdatesInEachRun) {
+  const auto cache_warmer = CacheWarmer::make(GetParam().policy);
+  ASSERT_TRUE(cache_warmer) << cache_warmer.error().sentence;
+  expect_told(**cache_warmer);
 }
 
 PublishPolicy with(auto change) {
@@ -41,19 +41,19 @@ PublishPolicy with(auto change) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Policies, RehearsalOf,
+    Policies, CacheWarmerOf,
     testing::Values(Policy{"Seed", {}}, Policy{"ChosenModels", with([](PublishPolicy& p) { p.models.emplace(); })},
                     Policy{"Snapshots", with([](PublishPolicy& p) { p.snapshots_hz = 20; })},
                     Policy{"HardlyAnyBytes", with([](PublishPolicy& p) { p.bytes_per_s = 1.0; })},
                     Policy{"ALooseThreshold", with([](PublishPolicy& p) { p.error_threshold_m = 1e9; })}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
-TEST(Rehearsal, TellsInEachRunOfAnotherSession) {
-  const auto rehearsal = Rehearsal::make({}, 500);
-  ASSERT_TRUE(rehearsal) << rehearsal.error().sentence;
-  for (int i = 0; i < 1000; ++i) (*rehearsal)->run();
-  EXPECT_EQ((*rehearsal)->sessions(), 3u);
-  expect_told(**rehearsal);
+TEST(CacheWarmer, UpdatesInEachRunOfAnotherSession) {
+  const auto cache_warmer = CacheWarmer::make({}, 500);
+  ASSERT_TRUE(cache_warmer) << cache_warmer.error().sentence;
+  for (int i = 0; i < 1000; ++i) (*cache_warmer)->run();
+  EXPECT_EQ((*cache_warmer)->sessions(), 3u);
+  expect_told(**cache_warmer);
 }
 
 }  // namespace peerd::rehearsal_test

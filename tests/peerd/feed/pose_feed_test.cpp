@@ -252,7 +252,7 @@ TEST(PoseFeed, AQuaternionOfFewDigitsIsMadeUnit) {
   EXPECT_NEAR(feed.at(after(0)).orientation.norm(), 1.0, 1e-15);
 }
 
-TEST(PoseFeed, AnOrientationThatIsNotToldIsThatBefore) {
+TEST(PoseFeed, AMissingOrientationKeepsTheLastOne) {
   PoseFeed feed({}, kStale);
   const Quat turned(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
   ASSERT_TRUE(feed.push(after(0), after(0), {.orientation = turned}));
@@ -284,7 +284,7 @@ TEST(PoseFeed, StandsWhenTheProgramFallsSilent) {
 }
 
 // Without the rule, 200 m/s^2 would act for half a second: 25 m.
-TEST(PoseFeed, AParabolaIsBelievedAsFarAheadAsItReachesBack) {
+TEST(PoseFeed, AParabolaIsExtrapolatedAsFarAsItReachesBack) {
   PoseFeed feed({}, kStale);
   for (const double t : {0.0, 0.02, 0.04}) {
     ASSERT_TRUE(feed.push(after(t), after(t), {.position = Vec3(100.0 * t * t, 0, 0)}));
@@ -306,7 +306,7 @@ TEST(PoseFeed, AJumpIsNoMotion) {
   EXPECT_NEAR(feed.at(after(0.4)).velocity.x(), 10.0, 1e-9);
 }
 
-TEST(PoseFeed, FasterThanAnUpdateCanTellIsAJumpThatNobodyNamed) {
+TEST(PoseFeed, ASpeedBeyondTheWireLimitsIsAnUnmarkedJump) {
   PoseFeed feed({}, kStale);
   for (const double t : {0.0, 0.02, 0.04}) {
     ASSERT_TRUE(feed.push(after(t), after(t), {.position = Vec3(t == 0.04 ? 1e9 : 0.0, 0, 0)}));

@@ -121,7 +121,7 @@ TEST(Agreement, SingleContactTakesItsCollidersGap) {  // CAR meets the wall at 3
 }
 
 // Of decisions alone, by what has been taken over: contact times must be the same.
-TEST(Agreement, SharedCountsDecisionsThatWereTakenOver) {
+TEST(Agreement, SharedCountsAppliedDecisions) {
   RunRecord run = samples::quiet_run();
   run.contacts = {row(1, kA, "owner"),          row(1, kB, "predicted"), row(3, kA, "decided"), row(3, kB, "applied"),
                   row(3, kC, "applied", kLeft), row(5, kA, "decided"),   row(5, kB, "applied"), row(5, kC, "predicted"),
@@ -134,7 +134,7 @@ TEST(Agreement, SharedCountsDecisionsThatWereTakenOver) {
   EXPECT_EQ(s.spurious, 1u);
 }
 
-TEST(Agreement, LatencyRunsToTheFirstOfTheWordsThatStay) {
+TEST(Agreement, LatencyRunsToTheFirstStatementThatStays) {
   RunRecord run = samples::quiet_run();
   run.contacts = {row(3, kA, "owner"), row(3, kB, "predicted", kLeft, 0.1), row(3, kB, "predicted", kRight, 0.25),
                   row(3, kB, "applied", kRight, 0.5)};

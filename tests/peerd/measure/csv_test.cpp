@@ -59,7 +59,7 @@ TEST(Csv, SameRecordsSameBytes) {
 TEST(Csv, NumbersReadBackToTheSameBits) {
   RunRecord run = samples::quiet_run();
   const double awkward = 0.1 + 0.2;
-  run.beliefs = {belief(1.0 / 3.0, kB, kCar, {awkward, -0.0, 1e-300}, {awkward, 0, 0})};
+  run.ghost_samples = {belief(1.0 / 3.0, kB, kCar, {awkward, -0.0, 1e-300}, {awkward, 0, 0})};
   const std::vector<std::string> cells = cells_of(lines_of(errors_csv({&run, 1}))[1]);
   const auto value = [&](std::size_t i) {
     double v = 0.0;

@@ -111,7 +111,7 @@ TEST_F(ExpectationsReport, WhatIsNotThereFails) {
   e.object = "TRAIN";
   EXPECT_THAT(check(e).failures.at(0).why, HasSubstr("no such view"));
   e.object = "CAR";
-  std::erase_if(runs[0].beliefs, [](const BeliefSample& s) { return s.object == samples::kCar; });
+  std::erase_if(runs[0].ghost_samples, [](const GhostSample& s) { return s.object == samples::kCar; });
   rows = summarise({}, runs)["runs"];
   ASSERT_EQ(check(e).failures.size(), 1u);
   EXPECT_EQ(check(e).failures[0].why, "no samples");

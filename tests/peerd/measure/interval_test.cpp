@@ -72,7 +72,7 @@ TEST(Points, AreRunsThatDifferInTheirSeedAlone) {
 // A view of nothing has an error of 0 in summary.json, which has no NaN; a mean over seeds must not take it for one.
 TEST(Points, LeaveOutWhatWasNotSeen) {
   std::vector<RunRecord> runs{samples::zigzag_run(0.1), samples::zigzag_run(0.1)};
-  std::erase_if(runs[1].beliefs, [](const BeliefSample& s) { return s.object == samples::kCar; });
+  std::erase_if(runs[1].ghost_samples, [](const GhostSample& s) { return s.object == samples::kCar; });
   ScenarioInfo info{"zigzag", "sim", 7, {}};
   info.repeat = 2;
   const auto summary = summarise(info, runs);

@@ -42,7 +42,7 @@ TEST(Summary, HasTheShapeOfTheDesign) {
 
 TEST(Summary, HandNumbers) {
   RunRecord run = samples::quiet_run();
-  run.beliefs = {belief(0, kB, kCar, {0, 0, 0}, {0, 0, 0}), belief(1, kB, kCar, {0, 0, 0}, {3, 0, 4}),
+  run.ghost_samples = {belief(0, kB, kCar, {0, 0, 0}, {0, 0, 0}), belief(1, kB, kCar, {0, 0, 0}, {3, 0, 4}),
                  belief(3, kB, kCar, {1, 0, 0}, {2, 0, 0})};
   run.updates = {{0, kA, kCar, 30, 0.5, "first"}, {1, kA, kCar, 32, 0.5, "error"}, {1, kB, kCube, 30, 0.5, "time"}};
   run.datagrams = {{0, kA, 100}, {1, kA, 50}, {2, kC, 25}};
@@ -130,7 +130,7 @@ TEST(Summary, ARunCountsWhereTheComputerKeptTime) {
 TEST(Summary, NothingInItIsNull) {
   RunRecord run = samples::quiet_run();
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  run.beliefs = {belief(0, kB, kCar, {nan, 0, 0}, {0, 0, 0}), belief(1, kB, kCar, {0, 0, 0}, {1, 0, 0}),
+  run.ghost_samples = {belief(0, kB, kCar, {nan, 0, 0}, {0, 0, 0}), belief(1, kB, kCar, {0, 0, 0}, {1, 0, 0}),
                  belief(2, kB, kCar, {0, 0, 0}, {1e200, 0, 0})};
   const std::vector<RunRecord> runs{run, RunRecord{}};
   const Json s = summarise(kInfo, runs);
@@ -169,7 +169,7 @@ TEST(Table, ManyObserversHaveARowEach) {
   RunRecord run = samples::zigzag_run(0.1);
   const PeerId d{4};
   run.peers.push_back({d, "d"});
-  for (int i = 0; i < 3; ++i) run.beliefs.push_back(belief(i, d, kCar, {0, 0, 0}, {1, 0, 0}));
+  for (int i = 0; i < 3; ++i) run.ghost_samples.push_back(belief(i, d, kCar, {0, 0, 0}, {1, 0, 0}));
   const std::string text = table(summarise(kInfo, {&run, 1}));
   EXPECT_EQ(std::ranges::count(text, '\n'), 2 + 3) << text;
   EXPECT_THAT(text, testing::HasSubstr("observer"));

@@ -23,7 +23,7 @@ PeerLog full_log() {
   s.acceleration = {1, 2, 3};
   s.orientation = Quat(0.5, -0.5, 0.5, -0.5);
   s.angular_velocity_body = {4, 5, 6};
-  log.beliefs = {{SimTime{Duration{-5}}, HostTime{Duration{5}}, ObjectId{3}, PeerId{7}, s}, {}};
+  log.object_samples = {{SimTime{Duration{-5}}, HostTime{Duration{5}}, ObjectId{3}, PeerId{7}, s}, {}};
   log.updates = {{SimTime{Duration{11}}, ObjectId{3}, 31, 0.01, "error"}};
   log.datagrams = {{SimTime{Duration{12}}, 98}};
   log.contacts = {
@@ -41,9 +41,9 @@ void expect_same(const PeerLog& a, const PeerLog& b) {
   EXPECT_EQ(a.groups_joined, b.groups_joined);
   EXPECT_EQ(a.other_worlds, b.other_worlds);
   EXPECT_EQ(a.counters, b.counters);
-  ASSERT_EQ(a.beliefs.size(), b.beliefs.size());
-  for (std::size_t i = 0; i < a.beliefs.size(); ++i) {
-    const auto &x = a.beliefs[i], &y = b.beliefs[i];
+  ASSERT_EQ(a.object_samples.size(), b.object_samples.size());
+  for (std::size_t i = 0; i < a.object_samples.size(); ++i) {
+    const auto &x = a.object_samples[i], &y = b.object_samples[i];
     EXPECT_TRUE(x.at == y.at && x.true_at == y.true_at && x.object == y.object && x.owner == y.owner);
     EXPECT_EQ(x.state.position, y.state.position);
     EXPECT_EQ(x.state.velocity, y.state.velocity);

@@ -9,7 +9,7 @@ namespace peerd::peer_node_test {
 using namespace std::chrono_literals;
 
 // A start that comes while the computer sleeps must not be slept through for good.
-TEST(PeerNode, WhoSleepsThroughTheStartBeginsWhenItWakes) {
+TEST(PeerNode, APeerSuspendedDuringTheStartBeginsWhenItResumes) {
   const testing_support::ScratchFolder folder;
   folder.write("w.wrl",
                "#VRML V2.0 utf8\nDEF A Transform { velocityVector 2 0 0 children Shape { geometry Box { } } }\n");
@@ -19,7 +19,7 @@ TEST(PeerNode, WhoSleepsThroughTheStartBeginsWhenItWakes) {
   settings.name = "a";
   settings.id = 1;
   config::PeerObjects objects;
-  objects.enslaved = {*(*shared)->world.scene.find("A")};
+  objects.owned = {*(*shared)->world.scene.find("A")};
   PeerNode::Options options;
   options.start_lead = 4s;
   const auto made = PeerNode::make(settings, {}, **shared, std::move(objects), options);

@@ -20,7 +20,7 @@ Setup some_setup(const char* group, std::uint32_t pool) {
   s.world = "/some/where/w.wrl";
   s.world_hash = 0xFEDC'BA98'7654'3210;
   s.inlines_when_needed = true;
-  s.options.boot = ~std::uint64_t{0};
+  s.options.incarnation = ~std::uint64_t{0};
   s.options.wait_for = {PeerId{1}, PeerId{4'000'000'000}};
   s.options.start_lead = Duration{5};
   s.options.clock_offset = Duration{-3};

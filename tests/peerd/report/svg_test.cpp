@@ -196,9 +196,9 @@ TEST(Figures, OfALongRun) {
 }
 TEST(Figures, OfRunsThatAreBroken) {
   RunRecord run = samples::zigzag_run(0.1);
-  for (std::size_t i = 0; i < run.beliefs.size(); i += 3) {
-    run.beliefs[i].ghost.position.x() = std::numeric_limits<double>::quiet_NaN();
-    run.beliefs[i].truth.position.z() = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < run.ghost_samples.size(); i += 3) {
+    run.ghost_samples[i].ghost.position.x() = std::numeric_limits<double>::quiet_NaN();
+    run.ghost_samples[i].truth.position.z() = std::numeric_limits<double>::infinity();
   }
   expect_figures({run});
 }
@@ -286,7 +286,7 @@ TEST(FigureFrame, DrawsTheCoordinateThatMovesIfNoneTurns) {
   RunRecord run = samples::quiet_run();
   for (int i = 0; i < 50; ++i) {
     const double t_s = 0.1 * i;
-    run.beliefs.push_back(samples::belief(t_s, samples::kB, samples::kCar, {0.1 * t_s, 0, -0.3 * t_s}, {1, 0, 0}));
+    run.ghost_samples.push_back(samples::belief(t_s, samples::kB, samples::kCar, {0.1 * t_s, 0, -0.3 * t_s}, {1, 0, 0}));
   }
   EXPECT_EQ(figure_frame({&run, 1}, summarise(kInfo, {&run, 1})).component, 2);
 }

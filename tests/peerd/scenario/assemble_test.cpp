@@ -25,8 +25,8 @@ class AssembleTest : public testing::Test {
     run.duration_s = 10;
     run.params = {{"replication.order", 2}};
     config::PeerSettings a, b;
-    a.name = "a", a.id = 1, a.enslaves = {"CAR"}, std::get<config::MotionFormula>(a.motion["CAR"].kind).x = "t^2";
-    b.name = "b", b.id = 2, b.enslaves = {"CUBE"};
+    a.name = "a", a.id = 1, a.owns = {"CAR"}, std::get<config::MotionFormula>(a.motion["CAR"].kind).x = "t^2";
+    b.name = "b", b.id = 2, b.owns = {"CUBE"};
     run.peers = {a, b};
     for (const auto& [peer, name] : {std::pair{kA, "a"}, std::pair{kB, "b"}}) {
       PeerLog& log = logs.emplace_back();
@@ -41,7 +41,7 @@ class AssembleTest : public testing::Test {
     KinematicState s;
     s.position = at;
     s.velocity = v;
-    logs[peer.value - 1].beliefs.push_back(
+    logs[peer.value - 1].object_samples.push_back(
         {kStart + seconds(true_s + ahead_s), kTrueStart + seconds(true_s), object, owner, s});
   }
   report::RunRecord record() {
@@ -63,11 +63,11 @@ TEST_F(AssembleTest, ADrivenObjectsTruthIsItsFormulaBetweenTheOwnersTicks) {
   for (const double t : {1.0, 2.0, 3.0}) believe(kA, t, kCar, kA, {t * t, 0, 0});
   believe(kB, 2.5, kCar, kA, {6, 0, 0});
   const auto r = record();
-  ASSERT_EQ(r.beliefs.size(), 1u);
-  EXPECT_EQ(r.beliefs[0].observer, kB);
-  EXPECT_DOUBLE_EQ(r.beliefs[0].t_s, 2.5);
-  EXPECT_NEAR(r.beliefs[0].truth.position.x(), 6.25, 1e-9) << "not the 6.5 between its samples";
-  EXPECT_EQ(r.beliefs[0].ghost.position.x(), 6.0);
+  ASSERT_EQ(r.ghost_samples.size(), 1u);
+  EXPECT_EQ(r.ghost_samples[0].observer, kB);
+  EXPECT_DOUBLE_EQ(r.ghost_samples[0].t_s, 2.5);
+  EXPECT_NEAR(r.ghost_samples[0].truth.position.x(), 6.25, 1e-9) << "not the 6.5 between its samples";
+  EXPECT_EQ(r.ghost_samples[0].ghost.position.x(), 6.0);
 }
 
 TEST_F(AssembleTest, AnotherObjectsTruthIsInterpolatedBetweenTheOwnersTicks) {
@@ -75,27 +75,27 @@ TEST_F(AssembleTest, AnotherObjectsTruthIsInterpolatedBetweenTheOwnersTicks) {
   believe(kB, 2.0, kCube, kB, {0, 0, -8}, 0, {0, 0, -2});
   for (const double t : {1.0, 1.25, 2.0, 2.5}) believe(kA, t, kCube, kB, Vec3::Zero());
   const auto r = record();
-  ASSERT_EQ(r.beliefs.size(), 4u);
-  EXPECT_NEAR(r.beliefs[0].truth.position.z(), 0.0, 1e-9);
-  EXPECT_NEAR(r.beliefs[1].truth.position.z(), -2.0, 1e-9);
-  EXPECT_NEAR(r.beliefs[2].truth.position.z(), -8.0, 1e-9) << "exactly at a tick";
-  EXPECT_NEAR(r.beliefs[3].truth.position.z(), -9.0, 1e-9) << "after the last, as that one moved";
+  ASSERT_EQ(r.ghost_samples.size(), 4u);
+  EXPECT_NEAR(r.ghost_samples[0].truth.position.z(), 0.0, 1e-9);
+  EXPECT_NEAR(r.ghost_samples[1].truth.position.z(), -2.0, 1e-9);
+  EXPECT_NEAR(r.ghost_samples[2].truth.position.z(), -8.0, 1e-9) << "exactly at a tick";
+  EXPECT_NEAR(r.ghost_samples[3].truth.position.z(), -9.0, 1e-9) << "after the last, as that one moved";
 }
 
 TEST_F(AssembleTest, WhatRestsIsWhereItIsToTheLastBit) {
   const Vec3 at(0.1, -1.0 / 3.0, 1e-3 / 7.0);
   for (const double t : {1.0, 2.0}) believe(kB, t, kCube, kB, at);
   for (int i = 0; i < 100; ++i) believe(kA, 1.0 + 0.01 * i, kCube, kB, at);
-  for (const auto& belief : record().beliefs) EXPECT_EQ(belief.truth.position, at);
+  for (const auto& belief : record().ghost_samples) EXPECT_EQ(belief.truth.position, at);
 }
 
 TEST_F(AssembleTest, OrientationIsInterpolatedToo) {
   believe(kB, 1.0, kCube, kB, {0, 0, 0});
   believe(kB, 2.0, kCube, kB, {0, 0, 0});
-  logs[1].beliefs[1].state.orientation = Quat(Eigen::AngleAxisd(0.8, Vec3::UnitY()));
+  logs[1].object_samples[1].state.orientation = Quat(Eigen::AngleAxisd(0.8, Vec3::UnitY()));
   believe(kA, 1.25, kCube, kB, Vec3::Zero());
   const auto r = record();
-  EXPECT_NEAR(angle_between(r.beliefs[0].truth.orientation, Quat::Identity()), 0.2, 1e-9);
+  EXPECT_NEAR(angle_between(r.ghost_samples[0].truth.orientation, Quat::Identity()), 0.2, 1e-9);
 }
 
 // b's session clock runs 0.4 s ahead of a's: what it believes of t is what it believes when a's clock says t - 0.4. The
@@ -104,10 +104,10 @@ TEST_F(AssembleTest, AnErrorOfTheSessionClockIsNotHidden) {
   for (const double t : {1.0, 2.0, 3.0}) believe(kA, t, kCar, kA, {t * t, 0, 0});
   believe(kB, 2.0, kCar, kA, {2.4 * 2.4, 0, 0}, 0.4);  // a perfect belief of the time that its clock shows
   const auto r = record();
-  ASSERT_EQ(r.beliefs.size(), 1u);
-  EXPECT_NEAR(r.beliefs[0].t_s, 2.0, 1e-9) << "the owner's time at that instant";
-  EXPECT_NEAR(r.beliefs[0].truth.position.x(), 4.0, 1e-9);
-  EXPECT_NEAR(r.beliefs[0].ghost.position.x(), 5.76, 1e-9);
+  ASSERT_EQ(r.ghost_samples.size(), 1u);
+  EXPECT_NEAR(r.ghost_samples[0].t_s, 2.0, 1e-9) << "the owner's time at that instant";
+  EXPECT_NEAR(r.ghost_samples[0].truth.position.x(), 4.0, 1e-9);
+  EXPECT_NEAR(r.ghost_samples[0].ghost.position.x(), 5.76, 1e-9);
 }
 
 TEST_F(AssembleTest, WhatIsBeforeTheStartOrAfterTheEndIsLeftOut) {
@@ -119,7 +119,7 @@ TEST_F(AssembleTest, WhatIsBeforeTheStartOrAfterTheEndIsLeftOut) {
     logs[0].contacts.push_back({kStart + seconds(t), "owner", kCar, kCube, Vec3::UnitX(), kStart + seconds(t + 0.5)});
   }
   const auto r = record();
-  EXPECT_EQ(r.beliefs.size(), 2u);
+  EXPECT_EQ(r.ghost_samples.size(), 2u);
   ASSERT_EQ(r.updates.size(), 2u);
   EXPECT_DOUBLE_EQ(r.updates[1].t_s, 10.0);
   EXPECT_EQ(r.datagrams.size(), 2u);
@@ -139,9 +139,9 @@ TEST_F(AssembleTest, IsSortedAsTheReportWantsItAndSumsTheCounters) {
   logs[0].counters = {{"ticks", 3}};
   logs[1].counters = {{"ticks", 4}, {"dropped_x", 1}};
   const auto r = record();
-  ASSERT_EQ(r.beliefs.size(), 4u);
+  ASSERT_EQ(r.ghost_samples.size(), 4u);
   EXPECT_TRUE(
-      std::ranges::is_sorted(r.beliefs, {}, [](const auto& b) { return std::tuple(b.observer, b.object, b.t_s); }));
+      std::ranges::is_sorted(r.ghost_samples, {}, [](const auto& b) { return std::tuple(b.observer, b.object, b.t_s); }));
   EXPECT_EQ(r.updates.front().sender, kB);
   EXPECT_EQ(r.counters.at("ticks"), 7u);
   EXPECT_EQ(r.counters.at("dropped_x"), 1u);
@@ -164,7 +164,7 @@ TEST_F(AssembleTest, APeerThatNeverMetTheOthersIsNamed) {
 // A belief of an object whose owner left no row is no sample: there is nothing to hold it against.
 TEST_F(AssembleTest, WithoutTheOwnersRowsThereIsNoSample) {
   believe(kA, 1.0, kCube, kB, Vec3::Zero());
-  EXPECT_TRUE(record().beliefs.empty());
+  EXPECT_TRUE(record().ghost_samples.empty());
 }
 
 }  // namespace peerd::assemble_test

@@ -46,7 +46,7 @@ TEST(KnownPeers, SeedsAreGreetedUntilTheyAnswerAndAgainWhenTheyAreGone) {
 }
 
 // An address that somebody made up doesn't hear its number, and who made it up knows those of others alone.
-TEST(KnownPeers, WhoDoesNotEchoTheNumberOfItsAddressIsAStrangerAndIsBelievedNothing) {
+TEST(KnownPeers, APeerThatDoesNotEchoItsNumberIsUnverified) {
   KnownPeers known({.key = kKey});
   const std::uint64_t of_others[] = {0,
                                      99,
@@ -57,19 +57,19 @@ TEST(KnownPeers, WhoDoesNotEchoTheNumberOfItsAddressIsAStrangerAndIsBelievedNoth
   for (const std::uint64_t echo : of_others) {
     Greeting g = from(2, {}, {kC});
     g.echo = echo;
-    EXPECT_EQ(known.on_greeting(HostTime{1s}, kA, g), Outcome::kStranger);
+    EXPECT_EQ(known.on_greeting(HostTime{1s}, kA, g), Outcome::kUnverified);
   }
   EXPECT_THAT(known.peers(), IsEmpty());
   EXPECT_THAT(known.candidates(), IsEmpty());
 }
 
-TEST(KnownPeers, AStrangersGoodbyeRemovesNobody) {
+TEST(KnownPeers, AnUnverifiedGoodbyeRemovesNobody) {
   KnownPeers known({.key = kKey});
   echoed(known, HostTime{1s}, kA, from(2));
   Greeting forged{.instance = 2, .leaving = true};
   for (const std::uint64_t echo : {std::uint64_t{0}, known.number_for(kB)}) {
     forged.echo = echo;
-    EXPECT_EQ(known.on_greeting(HostTime{1s}, kA, forged), Outcome::kStranger);
+    EXPECT_EQ(known.on_greeting(HostTime{1s}, kA, forged), Outcome::kUnverified);
     EXPECT_EQ(known.peers().size(), 1u);
   }
   EXPECT_EQ(echoed(known, HostTime{1s}, kA, forged), Outcome::kLeft);

@@ -149,10 +149,10 @@ TEST_F(MulticastSocketTest, AFullReceiveBufferLosesDatagramsAndSaysHowMany) {
 }
 
 // What was turned away is not lost, though the kernel counts both as one.
-TEST_F(MulticastSocketTest, WhoDoesNotHearItselfCountsOnlyWhatOthersSent) {
+TEST_F(MulticastSocketTest, ASocketWithoutOwnDatagramsCountsOnlyOthers) {
   constexpr std::size_t kFlood = 200, kOwn = 50;
   MulticastOptions deaf_to_itself = options(15);
-  deaf_to_itself.hears_itself = false;
+  deaf_to_itself.receives_own_datagrams = false;
   deaf_to_itself.receive_buffer_bytes = 16 * 1024;
   Listener a(io, options(15)), b(io, deaf_to_itself);
   a.join(1), b.join(1);

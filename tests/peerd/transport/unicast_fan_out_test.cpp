@@ -176,7 +176,7 @@ TEST_F(UnicastFanOutTest, AProcessThatStartsAgainIsKnownAgain) {
 }
 
 // A peer that died without a word is here again: who still greets the old process is told of the new one at once.
-TEST_F(UnicastFanOutTest, WhoTakesUsForAnotherProcessIsToldSo) {
+TEST_F(UnicastFanOutTest, APeerWithAStaleInstanceIsAnswered) {
   UnicastPeer a(io, 0, {});
   udp::socket other(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
   other.non_blocking(true);

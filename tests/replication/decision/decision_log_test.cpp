@@ -24,7 +24,7 @@ DecisionRecord decision(Duration contact, DecisionRule rule = DecisionRule::kVel
 std::vector<std::pair<Duration, PeerId>> standing(const DecisionLog& log) {
   std::vector<std::pair<Duration, PeerId>> all;
   for (const auto& e : log.entries()) {
-    if (e.stands) all.emplace_back(e.record.contact.time_since_epoch(), e.author);
+    if (e.in_force) all.emplace_back(e.record.contact.time_since_epoch(), e.author);
   }
   return all;
 }
@@ -62,8 +62,8 @@ TEST_P(Conflicts, EndAlikeInEitherOrder) {
     ASSERT_TRUE(changes);
     EXPECT_EQ(standing(log), expected) << first;
     if (changes->size() == 2) {
-      EXPECT_FALSE(changes->front().stands) << "first what counts no more";
-      EXPECT_TRUE(changes->back().stands);
+      EXPECT_FALSE(changes->front().in_force) << "first what counts no more";
+      EXPECT_TRUE(changes->back().in_force);
     }
     if (expected.size() == 1) {
       const SimTime loser = expected[0].second == PeerId{1} ? two.contact : one.contact;
@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Conflict{"FarApart", decision(1s), decision(2001ms), {{1s, PeerId{1}}, {2001ms, PeerId{2}}}}),
     [](const auto& c) { return std::string(c.param.name); });
 
-TEST(DecisionLog, OnePeersWordsFollowEachOther) {
+TEST(DecisionLog, DecisionsOfOnePeerFollowEachOther) {
   DecisionLog log;
   for (int i = 0; i < 5; ++i) ASSERT_EQ(log.add(decision(1s + i * 10ms), PeerId{3})->size(), 1u);
   EXPECT_EQ(standing(log).size(), 5u);
@@ -121,7 +121,7 @@ TEST(DecisionLogProperty, WhatStandsIsAFunctionOfTheSet) {
           if (!changes) continue;
           for (const auto& c : *changes) {
             const std::tuple key(c.record.collidee, c.record.contact, c.author);
-            EXPECT_EQ(c.stands ? told.insert(key).second : told.erase(key) == 1, true);
+            EXPECT_EQ(c.in_force ? told.insert(key).second : told.erase(key) == 1, true);
           }
         }
       }

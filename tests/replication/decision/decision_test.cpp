@@ -19,15 +19,15 @@ TEST(DeciderById, IsTheLowerOfTwoOrTheOnlyOne) {
   EXPECT_EQ(decider_by_id(kNobody, kNobody), kNobody);
 }
 
-Stake stake(PeerId owner, double speed, double acceleration = 0.0, Duration latency = 100ms, bool sees = false) {
+Contender stake(PeerId owner, double speed, double acceleration = 0.0, Duration latency = 100ms, bool sees = false) {
   return {owner, moving({0, 0, 0}, {0, speed, 0}, {acceleration, 0, 0}), latency, sees};
 }
-Stake unknown(PeerId owner) { return {owner, std::nullopt, 100ms, true}; }
+Contender unknown(PeerId owner) { return {owner, std::nullopt, 100ms, true}; }
 
 // Of two owners, 1 and 2; who decides by each policy: id, velocity, field-of-view, expected-error, server.
 struct Case {
   const char* name;
-  Stake one, two;
+  Contender one, two;
   std::array<PeerId, 5> expected;
 };
 class Deciders : public testing::TestWithParam<Case> {};

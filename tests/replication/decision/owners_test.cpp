@@ -16,7 +16,7 @@ using testing::Pair;
 constexpr ObjectId kOne{1}, kSeven{7}, kNine{9};
 constexpr PeerId kA{1}, kB{2};
 
-TEST(Owners, NobodyRunsAnythingAtFirst) {
+TEST(Owners, NothingIsOwnedAtFirst) {
   const Owners owners(10), none(0);
   EXPECT_EQ(owners.of(kSeven), kNobody);
   EXPECT_EQ(owners.of(ObjectId{10}), kNobody) << "no such object";
@@ -25,7 +25,7 @@ TEST(Owners, NobodyRunsAnythingAtFirst) {
   EXPECT_THAT(std::vector(none.begin(), none.end()), IsEmpty());
 }
 
-TEST(Owners, TellsOfWhatIsRunAscending) {
+TEST(Owners, ListsOwnedObjectsInAscendingOrder) {
   Owners owners(10);
   owners.set(kNine, kA);
   owners.set(kOne, kB);

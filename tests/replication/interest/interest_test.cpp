@@ -65,14 +65,14 @@ TEST(Interest, EverythingIsAllRegions) {
 TEST(Interest, AfterAStepOfTimeAllStayForAWhile) {
   Interest interest(kGrid, kUsual);
   EXPECT_THAT(go(interest, 100.0, 5.0), ElementsAre(1));
-  interest.redate(at(3.0));
+  interest.restart_at(at(3.0));
   EXPECT_THAT(go(interest, 3.5, 25.0), ElementsAre(3));
   EXPECT_THAT(go(interest, 4.0, 25.0), ElementsAre(-1));
 }
 
-TEST(Interest, WithoutACutItHearsAll) {
+TEST(Interest, WithoutRegionsItReceivesEverything) {
   const Interest interest(RegionGrid(), kUsual);
-  EXPECT_TRUE(interest.hears({1e9, 0, 0}));
+  EXPECT_TRUE(interest.receives({1e9, 0, 0}));
   EXPECT_FALSE(Interest(kGrid, kUsual).hears({0, 0, 0}));
 }
 

@@ -19,7 +19,7 @@ using Seen = std::tuple<ObjectId, Duration, bool>;
 
 struct Watched {
   explicit Watched(const std::string& text) : world(text), motion(*world.model, sim(0s)), colliding(*world.model) {
-    motion.declare(world["BALL"], Role::kFirm);
+    motion.declare(world["BALL"], Role::kAuthoritative);
   }
   // Ticks of 100 ms until `to`.
   std::vector<Seen> until(Duration to) {
@@ -61,7 +61,7 @@ TEST(CollidingObjects, WhatStopsCollidesUntilItIsTakenAway) {
 }
 
 // Between two stops that are as far apart as it is wide, it touches both, and is free when it touches none.
-TEST(CollidingObjects, IsSaidOnceOfSeveralPartners) {
+TEST(CollidingObjects, IsReportedOnceForSeveralPartners) {
   Watched w(box("BALL", "0.5 0.5 0.5", "0 0 0", kStops) + box("RIGHT", "1 50 50", "3.75 0 0") +
             box("UPPER", "50 1 50", "0 0.75 0") + interest("BALL", "\"RIGHT\" \"UPPER\""));
   const ObjectId ball = w.world["BALL"];
@@ -80,14 +80,14 @@ TEST(CollidingObjects, IsSaidOnceOfSeveralPartners) {
   EXPECT_THAT(of_ball(w.until(4s)), ElementsAre(Seen{ball, 3100ms, true}));
 }
 
-TEST(CollidingObjects, AllPeersSayTheSameOfABounce) {
+TEST(CollidingObjects, AllPeersReportTheSameForABounce) {
   const World world(corridor());
   Lan lan(world, {5ms, 0ms, 0, 0});
   for (const std::uint32_t id : {1u, 2u}) {
     PeerConfig config;
     config.id = PeerId{id};
     config.name = id == 1 ? "one" : "two";
-    if (id == 1) config.enslaved.push_back({world["BALL"], false});
+    if (id == 1) config.owned.push_back({world["BALL"], false});
     lan.add(config);
   }
   lan.run_until(3s);
@@ -107,7 +107,7 @@ TEST(CollidingObjects, AllPeersSayTheSameOfABounce) {
 }
 
 // The ghost runs on into what the car has stopped in front of. Its owner knows better.
-TEST(CollidingObjects, OfAnOwnObjectTheTruthTellsNotItsGhost) {
+TEST(CollidingObjects, AnOwnObjectIsReportedByItsTruthNotItsGhost) {
   const World world(box("CAR", "1 1 1", "-5 0 0") + box("CUBE", "1 1 1", "0 0 0") + interest("CAR", "\"CUBE\""));
   Lan lan(world, {5ms, 0ms, 0, 0});
   const auto stops_before_it = [](SimTime t) {
@@ -119,7 +119,7 @@ TEST(CollidingObjects, OfAnOwnObjectTheTruthTellsNotItsGhost) {
     config.id = PeerId{id};
     config.name = id == 1 ? "one" : "two";
     config.policy.track_proximity = false;
-    config.enslaved.push_back({world[id == 1 ? "CAR" : "CUBE"], id == 1});
+    config.owned.push_back({world[id == 1 ? "CAR" : "CUBE"], id == 1});
     lan.add(
         config, 0s,
         id == 1 ? std::map<ObjectId, Lan::Motion>{{world["CAR"], stops_before_it}} : std::map<ObjectId, Lan::Motion>{});

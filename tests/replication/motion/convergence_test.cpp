@@ -125,12 +125,12 @@ TEST(Convergence, WhatMayNotPassFollowsTheGhostsOwnWay) {
   }
 }
 
-PeerConfig joins(const World& world, std::uint32_t id, const char* enslaves, ConvergencePolicy convergence = {}) {
+PeerConfig joins(const World& world, std::uint32_t id, const char* owns, ConvergencePolicy convergence = {}) {
   PeerConfig config;
   config.id = PeerId{id};
   config.name = id == 1 ? "one" : "two";
   config.convergence = convergence;
-  if (enslaves != nullptr) config.enslaved.push_back({world[enslaves], true});
+  if (owns != nullptr) config.owned.push_back({world[owns], true});
   return config;
 }
 Duration phase(SimTime t) { return t.time_since_epoch() - kEpoch; }
@@ -148,7 +148,7 @@ TEST(Convergence, APeerDrawsNothingThroughAWall) {
     Peer& two = lan.peer(1);
     if (two.owner(world["BALL"]) == kNobody) continue;
     const SimTime now = lan.session_now(1);
-    two.look(now);
+    two.advance_ghosts(now);
     const double x = two.shown(world["BALL"], now).position.x();
     ASSERT_TRUE(std::abs(x) > 0.34) << x;
   }
@@ -157,7 +157,7 @@ TEST(Convergence, APeerDrawsNothingThroughAWall) {
 
 // Who drew it a second ago no longer knows where its own wall was then: that the wall has been on the other side in
 // between hinders nothing.
-TEST(Convergence, WhereAnOwnWallWasAndIsNoLongerKnownHindersNothing) {
+TEST(Convergence, AnOwnWallBeyondTheHistoryBlocksNothing) {
   const World world(box("BALL", "0.5 0.5 0.5", "-1 0 0", kBounces) + box("WALL", "0.2 9 9", "-5 0 0") +
                     interest("BALL", "\"WALL\""));
   Lan lan(world, {5ms, 0ms, 0, 0});
@@ -172,7 +172,7 @@ TEST(Convergence, WhereAnOwnWallWasAndIsNoLongerKnownHindersNothing) {
     lan.run_until(t);
     Peer& two = lan.peer(1);
     const SimTime now = lan.session_now(1);
-    two.look(now);
+    two.advance_ghosts(now);
     drawn.push_back(two.shown(world["BALL"], now).position.x());
   }
   EXPECT_NEAR(drawn[0], -1.0, 1e-3);

@@ -38,7 +38,7 @@ std::vector<SimTime> standing(MotionWorld& world) {
     if (const auto* c = std::get_if<ContactEvent>(&e)) {
       all.push_back(*c);
     } else {
-      const TakenBack& back = std::get<TakenBack>(e);
+      const ContactsRetracted& back = std::get<ContactsRetracted>(e);
       std::erase_if(all, [&](const ContactEvent& c2) {
         return c2.at > back.since && (c2.collider == back.object || c2.collidee == back.object);
       });
@@ -55,7 +55,7 @@ std::vector<SimTime> standing(MotionWorld& world) {
 TEST(MotionWorld, BouncesAtTheContactTimeWhereverTicksLie) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({0, 1, 0}, {2, 0.5, 0}));
   drain(world);
   world.advance(sim(1700ms));
@@ -84,7 +84,7 @@ struct Lived {
 };
 Lived live(const World& w, const std::vector<Told>& told, const std::function<Duration(Duration)>& next_tick) {
   MotionWorld world(*w.model, sim(0s));
-  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kBelief);
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kPredicted);
   Lived lived;
   auto next = told.begin();
   Duration now = 0s;
@@ -141,7 +141,7 @@ TEST(MotionWorld, ABounceChainFollowsTheFoldedPath) {
   const World w(corridor());
   for (const double speed : {0.7, 5.0, 97.3}) {
     MotionWorld world(*w.model, sim(0s));
-    world.declare(w["BALL"], Role::kFirm);
+    world.declare(w["BALL"], Role::kAuthoritative);
     world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {speed, 0, 0}));
     std::size_t bounces = 0;
     for (Duration t = 0s; t <= 20s; t += 50ms) {
@@ -164,7 +164,7 @@ TEST(MotionWorld, ABounceChainFollowsTheFoldedPath) {
 TEST(MotionWorld, StandingPairsAreSearchedOnce) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   for (int i = 1; i <= 600; ++i) world.advance(sim(i * 16ms));
   EXPECT_EQ(world.counters().contact_searches, 0u);
   world.set_base(w["BALL"], sim(10s), moving({0, 0, 0}, {0.1, 0, 0}));
@@ -176,7 +176,7 @@ TEST(MotionWorld, StandingPairsAreSearchedOnce) {
 
 // ---- roles ----
 
-TEST(MotionWorld, ADrivenObjectsContactIsToldOnceAndNotAnswered) {
+TEST(MotionWorld, ADrivenObjectsContactIsReportedOnceWithoutAResponse) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
   world.declare(w["BALL"], Role::kDriven);
@@ -195,7 +195,7 @@ TEST(MotionWorld, ADrivenObjectsContactIsToldOnceAndNotAnswered) {
   EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 1.5, 1e-9);
 }
 
-TEST(MotionWorld, ADrivenObjectsNextContactIsToldAgain) {
+TEST(MotionWorld, ADrivenObjectsNextContactIsReported) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
   world.declare(w["BALL"], Role::kDriven);
@@ -229,8 +229,8 @@ TEST(MotionWorld, OnlyTheRegisteredColliderAnswersUnlessMutual) {
   for (const bool mutual : {false, true}) {
     const World w(two_movers() + (mutual ? interest("CUBE", "\"BALL\"") : ""));
     MotionWorld world(*w.model, sim(0s));
-    world.declare(w["BALL"], Role::kFirm);
-    world.declare(w["CUBE"], Role::kFirm);
+    world.declare(w["BALL"], Role::kAuthoritative);
+    world.declare(w["CUBE"], Role::kAuthoritative);
     world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
     world.set_base(w["CUBE"], sim(0s), moving({0, 0, 0}, {-0.5, 0, 0}));
     world.advance(sim(1100ms));
@@ -245,7 +245,7 @@ TEST(MotionWorld, OnlyTheRegisteredColliderAnswersUnlessMutual) {
 TEST(MotionWorld, AnObjectWithoutAResponseIsSeenButNotTurned) {
   const World w(corridor(""));
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["BALL"], Role::kAuthoritative);
   world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
   for (int i = 0; i < 200; ++i) world.advance(sim(i * 16ms));
   EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
@@ -254,11 +254,11 @@ TEST(MotionWorld, AnObjectWithoutAResponseIsSeenButNotTurned) {
 
 // ---- beliefs ----
 
-TEST(MotionWorld, ABeliefIsTakenBackWhenItsCauseMovedOtherwise) {
+TEST(MotionWorld, APredictedContactIsRetractedWhenItsCauseMovedOtherwise) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
-  world.declare(w["CUBE"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
+  world.declare(w["CUBE"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
   drain(world);
   world.advance(sim(2s));
@@ -270,7 +270,7 @@ TEST(MotionWorld, ABeliefIsTakenBackWhenItsCauseMovedOtherwise) {
   bool told = false;
   for (const auto& e : drain(world)) {
     EXPECT_FALSE(std::holds_alternative<ContactEvent>(e));
-    const auto* back = std::get_if<TakenBack>(&e);
+    const auto* back = std::get_if<ContactsRetracted>(&e);
     told = told || (back != nullptr && back->object == w["BALL"] && back->since < sim(1500ms));
   }
   EXPECT_TRUE(told);
@@ -285,11 +285,11 @@ TEST(MotionWorld, ABeliefIsTakenBackWhenItsCauseMovedOtherwise) {
   EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -0.5, 1e-8);
 }
 
-TEST(MotionWorld, SaysWhatHasChangedAndWhatStands) {
+TEST(MotionWorld, ReportsChangedAndRestingObjects) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
-  world.declare(w["CUBE"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
+  world.declare(w["CUBE"], Role::kPredicted);
   const auto changed = [&] {
     std::vector<ObjectId> all;
     world.take_changed([&](ObjectId object) { all.push_back(object); });
@@ -301,22 +301,22 @@ TEST(MotionWorld, SaysWhatHasChangedAndWhatStands) {
   EXPECT_THAT(changed(), testing::UnorderedElementsAre(w["BALL"], w["CUBE"])) << "each once";
   world.advance(sim(1s));
   EXPECT_THAT(changed(), IsEmpty());
-  EXPECT_TRUE(world.stands_from(w["CUBE"], sim(1s)));
-  EXPECT_FALSE(world.stands_from(w["BALL"], sim(1s)));
+  EXPECT_TRUE(world.is_at_rest_from(w["CUBE"], sim(1s)));
+  EXPECT_FALSE(world.is_at_rest_from(w["BALL"], sim(1s)));
   world.advance(sim(2s));  // the ball has hit the cube
   EXPECT_THAT(changed(), testing::Contains(w["BALL"]));
   world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}, {0, 5, 0}));  // it had left by then
   EXPECT_THAT(changed(), testing::UnorderedElementsAre(w["BALL"], w["CUBE"])) << "what followed is taken back";
   world.set_base(w["CUBE"], sim(3s), moving({0, 9, 0}));
-  EXPECT_FALSE(world.stands_from(w["CUBE"], sim(2s)));
-  EXPECT_TRUE(world.stands_from(w["CUBE"], sim(3s)));
+  EXPECT_FALSE(world.is_at_rest_from(w["CUBE"], sim(2s)));
+  EXPECT_TRUE(world.is_at_rest_from(w["CUBE"], sim(3s)));
   world.set_base(w["CUBE"], sim(3500ms), moving({0, 9, 0}, {1, 0, 0}));
-  EXPECT_FALSE(world.stands_from(w["CUBE"], sim(3s))) << "not for long";
+  EXPECT_FALSE(world.is_at_rest_from(w["CUBE"], sim(3s))) << "not for long";
   MotionModel later = moving({0, 9, 0});
   later.kind = MotionKind::kThird;
   later.jerk = {1, 0, 0};
   world.set_base(w["CUBE"], sim(4s), later);
-  EXPECT_FALSE(world.stands_from(w["CUBE"], sim(4s))) << "it is about to move";
+  EXPECT_FALSE(world.is_at_rest_from(w["CUBE"], sim(4s))) << "it is about to move";
 }
 
 // What follows from a belief that was taken back is taken back too: BALL threw CUBE, CUBE threw LAST.
@@ -325,7 +325,7 @@ TEST(MotionWorld, TakingBackFollowsTheChain) {
                 box("LAST", "0.5 0.5 0.5", "2 0 0", kBounces) + interest("CUBE", "\"BALL\"") +
                 interest("LAST", "\"CUBE\""));
   MotionWorld world(*w.model, sim(0s));
-  for (const char* mover : {"BALL", "CUBE", "LAST"}) world.declare(w[mover], Role::kBelief);
+  for (const char* mover : {"BALL", "CUBE", "LAST"}) world.declare(w[mover], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
   world.advance(sim(3s));
   EXPECT_THAT(standing(world), ElementsAre(sim(1500ms), sim(2250ms)));
@@ -338,11 +338,11 @@ TEST(MotionWorld, TakingBackFollowsTheChain) {
   EXPECT_EQ(world.counters().contacts_undone, 2u);
 }
 
-TEST(MotionWorld, AFirmAnswerStands) {
+TEST(MotionWorld, AnAuthoritativeResponseIsKept) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kFirm);
-  world.declare(w["CUBE"], Role::kBelief);
+  world.declare(w["BALL"], Role::kAuthoritative);
+  world.declare(w["CUBE"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
   world.advance(sim(2s));
   EXPECT_EQ(contact_times(world).size(), 1u);
@@ -353,11 +353,11 @@ TEST(MotionWorld, AFirmAnswerStands) {
   EXPECT_EQ(world.counters().contacts_undone, 0u);
 }
 
-TEST(MotionWorld, AFirmObjectIsNotSearchedInThePastItLived) {
+TEST(MotionWorld, AnAuthoritativeObjectIsNotSearchedInItsPast) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kFirm);
-  world.declare(w["CUBE"], Role::kBelief);
+  world.declare(w["BALL"], Role::kAuthoritative);
+  world.declare(w["CUBE"], Role::kPredicted);
   world.set_base(w["CUBE"], sim(0s), moving({0, 9, 0}));
   world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
   world.advance(sim(4s));
@@ -371,7 +371,7 @@ TEST(MotionWorld, AFirmObjectIsNotSearchedInThePastItLived) {
 TEST(MotionWorld, ALateUpdateIsSearchedFromItsOwnTime) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.advance(sim(3s));
   world.set_base(w["BALL"], sim(500ms), moving({1, 0, 0}, {4, 0, 0}));  // right wall at 1 s, left wall at 2.5 s
   world.advance(sim(3s));
@@ -382,8 +382,8 @@ TEST(MotionWorld, ALateUpdateIsSearchedFromItsOwnTime) {
 TEST(MotionWorld, AnUpdateAfterTheContactHoldsItsOutcome) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
-  world.declare(w["CUBE"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
+  world.declare(w["CUBE"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
   world.set_base(w["BALL"], sim(1900ms), moving({-0.9, 0, 0}, {-3, 0, 0}));  // its owner has bounced already
   world.advance(sim(3s));
@@ -395,8 +395,8 @@ TEST(MotionWorld, AnUpdateAfterTheContactHoldsItsOutcome) {
 TEST(MotionWorld, AnOverlapFromBeforeTheLastUpdateIsNotFoundOverAndOver) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
-  world.declare(w["CUBE"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
+  world.declare(w["CUBE"], Role::kPredicted);
   world.set_base(w["CUBE"], sim(0s), moving({0, 9, 0}));
   world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {0.1, 0, 0}));
   world.advance(sim(1s));
@@ -417,7 +417,7 @@ TEST(MotionWorld, SetBackOnlyOnOverlapAndOnlyWhereAsked) {
     const World w(corridor(std::string(" collisionResponse CollisionResponse { setBack ") +
                            (set_back ? "TRUE" : "FALSE") + " } "));
     MotionWorld world(*w.model, sim(0s));
-    world.declare(w["BALL"], Role::kFirm);
+    world.declare(w["BALL"], Role::kAuthoritative);
     world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
     world.advance(sim(100ms));
     drain(world);
@@ -443,7 +443,7 @@ TEST(MotionWorld, WhatIsNotConvexAnswersAlike) {
                   box("RIGHT", "1 50 50", "3.75 0 0") + interest("BALL", "\"LEFT\" \"RIGHT\""));
     ASSERT_NE(w.model->body(w["BALL"])->not_convex_reason, "");
     MotionWorld world(*w.model, sim(0s));
-    world.declare(w["BALL"], Role::kFirm);
+    world.declare(w["BALL"], Role::kAuthoritative);
     world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0.5, 0}));
     for (int i = 0; i < 600; ++i) world.advance(sim(i * 16ms));
     const auto seen = contacts(world);
@@ -465,7 +465,7 @@ TEST(MotionWorld, WhatIsNotConvexAnswersAlike) {
 TEST(MotionWorld, SetBackGoesToAPlaceOfThePast) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {0.5, 0, 0}));
   world.advance(sim(3s));
   drain(world);
@@ -478,7 +478,7 @@ TEST(MotionWorld, SetBackGoesToAPlaceOfThePast) {
 TEST(MotionWorld, ATouchIsNotSetBack) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["BALL"], Role::kAuthoritative);
   world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
   world.advance(sim(2s));
   const auto seen = contacts(world);
@@ -489,7 +489,7 @@ TEST(MotionWorld, ATouchIsNotSetBack) {
 TEST(MotionWorld, WhatMovesApartIsLetOut) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["BALL"], Role::kAuthoritative);
   world.set_base(w["BALL"], sim(0s), moving({3.2, 0, 0}, {-1, 0, 0}));
   world.advance(sim(2s));
   EXPECT_THAT(contacts(world), IsEmpty());
@@ -504,7 +504,7 @@ std::string floor_world(const char* response) {
 TEST(MotionWorld, WhatIsPressedAgainstAFloorComesToRestAndSlides) {
   const World w(floor_world(kBounces));
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({0, 0.25, 0}, {1, 0, 0}, {0, -9.81, 0}));
   for (int i = 0; i <= 180; ++i) world.advance(sim(i * 16ms));
   const KinematicState s = world.at(w["BALL"], sim(3s));
@@ -524,7 +524,7 @@ TEST(MotionWorld, WhatRestsOnASlopeGoesOnSliding) {
                   interest("BALL", "\"FLOOR\""));
     const Quat tilt = w.scene.rigid_pose(w["FLOOR"]).orientation;
     MotionWorld world(*w.model, sim(0s));
-    world.declare(w["BALL"], Role::kBelief);
+    world.declare(w["BALL"], Role::kPredicted);
     KinematicState s = moving(tilt * Vec3(0, 0.75, 0), Vec3::Zero(), {0, -9.81, 0});
     s.orientation = tilt;
     world.set_base(w["BALL"], sim(0s), s);
@@ -540,7 +540,7 @@ TEST(MotionWorld, WhatRestsOnASlopeGoesOnSliding) {
 TEST(MotionWorld, ADropOnAFloorBouncesBackToItsHeight) {
   const World w(floor_world(kBounces));
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({0, 1.25, 0}, {0, 0, 0}, {0, -9.81, 0}));
   world.advance(sim(20s));
   const auto times = contact_times(world);
@@ -555,7 +555,7 @@ TEST(MotionWorld, ADropOnAFloorBouncesBackToItsHeight) {
 TEST(MotionWorld, ZeroStopsAtTheContact) {
   const World w(corridor(kStops));
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["BALL"], Role::kAuthoritative);
   world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 1, 0}));
   for (int i = 0; i < 300; ++i) world.advance(sim(i * 16ms));
   EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
@@ -567,7 +567,7 @@ TEST(MotionWorld, ZeroStopsAtTheContact) {
 TEST(MotionWorld, AnUnwatchedPairMeetsNothingAndAWatchedOneFromNowOn) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["BALL"], Role::kAuthoritative);
   world.watch(w["RIGHT"], w["BALL"], false);  // either order names the pair
   world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
   world.advance(sim(2s));
@@ -583,7 +583,7 @@ TEST(MotionWorld, WhatCannotBeAnsweredIsCountedOnceAndTheRestGoesOn) {
                 "DEF EGG Transform { translation 1 0 0 children Shape { geometry Sphere { radius 1e18 } } }" +
                 interest("BALL", "\"EGG\""));
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["BALL"], Role::kAuthoritative);
   world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
   for (int i = 0; i < 200; ++i) world.advance(sim(i * 16ms));
   EXPECT_EQ(world.counters().unsupported, 1u);
@@ -593,7 +593,7 @@ TEST(MotionWorld, WhatCannotBeAnsweredIsCountedOnceAndTheRestGoesOn) {
 TEST(MotionWorld, OneAdvanceDoesBoundedWork) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kFirm);
+  world.declare(w["BALL"], Role::kAuthoritative);
   world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {30'000, 0, 0}));  // a wall every 0.2 ms
   world.advance(sim(1s));
   EXPECT_EQ(world.counters().capped, 1u);
@@ -606,8 +606,8 @@ TEST(MotionWorld, OneAdvanceDoesBoundedWork) {
 TEST(MotionWorld, WhatIsJammedStops) {
   const World w(corridor() + box("PRESS", "0.5 0.5 0.5", "0 0 0") + interest("BALL", "\"PRESS\""));
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
-  world.declare(w["PRESS"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
+  world.declare(w["PRESS"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({2.9, 0, 0}));
   world.set_base(w["PRESS"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
   for (int i = 0; i <= 300; ++i) world.advance(sim(i * 16ms));
@@ -620,7 +620,7 @@ TEST(MotionWorld, WhatIsJammedStops) {
 TEST(MotionWorld, HistoryReachesBackAndEnds) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   for (int i = 0; i <= 10; ++i) {
     world.advance(sim(i * 1s));
     world.set_base(w["BALL"], sim(i * 1s), moving({0.1 * i, 0, 0}));
@@ -641,12 +641,12 @@ TEST(MotionWorld, HistoryReachesBackAndEnds) {
 TEST(MotionWorld, ObjectsDeclaredLateLeaveThePairsAlone) {
   const World w(box("FIRST", "1 1 1", "0 20 0") + corridor() + box("LAST", "1 1 1", "0 -20 0"));
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
   world.advance(sim(1s));
   EXPECT_FALSE(world.has(w["FIRST"]));
-  world.declare(w["FIRST"], Role::kFirm);
-  world.declare(w["LAST"], Role::kBelief);
+  world.declare(w["FIRST"], Role::kAuthoritative);
+  world.declare(w["LAST"], Role::kPredicted);
   world.set_base(w["FIRST"], sim(1s), moving({0, 20, 0}, {1, 0, 0}));
   world.advance(sim(2s));
   const auto seen = contacts(world);
@@ -673,7 +673,7 @@ TEST(MotionWorld, ManyMoversInACorridorStayInIt) {
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   for (int i = 0; i < 8; ++i) {
     const ObjectId id = w[("M" + std::to_string(i)).c_str()];
-    world.declare(id, Role::kBelief);
+    world.declare(id, Role::kPredicted);
     world.set_base(id, sim(0s), moving({-2.4 + 0.6 * i, 2, 0}, {u(rng), 0, 0}));
   }
   for (int i = 0; i <= 600; ++i) {
@@ -694,10 +694,10 @@ std::uint64_t looks(const MotionWorld& world) {
   return c.contact_searches + c.searches_far + c.searches_skipped;
 }
 
-TEST(MotionWorld, AWorldWithoutInterestsLooksAtNothing) {
+TEST(MotionWorld, AWorldWithoutInterestsChecksNothing) {
   const World w(box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "0.5 0 0", kBounces));
   MotionWorld world(*w.model, sim(0s));
-  for (const char* mover : {"B", "A"}) world.declare(w[mover], Role::kBelief);
+  for (const char* mover : {"B", "A"}) world.declare(w[mover], Role::kPredicted);
   for (Duration t = 0s; t < 5s; t += 100ms) {
     world.set_base(w["A"], sim(t), moving({0, 0, 0}, {1, 0, 0}));
     world.advance(sim(t));
@@ -710,7 +710,7 @@ TEST(MotionWorld, AWorldWithoutInterestsLooksAtNothing) {
 TEST(MotionWorld, APairFarApartIsSparedItsSearch) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kBelief);
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({-20, 0, 0}, {4, 0, 0}));
   world.advance(sim(3s));
   EXPECT_EQ(world.counters().contact_searches, 0u);
@@ -726,9 +726,9 @@ TEST(MotionWorld, APairFarApartIsSparedItsSearch) {
 TEST(MotionWorld, APairThatWasSparedWasApart) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kFirm);
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kAuthoritative);
   bool answers = false;
-  world.set_outcomes([&](ObjectId, ObjectId, SimTime) { return answers ? Outcome::kAsTold : Outcome::kAnothers; });
+  world.set_authority([&](ObjectId, ObjectId, SimTime) { return answers ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred; });
   world.set_base(w["BALL"], sim(0s), moving({-0.75, 0, 0}, {1, 0, 0}));
   world.advance(sim(300ms));
   EXPECT_EQ(contact_times(world).size(), 1u);  // held: another peer decides
@@ -744,23 +744,23 @@ TEST(MotionWorld, APairThatWasSparedWasApart) {
   EXPECT_NEAR(seen[0].collider_after.position.x(), -19.5, 1e-12);  // where it was at 1.5 s
 }
 
-TEST(MotionWorld, APairOfTheSceneIsNotLookedAt) {
+TEST(MotionWorld, APairOfSceneObjectsIsNotChecked) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({-20, 0, 0}, {1, 0, 0}));
   world.declare(w["BALL"], Role::kScene);  // its peer is lost
   world.advance(sim(5s));
   EXPECT_EQ(looks(world), 0u);
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.advance(sim(6s));
   EXPECT_GT(looks(world), 0u);
 }
 
-TEST(MotionWorld, APairThatIsNotWatchedIsNotLookedAt) {
+TEST(MotionWorld, AnUnwatchedPairIsNotChecked) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
-  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kBelief);
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kPredicted);
   world.watch(w["CUBE"], w["BALL"], false);
   world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
   world.advance(sim(5s));
@@ -779,7 +779,7 @@ TEST(MotionWorld, ForgetsWhatIsOld) {
     std::vector<SimTime> told;
   };
   std::vector<Line> lines = {{w["A"], {sim(0s)}}, {w["B"], {sim(0s)}}, {w["C"], {sim(0s)}}};
-  for (const Line& line : lines) world.declare(line.id, Role::kBelief);
+  for (const Line& line : lines) world.declare(line.id, Role::kPredicted);
   for (Duration now = 0s; now < 60s; now += 1ms + Duration{rng() % 700'000'000}) {
     for (Line& line : lines) {
       for (auto tells = rng() % 3; tells > 0; --tells) {
@@ -793,22 +793,22 @@ TEST(MotionWorld, ForgetsWhatIsOld) {
     drain(world);
     for (Line& line : lines) {
       while (line.told.size() > 1 && line.told[1] <= sim(now - 4s)) line.told.erase(line.told.begin());
-      ASSERT_TRUE(world.knows(line.id, line.told.front()));
-      ASSERT_FALSE(world.knows(line.id, line.told.front() - 1ns));
+      ASSERT_TRUE(world.has_history_at(line.id, line.told.front()));
+      ASSERT_FALSE(world.has_history_at(line.id, line.told.front() - 1ns));
       ASSERT_EQ(world.law_since(line.id, sim(now)),
                 line.told.back() <= sim(now) ? line.told.back() : line.told.front());
     }
   }
 }
 
-TEST(MotionWorld, KeepsWhereADrivenObjectWasAsLongAsItIsTold) {
+TEST(MotionWorld, KeepsTheHistoryOfADrivenObjectAsLongAsConfigured) {
   const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + box("C", "1 1 1", "0 0 9") +
                 box("WALL", "1 1 1", "0 0 -99") + interest("WALL", "\"A\" \"B\" \"C\""));
   MotionWorld usual(*w.model, sim(0s)), brief(*w.model, sim(0s));
-  brief.keep_driven(500ms);
+  brief.keep_history_of_driven(500ms);
   for (MotionWorld* world : {&usual, &brief}) {
     world->declare(w["A"], Role::kDriven);
-    world->declare(w["B"], Role::kFirm);
+    world->declare(w["B"], Role::kAuthoritative);
     world->declare(w["C"], Role::kDriven);  // seldom told
     for (Duration now = 0s; now <= 10s; now += 10ms) {
       for (const char* moved : {"A", "B"})
@@ -819,10 +819,10 @@ TEST(MotionWorld, KeepsWhereADrivenObjectWasAsLongAsItIsTold) {
   }
   for (const char* moved : {"A", "B"}) {
     const bool driven = moved == std::string_view("A");
-    EXPECT_TRUE(usual.knows(w[moved], sim(6s)));
-    EXPECT_EQ(brief.knows(w[moved], sim(9490ms)), !driven);
+    EXPECT_TRUE(usual.has_history_at(w[moved], sim(6s)));
+    EXPECT_EQ(brief.has_history_at(w[moved], sim(9490ms)), !driven);
     for (const Duration t : {9500ms, 9777ms, 10000ms}) {
-      EXPECT_TRUE(brief.knows(w[moved], sim(t)));
+      EXPECT_TRUE(brief.has_history_at(w[moved], sim(t)));
       EXPECT_EQ(brief.at(w[moved], sim(t)).position, usual.at(w[moved], sim(t)).position);
     }
   }
@@ -830,23 +830,23 @@ TEST(MotionWorld, KeepsWhereADrivenObjectWasAsLongAsItIsTold) {
   EXPECT_GT(brief.at(w["A"], sim(8s)).position.x(), 9.4) << "nothing is kept that nobody may ask for";
 }
 
-TEST(MotionWorld, OfADrivenObjectThatMeetsNothingKeepsWhatItWasToldLast) {
+TEST(MotionWorld, KeepsOnlyTheLastSampleOfADrivenObjectWithoutPairs) {
   const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0"));
   MotionWorld usual(*w.model, sim(0s)), brief(*w.model, sim(0s));
-  brief.keep_driven(500ms);
+  brief.keep_history_of_driven(500ms);
   for (MotionWorld* world : {&usual, &brief}) {
     world->declare(w["A"], Role::kDriven);
-    world->declare(w["B"], Role::kFirm);
+    world->declare(w["B"], Role::kAuthoritative);
     for (const char* moved : {"A", "B"}) {
       world->set_base(w[moved], sim(10ms), moving({1, 0, 0}, {1, 0, 0}));
       world->set_base(w[moved], sim(20ms), moving({2, 0, 0}, {1, 0, 0}));
     }
     world->advance(sim(20ms));
   }
-  EXPECT_TRUE(usual.knows(w["A"], sim(10ms)));
-  EXPECT_TRUE(brief.knows(w["B"], sim(10ms)));
-  EXPECT_FALSE(brief.knows(w["A"], sim(10ms)));
-  EXPECT_TRUE(brief.knows(w["A"], sim(20ms)));
+  EXPECT_TRUE(usual.has_history_at(w["A"], sim(10ms)));
+  EXPECT_TRUE(brief.has_history_at(w["B"], sim(10ms)));
+  EXPECT_FALSE(brief.has_history_at(w["A"], sim(10ms)));
+  EXPECT_TRUE(brief.has_history_at(w["A"], sim(20ms)));
   EXPECT_EQ(brief.at(w["A"], sim(10ms)).position.x(), 2.0) << "it has not moved before";
   EXPECT_EQ(brief.at(w["A"], sim(30ms)).position, usual.at(w["A"], sim(30ms)).position);
   EXPECT_EQ(brief.base_time(w["A"]), sim(20ms));
@@ -854,17 +854,17 @@ TEST(MotionWorld, OfADrivenObjectThatMeetsNothingKeepsWhatItWasToldLast) {
 }
 
 // Its driver has given it to another peer; what is told late of its partner is from before what is kept of it.
-TEST(MotionWorld, FindsNoContactWhereItNoLongerKnowsWhereOneWas) {
+TEST(MotionWorld, FindsNoContactBeyondTheHistory) {
   const World w(box("A", "1 1 1", "0 50 0") + box("B", "1 1 1", "-20 0 0", kBounces) + interest("B", "\"A\""));
   MotionWorld world(*w.model, sim(0s));
-  world.keep_driven(500ms);
+  world.keep_history_of_driven(500ms);
   world.declare(w["A"], Role::kDriven);
-  world.declare(w["B"], Role::kBelief);
+  world.declare(w["B"], Role::kPredicted);
   for (Duration now = 0s; now <= 10s; now += 10ms) {
     world.set_base(w["A"], sim(now), moving({0, now < 9s ? 50.0 : 0.0, 0}));
     world.advance(sim(now));
   }
-  world.declare(w["A"], Role::kBelief);
+  world.declare(w["A"], Role::kPredicted);
   world.set_base(w["B"], sim(8s), moving({-8, 0, 0}, {10, 0, 0}));  // was at A's place before A was
   world.advance(sim(10100ms));
   EXPECT_THAT(contacts(world), IsEmpty());
@@ -887,7 +887,7 @@ TEST(MotionWorld, ALawGoesOnAfterItsBounces) {
   const World w(corridor());
   const double rate = 0.9, hit = std::asin(0.75) / rate;  // 4 sin(rate t) = 3
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), spring(4, rate));
   std::vector<SimTime> contacts;
   for (Duration t = 0s; t <= 20 * seconds(hit); t += 10ms) {
@@ -909,11 +909,11 @@ TEST(MotionWorld, ALawGoesOnAfterItsBounces) {
 }
 
 // As for constant accelerations: when advance() is called changes nothing.
-TEST(MotionWorld, LawsDoNotDependOnHowOftenTheyAreLookedAt) {
+TEST(MotionWorld, LawsDoNotDependOnHowOftenTheyAreEvaluated) {
   const World w(corridor());
   const auto lived = [&](Duration step) {
     MotionWorld world(*w.model, sim(0s));
-    world.declare(w["BALL"], Role::kBelief);
+    world.declare(w["BALL"], Role::kPredicted);
     world.set_base(w["BALL"], sim(0s), spring(4, 0.9));
     for (Duration t = 0s; t < 12s; t += step) world.advance(sim(t));
     world.advance(sim(12s));
@@ -927,7 +927,7 @@ TEST(MotionWorld, LawsDoNotDependOnHowOftenTheyAreLookedAt) {
 TEST(MotionWorld, AStoppedLawIsForgotten) {
   const World w(corridor(kStops));
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), spring(4, 0.9));
   world.advance(sim(10s));
   const KinematicState s = world.at(w["BALL"], sim(10s));
@@ -939,7 +939,7 @@ TEST(MotionWorld, AStoppedLawIsForgotten) {
 TEST(MotionWorld, WhatSlidesComesToRestAndCostsNothingThen) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
-  world.declare(w["BALL"], Role::kBelief);
+  world.declare(w["BALL"], Role::kPredicted);
   MotionModel m = moving({0, 0, 0}, {2, 0, 0}, {-1, 0, 0});
   m.kind = MotionKind::kSliding;
   world.set_base(w["BALL"], sim(0s), m);

@@ -62,7 +62,7 @@ TEST(SpinBetween, TurnsOneIntoTheOther) {
   }
 }
 
-TEST(PoseHistory, FindsWhatASourceDoesNotSay) {
+TEST(PoseHistory, DerivesWhatASourceDoesNotGive) {
   KinematicState s = moving({1, 2, 3}, {4, 5, 6}, {1, -2, 3});
   s.angular_velocity_body = {0, 2, 0};
   PoseHistory history;

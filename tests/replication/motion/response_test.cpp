@@ -10,15 +10,15 @@ namespace peerd::replication::response_test {
 
 using namespace test;
 
-KinematicState answer(ResponseType type, const KinematicState& self, const KinematicState& other, bool other_answers,
+KinematicState answer(ResponseType type, const KinematicState& self, const KinematicState& other, bool other_responds,
                       const Vec3& n) {
   CollisionResponse response;
   response.type = type;
-  return respond({response, nullptr, other_answers, self, other, n});
+  return respond({response, nullptr, other_responds, self, other, n});
 }
 KinematicState rested(const CollisionResponse& response, const KinematicState& self, const KinematicState& other,
                       const CollisionResponse* other_response = nullptr) {
-  return rest_against({response, other_response, other_response != nullptr, self, other, Vec3::UnitY()});
+  return come_to_rest_against({response, other_response, other_response != nullptr, self, other, Vec3::UnitY()});
 }
 CollisionResponse impulse(double mass_kg, double restitution = 1.0, double friction_m_s2 = 0.0) {
   return {ResponseType::kImpulse, true, mass_kg, restitution, friction_m_s2};
@@ -28,15 +28,15 @@ struct Case {
   const char* name;
   ResponseType type;
   Vec3 self, other;  // velocities [m/s]; the normal is +x
-  bool other_answers;
+  bool other_responds;
   Vec3 expected;
 };
 class Respond : public testing::TestWithParam<Case> {};
 TEST_P(Respond, ChangesTheVelocity) {
-  const auto& [name, type, self, other, other_answers, expected] = GetParam();
+  const auto& [name, type, self, other, other_responds, expected] = GetParam();
   KinematicState s = moving({1, 2, 3}, self);
   s.orientation = Quat(0, 1, 0, 0);
-  const KinematicState after = answer(type, s, moving({0, 2, 3}, other), other_answers, Vec3::UnitX());
+  const KinematicState after = answer(type, s, moving({0, 2, 3}, other), other_responds, Vec3::UnitX());
   EXPECT_EQ(after.velocity, expected);
   EXPECT_EQ(after.position, s.position);
   EXPECT_EQ(after.orientation.coeffs(), s.orientation.coeffs());
@@ -121,7 +121,7 @@ struct Struck {
   const char* name;
   CollisionResponse self, other;
   double v_self, v_other;  // along the normal, which faces self [m/s]
-  bool other_answers;
+  bool other_responds;
   double expected;
 };
 class Impulse : public testing::TestWithParam<Struck> {};
@@ -129,7 +129,7 @@ TEST_P(Impulse, ChangesTheVelocityAlongTheNormal) {
   const Struck& c = GetParam();
   const KinematicState self = moving({0, 0, 0}, {c.v_self, 3, -5}, {0, -9.81, 0}),
                        other = moving({-1, 0, 0}, {c.v_other, 7, 0});
-  const KinematicState after = respond({c.self, &c.other, c.other_answers, self, other, Vec3::UnitX()});
+  const KinematicState after = respond({c.self, &c.other, c.other_responds, self, other, Vec3::UnitX()});
   EXPECT_DOUBLE_EQ(after.velocity.x(), c.expected);
   EXPECT_EQ(after.velocity.tail<2>(), self.velocity.tail<2>());
   EXPECT_EQ(after.acceleration, self.acceleration);
@@ -184,7 +184,7 @@ TEST(RestAgainst, WhatIsPressedLosesWhatItPartsWith) {
   const KinematicState floor = moving({0, 0, 0}, {0, 1, 0});
   const KinematicState lifting = moving({0, 1, 0}, {3, 1.5, 5}, {0, -10, 0});
   const auto pressed = [&](const KinematicState& self, const CollisionResponse* other_response, bool answers) {
-    return rest_against({ball, other_response, answers, self, floor, Vec3::UnitY()}, true);
+    return come_to_rest_against({ball, other_response, answers, self, floor, Vec3::UnitY()}, true);
   };
   EXPECT_EQ(pressed(lifting, nullptr, false).velocity, Vec3(3, 1, 5));
   EXPECT_EQ(pressed(lifting, nullptr, false).acceleration, Vec3::Zero());

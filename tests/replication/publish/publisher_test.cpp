@@ -37,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(Table, Due,
                                          Case{"Time", {0, 0}, 5s, PublishReason::kTime}),
                          [](const auto& c) { return std::string(c.param.name); });
 
-TEST(DueAtRest, WhatIsKnownToRestWaitsLonger) {
+TEST(DueAtRest, AcknowledgedRestingObjectsWaitLonger) {
   PublishPolicy policy;
   policy.time_threshold = 5s;
   policy.resting_time_threshold = 20s;
@@ -109,18 +109,18 @@ TEST(UpdateBudget, IsFullAtFirstAndDearerTheEmptierItIs) {
   policy.updates_per_s = 2;
   policy.updates_saved = 4;
   UpdateBudget budget;
-  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.01);
+  EXPECT_EQ(budget.least_gain_m(policy, sim(0s)), 0.01);
   budget.spend(policy, sim(0s));
   budget.spend(policy, sim(0s));
-  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.04);
+  EXPECT_EQ(budget.least_gain_m(policy, sim(0s)), 0.04);
   budget.spend(policy, sim(0s));
-  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.08);
+  EXPECT_EQ(budget.least_gain_m(policy, sim(0s)), 0.08);
   budget.spend(policy, sim(0s));
-  EXPECT_EQ(budget.worth_m(policy, sim(0s)), 0.16) << "the last";
+  EXPECT_EQ(budget.least_gain_m(policy, sim(0s)), 0.16) << "the last";
   budget.spend(policy, sim(0s));
-  EXPECT_EQ(budget.worth_m(policy, sim(0s)), std::nullopt) << "one is owed";
-  EXPECT_EQ(budget.worth_m(policy, sim(500ms)), 0.16) << "one more after half a second";
-  EXPECT_EQ(budget.worth_m(policy, sim(100s)), 0.01) << "never more than can be saved";
+  EXPECT_EQ(budget.least_gain_m(policy, sim(0s)), std::nullopt) << "one is owed";
+  EXPECT_EQ(budget.least_gain_m(policy, sim(500ms)), 0.16) << "one more after half a second";
+  EXPECT_EQ(budget.least_gain_m(policy, sim(100s)), 0.01) << "never more than can be saved";
 }
 
 TEST(UpdateBudget, BoundsWhatIsSentOfItsOwn) {
@@ -131,7 +131,7 @@ TEST(UpdateBudget, BoundsWhatIsSentOfItsOwn) {
   UpdateBudget budget;
   int sent = 0;
   for (Duration t = 0s; t < 15s; t += 16ms) {
-    if (!budget.worth_m(policy, sim(t))) continue;
+    if (!budget.least_gain_m(policy, sim(t))) continue;
     budget.spend(policy, sim(t));
     ++sent;
   }
@@ -190,7 +190,7 @@ TEST(ByteBudget, AnHourOfOverloadIsMadeUpForWithinSeconds) {
   EXPECT_GT(sent, 55'000u);
 }
 
-TEST(Urgency, IsByErrorByTimeAndByWhoLooks) {
+TEST(Urgency, DependsOnErrorTimeAndViewers) {
   const PublishPolicy policy;  // 3 degrees, 5 s
   const auto of = [&](double distance_m, double angle_rad, Duration since, double viewed_from_m) {
     return urgency(policy, 0.5, {distance_m, angle_rad}, sim(100s), sim(100s + since), viewed_from_m);

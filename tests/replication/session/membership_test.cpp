@@ -8,44 +8,44 @@
 namespace peerd::replication::membership_test {
 
 using namespace test;
-using Heard = Membership::Heard;
+using Admission = Membership::Admission;
 constexpr PeerId kTwo{2}, kThree{3}, kFive{5};
 
 Echo echo(const Received& received) { return {kTwo, received.highest, 0s, received, 0.0}; }
 
-TEST(Receipt, HasWhatCameSinceTheFirst) {
-  Receipt receipt(Received{10, 10, ~std::uint64_t{0}});  // of what came before nothing is known
-  EXPECT_FALSE(receipt.has(10));
-  receipt.on_echo(echo({20, 2, ~std::uint64_t{0b100}}));  // all but 18
-  receipt.on_echo(echo({15, 15, ~std::uint64_t{0}}));     // overtaken
+TEST(Acknowledgement, HasWhatCameSinceTheFirst) {
+  Acknowledgement acknowledgement(Received{10, 10, ~std::uint64_t{0}});  // of what came before nothing is known
+  EXPECT_FALSE(acknowledgement.has(10));
+  acknowledgement.on_echo(echo({20, 2, ~std::uint64_t{0b100}}));  // all but 18
+  acknowledgement.on_echo(echo({15, 15, ~std::uint64_t{0}}));     // overtaken
   for (std::uint32_t number = 1; number < 30; ++number) {
-    EXPECT_EQ(receipt.has(number), number > 10 && number <= 20 && number != 18) << number;
-    EXPECT_EQ(receipt.lacks(number), number == 18) << number;
+    EXPECT_EQ(acknowledgement.has(number), number > 10 && number <= 20 && number != 18) << number;
+    EXPECT_EQ(acknowledgement.surely_lost(number), number == 18) << number;
   }
 }
 
-TEST(Receipt, SaysOfWhatIsLongAgoOnlyThatItCame) {
-  Receipt receipt(Received{10, 10, ~std::uint64_t{0}});
-  receipt.on_echo(echo({200, 1, ~std::uint64_t{0b10}}));
-  EXPECT_TRUE(receipt.has(137) && receipt.lacks(199));
-  EXPECT_FALSE(receipt.has(136) || receipt.lacks(136));
-  receipt.on_echo(echo({200, 100, ~std::uint64_t{0}}));  // 199 came late
-  EXPECT_TRUE(receipt.has(101));
-  EXPECT_FALSE(receipt.has(100) || receipt.lacks(100));
+TEST(Acknowledgement, OldNumbersAreOnlyKnownToHaveArrived) {
+  Acknowledgement acknowledgement(Received{10, 10, ~std::uint64_t{0}});
+  acknowledgement.on_echo(echo({200, 1, ~std::uint64_t{0b10}}));
+  EXPECT_TRUE(acknowledgement.has(137) && acknowledgement.surely_lost(199));
+  EXPECT_FALSE(acknowledgement.has(136) || acknowledgement.surely_lost(136));
+  acknowledgement.on_echo(echo({200, 100, ~std::uint64_t{0}}));  // 199 came late
+  EXPECT_TRUE(acknowledgement.has(101));
+  EXPECT_FALSE(acknowledgement.has(100) || acknowledgement.surely_lost(100));
 }
 
-TEST(Membership, KnowsOnePeerByItsBoot) {
+TEST(Membership, RecognisesAPeerByItsIncarnation) {
   Membership members(2s);
-  EXPECT_EQ(members.on_datagram(host(0s), kTwo, 10), Heard::kJoined);
-  EXPECT_EQ(members.on_datagram(host(1s), kTwo, 10), Heard::kKnown);
-  EXPECT_EQ(members.on_datagram(host(1s), kThree, 1), Heard::kJoined);
-  EXPECT_EQ(members.on_datagram(host(1s), kTwo, 9), Heard::kStale);
-  EXPECT_EQ(members.on_datagram(host(1s), kTwo, 11), Heard::kRestarted);
-  EXPECT_EQ(members.on_datagram(host(1s), kTwo, 10), Heard::kStale);
+  EXPECT_EQ(members.on_datagram(host(0s), kTwo, 10), Admission::kJoined);
+  EXPECT_EQ(members.on_datagram(host(1s), kTwo, 10), Admission::kKnown);
+  EXPECT_EQ(members.on_datagram(host(1s), kThree, 1), Admission::kJoined);
+  EXPECT_EQ(members.on_datagram(host(1s), kTwo, 9), Admission::kStale);
+  EXPECT_EQ(members.on_datagram(host(1s), kTwo, 11), Admission::kRestarted);
+  EXPECT_EQ(members.on_datagram(host(1s), kTwo, 10), Admission::kStale);
   EXPECT_EQ(members.all().size(), 2u);
 }
 
-TEST(Membership, ARestartForgetsTheEarlierLife) {
+TEST(Membership, ARestartForgetsTheEarlierIncarnation) {
   Membership members(2s);
   members.on_datagram(host(0s), kTwo, 10);
   members.find(kTwo)->last_sequence[ObjectId{1}] = 100;
@@ -55,7 +55,7 @@ TEST(Membership, ARestartForgetsTheEarlierLife) {
   EXPECT_FALSE(members.find(kTwo)->synchronised);
 }
 
-TEST(Membership, AStaleDatagramIsNoSignOfLife) {
+TEST(Membership, AStaleDatagramDoesNotRefreshAMember) {
   Membership members(2s);
   members.on_datagram(host(0s), kTwo, 10);
   members.on_datagram(host(1s), kTwo, 9);

@@ -20,7 +20,7 @@ bool exchange(OffsetInterval& interval, HostTime sent, Duration ahead, Duration 
   return interval.on_hello(t2 + hold, sent + there + hold + back, OffsetInterval::Echo{sent, t2}, kDrift_ppm);
 }
 
-TEST(OffsetInterval, KnowsNothingBeforeAnEcho) {
+TEST(OffsetInterval, HasNoBoundsBeforeAnEcho) {
   OffsetInterval interval;
   EXPECT_FALSE(interval.at(host(100s), kDrift_ppm));
   EXPECT_TRUE(interval.on_hello(sim(103s), host(100s), std::nullopt, kDrift_ppm));
@@ -86,7 +86,7 @@ class AJump : public testing::TestWithParam<Jump> {};
 INSTANTIATE_TEST_SUITE_P(Table, AJump, testing::Values(Jump{"Forward", 10s}, Jump{"Back", -10s}, Jump{"ALittle", 20ms}),
                          [](const auto& c) { return std::string(c.param.name); });
 
-TEST_P(AJump, IsNoticedAndWhatWentBeforeForgotten) {
+TEST_P(AJump, IsDetectedAndEarlierSamplesAreDropped) {
   OffsetInterval interval;
   for (int i = 0; i < 8; ++i) ASSERT_TRUE(exchange(interval, host(100s + i * 250ms), 3s, 5ms, 5ms));
   EXPECT_FALSE(exchange(interval, host(103s), 3s + GetParam().by, 5ms, 5ms));

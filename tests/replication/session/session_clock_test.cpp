@@ -18,7 +18,7 @@ SessionClock::Estimate estimate(HostTime at, Duration offset, Duration either_wa
 }
 constexpr Duration kSteady = 2s;
 
-TEST(SessionClock, SaysNothingBeforeItKnows) {
+TEST(SessionClock, HasNoTimeBeforeTheFirstEstimate) {
   SessionClock clock;
   EXPECT_FALSE(clock.synchronised());
   EXPECT_FALSE(clock.error_bound(host(100s)));
@@ -101,7 +101,7 @@ TEST(SessionClock, HoldsStillAfterLeading) {
   EXPECT_EQ(clock.session_minus_host(host(104s)), Duration(5ms));
 }
 
-TEST(SessionClock, AfterAStopItGoesOnFromWhereItWasAndKnowsNoError) {
+TEST(SessionClock, AfterAStopItContinuesWithoutAnErrorBound) {
   SessionClock clock;
   clock.lead(host(100s));
   clock.stop(host(130s), 20s);

@@ -55,7 +55,7 @@ TEST(Codec, OneServesManyMessages) {
 TEST(Codec, TheSmallestMessageIsFewBytes) {
   Message m;
   m.sender = PeerId{1};
-  m.boot = 1;
+  m.incarnation = 1;
   EXPECT_EQ(encode(m).size(), 6u);  // version, sender, boot
   const auto back = received(encode(m), m);
   ASSERT_TRUE(back.has_value());
@@ -92,7 +92,7 @@ TEST(Codec, RecordsTakeWhatTheySay) {
 Message updating(const std::function<void(UpdateRecord&)>& change) {
   Message m;
   m.sender = PeerId{1};
-  m.boot = 1;
+  m.incarnation = 1;
   m.updates.push_back({ObjectId{1}, 1, sim(1s), moving({1, 2, 3}, {4, 5, 6})});
   change(m.updates.front());
   return m;
@@ -100,7 +100,7 @@ Message updating(const std::function<void(UpdateRecord&)>& change) {
 Message deciding(const std::function<void(DecisionRecord&)>& change) {
   Message m;
   m.sender = PeerId{1};
-  m.boot = 1;
+  m.incarnation = 1;
   m.decisions.push_back({ObjectId{1}, ObjectId{2}, sim(1s), Vec3::UnitX(), {}, {}, {}, {}, DecisionRule::kId});
   change(m.decisions.front());
   return m;
@@ -109,7 +109,7 @@ constexpr std::uint64_t kAll = ~std::uint64_t{0};
 Message greeting(const std::function<void(Hello&)>& change) {
   Message m;
   m.sender = PeerId{1};
-  m.boot = 1;
+  m.incarnation = 1;
   m.hello.emplace();
   m.hello->session_tx = sim(2s);
   m.hello->echoes = {{PeerId{2}, 4990, 1s, {5003, 1000, kAll}, 0.5}};
@@ -254,8 +254,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"TooLongALatency", greeting([](auto& h) { h.latency = kLatencyMax + 1ms; }), false},
                     Case{"EndOfItsClock", greeting([](auto& h) { h.session_tx = SimTime::max(); }), false},
                     Case{"NoteOfTheEndOfTime", greeting([](auto& h) { h.notes[0].contact = SimTime::max(); }), false},
-                    Case{"LongestHeld", greeting([](auto& h) { h.echoes[0].held = 10s; }), true},
-                    Case{"HeldForTooLong", greeting([](auto& h) { h.echoes[0].held = 10s + 1ns; }), false},
+                    Case{"LongestHeld", greeting([](auto& h) { h.echoes[0].hold_time = 10s; }), true},
+                    Case{"HeldForTooLong", greeting([](auto& h) { h.echoes[0].hold_time = 10s + 1ns; }), false},
                     Case{"LosesAll", greeting([](auto& h) { h.echoes[0].loss = 1.0; }), true},
                     Case{"LosesMoreThanAll", greeting([](auto& h) { h.echoes[0].loss = 1.001; }), false},
                     Case{"LongestRow", greeting([](auto& h) {
@@ -349,10 +349,10 @@ TEST(Update, TimesAreTakenToBeNear) {
 // The boot's low bits go with all, the whole with an introduction.
 TEST(Boot, IsWholeWhereTheSenderIsIntroduced) {
   Message m = introducing([](auto&) {});
-  m.boot = 0x0123'4567'89AB'CDEF;
-  EXPECT_EQ(received(encode(m), m)->boot, m.boot);
+  m.incarnation = 0x0123'4567'89AB'CDEF;
+  EXPECT_EQ(received(encode(m), m)->incarnation, m.incarnation);
   m.hello->introduction.reset();
-  EXPECT_EQ(received(encode(m), m)->boot, boot_low(m.boot));
+  EXPECT_EQ(received(encode(m), m)->incarnation, incarnation_low(m.incarnation));
 }
 
 // What is sent most: a quarter of a second's hello among three, and a batch of one.
@@ -434,7 +434,7 @@ TEST(HelloSize, AFullHelloFits) {
   constexpr std::uint32_t kHigh = 0xFFFF'FFFF;
   Message m;
   m.sender = PeerId{kHigh};
-  m.boot = ~std::uint64_t{0};
+  m.incarnation = ~std::uint64_t{0};
   m.leaving = true;
   m.number = kHigh;
   Hello& h = m.hello.emplace();
@@ -451,9 +451,9 @@ TEST(HelloSize, AFullHelloFits) {
   i.start = i.world_zero = sim(1s);
   i.viewpoint = Viewpoint{ObjectId{kHigh}, {Vec3(1, 2, 3), Quat(0.5, 0.5, 0.5, 0.5)}, 1.0, 1.5};
   std::uint32_t id = 0;  // as many as can be differ by five bytes, the others by four
-  for (std::uint32_t k = 0; k < 50; ++k) i.enslaved.push_back(ObjectId{id += k < 15 ? 0x1000'0000 : 0x0020'0000});
-  m.entered.assign(kEnteredWithHello, {RegionId{kHigh}, sim(0s)});
-  m.entered.back().since = sim(10s);
+  for (std::uint32_t k = 0; k < 50; ++k) i.owned.push_back(ObjectId{id += k < 15 ? 0x1000'0000 : 0x0020'0000});
+  m.subscriptions.assign(kSubscriptionsWithHello, {RegionId{kHigh}, sim(0s)});
+  m.subscriptions.back().since = sim(10s);
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
 }
 

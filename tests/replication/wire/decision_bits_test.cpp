@@ -70,7 +70,7 @@ TEST(DecisionBits, KeepSignsOfZero) {
 }
 
 // A velocity along one axis is 64 bits, and 5 that say so; one that stays is none of them.
-TEST(DecisionBits, WhatStaysIsNotSaidAgain) {
+TEST(DecisionBits, UnchangedValuesAreNotEncoded) {
   DecisionRecord stays = touch();
   stays.collidee_after = stays.collidee_before;
   const std::size_t more = bytes_of(touch()).size() - bytes_of(stays).size();

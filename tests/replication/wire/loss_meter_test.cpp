@@ -8,7 +8,7 @@
 
 namespace peerd::replication::loss_meter_test {
 
-TEST(LossMeter, OneInTenBeforeAnythingIsKnown) { EXPECT_DOUBLE_EQ(LossMeter{}.loss(), 0.1); }
+TEST(LossMeter, AssumesOneInTenBeforeAnySample) { EXPECT_DOUBLE_EQ(LossMeter{}.loss(), 0.1); }
 
 // lost: every k-th; 0: none.
 double after(std::uint32_t datagrams, std::uint32_t every) {
@@ -52,7 +52,7 @@ TEST(LossMeter, AGapCountsForNoMoreThanTheWindow) {
   EXPECT_LT(meter.loss(), 0.01);
 }
 
-TEST(LossMeter, SaysWhichHaveCome) {
+TEST(LossMeter, ReportsWhichNumbersArrived) {
   LossMeter meter;
   meter.on_datagram(10);
   EXPECT_EQ(meter.received(), (Received{10, 10, ~std::uint64_t{0}})) << "what went before is not asked for";
@@ -65,11 +65,11 @@ TEST(LossMeter, SaysWhichHaveCome) {
   EXPECT_EQ(meter.received(), (Received{14, 14, ~std::uint64_t{0}}));
 }
 
-TEST(LossMeter, AsksAgainForWhatWasOfNoUse) {
+TEST(LossMeter, MarksUnusableDatagramsAsMissing) {
   LossMeter meter;
   for (std::uint32_t number = 1; number <= 3; ++number) meter.on_datagram(number);
   const double loss = meter.loss();
-  meter.ask_again(3);
+  meter.mark_as_missing(3);
   EXPECT_EQ(meter.received(), (Received{3, 0, ~std::uint64_t{1}}));
   meter.on_datagram(4);
   EXPECT_EQ(meter.received(), (Received{4, 1, ~std::uint64_t{0b10}}));
@@ -77,15 +77,15 @@ TEST(LossMeter, AsksAgainForWhatWasOfNoUse) {
   meter.on_datagram(3);
   EXPECT_EQ(meter.received(), (Received{4, 4, ~std::uint64_t{0}})) << "there it is";
   EXPECT_EQ(meter.duplicates(), 1u);
-  meter.ask_again(3);
+  meter.mark_as_missing(3);
   for (std::uint32_t number = 5; number <= 100; ++number) meter.on_datagram(number);
   EXPECT_EQ(meter.received().run, 97U);
-  for (const std::uint32_t number : {0U, 3U, 101U}) meter.ask_again(number);
+  for (const std::uint32_t number : {0U, 3U, 101U}) meter.mark_as_missing(number);
   EXPECT_EQ(meter.received().run, 97U) << "no number, too old, or never come";
 }
 
 // Against a list of all that came: what is said to have come has, and what is said to be lacking has not.
-TEST(LossMeter, SaysNothingWrong) {
+TEST(LossMeter, NeverReportsAWrongArrival) {
   std::mt19937_64 rng(1);
   for (int run = 0; run < 200; ++run) {
     LossMeter meter;
@@ -103,9 +103,9 @@ TEST(LossMeter, SaysNothingWrong) {
       ASSERT_EQ(r.highest, *came.rbegin());
       for (std::uint32_t k = first; k <= sent + 1; ++k) {
         ASSERT_FALSE(r.has(k) && !came.contains(k)) << k;
-        ASSERT_FALSE(r.lacks(k) && came.contains(k)) << k;
+        ASSERT_FALSE(r.surely_lost(k) && came.contains(k)) << k;
         const bool recent = k <= r.highest && r.highest - k < Received::kWindow;
-        ASSERT_EQ(r.has(k) || r.lacks(k), recent || r.has(k)) << k;
+        ASSERT_EQ(r.has(k) || r.surely_lost(k), recent || r.has(k)) << k;
       }
     }
   }

@@ -15,7 +15,7 @@ constexpr double kAngle_rad = 0.05;
 Message batch(const std::vector<UpdateRecord>& updates) {
   Message m;
   m.sender = PeerId{1};
-  m.boot = 1;
+  m.incarnation = 1;
   m.updates = updates;
   return m;
 }
