@@ -19,7 +19,7 @@
 #include "peerd/node/peer_node.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/record/capture.hpp"
-#include "peerd/daemon/rehearsal.hpp"
+#include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/transport/transport_options.hpp"
 
 namespace peerd {

@@ -12,7 +12,7 @@
 
 #include "peerd/control/answer.hpp"
 #include "peerd/os/os_clock.hpp"
-#include "peerd/daemon/rehearsal.hpp"
+#include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/transport/transport_options.hpp"
 
 namespace peerd {

@@ -12,7 +12,7 @@
 #include "tests/bench/temporary_folder.hpp"
 #include "peerd/daemon/daemon.hpp"
 #include "peerd/transport/open_transport.hpp"
-#include "peerd/daemon/rehearsal.hpp"
+#include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/transport/transport_options.hpp"
 #include "ping_pong.hpp"
 

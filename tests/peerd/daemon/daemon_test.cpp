@@ -11,7 +11,7 @@
 
 #include "peerd/daemon/daemon.hpp"
 #include "peerd/transport/open_transport.hpp"
-#include "peerd/daemon/rehearsal.hpp"
+#include "peerd/daemon/cache_warmer.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 #include "tests/peerd/scratch_folder.hpp"

@@ -1,5 +1,5 @@
 // Two peers of nobody's session that tell each other of an object, over sockets of their own.
-#include "peerd/daemon/rehearsal.hpp"
+#include "peerd/daemon/cache_warmer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "peerd/daemon/rehearsal.hpp"
+#include "peerd/daemon/cache_warmer.hpp"
 
 #include <string>
 #include <utility>
