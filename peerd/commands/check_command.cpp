@@ -29,7 +29,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kShown = kShownProblems;  // of what is unsupported
 
 // A short text can ask for many more. These take about 20 s, and 2 GB where half of them are one geometry's, the most
 // that the reader allows.
@@ -162,12 +161,12 @@ std::size_t bytes_of(const ReadResult& result) {
 
 ProblemCount print_problems(const Finding& finding, std::ostream& err) {
   const ProblemCount count = print_problems(*finding.result, err);
-  for (std::size_t i = 0; i < std::min(kShown, finding.unsupported.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kShownProblems, finding.unsupported.size()); ++i) {
     err << finding.path << ": note: unsupported: " << finding.unsupported[i] << '\n';
   }
   std::string more;
   const auto add = [&](std::size_t all, const char* what) {
-    if (all > kShown) more += (more.empty() ? "" : ", ") + counted(all - kShown, what);
+    if (all > kShownProblems) more += (more.empty() ? "" : ", ") + counted(all - kShownProblems, what);
   };
   add(count.errors, "more error");
   add(count.warnings, "more warning");

@@ -7,7 +7,6 @@
 namespace peerd::config {
 namespace {
 
-constexpr double kForever_s = 1e6;
 const std::initializer_list<std::string_view> kKinds{"join", "leave", "kill", "partition", "heal", "network", "key"};
 
 bool joins_or_leaves(EventKind kind) {

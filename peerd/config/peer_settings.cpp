@@ -11,7 +11,6 @@
 namespace peerd::config {
 namespace {
 
-constexpr double kForever_s = 1e6;
 constexpr double kFar_m = 1e9;
 // Smaller cells are crossed with every other step of a walker; each region is a multicast group.
 constexpr double kCellMin_m = 1.0;

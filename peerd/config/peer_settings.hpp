@@ -13,6 +13,9 @@
 
 namespace peerd::config {
 
+// The largest time or duration [s] that a configuration can name.
+inline constexpr double kForever_s = 1e6;
+
 // The tables [replication], [decisions] and [relay]: how updates are published and ghosts believed, who decides
 // collisions, and which way states go.
 struct ReplicationSettings {

@@ -27,7 +27,6 @@ namespace asio = boost::asio;
 namespace fs = std::filesystem;
 using boost::system::error_code;
 using Protocol = asio::local::stream_protocol;
-using InputError;
 
 constexpr int kEnvironment = 3;
 constexpr std::chrono::seconds kAcceptAgainAfter{1};  // when the system has no descriptors left

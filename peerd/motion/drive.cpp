@@ -9,11 +9,11 @@
 namespace peerd::config {
 namespace {
 
-constexpr double kStep_s = 0.05;
+constexpr double kCarStep_s = 0.05;
 constexpr double kCurvatureMax = 1.0 / 5.0;  // [1/m]: a car's turning circle
 constexpr double kSteering = 0.2;            // [1/(m s)]: 30 degrees a second at the wheels, 2.7 m apart
 constexpr double kJerk_m_s3 = 4.0;
-constexpr double kSpeedLag_s = 0.5;
+constexpr double kCarSpeedLag_s = 0.5;
 
 class Car {
  public:
@@ -42,16 +42,16 @@ class Car {
     const Vec2 v = velocity(), a = acceleration();
     const double turn_rate = speed_ * curvature_;
     const double most = s_.acceleration_m_s2;
-    const double pull = std::clamp((safe_speed() - speed_) / kSpeedLag_s, -most, most);
+    const double pull = std::clamp((safe_speed() - speed_) / kCarSpeedLag_s, -most, most);
     const double pull_before = pull_;
-    pull_ += std::clamp(pull - pull_, -kJerk_m_s3 * kStep_s, kJerk_m_s3 * kStep_s);
-    speed_ = std::max(0.0, speed_ + 0.5 * kStep_s * (pull_before + pull_));
-    curvature_ += std::clamp(curvature_wanted() - curvature_, -kSteering * kStep_s, kSteering * kStep_s);
+    pull_ += std::clamp(pull - pull_, -kJerk_m_s3 * kCarStep_s, kJerk_m_s3 * kCarStep_s);
+    speed_ = std::max(0.0, speed_ + 0.5 * kCarStep_s * (pull_before + pull_));
+    curvature_ += std::clamp(curvature_wanted() - curvature_, -kSteering * kCarStep_s, kSteering * kCarStep_s);
     const double curvature_max = most / std::max(speed_ * speed_, 1e-3);  // the tyres' grip
     curvature_ = std::clamp(curvature_, -curvature_max, curvature_max);
-    heading_ += 0.5 * kStep_s * (turn_rate + speed_ * curvature_);
+    heading_ += 0.5 * kCarStep_s * (turn_rate + speed_ * curvature_);
     const Vec2 v1 = velocity(), a1 = acceleration();
-    position_ += 0.5 * kStep_s * (v + v1) + kStep_s * kStep_s / 12.0 * (a - a1);
+    position_ += 0.5 * kCarStep_s * (v + v1) + kCarStep_s * kCarStep_s / 12.0 * (a - a1);
     // To the place of the route that it is abreast of.
     const StreetRoute::Place abreast = route_.at(come_m_);
     come_m_ += std::max(0.0, (position_ - abreast.position).dot(abreast.direction));
@@ -89,7 +89,7 @@ std::vector<Knot> drive(const DriveSettings& settings, std::uint64_t seed, std::
   std::vector<Knot> knots;
   for (std::size_t i = 0; knots.empty() || knots.back().t_s < times.end_s; ++i) {
     if (i > 0) car.step();
-    knots.push_back(car.knot(times.begin_s + static_cast<double>(i) * kStep_s));
+    knots.push_back(car.knot(times.begin_s + static_cast<double>(i) * kCarStep_s));
   }
   return knots;
 }

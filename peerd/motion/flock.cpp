@@ -8,9 +8,9 @@
 namespace peerd::config {
 namespace {
 
-constexpr double kStep_s = 1.0 / 30.0;
+constexpr double kBirdStep_s = 1.0 / 30.0;
 constexpr double kLag_s = 0.2;       // how fast the acceleration follows what is wanted
-constexpr double kSpeedLag_s = 1.0;  // and the speed its usual value
+constexpr double kBirdSpeedLag_s = 1.0;  // and the speed its usual value
 // What each wish weighs, in parts of the greatest acceleration.
 constexpr double kSeparate = 1.5, kAlign = 0.6, kCohere = 0.4, kSeek = 0.4;
 
@@ -43,7 +43,7 @@ Vec3 wanted_acceleration(const FlockSettings& s, const std::vector<Bird>& birds,
     wish += kCohere * at_most((places / neighbours - bird.position) / s.neighbour_m, 1.0);
   }
   const double speed = bird.velocity.norm();
-  if (speed > 0.0) wish += bird.velocity / speed * (s.speed_m_s - speed) / (kSpeedLag_s * s.acceleration_m_s2);
+  if (speed > 0.0) wish += bird.velocity / speed * (s.speed_m_s - speed) / (kBirdSpeedLag_s * s.acceleration_m_s2);
   return at_most(s.acceleration_m_s2 * wish, s.acceleration_m_s2);
 }
 
@@ -77,7 +77,7 @@ std::vector<std::vector<Knot>> flock(const FlockSettings& settings, std::uint64_
   std::vector<std::vector<Knot>> paths(birds.size());
   double goal_until_s = times.begin_s + settings.goal_every_s;
   for (std::size_t step = 0;; ++step) {
-    const double t = times.begin_s + static_cast<double>(step) * kStep_s;
+    const double t = times.begin_s + static_cast<double>(step) * kBirdStep_s;
     for (std::size_t i = 0; i < birds.size(); ++i) {
       paths[i].push_back(knot(t, birds[i], paths[i].empty() ? KinematicState{} : paths[i].back().state));
     }
@@ -90,10 +90,10 @@ std::vector<std::vector<Knot>> flock(const FlockSettings& settings, std::uint64_
     for (std::size_t i = 0; i < birds.size(); ++i) {
       const Vec3 a = birds[i].acceleration;
       // The acceleration is linear over the step, velocity and position its integrals.
-      const Vec3 a1 = a + (wanted_acceleration(settings, birds, i, goal) - a) * (kStep_s / kLag_s);
+      const Vec3 a1 = a + (wanted_acceleration(settings, birds, i, goal) - a) * (kBirdStep_s / kLag_s);
       next[i].acceleration = a1;
-      next[i].velocity += 0.5 * kStep_s * (a + a1);
-      next[i].position += kStep_s * birds[i].velocity + kStep_s * kStep_s / 6.0 * (2.0 * a + a1);
+      next[i].velocity += 0.5 * kBirdStep_s * (a + a1);
+      next[i].position += kBirdStep_s * birds[i].velocity + kBirdStep_s * kBirdStep_s / 6.0 * (2.0 * a + a1);
     }
     birds = std::move(next);
   }

@@ -10,11 +10,11 @@
 namespace peerd::config {
 namespace {
 
-constexpr double kStep_s = 0.05;
+constexpr double kWalkerStep_s = 0.05;
 constexpr double kBorder_m = 3.0;       // nearer to a border than this a walker turns back
 constexpr double kTurnMax_rad_s = 1.5;  // so that it turns on 1 m at 1.5 m/s
 constexpr double kTurnLag_s = 0.25;     // how fast the turn rate follows what is wanted
-constexpr double kSpeedLag_s = 0.5;     // and the speed
+constexpr double kWalkerSpeedLag_s = 0.5;     // and the speed
 constexpr double kAcceleration_m_s2 = 1.5;
 constexpr double kSpeedMemory_s = 5.0;
 
@@ -41,19 +41,19 @@ class Walker {
   // The speed and the turn rate are continuous; the position is the integral of the velocity's cubic over the step.
   void step() {
     const Vec3 v = speed_ * ahead(), a = speed_rate_ * ahead() + speed_ * turn_rate_ * left();
-    fancy_turn_ = wander(fancy_turn_, s_.turn_rad_s, s_.turn_memory_s, kStep_s, random_);
-    fancy_speed_ = wander(fancy_speed_, 0.5 * s_.speed_sd_m_s, kSpeedMemory_s, kStep_s, random_);
+    fancy_turn_ = wander(fancy_turn_, s_.turn_rad_s, s_.turn_memory_s, kWalkerStep_s, random_);
+    fancy_speed_ = wander(fancy_speed_, 0.5 * s_.speed_sd_m_s, kSpeedMemory_s, kWalkerStep_s, random_);
     const double turn_wanted =
         std::clamp(fancy_turn_ * (1.0 - border()) + turn_back(), -kTurnMax_rad_s, kTurnMax_rad_s);
     const double turn_before = turn_rate_;
-    turn_rate_ += (turn_wanted - turn_rate_) * kStep_s / kTurnLag_s;
-    heading_ += 0.5 * (turn_before + turn_rate_) * kStep_s;
-    const double rate_wanted = speed_ > safe_speed() ? -braking() : (speed_wanted() - speed_) / kSpeedLag_s;
+    turn_rate_ += (turn_wanted - turn_rate_) * kWalkerStep_s / kTurnLag_s;
+    heading_ += 0.5 * (turn_before + turn_rate_) * kWalkerStep_s;
+    const double rate_wanted = speed_ > safe_speed() ? -braking() : (speed_wanted() - speed_) / kWalkerSpeedLag_s;
     // Never so much that it walks backwards.
-    speed_rate_ = std::max(std::clamp(rate_wanted, -braking(), kAcceleration_m_s2), -speed_ / kStep_s);
-    speed_ += speed_rate_ * kStep_s;
+    speed_rate_ = std::max(std::clamp(rate_wanted, -braking(), kAcceleration_m_s2), -speed_ / kWalkerStep_s);
+    speed_ += speed_rate_ * kWalkerStep_s;
     const Vec3 v1 = speed_ * ahead(), a1 = speed_rate_ * ahead() + speed_ * turn_rate_ * left();
-    position_ += 0.5 * kStep_s * (v + v1) + kStep_s * kStep_s / 12.0 * (a - a1);
+    position_ += 0.5 * kWalkerStep_s * (v + v1) + kWalkerStep_s * kWalkerStep_s / 12.0 * (a - a1);
   }
 
  private:
@@ -93,12 +93,12 @@ class Walker {
   }
   [[nodiscard]] double braking() const { return 2.0 * kAcceleration_m_s2; }
   [[nodiscard]] double speed_wanted() {
-    goes_for_s_ -= kStep_s;
+    goes_for_s_ -= kWalkerStep_s;
     if (goes_for_s_ <= 0.0) {
       stands_for_s_ = -s_.stop_s * std::log1p(-random_.uniform());
       goes_for_s_ = stands_for_s_ + time_until_stop();
     }
-    stands_for_s_ -= kStep_s;
+    stands_for_s_ -= kWalkerStep_s;
     if (stands_for_s_ > 0.0) return 0.0;
     return std::min(std::max(0.0, usual_speed_ + fancy_speed_), safe_speed());
   }
@@ -123,7 +123,7 @@ std::vector<Knot> walk(const WalkSettings& settings, std::uint64_t seed, std::si
   std::vector<Knot> knots;
   for (std::size_t i = 0; knots.empty() || knots.back().t_s < times.end_s; ++i) {
     if (i > 0) walker.step();
-    knots.push_back(walker.knot(times.begin_s + static_cast<double>(i) * kStep_s));
+    knots.push_back(walker.knot(times.begin_s + static_cast<double>(i) * kWalkerStep_s));
   }
   return knots;
 }
