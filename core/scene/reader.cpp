@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/animation/network_reader.hpp"
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 #include "core/scene/scene_builder.hpp"
 
 namespace peerd {

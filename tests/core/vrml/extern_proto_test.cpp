@@ -1,7 +1,7 @@
 // EXTERNPROTO: ISO/IEC 14772-1:1997, 4.3.7, 4.5.2 and 4.9.
 #include <gmock/gmock.h>
 
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::vrml::extern_proto_test {

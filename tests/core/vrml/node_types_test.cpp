@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::vrml::node_types_test {

@@ -1,4 +1,4 @@
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "core/vrml/parse_context.hpp"
+#include "core/parser/parse_context.hpp"
 
 #include <algorithm>
 #include <memory>

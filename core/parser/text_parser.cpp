@@ -1,4 +1,4 @@
-#include "core/vrml/text_parser.hpp"
+#include "core/parser/text_parser.hpp"
 #include "core/vrml/field_checks.hpp"
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/vrml/parse_context.hpp"
+#include "core/parser/parse_context.hpp"
 #include "core/vrml/token_stream.hpp"
 #include "core/vrml/value_reader.hpp"
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/vrml/field_checks.hpp"
-#include "core/vrml/text_parser.hpp"
+#include "core/parser/text_parser.hpp"
 
 namespace peerd::vrml {
 

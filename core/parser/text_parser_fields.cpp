@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/vrml/text_parser.hpp"
+#include "core/parser/text_parser.hpp"
 
 namespace peerd::vrml {
 

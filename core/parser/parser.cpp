@@ -1,11 +1,11 @@
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 
 #include <algorithm>
 #include <set>
 #include <tuple>
 #include <utility>
 
-#include "core/vrml/text_parser.hpp"
+#include "core/parser/text_parser.hpp"
 
 namespace peerd::vrml {
 namespace {
