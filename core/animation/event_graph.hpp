@@ -27,7 +27,7 @@ struct EventPort {
   std::uint8_t slot = 0;               // SensorOutput or SensorInput; kKey: 0 for key, 1 for keyValue
   FieldType type = FieldType::kFloat;  // of the events it sends
   bool driven = false;                 // a ROUTE leads here from a TimeSensor's eventOut
-  bool feeds_sensor = false;                // a TimeSensor's input, or a relay that leads to one
+  bool feeds_sensor = false;           // a TimeSensor's input, or a relay that leads to one
   std::uint32_t first_in = kNone;      // routes, chained by Link::next_in
   std::uint32_t first_out = kNone;     // routes, chained by Link::next_out
 };

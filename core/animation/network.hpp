@@ -1,4 +1,5 @@
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -49,6 +50,12 @@ enum class Problem : std::uint8_t {
 struct Finding {
   Problem problem = Problem::kNoSuchNode;
   std::uint32_t index = 0;  // of the ROUTE for the first five, else of the node
+};
+
+// A field that takes part in a network's events.
+struct FieldId {
+  std::uint32_t value = 0;
+  friend constexpr auto operator<=>(const FieldId&, const FieldId&) = default;
 };
 
 }  // namespace peerd::animation

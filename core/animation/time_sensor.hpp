@@ -35,8 +35,8 @@ struct TimeSensorFields {
 struct TimeSensorState {
   TimeSensorFields fields;
   bool active = false;
-  bool has_run = false;              // it has been active: the eventOuts below have sent
-  bool cycle_done = false;            // startTime's one cycle is over; only loop or a new startTime makes it run again
+  bool has_run = false;          // it has been active: the eventOuts below have sent
+  bool cycle_done = false;       // startTime's one cycle is over; only loop or a new startTime makes it run again
   std::uint32_t begin_step = 0;  // orders transitions at one time (see control.hpp)
   std::uint32_t end_step = 0;    // "
   double begin_s = 0.0;          // when the latest run became active

@@ -16,7 +16,6 @@
 #include "core/vrml/parse_options.hpp"
 #include "core/vrml/prototype.hpp"
 
-// What the parsers of a world's texts have in common; for text_parser*.cpp alone.
 namespace peerd::vrml {
 
 inline constexpr std::size_t kMaxOpenFiles = 32;  // an Inline in an Inline in ..; each is a recursion
@@ -71,11 +70,20 @@ struct Scope {
   std::vector<std::pair<RouteEnd, RouteEnd>> routes{};
 };
 
+// A text that was taken among the sources.
+struct OpenText {
+  Position begin = 0;
+  std::size_t body = 0;  // offset behind its header
+};
+
 // What all texts of a world share.
 struct ParseContext {
   Document& document;
   Problems& problems;
   const ParseOptions& options;
+  // Reads a whole text into a body and returns the PROTOs of its top level. The parser of one text calls this for the
+  // others that the text names; `nesting` is how many nodes, PROTOs and files are open around it.
+  std::function<Declarations(const OpenText& text, std::uint32_t nesting, Body& body)> parse_text;
   Body world{};
   std::deque<Prototype> prototypes{};
   struct File {
@@ -106,12 +114,6 @@ struct ParseContext {
     }
     return false;
   }
-};
-
-// A text that was taken among the sources.
-struct OpenText {
-  Position begin = 0;
-  std::size_t body = 0;  // offset behind its header
 };
 
 // Unpacks a text, checks its header and takes it among the sources.

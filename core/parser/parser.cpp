@@ -36,12 +36,15 @@ void drop_repeated(std::vector<Route>& routes) {
 
 std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOptions& options) {
   auto document = std::make_shared<Document>();
-  ParseContext context{.document = *document, .problems = problems, .options = options};
+  ParseContext context{.document = *document, .problems = problems, .options = options, .parse_text = {}};
+  context.parse_text = [&context](const OpenText& text, std::uint32_t nesting, Body& body) {
+    return TextParser(context, text.begin, text.body, nesting).parse_text(body);
+  };
   const std::string name = world.name;
   if (const auto text = open_text(context, std::move(world))) {
     context.open_files.push_back(name);
     context.world.nodes.reserve(guess_nodes(problems.text_of(text->begin), options.limits));
-    TextParser(context, text->begin, text->body, 0).parse_text(context.world);
+    static_cast<void>(context.parse_text(*text, 0, context.world));
     document->nodes = std::move(context.world.nodes);
     document->top_level = std::move(context.world.roots);
     document->routes = std::move(context.world.routes);

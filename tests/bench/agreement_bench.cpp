@@ -23,6 +23,7 @@
 #include "core/animation/interpolator.hpp"
 #include "core/geometry/tessellate.hpp"
 #include "core/geometry/triangulation.hpp"
+#include "core/vrml/default_values.hpp"
 #include "core/vrml/document.hpp"
 #include "core/scene/reader.hpp"
 #include "figures.hpp"

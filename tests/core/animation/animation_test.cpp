@@ -1,4 +1,5 @@
 #include "core/animation/animation.hpp"
+#include "core/animation/sensor_simulator.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
