@@ -35,8 +35,8 @@ struct AnimationOptions {
   // (~50 ns a transition: 3 s); nothing is limited where they do not. Two sensors that start each other every second
   // use ten a second: 77 days. The same on all peers.
   std::size_t max_transitions = std::size_t{1} << 26;
-  // How many transitions of a component are remembered at least (~100 bytes each). A question about a time before them
-  // simulates the component from the beginning again.
+  // The number of transitions of a component that are remembered at least, of about 100 bytes each. A question about a
+  // time before them simulates the component from the beginning again.
   std::size_t min_history = std::size_t{1} << 16;
 };
 
@@ -63,7 +63,7 @@ class Animation {
   Animation& operator=(Animation&&) noexcept;
 
   [[nodiscard]] std::span<const Finding> findings() const;
-  // None if the node has no such field, or is a plain node on whose field no ROUTE and no delivery has been.
+  // Returns nothing if the node has no such field, or is a plain node on whose field no ROUTE and no delivery has been.
   [[nodiscard]] std::optional<FieldId> field(std::uint32_t node, std::string_view name);
   [[nodiscard]] Field describe(FieldId id) const;
   // Fields that a cascade from a TimeSensor can reach, by id. An interpolator's value_changed is not among them.
@@ -72,12 +72,13 @@ class Animation {
   // The value of the latest event at or before t, into `out`; false if none was: then the file's initial value holds.
   [[nodiscard]] bool value(FieldId id, double t, Value& out);
 
-  // How the field goes on from t, t included: begin_s <= t < end_s. For SFVec3f, SFRotation, SFFloat and SFTime; of
-  // colours, MF and other types only begin_s, end_s, initial and still are given, and nothing at all while they move.
-  // Agrees with value() on (begin_s, end_s) to the sum of 2e-15 of the largest keyValue (2e-15 rad), the movement
-  // during 2 ulp(end_s) and 2e-16 of a cycle, and the piece's whole movement times 2e-16 / (distance of its keys),
-  // which is what rounding fractions can make. At begin_s too unless the field jumps there: at the end of a cycle
-  // value() is that of fraction 1, and the segment is what follows. Consecutive segments may be parts of one movement.
+  // Describes how the field goes on from t, t included: begin_s <= t < end_s. All members are given for SFVec3f,
+  // SFRotation, SFFloat and SFTime. Of colours, MF and other types only begin_s, end_s, initial and is_constant are
+  // given, and nothing at all while they move. The result agrees with value() on (begin_s, end_s) to the sum of 2e-15
+  // of the largest keyValue (2e-15 rad), the movement during 2 ulp(end_s) and 2e-16 of a cycle, and the movement of the
+  // whole piece times 2e-16 / (distance of its keys), which is the error that rounding of fractions can cause. It also
+  // agrees at begin_s unless the field jumps there: at the end of a cycle value() is that of fraction 1, and the
+  // segment is the movement that follows. Consecutive segments may be parts of one movement.
   [[nodiscard]] std::optional<Segment> segment(FieldId id, double t);
 
   // Fields that may be, at some time in (from_s, to_s], other than at from_s: all that a sensor which is active or
@@ -91,7 +92,8 @@ class Animation {
   // the order of the calls; else the order of calls does not matter. One of the past costs what was found out after it.
   std::optional<DeliverError> deliver(double t, std::uint32_t node, std::string_view name, const Value& value);
 
-  // Since when something stands still for want of transitions; looks at what has been evaluated so far. O(sensors).
+  // Returns the time since when a component stands still because it has used up its transitions, as far as it has been
+  // evaluated. O(sensors).
   [[nodiscard]] std::optional<double> transition_limit_reached_at() const;
 
  private:

@@ -44,7 +44,7 @@ void ChangeTracker::mark_downstream(std::uint32_t port, std::vector<FieldId>& ou
   }
 }
 
-// Who is active, and what comes next, from t on.
+// Finds the sensors that are active at t and the instants that come after it.
 void ChangeTracker::rebuild(double t) {
   upcoming_.clear();
   cursor_valid_ = true;

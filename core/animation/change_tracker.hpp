@@ -18,7 +18,7 @@ class ChangeTracker {
   // Makes room for that many ports.
   void grow(std::size_t ports) { seen_.resize(ports, 0); }
 
-  // What Animation::changing() promises.
+  // Does for ports as Animation::changing() does for fields.
   void changing(double from_s, double to_s, std::vector<FieldId>& out);
 
   // Notes an event from outside at t that the simulator, or the delivery log, has just taken for that port.

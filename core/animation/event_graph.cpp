@@ -29,7 +29,7 @@ constexpr SensorPortName kSensorPorts[] = {
     {"startTime", PortKind::kSensorInput, index_of(SensorInput::kStartTime), FieldType::kTime},
 };
 
-// x, set_x or x_changed
+// A field x is also written set_x or x_changed.
 bool names_field(std::string_view field, std::string_view exposed_field) {
   if (field.starts_with("set_")) return field.substr(4) == exposed_field;
   if (field.ends_with("_changed")) return field.substr(0, field.size() - 8) == exposed_field;

@@ -64,14 +64,15 @@ Keys EventTracer::keys_at(std::uint32_t port, double t) const {
   return keys;
 }
 
-// Whether an event that reaches the port at t is sent on.
+// Returns whether the port sends an event on that reaches it at t.
 bool EventTracer::interpolates(std::uint32_t port, double t) const {
   const EventPort& c = graph_.ports[port];
   if (c.kind != PortKind::kInterpolator) return true;
   return sends(graph_.interpolators[graph_.index_of_node[c.node]].type, keys_at(port, t));
 }
 
-// Most fields hang on one chain of single ROUTEs: then there is nothing to choose. Returns false where there is.
+// Follows the single chain of ROUTEs that most fields hang on, where there is nothing to choose. Returns false if there
+// is a choice.
 bool EventTracer::find_simple_path(std::uint32_t port, double t, At at, bool& found) {
   const std::uint64_t mark = ++mark_;
   path_.clear();

@@ -14,7 +14,7 @@ namespace peerd::animation {
 // until the next question. The graph, the simulator and the deliveries outlive it.
 class EventTracer {
  public:
-  // Whether events at the time asked for count, or also those that an active sensor sends just after it.
+  // The choice between events up to the time asked for and those that an active sensor also sends just after it.
   enum class At : std::uint8_t { kNow, kJustAfter };
   struct Source {
     Stamp stamp;
@@ -30,8 +30,9 @@ class EventTracer {
   // Finds the event that is the latest of the port at or before t, or just after t. False: there is none.
   [[nodiscard]] bool find(std::uint32_t port, double t, At at);
 
-  // Of the latest find(): the event that counts, if it returned true; the ports from the one asked for back to that of
-  // the event, if it returned true; the ports that events may have come over, the one asked for first.
+  // The answers of the latest find(). The event that counts and the path, which leads from the port asked for back to
+  // that of the event, hold if it returned true. The upstream ports are those that events may have come over, the one
+  // asked for first.
   [[nodiscard]] const Source& source() const { return source_; }
   [[nodiscard]] std::span<const std::uint32_t> path() const { return path_; }
   [[nodiscard]] std::span<const std::uint32_t> upstream() const { return upstream_; }

@@ -11,7 +11,7 @@
 
 namespace peerd::animation {
 
-// What an Animation is built from: the nodes of a file that events pass through, and its ROUTEs.
+// A Network is the part of a file that an Animation is built from: the nodes that events pass through, and the ROUTEs.
 
 // Any node that is neither a TimeSensor nor an interpolator. Each of its fields relays (4.7): an event to set_x sets x
 // and sends x_changed. What a node does besides (a Script's program) comes from outside, by Animation::deliver.
@@ -36,8 +36,8 @@ struct Network {
 
 enum class Problem : std::uint8_t {
   kNoSuchNode,         // the ROUTE is left out
-  kNoSuchField,        // "
-  kTypeMismatch,       // "
+  kNoSuchField,        // the ROUTE is left out
+  kTypeMismatch,       // the ROUTE is left out
   kRouteToKeys,        // ": an interpolator's key and keyValue take events by deliver() alone
   kRepeated,           // ": the first of them counts (4.10.2)
   kUnsortedKeys,       // each key counts as the greatest up to it

@@ -4,8 +4,9 @@
 
 namespace peerd::animation {
 
-// How a field moves from begin_s until end_s. In the frame that the field is in, which for translation and rotation is
-// the parent's. SFFloat and SFTime use the first component of `position` and `velocity`.
+// A Segment describes how a field moves from begin_s until end_s, in the frame that the field is in. For translation
+// and rotation that is the frame of the parent. SFFloat and SFTime use the first component of `position` and
+// `velocity`.
 struct Segment {
   double begin_s = -kInfinity;          // [s]
   double end_s = kInfinity;             // [s], exclusive; +inf: it never changes again

@@ -60,7 +60,7 @@ void hold(const Value& value, Segment& s) {
 
 }  // namespace
 
-// Between the instants at which something upstream starts, stops or is delivered.
+// Bounds the segment by the instants at which something upstream starts, stops or is delivered.
 void SegmentFinder::bound_segment(double t, Segment& s) {
   const auto bound_by_deliveries = [&](std::uint32_t port) {
     if (port == kNone) return;
@@ -135,7 +135,8 @@ bool SegmentFinder::follow_path(double t, Segment& s, Value& held) {
     const double ka = keys.key[a];
     const double gap = keys.key[b] - ka;
     const double duration_s = gap * line.duration_s;  // of the whole piece; < 0 if the fraction falls
-    // From begin_s rather than from when the line met key a, which can be far away where it is nearly level.
+    // The weight is taken at begin_s. The time at which the line met key a can be far away where the line is nearly
+    // level.
     const double weight = (line.at(s.begin_s) - ka) / gap;
     switch (type) {
       case InterpolatorType::kScalar: {

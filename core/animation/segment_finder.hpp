@@ -13,7 +13,7 @@ class SegmentFinder {
   SegmentFinder(const EventGraph& graph, SensorSimulator& simulator, const DeliveryLog& deliveries, EventTracer& tracer)
       : graph_(graph), simulator_(simulator), deliveries_(deliveries), tracer_(tracer) {}
 
-  // What Animation::segment() promises, for a port.
+  // Does for a port as Animation::segment() does for a field.
   [[nodiscard]] std::optional<Segment> find(std::uint32_t port, double t);
 
  private:

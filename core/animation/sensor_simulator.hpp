@@ -8,8 +8,8 @@
 
 namespace peerd::animation {
 
-// When an event was: later `t` is later; at one t, later `step`; within a step, events that came over fewer ROUTEs
-// (lower `wave`) came first, and the first is the one that counts (4.10.4).
+// A Stamp orders events: a later `t` is later; at one t, a later `step` is; within a step, events that came over fewer
+// ROUTEs (lower `wave`) came first, and the first is the one that counts (4.10.4).
 struct Stamp {
   double t = 0.0;  // [s]
   std::uint32_t step = 0;
@@ -66,8 +66,8 @@ class SensorSimulator {
   [[nodiscard]] double previous_instant(std::uint32_t component, double t);  // <= t
   [[nodiscard]] double next_instant(std::uint32_t component, double t);      // > t
 
-  // What was looked at in (from, to]: calls f(is_port, index), in order of time, repeatedly for one that changed often;
-  // once for everything where `from` is forgotten.
+  // Calls f(is_port, index) for each change in (from, to], in order of time, repeatedly for a port or sensor that
+  // changed often. Where `from` is forgotten, it calls f once for each port and sensor of the component.
   template <class F>
   void for_each_change(std::uint32_t component, double from, double to, F&& f) {
     Component& c = components_[component];
@@ -158,7 +158,7 @@ class SensorSimulator {
   std::vector<std::uint32_t> version_;                  // by sensor, of its valid Due
   std::vector<std::uint8_t> feeds_sensor_inputs_;       // by sensor: bits, of SensorOutput
 
-  // Of the instant that is being run.
+  // The state of the instant that is being run.
   std::vector<std::uint8_t> stop_pending_;  // by sensor: stopped by an event, has yet to say so
   std::vector<std::uint32_t> due_sensors_, next_sensors_, processed_sensors_;
   std::vector<PendingEvent> wave_, next_wave_;

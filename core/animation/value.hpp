@@ -31,7 +31,7 @@ enum class FieldType : std::uint8_t {
 
 [[nodiscard]] constexpr bool is_multiple(FieldType type) { return type >= FieldType::kFloats; }
 
-// One field's value. Single values are binary64, not the binary32 that SFFloat and SFVec3f ask for at least: rounding a
+// The value of one field. Single values are binary64, although SFFloat and SFVec3f ask for binary32 only: rounding a
 // fraction to binary32 would make movement a staircase of 6e-8 of a cycle. Rotations are unit quaternions.
 struct Value {
   FieldType type = FieldType::kFloat;

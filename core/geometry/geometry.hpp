@@ -53,7 +53,7 @@ struct NoSurface {
 using Geometry = std::variant<BoxGeometry, SphereGeometry, ConeGeometry, CylinderGeometry, ElevationGridGeometry,
                               ExtrusionGeometry, FaceSetGeometry, NoSurface>;
 
-// How finely curved geometry is cut.
+// The fineness with which curved geometry is cut into polygons.
 struct Tessellation {
   std::uint32_t slices = 24;  // around an axis, >= 3
   std::uint32_t stacks = 12;  // of a sphere from pole to pole, >= 2

@@ -83,7 +83,7 @@ void FieldParser::parse_field(OpenNode& open) {
     open_nodes_.fields.emplace_back(spec, value->data, value->count, value->at);
   } else {
     open.damaged = true;
-    // What is there instead is part of the same mistake; a word may be the next field.
+    // A token that stands in place of the value is part of the same mistake; a word may be the next field.
     if (text_.tokens.position() == before && (text_.tokens.at(kString) || text_.tokens.at(kNumber)))
       open_nodes_.skip_value(text_);
   }

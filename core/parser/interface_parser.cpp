@@ -11,7 +11,7 @@ using enum TokenKind;
 
 namespace {
 
-// What an interface declares, as it is read.
+// The declarations of an interface that have been read so far.
 struct Interface {
   std::vector<FieldSpec> specs{};
   std::vector<std::optional<Field>> defaults{};
@@ -47,7 +47,7 @@ void keep(Interface& interface, Prototype& prototype, Arena& arena) {
 
 }  // namespace
 
-// To the next declaration of an interface, or to its end.
+// Passes over tokens to the next declaration of an interface, or to its end.
 void InterfaceParser::skip_to_declaration() {
   while (!text_.tokens.at(kEnd) && !text_.tokens.at(kCloseBracket) && !text_.tokens.at(kCloseBrace)) {
     if (text_.tokens.at(kWord) && find_access(text_.tokens.peek().text)) return;
@@ -79,7 +79,7 @@ std::optional<std::pair<FieldType, Token>> InterfaceParser::parse_type_and_name(
   return std::pair(*type, text_.tokens.take());
 }
 
-// Its nodes stand in the prototype's body, and are in none of its names (4.4.3).
+// The nodes of a default value stand in the body of the prototype, and are in none of its names (4.4.3).
 std::optional<Field> InterfaceParser::parse_default(const FieldSpec& spec, Prototype& prototype) {
   Scope scope{.outer = text_.scope, .body = &prototype.body};
   Scope* const outer = std::exchange(text_.scope, &scope);

@@ -202,7 +202,7 @@ NodeRef NodeParser::close_instance(OpenNode& open, const Prototype& prototype, c
     Node& root = body.nodes[copy.root];
     root.damaged |= open.damaged;
     if (!def.text.empty()) {
-      // What the PROTO calls its first node is known inside of it only.
+      // The DEF name that the PROTO gives its first node is known inside of it only.
       if (!root.def.empty()) body.inner_names.push_back({root.scope, root.def, copy.root});
       root.def = text_.arena.copy(def.text);
       root.scope = text_.scope->id;

@@ -39,8 +39,8 @@ struct OpenNodes {
   std::vector<Field> fields{};             // those read so far of all open nodes, innermost last
   std::vector<Definition*> script_uses{};  // open nodes that the Script field in hand names, in order
 
-  // Whether a word among values is the name of a field of the innermost node, or a keyword of an interface outside of
-  // any node.
+  // Returns whether a word among values is the name of a field of the innermost node, or a keyword of an interface
+  // outside of any node.
   [[nodiscard]] bool is_field(std::string_view word) const;
   // Passes over a value. The nodes in it belong to no field of a Script.
   void skip_value(TextState& text);

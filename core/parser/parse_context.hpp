@@ -25,10 +25,10 @@ inline constexpr std::size_t kMaxFields = 4096;  // that a PROTO or a Script may
 inline constexpr std::uint32_t kMaxResolving = 64;  // EXTERNPROTOs that lead to one another; each is a recursion
 inline constexpr std::string_view kExtensionUrn = "urn:peerd:node:";
 
-// The nodes of the seed's appendix C that a world may also declare, so that other browsers load it.
+// The nodes of appendix C of the thesis that a world may also declare, so that other browsers load it.
 inline constexpr std::string_view kExtensionNodes[] = {"CollisionInterest", "CollisionResponse", "KeySensor"};
 
-// What a DEF names, from its node's '{' on.
+// A Definition is the node that a DEF names, known from its '{' on.
 struct Definition {
   const NodeType* type = nullptr;        // its fields as ROUTEs and the file's author see them; null where it was lost
   const Prototype* prototype = nullptr;  // whose instance it is; its copy begins at `base`
@@ -55,8 +55,8 @@ struct RouteEnd {
   Position at = 0;
 };
 
-// Where names hold: a file, a PROTO's body, a default value in its interface. PROTOs are seen from within, DEFs aren't
-// (4.4.3, 4.8.1).
+// A Scope is a part of a text in which names hold: a file, the body of a PROTO, a default value in its interface.
+// PROTOs are seen from within, DEFs are not (4.4.3, 4.8.1).
 struct Scope {
   Scope* outer = nullptr;
   Body* body = nullptr;
@@ -76,7 +76,7 @@ struct OpenText {
   std::size_t body = 0;  // offset behind its header
 };
 
-// What all texts of a world share.
+// All texts of a world share one ParseContext.
 struct ParseContext {
   Document& document;
   Problems& problems;

@@ -21,7 +21,7 @@ void PrototypeParser::check_name(const Token& name) {
   }
 }
 
-// One without a name.
+// Passes over a declaration without a name, which it reports.
 void PrototypeParser::skip_declaration(const std::string& keyword) {
   text_.tokens.error(text_.tokens.position(),
                      "expected a name after " + keyword + ", found " + described(text_.tokens.peek()));

@@ -20,7 +20,7 @@ class PrototypeParser {
         grammar_(grammar),
         interfaces_(text, routes) {}
 
-  // Each reads its statement from the keyword on.
+  // Both read their statement from the keyword on.
   void parse_proto();
   void parse_externproto();
 

@@ -26,7 +26,7 @@ class TextParser final : private Grammar {
   NodeRef parse_node_body(const Token& def, const Token& type_name, Position at) override {
     return nodes_.parse_node_body(def, type_name, at);
   }
-  // One node of the value of an SFNode or MFNode, as ValueReader asks for it.
+  // Reads one node of the value of an SFNode or MFNode, for ValueReader.
   std::optional<NodeRef> parse_node_value(const FieldSpec& spec);
 
   TextState text_;

@@ -9,8 +9,8 @@
 
 namespace peerd::vrml {
 
-// One text while it is read, as all parts of its parser see it: the tokens to come, the reader of field values, and the
-// scope that names are defined in.
+// A TextState is one text while it is read, as all parts of its parser see it: the tokens to come, the reader of field
+// values, and the scope that names are defined in.
 struct TextState {
   // `text_begin` is the position of the text among all texts of the world, `begin` the offset of its first token behind
   // the header, `nesting` how many nodes, PROTOs and files are open around it.
@@ -24,8 +24,8 @@ struct TextState {
   TextState(const TextState&) = delete;
   TextState& operator=(const TextState&) = delete;
 
-  // Whether nodes that are read now become nodes of the world, rather than of a PROTO or of a library. Only in the
-  // world are Inlines loaded.
+  // Returns whether nodes that are read now become nodes of the world, rather than of a PROTO or of a library. Inlines
+  // are loaded in the world only.
   [[nodiscard]] bool in_world_body() const { return scope->body == &context.world; }
 
   // Defines a name in the current scope. A name that is there already means the new definition from here on (4.4.3).

@@ -31,7 +31,8 @@ void TypeFinder::add_native(Declaration& declaration, std::string_view name) {
   }
 }
 
-// Whether each field of `interface` is one of `type`, of the same type and with an access that serves it (4.9.2).
+// Returns whether each field of `interface` is one of `type`, of the same type and with an access that serves it
+// (4.9.2).
 bool TypeFinder::fits(std::span<const FieldSpec> interface, const NodeType& type, Position at) {
   bool good = true;
   for (const FieldSpec& declared : interface) {
@@ -132,7 +133,7 @@ const Declaration* TypeFinder::find_in_library(std::string_view url, Position at
     why = "it is not found there either";
     return nullptr;
   }
-  // Without a name, the first PROTO of the file (4.9.3).
+  // A URL without a name means the first PROTO of the file (4.9.3).
   Declaration* first = nullptr;
   for (auto& [name, declaration] : *file->library) {
     if (!declaration.external && (first == nullptr || declaration.at < first->at)) first = &declaration;

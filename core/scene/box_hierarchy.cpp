@@ -15,7 +15,7 @@ namespace peerd {
 namespace {
 
 constexpr int kSides = 6;
-// How far out a side of a box lies, along its own outward axis: -x -y -z +x +y +z.
+// Returns how far out a side of a box lies, along its own outward axis: -x -y -z +x +y +z.
 double outward_extent(const WorldBox& box, int side) { return side < 3 ? -box.lo[side] : box.hi[side - 3]; }
 
 }  // namespace

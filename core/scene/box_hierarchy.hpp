@@ -10,7 +10,7 @@
 
 namespace peerd {
 
-// How many boxes have been computed.
+// The number of boxes that have been computed.
 struct BoxCounters {
   std::uint64_t updated = 0;  // local boxes taken to the world
   std::uint64_t merged = 0;   // a box compared with, or merged into, that of a node above it

@@ -7,7 +7,7 @@ namespace peerd {
 
 namespace {
 
-// The same bits, so that -0 is not taken for 0: it can show in a product.
+// Compares bits, so that -0 is not taken for 0: the sign can show in a product.
 template <class T>
 bool same_bits(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;

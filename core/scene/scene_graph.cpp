@@ -91,7 +91,8 @@ bool SceneGraph::move(NodeHandle node, NodeHandle parent, NodeHandle before) {
   return true;
 }
 
-// What hangs from the pose above `top`: itself, or the nodes below down to the first that have poses of their own.
+// Sets the parent pose of everything that hangs from the pose above `top`: `top` itself, or the nodes below it down to
+// the first that have poses of their own.
 void SceneGraph::relink_poses(std::uint32_t top) {
   const std::uint32_t pose = tree_[tree_[top].parent].pose;
   for (std::uint32_t i = top; i != kNoSlot;) {
@@ -177,7 +178,8 @@ void SceneGraph::mark_dirty(std::uint32_t i) {
 
 std::span<const NodeHandle> SceneGraph::update() {
   changed_.clear();
-  // From the top down, a subtree that holds another marked one takes it along, and nobody has to look for one above.
+  // The subtrees are updated from the top down. A subtree that holds another marked one takes it along, so that no
+  // search above a marked node is needed.
   const auto depth = [&](std::uint32_t i) { return tree_[i].depth; };
   const auto shallower = [&](std::uint32_t a, std::uint32_t b) {
     return std::pair(depth(a), a) < std::pair(depth(b), b);

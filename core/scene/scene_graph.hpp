@@ -19,7 +19,7 @@ struct NodeSpec {
   const TransformFields* transform = nullptr;  // read during the call only; null: none
 };
 
-// Where a node with a transform goes, in its parent's frame.
+// A RigidMove is the place that a node with a transform goes to, in the frame of its parent.
 struct RigidMove {
   NodeHandle node;
   Vec3 translation_m = Vec3::Zero();
@@ -58,7 +58,7 @@ class SceneGraph {
   // All of `nodes` in one pass, in their order among siblings; the handles are in the order of `nodes`. Listed depth
   // first they lie so in memory too (in a graph without free slots). This is also how a whole world is built.
   std::vector<NodeHandle> add_subtree(NodeHandle parent, std::span<const NodeSpec> nodes, NodeHandle before = {});
-  // With all that is below. O(subtree).
+  // Removes the node with everything below it. O(subtree).
   void remove(NodeHandle node);
   // Puts the subtree of `node` under `parent`; it keeps its local fields, so it moves in the world. False, and nothing
   // done, where `parent` is `node` or below it. O(depth), and O(subtree) where the depth changes.
@@ -67,7 +67,7 @@ class SceneGraph {
   // No node (alive() is false) at the top, at the end.
   [[nodiscard]] NodeHandle parent(NodeHandle node) const { return tree_.handle_of(at(node).parent); }
   [[nodiscard]] NodeHandle first_child(NodeHandle node) const { return tree_.handle_of(at(node).first_child); }
-  // In order. A range must not outlive an edit of what it runs over.
+  // Both ranges are in order. A range must not outlive an edit of what it runs over.
   [[nodiscard]] NodeRange children(NodeHandle node) const {
     const std::uint32_t i = tree_.slot(node);
     return {tree_, tree_[i].first_child, i, false};
@@ -82,8 +82,8 @@ class SceneGraph {
   void set_translation(NodeHandle node, const Vec3& translation_m);
   void set_rotation(NodeHandle node, const Quat& rotation);
   void set_rigid(NodeHandle node, const Vec3& translation_m, const Quat& rotation);
-  // The same for many, in their order. In a large scene much faster than one call each: nothing of a mover is in a
-  // cache then, and here memory is asked for many of them at once.
+  // Sets many nodes, in their order. In a large scene this is much faster than one call each: no data of a moving node
+  // is in a cache then, and this function prefetches it for many nodes at once.
   void set_rigid(std::span<const RigidMove> moves);
   [[nodiscard]] TransformFields local(NodeHandle node) const;
 

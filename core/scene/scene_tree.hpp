@@ -128,7 +128,8 @@ class SceneNodeRange {
     bool deep_ = false;
   };
 
-  // From `first` on: the siblings behind it, or with `deep` all nodes of the subtree of `top`, depth first.
+  // The range begins with `first` and goes on with the siblings behind it, or with `deep` with all nodes of the subtree
+  // of `top`, depth first.
   SceneNodeRange(const SceneTree& tree, std::uint32_t first, std::uint32_t top, bool deep) {
     begin_.tree_ = &tree;
     begin_.i_ = first;

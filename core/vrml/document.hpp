@@ -59,7 +59,8 @@ struct Node {
   }
 };
 
-// From the field `from` of a node to `to` of another; an exposedField stands for its _changed or its set_ event.
+// A Route leads from the field `from` of a node to `to` of another; an exposedField stands for its _changed or its set_
+// event.
 struct Route {
   std::uint32_t from_node = NodeRef::kNull, to_node = NodeRef::kNull;
   const FieldSpec* from = nullptr;

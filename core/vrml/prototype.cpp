@@ -9,7 +9,7 @@
 namespace peerd::vrml {
 namespace {
 
-// The same nodes, `base` further on.
+// Returns a field with the same nodes, `base` further on.
 Field moved(const Field& field, std::uint32_t base, Arena& arena) {
   const std::span<NodeRef> refs = arena.allocate<NodeRef>(field.count);
   std::ranges::transform(field.as<NodeRef>(), refs.begin(), [&](NodeRef ref) {
@@ -21,7 +21,7 @@ Field moved(const Field& field, std::uint32_t base, Arena& arena) {
   return out;
 }
 
-// Most are in order, or nearly so.
+// Sorts links, which are in order already in most files, or nearly so.
 template <class Link, class Key>
 void sort_by(std::vector<Link>& links, Key Link::*key) {
   if (!std::ranges::is_sorted(links, {}, key)) std::ranges::stable_sort(links, {}, key);
@@ -87,7 +87,7 @@ std::uint32_t copy_nodes(const Body& from, const NodeSet& set, Body& to, Arena& 
 void sort_links(Prototype& prototype) {
   prototype.value_of_field.assign(prototype.type.fields.size(), ValueLink::kNone);
   for (const IsLink& link : prototype.links) {
-    // Where the outer one sends events the inner one does too, and likewise where it takes them (table 4.4).
+    // The inner field sends events where the outer one does, and likewise takes them (table 4.4).
     if (link.outer->access != Access::kField && link.inner->access != Access::kField) {
       prototype.event_links.push_back(link);
     }

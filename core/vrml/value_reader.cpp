@@ -288,11 +288,11 @@ bool ValueReader::read_one_node(const FieldSpec& spec, Field& field) {
 }
 
 bool ValueReader::read_nodes(const FieldSpec& spec, Field& field) {
-  if (tokens_.at_word("NULL")) return tokens_.take(), true;  // the seed's appendix C.5 writes an empty list so
+  if (tokens_.at_word("NULL")) return tokens_.take(), true;  // appendix C.5 of the thesis writes an empty list so
   const std::size_t first = refs_.size();
   const bool good = read_list([&] {
     if (!tokens_.at(kWord) || tokens_.at_word("NULL") || !read_node_) return expected_value(spec, "a node");
-    // What cannot be read keeps its place among children as a null, so that child indices stay the text's.
+    // A node that cannot be read keeps its place among children as a null, so that child indices are those of the text.
     if (const std::optional<NodeRef> ref = read_node_(spec)) refs_.push_back(*ref);
     return true;
   });

@@ -16,7 +16,7 @@
 
 namespace {
 
-// Not assert: it must hold in every build.
+// This is no assert, since it must hold in every build.
 void require(bool condition) {
   if (!condition) std::abort();
 }
@@ -74,7 +74,7 @@ void check_paths(const peerd::Scene& scene, std::uint32_t i) {
   require(pose.position == origin || !origin.allFinite());
 }
 
-// What moves by itself is where it says, whichever way time is asked for.
+// Instances that move by themselves are where PredefinedMotion says, whichever way time is asked for.
 void check_movement(const peerd::Scene& scene) {
   peerd::MovingScene there(scene), back(scene);
   for (const double t : {0.0, 0.3, 1.0, 1.7, 1e6}) (void)there.go_to(t);

@@ -196,7 +196,7 @@ TEST(ExternProtoScope, UsedInAPrototypeAndThroughAnInline) {
   EXPECT_EQ(document_violation(*scene.document), "");
 }
 
-// In processes of their own: what goes wrong here is the stack.
+// These tests run in processes of their own: a fault here overflows the stack.
 void read_and_leave(const std::string& body, const Files& files) {
   const ReadResult result = read_body(body, files);
   std::_Exit(result.diagnostics.empty() || result.sources.size() > 40 ? 1 : 0);
