@@ -10,6 +10,7 @@
 #include "collision/tree/hierarchy_file.hpp"
 #include "collision/tree/realigned_box.hpp"
 #include "collision/scene/world_box.hpp"
+#include "core/geometry/tessellate.hpp"
 
 namespace peerd::collision {
 namespace {

@@ -1,13 +1,11 @@
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 
 #include <algorithm>
-#include <expected>
 #include <set>
 #include <tuple>
 #include <utility>
 
-#include "core/vrml/gzip.hpp"
-#include "core/vrml/text_parser.hpp"
+#include "core/parser/text_parser.hpp"
 
 namespace peerd::vrml {
 namespace {
@@ -36,41 +34,17 @@ void drop_repeated(std::vector<Route>& routes) {
 
 }  // namespace
 
-std::expected<OpenText, std::string> open_text(ParseContext& context, Source source) {
-  const std::uint64_t left =
-      context.options.limits.text_bytes - std::min(context.text_bytes, context.options.limits.text_bytes);
-  std::expected<Header, std::string> header = std::unexpected("");
-  if (is_gzip(source.text)) {
-    std::expected<std::string, std::string> unpacked = gunzip(source.text, left);
-    if (unpacked) {
-      source.owned = std::make_shared<const std::string>(std::move(*unpacked));
-      source.text = *source.owned;
-      header = read_header(source.text);
-    } else {
-      header = std::unexpected(unpacked.error());
-    }
-  } else if (source.text.size() > left) {
-    header = std::unexpected("it is larger than " + std::to_string(left) + " bytes, more than this reader takes");
-    source.text = {};
-  } else {
-    header = read_header(source.text);
-  }
-  context.text_bytes += source.text.size();
-  const std::optional<Position> begin = context.problems.open(std::move(source));
-  if (!header) return std::unexpected(header.error());
-  if (!begin) return std::unexpected("its files together are larger than 4 GiB, more than this reader takes");
-  if (!header->remark.empty()) context.problems.warning(*begin, std::string(header->remark));
-  return OpenText{*begin, header->end};
-}
-
 std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOptions& options) {
   auto document = std::make_shared<Document>();
-  ParseContext context{.document = *document, .problems = problems, .options = options};
+  ParseContext context{.document = *document, .problems = problems, .options = options, .parse_text = {}};
+  context.parse_text = [&context](const OpenText& text, std::uint32_t nesting, Body& body) {
+    return TextParser(context, text.begin, text.body, nesting).parse_text(body);
+  };
   const std::string name = world.name;
   if (const auto text = open_text(context, std::move(world))) {
     context.open_files.push_back(name);
     context.world.nodes.reserve(guess_nodes(problems.text_of(text->begin), options.limits));
-    TextParser(context, text->begin, text->body, 0).parse_text(context.world);
+    static_cast<void>(context.parse_text(*text, 0, context.world));
     document->nodes = std::move(context.world.nodes);
     document->top_level = std::move(context.world.roots);
     document->routes = std::move(context.world.routes);

@@ -1,6 +1,8 @@
+#include "core/scene/box_hierarchy.hpp"
+
 #include <cassert>
 
-#include "core/scene/scene_graph.hpp"
+#include "core/prefetch.hpp"
 
 // A tracked node keeps the union of the boxes below it. A change of one box, from `before` to `after`, is absorbed
 // going up: a union grows by `after`, which keeps it exact; where `before` made up a side of it that `after` does not
@@ -9,84 +11,99 @@
 // box to lie within those stored above it, loose or not.
 
 namespace peerd {
+
 namespace {
 
 constexpr int kSides = 6;
-// How far out a side of a box lies, along its own outward axis: -x -y -z +x +y +z.
+// Returns how far out a side of a box lies, along its own outward axis: -x -y -z +x +y +z.
 double outward_extent(const WorldBox& box, int side) { return side < 3 ? -box.lo[side] : box.hi[side - 3]; }
 
 }  // namespace
 
-void SceneGraph::take_box_slot(std::uint32_t i) {
-  if (nodes_[i].box == kNone) nodes_[i].box = local_boxes_.take();
+void BoxHierarchy::take_slot(SceneNode& node) {
+  if (node.box == kNoSlot) node.box = local_boxes_.take();
 }
 
-void SceneGraph::mark_box_pending(std::uint32_t i) {
-  Node& node = nodes_[i];
+void BoxHierarchy::mark_pending(SceneTree& tree, std::uint32_t i) {
+  SceneNode& node = tree[i];
   node.box_pending = 1;
   if (node.in_pending_list) return;
   node.in_pending_list = 1;
-  pending_boxes_.push_back(i);
+  pending_.push_back(i);
 }
 
-void SceneGraph::set_local_box(NodeHandle node, const LocalBox& box) {
-  const std::uint32_t i = slot(node);
-  if (box.is_empty() && nodes_[i].box == kNone) return;
-  take_box_slot(i);
-  local_boxes_.items[nodes_[i].box] = box;
-  if (nodes_[i].box_tracked) mark_box_pending(i);
+void BoxHierarchy::set_local(SceneTree& tree, std::uint32_t i, const LocalBox& box) {
+  if (box.is_empty() && tree[i].box == kNoSlot) return;
+  take_slot(tree[i]);
+  local_boxes_.items[tree[i].box] = box;
+  if (tree[i].box_tracked) mark_pending(tree, i);
 }
 
-WorldBox SceneGraph::box(NodeHandle node) {
-  const std::uint32_t i = slot(node);
-  assert(up_to_date());
-  update_pending_boxes();
-  make_box(i);
-  return world_boxes_[nodes_[i].box];
+WorldBox BoxHierarchy::world(SceneTree& tree, const PoseStore& poses, std::uint32_t i) {
+  update_pending(tree, poses);
+  make_box(tree, poses, i);
+  return world_boxes_[tree[i].box];
 }
 
-void SceneGraph::update_pending_boxes() {
-  for (const std::uint32_t i : pending_boxes_) {
-    nodes_[i].in_pending_list = 0;
-    if (!nodes_[i].box_pending) continue;
-    const WorldBox before = nodes_[i].box_tracked ? world_boxes_[nodes_[i].box] : WorldBox{};
-    make_box(i);
-    propagate_box_change(nodes_[i].parent, before, world_boxes_[nodes_[i].box]);
+void BoxHierarchy::leave_parent(SceneTree& tree, std::uint32_t i) {
+  if (!tree[i].box_tracked) return;
+  WorldBox& world = world_boxes_[tree[i].box];
+  propagate_change(tree, tree[i].parent, world, {});
+  world = {};
+}
+
+void BoxHierarchy::remove(const SceneNode& node) {
+  if (node.box != kNoSlot) local_boxes_.give_back(node.box);
+}
+
+void BoxHierarchy::prefetch_boxes(const SceneNode& node) const {
+  if (!node.box_tracked) return;
+  prefetch(local_boxes_.items[node.box]);
+  prefetch(world_boxes_[node.box]);
+}
+
+void BoxHierarchy::update_pending(SceneTree& tree, const PoseStore& poses) {
+  for (const std::uint32_t i : pending_) {
+    tree[i].in_pending_list = 0;
+    if (!tree[i].box_pending) continue;
+    const WorldBox before = tree[i].box_tracked ? world_boxes_[tree[i].box] : WorldBox{};
+    make_box(tree, poses, i);
+    propagate_change(tree, tree[i].parent, before, world_boxes_[tree[i].box]);
   }
-  pending_boxes_.clear();
+  pending_.clear();
 }
 
-WorldBox SceneGraph::own_box(std::uint32_t i) {
-  const LocalBox& local = local_boxes_.items[nodes_[i].box];
+WorldBox BoxHierarchy::own_box(const SceneTree& tree, const PoseStore& poses, std::uint32_t i) {
+  const LocalBox& local = local_boxes_.items[tree[i].box];
   if (local.is_empty()) return {};
-  ++counters_.boxes_updated;
-  return transformed(placed_.items[nodes_[i].pose].world, local);
+  ++counters_.updated;
+  return transformed(poses.world(tree[i].pose), local);
 }
 
 // The union below `top`, from its children's, going down only where those are not exact themselves. Does not tell
 // above.
-void SceneGraph::make_box(std::uint32_t top) {
+void BoxHierarchy::make_box(SceneTree& tree, const PoseStore& poses, std::uint32_t top) {
   for (std::uint32_t i = top;;) {
-    if (Node& node = nodes_[i]; !node.box_tracked || node.box_pending) {
+    if (SceneNode& node = tree[i]; !node.box_tracked || node.box_pending) {
       node.box_tracked = 1;
       node.box_pending = 0;
       node.box_loose = 0;
-      take_box_slot(i);
+      take_slot(tree[i]);
       if (world_boxes_.size() < local_boxes_.items.size()) world_boxes_.resize(local_boxes_.items.size());
-      world_boxes_[node.box] = own_box(i);
-      if (node.first_child != kNone) {
+      world_boxes_[node.box] = own_box(tree, poses, i);
+      if (node.first_child != kNoSlot) {
         i = node.first_child;
         continue;
       }
     } else if (node.box_loose) {
-      tighten_box(i);
+      tighten_box(tree, poses, i);
     }
     for (;;) {  // i is made
       if (i == top) return;
-      const Node& node = nodes_[i];
-      world_boxes_[nodes_[node.parent].box].merge(world_boxes_[node.box]);
-      ++counters_.boxes_merged;
-      if (node.next != kNone) {
+      const SceneNode& node = tree[i];
+      world_boxes_[tree[node.parent].box].merge(world_boxes_[node.box]);
+      ++counters_.merged;
+      if (node.next != kNoSlot) {
         i = node.next;
         break;
       }
@@ -97,7 +114,7 @@ void SceneGraph::make_box(std::uint32_t top) {
 
 // Brings the loose sides of `top` in to what is below. Children are looked at only until each of those sides has one
 // that lies on it, so a box of many things on one floor is settled by the first of them.
-void SceneGraph::tighten_box(std::uint32_t top) {
+void BoxHierarchy::tighten_box(SceneTree& tree, const PoseStore& poses, std::uint32_t top) {
   struct Frame {
     std::uint32_t node, child;  // the next child to look at
     std::uint32_t open;         // loose sides on which nothing has been found to lie
@@ -105,7 +122,7 @@ void SceneGraph::tighten_box(std::uint32_t top) {
   };
   std::vector<Frame> stack;  // of its own: a scene may be as deep as it is large
   const auto enter = [&](std::uint32_t i) {
-    stack.push_back({i, nodes_[i].first_child, nodes_[i].box_loose, own_box(i)});
+    stack.push_back({i, tree[i].first_child, tree[i].box_loose, own_box(tree, poses, i)});
   };
   // The sides among `of` on which `a` lies as far out as `b`, or farther.
   const auto reached = [](std::uint32_t of, const WorldBox& a, const WorldBox& b) {
@@ -118,11 +135,11 @@ void SceneGraph::tighten_box(std::uint32_t top) {
   enter(top);
   while (!stack.empty()) {
     Frame& frame = stack.back();
-    Node& node = nodes_[frame.node];
+    SceneNode& node = tree[frame.node];
     WorldBox& world = world_boxes_[node.box];
     frame.open &= ~reached(frame.open, frame.found, world);
-    if (frame.open != 0 && frame.child != kNone) {
-      const Node& child = nodes_[frame.child];
+    if (frame.open != 0 && frame.child != kNoSlot) {
+      const SceneNode& child = tree[frame.child];
       if (!child.box_tracked) {  // just added; it is absorbed when its own turn comes
         frame.child = child.next;
         continue;
@@ -135,7 +152,7 @@ void SceneGraph::tighten_box(std::uint32_t top) {
       }
       frame.found.merge(box);
       frame.child = child.next;
-      ++counters_.boxes_merged;
+      ++counters_.merged;
       continue;
     }
     for (int side = 0; side < kSides; ++side) {
@@ -151,17 +168,18 @@ void SceneGraph::tighten_box(std::uint32_t top) {
   }
 }
 
-void SceneGraph::propagate_box_change(std::uint32_t above, const WorldBox& before, const WorldBox& after) {
-  for (; above != kNone && nodes_[above].box_tracked; above = nodes_[above].parent) {
-    WorldBox& box = world_boxes_[nodes_[above].box];
-    ++counters_.boxes_merged;
+void BoxHierarchy::propagate_change(SceneTree& tree, std::uint32_t above, const WorldBox& before,
+                                    const WorldBox& after) {
+  for (; above != kNoSlot && tree[above].box_tracked; above = tree[above].parent) {
+    WorldBox& box = world_boxes_[tree[above].box];
+    ++counters_.merged;
     std::uint32_t left = 0;
     for (int side = 0; side < kSides; ++side) {
       const double at = outward_extent(box, side);
       if (outward_extent(before, side) >= at && at > outward_extent(after, side)) left |= 1u << side;
     }
     if (left == 0 && box.contains(after)) return;
-    nodes_[above].box_loose |= left;
+    tree[above].box_loose |= left;
     box.merge(after);
   }
 }

@@ -1,10 +1,9 @@
 #pragma once
-#include <memory>
+#include <cstddef>
 #include <set>
 #include <string>
 #include <utility>
 
-#include "core/vrml/document.hpp"
 #include "core/vrml/file_loader.hpp"
 
 namespace peerd::vrml {
@@ -16,9 +15,5 @@ struct ParseOptions {
   std::set<std::pair<std::string, std::size_t>> undeferred_inlines{};
   ReadLimits limits;
 };
-
-// A world's text, packed or not, and the files that it names, to nodes. Reports all problems that it can find in one
-// pass and leaves out what it cannot read; the document stands for the world only where there is no error.
-[[nodiscard]] std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOptions& options = {});
 
 }  // namespace peerd::vrml

@@ -1,75 +1,66 @@
-// TextParser: ROUTE, and the end of a scope, where its ROUTEs are known.
-#include <algorithm>
-#include <utility>
+#include "core/parser/route_parser.hpp"
 
-#include "core/vrml/text_parser.hpp"
+#include <algorithm>
+#include <string>
+#include <utility>
 
 namespace peerd::vrml {
 
 using enum TokenKind;
 
-void TextParser::parse_route() {
-  const Token keyword = tokens_.take();
-  const std::optional<RouteEnd> from = parse_route_end();
-  if (!from && !tokens_.at_word("TO")) return skip_line_of(keyword);
-  if (!tokens_.at_word("TO")) {
-    tokens_.error(tokens_.position(), "expected TO and where the ROUTE goes, found " + described(tokens_.peek()));
+void RouteParser::parse() {
+  const Token keyword = text_.tokens.take();
+  const std::optional<RouteEnd> from = parse_end();
+  if (!from && !text_.tokens.at_word("TO")) return skip_line_of(keyword);
+  if (!text_.tokens.at_word("TO")) {
+    text_.tokens.error(text_.tokens.position(),
+                       "expected TO and where the ROUTE goes, found " + described(text_.tokens.peek()));
     return skip_line_of(keyword);
   }
-  tokens_.take();
-  const std::optional<RouteEnd> to = parse_route_end();
+  text_.tokens.take();
+  const std::optional<RouteEnd> to = parse_end();
   if (!to) return skip_line_of(keyword);
-  if (from && from->node != nullptr && to->node != nullptr) scope_->routes.emplace_back(*from, *to);
+  if (from && from->node != nullptr && to->node != nullptr) text_.scope->routes.emplace_back(*from, *to);
 }
 
 // A broken ROUTE ends with its line, as nearly all do.
-void TextParser::skip_line_of(const Token& first) {
+void RouteParser::skip_line_of(const Token& first) {
   std::uint32_t seen = first.offset;
-  while (tokens_.at(kWord) || tokens_.at(kPeriod) || tokens_.at(kNumber)) {
-    const std::string_view text = problems_.text_of(tokens_.position());
-    const std::string_view between = text.substr(seen, tokens_.peek().offset - seen);
+  while (text_.tokens.at(kWord) || text_.tokens.at(kPeriod) || text_.tokens.at(kNumber)) {
+    const std::string_view text = text_.problems.text_of(text_.tokens.position());
+    const std::string_view between = text.substr(seen, text_.tokens.peek().offset - seen);
     if (between.find_first_of("\r\n") != std::string_view::npos) return;
-    seen = tokens_.take().offset;
+    seen = text_.tokens.take().offset;
   }
 }
 
 // NODE.EVENT; nothing where it is not written so. Its node is null where no node has that name.
-std::optional<RouteEnd> TextParser::parse_route_end() {
+std::optional<RouteEnd> RouteParser::parse_end() {
   const auto expected = [&](const std::string& what) {
-    tokens_.error(tokens_.position(), "expected " + what + ", found " + described(tokens_.peek()));
+    text_.tokens.error(text_.tokens.position(), "expected " + what + ", found " + described(text_.tokens.peek()));
     return std::nullopt;
   };
   RouteEnd end;
-  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) return expected("NODE.EVENT of a ROUTE");
-  const Token name = tokens_.take();
+  if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text)) return expected("NODE.EVENT of a ROUTE");
+  const Token name = text_.tokens.take();
   end.name = name.text;
-  if (!tokens_.accept(kPeriod)) return expected("'.' and an event of " + quoted(name.text));
-  if (!tokens_.at(kWord) || is_keyword(tokens_.peek().text)) return expected("an event of " + quoted(name.text));
-  end.at = tokens_.position();
-  end.event = tokens_.take().text;
-  if (Definition* const* const named = scope_->names.find(name.text)) {
+  if (!text_.tokens.accept(kPeriod)) return expected("'.' and an event of " + quoted(name.text));
+  if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text))
+    return expected("an event of " + quoted(name.text));
+  end.at = text_.tokens.position();
+  end.event = text_.tokens.take().text;
+  if (Definition* const* const named = text_.scope->names.find(name.text)) {
     end.node = *named;
   } else {
-    tokens_.error(tokens_.position_of(name), "ROUTE names " + quoted(name.text) + ", which no DEF before it names" +
-                                                 did_you_mean(names_like(name.text)));
+    text_.tokens.error(text_.tokens.position_of(name), "ROUTE names " + quoted(name.text) +
+                                                           ", which no DEF before it names" +
+                                                           did_you_mean(text_.names_like(name.text)));
   }
   return end;
 }
 
-// Of the names in force here the one that was probably meant.
-Suggestion TextParser::names_like(std::string_view name) const {
-  Suggestion suggestion(name);
-  std::vector<std::string_view> names;  // in an order that doesn't depend on where they stand
-  if (scope_->names.table().size() <= kMaxSuggestionNames) {
-    for (const auto& [known, definition] : scope_->names.table()) names.push_back(known);
-  }
-  std::ranges::sort(names);
-  for (const std::string_view known : names) suggestion.consider(known);
-  return suggestion;
-}
-
 // The field that an event's name stands for: itself, or the exposedField behind set_x and x_changed (4.7).
-TextParser::Event TextParser::find_event(const RouteEnd& end, bool sends) {
+RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
   const Definition& definition = *end.node;
   if (definition.type == nullptr || definition.node == NodeRef::kNull) return {};  // what was lost is reported
   const NodeType& type = *definition.type;
@@ -107,7 +98,7 @@ TextParser::Event TextParser::find_event(const RouteEnd& end, bool sends) {
       why = std::string(type.name) + (sends ? " sends no event " : " takes no event ") + quoted(end.event) +
             did_you_mean(suggestion);
     }
-    tokens_.error(end.at, why);
+    text_.tokens.error(end.at, why);
     return {};
   }
   if (definition.prototype == nullptr || definition.prototype->not_found != nullptr) {
@@ -116,30 +107,30 @@ TextParser::Event TextParser::find_event(const RouteEnd& end, bool sends) {
   return {.spec = found, .base = definition.base, .inner = links_of(definition.prototype->event_links, *found)};
 }
 
-void TextParser::add_routes(const Scope& scope, const RouteEnd& from, const RouteEnd& to) {
+void RouteParser::add_routes(const Scope& scope, const RouteEnd& from, const RouteEnd& to) {
   const Event source = find_event(from, true);
   const Event target = find_event(to, false);
   if (source.spec == nullptr || target.spec == nullptr) return;
   if (source.spec->type != target.spec->type) {
-    tokens_.error(to.at, "this ROUTE goes from " + std::string(name_of(source.spec->type)) + " to " +
-                             std::string(name_of(target.spec->type)) + ": both must be of one type");
+    text_.tokens.error(to.at, "this ROUTE goes from " + std::string(name_of(source.spec->type)) + " to " +
+                                  std::string(name_of(target.spec->type)) + ": both must be of one type");
     return;
   }
   for (const IsLink& out : source.links()) {
     for (const IsLink& in : target.links()) {
-      if (!context_.room_for(0, 2, from.at)) return;
+      if (!text_.context.room_for(0, 2, from.at)) return;
       scope.body->routes.push_back({source.base + out.node, target.base + in.node, out.inner, in.inner, from.at});
     }
   }
 }
 
-void TextParser::close(Scope& scope) {
+void RouteParser::close(Scope& scope) {
   for (const auto& [from, to] : scope.routes) add_routes(scope, from, to);
   const bool lost =
       std::ranges::any_of(scope.definitions, [](const Definition& d) { return d.node == NodeRef::kNull; });
-  if (!in_world_body() || !lost) return;
+  if (!text_.in_world_body() || !lost) return;
   for (const auto& [name, definition] : scope.names.table()) {
-    if (definition->node == NodeRef::kNull) context_.document.unreadable_names.push_back(arena_.copy(name));
+    if (definition->node == NodeRef::kNull) text_.context.document.unreadable_names.push_back(text_.arena.copy(name));
   }
 }
 

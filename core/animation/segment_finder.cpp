@@ -1,14 +1,14 @@
-#include <algorithm>
-#include <cassert>
-#include <cmath>
+#include "core/animation/segment_finder.hpp"
 
-#include "core/animation/animation.hpp"
+#include <algorithm>
+#include <cmath>
+#include <span>
+
 #include "core/animation/spherical_interpolation.hpp"
 
 namespace peerd::animation {
-namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+namespace {
 
 // A number that changes evenly: value + (t - at_s) / duration_s.
 struct Line {
@@ -60,32 +60,24 @@ void hold(const Value& value, Segment& s) {
 
 }  // namespace
 
-Vec3 Segment::position_at(double t) const { return is_constant ? position : position + (t - begin_s) * velocity; }
-
-Quat Segment::orientation_at(double t) const {
-  return is_constant ? orientation : rotated_in_body_frame(orientation, (t - begin_s) * angular_velocity_body);
-}
-
-// Between the instants at which something upstream starts, stops or is delivered.
-void Animation::bound_segment(double t, Segment& s) {
+// Bounds the segment by the instants at which something upstream starts, stops or is delivered.
+void SegmentFinder::bound_segment(double t, Segment& s) {
   const auto bound_by_deliveries = [&](std::uint32_t port) {
-    if (port == kNone || !has_delivered_[port]) return;
-    const std::vector<Delivered>& all = delivered_.at(port);
-    const auto after = std::ranges::upper_bound(all, t, {}, &Delivered::t);
-    if (after != all.end()) s.end_s = std::min(s.end_s, after->t);
-    if (after != all.begin()) s.begin_s = std::max(s.begin_s, std::prev(after)->t);
+    if (port == kNone) return;
+    if (const Delivered* const next = deliveries_.next(port, t)) s.end_s = std::min(s.end_s, next->t);
+    if (const Delivered* const latest = deliveries_.latest(port, t)) s.begin_s = std::max(s.begin_s, latest->t);
   };
-  for (const std::uint32_t port : upstream_) {
-    const EventPort& c = graph_->ports[port];
+  for (const std::uint32_t port : tracer_.upstream()) {
+    const EventPort& c = graph_.ports[port];
     if (c.feeds_sensor || c.kind == PortKind::kSensorOutput) {
-      const std::uint32_t component =
-          c.feeds_sensor ? simulator_->component_of_port(port) : simulator_->component_of_sensor(graph_->index_of_node[c.node]);
-      s.begin_s = std::max(s.begin_s, simulator_->previous_instant(component, t));
-      s.end_s = std::min(s.end_s, simulator_->next_instant(component, t));
+      const std::uint32_t component = c.feeds_sensor ? simulator_.component_of_port(port)
+                                                     : simulator_.component_of_sensor(graph_.index_of_node[c.node]);
+      s.begin_s = std::max(s.begin_s, simulator_.previous_instant(component, t));
+      s.end_s = std::min(s.end_s, simulator_.next_instant(component, t));
       // The latest cycleTime changes with the cycles, which need not be instants of Control.
       if (!c.feeds_sensor && c.slot == static_cast<std::uint8_t>(SensorOutput::kCycleTime)) {
-        const TimeSensorState& sensor = simulator_->sensor(graph_->index_of_node[c.node], t);
-        if (sensor.active && t < simulator_->last_time(component)) {
+        const TimeSensorState& sensor = simulator_.sensor(graph_.index_of_node[c.node], t);
+        if (sensor.active && t < simulator_.last_time(component)) {
           s.begin_s = std::max(s.begin_s, cycle_start(sensor.fields, t));
           s.end_s = std::min(s.end_s, next_cycle_start(sensor.fields, t));
         }
@@ -93,16 +85,15 @@ void Animation::bound_segment(double t, Segment& s) {
     } else {
       bound_by_deliveries(port);
       if (c.kind == PortKind::kInterpolator) {
-        for (const std::uint32_t key : graph_->key_ports[graph_->index_of_node[c.node]]) bound_by_deliveries(key);
+        for (const std::uint32_t key : graph_.key_ports[graph_.index_of_node[c.node]]) bound_by_deliveries(key);
       }
     }
   }
 }
 
-std::optional<Segment> Animation::segment(FieldId id, double t) {
-  assert(std::isfinite(t));
+std::optional<Segment> SegmentFinder::find(std::uint32_t port, double t) {
   Segment s;
-  const bool found = find_path(id.value, t, At::kJustAfter);
+  const bool found = tracer_.find(port, t, EventTracer::At::kJustAfter);
   bound_segment(t, s);
   s.initial = !found;
   if (found && !follow_path(t, s, scratch_)) return std::nullopt;
@@ -110,14 +101,15 @@ std::optional<Segment> Animation::segment(FieldId id, double t) {
 }
 
 // The movement along path_ from t on. False if it is one that a segment cannot say.
-bool Animation::follow_path(double t, Segment& s, Value& held) {
-  const EventPort& source = graph_->ports[source_.port];
-  if (source_.stamp.t != kInfinity) {  // not one of an active sensor's continuous eventOuts
-    evaluate_path(t, held);
+bool SegmentFinder::follow_path(double t, Segment& s, Value& held) {
+  const std::span<const std::uint32_t> path = tracer_.path();
+  const EventPort& source = graph_.ports[tracer_.source().port];
+  if (tracer_.source().stamp.t != kInfinity) {  // not one of an active sensor's continuous eventOuts
+    tracer_.evaluate(t, held);
     hold(held, s);
     return true;
   }
-  const TimeSensorFields& fields = simulator_->sensor(graph_->index_of_node[source.node], t).fields;
+  const TimeSensorFields& fields = simulator_.sensor(graph_.index_of_node[source.node], t).fields;
   Line line;  // `time`
   if (source.slot == static_cast<std::uint8_t>(SensorOutput::kFraction)) {
     line = {cycle_start(fields, t), 0.0, fields.cycle_interval};
@@ -125,11 +117,11 @@ bool Animation::follow_path(double t, Segment& s, Value& held) {
     s.end_s = std::min(s.end_s, next_cycle_start(fields, t));
   }
   s.is_constant = false;
-  for (std::size_t i = path_.size() - 1; i-- > 0;) {
-    const EventPort& c = graph_->ports[path_[i]];
+  for (std::size_t i = path.size() - 1; i-- > 0;) {
+    const EventPort& c = graph_.ports[path[i]];
     if (c.kind != PortKind::kInterpolator) continue;
-    const InterpolatorType type = graph_->interpolators[graph_->index_of_node[c.node]].type;
-    const Keys keys = usable(type, keys_at(path_[i], t));
+    const InterpolatorType type = graph_.interpolators[graph_.index_of_node[c.node]].type;
+    const Keys keys = usable(type, tracer_.keys_at(path[i], t));
     if (s.is_constant) {
       evaluate(type, keys, held.scalar(), held);
       continue;
@@ -143,7 +135,8 @@ bool Animation::follow_path(double t, Segment& s, Value& held) {
     const double ka = keys.key[a];
     const double gap = keys.key[b] - ka;
     const double duration_s = gap * line.duration_s;  // of the whole piece; < 0 if the fraction falls
-    // From begin_s rather than from when the line met key a, which can be far away where it is nearly level.
+    // The weight is taken at begin_s. The time at which the line met key a can be far away where the line is nearly
+    // level.
     const double weight = (line.at(s.begin_s) - ka) / gap;
     switch (type) {
       case InterpolatorType::kScalar: {

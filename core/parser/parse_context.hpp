@@ -1,5 +1,6 @@
 #pragma once
 #include <deque>
+#include <expected>
 #include <functional>
 #include <map>
 #include <optional>
@@ -10,11 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/vrml/document.hpp"
 #include "core/vrml/name_table.hpp"
-#include "core/vrml/parser.hpp"
+#include "core/vrml/parse_options.hpp"
 #include "core/vrml/prototype.hpp"
 
-// What the parsers of a world's texts have in common; for text_parser*.cpp alone.
 namespace peerd::vrml {
 
 inline constexpr std::size_t kMaxOpenFiles = 32;  // an Inline in an Inline in ..; each is a recursion
@@ -24,10 +25,10 @@ inline constexpr std::size_t kMaxFields = 4096;  // that a PROTO or a Script may
 inline constexpr std::uint32_t kMaxResolving = 64;  // EXTERNPROTOs that lead to one another; each is a recursion
 inline constexpr std::string_view kExtensionUrn = "urn:peerd:node:";
 
-// The nodes of the seed's appendix C that a world may also declare, so that other browsers load it.
+// The nodes of appendix C of the thesis that a world may also declare, so that other browsers load it.
 inline constexpr std::string_view kExtensionNodes[] = {"CollisionInterest", "CollisionResponse", "KeySensor"};
 
-// What a DEF names, from its node's '{' on.
+// A Definition is the node that a DEF names, known from its '{' on.
 struct Definition {
   const NodeType* type = nullptr;        // its fields as ROUTEs and the file's author see them; null where it was lost
   const Prototype* prototype = nullptr;  // whose instance it is; its copy begins at `base`
@@ -54,8 +55,8 @@ struct RouteEnd {
   Position at = 0;
 };
 
-// Where names hold: a file, a PROTO's body, a default value in its interface. PROTOs are seen from within, DEFs aren't
-// (4.4.3, 4.8.1).
+// A Scope is a part of a text in which names hold: a file, the body of a PROTO, a default value in its interface.
+// PROTOs are seen from within, DEFs are not (4.4.3, 4.8.1).
 struct Scope {
   Scope* outer = nullptr;
   Body* body = nullptr;
@@ -63,16 +64,26 @@ struct Scope {
   std::uint32_t id = 0;            // Node::scope
   std::deque<Definition> definitions{};
   LateNameTable<Definition*> names{};
-  std::unordered_map<const Definition*, std::vector<NodeRef*>> unresolved_refs{};  // Scripts' fields that refer to open ones
+  std::unordered_map<const Definition*, std::vector<NodeRef*>>
+      unresolved_refs{};  // Scripts' fields that refer to open ones
   Declarations declarations{};
   std::vector<std::pair<RouteEnd, RouteEnd>> routes{};
 };
 
-// What all texts of a world share.
+// A text that was taken among the sources.
+struct OpenText {
+  Position begin = 0;
+  std::size_t body = 0;  // offset behind its header
+};
+
+// All texts of a world share one ParseContext.
 struct ParseContext {
   Document& document;
   Problems& problems;
   const ParseOptions& options;
+  // Reads a whole text into a body and returns the PROTOs of its top level. The parser of one text calls this for the
+  // others that the text names; `nesting` is how many nodes, PROTOs and files are open around it.
+  std::function<Declarations(const OpenText& text, std::uint32_t nesting, Body& body)> parse_text;
   Body world{};
   std::deque<Prototype> prototypes{};
   struct File {
@@ -103,12 +114,6 @@ struct ParseContext {
     }
     return false;
   }
-};
-
-// A text that was taken among the sources.
-struct OpenText {
-  Position begin = 0;
-  std::size_t body = 0;  // offset behind its header
 };
 
 // Unpacks a text, checks its header and takes it among the sources.
