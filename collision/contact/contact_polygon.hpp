@@ -1,5 +1,5 @@
 #pragma once
-#include "collision/contact/contact_time.hpp"
+#include "collision/contact/contact.hpp"
 #include "collision/contact/separating_axis.hpp"
 
 namespace peerd::collision {

@@ -1,8 +1,12 @@
 #pragma once
-#include "collision/contact/contact_time.hpp"
+#include <limits>
+
+#include "collision/contact/contact.hpp"
 #include "collision/contact/separating_axis.hpp"
 
 namespace peerd::collision {
+
+inline constexpr double kNever = std::numeric_limits<double>::infinity();  // [s]
 
 // One convex pair of a query. The answers are those of first_contact for this pair alone.
 struct PairQuery {

@@ -13,7 +13,7 @@ namespace peerd::collision {
 namespace {
 
 // Between calls they keep memory, never values.
-thread_local MeshImpactQuery impacts;
+thread_local MeshImpactQuery contact_impacts;
 thread_local WideQuery near_query;
 
 void set_polygon(Contact& contact, const Surface& collidee, std::uint32_t polygon_of_soup) {
@@ -111,7 +111,7 @@ Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, dou
   Contact contact;
   Surface &a = *collider.body.surface, &b = *collidee.body.surface;
   if (a.soup().faces.empty() || b.soup().faces.empty()) return contact;
-  const MeshImpact impact = impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion, horizon_s,
+  const MeshImpact impact = contact_impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion, horizon_s,
                                                  {.tolerance_m = kAdvancementTolerance_m});
   contact.time_s = impact.time_s;
   contact.iterations = impact.iterations;

@@ -9,7 +9,6 @@
 namespace peerd::collision {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // Both bodies at one instant.
 struct Instant {

@@ -16,7 +16,6 @@
 namespace peerd::collision {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // What a gap does at time 0, by the touching rule of first_contact.
 enum class Start : std::uint8_t { kApart, kParting, kApproaching, kPressed, kStill, kInside };

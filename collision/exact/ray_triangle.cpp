@@ -13,7 +13,7 @@ using detail::Projection;
 struct Orient2dSigns {
   OrientationCounters& counters;
   [[nodiscard]] int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) const {
-    return orient2d(a, b, c, i, j, counters);
+    return collision::orient2d(a, b, c, i, j, counters);
   }
 };
 

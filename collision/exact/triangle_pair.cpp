@@ -21,7 +21,7 @@ struct ExactSigns {
     return volume_sign(a, b, c, d, counters);
   }
   [[nodiscard]] int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) {
-    return orient2d(a, b, c, i, j, counters);
+    return collision::orient2d(a, b, c, i, j, counters);
   }
 };
 

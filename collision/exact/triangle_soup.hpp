@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "collision/exact/triangle_pair.hpp"
+#include "collision/exact/triangle.hpp"
 #include "core/box.hpp"
 #include "core/geometry/mesh.hpp"
 

@@ -4,9 +4,9 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
+#include "collision/exact/infinity.hpp"
 #include "collision/exact/ordered_sums.hpp"
 #include "collision/exact/triangle_distance.hpp"
 #include "collision/query/wide_impact.hpp"
@@ -17,7 +17,6 @@ using Ref = WideTree::Ref;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A window is so long that nothing turns farther than this [rad], and nothing moves farther than this part of the
 // larger mesh: bounds of the way are loose beyond, and more pairs are looked at. Where few are, it may be so many times
 // longer.

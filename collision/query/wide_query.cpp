@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "collision/exact/triangle_pair.hpp"
 #include "collision/exact/triangle_distance.hpp"
 #include "collision/query/wide_overlap.hpp"
 

@@ -4,9 +4,9 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <utility>
 
+#include "collision/exact/infinity.hpp"
 #include "collision/tree/hierarchy_file.hpp"
 #include "collision/tree/realigned_box.hpp"
 #include "collision/scene/world_box.hpp"
@@ -40,7 +40,6 @@ double displacement_bound_m(const Affine& from, const Affine& to, const LocalBox
 
 bool finite(const WorldBox& box) { return box.is_empty() || std::isfinite(largest_coordinate(box)); }
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Before all others that are numbers.
 constexpr std::array<double, 9> kLeastStretch = [] {
   std::array<double, 9> least{};

@@ -11,8 +11,7 @@
 #include "tests/core/read_text.hpp"
 
 #if PEERD_COUNTS_ALLOCATIONS
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::allocation_test {
 
 TEST(Allocation, QueriesMakeNoneOnceTheirMemoryHasGrown) {
   const TriangleSoup soup = torus(16, 32, true), other = random_soup(400, 0.1, 71);
@@ -78,6 +77,5 @@ TEST(Allocation, TicksMakeNoneOnceTheirMemoryHasGrown) {
   EXPECT_GT(changes, 100u);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::allocation_test
 #endif

@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "collision/exact/triangle_pair.hpp"
 #include "tests/collision/soups.hpp"
 
 namespace peerd::collision::wide_query_test {
