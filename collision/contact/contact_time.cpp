@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "collision/contact/mesh_contact.hpp"
 #include "collision/contact/convex_contact.hpp"
+#include "collision/contact/mesh_contact.hpp"
 #include "collision/contact/separating_axis.hpp"
 #include "collision/contact/sphere_contact.hpp"
 

@@ -32,8 +32,8 @@ namespace peerd::collision {
                                     double horizon_s);
 
 // Whether they touch as they stand, or are nearer than contact times leave them: to within twice
-// kAdvancementTolerance_m. One that is wholly inside a convex piece touches it, too. Needs to be has_exact_answer() but for
-// kBox.
+// kAdvancementTolerance_m. One that is wholly inside a convex piece touches it, too. Needs to be has_exact_answer() but
+// for kBox.
 [[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type);
 
 // Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and

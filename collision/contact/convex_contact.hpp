@@ -29,7 +29,7 @@ struct RoundingBound {
 
 // Both orientations constant: closed form.
 [[nodiscard]] Contact translational_contact(const PairQuery& query, double radius_sum_m, const Mat3& R_world_collider,
-                                      const Mat3& R_world_collidee);
+                                            const Mat3& R_world_collidee);
 
 // At least one body turns: conservative advancement.
 [[nodiscard]] Contact rotational_contact(const PairQuery& query, double radius_sum_m);

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collision/exact/ordered_sums.hpp"
 #include "collision/exact/double_double.hpp"
 #include "collision/exact/infinity.hpp"
+#include "collision/exact/ordered_sums.hpp"
 #include "collision/exact/triangle_pair.hpp"
 
 namespace peerd::collision {
 namespace {
-
 
 template <class Number>
 struct Point {

@@ -60,7 +60,8 @@ void CollisionWatch::add_pairs() {
       broad_->register_interest(objects.low, objects.high);
     }
     ++pairs_.back().end;
-    (interests_[interests_by_pair_[i]].type == CollisionType::kBox ? pairs_.back().has_box_interest : pairs_.back().has_shape_interest) = true;
+    (interests_[interests_by_pair_[i]].type == CollisionType::kBox ? pairs_.back().has_box_interest
+                                                                   : pairs_.back().has_shape_interest) = true;
   }
 }
 

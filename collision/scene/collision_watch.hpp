@@ -34,10 +34,10 @@ struct CollisionWatchCounters {
   std::uint64_t pairs_far = 0;        // passed over: their boxes are apart
   std::uint64_t pairs_unmoved = 0;    // passed over: near, but neither has moved since the answer
   std::uint64_t pairs_separated = 0;  // passed over: they have not gone as far as they were apart
-  std::uint64_t pairs_queried = 0;      // all others
-  std::uint64_t gap_searches = 0;      // of those asked
+  std::uint64_t pairs_queried = 0;    // all others
+  std::uint64_t gap_searches = 0;     // of those asked
   std::uint64_t gaps_found = 0;       // ", apart by as much as was sought, so that no more was asked
-  std::uint64_t boxes_queried = 0;      // for boxes
+  std::uint64_t boxes_queried = 0;    // for boxes
   PairCoherence::Counters shapes;     // what those asked came to, for witnesses and all pairs
   BroadPhaseCounters broad;
   SceneQueryCounters query;  // its `queries` with those of all ticks
@@ -101,11 +101,11 @@ class CollisionWatch {
   struct Object {
     ObjectId id;
     bool is_transform = false;
-    bool moved = true;           // before this tick
-    bool was_colliding = false;  // at the last one
-    bool changed = false;        // in changed_objects_
-    double displacement_m = 0.0;          // gone in this tick, at most
-    double travelled_m = 0.0;         // ", in all ticks
+    bool moved = true;            // before this tick
+    bool was_colliding = false;   // at the last one
+    bool changed = false;         // in changed_objects_
+    double displacement_m = 0.0;  // gone in this tick, at most
+    double travelled_m = 0.0;     // ", in all ticks
     std::uint64_t reshaped_at_tick = 0;
     std::uint32_t collisions = 0;  // of its interests
   };
@@ -122,11 +122,11 @@ class CollisionWatch {
     // is not known. Boxes and trees have room for rounding many times over, so there is enough of it at both ends of a
     // way.
     double gap_m = 0.0, travelled_m = 0.0;
-    std::uint64_t gap_tick = 0;   // the tick
-    std::uint16_t horizon = 4;  // ticks of motion that a gap is sought for
-    std::uint8_t failures = 0;  // how often none was found in a row
-    std::uint8_t pause = 0;     // times not to seek one
-    bool touching = false;      // in any exact way, at the last tick; or refused
+    std::uint64_t gap_tick = 0;  // the tick
+    std::uint16_t horizon = 4;   // ticks of motion that a gap is sought for
+    std::uint8_t failures = 0;   // how often none was found in a row
+    std::uint8_t pause = 0;      // times not to seek one
+    bool touching = false;       // in any exact way, at the last tick; or refused
   };
 
   void add_objects(const Scene& scene);
@@ -151,10 +151,10 @@ class CollisionWatch {
   PairCoherence coherence_;
   std::unique_ptr<BroadPhase> broad_;
   std::vector<WatchedInterest> interests_;
-  std::vector<Object> objects_;           // by BroadIndex, in the order of ids
-  std::vector<std::uint32_t> object_of_;  // by instance: BroadIndex or kNone
-  std::vector<Pair> pairs_;               // sorted
-  std::vector<std::uint32_t> interests_by_pair_;    // interests
+  std::vector<Object> objects_;                   // by BroadIndex, in the order of ids
+  std::vector<std::uint32_t> object_of_;          // by instance: BroadIndex or kNone
+  std::vector<Pair> pairs_;                       // sorted
+  std::vector<std::uint32_t> interests_by_pair_;  // interests
 
   // Said since the last tick.
   std::vector<std::uint32_t> moved_transforms_;

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "collision/exact/infinity.hpp"
+#include "collision/scene/world_box.hpp"
 #include "collision/tree/hierarchy_file.hpp"
 #include "collision/tree/realigned_box.hpp"
-#include "collision/scene/world_box.hpp"
 
 namespace peerd::collision {
 namespace {
@@ -54,7 +54,8 @@ bool equal(const TransformFields& a, const TransformFields& b) {
 
 }  // namespace
 
-SceneQuery::InstanceIndex::InstanceIndex(const Scene& scene, std::uint32_t Instance::*member, std::size_t count) : begin_(count + 1) {
+SceneQuery::InstanceIndex::InstanceIndex(const Scene& scene, std::uint32_t Instance::*member, std::size_t count)
+    : begin_(count + 1) {
   for (const Instance& i : scene.instances) {
     if (i.*member != Instance::kNone) ++begin_[i.*member + 1];
   }
@@ -120,7 +121,8 @@ void SceneQuery::invalidate_box(std::uint32_t instance) {
   }
 }
 
-void SceneQuery::erase_scaled_geometry(std::map<StretchKey, std::unique_ptr<ScaledGeometry>>::iterator scaled_geometry) {
+void SceneQuery::erase_scaled_geometry(
+    std::map<StretchKey, std::unique_ptr<ScaledGeometry>>::iterator scaled_geometry) {
   if (scaled_geometry->second->tree) counters_.nodes_built += scaled_geometry->second->tree->nodes_built();
   scaled_geometries_.erase(scaled_geometry);
 }
@@ -142,7 +144,8 @@ void SceneQuery::reshape(std::uint32_t geometry, const Geometry& form) {
     auto soup = make_soup(*meshes_[geometry], stretch);
     // Other polygons, or others cut otherwise, or none that are finite: it is made anew, or refused, when it is asked
     // for.
-    if (soup && soup->faces == scaled_geometry.soup.faces && scaled_geometry.tree && scaled_geometry.tree->refittable()) {
+    if (soup && soup->faces == scaled_geometry.soup.faces && scaled_geometry.tree &&
+        scaled_geometry.tree->refittable()) {
       scaled_geometry.soup = std::move(*soup);
       scaled_geometry.version = ++next_version_;
       scaled_geometry.tree->refit();
@@ -216,7 +219,8 @@ std::expected<SceneQuery::ScaledGeometry*, std::string> SceneQuery::scaled_geome
     auto soup = make_soup(mesh(geometry), stretch);
     if (!soup) return std::unexpected(scene_.path_of({shape}) + ": " + soup.error());
     ++counters_.soups_built;
-    known = scaled_geometries_.emplace(key, std::make_unique<ScaledGeometry>(key, ++next_version_, std::move(*soup))).first;
+    known =
+        scaled_geometries_.emplace(key, std::make_unique<ScaledGeometry>(key, ++next_version_, std::move(*soup))).first;
   }
   placed_[shape].scaled_geometry = known->second.get();
   ++known->second->use_count;

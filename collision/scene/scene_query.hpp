@@ -13,10 +13,10 @@
 #include <string_view>
 #include <vector>
 
-#include "collision/tree/kdop.hpp"
 #include "collision/query/ray_query.hpp"
 #include "collision/query/view_query.hpp"
 #include "collision/query/wide_query.hpp"
+#include "collision/tree/kdop.hpp"
 #include "core/scene/scene.hpp"
 
 namespace peerd::collision {
@@ -150,7 +150,7 @@ class SceneQuery {
 
   // Two Shapes whose boxes overlap, as the exact questions see them.
   struct ClosePair {
-    std::uint32_t a = 0, b = 0;            // instances, a < b: a gives the frame
+    std::uint32_t a = 0, b = 0;                  // instances, a < b: a gives the frame
     std::uint64_t version_a = 0, version_b = 0;  // another number, never used before, whenever the vertices are others
     WideTree *tree_a = nullptr, *tree_b = nullptr;
     RelativeMotion a_from_b;
@@ -162,8 +162,12 @@ class SceneQuery {
                                                                    const std::function<bool(const ClosePair&)>& visit);
 
   // The instances that have a Transform, or a geometry: several where it is USEd.
-  [[nodiscard]] std::span<const std::uint32_t> instances_of_transform(std::uint32_t i) const { return instances_of_transform_.of(i); }
-  [[nodiscard]] std::span<const std::uint32_t> instances_of_geometry(std::uint32_t i) const { return instances_of_geometry_.of(i); }
+  [[nodiscard]] std::span<const std::uint32_t> instances_of_transform(std::uint32_t i) const {
+    return instances_of_transform_.of(i);
+  }
+  [[nodiscard]] std::span<const std::uint32_t> instances_of_geometry(std::uint32_t i) const {
+    return instances_of_geometry_.of(i);
+  }
 
   // The hierarchies of the Shapes below an object that collide and name a hierarchyFile, each file once: its URL and
   // what belongs in it.
@@ -176,7 +180,9 @@ class SceneQuery {
   // hierarchyFiles that were refused, each with its Shape and the reason; their hierarchies were built instead.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   [[nodiscard]] SceneQueryCounters counters() const;
-  [[nodiscard]] std::size_t forms() const { return scaled_geometries_.size(); }  // that are kept: geometries, each as it is scaled
+  [[nodiscard]] std::size_t forms() const {
+    return scaled_geometries_.size();
+  }  // that are kept: geometries, each as it is scaled
 
  private:
   struct StretchKey {
@@ -197,9 +203,9 @@ class SceneQuery {
     bool had_pose = false;
     StretchedPose at;
     Affine world_from_shape;
-    double displacement_m = 0.0;            // to there from where it was before
-    std::uint64_t updated_at = 0;  // when that was
-    ScaledGeometry* scaled_geometry = nullptr;      // of that stretch
+    double displacement_m = 0.0;                // to there from where it was before
+    std::uint64_t updated_at = 0;               // when that was
+    ScaledGeometry* scaled_geometry = nullptr;  // of that stretch
   };
   // The instances that have each of a number of things, in order.
   class InstanceIndex {
@@ -242,7 +248,7 @@ class SceneQuery {
   HierarchyLoader load_hierarchy_;
   std::vector<std::string> notes_;
   std::vector<TransformFields> transforms_;
-  InstanceIndex instances_of_transform_, instances_of_geometry_;                        // by transform, by geometry
+  InstanceIndex instances_of_transform_, instances_of_geometry_;  // by transform, by geometry
   std::vector<std::uint32_t> moved_;                  // instances whose Transform has moved since the last question
   std::vector<std::optional<Mesh>> meshes_;           // by geometry
   std::vector<std::optional<LocalBox>> local_boxes_;  // ", of all vertices: fewer than there are corners

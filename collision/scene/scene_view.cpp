@@ -125,14 +125,15 @@ void SceneQuery::cull_subtrees(std::uint32_t begin, std::uint32_t end, const Fru
 std::expected<std::span<const ShapeInView>, std::string> SceneQuery::in_view(const Frustum& frustum, int levels) {
   in_view_.clear();
   std::string error;
-  cull_subtrees(0, static_cast<std::uint32_t>(scene_.instances.size()), frustum, [&](std::uint32_t shape, PlaneMask active) {
-    const auto seen = levels > 0 ? shape_in_view(shape, frustum, active, levels) : true;
-    if (!seen)
-      error = seen.error();
-    else if (*seen)
-      in_view_.push_back({{shape}, active == 0});
-    return !seen.has_value();
-  });
+  cull_subtrees(0, static_cast<std::uint32_t>(scene_.instances.size()), frustum,
+                [&](std::uint32_t shape, PlaneMask active) {
+                  const auto seen = levels > 0 ? shape_in_view(shape, frustum, active, levels) : true;
+                  if (!seen)
+                    error = seen.error();
+                  else if (*seen)
+                    in_view_.push_back({{shape}, active == 0});
+                  return !seen.has_value();
+                });
   if (!error.empty()) return std::unexpected(error);
   return in_view_;
 }

@@ -15,7 +15,8 @@ constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
 // A box of floats for the surface-area heuristic.
 struct AreaBox {
-  std::array<float, 3> lo = {kFloatInfinity, kFloatInfinity, kFloatInfinity}, hi = {-kFloatInfinity, -kFloatInfinity, -kFloatInfinity};
+  std::array<float, 3> lo = {kFloatInfinity, kFloatInfinity, kFloatInfinity},
+                       hi = {-kFloatInfinity, -kFloatInfinity, -kFloatInfinity};
   void merge(const float* p) {
     for (std::size_t i = 0; i < 3; ++i) {
       lo[i] = std::min(lo[i], p[i]);
@@ -46,7 +47,6 @@ using kdop_tree_detail::AreaBox;
 using kdop_tree_detail::Bin;
 using kdop_tree_detail::kBins;
 using kdop_tree_detail::kFloatInfinity;
-
 
 template <int K>
 WideKdop<K> widened(const Kdop<K>& dop) {

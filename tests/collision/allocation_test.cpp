@@ -3,9 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include "collision/scene/collision_watch.hpp"
 #include "collision/query/mesh_distance.hpp"
 #include "collision/query/time_of_impact.hpp"
+#include "collision/scene/collision_watch.hpp"
 #include "tests/allocation_counter.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/core/read_text.hpp"

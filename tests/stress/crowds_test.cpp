@@ -1,8 +1,8 @@
 // Ten thousand objects in one place, in one cell and in one line: work grows with objects and pairs that are named, not
 // with their squares.
 #include "collision/broad_phase/broad_phase.hpp"
-#include "collision/scene/collision_watch.hpp"
 #include "collision/query/wide_query.hpp"
+#include "collision/scene/collision_watch.hpp"
 #include "tests/replication/lan.hpp"
 
 namespace peerd::crowds_test {
