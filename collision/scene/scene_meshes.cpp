@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include "core/geometry/tessellate.hpp"
+
 namespace peerd::collision {
 
 SceneMeshes::SceneMeshes(const Scene& scene)

@@ -8,8 +8,6 @@
 namespace peerd::animation {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 bool is_finite(const Value& v) {
   return std::ranges::all_of(v.number, [](double x) { return std::isfinite(x); }) &&
          std::ranges::all_of(v.numbers, [](float x) { return std::isfinite(x); });
@@ -25,7 +23,7 @@ bool is_float_or_time(const EventPort& c) {
 Animation::Animation(const Network& network, const AnimationOptions& options)
     : graph_(std::make_unique<EventGraph>(network)),
       simulator_(std::make_unique<SensorSimulator>(*graph_, network, options.read_time_s, options.max_transitions,
-                                         options.min_history)),
+                                                   options.min_history)),
       options_(options),
       place_(graph_->sensor_node.size(), kNone) {
   grow();

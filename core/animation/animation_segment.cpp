@@ -8,8 +8,6 @@
 namespace peerd::animation {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // A number that changes evenly: value + (t - at_s) / duration_s.
 struct Line {
   double at_s = 0.0;
@@ -78,8 +76,8 @@ void Animation::bound_segment(double t, Segment& s) {
   for (const std::uint32_t port : upstream_) {
     const EventPort& c = graph_->ports[port];
     if (c.feeds_sensor || c.kind == PortKind::kSensorOutput) {
-      const std::uint32_t component =
-          c.feeds_sensor ? simulator_->component_of_port(port) : simulator_->component_of_sensor(graph_->index_of_node[c.node]);
+      const std::uint32_t component = c.feeds_sensor ? simulator_->component_of_port(port)
+                                                     : simulator_->component_of_sensor(graph_->index_of_node[c.node]);
       s.begin_s = std::max(s.begin_s, simulator_->previous_instant(component, t));
       s.end_s = std::min(s.end_s, simulator_->next_instant(component, t));
       // The latest cycleTime changes with the cycles, which need not be instants of Control.

@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -46,7 +45,7 @@ class SensorSimulator {
   static constexpr double kTick_s = 0x1p-6;
 
   SensorSimulator(const EventGraph& graph, const Network& network, double read_time_s, std::size_t max_transitions,
-          std::size_t min_history);
+                  std::size_t min_history);
 
   // The state whose transition is the latest at or before t.
   [[nodiscard]] const TimeSensorState& sensor(std::uint32_t sensor, double t);
@@ -88,8 +87,6 @@ class SensorSimulator {
   [[nodiscard]] std::optional<double> transition_limit_reached_at() const;
 
  private:
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
   struct TimedState {
     double t = -kInfinity;
     TimeSensorState state;
@@ -120,8 +117,8 @@ class SensorSimulator {
     std::size_t next_delivered = 0;
     std::size_t transitions = 0;               // changes there have been
     std::size_t transitions_counted_from = 0;  // when the latest delivery was taken
-    double history_begin_s = -kInfinity;            // what was before is forgotten
-    double simulated_until_s = -kInfinity;               // every instant up to here is done
+    double history_begin_s = -kInfinity;       // what was before is forgotten
+    double simulated_until_s = -kInfinity;     // every instant up to here is done
     double stopped_at_s = kInfinity;
   };
   struct PendingEvent {
@@ -155,11 +152,11 @@ class SensorSimulator {
   std::size_t min_history_ = 0;
   std::vector<Component> components_;
   std::vector<std::uint32_t> component_of_sensor_;
-  std::vector<std::uint32_t> component_of_port_;  // kNone unless control
-  std::vector<std::vector<TimedState>> state_history_;        // by sensor, then time; the first is the file's
-  std::vector<std::vector<PortEvent>> log_;       // by port, then time; control ports only
-  std::vector<std::uint32_t> version_;            // by sensor, of its valid Due
-  std::vector<std::uint8_t> feeds_sensor_inputs_;    // by sensor: bits, of SensorOutput
+  std::vector<std::uint32_t> component_of_port_;        // kNone unless control
+  std::vector<std::vector<TimedState>> state_history_;  // by sensor, then time; the first is the file's
+  std::vector<std::vector<PortEvent>> log_;             // by port, then time; control ports only
+  std::vector<std::uint32_t> version_;                  // by sensor, of its valid Due
+  std::vector<std::uint8_t> feeds_sensor_inputs_;       // by sensor: bits, of SensorOutput
 
   // Of the instant that is being run.
   std::vector<std::uint8_t> stop_pending_;  // by sensor: stopped by an event, has yet to say so

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
+
+#include "core/animation/value.hpp"
 
 namespace peerd::animation {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // c_n, without 0 * inf
 double cycle(const TimeSensorFields& f, double n) {

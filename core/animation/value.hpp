@@ -1,11 +1,15 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/math.hpp"
 
 namespace peerd::animation {
+
+// A time that never comes [s]; -kInfinity is before all times.
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The VRML97 types that events of this folder carry (clause 5). Others (SFString, SFNode, SFImage, ...) have no
 // predefined movement, and ROUTEs of theirs are not for this folder.

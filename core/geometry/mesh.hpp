@@ -30,6 +30,12 @@ struct Mesh {
   static constexpr std::int32_t kEndOfPolygon = -1;
 };
 
+// How many polygons a mesh has, and how many triangles they are cut into: n - 2 for a polygon of n corners, and at
+// least 1.
+struct MeshSize {
+  std::uint64_t polygons = 0;
+  std::uint64_t triangles = 0;
+};
 // A mesh of those corners; finds where its polygons begin. A -1 behind a -1 makes no polygon.
 [[nodiscard]] Mesh make_mesh(SharedArray<Eigen::Vector3f> vertices, SharedArray<std::int32_t> corners, bool ccw = true);
 

@@ -6,11 +6,13 @@
 #include <unordered_set>
 #include <utility>
 
-#include "core/vrml/element_positions.hpp"
+#include "core/geometry/tessellate.hpp"
 #include "core/scene/geometry_reader.hpp"
-#include "core/vrml/name_table.hpp"
 #include "core/scene/path_resolver.hpp"
 #include "core/scene/rotation.hpp"
+#include "core/vrml/default_values.hpp"
+#include "core/vrml/element_positions.hpp"
+#include "core/vrml/name_table.hpp"
 
 namespace peerd::vrml {
 namespace {

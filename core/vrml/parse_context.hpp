@@ -1,5 +1,6 @@
 #pragma once
 #include <deque>
+#include <expected>
 #include <functional>
 #include <map>
 #include <optional>
@@ -10,8 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/vrml/document.hpp"
 #include "core/vrml/name_table.hpp"
-#include "core/vrml/parser.hpp"
+#include "core/vrml/parse_options.hpp"
 #include "core/vrml/prototype.hpp"
 
 // What the parsers of a world's texts have in common; for text_parser*.cpp alone.
@@ -63,7 +65,8 @@ struct Scope {
   std::uint32_t id = 0;            // Node::scope
   std::deque<Definition> definitions{};
   LateNameTable<Definition*> names{};
-  std::unordered_map<const Definition*, std::vector<NodeRef*>> unresolved_refs{};  // Scripts' fields that refer to open ones
+  std::unordered_map<const Definition*, std::vector<NodeRef*>>
+      unresolved_refs{};  // Scripts' fields that refer to open ones
   Declarations declarations{};
   std::vector<std::pair<RouteEnd, RouteEnd>> routes{};
 };

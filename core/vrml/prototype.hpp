@@ -89,8 +89,4 @@ struct NodeSet {
 // Puts a copy of them from one body into another; gives the place of the last.
 [[nodiscard]] std::uint32_t copy_nodes(const Body& from, const NodeSet& nodes, Body& to, Arena& arena);
 
-// Whether `field` may hold those values and nodes of `nodes`; reports what it may not.
-bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<Node>& nodes, Problems& problems);
-bool check_range(const FieldSpec& spec, const Field& value, Problems& problems);
-
 }  // namespace peerd::vrml

@@ -1,4 +1,5 @@
 #include "core/vrml/text_parser.hpp"
+#include "core/vrml/field_checks.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -3,6 +3,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "core/vrml/field_checks.hpp"
 #include "core/vrml/text_parser.hpp"
 
 namespace peerd::vrml {

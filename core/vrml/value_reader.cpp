@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/vrml/element_positions.hpp"
-#include "core/vrml/prototype.hpp"
+#include "core/vrml/field_checks.hpp"
 
 namespace peerd::vrml {
 namespace {
@@ -17,30 +17,6 @@ bool spells_non_finite(const Token& token) {
 }
 
 bool is_rotation(FieldType type) { return type == FieldType::kSFRotation || type == FieldType::kMFRotation; }
-
-// A list of numbers on its way into an arena, in a block of the right size when the guess was right.
-template <class T>
-class Growing {
- public:
-  Growing(Arena& arena, std::size_t guess) : arena_(arena), block_(arena.allocate<T>(guess)) {}
-
-  void add(T element) {
-    if (count_ == block_.size()) grow();
-    block_[count_++] = element;
-  }
-  [[nodiscard]] std::span<const T> elements() const { return block_.first(count_); }
-
- private:
-  void grow() {
-    const auto larger = arena_.allocate<T>(std::max<std::size_t>(8, 2 * count_));
-    std::ranges::copy(elements(), larger.begin());
-    block_ = larger;
-  }
-
-  Arena& arena_;
-  std::span<T> block_;
-  std::size_t count_ = 0;
-};
 
 }  // namespace
 
@@ -134,7 +110,7 @@ template <class T>
 bool ValueReader::read_numbers(const FieldSpec& spec, Field& field) {
   if (!tokens_.at(kOpenBracket)) return read_single<T>(spec, field);
   const Token open = tokens_.peek();
-  Growing<T> list(arena_, tokens_.count_numbers());
+  GrowingList<T> list(arena_, tokens_.count_numbers());
   tokens_.take();
   ++open_lists_;
   bool good = true;

@@ -12,7 +12,7 @@
 #include "core/scene/scene.hpp"
 #include "core/vrml/document.hpp"
 #include "core/writer/path_rewriter.hpp"
-#include "core/writer/writer.hpp"
+#include "core/writer/write_options.hpp"
 
 namespace peerd::vrml {
 

@@ -21,6 +21,7 @@
 #include "coin_answers.hpp"
 #include "coin_reader.hpp"
 #include "core/animation/interpolator.hpp"
+#include "core/geometry/tessellate.hpp"
 #include "core/geometry/triangulation.hpp"
 #include "core/vrml/document.hpp"
 #include "core/scene/reader.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/geometry.hpp"
+#include "core/geometry/tessellate.hpp"
 #include "core/math.hpp"
 
 namespace peerd {

@@ -8,8 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/vrml/document.hpp"
 #include "core/scene/reader.hpp"
+#include "core/vrml/default_values.hpp"
+#include "core/vrml/document.hpp"
 #include "tests/core/document_violation.hpp"
 
 namespace peerd {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/tessellate.hpp"
 #include "tests/allocation_counter.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/core/read_text.hpp"

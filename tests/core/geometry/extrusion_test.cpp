@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/geometry/tessellate.hpp"
 #include "tests/core/mesh_checks.hpp"
 
 namespace peerd::extrusion_test {

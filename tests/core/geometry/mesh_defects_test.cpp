@@ -11,7 +11,7 @@
 #include <set>
 #include <tuple>
 
-#include "core/geometry/geometry.hpp"
+#include "core/geometry/tessellate.hpp"
 
 namespace peerd::mesh_defects_test {
 

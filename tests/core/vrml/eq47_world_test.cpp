@@ -7,6 +7,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "core/geometry/tessellate.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::eq47_world_test {

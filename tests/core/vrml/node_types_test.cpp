@@ -1,4 +1,5 @@
 #include "core/vrml/node_types.hpp"
+#include "core/vrml/default_values.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/vrml/document.hpp"
+#include "core/vrml/default_values.hpp"
 
 #include <unordered_map>
 

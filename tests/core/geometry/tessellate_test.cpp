@@ -1,4 +1,4 @@
-#include "core/geometry/geometry.hpp"
+#include "core/geometry/tessellate.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "tests/core/mesh_checks.hpp"
 
-namespace peerd::geometry_test {
+namespace peerd::tessellate_test {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -231,4 +231,4 @@ TEST(NoSurface, HasNoPolygons) {
   EXPECT_EQ(mesh_size(text), MeshSize{});
 }
 
-}  // namespace peerd::geometry_test
+}  // namespace peerd::tessellate_test

@@ -1,4 +1,4 @@
-#include "core/geometry/geometry.hpp"
+#include "core/geometry/tessellate.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -8,8 +8,8 @@
 #include "core/geometry/elevation_grid.hpp"
 #include "core/geometry/extrusion.hpp"
 #include "core/geometry/polygon_writer.hpp"
-#include "core/sin_cos.hpp"
 #include "core/geometry/triangulation.hpp"
+#include "core/sin_cos.hpp"
 
 namespace peerd {
 namespace {
