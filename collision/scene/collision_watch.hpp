@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collision/broad_phase/broad_phase.hpp"
+#include "collision/scene/collision_changes.hpp"
 #include "collision/scene/pair_coherence.hpp"
 #include "collision/scene/scene_query.hpp"
 
@@ -67,27 +68,11 @@ class CollisionWatch {
   void set_transforms(std::span<const TransformFields> transforms);  // all; those that differ have moved
   void reshape(std::uint32_t geometry, Geometry form);
 
-  // A Transform's eventOut notColliding (seed, C.5): FALSE when it begins to collide with anything, as a collider or as
-  // a collidee, TRUE when it no longer does. None in the first tick for what doesn't collide.
-  struct NotColliding {
-    ObjectId object;
-    bool value = false;
-    friend bool operator==(const NotColliding&, const NotColliding&) = default;
-  };
-  struct Refused {
-    std::uint32_t interest = 0;
-    std::string why;
-  };
-  // All sorted by interest or object.
-  struct Tick {
-    std::span<const std::uint32_t> colliding;
-    std::span<const std::uint32_t> began, ended;  // since the last tick
-    std::span<const NotColliding> not_colliding;  // "
-    // Interests that have no answer, and count as not colliding: SceneQuery's error. One whose other object has nothing
-    // that can collide has one.
-    std::span<const Refused> refused;
-  };
-  // Valid until the next one.
+  using NotColliding = collision::NotColliding;
+  using Refused = RefusedInterest;
+  using Tick = CollisionChanges::Tick;
+  // Applies what was said since the last tick, and answers; valid until the next tick. An interest is refused where
+  // SceneQuery has no answer, with its error; one whose other object has nothing that can collide has an answer.
   const Tick& tick();
 
   // What SceneQuery::collide() answers, as of the last tick, which it must have had. Pairs of polygons are looked for
@@ -100,14 +85,10 @@ class CollisionWatch {
  private:
   struct Object {
     ObjectId id;
-    bool is_transform = false;
-    bool moved = true;            // before this tick
-    bool was_colliding = false;   // at the last one
-    bool changed = false;         // in changed_objects_
-    double displacement_m = 0.0;  // gone in this tick, at most
-    double travelled_m = 0.0;     // ", in all ticks
+    bool moved = true;            // since the last tick
+    double displacement_m = 0.0;  // a bound of how far its points went in this tick
+    double travelled_m = 0.0;     // the sum of displacement_m over all ticks, rounded up
     std::uint64_t reshaped_at_tick = 0;
-    std::uint32_t collisions = 0;  // of its interests
   };
   struct Pair {  // of objects that interests join
     BroadPair objects;
@@ -144,7 +125,6 @@ class CollisionWatch {
   bool refuse(std::uint32_t interest, const std::string& why);
   void clear_pair(std::uint32_t pair);
   void set_colliding(std::uint32_t interest, bool colliding);
-  void update_result();
 
   const Scene& scene_;
   SceneQuery query_;
@@ -163,18 +143,9 @@ class CollisionWatch {
 
   std::vector<BroadIndex> moved_objects_;
   std::vector<NearPair> near_pairs_, previous_near_pairs_;  // sorted
-  // By interest.
-  std::vector<std::uint8_t> is_colliding_;
-  std::vector<std::optional<Collision>> collisions_;
-  std::map<std::uint32_t, std::string> refusals_;
-
-  std::vector<BroadIndex> changed_objects_;
-  std::vector<std::uint32_t> colliding_, began_, ended_, merged_;
-  std::vector<NotColliding> not_colliding_;
-  std::vector<Refused> refused_;
-  bool refusals_changed_ = false;
+  std::vector<std::optional<Collision>> collisions_;        // by interest, where collision() was called
+  CollisionChanges changes_;
   std::uint64_t tick_ = 0;
-  Tick result_;
   CoherenceOptions options_;
   CollisionWatchCounters counters_;
 };

@@ -277,14 +277,4 @@ TEST(TimeOfImpact, IsBeforeTheFirstInstantThatTouches) {
   EXPECT_GT(hits, 10);
 }
 
-TEST(TriangleDistance, OfPairsThatAreEasilySeen) {
-  const Triangle floor = {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)};
-  const auto distance = [&](const Triangle& t) { return triangle_distance(floor, t).distance; };
-  EXPECT_EQ(distance({Vec3(1, 1, 2), Vec3(1, 1, 3), Vec3(2, 1, 3)}), 2.0);
-  EXPECT_EQ(distance({Vec3(1, 1, 1), Vec3(1, 1, -1), Vec3(2, 1, -1)}), 0.0);
-  EXPECT_EQ(distance({Vec3(-3, 0, 4), Vec3(-3, 0, 4), Vec3(-3, 0, 4)}), 5.0);
-  EXPECT_EQ(distance({Vec3(-1, -1, 1), Vec3(5, -1, 1), Vec3(5, -1, 1)}), std::sqrt(2.0));
-  EXPECT_EQ(distance({Vec3(1, 1, 0.5), Vec3(2, 1, 0.5), Vec3(1, 2, 0.5)}), 0.5);
-}
-
 }  // namespace peerd::collision::time_of_impact_test
