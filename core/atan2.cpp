@@ -8,7 +8,7 @@ namespace peerd {
 namespace {
 
 constexpr double kAtanSixteenths[17] = {
-    // atan(i / 16), to the nearest
+    // The table holds atan(i / 16), rounded to the nearest.
     0.0,
     0x1.ff55bb72cfdeap-5,
     0x1.fd5ba9aac2f6ep-4,
@@ -28,8 +28,8 @@ constexpr double kAtanSixteenths[17] = {
     0x1.921fb54442d18p-1,
 };
 
-// atan(r), 0 <= r <= 1: atan(c) + atan((r - c) / (1 + r c)) with c the nearest sixteenth. What is left is at most 1/32,
-// where the series' first term left out is below 1e-20 of the sum.
+// Returns atan(r), 0 <= r <= 1: atan(c) + atan((r - c) / (1 + r c)) with c the nearest sixteenth. The second argument
+// is at most 1/32, where the first term of the series that is left out is below 1e-20 of the sum.
 double atan_unit(double r) {
   const double sixteenth = std::nearbyint(16.0 * r);
   const double c = sixteenth / 16.0;

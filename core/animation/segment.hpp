@@ -17,7 +17,7 @@ struct Segment {
   Quat orientation = Quat::Identity();  // at begin_s, unit
   Vec3 angular_velocity_body = Vec3::Zero();  // [rad/s] in the rotating frame, constant, as KinematicState has it
 
-  // begin_s <= t <= end_s. Where begin_s is -inf (it is still) any t.
+  // Both take begin_s <= t <= end_s. Where begin_s is -inf (the field is constant) they take any t.
   [[nodiscard]] Vec3 position_at(double t) const;
   [[nodiscard]] Quat orientation_at(double t) const;  // orientation * exp(angular_velocity_body * (t - begin_s) / 2)
 };

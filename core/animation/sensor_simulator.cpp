@@ -122,7 +122,7 @@ void SensorSimulator::push_due(Component& c, std::uint32_t sensor, double now) {
   std::push_heap(c.heap.begin(), c.heap.end());
 }
 
-// The next instant after the horizon, unless the component has stopped.
+// Returns the next instant after the horizon, unless the component has stopped.
 double SensorSimulator::peek(Component& c) {
   while (!c.heap.empty() && c.heap.front().version != version_[c.heap.front().sensor]) {
     std::pop_heap(c.heap.begin(), c.heap.end());
@@ -160,7 +160,7 @@ void SensorSimulator::changed(Component& c, double t, std::uint32_t index, bool 
   ++c.transitions;
 }
 
-// The older half of what is remembered, but for what still holds at the cut.
+// Forgets the older half of the history, but for the states that still hold at the cut.
 void SensorSimulator::drop_old_history(Component& c) {
   const double cut = c.changes[c.changes.size() / 2].t;
   c.history_begin_s = cut;
@@ -291,7 +291,7 @@ void SensorSimulator::cascade(Component& c, double t, std::uint32_t step) {
   }
 }
 
-// Takes one event; whether it is sent on.
+// Takes one event and returns whether it is sent on.
 bool SensorSimulator::receive(Component& c, const PendingEvent& event, const Stamp& stamp) {
   const EventPort& port = graph_.ports[event.port];
   if (port.kind == PortKind::kSensorInput) {
@@ -316,7 +316,8 @@ void SensorSimulator::send(std::uint32_t sensor, SensorOutput output, double val
   wave_.push_back({graph_.sensor_outputs[sensor][static_cast<std::size_t>(output)], kNone, value});
 }
 
-// The sensor's state as of t, to be changed. One epoch a time: of what happens at one t, the last is what holds.
+// Returns the state of the sensor as of t, to be changed. There is one state a time: of several changes at one t, the
+// last one holds.
 TimeSensorState& SensorSimulator::state_for_change(Component& c, std::uint32_t sensor, double t) {
   std::vector<TimedState>& history = state_history_[sensor];
   if (history.back().t != t) {

@@ -5,16 +5,16 @@
 #include <cmath>
 #include <limits>
 
+#include "core/animation/network_reader.hpp"
 #include "core/atan2.hpp"
 #include "core/vrml/document.hpp"
-#include "core/animation/network_reader.hpp"
 
 namespace peerd {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
-// The rotation vector whose exponential is q [rad], the shorter way.
+// Returns the rotation vector whose exponential is q [rad], the shorter way.
 Vec3 quat_log(const Quat& q) {
   const double sign = q.w() < 0.0 ? -1.0 : 1.0;
   const Vec3 v(sign * q.x(), sign * q.y(), sign * q.z());
@@ -23,7 +23,7 @@ Vec3 quat_log(const Quat& q) {
   return v * (2.0 * atan2(sine, sign * q.w()) / sine);
 }
 
-// The Coordinates of IndexedFaceSets: document's node, geometry.
+// Returns the Coordinates of IndexedFaceSets, as pairs of the node of the document and the geometry.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> coordinates_of(const Scene& scene) {
   const std::vector<vrml::Node>& nodes = scene.document->nodes;
   const auto below = [&](std::uint32_t node, std::string_view field) {

@@ -133,7 +133,8 @@ class Builder {
   std::unordered_set<std::uint32_t> routed_keys_;  // KeySensors that tell others
 };
 
-// Copies of a PROTO's geometry have the same values, not just equal ones.
+// Adds a geometry, or finds it among copies: copies of the geometry of a PROTO have the same values, not just equal
+// ones.
 std::uint32_t Builder::add_geometry(std::uint32_t index) {
   const Node& node = nodes_[index];
   std::vector<const void*> key;
@@ -387,7 +388,8 @@ void Builder::instantiate(const Child& child, std::int32_t parent, std::uint32_t
   if (scene_.pending_inlines.size() == inlines) shared.first_instance = id;
 }
 
-// An instance and all below it once more; where this one doesn't collide or isn't drawn, nothing below it does or is.
+// Adds an instance and all below it once more; where this one does not collide or is not drawn, nothing below it does
+// or is.
 void Builder::copy_instances(std::uint32_t first, std::int32_t parent, std::uint32_t child_index, Presence presence) {
   auto& instances = scene_.instances;
   const auto id = static_cast<std::uint32_t>(instances.size());
@@ -443,8 +445,8 @@ void Builder::gather_inner_names() {
   }
 }
 
-// A name inside of a PROTO or an Inline means a node in there first. Nothing is reported for a name that was lost in an
-// error.
+// Finds the instance of a path. A name inside of a PROTO or an Inline means a node in there first. Nothing is reported
+// for a name that was lost in an error.
 std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t scope, Position at) {
   if (problems_.full()) return std::nullopt;
   if (scope != 0) {

@@ -8,8 +8,8 @@
 
 namespace peerd {
 
-// The defects of all geometries of a scene, each looked at once however often it is used, and by itself: two Shapes may
-// share edges and repeat each other's polygons.
+// SceneDefects are the defects of all geometries of a scene. A geometry is examined once however often it is used, and
+// by itself: two Shapes may share edges and repeat each other's polygons.
 struct SceneDefects {
   struct Count {
     std::uint64_t polygons = 0;
@@ -22,7 +22,7 @@ struct SceneDefects {
   [[nodiscard]] const Count& operator[](Defect defect) const { return counts[static_cast<std::size_t>(defect)]; }
 };
 
-// Builds one mesh at a time.
+// Finds the defects, with one mesh in memory at a time.
 [[nodiscard]] SceneDefects defects_of(const Scene& scene);
 
 }  // namespace peerd

@@ -10,15 +10,15 @@
 
 namespace peerd {
 
-// A node of one SceneGraph and of the copies made of it since. It names that node until the node is removed, and
-// nothing from then on: a slot that is used again has another generation.
+// A NodeHandle names a node of one SceneGraph and of the copies made of it since. It names that node until the node is
+// removed, and nothing from then on: a slot that is used again has another generation.
 struct NodeHandle {
   std::uint32_t index = 0;
   std::uint32_t generation = 0;  // odd for a node; 0: no node
   friend constexpr auto operator<=>(const NodeHandle&, const NodeHandle&) = default;
 };
 
-// Half a cache line: what walking, checking a handle and marking need.
+// A SceneNode is half a cache line: the data that walking, checking a handle and marking need.
 struct alignas(32) SceneNode {
   std::uint32_t generation = 0;
   std::uint32_t parent = kNoSlot;
@@ -39,8 +39,8 @@ struct alignas(32) SceneNode {
 };
 class SceneNodeRange;
 
-// The nodes of a SceneGraph and how they hang together: parents, children in order, generations of slots. The root is
-// slot 0 and always there. Knows poses and boxes by their slots only.
+// A SceneTree holds the nodes of a SceneGraph and how they hang together: parents, children in order, generations of
+// slots. The root is slot 0 and always there. The tree knows poses and boxes by their slots only.
 class SceneTree {
  public:
   static constexpr std::uint32_t kRoot = 0;
@@ -56,7 +56,7 @@ class SceneTree {
   }
   [[nodiscard]] std::size_t slot_count() const { return nodes_.size(); }
   [[nodiscard]] std::size_t size() const { return nodes_.size() - free_nodes_.size() - retired_slots_ - 1; }  // no root
-  // The slot of a node that is alive.
+  // Returns the slot of a node that is alive.
   [[nodiscard]] std::uint32_t slot(NodeHandle node) const {
     assert(alive(node));
     return node.index;
@@ -64,11 +64,11 @@ class SceneTree {
   [[nodiscard]] NodeHandle handle_of(std::uint32_t i) const {
     return i == kNoSlot ? NodeHandle{} : NodeHandle{i, nodes_[i].generation};
   }
-  // The slot of `before`, which is a child of `parent`; kNoSlot for no node.
+  // Returns the slot of `before`, which is a child of `parent`; kNoSlot for no node.
   [[nodiscard]] std::uint32_t place(std::uint32_t parent, NodeHandle before) const;
 
   void reserve(std::size_t nodes) { nodes_.reserve(nodes); }
-  // A new node below `parent`, in front of `before` or behind all, with the pose of its parent.
+  // Adds a node below `parent`, in front of `before` or behind all, with the pose of its parent.
   std::uint32_t add(std::uint32_t parent, std::uint32_t before);
   // Frees the slot of a node that is unlinked, or whose parent is freed as well.
   void free(std::uint32_t i);
@@ -77,8 +77,8 @@ class SceneTree {
   // Changes the depth of all nodes of the subtree.
   void shift_depths(std::uint32_t top, std::int64_t by);
 
-  // The node behind i, depth first, within the subtree of `top`; kNoSlot behind its end. after_subtree() does not go
-  // below i.
+  // Both return the node behind i, depth first, within the subtree of `top`; kNoSlot behind its end. after_subtree()
+  // does not go below i.
   [[nodiscard]] std::uint32_t after_subtree(std::uint32_t i, std::uint32_t top) const {
     while (i != top) {
       if (nodes_[i].next != kNoSlot) return nodes_[i].next;
@@ -99,7 +99,7 @@ class SceneTree {
   std::size_t retired_slots_ = 0;  // their generations are used up
 };
 
-// A forward range of handles; see SceneGraph::children() and subtree().
+// A SceneNodeRange is a forward range of handles; see SceneGraph::children() and subtree().
 class SceneNodeRange {
  public:
   class Iterator {

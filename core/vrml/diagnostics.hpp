@@ -42,22 +42,22 @@ struct Source {
 
 namespace vrml {
 
-// A byte of all texts of a world, laid one behind the other in the order in which they were opened.
+// A Position is a byte of all texts of a world, laid one behind the other in the order in which they were opened.
 using Position = std::uint32_t;
 
-// The texts, and what is wrong with them. Past kLimit errors the list is closed with a last entry that says so, and the
-// parser stops: a binary file by mistake must not cost minutes and gigabytes of messages.
+// Problems holds the texts, and the mistakes in them. Past kLimit errors the list is closed with a last entry that says
+// so, and the parser stops: a binary file by mistake must not cost minutes and gigabytes of messages.
 class Problems {
  public:
   static constexpr std::size_t kLimit = 1000;
   static constexpr std::uint64_t kMaxBytes = (std::uint64_t{1} << 32) - 2;  // Positions are 32 bits wide
 
-  // The position of its first byte; nothing where the texts together would exceed kMaxBytes.
+  // Adds a text and returns the position of its first byte; nothing where the texts together would exceed kMaxBytes.
   [[nodiscard]] std::optional<Position> open(Source source);
   [[nodiscard]] std::string_view text_of(Position at) const;  // the whole text that holds it
   [[nodiscard]] Position begin_of(Position at) const;         // of that text
   [[nodiscard]] std::string_view name_of(Position at) const;  // of that text
-  // The text's name and the offset in it: the same in every reading of the same files.
+  // Returns the name of the text and the offset in it: the same in every reading of the same files.
   [[nodiscard]] std::pair<std::string, std::size_t> place_of(Position at) const;
 
   void error(Position at, std::string message);

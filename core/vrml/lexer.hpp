@@ -29,8 +29,8 @@ struct Token {
   std::string_view text;     // into the text that is read
 };
 
-// Cuts VRML97 text into tokens (ISO/IEC 14772-1, 4.3 and annex A). Comments and commas are white space. Holds no memory
-// of its own: a copy is a bookmark.
+// A Lexer cuts VRML97 text into tokens (ISO/IEC 14772-1, 4.3 and annex A). Comments and commas are white space. It
+// holds no memory of its own: a copy is a bookmark.
 class Lexer {
  public:
   explicit Lexer(std::string_view text, std::size_t begin = 0) : text_(text), at_(begin) {}
@@ -73,13 +73,13 @@ struct Header {
 
 enum class NumberError : std::uint8_t { kSyntax, kNotFinite, kOverflow };
 
-// The nearest binary32 to a number's text. Underflow gives zero, which is the nearest.
+// Returns the binary32 nearest to the text of a number. Underflow gives zero, which is the nearest.
 [[nodiscard]] std::expected<float, NumberError> read_float(std::string_view text);
 [[nodiscard]] std::expected<double, NumberError> read_double(std::string_view text);
-// Decimal or 0x hexadecimal.
+// Returns an integer, decimal or 0x hexadecimal.
 [[nodiscard]] std::expected<std::int32_t, NumberError> read_int32(std::string_view text);
 
-// The value of a kString token: \" and \\ are the only escapes.
+// Returns the value of a kString token: \" and \\ are the only escapes.
 [[nodiscard]] std::string unescaped(std::string_view text);
 
 // Returns where a number of the plain kind ends: digits, a period and a small exponent, or a decimal integer, that

@@ -6,7 +6,7 @@
 
 namespace peerd::vrml {
 
-// VRML97 clause 5. SF: one value; MF: a list.
+// The field types of VRML97 (clause 5). SF is one value; MF is a list.
 enum class FieldType : std::uint8_t {
   kSFBool,
   kSFColor,
@@ -114,7 +114,7 @@ struct NodeType {
 [[nodiscard]] bool sends_events(Access access);
 [[nodiscard]] bool takes_events(Access access);
 [[nodiscard]] bool has_value(Access access);
-// Floats in one value; 0 where values are not made of floats.
+// Returns the number of floats in one value; 0 where values are not made of floats.
 [[nodiscard]] int float_count(FieldType type);
 [[nodiscard]] bool is_list(FieldType type);
 [[nodiscard]] bool holds_nodes(FieldType type);  // SFNode or MFNode

@@ -8,7 +8,8 @@
 
 namespace peerd::vrml {
 
-// Nodes that refer to each other by their places: a world's, an inlined file's or those of a PROTO's body.
+// A Body holds nodes that refer to each other by their places: those of a world, of an inlined file or of the body of a
+// PROTO.
 struct Body {
   std::vector<Node> nodes;  // a node stands behind all that it refers to
   std::vector<NodeRef> roots;
@@ -18,7 +19,7 @@ struct Body {
   std::uint64_t references = 0;  // in the fields of `nodes`
 };
 
-// `node`'s field `inner` IS the field `outer` of the interface.
+// An IsLink says that the field `inner` of `node` IS the field `outer` of the interface.
 struct IsLink {
   const FieldSpec* outer = nullptr;
   std::uint32_t node = NodeRef::kNull;
@@ -26,7 +27,7 @@ struct IsLink {
   Position at = 0;
 };
 
-// A link that carries a value, as expand() wants it.
+// A ValueLink is a link that carries a value, as expand() takes it.
 struct ValueLink {
   static constexpr std::uint32_t kNone = ~0u;
   std::uint32_t node = 0;
@@ -36,7 +37,7 @@ struct ValueLink {
   std::uint32_t replaces = kNone;  // of those the first has it: the node's own value of that field, by its place
 };
 
-// A PROTO, or an EXTERNPROTO that was found or will not be (4.8, 4.9).
+// A Prototype is a PROTO, or an EXTERNPROTO that was found or will not be (4.8, 4.9).
 struct Prototype {
   NodeType type;                               // its interface as fields
   std::vector<std::optional<Field>> defaults;  // of each of type.fields; none for events and what could not be read
@@ -61,7 +62,7 @@ void sort_links(Prototype& prototype);
 // Returns the links of one field of the interface.
 [[nodiscard]] std::span<const IsLink> links_of(const std::vector<IsLink>& by_outer, const FieldSpec& outer);
 [[nodiscard]] std::span<const ValueLink> value_links_of(const Prototype& prototype, std::uint32_t node);
-// The values that the links take: those `given`, by place in linked_fields; null where there is the default.
+// Returns the values that the links take: those `given`, by place in linked_fields; null where there is the default.
 [[nodiscard]] std::vector<const Field*> linked_values(const Prototype& prototype, std::span<const Field> given);
 
 // Returns the cost of the values of the links of a copy, in references: the node lists of all that take one, and
@@ -72,8 +73,9 @@ void sort_links(Prototype& prototype);
 // counts as eight anyway.
 [[nodiscard]] constexpr std::uint64_t cost_of_fields(std::uint64_t count) { return count <= 8 ? 0 : 3 * (count - 8); }
 
-// Puts a copy of the prototype's body behind `out`, with the fields `given` where they IS: checks their nodes' classes
-// and their ranges there. Gives the place of the copy's first node, or kNull where the prototype has none.
+// Puts a copy of the body of the prototype behind `out`, with the fields `given` where they IS. Checks the classes of
+// their nodes and their ranges there. Returns the place of the first node of the copy, or kNull where the prototype has
+// none.
 struct Expansion {
   std::uint32_t root = NodeRef::kNull;
   std::uint32_t base = 0;  // node i of prototype.body is node base + i of `out`
@@ -81,14 +83,14 @@ struct Expansion {
 [[nodiscard]] Expansion expand(const Prototype& prototype, std::span<const Field> given, Body& out, Arena& arena,
                                Problems& problems);
 
-// A node and all that it refers to, in the order of their body, itself last.
+// A NodeSet is a node and all that it refers to, in the order of their body, itself last.
 struct NodeSet {
   std::vector<std::uint32_t> nodes;
   std::uint64_t references = 0;  // in their fields
   std::uint64_t cost = 0;        // of a copy, beside the nodes: in references
 };
 [[nodiscard]] NodeSet reachable_nodes(const Body& body, std::uint32_t node);
-// Puts a copy of them from one body into another; gives the place of the last.
+// Puts a copy of the nodes from one body into another; returns the place of the last.
 [[nodiscard]] std::uint32_t copy_nodes(const Body& from, const NodeSet& nodes, Body& to, Arena& arena);
 
 }  // namespace peerd::vrml

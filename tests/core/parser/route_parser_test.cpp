@@ -3,7 +3,7 @@
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml::route_test {
+namespace peerd::vrml::route_parser_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -217,4 +217,4 @@ TEST(RouteToALostNode, IsNotReportedAgain) {
               IsEmpty());
 }
 
-}  // namespace peerd::vrml::route_test
+}  // namespace peerd::vrml::route_parser_test

@@ -4,7 +4,7 @@
 #include "core/parser/parser.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml::extern_proto_test {
+namespace peerd::vrml::type_finder_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -272,4 +272,4 @@ TEST(ExternProtoOfOurOwn, IsKnownByItsUrnInALibraryToo) {
   EXPECT_EQ(scene.interests.size(), 1u);
 }
 
-}  // namespace peerd::vrml::extern_proto_test
+}  // namespace peerd::vrml::type_finder_test

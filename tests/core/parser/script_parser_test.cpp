@@ -4,7 +4,7 @@
 #include "core/vrml/default_values.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml::script_test {
+namespace peerd::vrml::script_parser_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -189,4 +189,4 @@ TEST(Script, KeepsSeventyThousandFields) {
   EXPECT_EQ(result.scene->document->nodes.at(0).given().size(), 70'000u);
 }
 
-}  // namespace peerd::vrml::script_test
+}  // namespace peerd::vrml::script_parser_test

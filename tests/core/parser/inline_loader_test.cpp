@@ -4,7 +4,7 @@
 #include "core/scene/scene_statistics.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml::inline_test {
+namespace peerd::vrml::inline_loader_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -256,4 +256,4 @@ TEST(ContentHash, CoversAllFiles) {
   EXPECT_NE(hash("Group { }"), hash("Shape { }"));
 }
 
-}  // namespace peerd::vrml::inline_test
+}  // namespace peerd::vrml::inline_loader_test

@@ -1,11 +1,11 @@
 // PROTO: ISO/IEC 14772-1:1997, 4.3.5, 4.3.6 and 4.8.
-#include "core/vrml/prototype.hpp"
+#include "core/parser/prototype_parser.hpp"
 
 #include <gmock/gmock.h>
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml::prototype_test {
+namespace peerd::vrml::prototype_parser_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -161,34 +161,6 @@ TEST(Proto, CarriesEveryFieldType) {
   EXPECT_EQ(floats(first, "mv3"), (Numbers{1, 2, 3}));
 }
 
-// Table 4.4: rows are the interface's, columns the node's in the body. All are SFFloat.
-TEST(ProtoIs, MayJoinWhatTable44Says) {
-  struct Inner {
-    const char* node;
-    const char* field;
-    bool exposed_field, field_, event_in, event_out;  // may be IS one of these of the interface
-  };
-  const Inner inners[] = {
-      {"Appearance { material Material", "transparency", true, true, true, true},
-      {"Appearance { material Material", "set_transparency", false, false, true, false},
-      {"Appearance { material Material", "transparency_changed", false, false, false, true},
-      {"Shape { geometry Sphere", "radius", false, true, false, false},
-      {"Group { children ScalarInterpolator", "set_fraction", false, false, true, false},
-      {"Group { children ScalarInterpolator", "value_changed", false, false, false, true},
-  };
-  for (const Inner& inner : inners) {
-    const std::pair<const char*, bool> rows[] = {{"exposedField SFFloat x 1", inner.exposed_field},
-                                                 {"field SFFloat x 1", inner.field_},
-                                                 {"eventIn SFFloat x", inner.event_in},
-                                                 {"eventOut SFFloat x", inner.event_out}};
-    for (const auto& [declaration, allowed] : rows) {
-      const std::string body =
-          std::string("PROTO P [ ") + declaration + " ] { " + inner.node + " { " + inner.field + " IS x } } }";
-      EXPECT_EQ(problems_of(body).size(), allowed ? 0u : 1u) << body;
-    }
-  }
-}
-
 struct BadCase {
   const char* name;
   const char* body;
@@ -196,37 +168,6 @@ struct BadCase {
 };
 class BadProto : public testing::TestWithParam<BadCase> {};
 TEST_P(BadProto, IsReportedWhereItIs) { EXPECT_EQ(problems_of(GetParam().body), GetParam().problems); }
-
-INSTANTIATE_TEST_SUITE_P(
-    Is, BadProto,
-    testing::Values(
-        BadCase{"OtherType",
-                "PROTO P [ field SFColor c 0 0 0 ] {\n Transform { translation IS c } }",
-                {"3:14: 'translation' is SFVec3f and cannot be 'c', which is SFColor"}},
-        BadCase{"ListForOne",
-                "PROTO P [ field MFColor c 0 0 0 ] {\n Material { diffuseColor IS c } }",
-                {"3:13: 'diffuseColor' is SFColor and cannot be 'c', which is MFColor"}},
-        BadCase{"NotInTheInterface",
-                "PROTO P [ field SFVec3f place 0 0 0 ] {\n Transform { translation IS plaec } }",
-                {"3:29: the interface of 'P' has no 'plaec', did you mean 'place'?"}},
-        BadCase{"OutsideOfProtos", "Group { children IS kids }", {"2:18: IS belongs inside a PROTO"}},
-        BadCase{"WithoutAName",
-                "PROTO P [ ] { Group { children IS } }",
-                {"2:35: expected a name of the PROTO's interface after IS, found '}'"}},
-        BadCase{"InAnInstanceOutsideOfProtos",
-                "PROTO P [ field SFBool b TRUE ] { Group { } }\nP { b IS c }",
-                {"3:7: IS belongs inside a PROTO"}},
-        // 4.8.4: IS sees the innermost PROTO only.
-        BadCase{"OfTheOuterProto",
-                "PROTO A [ field SFVec3f p 0 0 0 ] {\n PROTO B [ ] { Transform { translation IS p } }\n B { } }",
-                {"3:43: the interface of 'B' has no 'p'"}},
-        BadCase{"InADefaultValue",
-                "PROTO A [ field SFVec3f p 0 0 0 field SFNode n Transform { translation IS p } ] { Group { } }",
-                {"2:72: IS belongs inside a PROTO"}},
-        BadCase{"UnknownField",
-                "PROTO P [ field SFVec3f p 0 0 0 ] { Transform { translaton IS p } }",
-                {"2:49: Transform has no field 'translaton', did you mean 'translation'?"}}),
-    [](const auto& bad) { return std::string(bad.param.name); });
 
 INSTANTIATE_TEST_SUITE_P(
     Scope, BadProto,
@@ -285,50 +226,6 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& bad) { return std::string(bad.param.name); });
 
 INSTANTIATE_TEST_SUITE_P(
-    Missing, BadProto,
-    testing::Values(
-        BadCase{"Interface",
-                "PROTO P { Group { } }\nGroup { x }",
-                {"2:9: expected '[' and the interface of 'P', found '{'", "3:9: Group has no field 'x'"}},
-        BadCase{"Body", "PROTO P [ ]\nGroup { }", {"3:1: expected '{' and the body of 'P', found 'Group'"}},
-        BadCase{
-            "NodeInTheBody",
-            "PROTO P [ ] { }\nP { }",
-            {"warning 2:13: the body of 'P' has no node, so its instances are none either; the standard wants one"}},
-        BadCase{"EverythingAtTheEnd",
-                "PROTO P",
-                {"2:8: expected '[' and the interface of 'P', found the end of the file",
-                 "2:8: expected '{' and the body of 'P', found the end of the file"}},
-        BadCase{"ClosingBracket",
-                "PROTO P [ field SFBool a TRUE { Group { } }\nP { } Shpae { }",
-                {"2:31: expected eventIn, eventOut, field, exposedField or ']' in the interface of 'P', found '{'",
-                 "3:7: unknown node type 'Shpae', did you mean 'Shape'?"}},
-        BadCase{"ClosingBrace", "PROTO P [ ] { Group { }\n", {"2:13: this PROTO is never closed: a '}' is missing"}},
-        BadCase{"Type",
-                "PROTO P [ field a TRUE ] { Group { } }\nShpae { }",
-                {"2:17: expected a field type, found 'a'", "3:1: unknown node type 'Shpae', did you mean 'Shape'?"}},
-        BadCase{"MisspeltType",
-                "PROTO P [ field SFVec3 a 0 0 0 field SFBool b TRUE ] { Group { } }\nP { b FALSE }",
-                {"2:17: expected a field type, found 'SFVec3', did you mean 'SFVec3f'?"}},
-        BadCase{
-            "FieldName",
-            "PROTO P [ eventIn SFBool ] { Group { } }\nShpae { }",
-            {"2:26: expected the name of a field, found ']'", "3:1: unknown node type 'Shpae', did you mean 'Shape'?"}},
-        BadCase{"DefaultValue",
-                "PROTO P [ field SFFloat a field SFBool b TRUE ] { Group { } }\nP { b FALSE }",
-                {"2:27: 'a' (SFFloat) wants a number, found 'field'"}},
-        BadCase{"Access",
-                "PROTO P [ SFBool a TRUE ] { Group { } }\nP { } Shpae { }",
-                {"2:11: expected eventIn, eventOut, field, exposedField or ']' in the interface of 'P', found 'SFBool'",
-                 "3:7: unknown node type 'Shpae', did you mean 'Shape'?"}},
-        // An event has no value (4.3.5).
-        BadCase{"NothingButAValueTooMuch",
-                "PROTO P [ eventIn SFBool a TRUE ] { Group { } }\nShpae { }",
-                {"2:28: expected eventIn, eventOut, field, exposedField or ']' in the interface of 'P', found 'TRUE'",
-                 "3:1: unknown node type 'Shpae', did you mean 'Shape'?"}}),
-    [](const auto& bad) { return std::string(bad.param.name); });
-
-INSTANTIATE_TEST_SUITE_P(
     Instances, BadProto,
     testing::Values(
         BadCase{"UnknownField",
@@ -361,17 +258,6 @@ INSTANTIATE_TEST_SUITE_P(
                 "PROTO Bag [ field MFNode kids [ ] ] { Group { children IS kids } }\nDEF B Bag { kids USE B }",
                 {"3:22: USE of 'B' inside that node itself: a node cannot contain itself"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
-
-// 4.8.3: results are undefined; so something must be said of it.
-TEST(ProtoIs, GivenTwiceIsReported) {
-  EXPECT_THAT(problems_of("PROTO P [ field SFFloat a 1 field SFFloat b 2 ] {\n Shape { geometry Sphere { radius IS a "
-                          "radius IS b } } }"),
-              ElementsAre(HasSubstr("radius")));
-  EXPECT_THAT(problems_of("PROTO P [ field SFFloat a 1 ] {\n Shape { geometry Sphere { radius 2 radius IS a } } }"),
-              ElementsAre(HasSubstr("radius")));
-  EXPECT_THAT(problems_of("PROTO P [ field SFFloat a 1 ] {\n Shape { geometry Sphere { radius IS a radius 2 } } }"),
-              ElementsAre(HasSubstr("radius")));
-}
 
 TEST(ProtoScope, SeesProtosBeforeIt) {
   EXPECT_THAT(errors_of(R"(
@@ -568,4 +454,4 @@ TEST(MemoryLimit, CountsWhatDefaultsUse) {
   EXPECT_FALSE(result.scene.has_value());
 }
 
-}  // namespace peerd::vrml::prototype_test
+}  // namespace peerd::vrml::prototype_parser_test
