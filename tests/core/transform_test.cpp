@@ -59,7 +59,7 @@ TEST(Affine, ProductsApplyTheRightFactorFirst) {
   const Vec3 p = random.vector(5);
   const Affine ab = multiply(a, b);
   const Vec3 once = multiply(ab.linear, p) + ab.offset;
-  const Vec3 twice = multiply(a.linear, multiply(b.linear, p) + b.offset) + a.offset;
+  const Vec3 twice = multiply(a.linear, Vec3(multiply(b.linear, p) + b.offset)) + a.offset;
   EXPECT_LT((once - twice).norm(), 1e-12);
 }
 

@@ -55,6 +55,6 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Type", {0, "fraction_changed", 2, "translation", FieldType::kFloat}, Problem::kTypeMismatch},
         Case{"Keys", {3, "k", 1, "set_key", FieldType::kFloats}, Problem::kRouteToKeys},
         Case{"Repeated", {3, "x", 4, "x", FieldType::kFloat}, Problem::kRepeated}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace peerd::animation::event_graph_test

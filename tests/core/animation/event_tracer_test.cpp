@@ -23,8 +23,7 @@ TEST(EventTracer, FollowsThePathBackToTheSensor) {
   ASSERT_TRUE(t.tracer.find(target, 3, EventTracer::At::kNow));
   EXPECT_EQ(t.tracer.source().port, t.port(0, "fraction_changed"));
   EXPECT_EQ(t.tracer.source().stamp.t, 3.0);
-  EXPECT_THAT(t.tracer.path(),
-              ElementsAre(target, t.port(1, "value_changed"), t.port(0, "fraction_changed")));
+  EXPECT_THAT(t.tracer.path(), ElementsAre(target, t.port(1, "value_changed"), t.port(0, "fraction_changed")));
   Value value;
   t.tracer.evaluate(3, value);
   EXPECT_EQ(value.vec3(), Vec3(2, 0, 0));

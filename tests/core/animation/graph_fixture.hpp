@@ -1,4 +1,9 @@
 #pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
 #include "core/animation/delivery_log.hpp"
 #include "core/animation/event_graph.hpp"
 #include "core/animation/sensor_simulator.hpp"
@@ -24,8 +29,8 @@ struct GraphFixture {
 // leads to `x` of node 4, and is not driven.
 inline Network sensor_and_relay() {
   return {{TimeSensorFields{4, true, false, 2, 0},
-           Interpolator{InterpolatorType::kPosition, {0, 1}, {0, 0, 0, 8, 0, 0}}, PlainNode{}, PlainNode{},
-           PlainNode{}},
+           Interpolator{InterpolatorType::kPosition, std::vector<float>{0, 1}, std::vector<float>{0, 0, 0, 8, 0, 0}},
+           PlainNode{}, PlainNode{}, PlainNode{}},
           {{0, "fraction_changed", 1, "set_fraction", FieldType::kFloat},
            {1, "value_changed", 2, "translation", FieldType::kVec3},
            {3, "x", 4, "x", FieldType::kFloat}}};

@@ -55,9 +55,9 @@ TEST(SensorSimulator, AnswersThePastAgainAfterADelivery) {
 
 TEST(SensorSimulator, StandsStillOnceItsTransitionsAreUsedUp) {
   // Two sensors that start each other at the ends of their cycles.
-  const Network ping_pong{{TimeSensorFields{1, true, false, 1, 0}, TimeSensorFields{1, true, false, -9, 0}},
-                          {{0, "time", 1, "set_startTime", FieldType::kTime},
-                           {1, "time", 0, "set_startTime", FieldType::kTime}}};
+  const Network ping_pong{
+      {TimeSensorFields{1, true, false, 1, 0}, TimeSensorFields{1, true, false, -9, 0}},
+      {{0, "time", 1, "set_startTime", FieldType::kTime}, {1, "time", 0, "set_startTime", FieldType::kTime}}};
   const EventGraph graph(ping_pong);
   SensorSimulator simulator(graph, ping_pong, 0.0, 100, 50);
   EXPECT_EQ(simulator.transition_limit_reached_at(), std::nullopt);

@@ -46,14 +46,14 @@ TEST_P(Slerp, IsOnTheShorterArc) {
   EXPECT_LT((slerp(c.p, c.q, c.fraction) - c.expected).norm(), 1e-14);
 }
 const double kHalf = std::sqrt(0.5);
-INSTANTIATE_TEST_SUITE_P(
-    Table, Slerp,
-    testing::Values(Case{"Begin", Vec3::UnitX(), Vec3::UnitY(), 0, Vec3::UnitX()},
-                    Case{"Middle", Vec3::UnitX(), Vec3::UnitY(), 0.5, Vec3(kHalf, kHalf, 0)},
-                    Case{"End", Vec3::UnitX(), Vec3::UnitY(), 1, Vec3::UnitY()},
-                    Case{"LengthsAreInterpolated", Vec3(1, 0, 0), Vec3(0, 3, 0), 0.5, 2 * Vec3(kHalf, kHalf, 0)},
-                    Case{"LinearFromZero", Vec3::Zero(), Vec3(0, 4, 0), 0.25, Vec3(0, 1, 0)}),
-    [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(Table, Slerp,
+                         testing::Values(Case{"Begin", Vec3::UnitX(), Vec3::UnitY(), 0, Vec3::UnitX()},
+                                         Case{"Middle", Vec3::UnitX(), Vec3::UnitY(), 0.5, Vec3(kHalf, kHalf, 0)},
+                                         Case{"End", Vec3::UnitX(), Vec3::UnitY(), 1, Vec3::UnitY()},
+                                         Case{"LengthsAreInterpolated", Vec3(1, 0, 0), Vec3(0, 3, 0), 0.5,
+                                              2 * Vec3(kHalf, kHalf, 0)},
+                                         Case{"LinearFromZero", Vec3::Zero(), Vec3(0, 4, 0), 0.25, Vec3(0, 1, 0)}),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Slerp, OfOppositePointsStaysOnTheSphere) {
   const Vec3 middle = slerp(Vec3::UnitX(), -Vec3::UnitX(), 0.5);

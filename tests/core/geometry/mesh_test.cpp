@@ -22,12 +22,12 @@ TEST_P(MakeMesh, FindsThePolygons) {
     EXPECT_THAT(mesh.polygon(i), testing::ElementsAreArray(c.polygons[i]));
   }
 }
-INSTANTIATE_TEST_SUITE_P(Table, MakeMesh,
-                         testing::Values(Case{"None", {}, {}}, Case{"OnlyEnds", {-1, -1}, {}},
-                                         Case{"Closed", {0, 1, 2, -1}, {{0, 1, 2}}},
-                                         Case{"LastEndMissing", {0, 1, 2, -1, 3, 4}, {{0, 1, 2}, {3, 4}}},
-                                         Case{"DoubleEndMakesNoPolygon", {-1, 0, 1, 2, -1, -1, 5, -1}, {{0, 1, 2}, {5}}}),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Table, MakeMesh,
+    testing::Values(Case{"None", {}, {}}, Case{"OnlyEnds", {-1, -1}, {}}, Case{"Closed", {0, 1, 2, -1}, {{0, 1, 2}}},
+                    Case{"LastEndMissing", {0, 1, 2, -1, 3, 4}, {{0, 1, 2}, {3, 4}}},
+                    Case{"DoubleEndMakesNoPolygon", {-1, 0, 1, 2, -1, -1, 5, -1}, {{0, 1, 2}, {5}}}),
+    [](const auto& test) { return std::string(test.param.name); });
 
 TEST(MeshBox, IsThatOfTheVerticesInUse) {
   const std::vector<Eigen::Vector3f> vertices = {{0, 0, 0}, {1, -2, 3}, {9, 9, 9}};

@@ -62,7 +62,6 @@ INSTANTIATE_TEST_SUITE_P(
                  "3:1: unknown node type 'Shpae', did you mean 'Shape'?"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
-
 TEST(Interface, OfAnExposedFieldTakesItsEventNamesToo) {  // 4.7
   EXPECT_THAT(problems_of("PROTO P [ exposedField SFBool a TRUE eventOut SFBool a_changed ] { Group { } }"),
               ElementsAre(HasSubstr("'a_changed' is in the interface of 'P' already")));

@@ -51,7 +51,8 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Difference, OfAWorldToItselfIsNone) {
-  const Scene scene = scene_of("DEF A Transform { children [ Shape { geometry Sphere { } } ] } Group { children USE A }");
+  const Scene scene =
+      scene_of("DEF A Transform { children [ Shape { geometry Sphere { } } ] } Group { children USE A }");
   EXPECT_EQ(difference(scene, scene), "");
 }
 
