@@ -43,7 +43,7 @@ double atan_unit(double r) {
 }  // namespace
 
 double atan2(double y, double x) {
-  constexpr double kHalfPiRest = 6.123233995736766e-17;  // what pi/2 has beyond its binary64
+  constexpr double kHalfPiRest = 6.123233995736766e-17;  // pi/2 minus its binary64
   const double ay = std::abs(y);
   const double ax = std::abs(x);
   if (!(std::isfinite(ax) && std::isfinite(ay))) return std::numeric_limits<double>::quiet_NaN();

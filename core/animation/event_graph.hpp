@@ -57,7 +57,7 @@ class EventGraph {
 
   std::vector<EventPort> ports;
   std::vector<Link> links;
-  std::deque<std::string> names;  // which stay where they are as more are added
+  std::deque<std::string> names;  // elements stay in place as more are added
   std::vector<Finding> findings;
 
   // The index of each node among those of its kind (sensors, interpolators); kNone for a plain node.

@@ -90,7 +90,7 @@ bool EventTracer::find_simple_path(std::uint32_t port, double t, At at, bool& fo
     port = link.from;
   }
   upstream_ = path_;
-  const auto stamp = source_event(port, t, at);  // none of a port that nothing leads to
+  const auto stamp = source_event(port, t, at);  // empty for a port that nothing leads to
   if (!stamp) return true;
   source_ = {*stamp, port};
   found = std::ranges::all_of(path_, [&](std::uint32_t c) { return interpolates(c, std::min(stamp->t, t)); });

@@ -14,7 +14,7 @@ namespace {
 struct Line {
   double at_s = 0.0;
   double value = 0.0;
-  double duration_s = 1.0;  // in which it changes by 1; < 0 if it falls
+  double duration_s = 1.0;  // time for a change by 1; < 0 if the number falls
 
   [[nodiscard]] double at(double t) const { return value + (t - at_s) / duration_s; }
   [[nodiscard]] double time_of(double x) const { return at_s + (x - value) * duration_s; }
@@ -104,7 +104,7 @@ std::optional<Segment> SegmentFinder::find(std::uint32_t port, double t) {
 bool SegmentFinder::follow_path(double t, Segment& s, Value& held) {
   const std::span<const std::uint32_t> path = tracer_.path();
   const EventPort& source = graph_.ports[tracer_.source().port];
-  if (tracer_.source().stamp.t != kInfinity) {  // not one of an active sensor's continuous eventOuts
+  if (tracer_.source().stamp.t != kInfinity) {  // the source is no continuous eventOut of an active sensor
     tracer_.evaluate(t, held);
     hold(held, s);
     return true;

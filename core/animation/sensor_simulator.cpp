@@ -108,7 +108,7 @@ double SensorSimulator::due(std::uint32_t sensor, double now) const {
     const std::uint8_t leads = feeds_sensor_inputs_[sensor];
     if (leads & bit(SensorOutput::kCycleTime)) t = std::min(t, next_cycle_start(s.fields, now));
     if (leads & bit(SensorOutput::kTime)) t = std::min(t, next_tick(now));
-  } else if (starts(s, now)) {  // it has already started once at this instant
+  } else if (starts(s, now)) {  // the sensor has already started once at this instant
     t = next_tick(now);
   }
   return std::max(t, std::nextafter(now, kInfinity));
@@ -226,7 +226,7 @@ void SensorSimulator::sensor_phase(Component& c, std::uint32_t sensor, double t,
     stop_pending_[sensor] = 0;
     send(sensor, SensorOutput::kIsActive, 0.0);
     send(sensor, SensorOutput::kTime, t);
-    next_sensors_.push_back(sensor);  // which may start again
+    next_sensors_.push_back(sensor);  // the sensor may start again
   } else if (now.active && now.end_s <= t) {
     TimeSensorState& s = state_for_change(c, sensor, t);
     stop(s, t, true);
@@ -379,7 +379,7 @@ void SensorSimulator::deliver(double t, std::uint32_t port, double value) {
 // Forgets everything from t on.
 void SensorSimulator::roll_back(Component& c, double t) {
   const double before = std::nextafter(t, -kInfinity);
-  if (c.stopped_at_s < t) return;  // it stands still
+  if (c.stopped_at_s < t) return;  // the component stands still
   if (t <= c.history_begin_s) return reset(c);
   processed_sensors_.clear();
   while (!c.changes.empty() && c.changes.back().t >= t) {

@@ -117,8 +117,8 @@ class SensorSimulator {
     std::vector<Delivered> delivered;  // by t and port, then in order of the calls
     std::size_t next_delivered = 0;
     std::size_t transitions = 0;               // changes there have been
-    std::size_t transitions_counted_from = 0;  // when the latest delivery was taken
-    double history_begin_s = -kInfinity;       // what was before is forgotten
+    std::size_t transitions_counted_from = 0;  // transitions when the latest delivery was taken
+    double history_begin_s = -kInfinity;       // earlier transitions are forgotten
     double simulated_until_s = -kInfinity;     // every instant up to here is done
     double stopped_at_s = kInfinity;
   };

@@ -36,7 +36,7 @@ struct TimeSensorFields {
 struct TimeSensorState {
   TimeSensorFields fields;
   bool active = false;
-  bool has_run = false;          // it has been active: the eventOuts below have sent
+  bool has_run = false;          // the sensor has been active: the eventOuts below have sent
   bool cycle_done = false;       // startTime's one cycle is over; only loop or a new startTime makes it run again
   std::uint32_t begin_step = 0;  // orders transitions at one time (see control.hpp)
   std::uint32_t end_step = 0;    // orders transitions at one time (see sensor_simulator.hpp)

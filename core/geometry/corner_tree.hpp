@@ -13,7 +13,7 @@ namespace peerd {
 // 1, a corner each: a node is a range of places. For a few corners there is one node, and nothing is sorted.
 class CornerTree {
  public:
-  void build(std::span<const PlanePoint> points);  // which stay where they are
+  void build(std::span<const PlanePoint> points);  // the points stay in place
   void remove(std::uint32_t corner);
 
   [[nodiscard]] std::uint32_t corner_at(std::uint32_t place) const { return corners_[place]; }
@@ -43,7 +43,7 @@ class CornerTree {
     PlanePoint corners[3];
     Box box;
   };
-  struct Node {  // its halves are 2 i + 1 and 2 i + 2
+  struct Node {  // the halves of node i are 2 i + 1 and 2 i + 2
     Box box;
     std::uint32_t left = 0;  // corners in it that are left
   };

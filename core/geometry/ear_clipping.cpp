@@ -108,7 +108,7 @@ void EarClipping::remove(std::uint32_t i) {
   classify(previous);
   classify(next);
   for (std::uint32_t entry = corners_[i].first_blocked; entry != kNone; entry = blocked_corners_[entry].next_entry) {
-    const std::uint32_t waiting = blocked_corners_[entry].corner;  // or it did once
+    const std::uint32_t waiting = blocked_corners_[entry].corner;  // or blocked one once
     const Corner& corner = corners_[waiting];
     if (corner.kind == Kind::kBlocked && corner.blocker == i) find_blocker(waiting);
   }

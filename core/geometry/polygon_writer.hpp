@@ -15,7 +15,7 @@ class PolygonWriter {
  public:
   PolygonWriter(std::uint64_t vertices, const MeshSize& size) {
     const std::uint64_t corners = size.triangles + 3 * size.polygons;  // each polygon of n: n - 2 triangles, n + 1 here
-    assert(corners <= std::numeric_limits<std::int32_t>::max());       // and then the vertices are no more
+    assert(corners <= std::numeric_limits<std::int32_t>::max());       // the vertices are no more then
     vertices_.reserve(vertices);
     corners_.reserve(corners);
   }

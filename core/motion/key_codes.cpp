@@ -75,7 +75,7 @@ struct Modifier {
   std::string_view name;
   bool KeyModifiers::*flag;
   std::int32_t qt3, qt4;  // of the state
-  std::int32_t key = 0;   // that sets it, in Qt 3's numbers
+  std::int32_t key = 0;   // the key that sets the flag, in Qt 3's numbers
 };
 constexpr std::array kModifiers = {
     Modifier{"shift", &KeyModifiers::shift, qt3::kShiftButton, 0x0200'0000, qt3::kShift},

@@ -196,7 +196,7 @@ PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s) {
   Piece piece{-kForever, kForever, {}};
   bool still = true, exact = true;
   Vec3 velocity = Vec3::Zero(), angular_velocity_body = Vec3::Zero();
-  Affine above;  // what is above the Transform in hand; only used where that stands still
+  Affine above;  // the path above the Transform in hand; only used where it stands still
   for (std::size_t depth = 0; depth < way.size(); ++depth) {
     file.push_back(scene_.transform({way[depth]}));
     const TransformFields now = transform({way[depth]}, t_s);

@@ -31,7 +31,7 @@ class PredefinedMotion {
   // The driven instances and fields, by id, each once.
   [[nodiscard]] const std::vector<ObjectId>& driven_transforms() const { return driven_ids_; }
 
-  [[nodiscard]] std::vector<animation::FieldId> fields_of(ObjectId id) const;  // that are driven
+  [[nodiscard]] std::vector<animation::FieldId> fields_of(ObjectId id) const;  // driven fields
 
   // Returns the fields of a Transform at world time t.
   [[nodiscard]] TransformFields transform(ObjectId id, double t_s);

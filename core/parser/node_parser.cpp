@@ -184,7 +184,7 @@ NodeRef NodeParser::close_instance(OpenNode& open, const Prototype& prototype, c
   if (text_.in_world_body()) {
     for (std::size_t i = first; i < body.nodes.size(); ++i) {
       if (body.nodes[i].type->role != NodeRole::kInline) continue;
-      Node node = body.nodes[i];  // not in place: reading a file may move all nodes
+      Node node = body.nodes[i];  // a copy, since reading a file may move all nodes
       inlines_.fill(node);
       body.nodes[i] = node;
     }

@@ -63,7 +63,7 @@ std::optional<RouteEnd> RouteParser::parse_end() {
 // Returns the field that the name of an event stands for: itself, or the exposedField behind set_x and x_changed (4.7).
 RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
   const Definition& definition = *end.node;
-  if (definition.type == nullptr || definition.node == NodeRef::kNull) return {};  // what was lost is reported
+  if (definition.type == nullptr || definition.node == NodeRef::kNull) return {};  // the loss of the node is reported
   const NodeType& type = *definition.type;
   const auto serves = [&](const FieldSpec& field) {
     return sends ? sends_events(field.access) : takes_events(field.access);

@@ -120,7 +120,7 @@ void BoxHierarchy::tighten_box(SceneTree& tree, const PoseStore& poses, std::uin
     std::uint32_t open;         // loose sides on which nothing has been found to lie
     WorldBox found;             // the union of what has been looked at
   };
-  std::vector<Frame> stack;  // of its own: a scene may be as deep as it is large
+  std::vector<Frame> stack;  // an explicit stack, since a scene may be as deep as it is large
   const auto enter = [&](std::uint32_t i) {
     stack.push_back({i, tree[i].first_child, tree[i].box_loose, own_box(tree, poses, i)});
   };
@@ -146,7 +146,7 @@ void BoxHierarchy::tighten_box(SceneTree& tree, const PoseStore& poses, std::uin
       }
       const WorldBox& box = world_boxes_[child.box];
       const std::uint32_t in_doubt = frame.open & child.box_loose;
-      if (in_doubt != reached(in_doubt, frame.found, box)) {  // its true extent matters
+      if (in_doubt != reached(in_doubt, frame.found, box)) {  // the true extent of the child matters
         enter(frame.child);
         continue;
       }

@@ -51,7 +51,7 @@ class BoxHierarchy {
   void take_slot(SceneNode& node);
 
   SlotPool<LocalBox> local_boxes_;
-  std::vector<WorldBox> world_boxes_;  // as local_boxes_, empty until a world box is first asked for
+  std::vector<WorldBox> world_boxes_;  // same slots as local_boxes_; empty until a world box is first asked for
   std::vector<std::uint32_t> pending_;
   BoxCounters counters_;
 };

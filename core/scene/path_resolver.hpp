@@ -16,7 +16,7 @@ class PathResolver {
  public:
   explicit PathResolver(const Scene& scene) : scene_(scene) {}  // the scene outlives it and stays as it is
 
-  [[nodiscard]] std::optional<ObjectId> find(std::string_view path);  // what scene.find(path) gives
+  [[nodiscard]] std::optional<ObjectId> find(std::string_view path);  // the result of scene.find(path)
 
  private:
   struct Siblings {

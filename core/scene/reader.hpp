@@ -11,7 +11,7 @@
 namespace peerd {
 
 struct ReadOptions {
-  std::string name;  // of the world, for people and for what its relative URLs start from
+  std::string name;  // name of the world, for people; relative URLs start from it
   FileLoader load;   // reads Inlines and EXTERNPROTOs; without it none is found, and each says so
   // An Inline that says how large it is (bboxSize) and is not within anything that a CollisionInterest names is not
   // read, but listed in Scene::pending_inlines. Instances are numbered without it, so all peers of a session must use

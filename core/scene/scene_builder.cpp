@@ -70,8 +70,8 @@ class Builder {
     std::uint32_t first_child = 0, end_child = 0;  // in children_
     std::uint32_t content = kNone;                 // a Transform's transform, a Shape's geometry
     std::uint32_t extension = kNone;               // as in Instance
-    std::uint32_t name = kNone;                    // its number
-    std::uint32_t first_instance = kNone;          // whose copies the others are; kNone: none is
+    std::uint32_t name = kNone;                    // number of the name
+    std::uint32_t first_instance = kNone;          // the others are its copies; kNone: none is
     NodeKind kind = NodeKind::kGroup;
     bool inner_name = false;
     bool siblings = false;  // two of its children or more have names
@@ -305,7 +305,7 @@ void Builder::share(std::uint32_t index) {
   // A name is looked up once a node, however many instances there are of it.
   const auto next = static_cast<std::uint32_t>(name_numbers_.size());
   std::uint32_t& number = name_numbers_[node.def];
-  if (name_numbers_.size() > next) number = next;  // it was new
+  if (name_numbers_.size() > next) number = next;  // the name was new
   shared.name = number;
 }
 

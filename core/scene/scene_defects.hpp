@@ -14,7 +14,7 @@ struct SceneDefects {
   struct Count {
     std::uint64_t polygons = 0;
     std::optional<ObjectId> shape;  // the first that shows the first of them; none where no Shape has that geometry
-    std::uint32_t polygon = 0;      // its number there
+    std::uint32_t polygon = 0;      // number in the mesh
   };
   std::array<Count, kDefects> counts;
   std::uint64_t boundary_edges = 0, non_manifold_edges = 0, same_direction_edges = 0, edges_without_length = 0;

@@ -30,7 +30,7 @@ struct RigidMove {
 struct SceneGraphCounters {
   std::uint64_t transforms_set = 0;  // calls of the setters
   std::uint64_t poses_updated = 0;   // products world_from_parent * parent_from_local
-  std::uint64_t nodes_changed = 0;   // what updates have reported
+  std::uint64_t nodes_changed = 0;   // nodes that updates have reported
   std::uint64_t boxes_updated = 0;   // local boxes taken to the world
   std::uint64_t boxes_merged = 0;    // a box compared with, or merged into, that of a node above it
 };

@@ -29,11 +29,11 @@ struct alignas(32) SceneNode {
   std::uint32_t box = kNoSlot;       // in BoxHierarchy
   std::uint32_t depth : 20 = 0;      // below the root
   std::uint32_t has_transform : 1 = 0;
-  std::uint32_t dirty : 1 = 0;          // its pose is to be made by update(), with all below
+  std::uint32_t dirty : 1 = 0;          // update() has to make its pose, with all below
   std::uint32_t in_dirty_list : 1 = 0;  // of the slot, not of the node: survives remove()
   // A tracked node has a world box, which everything tracked above has absorbed; all below is tracked or pending.
   std::uint32_t box_tracked : 1 = 0;
-  std::uint32_t box_pending : 1 = 0;  // it is to be made anew from what is below
+  std::uint32_t box_pending : 1 = 0;  // its box has to be made anew from those below
   std::uint32_t in_pending_list : 1 = 0;
   std::uint32_t box_loose : 6 = 0;  // sides, -x -y -z +x +y +z, that may be farther out than anything below
 };
@@ -44,7 +44,7 @@ class SceneNodeRange;
 class SceneTree {
  public:
   static constexpr std::uint32_t kRoot = 0;
-  static constexpr std::uint32_t kMaxDepth = (1u << 20) - 1;  // what SceneNode::depth holds
+  static constexpr std::uint32_t kMaxDepth = (1u << 20) - 1;  // largest SceneNode::depth
 
   SceneTree();
 
@@ -55,7 +55,9 @@ class SceneTree {
     return node.index < nodes_.size() && (node.generation & 1) != 0 && nodes_[node.index].generation == node.generation;
   }
   [[nodiscard]] std::size_t slot_count() const { return nodes_.size(); }
-  [[nodiscard]] std::size_t size() const { return nodes_.size() - free_nodes_.size() - retired_slots_ - 1; }  // no root
+  [[nodiscard]] std::size_t size() const {
+    return nodes_.size() - free_nodes_.size() - retired_slots_ - 1;
+  }  // without the root
   // Returns the slot of a node that is alive.
   [[nodiscard]] std::uint32_t slot(NodeHandle node) const {
     assert(alive(node));

@@ -24,7 +24,7 @@ struct Diagnostic {
   Severity severity = Severity::kError;
   SourceLocation where;
   std::string message;
-  std::uint32_t source = 0;  // which text, by its place in ReadResult::sources
+  std::uint32_t source = 0;  // the text, as an index into ReadResult::sources
   std::size_t offset = 0;    // offset of `where` in that text, in bytes
 };
 
@@ -35,7 +35,7 @@ struct Diagnostic {
 
 // A Source is one of the texts that a world is made of: its own, or that of an Inline or an EXTERNPROTO.
 struct Source {
-  std::string name;                          // for people, and what its relative URLs start from
+  std::string name;                          // for people; relative URLs start from it
   std::string_view text;                     // unpacked
   std::shared_ptr<const std::string> owned;  // keeps `text`; null where the caller of the reader keeps it
 };

@@ -43,7 +43,7 @@ struct Field {
 
 struct Node {
   const NodeType* type = nullptr;
-  const Field* fields = nullptr;  // those that the text gives; default_of() has the others
+  const Field* fields = nullptr;  // fields that the text gives; default_of() has the others
   std::string_view def{};
   Position at = 0;
   // The scope of the names that are seen from the node: those of the world are 0, each copy of the body of a PROTO and

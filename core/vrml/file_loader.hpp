@@ -8,7 +8,7 @@
 namespace peerd {
 
 struct LoadedFile {
-  std::string name;  // one for each file, however it is spelled in URLs: for people, and what its own URLs start from
+  std::string name;  // one for each file, however URLs spell it; for people, and its own URLs start from it
   std::string bytes;
 };
 

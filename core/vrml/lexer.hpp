@@ -67,7 +67,7 @@ class Lexer {
 // Checks the first line, "#VRML V2.0 utf8", and gives the offset behind it; or says what the text is instead.
 struct Header {
   std::size_t end = 0;
-  std::string_view remark;  // what is not as the standard has it, and harmless; may be empty
+  std::string_view remark;  // harmless deviations from the standard; may be empty
 };
 [[nodiscard]] std::expected<Header, std::string> read_header(std::string_view text);
 

@@ -35,7 +35,7 @@ enum class Access : std::uint8_t {
   kExposedField,
   kEventIn,
   kEventOut,
-  kContent,  // no field of the standard's and none that a file can give: what the reader found behind a node's URL
+  kContent,  // no field of the standard, and a file cannot give it: the nodes that the reader found behind a URL
 };
 
 // The values that the standard allows in a field of numbers, for each component by itself. A value outside of the range
@@ -64,7 +64,7 @@ enum NodeClass : std::uint16_t {
 // The role that a node has for the scene builder.
 enum class NodeRole : std::uint8_t {
   kPart,     // read through the node that holds it, or what moves others
-  kDisplay,  // for eyes and ears: of no concern to a scene that collides. Other fields of a browser's own are let pass
+  kDisplay,  // to be seen or heard only; fields that browsers have added pass with a warning
   kGroup,    // a grouping node that only groups
   kTransform,
   kBillboard,

@@ -34,23 +34,23 @@ struct ValueLink {
   std::uint32_t value = 0;  // place in Prototype::linked_fields of the field whose value it takes
   const FieldSpec* inner = nullptr;
   std::uint32_t field = 0;         // numbers the linked fields of its node, as they come; links of one field share it
-  std::uint32_t replaces = kNone;  // of those the first has it: the node's own value of that field, by its place
+  std::uint32_t replaces = kNone;  // only in the first of these: the place of the node's own value of that field
 };
 
 // A Prototype is a PROTO, or an EXTERNPROTO that was found or will not be (4.8, 4.9).
 struct Prototype {
   NodeType type;                               // its interface as fields
-  std::vector<std::optional<Field>> defaults;  // of each of type.fields; none for events and what could not be read
-  Body body;                  // its default nodes and its own; what it is made of stands expanded in it
-  std::vector<IsLink> links;  // to fields and events of `body`, through what is expanded in it
+  std::vector<std::optional<Field>> defaults;  // by type.fields; none for events and values that could not be read
+  Body body;                                   // nodes of default values and of the body, with inner PROTOs expanded
+  std::vector<IsLink> links;                   // to fields and events of `body`, through what is expanded in it
   // The following lists are made of the links once all are there, so that no instance and no ROUTE reads more of them
   // than it needs: see sort_links(). The links of one `outer`, or of one node, keep their order.
-  std::vector<IsLink> event_links;            // those to events, by `outer`
+  std::vector<IsLink> event_links;            // links to events, by `outer`
   std::vector<ValueLink> value_links;         // by node
   std::vector<std::uint32_t> linked_fields;   // places in type.fields of those with value links
-  std::vector<std::uint32_t> link_counts;     // of each of linked_fields: its value links
+  std::vector<std::uint32_t> link_counts;     // number of value links, by linked_fields
   std::vector<std::uint32_t> value_of_field;  // by place in type.fields: the place in linked_fields, or kNone
-  std::uint64_t copied_references = 0;        // what a copy costs beside the nodes, references and ROUTEs of `body`
+  std::uint64_t copied_references = 0;        // cost of a copy beside the nodes, references and ROUTEs of `body`
   // This is set for an EXTERNPROTO that no file defines: its instances are nodes of that type, with its interface and
   // no more.
   const NodeType* not_found = nullptr;

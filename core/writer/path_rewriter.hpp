@@ -44,9 +44,9 @@ class PathRewriter {
   // The names in the scopes that have a CollisionInterest or a KeySensor.
   std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_nodes_, inner_instances_;
   bool has_paths_ = false;
-  Scene renamed_;  // its instances only
+  Scene renamed_;  // only the instances are set
   std::unordered_map<std::string_view, std::uint32_t> first_renamed_;
-  mutable PathResolver paths_{scene_}, renamed_paths_{renamed_};  // they remember what they have looked at
+  mutable PathResolver paths_{scene_}, renamed_paths_{renamed_};  // mutable since they cache lookups
 };
 
 }  // namespace peerd::vrml

@@ -353,7 +353,7 @@ void WritePlan::choose_names() {
     ++early_begin_[planned.place + 1];
   }
   for (std::size_t i = 1; i < early_begin_.size(); ++i) early_begin_[i] += early_begin_[i - 1];
-  std::ranges::sort(last_routes_);  // as they stood
+  std::ranges::sort(last_routes_);  // in their original order
 }
 
 std::span<const std::uint32_t> WritePlan::routes_at(std::uint32_t place) const {

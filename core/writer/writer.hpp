@@ -10,7 +10,7 @@ namespace peerd {
 
 struct WrittenWorld {
   std::string text;                // VRML97, "#VRML V2.0 utf8"
-  std::vector<std::string> notes;  // what could not stay as it was: names and ROUTEs, one sentence each
+  std::vector<std::string> notes;  // names and ROUTEs that had to change, one sentence each
 };
 
 // Writes a world as one text that reads back the same, as difference() in core/writer/scene_difference.hpp understands

@@ -22,7 +22,7 @@ class Random {
   std::mt19937 random_{11};
 };
 
-// The product of VRML97 6.52, by Eigen.
+// Computes the product of VRML97 6.52 by Eigen.
 Eigen::Affine3d expected(const TransformFields& t) {
   using Eigen::Translation3d;
   return Translation3d(t.translation) * Translation3d(t.center) * t.rotation * t.scale_orientation *

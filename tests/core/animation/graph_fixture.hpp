@@ -10,7 +10,7 @@
 
 namespace peerd::animation {
 
-// The parts below an Animation, for tests of those above them.
+// A GraphFixture holds the parts below an Animation, for tests of those above them.
 struct GraphFixture {
   explicit GraphFixture(const Network& network)
       : graph(network), simulator(graph, network, 0.0, std::size_t{1} << 20, std::size_t{1} << 10) {

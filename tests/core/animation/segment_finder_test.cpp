@@ -16,7 +16,7 @@ constexpr auto kFloat = FieldType::kFloat;
 constexpr auto kVec3 = FieldType::kVec3;
 constexpr auto kRotation = FieldType::kRotation;
 
-// A sensor, a ScalarInterpolator in between, a position and an orientation.
+// The network has a sensor, a ScalarInterpolator in between, a position and an orientation.
 Network network(const TimeSensorFields& sensor, Floats ease_key, Floats ease, Floats key, Floats p, Floats r) {
   return {{sensor, Interpolator{InterpolatorType::kScalar, std::move(ease_key), std::move(ease)},
            Interpolator{InterpolatorType::kPosition, key, std::move(p)},
@@ -85,7 +85,7 @@ TEST(Segment, ComesDownByAFallingFraction) {
   EXPECT_NEAR(a.segment(*a.field(4, "rotation"), 6.0)->angular_velocity_body.z(), -0.4, 1e-7);
 }
 
-// Along whole lives: segments are gapless, go forwards, and agree with value() to the stated bound.
+// Segments are followed along whole lives: they are gapless, go forwards, and agree with value() to the stated bound.
 TEST(Segment, AgreesWithValueToTheStatedBound) {
   std::mt19937 random(17);
   std::uniform_real_distribution<float> unit(0, 1);

@@ -12,7 +12,7 @@ bool is_inside(const PlanePoint& p, const PlanePoint& a, const PlanePoint& b, co
   return orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0;
 }
 
-// The corners that find() asks about, from the first place to the last.
+// Returns the corners that find() asks about, from the first place to the last.
 std::set<std::uint32_t> asked(const CornerTree& tree, const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
   std::set<std::uint32_t> out;
   const std::uint32_t end = tree.find(0, a, b, c, [&](std::uint32_t corner) {

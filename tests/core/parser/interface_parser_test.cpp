@@ -1,4 +1,4 @@
-// The interface of a PROTO: ISO/IEC 14772-1:1997, 4.8.2.
+// These tests are about the interface of a PROTO (ISO/IEC 14772-1:1997, 4.8.2).
 #include "core/parser/interface_parser.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// IS: ISO/IEC 14772-1:1997, 4.8.3 and table 4.4.
+// These tests are about IS (ISO/IEC 14772-1:1997, 4.8.3 and table 4.4).
 #include "core/parser/link_parser.hpp"
 
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@ namespace peerd::vrml::link_parser_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// Table 4.4: rows are the interface's, columns the node's in the body. All are SFFloat.
+// The rows of table 4.4 are those of the interface, the columns those of the node in the body. All fields are SFFloat.
 TEST(ProtoIs, MayJoinWhatTable44Says) {
   struct Inner {
     const char* node;
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {"2:49: Transform has no field 'translaton', did you mean 'translation'?"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
-// 4.8.3: results are undefined; so something must be said of it.
+// Results are undefined (4.8.3), so the reader reports the case.
 TEST(ProtoIs, GivenTwiceIsReported) {
   EXPECT_THAT(problems_of("PROTO P [ field SFFloat a 1 field SFFloat b 2 ] {\n Shape { geometry Sphere { radius IS a "
                           "radius IS b } } }"),

@@ -1,4 +1,4 @@
-// PROTO: ISO/IEC 14772-1:1997, 4.3.5, 4.3.6 and 4.8.
+// These tests are about PROTO (ISO/IEC 14772-1:1997, 4.3.5, 4.3.6 and 4.8).
 #include "core/parser/prototype_parser.hpp"
 
 #include <gmock/gmock.h>
@@ -115,7 +115,7 @@ TEST(Proto, HasDefaultsOfInstancesOfOtherProtos) {
   EXPECT_THAT(radii, ElementsAre(4, 1, 6));
 }
 
-// All field types, both ways round: from the default and from the instance.
+// All field types are carried both ways: from the default and from the instance.
 TEST(Proto, CarriesEveryFieldType) {
   const Scene scene = scene_of(R"(
     PROTO All [

@@ -8,8 +8,8 @@
 
 namespace peerd::vrml {
 
-// One text with the state that the parts of its parser share, for tests of a single part. The text needs no header.
-// Nodes cannot be read from it: that is the work of a whole TextParser.
+// A TextFixture is one text with the state that the parts of its parser share, for tests of a single part. The text
+// needs no header. Nodes cannot be read from it: that is the work of a whole TextParser.
 class TextFixture {
  public:
   explicit TextFixture(std::string_view text)
@@ -17,7 +17,7 @@ class TextFixture {
     state.scope = &scope;
   }
 
-  // The messages of all problems so far, warnings too; empties the list.
+  // Returns the messages of all problems so far, warnings too, and empties the list.
   std::vector<std::string> messages() {
     std::vector<std::string> out;
     for (const Diagnostic& d : problems.take().diagnostics) out.push_back(d.message);

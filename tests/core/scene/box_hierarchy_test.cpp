@@ -6,7 +6,7 @@
 
 namespace peerd::box_hierarchy_test {
 
-// A tree whose nodes all have poses, and the union of its boxes as a slow walk finds it.
+// A World is a tree whose nodes all have poses, and the union of its boxes as a slow walk finds it.
 struct World {
   std::uint32_t add(std::uint32_t parent) {
     const std::uint32_t i = tree.add(parent, kNoSlot);
