@@ -6,7 +6,7 @@
 #include "core/box.hpp"
 #include "core/scene/pose_store.hpp"
 #include "core/scene/scene_tree.hpp"
-#include "core/scene/slot_pool.hpp"
+#include "core/slot_pool.hpp"
 
 namespace peerd {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "core/math.hpp"
-#include "core/scene/slot_pool.hpp"
+#include "core/slot_pool.hpp"
 #include "core/transform.hpp"
 
 namespace peerd {

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <vector>
 
-#include "core/scene/slot_pool.hpp"
+#include "core/slot_pool.hpp"
 
 namespace peerd {
 
