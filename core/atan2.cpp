@@ -8,7 +8,7 @@ namespace peerd {
 namespace {
 
 constexpr double kAtanSixteenths[17] = {
-    // atan(i / 16), to the nearest
+    // The table holds atan(i / 16), rounded to the nearest.
     0.0,
     0x1.ff55bb72cfdeap-5,
     0x1.fd5ba9aac2f6ep-4,
@@ -28,8 +28,8 @@ constexpr double kAtanSixteenths[17] = {
     0x1.921fb54442d18p-1,
 };
 
-// atan(r), 0 <= r <= 1: atan(c) + atan((r - c) / (1 + r c)) with c the nearest sixteenth. What is left is at most 1/32,
-// where the series' first term left out is below 1e-20 of the sum.
+// Returns atan(r), 0 <= r <= 1: atan(c) + atan((r - c) / (1 + r c)) with c the nearest sixteenth. The second argument
+// is at most 1/32, where the first term of the series that is left out is below 1e-20 of the sum.
 double atan_unit(double r) {
   const double sixteenth = std::nearbyint(16.0 * r);
   const double c = sixteenth / 16.0;
@@ -43,7 +43,7 @@ double atan_unit(double r) {
 }  // namespace
 
 double atan2(double y, double x) {
-  constexpr double kHalfPiRest = 6.123233995736766e-17;  // what pi/2 has beyond its binary64
+  constexpr double kHalfPiRest = 6.123233995736766e-17;  // pi/2 minus its binary64
   const double ay = std::abs(y);
   const double ax = std::abs(x);
   if (!(std::isfinite(ax) && std::isfinite(ay))) return std::numeric_limits<double>::quiet_NaN();

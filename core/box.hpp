@@ -39,9 +39,10 @@ using LocalBox = AxisBox<float>;
 // A box in the world frame [m].
 using WorldBox = AxisBox<double>;
 
-// A box that contains m * p for every p in `box`: as the reals have it, and as multiply(m.linear, p) + m.offset rounds
-// it. Wider than the tight one by at most 2^-49 of the largest |m.linear| * |p| + |m.offset| along an axis (and 2^-1021
-// m). All of an axis where its numbers overflow. `box` must be finite or empty; empty stays empty.
+// Returns a box that contains m * p for every p in `box`: as the reals have it, and as multiply(m.linear, p) + m.offset
+// rounds it. It is wider than the tight one by at most 2^-49 of the largest |m.linear| * |p| + |m.offset| along an axis
+// (and 2^-1021 m). It is unbounded along an axis where its numbers overflow. `box` must be finite or empty; empty stays
+// empty.
 [[nodiscard]] WorldBox transformed(const Affine& m, const LocalBox& box);
 
 }  // namespace peerd

@@ -15,11 +15,11 @@ struct KinematicState {
   [[nodiscard]] Pose pose() const { return {position, orientation}; }
 };
 
-// The state dt_s [s] later (or earlier): equations 4.1 and 4.2 of the thesis with q(t) = q0 * exp(w t). Always
-// from the base state, never accumulated; the quaternion is normalised at each evaluation.
+// Returns the state dt_s [s] later (or earlier): equations 4.1 and 4.2 of the thesis with q(t) = q0 * exp(w t). It is
+// computed from the base state, never accumulated; the quaternion is normalised at each evaluation.
 [[nodiscard]] KinematicState advance(const KinematicState& base, double dt_s);
 
-// A body at rest at that pose.
+// Returns a body at rest at that pose.
 [[nodiscard]] KinematicState at_rest(const Pose& pose);
 
 }  // namespace peerd

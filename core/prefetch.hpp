@@ -3,8 +3,9 @@
 
 namespace peerd {
 
-// Asks for memory, for whoever goes through much and knows what comes next. What is asked for need not be there.
-// Whoever calls it in a function of its own inlines that always, too: GCC drops calls of what does nothing but this.
+// Asks for memory early, for code that goes through much of it and knows what comes next. The address need not be
+// valid. A function that calls this one must inline it always, too: GCC drops calls of functions that do nothing but
+// this.
 [[gnu::always_inline]] inline void prefetch(const void* begin, std::size_t size_bytes) {
   constexpr std::size_t kCacheLine_bytes = 64;
   const auto* const bytes = static_cast<const std::byte*>(begin);

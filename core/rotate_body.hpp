@@ -3,8 +3,8 @@
 
 namespace peerd {
 
-// The orientation turned by a rotation in the frame of what is turned: orientation * quat_exp(rotation), of unit length
-// where the orientation is but for roundings; else normalised.
+// Returns the orientation turned by a rotation in the frame of the body: orientation * quat_exp(rotation). It has unit
+// length where the orientation has, but for roundings; otherwise it is normalised.
 [[nodiscard]] Quat rotated_in_body_frame(const Quat& orientation, const Vec3& rotation_body_rad);
 
 }  // namespace peerd

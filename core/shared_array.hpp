@@ -7,8 +7,8 @@
 
 namespace peerd {
 
-// An immutable array that any number of owners share: a copy costs a reference count. It keeps its elements alive, be
-// they its own or a part of something larger, as the numbers that a text was read into.
+// A SharedArray is an immutable array that any number of owners share: a copy costs a reference count. It keeps its
+// elements alive, be they its own or a part of something larger, as the numbers that a text was read into.
 template <class T>
 class SharedArray {
  public:

@@ -10,7 +10,7 @@ SinCos sin_cos(double x) {
     const auto [sinc, cos] = sinc_cos(y * y);
     return SinCos{y * sinc, cos};
   };
-  if (std::abs(x) <= std::numbers::pi / 4.0) return small(x);  // it would stay, but for -0
+  if (std::abs(x) <= std::numbers::pi / 4.0) return small(x);  // the result would be the same, but for -0
   constexpr double kHalfPi = std::numbers::pi / 2.0;
   constexpr double kHalfPiRest = 6.123233995736766e-17;  // pi/2 - kHalfPi
   // A smaller number is its own remainder.

@@ -9,13 +9,13 @@ struct SinCos {
   double cos = 1.0;
 };
 
-// Sine and cosine of x [rad] by operations that IEEE 754 defines to the last bit: + - * /, remainder, rounding. The C
-// library's may differ in the last place from one version to the next, and peers would not agree on where things touch.
-// Error below 1e-15 for |x| <= 2 pi; it grows by 2.5e-16 with each further turn.
+// Returns sine and cosine of x [rad] by operations that IEEE 754 defines to the last bit: + - * /, remainder, rounding.
+// Those of the C library may differ in the last place from one version to the next, and peers would not agree on where
+// things touch. The error is below 1e-15 for |x| <= 2 pi; it grows by 2.5e-16 with each further turn.
 [[nodiscard]] SinCos sin_cos(double x);
 
-// sin(x)/x and cos(x) for 0 <= x^2 <= (pi/4)^2, by the same operations: a rotation by a vector needs no root of its
-// square.
+// Returns sin(x)/x and cos(x) for 0 <= x^2 <= (pi/4)^2, by the same operations: a rotation by a vector needs no root of
+// its square.
 struct SincCos {
   double sinc = 1.0;
   double cos = 1.0;
@@ -49,7 +49,7 @@ template <int kLast>
 
 }  // namespace detail
 
-// The first terms left out are below 2e-18 and, up to pi/4, 3e-18.
+// The first terms that are left out are below 2e-18 and, up to pi/4, 3e-18.
 SincCos sinc_cos(double x2) { return x2 < 0.03 ? detail::sinc_cos_to<5>(x2) : detail::sinc_cos_to<8>(x2); }
 
 }  // namespace peerd

@@ -4,7 +4,7 @@
 
 namespace peerd {
 
-// An id that cannot be added, mixed up with another kind of id, or made by accident.
+// A Strong is an id that cannot be added, mixed up with another kind of id, or made by accident.
 template <class Tag, class Rep>
 struct Strong {
   Rep value{};

@@ -13,8 +13,8 @@ constexpr std::size_t kLongestName = 64;  // longer words are no misspelt names
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// Letters to insert, delete or replace, neighbours swapped counting as one ("optimal string alignment"). Case is free:
-// Names differ from each other by more than case.
+// Returns the number of letters to insert, delete or replace, neighbours swapped counting as one ("optimal string
+// alignment"). Case is free: names differ from each other by more than case.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   assert(a.size() <= kLongestName && b.size() <= kLongestName);
   std::array<std::array<std::uint8_t, kLongestName + 1>, 3> rows;

@@ -7,7 +7,7 @@ namespace peerd {
 
 using Duration = std::chrono::nanoseconds;
 
-// A chrono clock with no now(): time can only arrive as an argument. int64 nanoseconds last 292 years.
+// SimClock is a chrono clock with no now(): time can only arrive as an argument. int64 nanoseconds last 292 years.
 template <class Tag>
 struct InjectedClock {
   using duration = Duration;

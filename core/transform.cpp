@@ -34,7 +34,7 @@ Affine multiply(const Affine& a, const Affine& b) {
 
 namespace {
 
-// SR * S * SR^-1
+// Returns SR * S * SR^-1.
 Mat3 scale_of(const TransformFields& t) {
   const Mat3 sr = t.scale_orientation.toRotationMatrix();
   Mat3 scaled = sr;

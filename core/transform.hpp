@@ -5,7 +5,8 @@
 
 namespace peerd {
 
-// VRML97 6.52: p_parent = T * C * R * SR * S * SR^-1 * C^-1 * p_local.
+// TransformFields are the fields of a Transform (VRML97 6.52): p_parent = T * C * R * SR * S * SR^-1 * C^-1 * p_local.
+// Lengths are in metres, rotations are unit.
 struct TransformFields {
   Vec3 translation = Vec3::Zero();
   Quat rotation = Quat::Identity();
@@ -16,14 +17,14 @@ struct TransformFields {
 
 [[nodiscard]] inline bool is_scaled(const TransformFields& t) { return t.scale != Vec3::Ones(); }
 
-// Peers must get the same bits, so these products are written out, summed from left to right: Eigen chooses the order
-// of its sums, and whether to fuse them, by instruction set.
+// These products are written out, summed from left to right, since peers must get the same bits: Eigen chooses the
+// order of its sums, and whether to fuse them, by instruction set.
 [[nodiscard]] Vec3 multiply(const Mat3& m, const Vec3& v);
 [[nodiscard]] Mat3 multiply(const Mat3& a, const Mat3& b);
 [[nodiscard]] Quat multiply(const Quat& a, const Quat& b);
 [[nodiscard]] Quat normalized(const Quat& q);
 
-// Maps p to linear * p + offset.
+// An Affine maps p to linear * p + offset.
 struct Affine {
   Mat3 linear = Mat3::Identity();
   Vec3 offset = Vec3::Zero();
@@ -31,12 +32,12 @@ struct Affine {
 
 [[nodiscard]] Affine multiply(const Affine& a, const Affine& b);
 
-// T * C * R * SR * S * SR^-1 * C^-1. Without scale SR and its inverse cancel and are left out, so that R stays a
-// rotation to the last bit.
+// Returns T * C * R * SR * S * SR^-1 * C^-1. Without scale SR and its inverse cancel and are left out, so that R stays
+// a rotation to the last bit.
 [[nodiscard]] Affine parent_from_local(const TransformFields& t);
 
-// The rigid part of a path of transforms, from the top: where the last one's origin is, and the product of the
-// rotations.
+// Returns the rigid part of a path of transforms, from the top: where the origin of the last one is, and the product of
+// the rotations.
 [[nodiscard]] Pose rigid_pose(std::span<const TransformFields> path);
 
 // A rigid pose with the matrix that scales and shears the rest of the path: the linear part of the product of the path

@@ -36,7 +36,7 @@ void ChangeTracker::mark_downstream(std::uint32_t port, std::vector<FieldId>& ou
     if (std::exchange(seen_[at], mark_) == mark_) continue;
     const EventPort& c = graph_.ports[at];
     if (c.kind == PortKind::kRelay || c.kind == PortKind::kSensorInput) out.push_back({at});
-    if (c.kind == PortKind::kKey) {  // what its interpolator sends from now on
+    if (c.kind == PortKind::kKey) {  // the events that its interpolator sends from now on
       const auto sender = graph_.find(c.node, "value_changed");
       if (sender) open_.push_back(*sender);
     }

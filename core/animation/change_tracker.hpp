@@ -8,8 +8,9 @@
 
 namespace peerd::animation {
 
-// Finds the fields that may change in an interval of time. Keeps a cursor in time, with the sensors that are active
-// there and the instants to come, so that intervals that follow each other cost little. What it refers to outlives it.
+// ChangeTracker finds the fields that may change in an interval of time. It keeps a cursor in time, with the sensors
+// that are active there and the instants to come, so that intervals that follow each other cost little. The objects
+// that it refers to outlive it.
 class ChangeTracker {
  public:
   ChangeTracker(const EventGraph& graph, SensorSimulator& simulator, const DeliveryLog& deliveries)

@@ -8,13 +8,14 @@
 
 namespace peerd::animation {
 
-// An event from outside that a port has received.
+// A Delivered is an event from outside that a port has received.
 struct Delivered {
   double t = 0.0;  // [s]
   Value value;
 };
 
-// The events from outside that ports other than the inputs of TimeSensors have received, by port and time.
+// A DeliveryLog holds the events from outside that ports other than the inputs of TimeSensors have received, by port
+// and time.
 class DeliveryLog {
  public:
   // Makes room for that many ports.
@@ -24,11 +25,11 @@ class DeliveryLog {
   Value& insert(std::uint32_t port, double t, const Value& value);
 
   [[nodiscard]] bool has(std::uint32_t port) const { return has_delivered_[port] != 0; }
-  // The latest event of the port at or before t; null if there is none.
+  // Returns the latest event of the port at or before t; null if there is none.
   [[nodiscard]] const Delivered* latest(std::uint32_t port, double t) const;
-  // The earliest event of the port after t; null if there is none.
+  // Returns the earliest event of the port after t; null if there is none.
   [[nodiscard]] const Delivered* next(std::uint32_t port, double t) const;
-  // All events, by port and then by time.
+  // Returns all events, by port and then by time.
   [[nodiscard]] const std::map<std::uint32_t, std::vector<Delivered>>& all() const { return delivered_; }
 
  private:

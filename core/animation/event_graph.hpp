@@ -39,12 +39,14 @@ struct Link {
   std::uint32_t next_out = kNone;
 };
 
-// The ports and ROUTEs of a network. Links keep the file's order by index; one that is left out has from == kNone.
+// An EventGraph holds the ports and ROUTEs of a network. Links keep the order of the file by index; one that is left
+// out has from == kNone.
 class EventGraph {
  public:
   explicit EventGraph(const Network& network);
 
-  // The port of a field, made if there is none yet and the node can have it. `in`: the field is to take an event.
+  // Returns the port of a field, made if there is none yet and the node can have it. `in`: the field is to take an
+  // event.
   [[nodiscard]] std::optional<std::uint32_t> find_or_add(std::uint32_t node, std::string_view field, FieldType type,
                                                          bool in);
   [[nodiscard]] std::optional<std::uint32_t> find(std::uint32_t node, std::string_view field) const;
@@ -55,7 +57,7 @@ class EventGraph {
 
   std::vector<EventPort> ports;
   std::vector<Link> links;
-  std::deque<std::string> names;  // which stay where they are as more are added
+  std::deque<std::string> names;  // elements stay in place as more are added
   std::vector<Finding> findings;
 
   // The index of each node among those of its kind (sensors, interpolators); kNone for a plain node.

@@ -21,12 +21,13 @@ void EventTracer::grow(std::size_t ports) {
   via_.resize(ports, kNone);
 }
 
-// Ports whose latest event is known without looking further upstream.
+// Returns whether the latest event of the port is known without following ROUTEs further upstream.
 bool EventTracer::is_source(const EventPort& c) const {
   return c.feeds_sensor || c.kind == PortKind::kSensorOutput || c.kind == PortKind::kKey;
 }
 
-// A port's own latest event at or before t, those that come over ROUTEs left out unless it is a leaf.
+// Returns the latest event of the port itself at or before t. Events that come over ROUTEs count only for a port whose
+// latest event the simulator knows.
 std::optional<Stamp> EventTracer::source_event(std::uint32_t port, double t, At at) {
   const EventPort& c = graph_.ports[port];
   if (c.feeds_sensor) {
@@ -89,16 +90,16 @@ bool EventTracer::find_simple_path(std::uint32_t port, double t, At at, bool& fo
     port = link.from;
   }
   upstream_ = path_;
-  const auto stamp = source_event(port, t, at);  // none of a port that nothing leads to
+  const auto stamp = source_event(port, t, at);  // empty for a port that nothing leads to
   if (!stamp) return true;
   source_ = {*stamp, port};
   found = std::ranges::all_of(path_, [&](std::uint32_t c) { return interpolates(c, std::min(stamp->t, t)); });
   return true;
 }
 
-// Finds the event that is the port's latest at or before t (or just after t), into source_ and path_: collects all that
-// is upstream, then lets the sources' events spread, the latest timestamp first, wave by wave, each port taking the
-// first that reaches it.
+// Finds the latest event of the port at or before t (or just after t), into source_ and path_. It collects everything
+// upstream, then lets the events of the sources spread, the latest timestamp first, wave by wave, and each port takes
+// the first event that reaches it.
 bool EventTracer::find(std::uint32_t port, double t, At at) {
   if (bool found = false; find_simple_path(port, t, at, found)) return found;
   const std::uint64_t question = ++mark_;
@@ -140,7 +141,7 @@ bool EventTracer::find(std::uint32_t port, double t, At at) {
   return true;
 }
 
-// The events of one timestamp. A port is claimed if its mark is above the question's, seen_[target].
+// Spreads the events of one timestamp. A port is claimed if its mark is above that of the question, seen_[target].
 void EventTracer::propagate(const Source* group, const Source* group_end, std::uint32_t target) {
   const std::uint64_t question = seen_[target];
   const double t = group->stamp.t;
@@ -172,7 +173,7 @@ void EventTracer::propagate(const Source* group, const Source* group_end, std::u
   }
 }
 
-// The event of source_, as it arrives at the other end of path_.
+// Computes the event of source_, as it arrives at the other end of path_.
 void EventTracer::evaluate(double t, Value& out) {
   const EventPort& source = graph_.ports[source_.port];
   const double when = std::min(source_.stamp.t, t);

@@ -10,8 +10,8 @@
 
 namespace peerd::animation {
 
-// Finds the event that a port has at a time, and the ports that it came over, backwards from the port. Keeps the answer
-// until the next question. The graph, the simulator and the deliveries outlive it.
+// EventTracer finds the event that a port has at a time, and the ports that it came over, backwards from the port. It
+// keeps the answer until the next question. The graph, the simulator and the deliveries outlive it.
 class EventTracer {
  public:
   // The choice between events up to the time asked for and those that an active sensor also sends just after it.
@@ -27,7 +27,7 @@ class EventTracer {
   // Makes room for that many ports.
   void grow(std::size_t ports);
 
-  // Finds the event that is the latest of the port at or before t, or just after t. False: there is none.
+  // Finds the event that is the latest of the port at or before t, or just after t. Returns false if there is none.
   [[nodiscard]] bool find(std::uint32_t port, double t, At at);
 
   // The answers of the latest find(). The event that counts and the path, which leads from the port asked for back to
@@ -37,9 +37,9 @@ class EventTracer {
   [[nodiscard]] std::span<const std::uint32_t> path() const { return path_; }
   [[nodiscard]] std::span<const std::uint32_t> upstream() const { return upstream_; }
 
-  // The value of the event that find() has found for t, as it arrives at the port asked for.
+  // Computes the value of the event that find() has found for t, as it arrives at the port asked for.
   void evaluate(double t, Value& out);
-  // The keys of the interpolator of that port, as of t.
+  // Returns the keys of the interpolator of that port, as of t.
   [[nodiscard]] Keys keys_at(std::uint32_t port, double t) const;
 
  private:

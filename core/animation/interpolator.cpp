@@ -10,7 +10,7 @@
 namespace peerd::animation {
 namespace {
 
-// Exact at weight 0, and constant where the ends are equal.
+// The result is exact at weight 0, and constant where the ends are equal.
 double lerp(double a, double b, double weight) { return a + weight * (b - a); }
 Vec3 lerp(const Vec3& a, const Vec3& b, double weight) { return a + weight * (b - a); }
 
@@ -20,7 +20,8 @@ struct Hsv {
   double value = 0.0;
 };
 
-// Foley, van Dam, Feiner and Hughes, Computer Graphics: Principles and Practice, 2nd edition, 13.3.4.
+// The conversion follows Foley, van Dam, Feiner and Hughes, Computer Graphics: Principles and Practice, 2nd edition,
+// 13.3.4.
 Hsv hsv_from_rgb(const Vec3& rgb) {
   const double r = rgb[0];
   const double g = rgb[1];

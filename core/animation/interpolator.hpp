@@ -10,7 +10,8 @@ namespace peerd::animation {
 
 enum class InterpolatorType : std::uint8_t { kColor, kCoordinate, kNormal, kOrientation, kPosition, kScalar };
 
-// An interpolator node of VRML97 (4.6.8): fields as in the file, keyValue flat (an SFRotation is four numbers).
+// An Interpolator is an interpolator node of VRML97 (4.6.8), with its fields as in the file and keyValue flat (an
+// SFRotation is four numbers).
 struct Interpolator {
   InterpolatorType type = InterpolatorType::kScalar;
   SharedArray<float> key;
@@ -27,40 +28,40 @@ struct Keys {
 [[nodiscard]] FieldType value_type(InterpolatorType type);      // of value_changed
 [[nodiscard]] FieldType key_value_type(InterpolatorType type);  // of keyValue
 
-// The part of the fields that is used: as many keys as have their whole keyValue, and as many keyValues as have a key.
-// Coordinate and NormalInterpolators hold as many vectors a key as their keyValue allows (6.13, 6.31: "an integer
-// multiple"), and nothing where that is none. `key` is empty where there is nothing: then a set_fraction makes no
-// value_changed (X3D says so; VRML97 is silent).
+// Returns the part of the fields that is used: as many keys as have their whole keyValue, and as many keyValues as have
+// a key. Coordinate and NormalInterpolators hold as many vectors a key as their keyValue allows (6.13, 6.31: "an
+// integer multiple"), and nothing where that is none. `key` is empty where there is nothing: then a set_fraction makes
+// no value_changed (X3D says so; VRML97 is silent).
 [[nodiscard]] Keys usable(InterpolatorType type, const Keys& keys);
 [[nodiscard]] inline bool sends(InterpolatorType type, const Keys& keys) { return !usable(type, keys).key.empty(); }
 
-// keys[0] <= keys[1] <= ... and none NaN, which 4.6.8 asks for. evaluate() takes others without harm and gives, for
-// each fraction, some value between two neighbouring keys' that is the same everywhere.
+// Returns whether keys[0] <= keys[1] <= ... and none is NaN, which 4.6.8 asks for. evaluate() takes other keys without
+// harm and gives, for each fraction, some value between those of two neighbouring keys that is the same everywhere.
 [[nodiscard]] bool is_sorted(std::span<const float> key);
 void sort_keys(std::span<float> key);  // makes each key the greatest up to it
 
-// The neighbouring keys that a fraction lies between.
+// A key interval is the two neighbouring keys that a fraction lies between.
 struct KeyInterval {
   std::size_t a = 0;  // the last key <= fraction
   std::size_t b = 0;  // the one after; == a at and outside the ends
   double weight = 0;  // of b, in [0, 1)
 };
 
-// 4.6.8: f(t) = v_0 for t <= t_0, v_{n-1} for t >= t_{n-1}, else linterp(t, v_i, v_{i+1}) for t_i <= t <= t_{i+1}. At a
-// key that is given more than once, where 4.6.8 leaves it open, the last of its values (the limit from the right);
-// but v_0 at a first key, as the first line has it. A NaN gives v_0. O(log n); n >= 1.
+// Finds the key interval of f(t) = v_0 for t <= t_0, v_{n-1} for t >= t_{n-1}, else linterp(t, v_i, v_{i+1}) for t_i <=
+// t <= t_{i+1} (4.6.8). At a key that is given more than once, where 4.6.8 leaves it open, the last of its values
+// counts (the limit from the right); but v_0 at a first key, as the first line has it. A NaN gives v_0. O(log n); n >=
+// 1.
 [[nodiscard]] KeyInterval find_key_interval(std::span<const float> key, double fraction);
 
-// value_changed for that set_fraction. Requires sends(). Allocates only where `out.numbers` must grow.
-//   Color        linear in HSV, the shorter way around the hues (6.10); of two complementary hues, whose result 6.10
-//   leaves
-//                undefined, upwards from the first (red, yellow, green, ...). Grey takes the hue of the other end.
-//   Coordinate, Position, Scalar  linear
-//   Normal       along the arc on the unit sphere (6.31)
-//   Orientation  along the shorter arc, linear in its length (6.32)
+// Computes value_changed for that set_fraction. Requires sends(). Allocates only where `out.numbers` must grow.
+// - Color: linear in HSV, the shorter way around the hues (6.10); of two complementary hues, whose result 6.10 leaves
+// undefined, upwards from the first (red, yellow, green, ...). Grey takes the hue of the other end.
+// - Coordinate, Position, Scalar: linear.
+// - Normal: along the arc on the unit sphere (6.31).
+// - Orientation: along the shorter arc, linear in its length (6.32).
 void evaluate(InterpolatorType type, const Keys& keys, double fraction, Value& out);
 
-// keyValue[i] of an OrientationInterpolator as a unit quaternion, and of a PositionInterpolator.
+// Both return keyValue[i]: of an OrientationInterpolator as a unit quaternion, and of a PositionInterpolator.
 [[nodiscard]] Quat orientation_at(const Keys& keys, std::size_t i);
 [[nodiscard]] Vec3 position_at(const Keys& keys, std::size_t i);
 

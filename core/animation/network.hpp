@@ -13,8 +13,9 @@ namespace peerd::animation {
 
 // A Network is the part of a file that an Animation is built from: the nodes that events pass through, and the ROUTEs.
 
-// Any node that is neither a TimeSensor nor an interpolator. Each of its fields relays (4.7): an event to set_x sets x
-// and sends x_changed. What a node does besides (a Script's program) comes from outside, by Animation::deliver.
+// A PlainNode is any node that is neither a TimeSensor nor an interpolator. Its fields relay (4.7): an event to set_x
+// sets x and sends x_changed. The other events of a node (those of the program of a Script) come from outside, by
+// Animation::deliver.
 struct PlainNode {};
 
 using Node = std::variant<PlainNode, TimeSensorFields, Interpolator>;
@@ -52,7 +53,7 @@ struct Finding {
   std::uint32_t index = 0;  // of the ROUTE for the first five, else of the node
 };
 
-// A field that takes part in a network's events.
+// A FieldId names a field that takes part in the events of a network.
 struct FieldId {
   std::uint32_t value = 0;
   friend constexpr auto operator<=>(const FieldId&, const FieldId&) = default;

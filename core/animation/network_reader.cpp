@@ -10,7 +10,7 @@
 namespace peerd::vrml {
 namespace {
 
-// The types that predefined movement has; none for those that it hasn't.
+// Returns the type of the animation field; nothing for types that predefined movement does not have.
 std::optional<animation::FieldType> moving_type(FieldType type) {
   using animation::FieldType;
   switch (type) {

@@ -7,7 +7,7 @@
 
 namespace peerd::vrml {
 
-// A document's ROUTEs and the nodes that they join, as what moves by itself is computed from.
+// The ROUTEs of a document and the nodes that they join, from which predefined movement is computed.
 struct NetworkReadResult {
   animation::Network network;
   std::vector<std::uint32_t> document_node;  // by the network's node: the document's
@@ -16,7 +16,8 @@ struct NetworkReadResult {
 };
 [[nodiscard]] NetworkReadResult read_network(const std::shared_ptr<const Document>& document);
 
-// Says what of it has no effect, or another than it seems to have: keys out of order, a cycleInterval of 0, ..
+// Reports the parts of the network that have no effect, or another than they seem to have: keys out of order, a
+// cycleInterval of 0, and others.
 void check_network(const std::shared_ptr<const Document>& document, Problems& problems);
 
 }  // namespace peerd::vrml

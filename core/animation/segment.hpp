@@ -8,16 +8,16 @@ namespace peerd::animation {
 // and rotation that is the frame of the parent. SFFloat and SFTime use the first component of `position` and
 // `velocity`.
 struct Segment {
-  double begin_s = -kInfinity;          // [s]
-  double end_s = kInfinity;             // [s], exclusive; +inf: it never changes again
-  bool initial = true;                  // no event has come: the file's value holds, and what is below means nothing
-  bool is_constant = true;              // nothing moves
-  Vec3 position = Vec3::Zero();         // at begin_s
-  Vec3 velocity = Vec3::Zero();         // [1/s]; a translation's [m/s]
-  Quat orientation = Quat::Identity();  // at begin_s, unit
+  double begin_s = -kInfinity;   // [s]
+  double end_s = kInfinity;      // [s], exclusive; +inf: it never changes again
+  bool initial = true;           // no event has come: the value of the file holds, and the members below mean nothing
+  bool is_constant = true;       // nothing moves
+  Vec3 position = Vec3::Zero();  // at begin_s
+  Vec3 velocity = Vec3::Zero();  // [1/s]; a translation's [m/s]
+  Quat orientation = Quat::Identity();        // at begin_s, unit
   Vec3 angular_velocity_body = Vec3::Zero();  // [rad/s] in the rotating frame, constant, as KinematicState has it
 
-  // begin_s <= t <= end_s. Where begin_s is -inf (it is still) any t.
+  // Both take begin_s <= t <= end_s. Where begin_s is -inf (the field is constant) they take any t.
   [[nodiscard]] Vec3 position_at(double t) const;
   [[nodiscard]] Quat orientation_at(double t) const;  // orientation * exp(angular_velocity_body * (t - begin_s) / 2)
 };

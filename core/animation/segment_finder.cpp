@@ -10,11 +10,11 @@ namespace peerd::animation {
 
 namespace {
 
-// A number that changes evenly: value + (t - at_s) / duration_s.
+// A Line is a number that changes evenly: value + (t - at_s) / duration_s.
 struct Line {
   double at_s = 0.0;
   double value = 0.0;
-  double duration_s = 1.0;  // in which it changes by 1; < 0 if it falls
+  double duration_s = 1.0;  // time for a change by 1; < 0 if the number falls
 
   [[nodiscard]] double at(double t) const { return value + (t - at_s) / duration_s; }
   [[nodiscard]] double time_of(double x) const { return at_s + (x - value) * duration_s; }
@@ -25,7 +25,7 @@ struct Piece {
   std::size_t b = 0;
 };
 
-// The keys that the line lies between just after t, and the segment cut to the time that it does.
+// Returns the keys that the line lies between just after t, and cuts the segment to the time that it does.
 Piece enter_piece(std::span<const float> key, const Line& line, double t, Segment& s) {
   const auto not_before = [&](double x) { s.begin_s = std::max(s.begin_s, std::min(line.time_of(x), t)); };
   const auto not_after = [&](double x) {
@@ -74,7 +74,7 @@ void SegmentFinder::bound_segment(double t, Segment& s) {
                                                      : simulator_.component_of_sensor(graph_.index_of_node[c.node]);
       s.begin_s = std::max(s.begin_s, simulator_.previous_instant(component, t));
       s.end_s = std::min(s.end_s, simulator_.next_instant(component, t));
-      // The latest cycleTime changes with the cycles, which need not be instants of Control.
+      // The latest cycleTime changes with the cycles, which need not be instants of the simulator.
       if (!c.feeds_sensor && c.slot == static_cast<std::uint8_t>(SensorOutput::kCycleTime)) {
         const TimeSensorState& sensor = simulator_.sensor(graph_.index_of_node[c.node], t);
         if (sensor.active && t < simulator_.last_time(component)) {
@@ -100,11 +100,11 @@ std::optional<Segment> SegmentFinder::find(std::uint32_t port, double t) {
   return s;
 }
 
-// The movement along path_ from t on. False if it is one that a segment cannot say.
+// Follows the movement along the path from t on. Returns false if a segment cannot describe it.
 bool SegmentFinder::follow_path(double t, Segment& s, Value& held) {
   const std::span<const std::uint32_t> path = tracer_.path();
   const EventPort& source = graph_.ports[tracer_.source().port];
-  if (tracer_.source().stamp.t != kInfinity) {  // not one of an active sensor's continuous eventOuts
+  if (tracer_.source().stamp.t != kInfinity) {  // the source is no continuous eventOut of an active sensor
     tracer_.evaluate(t, held);
     hold(held, s);
     return true;

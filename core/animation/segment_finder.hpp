@@ -7,7 +7,8 @@
 
 namespace peerd::animation {
 
-// Finds how a field moves from a time on, along the path that EventTracer finds. What it refers to outlives it.
+// SegmentFinder finds how a field moves from a time on, along the path that EventTracer finds. The objects that it
+// refers to outlive it.
 class SegmentFinder {
  public:
   SegmentFinder(const EventGraph& graph, SensorSimulator& simulator, const DeliveryLog& deliveries, EventTracer& tracer)

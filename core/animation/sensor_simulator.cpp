@@ -108,7 +108,7 @@ double SensorSimulator::due(std::uint32_t sensor, double now) const {
     const std::uint8_t leads = feeds_sensor_inputs_[sensor];
     if (leads & bit(SensorOutput::kCycleTime)) t = std::min(t, next_cycle_start(s.fields, now));
     if (leads & bit(SensorOutput::kTime)) t = std::min(t, next_tick(now));
-  } else if (starts(s, now)) {  // it has already started once at this instant
+  } else if (starts(s, now)) {  // the sensor has already started once at this instant
     t = next_tick(now);
   }
   return std::max(t, std::nextafter(now, kInfinity));
@@ -122,7 +122,7 @@ void SensorSimulator::push_due(Component& c, std::uint32_t sensor, double now) {
   std::push_heap(c.heap.begin(), c.heap.end());
 }
 
-// The next instant after the horizon, unless the component has stopped.
+// Returns the next instant after the horizon, unless the component has stopped.
 double SensorSimulator::peek(Component& c) {
   while (!c.heap.empty() && c.heap.front().version != version_[c.heap.front().sensor]) {
     std::pop_heap(c.heap.begin(), c.heap.end());
@@ -160,7 +160,7 @@ void SensorSimulator::changed(Component& c, double t, std::uint32_t index, bool 
   ++c.transitions;
 }
 
-// The older half of what is remembered, but for what still holds at the cut.
+// Forgets the older half of the history, but for the states that still hold at the cut.
 void SensorSimulator::drop_old_history(Component& c) {
   const double cut = c.changes[c.changes.size() / 2].t;
   c.history_begin_s = cut;
@@ -226,7 +226,7 @@ void SensorSimulator::sensor_phase(Component& c, std::uint32_t sensor, double t,
     stop_pending_[sensor] = 0;
     send(sensor, SensorOutput::kIsActive, 0.0);
     send(sensor, SensorOutput::kTime, t);
-    next_sensors_.push_back(sensor);  // which may start again
+    next_sensors_.push_back(sensor);  // the sensor may start again
   } else if (now.active && now.end_s <= t) {
     TimeSensorState& s = state_for_change(c, sensor, t);
     stop(s, t, true);
@@ -291,7 +291,7 @@ void SensorSimulator::cascade(Component& c, double t, std::uint32_t step) {
   }
 }
 
-// Takes one event; whether it is sent on.
+// Takes one event and returns whether it is sent on.
 bool SensorSimulator::receive(Component& c, const PendingEvent& event, const Stamp& stamp) {
   const EventPort& port = graph_.ports[event.port];
   if (port.kind == PortKind::kSensorInput) {
@@ -316,7 +316,8 @@ void SensorSimulator::send(std::uint32_t sensor, SensorOutput output, double val
   wave_.push_back({graph_.sensor_outputs[sensor][static_cast<std::size_t>(output)], kNone, value});
 }
 
-// The sensor's state as of t, to be changed. One epoch a time: of what happens at one t, the last is what holds.
+// Returns the state of the sensor as of t, to be changed. There is one state a time: of several changes at one t, the
+// last one holds.
 TimeSensorState& SensorSimulator::state_for_change(Component& c, std::uint32_t sensor, double t) {
   std::vector<TimedState>& history = state_history_[sensor];
   if (history.back().t != t) {
@@ -378,7 +379,7 @@ void SensorSimulator::deliver(double t, std::uint32_t port, double value) {
 // Forgets everything from t on.
 void SensorSimulator::roll_back(Component& c, double t) {
   const double before = std::nextafter(t, -kInfinity);
-  if (c.stopped_at_s < t) return;  // it stands still
+  if (c.stopped_at_s < t) return;  // the component stands still
   if (t <= c.history_begin_s) return reset(c);
   processed_sensors_.clear();
   while (!c.changes.empty() && c.changes.back().t >= t) {

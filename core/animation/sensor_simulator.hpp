@@ -21,20 +21,20 @@ struct PortEvent {
   double value = 0.0;  // SFTime [s], SFBool 0 or 1
 };
 
-// The discrete part of a network: TimeSensors, the events that reach their exposedFields, and the relays in between. It
-// changes at instants (starts, stops, deliveries; the beginnings of cycles where cycleTime leads to a sensor; ticks,
-// see below), and is simulated from one to the next, in order, once, as far as anybody has asked, and remembered:
-// answers do not depend on the order of questions.
+// SensorSimulator computes the discrete part of a network: TimeSensors, the events that reach their exposedFields, and
+// the relays in between. The part changes at instants (starts, stops, deliveries; the beginnings of cycles where
+// cycleTime leads to a sensor; ticks, see below). It is simulated from one instant to the next, in order, once, as far
+// as any question went, and remembered: answers do not depend on the order of questions.
 //
 // At an instant everything happens at one timestamp, in steps. In a step the sensors that are due start, stop or begin
-// a cycle; their eventOuts fire (wave 0, together with the first step's deliveries), and each wave passes every ROUTE
-// out of what the last one fired. A port fires at most once a step (4.10.4); of several events that reach it in one
-// wave, the one of the ROUTE that is last in the file counts. Events only set fields; a sensor that must start or stop
-// because of them sends its isActive in the next step, at the same t. A sensor starts at most once at one t, and
-// otherwise waits for the next tick: so two sensors that retrigger each other end.
+// a cycle; their eventOuts fire (wave 0, together with the deliveries of the first step), and each wave passes every
+// ROUTE out of the ports that the wave before has fired. A port fires at most once a step (4.10.4); of several events
+// that reach it in one wave, the one of the ROUTE that is last in the file counts. Events only set fields; a sensor
+// that must start or stop because of them sends its isActive in the next step, at the same t. A sensor starts at most
+// once at one t, and otherwise waits for the next tick: so two sensors that retrigger each other end.
 //
-// `time` is sent continuously. Where it leads to a sensor's field it is taken when its sensor starts and stops and at
-// ticks: whole multiples of kTick_s.
+// The eventOut `time` is sent continuously. Where it leads to a field of a sensor it is taken when its own sensor
+// starts and stops and at ticks: whole multiples of kTick_s.
 //
 // The latest transitions are remembered; a question about a time before them simulates from the beginning again.
 //
@@ -47,9 +47,9 @@ class SensorSimulator {
   SensorSimulator(const EventGraph& graph, const Network& network, double read_time_s, std::size_t max_transitions,
                   std::size_t min_history);
 
-  // The state whose transition is the latest at or before t.
+  // Returns the state whose transition is the latest at or before t.
   [[nodiscard]] const TimeSensorState& sensor(std::uint32_t sensor, double t);
-  // The latest event of a control port at or before t, or null.
+  // Returns the latest event of a port that feeds a sensor at or before t, or null.
   [[nodiscard]] const PortEvent* latest(std::uint32_t port, double t);
 
   void deliver(double t, std::uint32_t port, double value);
@@ -62,7 +62,8 @@ class SensorSimulator {
     return components_[component].sensors;
   }
 
-  // Instants around t; -inf and +inf where there is none. Of a component that is not stopped they are exact.
+  // Both return an instant next to t; -inf and +inf where there is none. They are exact for a component that is not
+  // stopped.
   [[nodiscard]] double previous_instant(std::uint32_t component, double t);  // <= t
   [[nodiscard]] double next_instant(std::uint32_t component, double t);      // > t
 
@@ -116,8 +117,8 @@ class SensorSimulator {
     std::vector<Delivered> delivered;  // by t and port, then in order of the calls
     std::size_t next_delivered = 0;
     std::size_t transitions = 0;               // changes there have been
-    std::size_t transitions_counted_from = 0;  // when the latest delivery was taken
-    double history_begin_s = -kInfinity;       // what was before is forgotten
+    std::size_t transitions_counted_from = 0;  // transitions when the latest delivery was taken
+    double history_begin_s = -kInfinity;       // earlier transitions are forgotten
     double simulated_until_s = -kInfinity;     // every instant up to here is done
     double stopped_at_s = kInfinity;
   };

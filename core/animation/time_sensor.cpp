@@ -9,7 +9,7 @@
 namespace peerd::animation {
 namespace {
 
-// c_n, without 0 * inf
+// Returns c_n, without 0 * inf.
 double cycle(const TimeSensorFields& f, double n) {
   return n == 0.0 ? f.start_time : f.start_time + n * f.cycle_interval;
 }
@@ -19,7 +19,7 @@ bool resolvable(const TimeSensorFields& f, double t) {
   return std::max(std::abs(t), std::abs(f.start_time)) * 0x1p-50 < f.cycle_interval;
 }
 
-// The n of the greatest c_n <= t.
+// Returns the n of the greatest c_n <= t.
 double cycle_index(const TimeSensorFields& f, double t) {
   double n = std::floor((t - f.start_time) / f.cycle_interval);
   if (n > 0.0 && cycle(f, n) > t) n -= 1.0;

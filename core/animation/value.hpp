@@ -11,8 +11,8 @@ namespace peerd::animation {
 // A time that never comes [s]; -kInfinity is before all times.
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The VRML97 types that events of this folder carry (clause 5). Others (SFString, SFNode, SFImage, ...) have no
-// predefined movement, and ROUTEs of theirs are not for this folder.
+// The VRML97 types that the events of this room carry (clause 5). Others (SFString, SFNode, SFImage, ...) have no
+// predefined movement, and their ROUTEs take no part in it.
 enum class FieldType : std::uint8_t {
   kBool,      // SFBool
   kInt32,     // SFInt32

@@ -14,8 +14,8 @@ CornerTree::Box CornerTree::box_of(std::span<const PlanePoint> points) {
   return box;
 }
 
-// All of the box is beyond one edge, and this is no matter of rounding: for each edge the corner of the box that is
-// farthest to its left is looked at.
+// Returns whether the whole box is beyond one edge. Rounding plays no part in it: the corner of the box that is
+// farthest to the left of each edge is tested.
 bool CornerTree::is_outside(const Box& box, const Triangle& triangle) {
   for (int i = 0; i < 3; ++i) {
     const PlanePoint &p = triangle.corners[i], &q = triangle.corners[(i + 1) % 3];
@@ -31,7 +31,7 @@ void CornerTree::build(std::span<const PlanePoint> points) {
   corners_.resize(count);
   std::iota(corners_.begin(), corners_.end(), 0U);
   is_removed_.assign(count, 0);
-  // Halves differ by one corner at most, so that all leaves are on the last two levels.
+  // The halves differ by one corner at most, so that all leaves are on the last two levels.
   const std::uint32_t leaves = std::bit_ceil((count + kLeaf - 1) / kLeaf);
   nodes_.resize(2 * std::size_t{leaves} - 1);
   build_node(0, 0, count);

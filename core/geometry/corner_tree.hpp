@@ -8,18 +8,19 @@
 
 namespace peerd {
 
-// The corners of a polygon by where they stand, for questions about what is within a triangle; corners disappear one by
-// one. A k-d tree, halved at the median of its wider side (Bentley 1975), over places 0 .. n - 1, a corner each: a node
-// is a range of places. For a few corners there is one node, and nothing is sorted.
+// A CornerTree holds the corners of a polygon by their places, for questions about the inside of a triangle; corners
+// disappear one by one. It is a k-d tree, halved at the median of its wider side (Bentley 1975), over places 0 .. n -
+// 1, a corner each: a node is a range of places. For a few corners there is one node, and nothing is sorted.
 class CornerTree {
  public:
-  void build(std::span<const PlanePoint> points);  // which stay where they are
+  void build(std::span<const PlanePoint> points);  // the points stay in place
   void remove(std::uint32_t corner);
 
   [[nodiscard]] std::uint32_t corner_at(std::uint32_t place) const { return corners_[place]; }
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(corners_.size()); }
-  // The first place from `from` on with a corner that is left and for which accepts(corner), or size(). That is asked
-  // of all corners within the triangle a b c, which turns to the left, or on its boundary, and of some others.
+  // Returns the first place from `from` on with a corner that is left and for which accepts(corner), or size().
+  // `accepts` is called for all corners within the triangle a b c, which turns to the left, or on its boundary, and for
+  // some others.
   template <class Accepts>
   [[nodiscard]] std::uint32_t find(std::uint32_t from, const PlanePoint& a, const PlanePoint& b, const PlanePoint& c,
                                    const Accepts& accepts) const {
@@ -42,7 +43,7 @@ class CornerTree {
     PlanePoint corners[3];
     Box box;
   };
-  struct Node {  // its halves are 2 i + 1 and 2 i + 2
+  struct Node {  // the halves of node i are 2 i + 1 and 2 i + 2
     Box box;
     std::uint32_t left = 0;  // corners in it that are left
   };
@@ -68,7 +69,7 @@ class CornerTree {
   }
 
   std::span<const PlanePoint> points_;
-  // Kept from polygon to polygon for their memory.
+  // The arrays are kept from polygon to polygon for their memory.
   std::vector<std::uint32_t> corners_, places_;  // by place, by corner
   std::vector<std::uint8_t> is_removed_;         // by corner
   std::vector<Node> nodes_;

@@ -40,7 +40,8 @@ void EarClipping::link() {
     corners_[i].previous = i == 0 ? count - 1 : i - 1;
     corners_[i].next = i + 1 == count ? 0 : i + 1;
   }
-  // Twice around: the first corner's neighbour may be behind many equal ones. Where all are equal they stay 0.
+  // The loop goes around twice: the neighbour of the first corner may be behind many equal ones. Where all are equal
+  // they stay 0.
   for (std::uint32_t step = 0; step < 2 * count; ++step) {
     const std::uint32_t i = step % count, before_i = corners_[i].previous;
     const bool distinct = points_[before_i] != points_[i];
@@ -65,8 +66,8 @@ void EarClipping::classify(std::uint32_t i) {
   }
 }
 
-// Goes on where it stopped: corners only disappear, and blocks() is about points that don't move. The one that blocked
-// last mostly blocks the next triangle too.
+// The search goes on where it stopped: corners only disappear, and blocks() is about points that don't move. The corner
+// that blocked last mostly blocks the next triangle too.
 void EarClipping::find_blocker(std::uint32_t i) {
   Corner& corner = corners_[i];
   const PlanePoint &a = points_[corner.previous], &b = points_[i], &c = points_[corner.next];
@@ -82,9 +83,10 @@ void EarClipping::find_blocker(std::uint32_t i) {
   corners_[corner.blocker].first_blocked = static_cast<std::uint32_t>(blocked_corners_.size() - 1);
 }
 
-// Does corner j keep triangle a b c from being cut off? Inside it and on the new edge, yes. On the polygon's own edges
-// a b and b c, and at b, only if one of its edges leads inside: else it touches from outside, as corners at a seam do.
-// At a or c an edge that leads inside either ends there, which that end tells, or crosses the polygon.
+// Returns whether corner j keeps triangle a b c from being cut off. A corner inside the triangle or on its new edge
+// does. A corner on the edges a b and b c of the polygon, or at b, does only if one of its own edges leads inside:
+// otherwise it touches from outside, as corners at a seam do. At a or c an edge that leads inside either ends there,
+// which the test of that end finds, or crosses the polygon.
 bool EarClipping::blocks(std::uint32_t i, std::uint32_t j) const {
   const PlanePoint &a = points_[corners_[i].previous], &b = points_[i], &c = points_[corners_[i].next];
   const PlanePoint& p = points_[j];
@@ -106,7 +108,7 @@ void EarClipping::remove(std::uint32_t i) {
   classify(previous);
   classify(next);
   for (std::uint32_t entry = corners_[i].first_blocked; entry != kNone; entry = blocked_corners_[entry].next_entry) {
-    const std::uint32_t waiting = blocked_corners_[entry].corner;  // or it did once
+    const std::uint32_t waiting = blocked_corners_[entry].corner;  // or blocked one once
     const Corner& corner = corners_[waiting];
     if (corner.kind == Kind::kBlocked && corner.blocker == i) find_blocker(waiting);
   }

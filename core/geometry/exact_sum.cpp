@@ -45,7 +45,7 @@ double ExactSum::value() const {
   auto digits = digits_;
   for (std::int64_t& digit : digits) digit *= s;
   carry(digits);
-  // The first digit that isn't zero and the two behind it hold at least 65 bits.
+  // The first digit that is not zero and the two behind it hold at least 65 bits.
   int top = kDigits - 1;
   while (top > 2 && digits[static_cast<std::size_t>(top)] == 0) --top;
   double sum = 0.0;

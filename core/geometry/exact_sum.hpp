@@ -4,8 +4,8 @@
 
 namespace peerd {
 
-// A sum of products of two finite binary32 numbers without any rounding, whatever their sizes and order. Where a
-// floating-point filter can't decide a sign, this does. At most 2^30 products.
+// An ExactSum is a sum of products of two finite binary32 numbers without any rounding, whatever their sizes and order.
+// It decides signs that a floating-point filter cannot. At most 2^30 products.
 class ExactSum {
  public:
   // The product of two binary32 numbers is exact in binary64, and never subnormal.
@@ -20,7 +20,7 @@ class ExactSum {
   static constexpr int kLeastExponent = -352;  // digit i counts 2^(32 i - 352); all products are multiples of 2^-298
 
   void add(double product);
-  // Carries until every digit is within [0, 2^32). What is carried out of the last one is -1 if the sum is negative.
+  // Carries until every digit is within [0, 2^32). The carry out of the last digit is -1 if the sum is negative.
   static std::int64_t carry(std::array<std::int64_t, kDigits>& digits);
 
   std::array<std::int64_t, kDigits> digits_{};  // of either sign, and not carried yet

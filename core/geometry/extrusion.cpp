@@ -9,28 +9,28 @@
 #include "core/math.hpp"
 #include "core/sin_cos.hpp"
 
-// Whatever the standard leaves open is decided here, and by comparing numbers as they were written or by exact signs:
+// The standard leaves cases open. They are decided here by comparing numbers as they were written or by exact signs:
 // - Points are one if their coordinates are equal. So it is decided whether the spine or the cross-section is closed.
-// - Consecutive spine points that are one share their cross-section plane (6.18.3); those of the others are computed as
-//   if it had been written once. If all are one the cross-section stays in y = 0.
-// - Collinear means that the exact cross product is 0, or so small that rounding the file's decimals to binary32 can
-// have
-//   made it: 0.1 0.2 0.3 and 0.2 0.4 0.6 are on one line with 0 as they are written, and not as they are stored. The z
-//   axes of such points would come from that noise, and the cross-sections twist.
-// - A straight spine's direction is that of its first segment that has a length. One that points down turns the
-//   cross-section half around z; any axis in y = 0 would be as short a way.
-// - Where the spine comes straight back to where it was, spine[i+1] - spine[i-1] is 0. Then the y axis is the previous
-//   point's, as the standard has it for the z axis. In a closed spine's first point it is spine[1] - spine[0].
+// - Consecutive spine points that are one share their cross-section plane (6.18.3); the planes of the others are
+// computed as if that point had been written once. If all are one the cross-section stays in y = 0.
+// - Collinear means that the exact cross product is 0, or so small that rounding the decimals of the file to binary32
+// can have made it: 0.1 0.2 0.3 and 0.2 0.4 0.6 are on one line with 0 as they are written, and not as they are stored.
+// The z axes of such points would come from that noise, and the cross-sections twist.
+// - The direction of a straight spine is that of its first segment that has a length. A spine that points down turns
+// the cross-section half around z; any axis in y = 0 would be as short a way.
+// - Where the spine comes straight back to where it was, spine[i+1] - spine[i-1] is 0. Then the y axis is that of the
+// previous point, as the standard has it for the z axis. In the first point of a closed spine it is spine[1] -
+// spine[0].
 // - The z axis is flipped if its product with the previous one is < 0 in binary64, before they are made units.
-// - A closed spine's last ring is its first one if it has the same scale and orientation.
-// - Caps of fewer than three corners are left out: they would only repeat the sides' edges.
-// - Scales or orientations that are too few go on with the last; without any it's 1 1 and no rotation.
+// - The last ring of a closed spine is its first one if it has the same scale and orientation.
+// - Caps of fewer than three corners are left out: they would only repeat the edges of the sides.
+// - Scales or orientations that are too few go on with the last; without any they are 1 1 and no rotation.
 namespace peerd {
 namespace {
 
 using Point = Eigen::Vector3f;
 
-// The spine-aligned cross-section plane: its axes, units.
+// An Scp is the spine-aligned cross-section plane, by its unit axes.
 struct Scp {
   Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
 };
@@ -51,7 +51,7 @@ Vec3 unit(const Vec3& v) {
 
 double largest(const Vec3& v) { return std::max({std::abs(v.x()), std::abs(v.y()), std::abs(v.z())}); }
 
-// (b - a) x (c - a). Computed exactly and rounded: 0 only if the points are collinear.
+// Returns (b - a) x (c - a), computed exactly and rounded: 0 only if the points are collinear.
 Vec3 exact_normal(const Point& a, const Point& b, const Point& c) {
   Vec3 n;
   for (Eigen::Index k = 0; k < 3; ++k) {
@@ -78,7 +78,8 @@ bool is_straight(const std::vector<Point>& path) {
   return std::ranges::all_of(path, [&](const Point& p) { return normal(path.front(), path[1], p) == Vec3::Zero(); });
 }
 
-// The shortest rotation that takes +y to d:  c I + [v]x + v v^T / (1 + c), v = y x d, c = y . d; its columns.
+// Returns the shortest rotation that takes +y to d, as its columns:  c I + [v]x + v v^T / (1 + c), v = y x d, c = y .
+// d.
 Scp straight_scp(const Vec3& d) {
   const double c = d.y(), sine2 = d.x() * d.x() + d.z() * d.z();  // 0 only if x and z are
   if (sine2 == 0.0) return c > 0.0 ? Scp{} : Scp{-Vec3::UnitX(), -Vec3::UnitY(), Vec3::UnitZ()};
@@ -87,8 +88,8 @@ Scp straight_scp(const Vec3& d) {
   return {{c + k * (d.z() * d.z()), -d.x(), xz}, d, {xz, -d.z(), c + k * (d.x() * d.x())}};
 }
 
-// path: consecutive points differ, and not all are collinear. Where it bends so gently that no three points in a row
-// show it, `normal_of` must be the exact one.
+// Returns the planes along `path`, whose consecutive points differ and are not all collinear. Where it bends so gently
+// that no three points in a row show it, `normal_of` must be the exact one.
 std::optional<std::vector<Scp>> bent_scps(const std::vector<Point>& path,
                                           Vec3 (*normal_of)(const Point&, const Point&, const Point&)) {
   const std::size_t count = path.size(), last = count - 1;
@@ -147,7 +148,7 @@ class Rotation {
     axis_ = unit(axis);
     angle_ = sin_cos(axis_angle[3]);
   }
-  // Rodrigues: v cos + (a x v) sin + a (a.v) (1 - cos)
+  // The rotation is that of Rodrigues: v cos + (a x v) sin + a (a.v) (1 - cos).
   [[nodiscard]] Vec3 operator*(const Vec3& v) const {
     const Vec3 side = cross(axis_, v);
     const double along = dot(axis_, v) * (1.0 - angle_.cos);
@@ -185,7 +186,8 @@ struct Layout {
   static std::array<float, 4> orientation(const ExtrusionGeometry& e, std::size_t i) {
     return value_at(e.orientation, i, {0, 0, 1, 0});
   }
-  // The ring around to itself where it's closed, and so are the rings.
+  // A closed cross-section makes a ring that runs around to itself, and a closed spine joins the last ring to the
+  // first.
   [[nodiscard]] std::uint64_t vertex(std::size_t i, std::size_t j) const {
     return std::uint64_t{i % rings} * ring + j % ring;
   }

@@ -4,8 +4,9 @@
 
 namespace peerd {
 
-// ISO/IEC 14772-1, 6.18. Polygons: the side's quadrilaterals, segment after segment of the spine and edge after edge of
-// the cross-section in each, then the cap at the spine's begin, then the one at its end.
+// Builds an Extrusion (ISO/IEC 14772-1, 6.18). Its polygons are the quadrilaterals of the side, segment after segment
+// of the spine and edge after edge of the cross-section in each, then the cap at the begin of the spine, then the one
+// at its end.
 [[nodiscard]] Mesh build_extrusion(const ExtrusionGeometry& extrusion);
 [[nodiscard]] MeshSize extrusion_size(const ExtrusionGeometry& extrusion);
 

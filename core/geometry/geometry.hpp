@@ -9,8 +9,9 @@
 
 namespace peerd {
 
-// The geometry nodes of VRML97 that have surfaces, with the fields that shape them; the others only by name. Each is
-// stored once however often it is USEd. Lengths in metres, angles in radians.
+// The structs below are the geometry nodes of VRML97 that have surfaces, with the fields that shape them; the other
+// nodes are stored by name only. A geometry is stored once however often it is USEd. Lengths are in metres, angles in
+// radians.
 
 struct BoxGeometry {
   std::array<float, 3> size = {2, 2, 2};
@@ -45,7 +46,7 @@ struct FaceSetGeometry {
   bool ccw = true;
   bool convex = true;  // the author's claim; the triangulation looks for itself
 };
-// Lines, points and text: they have no surface to collide.
+// Lines, points and text have no surface to collide.
 struct NoSurface {
   std::string_view type;  // the node's; a static string
 };

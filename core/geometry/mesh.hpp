@@ -10,16 +10,17 @@
 
 namespace peerd {
 
-// Polygons as they are written: not split, merged or cleaned, planar or not. Shape frame.
+// A Mesh holds polygons as they are written: not split, merged or cleaned, planar or not, in the frame of the Shape.
 struct Mesh {
   SharedArray<Eigen::Vector3f> vertices;  // [m], binary32
-  // Corners, indices into `vertices`; -1 closes a polygon, as in VRML97's coordIndex. The last -1 may be missing.
+  // The corners are indices into `vertices`; -1 closes a polygon, as in coordIndex of VRML97. The last -1 may be
+  // missing.
   SharedArray<std::int32_t> corners;
   std::vector<std::uint32_t> polygon_begin;  // polygons + 1 offsets into `corners`; see polygon()
   bool ccw = true;                           // corners run counter-clockwise seen from the front
 
   [[nodiscard]] std::size_t polygon_count() const { return polygon_begin.empty() ? 0 : polygon_begin.size() - 1; }
-  // The corners of polygon i: at least one. Fewer than three bound no area, but they keep their number.
+  // Returns the corners of polygon i: at least one. Fewer than three bound no area, but the polygon keeps its number.
   [[nodiscard]] std::span<const std::int32_t> polygon(std::size_t i) const {
     assert(i < polygon_count());
     std::uint32_t end = polygon_begin[i + 1];
@@ -36,7 +37,7 @@ struct MeshSize {
   std::uint64_t polygons = 0;
   std::uint64_t triangles = 0;
 };
-// A mesh of those corners; finds where its polygons begin. A -1 behind a -1 makes no polygon.
+// Makes a mesh of those corners and finds where its polygons begin. A -1 behind a -1 makes no polygon.
 [[nodiscard]] Mesh make_mesh(SharedArray<Eigen::Vector3f> vertices, SharedArray<std::int32_t> corners, bool ccw = true);
 
 // Returns the box of the vertices that polygons use.

@@ -20,7 +20,7 @@ void count(MeshDefects& found, Defect defect, std::uint32_t polygon) {
   ++count.polygons;
 }
 
-// Sums of differences from the first corner, so that the distance from the origin costs no places.
+// The sums are of differences from the first corner, so that the distance from the origin costs no places.
 bool is_warped(std::span<const Eigen::Vector3f> points) {
   using Vector = Eigen::Vector3d;
   const auto from_first = [&](std::size_t i) -> Vector { return points[i].cast<double>() - points[0].cast<double>(); };
@@ -61,7 +61,7 @@ std::size_t least_rotation(std::span<const std::uint32_t> cycle) {
   return std::min(i, j);
 }
 
-// Equal for cycles that are equal up to rotation and reversal, and begins with the lowest place.
+// The result is equal for cycles that are equal up to rotation and reversal, and begins with the lowest place.
 void make_canonical(std::span<std::uint32_t> cycle, std::vector<std::uint32_t>& reversed) {
   if (cycle.size() <= 3) {  // all orders are one
     std::ranges::sort(cycle);
@@ -91,7 +91,7 @@ void MeshDefectFinder::weld_vertices(const Mesh& mesh) {
   begin_.assign(1, 0);
   begin_.reserve(mesh.polygon_count() + 1);
   slots_.assign(std::bit_ceil(2 * std::min(mesh.vertices.size(), mesh.corners.size()) + 2), 0);
-  // Remembered by vertex, unless most vertices are other meshes'.
+  // Places are remembered by vertex, unless most vertices belong to other meshes.
   const bool remember = mesh.vertices.size() <= mesh.corners.size();
   position_of_vertex_.assign(remember ? mesh.vertices.size() : 0, kUnknown);
   for (std::size_t i = 0; i < mesh.polygon_count(); ++i) {
@@ -198,7 +198,7 @@ void MeshDefectFinder::find_edges(MeshDefects& found) {
   }
 }
 
-// `uses` by polygon.
+// The uses are sorted by polygon.
 void MeshDefectFinder::classify_edge(std::span<const std::uint64_t> uses, MeshDefects& found) {
   const auto polygon_of = [](std::uint64_t use) { return static_cast<std::uint32_t>(use) >> 1; };
   std::size_t polygons = 1, downward = uses[0] & 1;

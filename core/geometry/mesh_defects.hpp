@@ -12,7 +12,8 @@ namespace peerd {
 // The defects that a polygon can have. No defect stops a collision from being computed, as the triangulation takes all
 // polygons. The place of a corner decides, not its index; -0 is 0. A polygon can have several defects.
 enum class Defect : std::uint8_t {
-  // All triangles that it is cut into have zero area, exactly. So have polygons of one or two corners.
+  // All triangles that the polygon is cut into have zero area, exactly. Polygons of one or two corners have this
+  // defect.
   kDegenerate,
   // An earlier polygon has the same corners in the same cyclic order, or in the reverse. A corner that is written twice
   // is two corners. A first one and its two copies are two duplicates.
@@ -39,16 +40,17 @@ struct MeshDefects {
   // Edges are unordered pairs of places. A polygon that runs along an edge twice, as to a hole and back, still is one.
   std::uint64_t boundary_edges = 0;        // run along once
   std::uint64_t non_manifold_edges = 0;    // of more than two polygons
-  std::uint64_t same_direction_edges = 0;  // of one or two, and run along twice or more in one direction: of neighbours
-                                           // one shows its back
+  std::uint64_t same_direction_edges = 0;  // edges of one or two polygons that run along them twice or more in one
+                                           // direction one polygon shows its back
   std::uint64_t edges_without_length = 0;  // from a corner to the next at the same place; among none of the above
 
   [[nodiscard]] const Count& operator[](Defect defect) const { return counts[static_cast<std::size_t>(defect)]; }
   [[nodiscard]] Count& operator[](Defect defect) { return counts[static_cast<std::size_t>(defect)]; }
 };
 
-// Looks at one mesh after the other. n log n in the corners (the hashing of places: expected), however many vertices
-// the mesh shares with others; ear clipping is quadratic at worst. Coordinates must be finite.
+// A MeshDefectFinder examines one mesh after the other. The time is n log n in the corners (the hashing of places:
+// expected), however many vertices the mesh shares with others; ear clipping is quadratic at worst. Coordinates must be
+// finite.
 class MeshDefectFinder {
  public:
   [[nodiscard]] MeshDefects find(const Mesh& mesh);
@@ -74,7 +76,7 @@ class MeshDefectFinder {
                                        list_end_[place] - (place == 0 ? 0 : list_end_[place - 1]));
   }
 
-  // Kept from call to call for their memory.
+  // The arrays are kept from call to call for their memory.
   std::vector<Point> positions_;  // distinct ones
   std::vector<std::uint32_t> position_of_vertex_;
   std::vector<std::uint32_t> slots_;    // hash table: place + 1, 0 where it's free

@@ -13,8 +13,8 @@ namespace {
 
 using Point = Eigen::Vector3f;
 
-// An exact sum of binary64 numbers as numbers that don't overlap, the largest last (Shewchuk 1997, Grow-Expansion with
-// the zeros left out). ExactSum takes products of two coordinates; a volume has products of three.
+// An Expansion is an exact sum of binary64 numbers as numbers that don't overlap, the largest last (Shewchuk 1997,
+// Grow-Expansion with the zeros left out). ExactSum takes products of two coordinates; a volume has products of three.
 class Expansion {
  public:
   void add(double x) {
@@ -29,8 +29,8 @@ class Expansion {
     size_ = kept;
   }
 
-  // The product of two is exact in binary64 and has 48 bits; its halves of 24 have exact products with the third.
-  // Between 2^-447 and 2^384, so nothing under- or overflows.
+  // The product of two is exact in binary64 and has 48 bits; its halves of 24 have exact products with the third. All
+  // are between 2^-447 and 2^384, so nothing under- or overflows.
   void add_product(float a, float b, float c) {
     const double ab = static_cast<double>(a) * static_cast<double>(b);
     const double high = std::bit_cast<double>(std::bit_cast<std::uint64_t>(ab) & ~std::uint64_t{0x1fff'ffff});
@@ -38,7 +38,7 @@ class Expansion {
     if (ab != high) add((ab - high) * static_cast<double>(c));
   }
 
-  // Adds the determinant of the three.
+  // Adds the determinant of the three points.
   void add_determinant(const Point& a, const Point& b, const Point& c) {
     add_product(a.x(), b.y(), c.z()), add_product(-a.x(), b.z(), c.y());
     add_product(a.y(), b.z(), c.x()), add_product(-a.y(), b.x(), c.z());
@@ -52,7 +52,7 @@ class Expansion {
   std::size_t size_ = 0;
 };
 
-// det(a - d, b - d, c - d), multiplied out
+// The expansion is det(a - d, b - d, c - d), multiplied out.
 bool exactly_coplanar(const Point& a, const Point& b, const Point& c, const Point& d) {
   Expansion volume;
   volume.add_determinant(a, b, c);
@@ -72,8 +72,8 @@ bool collinear(const Point& a, const Point& b, const Point& c) {
   return true;
 }
 
-// Filter: Shewchuk's orient3d, whose bound is (7 + 56 u) u, u = 2^-53; nothing here under- or overflows. Without any
-// product both sides are 0, and so is the volume.
+// The filter is Shewchuk's orient3d, whose bound is (7 + 56 u) u, u = 2^-53; nothing here under- or overflows. Without
+// any product both sides are 0, and so is the volume.
 bool coplanar(const Point& a, const Point& b, const Point& c, const Point& d) {
   const Eigen::Vector3d p = a.cast<double>() - d.cast<double>(), q = b.cast<double>() - d.cast<double>(),
                         r = c.cast<double>() - d.cast<double>();

@@ -5,7 +5,7 @@
 
 namespace peerd {
 
-// A point of a plane, of finite binary32 coordinates as they were written.
+// A PlanePoint is a point of a plane, of finite binary32 coordinates as they were written.
 struct PlanePoint {
   float x = 0, y = 0;
   friend bool operator==(const PlanePoint&, const PlanePoint&) = default;  // -0 == 0
@@ -24,9 +24,9 @@ struct PlanePoint {
   return area.sign();
 }
 
-// 1 if a b c is a turn to the left (y up, x to the right), -1 to the right, 0 if there's no area between them.
-// Exact. Filter: Shewchuk's orient2d, whose bound is (3 + 16 u) u, u = 2^-53; nothing here under- or overflows. Without
-// any product both are 0, and so is the bound.
+// Returns 1 if a b c is a turn to the left (y up, x to the right), -1 to the right, 0 if there is no area between them.
+// The result is exact. The filter is Shewchuk's orient2d, whose bound is (3 + 16 u) u, u = 2^-53; nothing here under-
+// or overflows. Without any product both are 0, and so is the bound.
 [[nodiscard]] inline int orient2d(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
   const auto minus = [](float l, float r) { return static_cast<double>(l) - static_cast<double>(r); };
   const double left = minus(a.x, c.x) * minus(b.y, c.y);

@@ -10,17 +10,17 @@
 
 namespace peerd {
 
-// Collects a mesh's vertices and polygons.
+// PolygonWriter collects the vertices and polygons of a mesh.
 class PolygonWriter {
  public:
   PolygonWriter(std::uint64_t vertices, const MeshSize& size) {
     const std::uint64_t corners = size.triangles + 3 * size.polygons;  // each polygon of n: n - 2 triangles, n + 1 here
-    assert(corners <= std::numeric_limits<std::int32_t>::max());       // and then the vertices are no more
+    assert(corners <= std::numeric_limits<std::int32_t>::max());       // the vertices are no more then
     vertices_.reserve(vertices);
     corners_.reserve(corners);
   }
 
-  // The nearest binary32 that is finite, and 0 for -0.
+  // Adds a vertex of the nearest finite binary32 coordinates, and 0 for -0.
   void vertex(double x, double y, double z) { vertices_.emplace_back(to_float(x), to_float(y), to_float(z)); }
   [[nodiscard]] std::uint64_t vertex_count() const { return vertices_.size(); }
 
@@ -30,7 +30,8 @@ class PolygonWriter {
     for (const std::uint64_t v : corners) corner(v);
     close();
   }
-  // The vertices first .. first + count - 1, as they are or, with the first corner kept, the other way around.
+  // Adds a polygon of the vertices first .. first + count - 1, as they are or, with the first corner kept, the other
+  // way around.
   void ring(std::uint64_t first, std::uint64_t count, bool reversed) {
     for (std::uint64_t i = 0; i < count; ++i) corner(first + (reversed && i > 0 ? count - i : i));
     close();

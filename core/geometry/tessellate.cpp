@@ -14,8 +14,8 @@
 namespace peerd {
 namespace {
 
-// Sine and cosine of k/n of a full turn. Only angles up to 1/8 turn are computed, so that every circle is its own
-// mirror image and meets the axes, to the last bit.
+// Returns sine and cosine of k/n of a full turn. Only angles up to 1/8 turn are computed, so that every circle is its
+// own mirror image and meets the axes, to the last bit.
 SinCos sin_cos_of_fraction(std::uint64_t k, std::uint64_t n) {
   const std::uint64_t quarter = 4 * k / n, rest = 4 * k % n;  // rest/n of a quarter
   const auto angle = [&](std::uint64_t r) {
@@ -35,7 +35,8 @@ SinCos sin_cos_of_fraction(std::uint64_t k, std::uint64_t n) {
   }
 }
 
-// The standard wraps textures counter-clockwise, seen from above, from where the back (x = 0, z < 0) is: so do we.
+// The ring begins at the back (x = 0, z < 0) and runs counter-clockwise, seen from above, as the standard wraps
+// textures.
 using Circle = std::vector<SinCos>;
 
 Circle make_circle(const Tessellation& tessellation) {
@@ -44,14 +45,14 @@ Circle make_circle(const Tessellation& tessellation) {
   return circle;
 }
 
-// Returns its first vertex.
+// Adds a ring of vertices and returns the first.
 std::uint64_t add_ring(PolygonWriter& out, const Circle& circle, double radius, double y) {
   const std::uint64_t first = out.vertex_count();
   for (const SinCos& at : circle) out.vertex(-(radius * at.sin), y, -(radius * at.cos));
   return first;
 }
 
-// Around the axis, lower edge first.
+// The quadrilaterals run around the axis, with the lower edge first.
 void add_band(PolygonWriter& out, std::uint64_t lower, std::uint64_t upper, std::uint64_t slices) {
   for (std::uint64_t k = 0; k < slices; ++k) {
     const std::uint64_t next = (k + 1) % slices;
@@ -111,7 +112,7 @@ struct Builder {
     return Sizes{tessellation}(geometry);
   }
 
-  // 6.6: centred, sides along the axes.
+  // A Box (6.6) is centred, with sides along the axes.
   Mesh operator()(const BoxGeometry& box) const {
     PolygonWriter out(8, size(box));
     for (int corner = 0; corner < 8; ++corner) {  // bits 0, 1, 2: the positive side of x, y, z
@@ -127,7 +128,7 @@ struct Builder {
     return std::move(out).finish();
   }
 
-  // 6.42: from the pole at +y stack by stack; the vertices are on the sphere.
+  // A Sphere (6.42) is cut from the pole at +y stack by stack; the vertices are on the sphere.
   Mesh operator()(const SphereGeometry& sphere) const {
     const Circle circle = make_circle(tessellation);
     const std::uint64_t slices = circle.size(), stacks = tessellation.stacks;
@@ -147,7 +148,7 @@ struct Builder {
     return std::move(out).finish();
   }
 
-  // 6.10: the apex at y = height/2, the bottom at -height/2. Polygons: side, bottom.
+  // A Cone (6.10) has its apex at y = height/2 and its bottom at -height/2. Polygons: side, bottom.
   Mesh operator()(const ConeGeometry& cone) const {
     const Circle circle = make_circle(tessellation);
     if (!cone.side && !cone.bottom) return {};
@@ -163,7 +164,8 @@ struct Builder {
     return std::move(out).finish();
   }
 
-  // 6.14: from y = -height/2 to height/2. Polygons: side, top, bottom. No ring is there without a polygon on it.
+  // A Cylinder (6.14) reaches from y = -height/2 to height/2. Polygons: side, top, bottom. No ring is there without a
+  // polygon on it.
   Mesh operator()(const CylinderGeometry& cylinder) const {
     const Circle circle = make_circle(tessellation);
     const double half = 0.5 * cylinder.height;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::array<CornerTriangle, 3> kFewCorners = {{{0, 0, 0}, {0, 1, 1}, {0, 1, 2}}};
 
-// Newell's sums: component k is twice the area of the projection along axis k, counter-clockwise positive.
+// The sums are Newell's: component k is twice the area of the projection along axis k, counter-clockwise positive.
 class AreaVector {
  public:
   AreaVector(std::span<const Eigen::Vector3f> vertices, std::span<const std::int32_t> polygon)
@@ -29,7 +29,7 @@ class AreaVector {
       }
       p = q;
     }
-    // Rounded are: both factors of a product, the product, the difference of two, and n sums at most, each by u =
+    // Five steps round: both factors of a product, the product, the difference of two, and n sums at most, each by u =
     // 2^-53. The bound is twice as much and more, which takes care of the higher powers of u and of its own rounding.
     for (std::size_t k = 0; k < 3; ++k) error_[k] = static_cast<double>(polygon.size() + 8) * 0x1p-52 * products[k];
   }
@@ -54,7 +54,7 @@ class AreaVector {
     return vertices_[static_cast<std::size_t>(polygon_[corner])][static_cast<Eigen::Index>(k)];
   }
 
-  // |a| > |b|
+  // Returns |a| > |b|.
   [[nodiscard]] bool larger(std::size_t a, std::size_t b) const {
     const double size_a = std::abs(rounded_[a]), size_b = std::abs(rounded_[b]);
     if (size_a - error_[a] > size_b + error_[b]) return true;
@@ -96,8 +96,9 @@ void project(std::span<const Eigen::Vector3f> vertices, std::span<const std::int
   }
 }
 
-// Never a turn to the right, where coming straight back counts as a turn to the left. Then the edges' directions go
-// around a whole number of times, and change between forward and backward (by x, then by y) twice each time.
+// A convex polygon never turns to the right, where coming straight back counts as a turn to the left. Then the
+// directions of its edges go around a whole number of times, and change between forward and backward (by x, then by y)
+// twice each time.
 bool is_convex(std::span<const PlanePoint> points) {
   std::size_t last = points.size() - 1;
   while (last > 0 && points[last] == points[0]) --last;

@@ -75,7 +75,7 @@ struct Modifier {
   std::string_view name;
   bool KeyModifiers::*flag;
   std::int32_t qt3, qt4;  // of the state
-  std::int32_t key = 0;   // that sets it, in Qt 3's numbers
+  std::int32_t key = 0;   // the key that sets the flag, in Qt 3's numbers
 };
 constexpr std::array kModifiers = {
     Modifier{"shift", &KeyModifiers::shift, qt3::kShiftButton, 0x0200'0000, qt3::kShift},
@@ -91,7 +91,7 @@ constexpr std::int32_t kLastShared = 0xb1;  // LaunchF: from there on Qt 4 to 6 
 constexpr std::int32_t canonical_value(std::int32_t value) {
   if (value >= kQt4Keys && value <= kQt4Keys + kLastShared) return value - kQt4Keys + kQt3Keys;
   if (value >= 'a' && value <= 'z') return value - 'a' + 'A';
-  // Latin-1: 0xf7 is the division sign, and 0xff has its upper case elsewhere.
+  // The exceptions of Latin-1 are 0xf7, the division sign, and 0xff, which has its upper case elsewhere.
   if (value >= 0xe0 && value <= 0xfe && value != 0xf7) return value - 0x20;
   return value;
 }
@@ -107,7 +107,8 @@ std::optional<std::int32_t> find_function_key(std::string_view name) {
   return qt3::kF1 + number - 1;
 }
 
-// A name of one character, in UTF-8: what the key types. Qt 3 numbers those of Latin-1 as Latin-1 does.
+// Returns the code of a name of one character, in UTF-8: the character that the key types. Qt 3 numbers the characters
+// of Latin-1 as Latin-1 does.
 std::optional<std::int32_t> find_character(std::string_view name) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(name[i]); };
   if (name.size() == 1 && byte(0) >= 0x20 && byte(0) < 0x7f) return byte(0);

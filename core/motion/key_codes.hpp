@@ -19,7 +19,7 @@ struct KeyModifiers {
   bool keypad = false;  // the key stands on the numeric keypad
 };
 
-// Qt 3's numbers (qnamespace.h of 2002; the thesis is of 2003). All keys that are no characters are 0x1000 and up.
+// The numbers of Qt 3 (qnamespace.h of 2002; the thesis is of 2003). All keys that are no characters are 0x1000 and up.
 namespace qt3 {
 inline constexpr std::int32_t kEscape = 0x1000, kTab = 0x1001, kBacktab = 0x1002, kReturn = 0x1004, kEnter = 0x1005;
 inline constexpr std::int32_t kShift = 0x1020, kControl = 0x1021, kMeta = 0x1022, kAlt = 0x1023, kF1 = 0x1030;
@@ -36,9 +36,9 @@ inline constexpr std::int32_t kShiftButton = 0x0100, kControlButton = 0x0200, kA
 // Tab with Shift is Backtab, as Qt delivers it.
 [[nodiscard]] KeyEvent canonical(const KeyEvent& key);
 
-// A key by its name in a browser: KeyboardEvent.key of W3C's UI Events ("ArrowUp", "a", "Enter", " ", "F1", "Shift"). A
-// letter's case says nothing, `shift` does: Caps Lock is no modifier to Qt either. In canonical form; the error is a
-// sentence with the name that was probably meant.
+// Returns a key by its name in a browser: KeyboardEvent.key of W3C's UI Events ("ArrowUp", "a", "Enter", " ", "F1",
+// "Shift"). The case of a letter says nothing, `shift` does: Caps Lock is no modifier to Qt either. The result is in
+// canonical form; the error is a sentence with the name that was probably meant.
 [[nodiscard]] std::expected<KeyEvent, std::string> find_key(std::string_view name, const KeyModifiers& modifiers = {});
 
 // Returns a description for messages: "shift+ArrowUp", or "key 4294 with state 7" where the key has no name.

@@ -41,8 +41,8 @@ KeySensors::Outcome KeySensors::press(const KeyEvent& key) {
   return outcome;
 }
 
-// Wave by wave: the events of a wave have come over the same number of ROUTEs. Linear in the ROUTEs, since each sensor
-// sets its `enabled` once.
+// The events spread wave by wave: those of a wave have come over the same number of ROUTEs. The time is linear in the
+// ROUTEs, since each sensor sets its `enabled` once.
 void KeySensors::send(const std::vector<std::size_t>& hits) {
   struct Arrival {
     std::size_t place;

@@ -21,8 +21,8 @@ namespace peerd {
 // rules of animation/animation.hpp: `enabled` of each sensor takes one event and sends one; of several events the one
 // counts that came over the fewest ROUTEs, and of those the one whose ROUTE is last in the file.
 //
-// `disable` TRUE is `enabled` FALSE, and `disable` FALSE is `enabled` TRUE. So the enabled_changed of one sensor, ROUTEd
-// to `disable` of another, makes the other its opposite. A disabled sensor gets no key, so it consumes none.
+// `disable` TRUE is `enabled` FALSE, and `disable` FALSE is `enabled` TRUE. So the enabled_changed of one sensor,
+// ROUTEd to `disable` of another, makes the other its opposite. A disabled sensor gets no key, so it consumes none.
 class KeySensors {
  public:
   explicit KeySensors(const Scene& scene);  // keeps no reference to the scene

@@ -12,9 +12,9 @@
 
 namespace peerd {
 
-// A read world as it runs: the scene graph of its instances, brought to any world time by its own movement. Costs what
-// moves: instances that nothing drives are placed once. No mesh, triangle or box is made until a box is asked for, and
-// then only those below what was asked.
+// A MovingScene is a read world as it runs: the scene graph of its instances, brought to any world time by its own
+// movement. The cost depends on the instances that move: those that nothing drives are placed once. No mesh, triangle
+// or box is made until a box is asked for, and then only those below the instance asked for.
 class MovingScene {
  public:
   explicit MovingScene(const Scene& scene);  // the scene outlives it, at its place
@@ -33,27 +33,28 @@ class MovingScene {
   // Returns the pending Inlines of the scene, by their place in its list, that have not been filled and whose boxes
   // meet `of_interest` as the world stands now.
   [[nodiscard]] std::vector<std::size_t> inlines_near(const WorldBox& of_interest) const;
-  // Puts the content of a pending Inline where it belongs; it moves by itself as the rest does. Once each.
+  // Puts the content of a pending Inline where it belongs; it moves by itself as the rest does. An Inline is filled
+  // once.
   void fill_inline(std::size_t pending, std::shared_ptr<const Scene> content);
 
   [[nodiscard]] const SceneGraph& graph() const { return graph_; }
   [[nodiscard]] std::uint64_t meshes_built() const { return meshes_built_; }
 
  private:
-  // The world itself, or the content of an Inline: instances in a graph.
+  // A part of the scene: the world itself, or the content of an Inline, as instances in a graph.
   struct Part {
     Part(const Scene& s, SceneGraph& graph, NodeHandle parent);
 
     const Scene& scene;
     PredefinedMotion motion;
     std::vector<NodeHandle> nodes;                                  // by instance
-    std::vector<std::pair<animation::FieldId, ObjectId>> by_field;  // what a driven field moves, sorted
+    std::vector<std::pair<animation::FieldId, ObjectId>> by_field;  // instances that a driven field moves, sorted
     std::vector<bool> has_box;                                      // by instance; empty until a box is asked for
     std::vector<LocalBox> geometry_boxes;                           // by geometry, once it was needed
     std::vector<bool> has_geometry_box;
     bool placed = false;                 // at time_s_
     std::shared_ptr<const Scene> owned;  // keeps `scene` where it is an Inline's
-    std::size_t pending = 0;             // which Inline's
+    std::size_t pending = 0;             // index of the Inline
   };
   void place(Part& part, double t_s);
   void set_local_boxes(Part& part, std::uint32_t begin, std::uint32_t end);

@@ -5,16 +5,16 @@
 #include <cmath>
 #include <limits>
 
+#include "core/animation/network_reader.hpp"
 #include "core/atan2.hpp"
 #include "core/vrml/document.hpp"
-#include "core/animation/network_reader.hpp"
 
 namespace peerd {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
-// The rotation vector whose exponential is q [rad], the shorter way.
+// Returns the rotation vector whose exponential is q [rad], the shorter way.
 Vec3 quat_log(const Quat& q) {
   const double sign = q.w() < 0.0 ? -1.0 : 1.0;
   const Vec3 v(sign * q.x(), sign * q.y(), sign * q.z());
@@ -23,7 +23,7 @@ Vec3 quat_log(const Quat& q) {
   return v * (2.0 * atan2(sine, sign * q.w()) / sine);
 }
 
-// The Coordinates of IndexedFaceSets: document's node, geometry.
+// Returns the Coordinates of IndexedFaceSets, as pairs of the node of the document and the geometry.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> coordinates_of(const Scene& scene) {
   const std::vector<vrml::Node>& nodes = scene.document->nodes;
   const auto below = [&](std::uint32_t node, std::string_view field) {
@@ -196,7 +196,7 @@ PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s) {
   Piece piece{-kForever, kForever, {}};
   bool still = true, exact = true;
   Vec3 velocity = Vec3::Zero(), angular_velocity_body = Vec3::Zero();
-  Affine above;  // what is above the Transform in hand; only used where that stands still
+  Affine above;  // the path above the Transform in hand; only used where it stands still
   for (std::size_t depth = 0; depth < way.size(); ++depth) {
     file.push_back(scene_.transform({way[depth]}));
     const TransformFields now = transform({way[depth]}, t_s);

@@ -31,15 +31,15 @@ class PredefinedMotion {
   // The driven instances and fields, by id, each once.
   [[nodiscard]] const std::vector<ObjectId>& driven_transforms() const { return driven_ids_; }
 
-  [[nodiscard]] std::vector<animation::FieldId> fields_of(ObjectId id) const;  // that are driven
+  [[nodiscard]] std::vector<animation::FieldId> fields_of(ObjectId id) const;  // driven fields
 
-  // The fields of a Transform at world time t.
+  // Returns the fields of a Transform at world time t.
   [[nodiscard]] TransformFields transform(ObjectId id, double t_s);
   [[nodiscard]] Pose rigid_pose(ObjectId id, double t_s);
-  // Scene::to_world() as the instance's parent stands at world time t.
+  // Returns Scene::to_world() as the parent of the instance stands at world time t.
   [[nodiscard]] Vec3 to_world(ObjectId id, const Vec3& in_parent, double t_s);
 
-  // Geometries whose vertices move: IndexedFaceSets whose Coordinate is driven, by index into Scene::geometries.
+  // The geometries whose vertices move: IndexedFaceSets whose Coordinate is driven, by index into Scene::geometries.
   [[nodiscard]] std::vector<std::uint32_t> flexible_geometries() const;
   // Evaluates one driven geometry at world time t. Points that the event has no value for stay where the file has them.
   [[nodiscard]] Geometry geometry(std::uint32_t index, double t_s);

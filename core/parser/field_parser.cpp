@@ -79,7 +79,8 @@ void FieldParser::parse_field(OpenNode& open) {
   }
   const Position before = text_.tokens.position();
   if (const std::optional<Field> value = text_.values.read(*spec)) {
-    // Part by part, as it was written just before: a copy of the whole would wait for the parts.
+    // The field is constructed part by part, as it was written just before: a copy of the whole would wait for the
+    // parts.
     open_nodes_.fields.emplace_back(spec, value->data, value->count, value->at);
   } else {
     open.damaged = true;
@@ -104,7 +105,7 @@ void FieldParser::parse_unknown_field(OpenNode& open, const Token& name) {
   }
   for (const FieldSpec& field : open.own_fields) suggestion.consider(field.name);
   if (open.type->role == NodeRole::kDisplay && !suggestion.best()) {
-    // A browser's own addition, as many have: passed over whole, not read.
+    // A field that a browser has added, as many files have them, is passed over whole, not read.
     text_.tokens.warning(text_.tokens.position_of(name),
                          type + " has no field " + quoted(name.text) + " in VRML97; it is passed over");
     while (text_.tokens.at_word("DEF") || text_.tokens.at_word("USE") || text_.tokens.kind_after() == kOpenBrace) {

@@ -7,7 +7,7 @@
 
 namespace peerd::vrml {
 
-// The nodes that an Inline stands for, from the first of its URLs behind which there is a file.
+// Returns the nodes that an Inline stands for, from the first of its URLs behind which there is a file.
 const std::vector<NodeRef>* InlineLoader::load_content(const Field& url) {
   std::string tried;
   const std::size_t errors = text_.problems.errors();

@@ -18,7 +18,7 @@ struct Interface {
   std::unordered_set<std::string_view> names{};
 
   [[nodiscard]] bool has(std::string_view name) const { return names.contains(name); }
-  // 4.7: an exposedField x is also set_x and x_changed.
+  // An exposedField x is also set_x and x_changed (4.7).
   [[nodiscard]] bool conflicts(std::string_view name, Access access) const {
     if (has(name)) return true;
     if (access == Access::kExposedField) return has("set_" + std::string(name)) || has(std::string(name) + "_changed");
@@ -59,7 +59,7 @@ void InterfaceParser::skip_to_declaration() {
   }
 }
 
-// FIELDTYPE NAME, or an error.
+// Reads FIELDTYPE NAME, or reports an error.
 std::optional<std::pair<FieldType, Token>> InterfaceParser::parse_type_and_name() {
   const auto type = text_.tokens.at(kWord) ? find_field_type(text_.tokens.peek().text) : std::nullopt;
   if (!type) {

@@ -60,7 +60,8 @@ NodeRef NodeParser::parse_use() {
   }
   Definition& definition = **named;
   if (definition.open) {
-    // A Script may be told of itself and of what it stands in (4.12): it doesn't contain what its fields name.
+    // A Script may refer to itself and to the nodes that it stands in (4.12): it does not contain the nodes that its
+    // fields name.
     if (open_nodes_.innermost != nullptr && open_nodes_.innermost->type->role == NodeRole::kScript) {
       open_nodes_.script_uses.push_back(&definition);
       return {kOpenNode, null.at};
@@ -183,7 +184,7 @@ NodeRef NodeParser::close_instance(OpenNode& open, const Prototype& prototype, c
   if (text_.in_world_body()) {
     for (std::size_t i = first; i < body.nodes.size(); ++i) {
       if (body.nodes[i].type->role != NodeRole::kInline) continue;
-      Node node = body.nodes[i];  // not in place: reading a file may move all nodes
+      Node node = body.nodes[i];  // a copy, since reading a file may move all nodes
       inlines_.fill(node);
       body.nodes[i] = node;
     }

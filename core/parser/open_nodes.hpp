@@ -36,7 +36,7 @@ struct OpenNode {
 // The nodes of one text that are open, from the innermost outwards.
 struct OpenNodes {
   OpenNode* innermost = nullptr;
-  std::vector<Field> fields{};             // those read so far of all open nodes, innermost last
+  std::vector<Field> fields{};             // fields read so far of all open nodes, innermost last
   std::vector<Definition*> script_uses{};  // open nodes that the Script field in hand names, in order
 
   // Returns whether a word among values is the name of a field of the innermost node, or a keyword of an interface

@@ -20,8 +20,8 @@ namespace peerd::vrml {
 
 inline constexpr std::size_t kMaxOpenFiles = 32;  // an Inline in an Inline in ..; each is a recursion
 inline constexpr std::uint32_t kOpenNode =
-    NodeRef::kNull - 1;                          // a node that is still open, until its closing brace is read
-inline constexpr std::size_t kMaxFields = 4096;  // that a PROTO or a Script may declare: they are looked for one by one
+    NodeRef::kNull - 1;                             // a node that is still open, until its closing brace is read
+inline constexpr std::size_t kMaxFields = 4096;     // most fields of a PROTO or a Script, which are searched one by one
 inline constexpr std::uint32_t kMaxResolving = 64;  // EXTERNPROTOs that lead to one another; each is a recursion
 inline constexpr std::string_view kExtensionUrn = "urn:peerd:node:";
 
@@ -30,8 +30,8 @@ inline constexpr std::string_view kExtensionNodes[] = {"CollisionInterest", "Col
 
 // A Definition is the node that a DEF names, known from its '{' on.
 struct Definition {
-  const NodeType* type = nullptr;        // its fields as ROUTEs and the file's author see them; null where it was lost
-  const Prototype* prototype = nullptr;  // whose instance it is; its copy begins at `base`
+  const NodeType* type = nullptr;        // the fields that ROUTEs and the author see; null where the node was lost
+  const Prototype* prototype = nullptr;  // the PROTO that the node is an instance of; the copy begins at `base`
   std::uint32_t node = NodeRef::kNull;   // kNull while it is open, and where an error made it unreadable
   std::uint32_t base = 0;
   bool open = false;
@@ -42,7 +42,7 @@ struct Declaration {
   const Prototype* prototype = nullptr;
   const NodeType* native = nullptr;  // one of our own nodes stands for it
   bool external = false;
-  bool resolving = false;  // it is being looked for
+  bool resolving = false;  // the search for it is under way
   std::span<const FieldSpec> interface {};
   std::span<const std::string_view> urls{};
   Position at = 0;
@@ -60,7 +60,7 @@ struct RouteEnd {
 struct Scope {
   Scope* outer = nullptr;
   Body* body = nullptr;
-  Prototype* prototype = nullptr;  // whose body this is, to which IS refers
+  Prototype* prototype = nullptr;  // the PROTO that this is the body of; IS refers to it
   std::uint32_t id = 0;            // Node::scope
   std::deque<Definition> definitions{};
   LateNameTable<Definition*> names{};
@@ -90,9 +90,9 @@ struct ParseContext {
     Position begin = 0;
     std::size_t body = 0;  // offset behind its header
     bool readable = false;
-    std::string why{};                              // it is not
-    std::optional<std::vector<NodeRef>> content{};  // as an Inline, in `world`
-    std::optional<Declarations> library{};          // as what EXTERNPROTOs look into
+    std::string why{};                              // the reason if it is not readable
+    std::optional<std::vector<NodeRef>> content{};  // roots in `world`, once read as an Inline
+    std::optional<Declarations> library{};          // PROTOs, once read for an EXTERNPROTO
   };
   std::map<std::string, File, std::less<>> files{};  // by LoadedFile::name
   std::vector<std::string_view> open_files{};

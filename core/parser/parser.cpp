@@ -10,8 +10,9 @@
 namespace peerd::vrml {
 namespace {
 
-// About how many nodes a text has, so that their memory is neither moved nor left empty: its braces, but no more than
-// fit in it by far. Few in most of a large world's bytes, so that looking for them costs next to nothing.
+// Returns about how many nodes a text has, so that their memory is neither moved nor left empty: its braces, but no
+// more than fit in it by far. Braces are few in most of the bytes of a large world, so that looking for them costs next
+// to nothing.
 std::size_t guess_nodes(std::string_view text, const ReadLimits& limits) {
   constexpr std::size_t kFewestBytes = 16, kSamples = 16, kSampleBytes = 1 << 14;
   const std::size_t stride = std::max(kSampleBytes, text.size() / kSamples);
@@ -26,7 +27,7 @@ std::size_t guess_nodes(std::string_view text, const ReadLimits& limits) {
   return std::min({static_cast<std::size_t>(whole), text.size() / kFewestBytes, std::size_t{limits.nodes}});
 }
 
-// 4.10.2: repeated ROUTEs are ignored; those of an interface may coincide.
+// Repeated ROUTEs are ignored (4.10.2); those of an interface may coincide.
 void drop_repeated(std::vector<Route>& routes) {
   std::set<std::tuple<std::uint32_t, const FieldSpec*, std::uint32_t, const FieldSpec*>> seen;
   std::erase_if(routes, [&](const Route& r) { return !seen.emplace(r.from_node, r.from, r.to_node, r.to).second; });

@@ -97,7 +97,7 @@ void PrototypeParser::parse_body_of(Prototype& prototype, std::string_view name)
   for (const IsLink& link : prototype.links) {
     if (!has_value(link.outer->access) || !has_value(link.inner->access)) continue;
     const auto& value = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
-    if (!value) continue;  // it could not be read
+    if (!value) continue;  // the default could not be read
     check_nodes(*link.inner, *value, body.nodes, text_.problems);
     check_range(*link.inner, *value, text_.problems);
   }

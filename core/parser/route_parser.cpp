@@ -23,7 +23,7 @@ void RouteParser::parse() {
   if (from && from->node != nullptr && to->node != nullptr) text_.scope->routes.emplace_back(*from, *to);
 }
 
-// A broken ROUTE ends with its line, as nearly all do.
+// Passes over a broken ROUTE, which ends with its line, as nearly all do.
 void RouteParser::skip_line_of(const Token& first) {
   std::uint32_t seen = first.offset;
   while (text_.tokens.at(kWord) || text_.tokens.at(kPeriod) || text_.tokens.at(kNumber)) {
@@ -34,7 +34,8 @@ void RouteParser::skip_line_of(const Token& first) {
   }
 }
 
-// NODE.EVENT; nothing where it is not written so. Its node is null where no node has that name.
+// Reads NODE.EVENT; returns nothing where it is not written so. The node of the result is null where no node has that
+// name.
 std::optional<RouteEnd> RouteParser::parse_end() {
   const auto expected = [&](const std::string& what) {
     text_.tokens.error(text_.tokens.position(), "expected " + what + ", found " + described(text_.tokens.peek()));
@@ -59,10 +60,10 @@ std::optional<RouteEnd> RouteParser::parse_end() {
   return end;
 }
 
-// The field that an event's name stands for: itself, or the exposedField behind set_x and x_changed (4.7).
+// Returns the field that the name of an event stands for: itself, or the exposedField behind set_x and x_changed (4.7).
 RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
   const Definition& definition = *end.node;
-  if (definition.type == nullptr || definition.node == NodeRef::kNull) return {};  // what was lost is reported
+  if (definition.type == nullptr || definition.node == NodeRef::kNull) return {};  // the loss of the node is reported
   const NodeType& type = *definition.type;
   const auto serves = [&](const FieldSpec& field) {
     return sends ? sends_events(field.access) : takes_events(field.access);
@@ -73,7 +74,7 @@ RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
   if (exact != nullptr && serves(*exact)) {
     found = exact;
   } else {
-    // set_ and _changed may be left out, and an exposedField has both (4.7, 4.10.2).
+    // The parts set_ and _changed may be left out, and an exposedField has both (4.7, 4.10.2).
     std::string_view base;
     if (sends && end.event.ends_with("_changed")) base = end.event.substr(0, end.event.size() - 8);
     if (!sends && end.event.starts_with("set_")) base = end.event.substr(4);

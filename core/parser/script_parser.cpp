@@ -47,13 +47,13 @@ void ScriptParser::parse_declaration(OpenNode& open) {
       open.own_fields.emplace_back(FieldSpec{text_.arena.copy(name.text), *type, access, {}, Range::kAny, kAnyClass});
   if (text_.tokens.at_word("IS")) return links_.parse(open, spec, access, text_.tokens.position_of(name));
   if (!has_value(access)) return;
-  // Scripts in this field's nodes have lists of their own.
+  // Scripts in the nodes of this field have lists of their own.
   std::vector<Definition*> outer_uses = std::exchange(open_nodes_.script_uses, {});
   if (const std::optional<Field> value = text_.values.read(spec)) {
     open_nodes_.fields.push_back(*value);
     auto around = open_nodes_.script_uses.begin();
     for (const NodeRef& ref : value->as<NodeRef>().first(open_nodes_.script_uses.empty() ? 0 : value->count)) {
-      // The document's arena is ours to write until it is handed over.
+      // The arena of the document may be written until it is handed over.
       if (ref.index == kOpenNode) text_.scope->unresolved_refs[*around++].push_back(const_cast<NodeRef*>(&ref));
     }
   } else {

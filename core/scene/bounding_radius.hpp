@@ -3,8 +3,8 @@
 
 namespace peerd {
 
-// The distance [m] of the farthest vertex of all Shapes at and below `object` from the object's origin, in its rigid
-// frame; 0 where there are none. Builds each mesh once and keeps none.
+// Returns the distance [m] of the farthest vertex of all Shapes at and below `object` from the origin of the object, in
+// its rigid frame; 0 where there are none. It builds each mesh once and keeps none.
 [[nodiscard]] double bounding_radius_m(const Scene& scene, ObjectId object);
 
 }  // namespace peerd

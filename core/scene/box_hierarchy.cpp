@@ -7,8 +7,8 @@
 // A tracked node keeps the union of the boxes below it. A change of one box, from `before` to `after`, is absorbed
 // going up: a union grows by `after`, which keeps it exact; where `before` made up a side of it that `after` does not
 // reach, that side becomes loose, as only the other children can tell where it lies now. Going up ends where neither
-// happens: what a box lies strictly inside of, or adds nothing to, looks the same from farther up. That needs a stored
-// box to lie within those stored above it, loose or not.
+// happens: a box that lies strictly inside another, or adds nothing to it, looks the same from farther up. That needs a
+// stored box to lie within those stored above it, loose or not.
 
 namespace peerd {
 
@@ -80,8 +80,8 @@ WorldBox BoxHierarchy::own_box(const SceneTree& tree, const PoseStore& poses, st
   return transformed(poses.world(tree[i].pose), local);
 }
 
-// The union below `top`, from its children's, going down only where those are not exact themselves. Does not tell
-// above.
+// Makes the union below `top` from those of its children, going down only where they are not exact themselves. The
+// nodes above are not told.
 void BoxHierarchy::make_box(SceneTree& tree, const PoseStore& poses, std::uint32_t top) {
   for (std::uint32_t i = top;;) {
     if (SceneNode& node = tree[i]; !node.box_tracked || node.box_pending) {
@@ -112,7 +112,7 @@ void BoxHierarchy::make_box(SceneTree& tree, const PoseStore& poses, std::uint32
   }
 }
 
-// Brings the loose sides of `top` in to what is below. Children are looked at only until each of those sides has one
+// Brings the loose sides of `top` in to the boxes below. Children are examined only until each of those sides has one
 // that lies on it, so a box of many things on one floor is settled by the first of them.
 void BoxHierarchy::tighten_box(SceneTree& tree, const PoseStore& poses, std::uint32_t top) {
   struct Frame {
@@ -120,11 +120,11 @@ void BoxHierarchy::tighten_box(SceneTree& tree, const PoseStore& poses, std::uin
     std::uint32_t open;         // loose sides on which nothing has been found to lie
     WorldBox found;             // the union of what has been looked at
   };
-  std::vector<Frame> stack;  // of its own: a scene may be as deep as it is large
+  std::vector<Frame> stack;  // an explicit stack, since a scene may be as deep as it is large
   const auto enter = [&](std::uint32_t i) {
     stack.push_back({i, tree[i].first_child, tree[i].box_loose, own_box(tree, poses, i)});
   };
-  // The sides among `of` on which `a` lies as far out as `b`, or farther.
+  // Returns the sides among `of` on which `a` lies as far out as `b`, or farther.
   const auto reached = [](std::uint32_t of, const WorldBox& a, const WorldBox& b) {
     std::uint32_t out = 0;
     for (int side = 0; side < kSides; ++side) {
@@ -146,7 +146,7 @@ void BoxHierarchy::tighten_box(SceneTree& tree, const PoseStore& poses, std::uin
       }
       const WorldBox& box = world_boxes_[child.box];
       const std::uint32_t in_doubt = frame.open & child.box_loose;
-      if (in_doubt != reached(in_doubt, frame.found, box)) {  // its true extent matters
+      if (in_doubt != reached(in_doubt, frame.found, box)) {  // the true extent of the child matters
         enter(frame.child);
         continue;
       }

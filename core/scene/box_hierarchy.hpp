@@ -6,7 +6,7 @@
 #include "core/box.hpp"
 #include "core/scene/pose_store.hpp"
 #include "core/scene/scene_tree.hpp"
-#include "core/scene/slot_pool.hpp"
+#include "core/slot_pool.hpp"
 
 namespace peerd {
 
@@ -16,14 +16,15 @@ struct BoxCounters {
   std::uint64_t merged = 0;   // a box compared with, or merged into, that of a node above it
 };
 
-// The boxes of the nodes of a SceneGraph: each node's own in its local frame, and the union of all below it in the
-// world. Nothing is computed for a node until its world box is asked for. The tree holds the marks of each node; it and
-// the poses are those that the boxes belong to, in every call.
+// A BoxHierarchy holds the boxes of the nodes of a SceneGraph: the box of each node in its local frame, and the union
+// of all below it in the world. Nothing is computed for a node until its world box is asked for. The tree holds the
+// marks of each node; all calls pass the same tree and poses.
 class BoxHierarchy {
  public:
   // Sets the box of the vertices of node i, in its local frame; empty takes it away.
   void set_local(SceneTree& tree, std::uint32_t i, const LocalBox& box);
-  // The union of transformed(world_from_local, local box) over node i and all below it. The poses are up to date.
+  // Returns the union of transformed(world_from_local, local box) over node i and all below it. The poses must be up to
+  // date.
   [[nodiscard]] WorldBox world(SceneTree& tree, const PoseStore& poses, std::uint32_t i);
 
   // Notes that the world box of i has to be made anew, since its pose or what hangs below it has changed.
@@ -50,7 +51,7 @@ class BoxHierarchy {
   void take_slot(SceneNode& node);
 
   SlotPool<LocalBox> local_boxes_;
-  std::vector<WorldBox> world_boxes_;  // as local_boxes_, empty until a world box is first asked for
+  std::vector<WorldBox> world_boxes_;  // same slots as local_boxes_; empty until a world box is first asked for
   std::vector<std::uint32_t> pending_;
   BoxCounters counters_;
 };

@@ -28,7 +28,7 @@ class GeometryReader {
   T one(std::string_view field) const {
     return value_of(node_, field).as<T>()[0];
   }
-  // Elements of floats as elements of T, which is made of floats.
+  // Returns elements of floats as elements of T, which is made of floats.
   template <class T>
   SharedArray<T> array(const Field& field) const {
     const auto* const elements = static_cast<const T*>(field.data);
@@ -77,7 +77,7 @@ std::optional<Geometry> GeometryReader::read_face_set() {
   if (!coord.empty() && coord[0].is_node()) {
     const Node& coordinate = document_->nodes[coord[0].index];
     if (coordinate.damaged) return std::nullopt;
-    // An EXTERNPROTO that was not found may stand for it.
+    // An EXTERNPROTO that was not found may stand for the node.
     if (find_field(*coordinate.type, "point") != nullptr && coordinate.type->name == "Coordinate") {
       faces.points = array<Eigen::Vector3f>(value_of(coordinate, "point"));
     }
@@ -114,7 +114,7 @@ bool GeometryReader::check_corners(const FaceSetGeometry& faces, const Field& li
                                        std::to_string(points - 1));
       continue;
     }
-    // The last -1 may be left out; one behind another closes nothing.
+    // The last -1 may be left out; a -1 behind another closes nothing.
     if (i - polygon < 3 && i != polygon && few++ == 0) first_few = polygon;
     polygon = i + 1;
   }
@@ -167,7 +167,7 @@ std::optional<Geometry> GeometryReader::read_extrusion() {
                               .begin_cap = one<bool>("beginCap"),
                               .end_cap = one<bool>("endCap"),
                               .ccw = one<bool>("ccw")};
-  // 6.18: one value serves all spine points; values beyond the spine's are not used; fewer are undefined.
+  // One value serves all spine points (6.18); values beyond those of the spine are not used; fewer are undefined.
   const auto check = [&](std::string_view name, std::size_t count) {
     if (count == 1 || count >= extrusion.spine.size()) return true;
     const Field* field = node_.find(name);
@@ -184,7 +184,7 @@ std::optional<Geometry> GeometryReader::read_extrusion() {
     for (const float f : value_of(node_, name).as<float>()) most = std::max(most, std::abs(double{f}));
     return most;
   };
-  // Whichever way the cross-section is turned, no coordinate of it exceeds twice its largest.
+  // However the cross-section is turned, no coordinate of it exceeds twice its largest.
   if (largest("spine") + 2 * largest("crossSection") * largest("scale") > kLargest) {
     problems_.error(node_.at, "this Extrusion is larger than binary32 can say");
     return std::nullopt;

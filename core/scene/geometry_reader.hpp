@@ -7,8 +7,9 @@
 
 namespace peerd::vrml {
 
-// A geometry node's fields as a Geometry that shares the document's arrays. Reports what does not fit together:
-// indices out of range, a wrong number of heights, polygons without an area; none where that is an error.
+// Returns the fields of a geometry node as a Geometry that shares the arrays of the document. Reports fields that do
+// not fit together: indices out of range, a wrong number of heights, polygons without an area; returns nothing where
+// that is an error.
 [[nodiscard]] std::optional<Geometry> read_geometry(const std::shared_ptr<const Document>& document, const Node& node,
                                                     Problems& problems);
 

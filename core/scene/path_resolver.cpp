@@ -20,7 +20,7 @@ const PathResolver::Siblings& PathResolver::children_of(std::int32_t parent) {
   return it->second;
 }
 
-// The first whose name or number that is: a name may be made of digits.
+// Finds the first sibling that has the component as its name or number: a name may be made of digits.
 std::optional<std::uint32_t> PathResolver::child(std::int32_t parent, std::string_view component) {
   const Siblings& siblings = children_of(parent);
   std::optional<std::uint32_t> found;

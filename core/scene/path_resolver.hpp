@@ -10,13 +10,13 @@
 
 namespace peerd::vrml {
 
-// Scene::find() for a world that names many paths. It looks at each instance at most twice, however many paths are
-// asked for, where find() looks at all siblings on the way of each; and at none that no path leads by.
+// PathResolver is Scene::find() for a world that names many paths. It visits each instance at most twice, however many
+// paths are asked for, where find() visits all siblings on the way of each; and it visits none that no path leads by.
 class PathResolver {
  public:
   explicit PathResolver(const Scene& scene) : scene_(scene) {}  // the scene outlives it and stays as it is
 
-  [[nodiscard]] std::optional<ObjectId> find(std::string_view path);  // what scene.find(path) gives
+  [[nodiscard]] std::optional<ObjectId> find(std::string_view path);  // the result of scene.find(path)
 
  private:
   struct Siblings {

@@ -4,12 +4,13 @@
 #include <cstdint>
 
 #include "core/math.hpp"
-#include "core/scene/slot_pool.hpp"
+#include "core/slot_pool.hpp"
 #include "core/transform.hpp"
 
 namespace peerd {
 
-// The transform of a node with one, three cache lines. Only what most of them have; the rest is a TransformStretch.
+// The transform of a node that has one, in three cache lines. It holds only the fields that most of them have; the rest
+// is a TransformStretch.
 struct alignas(32) PlacedTransform {
   std::array<double, 3> translation = {0, 0, 0};  // [m]
   std::array<double, 4> rotation = {0, 0, 0, 1};  // x, y, z, w
@@ -22,8 +23,8 @@ struct TransformStretch {
   std::array<double, 4> scale_orientation;  // x, y, z, w
 };
 
-// The transforms of the nodes that have one, and their world poses as of the last update_world(). Slot 0 is that of the
-// root: the identity.
+// A PoseStore holds the transforms of the nodes that have one, and their world poses as of the last update_world().
+// Slot 0 is that of the root: the identity.
 class PoseStore {
  public:
   PoseStore();

@@ -17,8 +17,8 @@ namespace {
 
 // Returns the places of the Inlines that were left empty within something that collides.
 std::set<std::pair<std::string, std::size_t>> needed_inlines(const Scene& scene, const vrml::Problems& problems) {
-  // An object's pending Inlines are a range, as they stand in the order of their instances: how many ranges begin at
-  // each of them, less those that end before it.
+  // The pending Inlines of an object are a range, as they stand in the order of their instances: `begins` counts how
+  // many ranges begin at each of them, less those that end before it.
   std::vector<std::int64_t> begins(scene.pending_inlines.size() + 1, 0);
   const auto from = [&](ObjectId first) -> std::int64_t& {
     const auto it = std::ranges::lower_bound(scene.pending_inlines, first, {}, &PendingInline::instance);

@@ -11,11 +11,11 @@
 namespace peerd {
 
 struct ReadOptions {
-  std::string name;  // of the world, for people and for what its relative URLs start from
+  std::string name;  // name of the world, for people; relative URLs start from it
   FileLoader load;   // reads Inlines and EXTERNPROTOs; without it none is found, and each says so
   // An Inline that says how large it is (bboxSize) and is not within anything that a CollisionInterest names is not
-  // read, but listed in Scene::pending_inlines. Instances are numbered without it: the same on all peers, or not at
-  // all.
+  // read, but listed in Scene::pending_inlines. Instances are numbered without it, so all peers of a session must use
+  // the same value.
   bool defer_inlines = false;
   Tessellation tessellation{};  // of curved geometry
   ReadLimits limits{};
@@ -28,19 +28,19 @@ struct ReadResult {
 };
 
 // Reads a VRML97 world (ISO/IEC 14772-1) with the extensions of appendix C of the thesis; the text may be packed with
-// gzip. A pure function of the text and of what `load` gives: no file is opened here. Reports all problems of one
-// reading. Time is linear in the texts and in what they expand to for worlds as people write them, memory a small
-// multiple of what is kept; what both can grow to is limited (ReadLimits).
+// gzip. The result is a pure function of the text and of what `load` gives: no file is opened here. All problems that
+// one reading finds are reported. Time is linear in the texts and in what they expand to for worlds as people write
+// them, memory a small multiple of what is kept; what both can grow to is limited (ReadLimits).
 [[nodiscard]] ReadResult read_world(std::string_view text, const ReadOptions& options = {});
 
-// The content of an Inline that was left for later, with options like those of its world: a scene of its own, in the
-// Inline's frame.
+// Reads the content of an Inline that was left for later, with options like those of its world: a scene of its own, in
+// the frame of the Inline.
 [[nodiscard]] ReadResult read_inline(const PendingInline& pending, const ReadOptions& options);
 
 [[nodiscard]] std::string render(const ReadResult& result, const Diagnostic& diagnostic);
 
-// A number for a world and all files that it is made of, in the order in which they were read (FNV-1a). Peers of one
-// session compare it.
+// Returns a number for a world and all files that it is made of, in the order in which they were read (FNV-1a). Peers
+// of one session compare it.
 [[nodiscard]] std::uint64_t content_hash(const ReadResult& result);
 
 }  // namespace peerd

@@ -7,7 +7,7 @@
 namespace peerd {
 namespace {
 
-// The ancestors of `id` and itself below `above` (-1: all), from the top.
+// Returns the ancestors of `id` and itself below `above` (-1: all), from the top.
 std::vector<std::uint32_t> path_below(const Scene& scene, std::int32_t above, ObjectId id) {
   std::vector<std::uint32_t> path;
   for (auto i = static_cast<std::int32_t>(id.value); i >= 0 && i != above; i = scene.instances[i].parent) {

@@ -61,8 +61,8 @@ struct Instance {
 
   std::string_view def;      // DEF name, may be empty; Scene::document keeps it
   std::int32_t parent = -1;  // index; -1 at the top level
-  // Position among the parent's children in the file, nodes that are no instance counted; a Collision's proxy stands
-  // behind its children.
+  // The position among the children of the parent in the file, nodes that are no instance counted; the proxy of a
+  // Collision stands behind its children.
   std::uint32_t child_index = 0;
   std::uint32_t subtree_end = 0;    // one past the last descendant
   std::uint32_t node = kNone;       // into Document::nodes
@@ -72,10 +72,11 @@ struct Instance {
   NodeKind kind = NodeKind::kGroup;
   bool name_shadowed : 1 = false;  // find(def) finds another instance, so paths give the child index instead
   bool inner_name : 1 = false;  // `def` is a name of a PROTO's or an Inline's own: find() takes the world's before it
-  // False where the standard takes it out of the world: below what a Switch has not chosen, beyond an LOD's level 0, in
-  // a Collision that doesn't collide, or stood for by its proxy.
+  // This is false where the standard takes the instance out of the world: below a child that a Switch has not chosen,
+  // beyond level 0 of an LOD, in a Collision that does not collide, or stood for by its proxy.
   bool collides : 1 = true;
-  // False where nobody sees it: below what a Switch has not chosen, beyond an LOD's level 0, or a proxy.
+  // This is false where no viewer sees the instance: below a child that a Switch has not chosen, beyond level 0 of an
+  // LOD, or in a proxy.
   bool drawn : 1 = true;
 };
 
@@ -99,8 +100,8 @@ struct KeySensor {
   bool enabled = true;                   // at first
 };
 
-// An Inline that has not been read: it says how large it is, nothing in it can collide, and the world was read with
-// inlines_later.
+// A PendingInline is an Inline that has not been read: it says how large it is, nothing in it can collide, and the
+// world was read with ReadOptions::defer_inlines.
 struct PendingInline {
   ObjectId instance;
   Eigen::Vector3f box_center, box_size;  // [m], in the Inline's frame
@@ -121,30 +122,32 @@ struct Scene {
   std::shared_ptr<const vrml::Document> document;  // all fields of all nodes; names and arrays live in it
 
   [[nodiscard]] const Instance& at(ObjectId id) const { return instances.at(id.value); }
-  // Defaults where the node is no Transform, or no Shape.
+  // These return the defaults where the node is no Transform, or no Shape.
   [[nodiscard]] const TransformFields& transform(ObjectId id) const;
   [[nodiscard]] const ObjectFields& object(ObjectId id) const;
   [[nodiscard]] const ShapeFields& shape(ObjectId id) const;
   [[nodiscard]] const Geometry* geometry(ObjectId id) const;  // null where there is none
 
-  // An instance by its path: DEF names, or child indices where there is none, joined by '/'; a lone DEF name finds the
-  // first instance of that name, those inside PROTOs and Inlines last. Linear in the instances.
+  // Finds an instance by its path: DEF names, or child indices where there is none, joined by '/'; a lone DEF name
+  // finds the first instance of that name, those inside PROTOs and Inlines last. Linear in the instances.
   [[nodiscard]] std::optional<ObjectId> find(std::string_view path) const;
-  // The path of an instance from the top level down, in the same notation; find() of it is that instance again.
+  // Returns the path of an instance from the top level down, in the same notation; find() of it is that instance again.
   [[nodiscard]] std::string path_of(ObjectId id) const;
 
-  // Affine map from an instance's own children frame to world: the product of the transforms of its path, itself
-  // included.
+  // Returns the affine map from the frame of the children of an instance to the world: the product of the transforms of
+  // its path, itself included.
   [[nodiscard]] Eigen::Affine3d world_from_local(ObjectId id) const;
-  // The rigid part of the path: the position of the instance's origin and the product of its path's rotations. This is
-  // the pose that replication moves; scale and shear stay baked in the object's vertices. The position is
-  // world_from_local * 0: with a `center`, the origin is not at the translation, and it moves when the node turns.
+  // Returns the rigid part of the path: the position of the origin of the instance and the product of the rotations of
+  // its path. This is the pose that replication moves; scale and shear stay baked in the vertices of the object. The
+  // position is world_from_local * 0: with a `center`, the origin is not at the translation, and it moves when the node
+  // turns.
   [[nodiscard]] Pose rigid_pose(ObjectId id) const;
-  // A translation's change in the world, for a vector in the frame of the instance's parent, as a velocityVector is.
+  // Returns the change of a translation in the world, for a vector in the frame of the parent of the instance, as a
+  // velocityVector is.
   [[nodiscard]] Vec3 to_world(ObjectId id, const Vec3& in_parent) const;
   // Maps Shape-frame vertices of `shape` (a descendant of `object`, or itself) into the rigid frame of `object`:
-  // rigid_pose(object)^-1 * world_from_local(shape). Exactly the identity where nothing but rigid transforms lead to
-  // `object` and nothing at all from there to `shape`, so such vertices keep their parsed binary32 values.
+  // rigid_pose(object)^-1 * world_from_local(shape). The map is exactly the identity where nothing but rigid transforms
+  // lead to `object` and nothing at all from there to `shape`, so such vertices keep their parsed binary32 values.
   [[nodiscard]] Eigen::Affine3d object_from_shape(ObjectId object, ObjectId shape) const;
 };
 

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
-#include <unordered_set>
 #include <utility>
 
 #include "core/geometry/tessellate.hpp"
 #include "core/scene/geometry_reader.hpp"
-#include "core/scene/path_resolver.hpp"
+#include "core/scene/interest_reader.hpp"
+#include "core/scene/object_finder.hpp"
 #include "core/scene/rotation.hpp"
 #include "core/vrml/default_values.hpp"
-#include "core/vrml/element_positions.hpp"
 #include "core/vrml/name_table.hpp"
 
 namespace peerd::vrml {
@@ -58,8 +57,7 @@ class Builder {
         nodes_(document->nodes),
         tessellation_(tessellation),
         limits_(limits),
-        problems_(problems),
-        unreadable_names_(document->unreadable_names.begin(), document->unreadable_names.end()) {}
+        problems_(problems) {}
 
   Scene build();
 
@@ -70,8 +68,8 @@ class Builder {
     std::uint32_t first_child = 0, end_child = 0;  // in children_
     std::uint32_t content = kNone;                 // a Transform's transform, a Shape's geometry
     std::uint32_t extension = kNone;               // as in Instance
-    std::uint32_t name = kNone;                    // its number
-    std::uint32_t first_instance = kNone;          // whose copies the others are; kNone: none is
+    std::uint32_t name = kNone;                    // number of the name
+    std::uint32_t first_instance = kNone;          // the others are its copies; kNone: none is
     NodeKind kind = NodeKind::kGroup;
     bool inner_name = false;
     bool siblings = false;  // two of its children or more have names
@@ -106,11 +104,6 @@ class Builder {
   void copy_instances(std::uint32_t first, std::int32_t parent, std::uint32_t child_index, Presence presence);
   void add_pending_inline(const Node& node, std::uint32_t id);
   void mark_siblings(std::uint32_t parent, std::uint32_t begin, std::uint32_t end);
-  std::optional<ObjectId> resolve(std::string_view path, std::uint32_t scope, Position at);
-  void add_interest(const Node& node);
-  void add_key_sensor(std::uint32_t node);
-  void gather_inner_names();
-  void check_key_routes();
 
   const std::shared_ptr<const Document>& document_;
   const std::vector<Node>& nodes_;
@@ -126,14 +119,10 @@ class Builder {
   NameTable<std::uint32_t> name_numbers_;     // of all names of instances
   std::vector<std::uint32_t> first_of_name_;  // by number, the first instance; kNone: no name of the world's own
   std::vector<std::uint32_t> last_parent_;    // by number, of the instance that was marked last
-  PathResolver paths_{scene_};
-  std::unordered_set<std::string_view> unreadable_names_;
-  bool gathered_ = false;  // inner_names_
-  std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_names_;
-  std::unordered_set<std::uint32_t> routed_keys_;  // KeySensors that tell others
 };
 
-// Copies of a PROTO's geometry have the same values, not just equal ones.
+// Adds a geometry, or finds it among copies: copies of the geometry of a PROTO have the same values, not just equal
+// ones.
 std::uint32_t Builder::add_geometry(std::uint32_t index) {
   const Node& node = nodes_[index];
   std::vector<const void*> key;
@@ -304,7 +293,7 @@ void Builder::share(std::uint32_t index) {
   // A name is looked up once a node, however many instances there are of it.
   const auto next = static_cast<std::uint32_t>(name_numbers_.size());
   std::uint32_t& number = name_numbers_[node.def];
-  if (name_numbers_.size() > next) number = next;  // it was new
+  if (name_numbers_.size() > next) number = next;  // the name was new
   shared.name = number;
 }
 
@@ -387,7 +376,8 @@ void Builder::instantiate(const Child& child, std::int32_t parent, std::uint32_t
   if (scene_.pending_inlines.size() == inlines) shared.first_instance = id;
 }
 
-// An instance and all below it once more; where this one doesn't collide or isn't drawn, nothing below it does or is.
+// Adds an instance and all below it once more; where this one does not collide or is not drawn, nothing below it does
+// or is.
 void Builder::copy_instances(std::uint32_t first, std::int32_t parent, std::uint32_t child_index, Presence presence) {
   auto& instances = scene_.instances;
   const auto id = static_cast<std::uint32_t>(instances.size());
@@ -429,133 +419,6 @@ void Builder::mark_siblings(std::uint32_t parent, std::uint32_t begin, std::uint
   }
 }
 
-// Gathers the names inside PROTOs and Inlines: the first instance of each name in each scope.
-void Builder::gather_inner_names() {
-  std::vector<std::uint32_t> first_of_node(nodes_.size(), kNone);
-  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-    const Instance& instance = scene_.instances[i];
-    if (first_of_node[instance.node] == kNone) first_of_node[instance.node] = i;
-    const std::uint32_t scope = nodes_[instance.node].scope;
-    if (!instance.def.empty() && scope != 0) inner_names_.try_emplace({scope, instance.def}, i);
-  }
-  for (const InnerName& inner : document_->inner_names) {
-    if (first_of_node[inner.node] != kNone) inner_names_[{inner.scope, inner.name}] = first_of_node[inner.node];
-  }
-}
-
-// A name inside of a PROTO or an Inline means a node in there first. Nothing is reported for a name that was lost in an
-// error.
-std::optional<ObjectId> Builder::resolve(std::string_view path, std::uint32_t scope, Position at) {
-  if (problems_.full()) return std::nullopt;
-  if (scope != 0) {
-    if (!std::exchange(gathered_, true)) gather_inner_names();
-    if (const auto it = inner_names_.find({scope, path}); it != inner_names_.end()) return ObjectId{it->second};
-  }
-  if (const std::uint32_t* number = name_numbers_.find(path); number != nullptr && first_of_name_[*number] != kNone) {
-    return ObjectId{first_of_name_[*number]};
-  }
-  if (const auto id = paths_.find(path)) return id;
-  const std::string_view first = path.substr(0, path.find('/'));
-  if (unreadable_names_.contains(first)) return std::nullopt;
-  const auto named = std::ranges::find(nodes_, path, &Node::def);
-  if (named != nodes_.end() && !path.empty()) {
-    problems_.error(at,
-                    quoted(path) + " is a " + std::string(named->type->name) + ", not a group or Shape of the scene");
-    return std::nullopt;
-  }
-  Suggestion suggestion(path);
-  if (first_of_name_.size() <= kMaxSuggestionNames) {
-    for (const auto& [name, number] : name_numbers_) suggestion.consider(name);
-  }
-  problems_.error(at, "no node of the scene is named " + quoted(path) + did_you_mean(suggestion));
-  return std::nullopt;
-}
-
-void Builder::add_interest(const Node& node) {
-  CollisionInterest interest;
-  const Field& type = value_of(node, "collisionType");
-  const std::int32_t written = type.as<std::int32_t>()[0];
-  if (written > 2) {
-    problems_.error(type.at,
-                    "collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found " + std::to_string(written));
-  }
-  interest.type = static_cast<CollisionType>(written);
-  const Field* path = node.find("objectPath");
-  std::optional<ObjectId> collider;
-  if (path != nullptr) {
-    collider = resolve(path->as<std::string_view>()[0], node.scope, path->at);
-  } else if (!node.damaged) {
-    problems_.error(node.at, "this CollisionInterest has no objectPath: it must name the node that is registered");
-  }
-
-  std::unordered_set<ObjectId> seen;
-  for (const std::string_view field : {"interests", "collisionInterests"}) {
-    const Field* list = node.find(field);
-    if (list == nullptr) continue;
-    const auto names = list->as<std::string_view>();
-    ElementPositions positions(problems_.text_of(list->at), problems_.begin_of(list->at), list->at);
-    for (std::size_t i = 0; i < names.size() && !problems_.full(); ++i) {
-      const Position at = positions.at(i);
-      const auto collidee = resolve(names[i], node.scope, at);
-      if (!collidee) continue;
-      if (collidee == collider) {
-        problems_.error(at, quoted(names[i]) + " is the collider itself");
-      } else if (!seen.insert(*collidee).second) {
-        problems_.warning(at, quoted(names[i]) + " is listed twice; it counts once");
-      } else {
-        interest.collidees.push_back(*collidee);
-      }
-    }
-  }
-  if (seen.empty() && !node.damaged) problems_.warning(node.at, "this CollisionInterest has no interests");
-  if (!collider) return;
-  interest.collider = *collider;
-  scene_.interests.push_back(std::move(interest));
-}
-
-void Builder::add_key_sensor(std::uint32_t index) {
-  const Node& node = nodes_[index];
-  std::optional<ObjectId> recipient;
-  if (const Field* path = node.find("recipient"); path != nullptr && !path->as<std::string_view>()[0].empty()) {
-    const std::string_view name = path->as<std::string_view>()[0];
-    recipient = resolve(name, node.scope, path->at);
-    if (!recipient) return;
-    if (scene_.at(*recipient).kind != NodeKind::kTransform) {
-      problems_.error(path->at, quoted(name) + " is no Transform: it has no velocity that a key can change");
-      return;
-    }
-  } else if (!routed_keys_.contains(index) && !node.damaged) {
-    problems_.warning(node.at, "this KeySensor has no recipient: it moves nothing");
-  }
-  const auto flag = [&](std::string_view field) { return value_of(node, field).as<bool>()[0]; };
-  scene_.key_sensors.push_back({.node = index,
-                                .recipient = recipient,
-                                .key_value = value_of(node, "keyValue").as<std::int32_t>()[0],
-                                .key_state = value_of(node, "keyState").as<std::int32_t>()[0],
-                                .value = to_vec3(value_of(node, "value")),
-                                .absolute = flag("absoluteValue"),
-                                .consume = flag("consume"),
-                                .enabled = flag("enabled")});
-}
-
-// A key is known to one peer only, but the movement that a world makes by itself must be the same on all of them.
-void Builder::check_key_routes() {
-  for (const Route& route : document_->routes) {
-    const bool from_key = nodes_[route.from_node].type->role == NodeRole::kKeySensor;
-    const bool to_key = nodes_[route.to_node].type->role == NodeRole::kKeySensor;
-    if (from_key) routed_keys_.insert(route.from_node);
-    if (from_key && !to_key) {
-      problems_.warning(route.at,
-                        "what a key does reaches other KeySensors only, since no other peer knows of the key: this "
-                        "ROUTE to a " +
-                            std::string(nodes_[route.to_node].type->name) + " is not run for it");
-    } else if (to_key && !from_key) {
-      problems_.warning(route.at, "a KeySensor takes events of other KeySensors only: this ROUTE from a " +
-                                      std::string(nodes_[route.from_node].type->name) + " is not run");
-    }
-  }
-}
-
 Scene Builder::build() {
   scene_.document = document_;
   scene_.tessellation = tessellation_;
@@ -589,10 +452,12 @@ Scene Builder::build() {
     instantiate({shared_by(document_->top_level[i])}, -1, i, {});
   }
   mark_siblings(kTop, 0, static_cast<std::uint32_t>(scene_.instances.size()));
-  check_key_routes();
+  ObjectFinder objects(*document_, scene_, name_numbers_, first_of_name_, problems_);
+  InterestReader interests(*document_, scene_, objects, problems_);
+  interests.check_key_routes();
   for (const std::uint32_t i : with_paths) {
-    if (nodes_[i].type->role == NodeRole::kCollisionInterest) add_interest(nodes_[i]);
-    if (nodes_[i].type->role == NodeRole::kKeySensor) add_key_sensor(i);
+    if (nodes_[i].type->role == NodeRole::kCollisionInterest) interests.add_interest(nodes_[i]);
+    if (nodes_[i].type->role == NodeRole::kKeySensor) interests.add_key_sensor(i);
   }
   return std::move(scene_);
 }

@@ -7,8 +7,8 @@
 
 namespace peerd::vrml {
 
-// The document's nodes as a scene. Reports what the parser could not know: indices, names, depth and number of
-// instances. The scene counts only where `problems` has no error.
+// Builds a scene of the nodes of a document. Reports mistakes that the parser could not know of: indices, names, depth
+// and number of instances. The scene counts only where `problems` has no error.
 [[nodiscard]] Scene build_scene(const std::shared_ptr<const Document>& document, const Tessellation& tessellation,
                                 const ReadLimits& limits, Problems& problems);
 

@@ -27,7 +27,7 @@ Key key_of(const auto&) { return {}; }  // lists of any length: equal ones are r
 // A few bytes of text ask for hundreds of polygons, and worlds repeat them.
 class RepeatedGeometryCache {
  public:
-  // The defects of an equal geometry, or none yet, to be filled in. Null where it isn't worth it.
+  // Returns the defects of an equal geometry, or none yet, to be filled in. Null where the search is not worth it.
   [[nodiscard]] std::optional<MeshDefects>* find(const Geometry& geometry) {
     Key key = std::visit([](const auto& g) { return key_of(g); }, geometry);
     if (key.empty()) return nullptr;

@@ -8,13 +8,13 @@
 
 namespace peerd {
 
-// The defects of all geometries of a scene, each looked at once however often it is used, and by itself: two Shapes may
-// share edges and repeat each other's polygons.
+// SceneDefects are the defects of all geometries of a scene. A geometry is examined once however often it is used, and
+// by itself: two Shapes may share edges and repeat each other's polygons.
 struct SceneDefects {
   struct Count {
     std::uint64_t polygons = 0;
     std::optional<ObjectId> shape;  // the first that shows the first of them; none where no Shape has that geometry
-    std::uint32_t polygon = 0;      // its number there
+    std::uint32_t polygon = 0;      // number in the mesh
   };
   std::array<Count, kDefects> counts;
   std::uint64_t boundary_edges = 0, non_manifold_edges = 0, same_direction_edges = 0, edges_without_length = 0;
@@ -22,7 +22,7 @@ struct SceneDefects {
   [[nodiscard]] const Count& operator[](Defect defect) const { return counts[static_cast<std::size_t>(defect)]; }
 };
 
-// Builds one mesh at a time.
+// Finds the defects, with one mesh in memory at a time.
 [[nodiscard]] SceneDefects defects_of(const Scene& scene);
 
 }  // namespace peerd

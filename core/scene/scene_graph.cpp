@@ -64,7 +64,7 @@ void SceneGraph::remove(NodeHandle node) {
   boxes_.leave_parent(tree_, top);
   tree_.unlink(top);
   tree_[top].next = kNoSlot;
-  // Freed from the last to the first, so that the same subtree added again lies depth first again.
+  // The slots are freed from the last to the first, so that the same subtree added again lies depth first again.
   std::vector<std::uint32_t> removed;
   for (std::uint32_t i = top; i != kNoSlot; i = tree_.after(i, top)) removed.push_back(i);
   for (auto i = removed.rbegin(); i != removed.rend(); ++i) free_node(*i);
@@ -135,9 +135,9 @@ void SceneGraph::set_rigid(NodeHandle node, const Vec3& translation_m, const Qua
   PoseStore::write_rotation(placed, rotation);
 }
 
-// Asks early for what setting, update() and box() touch of a mover, its parent and its first child (its Shape, mostly),
-// each time for what the memory asked for before has told. In steps of few enough movers that the nearest cache (32 KiB
-// or more) still holds the first when the last has come.
+// The loops prefetch the memory that setting, update() and box() touch of a moving node, its parent and its first child
+// (its Shape, mostly), each loop by the addresses that the memory asked for before has brought. A step has few enough
+// nodes that the nearest cache (32 KiB or more) still holds the first when the last has come.
 void SceneGraph::set_rigid(std::span<const RigidMove> moves) {
   constexpr std::size_t kStep = 64;
   for (; !moves.empty(); moves = moves.subspan(std::min(kStep, moves.size()))) {

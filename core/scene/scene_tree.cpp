@@ -26,7 +26,7 @@ void SceneTree::link(std::uint32_t i, std::uint32_t parent, std::uint32_t before
     nodes_[parent].first_child = i;
     return;
   }
-  const std::uint32_t behind = before == kNoSlot ? first : before;  // whose `previous` becomes i
+  const std::uint32_t behind = before == kNoSlot ? first : before;  // its `previous` becomes i
   node.previous = nodes_[behind].previous;
   if (before == first) {
     nodes_[parent].first_child = i;

@@ -6,19 +6,19 @@
 #include <iterator>
 #include <vector>
 
-#include "core/scene/slot_pool.hpp"
+#include "core/slot_pool.hpp"
 
 namespace peerd {
 
-// A node of one SceneGraph and of the copies made of it since. It names that node until the node is removed, and
-// nothing from then on: a slot that is used again has another generation.
+// A NodeHandle names a node of one SceneGraph and of the copies made of it since. It names that node until the node is
+// removed, and nothing from then on: a slot that is used again has another generation.
 struct NodeHandle {
   std::uint32_t index = 0;
   std::uint32_t generation = 0;  // odd for a node; 0: no node
   friend constexpr auto operator<=>(const NodeHandle&, const NodeHandle&) = default;
 };
 
-// Half a cache line: what walking, checking a handle and marking need.
+// A SceneNode is half a cache line: the data that walking, checking a handle and marking need.
 struct alignas(32) SceneNode {
   std::uint32_t generation = 0;
   std::uint32_t parent = kNoSlot;
@@ -29,22 +29,22 @@ struct alignas(32) SceneNode {
   std::uint32_t box = kNoSlot;       // in BoxHierarchy
   std::uint32_t depth : 20 = 0;      // below the root
   std::uint32_t has_transform : 1 = 0;
-  std::uint32_t dirty : 1 = 0;          // its pose is to be made by update(), with all below
+  std::uint32_t dirty : 1 = 0;          // update() has to make its pose, with all below
   std::uint32_t in_dirty_list : 1 = 0;  // of the slot, not of the node: survives remove()
   // A tracked node has a world box, which everything tracked above has absorbed; all below is tracked or pending.
   std::uint32_t box_tracked : 1 = 0;
-  std::uint32_t box_pending : 1 = 0;  // it is to be made anew from what is below
+  std::uint32_t box_pending : 1 = 0;  // its box has to be made anew from those below
   std::uint32_t in_pending_list : 1 = 0;
   std::uint32_t box_loose : 6 = 0;  // sides, -x -y -z +x +y +z, that may be farther out than anything below
 };
 class SceneNodeRange;
 
-// The nodes of a SceneGraph and how they hang together: parents, children in order, generations of slots. The root is
-// slot 0 and always there. Knows poses and boxes by their slots only.
+// A SceneTree holds the nodes of a SceneGraph and how they hang together: parents, children in order, generations of
+// slots. The root is slot 0 and always there. The tree knows poses and boxes by their slots only.
 class SceneTree {
  public:
   static constexpr std::uint32_t kRoot = 0;
-  static constexpr std::uint32_t kMaxDepth = (1u << 20) - 1;  // what SceneNode::depth holds
+  static constexpr std::uint32_t kMaxDepth = (1u << 20) - 1;  // largest SceneNode::depth
 
   SceneTree();
 
@@ -55,8 +55,10 @@ class SceneTree {
     return node.index < nodes_.size() && (node.generation & 1) != 0 && nodes_[node.index].generation == node.generation;
   }
   [[nodiscard]] std::size_t slot_count() const { return nodes_.size(); }
-  [[nodiscard]] std::size_t size() const { return nodes_.size() - free_nodes_.size() - retired_slots_ - 1; }  // no root
-  // The slot of a node that is alive.
+  [[nodiscard]] std::size_t size() const {
+    return nodes_.size() - free_nodes_.size() - retired_slots_ - 1;
+  }  // without the root
+  // Returns the slot of a node that is alive.
   [[nodiscard]] std::uint32_t slot(NodeHandle node) const {
     assert(alive(node));
     return node.index;
@@ -64,11 +66,11 @@ class SceneTree {
   [[nodiscard]] NodeHandle handle_of(std::uint32_t i) const {
     return i == kNoSlot ? NodeHandle{} : NodeHandle{i, nodes_[i].generation};
   }
-  // The slot of `before`, which is a child of `parent`; kNoSlot for no node.
+  // Returns the slot of `before`, which is a child of `parent`; kNoSlot for no node.
   [[nodiscard]] std::uint32_t place(std::uint32_t parent, NodeHandle before) const;
 
   void reserve(std::size_t nodes) { nodes_.reserve(nodes); }
-  // A new node below `parent`, in front of `before` or behind all, with the pose of its parent.
+  // Adds a node below `parent`, in front of `before` or behind all, with the pose of its parent.
   std::uint32_t add(std::uint32_t parent, std::uint32_t before);
   // Frees the slot of a node that is unlinked, or whose parent is freed as well.
   void free(std::uint32_t i);
@@ -77,8 +79,8 @@ class SceneTree {
   // Changes the depth of all nodes of the subtree.
   void shift_depths(std::uint32_t top, std::int64_t by);
 
-  // The node behind i, depth first, within the subtree of `top`; kNoSlot behind its end. after_subtree() does not go
-  // below i.
+  // Both return the node behind i, depth first, within the subtree of `top`; kNoSlot behind its end. after_subtree()
+  // does not go below i.
   [[nodiscard]] std::uint32_t after_subtree(std::uint32_t i, std::uint32_t top) const {
     while (i != top) {
       if (nodes_[i].next != kNoSlot) return nodes_[i].next;
@@ -99,7 +101,7 @@ class SceneTree {
   std::size_t retired_slots_ = 0;  // their generations are used up
 };
 
-// A forward range of handles; see SceneGraph::children() and subtree().
+// A SceneNodeRange is a forward range of handles; see SceneGraph::children() and subtree().
 class SceneNodeRange {
  public:
   class Iterator {

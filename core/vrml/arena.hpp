@@ -9,10 +9,11 @@
 
 namespace peerd {
 
-// Memory that is only freed as a whole. What is allocated stays where it is, so views into it hold as long as it lives.
+// An Arena is memory that is only freed as a whole. Allocated objects stay where they are, so views into them hold as
+// long as the arena lives.
 class Arena {
  public:
-  // Uninitialised. Large arrays get a block of their own size, small ones share blocks.
+  // Returns uninitialised memory. Large arrays get a block of their own size, small ones share blocks.
   template <class T>
   [[nodiscard]] std::span<T> allocate(std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -67,8 +68,8 @@ class Arena {
   std::size_t size_ = 0;
 };
 
-// A list of elements that grows inside an arena. When the caller guessed the count right, it takes one block of the
-// right size; otherwise the outgrown blocks stay in the arena unused.
+// A GrowingList grows inside an arena. When the caller guessed the count right, it takes one block of the right size;
+// otherwise the outgrown blocks stay in the arena unused.
 template <class T>
 class GrowingList {
  public:

@@ -7,7 +7,7 @@
 namespace peerd::vrml {
 namespace {
 
-// The table's default values, read once from its texts.
+// Defaults are the default values of the table of node types, read once from its texts.
 class Defaults {
  public:
   Defaults() {

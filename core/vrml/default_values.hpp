@@ -5,10 +5,11 @@
 
 namespace peerd::vrml {
 
-// The value that a field has where the text gives none. Not for events, nor for fields of prototypes and scripts.
+// Returns the value that a field has where the text gives none. Events and the fields of prototypes and scripts have no
+// such value.
 [[nodiscard]] const Field& default_of(const FieldSpec& spec);
 
-// The value of `field`, given or default.
+// Returns the value of `field`, given or default.
 [[nodiscard]] const Field& value_of(const Node& node, std::string_view field);
 
 }  // namespace peerd::vrml

@@ -24,7 +24,7 @@ struct Diagnostic {
   Severity severity = Severity::kError;
   SourceLocation where;
   std::string message;
-  std::uint32_t source = 0;  // which text, by its place in ReadResult::sources
+  std::uint32_t source = 0;  // the text, as an index into ReadResult::sources
   std::size_t offset = 0;    // offset of `where` in that text, in bytes
 };
 
@@ -35,29 +35,29 @@ struct Diagnostic {
 
 // A Source is one of the texts that a world is made of: its own, or that of an Inline or an EXTERNPROTO.
 struct Source {
-  std::string name;                          // for people, and what its relative URLs start from
+  std::string name;                          // for people; relative URLs start from it
   std::string_view text;                     // unpacked
   std::shared_ptr<const std::string> owned;  // keeps `text`; null where the caller of the reader keeps it
 };
 
 namespace vrml {
 
-// A byte of all texts of a world, laid one behind the other in the order in which they were opened.
+// A Position is a byte of all texts of a world, laid one behind the other in the order in which they were opened.
 using Position = std::uint32_t;
 
-// The texts, and what is wrong with them. Past kLimit errors the list is closed with a last entry that says so, and the
-// parser stops: a binary file by mistake must not cost minutes and gigabytes of messages.
+// Problems holds the texts, and the mistakes in them. Past kLimit errors the list is closed with a last entry that says
+// so, and the parser stops: a binary file by mistake must not cost minutes and gigabytes of messages.
 class Problems {
  public:
   static constexpr std::size_t kLimit = 1000;
   static constexpr std::uint64_t kMaxBytes = (std::uint64_t{1} << 32) - 2;  // Positions are 32 bits wide
 
-  // The position of its first byte; nothing where the texts together would exceed kMaxBytes.
+  // Adds a text and returns the position of its first byte; nothing where the texts together would exceed kMaxBytes.
   [[nodiscard]] std::optional<Position> open(Source source);
   [[nodiscard]] std::string_view text_of(Position at) const;  // the whole text that holds it
   [[nodiscard]] Position begin_of(Position at) const;         // of that text
   [[nodiscard]] std::string_view name_of(Position at) const;  // of that text
-  // The text's name and the offset in it: the same in every reading of the same files.
+  // Returns the name of the text and the offset in it: the same in every reading of the same files.
   [[nodiscard]] std::pair<std::string, std::size_t> place_of(Position at) const;
 
   void error(Position at, std::string message);

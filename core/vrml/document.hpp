@@ -13,10 +13,11 @@
 
 namespace peerd::vrml {
 
-// Nodes inside nodes, in the text or through USE. Deeper input is refused; the reader recurses this far.
+// The deepest nesting of nodes inside nodes, in the text or through USE. Deeper input is refused; the reader recurses
+// this far.
 inline constexpr std::uint32_t kMaxNesting = 256;
 
-// A node where it stands: written there, or USEd there.
+// A NodeRef is a node where it stands: written there, or USEd there.
 struct NodeRef {
   static constexpr std::uint32_t kNull = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t index = kNull;  // into Document::nodes
@@ -25,9 +26,9 @@ struct NodeRef {
   [[nodiscard]] bool is_node() const { return index != kNull; }
 };
 
-// A field's value, in the document's arena and never changed there: copies of a node share it. The elements by type:
-// bool | std::int32_t (SFImage: width, height, components, pixels) | double (SFTime) | float, flat | std::string_view |
-// NodeRef (SFNode: none where it is NULL). An SF value is a list of one.
+// A Field is the value of a field, in the arena of the document and never changed there: copies of a node share it. The
+// elements by type: bool | std::int32_t (SFImage: width, height, components, pixels) | double (SFTime) | float, flat |
+// std::string_view | NodeRef (SFNode: none where it is NULL). An SF value is a list of one.
 struct Field {
   const FieldSpec* spec = nullptr;
   const void* data = nullptr;
@@ -42,10 +43,11 @@ struct Field {
 
 struct Node {
   const NodeType* type = nullptr;
-  const Field* fields = nullptr;  // those that the text gives; default_of() has the others
-  std::string_view def;
+  const Field* fields = nullptr;  // fields that the text gives; default_of() has the others
+  std::string_view def{};
   Position at = 0;
-  // The names that are seen from it: those of the world are 0, each copy of a PROTO's body and each Inline has its own.
+  // The scope of the names that are seen from the node: those of the world are 0, each copy of the body of a PROTO and
+  // each Inline has its own.
   std::uint32_t scope = 0;
   std::uint32_t field_count = 0;
   bool damaged = false;  // an error inside it is reported: what follows from it needs no second report
@@ -68,18 +70,18 @@ struct Route {
   Position at = 0;
 };
 
-// A name that a node has inside of a PROTO only: outside it goes by another, or by none.
+// An InnerName is a name that a node has inside of a PROTO only: outside the node goes by another name, or by none.
 struct InnerName {
   std::uint32_t scope = 0;
   std::string_view name;
   std::uint32_t node = NodeRef::kNull;
 };
 
-// All nodes of a world as its texts have them, with PROTOs replaced by what they stand for and Inlines filled: a graph
-// shared by USE. Needs none of the texts any more.
+// A Document holds all nodes of a world as its texts have them, with PROTOs replaced by the nodes that they stand for
+// and Inlines filled: a graph shared by USE. It does not need the texts any more.
 struct Document {
-  // A node stands behind all that it refers to, so that there is no cycle; but the own fields of a Script, which it is
-  // only told of, may refer to nodes around it and to itself.
+  // A node stands behind all nodes that it refers to, so that there is no cycle; but the own fields of a Script, which
+  // do not contain nodes, may refer to nodes around it and to itself.
   std::vector<Node> nodes;
   std::vector<NodeRef> top_level;  // null where a node could not be read
   std::vector<Route> routes;       // in file order

@@ -17,7 +17,7 @@ bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<No
     std::string message = quoted(spec.name) + " takes " + std::string(name_of_classes(spec.accepts)) + "; " +
                           std::string(type.name) + " is " + std::string(name_of_classes(type.classes));
     if (spec.accepts == kChild) {
-      // Shown by nobody and solid to nobody, and harmless.
+      // A node that is no child is neither shown nor solid there, and harmless.
       if (type.classes == kGeometry) message += ": write Shape { geometry " + std::string(type.name) + " { .. } }";
       problems.warning(ref.at, message + "; here it has no effect");
       continue;

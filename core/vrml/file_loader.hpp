@@ -8,12 +8,12 @@
 namespace peerd {
 
 struct LoadedFile {
-  std::string name;  // one for each file, however it is spelled in URLs: for people, and what its own URLs start from
+  std::string name;  // one for each file, however URLs spell it; for people, and its own URLs start from it
   std::string bytes;
 };
 
-// Reads the file behind the URL of an Inline or an EXTERNPROTO, or says in a few words why it can't. `base` is the name
-// of the file that has the URL. core opens no file itself.
+// A FileLoader reads the file behind the URL of an Inline or an EXTERNPROTO, or says in a few words why it cannot.
+// `base` is the name of the file that has the URL. The core opens no file itself.
 using FileLoader = std::function<std::expected<LoadedFile, std::string>(std::string_view url, std::string_view base)>;
 
 struct ReadLimits {

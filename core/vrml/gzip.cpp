@@ -20,7 +20,7 @@ std::expected<std::string, std::string> gunzip(std::string_view bytes, std::size
 
   std::string out;
   constexpr std::size_t kLargestChunk = std::numeric_limits<uInt>::max() / 2;
-  // A deflated byte stands for at most 1,032; most stand for fewer than 8.
+  // A byte of deflated data stands for at most 1,032 bytes; most stand for fewer than 8.
   std::size_t next = std::min(8 * bytes.size() + 64, max_bytes);
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
   std::size_t left = bytes.size();
@@ -37,7 +37,8 @@ std::expected<std::string, std::string> gunzip(std::string_view bytes, std::size
     left -= feed - stream.avail_in;
     out.resize(before + room - stream.avail_out);
     if (result == Z_STREAM_END) {
-      // Another member may follow. Zeros that pad to a block's end, as tapes have them, and other bytes don't count.
+      // Another member may follow. Zeros that pad to the end of a block, as tapes have them, and other bytes don't
+      // count.
       if (left < 2 || !is_gzip(bytes.substr(bytes.size() - left))) break;
       if (inflateReset(&stream) != Z_OK) return std::unexpected("zlib cannot go on");
     } else if (result == Z_BUF_ERROR && left == 0) {

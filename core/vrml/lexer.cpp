@@ -99,7 +99,8 @@ void Lexer::skip_white_space() {
   at_ = static_cast<std::size_t>(at - text_.data());
 }
 
-// Eight bytes at a time. All bytes up to the blank are taken for white space: those that are none are in no right list.
+// The loop takes eight bytes at a time. All bytes up to the blank are taken for white space: the control bytes among
+// them that are none stand in no right list.
 Lexer::Count Lexer::count_numbers() const {
   const char* const begin = text_.data() + at_;
   const void* const bracket = std::memchr(begin, ']', text_.size() - at_);
@@ -204,7 +205,7 @@ std::expected<Header, std::string> read_header(std::string_view text) {
   const std::size_t begin = text.starts_with(kMark) ? kMark.size() : 0;
   const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
   const std::string_view first = text.substr(begin, end - begin);
-  // The three words, what separates them, and that nothing is glued to the last.
+  // The header is checked for its three words, the blanks between them, and that nothing is glued to the last.
   std::string_view rest = first;
   bool words = true, exact = true;
   for (const std::string_view word : {"#VRML", "V2.0", "utf8"}) {
@@ -251,7 +252,8 @@ std::expected<std::int32_t, NumberError> read_int32(std::string_view text) {
   if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) {
     return std::unexpected(NumberError::kSyntax);
   }
-  // Hexadecimal spells the 32 bits (0xFFFFFFFF is -1, as pixels are written); decimal must fit with its sign.
+  // Hexadecimal digits spell the 32 bits (0xFFFFFFFF is -1, as pixels are written); decimal digits must fit with their
+  // sign.
   const std::uint32_t largest = hexadecimal ? 0xFFFFFFFFu : negative ? 0x80000000u : 0x7FFFFFFFu;
   if (error == std::errc::result_out_of_range || magnitude > largest) return std::unexpected(NumberError::kOverflow);
   return static_cast<std::int32_t>(negative ? 0u - magnitude : magnitude);

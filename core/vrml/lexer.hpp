@@ -29,8 +29,8 @@ struct Token {
   std::string_view text;     // into the text that is read
 };
 
-// Cuts VRML97 text into tokens (ISO/IEC 14772-1, 4.3 and annex A). Comments and commas are white space. Holds no memory
-// of its own: a copy is a bookmark.
+// A Lexer cuts VRML97 text into tokens (ISO/IEC 14772-1, 4.3 and annex A). Comments and commas are white space. It
+// holds no memory of its own: a copy is a bookmark.
 class Lexer {
  public:
   explicit Lexer(std::string_view text, std::size_t begin = 0) : text_(text), at_(begin) {}
@@ -67,19 +67,19 @@ class Lexer {
 // Checks the first line, "#VRML V2.0 utf8", and gives the offset behind it; or says what the text is instead.
 struct Header {
   std::size_t end = 0;
-  std::string_view remark;  // what is not as the standard has it, and harmless; may be empty
+  std::string_view remark;  // harmless deviations from the standard; may be empty
 };
 [[nodiscard]] std::expected<Header, std::string> read_header(std::string_view text);
 
 enum class NumberError : std::uint8_t { kSyntax, kNotFinite, kOverflow };
 
-// The nearest binary32 to a number's text. Underflow gives zero, which is the nearest.
+// Returns the binary32 nearest to the text of a number. Underflow gives zero, which is the nearest.
 [[nodiscard]] std::expected<float, NumberError> read_float(std::string_view text);
 [[nodiscard]] std::expected<double, NumberError> read_double(std::string_view text);
-// Decimal or 0x hexadecimal.
+// Returns an integer, decimal or 0x hexadecimal.
 [[nodiscard]] std::expected<std::int32_t, NumberError> read_int32(std::string_view text);
 
-// The value of a kString token: \" and \\ are the only escapes.
+// Returns the value of a kString token: \" and \\ are the only escapes.
 [[nodiscard]] std::string unescaped(std::string_view text);
 
 // Returns where a number of the plain kind ends: digits, a period and a small exponent, or a decimal integer, that

@@ -9,9 +9,9 @@
 
 namespace peerd::vrml {
 
-// Values by name, in the order in which the names came; the names are kept elsewhere. Large worlds name every node, so
-// this holds its entries side by side and its slots (open addressing, at most half of them taken) apart from them:
-// std::unordered_map costs a block and twice the cache misses a name.
+// A NameTable holds values by name, in the order in which the names came; the names are kept elsewhere. Large worlds
+// name every node, so the table holds its entries side by side and its slots (open addressing, at most half of them
+// taken) apart from them: std::unordered_map costs a block and twice the cache misses a name.
 template <class Value>
 class NameTable {
  public:
@@ -20,7 +20,7 @@ class NameTable {
     const Slot& slot = slots_[place(name, hash(name))];
     return slot.entry == kFree ? nullptr : &entries_[slot.entry].second;
   }
-  // The value of `name`, made of nothing where it is new.
+  // Returns the value of `name`, made of nothing where it is new.
   Value& operator[](std::string_view name) {
     if (2 * entries_.size() >= slots_.size()) grow();
     const std::uint32_t h = hash(name);
@@ -69,8 +69,8 @@ class NameTable {
   std::vector<Slot> slots_;  // a power of two
 };
 
-// A NameTable for names that most texts never look up: they wait in a list until one is looked for. Each costs a cache
-// miss, and those of names that follow one another overlap.
+// A LateNameTable is a NameTable for names that most texts never look up: they wait in a list until one is looked for.
+// A lookup costs a cache miss, and those of names that follow one another overlap.
 template <class Value>
 class LateNameTable {
  public:

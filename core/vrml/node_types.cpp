@@ -32,7 +32,7 @@ constexpr Range kShouldBeNonNegative = Range::kShouldBeNonNegative;
 constexpr Range kShouldBePositive = Range::kShouldBePositive;
 constexpr Range kNonNegative = Range::kNonNegative;
 
-// The tables: VRML97 clause 6, in its order of fields, with appendix C of the thesis.
+// The tables follow clause 6 of VRML97, in its order of fields, with appendix C of the thesis.
 
 constexpr FieldSpec kAnchorFields[] = {
     event_in("addChildren", kMFNode),

@@ -6,7 +6,7 @@
 
 namespace peerd::vrml {
 
-// VRML97 clause 5. SF: one value; MF: a list.
+// The field types of VRML97 (clause 5). SF is one value; MF is a list.
 enum class FieldType : std::uint8_t {
   kSFBool,
   kSFColor,
@@ -35,7 +35,7 @@ enum class Access : std::uint8_t {
   kExposedField,
   kEventIn,
   kEventOut,
-  kContent,  // no field of the standard's and none that a file can give: what the reader found behind a node's URL
+  kContent,  // no field of the standard, and a file cannot give it: the nodes that the reader found behind a URL
 };
 
 // The values that the standard allows in a field of numbers, for each component by itself. A value outside of the range
@@ -64,7 +64,7 @@ enum NodeClass : std::uint16_t {
 // The role that a node has for the scene builder.
 enum class NodeRole : std::uint8_t {
   kPart,     // read through the node that holds it, or what moves others
-  kDisplay,  // for eyes and ears: of no concern to a scene that collides. Other fields of a browser's own are let pass
+  kDisplay,  // to be seen or heard only; fields that browsers have added pass with a warning
   kGroup,    // a grouping node that only groups
   kTransform,
   kBillboard,
@@ -114,7 +114,7 @@ struct NodeType {
 [[nodiscard]] bool sends_events(Access access);
 [[nodiscard]] bool takes_events(Access access);
 [[nodiscard]] bool has_value(Access access);
-// Floats in one value; 0 where values are not made of floats.
+// Returns the number of floats in one value; 0 where values are not made of floats.
 [[nodiscard]] int float_count(FieldType type);
 [[nodiscard]] bool is_list(FieldType type);
 [[nodiscard]] bool holds_nodes(FieldType type);  // SFNode or MFNode

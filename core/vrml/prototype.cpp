@@ -50,7 +50,7 @@ NodeSet reachable_nodes(const Body& body, std::uint32_t node) {
       if (!holds_nodes(field.spec->type)) continue;
       set.references += field.count;
       for (const NodeRef& ref : field.as<NodeRef>()) {
-        // A Script's view of what is around it is not copied with it.
+        // The nodes around a Script that its fields refer to are not copied with it.
         if (ref.is_node() && ref.index < at && seen.insert(ref.index).second) open.push_back(ref.index);
       }
     }
@@ -159,7 +159,7 @@ Expansion expand(const Prototype& prototype, std::span<const Field> given, Body&
   const auto base = static_cast<std::uint32_t>(out.nodes.size());
   const Body& body = prototype.body;
   const std::vector<const Field*> values = linked_values(prototype, given);
-  // Defaults as they stand in this copy, each made once however many fields take it.
+  // The defaults as they stand in this copy, each made once however many fields take it.
   std::vector<std::optional<Field>> defaults(values.size());
   const auto default_of = [&](std::uint32_t value) -> const std::optional<Field>& {
     const std::optional<Field>& original = prototype.defaults[prototype.linked_fields[value]];
@@ -191,7 +191,7 @@ Expansion expand(const Prototype& prototype, std::span<const Field> given, Body&
         }
         Field field = value != nullptr ? *value : *otherwise;
         field.spec = link->inner;
-        // Defaults were checked with the PROTO; what an instance gives is its own.
+        // Defaults were checked with the PROTO; the values of an instance are its own.
         const bool good = value == nullptr || (check_nodes(*link->inner, field, out.nodes, problems) &
                                                check_range(*link->inner, field, problems));
         std::uint32_t& place = places[link->field];

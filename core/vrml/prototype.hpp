@@ -8,7 +8,8 @@
 
 namespace peerd::vrml {
 
-// Nodes that refer to each other by their places: a world's, an inlined file's or those of a PROTO's body.
+// A Body holds nodes that refer to each other by their places: those of a world, of an inlined file or of the body of a
+// PROTO.
 struct Body {
   std::vector<Node> nodes;  // a node stands behind all that it refers to
   std::vector<NodeRef> roots;
@@ -18,7 +19,7 @@ struct Body {
   std::uint64_t references = 0;  // in the fields of `nodes`
 };
 
-// `node`'s field `inner` IS the field `outer` of the interface.
+// An IsLink says that the field `inner` of `node` IS the field `outer` of the interface.
 struct IsLink {
   const FieldSpec* outer = nullptr;
   std::uint32_t node = NodeRef::kNull;
@@ -26,30 +27,30 @@ struct IsLink {
   Position at = 0;
 };
 
-// A link that carries a value, as expand() wants it.
+// A ValueLink is a link that carries a value, as expand() takes it.
 struct ValueLink {
   static constexpr std::uint32_t kNone = ~0u;
   std::uint32_t node = 0;
   std::uint32_t value = 0;  // place in Prototype::linked_fields of the field whose value it takes
   const FieldSpec* inner = nullptr;
   std::uint32_t field = 0;         // numbers the linked fields of its node, as they come; links of one field share it
-  std::uint32_t replaces = kNone;  // of those the first has it: the node's own value of that field, by its place
+  std::uint32_t replaces = kNone;  // only in the first of these: the place of the node's own value of that field
 };
 
-// A PROTO, or an EXTERNPROTO that was found or will not be (4.8, 4.9).
+// A Prototype is a PROTO, or an EXTERNPROTO that was found or will not be (4.8, 4.9).
 struct Prototype {
   NodeType type;                               // its interface as fields
-  std::vector<std::optional<Field>> defaults;  // of each of type.fields; none for events and what could not be read
-  Body body;                  // its default nodes and its own; what it is made of stands expanded in it
-  std::vector<IsLink> links;  // to fields and events of `body`, through what is expanded in it
+  std::vector<std::optional<Field>> defaults;  // by type.fields; none for events and values that could not be read
+  Body body;                                   // nodes of default values and of the body, with inner PROTOs expanded
+  std::vector<IsLink> links;                   // to fields and events of `body`, through what is expanded in it
   // The following lists are made of the links once all are there, so that no instance and no ROUTE reads more of them
   // than it needs: see sort_links(). The links of one `outer`, or of one node, keep their order.
-  std::vector<IsLink> event_links;            // those to events, by `outer`
+  std::vector<IsLink> event_links;            // links to events, by `outer`
   std::vector<ValueLink> value_links;         // by node
   std::vector<std::uint32_t> linked_fields;   // places in type.fields of those with value links
-  std::vector<std::uint32_t> link_counts;     // of each of linked_fields: its value links
+  std::vector<std::uint32_t> link_counts;     // number of value links, by linked_fields
   std::vector<std::uint32_t> value_of_field;  // by place in type.fields: the place in linked_fields, or kNone
-  std::uint64_t copied_references = 0;        // what a copy costs beside the nodes, references and ROUTEs of `body`
+  std::uint64_t copied_references = 0;        // cost of a copy beside the nodes, references and ROUTEs of `body`
   // This is set for an EXTERNPROTO that no file defines: its instances are nodes of that type, with its interface and
   // no more.
   const NodeType* not_found = nullptr;
@@ -61,7 +62,7 @@ void sort_links(Prototype& prototype);
 // Returns the links of one field of the interface.
 [[nodiscard]] std::span<const IsLink> links_of(const std::vector<IsLink>& by_outer, const FieldSpec& outer);
 [[nodiscard]] std::span<const ValueLink> value_links_of(const Prototype& prototype, std::uint32_t node);
-// The values that the links take: those `given`, by place in linked_fields; null where there is the default.
+// Returns the values that the links take: those `given`, by place in linked_fields; null where there is the default.
 [[nodiscard]] std::vector<const Field*> linked_values(const Prototype& prototype, std::span<const Field> given);
 
 // Returns the cost of the values of the links of a copy, in references: the node lists of all that take one, and
@@ -72,8 +73,9 @@ void sort_links(Prototype& prototype);
 // counts as eight anyway.
 [[nodiscard]] constexpr std::uint64_t cost_of_fields(std::uint64_t count) { return count <= 8 ? 0 : 3 * (count - 8); }
 
-// Puts a copy of the prototype's body behind `out`, with the fields `given` where they IS: checks their nodes' classes
-// and their ranges there. Gives the place of the copy's first node, or kNull where the prototype has none.
+// Puts a copy of the body of the prototype behind `out`, with the fields `given` where they IS. Checks the classes of
+// their nodes and their ranges there. Returns the place of the first node of the copy, or kNull where the prototype has
+// none.
 struct Expansion {
   std::uint32_t root = NodeRef::kNull;
   std::uint32_t base = 0;  // node i of prototype.body is node base + i of `out`
@@ -81,14 +83,14 @@ struct Expansion {
 [[nodiscard]] Expansion expand(const Prototype& prototype, std::span<const Field> given, Body& out, Arena& arena,
                                Problems& problems);
 
-// A node and all that it refers to, in the order of their body, itself last.
+// A NodeSet is a node and all that it refers to, in the order of their body, itself last.
 struct NodeSet {
   std::vector<std::uint32_t> nodes;
   std::uint64_t references = 0;  // in their fields
   std::uint64_t cost = 0;        // of a copy, beside the nodes: in references
 };
 [[nodiscard]] NodeSet reachable_nodes(const Body& body, std::uint32_t node);
-// Puts a copy of them from one body into another; gives the place of the last.
+// Puts a copy of the nodes from one body into another; returns the place of the last.
 [[nodiscard]] std::uint32_t copy_nodes(const Body& from, const NodeSet& nodes, Body& to, Arena& arena);
 
 }  // namespace peerd::vrml

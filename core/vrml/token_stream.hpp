@@ -10,8 +10,8 @@
 
 namespace peerd::vrml {
 
-// The tokens of one text with the next one to look at. Reports those that are none and goes on behind them; ends early
-// once there are too many errors.
+// A TokenStream gives the tokens of one text with the next one to look at. It reports bytes that are no token and goes
+// on behind them; it ends early once there are too many errors.
 class TokenStream {
  public:
   TokenStream(std::string_view text, Position text_begin, std::size_t begin, Problems& problems)
@@ -58,7 +58,8 @@ class TokenStream {
 
   // Passes over everything from '{' or '[' to its partner, and returns the names that stand behind a DEF in there.
   std::vector<std::string_view> skip_balanced();
-  // Says once that what `what` opened at `open` never ends: all that is open around it doesn't either.
+  // Reports once that the part named `what`, opened at `open`, never ends: all parts that are open around it do not end
+  // either.
   void report_unclosed(Position open, const std::string& what, char missing);
 
  private:

@@ -81,7 +81,7 @@ bool ValueReader::list_ends(const Token& open, bool& good) {
   return true;
 }
 
-// Values in brackets, or one without. `read_one` takes one, or reports it and gives false.
+// Reads values in brackets, or one without. `read_one` takes one, or reports it and returns false.
 template <class ReadOne>
 bool ValueReader::read_list(ReadOne read_one) {
   const Token open = tokens_.peek();
@@ -105,7 +105,7 @@ bool ValueReader::read_single(const FieldSpec& spec, Field& field) {
   return true;
 }
 
-// A list in brackets. Numbers of the plain kind are most of a world, and take a shorter way.
+// Reads a list in brackets. Numbers of the plain kind are most of a world, and take a shorter way.
 template <class T>
 bool ValueReader::read_numbers(const FieldSpec& spec, Field& field) {
   if (!tokens_.at(kOpenBracket)) return read_single<T>(spec, field);
@@ -266,7 +266,7 @@ bool ValueReader::read_image(const FieldSpec& spec, Field& field) {
                   quoted(spec.name) + " (SFImage) begins with its width and height, >= 0, and 0 to 4 components");
     return false;
   }
-  // The loop ends with the text's numbers, however large the size claims to be.
+  // The loop ends with the numbers of the text, however large the size claims to be.
   const std::int64_t pixels = std::int64_t{image[0]} * image[1];
   for (std::int64_t i = 0; i < pixels; ++i) {
     std::int32_t pixel = 0;

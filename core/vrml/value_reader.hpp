@@ -10,7 +10,8 @@
 
 namespace peerd::vrml {
 
-// Reads the values of fields (clause 5) from tokens into an arena; those of nodes through the parser that owns it.
+// A ValueReader reads the values of fields (clause 5) from tokens into an arena; those of nodes through the parser that
+// owns it.
 class ValueReader {
  public:
   ValueReader(TokenStream& tokens, Arena& arena, Problems& problems)
@@ -26,12 +27,12 @@ class ValueReader {
     is_field_ = std::move(is_field);
   }
 
-  // The value of a field of that type, checked against its range; reports what is wrong with it and then gives none.
-  // Without check, the range is left to the caller.
+  // Returns the value of a field of that type, checked against its range; reports mistakes in it and then returns
+  // nothing. Without `check`, the range is left to the caller.
   [[nodiscard]] std::optional<Field> read(const FieldSpec& spec, bool check = true);
 
-  // Passes over a value whose type is not known. Nodes in it are read, for what is wrong in them and for their names.
-  // Gives names that were DEFed in what was passed over unread.
+  // Passes over a value whose type is not known. Nodes in it are read, to find mistakes in them and their names.
+  // Returns the names that were DEFed in the parts that were passed over unread.
   std::vector<std::string_view> skip(bool in_list = false);
   [[nodiscard]] bool in_list() const { return open_lists_ > 0; }
 

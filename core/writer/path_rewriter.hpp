@@ -24,9 +24,10 @@ class PathRewriter {
 
   // Returns the instance that the reader finds: a name inside of a PROTO or an Inline means a node in there first.
   [[nodiscard]] std::optional<std::uint32_t> instance_of(std::string_view path, std::uint32_t scope) const;
-  // A CollisionInterest whose object is in no scene: it does nothing, and could not be read again.
+  // Returns whether the node is a CollisionInterest whose object is in no scene: it does nothing, and could not be read
+  // again.
   [[nodiscard]] bool has_no_target(const Node& node) const;
-  // The first instance that has the name outside of PROTOs and Inlines.
+  // Returns the first instance that has the name outside of PROTOs and Inlines.
   [[nodiscard]] std::optional<std::uint32_t> first_in_world_scope(std::string_view name) const;
 
   // Renames the nodes: from here on `names` has the name of each node, all in the scope of the world; where `written`
@@ -43,9 +44,9 @@ class PathRewriter {
   // The names in the scopes that have a CollisionInterest or a KeySensor.
   std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_nodes_, inner_instances_;
   bool has_paths_ = false;
-  Scene renamed_;  // its instances only
+  Scene renamed_;  // only the instances are set
   std::unordered_map<std::string_view, std::uint32_t> first_renamed_;
-  mutable PathResolver paths_{scene_}, renamed_paths_{renamed_};  // they remember what they have looked at
+  mutable PathResolver paths_{scene_}, renamed_paths_{renamed_};  // mutable since they cache lookups
 };
 
 }  // namespace peerd::vrml

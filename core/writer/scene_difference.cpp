@@ -16,7 +16,7 @@ std::string quoted_name(const Node& node) {
   return std::string(node.type->name) + (node.def.empty() ? "" : " " + std::string(node.def));
 }
 
-// NAME or NAME_2.
+// Returns whether the name is NAME or NAME_2.
 bool is_renamed(std::string_view name, std::string_view original) {
   return name.starts_with(original) && (name.size() == original.size() || name[original.size()] == '_');
 }
@@ -53,7 +53,8 @@ bool same_bits(const Vector& a, const Vector& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
-// Two documents, node by node as they are met from the top level, from what stands outside of it, and from each other.
+// Comparison walks two documents, node by node as they are met from the top level, from the nodes outside of it, and
+// from each other.
 class Comparison {
  public:
   Comparison(const Scene& a, const Scene& b)
@@ -100,7 +101,7 @@ class Comparison {
   std::string found_;
 };
 
-// Beyond the top level that both have: the nodes that the writer puts behind it, or would.
+// The comparison goes on beyond the top level that both have: with the nodes that the writer puts behind it, or would.
 OutsideNodes Comparison::outside(const Scene& scene, const PathRewriter& paths, std::size_t common) const {
   const Document& document = *scene.document;
   OutsideNodes out;

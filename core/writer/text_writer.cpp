@@ -8,7 +8,7 @@
 namespace peerd::vrml {
 namespace {
 
-// The fewest digits that read back to the same bits; std::to_chars tells -0 from 0.
+// The writer uses the fewest digits that read back to the same bits; std::to_chars tells -0 from 0.
 template <class T>
 void append_number(std::string& out, T value) {
   std::array<char, 32> digits{};
@@ -97,7 +97,7 @@ void TextWriter::strings(std::span<const std::string> texts) {
       texts.size(), [&](std::size_t i) { append_string(out_, texts[i]); }, [](std::size_t) { return true; }, " ");
 }
 
-// A pixel's bytes, one for each component, in hexadecimal; a row of pixels begins a line.
+// The bytes of a pixel are written in hexadecimal, one for each component; a row of pixels begins a line.
 void TextWriter::image(std::span<const std::int32_t> image) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (i > 0) out_ += ' ';

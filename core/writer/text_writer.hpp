@@ -7,12 +7,12 @@
 
 namespace peerd::vrml {
 
-// VRML97 text in lines of about kWidth columns, two blanks deeper in each node and list.
+// A TextWriter writes VRML97 text in lines of about kWidth columns, two blanks deeper in each node and list.
 class TextWriter {
  public:
   static constexpr std::size_t kWidth = 100;
 
-  // A line that `text` begins; more may follow.
+  // Begins a line with `text`; more may follow.
   void begin_line(std::string_view text) {
     out_.append(2 * depth_, ' ');
     out_ += text;
@@ -44,8 +44,8 @@ class TextWriter {
   void number(double value);
   void number(std::int32_t value);
   void image(std::span<const std::int32_t> image);
-  // Elements 0 to `count` in brackets, on this line or on lines of their own; `add_one` appends element i to out_, and
-  // `closes` says whether a group that is to stay on one line ends with it.
+  // Writes elements 0 to `count` in brackets, on this line or on lines of their own; `add_one` appends element i to
+  // out_, and `closes` says whether a group that is to stay on one line ends with it.
   template <class AddOne, class Closes>
   void list(std::size_t count, AddOne add_one, Closes closes, std::string_view between_groups);
 

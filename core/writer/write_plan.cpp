@@ -21,7 +21,7 @@ bool is_plain(const Node& node) {
          (node.type->name.ends_with("Interpolator") || node.type->name == "TimeSensor");
 }
 
-// An Inline's URL is lost with it where a Group takes its place.
+// The URL of an Inline is lost with it where a Group takes its place.
 bool is_written(const Document& document, const Route& route, bool keep_inlines) {
   const auto lost = [&](std::uint32_t node, const FieldSpec* field) {
     return is_filled_inline(document.nodes[node]) && !keep_inlines && field->name == "url";
@@ -29,8 +29,8 @@ bool is_written(const Document& document, const Route& route, bool keep_inlines)
   return !lost(route.from_node, route.from) && !lost(route.to_node, route.to);
 }
 
-// Marks what the nodes marked already refer to. Nodes stand behind what they refer to, but for a Script's view of what
-// is around it.
+// Marks all nodes that the marked ones refer to. Nodes stand behind those that they refer to, but for the nodes around
+// a Script that its fields name.
 void mark_below(const Document& document, bool content_too, std::vector<bool>& marked) {
   for (std::size_t i = document.nodes.size(); i-- > 0;) {
     if (!marked[i]) continue;
@@ -51,14 +51,14 @@ std::vector<bool> marked_top_level(const Document& document) {
   return marked;
 }
 
-// A position behind all PROTOs of the world's own text that are used, and before all other texts: the last reference
-// from a node that stands in that text as it is.
+// Returns a position behind all PROTOs of the own text of the world that are used, and before all other texts: the last
+// reference from a node that stands in that text as it is.
 Position last_own_reference(const Document& document) {
   Position last = 0;
   std::vector<bool> own(document.nodes.size(), false);
   const auto refer = [&](const NodeRef& ref) {
     last = std::max(last, ref.at);
-    // The copy of a PROTO's body is where the body is, and not where it is used.
+    // The copy of the body of a PROTO is where the body is, and not where it is used.
     if (ref.is_node() && document.nodes[ref.index].at == ref.at) own[ref.index] = true;
   };
   for (const NodeRef& ref : document.top_level) refer(ref);
@@ -353,7 +353,7 @@ void WritePlan::choose_names() {
     ++early_begin_[planned.place + 1];
   }
   for (std::size_t i = 1; i < early_begin_.size(); ++i) early_begin_[i] += early_begin_[i - 1];
-  std::ranges::sort(last_routes_);  // as they stood
+  std::ranges::sort(last_routes_);  // in their original order
 }
 
 std::span<const std::uint32_t> WritePlan::routes_at(std::uint32_t place) const {

@@ -16,13 +16,14 @@
 
 namespace peerd::vrml {
 
-// The Script that holds nodes which must not be seen; its field's name tells it from others.
+// The name of the field of the Script that holds nodes which must not be seen; it tells this Script from others.
 inline constexpr std::string_view kHolderField = "outsideTheScene";
 
 [[nodiscard]] bool is_filled_inline(const Node& node);
 
-// Nodes that nothing at the top level holds, and that matter nevertheless: they are named, have a ROUTE, or do
-// something by themselves. The topmost of them only, those of Inlines last, otherwise in the document's order.
+// OutsideNodes are the nodes that nothing at the top level holds, and that matter nevertheless: they are named, have a
+// ROUTE, or do something by themselves. Only the topmost are listed, those of Inlines last, otherwise in the order of
+// the document.
 struct OutsideNodes {
   std::vector<std::uint32_t> plain;  // nobody sees or hears them: they may stand at the top level
   std::vector<std::uint32_t> held;
@@ -60,12 +61,14 @@ class WritePlan {
   enum class RefAction : std::uint8_t { kNull, kPlaceholder, kDefine, kUse, kLater };
   [[nodiscard]] RefAction action_at(const NodeRef& ref, std::uint32_t holder, std::vector<bool>& visited) const;
 
-  // ROUTEs to write where the walk is the i-th time at a place for them (before the '}' of a node that holds nodes, and
-  // behind each node at the top level); and all others, at the end.
+  // The first function returns the ROUTEs to write where the walk is the i-th time at a place for them (before the '}'
+  // of a node that holds nodes, and behind each node at the top level); the second returns all others, which stand at
+  // the end.
   [[nodiscard]] std::span<const std::uint32_t> routes_at(std::uint32_t place) const;
   [[nodiscard]] const std::vector<std::uint32_t>& last_routes() const { return last_routes_; }
 
-  // The path under which the written world knows what `path` of that node names; nothing where it names nothing.
+  // Returns the path under which the written world knows the instance that `path` of that node names; nothing where it
+  // names nothing.
   [[nodiscard]] std::optional<std::string> path_for(const Node& node, std::string_view path) const {
     return paths_.rewritten(path, node.scope);
   }
@@ -87,7 +90,7 @@ class WritePlan {
   PathRewriter paths_;
   OutsideNodes outside_;
 
-  // The walk. Times count DEFs, USEs and places for ROUTEs.
+  // The following members belong to the walk. Times count DEFs, USEs and places for ROUTEs.
   std::uint32_t time_ = 0;
   std::vector<bool> visited_;
   std::vector<std::uint32_t> order_;             // of nodes, by their first place

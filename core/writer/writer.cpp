@@ -9,7 +9,7 @@ namespace peerd {
 namespace vrml {
 namespace {
 
-// Takes the plan's walk again, writing.
+// The Writer takes the walk of the plan again, writing.
 class Writer {
  public:
   Writer(const Document& document, const WritePlan& plan)

@@ -47,7 +47,8 @@ inline bool uses_all_vertices(const Mesh& mesh) {
   return used.size() == mesh.vertices.size();
 }
 
-// Positive if a closed surface's polygons run counter-clockwise seen from outside.
+// Returns the volume, which is positive if the polygons of a closed surface run counter-clockwise seen from
+// outside.
 inline double signed_volume(const Mesh& mesh) {
   double six_volumes = 0.0;
   for (const auto& polygon : polygons_of(mesh)) {

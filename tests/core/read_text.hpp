@@ -18,7 +18,7 @@ namespace peerd {
 // The header stands in line 1, so the first line of `body` is line 2.
 inline std::string world_text(const std::string& body) { return "#VRML V2.0 utf8\n" + body; }
 
-// Files in memory by name, with or without their header line; packed ones as they are.
+// Files are files in memory by name, with or without their header line; packed ones as they are.
 using Files = std::map<std::string, std::string, std::less<>>;
 
 inline constexpr const char* kWorldName = "world.wrl";
@@ -55,7 +55,7 @@ inline FileLoader loader_of(Files files, std::vector<std::string>* asked = nullp
 }
 
 inline ReadResult read_body(const std::string& body, const Files& files = {}, ReadOptions options = {}) {
-  // Kept for as long as the result may point into it.
+  // The texts are kept for as long as the result may point into them.
   static std::map<std::string, std::string> texts;
   if (options.name.empty()) options.name = kWorldName;
   Files all = files;
@@ -77,7 +77,7 @@ inline Scene scene_of(const std::string& body, const Files& files = {}, const Re
   return std::move(*result.scene);
 }
 
-// LINE:COLUMN: MESSAGE of each problem; warnings begin with "warning ", what is in another file with its name.
+// Returns LINE:COLUMN: MESSAGE of each problem; warnings begin with "warning ", problems in another file with its name.
 inline std::vector<std::string> lines_of(const ReadResult& result) {
   std::vector<std::string> lines;
   for (const Diagnostic& d : result.diagnostics) {
@@ -98,7 +98,7 @@ inline std::vector<std::string> errors_of(const std::string& body, const Files& 
   return lines;
 }
 
-// The paths of all instances, in order.
+// Returns the paths of all instances, in order.
 inline std::vector<std::string> paths_of(const Scene& scene) {
   std::vector<std::string> paths;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) paths.push_back(scene.path_of(ObjectId{i}));
@@ -142,7 +142,7 @@ inline std::vector<std::vector<float>> floats_of(const Document& document, std::
   return all;
 }
 
-// NODE.FIELD > NODE.FIELD of each ROUTE: by DEF name, or by type where there is none.
+// Returns NODE.FIELD > NODE.FIELD of each ROUTE: by DEF name, or by type where there is none.
 inline std::vector<std::string> routes_of(const Document& document) {
   std::vector<std::string> routes;
   const auto end = [&](std::uint32_t index, const FieldSpec* field) {

@@ -12,8 +12,9 @@
 
 namespace peerd::testing_support {
 
-// EarClipping's rule with all corners sorted by x in place of a tree: a search goes through those of the triangle's
-// range of x. The twin that EarClipping is compared with; quadratic where many corners have one range of x.
+// SlowEarClipping is the twin that EarClipping is compared with. It follows the same rule with all corners sorted by x
+// in place of a tree: a search goes through those of the range of x of the triangle. It is quadratic where many corners
+// have one range of x.
 class SlowEarClipping {
  public:
   void cut(std::span<const PlanePoint> points, std::vector<CornerTriangle>& triangles);
@@ -41,7 +42,7 @@ class SlowEarClipping {
   [[nodiscard]] std::uint32_t take_next();
 
   std::span<const PlanePoint> points_;
-  // Kept from call to call for their memory.
+  // The arrays are kept from call to call for their memory.
   std::vector<Corner> corners_;
   std::vector<std::uint32_t> by_x_;        // corners sorted by x
   std::vector<Waiting> waiting_;           // lists
@@ -80,7 +81,8 @@ inline void SlowEarClipping::link() {
     corners_[i].previous = i == 0 ? count - 1 : i - 1;
     corners_[i].next = i + 1 == count ? 0 : i + 1;
   }
-  // Twice around: the first corner's neighbour may be behind many equal ones. Where all are equal they stay 0.
+  // The loop goes around twice: the neighbour of the first corner may be behind many equal ones. Where all are equal
+  // they stay 0.
   for (std::uint32_t step = 0; step < 2 * count; ++step) {
     const std::uint32_t i = step % count, before_i = corners_[i].previous;
     const bool distinct = points_[before_i] != points_[i];
@@ -109,7 +111,7 @@ inline void SlowEarClipping::classify(std::uint32_t i) {
   }
 }
 
-// Goes on where it stopped: corners only disappear, and blocks() is about points that don't move.
+// The search goes on where it stopped: corners only disappear, and blocks() is about points that don't move.
 inline void SlowEarClipping::find_blocker(std::uint32_t i) {
   Corner& corner = corners_[i];
   const PlanePoint &a = points_[corner.previous], &b = points_[i], &c = points_[corner.next];
@@ -128,9 +130,10 @@ inline void SlowEarClipping::find_blocker(std::uint32_t i) {
   push_candidate(Kind::kEar, i);
 }
 
-// Does corner j keep triangle a b c from being cut off? Inside it and on the new edge, yes. On the polygon's own edges
-// a b and b c, and at b, only if one of its edges leads inside: else it touches from outside, as corners at a seam do.
-// At a or c an edge that leads inside either ends there, which that end tells, or crosses the polygon.
+// Returns whether corner j keeps triangle a b c from being cut off. A corner inside the triangle or on its new edge
+// does. A corner on the edges a b and b c of the polygon, or at b, does only if one of its own edges leads inside:
+// otherwise it touches from outside, as corners at a seam do. At a or c an edge that leads inside either ends there,
+// which the test of that end finds, or crosses the polygon.
 inline bool SlowEarClipping::blocks(std::uint32_t i, std::uint32_t j) const {
   const PlanePoint &a = points_[corners_[i].previous], &b = points_[i], &c = points_[corners_[i].next];
   const PlanePoint& p = points_[j];

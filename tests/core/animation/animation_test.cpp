@@ -26,7 +26,7 @@ Interpolator position(Floats key, Floats value) {
   return {InterpolatorType::kPosition, std::move(key), std::move(value)};
 }
 
-// The number that a field has, NaN where no event has come.
+// Returns the number that a field has, NaN where no event has come.
 double number(Animation& a, std::uint32_t node, std::string_view name, double t) {
   Value v;
   const auto id = a.field(node, name);
@@ -119,14 +119,14 @@ TEST(Loops, OfSensorsThatRetriggerEachOtherAtOneInstantEnd) {
 }
 
 TEST(Loops, OfTimeIntoStopTimeTakeTicks) {
-  // The sensor starts, tells itself to stop at its own time, which is ignored at startTime and heeded a tick later.
+  // The sensor starts and sends its own time to its stopTime, which is ignored at startTime and heeded a tick later.
   Animation a({{looping(8, 1.0)}, {{0, "time", 0, "set_stopTime", kTime}}});
   EXPECT_EQ(number(a, 0, "isActive", 1.01), 1.0);
   EXPECT_EQ(number(a, 0, "isActive", 1.0 + SensorSimulator::kTick_s), 0.0);
   EXPECT_EQ(number(a, 0, "stopTime", 5), 1.0 + SensorSimulator::kTick_s);
 }
 
-// Ping-pong: the end of each starts the other, by way of the final `time`.
+// The sensors play ping-pong: the end of each starts the other, by way of the final `time`.
 Network ping_pong(double interval) {
   return {{once(interval, 1), once(interval, -5), PlainNode{}},
           {{0, "time", 1, "set_startTime", kTime},
@@ -404,7 +404,7 @@ TEST(Changing, NamesWhatMoves) {
   EXPECT_THAT(out, ElementsAre(x));
 }
 
-// 100 sensors that run among as many others as are said, which do not.
+// Makes 100 sensors that run among `idle` others that do not.
 Network crowd(std::uint32_t idle) {
   Network n;
   for (std::uint32_t i = 0; i < 100 + idle; ++i) {

@@ -154,7 +154,8 @@ double distance(const Quat& a, const LongQuat& b) {
   return static_cast<double>(2.0L * std::atan2(d.vec().norm(), std::abs(d.w())));
 }
 
-// The textbook's slerp, in long double: shares nothing with ours, which turns by an axis and an angle.
+// The oracle is the slerp of the textbook, in long double. It shares nothing with ours, which turns by an axis and an
+// angle.
 TEST(Orientation, MeetsSlerpInLongDouble) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> number(-1, 1);

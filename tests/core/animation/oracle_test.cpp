@@ -1,5 +1,5 @@
-// Random networks against an event model that knows nothing of closed forms: it passes events, tick by tick, wave by
-// wave, over all ROUTEs, with times in whole ticks. It shares no code with what it checks.
+// These tests compare random networks with an event model that knows nothing of closed forms: it passes events, tick by
+// tick, wave by wave, over all ROUTEs, with times in whole ticks. It shares no code with the Animation that it checks.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -67,7 +67,7 @@ class Oracle {
         values_[slot] = value;
       }
       while (true) {
-        // set_stopTime before set_startTime; the other orders are ours
+        // The standard has set_stopTime before set_startTime; the other orders are ours.
         for (const char* order : {"stopTime", "enabled", "loop", "cycleInterval", "startTime", ""}) {
           for (const auto& [slot, value] : arriving) {
             const bool sensor = sensors_.contains(slot.first);
@@ -363,7 +363,7 @@ TEST(Oracle, TheEventModelTickByTickGivesTheSameValues) {
               sensors_by_events);
 }
 
-// Bits: the same whatever is asked first and however late deliveries come.
+// The bits are the same whatever is asked first and however late deliveries come.
 TEST(Oracle, AnswersAreAFunctionOfTimeAlone) {
   for (unsigned seed = 0; seed < 600; ++seed) {
     Generator g(seed);
@@ -412,7 +412,7 @@ TEST(Oracle, AnswersAreAFunctionOfTimeAlone) {
   }
 }
 
-// Segments follow each other without a gap, and say what value() says within them, whatever starts and stops whom.
+// Segments follow each other without a gap, and agree with value() within them, whichever sensors start and stop.
 TEST(Oracle, SegmentsSayWhatValuesSay) {
   long moving = 0;
   for (unsigned seed = 0; seed < 1000; ++seed) {

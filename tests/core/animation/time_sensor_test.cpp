@@ -29,7 +29,7 @@ TEST_P(Sensor, IsWhatTheStandardSays) {
   EXPECT_EQ(o->time_s, c.time_s);
   EXPECT_EQ(o->cycle_time_s, c.cycle_s);
 }
-// cycleInterval, enabled, loop, startTime, stopTime
+// The members are cycleInterval, enabled, loop, startTime, stopTime.
 constexpr TimeSensorFields kLoop{4, true, true, 0, 0};
 constexpr TimeSensorFields kOnce{4, true, false, 2, 0};
 constexpr TimeSensorFields kUntil{4, true, true, 2, 9};

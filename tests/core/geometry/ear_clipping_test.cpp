@@ -21,7 +21,7 @@ Triangles cut(const Points& points) {
   return triangles;
 }
 
-// The area of most is positive, as cut() is told; the rule is defined for the others as well.
+// The area of most polygons is positive, as cut() requires; the rule is defined for the others as well.
 Points to_the_left(Points points) {
   double area = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -77,7 +77,7 @@ class RandomPolygon {
     }
     return points;
   }
-  // A walk along the lines of a grid, to and fro.
+  // The polygon is a walk along the lines of a grid, to and fro.
   Points steps(std::size_t n) {
     Points points;
     PlanePoint at;
@@ -132,7 +132,8 @@ TEST(EarClipping, ForgetsTheLastPolygon) {
   }
 }
 
-// Two straight edges and a concave arc: each corner's triangle has the range of x, or of y, of many others.
+// The polygon has two straight edges and a concave arc: the triangle of each corner has the range of x, or of y, of
+// many others.
 Points funnel(std::size_t n) {
   Points points = {{0, 0}, {2, 0}, {2, 2}};
   for (std::size_t i = 1; i + 3 < n; ++i) {

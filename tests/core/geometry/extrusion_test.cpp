@@ -26,7 +26,7 @@ ExtrusionGeometry extrude(Section section, Spine spine) {
   return e;
 }
 
-// The x and z axes of each spine-aligned cross-section plane, off the mesh.
+// Returns the x and z axes of each spine-aligned cross-section plane, computed from the mesh.
 struct Axes {
   Vec3 x, z;
 };
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
         ScpCase{"Bend",
                 {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}},
                 {{{-1, 0, 0}, {0, 0, -1}}, {{-kHalf, kHalf, 0}, {0, 0, -1}}, {{0, 1, 0}, {0, 0, -1}}}},
-        // The third's z would be +z: its product with the second's is negative, so it's flipped.
+        // The z of the third point would be +z: its product with that of the second is negative, so it is flipped.
         ScpCase{"SCurveIsFlipped",
                 {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 2, 0}},
                 {{{-1, 0, 0}, {0, 0, -1}},
@@ -149,7 +149,8 @@ INSTANTIATE_TEST_SUITE_P(
         ScpCase{"CoincidentAtTheEnds",
                 {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1, 0, 0}},
                 {{{0, -1, 0}, {0, 0, 1}}, {{0, -1, 0}, {0, 0, 1}}, {{0, -1, 0}, {0, 0, 1}}, {{0, -1, 0}, {0, 0, 1}}}},
-        // Closed: first and last have y = spine[1] - spine[n-2], z = (spine[1] - spine[0]) x (spine[n-2] - spine[0]).
+        // In a closed spine the first and the last point have y = spine[1] - spine[n-2], z = (spine[1] - spine[0]) x
+        // (spine[n-2] - spine[0]).
         ScpCase{"ClosedSquare",
                 {{1, 0, 1}, {1, 0, -1}, {-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}},
                 {{{kHalf, 0, kHalf}, {0, 1, 0}},
@@ -195,17 +196,17 @@ TEST(Extrusion, CollinearIsToWithinTheRoundingOfTheFile) {
   Spine rounded = straight, bent = straight;
   rounded[2].x() = std::nextafter(rounded[2].x(), 1.0F);
   bent[2].x() += 1e-5F;
-  // The straight one's z axis: +z turned by the rotation that takes +y to (1, 1, 1) / sqrt 3.
+  // The z axis of the straight spine is +z turned by the rotation that takes +y to (1, 1, 1) / sqrt 3.
   const Vec3 expected(-0.2113249, -0.5773503, 0.7886751);
   EXPECT_LT((axes(straight)[1].z - expected).norm(), 1e-6);
   EXPECT_LT((axes(rounded)[1].z - expected).norm(), 1e-6);
-  // The bent one's is square to x = y = z and to the way in which the third point left it.
+  // The z axis of the bent spine is square to x = y = z and to the way in which the third point left it.
   const Vec3 z = axes(bent)[1].z;
   EXPECT_LT(std::abs(z.dot(Vec3(1, 1, 1))), 1e-4);
   EXPECT_LT(std::abs(z.x()), 1e-2);
 }
 
-// Straight as written, in decimals that binary32 doesn't have: no ring stands turned against another.
+// The spine is straight as written, in decimals that binary32 does not have: no ring stands turned against another.
 TEST(Extrusion, StraightDecimalsStayStraight) {
   for (const Vec3& step : {Vec3(0.1, 0.2, 0.3), Vec3(0.7, -0.1, 0.3), Vec3(-1.1, 0.9, 0.1)}) {
     Spine spine;

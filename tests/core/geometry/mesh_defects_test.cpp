@@ -284,7 +284,7 @@ class Oracle {
   std::vector<Polygon> polygons_;
 };
 
-// Few places make every defect common. Each mesh is looked at by a finder that has seen others.
+// Few places make every defect common. All meshes are examined by a finder that has seen others.
 TEST(MeshDefects, OfAnyMeshAreWhatTheOracleSays) {
   constexpr float kMax = std::numeric_limits<float>::max(), kTiny = std::numeric_limits<float>::denorm_min();
   const std::vector<std::vector<float>> values = {
@@ -316,7 +316,7 @@ TEST(MeshDefects, OfAnyMeshAreWhatTheOracleSays) {
       corners.insert(corners.end(), again.begin(), again.end());
       corners.push_back(-1);
     }
-    // Vertices that no polygon has, more than corners at times
+    // The mesh has vertices that no polygon has, more than corners at times.
     vertices.resize(vertices.size() + rng() % 40, Point::Zero());
     const Mesh mesh = make_mesh(vertices, corners);
     const Oracle oracle(mesh);
@@ -340,7 +340,8 @@ TEST(MeshDefects, OfAnyMeshAreWhatTheOracleSays) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_GT(edges_seen[i], 500U);
 }
 
-// The order of polygons, of vertices, and where each polygon begins and which way it runs, are not what is counted.
+// The counts do not depend on the order of polygons or of vertices, nor on where a polygon begins and which way it
+// runs.
 TEST(MeshDefects, DoNotDependOnTheOrder) {
   std::mt19937 rng(9);
   for (int round = 0; round < 200; ++round) {
@@ -373,8 +374,8 @@ TEST(MeshDefects, DoNotDependOnTheOrder) {
   }
 }
 
-// Polygons of many equal beginnings, all of one lowest corner, and cycles that repeat themselves: quick, or a sort or a
-// search for the least rotation is quadratic.
+// The polygons have many equal beginnings, all of one lowest corner, or are cycles that repeat themselves: the test is
+// quick, unless a sort or a search for the least rotation is quadratic.
 TEST(MeshDefects, OfManyPolygonsAroundACornerAreQuick) {
   std::vector<Point> vertices = {{0, 0, 0}};
   std::vector<std::int32_t> corners;

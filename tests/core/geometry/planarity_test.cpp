@@ -54,7 +54,7 @@ TEST(Planarity, OfManyPointsLooksAtAll) {
   EXPECT_TRUE(coplanar(std::vector<Point>{}));
 }
 
-// The largest and smallest numbers there are, and planes that are left by the last place of one coordinate.
+// The points have the largest and smallest numbers there are, and leave planes by the last place of one coordinate.
 TEST(Planarity, IsWhatRationalNumbersSay) {
   constexpr float kMax = std::numeric_limits<float>::max(), kTiny = std::numeric_limits<float>::denorm_min();
   const std::vector<float> extremes = {0,    -0.0F, kTiny,  -kTiny, 3 * kTiny, 1, -1, std::nextafter(1.0F, 2.0F),

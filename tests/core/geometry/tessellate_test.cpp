@@ -200,7 +200,8 @@ INSTANTIATE_TEST_SUITE_P(Table, FaceSetSize,
                                          CornersCase{"FewCorners", {0, -1, 1, 2, -1}, {2, 2}}),
                          [](const auto& test) { return std::string(test.param.name); });
 
-// FNV-1a of the vertices' bits. These numbers are an agreement between peers: they change with no compiler and machine.
+// The hashes are FNV-1a of the bits of the vertices. They are an agreement between peers: they change with no compiler
+// and machine.
 std::uint64_t bits_of(const Mesh& mesh) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const Eigen::Vector3f& v : mesh.vertices) {

@@ -27,7 +27,8 @@ Triangles triangulated(const Polygon& polygon) {
   return {triangles.begin(), triangles.end()};
 }
 
-// The rule once more, in rational numbers and the plainest way: nothing is remembered from one cut to the next.
+// The oracle follows the rule in rational numbers and in the plainest way: nothing is remembered from one cut to the
+// next.
 class Oracle {
  public:
   struct Point {
@@ -142,8 +143,8 @@ class Oracle {
   }
 };
 
-// Whatever the polygon: n - 2 triangles; each edge of the polygon in one of them, each other edge in two, once each
-// way; signed areas that add up exactly.
+// Every polygon gives n - 2 triangles; each edge of the polygon is in one of them, each other edge in two, once each
+// way; signed areas add up exactly.
 void expect_sound(const Polygon& polygon, const Triangles& triangles) {
   ASSERT_EQ(triangles.size(), polygon.size() - 2);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
@@ -197,21 +198,24 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Square", flat({{0, 0}, {1, 0}, {1, 1}, {0, 1}}), {{0, 1, 2}, {0, 2, 3}}},
         Case{"SquareClockwise", flat({{0, 0}, {0, 1}, {1, 1}, {1, 0}}), {{0, 1, 2}, {0, 2, 3}}},
         Case{"SquareInXZ", {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}},
-        // Cut along 0 2, and along 1 3, which is where they are concave. At 2: 0 is no ear, as 2 is in its triangle.
+        // The polygons are cut along 0 2, and along 1 3, which is where they are concave. At 2, corner 0 is no ear, as
+        // 2 is in its triangle.
         Case{"DartConcaveAt2", flat({{0, 0}, {4, -1}, {1, 0}, {4, 1}}), {{0, 1, 2}, {0, 2, 3}}},
         Case{"DartConcaveAt1", flat({{4, 1}, {1, 0}, {4, -1}, {0, 0}}), {{3, 0, 1}, {1, 2, 3}}},
         Case{"StraightCornerIsConvex", flat({{0, 0}, {1, 0}, {2, 0}, {1, 1}}), {{0, 1, 2}, {0, 2, 3}}},
         Case{"RepeatedCornerIsConvex", flat({{0, 0}, {1, 0}, {1, 0}, {1, 1}}), {{0, 1, 2}, {0, 2, 3}}},
         Case{"AllOnePoint", flat({{1, 1}, {1, 1}, {1, 1}, {1, 1}}), {{0, 1, 2}, {0, 2, 3}}},
         Case{"ThereAndBack", flat({{0, 0}, {1, 0}, {3, 0}, {2, 0}}), {{0, 1, 2}, {0, 2, 3}}},
-        // Twisted, with the area vector (1, 1, 1): x is dropped. It's convex in y z, and concave at 1 in x y.
+        // The polygon is twisted, with the area vector (1, 1, 1): x is dropped. It is convex in y z, and concave at 1
+        // in x y.
         Case{"TieDropsX", {{0, 0, 0}, {2, -1, 1}, {1, -1, 0}, {3, 0, -1}}, {{0, 1, 2}, {0, 2, 3}}},
         Case{"TieDropsXTurned", {{0, 0, 0}, {1, 2, -1}, {0, 1, -1}, {-1, 3, 0}}, {{3, 0, 1}, {1, 2, 3}}},
-        // L: corner 3 is concave. 0 sees it on its new edge 5 1; 1 is the lowest ear.
+        // In an L corner 3 is concave. 0 sees it on its new edge 5 1; 1 is the lowest ear.
         Case{"L", flat({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}), {{0, 1, 2}, {0, 2, 3}, {5, 0, 3}, {3, 4, 5}}},
         // A spike goes first: 2 is one, and then 1 (or 3), which is where its neighbour is.
         Case{"Spike", flat({{0, 0}, {2, 1}, {5, 1}, {2, 1}, {0, 3}}), {{1, 2, 3}, {0, 1, 3}, {0, 3, 4}}},
-        // Crossed: the areas cancel, so that all axes tie and x is dropped. In y z it's to and fro on one line, twice.
+        // In the crossed polygon the areas cancel, so that all axes tie and x is dropped. In y z it runs to and fro on
+        // one line, twice.
         Case{"BowTie", flat({{0, 0}, {1, 1}, {1, 0}, {0, 1}}), {{3, 0, 1}, {1, 2, 3}}}),
     [](const auto& test) { return std::string(test.param.name); });
 
@@ -247,7 +251,7 @@ TEST(Triangulation, OfStarShapedPolygonsIsExact) {
   }
 }
 
-// Two arms around each other.
+// The polygon has two arms around each other.
 Polygon spiral(std::size_t n, double turns) {
   Polygon polygon;
   for (std::size_t i = 0; i < 2 * n; ++i) {
@@ -271,7 +275,8 @@ TEST(Triangulation, OfSpiralsIsExact) {
   }
 }
 
-// Teeth whose tips and gaps are on lines, with straight corners between them, and as many of equal x as can be.
+// The polygon has teeth whose tips and gaps are on lines, with straight corners between them, and as many of equal x as
+// can be.
 TEST(Triangulation, OfCombsIsExact) {
   for (const int teeth : {1, 2, 3, 10, 100}) {
     Polygon polygon;
@@ -366,7 +371,8 @@ TEST(Triangulation, OfHugeAndTinyCoordinatesIsExact) {
   }
 }
 
-// Twisted quadrilaterals whose area vector has equal components but for the last places, far from the origin.
+// The quadrilaterals are twisted, far from the origin, and their area vectors have equal components but for the last
+// places.
 TEST(Triangulation, OfNearTiesIsWhatTheRuleSays) {
   std::mt19937 rng(7);
   for (int round = 0; round < 3000; ++round) {
@@ -409,7 +415,7 @@ TEST(Triangulator, ReadsPolygonsOfAMeshOneAfterTheOther) {
   EXPECT_EQ(of(1), (Triangles{{0, 1, 2}, {0, 2, 3}}));
 }
 
-// A circle whose every other corner is pulled in: quick, or the sorting by x is broken.
+// The polygon is a circle whose every other corner is pulled in: the test is quick, or the sorting by x is broken.
 TEST(Triangulation, OfManyCornersIsQuick) {
   Polygon polygon;
   const std::size_t n = 20000;

@@ -15,7 +15,7 @@ constexpr KeyEvent kA{'A', 0}, kB{'B', 0}, kUp{0x1013, 0};
 
 class KeySensorsTest : public testing::Test {
  protected:
-  // A world of these nodes and ROUTEs beside a Transform CAR.
+  // Makes a world of these nodes and ROUTEs beside a Transform CAR.
   void read(const std::string& nodes) {
     result = read_world("#VRML V2.0 utf8\nDEF CAR Transform { }\nDEF T TimeSensor { }\n" + nodes);
     ASSERT_TRUE(result.scene) << result.diagnostics.front().message;

@@ -11,7 +11,7 @@ namespace peerd::moving_scene_test {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-// Up 2 m in 2 s and down again, for ever.
+// The world moves up 2 m in 2 s and down again, for ever.
 const std::string kClock = R"(
 DEF T TimeSensor { cycleInterval 4 loop TRUE }
 DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 0 0 0, 0 2 0, 0 0 0 ] }

@@ -14,7 +14,7 @@ using testing::IsEmpty;
 
 constexpr double kPi = std::numbers::pi;
 
-// Up 2 m in 2 s and down again; a turn about +y in 4 s, quarter by quarter; both for ever.
+// The world moves up 2 m in 2 s and down again, and turns about +y in 4 s, quarter by quarter; both for ever.
 const std::string kClock = R"(
 DEF T TimeSensor { cycleInterval 4 loop TRUE }
 DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 0 0 0, 0 2 0, 0 0 0 ] }
@@ -64,7 +64,8 @@ TEST(PredefinedMotion, ATurnAboutTheOwnOriginIsConstantAngularVelocity) {
   EXPECT_EQ(piece.state.position, Vec3(5, 0, 0));
 }
 
-// HAND stands 3 m out on ARM, which turns: a circle, which no parabola is. Its pieces stay within what is promised.
+// HAND stands 3 m out on ARM, which turns: its path is a circle, which no parabola is. The pieces stay within the
+// promised error.
 TEST(PredefinedMotion, ACircleIsCutIntoPiecesThatMeet) {
   const Scene scene = scene_of("DEF ARM Transform { children DEF HAND Transform { translation 3 0 0 } }" + kClock +
                                "ROUTE O.value_changed TO ARM.rotation");

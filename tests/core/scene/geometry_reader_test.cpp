@@ -1,4 +1,4 @@
-// Geometry nodes as their fields: ISO/IEC 14772-1:1997, clause 6.
+// These tests read geometry nodes by their fields (ISO/IEC 14772-1:1997, clause 6).
 #include "core/scene/geometry_reader.hpp"
 
 #include <gmock/gmock.h>
@@ -26,7 +26,7 @@ T read(const std::string& node) {
   return std::get<T>(geometry_of(node));
 }
 
-// Newell's normal: twice the polygon's area, along its front side.
+// Returns Newell's normal: twice the area of the polygon, along its front side.
 Eigen::Vector3f front(const Mesh& mesh, std::size_t polygon) {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   const auto corners = mesh.polygon(polygon);

@@ -6,7 +6,7 @@
 
 namespace peerd::vrml::path_resolver_test {
 
-// Names that are used again, that look like child indices, that hold a '/', and that stand in PROTOs only.
+// The names are used again, look like child indices, hold a '/', or stand in PROTOs only.
 std::string random_world(std::mt19937& random) {
   const char* const names[] = {"", "", "DEF A ", "DEF B ", "DEF n1 ", "DEF A/B ", "DEF A/0 "};
   const auto below = [&](std::size_t n) { return random() % n; };

@@ -39,7 +39,7 @@ TEST(ToQuat, IsIdentityForNoAngleAndNoAxis) {
   EXPECT_EQ(turned(0, 0, 0, 1).coeffs(), Quat::Identity().coeffs());
 }
 
-// Bits, not nearness: two peers with different C libraries must get these.
+// The test compares bits, not nearness: two peers with different C libraries must get these.
 TEST(ToQuat, IsTheSameEverywhere) {
   const Quat q = turned(1, 2, 3, 0.5f);
   EXPECT_EQ(q.w(), 0x1.f01549f7deea1p-1);

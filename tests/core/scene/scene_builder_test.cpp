@@ -158,80 +158,6 @@ TEST(SceneBuilderTransform, WarnsOfAScaleThatTheStandardForbids) {  // 6.52: > 0
   }
 }
 
-TEST(SceneBuilderKeySensors, AreRead) {
-  const Scene scene = scene_of(R"(
-    KeySensor { keyValue 65 keyState 3 recipient "G/CAR" value 1 -2 3 absoluteValue TRUE consume FALSE enabled FALSE }
-    DEF G Group { children DEF CAR Transform { } }
-    KeySensor { recipient "CAR" })");
-  ASSERT_EQ(scene.key_sensors.size(), 2u);
-  const KeySensor& a = scene.key_sensors[0];
-  EXPECT_EQ(a.recipient, ObjectId{1});
-  EXPECT_EQ(a.key_value, 65);
-  EXPECT_EQ(a.key_state, 3);
-  EXPECT_EQ(a.value, Vec3(1, -2, 3));
-  EXPECT_TRUE(a.absolute);
-  EXPECT_FALSE(a.consume);
-  EXPECT_FALSE(a.enabled);
-  const KeySensor& b = scene.key_sensors[1];
-  EXPECT_FALSE(b.absolute);
-  EXPECT_TRUE(b.consume);
-  EXPECT_TRUE(b.enabled);
-  EXPECT_EQ(scene.document->nodes[b.node].type->name, "KeySensor");
-}
-
-TEST(SceneBuilderKeySensors, ReportWhatTheyCannotMove) {
-  EXPECT_THAT(problems_of("KeySensor { }\nKeySensor { recipient \"CRA\" }\nKeySensor { recipient \"G\" }\nDEF CAR "
-                          "Transform { } DEF G Group { }"),
-              ElementsAre("warning 2:1: this KeySensor has no recipient: it moves nothing",
-                          "3:23: no node of the scene is named 'CRA', did you mean 'CAR'?",
-                          "4:23: 'G' is no Transform: it has no velocity that a key can change"));
-}
-
-TEST(SceneBuilderKeySensors, InAProtoMoveItsOwnTransform) {
-  const Scene scene = scene_of(R"(
-    PROTO Car [ field SFInt32 key 0 ] { DEF BODY Transform { children KeySensor { keyValue IS key recipient "BODY" value 0 0 1 } } }
-    DEF BODY Transform { } Car { key 1 } DEF C Car { key 2 })");
-  ASSERT_EQ(scene.key_sensors.size(), 2u);
-  EXPECT_EQ(scene.key_sensors[0].recipient, ObjectId{1});
-  EXPECT_EQ(scene.key_sensors[1].recipient, ObjectId{2});
-  EXPECT_EQ(scene.key_sensors[1].key_value, 2);
-}
-
-TEST(SceneBuilderInterests, ResolveNamesAndPaths) {
-  const Scene scene = scene_of(R"(
-    CollisionInterest { objectPath "A" interests [ "B", "B/0" ] collisionInterests "2/C" collisionType 2 }
-    DEF A Group { }
-    DEF B Group { children [ Shape { } DEF C Shape { } ] }
-    CollisionInterest { objectPath "C" interests "A" })");
-  ASSERT_EQ(scene.interests.size(), 1u + 1u);
-  EXPECT_EQ(scene.interests[0].collider, ObjectId{0});
-  EXPECT_THAT(scene.interests[0].collidees, ElementsAre(ObjectId{1}, ObjectId{2}, ObjectId{3}));
-  EXPECT_EQ(scene.interests[0].type, CollisionType::kAllPairs);
-  EXPECT_EQ(scene.interests[1].collider, ObjectId{3});
-  EXPECT_EQ(scene.interests[1].type, CollisionType::kBox);
-}
-
-TEST(SceneBuilderInterests, ReportWhatTheyCannotResolve) {
-  EXPECT_THAT(
-      problems_of("DEF CAR Group { }\nDEF M Box { }\n"
-                  "CollisionInterest {\n objectPath \"CRA\"\n interests [ \"CAR\" # one\n \"M\" \"NOBODY\" ]\n"
-                  " collisionType 3 }\n"
-                  "CollisionInterest { interests [ \"CAR\" \"CAR\" ] }\n"
-                  "CollisionInterest { objectPath \"CAR\" interests \"CAR\" }"),
-      ElementsAre("warning 3:1: Box at the top level is not part of the scene by itself",
-                  "5:13: no node of the scene is named 'CRA', did you mean 'CAR'?",
-                  "7:2: 'M' is a Box, not a group or Shape of the scene", "7:6: no node of the scene is named 'NOBODY'",
-                  "8:16: collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found 3",
-                  "9:1: this CollisionInterest has no objectPath: it must name the node that is registered",
-                  "warning 9:39: 'CAR' is listed twice; it counts once",
-                  "warning 10:1: this CollisionInterest has no interests", "10:48: 'CAR' is the collider itself"));
-}
-
-TEST(SceneBuilderInterests, SayNothingTwiceOfALostNode) {
-  EXPECT_THAT(problems_of("DEF A Shpae { } DEF B Group { } CollisionInterest { objectPath \"A\" interests \"B\" }"),
-              ElementsAre(HasSubstr("unknown node type 'Shpae'")));
-}
-
 TEST(SceneBuilderResponse, ChecksItsType) {
   EXPECT_THAT(problems_of("Transform { collisionResponse CollisionResponse { responseType 3 } }"),
               ElementsAre("2:64: responseType must be 0 (CRT_INVERSE), 1 (CRT_ZERO) or 2 (CRT_IMPULSE), found 3"));
@@ -247,14 +173,6 @@ TEST(SceneBuilderResponse, ChecksWhatAnImpulseIsOf) {
   EXPECT_THAT(of("responseType 2 friction -1"), ElementsAre(HasSubstr("'friction' must be >= 0")));
   EXPECT_THAT(of("friction 1"), ElementsAre(HasSubstr("friction counts with responseType 2 (CRT_IMPULSE) only")));
   EXPECT_THAT(of("responseType 2 mass 2 restitution 0 friction 1"), IsEmpty());
-}
-
-// A name of a lost node inside of other nodes counts too.
-TEST(SceneBuilderInterests, SayNothingTwiceOfALostPath) {
-  EXPECT_THAT(problems_of("Group { x DEF A Group { children DEF C Shpae { } } } DEF B Group { }\n"
-                          "CollisionInterest { objectPath \"C\" interests \"B\" } CollisionInterest { objectPath "
-                          "\"C/0\" interests \"B\" }"),
-              ElementsAre(HasSubstr("Group has no field 'x'"), HasSubstr("unknown node type 'Shpae'")));
 }
 
 TEST(SceneBuilderScripts, AreMentionedOnce) {

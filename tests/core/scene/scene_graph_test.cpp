@@ -298,7 +298,7 @@ TEST(SceneGraphCounters, NoBoxIsTouchedWhereNobodyAsks) {
   EXPECT_EQ(graph.counters().boxes_merged, 0u);
 }
 
-// Asked for one subtree, the others still cost nothing.
+// The box of one subtree is asked for; the others still cost nothing.
 TEST(SceneGraphCounters, OnlyBoxesOfAskedSubtreesAreKept) {
   SceneGraph graph;
   std::vector<NodeHandle> nodes;
@@ -374,7 +374,7 @@ TEST(SceneGraphCopies, GoTheirOwnWays) {
 
 // ---- Boxes
 
-// Whole numbers and fractions of them, without rounding.
+// The numbers are whole numbers and fractions of them, which need no rounding.
 using Exact = boost::multiprecision::cpp_rational;
 
 TEST(TransformedBox, HoldsEveryExactlyTransformedCornerAndIsTight) {
@@ -431,7 +431,8 @@ TEST(TransformedBox, AtItsLimits) {
   EXPECT_TRUE(transformed(tiny, cube(1e-30f)).contains(Vec3(0, 1, 0)));
 }
 
-// ---- Against a twin that keeps nothing but parents, fields and boxes, and makes all anew for each question.
+// ---- The graph is compared with a twin that keeps nothing but parents, fields and boxes, and makes all anew for each
+// question.
 
 struct Twin {
   struct Node {
@@ -501,7 +502,7 @@ class SceneGraphEdits : public testing::TestWithParam<std::uint64_t> {
   Quat some_turn() { return quat_exp(some_vec() / 5); }
   TransformFields some_fields() {
     TransformFields t;
-    // Few different places, so that many boxes share their sides.
+    // There are few different places, so that many boxes share their sides.
     t.translation = below(2) ? some_vec() : Vec3(double(below(3)), double(below(3)), double(below(3)));
     if (below(2)) t.rotation = some_turn();
     if (below(4) == 0) t.scale = some_vec() / 8;

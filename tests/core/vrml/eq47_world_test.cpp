@@ -1,4 +1,4 @@
-// The facts about configs/worlds/eq47.wrl that the scenario rests on (equation 4.7 of the thesis).
+// These tests check the facts about configs/worlds/eq47.wrl that the scenario rests on (equation 4.7 of the thesis).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class Eq47World : public testing::Test {
     scene = std::move(*result.scene);
   }
 
-  // World box of an object that is one unscaled Shape, exactly as its vertices stand.
+  // Returns the world box of an object that is one unscaled Shape, exactly as its vertices stand.
   Eigen::AlignedBox3d box(std::string_view name) const {
     const ObjectId object = scene.find(name).value();
     const ObjectId shape{object.value + 1};
@@ -39,7 +39,7 @@ class Eq47World : public testing::Test {
   }
   Eigen::AlignedBox3d car_at(double distance) const { return box("CAR").translated(Vec3(x(distance), 0, -distance)); }
 
-  // Equation 4.7 by |z|.
+  // The path is equation 4.7 by |z|.
   static double x(double distance) {
     if (distance <= 10 * pi) return distance / 6;
     if (distance <= 20 * pi) return (20 * pi - distance) / 6;
@@ -69,7 +69,8 @@ TEST_F(Eq47World, MeetsTheWallsWhereItShould) {
   EXPECT_LT(left, 4e-8);
 }
 
-// Closed sets; a contact lasts while the car is within 4e-8 m of a turning point, 4e-7 m of travel at these slopes.
+// The sets are closed; a contact lasts while the car is within 4e-8 m of a turning point, 4e-7 m of travel at these
+// slopes.
 TEST_F(Eq47World, TouchesNothingBetweenTheContacts) {
   const double contacts[] = {10 * pi, 20 * pi, 25 * pi, 30 * pi, 35 * pi, 40 * pi};
   const char* const names[] = {"WALL_RIGHT", "WALL_LEFT", "CUBE_1", "CUBE_2", "CUBE_3"};

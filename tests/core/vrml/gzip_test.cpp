@@ -1,4 +1,4 @@
-// Packed files: RFC 1952, and ISO/IEC 14772-1:1997 4.5 that lets any file be one.
+// These tests are about packed files (RFC 1952; ISO/IEC 14772-1:1997, 4.5, lets any file be one).
 #include "core/vrml/gzip.hpp"
 
 #include <gmock/gmock.h>
@@ -77,7 +77,8 @@ TEST(Gunzip, StopsAtTheLimit) {
   EXPECT_EQ(gunzip(packed + packed, 2000)->size(), 2000u);
 }
 
-// A hundred kilobytes for a hundred megabytes: refused when the limit is passed, not when all is there.
+// A hundred kilobytes stand for a hundred megabytes: the text is refused when the limit is passed, not when all is
+// there.
 TEST(Gunzip, RefusesBombs) {
   EXPECT_THAT(gunzip(gzipped(std::string(100'000'000, ' '), 9), 1'000'000).error(),
               HasSubstr("more than 1000000 bytes"));

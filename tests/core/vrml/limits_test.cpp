@@ -47,7 +47,7 @@ ReadOptions with_limits(ReadLimits limits) {
   return options;
 }
 
-// Thirty lines that name a billion instances.
+// The world has thirty lines that name a billion instances.
 TEST(InstanceLimit, RefusesExplodingUse) {
   std::string body = "DEF N0 Group { }\n";
   for (int i = 1; i <= 30; ++i) {
@@ -145,7 +145,7 @@ TEST(MemoryLimit, CountsListsThatManyLinksTake) {
   EXPECT_THAT(errors_of(body), IsEmpty());
   EXPECT_THAT(errors_of(body, {}, with_limits({.nodes = 200'000})), ElementsAre(HasSubstr("more than 200000 nodes")));
 }
-// Nodes of as many fields as most have cost what they always did.
+// Nodes of as many fields as most have cost no more than a node.
 TEST(MemoryLimit, CountsNoLinksOfSmallNodes) {
   const std::string body = "PROTO P [ field SFFloat r 1 ] { Sphere { radius IS r } } " + times(8, "P { } ");
   EXPECT_THAT(errors_of(body, {}, with_limits({.nodes = 9})), IsEmpty());

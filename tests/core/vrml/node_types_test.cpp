@@ -19,7 +19,7 @@ TEST(NodeTypes, AreInAlphabeticalOrderWithoutRepeats) {
     before = type.name;
     EXPECT_EQ(find_node_type(type.name), &type);
   }
-  // The 54 of VRML97, KeySensor, CollisionInterest and CollisionResponse.
+  // The types are the 54 of VRML97, KeySensor, CollisionInterest and CollisionResponse.
   EXPECT_EQ(node_types().size(), 57u);
 }
 
@@ -124,7 +124,7 @@ TEST(NodeTypes, HaveDefaultsOfTheirFieldsTypes) {
   }
 }
 
-// A node that may be the value of a field.
+// Returns a node that may be the value of a field.
 std::string node_for(const FieldSpec& field) {
   for (const NodeType& type : node_types()) {
     if ((type.classes & field.accepts) != 0 && type.name != "Script") return std::string(type.name) + " { }";
@@ -132,7 +132,7 @@ std::string node_for(const FieldSpec& field) {
   return "";
 }
 
-// A value that is not the default, with everything that it must keep within.
+// Returns a value that is not the default, and keeps within every limit of the field.
 std::string other_value(const FieldSpec& field) {
   using enum FieldType;
   switch (field.type) {
@@ -180,7 +180,7 @@ std::string other_value(const FieldSpec& field) {
   return "";
 }
 
-// The elements as text, so that equality is that of values.
+// Returns the elements as text, so that equality is that of values.
 std::string spelled(const Field& field) {
   using enum FieldType;
   std::string out;

@@ -1,10 +1,10 @@
-// EXTERNPROTO: ISO/IEC 14772-1:1997, 4.3.7, 4.5.2 and 4.9.
+// These tests are about EXTERNPROTO (ISO/IEC 14772-1:1997, 4.3.7, 4.5.2 and 4.9).
 #include <gmock/gmock.h>
 
 #include "core/parser/parser.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml::extern_proto_test {
+namespace peerd::vrml::type_finder_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -41,7 +41,7 @@ TEST(ExternProto, FollowsChainsRelativeToEachFile) {
   EXPECT_THAT(floats_of(*scene.document, "Sphere", "radius"), ElementsAre(Numbers{5}, Numbers{3}));
 }
 
-// 4.5.2: in decreasing order of preference.
+// The URLs stand in decreasing order of preference (4.5.2).
 TEST(ExternProto, TriesItsUrlsInOrder) {
   std::vector<std::string> asked;
   ReadOptions options;
@@ -101,7 +101,8 @@ TEST_P(BadExternProto, IsReportedWhereItIs) { EXPECT_EQ(problems_of(GetParam().b
 INSTANTIATE_TEST_SUITE_P(
     Table, BadExternProto,
     testing::Values(
-        // 4.9.2: names and types must be a subset of the implementation's. Said once, and nothing false besides.
+        // Names and types must be a subset of those of the implementation (4.9.2). The mistake is reported once, and
+        // nothing false besides.
         BadCase{"UnknownField",
                 "EXTERNPROTO B [ field SFFloat radius ] \"lib/more.wrl\"\nB { }",
                 {"2:13: this declaration does not fit: Ball has no field 'radius'"}},
@@ -237,7 +238,7 @@ TEST(ExternProtoCycles, LongChainsOfFilesEnd) {
               testing::Contains(HasSubstr("nested more than")));
 }
 
-// Our own nodes, for worlds that other browsers are to load too (4.9.4).
+// The worlds declare our own nodes so that other browsers load them too (4.9.4).
 TEST(ExternProtoOfOurOwn, IsKnownByItsName) {
   const Scene scene = scene_of(R"(
     EXTERNPROTO KeySensor [ field SFInt32 keyValue field SFString recipient field SFVec3f value ] "keys.wrl"
@@ -272,4 +273,4 @@ TEST(ExternProtoOfOurOwn, IsKnownByItsUrnInALibraryToo) {
   EXPECT_EQ(scene.interests.size(), 1u);
 }
 
-}  // namespace peerd::vrml::extern_proto_test
+}  // namespace peerd::vrml::type_finder_test

@@ -1,9 +1,9 @@
-// ROUTE: ISO/IEC 14772-1:1997, 4.3.9, 4.7 and 4.10.2.
+// These tests are about ROUTE (ISO/IEC 14772-1:1997, 4.3.9, 4.7 and 4.10.2).
 #include <gmock/gmock.h>
 
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml::route_test {
+namespace peerd::vrml::route_parser_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -59,7 +59,7 @@ TEST(Route, RepeatedCountsOnce) {
       ElementsAre("S.isOver > D.enabled", "S.isOver > D.loop"));
 }
 
-// 4.10.2: at the top level, in a PROTO, or inside a node wherever fields may appear.
+// A ROUTE may stand at the top level, in a PROTO, or inside a node wherever fields may appear (4.10.2).
 TEST(Route, MayStandInsideANode) {
   EXPECT_THAT(routes("Group { children [ DEF S TouchSensor { } DEF T TimeSensor { } ROUTE S.isOver TO T.enabled ]\n"
                      "ROUTE S.isActive TO T.loop }"),
@@ -207,7 +207,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {"3:56: Inline takes no event 'children'"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
-// A node that an error took away: what follows from it is not said again.
+// The node is lost in an error, and the consequences of that are not reported again.
 TEST(RouteToALostNode, IsNotReportedAgain) {
   EXPECT_THAT(problems_of("DEF A Shpae { } DEF B Group { }\nROUTE A.x TO B.addChildren ROUTE B.children TO A.y"),
               ElementsAre(HasSubstr("2:7: unknown node type 'Shpae'")));
@@ -217,4 +217,4 @@ TEST(RouteToALostNode, IsNotReportedAgain) {
               IsEmpty());
 }
 
-}  // namespace peerd::vrml::route_test
+}  // namespace peerd::vrml::route_parser_test

@@ -15,7 +15,7 @@ template <class T>
   return v.capacity() * sizeof(T);
 }
 
-// An array whose slots are used again once they are given back. A taken slot holds a T{}.
+// A SlotPool is an array whose slots are used again once they are given back. A taken slot holds a T{}.
 template <class T>
 struct SlotPool {
   std::vector<T> items;

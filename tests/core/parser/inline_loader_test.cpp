@@ -1,10 +1,10 @@
-// Inline: ISO/IEC 14772-1:1997, 4.5 and 6.25.
+// These tests are about Inline (ISO/IEC 14772-1:1997, 4.5 and 6.25).
 #include <gmock/gmock.h>
 
 #include "core/scene/scene_statistics.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml::inline_test {
+namespace peerd::vrml::inline_loader_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -43,7 +43,7 @@ TEST(Inline, SharesAFileThatIsThereTwice) {
   EXPECT_EQ(read_body(body, files).sources.size(), 2u);
 }
 
-// 4.5.2: in decreasing order of preference.
+// The URLs stand in decreasing order of preference (4.5.2).
 TEST(Inline, TriesItsUrlsInOrder) {
   std::vector<std::string> asked;
   ReadOptions options;
@@ -256,4 +256,4 @@ TEST(ContentHash, CoversAllFiles) {
   EXPECT_NE(hash("Group { }"), hash("Shape { }"));
 }
 
-}  // namespace peerd::vrml::inline_test
+}  // namespace peerd::vrml::inline_loader_test

@@ -1,10 +1,10 @@
-// Script: ISO/IEC 14772-1:1997, 4.12 and 6.40.
+// These tests are about Script (ISO/IEC 14772-1:1997, 4.12 and 6.40).
 #include <gmock/gmock.h>
 
 #include "core/vrml/default_values.hpp"
 #include "tests/core/read_text.hpp"
 
-namespace peerd::vrml::script_test {
+namespace peerd::vrml::script_parser_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -43,7 +43,8 @@ TEST(Script, IsNoPartOfTheScene) {
               ElementsAre("0", "0/1"));
 }
 
-// 4.12.9.2: what a Script's fields name need not be in it, so it may be the Script itself or what is around it.
+// The nodes that the fields of a Script name need not be in it (4.12.9.2), so they may be the Script itself or nodes
+// around it.
 TEST(Script, MayHoldItself) {
   const Scene scene = scene_of("DEF S Script { field SFNode self USE S field MFNode all [ USE S Group { } USE S ] }");
   const std::uint32_t s = nodes_of_type(*scene.document, "Script").at(0);
@@ -189,4 +190,4 @@ TEST(Script, KeepsSeventyThousandFields) {
   EXPECT_EQ(result.scene->document->nodes.at(0).given().size(), 70'000u);
 }
 
-}  // namespace peerd::vrml::script_test
+}  // namespace peerd::vrml::script_parser_test

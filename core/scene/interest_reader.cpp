@@ -1,0 +1,99 @@
+#include "core/scene/interest_reader.hpp"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/vrml/default_values.hpp"
+#include "core/vrml/element_positions.hpp"
+
+namespace peerd::vrml {
+
+// A key is known to one peer only, but the movement that a world makes by itself must be the same on all of them.
+void InterestReader::check_key_routes() {
+  for (const Route& route : document_.routes) {
+    const bool from_key = document_.nodes[route.from_node].type->role == NodeRole::kKeySensor;
+    const bool to_key = document_.nodes[route.to_node].type->role == NodeRole::kKeySensor;
+    if (from_key) routed_keys_.insert(route.from_node);
+    if (from_key && !to_key) {
+      problems_.warning(route.at,
+                        "what a key does reaches other KeySensors only, since no other peer knows of the key: this "
+                        "ROUTE to a " +
+                            std::string(document_.nodes[route.to_node].type->name) + " is not run for it");
+    } else if (to_key && !from_key) {
+      problems_.warning(route.at, "a KeySensor takes events of other KeySensors only: this ROUTE from a " +
+                                      std::string(document_.nodes[route.from_node].type->name) + " is not run");
+    }
+  }
+}
+
+void InterestReader::add_interest(const Node& node) {
+  CollisionInterest interest;
+  const Field& type = value_of(node, "collisionType");
+  const std::int32_t written = type.as<std::int32_t>()[0];
+  if (written > 2) {
+    problems_.error(type.at,
+                    "collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found " + std::to_string(written));
+  }
+  interest.type = static_cast<CollisionType>(written);
+  const Field* path = node.find("objectPath");
+  std::optional<ObjectId> collider;
+  if (path != nullptr) {
+    collider = objects_.find(path->as<std::string_view>()[0], node.scope, path->at);
+  } else if (!node.damaged) {
+    problems_.error(node.at, "this CollisionInterest has no objectPath: it must name the node that is registered");
+  }
+
+  std::unordered_set<ObjectId> seen;
+  for (const std::string_view field : {"interests", "collisionInterests"}) {
+    const Field* list = node.find(field);
+    if (list == nullptr) continue;
+    const auto names = list->as<std::string_view>();
+    ElementPositions positions(problems_.text_of(list->at), problems_.begin_of(list->at), list->at);
+    for (std::size_t i = 0; i < names.size() && !problems_.full(); ++i) {
+      const Position at = positions.at(i);
+      const auto collidee = objects_.find(names[i], node.scope, at);
+      if (!collidee) continue;
+      if (collidee == collider) {
+        problems_.error(at, quoted(names[i]) + " is the collider itself");
+      } else if (!seen.insert(*collidee).second) {
+        problems_.warning(at, quoted(names[i]) + " is listed twice; it counts once");
+      } else {
+        interest.collidees.push_back(*collidee);
+      }
+    }
+  }
+  if (seen.empty() && !node.damaged) problems_.warning(node.at, "this CollisionInterest has no interests");
+  if (!collider) return;
+  interest.collider = *collider;
+  scene_.interests.push_back(std::move(interest));
+}
+
+void InterestReader::add_key_sensor(std::uint32_t index) {
+  const Node& node = document_.nodes[index];
+  std::optional<ObjectId> recipient;
+  if (const Field* path = node.find("recipient"); path != nullptr && !path->as<std::string_view>()[0].empty()) {
+    const std::string_view name = path->as<std::string_view>()[0];
+    recipient = objects_.find(name, node.scope, path->at);
+    if (!recipient) return;
+    if (scene_.at(*recipient).kind != NodeKind::kTransform) {
+      problems_.error(path->at, quoted(name) + " is no Transform: it has no velocity that a key can change");
+      return;
+    }
+  } else if (!routed_keys_.contains(index) && !node.damaged) {
+    problems_.warning(node.at, "this KeySensor has no recipient: it moves nothing");
+  }
+  const auto velocity = value_of(node, "value").as<float>();
+  const auto flag = [&](std::string_view field) { return value_of(node, field).as<bool>()[0]; };
+  scene_.key_sensors.push_back({.node = index,
+                                .recipient = recipient,
+                                .key_value = value_of(node, "keyValue").as<std::int32_t>()[0],
+                                .key_state = value_of(node, "keyState").as<std::int32_t>()[0],
+                                .value = Vec3(velocity[0], velocity[1], velocity[2]),
+                                .absolute = flag("absoluteValue"),
+                                .consume = flag("consume"),
+                                .enabled = flag("enabled")});
+}
+
+}  // namespace peerd::vrml

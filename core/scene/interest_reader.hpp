@@ -1,0 +1,33 @@
+#pragma once
+#include <cstdint>
+#include <unordered_set>
+
+#include "core/scene/object_finder.hpp"
+#include "core/scene/scene.hpp"
+#include "core/vrml/diagnostics.hpp"
+#include "core/vrml/document.hpp"
+
+namespace peerd::vrml {
+
+// An InterestReader adds the CollisionInterests and KeySensors (the thesis, C.1 and C.3) of a document to a scene whose
+// instances are complete. It reports mistakes in their fields; a node with one is left out.
+class InterestReader {
+ public:
+  InterestReader(const Document& document, Scene& scene, ObjectFinder& objects, Problems& problems)
+      : document_(document), scene_(scene), objects_(objects), problems_(problems) {}
+
+  // Notes the KeySensors that have a ROUTE, and reports ROUTEs between KeySensors and other nodes. It is called before
+  // any KeySensor is added.
+  void check_key_routes();
+  void add_interest(const Node& node);
+  void add_key_sensor(std::uint32_t node);
+
+ private:
+  const Document& document_;
+  Scene& scene_;
+  ObjectFinder& objects_;
+  Problems& problems_;
+  std::unordered_set<std::uint32_t> routed_keys_;  // KeySensors whose events go to others
+};
+
+}  // namespace peerd::vrml
