@@ -17,7 +17,7 @@
 namespace peerd::collision {
 namespace {
 
-// The twin: as plain as can be.
+// The twin that the other methods are checked against, as plain as can be.
 class BruteForce final : public BroadPhase {
  public:
   void add(BroadIndex object, const WorldBox& box) override {
@@ -77,9 +77,9 @@ class BruteForce final : public BroadPhase {
   BroadPhaseCounters counters_;
 };
 
-// The others. Each object has a fat box; interests whose fat boxes overlap are *near*. Only when an object leaves its
-// fat box are its other interests looked at, and that is where the methods differ; in every tick, what is near to a
-// moved object is tested exactly.
+// All other methods. Each object has a fat box; interests whose fat boxes overlap are *near*. An object's other
+// interests are searched only when it leaves its fat box, and that is where the methods differ; in every tick, the near
+// pairs of moved objects are tested exactly.
 class Incremental final : public BroadPhase {
  public:
   explicit Incremental(BroadPhaseMethod method) : method_(method) {
@@ -144,7 +144,7 @@ class Incremental final : public BroadPhase {
   void apply_toggles();
 
   BroadPhaseMethod method_;
-  // By object.
+  // These are indexed by object.
   std::vector<ExactBox> boxes_;
   std::vector<FatBox> fat_boxes_;
   std::vector<Refit> refit_;
@@ -179,7 +179,7 @@ void Incremental::add(BroadIndex object, const WorldBox& box) {
     groups_of_.resize(n);
     mark_.resize(n);
     near_.grow(n);
-    // What the number of objects doesn't bound grows by doubling; from here, so that it does so early if at all.
+    // Lists that the number of objects doesn't bound grow by doubling; reserving here makes them grow early, if at all.
     const std::size_t room = boxes_.capacity();
     for (auto* list : {&to_test_, &changed_, &pair_changed_}) list->reserve(room);
     for (auto* list : {&toggled_, &answer_, &merged_}) list->reserve(room);
@@ -232,7 +232,7 @@ const Incremental::Interest* Incremental::find_interest(BroadIndex a, BroadIndex
   return found == interests_[a].end() ? nullptr : &*found;
 }
 
-// The last one of the list takes its place.
+// The last interest of the list takes the place of the erased one.
 void Incremental::erase_interest(BroadIndex object, std::uint32_t i) {
   auto& list = interests_[object];
   list[i] = list.back();
@@ -343,7 +343,7 @@ std::span<const BroadPair> Incremental::tick() {
   return answer_;
 }
 
-// The room is by how far the sides went since the last time, a tick.
+// The margin follows from how far the sides went a tick since the last refit.
 void Incremental::refit(BroadIndex object) {
   const ExactBox& box = boxes_[object];
   FatBox& fat = fat_boxes_[object];
@@ -353,7 +353,8 @@ void Incremental::refit(BroadIndex object) {
     step_m = std::max(step_m, std::abs(box.lo[i] - (fat.lo[i] + last.margin_m)));
     step_m = std::max(step_m, std::abs(box.hi[i] - (fat.hi[i] - last.margin_m)));
   }
-  // More for some and less for others, by index: or all that started together leave their boxes together, ever again.
+  // The share differs by index: with equal shares, all objects that started together would leave their fat boxes in the
+  // same ticks, again and again.
   const double share = 0.75 + 0.5 * 0x1p-32 * (object * 0x9e37'79b1u);
   const double margin_m = fat_margin_m(box, share * step_m / std::max(tick_ - last.tick, 1u));
   fat = fattened(box, margin_m);
@@ -417,7 +418,7 @@ void Incremental::test(NearPairs::Pair& pair) {
   toggled_.push_back(pair.pair());
 }
 
-// When much has moved, all near pairs in their order in memory; otherwise the moved objects' own.
+// Tests all near pairs in their order in memory when much has moved, otherwise those of the moved objects.
 void Incremental::test_near() {
   if (2 * to_test_.size() > count_) {
     for (NearPairs::Pair& pair : near_.all()) {

@@ -71,7 +71,7 @@ class NearPairs {
   }
 
  private:
-  // In the list of an object, `next` comes after `previous`.
+  // Makes `next` the successor of `previous` in the list of an object; kNone stands for the ends.
   void link(BroadIndex object, Index previous, Index next) {
     if (previous == kNone) {
       first_[object] = next;

@@ -62,7 +62,8 @@ void enclose(Body& body) {
   body.radius_m = std::sqrt(radius2);
 }
 
-// Only where its transform is exactly a translation and one scale: a rounded rotation is not told from a shear.
+// A Sphere stays exactly round only where its transform is a translation and one scale: a rounded rotation can't be
+// told from a shear.
 std::optional<ExactSphere> as_exact_sphere(const Geometry& geometry, ObjectId shape, const Placement& placement) {
   const auto* const sphere = std::get_if<SphereGeometry>(&geometry);
   const double scale = placement.linear(0, 0);
@@ -70,7 +71,7 @@ std::optional<ExactSphere> as_exact_sphere(const Geometry& geometry, ObjectId sh
   return ExactSphere{shape, placement.offset, scale * static_cast<double>(sphere->radius)};
 }
 
-// Of several reasons the first, and how many more there are.
+// Collects reasons into one sentence: the first, and how many more there are.
 class Reasons {
  public:
   Reasons(const Scene& scene, std::string& out) : scene_(scene), out_(out) {}

@@ -6,7 +6,7 @@
 namespace peerd::collision {
 namespace {
 
-// The vertices farthest along n.
+// The indices of the vertices farthest along n, to within e [m].
 std::vector<std::uint32_t> support_feature(const Solid& solid, const Vec3& n_body, double e) {
   const double top = extent_along(n_body, solid.vertices).high;
   std::vector<std::uint32_t> feature;

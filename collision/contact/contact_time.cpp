@@ -12,7 +12,7 @@
 namespace peerd::collision {
 namespace {
 
-// Farther than any vertex is from the body's origin.
+// A bound of how far any vertex is from the body's origin [m].
 double reach(const Body& body) { return magnitude(body.center) + body.radius_m; }
 
 bool turns(const KinematicState& s) { return !s.angular_velocity_body.isZero(0.0); }
@@ -30,8 +30,8 @@ Sphere sphere_of(const MovingBody& m, const Mat3& R, double scale) {
 // The world box of what lies in a sphere lies in the sphere this much larger: sqrt(3), rounded up.
 constexpr double kBoxReach = 1.7320508075688774;
 
-// Certainly too far apart for the whole horizon: closest approach at constant velocity, less what the acceleration can
-// add. Rounding is far below the margin of 2^-40 of all lengths involved.
+// True where two spheres are certainly too far apart for the whole horizon: closest approach at constant velocity, less
+// what the acceleration can add. Rounding is far below the margin of 2^-40 of all lengths involved.
 bool spheres_stay_apart(const Sphere& a, const Sphere& b, const Vec3& v, const Vec3& acceleration, double horizon) {
   const Vec3 d = a.center_world - b.center_world;
   const double v2 = dot(v, v), approach = -dot(d, v);
@@ -45,7 +45,7 @@ bool spheres_stay_apart(const Sphere& a, const Sphere& b, const Vec3& v, const V
   return dot(nearest, nearest) > least * least;
 }
 
-// Along the line of centres now: two bodies that fall away from each other, however long the horizon.
+// True where two bodies part and accelerate apart along the line of their centres, however long the horizon.
 bool spheres_part(const Sphere& a, const Sphere& b, const Vec3& v, const Vec3& acceleration) {
   const Vec3 d = a.center_world - b.center_world;
   if (dot(d, v) < 0.0 || dot(d, acceleration) < 0.0) return false;
@@ -54,7 +54,8 @@ bool spheres_part(const Sphere& a, const Sphere& b, const Vec3& v, const Vec3& a
   return dot(d, d) > (least + margin) * (least + margin);
 }
 
-// The earlier one of two pairs' answers; the first pair's where they tie. A failure hides what comes after it.
+// Whether a pair's answer is earlier than the best so far; the first pair's stands where they tie. A failure hides what
+// comes after it.
 bool comes_first(const Contact& candidate, const Contact& best) {
   if (candidate.state == ContactState::kSeparated) return false;
   return best.state == ContactState::kSeparated || candidate.time_s < best.time_s ||

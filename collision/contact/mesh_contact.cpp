@@ -12,7 +12,7 @@
 namespace peerd::collision {
 namespace {
 
-// Between calls they keep memory, never values.
+// These keep memory between calls, never values.
 thread_local MeshImpactQuery contact_impacts;
 thread_local WideQuery near_query;
 
@@ -22,7 +22,7 @@ void set_polygon(Contact& contact, const Surface& collidee, std::uint32_t polygo
   contact.collidee_polygon = polygon.polygon;
 }
 
-// How the collider comes: at a place of the world, its material against the collidee's [m/s].
+// The velocity of the collider's material against the collidee's at a place of the world [m/s].
 Vec3 approach_velocity(const KinematicState& a, const KinematicState& b, const Vec3& place) {
   const auto velocity = [&](const KinematicState& s) {
     const Vec3 turn = rotate(s.orientation.toRotationMatrix(), s.angular_velocity_body);
@@ -31,8 +31,8 @@ Vec3 approach_velocity(const KinematicState& a, const KinematicState& b, const V
   return velocity(a) - velocity(b);
 }
 
-// Two triangles that are near: the normal of the collidee's polygon, on the side of the collider, if that comes towards
-// it.
+// The normal of the collidee's polygon on the side of the collider, for two near triangles, if the collider comes
+// towards that polygon.
 std::optional<Vec3> approached_normal(const Contact& contact, const Surface& collider, const KinematicState& a,
                                       const Surface& collidee, const KinematicState& b, const RelativeMotion& a_from_b,
                                       const FacePair& faces) {
@@ -43,7 +43,7 @@ std::optional<Vec3> approached_normal(const Contact& contact, const Surface& col
   if (!normal || gap.distance == 0.0) return std::nullopt;
   const Mat3 R_a = a.orientation.toRotationMatrix();
   Vec3 n = rotate(b.orientation.toRotationMatrix(), *normal);
-  // Which side the collider is on; beside the polygon it is on neither.
+  // The side of the polygon on which the collider is; beside the polygon it is on neither.
   const double side = dot(n, rotate(R_a, gap.on_a - gap.on_b)) / gap.distance;
   if (std::abs(side) < 0x1p-10) return std::nullopt;
   if (side < 0.0) n = -n;
@@ -53,7 +53,7 @@ std::optional<Vec3> approached_normal(const Contact& contact, const Surface& col
   return n;
 }
 
-// The least pair of polygons that meets, if any does: sets polygon and normal.
+// Sets polygon and normal by the least pair of polygons that meets; false where none does.
 bool find_approached_polygon(Contact& contact, Surface& collider, const KinematicState& a, Surface& collidee,
                              const KinematicState& b) {
   const RelativeMotion a_from_b(a.pose(), b.pose());

@@ -18,7 +18,7 @@ Vec3 sphere_center(const MovingBody& m) {
 
 constexpr std::uint32_t kMaxIterations = 1024;
 
-// Between calls they keep memory, never values.
+// These keep memory between calls, never values.
 thread_local MeshImpactQuery proximity_impacts;
 thread_local MeshDistanceQuery distances;
 

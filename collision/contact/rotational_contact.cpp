@@ -9,7 +9,7 @@
 namespace peerd::collision {
 namespace {
 
-// Both bodies at one instant.
+// Both bodies at one instant, in the world frame.
 struct Instant {
   Mat3 R_a, R_b;
   Vec3 p, v, half_acceleration;  // of the collider relative to the collidee
@@ -32,7 +32,8 @@ double largest_radius(const Solid& solid) {
   return std::sqrt(radius2);
 }
 
-// How fast the vertices' distances along n can change [m/s], and how much that can change in turn [m/s^2].
+// Bounds of how fast rotation changes the vertices' distances along any direction [m/s], and of the change of that rate
+// [m/s^2].
 struct RotationBounds {
   double speed, curvature;
 };
@@ -53,7 +54,7 @@ class LowerBound {
         rate_(dot(n, now.v)),
         k_(std::min(0.0, dot(n, now.half_acceleration) - 0.5 * turning.curvature)) {}
 
-  // The constraint that binds s seconds on, as the quadratic of its two vertices.
+  // The constraint that binds after s seconds, as the quadratic of its two vertices.
   [[nodiscard]] Quadratic binding(double s) const {
     Quadratic q{offset_, rate_, k_};
     double least = kNever, most = -kNever;
@@ -111,7 +112,7 @@ class LowerBound {
   double offset_, rate_, k_;
 };
 
-// Calls visit(n, gap) for all axes, both ways.
+// Calls visit(n, gap) for all axes, in both directions.
 template <class Visit>
 void for_each_gap(const PairQuery& query, const Instant& now, Visit&& visit) {
   for_each_axis(query.collider, now.R_a, query.collidee, now.R_b, [&](const Vec3& n, AxisKind) {
@@ -141,7 +142,7 @@ double far_step(const Instant& now, const RotationBounds& turning, const Axis& a
   return first_descent({axis.gap, dot(axis.n, now.v) - turning.speed, dot(axis.n, now.half_acceleration)});
 }
 
-// What the axes within reach of touching say.
+// A summary of the axes whose gaps are within reach of touching.
 struct Touch {
   double parting_step = 0.0;  // how long at least the bodies stay apart now, along the axis that parts
   Axis closing;               // the collidee's face if it is among those that close, else the widest
@@ -174,7 +175,7 @@ Touch examine_touch(const PairQuery& query, const Instant& now, const RotationBo
   return touch;
 }
 
-// Of the collider's first support point against the same point of the collidee.
+// The velocity of the collider's first support point along -n against the collidee's material at that place [m/s].
 Vec3 approach_velocity(const PairQuery& query, const Instant& now, const Vec3& n) {
   const Vec3 n_a = rotate_back(now.R_a, n);
   const Vec3* lowest = &query.collider.vertices[0];

@@ -7,7 +7,7 @@
 
 namespace peerd::collision {
 
-// What is tested against another: a convex piece, or the whole body's vertices where their world box is meant.
+// One side of a separating-axis test: a convex piece, or the vertices of a whole body, whose world box is meant.
 struct Solid {
   std::span<const Vec3> vertices;      // object frame
   const ConvexPiece* piece = nullptr;  // null: the world box of `vertices`
@@ -76,7 +76,7 @@ void for_each_axis(const Solid& collider, const Mat3& R_a, const Solid& collidee
 // Times u = 2^-53 and the sum of the operands' magnitudes this bounds a gap's error.
 inline constexpr double kRounding = 40.0 * 0x1p-53;
 
-// Directions that differ by rounding alone.
+// Whether two unit directions differ by rounding alone.
 [[nodiscard]] inline bool same_direction(const Vec3& a, const Vec3& b) {
   const Vec3 c = a.cross(b);
   return dot(a, b) > 0.0 && dot(c, c) <= kRounding * kRounding;

@@ -38,7 +38,7 @@ Quartic bernstein(const Quartic& c, double horizon_s) {
           p[0] + p[1] + p[2] + p[3] + p[4]};
 }
 
-// De Casteljau.
+// De Casteljau's algorithm gives the coefficients of both halves.
 std::array<Quartic, 2> halves(Quartic b) {
   std::array<Quartic, 2> out;
   for (std::size_t row = 0; row < 5; ++row) {
@@ -49,8 +49,8 @@ std::array<Quartic, 2> halves(Quartic b) {
   return out;
 }
 
-// The first time in [0, horizon_s] at which the polynomial is not positive, or -1. One that is so near to a root there
-// that rounding can't tell counts.
+// The first time in [0, horizon_s] at which the polynomial is not positive, or -1. A time so near to a root that
+// rounding can't tell counts.
 double first_not_positive(const Quartic& c, double horizon_s, std::uint32_t& iterations) {
   std::array<Segment, kHalvings + 1> later;  // of each depth at most one waits
   std::size_t waiting = 0;
@@ -73,11 +73,11 @@ Vec3 center_of(const MovingBody& m) {
   return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.sphere->center);
 }
 
-// One sphere as seen from the other.
+// The motion of the collider's sphere as seen from the collidee's.
 struct Approach {
   Vec3 apart, velocity, half_acceleration;  // of the collider's centre against the collidee's
   double radii_m;
-  // What rounding makes of the distance, of its rate, and of its half second derivative.
+  // Bounds of the rounding of the distance, of its rate, and of half its second derivative.
   double gap_error_m, speed_error_m_s, bend_error_m_s2;
 
   Approach(const MovingBody& a, const MovingBody& b)
@@ -94,7 +94,7 @@ struct Approach {
                                    speed * magnitude(velocity) / radii_m);
   }
 
-  // Of the square of the distance less that of touching.
+  // The square of the distance less the square of the distance at touching, as a polynomial of time [m^2].
   [[nodiscard]] Quartic polynomial() const {
     const double d = length(apart);
     return {(d - radii_m) * (d + radii_m), 2.0 * dot(apart, velocity),
@@ -108,7 +108,7 @@ struct Approach {
   }
 };
 
-// What follows a touch at 0 from which they part or in which they stay: without that root.
+// The polynomial divided by time: without the root at 0 of a touch from which the spheres part or in which they stay.
 Quartic without_root(const Quartic& c) { return {c[1], c[2], c[3], c[4], 0.0}; }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace peerd::collision {
 std::expected<void, std::string> Surface::append(ObjectId shape, const Mesh& mesh,
                                                  const std::function<Vec3(const Eigen::Vector3f&)>& place) {
   assert(!tree_);
-  // Cut in its own frame, so that it is cut as everywhere else.
+  // The mesh is triangulated in its own frame, so that it is cut as everywhere else.
   const auto cut = make_soup(mesh);
   if (!cut) return std::unexpected(cut.error());
   constexpr std::uint32_t kUnused = ~0u;

@@ -24,8 +24,8 @@ Integer3 cross(const Integer3& a, const Integer3& b) {
 Integer exact_dot(const Integer3& a, const Integer3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 bool is_zero(const Integer3& a) { return a[0].is_zero() && a[1].is_zero() && a[2].is_zero(); }
 
-// Scaled so that the largest component is +-1 before squaring: the integers may exceed the square root of DBL_MAX.
-// Relative error of each component: conversion 2u, division u, normalisation 4u; u = 2^-53.
+// The unit vector of an integer one. The largest component is scaled to +-1 before squaring: the integers may exceed
+// the square root of DBL_MAX. Relative error of each component: conversion 2u, division u, normalisation 4u; u = 2^-53.
 Vec3 direction(const Integer3& a) {
   const Vec3 v(a[0].convert_to<double>(), a[1].convert_to<double>(), a[2].convert_to<double>());
   const Vec3 scaled = v / v.cwiseAbs().maxCoeff();
@@ -120,8 +120,9 @@ class ConvexityTest {
     return std::nullopt;
   }
 
-  // Planar, convex, with an area. A concave face of a convex polyhedron is refused too: with convex faces alone, edges
-  // that match and sides that agree prove that the surface is the boundary of its convex hull.
+  // Requires a polygon to be planar and convex, with an area. A concave face of a convex polyhedron is refused too:
+  // with convex faces alone, edges that match and sides that agree prove that the surface is the boundary of its convex
+  // hull.
   Refusal examine_polygon(std::size_t i) {
     const std::vector<std::uint32_t>& c = surface_.polygons[i];
     const std::string name = "polygon " + std::to_string(i);
@@ -142,7 +143,7 @@ class ConvexityTest {
     return std::nullopt;
   }
 
-  // Every corner on or left of every edge, in the projection along the normal's largest component.
+  // Whether every corner is on or left of every edge, in the projection along the normal's largest component.
   bool turns_one_way(const std::vector<std::uint32_t>& c, const Direction& n) const {
     Eigen::Index k = 0;
     n.approximate.cwiseAbs().maxCoeff(&k);
@@ -170,7 +171,7 @@ class ConvexityTest {
     return area.sign();
   }
 
-  // Every edge belongs to two polygons, and one can walk over edges from each polygon to any other.
+  // Requires every edge to belong to two polygons, and all polygons to be connected over edges.
   Refusal examine_edges() {
     const std::size_t count = surface_.polygons.size();
     for (std::size_t i = 0; i < count; ++i) {
@@ -199,7 +200,7 @@ class ConvexityTest {
     return std::nullopt;
   }
 
-  // All vertices on one side of every polygon's plane; the polygon is turned so that this is its back.
+  // Requires all vertices to be on one side of every polygon's plane; the polygon is turned so that this is its back.
   Refusal examine_sides() {
     on_plane_.assign(surface_.polygons.size(), std::vector<bool>(surface_.vertices.size()));
     for (std::size_t i = 0; i < surface_.polygons.size(); ++i) {

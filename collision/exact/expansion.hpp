@@ -48,7 +48,7 @@ struct TwoTerms {
   return {head, a_halves.tail * b_halves.tail - rest};
 }
 
-// At most N terms, none of them zero.
+// An expansion has at most N terms, none of them zero.
 template <std::size_t N>
 class Expansion {
  public:

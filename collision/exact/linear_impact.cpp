@@ -15,7 +15,7 @@ struct Interval {
   [[nodiscard]] double width() const { return hi - lo; }
 };
 
-// Of time and the two coordinates.
+// The sides of the box are time and the two coordinates on the primitives.
 struct ParameterBox {
   std::array<Interval, 3> side;
 };
@@ -34,7 +34,7 @@ struct Later {
 
 Vec3 at(const MovingPoint& p, double t) { return p.at_0 * (1.0 - t) + p.at_1 * t; }
 
-// What is to be 0: a vector that is linear in each of (t, u, v).
+// The function whose zero is sought: a vector that is linear in each of (t, u, v).
 struct VertexFace {
   const MovingPoint& vertex;
   const std::array<MovingPoint, 3>& face;
@@ -64,7 +64,7 @@ template <class Distance>
 LinearImpact first_root(const Distance& distance, double largest_coordinate, const ImpactOptions& options) {
   // Some 20 roundings of numbers of at most three times the largest coordinate.
   const double rounding = 128.0 * kUnitRoundoff * largest_coordinate;
-  // How far the image's corners move along each side: the side to halve is the one with the widest image.
+  // The extents of the image along each side of the box: the side to halve is the one with the widest image.
   std::array<double, 3> reach = {0.0, 0.0, 0.0};
   for (int corner = 0; corner < 8; ++corner) {
     for (std::size_t side = 0; side < 3; ++side) {

@@ -35,8 +35,8 @@ Expansion<16> determinant(const Expansion<2>& a, const Expansion<2>& b, const Ex
 
 constexpr int kNext[] = {1, 2, 0}, kAfterNext[] = {2, 0, 1};
 
-// Whether each product of the determinant has a factor that is 0: a common point, or a plane along two of the axes, as
-// floors are. Where coordinates are equal, so that no rounding and no underflow is in it.
+// Whether each product of the determinant has a factor that is 0, as with a common point, or a plane along two of the
+// axes, which floors are. Only equal coordinates count, so no rounding and no underflow is in the answer.
 template <class LastIsZero>
 bool every_product_is_zero(const Vec3& a, const Vec3& b, const Vec3& c, LastIsZero last_is_zero) {
   const auto zero = [&](int i, const Vec3& p) { return p[i] == a[i]; };
@@ -77,8 +77,9 @@ Expansion<24> determinant_of_heads(const Differences& m) {
   return sum(sum(row(0), row(1)), row(2));
 }
 
-// In place of Shewchuk's stage C: twice the precision, tails to first order, and without a branch. What it leaves out,
-// the products of two tails and its own roundings, is below 70 u^2 times the permanent, and `error` is beyond that.
+// This stage stands in place of Shewchuk's stage C: twice the precision, tails to first order, and without a branch.
+// What it leaves out, the products of two tails and its own roundings, is below 70 u^2 times the permanent, and `error`
+// is beyond that.
 struct DoubleDoubleSum {
   double head, tail, error;
 

@@ -15,7 +15,7 @@ struct TimeInterval {
   }
 };
 
-// At most two disjoint intervals, the earlier one first.
+// A set of at most two disjoint intervals of time, the earlier one first.
 struct TimeSet {
   TimeInterval first, second;
 
@@ -57,7 +57,7 @@ struct Quadratic {
   return r < s ? std::pair{r, s} : std::pair{s, r};
 }
 
-// All t with q(t) <= 0.
+// The set of all t with q(t) <= 0.
 [[nodiscard]] inline TimeSet non_positive(const Quadratic& q) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   if (q.c2 == 0.0) {

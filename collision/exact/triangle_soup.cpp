@@ -7,7 +7,7 @@
 
 namespace peerd::collision {
 bool is_representable(const Vec3& v) {
-  // Not one comparison holds for what is no number.
+  // No comparison holds for NaN, so NaN is refused as well.
   return std::abs(v[0]) <= kLargestCoordinate_m && std::abs(v[1]) <= kLargestCoordinate_m &&
          std::abs(v[2]) <= kLargestCoordinate_m;
 }

@@ -83,7 +83,7 @@ struct MeshDistanceQuery::Search {
 
   [[nodiscard]] double meters(float on_scale_of_a) const { return static_cast<double>(on_scale_of_a) / a.scale(); }
 
-  // What is nearer than this must be looked at.
+  // Pairs that may be nearer than this must be searched [m].
   [[nodiscard]] double worth_m() const {
     const double accurate = found.upper_m - std::max(options.accuracy_m, options.relative_accuracy * found.upper_m);
     return std::min(std::isnan(accurate) ? kInfinity : accurate, options.stop_above_m);

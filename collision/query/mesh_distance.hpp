@@ -9,7 +9,7 @@
 
 namespace peerd::collision {
 
-// How far apart two meshes are, as an interval: of A's vertices and B's, as `a_from_b` rounds those, in real numbers.
+// The distance of two meshes as an interval: that of A's vertices and B's, as `a_from_b` rounds those, in real numbers.
 struct MeshDistance {
   double lower_m = 0.0;          // certainly no two points are nearer
   double upper_m = 0.0;          // certainly two points are no farther apart; 0 only where they touch (exact)

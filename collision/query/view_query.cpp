@@ -12,7 +12,8 @@ namespace {
 
 using Ref = WideTree::Ref;
 
-// A plane's offset in a tree's numbers may be larger than binary32 has them: it is beyond the tree then, as this is.
+// A plane's offset in a tree's numbers may be larger than binary32 holds: such a plane is beyond the tree, and so is
+// one at this offset.
 constexpr double kFar = 0x1p100;
 
 // World points are rotation * p + position for p of the soup, so normal . world + offset is
@@ -48,7 +49,7 @@ bool Frustum::add(const Vec3& normal, double offset) {
 
 std::expected<Frustum, std::string> make_frustum(const Camera& camera) {
   constexpr double kPi = 3.14159265358979323846;
-  // What is no number fails all of these.
+  // NaN fails all of these conditions.
   if (!(camera.field_of_view > 0.0 && camera.field_of_view < kPi)) {
     return std::unexpected("the field of view must be above 0 and below pi");
   }
@@ -96,8 +97,8 @@ InView in_view(const Frustum& frustum, const WorldBox& box, PlaneMask& active) {
   return active == 0 ? InView::kInside : InView::kMaybe;
 }
 
-// Depth first, in the tree's order. found(leaf, i), of a triangle that may be in view, and stop(visit), before a place
-// is looked into, say whether that was all.
+// Descends depth first, in the tree's order. found(leaf, i), called for a triangle that may be in view, and
+// stop(visit), called before a slot is visited, return true to end the search.
 template <class Stop, class Found>
 void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& root, Stop stop, Found found) {
   std::array<PlaneMask, WideTree::kWidth> crossed;

@@ -25,8 +25,8 @@ WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotio
     farthest = std::max({farthest, std::abs(origin[i]), std::abs(home[i])});
   }
   // Each of some 20 roundings is of a number below the sum in brackets (its terms' factors are at most sqrt(3)), by at
-  // most 2^-24 of it. Binary64, in which vertices are moved for the exact test, is lost in that; but vertices far from
-  // their soup's origin lose more there.
+  // most 2^-24 of it. The rounding of binary64, in which vertices are moved for the exact test, is far below that,
+  // except for vertices far from their soup's origin, which the second term is for.
   const auto far = [](const WideTree& tree) { return tree.origin().cwiseAbs().maxCoeff() + tree.extent_m(); };
   const double binary64 = 0x1p-46 * (far(a) + far(b) + motion.translation.cwiseAbs().maxCoeff());
   const double slack_m =

@@ -35,8 +35,8 @@ void WideQuery::open(const WideTree& a, const WideTree& b, Ref of_a, Ref of_b, c
   }
 }
 
-// From what is on the stack on: pairs of leaves that may touch, depth first, children in their order, until `leaves`
-// says true.
+// Descends from the pairs on the stack, depth first, children in their order, to pairs of leaves that may touch, until
+// leaves() returns true.
 template <class Leaves>
 bool WideQuery::descend(WideTree& a, WideTree& b, const WideMotion& motion, Leaves leaves) {
   while (!stack_.empty()) {
@@ -61,7 +61,7 @@ bool WideQuery::descend(WideTree& a, WideTree& b, const WideMotion& motion, Leav
   return false;
 }
 
-// Until `test` says true of two triangles, B's in A's frame.
+// Calls test() for pairs of triangles that may touch, B's in A's frame, until it returns true.
 template <class Test>
 bool WideQuery::test_triangles(const WideTree& a, const WideTree& b, const WideTree::Leaf& leaf_a,
                                const WideTree::Leaf& leaf_b, const WideMotion& motion, const RelativeMotion& a_from_b,
@@ -81,8 +81,8 @@ bool WideQuery::test_triangles(const WideTree& a, const WideTree& b, const WideT
   return false;
 }
 
-// What the kernels let through beyond what touches costs time and changes no answer, and it changes no order: so the
-// first pair found is the first that there is.
+// Pairs that the kernels let through without touching cost time, but change no answer and no order: so the first pair
+// found is the first that there is.
 template <class Found>
 bool WideQuery::search(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Found found) {
   const WideMotion motion(a, b, a_from_b);

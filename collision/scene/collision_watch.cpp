@@ -111,7 +111,7 @@ const CollisionWatch::Tick& CollisionWatch::tick() {
   return changes_.end_tick();
 }
 
-// Its sum is rounded up. What has gone nowhere in particular is as good as reshaped: no gap is known of it.
+// The sum is rounded up. An object without a finite displacement is treated as reshaped: no gap is known of it.
 void CollisionWatch::accumulate_travel(Object& object) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   object.displacement_m = query_.displacement_m(object.id);
@@ -122,7 +122,7 @@ void CollisionWatch::accumulate_travel(Object& object) {
   object.travelled_m = std::nextafter(object.travelled_m + object.displacement_m, kInfinity);
 }
 
-// The objects that have the instance in their path, or below them.
+// Marks the objects that have the instance in their path, or below them.
 void CollisionWatch::mark(std::uint32_t instance) {
   const auto moved = [&](std::uint32_t i) {
     if (object_of_[i] == kNone || std::exchange(objects_[object_of_[i]].moved, true)) return;
@@ -175,7 +175,7 @@ void CollisionWatch::find_near() {
   while (before != previous_near_pairs_.end()) clear_pair((before++)->pair);
 }
 
-// Their boxes are apart now.
+// The boxes of this pair are apart now.
 void CollisionWatch::clear_pair(std::uint32_t pair) {
   for (std::uint32_t i = pairs_[pair].begin; i < pairs_[pair].end; ++i) {
     changes_.accept(interests_by_pair_[i]);
@@ -183,7 +183,7 @@ void CollisionWatch::clear_pair(std::uint32_t pair) {
   }
 }
 
-// What became near has moved.
+// Every pair that became near has a member that moved.
 void CollisionWatch::test_near_pairs() {
   for (NearPair& near : near_pairs_) {
     if (objects_[near.objects.low].moved || objects_[near.objects.high].moved) {
@@ -267,7 +267,7 @@ bool CollisionWatch::boxes_collide(std::uint32_t interest) {
   return boxes ? boxes->colliding : refuse(interest, boxes.error());
 }
 
-// All pairs are looked at for one that would be refused; but tested only until two touch.
+// All close pairs are visited for kAllPairs, since one may be refused; but pairs are tested only until two touch.
 bool CollisionWatch::shapes_collide(std::uint32_t interest, NearPair& near) {
   const auto& [collider, collidee, type] = interests_[interest];
   bool touching = false;

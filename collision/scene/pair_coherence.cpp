@@ -31,7 +31,7 @@ PairCoherence::CachedPair& PairCoherence::find(std::uint64_t key, std::uint64_t 
   return cache_[hint];
 }
 
-// Those that nobody has asked about for a while: that costs a test more if somebody does.
+// Evicts pairs that no caller has asked about for a while; such a pair costs a test more if a caller does.
 void PairCoherence::evict_old(std::uint64_t tick) {
   constexpr std::uint64_t kEvictionAge = 64;  // ticks
   std::erase_if(cache_, [&](const CachedPair& cached) { return cached.tested_at_tick + kEvictionAge < tick; });

@@ -13,8 +13,8 @@ struct Combination {
   std::array<double, 3> weights;
 };
 
-// For a >= b >= c >= 0. The unit normals of a k-DOP are the corners of a polytope that is symmetric under exchange and
-// reflection of axes, so its facets over this sixth of an octant serve all directions.
+// Serves directions with a >= b >= c >= 0. The unit normals of a k-DOP are the corners of a polytope that is symmetric
+// under exchange and reflection of axes, so its facets over this sixth of an octant serve all directions.
 template <int K>
 Combination in_sorted_octant(double a, double b, double c) {
   if constexpr (K == 6) return {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {a, b, c}};
@@ -72,8 +72,8 @@ Realignment<K>::Realignment(const RelativeMotion& new_from_old, double extent_m)
         residual[k] -= combination.weights[m] * combination.directions[m][static_cast<std::size_t>(k)];
     }
     offset_[i] = along(directions[i], new_from_old.translation);
-    // What the combination misses of the direction, and 64 roundings of the largest numbers that occur: here, in the
-    // sums of a node's slabs, and in new_from_old(vertex).
+    // The padding covers what the combination misses of the direction, and 64 roundings of the largest numbers that
+    // occur: here, in the sums of a node's slabs, and in new_from_old(vertex).
     const double missed = std::abs(residual[0]) + std::abs(residual[1]) + std::abs(residual[2]);
     const Vec3& t = new_from_old.translation;
     const double largest = 3.0 * extent_m + (std::abs(t[0]) + std::abs(t[1]) + std::abs(t[2]));

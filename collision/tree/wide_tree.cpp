@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kLeafSize = WideTree::kWidth;
 
-// How many triangles each child of a node of `count` holds when it is full.
+// The number of triangles that each full child of a node of `count` triangles holds.
 std::uint32_t child_capacity(std::uint32_t count) {
   std::uint32_t capacity = kLeafSize;
   while (static_cast<std::uint64_t>(capacity) * WideTree::kWidth < count) capacity *= WideTree::kWidth;
@@ -125,8 +125,9 @@ void WideTree::divide(Range range, std::uint32_t middle, std::size_t axis, float
   std::nth_element(begin, items_.begin() + middle, end, before);
 }
 
-// In two, by the middles of the triangles' boxes along the axis where those are spread widest; ties by the face's
-// number, so that every library's nth_element gives the same halves. Then each half, until each part is one child.
+// Splits a range in two, by the middles of the triangles' boxes along the axis where those are spread widest; ties by
+// the face's number, so that every library's nth_element gives the same halves. Then each half, until each part is one
+// child.
 void WideTree::split(Range range, std::uint32_t capacity, std::array<Range, kWidth>& parts, std::size_t& count) {
   const std::uint32_t children = (range.count() + capacity - 1) / capacity;
   if (children == 1) {
@@ -200,7 +201,7 @@ void WideTree::fill_corners(Leaf& leaf) const {
   }
 }
 
-// Of what hangs at a place, its own boxes being up to date.
+// The bounds of a node or leaf whose own boxes are up to date.
 WideTree::Bounds WideTree::bound(Ref ref) const {
   if (ref.kind() == Ref::kPending) return bound(ranges_[ref.index()]);
   Bounds out;

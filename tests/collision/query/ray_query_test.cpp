@@ -199,7 +199,8 @@ TEST(RayQuery, NoRaySlipsThroughAnEdgeOrAVertex) {
   }
 }
 
-// Where edges are met exactly, the lowest polygon of those that share it is named; not the one that the tree has first.
+// A ray that meets an edge exactly names the lowest polygon of those that share it, not the one that the tree has
+// first.
 TEST(RayQuery, TheLowestPolygonOfThoseMetInOnePointIsNamed) {
   TriangleSoup fan;  // eight triangles around the z axis; polygons are numbered the other way round
   fan.vertices.push_back(Vec3::Zero());

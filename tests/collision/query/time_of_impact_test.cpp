@@ -277,8 +277,8 @@ TEST(TimeOfImpact, IsBeforeTheFirstInstantThatTouches) {
   EXPECT_GT(hits, 10);
 }
 
-// Where the world's coordinates are so large that places in it are known less well than the tolerance, a hit is
-// reported that much earlier: at 1e10 m, a unit in the last place is 2e-6 m. A hit must never touch already.
+// A hit is reported earlier where the world's coordinates are so large that places are known less well than the
+// tolerance: at 1e10 m, a unit in the last place is 2e-6 m. A hit must never touch already.
 TEST(TimeOfImpact, CubesThatTumbleOntoAPlateFarOutDoNotTouchItWhenTheyHit) {
   TriangleSoup cube, plate;
   for (int i = 0; i < 8; ++i) {
