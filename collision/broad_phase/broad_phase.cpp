@@ -36,9 +36,13 @@ class BruteForce final : public BroadPhase {
     boxes_[object] = box;
     ++counters_.moves;
   }
-  bool register_interest(BroadIndex a, BroadIndex b) override { return pairs_.insert(make_broad_pair(a, b)).second; }
+  bool register_interest(BroadIndex a, BroadIndex b) override {
+    assert(a < boxes_.size() && boxes_[a] && b < boxes_.size() && boxes_[b]);
+    return pairs_.insert(make_broad_pair(a, b)).second;
+  }
   bool unregister_interest(BroadIndex a, BroadIndex b) override { return pairs_.erase(make_broad_pair(a, b)) > 0; }
   bool join(BroadGroup group, BroadIndex object) override {
+    assert(object < boxes_.size() && boxes_[object]);
     if (groups_.size() <= group) groups_.resize(group + 1);
     return groups_[group].insert(object).second;
   }
@@ -208,6 +212,7 @@ void Incremental::remove(BroadIndex object) {
   groups_of_[object].clear();
   boxes_[object] = ExactBox::none();
   fat_boxes_[object] = FatBox::none();
+  assert(count_ > 0 && near_.first(object) == NearPairs::kNone);
   state_[object].exists = false;
   --count_;
 }
@@ -235,6 +240,7 @@ const Incremental::Interest* Incremental::find_interest(BroadIndex a, BroadIndex
 // The last interest of the list takes the place of the erased one.
 void Incremental::erase_interest(BroadIndex object, std::uint32_t i) {
   auto& list = interests_[object];
+  assert(i < list.size());
   list[i] = list.back();
   list.pop_back();
   if (i < list.size()) interests_[list[i].other][list[i].reverse_index].reverse_index = i;
@@ -270,6 +276,7 @@ bool Incremental::unregister_interest(BroadIndex a, BroadIndex b) {
   if (interest == nullptr) return false;
   const std::uint32_t reverse_index = interest->reverse_index;
   const auto i = static_cast<std::uint32_t>(interest - interests_[a].data());
+  assert(reverse_index < interests_[b].size() && interests_[b][reverse_index].other == a);
   erase_interest(a, i);
   erase_interest(b, reverse_index);
   for (const BroadIndex object : {a, b}) {
@@ -340,6 +347,7 @@ std::span<const BroadPair> Incremental::tick() {
   for (const BroadIndex object : to_test_) state_[object].in_to_test = false;
   to_test_.clear();
   apply_toggles();
+  assert(changed_.empty() && to_test_.empty() && toggled_.empty());
   return answer_;
 }
 
@@ -356,6 +364,7 @@ void Incremental::refit(BroadIndex object) {
   // The share differs by index: with equal shares, all objects that started together would leave their fat boxes in the
   // same ticks, again and again.
   const double share = 0.75 + 0.5 * 0x1p-32 * (object * 0x9e37'79b1u);
+  assert(step_m >= 0.0 && tick_ >= last.tick);
   const double margin_m = fat_margin_m(box, share * step_m / std::max(tick_ - last.tick, 1u));
   fat = fattened(box, margin_m);
   last = {static_cast<float>(margin_m), tick_};
@@ -411,6 +420,7 @@ void Incremental::search(OverlapFinder& finder, std::vector<BroadIndex>& changed
 }
 
 void Incremental::test(NearPairs::Pair& pair) {
+  assert(pair.object[0] < pair.object[1]);
   ++counters_.box_tests;
   const bool now = overlap(boxes_[pair.object[0]], boxes_[pair.object[1]]);
   if (now == pair.overlapping) return;

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -21,6 +22,8 @@ struct FatBox {
   [[nodiscard]] bool is_none() const { return std::isnan(lo[0]); }
   friend bool operator==(const FatBox&, const FatBox&) = default;
 };
+
+static_assert(sizeof(FatBox) == 24);  // half of an exact box: trees walk through these
 
 // The test has no branches: a predictor could not tell which of the six comparisons decides.
 [[nodiscard]] inline bool overlap(const FatBox& a, const FatBox& b) {
@@ -68,11 +71,13 @@ struct ExactBox {
   constexpr double kSteps = 12.0, kSides = 2.0;
   double side_m = 0.0;
   for (std::size_t i = 0; i < 3; ++i) side_m = std::max(side_m, box.hi[i] - box.lo[i]);  // keeps side_m if that is NaN
+  assert(!(step_m < 0.0) && side_m >= 0.0);
   const double margin_m = std::min(kSteps * step_m, kSides * side_m);
   return std::isfinite(margin_m) ? margin_m : 0.0;
 }
 [[nodiscard]] inline FatBox fattened(const ExactBox& box, double margin_m) {
   if (box.is_none()) return FatBox::none();
+  assert(margin_m >= 0.0);
   constexpr float infinity = std::numeric_limits<float>::infinity();
   FatBox out;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -82,6 +87,7 @@ struct ExactBox {
     if (out.lo[i] > lo) out.lo[i] = std::nextafter(out.lo[i], -infinity);
     if (out.hi[i] < hi) out.hi[i] = std::nextafter(out.hi[i], infinity);
   }
+  assert(contains(out, box));
   return out;
 }
 

@@ -33,6 +33,7 @@ constexpr double kBoxReach = 1.7320508075688774;
 // True where two spheres are certainly too far apart for the whole horizon: closest approach at constant velocity, less
 // what the acceleration can add. Rounding is far below the margin of 2^-40 of all lengths involved.
 bool spheres_stay_apart(const Sphere& a, const Sphere& b, const Vec3& v, const Vec3& acceleration, double horizon) {
+  assert(horizon >= 0.0 && !(a.radius_m < 0.0) && !(b.radius_m < 0.0));
   const Vec3 d = a.center_world - b.center_world;
   const double v2 = dot(v, v), approach = -dot(d, v);
   const double s = approach <= 0.0 ? 0.0 : approach >= v2 * horizon ? horizon : approach / v2;
@@ -72,6 +73,7 @@ WorldBox tight_box(const MovingBody& m) {
 }
 
 bool boxes_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  assert(distance_m >= 0.0);
   const WorldBox of_a = tight_box(a), of_b = tight_box(b);
   for (int k = 0; k < 3; ++k) {
     if (!(of_a.lo[k] <= of_b.hi[k] + distance_m && of_b.lo[k] <= of_a.hi[k] + distance_m)) return false;
@@ -109,6 +111,7 @@ class Query {
         const double horizon = best.state == ContactState::kSeparated ? horizon_s_ : best.time_s;
         const Contact c =
             pair({piece_a.vertices, &piece_a, piece_a.shape}, {piece_b.vertices, &piece_b, piece_b.shape}, horizon);
+        assert(c.state != ContactState::kContact || (c.time_s >= 0.0 && c.time_s <= horizon * (1.0 + 0x1p-50)));
         iterations += c.iterations;
         if (comes_first(c, best)) best = c;
       }
@@ -159,6 +162,7 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
   if (collider.body.vertices().empty() || collidee.body.vertices().empty()) return {};
   if (!box && meet_as_spheres(collider, collidee)) return sphere_contact(collider, collidee, horizon_s);
   const Query query(collider, collidee, horizon_s);
+  assert(box || (collider.body.surface && collidee.body.surface));
   if (query.hopeless(box ? kBoxReach : 1.0)) return {};
   if (box) return query.boxes();
   return both_convex(collider.body, collidee.body) ? query.pieces() : mesh_contact(collider, collidee, horizon_s);

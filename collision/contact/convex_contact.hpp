@@ -25,6 +25,7 @@ struct RoundingBound {
 
   [[nodiscard]] double at(double s) const { return gap_m + s * (speed_m_s + s * half_acceleration); }
 };
+static_assert(std::numeric_limits<double>::is_iec559);  // the bounds are of IEEE operations
 [[nodiscard]] RoundingBound rounding_bound(const PairQuery& query, double radius_sum_m);
 
 // The contact of two pieces whose orientations are constant, in closed form.

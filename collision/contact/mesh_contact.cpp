@@ -45,6 +45,7 @@ std::optional<Vec3> approached_normal(const Contact& contact, const Surface& col
   Vec3 n = rotate(b.orientation.toRotationMatrix(), *normal);
   // The side of the polygon on which the collider is; beside the polygon it is on neither.
   const double side = dot(n, rotate(R_a, gap.on_a - gap.on_b)) / gap.distance;
+  assert(gap.distance > 0.0);
   if (std::abs(side) < 0x1p-10) return std::nullopt;
   if (side < 0.0) n = -n;
   const Vec3 approach_direction = contact.resting ? Vec3(a.acceleration - b.acceleration)
@@ -102,6 +103,7 @@ void set_overlap_polygon(Contact& contact, const MovingBody& collider, const Mov
 }  // namespace
 
 bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  assert(a.body.surface && b.body.surface && distance_m >= 0.0);
   Surface &of_a = *a.body.surface, &of_b = *b.body.surface;
   if (of_a.soup().faces.empty() || of_b.soup().faces.empty()) return false;
   const RelativeMotion a_from_b(a.motion.pose(), b.motion.pose());
@@ -109,11 +111,14 @@ bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m
 }
 
 Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
+  assert(collider.body.surface && collidee.body.surface);
+  assert(horizon_s >= 0.0 && std::isfinite(horizon_s));
   Contact contact;
   Surface &a = *collider.body.surface, &b = *collidee.body.surface;
   if (a.soup().faces.empty() || b.soup().faces.empty()) return contact;
   const MeshImpact impact = contact_impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion,
                                                          horizon_s, {.tolerance_m = kAdvancementTolerance_m});
+  assert(impact.time_s >= 0.0 && impact.time_s <= horizon_s);
   contact.time_s = impact.time_s;
   contact.iterations = impact.iterations;
   switch (impact.state) {

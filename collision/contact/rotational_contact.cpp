@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -52,7 +53,10 @@ class LowerBound {
         turn_b_(rotate_back(now.R_b, n.cross(now.w_b))),
         offset_(dot(n, now.p)),
         rate_(dot(n, now.v)),
-        k_(std::min(0.0, dot(n, now.half_acceleration) - 0.5 * turning.curvature)) {}
+        k_(std::min(0.0, dot(n, now.half_acceleration) - 0.5 * turning.curvature)) {
+    assert(!a_.empty() && !b_.empty());
+    assert(k_ <= 0.0);  // the bound is concave
+  }
 
   // The constraint that binds after s seconds, as the quadratic of its two vertices.
   [[nodiscard]] Quadratic binding(double s) const {
@@ -73,6 +77,7 @@ class LowerBound {
         at_b = f;
       }
     }
+    assert(q.c2 <= 0.0);
     q.c0 += at_a.c0 - at_b.c0;
     q.c1 += at_a.c1 - at_b.c1;
     return q;
@@ -195,6 +200,8 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
   const double r_a = largest_radius(query.collider), r_b = largest_radius(query.collidee);
   const RotationBounds turning{w_a * r_a + w_b * r_b, w_a * w_a * r_a + w_b * w_b * r_b};
 
+  assert(query.horizon_s >= 0.0 && std::isfinite(query.horizon_s));
+  assert(!(turning.speed < 0.0) && !(turning.curvature < 0.0));
   Contact contact;
   double t = 0.0;
   while (contact.iterations < kAdvancementCap) {
@@ -206,6 +213,7 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
     if (axis.gap > kAdvancementTolerance_m) {
       const LowerBound bound(query, now, turning, axis.n);
       const double step = std::max(far_step(now, turning, axis), bound.step(2.0 * left, 0.0));
+      assert(!(step < 0.0));
       if (step > left) return contact;
       t += step;
       continue;
@@ -221,6 +229,7 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
     }
     const bool overlapped = t == 0.0 && axis.gap < -window;
     const Vec3 n = overlapped || touch.closing_rate == kNever ? axis.n : touch.closing.n;
+    assert(t >= 0.0 && t <= query.horizon_s * (1.0 + 0x1p-50));
     contact.state = overlapped ? ContactState::kOverlapped : ContactState::kContact;
     contact.time_s = t;
     contact.resting = !overlapped && t == 0.0 && touch.closing_rate >= -(e.speed_m_s + kRounding * turning.speed);

@@ -1,4 +1,5 @@
 #pragma once
+#include <cassert>
 #include <cstdint>
 #include <span>
 
@@ -20,6 +21,7 @@ struct Extent {
   double low, high;
 };
 [[nodiscard]] inline Extent extent_along(const Vec3& n_body, std::span<const Vec3> vertices) {
+  assert(!vertices.empty());
   Extent e{dot(n_body, vertices[0]), 0.0};
   e.high = e.low;
   for (std::size_t i = 1; i < vertices.size(); ++i) {
@@ -75,6 +77,8 @@ void for_each_axis(const Solid& collider, const Mat3& R_a, const Solid& collidee
 // rotation matrix and its two uses (15), normal and vertex baked into the object's frame (8), products and sums (6).
 // Times u = 2^-53 and the sum of the operands' magnitudes this bounds a gap's error.
 inline constexpr double kRounding = 40.0 * 0x1p-53;
+
+static_assert(kRounding < 0x1p-47);
 
 // Whether two unit directions differ by rounding alone.
 [[nodiscard]] inline bool same_direction(const Vec3& a, const Vec3& b) {

@@ -62,8 +62,10 @@ double first_not_positive(const Quartic& c, double horizon_s, std::uint32_t& ite
       s = later[--waiting];
       continue;
     }
+    assert(s.lo >= 0.0 && s.lo < 1.0);
     if (s.b[0] <= 0.0 || s.depth == kHalvings) return s.lo * horizon_s;
     const auto [first, second] = halves(s.b);
+    assert(waiting < later.size() && s.depth < kHalvings);
     later[waiting++] = {second, s.lo + std::ldexp(1.0, -s.depth - 1), s.depth + 1};
     s = {first, s.lo, s.depth + 1};
   }
@@ -87,6 +89,7 @@ struct Approach {
         radii_m(a.body.sphere->radius_m + b.body.sphere->radius_m) {
     const auto magnitudes = [](const Vec3& p, const Vec3& q) { return magnitude(p) + magnitude(q); };
     const double speed = magnitudes(a.motion.velocity, b.motion.velocity);
+    assert(radii_m >= 0.0);
     gap_error_m = kRounding * (magnitudes(a.motion.position, b.motion.position) + radii_m +
                                magnitudes(a.body.sphere->center, b.body.sphere->center));
     speed_error_m_s = kRounding * speed;
@@ -122,10 +125,12 @@ bool meet_as_spheres(const MovingBody& a, const MovingBody& b) {
 }
 
 bool spheres_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  assert(a.body.sphere && b.body.sphere && distance_m >= 0.0);
   return length(center_of(a) - center_of(b)) <= a.body.sphere->radius_m + b.body.sphere->radius_m + distance_m;
 }
 
 Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
+  assert(meet_as_spheres(collider, collidee) && horizon_s >= 0.0);
   const Approach way(collider, collidee);
   Quartic f = way.polynomial();
   Contact contact;
@@ -159,6 +164,7 @@ Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, d
     if (speed == 0.0) f = without_root(f);
   }
   const double t = first_not_positive(f, horizon_s, contact.iterations);
+  assert(t <= horizon_s);
   return t < 0.0 ? Contact{} : finish(ContactState::kContact, t);
 }
 

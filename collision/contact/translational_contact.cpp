@@ -85,6 +85,7 @@ bool always_inside(const Quadratic& q, double horizon, const RoundingBound& e) {
 // The earliest time >= t at which no gap is open. Each gap has at most two intervals, so t advances at most twice a
 // gap.
 double next_common(const std::vector<Gap>& gaps, double t, double horizon) {
+  assert(!gaps.empty() && t >= 0.0);
   std::size_t agreeing = 0;
   for (std::size_t i = 0; agreeing < gaps.size(); i = i + 1 < gaps.size() ? i + 1 : 0) {
     const double next = gaps[i].overlap.next(t);
@@ -97,6 +98,7 @@ double next_common(const std::vector<Gap>& gaps, double t, double horizon) {
 
 // For bodies that touch and stay: the first contact after they came apart and closed again on the same axis.
 double next_after_parting(const std::vector<Gap>& gaps, double horizon) {
+  assert(!gaps.empty());
   double parting = kNever, back = kNever;
   for (const Gap& gap : gaps) {
     const double end = gap.overlap.first.end >= 0.0 ? gap.overlap.first.end : gap.overlap.second.end;
@@ -158,6 +160,7 @@ Contact translational_contact(const PairQuery& query, double radius_sum_m, const
   const double horizon = query.horizon_s;
   const Vec3 p = a.position - b.position, v = a.velocity - b.velocity;
   const Vec3 half_acceleration = 0.5 * (a.acceleration - b.acceleration);
+  assert(horizon >= 0.0 && std::isfinite(horizon));
   const RoundingBound e = rounding_bound(query, radius_sum_m);
 
   // This list is kept between calls for its memory alone; each call clears it.
@@ -200,6 +203,7 @@ Contact translational_contact(const PairQuery& query, double radius_sum_m, const
 
   Contact contact;
   const auto finish = [&](ContactState state, double t, const Vec3& n) {
+    assert(t >= 0.0 && t <= horizon);
     contact.state = state;
     contact.time_s = t;
     set_contact_polygon(contact, query.collidee, R_b, n, v + (2.0 * t) * half_acceleration, e.at(t));

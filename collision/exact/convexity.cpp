@@ -27,6 +27,7 @@ bool is_zero(const Integer3& a) { return a[0].is_zero() && a[1].is_zero() && a[2
 // The unit vector of an integer one. The largest component is scaled to +-1 before squaring: the integers may exceed
 // the square root of DBL_MAX. Relative error of each component: conversion 2u, division u, normalisation 4u; u = 2^-53.
 Vec3 direction(const Integer3& a) {
+  assert(!is_zero(a));
   const Vec3 v(a[0].convert_to<double>(), a[1].convert_to<double>(), a[2].convert_to<double>());
   const Vec3 scaled = v / v.cwiseAbs().maxCoeff();
   return scaled / std::sqrt(scaled.x() * scaled.x() + scaled.y() * scaled.y() + scaled.z() * scaled.z());
@@ -85,8 +86,10 @@ class ConvexityTest {
       turn_over(0);
     }
     if (refused) return std::unexpected(*std::move(refused));
+    assert(normals_.size() == surface_.polygons.size());
     for (const Direction& n : normals_) surface_.normals.push_back(n.approximate);
     choose_axes();
+    assert(!surface_.face_axes.empty() && surface_.edge_axes.size() >= 3);
     return std::move(surface_);
   }
 
@@ -117,6 +120,7 @@ class ConvexityTest {
       }
     }
     exact_ = to_integers(surface_.vertices);
+    assert(exact_.size() == surface_.vertices.size() && surface_.polygons.size() == polygons);
     return std::nullopt;
   }
 
@@ -193,6 +197,7 @@ class ConvexityTest {
       while (part[i] != i) i = part[i] = part[part[i]];
       return i;
     };
+    assert(std::ranges::all_of(edges_, [](const auto& edge) { return edge.second.size() == 2; }));
     for (const auto& [edge, owners] : edges_) part[root(owners[0])] = root(owners[1]);
     for (std::uint32_t i = 1; i < count; ++i) {
       if (root(i) != root(0)) return "several parts";
@@ -242,6 +247,7 @@ class ConvexityTest {
   }
 
   void turn_over(std::size_t i) {
+    assert(i < normals_.size() && surface_.polygons[i].size() >= 3);
     std::reverse(surface_.polygons[i].begin() + 1, surface_.polygons[i].end());
     normals_[i].approximate = -normals_[i].approximate;
     for (Integer& x : normals_[i].exact) x = -x;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "core/math.hpp"
 
@@ -19,6 +20,8 @@ struct OrientationCounters {
 
 // Relative rounding error of binary64, 2^-53: Shewchuk's epsilon.
 inline constexpr double kUnitRoundoff = 0x1p-53;
+
+static_assert(2.0 * kUnitRoundoff == std::numeric_limits<double>::epsilon());
 
 // The sign of |b - a, c - a, d - a| = ((b - a) x (c - a)) . (d - a): 1 when a b c run counter-clockwise seen from d.
 [[nodiscard]] int volume_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d,

@@ -1,4 +1,5 @@
 #pragma once
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -51,6 +52,7 @@ struct Quadratic {
 // the other from the product of the roots; as c2 -> 0 the far one grows to infinity and the near one becomes -c0/c1, so
 // no threshold on c2 is needed.
 [[nodiscard]] inline std::pair<double, double> roots(const Quadratic& q, double d) {
+  assert(q.c2 != 0.0 && !(d < 0.0));
   const double w = -0.5 * (q.c1 + std::copysign(std::sqrt(d), q.c1));
   if (w == 0.0) return {0.0, 0.0};
   const double r = w / q.c2, s = q.c0 / w;

@@ -1,6 +1,7 @@
 #include "collision/exact/ray_triangle.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "collision/exact/triangle_touch.hpp"
@@ -23,6 +24,7 @@ int sign_of(double x) { return (x > 0.0) - (x < 0.0); }
 int axis_of(const Vec3& direction) {
   int axis = 0;
   direction.cwiseAbs().maxCoeff(&axis);
+  assert(axis >= 0 && axis < 3 && direction[axis] != 0.0);
   return axis;
 }
 

@@ -1,6 +1,7 @@
 #include "collision/exact/triangle_distance.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "collision/exact/double_double.hpp"
@@ -153,6 +154,7 @@ double gap_along(Vec3 direction, const Triangle& a, const Triangle& b, const Vec
 // Narrows the bounds by a pair of points that are on their triangles but for an error of at most `off` [m], together.
 void bound(TriangleDistance& out, const Nearest& nearest, const Triangle& a, const Triangle& b, double off) {
   if (!(nearest.square < kInfinity)) return;
+  assert(nearest.square >= 0.0 && off >= 0.0);
   const double upper = std::sqrt(nearest.square) * (1.0 + 0x1p-50) + off + 0x1p-530;
   if (upper < out.upper) {
     out.upper = upper;
@@ -166,6 +168,7 @@ void bound(TriangleDistance& out, const Nearest& nearest, const Triangle& a, con
 }  // namespace
 
 TriangleDistance triangle_distance(const Triangle& a, const Triangle& b, double relative_accuracy) {
+  assert(relative_accuracy >= 0.0);
   const double largest = largest_coordinate(a, b);
   TriangleDistance out{kInfinity, a[0], b[0], 0.0, kInfinity};
   // A point of an edge or a face is off it by at most 10 u of the largest coordinate along each axis, and by 2 u more
@@ -185,6 +188,7 @@ TriangleDistance triangle_distance(const Triangle& a, const Triangle& b, double 
     bound(out, Search<DoubleDouble>(a, b).run(), a, b, 0x1p-90 * largest);
   }
   out.lower = std::min(out.lower, out.upper);
+  assert(out.lower >= 0.0 && out.lower <= out.upper);
   return out;
 }
 

@@ -29,6 +29,8 @@ struct TriangleSoup {
   }
 };
 
+static_assert(sizeof(TriangleSoup::Face) == 16);  // hierarchy files hash faces as bytes
+
 // The largest coordinate that is accepted [m]: no binary32 number is larger. Files do have the largest binary32
 // numbers, for half spaces; only a scale leads beyond.
 inline constexpr double kLargestCoordinate_m = 0x1p128;

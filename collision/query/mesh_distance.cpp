@@ -39,6 +39,7 @@ Boxes boxes(const WideTree& tree, Ref ref, WideTree::Node& own) {
     own = one_box(leaf.center, leaf.half);
     return {&own, 1};
   }
+  assert(ref.kind() == Ref::kNode && tree.node(ref.index()).children[0].kind() != Ref::kNone);
   const WideTree::Node& node = tree.node(ref.index());
   std::uint32_t count = WideTree::kWidth;
   while (node.children[count - 1].kind() == Ref::kNone) --count;
@@ -58,6 +59,7 @@ WideTree::Node whole(const WideTree& tree) {
 // Faces stand by polygon.
 auto faces_of(const TriangleSoup& soup, std::uint32_t polygon) {
   const auto faces = std::ranges::equal_range(soup.faces, polygon, {}, &TriangleSoup::Face::polygon);
+  assert(!faces.empty());
   const auto first = static_cast<std::uint32_t>(faces.begin() - soup.faces.begin());
   return std::pair{first, first + static_cast<std::uint32_t>(faces.size())};
 }
@@ -237,11 +239,14 @@ struct MeshDistanceQuery::Search {
 
 MeshDistance MeshDistanceQuery::distance(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
                                          const MeshDistanceOptions& options) {
+  assert(options.accuracy_m >= 0.0 && options.relative_accuracy >= 0.0);
+  assert(!a.soup().faces.empty() && !b.soup().faces.empty());
   Search search(a, b, a_from_b, options, open_);
   search.look_at_soups();
   PolygonPair pair{};
   if (search.may_touch() && overlap_.find_pair(a, b, a_from_b, pair)) search.set_touching(pair);
   search.run();
+  assert(search.found.lower_m >= 0.0 && search.found.lower_m <= search.found.upper_m);
   return search.found;
 }
 

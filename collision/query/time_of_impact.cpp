@@ -69,6 +69,7 @@ double time_to_close(double gap, double closing, double closing_acceleration_bou
   if (closing <= 0.0 && closing_acceleration_bound <= 0.0) return kInfinity;
   const double root = std::sqrt(closing * closing + 2.0 * closing_acceleration_bound * gap);
   const double s = closing > 0.0 ? 2.0 * gap / (closing + root) : (root - closing) / closing_acceleration_bound;
+  assert(!(s < 0.0));
   return s * (1.0 - 0x1p-45);
 }
 
@@ -166,18 +167,21 @@ class MeshImpactQuery::Search {
     const double edge_a = rate_a_ * radius(a.soup()), edge_b = rate_b_ * radius(b.soup());
     spin_speed_m_s_ = edge_a + edge_b;
     centripetal_m_s2_ = (rate_a_ * edge_a + rate_b_ * edge_b) * (1.0 + 0x1p-40);
+    assert(!(rate_a_ < 0.0) && !(rate_b_ < 0.0) && !(spin_speed_m_s_ < 0.0) && !(centripetal_m_s2_ < 0.0));
     acceleration_m_s2_ = length(motion_a.acceleration - motion_b.acceleration) * (1.0 + 0x1p-40);
     coordinate_bound_m_ = magnitude(motion_a.position) + magnitude(motion_b.position) + a.extent_m() + b.extent_m() +
                           magnitude(a.origin()) + magnitude(b.origin());
   }
 
   MeshImpact run() {
+    assert(step_s_ >= 0.0 && options_.tolerance_m >= 0.0);
     const double usual_s = usual_window();
     double from_s = 0.0, window_s = usual_s;
     std::uint32_t max_work = kWindowWork, short_windows_left = 0;
     while (true) {
       // Time must advance in spite of rounding.
       const double until_s = std::min(best_s_, std::max(from_s + window_s, from_s * (1.0 + 0x1p-40)));
+      assert(until_s >= from_s);
       const std::uint32_t work = search_window(from_s, until_s, max_work);
       if (exhausted_) {
         impact_.state = MeshImpactState::kIterationLimit;
@@ -198,6 +202,7 @@ class MeshImpactQuery::Search {
       const double most_s = work > kIdleWork ? usual_s : work > 1 ? kLongerIdle * usual_s : kInfinity;
       if (short_windows_left == 0) window_s = std::min(2.0 * window_s, most_s);
     }
+    assert(best_s_ >= 0.0 && best_s_ <= step_s_);
     impact_.state = hit_ ? MeshImpactState::kHit : MeshImpactState::kSeparated;
     impact_.time_s = best_s_;
     return impact_;
@@ -300,6 +305,7 @@ class MeshImpactQuery::Search {
       const MotionState& now = later ? *later : at_begin;
       const Triangle triangle_b = {now.a_from_b(in_b[0]), now.a_from_b(in_b[1]), now.a_from_b(in_b[2])};
       const double step = safe_step(pair.a, pair.b, now, t, triangle_a, triangle_b);
+      assert(!(step < 0.0));
       if (step == 0.0) return;
       t += step;
     }
@@ -382,6 +388,8 @@ class MeshImpactQuery::Search {
   double hit(std::uint32_t face_a, std::uint32_t face_b, const MotionState& now, double t,
              const TriangleDistance& found, const Vec3& direction, bool rests) {
     if (hit_ && t >= best_s_) return 0.0;
+    assert(face_a < a_.soup().faces.size() && face_b < b_.soup().faces.size());
+    assert(t >= 0.0 && !(std::abs(dot(direction, direction) - 1.0) > 1e-9));
     hit_ = true;
     best_s_ = t;
     impact_.pair = {a_.soup().faces[face_a].polygon, b_.soup().faces[face_b].polygon};

@@ -1,6 +1,7 @@
 #include "collision/query/tree_query.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "collision/exact/triangle_pair.hpp"
@@ -33,6 +34,7 @@ class Descent {
 
  private:
   WideKdop<K> realigned(std::uint32_t of_b) {
+    assert(of_b < b_.nodes().size());
     ++counters_.bv_updates;
     return realign_(b_.node(of_b).dop);
   }

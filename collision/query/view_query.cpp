@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 
 #include "collision/exact/ordered_sums.hpp"
@@ -21,6 +22,7 @@ constexpr double kFar = 0x1p100;
 // less than 2^-24 of 40 E, as long as the offset is below 8 E; beyond that it alone decides.
 WidePlanes planes_of(const WideTree& tree, const Pose& T_world_soup, const Frustum& frustum) {
   WidePlanes out;
+  assert(frustum.count() <= WidePlanes::kMaxPlanes);
   const Mat3 rotation = T_world_soup.orientation.toRotationMatrix(), back = rotation.transpose();
   const Vec3 &position = T_world_soup.position, &origin = tree.origin();
   for (out.count = 0; out.count < frustum.count(); ++out.count) {
@@ -74,10 +76,12 @@ std::expected<Frustum, std::string> make_frustum(const Camera& camera) {
   good &= add({0, -half.cos, -half.sin * high}, 0.0);
   if (std::isfinite(camera.far_m)) good &= add({0, 0, 1}, camera.far_m);
   if (!good) return std::unexpected("the camera has no finite place");
+  assert(out.count() == 5 || out.count() == 6);
   return out;
 }
 
 InView in_view(const Frustum& frustum, const WorldBox& box, PlaneMask& active) {
+  assert((active & ~frustum.all()) == 0);
   if (box.is_empty()) return InView::kOutside;
   for (std::uint32_t bits = active; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(bits));
@@ -133,6 +137,7 @@ void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& r
 
 bool ViewQuery::may_be_in_view(WideTree& tree, const Pose& T_world_soup, const Frustum& frustum, PlaneMask active,
                                int levels) {
+  assert(levels >= 0 && (active & ~frustum.all()) == 0);
   bool may_be = false;
   descend(
       tree, planes_of(tree, T_world_soup, frustum), {WideTree::kRoot, active, levels},

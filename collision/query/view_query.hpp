@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cassert>
 #include <cstdint>
 #include <expected>
 #include <limits>
@@ -27,7 +28,10 @@ class Frustum {
   [[nodiscard]] bool add(const Vec3& normal, double offset);
 
   [[nodiscard]] std::size_t count() const { return count_; }
-  [[nodiscard]] const Plane& operator[](std::size_t i) const { return planes_[i]; }
+  [[nodiscard]] const Plane& operator[](std::size_t i) const {
+    assert(i < count_);
+    return planes_[i];
+  }
   [[nodiscard]] PlaneMask all() const { return static_cast<PlaneMask>((1u << count_) - 1); }
 
  private:

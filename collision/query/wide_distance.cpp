@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "collision/query/wide_distance.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h
 #include <hwy/highway.h>
+#include <cassert>
 
 #include <algorithm>
 #include <cmath>
@@ -173,10 +174,12 @@ HWY_EXPORT(DistancesOfLeaves);
 
 void distances_of_nodes(const WideTree::Node& a, std::uint32_t count_a, const WideTree::Node& b, std::uint32_t count_b,
                         const WideMotion& motion, float most, Distances& distances) {
+  assert(count_a >= 1 && count_a <= WideTree::kWidth && count_b >= 1 && count_b <= WideTree::kWidth);
   HWY_DYNAMIC_DISPATCH(DistancesOfNodes)(a, count_a, b, count_b, motion, most, distances);
 }
 void distances_of_leaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
                          const std::array<float, 3>& guess, float most, Distances& distances, DistanceRows& estimates) {
+  assert(a.count >= 1 && b.count >= 1);
   HWY_DYNAMIC_DISPATCH(DistancesOfLeaves)(a, b, motion, guess, most, distances, estimates);
 }
 

@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "collision/query/wide_impact.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h
 #include <hwy/highway.h>
+#include <cassert>
 
 #include <algorithm>
 #include <cmath>
@@ -255,10 +256,12 @@ HWY_EXPORT(LeavesMayMeet);
 
 void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
                     const WideSpeeds& speeds, float within_s, Masks& masks) {
+  assert(!(within_s < 0.0f) && !(speeds.slack_m_s < 0.0f));
   HWY_DYNAMIC_DISPATCH(NodesMayMeet)(a, b, motion, speeds, within_s, masks);
 }
 void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
                      const WideSpeeds& speeds, float within_s, Masks& masks, MeetTimes& times) {
+  assert(!(within_s < 0.0f) && a.count >= 1 && b.count >= 1);
   HWY_DYNAMIC_DISPATCH(LeavesMayMeet)(a, b, motion, speeds, within_s, masks, times);
 }
 

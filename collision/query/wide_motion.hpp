@@ -26,5 +26,6 @@ struct WideMotion {
 };
 
 using Masks = std::array<std::uint8_t, WideTree::kWidth>;  // by B's child or triangle; bit i: A's child or triangle i
+static_assert(WideTree::kWidth == 8 * sizeof(Masks::value_type));  // a bit for each child
 
 }  // namespace peerd::collision

@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "collision/query/wide_overlap.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h
 #include <hwy/highway.h>
+#include <cassert>
 
 #include <algorithm>
 
@@ -169,6 +170,7 @@ std::uint8_t test_leaf_node(const WideTree::Leaf& a, const WideTree::Node& b, co
   return HWY_DYNAMIC_DISPATCH(TestLeafNode)(a, b, motion);
 }
 void test_leaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion, Masks& masks) {
+  assert(a.count >= 1 && a.count <= WideTree::kWidth && b.count >= 1 && b.count <= WideTree::kWidth);
   HWY_DYNAMIC_DISPATCH(TestLeaves)(a, b, motion, masks);
 }
 

@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "collision/query/wide_view.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h
 #include <hwy/highway.h>
+#include <cassert>
 
 #include <algorithm>
 #include <cmath>
@@ -183,6 +184,7 @@ void WideRay::shorten(double longest) {
   constexpr double kFar = 0x1p100;  // beyond all trees, on their scale
   const double t = longest * unit_;
   const double end = (t - nearest_) * scale_ + (4.0 * static_cast<double>(slack) + 0x1p-50 * (t + nearest_) * scale_);
+  assert(t >= 0.0);
   last = static_cast<float>(std::clamp(end, -kFar, kFar));
 }
 

@@ -47,6 +47,7 @@ struct WidePlanes {
 };
 
 using PlaneMask = std::uint16_t;  // bit i: plane i
+static_assert(WidePlanes::kMaxPlanes <= 8 * sizeof(PlaneMask));
 // Finds which children may reach into all half spaces of `active`; `crossed` receives, for each, the half spaces that
 // it is not certainly wholly in.
 [[nodiscard]] std::uint8_t test_planes_node(const WideTree::Node& node, const WidePlanes& planes, PlaneMask active,

@@ -1,6 +1,7 @@
 #include "collision/tree/kdop_volume.hpp"
 
 #include <Eigen/Geometry>
+#include <cassert>
 #include <cmath>
 
 namespace peerd::collision {
@@ -71,6 +72,7 @@ double volume(const WideKdop<K>& dop) {
       six_volumes += std::abs((face[0] - center).dot((face[i] - center).cross(face[i + 1] - center)));
     }
   }
+  assert(!(six_volumes < 0.0));
   return six_volumes / 6.0;
 }
 

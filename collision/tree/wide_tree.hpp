@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -71,6 +72,7 @@ class WideTree {
   using ChildSlot = std::uint32_t;
   static constexpr ChildSlot kRoot = ~0u;
   [[nodiscard]] static constexpr ChildSlot child_slot(Ref node, std::size_t i) {
+    assert(node.kind() == Ref::kNode && i < kWidth);
     return node.index() * kWidth + static_cast<ChildSlot>(i);
   }
   [[nodiscard]] static constexpr Ref parent(ChildSlot slot) {
