@@ -101,16 +101,16 @@ class Incremental final : public BroadPhase {
   [[nodiscard]] BroadPhaseCounters counters() const override;
 
  private:
-  struct Interest {  // in the list of one of the two
+  struct Interest {  // an entry in the list of one of the two objects
     BroadIndex other;
-    std::uint32_t reverse_index;  // where in the other's list
+    std::uint32_t reverse_index;  // its place in the other's list
   };
   struct State {
     bool exists = false;
-    bool in_to_test = false;  // in touched_
+    bool in_to_test = false;  // in to_test_
     bool changed = false;     // in changed_
   };
-  struct Refit {  // of the fat box, the last
+  struct Refit {  // the last refit of the fat box
     float margin_m = 0.0F;
     std::uint32_t tick = 0;
   };
@@ -155,19 +155,20 @@ class Incremental final : public BroadPhase {
   std::vector<State> state_;
   std::vector<std::vector<Interest>> interests_;
   std::vector<std::vector<BroadGroup>> groups_of_;
-  std::vector<std::uint64_t> mark_;  // == mark_now_: near to the object that is searched for
+  std::vector<std::uint64_t> mark_;  // == mark_now_: the object is near to the one that is searched for
 
-  std::unique_ptr<OverlapFinder> pair_finder_;  // over the objects that have interests; none with lists
+  std::unique_ptr<OverlapFinder> pair_finder_;  // over the objects that have interests; null for kInterestLists
   std::vector<Group> groups_;
   NearPairs near_;
   std::size_t count_ = 0;
   std::uint64_t mark_now_ = 0;
   std::uint32_t tick_ = 0;
-  std::vector<BroadIndex> to_test_;  // what is near to them is tested
-  std::vector<BroadIndex> changed_;  // and what is near is looked for: they left their fat boxes, or have new interests
+  std::vector<BroadIndex> to_test_;  // objects whose near pairs are tested
+  std::vector<BroadIndex>
+      changed_;  // objects that left their fat boxes, or have new interests: their near pairs are searched
   std::vector<BroadIndex> pair_changed_;
   std::vector<OverlapFinder::Found> found_;
-  std::vector<BroadPair> toggled_;  // began or ended since the last tick; twice is not at all
+  std::vector<BroadPair> toggled_;  // pairs that began or ended since the last tick; a pair twice counts as not at all
   std::vector<BroadPair> answer_, merged_;
   BroadPhaseCounters counters_;
 };

@@ -21,12 +21,12 @@ enum class MeshImpactState : std::uint8_t {
 struct MeshImpact {
   MeshImpactState state = MeshImpactState::kSeparated;
   double time_s = 0.0;  // never later than the first contact; the step's length where there is none
-  PolygonPair pair{};   // of kHit and kOverlapped
+  PolygonPair pair{};   // the polygons of kHit and kOverlapped
   // The following are set for kHit only.
-  double distance_m = 0.0;        // of that pair's triangles at time_s
+  double distance_m = 0.0;        // distance of that pair's triangles at time_s
   Vec3 direction = Vec3::Zero();  // from A's to B's, world, unit
   bool resting = false;           // they don't approach, but an acceleration presses, or one turns and may come nearer
-  std::uint32_t iterations = 0;   // pairs of nodes, of leaves and of triangles looked at
+  std::uint32_t iterations = 0;   // pairs of nodes, of leaves and of triangles visited
 };
 
 struct MeshImpactOptions {

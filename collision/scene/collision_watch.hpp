@@ -47,10 +47,10 @@ struct CollisionWatchCounters {
 // Finds which of a scene's registered interests collide, tick after tick, and what began and ended: by the broad phase
 // over the boxes of the objects that interests name, then by the exact questions of SceneQuery, for what moved only.
 //
-// A tick's answer is what a new SceneQuery would give for the same placement, whatever was asked before. One exception:
-// a witness where a hierarchy was refitted (SceneQuery::reshape()) is another true one. A tick costs what moved since
-// the last one, the pairs of objects that are near, and the answer if that changed; one before which nothing moved
-// costs nothing. Memory grows with the pairs of objects that are, or lately were, near. Not thread-safe.
+// A tick's answer is what a new SceneQuery would give for the same placement, whatever was queried before. One
+// exception: a witness where a hierarchy was refitted (SceneQuery::reshape()) is another true one. A tick costs what
+// moved since the last one, the pairs of objects that are near, and the answer if that changed; one before which
+// nothing moved costs nothing. Memory grows with the pairs of objects that are, or lately were, near. Not thread-safe.
 class CollisionWatch {
  public:
   explicit CollisionWatch(const Scene& scene, HierarchyLoader load_hierarchy = {},

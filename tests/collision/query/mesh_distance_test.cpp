@@ -358,7 +358,7 @@ void expect_same(const MeshDistance& x, const MeshDistance& y) {
   ASSERT_EQ(x.iterations, y.iterations);
 }
 
-// Neither what was asked before, nor what was built, nor the instruction set changes a bit.
+// Neither earlier queries, nor what was built, nor the instruction set changes a bit.
 TEST(MeshDistance, IsTheSameEverywhere) {
   const TriangleSoup soup = torus(24, 48, false), ring = torus(16, 32, true);
   std::vector<MeshDistance> first;

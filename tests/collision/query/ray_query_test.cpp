@@ -34,7 +34,7 @@ std::optional<RayHit> slow_nearest(const TriangleSoup& soup, const Ray& ray) {
   return best;
 }
 
-// Every triangle, by the library's exact test: for soups of more triangles than the oracle is asked about.
+// Every triangle, by the library's exact test: for soups that are too large for the oracle.
 std::optional<RayHit> flat_nearest(const TriangleSoup& soup, const Ray& ray) {
   std::optional<RayHit> best;
   OrientationCounters counters;

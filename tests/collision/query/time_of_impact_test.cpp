@@ -225,7 +225,7 @@ TEST(TimeOfImpact, TellsWhatTouchesAtTheStartAndWhatItDidNotFind) {
   EXPECT_LE(failed.time_s, found.time_s);
 }
 
-// As small as this, binary32 knows places to less than the tolerance, and could tell that they touch later.
+// At these sizes, binary32 knows places to less than the tolerance, and could decide that they touch later.
 TEST(TimeOfImpact, WhatIsSmallHitsBeforeItIsNearerThanHalfTheTolerance) {
   Numbers numbers(69);
   for (int i = 0; i < 500; ++i) {

@@ -32,7 +32,7 @@ std::uint32_t transform_of(const Scene& scene, std::string_view path) {
   return scene.at(scene.find(path).value()).transform;
 }
 
-// A world, what was said of it so far, and what a query that has never been asked anything says of that.
+// A world with all changes made so far, and the answers of a fresh query about it.
 class Oracle {
  public:
   explicit Oracle(const Scene& scene) : scene_(scene), transforms(scene.transforms) {}
