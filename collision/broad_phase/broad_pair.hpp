@@ -1,4 +1,5 @@
 #pragma once
+#include <cassert>
 #include <compare>
 #include <cstdint>
 
@@ -14,7 +15,10 @@ struct BroadPair {
   friend bool operator==(BroadPair a, BroadPair b) { return a.key() == b.key(); }
   friend auto operator<=>(BroadPair a, BroadPair b) { return a.key() <=> b.key(); }
 };
+static_assert(sizeof(BroadPair) == 8);  // lists of pairs are long
+
 [[nodiscard]] inline BroadPair make_broad_pair(BroadIndex a, BroadIndex b) {
+  assert(a != b);
   return a < b ? BroadPair{a, b} : BroadPair{b, a};
 }
 

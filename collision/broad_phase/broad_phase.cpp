@@ -17,7 +17,7 @@
 namespace peerd::collision {
 namespace {
 
-// The twin: as plain as can be.
+// The twin that the other methods are checked against, as plain as can be.
 class BruteForce final : public BroadPhase {
  public:
   void add(BroadIndex object, const WorldBox& box) override {
@@ -36,9 +36,13 @@ class BruteForce final : public BroadPhase {
     boxes_[object] = box;
     ++counters_.moves;
   }
-  bool register_interest(BroadIndex a, BroadIndex b) override { return pairs_.insert(make_broad_pair(a, b)).second; }
+  bool register_interest(BroadIndex a, BroadIndex b) override {
+    assert(a < boxes_.size() && boxes_[a] && b < boxes_.size() && boxes_[b]);
+    return pairs_.insert(make_broad_pair(a, b)).second;
+  }
   bool unregister_interest(BroadIndex a, BroadIndex b) override { return pairs_.erase(make_broad_pair(a, b)) > 0; }
   bool join(BroadGroup group, BroadIndex object) override {
+    assert(object < boxes_.size() && boxes_[object]);
     if (groups_.size() <= group) groups_.resize(group + 1);
     return groups_[group].insert(object).second;
   }
@@ -77,9 +81,9 @@ class BruteForce final : public BroadPhase {
   BroadPhaseCounters counters_;
 };
 
-// The others. Each object has a fat box; interests whose fat boxes overlap are *near*. Only when an object leaves its
-// fat box are its other interests looked at, and that is where the methods differ; in every tick, what is near to a
-// moved object is tested exactly.
+// All other methods. Each object has a fat box; interests whose fat boxes overlap are *near*. An object's other
+// interests are searched only when it leaves its fat box, and that is where the methods differ; in every tick, the near
+// pairs of moved objects are tested exactly.
 class Incremental final : public BroadPhase {
  public:
   explicit Incremental(BroadPhaseMethod method) : method_(method) {
@@ -97,16 +101,16 @@ class Incremental final : public BroadPhase {
   [[nodiscard]] BroadPhaseCounters counters() const override;
 
  private:
-  struct Interest {  // in the list of one of the two
+  struct Interest {  // an entry in the list of one of the two objects
     BroadIndex other;
-    std::uint32_t reverse_index;  // where in the other's list
+    std::uint32_t reverse_index;  // its place in the other's list
   };
   struct State {
     bool exists = false;
-    bool in_to_test = false;  // in touched_
+    bool in_to_test = false;  // in to_test_
     bool changed = false;     // in changed_
   };
-  struct Refit {  // of the fat box, the last
+  struct Refit {  // the last refit of the fat box
     float margin_m = 0.0F;
     std::uint32_t tick = 0;
   };
@@ -144,26 +148,27 @@ class Incremental final : public BroadPhase {
   void apply_toggles();
 
   BroadPhaseMethod method_;
-  // By object.
+  // These are indexed by object.
   std::vector<ExactBox> boxes_;
   std::vector<FatBox> fat_boxes_;
   std::vector<Refit> refit_;
   std::vector<State> state_;
   std::vector<std::vector<Interest>> interests_;
   std::vector<std::vector<BroadGroup>> groups_of_;
-  std::vector<std::uint64_t> mark_;  // == mark_now_: near to the object that is searched for
+  std::vector<std::uint64_t> mark_;  // == mark_now_: the object is near to the one that is searched for
 
-  std::unique_ptr<OverlapFinder> pair_finder_;  // over the objects that have interests; none with lists
+  std::unique_ptr<OverlapFinder> pair_finder_;  // over the objects that have interests; null for kInterestLists
   std::vector<Group> groups_;
   NearPairs near_;
   std::size_t count_ = 0;
   std::uint64_t mark_now_ = 0;
   std::uint32_t tick_ = 0;
-  std::vector<BroadIndex> to_test_;  // what is near to them is tested
-  std::vector<BroadIndex> changed_;  // and what is near is looked for: they left their fat boxes, or have new interests
+  std::vector<BroadIndex> to_test_;  // objects whose near pairs are tested
+  std::vector<BroadIndex>
+      changed_;  // objects that left their fat boxes, or have new interests: their near pairs are searched
   std::vector<BroadIndex> pair_changed_;
   std::vector<OverlapFinder::Found> found_;
-  std::vector<BroadPair> toggled_;  // began or ended since the last tick; twice is not at all
+  std::vector<BroadPair> toggled_;  // pairs that began or ended since the last tick; a pair twice counts as not at all
   std::vector<BroadPair> answer_, merged_;
   BroadPhaseCounters counters_;
 };
@@ -179,7 +184,7 @@ void Incremental::add(BroadIndex object, const WorldBox& box) {
     groups_of_.resize(n);
     mark_.resize(n);
     near_.grow(n);
-    // What the number of objects doesn't bound grows by doubling; from here, so that it does so early if at all.
+    // Lists that the number of objects doesn't bound grow by doubling; reserving here makes them grow early, if at all.
     const std::size_t room = boxes_.capacity();
     for (auto* list : {&to_test_, &changed_, &pair_changed_}) list->reserve(room);
     for (auto* list : {&toggled_, &answer_, &merged_}) list->reserve(room);
@@ -208,6 +213,7 @@ void Incremental::remove(BroadIndex object) {
   groups_of_[object].clear();
   boxes_[object] = ExactBox::none();
   fat_boxes_[object] = FatBox::none();
+  assert(count_ > 0 && near_.first(object) == NearPairs::kNone);
   state_[object].exists = false;
   --count_;
 }
@@ -232,9 +238,10 @@ const Incremental::Interest* Incremental::find_interest(BroadIndex a, BroadIndex
   return found == interests_[a].end() ? nullptr : &*found;
 }
 
-// The last one of the list takes its place.
+// The last interest of the list takes the place of the erased one.
 void Incremental::erase_interest(BroadIndex object, std::uint32_t i) {
   auto& list = interests_[object];
+  assert(i < list.size());
   list[i] = list.back();
   list.pop_back();
   if (i < list.size()) interests_[list[i].other][list[i].reverse_index].reverse_index = i;
@@ -270,6 +277,7 @@ bool Incremental::unregister_interest(BroadIndex a, BroadIndex b) {
   if (interest == nullptr) return false;
   const std::uint32_t reverse_index = interest->reverse_index;
   const auto i = static_cast<std::uint32_t>(interest - interests_[a].data());
+  assert(reverse_index < interests_[b].size() && interests_[b][reverse_index].other == a);
   erase_interest(a, i);
   erase_interest(b, reverse_index);
   for (const BroadIndex object : {a, b}) {
@@ -340,10 +348,11 @@ std::span<const BroadPair> Incremental::tick() {
   for (const BroadIndex object : to_test_) state_[object].in_to_test = false;
   to_test_.clear();
   apply_toggles();
+  assert(changed_.empty() && to_test_.empty() && toggled_.empty());
   return answer_;
 }
 
-// The room is by how far the sides went since the last time, a tick.
+// The margin follows from how far the sides went a tick since the last refit.
 void Incremental::refit(BroadIndex object) {
   const ExactBox& box = boxes_[object];
   FatBox& fat = fat_boxes_[object];
@@ -353,8 +362,10 @@ void Incremental::refit(BroadIndex object) {
     step_m = std::max(step_m, std::abs(box.lo[i] - (fat.lo[i] + last.margin_m)));
     step_m = std::max(step_m, std::abs(box.hi[i] - (fat.hi[i] - last.margin_m)));
   }
-  // More for some and less for others, by index: or all that started together leave their boxes together, ever again.
+  // The share differs by index: with equal shares, all objects that started together would leave their fat boxes in the
+  // same ticks, again and again.
   const double share = 0.75 + 0.5 * 0x1p-32 * (object * 0x9e37'79b1u);
+  assert(step_m >= 0.0 && tick_ >= last.tick);
   const double margin_m = fat_margin_m(box, share * step_m / std::max(tick_ - last.tick, 1u));
   fat = fattened(box, margin_m);
   last = {static_cast<float>(margin_m), tick_};
@@ -410,6 +421,7 @@ void Incremental::search(OverlapFinder& finder, std::vector<BroadIndex>& changed
 }
 
 void Incremental::test(NearPairs::Pair& pair) {
+  assert(pair.object[0] < pair.object[1]);
   ++counters_.box_tests;
   const bool now = overlap(boxes_[pair.object[0]], boxes_[pair.object[1]]);
   if (now == pair.overlapping) return;
@@ -417,7 +429,7 @@ void Incremental::test(NearPairs::Pair& pair) {
   toggled_.push_back(pair.pair());
 }
 
-// When much has moved, all near pairs in their order in memory; otherwise the moved objects' own.
+// Tests all near pairs in their order in memory when much has moved, otherwise those of the moved objects.
 void Incremental::test_near() {
   if (2 * to_test_.size() > count_) {
     for (NearPairs::Pair& pair : near_.all()) {

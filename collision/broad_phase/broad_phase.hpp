@@ -8,14 +8,14 @@
 
 namespace peerd::collision {
 
-// Work done, since the beginning.
+// Work done since the beginning.
 struct BroadPhaseCounters {
   std::uint64_t box_tests = 0;  // of a box with a box, at a node or end point of a structure as well
   std::uint64_t moves = 0;      // objects whose box differed from that at the last tick
   std::uint64_t refits = 0;     // of those, objects that had left their fat box
 };
 
-// How candidates are found. All give the same answers, in the same order.
+// The ways to find candidates. All give the same answers, in the same order.
 enum class BroadPhaseMethod : std::uint8_t {
   kBruteForce,     // tests every interest in every tick: what the others are checked against
   kSweepAndPrune,  // sorted ends of boxes along three axes, for pairs and for groups
@@ -23,7 +23,7 @@ enum class BroadPhaseMethod : std::uint8_t {
   kInterestLists,  // an object's own list of interests for pairs, a tree for each group: the default
 };
 
-// Which interests are there, of those whose boxes overlap? Only pairs that someone is interested in exist at all: those
+// Finds the registered interests whose boxes overlap. Only pairs that someone is interested in exist at all: those
 // registered one by one, and those of two members of a group.
 //
 // Boxes are closed, in the world frame [m]: touching is overlapping. An empty box (and one with a NaN) overlaps
@@ -37,10 +37,11 @@ class BroadPhase {
   virtual void remove(BroadIndex object) = 0;                     // with its interests, and out of its groups
   virtual void move(BroadIndex object, const WorldBox& box) = 0;  // of no cost where the box is the same
 
-  // Of two objects that are there. False where it was (wasn't) registered already.
+  // Both objects exist. The result is false where the interest was (wasn't) registered already.
   virtual bool register_interest(BroadIndex a, BroadIndex b) = 0;
   virtual bool unregister_interest(BroadIndex a, BroadIndex b) = 0;
-  // All with all of a group. An object may be in several; a pair that has several reasons to be is reported once.
+  // A group makes interests of all pairs of its members. An object may be in several groups; a pair that has several
+  // reasons to exist is reported once.
   virtual bool join(BroadGroup group, BroadIndex object) = 0;
   virtual bool leave(BroadGroup group, BroadIndex object) = 0;
 

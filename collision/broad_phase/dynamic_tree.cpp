@@ -32,6 +32,7 @@ void DynamicTree::erase(BroadIndex object) {
 
 void DynamicTree::update(std::span<const BroadIndex> changed, std::vector<Found>& found) {
   for (const BroadIndex object : changed) {
+    assert(object < leaf_of_.size() && object < boxes_.size());
     Ref& leaf = leaf_of_[object];
     if (boxes_[object].is_none()) {
       if (leaf != kNone) erase(object);
@@ -52,6 +53,7 @@ void DynamicTree::update(std::span<const BroadIndex> changed, std::vector<Found>
 }
 
 void DynamicTree::query(BroadIndex object, std::vector<Found>& found) {
+  assert(root_ != kNone && nodes_[root_].parent == kNone);
   const FatBox box = boxes_[object];
   stack_.assign(1, root_);
   while (!stack_.empty()) {
@@ -74,6 +76,7 @@ DynamicTree::Ref DynamicTree::allocate_node() {
     free_.pop_back();
     return node;
   }
+  assert(nodes_.size() < kNone);
   nodes_.emplace_back();
   free_.reserve(nodes_.capacity());  // so that giving back never takes memory
   return static_cast<Ref>(nodes_.size() - 1);
@@ -81,6 +84,7 @@ DynamicTree::Ref DynamicTree::allocate_node() {
 
 DynamicTree::Ref DynamicTree::sibling_for(const FatBox& box) const {
   Ref at = root_;
+  assert(at != kNone);
   while (!nodes_[at].is_leaf()) {
     const float merged_area = half_area(merged(nodes_[at].box, box));
     const float here = 2.0F * merged_area;                                     // a new parent of `at` and the box
@@ -98,6 +102,7 @@ DynamicTree::Ref DynamicTree::sibling_for(const FatBox& box) const {
 }
 
 void DynamicTree::insert_leaf(Ref leaf) {
+  assert(nodes_[leaf].is_leaf());
   if (root_ == kNone) {
     root_ = leaf;
     nodes_[leaf].parent = kNone;
@@ -114,11 +119,13 @@ void DynamicTree::insert_leaf(Ref leaf) {
 }
 
 void DynamicTree::remove_leaf(Ref leaf) {
+  assert(nodes_[leaf].is_leaf());
   const Ref parent = nodes_[leaf].parent;
   if (parent == kNone) {
     root_ = kNone;
     return;
   }
+  assert(nodes_[parent].children[0] == leaf || nodes_[parent].children[1] == leaf);
   const Ref sibling = nodes_[parent].children[nodes_[parent].children[0] == leaf ? 1 : 0];
   const Ref above = nodes_[parent].parent;
   replace_child(above, parent, sibling);
@@ -133,6 +140,7 @@ void DynamicTree::replace_child(Ref parent, Ref from, Ref to) {
     return;
   }
   auto& children = nodes_[parent].children;
+  assert(children[0] == from || children[1] == from);
   children[children[0] == from ? 0 : 1] = to;
 }
 
@@ -147,6 +155,7 @@ void DynamicTree::refit_upwards(Ref node) {
 }
 
 void DynamicTree::refit(Ref at) {
+  assert(!nodes_[at].is_leaf());
   Node& node = nodes_[at];
   const Node &a = nodes_[node.children[0]], &b = nodes_[node.children[1]];
   node.box = merged(a.box, b.box);
@@ -189,6 +198,7 @@ void DynamicTree::rotate(Ref at) {
   nodes_[down].parent = middle;
   refit(middle);
   refit(at);
+  assert(nodes_[nodes_[at].children[0]].parent == at && nodes_[nodes_[at].children[1]].parent == at);
 }
 
 }  // namespace peerd::collision

@@ -13,7 +13,7 @@ namespace peerd::collision {
 // change places where that makes it less (Kopta et al., I3D 2012). The tree follows from the calls alone.
 class DynamicTree final : public OverlapFinder {
  public:
-  // `boxes`, by object, outlive it.
+  // `boxes` is indexed by object and outlives the tree.
   explicit DynamicTree(const std::vector<FatBox>& boxes) : boxes_(boxes) { stack_.reserve(256); }
 
   void insert(BroadIndex object) override;

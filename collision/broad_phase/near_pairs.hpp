@@ -35,12 +35,14 @@ class NearPairs {
   [[nodiscard]] Index next(Index i, BroadIndex object) const { return pairs_[i].next[pairs_[i].side(object)]; }
 
   [[nodiscard]] Index find(BroadIndex a, BroadIndex b) const {
+    assert(a != b && a < first_.size() && b < first_.size());
     Index i = first_[a];
     while (i != kNone && pairs_[i].other(a) != b) i = next(i, a);
     return i;
   }
   void add(BroadPair pair) {
     assert(pair.low < pair.high && pairs_.size() < kNone);
+    assert(pair.high < first_.size());
     const auto i = static_cast<Index>(pairs_.size());
     Pair& added = pairs_.emplace_back();
     added.object = {pair.low, pair.high};
@@ -54,6 +56,7 @@ class NearPairs {
   }
   // The last pair takes the place of the erased one.
   void erase(Index i) {
+    assert(i < pairs_.size());
     for (std::size_t s = 0; s < 2; ++s) {
       const Pair& p = pairs_[i];
       link(p.object[s], p.previous[s], p.next[s]);
@@ -71,8 +74,9 @@ class NearPairs {
   }
 
  private:
-  // In the list of an object, `next` comes after `previous`.
+  // Makes `next` the successor of `previous` in the list of an object; kNone stands for the ends.
   void link(BroadIndex object, Index previous, Index next) {
+    assert(object < first_.size() && (next == kNone || next < pairs_.size()));
     if (previous == kNone) {
       first_[object] = next;
     } else {

@@ -8,8 +8,8 @@
 
 namespace peerd::collision {
 
-// Finds which fat boxes of its members overlap, among all with all. It is told whose boxes are new and answers with new
-// overlaps only; that an overlap is over shows in the pair itself.
+// Finds which fat boxes of its members overlap, among all with all. The caller names the members whose boxes are new,
+// and the finder answers with new overlaps only; that an overlap is over shows in the pair itself.
 class OverlapFinder {
  public:
   struct Found {
@@ -19,8 +19,8 @@ class OverlapFinder {
 
   virtual void insert(BroadIndex object) = 0;  // a member from now on; is `changed` in the next update
   virtual void erase(BroadIndex object) = 0;
-  // The boxes of these members may differ, of no others. Appends at least every pair that overlaps now and did not at
-  // the last update; of those that overlapped already, any.
+  // The boxes of these members may have changed, those of no others. Appends at least every pair that overlaps now and
+  // did not at the last update; pairs that overlapped already may be appended again.
   virtual void update(std::span<const BroadIndex> changed, std::vector<Found>& found) = 0;
   [[nodiscard]] std::uint64_t box_tests() const { return box_tests_; }
 

@@ -15,17 +15,20 @@ void SweepAndPrune::insert(BroadIndex object) {
 }
 
 void SweepAndPrune::erase(BroadIndex object) {
+  assert(2 * std::size_t{object} + 1 < axes_[0].position_of.size());
   if (axes_[0].position_of[2 * object] != kNone) remove_endpoints(object);
 }
 
 void SweepAndPrune::remove_endpoints(BroadIndex object) {
   for (Axis& axis : axes_) {
     std::uint32_t kept = axis.position_of[2 * object];
+    assert(kept < axis.endpoints.size());
     for (std::uint32_t i = kept; i < axis.endpoints.size(); ++i) {
       if (axis.endpoints[i].object() == object) continue;
       axis.position_of[axis.endpoints[i].endpoint_id] = kept;
       axis.endpoints[kept++] = axis.endpoints[i];
     }
+    assert(kept + 2 == axis.endpoints.size());
     axis.endpoints.resize(kept);
     axis.position_of[2 * object] = axis.position_of[2 * object + 1] = kNone;
   }
@@ -69,6 +72,7 @@ void SweepAndPrune::move_endpoint(Axis& axis, std::uint32_t endpoint_id, float t
   const Endpoint end{to_m, endpoint_id};
   auto& endpoints = axis.endpoints;
   std::uint32_t at = axis.position_of[endpoint_id];
+  assert(at < endpoints.size() && endpoints[at].endpoint_id == endpoint_id);
   const auto shift = [&](std::uint32_t from) {
     endpoints[at] = endpoints[from];
     axis.position_of[endpoints[at].endpoint_id] = at;
@@ -111,6 +115,7 @@ void SweepAndPrune::sort_all(std::span<const BroadIndex> changed, std::vector<Fo
   open_.clear();
   for (const Endpoint& end : axes_[0].endpoints) {
     if (end.upper()) {
+      assert(!open_.empty());
       *std::ranges::find(open_, end.object()) = open_.back();
       open_.pop_back();
       continue;

@@ -8,9 +8,9 @@
 
 namespace peerd::collision {
 
-// Both ends of the members' fat boxes, sorted along each axis; an end whose number is new walks to its place (insertion
-// sort), and where a lower end passes another box's upper end downwards, the two may have begun to overlap (Baraff,
-// 1992; Cohen et al., I-COLLIDE, 1995). When many members are new at once, everything is sorted anew.
+// Keeps both ends of the members' fat boxes sorted along each axis. An end whose coordinate is new walks to its place
+// (insertion sort), and where a lower end passes another box's upper end downwards, the two may have begun to overlap
+// (Baraff, 1992; Cohen et al., I-COLLIDE, 1995). When many members are new at once, everything is sorted anew.
 class SweepAndPrune final : public OverlapFinder {
  public:
   explicit SweepAndPrune(const std::vector<FatBox>& boxes) : boxes_(boxes) {}  // by object; outlives it
@@ -34,7 +34,7 @@ class SweepAndPrune final : public OverlapFinder {
   };
   struct Axis {
     std::vector<Endpoint> endpoints;         // sorted
-    std::vector<std::uint32_t> position_of;  // by End::who: where in `endpoints`; kNone: isn't there
+    std::vector<std::uint32_t> position_of;  // by Endpoint::endpoint_id: its place in `endpoints`, or kNone
   };
 
   void move_endpoint(Axis& axis, std::uint32_t endpoint_id, float to_m, std::vector<Found>& found);

@@ -1,6 +1,7 @@
 #include "collision/contact/body.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "collision/exact/convexity.hpp"
@@ -43,6 +44,7 @@ ConvexPiece place(const ConvexSurface& surface, ObjectId shape, const Placement&
   if (mirrored) {
     for (std::vector<std::uint32_t>& face : piece.faces) std::reverse(face.begin() + 1, face.end());
   }
+  assert(piece.face_normals.size() == piece.faces.size());
   for (const std::uint32_t polygon : surface.face_axes) piece.face_axes.push_back(piece.face_normals[polygon]);
   for (const auto& [a, b] : surface.edge_axes) {
     const Vec3 edge = surface.vertices[b].cast<double>() - surface.vertices[a].cast<double>();
@@ -60,9 +62,11 @@ void enclose(Body& body) {
   double radius2 = 0.0;
   for (const Vec3& v : body.vertices()) radius2 = std::max(radius2, dot(v - body.center, v - body.center));
   body.radius_m = std::sqrt(radius2);
+  assert(!(body.radius_m < 0.0));
 }
 
-// Only where its transform is exactly a translation and one scale: a rounded rotation is not told from a shear.
+// A Sphere stays exactly round only where its transform is a translation and one scale: a rounded rotation can't be
+// told from a shear.
 std::optional<ExactSphere> as_exact_sphere(const Geometry& geometry, ObjectId shape, const Placement& placement) {
   const auto* const sphere = std::get_if<SphereGeometry>(&geometry);
   const double scale = placement.linear(0, 0);
@@ -70,7 +74,7 @@ std::optional<ExactSphere> as_exact_sphere(const Geometry& geometry, ObjectId sh
   return ExactSphere{shape, placement.offset, scale * static_cast<double>(sphere->radius)};
 }
 
-// Of several reasons the first, and how many more there are.
+// Collects reasons into one sentence: the first, and how many more there are.
 class Reasons {
  public:
   Reasons(const Scene& scene, std::string& out) : scene_(scene), out_(out) {}
@@ -90,6 +94,7 @@ class Reasons {
 }  // namespace
 
 Body make_body(const Scene& scene, ObjectId object) {
+  assert(object.value < scene.instances.size());
   Body body;
   body.object = object;
   body.surface = std::make_shared<Surface>();

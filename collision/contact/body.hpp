@@ -21,7 +21,7 @@ struct ConvexPiece {
   std::vector<Vec3> edge_axes;                    // the distinct edge directions, unit
 };
 
-// What a body is that consists of one VRML Sphere, moved and evenly scaled: exactly round, where its polygons are not.
+// The exact shape of a body that consists of one VRML Sphere, moved and evenly scaled; its polygons are not round.
 struct ExactSphere {
   ObjectId shape;
   Vec3 center;      // object frame [m]
@@ -37,19 +37,20 @@ struct Body {
   Vec3 center = Vec3::Zero();         // of the bounding sphere, object frame [m]
   double radius_m = 0.0;              // encloses every vertex; 0 when there are none
   std::uint32_t meshes_built = 0;     // for it
-  // Why not all of it are pieces, naming the Shape and its reason: then its surface is asked. Empty when they are.
+  // Why not all of the body is convex pieces, naming the Shape and its reason; then queries use its surface. Empty when
+  // all of it is.
   std::string not_convex_reason;
-  // Why this body has no exact answer, naming the Shape and its reason; empty when it has. A body that can't be
-  // answered is never replaced by its hull or its box.
+  // Why this body has no exact answer, naming the Shape and its reason; empty when it has one. Its hull or its box
+  // never stands in for such a body.
   std::string unsupported;
 
-  // All that polygons use, for BOX [m].
+  // The vertices that polygons use, for collision type BOX; object frame [m].
   [[nodiscard]] std::span<const Vec3> vertices() const {
     return surface ? std::span(surface->soup().vertices) : std::span<const Vec3>();
   }
 };
 
-// Gathers the Shapes below `object`. Never fails: what it can't answer is named in Body::unsupported.
+// Gathers the Shapes below `object`. It never fails: Body::unsupported names what has no exact answer.
 [[nodiscard]] Body make_body(const Scene& scene, ObjectId object);
 
 }  // namespace peerd::collision

@@ -31,8 +31,8 @@ struct MovingBody {
   const KinematicState& motion;
 };
 
-// Times are handed on as SimTime, whole nanoseconds (core/time.hpp): where a body was told to touch, it may already be
-// this much of its motion inside. Longer, and a bounce of that length is taken for rest.
+// Times are passed on as SimTime, whole nanoseconds (core/time.hpp): at its rounded contact time, a body may already be
+// this much of its motion inside. With a longer tick, a bounce of that length would be taken for rest.
 inline constexpr double kClockTick_s = 1e-9;
 inline constexpr double kAdvancementTolerance_m = 1e-6;
 inline constexpr std::uint32_t kAdvancementCap = 512;

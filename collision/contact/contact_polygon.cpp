@@ -1,12 +1,13 @@
 #include "collision/contact/contact_polygon.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <vector>
 
 namespace peerd::collision {
 namespace {
 
-// The vertices farthest along n.
+// The indices of the vertices farthest along n, to within e [m].
 std::vector<std::uint32_t> support_feature(const Solid& solid, const Vec3& n_body, double e) {
   const double top = extent_along(n_body, solid.vertices).high;
   std::vector<std::uint32_t> feature;
@@ -36,12 +37,14 @@ std::int64_t face_along(const Solid& collidee, const Mat3& R, const Vec3& n_worl
 
 void set_contact_polygon(Contact& contact, const Solid& collidee, const Mat3& R, const Vec3& n_world,
                          const Vec3& velocity, double e) {
+  assert(!(std::abs(dot(n_world, n_world) - 1.0) > 1e-9) && !(e < 0.0));
   contact.collidee_shape = collidee.shape;
   contact.collidee_polygon = 0;
   contact.normal_world = n_world;
   if (collidee.piece == nullptr) return;
   const ConvexPiece& piece = *collidee.piece;
   const bool flat = piece.faces.size() == 1;
+  assert(piece.face_normals.size() == piece.faces.size());
   if (const std::int64_t face = face_along(collidee, R, n_world); face >= 0) {
     const Vec3 normal = rotate(R, piece.face_normals[static_cast<std::size_t>(face)]);
     contact.collidee_polygon = static_cast<std::uint32_t>(face);

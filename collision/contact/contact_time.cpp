@@ -12,7 +12,7 @@
 namespace peerd::collision {
 namespace {
 
-// Farther than any vertex is from the body's origin.
+// A bound of how far any vertex is from the body's origin [m].
 double reach(const Body& body) { return magnitude(body.center) + body.radius_m; }
 
 bool turns(const KinematicState& s) { return !s.angular_velocity_body.isZero(0.0); }
@@ -30,9 +30,10 @@ Sphere sphere_of(const MovingBody& m, const Mat3& R, double scale) {
 // The world box of what lies in a sphere lies in the sphere this much larger: sqrt(3), rounded up.
 constexpr double kBoxReach = 1.7320508075688774;
 
-// Certainly too far apart for the whole horizon: closest approach at constant velocity, less what the acceleration can
-// add. Rounding is far below the margin of 2^-40 of all lengths involved.
+// True where two spheres are certainly too far apart for the whole horizon: closest approach at constant velocity, less
+// what the acceleration can add. Rounding is far below the margin of 2^-40 of all lengths involved.
 bool spheres_stay_apart(const Sphere& a, const Sphere& b, const Vec3& v, const Vec3& acceleration, double horizon) {
+  assert(horizon >= 0.0 && !(a.radius_m < 0.0) && !(b.radius_m < 0.0));
   const Vec3 d = a.center_world - b.center_world;
   const double v2 = dot(v, v), approach = -dot(d, v);
   const double s = approach <= 0.0 ? 0.0 : approach >= v2 * horizon ? horizon : approach / v2;
@@ -45,7 +46,7 @@ bool spheres_stay_apart(const Sphere& a, const Sphere& b, const Vec3& v, const V
   return dot(nearest, nearest) > least * least;
 }
 
-// Along the line of centres now: two bodies that fall away from each other, however long the horizon.
+// True where two bodies part and accelerate apart along the line of their centres, however long the horizon.
 bool spheres_part(const Sphere& a, const Sphere& b, const Vec3& v, const Vec3& acceleration) {
   const Vec3 d = a.center_world - b.center_world;
   if (dot(d, v) < 0.0 || dot(d, acceleration) < 0.0) return false;
@@ -54,7 +55,8 @@ bool spheres_part(const Sphere& a, const Sphere& b, const Vec3& v, const Vec3& a
   return dot(d, d) > (least + margin) * (least + margin);
 }
 
-// The earlier one of two pairs' answers; the first pair's where they tie. A failure hides what comes after it.
+// Whether a pair's answer is earlier than the best so far; the first pair's stands where they tie. A failure hides what
+// comes after it.
 bool comes_first(const Contact& candidate, const Contact& best) {
   if (candidate.state == ContactState::kSeparated) return false;
   return best.state == ContactState::kSeparated || candidate.time_s < best.time_s ||
@@ -71,6 +73,7 @@ WorldBox tight_box(const MovingBody& m) {
 }
 
 bool boxes_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  assert(distance_m >= 0.0);
   const WorldBox of_a = tight_box(a), of_b = tight_box(b);
   for (int k = 0; k < 3; ++k) {
     if (!(of_a.lo[k] <= of_b.hi[k] + distance_m && of_b.lo[k] <= of_a.hi[k] + distance_m)) return false;
@@ -108,6 +111,7 @@ class Query {
         const double horizon = best.state == ContactState::kSeparated ? horizon_s_ : best.time_s;
         const Contact c =
             pair({piece_a.vertices, &piece_a, piece_a.shape}, {piece_b.vertices, &piece_b, piece_b.shape}, horizon);
+        assert(c.state != ContactState::kContact || (c.time_s >= 0.0 && c.time_s <= horizon * (1.0 + 0x1p-50)));
         iterations += c.iterations;
         if (comes_first(c, best)) best = c;
       }
@@ -158,6 +162,7 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
   if (collider.body.vertices().empty() || collidee.body.vertices().empty()) return {};
   if (!box && meet_as_spheres(collider, collidee)) return sphere_contact(collider, collidee, horizon_s);
   const Query query(collider, collidee, horizon_s);
+  assert(box || (collider.body.surface && collidee.body.surface));
   if (query.hopeless(box ? kBoxReach : 1.0)) return {};
   if (box) return query.boxes();
   return both_convex(collider.body, collidee.body) ? query.pieces() : mesh_contact(collider, collidee, horizon_s);

@@ -3,7 +3,7 @@
 
 namespace peerd::collision {
 
-// When two moving bodies first come to touch while approaching each other, within [0, horizon_s] (finite).
+// Finds when two moving bodies first come to touch while approaching each other, within [0, horizon_s] (finite).
 //
 // *Touching at 0* is a gap between -(e + |closing speed| * kClockTick_s) and e on some separating axis, all other axes
 // overlapping. e is the rounding bound of the gap, from the magnitudes of positions, radii and velocities; a speed
@@ -23,21 +23,21 @@ namespace peerd::collision {
 // rotation it is conservative advancement (Mirtich, PhD, Berkeley 1996) on the largest gap: never later than the truth,
 // at most kAdvancementTolerance_m short of it, so that a pass within that tolerance may be taken for a contact.
 //
-// Two bodies that are one Sphere each (Body::round) meet as the spheres they are, not as their polygons, and the normal
-// is the line of their centres: a ball doesn't bounce off its facets.
+// Two bodies that are one Sphere each (Body::sphere) meet as the spheres they are, not as their polygons, and the
+// normal is the line of their centres: a ball doesn't bounce off its facets.
 //
 // CollisionType::kBox uses the tight world boxes of all vertices in place of the polygons, and answers where only
 // polygons are unsupported.
 [[nodiscard]] Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type,
                                     double horizon_s);
 
-// Whether they touch as they stand, or are nearer than contact times leave them: to within twice
-// kAdvancementTolerance_m. One that is wholly inside a convex piece touches it, too. Needs to be has_exact_answer() but
-// for kBox.
+// Whether two bodies touch as they stand, or are nearer than contact times leave them: to within twice
+// kAdvancementTolerance_m. A body that is wholly inside a convex piece touches it, too. The two must have an exact
+// answer (has_exact_answer()), but for kBox.
 [[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type);
 
 // Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and
-// where a surface is asked, both are within 2^58 m.
+// where one isn't all convex pieces, both are within 2^58 m.
 [[nodiscard]] bool has_exact_answer(const Body& a, const Body& b);
 
 }  // namespace peerd::collision

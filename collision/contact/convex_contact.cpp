@@ -1,8 +1,11 @@
 #include "collision/contact/convex_contact.hpp"
 
+#include <cassert>
+
 namespace peerd::collision {
 
 RoundingBound rounding_bound(const PairQuery& query, double radius_sum_m) {
+  assert(!(radius_sum_m < 0.0));
   const KinematicState &a = query.collider_motion, &b = query.collidee_motion;
   return {kRounding * (sum_of_magnitudes(a.position, b.position) + radius_sum_m),
           kRounding * sum_of_magnitudes(a.velocity, b.velocity),

@@ -8,7 +8,7 @@ namespace peerd::collision {
 
 inline constexpr double kNever = std::numeric_limits<double>::infinity();  // [s]
 
-// One convex pair of a query. The answers are those of first_contact for this pair alone.
+// Two convex pieces and their motion. The answers are those of first_contact() for this pair alone.
 struct PairQuery {
   const Solid& collider;
   const Solid& collidee;
@@ -17,7 +17,7 @@ struct PairQuery {
   double horizon_s;
 };
 
-// What the rounding of a gap and of its rates is bounded by, after s seconds: at(s) [m].
+// Bounds of the rounding of a gap and of its rates; at(s) bounds that of the gap after s seconds [m].
 struct RoundingBound {
   double gap_m;              // at time 0
   double speed_m_s;          // of the first derivative
@@ -25,13 +25,14 @@ struct RoundingBound {
 
   [[nodiscard]] double at(double s) const { return gap_m + s * (speed_m_s + s * half_acceleration); }
 };
+static_assert(std::numeric_limits<double>::is_iec559);  // the bounds are of IEEE operations
 [[nodiscard]] RoundingBound rounding_bound(const PairQuery& query, double radius_sum_m);
 
-// Both orientations constant: closed form.
+// The contact of two pieces whose orientations are constant, in closed form.
 [[nodiscard]] Contact translational_contact(const PairQuery& query, double radius_sum_m, const Mat3& R_world_collider,
                                             const Mat3& R_world_collidee);
 
-// At least one body turns: conservative advancement.
+// The contact of two pieces of which at least one turns, by conservative advancement.
 [[nodiscard]] Contact rotational_contact(const PairQuery& query, double radius_sum_m);
 
 }  // namespace peerd::collision

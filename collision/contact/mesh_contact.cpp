@@ -12,7 +12,7 @@
 namespace peerd::collision {
 namespace {
 
-// Between calls they keep memory, never values.
+// These keep memory between calls, never values.
 thread_local MeshImpactQuery contact_impacts;
 thread_local WideQuery near_query;
 
@@ -22,7 +22,7 @@ void set_polygon(Contact& contact, const Surface& collidee, std::uint32_t polygo
   contact.collidee_polygon = polygon.polygon;
 }
 
-// How the collider comes: at a place of the world, its material against the collidee's [m/s].
+// The velocity of the collider's material against the collidee's at a place of the world [m/s].
 Vec3 approach_velocity(const KinematicState& a, const KinematicState& b, const Vec3& place) {
   const auto velocity = [&](const KinematicState& s) {
     const Vec3 turn = rotate(s.orientation.toRotationMatrix(), s.angular_velocity_body);
@@ -31,8 +31,8 @@ Vec3 approach_velocity(const KinematicState& a, const KinematicState& b, const V
   return velocity(a) - velocity(b);
 }
 
-// Two triangles that are near: the normal of the collidee's polygon, on the side of the collider, if that comes towards
-// it.
+// The normal of the collidee's polygon on the side of the collider, for two near triangles, if the collider comes
+// towards that polygon.
 std::optional<Vec3> approached_normal(const Contact& contact, const Surface& collider, const KinematicState& a,
                                       const Surface& collidee, const KinematicState& b, const RelativeMotion& a_from_b,
                                       const FacePair& faces) {
@@ -43,8 +43,9 @@ std::optional<Vec3> approached_normal(const Contact& contact, const Surface& col
   if (!normal || gap.distance == 0.0) return std::nullopt;
   const Mat3 R_a = a.orientation.toRotationMatrix();
   Vec3 n = rotate(b.orientation.toRotationMatrix(), *normal);
-  // Which side the collider is on; beside the polygon it is on neither.
+  // The side of the polygon on which the collider is; beside the polygon it is on neither.
   const double side = dot(n, rotate(R_a, gap.on_a - gap.on_b)) / gap.distance;
+  assert(gap.distance > 0.0);
   if (std::abs(side) < 0x1p-10) return std::nullopt;
   if (side < 0.0) n = -n;
   const Vec3 approach_direction = contact.resting ? Vec3(a.acceleration - b.acceleration)
@@ -53,7 +54,7 @@ std::optional<Vec3> approached_normal(const Contact& contact, const Surface& col
   return n;
 }
 
-// The least pair of polygons that meets, if any does: sets polygon and normal.
+// Sets polygon and normal by the least pair of polygons that meets; false where none does.
 bool find_approached_polygon(Contact& contact, Surface& collider, const KinematicState& a, Surface& collidee,
                              const KinematicState& b) {
   const RelativeMotion a_from_b(a.pose(), b.pose());
@@ -102,6 +103,7 @@ void set_overlap_polygon(Contact& contact, const MovingBody& collider, const Mov
 }  // namespace
 
 bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  assert(a.body.surface && b.body.surface && distance_m >= 0.0);
   Surface &of_a = *a.body.surface, &of_b = *b.body.surface;
   if (of_a.soup().faces.empty() || of_b.soup().faces.empty()) return false;
   const RelativeMotion a_from_b(a.motion.pose(), b.motion.pose());
@@ -109,11 +111,14 @@ bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m
 }
 
 Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
+  assert(collider.body.surface && collidee.body.surface);
+  assert(horizon_s >= 0.0 && std::isfinite(horizon_s));
   Contact contact;
   Surface &a = *collider.body.surface, &b = *collidee.body.surface;
   if (a.soup().faces.empty() || b.soup().faces.empty()) return contact;
   const MeshImpact impact = contact_impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion,
                                                          horizon_s, {.tolerance_m = kAdvancementTolerance_m});
+  assert(impact.time_s >= 0.0 && impact.time_s <= horizon_s);
   contact.time_s = impact.time_s;
   contact.iterations = impact.iterations;
   switch (impact.state) {

@@ -3,8 +3,8 @@
 
 namespace peerd::collision {
 
-// first_contact() of two bodies' surfaces, polygon soup against polygon soup, by time_of_impact.hpp: the hit is nearer
-// than kAdvancementTolerance_m. A soup has no inside: what is wholly within a closed mesh doesn't touch it.
+// first_contact() of two bodies' surfaces, polygon soup against polygon soup, by time_of_impact.hpp: at a hit they are
+// nearer than kAdvancementTolerance_m. A soup has no inside: a body wholly within a closed mesh doesn't touch it.
 //
 // The polygon that the response is of: of all pairs within twice the tolerance then, ordered by the collider's polygon
 // and the collidee's, the first whose collidee's polygon the collider comes towards, on the side where it is. Where no
@@ -12,7 +12,7 @@ namespace peerd::collision {
 // Overlapping at 0: the least pair that touches, facing the middle of the collider.
 [[nodiscard]] Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s);
 
-// Whether polygons of both are nearer than that.
+// Whether any polygons of the two bodies are as near as `distance_m`.
 [[nodiscard]] bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m);
 
 }  // namespace peerd::collision

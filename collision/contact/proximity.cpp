@@ -1,5 +1,6 @@
 #include "collision/contact/proximity.hpp"
 
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -18,7 +19,7 @@ Vec3 sphere_center(const MovingBody& m) {
 
 constexpr std::uint32_t kMaxIterations = 1024;
 
-// Between calls they keep memory, never values.
+// These keep memory between calls, never values.
 thread_local MeshImpactQuery proximity_impacts;
 thread_local MeshDistanceQuery distances;
 
@@ -28,16 +29,19 @@ double proximity_time_s(const MovingBody& p, const MovingBody& q) {
   const Vec3 d0 = sphere_center(q) - sphere_center(p);
   const Vec3 u = q.motion.velocity - p.motion.velocity;
   const double r = p.body.radius_m + q.body.radius_m;
+  assert(!(r < 0.0));
   const Quadratic apart{dot(d0, d0) - r * r, 2.0 * dot(d0, u), dot(u, u)};
   if (apart.c0 <= 0.0) return 0.0;
   const double d = discriminant(apart);
   if (apart.c2 == 0.0 || d < 0.0) return std::numeric_limits<double>::infinity();
   // Apart now, so both roots lie on the same side of 0: the nearer one is the answer.
   const auto [first, second] = roots(apart, d);
+  assert(!(first > second));
   return first >= 0.0 ? first : -2.0 * second;
 }
 
 bool may_come_near(const MovingBody& p, const MovingBody& q, double within_s, double margin_m) {
+  assert(margin_m >= 0.0 && within_s >= 0.0);
   if (!has_exact_answer(p.body, q.body)) return true;
   Surface &of_p = *p.body.surface, &of_q = *q.body.surface;
   if (of_p.soup().faces.empty() || of_q.soup().faces.empty()) return false;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -9,7 +10,7 @@
 namespace peerd::collision {
 namespace {
 
-// Both bodies at one instant.
+// Both bodies at one instant, in the world frame.
 struct Instant {
   Mat3 R_a, R_b;
   Vec3 p, v, half_acceleration;  // of the collider relative to the collidee
@@ -32,7 +33,8 @@ double largest_radius(const Solid& solid) {
   return std::sqrt(radius2);
 }
 
-// How fast the vertices' distances along n can change [m/s], and how much that can change in turn [m/s^2].
+// Bounds of how fast rotation changes the vertices' distances along any direction [m/s], and of the change of that rate
+// [m/s^2].
 struct RotationBounds {
   double speed, curvature;
 };
@@ -51,9 +53,12 @@ class LowerBound {
         turn_b_(rotate_back(now.R_b, n.cross(now.w_b))),
         offset_(dot(n, now.p)),
         rate_(dot(n, now.v)),
-        k_(std::min(0.0, dot(n, now.half_acceleration) - 0.5 * turning.curvature)) {}
+        k_(std::min(0.0, dot(n, now.half_acceleration) - 0.5 * turning.curvature)) {
+    assert(!a_.empty() && !b_.empty());
+    assert(k_ <= 0.0);  // the bound is concave
+  }
 
-  // The constraint that binds s seconds on, as the quadratic of its two vertices.
+  // The constraint that binds after s seconds, as the quadratic of its two vertices.
   [[nodiscard]] Quadratic binding(double s) const {
     Quadratic q{offset_, rate_, k_};
     double least = kNever, most = -kNever;
@@ -72,6 +77,7 @@ class LowerBound {
         at_b = f;
       }
     }
+    assert(q.c2 <= 0.0);
     q.c0 += at_a.c0 - at_b.c0;
     q.c1 += at_a.c1 - at_b.c1;
     return q;
@@ -111,7 +117,7 @@ class LowerBound {
   double offset_, rate_, k_;
 };
 
-// Calls visit(n, gap) for all axes, both ways.
+// Calls visit(n, gap) for all axes, in both directions.
 template <class Visit>
 void for_each_gap(const PairQuery& query, const Instant& now, Visit&& visit) {
   for_each_axis(query.collider, now.R_a, query.collidee, now.R_b, [&](const Vec3& n, AxisKind) {
@@ -141,7 +147,7 @@ double far_step(const Instant& now, const RotationBounds& turning, const Axis& a
   return first_descent({axis.gap, dot(axis.n, now.v) - turning.speed, dot(axis.n, now.half_acceleration)});
 }
 
-// What the axes within reach of touching say.
+// A summary of the axes whose gaps are within reach of touching.
 struct Touch {
   double parting_step = 0.0;  // how long at least the bodies stay apart now, along the axis that parts
   Axis closing;               // the collidee's face if it is among those that close, else the widest
@@ -174,7 +180,7 @@ Touch examine_touch(const PairQuery& query, const Instant& now, const RotationBo
   return touch;
 }
 
-// Of the collider's first support point against the same point of the collidee.
+// The velocity of the collider's first support point along -n against the collidee's material at that place [m/s].
 Vec3 approach_velocity(const PairQuery& query, const Instant& now, const Vec3& n) {
   const Vec3 n_a = rotate_back(now.R_a, n);
   const Vec3* lowest = &query.collider.vertices[0];
@@ -194,6 +200,8 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
   const double r_a = largest_radius(query.collider), r_b = largest_radius(query.collidee);
   const RotationBounds turning{w_a * r_a + w_b * r_b, w_a * w_a * r_a + w_b * w_b * r_b};
 
+  assert(query.horizon_s >= 0.0 && std::isfinite(query.horizon_s));
+  assert(!(turning.speed < 0.0) && !(turning.curvature < 0.0));
   Contact contact;
   double t = 0.0;
   while (contact.iterations < kAdvancementCap) {
@@ -205,6 +213,7 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
     if (axis.gap > kAdvancementTolerance_m) {
       const LowerBound bound(query, now, turning, axis.n);
       const double step = std::max(far_step(now, turning, axis), bound.step(2.0 * left, 0.0));
+      assert(!(step < 0.0));
       if (step > left) return contact;
       t += step;
       continue;
@@ -220,6 +229,7 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
     }
     const bool overlapped = t == 0.0 && axis.gap < -window;
     const Vec3 n = overlapped || touch.closing_rate == kNever ? axis.n : touch.closing.n;
+    assert(t >= 0.0 && t <= query.horizon_s * (1.0 + 0x1p-50));
     contact.state = overlapped ? ContactState::kOverlapped : ContactState::kContact;
     contact.time_s = t;
     contact.resting = !overlapped && t == 0.0 && touch.closing_rate >= -(e.speed_m_s + kRounding * turning.speed);

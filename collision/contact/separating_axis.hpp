@@ -1,4 +1,5 @@
 #pragma once
+#include <cassert>
 #include <cstdint>
 #include <span>
 
@@ -7,7 +8,7 @@
 
 namespace peerd::collision {
 
-// What is tested against another: a convex piece, or the whole body's vertices where their world box is meant.
+// One side of a separating-axis test: a convex piece, or the vertices of a whole body, whose world box is meant.
 struct Solid {
   std::span<const Vec3> vertices;      // object frame
   const ConvexPiece* piece = nullptr;  // null: the world box of `vertices`
@@ -20,6 +21,7 @@ struct Extent {
   double low, high;
 };
 [[nodiscard]] inline Extent extent_along(const Vec3& n_body, std::span<const Vec3> vertices) {
+  assert(!vertices.empty());
   Extent e{dot(n_body, vertices[0]), 0.0};
   e.high = e.low;
   for (std::size_t i = 1; i < vertices.size(); ++i) {
@@ -76,7 +78,9 @@ void for_each_axis(const Solid& collider, const Mat3& R_a, const Solid& collidee
 // Times u = 2^-53 and the sum of the operands' magnitudes this bounds a gap's error.
 inline constexpr double kRounding = 40.0 * 0x1p-53;
 
-// Directions that differ by rounding alone.
+static_assert(kRounding < 0x1p-47);
+
+// Whether two unit directions differ by rounding alone.
 [[nodiscard]] inline bool same_direction(const Vec3& a, const Vec3& b) {
   const Vec3 c = a.cross(b);
   return dot(a, b) > 0.0 && dot(c, c) <= kRounding * kRounding;

@@ -38,7 +38,7 @@ Quartic bernstein(const Quartic& c, double horizon_s) {
           p[0] + p[1] + p[2] + p[3] + p[4]};
 }
 
-// De Casteljau.
+// De Casteljau's algorithm gives the coefficients of both halves.
 std::array<Quartic, 2> halves(Quartic b) {
   std::array<Quartic, 2> out;
   for (std::size_t row = 0; row < 5; ++row) {
@@ -49,8 +49,8 @@ std::array<Quartic, 2> halves(Quartic b) {
   return out;
 }
 
-// The first time in [0, horizon_s] at which the polynomial is not positive, or -1. One that is so near to a root there
-// that rounding can't tell counts.
+// The first time in [0, horizon_s] at which the polynomial is not positive, or -1. A time so near to a root that
+// rounding can't tell counts.
 double first_not_positive(const Quartic& c, double horizon_s, std::uint32_t& iterations) {
   std::array<Segment, kHalvings + 1> later;  // of each depth at most one waits
   std::size_t waiting = 0;
@@ -62,8 +62,10 @@ double first_not_positive(const Quartic& c, double horizon_s, std::uint32_t& ite
       s = later[--waiting];
       continue;
     }
+    assert(s.lo >= 0.0 && s.lo < 1.0);
     if (s.b[0] <= 0.0 || s.depth == kHalvings) return s.lo * horizon_s;
     const auto [first, second] = halves(s.b);
+    assert(waiting < later.size() && s.depth < kHalvings);
     later[waiting++] = {second, s.lo + std::ldexp(1.0, -s.depth - 1), s.depth + 1};
     s = {first, s.lo, s.depth + 1};
   }
@@ -73,11 +75,11 @@ Vec3 center_of(const MovingBody& m) {
   return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.sphere->center);
 }
 
-// One sphere as seen from the other.
+// The motion of the collider's sphere as seen from the collidee's.
 struct Approach {
   Vec3 apart, velocity, half_acceleration;  // of the collider's centre against the collidee's
   double radii_m;
-  // What rounding makes of the distance, of its rate, and of its half second derivative.
+  // Bounds of the rounding of the distance, of its rate, and of half its second derivative.
   double gap_error_m, speed_error_m_s, bend_error_m_s2;
 
   Approach(const MovingBody& a, const MovingBody& b)
@@ -87,6 +89,7 @@ struct Approach {
         radii_m(a.body.sphere->radius_m + b.body.sphere->radius_m) {
     const auto magnitudes = [](const Vec3& p, const Vec3& q) { return magnitude(p) + magnitude(q); };
     const double speed = magnitudes(a.motion.velocity, b.motion.velocity);
+    assert(radii_m >= 0.0);
     gap_error_m = kRounding * (magnitudes(a.motion.position, b.motion.position) + radii_m +
                                magnitudes(a.body.sphere->center, b.body.sphere->center));
     speed_error_m_s = kRounding * speed;
@@ -94,7 +97,7 @@ struct Approach {
                                    speed * magnitude(velocity) / radii_m);
   }
 
-  // Of the square of the distance less that of touching.
+  // The square of the distance less the square of the distance at touching, as a polynomial of time [m^2].
   [[nodiscard]] Quartic polynomial() const {
     const double d = length(apart);
     return {(d - radii_m) * (d + radii_m), 2.0 * dot(apart, velocity),
@@ -108,7 +111,7 @@ struct Approach {
   }
 };
 
-// What follows a touch at 0 from which they part or in which they stay: without that root.
+// The polynomial divided by time: without the root at 0 of a touch from which the spheres part or in which they stay.
 Quartic without_root(const Quartic& c) { return {c[1], c[2], c[3], c[4], 0.0}; }
 
 }  // namespace
@@ -122,10 +125,12 @@ bool meet_as_spheres(const MovingBody& a, const MovingBody& b) {
 }
 
 bool spheres_within(const MovingBody& a, const MovingBody& b, double distance_m) {
+  assert(a.body.sphere && b.body.sphere && distance_m >= 0.0);
   return length(center_of(a) - center_of(b)) <= a.body.sphere->radius_m + b.body.sphere->radius_m + distance_m;
 }
 
 Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
+  assert(meet_as_spheres(collider, collidee) && horizon_s >= 0.0);
   const Approach way(collider, collidee);
   Quartic f = way.polynomial();
   Contact contact;
@@ -159,6 +164,7 @@ Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, d
     if (speed == 0.0) f = without_root(f);
   }
   const double t = first_not_positive(f, horizon_s, contact.iterations);
+  assert(t <= horizon_s);
   return t < 0.0 ? Contact{} : finish(ContactState::kContact, t);
 }
 

@@ -11,7 +11,7 @@ namespace peerd::collision {
 std::expected<void, std::string> Surface::append(ObjectId shape, const Mesh& mesh,
                                                  const std::function<Vec3(const Eigen::Vector3f&)>& place) {
   assert(!tree_);
-  // Cut in its own frame, so that it is cut as everywhere else.
+  // The mesh is triangulated in its own frame, so that it is cut as everywhere else.
   const auto cut = make_soup(mesh);
   if (!cut) return std::unexpected(cut.error());
   constexpr std::uint32_t kUnused = ~0u;
@@ -34,12 +34,14 @@ std::expected<void, std::string> Surface::append(ObjectId shape, const Mesh& mes
     const auto& c = face.corners;
     soup_.faces.push_back({{number[c[0]], number[c[1]], number[c[2]]}, polygons_ + face.polygon});
   }
+  assert(soup_.faces.empty() || soup_.faces.back().polygon < polygons_ + mesh.polygon_count());
   shapes_.emplace_back(polygons_, shape);
   polygons_ += static_cast<std::uint32_t>(mesh.polygon_count());
   return {};
 }
 
 Surface::Polygon Surface::polygon(std::uint32_t of_soup) const {
+  assert(of_soup < polygons_);
   const auto after = std::ranges::upper_bound(shapes_, of_soup, {}, &std::pair<std::uint32_t, ObjectId>::first);
   assert(after != shapes_.begin());
   const auto& [first, shape] = *(after - 1);
@@ -48,6 +50,7 @@ Surface::Polygon Surface::polygon(std::uint32_t of_soup) const {
 
 std::optional<Vec3> Surface::normal(std::uint32_t polygon_of_soup) const {
   const auto faces = std::ranges::equal_range(soup_.faces, polygon_of_soup, {}, &TriangleSoup::Face::polygon);
+  assert(polygon_of_soup < polygons_);
   Vec3 sum = Vec3::Zero();
   for (const TriangleSoup::Face& face : faces) {
     const Vec3 &p = soup_.vertices[face.corners[0]], &q = soup_.vertices[face.corners[1]],
@@ -60,6 +63,7 @@ std::optional<Vec3> Surface::normal(std::uint32_t polygon_of_soup) const {
 }
 
 WideTree& Surface::tree() {
+  assert(!soup_.faces.empty());
   if (!tree_) tree_.emplace(soup_);
   return *tree_;
 }

@@ -25,13 +25,14 @@ class Surface {
 
   [[nodiscard]] const TriangleSoup& soup() const { return soup_; }
   [[nodiscard]] Polygon polygon(std::uint32_t of_soup) const;
-  // Of all its triangles, the cross product's direction; none where they come to no area.
+  // The unit direction of the sum of its triangles' cross products, object frame; none where that sum has no finite
+  // length above 0.
   [[nodiscard]] std::optional<Vec3> normal(std::uint32_t polygon_of_soup) const;
-  // Built when first asked for, and as deep as queries go. So a body is for one thread at a time.
+  // The hierarchy is begun by the first call, and built as deep as queries go. So a body is for one thread at a time.
   [[nodiscard]] WideTree& tree();
 
-  // A Shape's polygons behind those that are there, taken to the object's frame by `place`. The error names a vertex
-  // that has no place there; the vertices are there even so, the polygons aren't.
+  // Appends a Shape's polygons, taken to the object's frame by `place`; not after the first call of tree(). The error
+  // names a vertex that is too far out; then the vertices are appended even so, and the polygons aren't.
   [[nodiscard]] std::expected<void, std::string> append(ObjectId shape, const Mesh& mesh,
                                                         const std::function<Vec3(const Eigen::Vector3f&)>& place);
 

@@ -16,7 +16,7 @@
 namespace peerd::collision {
 namespace {
 
-// What a gap does at time 0, by the touching rule of first_contact.
+// The state of a gap at time 0, by the rule of touching of first_contact().
 enum class Start : std::uint8_t { kApart, kParting, kApproaching, kPressed, kStill, kInside };
 
 struct Gap {
@@ -32,7 +32,7 @@ Start touching_start(Quadratic& q, const RoundingBound& e) {
   if (std::abs(q.c1) <= e.speed_m_s) q.c1 = 0.0;
   if (std::abs(q.c2) <= e.half_acceleration) q.c2 = 0.0;
   if (q.c1 > 0.0) {
-    // Back at c1/|c2|, after rising c1^2 / 4|c2|.
+    // The gap is 0 again at c1/|c2|, after rising c1^2 / 4|c2|.
     const bool too_low = q.c2 < 0.0 && (q.c1 * q.c1 <= -4.0 * q.c2 * e.gap_m || q.c1 <= -q.c2 * kClockTick_s);
     if (!too_low) return Start::kParting;
     q.c1 = 0.0;
@@ -46,9 +46,9 @@ bool touches(const Quadratic& q, const RoundingBound& e) {
   return q.c0 <= e.gap_m && q.c0 >= -(e.gap_m + kClockTick_s * std::abs(q.c1));
 }
 
-// Where q <= 0, but each interval lasts until q exceeds its rounding bound. Two parallel flat polygons touch for one
-// instant only, and a facet of their sum may be thinner than the rounding of its neighbours' times: with sharp ends
-// they would slip through each other.
+// The times at which q <= 0, but each interval lasts until q exceeds its rounding bound. Two parallel flat polygons
+// touch for one instant only, and a facet of their sum may be thinner than the rounding of its neighbours' times: with
+// sharp ends they would slip through each other.
 TimeSet overlap_of(const Quadratic& q, double horizon, const RoundingBound& e) {
   const TimeSet sharp = non_positive(q);
   const auto late = [&](double end) { return Quadratic{q.c0 - e.at(std::clamp(end, 0.0, horizon)), q.c1, q.c2}; };
@@ -76,7 +76,7 @@ Gap make_gap(const Vec3& n, AxisKind kind, const Quadratic& q, double horizon, c
   return gap;
 }
 
-// Cheap and certain: inside at 0 and until the horizon.
+// A cheap and certain test that the gap is inside from time 0 until the horizon.
 bool always_inside(const Quadratic& q, double horizon, const RoundingBound& e) {
   const double highest = q.c0 + horizon * (std::max(q.c1, 0.0) + horizon * std::max(q.c2, 0.0));
   return highest < -(e.gap_m + kClockTick_s * std::abs(q.c1));
@@ -85,6 +85,7 @@ bool always_inside(const Quadratic& q, double horizon, const RoundingBound& e) {
 // The earliest time >= t at which no gap is open. Each gap has at most two intervals, so t advances at most twice a
 // gap.
 double next_common(const std::vector<Gap>& gaps, double t, double horizon) {
+  assert(!gaps.empty() && t >= 0.0);
   std::size_t agreeing = 0;
   for (std::size_t i = 0; agreeing < gaps.size(); i = i + 1 < gaps.size() ? i + 1 : 0) {
     const double next = gaps[i].overlap.next(t);
@@ -95,8 +96,9 @@ double next_common(const std::vector<Gap>& gaps, double t, double horizon) {
   return t;
 }
 
-// They touch and stay: the first time at which they come apart and, on the same axis, together again.
+// For bodies that touch and stay: the first contact after they came apart and closed again on the same axis.
 double next_after_parting(const std::vector<Gap>& gaps, double horizon) {
+  assert(!gaps.empty());
   double parting = kNever, back = kNever;
   for (const Gap& gap : gaps) {
     const double end = gap.overlap.first.end >= 0.0 ? gap.overlap.first.end : gap.overlap.second.end;
@@ -108,7 +110,8 @@ double next_after_parting(const std::vector<Gap>& gaps, double horizon) {
   return back <= horizon ? next_common(gaps, back, horizon) : kNever;
 }
 
-// Of the gaps that close at a contact: the collidee's lowest polygon, else the first in the order of the axes.
+// Chooses among the gaps that close at a contact: the one of the collidee's lowest polygon, else the first in the order
+// of the axes.
 class Closing {
  public:
   Closing(const Solid& collidee, const Mat3& R) : collidee_(collidee), R_(R) {}
@@ -157,9 +160,10 @@ Contact translational_contact(const PairQuery& query, double radius_sum_m, const
   const double horizon = query.horizon_s;
   const Vec3 p = a.position - b.position, v = a.velocity - b.velocity;
   const Vec3 half_acceleration = 0.5 * (a.acceleration - b.acceleration);
+  assert(horizon >= 0.0 && std::isfinite(horizon));
   const RoundingBound e = rounding_bound(query, radius_sum_m);
 
-  // Kept between calls for its memory alone; cleared by each.
+  // This list is kept between calls for its memory alone; each call clears it.
   static thread_local std::vector<Gap> gaps;
   gaps.clear();
   bool never = false;
@@ -199,6 +203,7 @@ Contact translational_contact(const PairQuery& query, double radius_sum_m, const
 
   Contact contact;
   const auto finish = [&](ContactState state, double t, const Vec3& n) {
+    assert(t >= 0.0 && t <= horizon);
     contact.state = state;
     contact.time_s = t;
     set_contact_polygon(contact, query.collidee, R_b, n, v + (2.0 * t) * half_acceleration, e.at(t));

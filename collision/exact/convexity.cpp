@@ -24,9 +24,10 @@ Integer3 cross(const Integer3& a, const Integer3& b) {
 Integer exact_dot(const Integer3& a, const Integer3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 bool is_zero(const Integer3& a) { return a[0].is_zero() && a[1].is_zero() && a[2].is_zero(); }
 
-// Scaled so that the largest component is +-1 before squaring: the integers may exceed the square root of DBL_MAX.
-// Relative error of each component: conversion 2u, division u, normalisation 4u; u = 2^-53.
+// The unit vector of an integer one. The largest component is scaled to +-1 before squaring: the integers may exceed
+// the square root of DBL_MAX. Relative error of each component: conversion 2u, division u, normalisation 4u; u = 2^-53.
 Vec3 direction(const Integer3& a) {
+  assert(!is_zero(a));
   const Vec3 v(a[0].convert_to<double>(), a[1].convert_to<double>(), a[2].convert_to<double>());
   const Vec3 scaled = v / v.cwiseAbs().maxCoeff();
   return scaled / std::sqrt(scaled.x() * scaled.x() + scaled.y() * scaled.y() + scaled.z() * scaled.z());
@@ -85,8 +86,10 @@ class ConvexityTest {
       turn_over(0);
     }
     if (refused) return std::unexpected(*std::move(refused));
+    assert(normals_.size() == surface_.polygons.size());
     for (const Direction& n : normals_) surface_.normals.push_back(n.approximate);
     choose_axes();
+    assert(!surface_.face_axes.empty() && surface_.edge_axes.size() >= 3);
     return std::move(surface_);
   }
 
@@ -117,11 +120,13 @@ class ConvexityTest {
       }
     }
     exact_ = to_integers(surface_.vertices);
+    assert(exact_.size() == surface_.vertices.size() && surface_.polygons.size() == polygons);
     return std::nullopt;
   }
 
-  // Planar, convex, with an area. A concave face of a convex polyhedron is refused too: with convex faces alone, edges
-  // that match and sides that agree prove that the surface is the boundary of its convex hull.
+  // Requires a polygon to be planar and convex, with an area. A concave face of a convex polyhedron is refused too:
+  // with convex faces alone, edges that match and sides that agree prove that the surface is the boundary of its convex
+  // hull.
   Refusal examine_polygon(std::size_t i) {
     const std::vector<std::uint32_t>& c = surface_.polygons[i];
     const std::string name = "polygon " + std::to_string(i);
@@ -142,7 +147,7 @@ class ConvexityTest {
     return std::nullopt;
   }
 
-  // Every corner on or left of every edge, in the projection along the normal's largest component.
+  // Whether every corner is on or left of every edge, in the projection along the normal's largest component.
   bool turns_one_way(const std::vector<std::uint32_t>& c, const Direction& n) const {
     Eigen::Index k = 0;
     n.approximate.cwiseAbs().maxCoeff(&k);
@@ -170,7 +175,7 @@ class ConvexityTest {
     return area.sign();
   }
 
-  // Every edge belongs to two polygons, and one can walk over edges from each polygon to any other.
+  // Requires every edge to belong to two polygons, and all polygons to be connected over edges.
   Refusal examine_edges() {
     const std::size_t count = surface_.polygons.size();
     for (std::size_t i = 0; i < count; ++i) {
@@ -192,6 +197,7 @@ class ConvexityTest {
       while (part[i] != i) i = part[i] = part[part[i]];
       return i;
     };
+    assert(std::ranges::all_of(edges_, [](const auto& edge) { return edge.second.size() == 2; }));
     for (const auto& [edge, owners] : edges_) part[root(owners[0])] = root(owners[1]);
     for (std::uint32_t i = 1; i < count; ++i) {
       if (root(i) != root(0)) return "several parts";
@@ -199,7 +205,7 @@ class ConvexityTest {
     return std::nullopt;
   }
 
-  // All vertices on one side of every polygon's plane; the polygon is turned so that this is its back.
+  // Requires all vertices to be on one side of every polygon's plane; the polygon is turned so that this is its back.
   Refusal examine_sides() {
     on_plane_.assign(surface_.polygons.size(), std::vector<bool>(surface_.vertices.size()));
     for (std::size_t i = 0; i < surface_.polygons.size(); ++i) {
@@ -241,6 +247,7 @@ class ConvexityTest {
   }
 
   void turn_over(std::size_t i) {
+    assert(i < normals_.size() && surface_.polygons[i].size() >= 3);
     std::reverse(surface_.polygons[i].begin() + 1, surface_.polygons[i].end());
     normals_[i].approximate = -normals_[i].approximate;
     for (Integer& x : normals_[i].exact) x = -x;

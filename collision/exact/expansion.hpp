@@ -1,7 +1,9 @@
 #pragma once
 #include <array>
+#include <cfloat>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace peerd::collision {
 
@@ -9,6 +11,10 @@ namespace peerd::collision {
 // Fast Robust Geometric Predicates", Discrete & Computational Geometry 18 (1997), sections 2.4 to 2.8. A value is an
 // unevaluated sum of binary64 terms that do not overlap, smallest first. Exact as long as nothing over- or underflows:
 // every bit of every product must lie within 2^-1074 .. 2^1023, which the caller has made sure of.
+
+// Dekker, Knuth and Veltkamp need binary64 rounded to nearest after each operation.
+static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<double>::digits == 53);
+static_assert(FLT_EVAL_METHOD == 0);
 
 // a + b = head + tail, head being the rounded sum.
 struct TwoTerms {
@@ -48,10 +54,11 @@ struct TwoTerms {
   return {head, a_halves.tail * b_halves.tail - rest};
 }
 
-// At most N terms, none of them zero.
+// An expansion has at most N terms, none of them zero.
 template <std::size_t N>
 class Expansion {
  public:
+  static_assert(N >= 2);
   Expansion() = default;
   explicit Expansion(const TwoTerms& two) {
     append(two.tail);

@@ -1,6 +1,7 @@
 #include "collision/exact/linear_impact.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -15,7 +16,7 @@ struct Interval {
   [[nodiscard]] double width() const { return hi - lo; }
 };
 
-// Of time and the two coordinates.
+// The sides of the box are time and the two coordinates on the primitives.
 struct ParameterBox {
   std::array<Interval, 3> side;
 };
@@ -34,7 +35,7 @@ struct Later {
 
 Vec3 at(const MovingPoint& p, double t) { return p.at_0 * (1.0 - t) + p.at_1 * t; }
 
-// What is to be 0: a vector that is linear in each of (t, u, v).
+// The function whose zero is sought: a vector that is linear in each of (t, u, v).
 struct VertexFace {
   const MovingPoint& vertex;
   const std::array<MovingPoint, 3>& face;
@@ -63,8 +64,9 @@ double largest(const Vec3& v) { return std::max({std::abs(v[0]), std::abs(v[1]),
 template <class Distance>
 LinearImpact first_root(const Distance& distance, double largest_coordinate, const ImpactOptions& options) {
   // Some 20 roundings of numbers of at most three times the largest coordinate.
+  assert(std::isfinite(largest_coordinate) && options.tolerance_m >= 0.0);
   const double rounding = 128.0 * kUnitRoundoff * largest_coordinate;
-  // How far the image's corners move along each side: the side to halve is the one with the widest image.
+  // The extents of the image along each side of the box: the side to halve is the one with the widest image.
   std::array<double, 3> reach = {0.0, 0.0, 0.0};
   for (int corner = 0; corner < 8; ++corner) {
     for (std::size_t side = 0; side < 3; ++side) {
@@ -81,6 +83,7 @@ LinearImpact first_root(const Distance& distance, double largest_coordinate, con
     open.pop_back();
     if (impact.iterations == options.max_iterations) return {ImpactState::kUnsure, cell.side[0].lo, impact.iterations};
     ++impact.iterations;
+    assert(cell.side[0].lo >= 0.0 && cell.side[0].hi <= 1.0 && cell.side[0].lo < cell.side[0].hi);
     if (distance.outside(cell)) continue;
     Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
     for (int corner = 0; corner < 8; ++corner) {
@@ -91,6 +94,7 @@ LinearImpact first_root(const Distance& distance, double largest_coordinate, con
       least = least.cwiseMin(value);
       most = most.cwiseMax(value);
     }
+    assert(least.x() <= most.x() && least.y() <= most.y() && least.z() <= most.z());
     if (least.maxCoeff() > rounding || most.minCoeff() < -rounding) continue;
     const bool small = (most - least).maxCoeff() <= std::max(options.tolerance_m, 4.0 * rounding);
     std::size_t widest = 0;
@@ -100,6 +104,7 @@ LinearImpact first_root(const Distance& distance, double largest_coordinate, con
     const Interval& side = cell.side[widest];
     const double middle = side.lo + side.width() / 2.0;
     if (small || middle == side.lo || middle == side.hi) return {ImpactState::kHit, cell.side[0].lo, impact.iterations};
+    assert(side.lo < middle && middle < side.hi);
     for (const bool upper : {true, false}) {
       ParameterBox& half = open.emplace_back(cell);
       (upper ? half.side[widest].lo : half.side[widest].hi) = middle;

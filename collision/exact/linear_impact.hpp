@@ -6,13 +6,14 @@
 
 namespace peerd::collision {
 
-// When a point and a triangle, or two segments, whose corners move along straight lines at constant speed, first meet.
-// Inclusion-based, after Wang, Ferguson, Schneider, Jiang, Attene and Panozzo, "A Large-scale Benchmark and an
-// Inclusion-based Algorithm for Continuous Collision Detection", ACM Transactions on Graphics 40 (2021): boxes of
-// (time, two coordinates on the primitives) are halved until the distance is certainly not 0 in them or they are small.
-// No root is missed, since the image of a box is bounded by those of its corners, with room for all rounding.
+// Finds when a point and a triangle, or two segments, whose corners move along straight lines at constant speed, first
+// meet. The method is inclusion-based, after Wang, Ferguson, Schneider, Jiang, Attene and Panozzo, "A Large-scale
+// Benchmark and an Inclusion-based Algorithm for Continuous Collision Detection", ACM Transactions on Graphics 40
+// (2021): boxes of (time, two coordinates on the primitives) are halved until the distance is certainly not 0 in them
+// or they are small. No root is missed, since the image of a box is bounded by those of its corners, with room for all
+// rounding.
 
-// A corner from time 0 to time 1 [m].
+// A corner that moves along a straight line from time 0 to time 1 [m].
 struct MovingPoint {
   Vec3 at_0 = Vec3::Zero(), at_1 = Vec3::Zero();
 };
@@ -30,13 +31,13 @@ struct LinearImpact {
 };
 
 struct ImpactOptions {
-  // Where the distance along each axis is certainly below it, that is a hit [m]. Contacts have no such distance at
-  // their time; what passes each other more closely may be taken for one.
+  // A distance that is certainly below this along each axis is a hit [m]. A contact has no distance at its time, so a
+  // pass that is closer than the tolerance may be taken for a contact.
   double tolerance_m = 1e-6;
   std::uint32_t max_iterations = 1u << 18;
 };
 
-// Finite coordinates. The triangle, or a segment, may have no area or length.
+// The coordinates are finite. The triangle may have no area, and a segment no length.
 [[nodiscard]] LinearImpact vertex_face_impact(const MovingPoint& vertex, const std::array<MovingPoint, 3>& face,
                                               const ImpactOptions& options = {});
 [[nodiscard]] LinearImpact edge_edge_impact(const std::array<MovingPoint, 2>& a, const std::array<MovingPoint, 2>& b,

@@ -35,8 +35,8 @@ Expansion<16> determinant(const Expansion<2>& a, const Expansion<2>& b, const Ex
 
 constexpr int kNext[] = {1, 2, 0}, kAfterNext[] = {2, 0, 1};
 
-// Whether each product of the determinant has a factor that is 0: a common point, or a plane along two of the axes, as
-// floors are. Where coordinates are equal, so that no rounding and no underflow is in it.
+// Whether each product of the determinant has a factor that is 0, as with a common point, or a plane along two of the
+// axes, which floors are. Only equal coordinates count, so no rounding and no underflow is in the answer.
 template <class LastIsZero>
 bool every_product_is_zero(const Vec3& a, const Vec3& b, const Vec3& c, LastIsZero last_is_zero) {
   const auto zero = [&](int i, const Vec3& p) { return p[i] == a[i]; };
@@ -77,8 +77,9 @@ Expansion<24> determinant_of_heads(const Differences& m) {
   return sum(sum(row(0), row(1)), row(2));
 }
 
-// In place of Shewchuk's stage C: twice the precision, tails to first order, and without a branch. What it leaves out,
-// the products of two tails and its own roundings, is below 70 u^2 times the permanent, and `error` is beyond that.
+// This stage stands in place of Shewchuk's stage C: twice the precision, tails to first order, and without a branch.
+// What it leaves out, the products of two tails and its own roundings, is below 70 u^2 times the permanent, and `error`
+// is beyond that.
 struct DoubleDoubleSum {
   double head, tail, error;
 
@@ -174,6 +175,7 @@ double rounded_quotient(Int numerator, Int denominator, int exponent) {
   if (!rest.is_zero()) bits |= 1;
   // Subnormal numbers have fewer bits than 53.
   const int drop = std::max(static_cast<int>(std::bit_width(bits)) - 53, -1074 - exponent);
+  assert(drop >= 1);  // a quotient of 55 bits or more
   if (drop > 60) return 0.0;
   const std::uint64_t half = std::uint64_t{1} << (drop - 1), lost = bits & (2 * half - 1);
   bits >>= drop;
@@ -184,6 +186,7 @@ double rounded_quotient(Int numerator, Int denominator, int exponent) {
 // The same, of two determinants in twice the precision; none where that leaves it open.
 std::optional<double> rounded_quotient(const DoubleDoubleSum& a, const DoubleDoubleSum& b) {
   constexpr double kLeast = 0x1p-900;  // below that, tails would underflow
+  assert(!(a.error < 0.0) && !(b.error < 0.0));
   const TwoTerms n = two_sum(a.head, a.tail), d = two_sum(b.head, b.tail);
   const double guess = n.head / d.head;
   if (!(std::abs(n.head) >= kLeast && std::abs(d.head) >= kLeast && std::abs(guess) >= kLeast)) return std::nullopt;
@@ -225,6 +228,7 @@ int volume_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& c, const V
 }
 
 int orient2d_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j, OrientationCounters& counters) {
+  assert(i != j && i >= 0 && i < 3 && j >= 0 && j < 3);
   ++counters.exact;
   if (in_range({a[i], a[j], b[i], b[j], c[i], c[j]})) {
     return determinant(exact_difference(b[i], a[i]), exact_difference(b[j], a[j]), exact_difference(c[i], a[i]),
@@ -272,6 +276,7 @@ double plane_parameter(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
 
 double line_parameter(const Vec3& a, const Vec3& b, const Vec3& origin, const Vec3& direction, int i, int j,
                       OrientationCounters& counters) {
+  assert(i != j && i >= 0 && i < 3 && j >= 0 && j < 3);
   const Vec3 &o = origin, &d = direction;
   if (in_range({a[i], a[j], b[i], b[j], o[i], o[j], d[i], d[j]})) {
     const auto of = [](double x) { return Expansion<2>(TwoTerms{x, 0.0}); };
@@ -289,6 +294,7 @@ double line_parameter(const Vec3& a, const Vec3& b, const Vec3& origin, const Ve
 }
 
 double point_parameter(const Vec3& a, const Vec3& origin, const Vec3& direction, int i, OrientationCounters& counters) {
+  assert(i >= 0 && i < 3 && direction[i] != 0.0);
   const TwoTerms to = two_difference(a[i], origin[i]);
   if (to.head == 0.0) return 0.0;
   if (in_range({a[i], origin[i], direction[i]})) {

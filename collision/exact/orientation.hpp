@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "core/math.hpp"
 
@@ -20,21 +21,25 @@ struct OrientationCounters {
 // Relative rounding error of binary64, 2^-53: Shewchuk's epsilon.
 inline constexpr double kUnitRoundoff = 0x1p-53;
 
-// Of |b - a, c - a, d - a| = ((b - a) x (c - a)) . (d - a): 1 when a b c run counter-clockwise seen from d.
+static_assert(2.0 * kUnitRoundoff == std::numeric_limits<double>::epsilon());
+
+// The sign of |b - a, c - a, d - a| = ((b - a) x (c - a)) . (d - a): 1 when a b c run counter-clockwise seen from d.
 [[nodiscard]] int volume_sign_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d,
                                     OrientationCounters& counters);
-// Of |b - a, c - a| in the plane of the coordinates i and j: 1 when a b c turn to the left, i to the right and j up.
+// The sign of |b - a, c - a| in the plane of the coordinates i and j: 1 when a b c turn to the left, i to the right and
+// j up.
 [[nodiscard]] int orient2d_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
                                  OrientationCounters& counters);
 
-// The same with a direction in place of the last point: of |b - a, c - a, direction| and of |b - a, direction|.
+// The same signs with a direction in place of the last point: of |b - a, c - a, direction| and of |b - a, direction|.
 [[nodiscard]] int volume_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& direction,
                                           OrientationCounters& counters);
 [[nodiscard]] int orient2d_along_exact(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
                                        OrientationCounters& counters);
 
-// Underflow: each of the few products of a determinant can lose 2^-1075, and what was lost is multiplied by at most one
-// more coordinate difference. Far above that, so that it never makes a subnormal number of an ordinary difference.
+// The room for underflow [m^3] and [m^2]: each of the few products of a determinant can lose 2^-1075, and what was lost
+// is multiplied by at most one more coordinate difference. Far above that, so that it never makes a subnormal number of
+// an ordinary difference.
 inline constexpr double kUnderflow = 0x1p-960;
 
 // A triangle's normal, and what bounds the rounding of its dot products.
@@ -51,7 +56,7 @@ class PlaneFilter {
   // 4.4, (7 + 56 u) u times the permanent; the eighth u covers the roundings of the permanent itself. With an overflow
   // some number is infinite or none at all, and the comparisons fail.
   [[nodiscard]] int sign(const Vec3& d) const { return sign(d[0] - origin_[0], d[1] - origin_[1], d[2] - origin_[2]); }
-  // Of the volume of a, b, c, a + direction: there is one rounding less in it.
+  // The sign of the volume of a, b, c, a + direction: there is one rounding less in it.
   [[nodiscard]] int sign_along(const Vec3& direction) const { return sign(direction[0], direction[1], direction[2]); }
 
  private:
@@ -82,7 +87,7 @@ class PlaneFilter {
   return sign != 0 ? sign : volume_sign_along_exact(a, b, c, direction, counters);
 }
 
-// Bound: section 4.3, (3 + 16 u) u times the permanent.
+// The bound is that of Shewchuk's section 4.3, (3 + 16 u) u times the permanent.
 [[nodiscard]] inline int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
                                   OrientationCounters& counters) {
   const double plus = (b[i] - a[i]) * (c[j] - a[j]);
@@ -105,8 +110,8 @@ class PlaneFilter {
   return orient2d_along_exact(a, b, direction, i, j, counters);
 }
 
-// Where origin + t * direction meets something, rounded to nearest, ties to even: the binary64 number that is closest
-// to the real t. For what is known to be met at some t >= 0, with divisors other than 0.
+// The parameter t at which origin + t * direction meets something, rounded to nearest, ties to even: the binary64
+// number that is closest to the real t. Callers know that it is met at some t >= 0, and that the divisor isn't 0.
 //
 // The plane of a, b, c: |b - a, c - a, a - origin| / |b - a, c - a, direction|.
 [[nodiscard]] double plane_parameter(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& origin,
@@ -114,7 +119,7 @@ class PlaneFilter {
 // The line of a, b in the plane of the coordinates i and j: |a - origin, b - origin| / |direction, b - a|.
 [[nodiscard]] double line_parameter(const Vec3& a, const Vec3& b, const Vec3& origin, const Vec3& direction, int i,
                                     int j, OrientationCounters& counters);
-// A point on it: (a - origin) / direction, of the coordinate i.
+// A point on the ray: (a - origin) / direction, of the coordinate i.
 [[nodiscard]] double point_parameter(const Vec3& a, const Vec3& origin, const Vec3& direction, int i,
                                      OrientationCounters& counters);
 

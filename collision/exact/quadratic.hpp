@@ -1,4 +1,5 @@
 #pragma once
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -15,7 +16,7 @@ struct TimeInterval {
   }
 };
 
-// At most two disjoint intervals, the earlier one first.
+// A set of at most two disjoint intervals of time, the earlier one first.
 struct TimeSet {
   TimeInterval first, second;
 
@@ -51,13 +52,14 @@ struct Quadratic {
 // the other from the product of the roots; as c2 -> 0 the far one grows to infinity and the near one becomes -c0/c1, so
 // no threshold on c2 is needed.
 [[nodiscard]] inline std::pair<double, double> roots(const Quadratic& q, double d) {
+  assert(q.c2 != 0.0 && !(d < 0.0));
   const double w = -0.5 * (q.c1 + std::copysign(std::sqrt(d), q.c1));
   if (w == 0.0) return {0.0, 0.0};
   const double r = w / q.c2, s = q.c0 / w;
   return r < s ? std::pair{r, s} : std::pair{s, r};
 }
 
-// All t with q(t) <= 0.
+// The set of all t with q(t) <= 0.
 [[nodiscard]] inline TimeSet non_positive(const Quadratic& q) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   if (q.c2 == 0.0) {

@@ -1,6 +1,7 @@
 #include "collision/exact/ray_triangle.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "collision/exact/triangle_touch.hpp"
@@ -19,14 +20,15 @@ struct Orient2dSigns {
 
 int sign_of(double x) { return (x > 0.0) - (x < 0.0); }
 
-// Of a coordinate along which the direction has a component.
+// The index of a coordinate along which the direction has a component: that of the largest.
 int axis_of(const Vec3& direction) {
   int axis = 0;
   direction.cwiseAbs().maxCoeff(&axis);
+  assert(axis >= 0 && axis < 3 && direction[axis] != 0.0);
   return axis;
 }
 
-// Of a point on the ray's line: -1 behind the origin, 0 there, 1 ahead.
+// The side of a point on the ray's line: -1 behind the origin, 0 at it, 1 ahead.
 int ahead(const Ray& ray, const Vec3& p, int axis) {
   return (p[axis] > ray.origin[axis] ? 1 : p[axis] < ray.origin[axis] ? -1 : 0) * sign_of(ray.direction[axis]);
 }
@@ -37,7 +39,7 @@ std::optional<double> at_point(const Ray& ray, const Vec3& p, OrientationCounter
   return point_parameter(p, ray.origin, ray.direction, axis, counters);
 }
 
-// Both ends are on the ray's line.
+// A segment both of whose ends are on the ray's line.
 std::optional<double> at_segment_along(const Ray& ray, const Vec3& p, const Vec3& q, OrientationCounters& counters) {
   const int axis = axis_of(ray.direction);
   const int side_p = ahead(ray, p, axis), side_q = ahead(ray, q, axis);

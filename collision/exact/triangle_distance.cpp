@@ -1,6 +1,7 @@
 #include "collision/exact/triangle_distance.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "collision/exact/double_double.hpp"
@@ -54,7 +55,7 @@ class Search {
     apart();
     return nearest_;
   }
-  // The edges' places on the other's face besides, which triangles that cross have in common.
+  // Triangles that cross have points of edges on the other's face in common: those are considered, too.
   Nearest run_touching() {
     apart();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -94,7 +95,8 @@ class Search {
     consider(p + d * s, q + e * t);
   }
 
-  // A point over the inside of a triangle; where it is nearest to an edge or a corner, the edges' pairs have it.
+  // Considers the foot of a point over the inside of a triangle; where the nearest point is on an edge or a corner, the
+  // pairs of edges find it.
   template <class Then>
   static void foot(const Corners& triangle, const P& p, Then then) {
     const P u = triangle[1] - triangle[0], v = triangle[2] - triangle[0], w = p - triangle[0];
@@ -149,9 +151,10 @@ double gap_along(Vec3 direction, const Triangle& a, const Triangle& b, const Vec
   return certain > 0.0 ? certain : 0.0;  // also where it is no number
 }
 
-// Bounds by a pair of points that are on their triangles but for an error of at most `off`, together.
+// Narrows the bounds by a pair of points that are on their triangles but for an error of at most `off` [m], together.
 void bound(TriangleDistance& out, const Nearest& nearest, const Triangle& a, const Triangle& b, double off) {
   if (!(nearest.square < kInfinity)) return;
+  assert(nearest.square >= 0.0 && off >= 0.0);
   const double upper = std::sqrt(nearest.square) * (1.0 + 0x1p-50) + off + 0x1p-530;
   if (upper < out.upper) {
     out.upper = upper;
@@ -165,6 +168,7 @@ void bound(TriangleDistance& out, const Nearest& nearest, const Triangle& a, con
 }  // namespace
 
 TriangleDistance triangle_distance(const Triangle& a, const Triangle& b, double relative_accuracy) {
+  assert(relative_accuracy >= 0.0);
   const double largest = largest_coordinate(a, b);
   TriangleDistance out{kInfinity, a[0], b[0], 0.0, kInfinity};
   // A point of an edge or a face is off it by at most 10 u of the largest coordinate along each axis, and by 2 u more
@@ -179,11 +183,12 @@ TriangleDistance triangle_distance(const Triangle& a, const Triangle& b, double 
     }
     return {0.0, common.on_a, common.on_b, 0.0, 0.0};
   }
-  // Where the nearest points are ill-conditioned, the gap along them is not that of their distance.
+  // Ill-conditioned nearest points have a gap along them that is not their distance.
   if (out.upper - out.lower > std::max(0x1p-44 * largest, relative_accuracy * out.upper)) {
     bound(out, Search<DoubleDouble>(a, b).run(), a, b, 0x1p-90 * largest);
   }
   out.lower = std::min(out.lower, out.upper);
+  assert(out.lower >= 0.0 && out.lower <= out.upper);
   return out;
 }
 

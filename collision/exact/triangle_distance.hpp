@@ -15,7 +15,7 @@ struct TriangleDistance {
   double lower = 0.0, upper = 0.0;
 };
 //
-// `relative_accuracy`: an interval is not made narrower that is no wider than this part of its upper bound.
+// `relative_accuracy`: an interval that is no wider than this part of its upper bound is not made narrower.
 [[nodiscard]] TriangleDistance triangle_distance(const Triangle& a, const Triangle& b, double relative_accuracy = 0.0);
 
 }  // namespace peerd::collision

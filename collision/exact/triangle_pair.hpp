@@ -4,8 +4,8 @@
 
 namespace peerd::collision {
 
-// Whether two triangles share a point. Exact for all finite binary64 corners: the answer of the real numbers, so it
-// doesn't depend on the order of triangles or corners, on the compiler or on the instruction set.
+// Whether two triangles share a point. The answer is exact for all finite binary64 corners, that of the real numbers,
+// so it doesn't depend on the order of triangles or corners, on the compiler or on the instruction set.
 [[nodiscard]] bool touch(const Triangle& a, const Triangle& b, OrientationCounters& counters);
 
 }  // namespace peerd::collision

@@ -1,5 +1,6 @@
 #include "collision/exact/triangle_soup.hpp"
 
+#include <cassert>
 #include <cmath>
 
 #include "core/geometry/triangulation.hpp"
@@ -7,7 +8,7 @@
 
 namespace peerd::collision {
 bool is_representable(const Vec3& v) {
-  // Not one comparison holds for what is no number.
+  // No comparison holds for NaN, so NaN is refused as well.
   return std::abs(v[0]) <= kLargestCoordinate_m && std::abs(v[1]) <= kLargestCoordinate_m &&
          std::abs(v[2]) <= kLargestCoordinate_m;
 }
@@ -28,6 +29,7 @@ std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh, const Mat3&
   for (std::uint32_t polygon = 0; polygon < mesh.polygon_count(); ++polygon) {
     const auto corners = mesh.polygon(polygon);
     for (const std::int32_t corner : corners) {
+      assert(corner >= 0 && static_cast<std::size_t>(corner) < used.size());
       used[static_cast<std::size_t>(corner)] = 1;
       if (!all_places && !is_representable(soup.vertices[static_cast<std::size_t>(corner)])) {
         return std::unexpected("vertex " + std::to_string(corner) + " of polygon " + std::to_string(polygon) +
@@ -39,6 +41,7 @@ std::expected<TriangleSoup, std::string> make_soup(const Mesh& mesh, const Mat3&
       soup.faces.push_back({{vertex(t[0]), vertex(t[1]), vertex(t[2])}, polygon});
     }
   }
+  assert(soup.vertices.size() == mesh.vertices.size());
   for (std::size_t v = 0; v < used.size(); ++v) {
     if (used[v] != 0) soup.box.merge(soup.vertices[v]);
   }

@@ -11,9 +11,8 @@
 
 namespace peerd::collision {
 
-// What exact queries work on: the triangles of a mesh's polygons, cut by core/geometry/triangulation.hpp's fixed rule,
-// in the rigid frame of a Shape. Whatever the polygons were, cracked, doubled, crumpled or without an area, is still
-// there.
+// The triangles of a mesh's polygons, cut by core/geometry/triangulation.hpp's fixed rule, in the rigid frame of a
+// Shape: exact queries work on these. Polygons that are cracked, doubled, crumpled or without an area are all kept.
 struct TriangleSoup {
   struct Face {
     std::array<std::uint32_t, 3> corners;  // into `vertices`
@@ -30,11 +29,13 @@ struct TriangleSoup {
   }
 };
 
-// Coordinates beyond this [m] are refused: what no binary32 number can be. Files do have its largest numbers, for half
-// spaces; only a scale leads beyond.
+static_assert(sizeof(TriangleSoup::Face) == 16);  // hierarchy files hash faces as bytes
+
+// The largest coordinate that is accepted [m]: no binary32 number is larger. Files do have the largest binary32
+// numbers, for half spaces; only a scale leads beyond.
 inline constexpr double kLargestCoordinate_m = 0x1p128;
 
-// Each coordinate; not what is no number.
+// Whether each coordinate is a number within kLargestCoordinate_m.
 [[nodiscard]] bool is_representable(const Vec3& vertex);
 
 // `stretch` (core/transform.hpp, StretchedPose) is baked into the vertices: multiply(stretch, vertex) as binary64; the

@@ -56,7 +56,7 @@ struct Segment {
   Vec3 p, q;  // may be equal
 };
 
-// Of collinear points: along a line, lexicographic order is one of its directions.
+// The hull of collinear points: along a line, lexicographic order is one of its directions.
 inline Segment hull_of_collinear(const Triangle& t) {
   const auto before = [](const Vec3& a, const Vec3& b) {
     return std::ranges::lexicographical_compare(std::array{a[0], a[1], a[2]}, std::array{b[0], b[1], b[2]});
@@ -65,7 +65,8 @@ inline Segment hull_of_collinear(const Triangle& t) {
   return {least, most};
 }
 
-// Closed segments of one plane, in a projection that maps the plane to one of the axes' planes, one to one.
+// Whether two closed segments of one plane touch, in a projection that maps the plane to one of the axes' planes, one
+// to one.
 template <class Signs>
 bool segments_touch(const Segment& a, const Segment& b, const Projection& to, Signs& signs) {
   for (const int k : {to.i, to.j}) {
@@ -77,7 +78,7 @@ bool segments_touch(const Segment& a, const Segment& b, const Projection& to, Si
          signs.orient2d(b.p, b.q, a.p, to.i, to.j) * signs.orient2d(b.p, b.q, a.q, to.i, to.j) <= 0;
 }
 
-// Border or inside, of a triangle with an area.
+// Whether a point is inside a triangle with an area or on its border, in a projection of their plane.
 template <class Signs>
 bool contains(const Triangle& t, const Vec3& p, const Projection& to, Signs& signs) {
   int least = 1, most = -1;
@@ -89,7 +90,7 @@ bool contains(const Triangle& t, const Vec3& p, const Projection& to, Signs& sig
   return least >= 0 || most <= 0;
 }
 
-// An edge of `a`, which has an area, whose line has all of `b` strictly on its other side.
+// Whether an edge of `a`, which has an area, has a line that all of `b` is strictly on the other side of.
 template <class Signs>
 bool an_edge_separates(const Triangle& a, const Triangle& b, const Projection& to, Signs& signs) {
   const int inside = signs.orient2d(a[0], a[1], a[2], to.i, to.j);
@@ -114,7 +115,7 @@ const Projection* one_to_one(const Triangle& a, const Triangle& b, Signs& signs)
   return nullptr;
 }
 
-// Both are of one plane, and one of them at least has no area.
+// Whether two triangles of one plane touch, at least one of which has no area.
 template <class Signs>
 bool touch_in_plane(const Triangle& a, const Triangle& b, bool a_has_area, bool b_has_area, Signs& signs) {
   const Projection* const to = one_to_one(a, b, signs);
@@ -128,7 +129,7 @@ bool touch_in_plane(const Triangle& a, const Triangle& b, bool a_has_area, bool 
   return (a_has_area && contains(a, b[0], *to, signs)) || (b_has_area && contains(b, a[0], *to, signs));
 }
 
-// A segment that has a point off the plane of a triangle with an area.
+// Whether a segment that has a point off the plane of a triangle with an area crosses that triangle.
 template <class Signs>
 bool segment_crosses(const Segment& s, const Triangle& t, Signs& signs) {
   if (signs.volume(t[0], t[1], t[2], s.p) * signs.volume(t[0], t[1], t[2], s.q) > 0) return false;
@@ -141,8 +142,8 @@ bool segment_crosses(const Segment& s, const Triangle& t, Signs& signs) {
   return least >= 0 || most <= 0;
 }
 
-// Some triangle lies in the plane of the other or has no area, so that it has no plane of its own. `of_a`: of a's
-// corners, seen from b's plane.
+// Whether two triangles touch of which one lies in the plane of the other or has no area, so that it has no plane of
+// its own. `of_a` has the sides of a's corners, seen from b's plane.
 template <class Signs>
 bool touch_flat(const Triangle& a, const Triangle& b, const Sides& of_a, Signs& signs) {
   if (!boxes_touch(a, b)) return false;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
-// Up to eight boxes: the children of a node, or a leaf as one.
+// Up to eight boxes: those of the children of a node, or that of a leaf.
 struct Boxes {
   const WideTree::Node* node = nullptr;
   std::uint32_t count = 0;
@@ -39,13 +39,14 @@ Boxes boxes(const WideTree& tree, Ref ref, WideTree::Node& own) {
     own = one_box(leaf.center, leaf.half);
     return {&own, 1};
   }
+  assert(ref.kind() == Ref::kNode && tree.node(ref.index()).children[0].kind() != Ref::kNone);
   const WideTree::Node& node = tree.node(ref.index());
   std::uint32_t count = WideTree::kWidth;
   while (node.children[count - 1].kind() == Ref::kNone) --count;
   return {&node, count};
 }
 
-// All of a soup, whatever of its tree is built.
+// The box of a whole soup, whatever of its tree is built.
 WideTree::Node whole(const WideTree& tree) {
   std::array<float, 3> half{};
   for (int k = 0; k < 3; ++k) {
@@ -55,9 +56,10 @@ WideTree::Node whole(const WideTree& tree) {
   return one_box({}, half);
 }
 
-// Faces stand by polygon.
+// The range of a polygon's faces, which stand by polygon.
 auto faces_of(const TriangleSoup& soup, std::uint32_t polygon) {
   const auto faces = std::ranges::equal_range(soup.faces, polygon, {}, &TriangleSoup::Face::polygon);
+  assert(!faces.empty());
   const auto first = static_cast<std::uint32_t>(faces.begin() - soup.faces.begin());
   return std::pair{first, first + static_cast<std::uint32_t>(faces.size())};
 }
@@ -71,9 +73,9 @@ struct MeshDistanceQuery::Search {
   std::vector<Open>& open;  // a heap, the nearest on top
   WideMotion motion;
   MeshDistance found;
-  double skipped_m = kInfinity;  // no pair that isn't open is nearer
+  double skipped_m = kInfinity;  // no pair that was passed over is nearer [m]
   std::uint32_t opened = 0;
-  std::array<float, 3> toward{};  // from A to B, along found's points, on A's scale
+  std::array<float, 3> toward{};  // from A to B, along the points of `found`, on A's scale
 
   Search(WideTree& tree_a, WideTree& tree_b, const RelativeMotion& moves, const MeshDistanceOptions& asked,
          std::vector<Open>& memory)
@@ -83,7 +85,7 @@ struct MeshDistanceQuery::Search {
 
   [[nodiscard]] double meters(float on_scale_of_a) const { return static_cast<double>(on_scale_of_a) / a.scale(); }
 
-  // What is nearer than this must be looked at.
+  // Pairs that may be nearer than this must be searched [m].
   [[nodiscard]] double worth_m() const {
     const double accurate = found.upper_m - std::max(options.accuracy_m, options.relative_accuracy * found.upper_m);
     return std::min(std::isnan(accurate) ? kInfinity : accurate, options.stop_above_m);
@@ -109,8 +111,8 @@ struct MeshDistanceQuery::Search {
     }
   }
 
-  // Before anything is built: the boxes of the soups, and any two corners.
-  void look_at_soups() {
+  // Bounds the distance before anything is built: by the boxes of the soups, and by any two corners.
+  void bound_by_soups() {
     const TriangleSoup::Face &face_a = a.soup().faces.front(), &face_b = b.soup().faces.front();
     found.pair = {face_a.polygon, face_b.polygon};
     found.on_a = a.soup().vertices[face_a.corners[0]];
@@ -122,19 +124,19 @@ struct MeshDistanceQuery::Search {
     push({distances.lower[0][0], WideTree::kRoot, WideTree::kRoot, false});
   }
 
-  // Before anything else is looked at: boxes with a gap don't.
+  // Valid before anything else is visited: boxes with a gap don't touch.
   [[nodiscard]] bool may_touch() const { return lower_m() == 0.0; }
 
   void set_touching(const PolygonPair& pair) {
     const auto [first_a, last_a] = faces_of(a.soup(), pair.a);
     const auto [first_b, last_b] = faces_of(b.soup(), pair.b);
     for (std::uint32_t i = first_a; i < last_a; ++i) {
-      for (std::uint32_t j = first_b; j < last_b && found.upper_m > 0.0; ++j) look_at_triangles(i, j);
+      for (std::uint32_t j = first_b; j < last_b && found.upper_m > 0.0; ++j) test_triangles(i, j);
     }
     assert(found.upper_m == 0.0);
   }
 
-  void look_at_triangles(std::uint32_t face_a, std::uint32_t face_b) {
+  void test_triangles(std::uint32_t face_a, std::uint32_t face_b) {
     const Triangle in_b = b.soup().triangle(face_b);
     const TriangleDistance d =
         triangle_distance(a.soup().triangle(face_a), {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])});
@@ -171,14 +173,14 @@ struct MeshDistanceQuery::Search {
     return best;
   }
 
-  void look_at_leaves(const Open& pair, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
+  void visit_leaves(const Open& pair, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
     Distances distances;
     DistanceRows estimates;
     distances_of_leaves(leaf_a, leaf_b, motion, toward, worth(), distances, estimates);
     skip(meters(std::max(distances.skipped, pair.lower)));
     Best best = least_below(distances, leaf_b.count, estimates);
     if (meters(best.value) < found.upper_m && found.iterations < options.max_iterations) {
-      look_at_triangles(leaf_a.faces[best.i], leaf_b.faces[best.j]);
+      test_triangles(leaf_a.faces[best.i], leaf_b.faces[best.j]);
     } else {
       best = {};
     }
@@ -188,8 +190,9 @@ struct MeshDistanceQuery::Search {
     });
   }
 
-  // Goes on with the nearest of the children, down to triangles: those bound what else is worth opening.
-  void look_at_nodes(const Open& pair, Ref of_a, Ref of_b) {
+  // Goes on with the nearest pair of children, down to triangles: their distance bounds which other pairs are worth
+  // opening.
+  void visit_nodes(const Open& pair, Ref of_a, Ref of_b) {
     WideTree::Node own_a, own_b;
     const Boxes boxes_a = boxes(a, of_a, own_a), boxes_b = boxes(b, of_b, own_b);
     Distances distances;
@@ -205,18 +208,18 @@ struct MeshDistanceQuery::Search {
     for_each_below(distances, boxes_b.count, [&](std::size_t i, std::size_t j) {
       if (!best.is(i, j)) push(child(i, j));
     });
-    look_at(child(best.i, best.j));
+    visit(child(best.i, best.j));
   }
 
-  void look_at(const Open& pair) {
-    if (pair.triangles) return look_at_triangles(pair.a, pair.b);
+  void visit(const Open& pair) {
+    if (pair.triangles) return test_triangles(pair.a, pair.b);
     if (found.iterations == options.max_iterations) return push(pair);
     ++found.iterations;
     const Ref of_a = a.at(pair.a), of_b = b.at(pair.b);
     if (of_a.kind() == Ref::kLeaf && of_b.kind() == Ref::kLeaf) {
-      look_at_leaves(pair, a.leaf(of_a.index()), b.leaf(of_b.index()));
+      visit_leaves(pair, a.leaf(of_a.index()), b.leaf(of_b.index()));
     } else {
-      look_at_nodes(pair, of_a, of_b);
+      visit_nodes(pair, of_a, of_b);
     }
   }
 
@@ -229,7 +232,7 @@ struct MeshDistanceQuery::Search {
       std::ranges::pop_heap(open, Nearer());
       const Open pair = open.back();
       open.pop_back();
-      look_at(pair);
+      visit(pair);
     }
     found.lower_m = lower_m();
   }
@@ -237,11 +240,14 @@ struct MeshDistanceQuery::Search {
 
 MeshDistance MeshDistanceQuery::distance(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
                                          const MeshDistanceOptions& options) {
+  assert(options.accuracy_m >= 0.0 && options.relative_accuracy >= 0.0);
+  assert(!a.soup().faces.empty() && !b.soup().faces.empty());
   Search search(a, b, a_from_b, options, open_);
-  search.look_at_soups();
+  search.bound_by_soups();
   PolygonPair pair{};
   if (search.may_touch() && overlap_.find_pair(a, b, a_from_b, pair)) search.set_touching(pair);
   search.run();
+  assert(search.found.lower_m >= 0.0 && search.found.lower_m <= search.found.upper_m);
   return search.found;
 }
 

@@ -45,6 +45,7 @@ std::optional<RayHit> RayQuery::nearest(WideTree& tree, const Ray& ray) {
       }
       continue;
     }
+    assert(ref.kind() == Ref::kLeaf);
     const WideTree::Leaf& leaf = tree.leaf(ref.index());
     for (std::uint32_t bits = test_ray_leaf(leaf, wide); bits != 0; bits &= bits - 1) {
       const std::uint32_t face = leaf.faces[static_cast<std::size_t>(std::countr_zero(bits))];
@@ -57,6 +58,7 @@ std::optional<RayHit> RayQuery::nearest(WideTree& tree, const Ray& ray) {
       wide.shorten(hit.t);
     }
   }
+  assert(!nearest || (nearest->t >= 0.0 && nearest->t <= ray.longest));
   return nearest;
 }
 

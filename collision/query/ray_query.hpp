@@ -23,15 +23,15 @@ struct RayCounters {
   OrientationCounters orientation;   // of those tests
 };
 
-// What a ray hits first: of all triangles of the soup with a first_parameter() of at most the ray's longest, the one
-// with the least parameter; of those with an equal one that of the lowest polygon, then face. So the answer is a
+// Finds what a ray hits first: of all triangles of the soup with a first_parameter() of at most the ray's longest, the
+// one with the least parameter; of those with an equal one that of the lowest polygon, then face. So the answer is a
 // function of the soup and the ray alone: no order of the tree, no vector width and no rounding of the culling is in
 // it. Both sides of a polygon are hit.
 //
 // An object keeps its memory, so that a query like one before allocates nothing. Not thread-safe.
 class RayQuery {
  public:
-  // The ray is usable, and in the soup's frame. Builds the tree where the ray goes.
+  // The ray is usable, and in the soup's frame. The tree is built where the ray goes.
   [[nodiscard]] std::optional<RayHit> nearest(WideTree& tree, const Ray& ray);
 
   [[nodiscard]] const RayCounters& counters() const { return counters_; }

@@ -18,16 +18,18 @@ using Ref = WideTree::Ref;
 namespace {
 
 // A window is so long that nothing turns farther than this [rad], and nothing moves farther than this part of the
-// larger mesh: bounds of the way are loose beyond, and more pairs are looked at. Where few are, it may be so many times
-// longer.
+// larger mesh: bounds of the motion are loose beyond, and more pairs are visited. Where few are, a window may be
+// kLongerIdle times as long.
 constexpr double kWindow_rad = 0.0625;
 constexpr double kWindowOfExtent = 0.125;
 constexpr double kLongerIdle = 8.0;
 constexpr std::uint32_t kIdleWork = 16;
-// What the direction between two triangles needs to be known to: the gap along it is certain, whatever it is.
+// The relative accuracy to which the direction between two triangles is sought: the gap along any direction is certain,
+// so a rough one will do.
 constexpr double kRelativeAccuracy = 0.125;
-// What a window may look at before it is given up and tried again: half of it, and so many times as much; then so many
-// windows are not longer. Where meshes are close along large parts shorter windows don't look at less, hence the 4.
+// The pairs that a window may visit before it is given up. It is tried again half as long, with kMoreWork times as
+// many; the next kShortWindows windows are then no longer. Where meshes are close along large parts, shorter windows
+// don't visit fewer pairs, hence the 4.
 constexpr std::uint32_t kWindowWork = 512, kMoreWork = 4, kShortWindows = 4;
 
 // No point of the soup is farther from its frame's origin.
@@ -37,7 +39,7 @@ double radius(const TriangleSoup& soup) {
   return length(far) * (1.0 + 0x1p-50);
 }
 
-// How material points of both move at an instant. In A's frame, as it stands then.
+// The motion of material points of both bodies at an instant, in A's frame as it stands then.
 struct MotionState {
   RelativeMotion a_from_b;
   Mat3 world_from_a;
@@ -67,10 +69,11 @@ double time_to_close(double gap, double closing, double closing_acceleration_bou
   if (closing <= 0.0 && closing_acceleration_bound <= 0.0) return kInfinity;
   const double root = std::sqrt(closing * closing + 2.0 * closing_acceleration_bound * gap);
   const double s = closing > 0.0 ? 2.0 * gap / (closing + root) : (root - closing) / closing_acceleration_bound;
+  assert(!(s < 0.0));
   return s * (1.0 - 0x1p-45);
 }
 
-// Two triangles along a direction from A to B: what is between their corners, now and as they go on.
+// The corners of two triangles along a direction from A to B: their places [m] and speeds [m/s].
 struct AxisProjections {
   std::array<double, 3> at_a, at_b, speed_a, speed_b;
 
@@ -84,7 +87,7 @@ struct AxisProjections {
   }
   [[nodiscard]] double gap() const { return *std::ranges::min_element(at_b) - *std::ranges::max_element(at_a); }
 
-  // How long at least the gap stays above `least`: corner against corner.
+  // A time for which the gap certainly stays above `least` [m], corner against corner [s].
   [[nodiscard]] double time_above(double least, double closing_acceleration_bound) const {
     double s = kInfinity;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -94,7 +97,7 @@ struct AxisProjections {
     return s;
   }
 
-  // Of the corners that are within `reach` of being the nearest.
+  // The closing speed of the corners that are within `reach` [m] of being the nearest [m/s].
   [[nodiscard]] double closing_speed(double reach) const {
     const double last = *std::ranges::max_element(at_a), first = *std::ranges::min_element(at_b);
     double fastest = -kInfinity, slowest = kInfinity;
@@ -127,7 +130,7 @@ void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& betwee
   }
 }
 
-// A leaf as a node with one child.
+// Makes a node of which a leaf's box is the only child.
 WideTree::Node node_around(const WideTree::Leaf& leaf) {
   WideTree::Node node;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -164,18 +167,21 @@ class MeshImpactQuery::Search {
     const double edge_a = rate_a_ * radius(a.soup()), edge_b = rate_b_ * radius(b.soup());
     spin_speed_m_s_ = edge_a + edge_b;
     centripetal_m_s2_ = (rate_a_ * edge_a + rate_b_ * edge_b) * (1.0 + 0x1p-40);
+    assert(!(rate_a_ < 0.0) && !(rate_b_ < 0.0) && !(spin_speed_m_s_ < 0.0) && !(centripetal_m_s2_ < 0.0));
     acceleration_m_s2_ = length(motion_a.acceleration - motion_b.acceleration) * (1.0 + 0x1p-40);
     coordinate_bound_m_ = magnitude(motion_a.position) + magnitude(motion_b.position) + a.extent_m() + b.extent_m() +
                           magnitude(a.origin()) + magnitude(b.origin());
   }
 
   MeshImpact run() {
+    assert(step_s_ >= 0.0 && options_.tolerance_m >= 0.0);
     const double usual_s = usual_window();
     double from_s = 0.0, window_s = usual_s;
     std::uint32_t max_work = kWindowWork, short_windows_left = 0;
     while (true) {
-      // Rounding must not stop the time.
+      // Time must advance in spite of rounding.
       const double until_s = std::min(best_s_, std::max(from_s + window_s, from_s * (1.0 + 0x1p-40)));
+      assert(until_s >= from_s);
       const std::uint32_t work = search_window(from_s, until_s, max_work);
       if (exhausted_) {
         impact_.state = MeshImpactState::kIterationLimit;
@@ -192,17 +198,18 @@ class MeshImpactQuery::Search {
       from_s = until_s;
       max_work = std::max(kWindowWork, 2 * work);
       if (short_windows_left > 0) --short_windows_left;
-      // While the roots alone are looked at, they are far: ever longer.
+      // The meshes are far where the roots alone are visited, and windows may become ever longer.
       const double most_s = work > kIdleWork ? usual_s : work > 1 ? kLongerIdle * usual_s : kInfinity;
       if (short_windows_left == 0) window_s = std::min(2.0 * window_s, most_s);
     }
+    assert(best_s_ >= 0.0 && best_s_ <= step_s_);
     impact_.state = hit_ ? MeshImpactState::kHit : MeshImpactState::kSeparated;
     impact_.time_s = best_s_;
     return impact_;
   }
 
  private:
-  // How long bounds that are taken at an instant hold well.
+  // The time for which bounds that are taken at an instant are tight enough [s].
   [[nodiscard]] double usual_window() const {
     const double turning = rate_a_ + rate_b_;
     const double by_turning = turning > 0.0 ? kWindow_rad / turning : kInfinity;
@@ -211,11 +218,11 @@ class MeshImpactQuery::Search {
     return std::min(by_turning, speed > 0.0 ? way / speed : kInfinity);
   }
 
-  // Pairs of nodes and leaves looked at: more than `max_work` where it was given up.
+  // Returns the pairs of nodes and leaves visited: more than `max_work` where the window was given up.
   std::uint32_t search_window(double from_s, double until_s, std::uint32_t max_work) {
     const KinematicState at_a = advance(motion_a_, from_s), at_b = advance(motion_b_, from_s);
     const MotionState now(at_a, at_b);
-    // What is nearer than the tolerance is looked at: else it would come nearer before it is a hit.
+    // Pairs nearer than the tolerance are visited: they would come nearer before they are a hit otherwise.
     const WideMotion wide(a_, b_, now.a_from_b, options_.tolerance_m);
     const WideSpeeds speeds = speeds_at(at_a, at_b, until_s - from_s);
     stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
@@ -223,7 +230,7 @@ class MeshImpactQuery::Search {
     Masks masks;
     MeetTimes times;
     WideTree::Node around;  // a leaf beside a node
-    // With the pairs of triangles that wait.
+    // The pairs of triangles that wait count as well.
     const auto work_done = [&, before = impact_.iterations] {
       return impact_.iterations - before + static_cast<std::uint32_t>(pairs_.size());
     };
@@ -281,7 +288,7 @@ class MeshImpactQuery::Search {
     return speeds;
   }
 
-  // Those first that may meet first: what is found then ends the others.
+  // Pairs that may meet first come first: a hit ends the search for the others.
   void follow_pairs(const MotionState& at_begin, double from_s, double until_s) {
     std::ranges::sort(pairs_, {}, [](const TrianglePair& pair) { return std::tuple(pair.free_s, pair.b, pair.a); });
     for (const TrianglePair& pair : pairs_) advance_pair(pair, at_begin, from_s, until_s);
@@ -298,17 +305,18 @@ class MeshImpactQuery::Search {
       const MotionState& now = later ? *later : at_begin;
       const Triangle triangle_b = {now.a_from_b(in_b[0]), now.a_from_b(in_b[1]), now.a_from_b(in_b[2])};
       const double step = safe_step(pair.a, pair.b, now, t, triangle_a, triangle_b);
+      assert(!(step < 0.0));
       if (step == 0.0) return;
       t += step;
     }
   }
 
-  // How long they certainly don't touch; 0 where that is not known to be any longer, and they are the best hit now.
+  // A time for which two triangles certainly don't touch [s]; 0 where none is known, and they are the best hit now.
   double safe_step(std::uint32_t face_a, std::uint32_t face_b, const MotionState& now, double t, const Triangle& a,
                    const Triangle& b) {
     TriangleDistance found = triangle_distance(a, b, kRelativeAccuracy);
     if (found.distance == 0.0) return hit(face_a, face_b, now, t, found, center_direction(now), false);
-    // Where the world's coordinates are large, places in it are known less well than the tolerance.
+    // In a world with large coordinates, places are known less well than the tolerance.
     const double rounding = 0x1p-46 * (magnitude(now.a_from_b.translation) + coordinate_bound_m_);
     const double band = options_.tolerance_m + rounding;
     if (found.lower <= band && found.upper - found.lower > 0x1p-20 * found.upper) found = triangle_distance(a, b);
@@ -327,7 +335,8 @@ class MeshImpactQuery::Search {
       if (step > 0.0) return step;
     }
     if (options_.only_distance) return hit(face_a, face_b, now, t, found, between, false);
-    // Near. No contact follows as long as there is a direction along which they have a gap and don't approach.
+    // The triangles are near. No contact follows as long as there is a direction along which they have a gap and don't
+    // approach.
     double free_s = 0.0;
     std::optional<Vec3> closing;
     bool rests = false;
@@ -337,8 +346,8 @@ class MeshImpactQuery::Search {
       if (gap < 0.25 * options_.tolerance_m) return true;
       const NearPairState touch = classify_contact(along, now, n, 2.0 * band, noise);
       if (touch == NearPairState::kFree) {
-        // What parts comes back to half the tolerance, or to where it is: half of that with each bounce, and soon there
-        // would be no gap left to find.
+        // A pair that parts may come back to half the tolerance, or to its present gap less 1/1024: if it could halve
+        // the gap with each bounce, there would soon be no gap left to find.
         const double half_m = 0.5 * std::min(gap, options_.tolerance_m);
         const bool parts = along.closing_speed(2.0 * band) < 0.0;
         const double least_m = parts ? std::min(0.5 * options_.tolerance_m, (1.0 - 0x1p-10) * gap) : half_m;
@@ -355,7 +364,8 @@ class MeshImpactQuery::Search {
     return hit(face_a, face_b, now, t, found, closing.value_or(between), rests);
   }
 
-  // Where they are in each other, which takes coordinates whose rounding is as large as the tolerance.
+  // A direction for triangles that are in each other, which takes coordinates whose rounding is as large as the
+  // tolerance.
   [[nodiscard]] static Vec3 center_direction(const MotionState& now) {
     const double distance = length(now.a_from_b.translation);
     return distance > 0.0 ? Vec3(now.a_from_b.translation / distance) : Vec3::UnitX();
@@ -368,9 +378,9 @@ class MeshImpactQuery::Search {
     const double still = unknown * (length(now.velocity_a) + length(now.velocity_b) + spin_speed_m_s_);
     const double closing = along.closing_speed(reach), pressing = dot(n, now.pressing);
     if (closing > still) return NearPairState::kCloses;
-    // What doesn't rise by the tolerance before it comes back rests.
+    // A pair that doesn't rise by the tolerance before it comes back rests.
     if (closing < -still && closing * closing > 2.0 * pressing * options_.tolerance_m) return NearPairState::kFree;
-    // Of what turns only a bound of how it goes on is known.
+    // For rotating bodies only a bound of the further motion is known, so they count as pressed.
     return pressing > unknown * acceleration_m_s2_ || spin_speed_m_s_ > 0.0 ? NearPairState::kRests
                                                                             : NearPairState::kFree;
   }
@@ -378,6 +388,8 @@ class MeshImpactQuery::Search {
   double hit(std::uint32_t face_a, std::uint32_t face_b, const MotionState& now, double t,
              const TriangleDistance& found, const Vec3& direction, bool rests) {
     if (hit_ && t >= best_s_) return 0.0;
+    assert(face_a < a_.soup().faces.size() && face_b < b_.soup().faces.size());
+    assert(t >= 0.0 && !(std::abs(dot(direction, direction) - 1.0) > 1e-9));
     hit_ = true;
     best_s_ = t;
     impact_.pair = {a_.soup().faces[face_a].polygon, b_.soup().faces[face_b].polygon};
@@ -387,7 +399,7 @@ class MeshImpactQuery::Search {
     return 0.0;
   }
 
-  // How much faster points come nearer to each other along a direction, at most, than they do now.
+  // A bound of the acceleration with which points come nearer to each other along a direction [m/s^2].
   [[nodiscard]] double closing_acceleration_bound(const MotionState& now, const Vec3& direction) const {
     return centripetal_m_s2_ + std::max(0.0, dot(direction, now.pressing) + 0x1p-40 * acceleration_m_s2_);
   }

@@ -21,12 +21,12 @@ enum class MeshImpactState : std::uint8_t {
 struct MeshImpact {
   MeshImpactState state = MeshImpactState::kSeparated;
   double time_s = 0.0;  // never later than the first contact; the step's length where there is none
-  PolygonPair pair{};   // of kHit and kOverlapped
-  // Of kHit:
-  double distance_m = 0.0;        // of that pair's triangles at time_s
+  PolygonPair pair{};   // the polygons of kHit and kOverlapped
+  // The following are set for kHit only.
+  double distance_m = 0.0;        // distance of that pair's triangles at time_s
   Vec3 direction = Vec3::Zero();  // from A's to B's, world, unit
   bool resting = false;           // they don't approach, but an acceleration presses, or one turns and may come nearer
-  std::uint32_t iterations = 0;   // pairs of nodes, of leaves and of triangles looked at
+  std::uint32_t iterations = 0;   // pairs of nodes, of leaves and of triangles visited
 };
 
 struct MeshImpactOptions {
@@ -35,13 +35,13 @@ struct MeshImpactOptions {
   // world, 2^-46 of its largest coordinate, or else that counts. They stay at least half of it apart until then.
   double tolerance_m = 1e-6;
   std::uint32_t max_iterations = 1u << 18;
-  // What is nearer than the tolerance is a hit however it goes on: how near things come, not when they touch. Then
-  // kSeparated says that nothing comes as near as half of it.
+  // A pair nearer than the tolerance is a hit however the motion goes on: the query then finds how near things come,
+  // not when they touch, and kSeparated says that nothing comes as near as half of the tolerance.
   bool only_distance = false;
 };
 
-// When two meshes come to touch, both moving as their states say from time 0 on. A touch that parts is none: what was
-// answered a moment ago, and still is nearer than the tolerance, is followed until it comes back.
+// Finds when two meshes come to touch, both moving as their states say from time 0 on. A touch that parts is none: a
+// pair that was answered a moment ago, and still is nearer than the tolerance, is followed until it comes back.
 //
 // The step is cut into windows in which nothing turns far. In each, pairs of boxes are followed down from the roots as
 // long as their gap along some axis of either may close: at the speed along it, and what turning and acceleration add

@@ -1,6 +1,7 @@
 #include "collision/query/tree_query.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "collision/exact/triangle_pair.hpp"
@@ -25,7 +26,7 @@ class Descent {
         counters_(counters),
         found_(found) {}
 
-  // True where found_ has ended it.
+  // True where found_ has ended the search.
   bool run() {
     return touching(KdopTree<K>::kRoot, realigned(KdopTree<K>::kRoot)) &&
            descend(KdopTree<K>::kRoot, KdopTree<K>::kRoot);
@@ -33,6 +34,7 @@ class Descent {
 
  private:
   WideKdop<K> realigned(std::uint32_t of_b) {
+    assert(of_b < b_.nodes().size());
     ++counters_.bv_updates;
     return realign_(b_.node(of_b).dop);
   }
@@ -41,7 +43,7 @@ class Descent {
     return overlap(a_.node(of_a).dop, of_b);
   }
 
-  // Of two nodes that overlap. As deep as the higher of the trees.
+  // Descends from two nodes that overlap. The recursion is as deep as the higher of the trees.
   bool descend(std::uint32_t of_a, std::uint32_t of_b) {
     const std::uint32_t below_a = a_.children(of_a), below_b = b_.children(of_b);
     if (below_a == KdopTree<K>::kLeaf && below_b == KdopTree<K>::kLeaf) return test_triangles(of_a, of_b);

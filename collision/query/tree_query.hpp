@@ -9,7 +9,8 @@
 
 namespace peerd::collision {
 
-// Work done by queries: the seed's cost function T = Nv * Cv + Np * Cp + Nu * Cu without its prices.
+// Work done by queries: the terms of the thesis's cost function T = Nv * Cv + Np * Cp + Nu * Cu (section 3.1) without
+// its prices.
 struct QueryCounters {
   std::uint64_t bv_tests = 0;        // Nv: pairs of bounding volumes compared
   std::uint64_t bv_updates = 0;      // Nu: bounding volumes realigned
@@ -23,13 +24,14 @@ struct PolygonPair {
 };
 
 // The polygons of A and B that share a point, B's vertices being taken to A's frame by `a_from_b`. The recursion is the
-// seed's listing 3.4, with the case that it forgets: a leaf against a node with children, either way round.
+// thesis's listing 3.4, with the case that the listing forgets: a leaf against a node with children, either way round.
 //
-// One true pair; which one depends on the trees. False, and `pair` as it was, where there is none.
+// Finds one true pair; which one depends on the trees. The result is false, and `pair` is left as it was, where there
+// is none.
 template <int K>
 [[nodiscard]] bool find_pair(KdopTree<K>& a, KdopTree<K>& b, const RelativeMotion& a_from_b, QueryCounters& counters,
                              PolygonPair& pair);
-// All, sorted, each once.
+// All true pairs, sorted, each once.
 template <int K>
 [[nodiscard]] std::vector<PolygonPair> all_pairs(KdopTree<K>& a, KdopTree<K>& b, const RelativeMotion& a_from_b,
                                                  QueryCounters& counters);

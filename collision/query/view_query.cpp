@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 
 #include "collision/exact/ordered_sums.hpp"
@@ -12,7 +13,8 @@ namespace {
 
 using Ref = WideTree::Ref;
 
-// A plane's offset in a tree's numbers may be larger than binary32 has them: it is beyond the tree then, as this is.
+// A plane's offset in a tree's numbers may be larger than binary32 holds: such a plane is beyond the tree, and so is
+// one at this offset.
 constexpr double kFar = 0x1p100;
 
 // World points are rotation * p + position for p of the soup, so normal . world + offset is
@@ -20,6 +22,7 @@ constexpr double kFar = 0x1p100;
 // less than 2^-24 of 40 E, as long as the offset is below 8 E; beyond that it alone decides.
 WidePlanes planes_of(const WideTree& tree, const Pose& T_world_soup, const Frustum& frustum) {
   WidePlanes out;
+  assert(frustum.count() <= WidePlanes::kMaxPlanes);
   const Mat3 rotation = T_world_soup.orientation.toRotationMatrix(), back = rotation.transpose();
   const Vec3 &position = T_world_soup.position, &origin = tree.origin();
   for (out.count = 0; out.count < frustum.count(); ++out.count) {
@@ -48,7 +51,7 @@ bool Frustum::add(const Vec3& normal, double offset) {
 
 std::expected<Frustum, std::string> make_frustum(const Camera& camera) {
   constexpr double kPi = 3.14159265358979323846;
-  // What is no number fails all of these.
+  // NaN fails all of these conditions.
   if (!(camera.field_of_view > 0.0 && camera.field_of_view < kPi)) {
     return std::unexpected("the field of view must be above 0 and below pi");
   }
@@ -73,10 +76,12 @@ std::expected<Frustum, std::string> make_frustum(const Camera& camera) {
   good &= add({0, -half.cos, -half.sin * high}, 0.0);
   if (std::isfinite(camera.far_m)) good &= add({0, 0, 1}, camera.far_m);
   if (!good) return std::unexpected("the camera has no finite place");
+  assert(out.count() == 5 || out.count() == 6);
   return out;
 }
 
 InView in_view(const Frustum& frustum, const WorldBox& box, PlaneMask& active) {
+  assert((active & ~frustum.all()) == 0);
   if (box.is_empty()) return InView::kOutside;
   for (std::uint32_t bits = active; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(bits));
@@ -96,8 +101,8 @@ InView in_view(const Frustum& frustum, const WorldBox& box, PlaneMask& active) {
   return active == 0 ? InView::kInside : InView::kMaybe;
 }
 
-// Depth first, in the tree's order. found(leaf, i), of a triangle that may be in view, and stop(visit), before a place
-// is looked into, say whether that was all.
+// Descends depth first, in the tree's order. found(leaf, i), called for a triangle that may be in view, and
+// stop(visit), called before a slot is visited, return true to end the search.
 template <class Stop, class Found>
 void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& root, Stop stop, Found found) {
   std::array<PlaneMask, WideTree::kWidth> crossed;
@@ -132,6 +137,7 @@ void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& r
 
 bool ViewQuery::may_be_in_view(WideTree& tree, const Pose& T_world_soup, const Frustum& frustum, PlaneMask active,
                                int levels) {
+  assert(levels >= 0 && (active & ~frustum.all()) == 0);
   bool may_be = false;
   descend(
       tree, planes_of(tree, T_world_soup, frustum), {WideTree::kRoot, active, levels},

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cassert>
 #include <cstdint>
 #include <expected>
 #include <limits>
@@ -12,7 +13,8 @@
 
 namespace peerd::collision {
 
-// What a viewer sees of: all points with normal . p + offset_m >= 0 for each plane. Closed, in the world frame.
+// The region that a viewer sees: all points with normal . p + offset_m >= 0 for each plane. It is closed, in the world
+// frame.
 class Frustum {
  public:
   static constexpr std::size_t kMaxPlanes = WidePlanes::kMaxPlanes;
@@ -21,12 +23,15 @@ class Frustum {
     double offset_m = 0.0;
   };
 
-  // One more plane; the normal needs no length. False where it has none that is finite, or there is no room: then
+  // Adds a plane; the normal need not be unit. False where its length is 0 or not finite, or there is no room: then
   // nothing is added.
   [[nodiscard]] bool add(const Vec3& normal, double offset);
 
   [[nodiscard]] std::size_t count() const { return count_; }
-  [[nodiscard]] const Plane& operator[](std::size_t i) const { return planes_[i]; }
+  [[nodiscard]] const Plane& operator[](std::size_t i) const {
+    assert(i < count_);
+    return planes_[i];
+  }
   [[nodiscard]] PlaneMask all() const { return static_cast<PlaneMask>((1u << count_) - 1); }
 
  private:
@@ -34,7 +39,7 @@ class Frustum {
   std::size_t count_ = 0;
 };
 
-// A camera as VRML97 has it: at the pose's position, looking along its -z, with y up.
+// A camera as VRML97 defines it: at the pose's position, looking along its -z, with y up.
 struct Camera {
   Pose T_world_camera;
   double field_of_view = 0.785398;  // the smaller of the angles of view, of width and height [rad], in (0, pi)
@@ -53,9 +58,9 @@ struct Camera {
 // as near the frustum's edges.
 enum class InView : std::uint8_t { kOutside, kMaybe, kInside };
 
-// By the planes of `active`; from it those are taken that the box is certainly wholly inside of (Assarsson and Moeller,
-// "Optimized View Frustum Culling Algorithms for Bounding Boxes", JGT 5 (2000)): what is in the box needs no test by
-// them. Empty boxes are outside.
+// Tests a box against the planes of `active`, and removes from `active` those that the box is certainly wholly inside
+// of (Assarsson and Moeller, "Optimized View Frustum Culling Algorithms for Bounding Boxes", JGT 5 (2000)): what is in
+// the box needs no test by them. Empty boxes are outside.
 [[nodiscard]] InView in_view(const Frustum& frustum, const WorldBox& box, PlaneMask& active);
 
 struct ViewCounters {
@@ -71,8 +76,8 @@ class ViewQuery {
  public:
   static constexpr int kAllLevels = std::numeric_limits<int>::max();
 
-  // Whether any triangle may be in view; false is certain. Only by the planes of `active`, in_view() having told that
-  // the others don't matter. `levels` of the tree are looked into; what is left below them may be in view.
+  // Whether any triangle may be in view; false is certain. Only the planes of `active` are tested: in_view() has
+  // removed those that don't matter. At most `levels` of the tree are visited; what is left below them may be in view.
   [[nodiscard]] bool may_be_in_view(WideTree& tree, const Pose& T_world_soup, const Frustum& frustum, PlaneMask active,
                                     int levels = kAllLevels);
   // The faces that may be in view, in the order of the tree; valid until the next query.

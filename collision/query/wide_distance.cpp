@@ -1,9 +1,10 @@
-// This file is compiled once for each instruction set: Highway includes it again and again.
+// Highway includes this file again and again, to compile it once for each instruction set.
 #include "collision/query/wide_targets.hpp"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/query/wide_distance.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h
 #include <hwy/highway.h>
+#include <cassert>
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace peerd::collision::HWY_NAMESPACE {
 
-// At most the length of three gaps. Where their squares over- or underflow, it is the largest of them.
+// A lower bound of the length of three gaps. Where their squares over- or underflow, it is the largest of them.
 HWY_INLINE V gap_length(V x, V y, V z) {
   const V square = dot({x, y, z}, {x, y, z});
   const V length = hn::IfThenElseZero(hn::Gt(square, set(0x1p-100f)), hn::Mul(hn::Sqrt(square), set(kRoundedDown)));
@@ -79,7 +80,7 @@ void DistancesOfNodes(const WideTree::Node& a, std::uint32_t count_a, const Wide
     for (std::size_t row = 0; row < count_b; ++row) {
       const V in_a = gap_of_boxes(center_a, half_a, set3(b_in_a.center, row), set3(b_in_a.half, row));
       const V in_b = gap_of_boxes(center_in_b, half_in_b, set3(b.center, row), set3(b.half, row));
-      // Not where the other scale makes a subnormal number of it, which may be rounded up.
+      // The bound is 0 where the other scale makes a subnormal number of it, which may be rounded up.
       const V scaled_b = hn::Min(hn::Mul(in_b, a_from_b), largest);
       const V in_b_known = hn::IfThenElseZero(hn::Gt(scaled_b, set(0x1p-100f)), scaled_b);
       const V line = gap_along_centers(center_a, half_a, center_in_b, set3(b_in_a.center, row), set3(b.half, row),
@@ -101,7 +102,7 @@ HWY_INLINE Direction direction(const std::array<float, 3>& n) {
   return {n, good ? kRoundedDown / std::sqrt(square) : 0.0f};
 }
 
-// How far the triangles reach along it, from `origin`: A's to the last, B's from the first.
+// The extents of the triangles along the direction, from `origin`: the last of A's, the first of B's.
 HWY_INLINE V along(const Direction& d, const V3& p, const V3& origin) {
   return dot({set(d.n[0]), set(d.n[1]), set(d.n[2])}, minus(p, origin));
 }
@@ -152,7 +153,8 @@ void DistancesOfLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const W
       const Shape shape_b = shape({set3(moved[0], row), set3(moved[1], row), set3(moved[2], row)});
       const Shortest found = shortest(shape_a, shape_b);
       const V before = load(out.lower[row], i), gap = gap_along(found, corners, shape_b.corners, m.slack_a);
-      // Only where it was asked for, however many lanes there are: the rest is the same on every machine then.
+      // Lanes that were not requested are left out, however many lanes there are: so counters are the same on every
+      // machine.
       const V lower = hn::Max(before, hn::IfThenElseZero(hn::Lt(before, set(most)), gap));
       record(lower, set(most), a.count, row, i, out);
       store(hn::Sqrt(found.square), estimates[row], i);
@@ -172,10 +174,12 @@ HWY_EXPORT(DistancesOfLeaves);
 
 void distances_of_nodes(const WideTree::Node& a, std::uint32_t count_a, const WideTree::Node& b, std::uint32_t count_b,
                         const WideMotion& motion, float most, Distances& distances) {
+  assert(count_a >= 1 && count_a <= WideTree::kWidth && count_b >= 1 && count_b <= WideTree::kWidth);
   HWY_DYNAMIC_DISPATCH(DistancesOfNodes)(a, count_a, b, count_b, motion, most, distances);
 }
 void distances_of_leaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
                          const std::array<float, 3>& guess, float most, Distances& distances, DistanceRows& estimates) {
+  assert(a.count >= 1 && b.count >= 1);
   HWY_DYNAMIC_DISPATCH(DistancesOfLeaves)(a, b, motion, guess, most, distances, estimates);
 }
 

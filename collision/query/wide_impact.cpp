@@ -1,9 +1,10 @@
-// This file is compiled once for each instruction set: Highway includes it again and again.
+// Highway includes this file again and again, to compile it once for each instruction set.
 #include "collision/query/wide_targets.hpp"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/query/wide_impact.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h
 #include <hwy/highway.h>
+#include <cassert>
 
 #include <algorithm>
 #include <cmath>
@@ -73,7 +74,7 @@ void NodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMo
   }
 }
 
-// What the corners of eight triangles come to when they go on as they do now, one to a lane.
+// The corners of eight triangles, one to a lane, after they have moved on at their present velocities.
 HWY_INLINE Corners advanced(const Corners& at, const std::array<float, 3>& base, const std::array<float, 3>& turn,
                             float within_s) {
   const V3 axis{set(turn[0]), set(turn[1]), set(turn[2])};
@@ -86,11 +87,11 @@ HWY_INLINE Corners advanced(const Corners& at, const std::array<float, 3>& base,
   return {later(at.p), later(at.q), later(at.r)};
 }
 
-// What triangles take up along a direction, now and later.
+// The intervals that triangles occupy along a direction, now and later.
 struct SweptInterval {
   V low, high, low_later, high_later;
 };
-// Of their three corners' places.
+// The interval of three corners' coordinates along a direction.
 HWY_INLINE SweptInterval swept_interval_of(const V3& now, const V3& later) {
   return {hn::Min(hn::Min(now.x, now.y), now.z), hn::Max(hn::Max(now.x, now.y), now.z),
           hn::Min(hn::Min(later.x, later.y), later.z), hn::Max(hn::Max(later.x, later.y), later.z)};
@@ -111,8 +112,8 @@ HWY_INLINE V farthest_of(const SweptInterval& reach) {
                  hn::Max(hn::Abs(reach.low_later), hn::Abs(reach.high_later)));
 }
 
-// More than `margin` between them, now and later, on the same side. Corners move along straight lines between the two,
-// so the gap is a concave function of time, and is there in between as well.
+// True where more than `margin` is between two intervals, now and later, on the same side. Corners move along straight
+// lines between the two, so the gap is a concave function of time, and is there in between as well.
 HWY_INLINE auto apart_along(const SweptInterval& a, const SweptInterval& b, V margin) {
   const auto ahead = [&](const SweptInterval& low, const SweptInterval& high) {
     return hn::And(hn::Gt(hn::Sub(high.low, low.high), margin),
@@ -120,7 +121,8 @@ HWY_INLINE auto apart_along(const SweptInterval& a, const SweptInterval& b, V ma
   };
   return hn::Or(ahead(a, b), ahead(b, a));
 }
-// Where they aren't apart till later: the part of that time for which they are, since the gap is above its chord.
+// For intervals that aren't apart for all of the time: the part of it for which they certainly are, since the gap is
+// above its chord.
 HWY_INLINE V part_apart(const SweptInterval& a, const SweptInterval& b, V margin) {
   const auto ahead = [&](const SweptInterval& low, const SweptInterval& high) {
     const V now = hn::Sub(high.low, low.high), after = hn::Sub(high.low_later, low.high_later);
@@ -132,7 +134,7 @@ HWY_INLINE V part_apart(const SweptInterval& a, const SweptInterval& b, V margin
   return hn::Max(ahead(a, b), ahead(b, a));
 }
 
-// Of triangles one to a lane: by x, y and z.
+// The intervals of triangles, one to a lane, along x, y and z.
 struct SweptIntervals {
   Rows low, high, low_later, high_later;
 };
@@ -144,7 +146,8 @@ HWY_INLINE SweptInterval set_swept_interval(const SweptIntervals& from, std::siz
   return {set(from.low[k][lane]), set(from.high[k][lane]), set(from.low_later[k][lane]), set(from.high_later[k][lane])};
 }
 
-// What the box of a leaf's triangles takes up along an axis, and how far from the origin that is.
+// The interval that the box of a leaf's triangles occupies along an axis, and a bound of how far from the origin that
+// is.
 struct SweptBox {
   float low, high, low_later, high_later, far;
 };
@@ -165,7 +168,7 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
                              swept_interval_of(a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, within_s, 1),
                              swept_interval_of(a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, within_s, 2)};
   const float far_box = std::max({box_a[0].far, box_a[1].far, box_a[2].far});
-  // What corners are off by, besides their part of where they are: what their velocities change by, for one.
+  // The error of corners that doesn't grow with their coordinates: that of the change of their velocities, for one.
   const V off_anywhere = set(2.0f * m.slack_a + s.slack_m_s * within_s), off_of_far = set(0x1p-19f);
   std::array<Rows, 3> corners, later;
   SweptIntervals reaches;
@@ -253,10 +256,12 @@ HWY_EXPORT(LeavesMayMeet);
 
 void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
                     const WideSpeeds& speeds, float within_s, Masks& masks) {
+  assert(!(within_s < 0.0f) && !(speeds.slack_m_s < 0.0f));
   HWY_DYNAMIC_DISPATCH(NodesMayMeet)(a, b, motion, speeds, within_s, masks);
 }
 void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
                      const WideSpeeds& speeds, float within_s, Masks& masks, MeetTimes& times) {
+  assert(!(within_s < 0.0f) && a.count >= 1 && b.count >= 1);
   HWY_DYNAMIC_DISPATCH(LeavesMayMeet)(a, b, motion, speeds, within_s, masks, times);
 }
 

@@ -6,8 +6,8 @@
 
 namespace peerd::collision {
 
-// How material points move at an instant, relative to the trees' origins: base + turn x place, each in its tree's own
-// frame [m/s, rad/s].
+// The velocities of material points at an instant, relative to the trees' origins: linear + angular x place, each in
+// its tree's own frame [m/s, rad/s].
 struct WideSpeeds {
   std::array<float, 3> linear_velocity_a, angular_velocity_a, linear_velocity_b, angular_velocity_b;
   float rate_a, rate_b;  // of turning, at least |turn| [rad/s]
@@ -17,7 +17,8 @@ struct WideSpeeds {
 using MeetTimes =
     std::array<std::array<float, WideTree::kWidth>, WideTree::kWidth>;  // [s], by B's triangle, A's triangle
 
-// Which children's boxes may meet within that time; which triangles may, and of those: not before which time.
+// Finds which children's boxes may meet within that time [s]; and which triangles may, and a time before which each
+// pair of those certainly doesn't.
 void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
                     const WideSpeeds& speeds, float within_s, Masks& masks);
 void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,

@@ -1,5 +1,5 @@
-// Eight of anything: numbers, points, boxes and triangles, one to a lane of the vector unit.
-// For the files that Highway compiles once for each instruction set, and so is this: in each, once for each of them.
+// Vectors of eight numbers, points, boxes or triangles, one to a lane of the vector unit. Highway compiles the files
+// that include this one once for each instruction set, and this file with them.
 #if defined(PEERD_COLLISION_WIDE_LANES_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef PEERD_COLLISION_WIDE_LANES_HPP
 #undef PEERD_COLLISION_WIDE_LANES_HPP
@@ -42,7 +42,7 @@ HWY_INLINE V3 set3(const Rows& rows, std::size_t lane) {
   return {set(rows[0][lane]), set(rows[1][lane]), set(rows[2][lane])};
 }
 HWY_INLINE V3 minus(const V3& a, const V3& b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)}; }
-// No MulAdd: every instruction set gives the same bits, so that counters are the same too.
+// There is no MulAdd: every instruction set gives the same bits, so counters are the same, too.
 HWY_INLINE V dot(const V3& a, const V3& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
@@ -111,9 +111,9 @@ HWY_INLINE Planes planes(const Corners& t) {
   return {{hn::Sub(a, b), hn::Sub(c, d), hn::Sub(e, f)}, hn::Add(hn::Add(sizes(a, b), sizes(c, d)), sizes(e, f))};
 }
 
-// What is to be left between corners along a normal of that size, for `off` [m]. Of smaller normals products underflow
-// by more than such a margin: then no plane separates. (A size of 2^-80 takes a reach of 2^-43, and so a margin of
-// 2^-140.)
+// The margin that must be left between corners along a normal of that size, for an error of `off` [m]. With smaller
+// normals, products underflow by more than such a margin: then no plane separates. (A size of 2^-80 takes a reach of
+// 2^-43, and so a margin of 2^-140.)
 HWY_INLINE V certain_margin(V size, V off) {
   return hn::IfThenElse(hn::Gt(size, set(0x1p-80f)), hn::Mul(size, off), set(std::numeric_limits<float>::infinity()));
 }

@@ -1,11 +1,13 @@
 #include "collision/query/wide_motion.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace peerd::collision {
 
 WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion, double margin_m) {
+  assert(margin_m >= 0.0 && a.scale() > 0.0 && b.scale() > 0.0);
   const Vec3 origin = motion(b.origin()) - a.origin();
   const Vec3 home = multiply(Mat3(motion.rotation.transpose()), Vec3(-origin));
   const double to_a = a.scale() / b.scale(), to_b = b.scale() / a.scale();
@@ -25,14 +27,15 @@ WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotio
     farthest = std::max({farthest, std::abs(origin[i]), std::abs(home[i])});
   }
   // Each of some 20 roundings is of a number below the sum in brackets (its terms' factors are at most sqrt(3)), by at
-  // most 2^-24 of it. Binary64, in which vertices are moved for the exact test, is lost in that; but vertices far from
-  // their soup's origin lose more there.
+  // most 2^-24 of it. The rounding of binary64, in which vertices are moved for the exact test, is far below that,
+  // except for vertices far from their soup's origin, which the second term is for.
   const auto far = [](const WideTree& tree) { return tree.origin().cwiseAbs().maxCoeff() + tree.extent_m(); };
   const double binary64 = 0x1p-46 * (far(a) + far(b) + motion.translation.cwiseAbs().maxCoeff());
   const double slack_m =
       0x1p-19 * (2.0 * a.extent_m() + 2.0 * b.extent_m() + farthest + margin_m) + binary64 + margin_m;
   slack_a = static_cast<float>(slack_m * a.scale() + 0x1p-120);
   slack_b = static_cast<float>(slack_m * b.scale() + 0x1p-120);
+  assert(!(slack_a < 0.0f) && !(slack_b < 0.0f));
 }
 
 }  // namespace peerd::collision

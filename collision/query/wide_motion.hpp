@@ -7,24 +7,25 @@
 
 namespace peerd::collision {
 
-// What the vector unit does of a query. All of it errs on the safe side only: what it leaves out certainly doesn't
+// The kernels of a query that run on the vector unit err on the safe side only: what they leave out certainly doesn't
 // touch.
 
-// Takes B's tree to A's and back, in binary32.
+// The motion that takes B's tree to A's and back, in binary32.
 struct WideMotion {
-  // What is nearer than `margin_m` overlaps, too.
+  // Things nearer than `margin_m` count as overlapping, too.
   WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion, double margin_m = 0.0);
 
   using Matrix = std::array<std::array<float, 3>, 3>;
   Matrix a_from_b, b_from_a;              // the rotations, between the trees' scales
   Matrix a_from_b_sizes, b_from_a_sizes;  // their absolute values
   std::array<float, 3> b_in_a, a_in_b;    // the origins
-  // More than all of this can be wrong about the place of a point: the rounding of the trees, of the motion, of taking
-  // it there and of comparing it there. On A's scale, and on B's.
+  // A bound of the error of a point's place: the rounding of the trees, of the motion, of moving the point and of
+  // comparing it there; on A's scale, and on B's.
   float slack_a, slack_b;
   float scale_a_from_b;  // A's scale over B's
 };
 
 using Masks = std::array<std::uint8_t, WideTree::kWidth>;  // by B's child or triangle; bit i: A's child or triangle i
+static_assert(WideTree::kWidth == 8 * sizeof(Masks::value_type));  // a bit for each child
 
 }  // namespace peerd::collision

@@ -14,7 +14,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace peerd::collision::HWY_NAMESPACE {
-// What is no number, or too large for one, is unknown: 0.
+// A square that is NaN or too large is unknown, and counts as 0.
 HWY_INLINE V known(V x) {
   const V zero = hn::Zero(Lanes());
   const V positive = hn::IfThenElseZero(hn::Gt(x, zero), x);
@@ -60,7 +60,7 @@ HWY_INLINE void choose(M mask, V square, const V3& gap, Shortest& out) {
   out.gap = {hn::IfThenElse(mask, gap.x, out.gap.x), hn::IfThenElse(mask, gap.y, out.gap.y),
              hn::IfThenElse(mask, gap.z, out.gap.z)};
 }
-// As triangle_distance.cpp's.
+// The same method as in triangle_distance.cpp.
 HWY_INLINE void consider_edges(const Edge& of_a, const Edge& of_b, Shortest& out) {
   const V3 r = minus(of_a.p, of_b.p);
   const V f = dot(of_b.d, r), b = dot(of_a.d, of_b.d), g = dot(of_a.d, r);

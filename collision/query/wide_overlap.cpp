@@ -1,9 +1,10 @@
-// This file is compiled once for each instruction set: Highway includes it again and again.
+// Highway includes this file again and again, to compile it once for each instruction set.
 #include "collision/query/wide_targets.hpp"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/query/wide_overlap.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h
 #include <hwy/highway.h>
+#include <cassert>
 
 #include <algorithm>
 
@@ -36,7 +37,7 @@ void TestNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotio
   }
 }
 
-// One box against the children of a node, each in the frame of the other.
+// Tests one box against the children of a node, each in the frame of the other.
 HWY_INLINE std::uint8_t one_against(const std::array<float, 3>& center, const std::array<float, 3>& half,
                                     const std::array<float, 3>& center_there, const std::array<float, 3>& half_there,
                                     const WideTree::Node& node, const Boxes& node_here) {
@@ -108,7 +109,7 @@ HWY_INLINE auto not_on_one_side(const V3& normal, V margin, const V3& origin, co
   const V d = dot(normal, minus(of.p, origin)), e = dot(normal, minus(of.q, origin)),
           f = dot(normal, minus(of.r, origin));
   const V least = hn::Min(hn::Min(d, e), f), most = hn::Max(hn::Max(d, e), f);
-  // What is no number is not certain: these comparisons are false then, and Not makes them true.
+  // NaN separates nothing: these comparisons are false then, and Not makes them true.
   return hn::Not(hn::Or(hn::Gt(least, margin), hn::Lt(most, hn::Neg(margin))));
 }
 
@@ -169,6 +170,7 @@ std::uint8_t test_leaf_node(const WideTree::Leaf& a, const WideTree::Node& b, co
   return HWY_DYNAMIC_DISPATCH(TestLeafNode)(a, b, motion);
 }
 void test_leaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion, Masks& masks) {
+  assert(a.count >= 1 && a.count <= WideTree::kWidth && b.count >= 1 && b.count <= WideTree::kWidth);
   HWY_DYNAMIC_DISPATCH(TestLeaves)(a, b, motion, masks);
 }
 

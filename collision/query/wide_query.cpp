@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 
 #include "collision/exact/triangle_distance.hpp"
 #include "collision/exact/triangle_pair.hpp"
@@ -25,6 +26,7 @@ void for_bits_downwards(std::uint32_t bits, Then then) {
 
 // The pairs of children of two nodes that may touch: the first of them on top of the stack.
 void WideQuery::open(const WideTree& a, const WideTree& b, Ref of_a, Ref of_b, const WideMotion& motion) {
+  assert(of_a.kind() == Ref::kNode && of_b.kind() == Ref::kNode);
   Masks masks;
   counters_.bv_tests += 64;
   test_nodes(a.node(of_a.index()), b.node(of_b.index()), motion, masks);
@@ -35,8 +37,8 @@ void WideQuery::open(const WideTree& a, const WideTree& b, Ref of_a, Ref of_b, c
   }
 }
 
-// From what is on the stack on: pairs of leaves that may touch, depth first, children in their order, until `leaves`
-// says true.
+// Descends from the pairs on the stack, depth first, children in their order, to pairs of leaves that may touch, until
+// leaves() returns true.
 template <class Leaves>
 bool WideQuery::descend(WideTree& a, WideTree& b, const WideMotion& motion, Leaves leaves) {
   while (!stack_.empty()) {
@@ -61,7 +63,7 @@ bool WideQuery::descend(WideTree& a, WideTree& b, const WideMotion& motion, Leav
   return false;
 }
 
-// Until `test` says true of two triangles, B's in A's frame.
+// Calls test() for pairs of triangles that may touch, B's in A's frame, until it returns true.
 template <class Test>
 bool WideQuery::test_triangles(const WideTree& a, const WideTree& b, const WideTree::Leaf& leaf_a,
                                const WideTree::Leaf& leaf_b, const WideMotion& motion, const RelativeMotion& a_from_b,
@@ -70,6 +72,7 @@ bool WideQuery::test_triangles(const WideTree& a, const WideTree& b, const WideT
   test_leaves(leaf_a, leaf_b, motion, masks);
   for (std::size_t row = 0; row < leaf_b.count; ++row) {
     if (masks[row] == 0) continue;
+    assert(masks[row] >> leaf_a.count == 0);  // no lane that isn't there
     const Triangle in_b = b.soup().triangle(leaf_b.faces[row]);
     const Triangle moved = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
     for (std::uint32_t bits = masks[row]; bits != 0; bits &= bits - 1) {
@@ -81,8 +84,8 @@ bool WideQuery::test_triangles(const WideTree& a, const WideTree& b, const WideT
   return false;
 }
 
-// What the kernels let through beyond what touches costs time and changes no answer, and it changes no order: so the
-// first pair found is the first that there is.
+// Pairs that the kernels let through without touching cost time, but change no answer and no order: so the first pair
+// found is the first that there is.
 template <class Found>
 bool WideQuery::search(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Found found) {
   const WideMotion motion(a, b, a_from_b);
@@ -114,6 +117,7 @@ bool WideQuery::touch_near_leaves(WideTree& a, WideTree& b, const RelativeMotion
                             return touch(of_a, of_b, counters_.orientation);
                           });
   };
+  assert(a.at(leaf_pair.a).kind() == Ref::kLeaf && b.at(leaf_pair.b).kind() == Ref::kLeaf);
   if (touching(leaf_pair, a.leaf(a.at(leaf_pair.a).index()), b.leaf(b.at(leaf_pair.b).index()))) return true;
   if (leaf_pair.a == WideTree::kRoot || leaf_pair.b == WideTree::kRoot) return false;
   stack_.clear();
@@ -134,6 +138,7 @@ const std::vector<PolygonPair>& WideQuery::all_pairs(WideTree& a, WideTree& b, c
 
 const std::vector<FacePair>& WideQuery::faces_within(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
                                                      double distance_m) {
+  assert(distance_m >= 0.0);
   faces_.clear();
   const WideMotion motion(a, b, a_from_b, distance_m);
   stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
@@ -149,6 +154,7 @@ const std::vector<FacePair>& WideQuery::faces_within(WideTree& a, WideTree& b, c
 }
 
 bool WideQuery::separated_by(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double gap_m) {
+  assert(gap_m >= 0.0);
   const WideMotion motion(a, b, a_from_b, gap_m);
   stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
   Masks masks;

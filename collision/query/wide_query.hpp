@@ -23,21 +23,21 @@ struct FacePair {
 // An object keeps its memory, so that a query like one before allocates nothing. Not thread-safe.
 class WideQuery {
  public:
-  // One true pair: of those that there are, the first in the order of the trees. False where there is none.
-  // `leaf_pair`: the leaves that it is in.
+  // Finds one true pair: the first in the order of the trees; false where there is none. `leaf_pair` receives the
+  // leaves that it is in.
   struct LeafPair {
     WideTree::ChildSlot a = 0, b = 0;
   };
   [[nodiscard]] bool find_pair(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, PolygonPair& pair,
                                LeafPair* leaf_pair = nullptr);
-  // Whether they touch in a spot where the same trees did before, or beside it: below the parents of those leaves.
-  // True: `leaf_pair` is where. False says nothing.
+  // Whether two trees touch in the leaves where they did before, or below the parents of those. Where true, `leaf_pair`
+  // receives the leaves; false says nothing.
   [[nodiscard]] bool touch_near_leaves(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, LeafPair& leaf_pair);
-  // All, sorted, each once; valid until the next query.
+  // All true pairs, sorted, each once; valid until the next query.
   [[nodiscard]] const std::vector<PolygonPair>& all_pairs(WideTree& a, WideTree& b, const RelativeMotion& a_from_b);
 
-  // True: no point of A is as near as `gap_m` to one of B. False says nothing: the bound is that of boxes and planes,
-  // not the distance: it is for those that are easily seen to be apart.
+  // True is certain: no point of A is as near as `gap_m` to one of B. False says nothing: the bound is that of boxes
+  // and planes, not the distance, and is for meshes that are easily seen to be apart.
   [[nodiscard]] bool separated_by(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double gap_m);
   // Triangles no farther apart than that, by triangle_distance(), sorted; valid until the next query.
   [[nodiscard]] const std::vector<FacePair>& faces_within(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,

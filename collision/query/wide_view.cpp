@@ -1,9 +1,10 @@
-// This file is compiled once for each instruction set: Highway includes it again and again.
+// Highway includes this file again and again, to compile it once for each instruction set.
 #include "collision/query/wide_targets.hpp"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/query/wide_view.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: before highway.h
 #include <hwy/highway.h>
+#include <cassert>
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +75,8 @@ HWY_INLINE void note_crossed(std::uint32_t inside, std::size_t plane, std::array
   }
 }
 
-// With the least and the most distance of what is in each lane from a plane, as far as `distances` knows.
+// Combines the planes of `active`: distances() gives the least and the greatest distance of what is in each lane from a
+// plane.
 template <class Distances>
 HWY_INLINE std::uint8_t test_planes(const WidePlanes& planes, PlaneMask active, std::array<PlaneMask, kWidth>& crossed,
                                     Distances distances) {
@@ -140,8 +142,8 @@ HWY_EXPORT(TestPlanesLeaf);
 
 // With E the tree's extent, the start is within 1.75 E (and some slack) of the tree's origin, or all is missed; so
 // lengths along the ray are below 10 E, and each of the roundings of a slab's test is below 2^-24 of 4 E, the
-// direction's below 2^-24 of 10 E: together they are below a half of 2^-18 E. Binary64, in which the start is found,
-// loses what is lost far from the origins.
+// direction's below 2^-24 of 10 E: together they are below a half of 2^-18 E. The rounding of binary64, in which the
+// start is found, matters only far from the origins.
 WideRay::WideRay(const WideTree& tree, const Ray& ray) : scale_(tree.scale()) {
   int exponent = 0;
   (void)std::frexp(ray.direction.cwiseAbs().maxCoeff(), &exponent);
@@ -182,6 +184,7 @@ void WideRay::shorten(double longest) {
   constexpr double kFar = 0x1p100;  // beyond all trees, on their scale
   const double t = longest * unit_;
   const double end = (t - nearest_) * scale_ + (4.0 * static_cast<double>(slack) + 0x1p-50 * (t + nearest_) * scale_);
+  assert(t >= 0.0);
   last = static_cast<float>(std::clamp(end, -kFar, kFar));
 }
 

@@ -7,7 +7,7 @@
 
 namespace peerd::collision {
 
-// A ray in a tree's numbers. Its parameter here is a length on the tree's scale, but for a factor below 2, from the
+// A ray in a tree's coordinates. Its parameter here is a length on the tree's scale, but for a factor below 2, from the
 // point of the ray's line that is nearest to the tree's origin, and so no coordinate is much larger than the tree; a
 // hit at the parameter t of the ray has one in [first, last] as soon as 0 <= t <= the longest.
 class WideRay {
@@ -19,7 +19,7 @@ class WideRay {
   std::array<float, 3> start{}, inverse{};  // a point of it, and one over its direction, of which no component is 0
   float first = 0.0f, last = 0.0f;
   float slack = 0.0f;  // more than can be wrong about a point of the ray, seen from a box
-  // For triangles: the direction's main axis and the two after it; what the latter lose per unit of the former; the
+  // For triangles: the direction's main axis and the two after it; the shear of the latter per unit of the former; the
   // parameter per unit of it; and more than can be wrong about a corner that was moved along the ray.
   std::array<std::size_t, 3> axes{};
   float shear_x = 0.0f, shear_y = 0.0f, per_main = 0.0f, moved_slack = 0.0f;
@@ -30,12 +30,12 @@ class WideRay {
 };
 
 using Entries = std::array<float, WideTree::kWidth>;  // no later than where the ray enters a box
-// Which children's boxes it may enter, bit i: child i; and where, for those.
+// Finds which children's boxes a ray may enter, bit i for child i; and where it enters those.
 [[nodiscard]] std::uint8_t test_ray_node(const WideTree::Node& node, const WideRay& ray, Entries& entries);
-// Which triangles it may hit.
+// Finds which triangles of a leaf a ray may hit.
 [[nodiscard]] std::uint8_t test_ray_leaf(const WideTree::Leaf& leaf, const WideRay& ray);
 
-// Half spaces in a tree's numbers: normal . p + offset >= 0.
+// Half spaces in a tree's coordinates: normal . p + offset >= 0.
 struct WidePlanes {
   static constexpr std::size_t kMaxPlanes = 16;
   struct Plane {
@@ -47,10 +47,12 @@ struct WidePlanes {
 };
 
 using PlaneMask = std::uint16_t;  // bit i: plane i
-// Which children may reach into all half spaces of `active`; and those that each is not certainly wholly in.
+static_assert(WidePlanes::kMaxPlanes <= 8 * sizeof(PlaneMask));
+// Finds which children may reach into all half spaces of `active`; `crossed` receives, for each, the half spaces that
+// it is not certainly wholly in.
 [[nodiscard]] std::uint8_t test_planes_node(const WideTree::Node& node, const WidePlanes& planes, PlaneMask active,
                                             std::array<PlaneMask, WideTree::kWidth>& crossed);
-// The same of triangles, by their corners.
+// The same test for triangles, by their corners.
 [[nodiscard]] std::uint8_t test_planes_leaf(const WideTree::Leaf& leaf, const WidePlanes& planes, PlaneMask active,
                                             std::array<PlaneMask, WideTree::kWidth>& crossed);
 

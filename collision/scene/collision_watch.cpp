@@ -69,6 +69,7 @@ void CollisionWatch::add_pairs() {
 }
 
 void CollisionWatch::move(std::uint32_t transform, const TransformFields& fields) {
+  assert(transform < pending_transforms_.size());
   pending_transforms_[transform] = fields;
   moved_transforms_.push_back(transform);
 }
@@ -111,7 +112,7 @@ const CollisionWatch::Tick& CollisionWatch::tick() {
   return changes_.end_tick();
 }
 
-// Its sum is rounded up. What has gone nowhere in particular is as good as reshaped: no gap is known of it.
+// The sum is rounded up. An object without a finite displacement is treated as reshaped: no gap is known of it.
 void CollisionWatch::accumulate_travel(Object& object) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   object.displacement_m = query_.displacement_m(object.id);
@@ -119,11 +120,13 @@ void CollisionWatch::accumulate_travel(Object& object) {
     object.displacement_m = 0.0;
     object.reshaped_at_tick = tick_;
   }
+  assert(object.displacement_m >= 0.0);
   object.travelled_m = std::nextafter(object.travelled_m + object.displacement_m, kInfinity);
 }
 
-// The objects that have the instance in their path, or below them.
+// Marks the objects that have the instance in their path, or below them.
 void CollisionWatch::mark(std::uint32_t instance) {
+  assert(instance < object_of_.size());
   const auto moved = [&](std::uint32_t i) {
     if (object_of_[i] == kNone || std::exchange(objects_[object_of_[i]].moved, true)) return;
     moved_objects_.push_back(object_of_[i]);
@@ -170,12 +173,13 @@ void CollisionWatch::find_near() {
       continue;
     }
     const auto pair = std::ranges::lower_bound(pairs_, objects, {}, &Pair::objects);
+    assert(pair != pairs_.end() && pair->objects == objects);
     near_pairs_.push_back({.objects = objects, .pair = static_cast<std::uint32_t>(pair - pairs_.begin())});
   }
   while (before != previous_near_pairs_.end()) clear_pair((before++)->pair);
 }
 
-// Their boxes are apart now.
+// The boxes of this pair are apart now.
 void CollisionWatch::clear_pair(std::uint32_t pair) {
   for (std::uint32_t i = pairs_[pair].begin; i < pairs_[pair].end; ++i) {
     changes_.accept(interests_by_pair_[i]);
@@ -183,7 +187,7 @@ void CollisionWatch::clear_pair(std::uint32_t pair) {
   }
 }
 
-// What became near has moved.
+// Every pair that became near has a member that moved.
 void CollisionWatch::test_near_pairs() {
   for (NearPair& near : near_pairs_) {
     if (objects_[near.objects.low].moved || objects_[near.objects.high].moved) {
@@ -198,6 +202,7 @@ void CollisionWatch::test_near_pairs() {
 // remember the tick.
 void CollisionWatch::test_pair(NearPair& near) {
   const Pair& pair = pairs_[near.pair];
+  assert(pair.begin < pair.end && pair.end <= interests_by_pair_.size());
   const bool separated = pair.has_shape_interest && is_separated(near);
   if (separated) {
     ++counters_.pairs_separated;
@@ -221,6 +226,7 @@ void CollisionWatch::test_pair(NearPair& near) {
 bool CollisionWatch::is_separated(const NearPair& near) const {
   const Object &low = objects_[near.objects.low], &high = objects_[near.objects.high];
   const double travelled_m = low.travelled_m + high.travelled_m, rounding_m = 0x1p-51 * travelled_m;
+  assert(travelled_m >= near.travelled_m || near.gap_m == 0.0);
   return low.reshaped_at_tick <= near.gap_tick && high.reshaped_at_tick <= near.gap_tick &&
          travelled_m - near.travelled_m + rounding_m < near.gap_m;
 }
@@ -239,6 +245,7 @@ bool CollisionWatch::find_gap(NearPair& near) {
   const Object &low = objects_[near.objects.low], &high = objects_[near.objects.high];
   const double gap_m = (low.displacement_m + high.displacement_m) * near.horizon;
   if (!(gap_m > 0.0 && std::isfinite(gap_m))) return false;  // in the first tick
+  assert(near.horizon >= 1 && near.failures <= kMostFailures);
   ++counters_.gap_searches;
   if (query_.separated_by(low.id, high.id, gap_m)) {
     ++counters_.gaps_found;
@@ -267,7 +274,7 @@ bool CollisionWatch::boxes_collide(std::uint32_t interest) {
   return boxes ? boxes->colliding : refuse(interest, boxes.error());
 }
 
-// All pairs are looked at for one that would be refused; but tested only until two touch.
+// All close pairs are visited for kAllPairs, since one may be refused; but pairs are tested only until two touch.
 bool CollisionWatch::shapes_collide(std::uint32_t interest, NearPair& near) {
   const auto& [collider, collidee, type] = interests_[interest];
   bool touching = false;

@@ -15,55 +15,55 @@
 
 namespace peerd::collision {
 
-// One of a scene's interests: a collider, one of its collidees (never itself), and the question.
+// One of a scene's interests: a collider, one of its collidees (never itself), and the type of the answer.
 struct WatchedInterest {
   ObjectId collider, collidee;
   CollisionType type = CollisionType::kBox;
 };
 
-// What is remembered from tick to tick. Answers don't depend on it.
+// The caches that are kept from tick to tick. Answers don't depend on them.
 struct CoherenceOptions {
   bool witnesses = true;  // where two Shapes touched is tested first
   bool gaps = true;       // how far objects were apart: nothing is tested until they may have gone as far
 };
 
-// Work done, since the beginning.
+// Work done since the beginning.
 struct CollisionWatchCounters {
   std::uint64_t ticks = 0;
-  std::uint64_t objects_moved = 0;  // whose box was asked for again: something in their path or below them has moved
+  std::uint64_t objects_moved = 0;  // objects in whose path, or below which, something has moved
   // Pairs of objects, each once a tick.
   std::uint64_t pairs_far = 0;        // passed over: their boxes are apart
   std::uint64_t pairs_unmoved = 0;    // passed over: near, but neither has moved since the answer
   std::uint64_t pairs_separated = 0;  // passed over: they have not gone as far as they were apart
   std::uint64_t pairs_queried = 0;    // all others
-  std::uint64_t gap_searches = 0;     // of those asked
-  std::uint64_t gaps_found = 0;       // ", apart by as much as was sought, so that no more was asked
-  std::uint64_t boxes_queried = 0;    // for boxes
-  PairCoherence::Counters shapes;     // what those asked came to, for witnesses and all pairs
+  std::uint64_t gap_searches = 0;     // of pairs_queried
+  std::uint64_t gaps_found = 0;       // of gap_searches: the gap was as wide as was sought, and nothing more was tested
+  std::uint64_t boxes_queried = 0;    // interests of type kBox tested
+  PairCoherence::Counters shapes;     // the close pairs of Shapes of the pairs queried
   BroadPhaseCounters broad;
   SceneQueryCounters query;  // its `queries` with those of all ticks
 };
 
-// Which of a scene's registered interests collide, tick after tick, and what began and ended: the broad phase over the
-// boxes of the objects that interests name, then the exact questions of SceneQuery, of what moved only.
+// Finds which of a scene's registered interests collide, tick after tick, and what began and ended: by the broad phase
+// over the boxes of the objects that interests name, then by the exact questions of SceneQuery, for what moved only.
 //
-// A tick's answer is what a new SceneQuery would give for the same placement, whatever was asked before. One exception:
-// a witness where a hierarchy was refitted (SceneQuery::reshape()) is another true one. A tick costs what moved since
-// the last one, the pairs of objects that are near, and the answer if that changed; one before which nothing moved
-// costs nothing. Memory: in the pairs of objects that are, or lately were, near. Not thread-safe.
+// A tick's answer is what a new SceneQuery would give for the same placement, whatever was queried before. One
+// exception: a witness where a hierarchy was refitted (SceneQuery::reshape()) is another true one. A tick costs what
+// moved since the last one, the pairs of objects that are near, and the answer if that changed; one before which
+// nothing moved costs nothing. Memory grows with the pairs of objects that are, or lately were, near. Not thread-safe.
 class CollisionWatch {
  public:
   explicit CollisionWatch(const Scene& scene, HierarchyLoader load_hierarchy = {},
                           const CoherenceOptions& options = {});
 
-  // All interests, in file order: an interest is its place here.
+  // All interests, in file order; an interest is named by its index in this list.
   [[nodiscard]] std::span<const WatchedInterest> interests() const { return interests_; }
 
-  // What kBox compares, from the next tick on; before the first one.
+  // Sets what kBox compares from the next tick on; to be called before the first tick.
   void set_box_bound(BoxBound bound) { query_.set_box_bound(bound); }
 
-  // What is said between two ticks counts from the next one on. Transforms and geometries by their indices in Scene;
-  // before the first word of them they are as the file has them.
+  // Changes made between two ticks count from the next tick on. Transforms and geometries are named by their indices in
+  // Scene; before their first change they are as the file has them.
   void move(std::uint32_t transform, const TransformFields& fields);
   void set_transforms(std::span<const TransformFields> transforms);  // all; those that differ have moved
   void reshape(std::uint32_t geometry, Geometry form);
@@ -75,8 +75,8 @@ class CollisionWatch {
   // SceneQuery has no answer, with its error; one whose other object has nothing that can collide has an answer.
   const Tick& tick();
 
-  // What SceneQuery::collide() answers, as of the last tick, which it must have had. Pairs of polygons are looked for
-  // when they are asked for, and once as long as nothing moves. Valid until the next tick.
+  // The answer of SceneQuery::collide() for an interest, as of the last tick; there must have been one. Pairs of
+  // polygons are searched at the first call, and kept as long as nothing moves. Valid until the next tick.
   [[nodiscard]] const Collision& collision(std::uint32_t interest);
 
   [[nodiscard]] const std::vector<std::string>& notes() const { return query_.notes(); }
@@ -99,9 +99,9 @@ class CollisionWatch {
     BroadPair objects;
     std::uint32_t pair = 0;  // of pairs_
     std::uint32_t hint = 0;  // PairCoherence's
-    // No two points of what can collide were nearer than gap_m [m] when the two together had gone gone_m; 0 where that
-    // is not known. Boxes and trees have room for rounding many times over, so there is enough of it at both ends of a
-    // way.
+    // No two points that can collide were nearer than gap_m [m] when the two objects together had gone travelled_m; 0
+    // where no gap is known. Boxes and trees have room for rounding many times over, so there is enough of it at both
+    // ends of a way.
     double gap_m = 0.0, travelled_m = 0.0;
     std::uint64_t gap_tick = 0;  // the tick
     std::uint16_t horizon = 4;   // ticks of motion that a gap is sought for
@@ -136,7 +136,7 @@ class CollisionWatch {
   std::vector<Pair> pairs_;                       // sorted
   std::vector<std::uint32_t> interests_by_pair_;  // interests
 
-  // Said since the last tick.
+  // Changes since the last tick.
   std::vector<std::uint32_t> moved_transforms_;
   std::vector<TransformFields> pending_transforms_;  // by transform
   std::map<std::uint32_t, Geometry> pending_geometries_;

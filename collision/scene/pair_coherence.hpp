@@ -7,11 +7,12 @@
 
 namespace peerd::collision {
 
-// Whether pairs of Shapes touch, tick after tick. Where they did they are tested first, eight polygons against eight:
-// the crossing of two surfaces mostly is still there, or beside it. The answer doesn't depend on what is remembered.
+// Tests whether pairs of Shapes touch, tick after tick. The leaves where two Shapes touched are tested first, eight
+// polygons against eight: the crossing of two surfaces mostly is still there, or beside it. The answer doesn't depend
+// on the cache.
 class PairCoherence {
  public:
-  // Pairs of Shapes whose boxes overlap, each counted once a tick.
+  // These count pairs of Shapes whose boxes overlap, each once a tick.
   struct Counters {
     std::uint64_t pairs_witnessed = 0;  // where they touched they still do
     std::uint64_t pairs_tested = 0;     // from the roots of their trees
@@ -20,8 +21,8 @@ class PairCoherence {
   // Without `caches`, all pairs are tested.
   explicit PairCoherence(bool caches) : caches_(caches) {}
 
-  // `tick` grows; asked again in one tick, a pair costs nothing. `hint`: the caller's, of this pair most likely; any
-  // number will do.
+  // `tick` never decreases; a pair that was tested in this tick costs nothing. `hint` is kept by the caller for the
+  // pair; any number will do, and the pair's own is fastest.
   [[nodiscard]] bool touch(const SceneQuery::ClosePair& pair, std::uint64_t tick, std::uint32_t& hint);
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -30,7 +31,7 @@ class PairCoherence {
  private:
   struct CachedPair {
     std::uint64_t key = 0;                       // both instances
-    std::uint64_t version_a = 0, version_b = 0;  // 0: of nothing
+    std::uint64_t version_a = 0, version_b = 0;  // 0: none yet
     std::uint64_t tested_at_tick = 0;            // the last tick
     WideQuery::LeafPair leaf_pair{};             // where they touch
     bool touching = false;
@@ -40,8 +41,8 @@ class PairCoherence {
 
   bool caches_;
   std::vector<CachedPair> cache_;
-  std::unordered_map<std::uint64_t, std::uint32_t> index_of_key_;  // in memories_, by key
-  std::size_t eviction_size_ = 4096;                               // of memories, before old ones are looked for
+  std::unordered_map<std::uint64_t, std::uint32_t> index_of_key_;  // the index in cache_, by key
+  std::size_t eviction_size_ = 4096;                               // the size of cache_ at which old pairs are evicted
   WideQuery query_;
   Counters counters_;
 };

@@ -110,7 +110,7 @@ class SceneQuery {
   [[nodiscard]] bool separated_by(ObjectId a, ObjectId b, double gap_m);
 
   using ClosePair = collision::ClosePair;
-  // Visits the close pairs of Shapes below two objects, in the order in which collide() looks for a witness, until
+  // Visits the close pairs of Shapes below two objects, in the order in which collide() searches a witness, until
   // `visit` returns true. The error is collide()'s.
   [[nodiscard]] std::expected<void, std::string> visit_close_pairs(ObjectId collider, ObjectId collidee,
                                                                    const std::function<bool(const ClosePair&)>& visit);

@@ -61,7 +61,7 @@ WorldBox ShapeBoxes::shape_box(std::uint32_t shape) {
     reach = std::max({reach, std::abs(static_cast<double>(local.lo[i])), std::abs(static_cast<double>(local.hi[i]))});
   }
   const double pad = 0x1p-44 * (largest_coordinate(box) + 9.0 * linear * reach);
-  // Where numbers overflow, the Shape must be looked at and refused, not passed over.
+  // A Shape whose numbers overflow must be visited and refused, not passed over.
   if (!std::isfinite(pad)) return {Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity)};
   assert(pad >= 0.0);
   for (int i = 0; i < 3; ++i) {

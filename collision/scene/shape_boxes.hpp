@@ -57,7 +57,7 @@ class ShapeBoxes {
 
   const Scene& scene_;
   ShapePlacement& placement_;
-  // By Surfaces and instance. Where the box of an instance is known, those of all instances below it are.
+  // The boxes by Surfaces and instance. Where the box of an instance is known, those of all instances below it are.
   std::array<std::vector<std::optional<WorldBox>>, 2> boxes_;
   std::vector<std::optional<WorldBox>> tight_boxes_;  // by instance, of its own vertices; empty before tight_box()
   BoxBound box_bound_ = BoxBound::kVertices;

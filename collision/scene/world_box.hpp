@@ -4,10 +4,10 @@
 
 #include "core/box.hpp"
 
-// What questions about scenes ask of boxes.
+// Helpers for the boxes of scenes.
 namespace peerd::collision {
 
-// Or are no farther apart than that, along each axis.
+// Whether two boxes overlap, or are no farther apart than `gap_m` along each axis.
 [[nodiscard]] inline bool overlap(const WorldBox& a, const WorldBox& b, double gap_m = 0.0) {
   for (int i = 0; i < 3; ++i) {
     if (!(a.lo[i] - gap_m <= b.hi[i] && b.lo[i] - gap_m <= a.hi[i])) return false;

@@ -61,7 +61,8 @@ std::uint64_t fingerprint(const TriangleSoup& soup) {
   return hash.value();
 }
 
-// Children stand behind their parents, and each has one: so a descent ends, and no array is overrun.
+// Whether nodes and leaves are a tree of the mesh's faces: children stand behind their parents, and each has one
+// parent, so a descent ends, and no array is overrun.
 bool is_tree(const Header& header, std::span<const WideTree::Node> nodes, std::span<const WideTree::Leaf> leaves) {
   std::vector<bool> node_seen(nodes.size()), leaf_seen(leaves.size());
   if (nodes.empty()) {

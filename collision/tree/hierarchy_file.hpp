@@ -10,8 +10,8 @@
 
 namespace peerd::collision {
 
-// A WideTree as a file, a Shape's `hierarchyFile` (seed, C.4): what a machine of the same byte order maps and uses as
-// it lies. 64 bytes of header, then the nodes, then the leaves, as in memory.
+// A WideTree as a file, a Shape's `hierarchyFile` (thesis, C.4), which a machine of the same byte order maps and uses
+// as it lies. 64 bytes of header, then the nodes, then the leaves, as in memory.
 //
 //   offset  bytes  what
 //        0      8  "PEERDHRC"
@@ -29,7 +29,7 @@ namespace peerd::collision {
 
 inline constexpr std::string_view kHierarchyMagic = "PEERDHRC";
 
-// Builds what is missing of the tree.
+// Builds the tree to its end, and returns the file.
 [[nodiscard]] std::string write_hierarchy(WideTree& tree);
 
 // The tree in `bytes`, which stay where they are as long as `owner`, at an address that is a multiple of 32. The error

@@ -9,7 +9,7 @@
 namespace peerd::collision {
 
 // The directions of a discrete oriented polytope with k faces, k/2 pairs of parallel ones: the axes, then the diagonals
-// of the sides of a cube (k = 18, in the order of the seed's listing 3.2), those of the cube (14), or both (26).
+// of the sides of a cube (k = 18, in the order of the thesis's listing 3.2), those of the cube (14), or both (26).
 template <int K>
 constexpr auto kdop_directions() {
   static_assert(K == 6 || K == 14 || K == 18 || K == 26);
@@ -29,7 +29,7 @@ constexpr auto kdop_directions() {
   return (direction[0] * p[0] + direction[1] * p[1]) + direction[2] * p[2];
 }
 
-// A slab for each direction. Empty: lo = +inf, hi = -inf, which merging leaves out and which overlaps nothing.
+// A slab for each direction. The empty k-DOP has lo = +inf, hi = -inf: merging ignores it, and it overlaps nothing.
 template <int K, class Scalar>
 struct BasicKdop {
   static constexpr std::size_t kSlabs = K / 2;
@@ -53,11 +53,11 @@ struct BasicKdop {
 // Stored slabs, rounded outwards from the real numbers' ones.
 template <int K>
 using Kdop = BasicKdop<K, float>;
-// Slabs in computation.
+// Slabs during a computation.
 template <int K>
 using WideKdop = BasicKdop<K, double>;
 
-// Closed. What is no number, as where slabs are infinite, separates nothing.
+// Whether two closed k-DOPs may overlap: no slab separates them. NaN, as where slabs are infinite, separates nothing.
 template <int K, class A, class B>
 [[nodiscard]] bool overlap(const BasicKdop<K, A>& a, const BasicKdop<K, B>& b) {
   for (std::size_t i = 0; i < a.kSlabs; ++i) {

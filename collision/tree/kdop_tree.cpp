@@ -56,6 +56,15 @@ WideKdop<K> widened(const Kdop<K>& dop) {
   return out;
 }
 
+// Whether a k-DOP lies within another.
+template <int K>
+bool contains(const BasicKdop<K, float>& outer, const BasicKdop<K, float>& inner) {
+  for (std::size_t i = 0; i < outer.kSlabs; ++i) {
+    if (inner.lo[i] < outer.lo[i] || inner.hi[i] > outer.hi[i]) return false;
+  }
+  return true;
+}
+
 template <int K>
 double shared_volume(const Kdop<K>& a, const Kdop<K>& b) {
   WideKdop<K> both;
@@ -102,6 +111,7 @@ void KdopTree<K>::project_vertices() {
 // below the real number (whose sum was rounded to binary64 before, a 2^-29 of that step).
 template <int K>
 Kdop<K> KdopTree<K>::bound(std::uint32_t begin, std::uint32_t end) const {
+  assert(begin < end && end <= order_.size());
   Projections lo, hi;
   lo.fill(kFloatInfinity);
   hi.fill(-kFloatInfinity);
@@ -127,12 +137,14 @@ void KdopTree<K>::split(std::uint32_t i) {
   const Node node = nodes_[i];
   const std::uint32_t depth = depth_[i];
   const std::uint32_t middle = partition(node, depth);
+  assert(node.left == kUnsplit && middle > node.begin && middle < node.end);
   const auto left = static_cast<std::uint32_t>(nodes_.size());
   const auto state = [&](std::uint32_t count) { return count > options_.split_threshold ? kUnsplit : kLeaf; };
   nodes_.push_back({bound(node.begin, middle), node.begin, middle, state(middle - node.begin)});
   nodes_.push_back({bound(middle, node.end), middle, node.end, state(node.end - middle)});
   depth_.insert(depth_.end(), 2, depth + 1);
   nodes_[i].left = left;
+  assert(contains(nodes_[i].dop, nodes_[left].dop) && contains(nodes_[i].dop, nodes_[left + 1].dop));
 }
 
 // The first triangle of the right child; both children get at least one.
@@ -173,6 +185,7 @@ std::uint32_t KdopTree<K>::partition_at(const Node& node, int axis, float at) {
 
 template <int K>
 typename KdopTree<K>::Centroid KdopTree<K>::mean(const Node& node) const {
+  assert(node.begin < node.end);
   std::array<double, 3> sum = {0.0, 0.0, 0.0};
   for (const std::uint32_t t : triangles(node)) {
     for (std::size_t k = 0; k < 3; ++k) sum[k] += centroids_[t][k];
@@ -287,6 +300,7 @@ void KdopTree<K>::refit(const TriangleSoup& soup) {
       node.dop = bound(node.begin, node.end);
     } else {
       node.dop = nodes_[node.left].dop;
+      assert(node.left > i && node.left + 1 < nodes_.size());
       node.dop.merge(nodes_[node.left + 1].dop);
     }
   }

@@ -18,11 +18,11 @@ struct TreeOptions {
   friend bool operator==(const TreeOptions&, const TreeOptions&) = default;
 };
 
-// A binary hierarchy of k-DOPs over the triangles of a soup, in the soup's frame: the seed's. It is built from the top
-// as deep as it is asked, so that a query pays for the nodes that it visits; one serves all instances of a mesh. What a
-// query finds doesn't depend on how much of it has been built.
+// A binary hierarchy of k-DOPs over the triangles of a soup, in the soup's frame: that of the thesis (3.2). It is built
+// from the top as deep as queries go, so that a query pays for the nodes that it visits; one tree serves all instances
+// of a mesh. Answers don't depend on how much of it has been built.
 //
-// Not thread-safe: asking builds. The soup outlives the tree, at its place.
+// Not thread-safe, since queries build. The soup outlives the tree, at its place.
 template <int K>
 class KdopTree {
  public:
@@ -40,18 +40,19 @@ class KdopTree {
   static constexpr std::uint32_t kRoot = 0;
   // Valid until the next split.
   [[nodiscard]] const Node& node(std::uint32_t i) const { return nodes_[i]; }
-  // Children of a node, which is split now if it never was: the index of the left one, or kLeaf.
+  // The index of a node's left child, or kLeaf; the node is split now if it never was.
   std::uint32_t children(std::uint32_t i) {
     if (nodes_[i].left == kUnsplit) split(i);
     return nodes_[i].left;
   }
-  // Indices of its triangles in the soup.
+  // The indices of a node's triangles in the soup.
   [[nodiscard]] std::span<const std::uint32_t> triangles(const Node& node) const {
     return std::span(order_).subspan(node.begin, node.end - node.begin);
   }
   void build_all();
-  // New slabs for vertices that have moved, of the same topology: `soup` has the faces of the one before and replaces
-  // it. O(what is built). Without it a tree of moved vertices would miss contacts.
+  // Computes new slabs for vertices that have moved, without a change of topology: `soup` has the faces of the one
+  // before and replaces it. The cost is that of the nodes that are built. Without a refit, a tree of moved vertices
+  // would miss contacts.
   void refit(const TriangleSoup& soup);
 
   [[nodiscard]] std::span<const Node> nodes() const { return nodes_; }
@@ -77,7 +78,7 @@ class KdopTree {
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> depth_;  // of each node; only the combined rules ask
   std::vector<std::uint32_t> order_;
-  // Of a vertex, rounded to nearest; padded with zeros, so that four make a vector register.
+  // The projections of a vertex, rounded to nearest; padded with zeros, so that four make a vector register.
   using Projections = std::array<float, (K / 2 + 3) / 4 * 4>;
   std::vector<Projections> projections_;
   std::vector<Centroid> centroids_;  // of the faces, times three quarters, which is never too large

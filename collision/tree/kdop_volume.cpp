@@ -1,12 +1,13 @@
 #include "collision/tree/kdop_volume.hpp"
 
 #include <Eigen/Geometry>
+#include <cassert>
 #include <cmath>
 
 namespace peerd::collision {
 namespace {
 
-// The part of a convex polygon where normal . p <= offset.
+// Keeps the part of a convex polygon where normal . p <= offset.
 void cut(std::vector<Vec3>& polygon, std::vector<Vec3>& out, const Vec3& normal, double offset) {
   out.clear();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -56,7 +57,7 @@ std::vector<std::vector<Vec3>> boundary(const WideKdop<K>& dop) {
   return faces;
 }
 
-// The divergence theorem, from a point inside, so that far-away boxes lose nothing.
+// The divergence theorem is applied from a point inside, so that far-away boxes lose nothing to rounding.
 template <int K>
 double volume(const WideKdop<K>& dop) {
   const Vec3 center(dop.lo[0] / 2 + dop.hi[0] / 2, dop.lo[1] / 2 + dop.hi[1] / 2, dop.lo[2] / 2 + dop.hi[2] / 2);
@@ -71,6 +72,7 @@ double volume(const WideKdop<K>& dop) {
       six_volumes += std::abs((face[0] - center).dot((face[i] - center).cross(face[i + 1] - center)));
     }
   }
+  assert(!(six_volumes < 0.0));
   return six_volumes / 6.0;
 }
 

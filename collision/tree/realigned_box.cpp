@@ -1,6 +1,7 @@
 #include "collision/tree/realigned_box.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -42,6 +43,9 @@ WorldBox realigned_box(const Kdop<18>& dop, const Pose& world_from_shape) {
   for (std::size_t k = 0; k < 3; ++k) {
     extent = std::max({extent, std::abs(static_cast<double>(dop.lo[k])), std::abs(static_cast<double>(dop.hi[k]))});
   }
+  assert(extent >= 0.0);
+  static_assert(Kdop<18>::kDirections[0][0] == 1 && Kdop<18>::kDirections[1][1] == 1 &&
+                Kdop<18>::kDirections[2][2] == 1);
   // The first three slabs are the axes.
   const WideKdop<18> there = Realignment<18>(RelativeMotion(Pose{}, world_from_shape), extent)(dop);
   for (int k = 0; k < 3; ++k) {

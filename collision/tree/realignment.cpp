@@ -1,6 +1,7 @@
 #include "collision/tree/realignment.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -13,10 +14,11 @@ struct Combination {
   std::array<double, 3> weights;
 };
 
-// For a >= b >= c >= 0. The unit normals of a k-DOP are the corners of a polytope that is symmetric under exchange and
-// reflection of axes, so its facets over this sixth of an octant serve all directions.
+// Serves directions with a >= b >= c >= 0. The unit normals of a k-DOP are the corners of a polytope that is symmetric
+// under exchange and reflection of axes, so its facets over this sixth of an octant serve all directions.
 template <int K>
 Combination in_sorted_octant(double a, double b, double c) {
+  assert(!(a < b) && !(b < c) && !(c < 0.0));
   if constexpr (K == 6) return {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {a, b, c}};
   if constexpr (K == 14) return {{{{1, 0, 0}, {1, 1, 1}, {1, 1, -1}}}, {a - b, (b + c) / 2, (b - c) / 2}};
   if constexpr (K == 26) return {{{{1, 0, 0}, {1, 1, 0}, {1, 1, 1}}}, {a - b, b - c, c}};
@@ -59,6 +61,7 @@ std::pair<std::uint32_t, double> slab_of(const std::array<int, 3>& direction) {
 template <int K>
 Realignment<K>::Realignment(const RelativeMotion& new_from_old, double extent_m) {
   constexpr auto directions = kdop_directions<K>();
+  assert(extent_m >= 0.0);
   const Mat3 back = new_from_old.rotation.transpose();
   for (std::size_t i = 0; i < directions.size(); ++i) {
     const Vec3 d(directions[i][0], directions[i][1], directions[i][2]);
@@ -72,11 +75,12 @@ Realignment<K>::Realignment(const RelativeMotion& new_from_old, double extent_m)
         residual[k] -= combination.weights[m] * combination.directions[m][static_cast<std::size_t>(k)];
     }
     offset_[i] = along(directions[i], new_from_old.translation);
-    // What the combination misses of the direction, and 64 roundings of the largest numbers that occur: here, in the
-    // sums of a node's slabs, and in new_from_old(vertex).
+    // The padding covers what the combination misses of the direction, and 64 roundings of the largest numbers that
+    // occur: here, in the sums of a node's slabs, and in new_from_old(vertex).
     const double missed = std::abs(residual[0]) + std::abs(residual[1]) + std::abs(residual[2]);
     const Vec3& t = new_from_old.translation;
     const double largest = 3.0 * extent_m + (std::abs(t[0]) + std::abs(t[1]) + std::abs(t[2]));
+    assert(!(missed < 0.0));
     pad_[i] = (missed + 0x1p-52) * 2.0 * extent_m + 64 * 0x1p-53 * largest + 0x1p-1000;  // and any underflow
   }
 }

@@ -6,9 +6,9 @@
 
 namespace peerd::collision {
 
-// How a node of a hierarchy is split in two: across which axis, and where. All but the last split at the mean of the
-// corners (the seed's equation 3.1, a corner counted as often as triangles use it): a triangle goes where its centroid
-// lies.
+// The rules by which a node of a hierarchy is split in two: across which axis, and where. All but the last split at the
+// mean of the corners (the thesis's equation 3.1, a corner counted as often as triangles use it): a triangle goes where
+// its centroid lies.
 enum class SplitRule : std::uint8_t {
   kLongestSide,          // the longest side of the node
   kSplatter,             // the largest variance of the centroids

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kLeafSize = WideTree::kWidth;
 
-// How many triangles each child of a node of `count` holds when it is full.
+// The number of triangles that each full child of a node of `count` triangles holds.
 std::uint32_t child_capacity(std::uint32_t count) {
   std::uint32_t capacity = kLeafSize;
   while (static_cast<std::uint64_t>(capacity) * WideTree::kWidth < count) capacity *= WideTree::kWidth;
@@ -25,9 +25,13 @@ void WideTree::measure() {
   for (int k = 0; k < 3; ++k) {
     extent_m_ = std::max({extent_m_, soup_->box.hi[k] - origin_[k], origin_[k] - soup_->box.lo[k]});
   }
+  assert(extent_m_ >= 0.0);
   constexpr double kLargest = 0x1p60;  // far from an overflow even after a few products and sums
   scale_ = extent_m_ <= kLargest ? 1.0 : kLargest * std::exp2(-std::ceil(std::log2(extent_m_)));
 }
+
+static_assert(WideTree::kWidth == 8 && sizeof(WideTree::Node) % 32 == 0 && sizeof(WideTree::Leaf) % 32 == 0);
+static_assert(alignof(WideTree::Node) == 32 && alignof(WideTree::Leaf) == 32);
 
 WideTree::WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, std::span<const Node> nodes,
                    std::span<const Leaf> leaves)
@@ -56,12 +60,14 @@ WideTree::WideTree(const TriangleSoup& soup) : soup_(&soup) {
 }
 
 WideTree::Ref WideTree::pending(Range range) {
+  assert(range.begin < range.end && range.end <= items_.size());
   ranges_.push_back(range);
   return {Ref::kPending, static_cast<std::uint32_t>(ranges_.size() - 1)};
 }
 
 WideTree::Ref WideTree::resolve(Ref& ref) {
   if (ref.kind() == Ref::kPending) {
+    assert(ref.index() < ranges_.size());
     const Range range = ranges_[ref.index()];
     ref = range.count() <= kLeafSize ? make_leaf(range) : make_node(range);
   }
@@ -82,6 +88,7 @@ WideTree::Item WideTree::make_item(std::uint32_t face) const {
 }
 
 WideTree::Bounds WideTree::bound(Range range) const {
+  assert(range.begin < range.end);
   Bounds out{items_[range.begin].lo, items_[range.begin].hi};
   for (std::uint32_t i = range.begin + 1; i < range.end; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -104,6 +111,7 @@ WideTree::Box WideTree::box_of(const Bounds& bounds) {
 // Puts the items that belong before `middle` there. Items are counted by bins first, so that the comparisons, which are
 // what costs, are left with one bin. A float's way to its bin keeps order.
 void WideTree::divide(Range range, std::uint32_t middle, std::size_t axis, float least, float most) {
+  assert(range.begin < middle && middle < range.end);
   constexpr std::uint32_t kBins = 1024;
   const auto slot = [axis](const Item& item) { return item.lo[axis] + item.hi[axis]; };
   const auto before = [slot](const Item& a, const Item& b) {
@@ -125,11 +133,13 @@ void WideTree::divide(Range range, std::uint32_t middle, std::size_t axis, float
   std::nth_element(begin, items_.begin() + middle, end, before);
 }
 
-// In two, by the middles of the triangles' boxes along the axis where those are spread widest; ties by the face's
-// number, so that every library's nth_element gives the same halves. Then each half, until each part is one child.
+// Splits a range in two, by the middles of the triangles' boxes along the axis where those are spread widest; ties by
+// the face's number, so that every library's nth_element gives the same halves. Then each half, until each part is one
+// child.
 void WideTree::split(Range range, std::uint32_t capacity, std::array<Range, kWidth>& parts, std::size_t& count) {
   const std::uint32_t children = (range.count() + capacity - 1) / capacity;
   if (children == 1) {
+    assert(count < kWidth && range.count() <= capacity);
     parts[count++] = range;
     return;
   }
@@ -158,6 +168,7 @@ WideTree::Ref WideTree::make_node(Range range) {
   std::size_t count = 0;
   split(range, child_capacity(range.count()), parts, count);
   assert(nodes_.size() < nodes_.capacity());
+  assert(count >= 2 && count <= kWidth);
   Node& node = nodes_.emplace_back();
   for (std::size_t k = 0; k < 3; ++k) {
     node.center[k].fill(0.0f);
@@ -176,6 +187,7 @@ WideTree::Ref WideTree::make_node(Range range) {
 
 WideTree::Ref WideTree::make_leaf(Range range) {
   assert(leaves_.size() < leaves_.capacity());
+  assert(range.count() >= 1 && range.count() <= kLeafSize);
   std::ranges::sort(items_.begin() + range.begin, items_.begin() + range.end, {}, &Item::face);
   Leaf& leaf = leaves_.emplace_back();
   const Box box = box_of(bound(range));
@@ -200,7 +212,7 @@ void WideTree::fill_corners(Leaf& leaf) const {
   }
 }
 
-// Of what hangs at a place, its own boxes being up to date.
+// The bounds of a node or leaf whose own boxes are up to date.
 WideTree::Bounds WideTree::bound(Ref ref) const {
   if (ref.kind() == Ref::kPending) return bound(ranges_[ref.index()]);
   Bounds out;
@@ -251,6 +263,7 @@ void WideTree::build_all() {
   for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
     for (Ref& ref : nodes_[n].children) (void)resolve(ref);
   }
+  assert(std::ranges::all_of(nodes_, [](const Node& n) { return n.children[0].kind() <= Ref::kLeaf; }));
   items_ = {};
   ranges_ = {};
 }

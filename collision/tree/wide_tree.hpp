@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -11,13 +12,13 @@
 
 namespace peerd::collision {
 
-// A hierarchy of boxes that a vector unit tests eight at a time, over the triangles of a soup: what queries run on.
+// A hierarchy of boxes that a vector unit tests eight at a time, over the triangles of a soup; queries run on it.
 // Leaves hold eight triangles, nodes eight children, and all but the last of each level are full, so a mesh of n
 // triangles has n / 8 leaves. It is built from the top as deep as queries reach. KdopTree (kdop_tree.hpp) is its
 // readable twin; both give the same answers.
 //
 // Everything in it is binary32, relative to `origin` and times `scale`, rounded to nearest: a coordinate may be off by
-// 2^-23 of `extent_m`, which is for the query to allow for. Nothing in it decides.
+// 2^-23 of `extent_m`, which queries must allow for. Nothing in it decides an answer.
 class WideTree {
  public:
   static constexpr std::size_t kWidth = 8;
@@ -52,8 +53,8 @@ class WideTree {
 
   // The soup has a face, and fewer than 2^30; it outlives the tree, at its place.
   explicit WideTree(const TriangleSoup& soup);
-  // A tree that was built before, of the same soup: all of it, the root first among the nodes, or the only leaf. What
-  // the spans show stays there as long as `owner`. hierarchy_file.hpp checks such trees.
+  // A complete tree of the same soup that was built before: the root is the first node, or the only leaf. The memory of
+  // the spans stays as long as `owner` does. hierarchy_file.hpp checks such trees.
   WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, std::span<const Node> nodes,
            std::span<const Leaf> leaves);
   WideTree(WideTree&&) = default;
@@ -67,16 +68,17 @@ class WideTree {
   [[nodiscard]] const Node& node(std::uint32_t i) const { return node_data_[i]; }
   [[nodiscard]] const Leaf& leaf(std::uint32_t i) const { return leaf_data_[i]; }
 
-  // Where a child hangs: what is not built yet has no other name.
+  // The slot of a child in its parent: a child that is not built yet has no other name.
   using ChildSlot = std::uint32_t;
   static constexpr ChildSlot kRoot = ~0u;
   [[nodiscard]] static constexpr ChildSlot child_slot(Ref node, std::size_t i) {
+    assert(node.kind() == Ref::kNode && i < kWidth);
     return node.index() * kWidth + static_cast<ChildSlot>(i);
   }
   [[nodiscard]] static constexpr Ref parent(ChildSlot slot) {
     return {Ref::kNode, static_cast<std::uint32_t>(slot / kWidth)};
   }  // not of the root
-  // What hangs there, built now if it never was: a node or a leaf. References to both stay valid.
+  // The node or leaf in a slot, built now if it never was. References to both stay valid.
   [[nodiscard]] Ref at(ChildSlot slot) {
     const Ref ref = slot == kRoot ? root_ : node_data_[slot / kWidth].children[slot % kWidth];
     if (ref.kind() != Ref::kPending) return ref;
@@ -85,11 +87,11 @@ class WideTree {
   void build_all();
   // The soup's vertices have moved, its faces have not: new boxes for what is built, over the same triangles. O(soup).
   void refit();
-  [[nodiscard]] bool refittable() const { return owner_ == nullptr; }  // not what was built before and is only shown
+  [[nodiscard]] bool refittable() const { return owner_ == nullptr; }  // false for a tree that was read from a file
 
-  // Of a tree that was built before, none.
+  // The nodes and leaves built here: none for a tree that was read from a file.
   [[nodiscard]] std::size_t nodes_built() const { return nodes_.size() + leaves_.size(); }
-  // Of a tree that is built to the end.
+  // The arrays of a tree that is built to the end.
   [[nodiscard]] std::span<const Node> nodes() const { return nodes_; }
   [[nodiscard]] std::span<const Leaf> leaves() const { return leaves_; }
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -136,7 +138,7 @@ class WideTree {
   double scale_ = 1.0;
   Ref root_;
   std::vector<Node> nodes_;    // its capacity is that of the whole tree
-  std::vector<Leaf> leaves_;   // "
+  std::vector<Leaf> leaves_;   // its capacity is that of the whole tree, too
   std::vector<Item> items_;    // gone when all is built
   std::vector<Range> ranges_;  // of pending children, by index
 };

@@ -44,7 +44,7 @@ TEST(Allocation, QueriesMakeNoneOnceTheirMemoryHasGrown) {
   EXPECT_GT(pairs, 0u);
 }
 
-// Thirty objects go round, meet and part. Polygons aren't asked for: those are lists.
+// Thirty objects go round, meet and part. Polygons aren't queried: those are lists.
 TEST(Allocation, TicksMakeNoneOnceTheirMemoryHasGrown) {
   std::string body = "DEF S Transform { children DEF BALL Shape { geometry Sphere { radius 0.4 } } }";
   for (int i = 0; i < 30; ++i) {

@@ -170,7 +170,7 @@ Pair times(Rng& rng) {
   return each_coordinate(make(rng), [](double x) { return std::ldexp(x, exponent); });
 }
 
-// By a factor of 1e30, which rounds.
+// Scaling by a factor of 1e30 rounds.
 template <Make make>
 Pair times_1e30(Rng& rng) {
   return each_coordinate(to_unit(make(rng)), [](double x) { return x * 1e30; });
@@ -186,7 +186,7 @@ Pair scaled_apart(Rng& rng) {
   return {by(pair, to_a).a, by(pair, to_b).b};
 }
 
-// By whole numbers, so that integers of at most 51 bits stay exact.
+// Translations are whole numbers, so that integers of at most 51 bits stay exact.
 template <Make make>
 Pair placed(Rng& rng) {
   const Point offset = integer_point(rng, rng.coin() ? 10 : 50);

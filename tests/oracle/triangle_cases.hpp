@@ -33,10 +33,11 @@ struct Generator {
   Pair (*make)(Rng&);
 };
 
-// What ordinary worlds are made of: no care was taken that anything is special.
+// Generators of pairs as ordinary worlds have them: no care is taken that anything is special.
 [[nodiscard]] std::span<const Generator> general();
 
-// What breaks predicates: contacts, coplanar and degenerate triangles, each also 1 ulp off and rounded, extreme scales.
+// Generators of pairs that break predicates: contacts, coplanar and degenerate triangles, each also 1 ulp off and
+// rounded, extreme scales.
 [[nodiscard]] std::span<const Generator> adversarial();
 
 }  // namespace peerd::oracle

@@ -50,7 +50,7 @@ class PhaseOne {
 
   bool feasible() const { return sgn(table_[kCost][kRight]) == 0; }
 
-  // Of a0 a1 a2 b0 b1 b2, all times common().
+  // The points a0 a1 a2 b0 b1 b2, all times common().
   std::array<Integer, 6> weights() const {
     std::array<Integer, 6> result;
     for (std::size_t row = 0; row < kRows; ++row) {

@@ -69,7 +69,7 @@ TEST(Extents, TrianglesMeetAlikeWhereverTheyAreAndHoweverLarge) {
   EXPECT_GT(asked, 5000u);
 }
 
-// Where places are rounded, the answer is that of the rounded triangles.
+// The answer for places that are rounded is that of the rounded triangles.
 TEST(Extents, RoundedTrianglesMeetAsTheOracleSays) {
   std::size_t touching = 0;
   for (const double offset : {1.0, 1e3, 1e6, 1e9}) {
@@ -98,7 +98,7 @@ TEST(Extents, ContactTimesErrByTheRoundingOfPlaces) {
     const auto size = static_cast<float>(scale);
     const collision::Body cube = collision::test::box(size, size, size);
     for (const double offset : {0.0, 1e3, 1e6, 1e9}) {
-      // What is no larger than the rounding of its place has no contact time worth the name.
+      // An object no larger than the rounding of its place has no contact time worth the name.
       const double rounding_m = 0x1p-50 * (offset + 16.0 * scale);
       if (scale < 64.0 * rounding_m) continue;
       const double side = static_cast<double>(size), speed = 3.0 * scale;
@@ -154,7 +154,7 @@ struct Flight {
   double mean_m = 0.0, worst_m = 0.0;
   std::uint64_t updates = 0;
 };
-// What an observer believes of an object that goes to and fro for 20 s, with everything moved by `offset` and `scale`
+// An observer's prediction of an object that goes to and fro for 20 s, with everything moved by `offset` and `scale`
 // times as large.
 Flight fly(double offset, double scale) {
   const World world(box("CAR", "1 1 1", "0 0 0"));

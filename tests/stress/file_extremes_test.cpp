@@ -110,7 +110,7 @@ TEST_P(WorldNumbers, AreRefusedByNameOrHandled) {
     // Exact queries: an answer, or a refusal that names the Shape.
     collision::CollisionWatch watch(scene);
     for (const auto& refused : watch.tick().refused) EXPECT_THAT(refused.why, HasSubstr("BOX"));
-    // What the world moves by itself.
+    // The Transforms that the world moves by itself.
     PredefinedMotion moves(scene);
     for (const double t : {-1.0, 0.0, 0.3, 1.0, 86400.0, 1e9}) {
       if (moves.moves(box)) {

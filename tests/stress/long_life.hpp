@@ -7,7 +7,7 @@
 // Two peers that share a world for hours, and how far apart they, and the world, are in the end.
 namespace peerd::stress {
 
-// What remains after any time; README.md says why.
+// The bounds that hold after any time; README.md lists them.
 inline constexpr double kNormBound = 1e-15, kSpinnerBound_rad = 1e-3, kBallBound_m = 1e-12, kBallSpeedBound = 1e-12,
                         kMachineBound_m = 1e-6, kMoverBound_m = 0.5;
 inline constexpr std::int64_t kClocksBound_ns = 10'000'000;

@@ -11,7 +11,7 @@ namespace peerd::replication::orders_test {
 
 using namespace test;
 
-// What is believed of everything, bit for bit.
+// A peer's predictions of all objects, bit for bit.
 std::vector<std::uint64_t> beliefs(const Lan& lan, std::size_t i, const World& world, SimTime t) {
   std::vector<std::uint64_t> bits;
   for (const char* name : {"A", "B", "C", "D"}) {
@@ -77,7 +77,7 @@ TEST(Orders, OfPeersAndOfTheirObjects) {
   }
 }
 
-// Where no two contacts are of one instant.
+// The case in which no two contacts are of one instant.
 TEST(Orders, OfInterests) {
   const auto end_of = [](std::vector<std::string> interests, bool turned) {
     if (turned) {  // who is named by whom

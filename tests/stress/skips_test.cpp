@@ -1,4 +1,4 @@
-// What a scene doesn't need isn't done: for each such thing the counter that stays 0. README.md has the whole table;
+// Work that a scene doesn't need isn't done: for each kind of work a counter stays 0. README.md has the whole table;
 // here are the rows that no other test has.
 #include "collision/scene/collision_watch.hpp"
 #include "core/scene/reader.hpp"

@@ -136,7 +136,7 @@ int run(const bench::Options& options) {
   add_bounces(report, "ball_impulse",
               bounce("Sphere { radius 0.125 }", 0.125, "responseType 2 restitution 1", bounces / 100));
   add_resting(report, options.quick ? 100 : 20'000);
-  // What a Lan itself found out of order.
+  // The faults that a Lan itself found.
   const bool sound = !testing::UnitTest::GetInstance()->ad_hoc_test_result().Failed();
   if (!bench::write_figures(options, report.figures)) return 3;
   if (!report.good || !sound) std::fprintf(stderr, "error: a bound is not kept; see above\n");

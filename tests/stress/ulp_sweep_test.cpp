@@ -23,7 +23,7 @@ double ulps(double x, int n) {
   for (; n < 0; ++n) x = std::nextafter(x, -kInfinity);
   return x;
 }
-// Of `yes`, which is false at `low` and true at `high`: the least number for which it is true, where it is monotone.
+// The least number for which `yes` is true, where it is monotone, false at `low` and true at `high`.
 double border(double low, double high, const std::function<bool(double)>& yes) {
   EXPECT_FALSE(yes(low));
   EXPECT_TRUE(yes(high));
@@ -152,7 +152,8 @@ TEST_P(Meeting, TheHorizonFindsItOnce) {
   }
 }
 
-// What touches as it stands: apart, then nearer than contact times leave them, once.
+// Bodies that are moved together touch as they stand once: apart before, and nearer than contact times leave them
+// after.
 TEST_P(Meeting, StandingTheyTouchOnce) {
   const KinematicState b = moving({0.5, 0.25, 0.125});
   const auto near = [&](double minus_gap) {

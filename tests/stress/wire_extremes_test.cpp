@@ -17,7 +17,7 @@ constexpr double kLeast = std::numeric_limits<double>::denorm_min();
 // Magnitudes that receivers take; codec_test.cpp has those that they refuse.
 constexpr double kTaken[] = {0.0, kLeast, DBL_MIN, 1e-300, 1e-162, 1e-154, 1e-9, 1.0, 1e6, 1e9, 1e12};
 
-// What moves: a box, a ball, and a surface that is not convex. All meet all, and the room that they are in.
+// The moving objects are a box, a ball, and a surface that is not convex. All meet all, and the room that they are in.
 std::string room() {
   const auto object = [](const char* name, const char* at, const char* geometry) {
     return std::string("DEF ") + name + " Transform { translation " + at + kBounces + " children Shape { geometry " +

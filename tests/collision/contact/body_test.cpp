@@ -55,7 +55,7 @@ TEST(MakeBody, RepeatedVerticesAreWelded) {
   EXPECT_EQ(body.pieces[0].vertices.size(), 8U);
 }
 
-// Whatever the winding says, a solid's normals point out.
+// A solid's normals point out, whatever the winding says.
 TEST(MakeBody, NormalsPointOutForEveryWindingAndMirroring) {
   for (const bool ccw : {true, false}) {
     for (const double mirror : {1.0, -1.0}) {

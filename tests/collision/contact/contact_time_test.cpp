@@ -39,8 +39,8 @@ TEST(ContactTime, HorizonIsClosed) {
   EXPECT_EQ(at(std::nextafter(1.0, 0.0)), ContactState::kSeparated);
 }
 
-// The seed's scenario: x = |z|/6, the car as long as its way to the wall; the wall slab's near face at x = 5 pi/3
-// + 2.71.
+// The thesis's scenario (4.7): x = |z|/6, the car as long as its way to the wall; the wall slab's near face at x = 5
+// pi/3 + 2.71.
 TEST(ContactTime, CarSlidesIntoTheWallOfTheThesis) {
   const Body car = box(5.42F, 0.8F, 0.8F), wall = box(1, 4, 200);
   const double speed = 40.0 * std::numbers::pi / 15.0;

@@ -19,7 +19,7 @@ TEST(RoundingBound, GrowsWithTheMagnitudesOfPositionsVelocitiesAndAccelerations)
   EXPECT_DOUBLE_EQ(e.at(2.0), kRounding * (20.0 + 2.0 * 3.0 + 4.0 * 5.0));
 }
 
-// What the bound is for: the gap of two boxes far out, computed and in exact numbers, differ by less.
+// The gap of two boxes far out, computed in binary64 and in higher precision, differs by less than the bound.
 TEST(RoundingBound, HoldsForGapsFarOut) {
   std::mt19937_64 rng(221);
   for (int i = 0; i < 200; ++i) {

@@ -61,7 +61,7 @@ TEST(Proximity, OfALongWallOnlyWhatComesNear) {
   EXPECT_FALSE(near(moving({-30, 0, -1.4}, {20, 0, 10})));
 }
 
-// What glides by at a height, from beside the floor: however it goes, it is that near in the end.
+// A body glides by at a height, from beside the floor: however it goes, it is that near in the end.
 TEST(Proximity, WhatSlidesAlongComesNearToo) {
   const Body floor = test::body_of(test::floor_mesh(10, 5));
   const Body flake = test::body_of(test::make_mesh({{0, 0, 0}, {0.02F, 0, 0}, {0, 0, 0.02F}}, {{0, 1, 2}}));

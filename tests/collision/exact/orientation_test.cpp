@@ -35,7 +35,7 @@ struct Points {
 Points nearly_flat(Numbers& numbers, int i) {
   const double size = i % 5 == 0 ? 0x1p-1040 : i % 5 == 1 ? 0x1p300 : 1.0;
   Points p{numbers.point(size), numbers.point(size), numbers.point(size), Vec3::Zero()};
-  if (i % 3 == 0) p.a = p.a.cast<float>().cast<double>();
+  if (i % 3 == 0 && size == 1.0) p.a = p.a.cast<float>().cast<double>();
   p.d = p.a + numbers.unit() * (p.b - p.a) + numbers.unit() * (p.c - p.a);
   if (i % 7 == 0) p.d = 0.5 * p.a + 0.5 * p.b;
   if (i % 11 == 0) p.d[i % 3] = std::nextafter(p.d[i % 3], 1.0);

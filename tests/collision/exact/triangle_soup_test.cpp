@@ -46,7 +46,7 @@ TEST(TriangleSoup, RefusesByNameWhatIsTooFarOutOrNoNumber) {
   const auto far = make_soup(box_mesh(2, 2, 2), Vec3(1, 0x1p129, 1).asDiagonal());
   ASSERT_FALSE(far.has_value());
   EXPECT_THAT(far.error(), HasSubstr("vertex 0 of polygon 0"));
-  // What no polygon uses may be anywhere.
+  // A vertex that no polygon uses may be anywhere.
   EXPECT_TRUE(make_soup(make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {NAN, 0, 0}}, {{0, 1, 2}})).has_value());
 }
 

@@ -72,7 +72,7 @@ void expect_certain(const MeshDistance& found, const mpq_class& square) {
 
 RelativeMotion between(const Pose& a, const Pose& b) { return {a, b}; }
 
-// By the options, against the truth: near, touching, crossing and far, with cracked, doubled and flat triangles.
+// Each option is held against the truth: near, touching, crossing and far, with cracked, doubled and flat triangles.
 TEST(MeshDistance, IntervalsHoldTheTruth) {
   Numbers numbers(84);
   const TriangleSoup soup = random_soup(90, 0.3, 85), ring = torus(8, 12, true), slivers = random_soup(50, 1e-6, 86);
@@ -358,7 +358,7 @@ void expect_same(const MeshDistance& x, const MeshDistance& y) {
   ASSERT_EQ(x.iterations, y.iterations);
 }
 
-// Neither what was asked before, nor what was built, nor the instruction set changes a bit.
+// Neither earlier queries, nor what was built, nor the instruction set changes a bit.
 TEST(MeshDistance, IsTheSameEverywhere) {
   const TriangleSoup soup = torus(24, 48, false), ring = torus(16, 32, true);
   std::vector<MeshDistance> first;

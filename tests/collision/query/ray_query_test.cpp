@@ -34,7 +34,7 @@ std::optional<RayHit> slow_nearest(const TriangleSoup& soup, const Ray& ray) {
   return best;
 }
 
-// Every triangle, by the library's exact test: for soups of more triangles than the oracle is asked about.
+// Every triangle, by the library's exact test: for soups that are too large for the oracle.
 std::optional<RayHit> flat_nearest(const TriangleSoup& soup, const Ray& ray) {
   std::optional<RayHit> best;
   OrientationCounters counters;
@@ -199,7 +199,8 @@ TEST(RayQuery, NoRaySlipsThroughAnEdgeOrAVertex) {
   }
 }
 
-// Where edges are met exactly, the lowest polygon of those that share it is named; not the one that the tree has first.
+// A ray that meets an edge exactly names the lowest polygon of those that share it, not the one that the tree has
+// first.
 TEST(RayQuery, TheLowestPolygonOfThoseMetInOnePointIsNamed) {
   TriangleSoup fan;  // eight triangles around the z axis; polygons are numbered the other way round
   fan.vertices.push_back(Vec3::Zero());

@@ -225,7 +225,7 @@ TEST(TimeOfImpact, TellsWhatTouchesAtTheStartAndWhatItDidNotFind) {
   EXPECT_LE(failed.time_s, found.time_s);
 }
 
-// As small as this, binary32 knows places to less than the tolerance, and could tell that they touch later.
+// At these sizes, binary32 knows places to less than the tolerance, and could decide that they touch later.
 TEST(TimeOfImpact, WhatIsSmallHitsBeforeItIsNearerThanHalfTheTolerance) {
   Numbers numbers(69);
   for (int i = 0; i < 500; ++i) {
@@ -277,8 +277,8 @@ TEST(TimeOfImpact, IsBeforeTheFirstInstantThatTouches) {
   EXPECT_GT(hits, 10);
 }
 
-// Where the world's coordinates are so large that places in it are known less well than the tolerance, a hit is
-// reported that much earlier: at 1e10 m, a unit in the last place is 2e-6 m. A hit must never touch already.
+// A hit is reported earlier where the world's coordinates are so large that places are known less well than the
+// tolerance: at 1e10 m, a unit in the last place is 2e-6 m. A hit must never touch already.
 TEST(TimeOfImpact, CubesThatTumbleOntoAPlateFarOutDoNotTouchItWhenTheyHit) {
   TriangleSoup cube, plate;
   for (int i = 0; i < 8; ++i) {

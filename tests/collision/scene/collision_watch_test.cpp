@@ -32,7 +32,7 @@ std::uint32_t transform_of(const Scene& scene, std::string_view path) {
   return scene.at(scene.find(path).value()).transform;
 }
 
-// A world, what was said of it so far, and what a query that has never been asked anything says of that.
+// A world with all changes made so far, and the answers of a fresh query about it.
 class Oracle {
  public:
   explicit Oracle(const Scene& scene) : scene_(scene), transforms(scene.transforms) {}
@@ -210,7 +210,7 @@ TEST_P(Walks, EveryTickIsWhatANewQueryAnswers) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, Walks, testing::Range(1, 7));
 
-// Of the same walk: with a memory and without.
+// The same walk gives the same answers with caches and without.
 TEST(CollisionWatch, AnswersDontDependOnWhatIsRemembered) {
   const Scene scene = scene_of(whole_world());
   std::vector<CollisionWatch> watches;
@@ -254,7 +254,7 @@ TEST(CollisionWatch, SlowestMotionIsSeenToTheLastBit) {
   EXPECT_GT(watch.counters().shapes.pairs_witnessed, 10u);
 }
 
-// Where a coordinate's last bit is more than a tick's motion, and where a Shape is far from its own origin.
+// The tests cover a coordinate whose last bit is more than a tick's motion, and a Shape far from its own origin.
 TEST(CollisionWatch, WhatIsFarOutIsAskedAsOften) {
   const Scene scene = scene_of(R"(
     DEF A Transform { translation 1000000 0 0 rotation 1 2 3 0.5 children Shape { geometry Sphere {} } }

@@ -179,7 +179,7 @@ TEST(SceneQuery, WaysAreThoseOfTheFarthestCorners) {
   }
 }
 
-// What scales all the time doesn't fill the memory.
+// A Transform that scales all the time doesn't fill the memory.
 TEST(SceneQuery, ForgetsFormsThatNoShapeHasAnyMore) {
   const Scene scene = scene_of(R"(
     DEF A Transform { children Shape { geometry Box {} } }
@@ -271,7 +271,7 @@ TEST(SceneQuery, RefusesWhatIsTooFarOutByName) {
   EXPECT_THAT(collision.error(), HasSubstr("A/FAR: vertex"));
 }
 
-// The seed's box holds every vertex, is larger than theirs where an object is turned, and reads none again.
+// The thesis's box (3.2.3) holds every vertex, is larger than theirs where an object is turned, and reads none again.
 TEST(SceneQuery, RealignedBoxesAreLargerAndReadNoVertexTwice) {
   const std::string ball = "Shape { geometry Sphere { radius 1 } }";
   const Scene scene = scene_of("DEF A Transform { rotation 1 1 0.3 0.7 children " + ball + "}" +

@@ -59,7 +59,9 @@ struct Forged {
     std::memcpy(&value, header.data() + offset, sizeof value);
     return value;
   }
-  void set_number(std::size_t offset, std::uint32_t value) { std::memcpy(header.data() + offset, &value, sizeof value); }
+  void set_number(std::size_t offset, std::uint32_t value) {
+    std::memcpy(header.data() + offset, &value, sizeof value);
+  }
 
   [[nodiscard]] std::string file() {
     std::string body(nodes.size() * sizeof(WideTree::Node) + leaves.size() * sizeof(WideTree::Leaf), '\0');
@@ -113,13 +115,15 @@ struct Forgery {
   const char* name;
   std::function<void(Forged&)> change;
 };
-// All of a tree of more than two levels. Child 0 of the root is a node; the last node's children are leaves.
+// The files are of a tree of more than two levels. Child 0 of the root is a node; the last node's children are leaves.
 const Forgery kForgeries[] = {
-    {"NodeOutOfRange", [](Forged& f) { f.nodes[0].children[0] = Ref(Ref::kNode, static_cast<std::uint32_t>(f.nodes.size())); }},
+    {"NodeOutOfRange",
+     [](Forged& f) { f.nodes[0].children[0] = Ref(Ref::kNode, static_cast<std::uint32_t>(f.nodes.size())); }},
     {"LeafOutOfRange",
      [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kLeaf, static_cast<std::uint32_t>(f.leaves.size())); }},
     {"LeafFarOutOfRange", [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kLeaf, 0x3fff'ffff); }},
-    {"ChildIsItsParent", [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kNode, static_cast<std::uint32_t>(f.nodes.size() - 1)); }},
+    {"ChildIsItsParent",
+     [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kNode, static_cast<std::uint32_t>(f.nodes.size() - 1)); }},
     {"ChildIsTheRoot", [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kNode, 0); }},
     {"ChildStandsBeforeItsParent",
      [](Forged& f) {  // two nodes that are each other's children, cut off from the root
@@ -193,7 +197,7 @@ TEST(HierarchyFile, SaysWhatIsWrong) {
   EXPECT_EQ(read(moved, file).error(), "it is of another mesh");
 }
 
-// Whatever bits are changed below a right checksum: the file is refused, or queries stay within its arrays (address
+// For any bits that are changed below a right checksum, the file is refused, or queries stay within its arrays (address
 // sanitizer) and end.
 TEST(HierarchyFile, NothingInAFileMakesAQueryReadBeyondItsArrays) {
   const TriangleSoup soup = random_soup(150, 0.2, 68), other = torus(8, 10, true);
