@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -11,8 +12,8 @@
 #include "peerd/commands/check_command.hpp"
 #include "peerd/commands/collide_command.hpp"
 #include "peerd/commands/commands.hpp"
-#include "peerd/os/host_clock.hpp"
 #include "peerd/commands/print.hpp"
+#include "peerd/os/host_clock.hpp"
 
 namespace peerd {
 namespace {
@@ -24,7 +25,7 @@ constexpr int kEnvironment = 3;
 struct RunFlags {
   std::string world, name, interface, group;
   std::optional<std::uint32_t> id, port;
-  std::vector<std::string> owns;
+  std::vector<std::string> owns, enslaves;  // two names of one option
 };
 
 // A number for a peer that was given none. Two that start in the same microsecond clash, and say so; configured peers,
@@ -55,7 +56,7 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
   if (options.config.empty()) {
     options.peer = flags.name.empty() ? "peer" : flags.name;
     sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : number_by_clock()));
-    sets.push_back("peer." + options.peer + ".enslaves=" + json_line(flags.owns));
+    sets.push_back("peer." + options.peer + ".owns=" + json_line(flags.owns));
   }
   for (const std::string& set : network_settings(flags)) sets.push_back(set);
   sets.insert(sets.end(), options.sets.begin(), options.sets.end());
@@ -83,8 +84,12 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_option("--peer", peer.peer, "which of the configuration's peers");
   command.add_option("--name", flags.name, "this peer's name, without a configuration");
   command.add_option("--id", flags.id, "this peer's number; each peer needs its own");
-  command.add_option("--enslave", flags.owns, "a node of the world that this peer runs (repeatable)")
-      ->allow_extra_args(false);
+  auto* const own = command.add_option("--own", flags.owns, "a node of the world that this peer runs (repeatable)")
+                        ->allow_extra_args(false);
+  command.add_option("--enslave", flags.enslaves, "the former name of --own")
+      ->allow_extra_args(false)
+      ->excludes(own)
+      ->group("");  // not in the help
   add_network_options(command, flags);
   command.add_option("--control", peer.control,
                      "where peerd ctl reaches this peer: the path of a socket, or \"\" for none");
@@ -162,8 +167,7 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   }
   const bool held = key.shift || key.control || key.alt || key.meta || key.keypad;
   if (key.value ? held : key.state != 0) {
-    return std::unexpected(
-        InputError{"error: --shift and its like go with a key's name, --state goes with --value"});
+    return std::unexpected(InputError{"error: --shift and its like go with a key's name, --state goes with --value"});
   }
   if (key.value) return nlohmann::json{{"do", "key"}, {"value", *key.value}, {"state", key.state}}.dump();
   const auto named = find_key(
@@ -300,10 +304,14 @@ int run(int argc, char** argv) {
   if (peer.config.empty() && flags.world.empty()) {
     return failed({"error: give a configuration (--config FILE) or a world (--world FILE)", kWrongUse});
   }
+  if (!flags.enslaves.empty()) {
+    print_warnings(std::array{std::string("warning: --enslave is now called --own")});
+    flags.owns = std::move(flags.enslaves);
+  }
   const bool describes_peer = !flags.name.empty() || flags.id || !flags.owns.empty();
   if (!peer.config.empty() && describes_peer) {
     return failed(
-        {"error: --name, --id and --enslave describe a peer without a configuration; change one of the "
+        {"error: --name, --id and --own describe a peer without a configuration; change one of the "
          "configuration's by --set, such as --set peer.a.id=5",
          kWrongUse});
   }

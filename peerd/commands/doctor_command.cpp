@@ -6,9 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/commands/commands.hpp"
+#include "peerd/commands/print.hpp"
+#include "peerd/config/renamed_keys.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/transport/multicast_probe.hpp"
-#include "peerd/commands/print.hpp"
 #include "peerd/transport/transport_options.hpp"
 
 namespace peerd {
@@ -19,17 +20,21 @@ using nlohmann::ordered_json;
 // The table [transport] alone: the rest of a scenario says nothing about the network.
 Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
   toml::table root;
+  std::vector<std::string> warnings;
   if (!options.config.empty()) {
     auto file = config::read_toml(options.config);
     if (!file) return std::unexpected(file.error());
     root = *std::move(file);
   }
+  if (auto done = config::rename_old_keys(root, warnings); !done) return std::unexpected(done.error());
   for (const std::string& text : options.sets) {
-    const auto given = config::parse_assignment(text);
+    auto given = config::parse_assignment(text);
     if (!given) return std::unexpected(given.error());
+    if (auto done = config::rename_old_keys(*given, warnings); !done) return std::unexpected(done.error());
     if (auto done = config::assign(root, given->key, *given->holder.get("value")); !done)
       return std::unexpected(done.error());
   }
+  print_warnings(warnings);
   std::optional<InputError> error;
   config::TomlReader reader(root, "", error);
   static const toml::table kEmpty;

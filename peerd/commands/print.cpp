@@ -28,6 +28,10 @@ int failed(const InputError& error) {
   return error.exit_code;
 }
 
+void print_warnings(std::span<const std::string> warnings) {
+  for (const std::string& warning : warnings) std::cerr << warning << '\n';
+}
+
 int print_report(const report::ScenarioInfo& info, std::span<const report::RunRecord> runs,
                  std::span<const config::Expectation> expectations, const std::filesystem::path& out, bool json) {
   auto summary = report::summarise(info, runs);

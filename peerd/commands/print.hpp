@@ -13,9 +13,11 @@
 
 namespace peerd {
 
-// Both print for a person and give the exit code.
-
+// Prints the error for a person and gives its exit code.
 [[nodiscard]] int failed(const InputError& error);
+
+// Prints one line each on standard error.
+void print_warnings(std::span<const std::string> warnings);
 
 // Checks what a scenario expects, writes its outputs into `out`, and prints its table, or summary.json instead. 1 where
 // something was not as expected.

@@ -4,11 +4,11 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "peerd/commands/commands.hpp"
+#include "peerd/commands/print.hpp"
 #include "peerd/control/answer.hpp"
 #include "peerd/input/text_file.hpp"
-#include "peerd/commands/commands.hpp"
 #include "peerd/node/describe.hpp"
-#include "peerd/commands/print.hpp"
 #include "peerd/record/capture.hpp"
 
 namespace peerd {
@@ -145,6 +145,7 @@ Result<Recorded> read_recorded(const record::Setup& setup, const ReplayOptions& 
   request.sweep = false;
   auto scenario = config::read_scenario(request);
   if (!scenario) return std::unexpected(scenario.error());
+  // The scenario's warnings are about the text in the capture, which nobody can mend any more.
   Recorded recorded;
   recorded.run = std::move(scenario->runs.front());
   const auto peer = std::ranges::find(recorded.run.peers, setup.peer, &config::PeerSettings::name);
@@ -157,8 +158,8 @@ Result<Recorded> read_recorded(const record::Setup& setup, const ReplayOptions& 
   auto shared = share_world(world, setup.inlines_when_needed);
   if (!shared) return std::unexpected(shared.error());
   if ((*shared)->world.hash != setup.world_hash) {
-    return std::unexpected(InputError{"error: " + world.string() +
-                                              " is not the world that was recorded; say where that is with --world"});
+    return std::unexpected(
+        InputError{"error: " + world.string() + " is not the world that was recorded; say where that is with --world"});
   }
   recorded.shared = *std::move(shared);
   return recorded;

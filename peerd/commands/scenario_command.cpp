@@ -12,11 +12,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "peerd/scenario/assemble.hpp"
 #include "peerd/commands/commands.hpp"
-#include "peerd/scenario/live_events.hpp"
-#include "peerd/netem/lab.hpp"
 #include "peerd/commands/print.hpp"
+#include "peerd/netem/lab.hpp"
+#include "peerd/scenario/assemble.hpp"
+#include "peerd/scenario/live_events.hpp"
 
 namespace peerd {
 namespace {
@@ -171,7 +171,7 @@ std::vector<std::string> in_place(const Launch& launch, std::size_t peer, const 
 
 // Oversleep: by how much waiting for a signal took longer than it should, each time [ms].
 Result<std::vector<PeerLog>> run_live(const Launch& launch, const config::RunSettings& run,
-                                              std::vector<double>& oversleep_ms) {
+                                      std::vector<double>& oversleep_ms) {
   auto events = LiveEvents::make(run.events);
   if (!events) return std::unexpected(events.error());
   std::vector<std::unique_ptr<Child>> captures;  // end when the peers have
@@ -209,9 +209,9 @@ Result<std::vector<PeerLog>> run_live(const Launch& launch, const config::RunSet
   const auto begun = std::chrono::steady_clock::now();
   const auto most = std::chrono::duration<double>(run.duration_s) + kGrace;
   const auto fail = [&](Child& child, const std::string& what) {
-    return std::unexpected(InputError{fmt::format("error: peer {} {}; its last words ({}):\n{}", child.name(),
-                                                          what, child.output().string(), last_lines(child.output(), 5)),
-                                              child.exit_code() == 0 ? 3 : child.exit_code()});
+    return std::unexpected(InputError{fmt::format("error: peer {} {}; its last words ({}):\n{}", child.name(), what,
+                                                  child.output().string(), last_lines(child.output(), 5)),
+                                      child.exit_code() == 0 ? 3 : child.exit_code()});
   };
   for (auto shown = begun;;) {
     bool any = false;
@@ -263,6 +263,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
                                   options.repeat,   !options.netem,  true};
   const auto scenario = config::read_scenario(request);
   if (!scenario) return failed(scenario.error());
+  print_warnings(scenario->warnings);
   for (const config::RunSettings& run : scenario->runs) {
     if (const auto error = why_not_live(run.events)) return failed(*error);
   }

@@ -6,11 +6,11 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
-#include "peerd/scenario/assemble.hpp"
 #include "peerd/commands/commands.hpp"
-#include "peerd/node/describe.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/measure/wrong_outcomes.hpp"
+#include "peerd/node/describe.hpp"
+#include "peerd/scenario/assemble.hpp"
 #include "peerd/sim/simulation.hpp"
 
 namespace peerd {
@@ -22,6 +22,7 @@ int run_sim(const ScenarioOptions& options) {
                                                .seed = options.seed,
                                                .repeat = options.repeat});
   if (!scenario) return failed(scenario.error());
+  print_warnings(scenario->warnings);
   const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;

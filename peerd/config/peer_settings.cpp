@@ -185,7 +185,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   double resting_s = to_seconds(s.policy.resting_time_threshold);
   reader.read("resting_time_threshold_s", resting_s, 0.0, kForever_s);
   s.policy.resting_time_threshold = from_seconds(resting_s);
-  reader.read("along_at", s.policy.piggyback_fraction, 0.1, 1.0);
+  reader.read("piggyback_fraction", s.policy.piggyback_fraction, 0.1, 1.0);
   reader.read("snapshots_hz", s.policy.snapshots_hz, 0, 1000);
   read_display_delay(reader, s.display_delay);
   std::size_t convergence = 0;
@@ -258,8 +258,8 @@ PeerSettings read_peer(TomlReader reader, const std::string& name, const std::fi
   reader.require("id");
   reader.read("id", s.id, 1, std::numeric_limits<std::uint32_t>::max());
   std::vector<std::string> owns;
-  reader.read("enslaves", owns);
-  const toml::node* given = reader.raw().get("enslaves");
+  reader.read("owns", owns);
+  const toml::node* given = reader.raw().get("owns");
   for (std::size_t i = 0; i < owns.size(); ++i) {
     s.owns.emplace_back(owns[i], reader.place(given->as_array()->get(i)));
   }

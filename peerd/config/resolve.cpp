@@ -46,14 +46,14 @@ class Resolver {
   }
 
   void assign_owner(std::size_t p) {
-    const std::string key = "peer." + run_.peers[p].name + ".enslaves";
+    const std::string key = "peer." + run_.peers[p].name + ".owns";
     for (const NodePattern& pattern : run_.peers[p].owns) {
       for (const ObjectId object : find(pattern, key)) {
         const auto [at, added] = runs_.try_emplace(object, p);
         if (added) peers_[p].owned.push_back(object);
         if (at->second == p) continue;
         fail(pattern.at,
-             key + ": peer " + run_.peers[at->second].name + " enslaves \"" + scene_.path_of(object) + "\" too");
+             key + ": peer " + run_.peers[at->second].name + " owns \"" + scene_.path_of(object) + "\" too");
       }
     }
   }
@@ -76,8 +76,8 @@ class Resolver {
       if (here && !moved_.contains(objects[n])) numbers.push_back(n);
     }
     if (only && !owns_any) {
-      fail(motion.at, key + ": the peer moves only what it enslaves; add \"" + pattern + "\" to peer." +
-                          run_.peers[*only].name + ".enslaves");
+      fail(motion.at, key + ": the peer moves only what it owns; add \"" + pattern + "\" to peer." +
+                          run_.peers[*only].name + ".owns");
     }
     if (error_ || numbers.empty()) return;
     for (const std::size_t n : numbers) moved_.insert(objects[n]);

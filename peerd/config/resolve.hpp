@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
-#include "peerd/motion/motion_source.hpp"
 #include "peerd/config/scenario.hpp"
+#include "peerd/motion/motion_source.hpp"
 
 namespace peerd::config {
 
@@ -14,10 +14,10 @@ using Motions = std::map<ObjectId, MotionSource>;
 
 // A peer's paths and patterns as nodes of the scene.
 struct PeerObjects {
-  std::vector<ObjectId> owned;                    // in the order of the settings, none twice
-  Motions motions;                                   // of enslaved ones
-  std::map<std::string, ObjectId> outside;           // enslaved ones that a program moves, by what it calls them
-  std::map<ObjectId, replication::Launch> launches;  // of enslaved ones that physics moves
+  std::vector<ObjectId> owned;                       // in the order of the settings, none twice
+  Motions motions;                                   // of owned objects
+  std::map<std::string, ObjectId> outside;           // owned objects that a program moves, by the name that it uses
+  std::map<ObjectId, replication::Launch> launches;  // of owned objects that physics moves
   std::optional<ObjectId> viewpoint;
 };
 

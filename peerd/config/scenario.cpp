@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "peerd/config/renamed_keys.hpp"
 #include "peerd/input/toml_json.hpp"
 
 namespace peerd::config {
@@ -136,7 +137,7 @@ std::string to_text(const toml::table& root) {
 
 // Keys whose one value is a list: setting them does not sweep.
 bool takes_list(std::string_view key) {
-  return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
+  return key.ends_with(".owns") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
          key == "replication.models" || key == "transport.peers" || key.ends_with(".position") ||
          key.ends_with(".offset") || key.ends_with(".spin_axis") || key.ends_with(".waypoints") ||
          key.ends_with(".within_m") || key.ends_with(".origin_m") || key == "regions.counts" ||
@@ -153,6 +154,7 @@ struct Sources {
   std::string text;
   std::vector<toml::table> overlays;
   std::vector<Assignment> sets, swept_sets;
+  std::vector<std::string> warnings;  // about the overlays and sets
 };
 
 Result<Sources> read_sources(const ScenarioRequest& request) {
@@ -167,11 +169,13 @@ Result<Sources> read_sources(const ScenarioRequest& request) {
   for (const auto& path : request.configs) {
     auto overlay = read_toml(path);
     if (!overlay) return std::unexpected(overlay.error());
+    if (auto done = rename_old_keys(*overlay, sources.warnings); !done) return std::unexpected(done.error());
     sources.overlays.push_back(std::move(*overlay));
   }
   for (const std::string& given : request.sets) {
     auto set = parse_assignment(given);
     if (!set) return std::unexpected(set.error());
+    if (auto done = rename_old_keys(*set, sources.warnings); !done) return std::unexpected(done.error());
     const bool sweeps = set->holder.get("value")->is_array() && !takes_list(set->key);
     if (sweeps && !request.sweep) {
       return std::unexpected(InputError{"error: --set " + given + ": a list sweeps, and one peer runs one value"});
@@ -181,10 +185,13 @@ Result<Sources> read_sources(const ScenarioRequest& request) {
   return sources;
 }
 
-// The scenario with what its request lays over it. Read anew for each run: toml++ copies lose their line numbers.
-Result<toml::table> read_root(const ScenarioRequest& request, const Sources& sources) {
+// The scenario with what its request lays over it, and a warning for each old name in its text. It is read anew for
+// each run, because copies of toml++'s tables lose their line numbers.
+Result<toml::table> read_root(const ScenarioRequest& request, const Sources& sources,
+                              std::vector<std::string>& warnings) {
   auto root = parse_toml(sources.text, request.file.string());
   if (!root) return root;
+  if (auto done = rename_old_keys(*root, warnings); !done) return std::unexpected(done.error());
   for (const toml::table& overlay : sources.overlays) merge(*root, overlay);
   for (const Assignment& set : sources.sets) {
     if (auto done = assign(*root, set.key, *set.holder.get("value")); !done) return std::unexpected(done.error());
@@ -245,7 +252,8 @@ struct Point {
 // `named`: parameters that are not swept.
 Result<Point> read_point(const ScenarioRequest& request, const Sources& sources, const std::vector<SweptKey>& swept,
                          const std::set<std::string>& named, std::size_t number, std::size_t points) {
-  auto root = read_root(request, sources);
+  std::vector<std::string> known_warnings;
+  auto root = read_root(request, sources, known_warnings);
   if (!root) return std::unexpected(root.error());
   root->erase("sweep");
   Point point{std::move(*root)};
@@ -299,7 +307,8 @@ const LinkSettings& link(const RunSettings& run, const std::string& from, const 
 Result<Scenario> read_scenario(const ScenarioRequest& request) {
   const auto sources = read_sources(request);
   if (!sources) return std::unexpected(sources.error());
-  const auto base = read_root(request, *sources);
+  std::vector<std::string> warnings;
+  const auto base = read_root(request, *sources, warnings);
   if (!base) return std::unexpected(base.error());
   const auto sweep = read_sweep(request, *sources, *base);
   if (!sweep) return std::unexpected(sweep.error());
@@ -319,6 +328,8 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
   }
 
   Scenario scenario;
+  scenario.warnings = std::move(warnings);
+  scenario.warnings.insert(scenario.warnings.end(), sources->warnings.begin(), sources->warnings.end());
   scenario.name = request.file.empty() ? "peerd" : request.file.stem().string();
   std::vector<Expectation> expectations;
   for (std::size_t i = 0; i < points; ++i) {

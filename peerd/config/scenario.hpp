@@ -42,6 +42,7 @@ struct Scenario {
   std::uint32_t repeat = 1;  // with so many seeds: that many runs after each other differ in theirs alone
   std::vector<RunSettings> runs;
   std::vector<Expectation> expectations{};
+  std::vector<std::string> warnings{};  // one sentence each, such as "FILE:3:1: warning: A is now called B"
 };
 
 struct ScenarioRequest {

@@ -14,14 +14,6 @@
 namespace peerd::config {
 namespace {
 
-std::string place_of(const toml::source_region& at) {
-  std::ostringstream out;
-  if (at.path) out << *at.path << ':';
-  if (at.begin) out << at.begin.line << ':' << at.begin.column << ':';
-  if (out.tellp() > 0) out << ' ';
-  return out.str();
-}
-
 std::string located(const toml::source_region& at, const std::string& sentence) {
   return place_of(at) + "error: " + sentence;
 }
@@ -42,6 +34,14 @@ std::string shown(double x) {
 }
 
 }  // namespace
+
+std::string place_of(const toml::source_region& at) {
+  std::ostringstream out;
+  if (at.path) out << *at.path << ':';
+  if (at.begin) out << at.begin.line << ':' << at.begin.column << ':';
+  if (out.tellp() > 0) out << ' ';
+  return out.str();
+}
 
 std::optional<std::string> did_you_mean(std::string_view word, const std::vector<std::string>& words) {
   Suggestion suggestion(word);

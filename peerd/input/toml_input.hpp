@@ -62,6 +62,9 @@ class TomlReader {
   std::set<std::string, std::less<>> known_;
 };
 
+// FILE:LINE:COLUMN: and a blank; empty where nothing is known of the place, as of what --set has brought.
+[[nodiscard]] std::string place_of(const toml::source_region& at);
+
 [[nodiscard]] Result<toml::table> parse_toml(const std::string& text, const std::string& name);
 [[nodiscard]] Result<toml::table> read_toml(const std::filesystem::path& path);
 

@@ -88,7 +88,7 @@ class Reference : public testing::Test {
 latency_ms = 5
 [peer.a]
 id = 1
-enslaves = ["CAR"]
+owns = ["CAR"]
 [peer.b]
 id = 2
 [peer.c]
