@@ -1,6 +1,10 @@
 #include "peerd/config/node_pattern.hpp"
 
-#include "peerd/config/peer_settings.hpp"
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "peerd/input/toml_input.hpp"
 
 namespace peerd::config {
 
@@ -23,6 +27,17 @@ bool matches(std::string_view pattern, std::string_view text) {
   }
   while (p < pattern.size() && pattern[p] == '*') ++p;
   return p == pattern.size();
+}
+
+Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by) {
+  if (const auto id = scene.find(path)) return *id;
+  std::vector<std::string> names;
+  for (const Instance& instance : scene.instances) {
+    if (!instance.def.empty()) names.emplace_back(instance.def);
+  }
+  std::string sentence = "error: " + asked_by + ": the world has no object \"" + path + "\"";
+  if (const auto meant = did_you_mean(path, names)) sentence += "; did you mean \"" + *meant + "\"?";
+  return std::unexpected(InputError{sentence});
 }
 
 Result<std::vector<ObjectId>> find_objects(const Scene& scene, const NodePattern& pattern,

@@ -21,6 +21,9 @@ struct NodePattern {
   [[nodiscard]] bool is_path() const { return text.find_first_of("*?") == std::string::npos; }
 };
 
+// The node of that path, or a sentence that names the closest one.
+[[nodiscard]] Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by);
+
 // The nodes that it names, by id: one by its path; or all whose paths from the top level, or where the pattern has no
 // slash their names, are of its form. At least one; `asked_by` is the key that holds the pattern.
 [[nodiscard]] Result<std::vector<ObjectId>> find_objects(const Scene& scene, const NodePattern& pattern,

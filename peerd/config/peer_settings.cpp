@@ -326,15 +326,4 @@ Result<LoadedWorld> load_world(const std::filesystem::path& path, bool inlines_w
   return LoadedWorld{path, hash, *read.scene};
 }
 
-Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by) {
-  if (const auto id = scene.find(path)) return *id;
-  std::vector<std::string> names;
-  for (const Instance& instance : scene.instances) {
-    if (!instance.def.empty()) names.emplace_back(instance.def);
-  }
-  std::string sentence = "error: " + asked_by + ": the world has no object \"" + path + "\"";
-  if (const auto meant = did_you_mean(path, names)) sentence += "; did you mean \"" + *meant + "\"?";
-  return std::unexpected(InputError{sentence});
-}
-
 }  // namespace peerd::config

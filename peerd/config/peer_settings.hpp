@@ -7,8 +7,8 @@
 
 #include "core/motion/key_codes.hpp"
 #include "core/scene/scene.hpp"
-#include "peerd/motion/motion_settings.hpp"
 #include "peerd/config/node_pattern.hpp"
+#include "peerd/motion/motion_settings.hpp"
 #include "replication/peer_config.hpp"
 
 namespace peerd::config {
@@ -112,8 +112,5 @@ struct LoadedWorld {
   Scene scene;
 };
 [[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path, bool inlines_when_needed = false);
-
-// The node of that path, or a sentence that names the closest one.
-[[nodiscard]] Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by);
 
 }  // namespace peerd::config

@@ -9,7 +9,7 @@ namespace peerd::config {
 namespace {
 
 constexpr double kBirdStep_s = 1.0 / 30.0;
-constexpr double kLag_s = 0.2;       // how fast the acceleration follows what is wanted
+constexpr double kLag_s = 0.2;           // how fast the acceleration follows what is wanted
 constexpr double kBirdSpeedLag_s = 1.0;  // and the speed its usual value
 // What each wish weighs, in parts of the greatest acceleration.
 constexpr double kSeparate = 1.5, kAlign = 0.6, kCohere = 0.4, kSeek = 0.4;

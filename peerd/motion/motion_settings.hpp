@@ -6,10 +6,10 @@
 #include <variant>
 #include <vector>
 
+#include "peerd/input/toml_input.hpp"
 #include "peerd/motion/drive.hpp"
 #include "peerd/motion/flock.hpp"
 #include "peerd/motion/motion_formula.hpp"
-#include "peerd/input/toml_input.hpp"
 #include "peerd/motion/track.hpp"
 #include "peerd/motion/walk.hpp"
 #include "peerd/motion/waypoints.hpp"

@@ -1,7 +1,9 @@
 #pragma once
+#include <cstddef>
 #include <vector>
 
-#include "peerd/motion/drive.hpp"
+#include "core/math.hpp"
+#include "peerd/motion/drive_settings.hpp"
 #include "peerd/motion/random.hpp"
 
 namespace peerd::config {

@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "peerd/motion/motion_path.hpp"
 #include "peerd/input/input_error.hpp"
+#include "peerd/motion/motion_path.hpp"
 
 namespace peerd::config {
 

@@ -11,10 +11,10 @@ namespace peerd::config {
 namespace {
 
 constexpr double kWalkerStep_s = 0.05;
-constexpr double kBorder_m = 3.0;       // nearer to a border than this a walker turns back
-constexpr double kTurnMax_rad_s = 1.5;  // so that it turns on 1 m at 1.5 m/s
-constexpr double kTurnLag_s = 0.25;     // how fast the turn rate follows what is wanted
-constexpr double kWalkerSpeedLag_s = 0.5;     // and the speed
+constexpr double kBorder_m = 3.0;          // nearer to a border than this a walker turns back
+constexpr double kTurnMax_rad_s = 1.5;     // so that it turns on 1 m at 1.5 m/s
+constexpr double kTurnLag_s = 0.25;        // how fast the turn rate follows what is wanted
+constexpr double kWalkerSpeedLag_s = 0.5;  // and the speed
 constexpr double kAcceleration_m_s2 = 1.5;
 constexpr double kSpeedMemory_s = 5.0;
 

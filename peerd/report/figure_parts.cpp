@@ -152,7 +152,8 @@ const ObjectInfo* find_object(const RunRecord& run, std::string_view path) {
 std::vector<PeerInfo> observers_of(const RunRecord& run, const ObjectInfo& object) {
   std::vector<PeerInfo> observers;
   for (const PeerInfo& peer : run.peers) {
-    if (peer.peer != object.owner && !ghost_samples_of(run, peer.peer, object.object).empty()) observers.push_back(peer);
+    if (peer.peer != object.owner && !ghost_samples_of(run, peer.peer, object.object).empty())
+      observers.push_back(peer);
   }
   return observers;
 }

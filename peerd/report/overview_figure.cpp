@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "peerd/measure/sweep.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/measure/sweep.hpp"
 #include "peerd/report/table.hpp"
 
 namespace peerd::report {
@@ -16,10 +16,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kWidth = 1140.0;
-constexpr double kHeight = 470.0;
-constexpr Box kLeftBox{70.0, 92.0, 510.0, 310.0};
-constexpr Box kRightBox{620.0, 92.0, 500.0, 310.0};
+struct OverviewLayout {  // [px]
+  static constexpr double kWidth = 1140.0;
+  static constexpr double kHeight = 470.0;
+  static constexpr Box kLeftBox{70.0, 92.0, 510.0, 310.0};
+  static constexpr Box kRightBox{620.0, 92.0, 500.0, 310.0};
+};
 
 // What the overview needs of a run: means over the observers of the principal object.
 struct RunPoint {
@@ -139,7 +141,7 @@ void draw_lines(Svg& svg, const std::vector<Combination>& combinations, const st
   }
   xs.hi += 0.03 * (xs.hi - xs.lo);
   if (negative) xs.lo -= 0.03 * (xs.hi - xs.lo);
-  const Panel panel(kLeftBox, xs, from_zero(most_m));
+  const Panel panel(OverviewLayout::kLeftBox, xs, from_zero(most_m));
   panel.draw_axes(svg, {.x = axis, .y = "mean ghost error [m]", .x_ticks = 9, .y_ticks = 9});
   for (const Combination& c : combinations) {
     std::vector<Point> data;
@@ -229,7 +231,9 @@ std::string overview_figure(const Json& summary) {
 
   // Bars alone need less height than lines.
   const auto bars_height = kBarPitch * static_cast<double>(std::max(panels[0].bars.size(), panels[1].bars.size()));
-  Svg svg(kWidth, x ? kHeight : kLeftBox.y + std::min(bars_height, kLeftBox.height) + 24.0);
+  Svg svg(OverviewLayout::kWidth,
+          x ? OverviewLayout::kHeight
+            : OverviewLayout::kLeftBox.y + std::min(bars_height, OverviewLayout::kLeftBox.height) + 24.0);
   const std::string title = summary.at("scenario").get<std::string>() + (path.empty() ? "" : ": " + path);
   std::string subtitle = summary.at("mode").get<std::string>() + ", seed " + summary.at("seed").dump() + ", " +
                          std::to_string(points.size()) + (points.size() == 1 ? " run" : " runs");
@@ -238,15 +242,17 @@ std::string overview_figure(const Json& summary) {
         (points.size() == 1 ? ", the first of " : ", each the mean over ") + summary.at("repeat").dump() + " seeds";
   }
   if (path.empty()) subtitle += ": no object that another peer observes";
-  draw_title(svg, {kLeftBox.x, 28.0}, kWidth - kLeftBox.x - 20.0, title, subtitle);
+  draw_title(svg, {OverviewLayout::kLeftBox.x, 28.0}, OverviewLayout::kWidth - OverviewLayout::kLeftBox.x - 20.0, title,
+             subtitle);
   if (path.empty()) return std::move(svg).finish();
   if (x) {
-    svg.text({kLeftBox.x, kLeftBox.y - 10.0}, "mean ghost error, mean over the observers", {.size = 12.0});
+    svg.text({OverviewLayout::kLeftBox.x, OverviewLayout::kLeftBox.y - 10.0},
+             "mean ghost error, mean over the observers", {.size = 12.0});
     draw_lines(svg, combinations, *x, axis_label(*x, keys));
   } else {
-    draw_bars(svg, kLeftBox, panels[0].title, panels[0].bars, panels[0].decimals);
+    draw_bars(svg, OverviewLayout::kLeftBox, panels[0].title, panels[0].bars, panels[0].decimals);
   }
-  draw_bars(svg, kRightBox, panels[1].title, panels[1].bars, panels[1].decimals);
+  draw_bars(svg, OverviewLayout::kRightBox, panels[1].title, panels[1].bars, panels[1].decimals);
   return std::move(svg).finish();
 }
 

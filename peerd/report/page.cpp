@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "peerd/measure/pareto.hpp"
+#include "peerd/measure/sweep.hpp"
 #include "peerd/report/markup.hpp"
 #include "peerd/report/page_style.hpp"
-#include "peerd/measure/pareto.hpp"
 #include "peerd/report/svg.hpp"
-#include "peerd/measure/sweep.hpp"
 #include "peerd/report/table.hpp"
 
 namespace peerd::report {

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/report/pictures.hpp"
 #include "peerd/measure/run_record.hpp"
 #include "peerd/measure/summary.hpp"
+#include "peerd/report/pictures.hpp"
 
 namespace peerd::report {
 
