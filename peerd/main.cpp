@@ -11,8 +11,15 @@
 #include "peerd/commands/bake_command.hpp"
 #include "peerd/commands/check_command.hpp"
 #include "peerd/commands/collide_command.hpp"
-#include "peerd/commands/commands.hpp"
+#include "peerd/commands/ctl_command.hpp"
+#include "peerd/commands/doctor_command.hpp"
 #include "peerd/commands/print.hpp"
+#include "peerd/commands/replay_command.hpp"
+#include "peerd/commands/run_command.hpp"
+#include "peerd/commands/scenario_command.hpp"
+#include "peerd/commands/scenario_options.hpp"
+#include "peerd/commands/sim_command.hpp"
+#include "peerd/input/json_line.hpp"
 #include "peerd/os/host_clock.hpp"
 
 namespace peerd {
@@ -181,7 +188,7 @@ struct WorldCommands {
   std::string world;
   CheckOptions check;
   CollideOptions collide;
-  bool bake_json = false;
+  BakeOptions bake;
   CLI::App *check_command = nullptr, *collide_command = nullptr, *bake_command = nullptr;
 };
 
@@ -218,7 +225,7 @@ void add_world_commands(CLI::App& app, WorldCommands& worlds) {
       });
   worlds.collide_command->add_flag("--realigned-boxes", worlds.collide.realigned_boxes,
                                    "type box by the seed's larger boxes, which no vertex is read for");
-  worlds.bake_command = add("bake", "write the hierarchy files that a world's Shapes name", worlds.bake_json);
+  worlds.bake_command = add("bake", "write the hierarchy files that a world's Shapes name", worlds.bake.json);
 }
 
 int run(int argc, char** argv) {
@@ -297,7 +304,7 @@ int run(int argc, char** argv) {
   }
   if (*worlds.check_command) return run_check(worlds.world, worlds.check, std::cout, std::cerr);
   if (*worlds.collide_command) return run_collide(worlds.world, worlds.collide, std::cout, std::cerr);
-  if (*worlds.bake_command) return run_bake(worlds.world, worlds.bake_json, std::cout, std::cerr);
+  if (*worlds.bake_command) return run_bake(worlds.world, worlds.bake, std::cout, std::cerr);
   if (*replay_command) return run_replay(replay);
   if (*sim_command) return run_sim(sim);
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));

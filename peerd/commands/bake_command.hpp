@@ -10,6 +10,9 @@ namespace peerd {
 // read or written.
 //
 // With `json`, one object to `out`: {"world", "files": [{"path", "bytes"}]}.
-[[nodiscard]] int run_bake(const std::string& path, bool json, std::ostream& out, std::ostream& err);
+struct BakeOptions {
+  bool json = false;
+};
+[[nodiscard]] int run_bake(const std::string& path, const BakeOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace peerd

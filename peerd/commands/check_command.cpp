@@ -20,15 +20,14 @@
 #include "core/scene/scene_defects.hpp"
 #include "core/scene/scene_statistics.hpp"
 #include "core/writer/writer.hpp"
-#include "peerd/input/world_file.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/world_file.hpp"
 #include "replication/motion/motion_world.hpp"
 
 namespace peerd {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
 
 // A short text can ask for many more. These take about 20 s, and 2 GB where half of them are one geometry's, the most
 // that the reader allows.

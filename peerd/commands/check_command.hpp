@@ -19,7 +19,8 @@ namespace peerd {
 //   2^25
 //                polygons; with `at_s`, TimeSensors that have stopped for want of transitions
 //   statistics   counts; core/scene/scene_statistics.hpp says of what. null unless good
-//   defects      counts of polygons and of edges; core/geometry/mesh_defects.hpp says of which. `first` has for each defect of
+//   defects      counts of polygons and of edges; core/geometry/mesh_defects.hpp says of which. `first` has for each
+//   defect of
 //                polygons {shape, polygon}, or null where there is none; shape is null where no Shape has that
 //                geometry. null unless good, and if `unsupported` says so
 //   files        texts that were read: the world, its Inlines and EXTERNPROTOs

@@ -1,3 +1,5 @@
+#include "peerd/commands/doctor_command.hpp"
+
 #include <iostream>
 #include <optional>
 
@@ -5,7 +7,6 @@
 #include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 
-#include "peerd/commands/commands.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/config/renamed_keys.hpp"
 #include "peerd/os/host_clock.hpp"

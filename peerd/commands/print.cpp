@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/commands/scenario_options.hpp"
 #include "peerd/measure/expectations.hpp"
 #include "peerd/report/table.hpp"
 #include "peerd/report/write.hpp"
@@ -52,10 +53,6 @@ std::string command_line(const char* command, const ScenarioOptions& options) {
   for (const std::string& set : options.sets) line += " --set " + shell_word(set);
   if (options.seed) line += " --seed " + std::to_string(*options.seed);
   return line;
-}
-
-std::string json_line(const nlohmann::json& value) {
-  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace peerd

@@ -3,15 +3,14 @@
 #include <span>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
-#include "peerd/commands/commands.hpp"
 #include "peerd/config/expectations.hpp"
 #include "peerd/input/input_error.hpp"
 #include "peerd/measure/run_record.hpp"
 #include "peerd/measure/summary.hpp"
 
 namespace peerd {
+
+struct ScenarioOptions;
 
 // Prints the error for a person and gives its exit code.
 [[nodiscard]] int failed(const InputError& error);
@@ -27,8 +26,5 @@ void print_warnings(std::span<const std::string> warnings);
 
 // What a shell would have to be given to get the same numbers again: without where they go and how they are shown.
 [[nodiscard]] std::string command_line(const char* command, const ScenarioOptions& options);
-
-// One line of JSON. Names of old VRML files, in Latin-1, and paths need not be UTF-8: what is not is U+FFFD there.
-[[nodiscard]] std::string json_line(const nlohmann::json& value);
 
 }  // namespace peerd

@@ -1,10 +1,11 @@
+#include "peerd/commands/replay_command.hpp"
+
 #include <deque>
 #include <iostream>
 
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
-#include "peerd/commands/commands.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/control/answer.hpp"
 #include "peerd/input/text_file.hpp"

@@ -1,3 +1,5 @@
+#include "peerd/commands/run_command.hpp"
+
 #include <chrono>
 #include <iostream>
 #include <random>
@@ -9,12 +11,12 @@
 #include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 
-#include "peerd/commands/commands.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/control/control_path.hpp"
 #include "peerd/control/control_server.hpp"
 #include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/daemon/daemon.hpp"
+#include "peerd/input/json_line.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "peerd/os/host_clock.hpp"

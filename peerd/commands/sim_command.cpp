@@ -1,3 +1,5 @@
+#include "peerd/commands/sim_command.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -6,12 +8,10 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
-#include "peerd/commands/commands.hpp"
 #include "peerd/commands/print.hpp"
-#include "peerd/measure/wrong_outcomes.hpp"
+#include "peerd/commands/scenario_options.hpp"
 #include "peerd/node/describe.hpp"
-#include "peerd/scenario/assemble.hpp"
-#include "peerd/sim/simulation.hpp"
+#include "peerd/sim/simulated_run.hpp"
 
 namespace peerd {
 
@@ -60,7 +60,6 @@ int run_sim(const ScenarioOptions& options) {
   std::vector<report::RunRecord> records;
   for (const config::RunSettings& run : scenario->runs) {
     if (show_progress) std::cerr << "\rrun " << records.size() + 1 << " of " << scenario->runs.size() << std::flush;
-    std::optional<report::InterestRecord> interest;
     std::optional<sim::Captures> captures;
     if (!options.captures.empty()) {
       captures.emplace(options.captures, *scenario, options.scenario);
@@ -70,19 +69,8 @@ int run_sim(const ScenarioOptions& options) {
       if (error)
         return failed({"error: can't make the folder " + captures->folder.string() + ": " + error.message(), 3});
     }
-    const auto logs = sim::simulate(run, **shared, observer, key_observer, &interest, captures ? &*captures : nullptr);
-    if (!logs) return failed(logs.error());
-    auto record = assemble(run, **shared, *logs);
+    auto record = sim::simulated_run(run, **shared, observer, key_observer, captures ? &*captures : nullptr);
     if (!record) return failed(record.error());
-    record->interest = std::move(interest);
-    if (run.compare_outcomes) {
-      const config::RunSettings ideal = sim::without_latency(run);
-      const auto true_logs = sim::simulate(ideal, **shared);
-      if (!true_logs) return failed(true_logs.error());
-      const auto truth = assemble(ideal, **shared, *true_logs);
-      if (!truth) return failed(truth.error());
-      record->wrong = report::wrong_outcomes(*record, *truth);
-    }
     simulated_s += run.duration_s;
     records.push_back(std::move(*record));
   }

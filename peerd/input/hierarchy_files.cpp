@@ -20,7 +20,8 @@ namespace {
 std::string last_error() { return std::strerror(errno); }
 
 // By name alone: a link in the folder may lead out of it, as its owner wants.
-std::expected<std::filesystem::path, std::string> place_of(const std::filesystem::path& world, std::string_view url) {
+std::expected<std::filesystem::path, std::string> path_in_folder_of(const std::filesystem::path& world,
+                                                                    std::string_view url) {
   const auto named = local_path(url);
   if (!named) return std::unexpected("it is no file of this machine");
   const std::filesystem::path within = named->lexically_normal();
@@ -72,7 +73,7 @@ bool is_hierarchy_file(const std::filesystem::path& path) {
 
 collision::HierarchyLoader mapped_hierarchies(const std::filesystem::path& world) {
   return [world](std::string_view url) -> std::expected<std::optional<collision::MappedFile>, std::string> {
-    const auto path = place_of(world, url);
+    const auto path = path_in_folder_of(world, url);
     if (!path) return std::unexpected(path.error());
     return map(*path);
   };
@@ -80,7 +81,7 @@ collision::HierarchyLoader mapped_hierarchies(const std::filesystem::path& world
 
 std::expected<std::filesystem::path, std::string> write_hierarchy_file(const std::filesystem::path& world,
                                                                        std::string_view url, std::string_view bytes) {
-  const auto path = place_of(world, url);
+  const auto path = path_in_folder_of(world, url);
   if (!path) return std::unexpected(path.error());
   std::error_code error;
   if (std::filesystem::exists(*path, error) && !is_hierarchy_file(*path)) {

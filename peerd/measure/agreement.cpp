@@ -13,12 +13,10 @@
 namespace peerd::report {
 namespace {
 
-// Contacts are compared as contacts of an unordered pair; a row that names the pair the other way round has its normal
-// turned round.
+// Contacts are compared as contacts of an unordered pair.
 using Pair = std::pair<ObjectId, ObjectId>;
 
 Pair pair_of(const ContactRow& row) { return std::minmax(row.collider, row.collidee); }
-Vec3 pair_normal(const ContactRow& row) { return row.collidee < row.collider ? Vec3(-row.normal) : row.normal; }
 
 bool is_outcome(const ContactRow& row) { return row.kind == "owner" || row.kind == "decided"; }
 
@@ -99,18 +97,11 @@ const Outcome* nearest_outcome(const PairOutcomes& pair, double t_s) {
   return closer ? &*after : best;
 }
 
-// The response turns the velocity about the normal, so the side is the outcome: two normals that agree in sign let the
-// object out on the same side. Contacts without a normal (BOX) agree with each other.
-bool same_side(const ContactRow& a, const ContactRow& b) {
-  const Vec3 na = pair_normal(a);
-  const Vec3 nb = pair_normal(b);
-  return na.dot(nb) > 0.0 || (na.isZero(0.0) && nb.isZero(0.0));
-}
-
 // One peer's words on one outcome, as row indices. The last word counts, and none comes after taking over the very
 // decision: what is predicted later is another contact. It has been held since the first of the
 // unbroken run of words at the end that say the same: saying it again is no delay.
-void judge_statements(const RunRecord& run, const Outcome& outcome, std::vector<std::size_t> statements, Agreement& result) {
+void judge_statements(const RunRecord& run, const Outcome& outcome, std::vector<std::size_t> statements,
+                      Agreement& result) {
   const ContactRow& truth = run.contacts[outcome.row];
   const auto applied = [&](const ContactRow& row) { return row.kind == "applied" && row.t_s == truth.t_s; };
   std::ranges::sort(statements, {}, [&](std::size_t i) {
@@ -132,7 +123,7 @@ void judge_statements(const RunRecord& run, const Outcome& outcome, std::vector<
 // What each peer has made or taken over of one decision is its last row of exactly that contact.
 Agreement::Shared compare_shared(const RunRecord& run) {
   struct Decision {
-    const ContactRow* stated = nullptr;              // by the first that decided it
+    const ContactRow* stated = nullptr;           // by the first that decided it
     std::map<PeerId, const ContactRow*> applied;  // and by whom
   };
   std::map<std::pair<Pair, double>, Decision> decisions;

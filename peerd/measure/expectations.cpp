@@ -8,9 +8,9 @@
 #include <limits>
 #include <ranges>
 
+#include "peerd/config/measures.hpp"
 #include "peerd/config/node_pattern.hpp"
 #include "peerd/measure/columns.hpp"
-#include "peerd/config/measures.hpp"
 #include "peerd/measure/summary.hpp"
 #include "peerd/measure/sweep.hpp"
 

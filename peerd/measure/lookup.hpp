@@ -19,16 +19,17 @@ namespace peerd::report {
 // Whether the peer was in the session then.
 [[nodiscard]] bool was_present(const PeerInfo& peer, double t_s);
 
+// Whether two contacts of one pair let the collider out on the same side. The response reflects the velocity at the
+// normal, so the side is the outcome: normals agree where their dot product is positive. A row that names the pair the
+// other way round has its normal turned round. Contacts without a normal (BOX) agree with each other.
+[[nodiscard]] bool same_side(const ContactRow& a, const ContactRow& b);
+
 // Distance from the truth to the ghost, and to what a viewer draws [m].
-[[nodiscard]] inline double ghost_error_m(const GhostSample& s) {
-  return (s.ghost.position - s.truth.position).norm();
-}
+[[nodiscard]] inline double ghost_error_m(const GhostSample& s) { return (s.ghost.position - s.truth.position).norm(); }
 // What the two users would disagree about.
 [[nodiscard]] inline double view_difference_m(const GhostSample& s) {
   return (s.shown.position - s.seen.position).norm();
 }
-[[nodiscard]] inline double shown_error_m(const GhostSample& s) {
-  return (s.shown.position - s.truth.position).norm();
-}
+[[nodiscard]] inline double shown_error_m(const GhostSample& s) { return (s.shown.position - s.truth.position).norm(); }
 
 }  // namespace peerd::report

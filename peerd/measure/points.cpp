@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "peerd/measure/interval.hpp"
 #include "peerd/config/measures.hpp"
+#include "peerd/measure/interval.hpp"
 
 namespace peerd::report {
 namespace {

@@ -111,7 +111,7 @@ struct RunRecord {
   std::vector<PeerInfo> peers;
   std::vector<ObjectInfo> objects;              // the replicated ones
   std::map<ObjectId, std::string> scene_paths;  // of what nobody runs but contacts name: walls
-  std::vector<GhostSample> ghost_samples;            // sorted by (observer, object, t_s)
+  std::vector<GhostSample> ghost_samples;       // sorted by (observer, object, t_s)
   std::vector<UpdateSent> updates;              // sorted by t_s
   std::vector<DatagramSent> datagrams;
   std::vector<ContactRow> contacts;

@@ -90,10 +90,10 @@ Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
   if (done) done = run_batch("ip", devices, "kernel module ifb");
   if (done) done = run_batch("tc", queues, "kernel modules sch_netem, sch_ingress, cls_flower and act_mirred");
   for (std::size_t i = 0; i < peers && done; ++i) {
-    done = run_batch(
-        "ip -n " + name(i),
-        fmt::format("link set lo up\naddress add {0}/24 dev {1}\nlink set {1} up\n", address(i), kInterface),
-        "an address for each peer");
+    done =
+        run_batch("ip -n " + name(i),
+                  fmt::format("link set lo up\naddress add {0}/24 dev {1}\nlink set {1} up\n", address(i), kInterface),
+                  "an address for each peer");
   }
   if (!done) return std::unexpected(done.error());
   std::unique_ptr<Lab> lab(new Lab(peers));
@@ -104,9 +104,9 @@ Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
 Result<void> Lab::set_multicast(bool on) {
   for (std::size_t i = 0; i < peers_; ++i) {
     // A route that leads nowhere in place of none: without one, multicast would take the way of all other packets.
-    const std::string lines = fmt::format("link set {0} multicast {1}\nroute replace {2} 224.0.0.0/4{3}\n", kInterface,
-                                          on ? "on" : "off", on ? "unicast" : "unreachable",
-                                          on ? std::string(" dev ") + kInterface : "");
+    const std::string lines =
+        fmt::format("link set {0} multicast {1}\nroute replace {2} 224.0.0.0/4{3}\n", kInterface, on ? "on" : "off",
+                    on ? "unicast" : "unreachable", on ? std::string(" dev ") + kInterface : "");
     if (auto done = run_batch("ip -n " + name(i), lines, "interfaces with multicast or without"); !done) return done;
   }
   return {};

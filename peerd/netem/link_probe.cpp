@@ -89,7 +89,7 @@ ProbeSocket::~ProbeSocket() {
 }
 
 Result<void> probe(const std::vector<ProbeSocket>& sockets, double patience_ms,
-                           std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms) {
+                   std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms) {
   const std::size_t peers = sockets.size();
   const sockaddr_in to = group_address();
   std::vector<std::vector<std::uint32_t>> copies(links.size(), std::vector<std::uint32_t>(kProbes));

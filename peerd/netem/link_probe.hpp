@@ -26,6 +26,6 @@ class ProbeSocket {
 // the probes of links[from * sockets + to] and the oversleep of those 10 ms. The delay is from just before the system
 // call to the stamp of the receiving kernel, which is the same one with the same clock.
 [[nodiscard]] Result<void> probe(const std::vector<ProbeSocket>& sockets, double patience_ms,
-                                         std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms);
+                                 std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms);
 
 }  // namespace peerd::netem

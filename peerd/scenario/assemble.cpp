@@ -21,14 +21,16 @@ Presences presences_of(const config::RunSettings& run, const std::vector<PeerLog
     const bool from_the_start = own.empty() && config::starts_with(run.events, log.name);
     if (!log.start || (log.object_samples.empty() && !from_the_start)) continue;
     own.push_back({from_the_start ? HostTime::min() : log.object_samples.front().true_at,
-                   log.ended_at.value_or(HostTime::max()), from_the_start ? SimTime::min() : log.object_samples.front().at,
+                   log.ended_at.value_or(HostTime::max()),
+                   from_the_start ? SimTime::min() : log.object_samples.front().at,
                    log.ended_at && !log.object_samples.empty() ? log.object_samples.back().at : SimTime::max()});
   }
   return presences;
 }
 
 bool alive(const std::vector<Presence>& presences, HostTime t) {
-  return std::ranges::any_of(presences, [&](const Presence& presence) { return presence.from <= t && t <= presence.until; });
+  return std::ranges::any_of(presences,
+                             [&](const Presence& presence) { return presence.from <= t && t <= presence.until; });
 }
 
 report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<Presence>& presences, SimTime start) {
@@ -37,15 +39,16 @@ report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<P
     constexpr double kNever = std::numeric_limits<double>::infinity();
     return t == SimTime::min() ? -kNever : t == SimTime::max() ? kNever : to_seconds(t - start);
   };
-  for (const Presence& presence : presences) info.there_s.emplace_back(since_start(presence.first_row), since_start(presence.last_row));
+  for (const Presence& presence : presences)
+    info.there_s.emplace_back(since_start(presence.first_row), since_start(presence.last_row));
   if (presences.empty()) info.there_s.emplace_back(1.0, 0.0);  // never
   return info;
 }
 
 // The truth of one object as its owner logged it, in true time.
 struct Truth {
-  const config::MotionSource* motion = nullptr;  // what drives it
-  std::vector<const PeerLog::ObjectSample*> ticks;     // by true_at
+  const config::MotionSource* motion = nullptr;     // what drives it
+  std::vector<const PeerLog::ObjectSample*> ticks;  // by true_at
 
   [[nodiscard]] const PeerLog::ObjectSample* last_not_after(HostTime t) const {
     const auto next = std::ranges::upper_bound(ticks, t, {}, [](const auto* b) { return b->true_at; });
@@ -87,7 +90,7 @@ struct Truth {
 }  // namespace
 
 Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedWorld& shared,
-                                           const std::vector<PeerLog>& logs) {
+                                   const std::vector<PeerLog>& logs) {
   const Scene& scene = shared.world.scene;
   report::RunRecord record;
   record.params = run.params;
@@ -131,7 +134,7 @@ Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedW
       const double t_s = to_seconds(truth.session_time(b.true_at) - *start);
       if (!within(t_s)) continue;
       record.ghost_samples.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), b.state.pose(), b.shown,
-                                truth.seen(b.true_at, *start)});
+                                      truth.seen(b.true_at, *start)});
     }
     const auto since_start = [&](SimTime t) { return to_seconds(t - *start); };
     for (const PeerLog::Update& u : log.updates) {

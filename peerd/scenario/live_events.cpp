@@ -24,7 +24,7 @@ std::optional<InputError> why_not_live(const std::vector<config::ScenarioEvent>&
     const std::string key = "error: event." + e.name + ": ";
     if (e.peer.empty()) {
       return InputError{key + std::string(to_string(e.kind)) +
-                                " is for a simulated network; use peerd sim, or take the event out"};
+                        " is for a simulated network; use peerd sim, or take the event out"};
     }
     const bool joins = e.kind == config::EventKind::kJoin;
     if (joins && (already_joined.contains(e.peer) || config::starts_with(events, e.peer))) {
@@ -42,8 +42,7 @@ Result<LiveEvents> LiveEvents::make(const std::vector<config::ScenarioEvent>& ev
   std::error_code error;
   std::string folder = (fs::temp_directory_path(error) / "peerd-XXXXXX").string();
   if (error || mkdtemp(folder.data()) == nullptr) {
-    return std::unexpected(
-        InputError{"error: can't make a folder like " + folder + " for a control socket", 3});
+    return std::unexpected(InputError{"error: can't make a folder like " + folder + " for a control socket", 3});
   }
   live.folder_ = folder;
   return live;

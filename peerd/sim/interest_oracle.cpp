@@ -179,7 +179,8 @@ void InterestOracle::on_membership(VirtualTime now, std::size_t peer, bool joine
     std::deque<VirtualTime>& late = observed.joins_of_late;
     late.push_back(now);
     while (late.front() <= now - std::chrono::seconds(1)) late.pop_front();
-    observed.found.joins_in_a_second = std::max(observed.found.joins_in_a_second, static_cast<std::uint32_t>(late.size()));
+    observed.found.joins_in_a_second =
+        std::max(observed.found.joins_in_a_second, static_cast<std::uint32_t>(late.size()));
   }
 }
 

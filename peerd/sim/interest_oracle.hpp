@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "peerd/node/peer_node.hpp"
 #include "peerd/measure/run_record.hpp"
+#include "peerd/node/peer_node.hpp"
 #include "peerd/sim/network.hpp"
 
 namespace peerd::sim {

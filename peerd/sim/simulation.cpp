@@ -52,7 +52,7 @@ double longest_delay_s(const config::RunSettings& run) {
 }
 
 std::optional<InputError> why_not_simulated(const config::RunSettings& run,
-                                                    const std::vector<config::PeerObjects>& objects) {
+                                            const std::vector<config::PeerObjects>& objects) {
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
     if (objects[i].outside.empty()) continue;  // what it sends would depend on how fast this computer simulates
     return InputError{
@@ -127,8 +127,8 @@ class Simulation {
       if (clock_oracle_) logs_.back().clock_error = clock_oracle_->error_of(logs_.size() - 1);
       if (p.capture) p.capture->flush();
       if (p.capture && !p.capture->good()) {
-        return std::unexpected(InputError{
-            "error: can't write the captures to " + captures_->folder.string() + "; is the disk full?", 3});
+        return std::unexpected(
+            InputError{"error: can't write the captures to " + captures_->folder.string() + "; is the disk full?", 3});
       }
     }
     std::ranges::stable_sort(logs_, {}, &PeerLog::peer);
@@ -292,7 +292,7 @@ class Simulation {
       if (!events_.begun()) note_begin();
       if (!node.start() && now_ - peers_[*next].came_at > kJoinWithin) {
         return InputError{"error: peer " + run_.peers[*next].name +
-                                  " never had all the others; does the network lose everything?"};
+                          " never had all the others; does the network lose everything?"};
       }
       if (node.start() && node.peer().clock().to_session(host) > *node.start() + linger) return std::nullopt;
     }
@@ -328,9 +328,8 @@ config::RunSettings without_latency(config::RunSettings run) {
 }
 
 Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
-                                              const Observer& observer, const KeyObserver& key_observer,
-                                              std::optional<report::InterestRecord>* interest,
-                                              const Captures* captures) {
+                                      const Observer& observer, const KeyObserver& key_observer,
+                                      std::optional<report::InterestRecord>* interest, const Captures* captures) {
   return Simulation(run, shared, observer, key_observer, captures).all(interest);
 }
 

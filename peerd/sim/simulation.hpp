@@ -3,8 +3,8 @@
 #include <functional>
 #include <vector>
 
-#include "peerd/node/peer_node.hpp"
 #include "peerd/measure/run_record.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd::sim {
 
@@ -26,10 +26,9 @@ struct Captures {
 // several where it leaves and comes back. `interest`, if given and a peer has an area of interest: what was found about
 // those. `captures`: what they are recorded as; null: nothing is recorded.
 [[nodiscard]] Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
-                                                            const Observer& observer = {},
-                                                            const KeyObserver& key_observer = {},
-                                                            std::optional<report::InterestRecord>* interest = nullptr,
-                                                            const Captures* captures = nullptr);
+                                                    const Observer& observer = {}, const KeyObserver& key_observer = {},
+                                                    std::optional<report::InterestRecord>* interest = nullptr,
+                                                    const Captures* captures = nullptr);
 
 // The same run where everybody knows everything at once: no latency, no loss, an update each tick, the lower id
 // decides. Peers come and go as they do.

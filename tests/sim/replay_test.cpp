@@ -5,7 +5,7 @@
 #include <iostream>
 #include <sstream>
 
-#include "peerd/commands/commands.hpp"
+#include "peerd/commands/replay_command.hpp"
 #include "peerd/record/pcapng.hpp"
 #include "peerd/record/udp_packet.hpp"
 #include "tests/peerd/scratch_folder.hpp"

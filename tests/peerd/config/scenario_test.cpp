@@ -117,7 +117,7 @@ TEST_F(ScenarioTest, ReadsWhatTheFileSays) {
   EXPECT_EQ(run.peers[2].name, "zoe");
   ASSERT_EQ(run.peers[0].owns.size(), 1u);
   EXPECT_EQ(run.peers[0].owns[0].text, "CAR");
-  EXPECT_THAT(run.peers[0].owns[0].at, testing::EndsWith("my.toml:18:13: "));
+  EXPECT_THAT(run.peers[0].owns[0].at, testing::EndsWith("my.toml:18:9: "));
   EXPECT_EQ(std::get<MotionFormula>(run.peers[0].motion.at("CAR").kind).x, "t");
 }
 

@@ -1,0 +1,11 @@
+#pragma once
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace peerd {
+
+// One line of JSON. Names in old VRML files are Latin-1, and paths are bytes: what is no UTF-8 becomes U+FFFD.
+[[nodiscard]] std::string json_line(const nlohmann::json& value);
+
+}  // namespace peerd
