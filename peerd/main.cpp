@@ -28,15 +28,15 @@ namespace {
 constexpr int kWrongUse = 2;
 constexpr int kEnvironment = 3;
 
-// What `peerd run` takes instead of, or over, a configuration file.
+// The options of `peerd run` that stand for settings, in place of a configuration file or over it.
 struct RunFlags {
   std::string world, name, interface, group;
   std::optional<std::uint32_t> id, port;
   std::vector<std::string> owns, enslaves;  // two names of one option
 };
 
-// A number for a peer that was given none. Two that start in the same microsecond clash, and say so; configured peers,
-// whose numbers are lower, go first in decisions.
+// A number for a peer that was given none. Two peers that start in the same microsecond clash, and say so. Configured
+// peers have lower numbers and therefore go first in decisions.
 std::uint32_t number_by_clock() {
   const std::int64_t us = net::HostClock().now().time_since_epoch() / std::chrono::microseconds(1);
   return 1'000'000'000 + static_cast<std::uint32_t>(us % 3'000'000'000);
@@ -56,7 +56,7 @@ std::vector<std::string> network_settings(const RunFlags& flags) {
   return sets;
 }
 
-// The flags as the settings that they stand for. Without a configuration there is one peer, which the flags describe.
+// The settings that the options stand for. Without a configuration there is one peer, which the options describe.
 std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options) {
   std::vector<std::string> sets;
   if (!flags.world.empty()) sets.push_back("world=" + json_line(std::filesystem::absolute(flags.world).string()));
@@ -106,7 +106,7 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
 }
 
-// The key of `peerd ctl key`, and what is held down with it.
+// The key of `peerd ctl key`, with the modifiers that are held down.
 struct KeyFlags {
   std::string name;
   bool shift = false, control = false, alt = false, meta = false, keypad = false;
@@ -183,7 +183,7 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   return nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}}.dump();
 }
 
-// What is asked of a world without a peer.
+// The commands about a world without a peer.
 struct WorldCommands {
   std::string world;
   CheckOptions check;
@@ -192,7 +192,7 @@ struct WorldCommands {
   CLI::App *check_command = nullptr, *collide_command = nullptr, *bake_command = nullptr;
 };
 
-// The options live in `worlds`, which stays at its place.
+// The options are stored in `worlds`, which must stay at its place.
 void add_world_commands(CLI::App& app, WorldCommands& worlds) {
   const auto add = [&](const char* name, const char* what, bool& json) {
     CLI::App* const command = app.add_subcommand(name, what);
@@ -224,7 +224,7 @@ void add_world_commands(CLI::App& app, WorldCommands& worlds) {
         return std::isfinite(hz) && hz > 0.0 ? "" : "a frequency is a positive number of ticks a second";
       });
   worlds.collide_command->add_flag("--realigned-boxes", worlds.collide.realigned_boxes,
-                                   "type box by the seed's larger boxes, which no vertex is read for");
+                                   "type box by the thesis's larger boxes, which no vertex is read for");
   worlds.bake_command = add("bake", "write the hierarchy files that a world's Shapes name", worlds.bake.json);
 }
 

@@ -74,7 +74,7 @@ Json to_json(const collision::SceneQueryCounters& counters) {
 }
 
 void print_text(const Scene& scene, const Answer& answer, std::ostream& out) {
-  constexpr std::size_t kShown = 20;  // of an interest's pairs
+  constexpr std::size_t kShown = 20;  // pairs of an interest that are printed
   out << scene.path_of(answer.collider) << " - " << scene.path_of(answer.collidee) << " (" << name_of(answer.type)
       << "): " << (answer.collision.colliding ? "colliding" : "apart");
   const auto& pairs = answer.collision.pairs;
@@ -96,7 +96,7 @@ Json to_json(const Scene& scene, double time_s, const char* event, const collisi
           {"type", name_of(interest.type)}};
 }
 
-// One tick's, as lines or into `events`.
+// Reports one tick as lines, or as elements of `events`.
 void report_tick(const Scene& scene, double time_s, const collision::CollisionWatch& watch,
                  const collision::CollisionWatch::Tick& tick, bool json, Json& events, std::ostream& out) {
   const auto report = [&](const char* event, std::uint32_t i) {
@@ -130,7 +130,7 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
   std::uint64_t ticks = 0;
   for (double before_s = -std::numeric_limits<double>::infinity();; ++ticks) {
     const double time_s = options.at_s + static_cast<double>(ticks) / options.hz;
-    // So late that a tick is less than a step of the numbers, time stands still.
+    // Time stands still where a tick is less than a step of the binary64 numbers.
     if (!(time_s <= *options.until_s && time_s > before_s)) break;
     before_s = time_s;
     go_to(watch, motion, time_s);

@@ -32,7 +32,7 @@ void print_objects(const Json& reply) {
   if (!reply.at("next").is_null()) std::cout << "and more: see peerd ctl objects\n";
 }
 
-// The reply of a peer that did what it was asked.
+// Reads a reply and refuses one that reports an error.
 Result<Json> read_reply(const std::filesystem::path& socket, const std::string& line) {
   Json reply = Json::parse(line, nullptr, /*allow_exceptions=*/false);
   const bool understood =
@@ -47,7 +47,7 @@ Result<Json> read_reply(const std::filesystem::path& socket, const std::string& 
   return reply;
 }
 
-// A peer lists so many objects or peers at a time; the rest is asked for until there is none.
+// A reply lists a limited number of objects or peers; further ones are requested until none is left.
 Result<void> fetch_rest(const std::filesystem::path& socket, const char* what, Json& reply) {
   while (!reply.at("next").is_null()) {
     const auto line = api::ask(socket, Json{{"do", what}, {"from", reply.at("next")}}.dump());
@@ -60,7 +60,7 @@ Result<void> fetch_rest(const std::filesystem::path& socket, const char* what, J
   return {};
 }
 
-// "12.345 ms", or what is said where nothing is known.
+// A time such as "12.345 ms", or `unknown` where the peer does not know it.
 std::string milliseconds(const Json& t, const char* unknown = "unknown") {
   return t.is_null() ? unknown : fmt::format("{:.3f} ms", t.get<double>());
 }

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// The table [transport] alone: the rest of a scenario says nothing about the network.
+// Reads the table [transport] alone: the rest of a scenario says nothing about the network.
 Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
   toml::table root;
   std::vector<std::string> warnings;
@@ -45,12 +45,12 @@ Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
   return settings;
 }
 
-// What a peer with these settings would meet, as found by trying.
+// The results of trying what a peer with these settings would do.
 struct Findings {
-  std::optional<std::expected<net::ProbeResult, net::NetError>> probe;  // none: told to leave multicast alone
-  std::string transport;  // that a peer would use, in words; empty: it could not run
+  std::optional<std::expected<net::ProbeResult, net::NetError>> probe;  // none: multicast is switched off
+  std::string transport;  // transport that a peer would use, in words; empty: it could not run
   std::string kind;       // "multicast", "unicast" or empty
-  std::string problem;    // why it could not
+  std::string problem;    // reason why it could not run
   int receive_buffer_bytes = 0;
   int exit_code = 0;
 };

@@ -18,13 +18,14 @@ struct ScenarioOptions;
 // Prints one line each on standard error.
 void print_warnings(std::span<const std::string> warnings);
 
-// Checks what a scenario expects, writes its outputs into `out`, and prints its table, or summary.json instead. 1 where
-// something was not as expected.
+// Checks the scenario's expectations, writes its outputs into `out`, and prints its table, or summary.json instead.
+// Returns 1 where an expectation failed.
 [[nodiscard]] int print_report(const report::ScenarioInfo& info, std::span<const report::RunRecord> runs,
                                std::span<const config::Expectation> expectations, const std::filesystem::path& out,
                                bool json);
 
-// What a shell would have to be given to get the same numbers again: without where they go and how they are shown.
+// A shell command that gives the same numbers again. Options that say where outputs go and how they are shown are left
+// out.
 [[nodiscard]] std::string command_line(const char* command, const ScenarioOptions& options);
 
 }  // namespace peerd

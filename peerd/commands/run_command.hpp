@@ -10,16 +10,16 @@ struct PeerOptions {
   std::filesystem::path config;                 // a scenario file; one of its peers is run
   std::vector<std::filesystem::path> overlays;  // merged over it, in order
   std::vector<std::string> sets;
-  std::string peer;               // which; empty: the only one
-  std::filesystem::path record;   // where to leave the peer's log; empty: nowhere
-  std::filesystem::path capture;  // where to keep all that it is told and sends (record/capture.hpp); empty: nowhere
-  std::optional<std::string> control;  // of --control: where the control socket is; empty: nowhere
+  std::string peer;                    // one of the configuration's peers; empty: the only one
+  std::filesystem::path record;        // file for the peer's log; empty: none
+  std::filesystem::path capture;       // file for the peer's capture (record/capture.hpp); empty: none
+  std::optional<std::string> control;  // path of the control socket, of --control; empty: none
   bool once = false;                   // leave when the scenario's duration is over
   bool json = false;                   // log lines as JSON
   bool verbose = false;                // debug lines too
 };
 
-// peerd run, and with a capture peerd record: one peer in the foreground, until SIGTERM or SIGINT.
+// `peerd run`, and with a capture `peerd record`: runs one peer in the foreground, until SIGTERM or SIGINT.
 [[nodiscard]] int run_peer(const PeerOptions& options);
 
 }  // namespace peerd

@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Sessions of two scenario runs on one computer must not meet: each takes a port of its own from this range,
-// below the ephemeral ports, which the system may hand to anybody.
+// Sessions of two scenario runs on one computer must not meet. Each takes a port of its own from this range, below the
+// ephemeral ports, which the system may give to any program.
 constexpr int kPortBegin = 20000, kPortCount = 12000;
 
 }  // namespace
@@ -69,10 +69,10 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
     std::optional<report::NetworkMeasured> network;
     if (lab) {
       if (auto set = lab->set_links(run); !set) return failed(set.error());
-      if (auto on = lab->set_multicast(true); !on) return failed(on.error());  // the probes'
+      if (auto on = lab->set_multicast(true); !on) return failed(on.error());  // the probes are multicast
       auto measured = lab->measure(run);
       if (!measured) return failed(measured.error());
-      // Who is to do without it gets none.
+      // The interfaces of peers that must do without multicast lose it.
       const bool multicast = run.transport.multicast != config::kMulticastNever;
       if (auto set = lab->set_multicast(multicast); !set) return failed(set.error());
       network = std::move(*measured);

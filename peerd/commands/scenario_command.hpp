@@ -5,7 +5,7 @@ namespace peerd {
 
 struct ScenarioOptions;
 
-// peerd scenario: the same scenario between real processes over real multicast.
+// `peerd scenario`: runs the same scenario between real processes over real multicast. `program` is peerd itself.
 [[nodiscard]] int run_scenario(const ScenarioOptions& options, const std::filesystem::path& program);
 
 }  // namespace peerd

@@ -13,14 +13,14 @@ struct ScenarioOptions {
   std::vector<std::filesystem::path> configs;
   std::vector<std::string> sets;
   std::optional<std::uint64_t> seed;
-  std::optional<std::uint32_t> repeat;  // with so many seeds
+  std::optional<std::uint32_t> repeat;  // number of seeds
   std::filesystem::path out;            // empty: out/NAME
   std::string interface;                // real runs only
-  bool netem = false;                   // .. over the network that the scenario describes, by the kernel's netem
-  bool tcpdump = false;                 // .. with what each peer sent and got, as a file for tcpdump or Wireshark
+  bool netem = false;                   // real runs only: over the scenario's network, made by the kernel's netem
+  bool tcpdump = false;                 // with netem only: record each peer's interface, for tcpdump or Wireshark
   std::filesystem::path captures;       // simulated runs only: a folder for each peer's capture; empty: none
-  bool json = false;                    // summary.json instead of the table
-  bool verbose = false;                 // the peers' logs too
+  bool json = false;                    // print summary.json instead of the table
+  bool verbose = false;                 // print the peers' logs too
 };
 
 }  // namespace peerd

@@ -40,7 +40,7 @@ int run_sim(const ScenarioOptions& options) {
       std::cerr << fmt::format("{:9.4f} s  peer {}: {}\n", t_s, node.peer().id().value, line->text);
     };
   }
-  // A key that does not do what it was written for is a finding about the scenario: told once, and in the report.
+  // A key without its intended effect is a finding about the scenario. It is printed once and is part of the report.
   const sim::KeyObserver key_observer = [&](HostTime now, const PeerNode& node, const KeyReport& key) {
     for (const LogLine& line : describe(key, scene)) {
       const double t_s = to_seconds(now.time_since_epoch() - node.start()->time_since_epoch());

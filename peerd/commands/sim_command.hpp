@@ -4,7 +4,7 @@ namespace peerd {
 
 struct ScenarioOptions;
 
-// peerd sim: the scenario on a simulated network, as fast as it goes.
+// `peerd sim`: runs the scenario on a simulated network, as fast as it goes.
 [[nodiscard]] int run_sim(const ScenarioOptions& options);
 
 }  // namespace peerd

@@ -12,10 +12,10 @@ namespace peerd::config {
 namespace {
 
 constexpr double kFar_m = 1e9;
-// Smaller cells are crossed with every other step of a walker; each region is a multicast group.
+// A walker would cross smaller cells with every other step, and each region is a multicast group.
 constexpr double kCellMin_m = 1.0;
 constexpr int kRegionsMax = 65536;
-// The longest tick: who polls for that long never sleeps.
+// One second is the longest tick: a peer that polls for longer never sleeps.
 constexpr std::uint32_t kBusyPollMax_us = 1'000'000;
 
 ScriptedKey read_scripted_key(TomlReader reader) {
@@ -27,7 +27,7 @@ ScriptedKey read_scripted_key(TomlReader reader) {
   return scripted;
 }
 
-// Which models the sender may name, and what makes it send beyond the seed's thresholds.
+// Reads which models the sender may name, and what makes it send beyond the thesis's thresholds.
 void read_models(TomlReader& reader, replication::PublishPolicy& policy) {
   std::size_t model = 0;
   reader.read_word("model", model, {"order", "best"});
@@ -321,7 +321,8 @@ Result<LoadedWorld> load_world(const std::filesystem::path& path, bool inlines_w
     for (const Diagnostic& d : read.diagnostics) problems += render(read, d);
     return std::unexpected(InputError{problems, 1});
   }
-  // Read later, an Inline leaves other numbers for the instances behind it, though it may hold none.
+  // An Inline that is read later leaves other numbers for the instances behind it, even if it holds none; so the hash
+  // differs.
   const std::uint64_t hash = content_hash(read) ^ (read.scene->pending_inlines.empty() ? 0 : 1);
   return LoadedWorld{path, hash, *read.scene};
 }

@@ -9,12 +9,13 @@
 namespace peerd::config {
 namespace {
 
-using Parts = std::vector<std::string>;  // of a dotted key
+using Parts = std::vector<std::string>;  // parts of a dotted key
 
-// A key at the top of the file has one part, [replication] order two, [peer.NAME] id three. `*` stands for any name.
+// A key at the top of the file has one part, [replication] order has two, and [peer.NAME] id has three. `*` stands for
+// any name.
 struct RenamedKey {
   std::span<const std::string_view> old_parts;
-  std::string_view new_name;  // of the last part
+  std::string_view new_name;  // replaces the last part
 };
 constexpr std::array<std::string_view, 3> kEnslaves{"peer", "*", "enslaves"};
 constexpr std::array<std::string_view, 2> kAlongAt{"replication", "along_at"};
@@ -39,8 +40,8 @@ std::string dotted(const Parts& parts) {
   return text;
 }
 
-// The key with its new name; none where its name is not an old one. Parts below the renamed one, such as the number of
-// an item of its list, stay.
+// Gives the key its new name, or nothing where its name is not an old one. Parts below the renamed one, such as the
+// number of an item of its list, stay.
 std::optional<Parts> renamed(const Parts& key) {
   for (const RenamedKey& known : kRenamedKeys) {
     const std::size_t size = known.old_parts.size();

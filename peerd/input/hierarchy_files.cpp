@@ -19,7 +19,7 @@ namespace {
 
 std::string last_error() { return std::strerror(errno); }
 
-// By name alone: a link in the folder may lead out of it, as its owner wants.
+// The path is judged by its name alone: a link in the world's folder may lead out of it, if its owner wants that.
 std::expected<std::filesystem::path, std::string> path_in_folder_of(const std::filesystem::path& world,
                                                                     std::string_view url) {
   const auto named = local_path(url);
@@ -101,7 +101,7 @@ std::expected<std::filesystem::path, std::string> write_hierarchy_file(const std
     if (written < 0) return fail();
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  // mkostemp's files are their owner's alone; a world's are everybody's.
+  // mkostemp gives the new file to its owner alone, but files of a world are for everybody.
   if (::fchmod(file.get(), 0644) != 0 || ::rename(temporary.c_str(), path->c_str()) != 0) return fail();
   return *path;
 }

@@ -5,7 +5,8 @@
 
 namespace peerd {
 
-// One line of JSON. Names in old VRML files are Latin-1, and paths are bytes: what is no UTF-8 becomes U+FFFD.
+// Prints a value as one line of JSON. Names in old VRML files are Latin-1, and paths are bytes: a byte that is not
+// UTF-8 becomes U+FFFD.
 [[nodiscard]] std::string json_line(const nlohmann::json& value);
 
 }  // namespace peerd

@@ -18,7 +18,7 @@ std::string located(const toml::source_region& at, const std::string& sentence) 
   return place_of(at) + "error: " + sentence;
 }
 
-// An item of a list by its number; null: `list` is none, or there is no such item.
+// Finds an item of a list by its number. Null means that `list` is no list, or has no such item.
 template <class Node>
 Node* item(Node& list, std::string_view number) {
   std::size_t i = 0;

@@ -7,7 +7,7 @@
 
 namespace peerd::config {
 
-// Car number `n`, at t = times.begin_s on the lane nearest to `start`.
+// The path of car number `n`, which is at t = times.begin_s on the lane nearest to `start`.
 [[nodiscard]] std::vector<Knot> drive(const DriveSettings& settings, std::uint64_t seed, std::size_t n,
                                       const Vec3& start, PathTimes times);
 

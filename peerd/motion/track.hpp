@@ -11,12 +11,12 @@ namespace peerd::config {
 // time.
 struct Track {
   std::filesystem::path file;
-  bool loop = false, corners = false;  // as of waypoints
+  bool loop = false, corners = false;  // as in Waypoints
 };
 
 struct LoadedTrack {
   std::vector<Knot> knots;
-  bool turns = false;  // it has orientations
+  bool turns = false;  // the file has orientations
 };
 [[nodiscard]] Result<LoadedTrack> load_track(const Track& track);
 

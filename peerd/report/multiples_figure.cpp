@@ -52,7 +52,7 @@ Key key_of(const std::string& name, std::span<const RunRecord> runs) {
   return key;
 }
 
-// Which key goes where: columns, rows, colours. The ones that are not there have an empty name and one value.
+// The keys of columns, rows and colours. A key that the sweep does not have is an empty name with one value.
 struct Layout {
   Key columns, rows, colours;
 };
@@ -101,7 +101,7 @@ std::vector<std::string> key_names(const Layout& layout) {
 
 Stroke colour_stroke(std::size_t i) { return {.colour = colour_of(i), .width = 1.3, .dashes = i == 0 ? "" : "5 3"}; }
 
-// One observer is drawn: the first of the first run that has any.
+// The one observer that is drawn: the first observer of the first run that has any.
 std::optional<PeerInfo> observer_of(std::span<const RunRecord> runs, const std::string& path) {
   for (const RunRecord& run : runs) {
     const ObjectInfo* object = find_object(run, path);
@@ -125,7 +125,7 @@ Picture draw_frames(Svg& svg, Point at, const RunRecord& run, const FigureFrame&
   };
   Range position = range_of(frame.position_m);
   const double room = 0.06 * (position.hi - position.lo);
-  position = {position.lo - 2.5 * room, position.hi + room};  // the combs of updates need some below
+  position = {position.lo - 2.5 * room, position.hi + room};  // the combs of updates need room below
   const double error_y = at.y + MultiplesLayout::kPosition + MultiplesLayout::kGap;
   const double rate_y = error_y + MultiplesLayout::kError + MultiplesLayout::kGap;
   Picture picture{

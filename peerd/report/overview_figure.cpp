@@ -23,7 +23,7 @@ struct OverviewLayout {  // [px]
   static constexpr Box kRightBox{620.0, 92.0, 500.0, 310.0};
 };
 
-// What the overview needs of a run: means over the observers of the principal object.
+// The numbers of a run that the overview shows: means over the observers of the principal object.
 struct RunPoint {
   Params params;
   double error_m = 0.0;
@@ -45,7 +45,7 @@ RunPoint run_point(const Json& run, const std::string& path) {
   return point;
 }
 
-// Runs that differ in their seed alone are one point: their mean.
+// Runs that differ in their seed alone are one point, which is their mean.
 std::vector<RunPoint> mean_points(const std::vector<RunPoint>& runs, std::size_t repeat) {
   std::vector<RunPoint> points;
   for (std::size_t first = 0; first + repeat <= runs.size(); first += repeat) {
@@ -60,7 +60,7 @@ std::vector<RunPoint> mean_points(const std::vector<RunPoint>& runs, std::size_t
   return points;
 }
 
-// The swept key on the x axis: numeric in every run, with the most values; the first of equals.
+// The swept key of the x axis: numeric in every run, with the most values, and the first among equals.
 std::optional<std::string> x_key(const std::vector<RunPoint>& points, const std::vector<std::string>& keys) {
   std::optional<std::string> best;
   std::size_t most = 1;
@@ -80,7 +80,7 @@ std::optional<std::string> x_key(const std::vector<RunPoint>& points, const std:
   return best;
 }
 
-struct Combination {  // of the values of all keys but the one on the x axis
+struct Combination {  // values of all keys except that of the x axis
   std::string label;
   std::vector<const RunPoint*> runs;
   std::size_t colour = 0;
@@ -94,7 +94,7 @@ std::size_t index_in(std::vector<std::string>& list, const std::string& value) {
   return index;
 }
 
-// Colour tells the values of the last key apart, the pattern of dashes those of the keys before it.
+// Colours tell the values of the last key apart, and patterns of dashes those of the keys before it.
 std::vector<Combination> combinations_of(const std::vector<RunPoint>& points, const std::vector<std::string>& all_keys,
                                          const std::optional<std::string>& x) {
   std::vector<std::string> keys = all_keys;
@@ -155,7 +155,7 @@ void draw_lines(Svg& svg, const std::vector<Combination>& combinations, const st
   }
 }
 
-// With samples of the lines, the bars are also the lines' legend: it never lies over the curves.
+// Bars with samples of the lines are also the lines' legend, which then never lies over the curves.
 std::vector<BarEntry> combination_bars(const std::vector<Combination>& combinations, double RunPoint::*what,
                                        bool lines) {
   std::vector<BarEntry> bars;
@@ -172,7 +172,7 @@ struct BarPanel {
   int decimals = 0;
 };
 
-// A run alone: its observers side by side, and what each object cost.
+// The panels of a single run: its observers side by side, and the updates of each object.
 std::array<BarPanel, 2> single_panels(const Json& run, const std::string& path) {
   BarPanel errors{"ghost error of " + path + " [m]", {}, 3};
   BarPanel updates{"updates sent", {}, 0};
@@ -196,12 +196,12 @@ std::array<BarPanel, 2> single_panels(const Json& run, const std::string& path) 
   return {errors, updates};
 }
 
-// Several runs: errors (where they are not lines over x) and updates by combination.
+// The panels of several runs: errors (where they are not lines over x) and updates by combination.
 std::array<BarPanel, 2> sweep_panels(const std::vector<Combination>& combinations, const std::vector<std::string>& keys,
                                      bool lines) {
   BarPanel errors{"mean ghost error [m], mean over the observers", {}, 3};
   BarPanel updates{"updates sent", {}, 0};
-  if (lines && keys.size() == 1 && !combinations.empty()) {  // the only line: its cost changes along it
+  if (lines && keys.size() == 1 && !combinations.empty()) {  // the cost of a single line changes along it
     for (const RunPoint* run : combinations.front().runs) {
       updates.bars.push_back({describe(run->params, keys), run->updates, colour_of(0), {}});
     }

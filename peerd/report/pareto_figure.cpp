@@ -26,7 +26,7 @@ Stroke front_stroke(std::size_t i) {
   return {.colour = colour_of(i), .width = 2.0, .dashes = dashes_of(i / kColours.size())};
 }
 
-// The front as the stairs of what it takes: no more error for these bytes, no more bytes for this error.
+// The front is drawn as stairs: each step is the least error for its bytes.
 void draw_front(Svg& svg, const Panel& panel, const Situation& situation, const Stroke& stroke) {
   std::vector<RunCost> front;
   std::ranges::copy_if(situation.runs, std::back_inserter(front), &RunCost::on_front);
@@ -45,7 +45,7 @@ void draw_runs(Svg& svg, const Panel& panel, const Situation& situation, const S
   for (const RunCost& run : situation.runs) {
     const Point at = panel.at(run.bytes_per_s, run.error_m);
     svg.circle(at, 4.0, run.on_front ? stroke.colour : "#fff", {.colour = stroke.colour, .width = 1.6});
-    // A number that would lie on the one before it is left out: the table has it.
+    // A number that would cover the one before it is left out; the table has it.
     if (!run.on_front || (std::fabs(at.y - label_y) < 11.0 && std::fabs(at.x - label_x) < 24.0)) continue;
     svg.text({at.x + 6.0, at.y - 5.0}, std::to_string(run.run + 1), {.size = 10.0, .colour = "#444"});
     label_x = at.x;

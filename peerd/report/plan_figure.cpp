@@ -17,10 +17,11 @@ struct PlanLayout {  // [px]
   static constexpr double kLeft = 70.0;
   static constexpr double kTop = 86.0;
   static constexpr double kLongest = 1040.0;  // length of the longer side
-  static constexpr double kLeast = 60.0;      // length of the shorter side at least, for paths that are nearly straight
+  static constexpr double kLeast = 60.0;      // least length of the shorter side, for paths that are nearly straight
 };
 
-// World axes on the page: the longer extent lies, so that a road fits. Seen from +y: -z goes right when z lies.
+// Maps world axes to the page. The longer extent is horizontal, so that a road fits. The view is from +y; where z is
+// horizontal, -z points right.
 struct PlanAxes {
   int across = 0;
   int up = 2;
@@ -31,7 +32,7 @@ struct PlanAxes {
 
 struct PlanPaths {
   std::vector<Vec3> truth;
-  std::vector<std::vector<Vec3>> ghosts;  // by observer
+  std::vector<std::vector<Vec3>> ghosts;  // one for each observer
 };
 
 std::size_t worst_run(const nlohmann::ordered_json& summary, const std::string& path) {
@@ -89,7 +90,7 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
       paths.ghosts.back().push_back(s.ghost.position);
     }
   }
-  // Everything else that is replicated, where it stood first.
+  // The first places of all other objects that are replicated.
   std::vector<Vec3> others;
   for (const ObjectInfo& other : run.objects) {
     if (other.object == object->object) continue;

@@ -25,7 +25,7 @@ struct RunLayout : TimeFigureLayout {  // [px]
 
 int component_of(std::span<const RunRecord> runs, const std::string& path) {
   Vec3 bend = Vec3::Zero();   // greatest range without the straight line
-  Vec3 range = Vec3::Zero();  // and with it, for objects that go straight
+  Vec3 range = Vec3::Zero();  // greatest range with it, for objects that go straight
   for (const RunRecord& run : runs) {
     const ObjectInfo* object = find_object(run, path);
     const std::vector<PeerInfo> observers = object ? observers_of(run, *object) : std::vector<PeerInfo>{};
@@ -45,7 +45,7 @@ int component_of(std::span<const RunRecord> runs, const std::string& path) {
       if (!plain.empty()) range[c] = std::max(range[c], plain.hi - plain.lo);
     }
   }
-  // A straight line leaves nothing but rounding.
+  // For a straight line only rounding is left.
   const bool straight = bend.maxCoeff() <= 1e-9 * range.maxCoeff();
   Eigen::Index best = 0;
   (straight ? range : bend).maxCoeff(&best);
@@ -65,7 +65,7 @@ struct Marks {
   std::size_t wrong = 0;
 };
 
-// Contacts of the object as upright lines, updates as a comb on the time axis.
+// Draws contacts of the object as vertical lines, and its updates as a comb on the time axis.
 Marks draw_instants(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Agreement& judged,
                     const Panel& position, const Panel& error) {
   Marks marks;
@@ -89,8 +89,8 @@ Marks draw_instants(Svg& svg, const RunRecord& run, const ObjectInfo& object, co
   return marks;
 }
 
-// Where an observer's ghost met what it predicted: a ring if it is the outcome, a cross if there was no such one or it
-// came out on the other side.
+// Marks the places where an observer's ghost met something as predicted: a ring if that is the outcome, a cross if
+// there was no such outcome or it was on the other side.
 void draw_predictions(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Agreement& judged,
                       PeerId observer, const ErrorSeries& series, std::string_view colour, const Panel& position,
                       Marks& marks) {
@@ -180,7 +180,7 @@ std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size
 
   Range position_range = drawable(frame.position_m.at(latency_text(run)));
   const double room = 0.06 * (position_range.hi - position_range.lo);
-  position_range = {position_range.lo - 2.0 * room, position_range.hi + room};  // the comb of updates needs some below
+  position_range = {position_range.lo - 2.0 * room, position_range.hi + room};  // the comb of updates needs room below
   const Panel position(RunLayout::kPositionBox, {0.0, run.duration_s}, position_range);
   const Panel error(RunLayout::kErrorBox, {0.0, run.duration_s}, from_zero(frame.error_m.at(latency_text(run)).hi));
   const Panel rates(RunLayout::kRateBox, {0.0, run.duration_s}, from_zero(frame.rate_max_kB_s));

@@ -26,11 +26,11 @@ struct TimelineLayout : TimeFigureLayout {  // [px]
   static constexpr double kLane = 26.0;  // height of a peer's lane
 };
 
-constexpr std::size_t kMostCurves = 6;    // colours that can be told apart
-constexpr std::size_t kMostLanes = 10;    // peers
-constexpr std::size_t kMostMarks = 3000;  // more are a black bar, and megabytes
+constexpr std::size_t kMostCurves = 6;    // number of colours that can be told apart
+constexpr std::size_t kMostLanes = 10;    // number of peers
+constexpr std::size_t kMostMarks = 3000;  // more marks make a black bar, and megabytes
 
-// A value that holds from one point to the next, as a curve.
+// The curve of a value that holds from one point to the next.
 std::vector<Point> stepped(const std::vector<Point>& points, double end_x) {
   std::vector<Point> steps;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -52,7 +52,7 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// A curve a peer, those that send most first; what the others send is not drawn, but counted in the legend.
+// Draws a curve for each of the peers that send most. The others are counted in the legend.
 void draw_rates(Svg& svg, const RunRecord& run, const Panel& panel) {
   panel.draw_axes(svg, {.y = "sent [kB/s]", .x_ticks = 16, .y_ticks = 5});
   struct Sender {
@@ -68,7 +68,7 @@ void draw_rates(Svg& svg, const RunRecord& run, const Panel& panel) {
   std::ranges::stable_sort(senders, std::ranges::greater{}, &Sender::mean);
   std::vector<LegendEntry> legend;
   const std::size_t drawn = std::min(kMostCurves, senders.size());
-  for (std::size_t i = drawn; i-- > 0;) {  // the greatest on top
+  for (std::size_t i = drawn; i-- > 0;) {  // the greatest is drawn last, on top
     panel.draw_curve(svg, rate_steps(senders[i].rates, run.duration_s), observer_stroke(i));
   }
   for (std::size_t i = 0; i < drawn; ++i) {
@@ -82,7 +82,7 @@ void draw_rates(Svg& svg, const RunRecord& run, const Panel& panel) {
   draw_legend(svg, {TimelineLayout::kLeft, TimelineLayout::kRateBox.y - 9.0}, TimelineLayout::kPlotWidth, legend);
 }
 
-// An update's threshold is said to hold until the next update: nobody is told of changes in between.
+// Draws the threshold of each update as valid until the next one. Changes in between are not published.
 void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Panel& panel) {
   panel.draw_axes(svg, {.y = "threshold [m]", .x_ticks = 16, .y_ticks = 5});
   std::vector<Point> points;
@@ -91,7 +91,7 @@ void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, c
   }
   const Stroke stroke{.colour = colour_of(0), .width = 1.5};
   panel.draw_curve(svg, stepped(points, run.duration_s), stroke);
-  // A line from update to update, as long as these can be told apart.
+  // Updates are marked as long as the marks can be told apart.
   if (static_cast<double>(points.size()) < 0.5 * TimelineLayout::kPlotWidth) {
     for (const Point& p : points) svg.circle(panel.at(p.x, p.y), 2.2, colour_of(0), stroke);
   }
@@ -103,7 +103,7 @@ void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, c
 
 enum class ContactMark : std::uint8_t { kHappened, kDecided, kPredicted, kWrong, kApplied };
 
-// What a mark says of a contact's row; nothing for what only repeats another.
+// The mark of a contact's row; none for a row that only repeats another.
 std::optional<ContactMark> mark_of(const ContactRow& contact, Verdict verdict) {
   switch (verdict) {
     case Verdict::kOutcome:
@@ -161,7 +161,8 @@ std::vector<LegendEntry> lanes_legend(std::span<const std::size_t> counts) {
   return legend;
 }
 
-// A lane a peer: what it said of contacts, at the contact's time, with a line to when it knew.
+// Draws a lane for each peer with its statements about contacts at the contact's time, and a line to when the peer
+// knew.
 void draw_lanes(Svg& svg, const RunRecord& run, std::size_t lanes, const Panel& panel) {
   panel.draw_axes(svg, {.x = "time [s]", .x_ticks = 16, .y_ticks = 0});
   const auto middle = [](std::size_t lane) {

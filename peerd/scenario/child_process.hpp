@@ -7,7 +7,8 @@
 
 namespace peerd {
 
-// A program that runs as a child of this one, its output in a file. It is ended at the latest with this object.
+// A program that runs as a child of this process and writes its output to a file. The child ends at the latest with
+// this object.
 class ChildProcess {
  public:
   // `name` is what messages call it, `command` the program and its arguments. A program that cannot be started counts
@@ -19,7 +20,7 @@ class ChildProcess {
   ~ChildProcess();
 
   [[nodiscard]] bool running();
-  // Makes it leave (SIGTERM), or ends it at once and without a word (SIGKILL).
+  // Makes the child leave (SIGTERM), or ends it at once (SIGKILL).
   void end(int signal);
   [[nodiscard]] bool killed() const { return killed_; }
   // The child's exit code; 3 where a signal or the system ended it.

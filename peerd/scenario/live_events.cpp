@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Longer than a peer's tick takes; the others' events must not wait for one that is stuck.
+// This is longer than a peer's tick takes. Events of other peers must not wait for one that hangs.
 constexpr std::chrono::milliseconds kAnswerWithin{200};
 
 }  // namespace
@@ -55,7 +55,7 @@ LiveEvents::LiveEvents(LiveEvents&& other) noexcept
       done_(other.done_) {}
 
 LiveEvents::~LiveEvents() {
-  std::error_code ignored;  // a socket that is left in it harms nobody
+  std::error_code ignored;  // a socket that is left in the folder does no harm
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }
 
@@ -64,7 +64,7 @@ const config::ScenarioEvent* LiveEvents::take_due() {
   const auto now = std::chrono::steady_clock::now();
   if (!begin_) {
     const auto reply = api::ask(control(), R"({"do":"status"})", kAnswerWithin);
-    if (!reply) return nullptr;  // it has not opened its socket yet
+    if (!reply) return nullptr;  // the peer has not opened its socket yet
     const auto status = nlohmann::json::parse(*reply, nullptr, false);
     if (!status.is_object() || !status.contains("since_start_s") || !status["since_start_s"].is_number())
       return nullptr;

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 // A peer takes two seconds to join and none to leave; one that is not done so long after the scenario's end hangs.
 constexpr std::chrono::seconds kGrace{20};
 
-// JSON is TOML but for its tables.
+// JSON values are TOML values, except for tables.
 std::string toml_value(const nlohmann::ordered_json& value) {
   if (!value.is_structured()) return value.dump();
   std::string text;
@@ -47,7 +47,7 @@ sigset_t stop_signals() {
 
 constexpr std::chrono::milliseconds kWait{20};
 
-// Waits that long for one of them; they are blocked, so that the peers can be ended before this process is.
+// Waits kWait for a stop signal. The signals are blocked, so that the peers can be ended before this process ends.
 bool asked_to_stop() {
   const sigset_t signals = stop_signals();
   const timespec wait{0, std::chrono::nanoseconds(kWait).count()};
@@ -74,7 +74,7 @@ std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSe
   for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));
   set("seed=" + std::to_string(run.seed));
   const std::uint32_t port = run.transport.port.value_or(static_cast<std::uint32_t>(launch.port));
-  if (run.transport.multicast == config::kMulticastNever) {  // by unicast each has a port of its own
+  if (run.transport.multicast == config::kMulticastNever) {  // each peer needs a port of its own
     std::string all;
     for (std::uint32_t i = 0; i < run.peers.size(); ++i) {
       if (run.peers[i].id == peer.id) set("transport.port=" + std::to_string(port + i));
@@ -93,7 +93,7 @@ std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSe
   return command;
 }
 
-// The command in the peer's place: its namespace, where the peers have any.
+// The command as it runs in the peer's namespace, where the run has a lab.
 std::vector<std::string> in_place(const LiveRun& launch, std::size_t peer, const std::vector<std::string>& command) {
   std::vector<std::string> words = launch.lab ? netem::Lab::inside(peer) : std::vector<std::string>{};
   words.insert(words.end(), command.begin(), command.end());
@@ -111,8 +111,8 @@ Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSe
                                       std::vector<double>& oversleep_ms) {
   auto events = LiveEvents::make(run.events);
   if (!events) return std::unexpected(events.error());
-  std::vector<std::unique_ptr<ChildProcess>> captures;  // end when the peers have
-  std::vector<std::unique_ptr<ChildProcess>> children;  // in the order in which they came
+  std::vector<std::unique_ptr<ChildProcess>> captures;  // end after the peers
+  std::vector<std::unique_ptr<ChildProcess>> children;  // in the order of starting
   const auto stem_of = [&](const std::string& peer) { return (launch.out / (launch.run_name + "." + peer)).string(); };
   const auto start = [&](const config::PeerSettings& peer) {
     const std::string record = stem_of(peer.name) + ".rows";
@@ -185,7 +185,7 @@ Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSe
   if (show_progress) std::cerr << "\r\033[K";
   std::vector<PeerLog> logs;
   for (const auto& child : children) {
-    if (child->killed()) continue;  // it had no time to write its record
+    if (child->killed()) continue;  // a killed peer has written no record
     auto log = load_peer_log(stem_of(child->name()) + ".rows");
     if (!log) return std::unexpected(log.error());
     logs.push_back(std::move(*log));

@@ -4,8 +4,8 @@
 
 namespace peerd::sim {
 
-// One run of a scenario as its report has it: simulated, its logs laid side by side, the areas of interest judged, and,
-// where the scenario asks for it (decisions.compare), its outcomes compared with those of the same run without latency.
+// Simulates one run and gives its record: the logs laid side by side, the areas of interest judged and, where the
+// scenario asks for it (decisions.compare), the outcomes compared with those of the same run without latency.
 [[nodiscard]] Result<report::RunRecord> simulated_run(const config::RunSettings& run, const SharedWorld& shared,
                                                       const Observer& observer = {},
                                                       const KeyObserver& key_observer = {},
