@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -10,9 +11,16 @@
 #include "peerd/commands/bake_command.hpp"
 #include "peerd/commands/check_command.hpp"
 #include "peerd/commands/collide_command.hpp"
-#include "peerd/commands/commands.hpp"
-#include "peerd/os/host_clock.hpp"
+#include "peerd/commands/ctl_command.hpp"
+#include "peerd/commands/doctor_command.hpp"
 #include "peerd/commands/print.hpp"
+#include "peerd/commands/replay_command.hpp"
+#include "peerd/commands/run_command.hpp"
+#include "peerd/commands/scenario_command.hpp"
+#include "peerd/commands/scenario_options.hpp"
+#include "peerd/commands/sim_command.hpp"
+#include "peerd/input/json_line.hpp"
+#include "peerd/os/host_clock.hpp"
 
 namespace peerd {
 namespace {
@@ -20,15 +28,15 @@ namespace {
 constexpr int kWrongUse = 2;
 constexpr int kEnvironment = 3;
 
-// What `peerd run` takes instead of, or over, a configuration file.
+// The options of `peerd run` that stand for settings, in place of a configuration file or over it.
 struct RunFlags {
   std::string world, name, interface, group;
   std::optional<std::uint32_t> id, port;
-  std::vector<std::string> owns;
+  std::vector<std::string> owns, enslaves;  // two names of one option
 };
 
-// A number for a peer that was given none. Two that start in the same microsecond clash, and say so; configured peers,
-// whose numbers are lower, go first in decisions.
+// A number for a peer that was given none. Two peers that start in the same microsecond clash, and say so. Configured
+// peers have lower numbers and therefore go first in decisions.
 std::uint32_t number_by_clock() {
   const std::int64_t us = net::HostClock().now().time_since_epoch() / std::chrono::microseconds(1);
   return 1'000'000'000 + static_cast<std::uint32_t>(us % 3'000'000'000);
@@ -48,14 +56,14 @@ std::vector<std::string> network_settings(const RunFlags& flags) {
   return sets;
 }
 
-// The flags as the settings that they stand for. Without a configuration there is one peer, which the flags describe.
+// The settings that the options stand for. Without a configuration there is one peer, which the options describe.
 std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options) {
   std::vector<std::string> sets;
   if (!flags.world.empty()) sets.push_back("world=" + json_line(std::filesystem::absolute(flags.world).string()));
   if (options.config.empty()) {
     options.peer = flags.name.empty() ? "peer" : flags.name;
     sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : number_by_clock()));
-    sets.push_back("peer." + options.peer + ".enslaves=" + json_line(flags.owns));
+    sets.push_back("peer." + options.peer + ".owns=" + json_line(flags.owns));
   }
   for (const std::string& set : network_settings(flags)) sets.push_back(set);
   sets.insert(sets.end(), options.sets.begin(), options.sets.end());
@@ -83,8 +91,12 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_option("--peer", peer.peer, "which of the configuration's peers");
   command.add_option("--name", flags.name, "this peer's name, without a configuration");
   command.add_option("--id", flags.id, "this peer's number; each peer needs its own");
-  command.add_option("--enslave", flags.owns, "a node of the world that this peer runs (repeatable)")
-      ->allow_extra_args(false);
+  auto* const own = command.add_option("--own", flags.owns, "a node of the world that this peer runs (repeatable)")
+                        ->allow_extra_args(false);
+  command.add_option("--enslave", flags.enslaves, "the former name of --own")
+      ->allow_extra_args(false)
+      ->excludes(own)
+      ->group("");  // not in the help
   add_network_options(command, flags);
   command.add_option("--control", peer.control,
                      "where peerd ctl reaches this peer: the path of a socket, or \"\" for none");
@@ -94,7 +106,7 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
 }
 
-// The key of `peerd ctl key`, and what is held down with it.
+// The key of `peerd ctl key`, with the modifiers that are held down.
 struct KeyFlags {
   std::string name;
   bool shift = false, control = false, alt = false, meta = false, keypad = false;
@@ -162,8 +174,7 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   }
   const bool held = key.shift || key.control || key.alt || key.meta || key.keypad;
   if (key.value ? held : key.state != 0) {
-    return std::unexpected(
-        InputError{"error: --shift and its like go with a key's name, --state goes with --value"});
+    return std::unexpected(InputError{"error: --shift and its like go with a key's name, --state goes with --value"});
   }
   if (key.value) return nlohmann::json{{"do", "key"}, {"value", *key.value}, {"state", key.state}}.dump();
   const auto named = find_key(
@@ -172,16 +183,16 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   return nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}}.dump();
 }
 
-// What is asked of a world without a peer.
+// The commands about a world without a peer.
 struct WorldCommands {
   std::string world;
   CheckOptions check;
   CollideOptions collide;
-  bool bake_json = false;
+  BakeOptions bake;
   CLI::App *check_command = nullptr, *collide_command = nullptr, *bake_command = nullptr;
 };
 
-// The options live in `worlds`, which stays at its place.
+// The options are stored in `worlds`, which must stay at its place.
 void add_world_commands(CLI::App& app, WorldCommands& worlds) {
   const auto add = [&](const char* name, const char* what, bool& json) {
     CLI::App* const command = app.add_subcommand(name, what);
@@ -213,8 +224,8 @@ void add_world_commands(CLI::App& app, WorldCommands& worlds) {
         return std::isfinite(hz) && hz > 0.0 ? "" : "a frequency is a positive number of ticks a second";
       });
   worlds.collide_command->add_flag("--realigned-boxes", worlds.collide.realigned_boxes,
-                                   "type box by the seed's larger boxes, which no vertex is read for");
-  worlds.bake_command = add("bake", "write the hierarchy files that a world's Shapes name", worlds.bake_json);
+                                   "type box by the thesis's larger boxes, which no vertex is read for");
+  worlds.bake_command = add("bake", "write the hierarchy files that a world's Shapes name", worlds.bake.json);
 }
 
 int run(int argc, char** argv) {
@@ -293,17 +304,21 @@ int run(int argc, char** argv) {
   }
   if (*worlds.check_command) return run_check(worlds.world, worlds.check, std::cout, std::cerr);
   if (*worlds.collide_command) return run_collide(worlds.world, worlds.collide, std::cout, std::cerr);
-  if (*worlds.bake_command) return run_bake(worlds.world, worlds.bake_json, std::cout, std::cerr);
+  if (*worlds.bake_command) return run_bake(worlds.world, worlds.bake, std::cout, std::cerr);
   if (*replay_command) return run_replay(replay);
   if (*sim_command) return run_sim(sim);
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
   if (peer.config.empty() && flags.world.empty()) {
     return failed({"error: give a configuration (--config FILE) or a world (--world FILE)", kWrongUse});
   }
+  if (!flags.enslaves.empty()) {
+    print_warnings(std::array{std::string("warning: --enslave is now called --own")});
+    flags.owns = std::move(flags.enslaves);
+  }
   const bool describes_peer = !flags.name.empty() || flags.id || !flags.owns.empty();
   if (!peer.config.empty() && describes_peer) {
     return failed(
-        {"error: --name, --id and --enslave describe a peer without a configuration; change one of the "
+        {"error: --name, --id and --own describe a peer without a configuration; change one of the "
          "configuration's by --set, such as --set peer.a.id=5",
          kWrongUse});
   }

@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "collision/scene/scene_query.hpp"
-#include "peerd/input/hierarchy_files.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/hierarchy_files.hpp"
 
 namespace peerd {
 
-int run_bake(const std::string& path, bool json, std::ostream& out, std::ostream& err) {
+int run_bake(const std::string& path, const BakeOptions& options, std::ostream& out, std::ostream& err) {
   const auto file = open_world(path, err);
   if (!file) return file.error();
   collision::SceneQuery query(*(*file)->result.scene);
@@ -27,9 +27,9 @@ int run_bake(const std::string& path, bool json, std::ostream& out, std::ostream
       return 3;
     }
     files.push_back({{"path", written->string()}, {"bytes", bytes.size()}});
-    if (!json) out << written->string() << ": " << counted(bytes.size(), "byte") << '\n';
+    if (!options.json) out << written->string() << ": " << counted(bytes.size(), "byte") << '\n';
   }
-  if (json) {
+  if (options.json) {
     const nlohmann::ordered_json all = {{"world", path}, {"files", std::move(files)}};
     out << all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
   } else if (baked->empty()) {

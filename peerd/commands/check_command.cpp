@@ -21,8 +21,8 @@
 #include "core/scene/scene_defects.hpp"
 #include "core/scene/scene_statistics.hpp"
 #include "core/writer/writer.hpp"
-#include "peerd/input/world_file.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/world_file.hpp"
 #include "replication/motion/motion_world.hpp"
 
 namespace peerd {
@@ -30,18 +30,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-
-// A short text can ask for many more. These take about 20 s, and 2 GB where half of them are one geometry's, the most
-// that the reader allows.
+// A short text can ask for many more polygons. So many take about 20 s, and 2 GB where half of them are one geometry's,
+// which is the most that the reader allows.
 constexpr std::uint64_t kMostPolygons = std::uint64_t{1} << 25;
 
-// Of the meshes that collision makes of the objects that interests name: one that stands inside another is made again.
+// The number of polygons in the meshes that collision makes of objects that interests name. An object inside another
+// one counts again.
 std::uint64_t polygons_of_bodies(const Scene& scene) {
   std::vector<std::uint64_t> of_geometry;
   for (const Geometry& geometry : scene.geometries) {
     of_geometry.push_back(mesh_size(geometry, scene.tessellation).polygons);
   }
-  std::vector<std::uint64_t> before = {0};  // by instance: those of the instances before it
+  std::vector<std::uint64_t> before = {0};  // number of polygons of the instances before each instance
   for (const Instance& instance : scene.instances) {
     const bool solid = instance.geometry != Instance::kNone && instance.collides;
     before.push_back(before.back() + (solid ? of_geometry[instance.geometry] : 0));
@@ -56,13 +56,13 @@ std::uint64_t polygons_of_bodies(const Scene& scene) {
   return polygons;
 }
 
-// All that there is to print. Without a file, only the first two.
+// All that is printed. Without a file, only the first two members count.
 struct Finding {
   std::string path;
   double read_ms = 0.0;
   const ReadResult* result = nullptr;
   double defects_ms = 0.0;
-  SceneStatistics statistics{};  // these three of a good world
+  SceneStatistics statistics{};  // these three are of a good world
   std::optional<SceneDefects> defects{};
   std::vector<std::string> unsupported{};
 
@@ -101,7 +101,7 @@ StatisticsRows rows_of(const SceneStatistics& s) {
            {"pending_inlines", s.pending_inlines, ""}}};
 }
 
-// In the order of Defect.
+// The rows are in the order of Defect.
 DefectRows polygon_rows_of(const SceneDefects& d) {
   return {{{"degenerate", d[Defect::kDegenerate].polygons, "polygons without an area"},
            {"duplicate", d[Defect::kDuplicate].polygons, "with the corners of an earlier one"},
@@ -223,7 +223,7 @@ Json to_json(const Finding& finding) {
     for (const Row& row : rows_of(finding.statistics)) statistics[row.name] = row.count;
     if (finding.defects) defects = defects_to_json(*finding.defects, *finding.result->scene);
   }
-  const auto rounded = [](double ms) { return std::round(ms * 1e3) / 1e3; };  // to microseconds
+  const auto rounded = [](double ms) { return std::round(ms * 1e3) / 1e3; };  // rounded to microseconds
   return {{"world", finding.path},
           {"good", finding.good()},
           {"errors", std::move(errors)},
@@ -237,12 +237,12 @@ Json to_json(const Finding& finding) {
           {"defects_ms", rounded(finding.defects_ms)}};
 }
 
-// A path or a message may hold bytes that are no UTF-8, and JSON may not.
+// Paths and messages may hold bytes that are not UTF-8, which JSON may not.
 void print(const Json& json, std::ostream& out) {
   out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
 }
 
-// The file as a whole is the problem. InputError's text begins with "PATH: error: ", for people.
+// The file as a whole cannot be read. InputError's text begins with "PATH: error: ", which JSON has as `file`.
 Json unreadable(const Finding& finding, std::string_view text) {
   const std::string prefix = finding.path + ": error: ";
   if (text.starts_with(prefix)) text.remove_prefix(prefix.size());
@@ -301,7 +301,7 @@ int run_check(const std::string& path, const CheckOptions& options, std::ostream
   finding.result = &(*file)->result;
   if (finding.good()) {
     const Scene& scene = *finding.result->scene;
-    // What its interests ask for and collision can't answer yet: no error of the world's.
+    // Interests that collision cannot answer are not errors of the world.
     if (polygons_of_bodies(scene) <= kMostPolygons) {
       finding.unsupported = replication::make_world_model(scene)->unsupported;
     } else {

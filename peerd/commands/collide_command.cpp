@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <map>
 #include <ostream>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "collision/scene/collision_watch.hpp"
 #include "collision/scene/scene_query.hpp"
-#include "core/motion/predefined_motion.hpp"
-#include "peerd/input/hierarchy_files.hpp"
+#include "core/motion/scene_motion.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/hierarchy_files.hpp"
 
 namespace peerd {
 namespace {
@@ -38,43 +36,14 @@ const char* name_of(CollisionType type) {
   return "";
 }
 
-// What the file says, what its own movement makes of it by then, and, where nothing else moves an object, its
-// velocityVector since time 0 (seed, equation C.1). For a SceneQuery or a CollisionWatch.
-class WorldMotion {
- public:
-  explicit WorldMotion(const Scene& scene) : scene_(scene), motion_(scene), transforms_(scene.transforms) {}
-
-  template <class Target>
-  void go_to(Target& target, double t_s) {
-    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-      if (scene_.instances[i].transform == Instance::kNone) continue;
-      TransformFields& fields = transforms_[scene_.instances[i].transform];
-      fields.translation = scene_.transform({i}).translation + scene_.object({i}).velocity * t_s;
-    }
-    for (const ObjectId id : motion_.driven_transforms()) {
-      transforms_[scene_.at(id).transform] = motion_.transform(id, t_s);
-    }
-    target.set_transforms(transforms_);
-    for (const std::uint32_t geometry : motion_.flexible_geometries()) bend(target, geometry, t_s);
+// Brings a SceneQuery or a CollisionWatch to a world time.
+template <class Target>
+void go_to(Target& target, SceneMotion& motion, double t_s) {
+  target.set_transforms(motion.transforms_at(t_s));
+  for (SceneMotion::MovedGeometry& moved : motion.moved_geometries(t_s)) {
+    target.reshape(moved.index, std::move(moved.form));
   }
-
- private:
-  // Only where vertices have moved since the last time.
-  template <class Target>
-  void bend(Target& target, std::uint32_t geometry, double t_s) {
-    Geometry form = motion_.geometry(geometry, t_s);
-    const auto& points = std::get<FaceSetGeometry>(form).points;
-    const auto& [last, is_new] = points_.try_emplace(geometry, points);
-    if (!is_new && std::ranges::equal(last->second, points)) return;
-    last->second = points;
-    target.reshape(geometry, std::move(form));
-  }
-
-  const Scene& scene_;
-  PredefinedMotion motion_;
-  std::vector<TransformFields> transforms_;
-  std::map<std::uint32_t, SharedArray<Eigen::Vector3f>> points_;  // by geometry
-};
+}
 
 struct Answer {
   ObjectId collider, collidee;
@@ -105,7 +74,7 @@ Json to_json(const collision::SceneQueryCounters& counters) {
 }
 
 void print_text(const Scene& scene, const Answer& answer, std::ostream& out) {
-  constexpr std::size_t kShown = 20;  // of an interest's pairs
+  constexpr std::size_t kShown = 20;  // pairs of an interest that are printed
   out << scene.path_of(answer.collider) << " - " << scene.path_of(answer.collidee) << " (" << name_of(answer.type)
       << "): " << (answer.collision.colliding ? "colliding" : "apart");
   const auto& pairs = answer.collision.pairs;
@@ -127,7 +96,7 @@ Json to_json(const Scene& scene, double time_s, const char* event, const collisi
           {"type", name_of(interest.type)}};
 }
 
-// One tick's, as lines or into `events`.
+// Reports one tick as lines, or as elements of `events`.
 void report_tick(const Scene& scene, double time_s, const collision::CollisionWatch& watch,
                  const collision::CollisionWatch::Tick& tick, bool json, Json& events, std::ostream& out) {
   const auto report = [&](const char* event, std::uint32_t i) {
@@ -156,15 +125,15 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
   const auto start = std::chrono::steady_clock::now();
   collision::CollisionWatch watch(scene, config::mapped_hierarchies(path));
   watch.set_box_bound(box_bound(options));
-  WorldMotion motion(scene);
+  SceneMotion motion(scene);
   Json events = Json::array();
   std::uint64_t ticks = 0;
   for (double before_s = -std::numeric_limits<double>::infinity();; ++ticks) {
     const double time_s = options.at_s + static_cast<double>(ticks) / options.hz;
-    // So late that a tick is less than a step of the numbers, time stands still.
+    // Time stands still where a tick is less than a step of the binary64 numbers.
     if (!(time_s <= *options.until_s && time_s > before_s)) break;
     before_s = time_s;
-    motion.go_to(watch, time_s);
+    go_to(watch, motion, time_s);
     const collision::CollisionWatch::Tick& tick = watch.tick();
     if (!tick.refused.empty()) {
       err << path << ": error: " << tick.refused.front().why << '\n';
@@ -206,7 +175,8 @@ int run_collide(const std::string& path, const CollideOptions& options, std::ost
   const auto start = std::chrono::steady_clock::now();
   collision::SceneQuery query(scene, config::mapped_hierarchies(path));
   query.set_box_bound(box_bound(options));
-  WorldMotion(scene).go_to(query, options.at_s);
+  SceneMotion motion(scene);
+  go_to(query, motion, options.at_s);
   std::vector<Answer> answers;
   for (const CollisionInterest& interest : scene.interests) {
     for (const ObjectId collidee : interest.collidees) {

@@ -5,40 +5,39 @@
 
 namespace peerd {
 
-// `peerd collide WORLD.wrl`: all registered interests, once, or tick by tick. Problems of the world go to `err` as
-// `peerd check` prints them. Returns the exit code: 0 good, colliding or not; 1 the world has errors, or a Shape whose
-// vertices can't be used; 2 there is no such file; 3 it can't be read.
+// `peerd collide WORLD.wrl` answers all registered interests, once, or tick by tick. Problems of the world go to `err`
+// as `peerd check` prints them. Returns the exit code: 0 good, colliding or not; 1 the world has errors, or a Shape
+// whose vertices can't be used; 2 there is no such file; 3 it can't be read.
 //
-// With `json`, one object to `out` (nothing where there is no world to ask):
-//   world      the path as it was given
-//   time_s     when
+// With `json` it prints one object to `out` (nothing where there is no world to ask):
+//   world      path as it was given
+//   time_s     time of the query
 //   interests  [{collider, collidee, type, colliding, pairs}], one for each collidee of each CollisionInterest, in file
 //              order. `type` is box, witness or allpairs; `pairs` is [{a: [SHAPE, POLYGON], b: [SHAPE, POLYGON]}], a of
 //              the collider and b of the collidee: none for a box, one for a witness, for allpairs all, sorted by the
 //              Shapes' places in the file. A path is DEF names, or child indices where there is none, joined by '/'.
 //   counters   hierarchies_built, nodes_built, bv_tests, polygon_tests (of triangles of polygons), exact_tests
-//   micros     wall clock, from the world as read to the answers
+//   micros     wall-clock time from the world as read to the answers
 //
-// With `until_s`, tick by tick from `at_s` on, as the world's own motion goes: what begins and what ends. A line an
-// event, or one object:
+// With `until_s` it goes tick by tick from `at_s` on, as the world's own motion does, and reports which collisions
+// begin and which end, a line for each event, or one object:
 //   world, time_s   as above
-//   until_s, hz     until when, and ticks a second: tick k is at time_s + k / hz, as long as that is no later
-//   ticks           how many there were
+//   until_s, hz     end, and ticks a second: tick k is at time_s + k / hz, as long as that is no later
+//   ticks           number of ticks
 //   events          [{time_s, event: "began"|"ended", collider, collidee, type}] of interests, and
 //                   [{time_s, event: "notColliding", object, value}] of Transforms, the eventOut of that name; by time,
-//                   those that ended first, then those that began, in file order, then Transforms in file order. What
-//                   collides at the start begins there.
-//   counters        those above, and pairs_far, pairs_unmoved, pairs_separated (pairs of objects passed over: their
-//   boxes
-//                   are apart; neither moved; neither has gone as far as they were apart), pairs_asked, pairs_witnessed
-//                   (of Shapes: still touching where they did), pairs_tested
+//                   those that ended first, then those that began, in file order, then Transforms in file order. A
+//                   collision at the start begins there.
+//   counters        the counters above, and pairs_far, pairs_unmoved, pairs_separated (pairs of objects passed over:
+//                   their boxes are apart; neither moved; neither has gone as far as they were apart), pairs_asked,
+//                   pairs_witnessed (of Shapes: still touching where they did), pairs_tested
 //   micros          as above; evaluating the motion counts, too
 struct CollideOptions {
   bool json = false;
-  double at_s = 0.0;  // TimeSensor time; velocityVectors have moved their objects since 0
+  double at_s = 0.0;  // TimeSensor time [s]; velocityVectors have moved their objects since 0
   std::optional<double> until_s{};
   double hz = 60.0;
-  bool realigned_boxes = false;  // type box by the seed's larger boxes: collision::BoxBound
+  bool realigned_boxes = false;  // type box by the thesis's larger boxes: collision::BoxBound
 };
 [[nodiscard]] int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out,
                               std::ostream& err);

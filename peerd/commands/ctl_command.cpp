@@ -1,29 +1,30 @@
+#include "peerd/commands/ctl_command.hpp"
+
 #include <iostream>
 
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "peerd/commands/print.hpp"
 #include "peerd/control/control_client.hpp"
 #include "peerd/control/control_path.hpp"
-#include "peerd/commands/commands.hpp"
-#include "peerd/commands/print.hpp"
 
 namespace peerd {
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
-std::string vector(const json& v) {
+std::string vector(const Json& v) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>());
 }
 
-std::string motion_of(const json& object) {
+std::string motion_of(const Json& object) {
   if (object.value("outside", false)) return " by a program outside";
   return object.at("driven").get<bool>() ? " by a formula" : "";
 }
 
-void print_objects(const json& reply) {
-  for (const json& o : reply.at("objects")) {
+void print_objects(const Json& reply) {
+  for (const Json& o : reply.at("objects")) {
     std::cout << fmt::format("{}, run by peer {}{}: at {} m, velocity {} m/s\n", o.at("path").get<std::string>(),
                              o.at("owner").get<std::uint64_t>(), motion_of(o), vector(o.at("position_m")),
                              vector(o.at("velocity_m_s")));
@@ -31,9 +32,9 @@ void print_objects(const json& reply) {
   if (!reply.at("next").is_null()) std::cout << "and more: see peerd ctl objects\n";
 }
 
-// The reply of a peer that did what it was asked.
-Result<json> read_reply(const std::filesystem::path& socket, const std::string& line) {
-  json reply = json::parse(line, nullptr, /*allow_exceptions=*/false);
+// Reads a reply and refuses one that reports an error.
+Result<Json> read_reply(const std::filesystem::path& socket, const std::string& line) {
+  Json reply = Json::parse(line, nullptr, /*allow_exceptions=*/false);
   const bool understood =
       reply.is_object() && reply.contains("ok") && reply.at("ok").is_boolean() && reply.value("v", 0) == 1;
   if (!understood) {
@@ -46,29 +47,29 @@ Result<json> read_reply(const std::filesystem::path& socket, const std::string& 
   return reply;
 }
 
-// A peer lists so many objects or peers at a time; the rest is asked for until there is none.
-Result<void> fetch_rest(const std::filesystem::path& socket, const char* what, json& reply) {
+// A reply lists a limited number of objects or peers; further ones are requested until none is left.
+Result<void> fetch_rest(const std::filesystem::path& socket, const char* what, Json& reply) {
   while (!reply.at("next").is_null()) {
-    const auto line = api::ask(socket, json{{"do", what}, {"from", reply.at("next")}}.dump());
+    const auto line = api::ask(socket, Json{{"do", what}, {"from", reply.at("next")}}.dump());
     if (!line) return std::unexpected(line.error());
     auto more = read_reply(socket, *line);
     if (!more) return std::unexpected(more.error());
-    for (json& row : more->at(what)) reply.at(what).push_back(std::move(row));
+    for (Json& row : more->at(what)) reply.at(what).push_back(std::move(row));
     reply.at("next") = more->at("next");
   }
   return {};
 }
 
-// "12.345 ms", or what is said where nothing is known.
-std::string milliseconds(const json& t, const char* unknown = "unknown") {
+// A time such as "12.345 ms", or `unknown` where the peer does not know it.
+std::string milliseconds(const Json& t, const char* unknown = "unknown") {
   return t.is_null() ? unknown : fmt::format("{:.3f} ms", t.get<double>());
 }
 
-std::string percent(const json& part) {
+std::string percent(const Json& part) {
   return part.is_null() ? "unknown" : fmt::format("{:.1f} %", 100.0 * part.get<double>());
 }
 
-void print_clock(const json& clock) {
+void print_clock(const Json& clock) {
   std::cout << fmt::format(
       "session time: {} ahead of this host's clock, error at most {}, {} to slew; the OS clock {}\n",
       milliseconds(clock.at("offset_ms")), milliseconds(clock.at("error_ms")), milliseconds(clock.at("to_slew_ms")),
@@ -76,9 +77,9 @@ void print_clock(const json& clock) {
                                               : "is off by at most " + milliseconds(clock.at("os_clock_error_ms")));
 }
 
-void print_peers(const json& reply) {
+void print_peers(const Json& reply) {
   print_clock(reply.at("clock"));
-  for (const json& p : reply.at("peers")) {
+  for (const Json& p : reply.at("peers")) {
     std::cout << fmt::format(
         "peer {} (id {}){}: round trip {}, clock ahead by {} ({} to {}), error {}; {} datagrams, {} bytes; lost here "
         "{}, "
@@ -90,7 +91,7 @@ void print_peers(const json& reply) {
         p.at("datagrams_in").get<std::uint64_t>(), p.at("bytes_in").get<std::uint64_t>(), percent(p.at("loss_in")),
         percent(p.at("loss_out")), p.at("duplicates").get<std::uint64_t>(), p.at("overtaken").get<std::uint64_t>());
   }
-  for (const json& r : reply.at("regions")) {
+  for (const Json& r : reply.at("regions")) {
     std::cout << fmt::format("region {}: {} datagrams, {} bytes in; {}, {} out", r.at("region").get<std::uint64_t>(),
                              r.at("datagrams_in").get<std::uint64_t>(), r.at("bytes_in").get<std::uint64_t>(),
                              r.at("datagrams_out").get<std::uint64_t>(), r.at("bytes_out").get<std::uint64_t>());
@@ -100,8 +101,8 @@ void print_peers(const json& reply) {
   }
 }
 
-void print_status(const json& reply) {
-  const auto seconds = [](const json& t) {
+void print_status(const Json& reply) {
+  const auto seconds = [](const Json& t) {
     return t.is_null() ? "none yet" : fmt::format("{:.3f} s", t.get<double>());
   };
   std::cout << fmt::format("peer {} (id {}): {}, world time {}, since the start {}\n",
@@ -112,7 +113,7 @@ void print_status(const json& reply) {
   std::cout << fmt::format("session time is {} ahead of this host's clock, error at most {}\n",
                            milliseconds(reply.at("session").at("clock_offset_ms")),
                            milliseconds(reply.at("session").at("clock_error_ms")));
-  for (const json& m : reply.at("members")) {
+  for (const Json& m : reply.at("members")) {
     std::cout << fmt::format("with peer {} (id {}){}\n", m.at("name").get<std::string>(),
                              m.at("id").get<std::uint64_t>(),
                              m.at("joined").get<bool>() ? "" : ", not in a session yet");
@@ -123,19 +124,19 @@ void print_status(const json& reply) {
   }
 }
 
-void print_pose(const json& reply) {
-  for (const json& refused : reply.at("refused")) {
+void print_pose(const Json& reply) {
+  for (const Json& refused : reply.at("refused")) {
     std::cout << fmt::format("the pose of {} is not used: {}\n", refused.at("object").get<std::string>(),
                              refused.at("why").get<std::string>());
   }
 }
 
-void print_key(const json& reply) {
+void print_key(const Json& reply) {
   const std::string key = reply.at("key").get<std::string>();
   if (reply.contains("refused"))
     std::cout << key << " does nothing: " << reply.at("refused").get<std::string>() << '\n';
   if (!reply.contains("refused") && reply.at("hits") == 0) std::cout << key << ": no enabled KeySensor listens to it\n";
-  for (const json& c : reply.at("changes")) {
+  for (const Json& c : reply.at("changes")) {
     const std::string what = fmt::format("{}: {}", key, c.at("sensor").get<std::string>());
     const std::string recipient = c.at("recipient").get<std::string>();
     if (c.contains("refused")) {
@@ -158,7 +159,7 @@ int run_ctl(const CtlOptions& options) {
   if (!line) return failed(line.error());
   auto read = read_reply(*socket, *line);
   if (!read) return failed(read.error());
-  json& reply = *read;
+  Json& reply = *read;
   if (reply.contains("objects") && !reply.contains("peer")) {
     if (const auto all = fetch_rest(*socket, "objects", reply); !all) return failed(all.error());
   }

@@ -1,3 +1,5 @@
+#include "peerd/commands/doctor_command.hpp"
+
 #include <iostream>
 #include <optional>
 
@@ -5,10 +7,10 @@
 #include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 
-#include "peerd/commands/commands.hpp"
+#include "peerd/commands/print.hpp"
+#include "peerd/config/renamed_keys.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/transport/multicast_probe.hpp"
-#include "peerd/commands/print.hpp"
 #include "peerd/transport/transport_options.hpp"
 
 namespace peerd {
@@ -16,20 +18,24 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// The table [transport] alone: the rest of a scenario says nothing about the network.
+// Reads the table [transport] alone: the rest of a scenario says nothing about the network.
 Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
   toml::table root;
+  std::vector<std::string> warnings;
   if (!options.config.empty()) {
     auto file = config::read_toml(options.config);
     if (!file) return std::unexpected(file.error());
     root = *std::move(file);
   }
+  if (auto done = config::rename_old_keys(root, warnings); !done) return std::unexpected(done.error());
   for (const std::string& text : options.sets) {
-    const auto given = config::parse_assignment(text);
+    auto given = config::parse_assignment(text);
     if (!given) return std::unexpected(given.error());
+    if (auto done = config::rename_old_keys(*given, warnings); !done) return std::unexpected(done.error());
     if (auto done = config::assign(root, given->key, *given->holder.get("value")); !done)
       return std::unexpected(done.error());
   }
+  print_warnings(warnings);
   std::optional<InputError> error;
   config::TomlReader reader(root, "", error);
   static const toml::table kEmpty;
@@ -39,12 +45,12 @@ Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
   return settings;
 }
 
-// What a peer with these settings would meet, as found by trying.
+// The results of trying what a peer with these settings would do.
 struct Findings {
-  std::optional<std::expected<net::ProbeResult, net::NetError>> probe;  // none: told to leave multicast alone
-  std::string transport;  // that a peer would use, in words; empty: it could not run
+  std::optional<std::expected<net::ProbeResult, net::NetError>> probe;  // none: multicast is switched off
+  std::string transport;  // transport that a peer would use, in words; empty: it could not run
   std::string kind;       // "multicast", "unicast" or empty
-  std::string problem;    // why it could not
+  std::string problem;    // reason why it could not run
   int receive_buffer_bytes = 0;
   int exit_code = 0;
 };

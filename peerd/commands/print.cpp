@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/commands/scenario_options.hpp"
 #include "peerd/measure/expectations.hpp"
 #include "peerd/report/table.hpp"
 #include "peerd/report/write.hpp"
@@ -28,6 +29,10 @@ int failed(const InputError& error) {
   return error.exit_code;
 }
 
+void print_warnings(std::span<const std::string> warnings) {
+  for (const std::string& warning : warnings) std::cerr << warning << '\n';
+}
+
 int print_report(const report::ScenarioInfo& info, std::span<const report::RunRecord> runs,
                  std::span<const config::Expectation> expectations, const std::filesystem::path& out, bool json) {
   auto summary = report::summarise(info, runs);
@@ -48,10 +53,6 @@ std::string command_line(const char* command, const ScenarioOptions& options) {
   for (const std::string& set : options.sets) line += " --set " + shell_word(set);
   if (options.seed) line += " --seed " + std::to_string(*options.seed);
   return line;
-}
-
-std::string json_line(const nlohmann::json& value) {
-  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace peerd

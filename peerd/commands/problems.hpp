@@ -10,22 +10,22 @@
 
 namespace peerd {
 
-inline constexpr std::size_t kShownProblems = 20;  // of errors and of warnings, each
+inline constexpr std::size_t kShownProblems = 20;  // errors and warnings, each
 
 struct ProblemCount {
   std::size_t errors = 0, warnings = 0;
 };
 
-// A world's problems as FILE:LINE:COLUMN with a caret: the first kShownProblems of either kind. Errors and warnings
-// apart, so that many of the one don't hide the other.
+// Prints a world's problems as FILE:LINE:COLUMN with a caret: the first kShownProblems errors and as many warnings, so
+// that many of one kind do not hide the other.
 ProblemCount print_problems(const ReadResult& result, std::ostream& err);
 
-// Reads a world and prints its problems. The one with a scene, or else the exit code: 1 it has errors, 2 there is no
-// such file, 3 it can't be read.
+// Reads a world and prints its problems. Gives a world with a scene, or else the exit code: 1 it has errors, 2 there is
+// no such file, 3 it can't be read.
 [[nodiscard]] std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(const std::string& path,
                                                                                       std::ostream& err);
 
-// "1 error", "2 errors".
+// A number and its noun: "1 error", "2 errors".
 [[nodiscard]] std::string counted(std::size_t count, const std::string& what);
 
 }  // namespace peerd

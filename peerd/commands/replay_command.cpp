@@ -1,22 +1,23 @@
+#include "peerd/commands/replay_command.hpp"
+
 #include <deque>
 #include <iostream>
 
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "peerd/commands/print.hpp"
 #include "peerd/control/answer.hpp"
 #include "peerd/input/text_file.hpp"
-#include "peerd/commands/commands.hpp"
 #include "peerd/node/describe.hpp"
-#include "peerd/commands/print.hpp"
 #include "peerd/record/capture.hpp"
 
 namespace peerd {
 namespace {
 
-// Where the peer did not do what it did when it was recorded.
+// The first place at which the peer does not do what it did when it was recorded.
 struct Difference {
-  std::size_t packet;  // of the capture, from 1
+  std::size_t packet;  // number of the packet in the capture, from 1
   HostTime at;
   std::string what;
 };
@@ -29,7 +30,7 @@ struct Outcome {
 
 std::string size_of(std::size_t bytes) { return fmt::format("{} bytes", bytes); }
 
-// Empty: they are the same.
+// Compares a datagram with the recorded one. The result is empty where they are the same.
 std::string compare(const replication::Send& sent, const record::DatagramOut& recorded) {
   if (sent.region != recorded.region) {
     return fmt::format("a datagram goes to region {} that went to region {}", sent.region.value, recorded.region.value);
@@ -40,7 +41,7 @@ std::string compare(const replication::Send& sent, const record::DatagramOut& re
                      size_of(sent.datagram.size()), size_of(recorded.datagram.size()), here - sent.datagram.begin());
 }
 
-// The third driver of a PeerNode: its clock and its network are what a capture says.
+// Drives a PeerNode with the clock and the network of a capture.
 class Replay {
  public:
   Replay(PeerNode& node, record::CaptureReader& capture, bool verbose)
@@ -50,7 +51,7 @@ class Replay {
   Result<Outcome> run() {
     outcome_.end = capture_.begin();
     drain(capture_.begin());
-    for (std::size_t packet = 2;; ++packet) {  // the first is what the peer is made of
+    for (std::size_t packet = 2;; ++packet) {  // the first packet describes the peer
       const auto event = capture_.next();
       if (!event) return std::unexpected(InputError{event.error(), 1});
       if (!*event) break;
@@ -68,7 +69,7 @@ class Replay {
       }
       if (outcome_.difference) return outcome_;
     }
-    // Where a writer was stopped, what it had not written yet is no difference.
+    // A writer that was stopped has not written everything; the missing datagrams are no difference.
     if (!sent_.empty() && !capture_.cut_off()) {
       differ(0, outcome_.end, fmt::format("at the end it sends {} datagrams that it did not send", sent_.size()));
     }
@@ -127,11 +128,12 @@ class Replay {
   PeerNode& node_;
   record::CaptureReader& capture_;
   bool verbose_;
-  std::deque<replication::Send> sent_;  // and not yet compared
+  std::deque<replication::Send> sent_;  // not yet compared
   Outcome outcome_;
 };
 
-// One run of the configuration, and the world that it was: another one would only give differences nobody understands.
+// One run of the recorded configuration in the recorded world. Another world would only give differences that nobody
+// understands.
 struct Recorded {
   config::RunSettings run;
   const config::PeerSettings* peer;
@@ -145,6 +147,7 @@ Result<Recorded> read_recorded(const record::Setup& setup, const ReplayOptions& 
   request.sweep = false;
   auto scenario = config::read_scenario(request);
   if (!scenario) return std::unexpected(scenario.error());
+  // The scenario's warnings are about the text in the capture, which nobody can change any more.
   Recorded recorded;
   recorded.run = std::move(scenario->runs.front());
   const auto peer = std::ranges::find(recorded.run.peers, setup.peer, &config::PeerSettings::name);
@@ -157,8 +160,8 @@ Result<Recorded> read_recorded(const record::Setup& setup, const ReplayOptions& 
   auto shared = share_world(world, setup.inlines_when_needed);
   if (!shared) return std::unexpected(shared.error());
   if ((*shared)->world.hash != setup.world_hash) {
-    return std::unexpected(InputError{"error: " + world.string() +
-                                              " is not the world that was recorded; say where that is with --world"});
+    return std::unexpected(
+        InputError{"error: " + world.string() + " is not the world that was recorded; say where that is with --world"});
   }
   recorded.shared = *std::move(shared);
   return recorded;

@@ -1,3 +1,5 @@
+#include "peerd/commands/run_command.hpp"
+
 #include <chrono>
 #include <iostream>
 #include <random>
@@ -9,17 +11,17 @@
 #include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 
+#include "peerd/commands/print.hpp"
 #include "peerd/control/control_path.hpp"
 #include "peerd/control/control_server.hpp"
-#include "peerd/commands/commands.hpp"
-#include "peerd/daemon/daemon.hpp"
-#include "peerd/node/describe.hpp"
-#include "peerd/os/udp_port.hpp"
-#include "peerd/os/host_clock.hpp"
-#include "peerd/node/peer_node.hpp"
-#include "peerd/commands/print.hpp"
-#include "peerd/record/capture.hpp"
 #include "peerd/daemon/cache_warmer.hpp"
+#include "peerd/daemon/daemon.hpp"
+#include "peerd/input/json_line.hpp"
+#include "peerd/node/describe.hpp"
+#include "peerd/node/peer_node.hpp"
+#include "peerd/os/host_clock.hpp"
+#include "peerd/os/udp_port.hpp"
+#include "peerd/record/capture.hpp"
 #include "peerd/transport/transport_options.hpp"
 
 namespace peerd {
@@ -27,7 +29,7 @@ namespace {
 
 namespace asio = boost::asio;
 
-// One line a fact: text with the time and the level, or one JSON object.
+// Writes one line for each fact: text with the time and the level, or one JSON object.
 class Log {
  public:
   Log(std::string peer, bool json, bool verbose)
@@ -48,11 +50,12 @@ class Log {
 };
 
 struct ControlPlace {
-  std::filesystem::path socket;  // empty: none
-  bool requested_explicitly = false;        // so that a peer without it must not run
+  std::filesystem::path socket;       // empty: none
+  bool requested_explicitly = false;  // the user asked for it, so a peer without it must not run
 };
 
-// The flag's, else the configuration's, else the user's own folder's where the system has made one.
+// The socket is that of the option, else that of the configuration, else one in the user's own folder where the system
+// has made one.
 ControlPlace control_place(const PeerOptions& options, const config::ControlSettings& settings,
                            const std::string& peer) {
   if (const auto& given = options.control ? options.control : settings.socket) {
@@ -81,22 +84,24 @@ Result<const config::PeerSettings*> choose_peer(const config::RunSettings& run, 
   return std::unexpected(InputError{"error: there is no peer \"" + name + "\"; there are " + all});
 }
 
-// Null: none is asked for.
-Result<std::unique_ptr<record::CaptureWriter>> open_capture(
-    const PeerOptions& options, const config::Scenario& scenario, const config::PeerSettings& peer,
-    const SharedWorld& shared, const PeerNode::Options& node, const net::OpenedTransport& reached,
-    net::GroupPlan groups, HostTime now) {
+// The result is null where no capture is asked for.
+Result<std::unique_ptr<record::CaptureWriter>> open_capture(const PeerOptions& options,
+                                                            const config::Scenario& scenario,
+                                                            const config::PeerSettings& peer, const SharedWorld& shared,
+                                                            const PeerNode::Options& node,
+                                                            const net::OpenedTransport& reached, net::GroupPlan groups,
+                                                            HostTime now) {
   if (options.capture.empty()) return nullptr;
-  // A datagram goes to many addresses by unicast, and stands in the capture once: as if all regions had one group.
+  // A unicast datagram goes to many addresses but stands in the capture once, as if all regions had one group.
   if (reached.unicast()) groups.pool = 1;
   const auto setup =
       record::make_setup(scenario, scenario.runs.front(), peer, options.config, shared, node, std::move(groups));
   return record::CaptureWriter::open(options.capture, setup, now, reached.transport->own_address());
 }
 
-// Null: runs without; nobody has asked for it in so many words.
+// The result is null where the socket can't be opened and nobody has asked for it explicitly.
 Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, const ControlPlace& place,
-                                                                 Daemon& daemon, Log& log) {
+                                                         Daemon& daemon, Log& log) {
   if (place.socket.empty()) return nullptr;
   auto opened =
       api::ControlServer::open(io, place.socket, [&daemon](std::string_view line) { return daemon.on_control(line); });
@@ -109,10 +114,9 @@ Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, c
   return opened;
 }
 
-// Null: the peer takes no poses by UDP.
-Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io,
-                                                              const config::PeerSettings& settings, Daemon& daemon,
-                                                              Log& log) {
+// The result is null where the peer takes no poses by UDP.
+Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io, const config::PeerSettings& settings,
+                                                      Daemon& daemon, Log& log) {
   if (settings.feed.udp.empty()) return nullptr;
   auto opened = feed::UdpPort::open(io, settings.feed.udp, "peer." + settings.name + ".feed.udp",
                                     [&daemon](std::string_view datagram) { daemon.on_poses(datagram); });
@@ -126,7 +130,7 @@ Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io,
   return opened;
 }
 
-// What clients and programs said that was not taken.
+// Logs requests and poses that were refused or lost.
 void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, Log& log) {
   if (control) {
     const api::ControlServer::Counters& c = control->counters();
@@ -145,7 +149,7 @@ void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, 
 }
 
 void log_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport, const Daemon& daemon,
-                 Log& log) {
+                Log& log) {
   const net::ForwardTime& forward = daemon.forward();
   const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
   log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
@@ -175,7 +179,8 @@ void log_totals(const PeerNode& node, const PeerLog& record, const net::Transpor
   }
 }
 
-// What a peer does while it polls; null where it sleeps too soon for that, or where that can't be had.
+// Makes the cache warmer that runs while the peer polls. The result is null where the peer polls for too short a time,
+// or where it can't be made.
 std::unique_ptr<CacheWarmer> open_cache_warmer(const config::RunSettings& run, Log& log) {
   if (std::chrono::microseconds(run.transport.busy_poll_us) <= Daemon::kCacheWarmingPeriod) return nullptr;
   auto cache_warmer = CacheWarmer::make(run.replication.policy);
@@ -195,6 +200,7 @@ int run_peer(const PeerOptions& options) {
   request.sweep = false;
   const auto scenario = config::read_scenario(request);
   if (!scenario) return failed(scenario.error());
+  print_warnings(scenario->warnings);
   const config::RunSettings& run = scenario->runs.front();
   const auto settings = choose_peer(run, options.peer);
   if (!settings) return failed(settings.error());
@@ -212,7 +218,7 @@ int run_peer(const PeerOptions& options) {
     if (config::starts_with(run.events, p.name)) node_options.wait_for.push_back(PeerId{p.id});
   }
   node_options.late = !config::starts_with(run.events, (*settings)->name);
-  node_options.start_lead = std::chrono::milliseconds(1000);  // a few hellos must have told everybody
+  node_options.start_lead = std::chrono::milliseconds(1000);  // enough for a few hellos to reach all peers
   node_options.clock_offset = from_seconds((*settings)->clock_offset_s);
   node_options.keep_log = !options.record.empty();
   node_options.sample_hz = run.sample_hz;
@@ -228,7 +234,7 @@ int run_peer(const PeerOptions& options) {
   if (!reached) return failed(input_error(reached.error()));
   const auto& transport = reached->transport;
 
-  if (!options.record.empty()) {  // before the run, not after it, if the file can't be written
+  if (!options.record.empty()) {  // an error shows before the run and not after it
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
 

@@ -1,3 +1,5 @@
+#include "peerd/commands/sim_command.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -6,12 +8,10 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
-#include "peerd/scenario/assemble.hpp"
-#include "peerd/commands/commands.hpp"
-#include "peerd/node/describe.hpp"
 #include "peerd/commands/print.hpp"
-#include "peerd/measure/wrong_outcomes.hpp"
-#include "peerd/sim/simulation.hpp"
+#include "peerd/commands/scenario_options.hpp"
+#include "peerd/node/describe.hpp"
+#include "peerd/sim/simulated_run.hpp"
 
 namespace peerd {
 
@@ -22,6 +22,7 @@ int run_sim(const ScenarioOptions& options) {
                                                .seed = options.seed,
                                                .repeat = options.repeat});
   if (!scenario) return failed(scenario.error());
+  print_warnings(scenario->warnings);
   const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
@@ -39,7 +40,7 @@ int run_sim(const ScenarioOptions& options) {
       std::cerr << fmt::format("{:9.4f} s  peer {}: {}\n", t_s, node.peer().id().value, line->text);
     };
   }
-  // A key that does not do what it was written for is a finding about the scenario: told once, and in the report.
+  // A key without its intended effect is a finding about the scenario. It is printed once and is part of the report.
   const sim::KeyObserver key_observer = [&](HostTime now, const PeerNode& node, const KeyReport& key) {
     for (const LogLine& line : describe(key, scene)) {
       const double t_s = to_seconds(now.time_since_epoch() - node.start()->time_since_epoch());
@@ -59,7 +60,6 @@ int run_sim(const ScenarioOptions& options) {
   std::vector<report::RunRecord> records;
   for (const config::RunSettings& run : scenario->runs) {
     if (show_progress) std::cerr << "\rrun " << records.size() + 1 << " of " << scenario->runs.size() << std::flush;
-    std::optional<report::InterestRecord> interest;
     std::optional<sim::Captures> captures;
     if (!options.captures.empty()) {
       captures.emplace(options.captures, *scenario, options.scenario);
@@ -69,19 +69,8 @@ int run_sim(const ScenarioOptions& options) {
       if (error)
         return failed({"error: can't make the folder " + captures->folder.string() + ": " + error.message(), 3});
     }
-    const auto logs = sim::simulate(run, **shared, observer, key_observer, &interest, captures ? &*captures : nullptr);
-    if (!logs) return failed(logs.error());
-    auto record = assemble(run, **shared, *logs);
+    auto record = sim::simulated_run(run, **shared, observer, key_observer, captures ? &*captures : nullptr);
     if (!record) return failed(record.error());
-    record->interest = std::move(interest);
-    if (run.compare_outcomes) {
-      const config::RunSettings ideal = sim::without_latency(run);
-      const auto true_logs = sim::simulate(ideal, **shared);
-      if (!true_logs) return failed(true_logs.error());
-      const auto truth = assemble(ideal, **shared, *true_logs);
-      if (!truth) return failed(truth.error());
-      record->wrong = report::wrong_outcomes(*record, *truth);
-    }
     simulated_s += run.duration_s;
     records.push_back(std::move(*record));
   }

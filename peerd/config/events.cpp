@@ -87,7 +87,7 @@ class EventReader {
     return static_cast<std::size_t>(at - peers_.begin());
   }
 
-  // Who is in no group is with the others that are in none.
+  // The peers that are in no group form one group together.
   std::vector<std::uint32_t> sides(TomlReader& reader) {
     const auto groups = reader.word_rows("groups");
     std::vector<std::uint32_t> sides(peers_.size(), 0);
@@ -107,7 +107,7 @@ class EventReader {
     return sides;
   }
 
-  // Who comes must be away, who goes must be there, and what is healed must be parted.
+  // A peer that joins must be away, a peer that leaves must be there, and a network that heals must be partitioned.
   void check_order(const std::vector<ScenarioEvent>& events, const toml::table& tables) {
     if (events.empty()) return;
     std::map<std::string, bool> there;

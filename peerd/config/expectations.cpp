@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "peerd/input/toml_json.hpp"
 #include "peerd/config/measures.hpp"
+#include "peerd/input/toml_json.hpp"
 
 namespace peerd::config {
 namespace {

@@ -9,28 +9,28 @@
 
 namespace peerd::config {
 
-// The table [expect.NAME]: what a report must say for the scenario to have gone as it should.
+// The table [expect.NAME]: a limit that a measure of the report must keep for the scenario to count as passed.
 struct Expectation {
   std::string name;
-  std::string place;  // FILE:LINE:COLUMN: and a blank, of its table; empty where that is unknown
-  std::string that;   // a report::Measure
+  std::string place;  // FILE:LINE:COLUMN: and a blank, of the table; empty: unknown
+  std::string that;   // name of a report::Measure
   std::optional<double> at_least, at_most;
-  std::optional<nlohmann::ordered_json> equals;  // a number, or true or false
-  std::string object, observer;                  // whose; empty: all. The object may be a pattern
-  nlohmann::ordered_json where;   // values of swept keys, by dotted name, each as a list: only those runs
-  std::string mode;               // "sim" or "real": only there; empty: everywhere
-  double from_s = 0.0;            // of what is between these times alone
-  std::optional<double> until_s;  // none: the end
-  std::vector<std::size_t> runs;  // that it is about, by index; set by read_scenario
+  std::optional<nlohmann::ordered_json> equals;  // number, true or false
+  std::string object, observer;                  // views that are checked; empty: all; the object may be a pattern
+  nlohmann::ordered_json where;                  // selects runs: lists of values by dotted key
+  std::string mode;                              // "sim" or "real": only there; empty: everywhere
+  double from_s = 0.0;                           // begin of the part of the run that is checked
+  std::optional<double> until_s;                 // end of that part; none: the run's end
+  std::vector<std::size_t> runs;                 // indices of the runs that are checked; read_scenario sets them
 };
 
-// The tables below `expect`, by name; times of theirs after `latest_s` are refused.
+// Reads the tables below `expect`, by name. Times after `latest_s` are refused.
 [[nodiscard]] std::vector<Expectation> read_expectations(TomlReader& root, const std::vector<PeerSettings>& peers,
                                                          double latest_s);
 
-// Whether `root`, one run's whole configuration, has one of the values for each of the keys.
+// Whether `root`, the whole configuration of one run, has one of the listed values for each key of `where`.
 [[nodiscard]] bool picks(const Expectation& e, const toml::table& root);
-// Those of its keys that `root` does not set.
+// The keys of `where` that `root` does not set.
 [[nodiscard]] std::vector<std::string> keys_not_set(const Expectation& e, const toml::table& root);
 
 }  // namespace peerd::config

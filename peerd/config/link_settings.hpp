@@ -9,24 +9,25 @@
 
 namespace peerd::config {
 
-// One direction between two peers of a simulated network, or of one by netem: the table [network], or
+// One direction between two peers of a simulated network or of one by netem: the table [network], or
 // [network.link.FROM.TO] over it.
 struct LinkSettings {
   double latency_ms = 0.0;
   double jitter_ms = 0.0;   // added to the latency, uniform in [0, jitter]
-  double loss = 0.0;        // probabilities, a datagram
-  double loss_burst = 0.0;  // mean length of a run of lost datagrams; 0: each is lost by itself
+  double loss = 0.0;        // probability of a datagram, as those below
+  double loss_burst = 0.0;  // mean length of a run of lost datagrams; 0: independent losses
   double duplication = 0.0;
-  double reordering = 0.0;  // held back by one more latency + jitter, so that later ones overtake
+  double reordering =
+      0.0;  // probability of being held back by another latency + jitter, so that later datagrams overtake
 
-  // Longer than this nothing is under way.
+  // No datagram is under way for longer than this.
   [[nodiscard]] double longest_delay_ms() const { return (latency_ms + jitter_ms) * (reordering > 0.0 ? 2.0 : 1.0); }
 };
 
 struct LinkKey {
   std::string_view name;
   double LinkSettings::*value;
-  double max;  // from 0
+  double max;  // range is 0 to max
 };
 inline constexpr double kLatencyMax_ms = 60'000.0;
 inline constexpr std::array kLinkKeys{
@@ -38,7 +39,7 @@ inline constexpr std::array kLinkKeys{
     LinkKey{"reordering", &LinkSettings::reordering, 1.0},
 };
 
-// What some of these keys become.
+// The new values of some of these keys.
 using LinkChange = std::vector<std::pair<double LinkSettings::*, double>>;
 
 inline LinkChange read_link_change(TomlReader& reader) {

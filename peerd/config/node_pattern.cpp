@@ -1,12 +1,16 @@
 #include "peerd/config/node_pattern.hpp"
 
-#include "peerd/config/peer_settings.hpp"
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "peerd/input/toml_input.hpp"
 
 namespace peerd::config {
 
 bool matches(std::string_view pattern, std::string_view text) {
   std::size_t p = 0, t = 0;
-  std::size_t star = std::string_view::npos, taken = 0;  // the last `*`, and where the text begins behind what it took
+  std::size_t star = std::string_view::npos, taken = 0;  // last `*`; begin of the text behind what it matched
   while (t < text.size()) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = p++;
@@ -25,9 +29,20 @@ bool matches(std::string_view pattern, std::string_view text) {
   return p == pattern.size();
 }
 
+Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by) {
+  if (const auto id = scene.find(path)) return *id;
+  std::vector<std::string> names;
+  for (const Instance& instance : scene.instances) {
+    if (!instance.def.empty()) names.emplace_back(instance.def);
+  }
+  std::string sentence = "error: " + asked_by + ": the world has no object \"" + path + "\"";
+  if (const auto meant = did_you_mean(path, names)) sentence += "; did you mean \"" + *meant + "\"?";
+  return std::unexpected(InputError{sentence});
+}
+
 Result<std::vector<ObjectId>> find_objects(const Scene& scene, const NodePattern& pattern,
                                            const std::string& asked_by) {
-  // A name may hold such characters itself.
+  // A node's own name may hold wildcard characters.
   if (pattern.is_path() || scene.find(pattern.text)) {
     const auto object = find_object(scene, pattern.text, asked_by);
     if (!object) return std::unexpected(InputError{pattern.at + object.error().text});
@@ -37,7 +52,7 @@ Result<std::vector<ObjectId>> find_objects(const Scene& scene, const NodePattern
   std::vector<ObjectId> found;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    // The names inside of PROTOs and Inlines are nobody's business unless their paths are written out.
+    // Names inside of PROTOs and Inlines are private to them: only a whole path reaches them.
     const bool named = by_name && !instance.def.empty() && !instance.name_shadowed && !instance.inner_name;
     if (matches(pattern.text, named ? std::string(instance.def) : scene.path_of(ObjectId{i}))) {
       found.push_back(ObjectId{i});

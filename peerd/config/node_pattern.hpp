@@ -8,21 +8,25 @@
 
 namespace peerd::config {
 
-// Whether `text` is of the form of `pattern`, in which `*` stands for any characters but a slash, and `?` for one.
+// Whether `text` matches `pattern`, in which `*` stands for any characters except a slash, and `?` for one of them.
 [[nodiscard]] bool matches(std::string_view pattern, std::string_view text);
 
-// A path of the world's nodes, or a pattern over them, as somebody wrote it.
+// A path of a node of the world, or a pattern over such paths, as the author wrote it.
 struct NodePattern {
   std::string text;
-  std::string at;  // FILE:LINE:COLUMN: of it; empty where none is known
+  std::string at;  // FILE:LINE:COLUMN: of the text; empty: unknown
 
   NodePattern(std::string pattern, std::string place = {}) : text(std::move(pattern)), at(std::move(place)) {}
   NodePattern(const char* pattern) : text(pattern) {}
   [[nodiscard]] bool is_path() const { return text.find_first_of("*?") == std::string::npos; }
 };
 
-// The nodes that it names, by id: one by its path; or all whose paths from the top level, or where the pattern has no
-// slash their names, are of its form. At least one; `asked_by` is the key that holds the pattern.
+// Finds the node with that path. The error names the closest path; `asked_by` is the key that holds the path.
+[[nodiscard]] Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by);
+
+// Finds the nodes that a pattern names, by id: the node with that path, or all nodes whose paths from the top level
+// match; a pattern without a slash is compared with names instead of paths. The result is never empty; `asked_by` is
+// the key that holds the pattern.
 [[nodiscard]] Result<std::vector<ObjectId>> find_objects(const Scene& scene, const NodePattern& pattern,
                                                          const std::string& asked_by);
 

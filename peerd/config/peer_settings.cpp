@@ -12,10 +12,10 @@ namespace peerd::config {
 namespace {
 
 constexpr double kFar_m = 1e9;
-// Smaller cells are crossed with every other step of a walker; each region is a multicast group.
+// A walker would cross smaller cells with every other step, and each region is a multicast group.
 constexpr double kCellMin_m = 1.0;
 constexpr int kRegionsMax = 65536;
-// The longest tick: who polls for that long never sleeps.
+// One second is the longest tick: a peer that polls for longer never sleeps.
 constexpr std::uint32_t kBusyPollMax_us = 1'000'000;
 
 ScriptedKey read_scripted_key(TomlReader reader) {
@@ -27,7 +27,7 @@ ScriptedKey read_scripted_key(TomlReader reader) {
   return scripted;
 }
 
-// Which models the sender may name, and what makes it send beyond the seed's thresholds.
+// Reads which models the sender may name, and what makes it send beyond the thesis's thresholds.
 void read_models(TomlReader& reader, replication::PublishPolicy& policy) {
   std::size_t model = 0;
   reader.read_word("model", model, {"order", "best"});
@@ -185,7 +185,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   double resting_s = to_seconds(s.policy.resting_time_threshold);
   reader.read("resting_time_threshold_s", resting_s, 0.0, kForever_s);
   s.policy.resting_time_threshold = from_seconds(resting_s);
-  reader.read("along_at", s.policy.piggyback_fraction, 0.1, 1.0);
+  reader.read("piggyback_fraction", s.policy.piggyback_fraction, 0.1, 1.0);
   reader.read("snapshots_hz", s.policy.snapshots_hz, 0, 1000);
   read_display_delay(reader, s.display_delay);
   std::size_t convergence = 0;
@@ -258,8 +258,8 @@ PeerSettings read_peer(TomlReader reader, const std::string& name, const std::fi
   reader.require("id");
   reader.read("id", s.id, 1, std::numeric_limits<std::uint32_t>::max());
   std::vector<std::string> owns;
-  reader.read("enslaves", owns);
-  const toml::node* given = reader.raw().get("enslaves");
+  reader.read("owns", owns);
+  const toml::node* given = reader.raw().get("owns");
   for (std::size_t i = 0; i < owns.size(); ++i) {
     s.owns.emplace_back(owns[i], reader.place(given->as_array()->get(i)));
   }
@@ -321,20 +321,10 @@ Result<LoadedWorld> load_world(const std::filesystem::path& path, bool inlines_w
     for (const Diagnostic& d : read.diagnostics) problems += render(read, d);
     return std::unexpected(InputError{problems, 1});
   }
-  // Read later, an Inline leaves other numbers for the instances behind it, though it may hold none.
+  // An Inline that is read later leaves other numbers for the instances behind it, even if it holds none; so the hash
+  // differs.
   const std::uint64_t hash = content_hash(read) ^ (read.scene->pending_inlines.empty() ? 0 : 1);
   return LoadedWorld{path, hash, *read.scene};
-}
-
-Result<ObjectId> find_object(const Scene& scene, const std::string& path, const std::string& asked_by) {
-  if (const auto id = scene.find(path)) return *id;
-  std::vector<std::string> names;
-  for (const Instance& instance : scene.instances) {
-    if (!instance.def.empty()) names.emplace_back(instance.def);
-  }
-  std::string sentence = "error: " + asked_by + ": the world has no object \"" + path + "\"";
-  if (const auto meant = did_you_mean(path, names)) sentence += "; did you mean \"" + *meant + "\"?";
-  return std::unexpected(InputError{sentence});
 }
 
 }  // namespace peerd::config

@@ -6,7 +6,8 @@
 namespace peerd::config {
 namespace {
 
-// Who runs what, then who drives what: of each object the first motion that claims it, the peers' own before the rest.
+// Finds the owner of each object, then its motion. The first motion that claims an object counts, and peers' own
+// motions come before the scenario's.
 class Resolver {
  public:
   Resolver(const RunSettings& run, const Scene& scene) : run_(run), scene_(scene), peers_(run.peers.size()) {}
@@ -33,7 +34,7 @@ class Resolver {
   }
 
  private:
-  // The first error counts, and nothing after it.
+  // Only the first error is kept.
   std::vector<ObjectId> find(const NodePattern& pattern, const std::string& key) {
     if (error_) return {};
     auto found = find_objects(scene_, pattern, key);
@@ -46,19 +47,19 @@ class Resolver {
   }
 
   void assign_owner(std::size_t p) {
-    const std::string key = "peer." + run_.peers[p].name + ".enslaves";
+    const std::string key = "peer." + run_.peers[p].name + ".owns";
     for (const NodePattern& pattern : run_.peers[p].owns) {
       for (const ObjectId object : find(pattern, key)) {
         const auto [at, added] = runs_.try_emplace(object, p);
         if (added) peers_[p].owned.push_back(object);
         if (at->second == p) continue;
         fail(pattern.at,
-             key + ": peer " + run_.peers[at->second].name + " enslaves \"" + scene_.path_of(object) + "\" too");
+             key + ": peer " + run_.peers[at->second].name + " owns \"" + scene_.path_of(object) + "\" too");
       }
     }
   }
 
-  // `only`: a peer's own motion, for what that peer runs.
+  // `only` is the peer whose own motion this is; it moves nothing that another peer owns.
   void move(const MotionSettings& motion, const std::string& pattern, const std::string& key,
             std::map<ObjectId, std::string>& claimed, std::optional<std::size_t> only) {
     const NodePattern asked(pattern, motion.at);
@@ -76,8 +77,8 @@ class Resolver {
       if (here && !moved_.contains(objects[n])) numbers.push_back(n);
     }
     if (only && !owns_any) {
-      fail(motion.at, key + ": the peer moves only what it enslaves; add \"" + pattern + "\" to peer." +
-                          run_.peers[*only].name + ".enslaves");
+      fail(motion.at, key + ": the peer moves only what it owns; add \"" + pattern + "\" to peer." +
+                          run_.peers[*only].name + ".owns");
     }
     if (error_ || numbers.empty()) return;
     for (const std::size_t n : numbers) moved_.insert(objects[n]);
@@ -119,8 +120,8 @@ class Resolver {
   const RunSettings& run_;
   const Scene& scene_;
   std::vector<PeerObjects> peers_;
-  std::map<ObjectId, std::size_t> runs_;  // by which peer
-  std::set<ObjectId> moved_;              // what has its motion
+  std::map<ObjectId, std::size_t> runs_;  // index of the owner
+  std::set<ObjectId> moved_;              // objects that have a motion
   std::optional<InputError> error_;
 };
 

@@ -4,24 +4,25 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
-#include "peerd/motion/motion_source.hpp"
 #include "peerd/config/scenario.hpp"
+#include "peerd/motion/motion_source.hpp"
 
 namespace peerd::config {
 
-// What drives objects. Those that it does not hold move by their velocityVector.
+// The motions of driven objects. All other objects move by their velocityVector.
 using Motions = std::map<ObjectId, MotionSource>;
 
-// A peer's paths and patterns as nodes of the scene.
+// The objects of the scene that a peer's paths and patterns stand for.
 struct PeerObjects {
-  std::vector<ObjectId> owned;                    // in the order of the settings, none twice
-  Motions motions;                                   // of enslaved ones
-  std::map<std::string, ObjectId> outside;           // enslaved ones that a program moves, by what it calls them
-  std::map<ObjectId, replication::Launch> launches;  // of enslaved ones that physics moves
+  std::vector<ObjectId> owned;                       // in the order of the settings, without duplicates
+  Motions motions;                                   // owned objects that are driven
+  std::map<std::string, ObjectId> outside;           // owned objects that a program moves, by the name that it uses
+  std::map<ObjectId, replication::Launch> launches;  // owned objects that physics moves
   std::optional<ObjectId> viewpoint;
 };
 
-// Who runs and drives what: the one place where settings meet the scene. For each of run.peers, in their order.
+// Finds the owned objects and the motions of each of run.peers, in their order. No other function connects settings
+// with the scene.
 [[nodiscard]] Result<std::vector<PeerObjects>> resolve(const RunSettings& run, const Scene& scene);
 
 }  // namespace peerd::config

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "peerd/config/renamed_keys.hpp"
 #include "peerd/input/toml_json.hpp"
 
 namespace peerd::config {
@@ -13,7 +14,7 @@ namespace {
 constexpr double kDurationMax_s = 1e6;
 constexpr std::size_t kRunsMax = 100'000;
 constexpr std::uint32_t kRepeatMax = 10'000;
-constexpr std::uint64_t kSeedMax = std::numeric_limits<std::int64_t>::max();  // TOML's whole numbers
+constexpr std::uint64_t kSeedMax = std::numeric_limits<std::int64_t>::max();  // TOML integers are signed
 
 LinkSettings read_link(TomlReader& reader, LinkSettings link) {
   change_link(link, read_link_change(reader));
@@ -134,9 +135,9 @@ std::string to_text(const toml::table& root) {
   return text.str();
 }
 
-// Keys whose one value is a list: setting them does not sweep.
+// Such a key has a list as its one value, so that setting it to a list does not sweep.
 bool takes_list(std::string_view key) {
-  return key.ends_with(".enslaves") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
+  return key.ends_with(".owns") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
          key == "replication.models" || key == "transport.peers" || key.ends_with(".position") ||
          key.ends_with(".offset") || key.ends_with(".spin_axis") || key.ends_with(".waypoints") ||
          key.ends_with(".within_m") || key.ends_with(".origin_m") || key == "regions.counts" ||
@@ -148,11 +149,12 @@ struct SweptKey {
   std::vector<const toml::node*> values;
 };
 
-// All that a request brings together.
+// All sources of a request's settings, parsed.
 struct Sources {
   std::string text;
   std::vector<toml::table> overlays;
   std::vector<Assignment> sets, swept_sets;
+  std::vector<std::string> warnings;  // about the overlays and sets
 };
 
 Result<Sources> read_sources(const ScenarioRequest& request) {
@@ -167,11 +169,13 @@ Result<Sources> read_sources(const ScenarioRequest& request) {
   for (const auto& path : request.configs) {
     auto overlay = read_toml(path);
     if (!overlay) return std::unexpected(overlay.error());
+    if (auto done = rename_old_keys(*overlay, sources.warnings); !done) return std::unexpected(done.error());
     sources.overlays.push_back(std::move(*overlay));
   }
   for (const std::string& given : request.sets) {
     auto set = parse_assignment(given);
     if (!set) return std::unexpected(set.error());
+    if (auto done = rename_old_keys(*set, sources.warnings); !done) return std::unexpected(done.error());
     const bool sweeps = set->holder.get("value")->is_array() && !takes_list(set->key);
     if (sweeps && !request.sweep) {
       return std::unexpected(InputError{"error: --set " + given + ": a list sweeps, and one peer runs one value"});
@@ -181,10 +185,13 @@ Result<Sources> read_sources(const ScenarioRequest& request) {
   return sources;
 }
 
-// The scenario with what its request lays over it. Read anew for each run: toml++ copies lose their line numbers.
-Result<toml::table> read_root(const ScenarioRequest& request, const Sources& sources) {
+// Parses the scenario's text and lays the request's settings over it; adds a warning for each old name in the text. It
+// is done anew for each run, because copies of toml++'s tables lose their line numbers.
+Result<toml::table> read_root(const ScenarioRequest& request, const Sources& sources,
+                              std::vector<std::string>& warnings) {
   auto root = parse_toml(sources.text, request.file.string());
   if (!root) return root;
+  if (auto done = rename_old_keys(*root, warnings); !done) return std::unexpected(done.error());
   for (const toml::table& overlay : sources.overlays) merge(*root, overlay);
   for (const Assignment& set : sources.sets) {
     if (auto done = assign(*root, set.key, *set.holder.get("value")); !done) return std::unexpected(done.error());
@@ -194,7 +201,7 @@ Result<toml::table> read_root(const ScenarioRequest& request, const Sources& sou
   return root;
 }
 
-// The lists to sweep over: the scenario's, with those of --set in their places and without the keys that --set fixes.
+// The lists to sweep over: those of the scenario, replaced by those of --set, without the keys that --set fixes.
 Result<toml::table> read_sweep(const ScenarioRequest& request, const Sources& sources, const toml::table& root) {
   toml::table sweep;
   if (const toml::node* given = root.get("sweep"); given != nullptr && request.sweep) {
@@ -210,7 +217,7 @@ Result<toml::table> read_sweep(const ScenarioRequest& request, const Sources& so
   return sweep;
 }
 
-// Why all runs have one value of that key; empty: it may be swept.
+// The reason why all runs have one value of that key. It is empty where the key may be swept.
 std::string why_not_swept(std::string_view key) {
   if (key == "world" || key == "inlines" || key == "name") return "all runs of a sweep share it";
   if (key == "repeat") return "every combination is repeated as often";
@@ -236,16 +243,17 @@ Result<std::vector<SweptKey>> swept_keys(const ScenarioRequest& request, const t
   return swept;
 }
 
-// One combination of the sweep: the whole configuration, and what of it is among the run's parameters.
+// One combination of the sweep: its whole configuration, and the part of it that is listed among the run's parameters.
 struct Point {
   toml::table root;
   nlohmann::ordered_json params = nlohmann::ordered_json::object();
 };
 
-// `named`: parameters that are not swept.
+// `named` are the keys that are listed as parameters without being swept.
 Result<Point> read_point(const ScenarioRequest& request, const Sources& sources, const std::vector<SweptKey>& swept,
                          const std::set<std::string>& named, std::size_t number, std::size_t points) {
-  auto root = read_root(request, sources);
+  std::vector<std::string> known_warnings;
+  auto root = read_root(request, sources, known_warnings);
   if (!root) return std::unexpected(root.error());
   root->erase("sweep");
   Point point{std::move(*root)};
@@ -263,7 +271,7 @@ Result<Point> read_point(const ScenarioRequest& request, const Sources& sources,
   return point;
 }
 
-// Notes the runs that an expectation is about, and the keys that it goes by and that this point does not set.
+// Adds the runs of this point to each expectation that selects them.
 void pick_runs(const ScenarioRequest& request, const toml::table& root, std::size_t first_run, std::uint32_t repeat,
                double duration_s, std::vector<Expectation>& expectations) {
   for (Expectation& e : expectations) {
@@ -275,8 +283,8 @@ void pick_runs(const ScenarioRequest& request, const toml::table& root, std::siz
   }
 }
 
-// An expectation of the file as it stands that is about no run at all can't have been meant. Settings that are laid
-// over the file may leave it without any: the report says so.
+// An expectation of the file itself that selects no run is a mistake. Settings that are laid over the file may leave it
+// without runs; the report then says that it was not checked.
 std::optional<InputError> without_runs(const ScenarioRequest& request, const std::vector<Expectation>& expectations,
                                        const toml::table& root) {
   if (request.real || !request.sweep || !request.configs.empty() || !request.sets.empty()) return std::nullopt;
@@ -299,7 +307,8 @@ const LinkSettings& link(const RunSettings& run, const std::string& from, const 
 Result<Scenario> read_scenario(const ScenarioRequest& request) {
   const auto sources = read_sources(request);
   if (!sources) return std::unexpected(sources.error());
-  const auto base = read_root(request, *sources);
+  std::vector<std::string> warnings;
+  const auto base = read_root(request, *sources, warnings);
   if (!base) return std::unexpected(base.error());
   const auto sweep = read_sweep(request, *sources, *base);
   if (!sweep) return std::unexpected(sweep.error());
@@ -307,7 +316,7 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
   if (!swept) return std::unexpected(swept.error());
 
   std::size_t points = 1;
-  std::set<std::string> named{"replication.approach", "replication.order"};  // params that are not swept
+  std::set<std::string> named{"replication.approach", "replication.order"};  // listed as parameters without being swept
   if (!request.real) named.insert("network.latency_ms");
   for (const Assignment& set : sources->sets) named.insert(set.key);
   for (const SweptKey& s : *swept) {
@@ -319,6 +328,8 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
   }
 
   Scenario scenario;
+  scenario.warnings = std::move(warnings);
+  scenario.warnings.insert(scenario.warnings.end(), sources->warnings.begin(), sources->warnings.end());
   scenario.name = request.file.empty() ? "peerd" : request.file.stem().string();
   std::vector<Expectation> expectations;
   for (std::size_t i = 0; i < points; ++i) {
@@ -338,7 +349,7 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
       expectations = std::move(scenario.expectations);
     }
     pick_runs(request, point->root, scenario.runs.size(), scenario.repeat, run->duration_s, expectations);
-    point->root.erase("expect");  // of all runs, not of what a peer or a recording is told of one
+    point->root.erase("expect");  // expectations concern all runs; a peer or a capture of one run has no use for them
     run->params = std::move(point->params);
     const std::uint64_t first_seed = run->seed;
     for (std::uint32_t k = 0; k < scenario.repeat; ++k) {

@@ -16,17 +16,17 @@
 
 namespace peerd::config {
 
-// One run: every swept key has one value, and the seed is one of the repetition's.
+// The settings of one run: every swept key has one value, and the seed is that of one repetition.
 struct RunSettings {
-  nlohmann::ordered_json params;  // the swept keys and those that were set, by dotted name
-  std::string toml;               // all that these settings were read from, as one text
+  nlohmann::ordered_json params;  // swept and set keys, by dotted name
+  std::string toml;               // all settings as one text, for captures
   double duration_s = 15.0;
   std::uint64_t seed = 1;
-  std::uint32_t sample_hz = 60;  // how often each observer's error is measured, whatever its tick rate
+  std::uint32_t sample_hz = 60;  // samples per second of each observer's error, whatever its tick rate
   ReplicationSettings replication;
-  bool compare_outcomes = false;                 // with those of the same run without latency; simulated runs only
+  bool compare_outcomes = false;                 // with the same run without latency; simulated runs only
   std::vector<PeerSettings> peers;               // by id
-  std::map<std::string, MotionSettings> motion;  // by path or pattern: of whoever runs the object
+  std::map<std::string, MotionSettings> motion;  // by path or pattern; applies to whichever peer owns the object
   std::vector<ScenarioEvent> events;             // by time, then by name
   LinkSettings network;
   std::map<std::pair<std::string, std::string>, LinkSettings> links;
@@ -39,25 +39,26 @@ struct Scenario {
   std::filesystem::path world;
   bool inlines_when_needed = false;  // ReadOptions::inlines_later
   std::uint64_t seed = 1;
-  std::uint32_t repeat = 1;  // with so many seeds: that many runs after each other differ in theirs alone
+  std::uint32_t repeat = 1;  // number of runs that differ in their seeds alone
   std::vector<RunSettings> runs;
   std::vector<Expectation> expectations{};
+  std::vector<std::string> warnings{};  // one sentence each, such as "FILE:3:1: warning: A is now called B"
 };
 
 struct ScenarioRequest {
-  std::filesystem::path file;  // empty: everything comes from `sets`. Not read where `text` is its content
+  std::filesystem::path file;                  // empty: all settings come from `sets`; not read where `text` is given
   std::vector<std::filesystem::path> configs;  // merged over the scenario, in order
   std::vector<std::string> sets;               // KEY=VALUE; a list sweeps, one value ends that key's sweep
   std::optional<std::uint64_t> seed;
   std::optional<std::uint32_t> repeat{};
-  bool real = false;  // what only a simulated network can do is left out of the sweep
-  bool sweep = true;  // false: one run, of the values outside of the sweep
+  bool real = false;  // the sweep leaves out keys that only a simulated network has
+  bool sweep = true;  // false: one run, with the values outside of [sweep]
   std::optional<std::string> text = {};
 };
 
 [[nodiscard]] Result<Scenario> read_scenario(const ScenarioRequest& request);
 
-// The network settings that hold from one peer to another.
+// The network settings that apply to datagrams from one peer to another.
 [[nodiscard]] const LinkSettings& link(const RunSettings& run, const std::string& from, const std::string& to);
 
 }  // namespace peerd::config

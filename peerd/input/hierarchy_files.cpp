@@ -19,8 +19,9 @@ namespace {
 
 std::string last_error() { return std::strerror(errno); }
 
-// By name alone: a link in the folder may lead out of it, as its owner wants.
-std::expected<std::filesystem::path, std::string> place_of(const std::filesystem::path& world, std::string_view url) {
+// The path is judged by its name alone: a link in the world's folder may lead out of it, if its owner wants that.
+std::expected<std::filesystem::path, std::string> path_in_folder_of(const std::filesystem::path& world,
+                                                                    std::string_view url) {
   const auto named = local_path(url);
   if (!named) return std::unexpected("it is no file of this machine");
   const std::filesystem::path within = named->lexically_normal();
@@ -72,7 +73,7 @@ bool is_hierarchy_file(const std::filesystem::path& path) {
 
 collision::HierarchyLoader mapped_hierarchies(const std::filesystem::path& world) {
   return [world](std::string_view url) -> std::expected<std::optional<collision::MappedFile>, std::string> {
-    const auto path = place_of(world, url);
+    const auto path = path_in_folder_of(world, url);
     if (!path) return std::unexpected(path.error());
     return map(*path);
   };
@@ -80,7 +81,7 @@ collision::HierarchyLoader mapped_hierarchies(const std::filesystem::path& world
 
 std::expected<std::filesystem::path, std::string> write_hierarchy_file(const std::filesystem::path& world,
                                                                        std::string_view url, std::string_view bytes) {
-  const auto path = place_of(world, url);
+  const auto path = path_in_folder_of(world, url);
   if (!path) return std::unexpected(path.error());
   std::error_code error;
   if (std::filesystem::exists(*path, error) && !is_hierarchy_file(*path)) {
@@ -100,7 +101,7 @@ std::expected<std::filesystem::path, std::string> write_hierarchy_file(const std
     if (written < 0) return fail();
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  // mkostemp's files are their owner's alone; a world's are everybody's.
+  // mkostemp gives the new file to its owner alone, but files of a world are for everybody.
   if (::fchmod(file.get(), 0644) != 0 || ::rename(temporary.c_str(), path->c_str()) != 0) return fail();
   return *path;
 }

@@ -8,14 +8,14 @@
 
 namespace peerd::config {
 
-// The files that a world's `hierarchyFile`s name: within the folder of the world, or below it, and nowhere else, since
-// a world is no reason to write somewhere.
+// These functions reach the files that a world's `hierarchyFile`s name, and only in or below the world's folder: a
+// world's text is no reason to write anywhere else.
 
-// Maps them. `world` is the world's own path.
+// The loader maps such files into memory. `world` is the path of the world itself.
 [[nodiscard]] collision::HierarchyLoader mapped_hierarchies(const std::filesystem::path& world);
 
-// Writes one, in one step: a reader sees the old file or the new one. What is there already is replaced only if it is a
-// hierarchy file. The path that was written, or why none was.
+// Writes a hierarchy file in one step, so that a reader sees the old file or the new one. An existing file is replaced
+// only if it is a hierarchy file. The result is the path that was written, or the reason why none was.
 [[nodiscard]] std::expected<std::filesystem::path, std::string> write_hierarchy_file(const std::filesystem::path& world,
                                                                                      std::string_view url,
                                                                                      std::string_view bytes);

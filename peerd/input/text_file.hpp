@@ -7,7 +7,7 @@
 
 namespace peerd {
 
-// The whole content of a file. The error says why it cannot be read and what to do.
+// Reads the whole content of a file. The error says why the file cannot be read and what to do.
 [[nodiscard]] Result<std::string> read_text_file(const std::filesystem::path& path);
 
 }  // namespace peerd

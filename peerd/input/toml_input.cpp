@@ -14,19 +14,11 @@
 namespace peerd::config {
 namespace {
 
-std::string place_of(const toml::source_region& at) {
-  std::ostringstream out;
-  if (at.path) out << *at.path << ':';
-  if (at.begin) out << at.begin.line << ':' << at.begin.column << ':';
-  if (out.tellp() > 0) out << ' ';
-  return out.str();
-}
-
 std::string located(const toml::source_region& at, const std::string& sentence) {
   return place_of(at) + "error: " + sentence;
 }
 
-// An item of a list by its number; null: `list` is none, or there is no such item.
+// Finds an item of a list by its number. Null means that `list` is no list, or has no such item.
 template <class Node>
 Node* item(Node& list, std::string_view number) {
   std::size_t i = 0;
@@ -42,6 +34,14 @@ std::string shown(double x) {
 }
 
 }  // namespace
+
+std::string place_of(const toml::source_region& at) {
+  std::ostringstream out;
+  if (at.path) out << *at.path << ':';
+  if (at.begin) out << at.begin.line << ':' << at.begin.column << ':';
+  if (out.tellp() > 0) out << ' ';
+  return out.str();
+}
 
 std::optional<std::string> did_you_mean(std::string_view word, const std::vector<std::string>& words) {
   Suggestion suggestion(word);

@@ -13,8 +13,8 @@
 
 namespace peerd::config {
 
-// One table of a configuration. Every key that is asked for is known; finish() names the first that nobody asked for,
-// and the key that was probably meant. The first error wins; later calls then do nothing.
+// Reads one table of a configuration. Every key that is asked for is known; finish() refuses the first key that nobody
+// asked for and names the key that was probably meant. The first error counts; later calls then do nothing.
 class TomlReader {
  public:
   TomlReader(const toml::table& table, std::string path, std::optional<InputError>& error)
@@ -29,24 +29,24 @@ class TomlReader {
   void read(std::string_view key, std::vector<std::string>& value);
   void read(std::string_view key, std::vector<double>& value, std::size_t size);
   void read(std::string_view key, std::optional<std::uint64_t>& value);
-  // A list of at least one list of `size` numbers.
+  // The key holds a list of at least one list of `size` numbers.
   [[nodiscard]] std::vector<std::vector<double>> rows(std::string_view key, std::size_t size);
-  // A list of at least one list of strings.
+  // The key holds a list of at least one list of strings.
   [[nodiscard]] std::vector<std::vector<std::string>> word_rows(std::string_view key);
-  // One of `words`; gives its index.
+  // The key holds one of `words`; `index` becomes its index.
   void read_word(std::string_view key, std::size_t& index, std::initializer_list<std::string_view> words);
-  // A sub-table, or none. Its own reader must finish() it.
+  // The sub-table, or null. The sub-table's own reader must finish() it.
   [[nodiscard]] const toml::table* table(std::string_view key);
-  // A list of tables, such as [[KEY]] makes; empty where there is none.
+  // The list of tables that [[KEY]] makes. It is empty where the key is missing.
   [[nodiscard]] std::vector<const toml::table*> tables(std::string_view key);
-  // Whether the key is there.
   [[nodiscard]] bool has(std::string_view key) const { return table_.contains(key); }
-  // Says that the key must be there.
+  // Reports an error where the key is missing.
   void require(std::string_view key);
   void finish();
 
   void fail(const toml::node* at, const std::string& sentence);
-  // FILE:LINE:COLUMN: and a blank, of a node or (null) of this table; empty where that is unknown, as with --set.
+  // FILE:LINE:COLUMN: and a blank, of a node or, with null, of this table. It is empty where the place is unknown, as
+  // with --set.
   [[nodiscard]] std::string place(const toml::node* at) const;
   [[nodiscard]] const toml::table& raw() const { return table_; }
   [[nodiscard]] std::string dotted(std::string_view key) const;
@@ -62,10 +62,13 @@ class TomlReader {
   std::set<std::string, std::less<>> known_;
 };
 
+// FILE:LINE:COLUMN: and a blank. It is empty where the place is unknown, as with a value of --set.
+[[nodiscard]] std::string place_of(const toml::source_region& at);
+
 [[nodiscard]] Result<toml::table> parse_toml(const std::string& text, const std::string& name);
 [[nodiscard]] Result<toml::table> read_toml(const std::filesystem::path& path);
 
-// A.B=VALUE as it stands on a command line; a VALUE that is not TOML counts as a string.
+// An assignment A.B=VALUE from a command line. A VALUE that is not TOML counts as a string.
 struct Assignment {
   std::string key;
   toml::table holder;  // {value = VALUE}
@@ -73,12 +76,12 @@ struct Assignment {
 [[nodiscard]] Result<Assignment> parse_assignment(const std::string& text);
 // Puts a copy of `value` at a dotted key, making tables on the way. The items of a list go by number, from 0.
 [[nodiscard]] Result<void> assign(toml::table& root, std::string_view dotted_key, const toml::node& value);
-// What stands at a dotted key, by the same rules; null: nothing.
+// The value at a dotted key, by the same rules. Null means that there is none.
 [[nodiscard]] const toml::node* find(const toml::table& root, std::string_view dotted_key);
-// `over` wins, table by table.
+// Merges two tables; a value of `over` replaces that of `base`, table by table.
 void merge(toml::table& base, const toml::table& over);
 
-// The closest of `words` to a misspelt one, if it is close at all.
+// The word of `words` that is closest to a misspelt one, if any is close.
 [[nodiscard]] std::optional<std::string> did_you_mean(std::string_view word, const std::vector<std::string>& words);
 
 }  // namespace peerd::config

@@ -4,7 +4,7 @@
 
 namespace peerd::config {
 
-// The same value as JSON; a date or a time, which JSON has none of, as its text.
+// Converts a value to JSON. Dates and times, which JSON does not have, become their text.
 [[nodiscard]] nlohmann::ordered_json to_json(const toml::node& node);
 
 }  // namespace peerd::config

@@ -12,7 +12,8 @@ std::optional<std::filesystem::path> local_path(std::string_view url) {
     if (url.starts_with("//localhost/")) url.remove_prefix(11);
     if (url.starts_with("//")) url.remove_prefix(2);
   } else if (const std::size_t colon = url.find(':'); colon != std::string_view::npos && colon > 1) {
-    // http:, urn:, javascript:; one letter is a drive of a system that we don't run on, and no such file will be found
+    // http:, urn: and javascript: name no file. A single letter is a drive of another operating system; it is tried as
+    // a file and not found.
     if (url.substr(0, colon).find_first_of("/.\\") == std::string_view::npos) return std::nullopt;
   }
   std::string path;
@@ -42,7 +43,7 @@ FileLoader local_files() {
     if (std::filesystem::file_size(path, error) > ReadLimits{}.text_bytes) return std::unexpected("it is too large");
     auto bytes = read_text_file(path);
     if (!bytes) return std::unexpected("it can't be read");
-    // Links and detours lead to one name, so that a file that includes itself is seen to.
+    // Links and detours lead to one canonical name, so that a file that includes itself is recognised.
     const std::filesystem::path one = std::filesystem::canonical(path, error);
     return LoadedFile{error ? path.string() : one.string(), std::move(*bytes)};
   };
@@ -55,7 +56,7 @@ Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::
   file->text = std::move(*text);
   options.name = path.string();
   if (!options.load) {
-    // The world goes by the name that it was asked for, wherever it is named.
+    // The world keeps the name by which it was asked for, wherever another file names it.
     std::error_code error;
     const std::string one = std::filesystem::canonical(path, error).string();
     options.load = [files = local_files(), one, name = options.name](std::string_view url, std::string_view base) {

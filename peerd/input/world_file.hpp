@@ -9,14 +9,15 @@
 
 namespace peerd::config {
 
-// The path that a URL names, %-escapes resolved, or nothing where it names no file of this machine.
+// The path that a URL names, with %-escapes resolved. It is empty where the URL names no file of this machine.
 [[nodiscard]] std::optional<std::filesystem::path> local_path(std::string_view url);
 
-// Reads the files behind the URLs of Inlines and EXTERNPROTOs: regular files of this machine, by relative or absolute
-// path or file: URL, %-escapes resolved. Anything else is refused by name; nothing is fetched over a network.
+// The loader reads the files behind the URLs of Inlines and EXTERNPROTOs: regular files of this machine, by relative
+// path, absolute path or file: URL, with %-escapes resolved. It refuses any other URL by name and fetches nothing over
+// a network.
 [[nodiscard]] FileLoader local_files();
 
-// A world and all that it includes. A world with errors is a result too; no file at all is none.
+// A world with all files that it includes. A world with errors is a result too; a missing file is an error.
 struct WorldFile {
   std::string text;  // ReadResult::sources may point into it
   ReadResult result;

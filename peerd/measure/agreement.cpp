@@ -13,24 +13,22 @@
 namespace peerd::report {
 namespace {
 
-// Contacts are compared as contacts of an unordered pair; a row that names the pair the other way round has its normal
-// turned round.
+// Contacts are compared as contacts of an unordered pair.
 using Pair = std::pair<ObjectId, ObjectId>;
 
 Pair pair_of(const ContactRow& row) { return std::minmax(row.collider, row.collidee); }
-Vec3 pair_normal(const ContactRow& row) { return row.collidee < row.collider ? Vec3(-row.normal) : row.normal; }
 
 bool is_outcome(const ContactRow& row) { return row.kind == "owner" || row.kind == "decided"; }
 
 struct Outcome {
   double t_s = 0.0;
-  std::size_t row = 0;          // the first that states it
-  std::vector<PeerId> authors;  // nearly always one
+  std::size_t row = 0;          // index of the first row that states it
+  std::vector<PeerId> authors;  // more than one only where two peers state the same contact
 };
 
 bool has_author(const Outcome& o, PeerId peer) { return std::ranges::find(o.authors, peer) != o.authors.end(); }
 
-// Of one pair, in order of time.
+// The outcomes of one pair, in order of time.
 struct PairOutcomes {
   std::vector<Outcome> outcomes;
   double window_s = 0.0;
@@ -61,10 +59,10 @@ OutcomesByPair collect_outcomes(const RunRecord& run, Agreement& result) {
   return by_pair;
 }
 
-// Half the shortest time between two outcomes of the pair by one author: with it, no word can lie in two windows, and
-// none is thrown out while it is nearer to an outcome than the next outcome could be. A pair that met once has no such
-// gap; then the nearest other outcome of its collider stands in (one object cannot be in two contacts' places), and
-// where there is none either, half the run.
+// Half the shortest time between two outcomes of the pair by one author. With it no statement can lie in two windows,
+// and none is dropped while it is nearer to an outcome than the next outcome could be. A pair that met once has no such
+// gap; then the time to the nearest other outcome of its collider is used (one object cannot be in two contacts'
+// places), and without one, half the run.
 double window_s(const RunRecord& run, const OutcomesByPair& by_pair, const PairOutcomes& pair) {
   double gap_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < pair.outcomes.size(); ++i) {
@@ -86,7 +84,7 @@ double window_s(const RunRecord& run, const OutcomesByPair& by_pair, const PairO
   return 0.5 * std::min(gap_s, run.duration_s);
 }
 
-// The outcome nearest in time, the earlier at a tie; null if that is outside its window.
+// The outcome nearest in time, the earlier one at a tie. Null means that it lies outside of its window.
 const Outcome* nearest_outcome(const PairOutcomes& pair, double t_s) {
   const auto after = std::ranges::lower_bound(pair.outcomes, t_s, {}, &Outcome::t_s);
   const Outcome* best = nullptr;
@@ -99,18 +97,11 @@ const Outcome* nearest_outcome(const PairOutcomes& pair, double t_s) {
   return closer ? &*after : best;
 }
 
-// The response turns the velocity about the normal, so the side is the outcome: two normals that agree in sign let the
-// object out on the same side. Contacts without a normal (BOX) agree with each other.
-bool same_side(const ContactRow& a, const ContactRow& b) {
-  const Vec3 na = pair_normal(a);
-  const Vec3 nb = pair_normal(b);
-  return na.dot(nb) > 0.0 || (na.isZero(0.0) && nb.isZero(0.0));
-}
-
-// One peer's words on one outcome, as row indices. The last word counts, and none comes after taking over the very
-// decision: what is predicted later is another contact. It has been held since the first of the
-// unbroken run of words at the end that say the same: saying it again is no delay.
-void judge_statements(const RunRecord& run, const Outcome& outcome, std::vector<std::size_t> statements, Agreement& result) {
+// Judges one peer's statements on one outcome, given as row indices. The last statement counts, and none comes after
+// applying the very decision: a later prediction is about another contact. The statement has been held since the first
+// of the unbroken run of equal statements at the end: to repeat it is no delay.
+void judge_statements(const RunRecord& run, const Outcome& outcome, std::vector<std::size_t> statements,
+                      Agreement& result) {
   const ContactRow& truth = run.contacts[outcome.row];
   const auto applied = [&](const ContactRow& row) { return row.kind == "applied" && row.t_s == truth.t_s; };
   std::ranges::sort(statements, {}, [&](std::size_t i) {
@@ -129,11 +120,11 @@ void judge_statements(const RunRecord& run, const Outcome& outcome, std::vector<
   result.verdicts[statements.back()] = agrees ? Verdict::kAgreed : Verdict::kDisagreed;
 }
 
-// What each peer has made or taken over of one decision is its last row of exactly that contact.
+// The last row of exactly that contact says what a peer has made of, or applied from, one decision.
 Agreement::Shared compare_shared(const RunRecord& run) {
   struct Decision {
-    const ContactRow* stated = nullptr;              // by the first that decided it
-    std::map<PeerId, const ContactRow*> applied;  // and by whom
+    const ContactRow* stated = nullptr;           // row of the first peer that decided it
+    std::map<PeerId, const ContactRow*> applied;  // last row of each other peer
   };
   std::map<std::pair<Pair, double>, Decision> decisions;
   for (const ContactRow& row : run.contacts) {
@@ -192,7 +183,8 @@ Agreement agreement(const RunRecord& run) {
   OutcomesByPair by_pair = collect_outcomes(run, result);
   for (auto& [key, pair] : by_pair) pair.window_s = window_s(run, by_pair, pair);
 
-  std::map<std::pair<const Outcome*, PeerId>, std::vector<std::size_t>> statements;  // looked up, never walked
+  std::map<std::pair<const Outcome*, PeerId>, std::vector<std::size_t>>
+      statements;  // for lookup alone; the order is never used
   for (std::size_t i = 0; i < run.contacts.size(); ++i) {
     const ContactRow& row = run.contacts[i];
     if (is_outcome(row)) continue;

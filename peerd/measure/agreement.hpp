@@ -7,19 +7,20 @@
 
 namespace peerd::report {
 
-// What became of one row of RunRecord::contacts when the peers' rows were laid side by side (README: "Contacts").
+// The judgement of one row of RunRecord::contacts after the peers' rows were laid side by side
+// (docs/reference/measures.md, "Contacts").
 enum class Verdict : std::uint8_t {
-  kOutcome,    // a physical outcome: kind owner or decided
-  kRepeated,   // the same outcome once more
-  kAgreed,     // a peer's last word on another peer's outcome, same side
-  kDisagreed,  // the same, other side
-  kRevised,    // an earlier word, replaced by a later one of that peer
-  kSpurious,   // predicted or applied, and there is no such outcome
-  kOwn,        // a prediction about an outcome that this very peer decided
+  kOutcome,    // physical outcome: kind owner or decided
+  kRepeated,   // same outcome once more
+  kAgreed,     // last statement of a peer on another peer's outcome, same side
+  kDisagreed,  // last statement of a peer on another peer's outcome, other side
+  kRevised,    // earlier statement, replaced by a later one of that peer
+  kSpurious,   // predicted or applied, without such an outcome
+  kOwn,        // prediction about an outcome that the same peer decided
 };
 [[nodiscard]] std::string_view to_string(Verdict v);
 
-// decided outcomes; agreed + disagreed + missed = decided x (peers - 1), unless several peers author one outcome.
+// The counts of a run. agreed + disagreed + missed = decided x (peers - 1), unless several peers author one outcome.
 struct Agreement {
   std::uint64_t decided = 0;
   std::uint64_t agreed = 0;
@@ -27,14 +28,16 @@ struct Agreement {
   std::uint64_t missed = 0;
   std::uint64_t spurious = 0;
   std::uint64_t revised = 0;
-  // Of collisions between objects of two peers alone (kind decided), not by words but by what a peer has taken over:
-  // decided x (peers - 1) = agreed + disagreed + missed here too. One that is taken over and nobody's is spurious.
+  // Collisions between objects of two peers alone (kind decided), judged not by statements but by the decisions that a
+  // peer has applied. Here too agreed + disagreed + missed = decided x (peers - 1). A decision that is applied and that
+  // no peer has stated is spurious.
   struct Shared {
     std::uint64_t decided = 0, agreed = 0, disagreed = 0, missed = 0, spurious = 0;
   };
   Shared shared;
-  std::vector<double> latency_s;  // one per agreed or disagreed word: from its contact time to when the peer held it
-  std::vector<Verdict> verdicts;  // of RunRecord::contacts, by index
+  std::vector<double>
+      latency_s;  // from contact time to when the peer held it; one for each agreed or disagreed statement
+  std::vector<Verdict> verdicts;  // one for each row of RunRecord::contacts
 };
 
 [[nodiscard]] Agreement agreement(const RunRecord& run);

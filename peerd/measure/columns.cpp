@@ -8,7 +8,7 @@
 namespace peerd::report {
 namespace {
 
-// Columns on the terminal: code points. Good enough for paths and names, which are rarely wider.
+// The width on a terminal is taken as the number of code points. Paths and names rarely have wider characters.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
 }

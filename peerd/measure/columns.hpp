@@ -6,19 +6,19 @@ namespace peerd::report {
 
 // One column of a table on the terminal.
 struct Column {
-  std::string group;  // over several columns alike: "at b"
+  std::string group;  // heading over several columns alike: "at b"
   std::string name;
-  bool numeric = true;  // to the right
+  bool numeric = true;  // aligned to the right
   std::vector<std::string> cells;
 };
 
-// The value with so many decimals.
+// The value with that number of decimals.
 [[nodiscard]] std::string fixed(double value, int decimals);
 
-// Without the blanks at its end.
+// Appends the line without the blanks at its end.
 void append_line(std::string& out, std::string line);
 
-// The names, then the cells, row by row; groups over the names where there are any.
+// Appends the names, then the cells, row by row. A line of groups comes before the names where there are any.
 void append_rows(std::string& out, const std::vector<Column>& columns);
 
 }  // namespace peerd::report

@@ -14,7 +14,7 @@
 namespace peerd::report {
 namespace {
 
-// Appends cells to one growing text; a report is tens of megabytes and inside a budget of time, so no streams.
+// Appends cells to one growing text. A report is tens of megabytes with a budget of time, so there are no streams.
 class CsvText {
  public:
   explicit CsvText(std::string_view heading) : text_(heading) { text_ += '\n'; }
@@ -77,7 +77,7 @@ std::string errors_csv(std::span<const RunRecord> runs) {
     const RunRecord& run = runs[r];
     PeerId observer;
     ObjectId object;
-    std::string names;  // of the series that we are in
+    std::string names;  // names of the current series
     for (const GhostSample& s : run.ghost_samples) {
       if (names.empty() || s.observer != observer || s.object != object) {
         observer = s.observer;

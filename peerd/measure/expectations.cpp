@@ -8,9 +8,9 @@
 #include <limits>
 #include <ranges>
 
+#include "peerd/config/measures.hpp"
 #include "peerd/config/node_pattern.hpp"
 #include "peerd/measure/columns.hpp"
-#include "peerd/config/measures.hpp"
 #include "peerd/measure/summary.hpp"
 #include "peerd/measure/sweep.hpp"
 
@@ -20,10 +20,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 using config::Expectation;
 
-// More are counted, not listed: a crowd has thousands of views.
+// Further failures are counted, not listed: a crowd has thousands of views.
 constexpr std::size_t kListed = 20;
 
-// What of a run lies between two times, as if there were nothing else.
+// The part of a run between two times, as if the run had been this part alone.
 RunRecord part_of(const RunRecord& run, double from_s, double until_s) {
   RunRecord part = run;
   part.duration_s = until_s - from_s;
@@ -40,7 +40,7 @@ bool is_meant(const std::string& pattern, const std::string& path) {
   return pattern.find('/') == std::string::npos && config::matches(pattern, path.substr(path.rfind('/') + 1));
 }
 
-// How far from what is expected; 0: as expected.
+// The distance of a number from what is expected; 0 where it is as expected.
 double off_by(const Expectation& e, const Json& found) {
   if (e.equals && found.is_boolean()) return found == *e.equals ? 0.0 : 1.0;
   const auto x = found.get<double>();
@@ -84,12 +84,12 @@ class Checker {
     if (!seen) fail(e.object, e.observer, nullptr, "no samples");
   }
 
-  // Null: there is none of that name.
+  // The number of that name, or null.
   [[nodiscard]] const Json* number(const Json& row) const {
     const Json* at = &row;
     std::string_view rest = measure_.name;
     while (!rest.empty()) {
-      const bool counter = at == counters(row);  // whose own names may hold dots
+      const bool counter = at == counters(row);  // names of counters may hold dots
       const std::string key(counter ? rest : rest.substr(0, rest.find('.')));
       rest.remove_prefix(std::min(rest.size(), key.size() + 1));
       const auto found = at->find(key);
@@ -119,7 +119,7 @@ class Checker {
   std::size_t run_ = 0;
 };
 
-// Six digits are enough to see by how much; summary.json has them all.
+// Six digits show by how much a number is off; summary.json has all digits.
 std::string found_text(const Json& found) {
   if (!found.is_number_float()) return found.dump();
   std::array<char, 32> digits;

@@ -17,9 +17,15 @@ std::string object_path(const RunRecord& run, ObjectId object) {
   return scene != run.scene_paths.end() ? scene->second : "#" + std::to_string(object.value);
 }
 
+bool same_side(const ContactRow& a, const ContactRow& b) {
+  const double along = a.normal.dot(b.normal);
+  return (a.collider == b.collider ? along : -along) > 0.0 || (a.normal.isZero(0.0) && b.normal.isZero(0.0));
+}
+
 bool was_present(const PeerInfo& peer, double t_s) {
-  return peer.there_s.empty() ||
-         std::ranges::any_of(peer.there_s, [&](const auto& presence) { return presence.first <= t_s && t_s <= presence.second; });
+  return peer.there_s.empty() || std::ranges::any_of(peer.there_s, [&](const auto& presence) {
+           return presence.first <= t_s && t_s <= presence.second;
+         });
 }
 
 std::span<const GhostSample> ghost_samples_of(const RunRecord& run, PeerId observer, ObjectId object) {

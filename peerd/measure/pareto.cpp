@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What stands still is known everywhere: it would only thin out the error.
+// An object that stands still is known everywhere and would only dilute the error.
 std::set<std::string> objects_that_err(const Json& summary) {
   std::set<std::string> paths;
   for (const Json& run : summary.at("runs")) {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "peerd/measure/interval.hpp"
 #include "peerd/config/measures.hpp"
+#include "peerd/measure/interval.hpp"
 
 namespace peerd::report {
 namespace {
@@ -25,7 +25,7 @@ Json interval_json(const std::vector<double>& values) {
   return {{"mean", i.mean}, {"half_width_95", i.half_width}};
 }
 
-// Puts those measures of `rows` into `point` that all rows have.
+// Puts into `point` those measures of `rows` that all rows have.
 void add_measures(Json& point, const std::vector<const Json*>& rows, bool of_view) {
   for (const Measure& m : measures()) {
     if (m.of_view != of_view || m.yes_or_no) continue;
@@ -51,7 +51,8 @@ Json points_json(const Json& runs, std::uint32_t repeat) {
       numbers.push_back(i + 1);
     }
     Json point = {{"params", same.front()->at("params")}, {"runs", std::move(numbers)}, {"objects", Json::array()}};
-    for (std::size_t row = 0; row < same.front()->at("objects").size(); ++row) {  // the same in all of them
+    // All runs of a point have the same rows.
+    for (std::size_t row = 0; row < same.front()->at("objects").size(); ++row) {
       std::vector<const Json*> views;
       for (const Json* run : same) views.push_back(&run->at("objects")[row]);
       Json view;

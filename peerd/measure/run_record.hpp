@@ -13,8 +13,8 @@
 
 namespace peerd::report {
 
-// Everything that is known of one run, whichever driver made it. Times are seconds since the start of the scenario's
-// motion; what happened before 0 or after duration_s is not in it.
+// An object that some peer owns. In all of a record, times are seconds since the start of the scenario's motion, and
+// events before 0 or after duration_s are left out.
 struct ObjectInfo {
   ObjectId object;
   std::string path;
@@ -24,26 +24,26 @@ struct ObjectInfo {
 struct PeerInfo {
   PeerId peer;
   std::string name;
-  std::vector<std::pair<double, double>> there_s{};  // from when to when; empty: all the time
+  std::vector<std::pair<double, double>> there_s{};  // intervals in the session; empty: the whole run
 };
 
-// What one peer believed of one remote object at one of its ticks.
+// A sample of one peer's ghost of one remote object, with the truth of the same instant.
 struct GhostSample {
   double t_s = 0.0;
   PeerId observer;
   ObjectId object;
   Pose truth;  // the owner's, at t_s
   Pose ghost;  // dead reckoning with prediction
-  Pose shown;  // what a viewer draws
-  Pose seen;   // what a viewer at its owner draws then: the truth, unless input is delayed there
+  Pose shown;  // pose that a viewer draws
+  Pose seen;   // displayed at the owner: the truth, unless the owner delays it too
 };
 
 struct UpdateSent {
   double t_s = 0.0;
   PeerId sender;
   ObjectId object;
-  std::uint32_t bytes = 0;   // of its record in the datagram
-  double threshold_m = 0.0;  // the error threshold in force
+  std::uint32_t bytes = 0;   // length of its record in the datagram
+  double threshold_m = 0.0;  // error threshold in force
   std::string reason;        // "error", "time", "first", "joiner", "decision"
 };
 
@@ -55,47 +55,49 @@ struct DatagramSent {
 
 struct ContactRow {
   double t_s = 0.0;  // contact time
-  PeerId peer;       // who says so
-  std::string kind;  // "owner": happened to an object that it runs; "decided": sent as a decision;
-                     // "predicted": on its ghosts; "applied": a decision that it took over
+  PeerId peer;       // peer that states it
+  // "owner": a contact of an object that the peer owns; "decided": a decision that it published; "predicted": a contact
+  // of its ghosts; "applied": a decision of another peer that it applied.
+  std::string kind;
   ObjectId collider;
   ObjectId collidee;
   Vec3 normal = Vec3::Zero();
-  double reported_at_s = 0.0;  // when the peer knew
+  double reported_at_s = 0.0;  // time from which the peer knew it
 };
 
 struct WrongOutcomes {
-  std::uint64_t truth = 0;     // outcomes without latency
-  std::uint64_t missing = 0;   // of those, which nobody decided so
-  std::uint64_t spurious = 0;  // decided, and not true
+  std::uint64_t truth = 0;     // number of outcomes without latency
+  std::uint64_t missing = 0;   // true outcomes that no peer decided like this
+  std::uint64_t spurious = 0;  // decided outcomes that are not true
 };
 
-// What a simulated peer heard of what was in its area of interest, as somebody found who sees everything.
+// The findings of the interest oracle about one simulated peer.
 struct PeerInterest {
   PeerId peer;
-  double objects = 0.0;              // others' objects in its area, on average
-  std::uint64_t received_bytes = 0;  // that came its way but hellos and decisions, lost datagrams included
-  std::uint64_t interest_bytes = 0;  // of all with updates, the part that told of objects while in its area
+  double objects = 0.0;  // mean number of remote objects in its area
+  std::uint64_t received_bytes =
+      0;  // datagrams sent where it listened, lost ones included; without hellos and decisions
+  std::uint64_t interest_bytes = 0;  // the part of all datagrams with updates that is about objects in its area
   std::uint32_t joins = 0, leaves = 0;
-  std::uint32_t joins_in_a_second = 0;  // at most
-  double groups = 0.0;                  // that it listened to, on average
+  std::uint32_t joins_in_a_second = 0;  // greatest number
+  double groups = 0.0;                  // mean number of groups that it listened to
 };
 struct InterestRecord {
-  double latency_ms = 0.0;           // the longest of any link, for comparison
-  double longest_missing_ms = 0.0;   // an object in an area, of which that peer held nothing
-  double longest_outdated_ms = 0.0;  // .. of which it did not hold what had been told of it so long before
-  std::uint64_t gaps = 0;            // how often an object was missing
+  double latency_ms = 0.0;           // longest delay of any link, for comparison
+  double longest_missing_ms = 0.0;   // an object in an area without any state held of it
+  double longest_outdated_ms = 0.0;  // an object in an area with an older state held than was sent so long before
+  std::uint64_t gaps = 0;            // number of times that an object was missing
   std::uint64_t samples = 0, missing_samples = 0;
   std::vector<PeerInterest> peers;
 };
 
-// Something that the scenario had happen, for the pictures.
+// An event of the scenario, for the pictures.
 struct EventMark {
   double t_s = 0.0;
   std::string name;
 };
 
-// Of a simulated peer's session time, against the peer that it followed.
+// The error of a simulated peer's session time against the peer that it followed.
 struct PeerClock {
   PeerId peer;
   std::uint64_t samples = 0;
@@ -105,21 +107,21 @@ struct PeerClock {
 };
 
 struct RunRecord {
-  nlohmann::ordered_json params;  // every swept key by its dotted name
+  nlohmann::ordered_json params;  // swept and set keys, by dotted name
   std::uint64_t seed = 1;
   double duration_s = 0.0;
   std::vector<PeerInfo> peers;
-  std::vector<ObjectInfo> objects;              // the replicated ones
-  std::map<ObjectId, std::string> scene_paths;  // of what nobody runs but contacts name: walls
-  std::vector<GhostSample> ghost_samples;            // sorted by (observer, object, t_s)
+  std::vector<ObjectInfo> objects;              // objects with an owner
+  std::map<ObjectId, std::string> scene_paths;  // objects without an owner that contacts name, such as walls
+  std::vector<GhostSample> ghost_samples;       // sorted by (observer, object, t_s)
   std::vector<UpdateSent> updates;              // sorted by t_s
   std::vector<DatagramSent> datagrams;
   std::vector<ContactRow> contacts;
   std::vector<EventMark> events;           // sorted by t_s
   std::optional<WrongOutcomes> wrong;      // none: not compared
-  std::optional<InterestRecord> interest;  // none: nobody has an area of interest, or a real network
-  std::optional<NetworkMeasured> network;  // of a run by netem
-  std::vector<PeerClock> clocks;           // of those that followed another; empty on a real network
+  std::optional<InterestRecord> interest;  // none: no peer has an area of interest, or the network is real
+  std::optional<NetworkMeasured> network;  // runs by netem only
+  std::vector<PeerClock> clocks;           // peers that followed another; empty on a real network
   std::uint32_t groups_joined = 0;
   bool worlds_equal = true;
   std::map<std::string, std::uint64_t> counters;  // summed over the peers

@@ -5,7 +5,8 @@
 
 namespace peerd::report {
 
-// Of a set of samples, every sample weighing the same. All zero for an empty set (JSON has no NaN); count tells.
+// Statistics of a set of samples with equal weights. All are zero for an empty set, because JSON has no NaN; `count`
+// tells.
 struct Statistics {
   std::size_t count = 0;
   double mean = 0.0;
@@ -21,7 +22,8 @@ struct TimedValue {
   double value = 0.0;
 };
 
-// Time integral by the trapezoid rule from the first sample to the last; 0 for fewer than two. Times must not decrease.
+// The time integral by the trapezoid rule from the first sample to the last; 0 for fewer than two. Times must not
+// decrease.
 [[nodiscard]] double integral(std::span<const TimedValue> samples);
 
 }  // namespace peerd::report

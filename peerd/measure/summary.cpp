@@ -19,7 +19,8 @@ using Json = nlohmann::ordered_json;
 
 Json error_json(const Statistics& s) { return {{"mean", s.mean}, {"rms", s.rms}, {"p99", s.p99}, {"max", s.max}}; }
 
-// Squares of errors up to here add up without overflow, and no scene is as large: an error beyond is a 1/0 in disguise.
+// Squares of errors up to this one add up without overflow, and no scene is as large: a larger error comes from a
+// division by zero.
 constexpr double kGreatestError_m = 1e100;
 
 struct UpdateTotals {
@@ -37,8 +38,8 @@ std::map<ObjectId, UpdateTotals> update_totals(const RunRecord& run) {
   return totals;
 }
 
-// What one observer made of one object. Adds the samples whose error is no number (a formula's 1/0) to not_finite: they
-// are in errors.csv but cannot be in a mean.
+// The row of one observer's ghost of one object. Samples whose error is not a number (a formula's 1/0) are added to
+// not_finite: they are in errors.csv but cannot be part of a mean.
 Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo& observer, const UpdateTotals& sent,
                  std::uint64_t& not_finite) {
   std::vector<TimedValue> ghost;

@@ -10,7 +10,7 @@ namespace {
 
 struct NameAndUnit {
   std::string name;
-  std::string unit;  // empty if the name ends in none that we know
+  std::string unit;  // empty: the name ends in no known unit
 };
 
 NameAndUnit split_unit(const std::string& name) {
@@ -50,7 +50,8 @@ std::vector<std::string> varying_keys(std::span<const Params> runs) {
 }
 
 std::string short_name(const std::string& key, std::span<const std::string> keys) {
-  const auto last = [](const std::string& k) { return k.substr(k.rfind('.') + 1); };  // npos + 1 = 0: the whole
+  // Without a dot the position is npos, and npos + 1 is 0, which gives the whole key.
+  const auto last = [](const std::string& k) { return k.substr(k.rfind('.') + 1); };
   const bool unique = std::ranges::none_of(keys, [&](const auto& k) { return k != key && last(k) == last(key); });
   return unique ? last(key) : key;
 }
@@ -59,7 +60,7 @@ std::string value_text(const Params& run, const std::string& key) {
   const auto it = run.find(key);
   if (it == run.end()) return "";
   if (it->is_string()) return it->get<std::string>();
-  if (it->is_number_float()) {  // 100 and 100.0 are one latency
+  if (it->is_number_float()) {  // 100 and 100.0 are one value
     std::array<char, 32> digits;
     const double value = it->get<double>();
     return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};

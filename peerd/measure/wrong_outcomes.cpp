@@ -4,16 +4,13 @@
 #include <cmath>
 #include <vector>
 
+#include "peerd/measure/lookup.hpp"
+
 namespace peerd::report {
 namespace {
 
 bool same_pair(const ContactRow& a, const ContactRow& b) {
   return std::minmax(a.collider, a.collidee) == std::minmax(b.collider, b.collidee);
-}
-
-bool same_side(const ContactRow& a, const ContactRow& b) {
-  const double along = a.normal.dot(b.normal);
-  return (a.collider == b.collider ? along : -along) > 0.0 || (a.normal.isZero(0.0) && b.normal.isZero(0.0));
 }
 
 std::vector<const ContactRow*> decided(const RunRecord& run) {

@@ -5,8 +5,8 @@
 
 namespace peerd::report {
 
-// What peers decided between them (kind "decided"), against what happens without latency. An outcome is right if the
-// truth has one of that pair within kSameTime_s, from the same side (agreement.cpp says why the side); each counts
+// Compares the outcomes that peers decided (kind "decided") with those of the run without latency. An outcome is right
+// if the truth has an outcome of that pair within kSameTime_s on the same side (same_side()); each true outcome counts
 // once.
 inline constexpr double kSameTime_s = 0.25;
 [[nodiscard]] WrongOutcomes wrong_outcomes(const RunRecord& run, const RunRecord& truth);

@@ -37,7 +37,7 @@ class Car {
     return k;
   }
 
-  // The position is the integral of the velocity's cubic over the step.
+  // One step of the simulation. The position is the integral of the velocity's cubic over the step.
   void step() {
     const Vec2 v = velocity(), a = acceleration();
     const double turn_rate = speed_ * curvature_;
@@ -52,7 +52,7 @@ class Car {
     heading_ += 0.5 * kCarStep_s * (turn_rate + speed_ * curvature_);
     const Vec2 v1 = velocity(), a1 = acceleration();
     position_ += 0.5 * kCarStep_s * (v + v1) + kCarStep_s * kCarStep_s / 12.0 * (a - a1);
-    // To the place of the route that it is abreast of.
+    // The route is followed up to the place that the car is abreast of.
     const StreetRoute::Place abreast = route_.at(come_m_);
     come_m_ += std::max(0.0, (position_ - abreast.position).dot(abreast.direction));
   }
@@ -62,11 +62,11 @@ class Car {
   [[nodiscard]] Vec2 right() const { return {-std::sin(heading_), std::cos(heading_)}; }
   [[nodiscard]] Vec2 velocity() const { return speed_ * ahead(); }
   [[nodiscard]] Vec2 acceleration() const { return pull_ * ahead() + speed_ * speed_ * curvature_ * right(); }
-  // Braking sets in late and turns are wider than meant, so both with something in hand.
+  // Braking sets in late and turns are wider than planned, so both keep a reserve.
   [[nodiscard]] double safe_speed() {
     return route_.safe_speed(come_m_, 0.7 * s_.acceleration_m_s2, 0.7 * s_.acceleration_m_s2, usual_speed_);
   }
-  // Of the circle that leads from here, straight ahead, to the route some way further on.
+  // The curvature of the circle that leads from the car, tangentially, to the route some way ahead.
   [[nodiscard]] double curvature_wanted() {
     const Vec2 to = route_.at(come_m_ + 3.0 + 0.5 * speed_).position - position_;
     return std::clamp(2.0 * to.dot(right()) / to.squaredNorm(), -kCurvatureMax, kCurvatureMax);
@@ -77,7 +77,7 @@ class Car {
   StreetRoute route_;
   double height_m_;
   Vec2 position_;
-  double heading_ = 0.0;  // from +x towards +z
+  double heading_ = 0.0;  // angle from +x towards +z
   double speed_ = 0.0, pull_ = 0.0, curvature_ = 0.0, usual_speed_ = 0.0, come_m_ = 0.0;
 };
 

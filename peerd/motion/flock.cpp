@@ -9,9 +9,9 @@ namespace peerd::config {
 namespace {
 
 constexpr double kBirdStep_s = 1.0 / 30.0;
-constexpr double kLag_s = 0.2;       // how fast the acceleration follows what is wanted
-constexpr double kBirdSpeedLag_s = 1.0;  // and the speed its usual value
-// What each wish weighs, in parts of the greatest acceleration.
+constexpr double kLag_s = 0.2;           // time constant of the acceleration
+constexpr double kBirdSpeedLag_s = 1.0;  // time constant of the speed
+// The weights of a bird's wishes, in parts of the greatest acceleration.
 constexpr double kSeparate = 1.5, kAlign = 0.6, kCohere = 0.4, kSeek = 0.4;
 
 struct Bird {
@@ -89,7 +89,7 @@ std::vector<std::vector<Knot>> flock(const FlockSettings& settings, std::uint64_
     std::vector<Bird> next = birds;
     for (std::size_t i = 0; i < birds.size(); ++i) {
       const Vec3 a = birds[i].acceleration;
-      // The acceleration is linear over the step, velocity and position its integrals.
+      // The acceleration is linear over the step, and velocity and position are its integrals.
       const Vec3 a1 = a + (wanted_acceleration(settings, birds, i, goal) - a) * (kBirdStep_s / kLag_s);
       next[i].acceleration = a1;
       next[i].velocity += 0.5 * kBirdStep_s * (a + a1);

@@ -13,7 +13,7 @@
 
 namespace peerd::config {
 
-// muParser keeps addresses of the variables, so this stays where it was made.
+// muParser keeps the addresses of variables, so this object must not move.
 struct FormulaMotion::Formulas {
   double t = 0.0, n = 0.0;
   std::vector<double> defined;           // sized before any address is taken
@@ -40,7 +40,7 @@ constexpr std::size_t kAngle = 3, kSpinAngle = 4;  // components
 
 Vec3 to_vec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
-// "name = expression"; an empty name when it is not that.
+// Splits "name = expression". The name is empty where the text has another form.
 std::pair<std::string, std::string> split_definition(const std::string& definition) {
   const std::size_t equals = definition.find('=');
   if (equals == std::string::npos) return {};

@@ -7,7 +7,7 @@
 namespace peerd::config {
 namespace {
 
-// The vector whose quat_exp is q, the shorter way round.
+// The vector whose quat_exp is q, for the shorter of the two rotations.
 Vec3 quat_log(const Quat& q) {
   const double sign = q.w() < 0.0 ? -1.0 : 1.0;
   const double sine = q.vec().norm();
@@ -15,7 +15,8 @@ Vec3 quat_log(const Quat& q) {
   return sign * 2.0 * std::atan2(sine, sign * q.w()) / sine * q.vec();
 }
 
-// Coefficients of the quintic in t [s]: position, velocity, half the acceleration, and what makes it meet `b` after h.
+// Coefficients of the quintic in t [s]: position, velocity, half the acceleration, and the three that make it meet `b`
+// after h.
 void interpolate_position(const KinematicState& a, const KinematicState& b, double h, double t, KinematicState& out) {
   const Vec3 dp = b.position - a.position - h * (a.velocity + 0.5 * h * a.acceleration);
   const Vec3 dv = h * (b.velocity - a.velocity - h * a.acceleration);
@@ -29,8 +30,8 @@ void interpolate_position(const KinematicState& a, const KinematicState& b, doub
   out.acceleration = a.acceleration + s / (h * h) * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5));
 }
 
-// q = qa e1 e2 e3 with ei = exp(wi Bi(s)), Bi the cumulative Bernstein polynomials; a turn about a fixed axis leaves
-// that axis where it is in the body, so each factor's spin is only turned by those behind it.
+// The curve is q = qa e1 e2 e3 with ei = exp(wi Bi(s)), where Bi are the cumulative Bernstein polynomials. A turn about
+// a fixed axis leaves that axis where it is in the body, so each factor's spin is turned only by the factors behind it.
 void interpolate_orientation(const KinematicState& a, const KinematicState& b, double h, double t,
                              KinematicState& out) {
   const Vec3 w1 = h / 3.0 * a.angular_velocity_body, w3 = h / 3.0 * b.angular_velocity_body;
@@ -54,7 +55,7 @@ KinematicState MotionPath::sample(double t_s) const {
   if (loops_) {
     const double begin = knots_.front().t_s, end = knots_.back().t_s;
     t_s -= (end - begin) * std::floor((t_s - begin) / (end - begin));
-    if (t_s < begin || t_s >= end) t_s = begin;  // by rounding
+    if (t_s < begin || t_s >= end) t_s = begin;  // rounding can lead outside
   }
   const auto next = std::ranges::upper_bound(knots_, t_s, {}, &Knot::t_s);
   if (next == knots_.begin()) return at_rest(knots_.front().state.pose());
@@ -76,7 +77,7 @@ void face(KinematicState& state, double yaw, double pitch, double yaw_rate, doub
 void face_forward(KinematicState& state, bool level, const KinematicState& before) {
   const Vec3 &v = state.velocity, &a = state.acceleration;
   const double across2 = v.x() * v.x() + v.z() * v.z(), across = std::sqrt(across2);
-  if (across2 == 0.0) {  // straight up or standing: neither says where
+  if (across2 == 0.0) {  // straight up, or at rest: neither gives a direction
     state.orientation = before.orientation;
     state.angular_velocity_body = Vec3::Zero();
     return;

@@ -78,7 +78,7 @@ Waypoints read_waypoints(TomlReader& reader) {
   return w;
 }
 
-// How the object begins to move by itself.
+// Reads how the object begins to move by physics.
 replication::Launch read_physics(TomlReader reader) {
   replication::Launch launch;
   std::vector<double> velocity(3), acceleration(3);

@@ -6,10 +6,10 @@
 #include <variant>
 #include <vector>
 
+#include "peerd/input/toml_input.hpp"
 #include "peerd/motion/drive.hpp"
 #include "peerd/motion/flock.hpp"
 #include "peerd/motion/motion_formula.hpp"
-#include "peerd/input/toml_input.hpp"
 #include "peerd/motion/track.hpp"
 #include "peerd/motion/walk.hpp"
 #include "peerd/motion/waypoints.hpp"
@@ -17,23 +17,23 @@
 
 namespace peerd::config {
 
-// Samples come from a program, while the peer runs.
+// An external program sends the samples while the peer runs.
 struct ExternalProgram {};
 
 // A table [motion.PATTERN] or [peer.NAME.motion.OBJECT]: one way to move the objects that it names. It stands for
-// whatever moves an object in earnest (a hand, a vehicle model, a motion capture): it hands out samples, and
-// replication never sees what is behind them.
+// whatever moves an object in earnest (a hand, a vehicle model, a motion capture): it gives samples, and replication
+// never sees how they are made.
 struct MotionSettings {
-  std::string at;  // FILE:LINE:COLUMN: of the table; empty where none is known
+  std::string at;  // FILE:LINE:COLUMN: of the table; empty: unknown
   std::variant<MotionFormula, Waypoints, Track, WalkSettings, DriveSettings, FlockSettings, ExternalProgram,
                replication::Launch>
       kind;
-  bool face_forward = false;          // of all but formulas: look along the velocity
-  bool hold_before_start = false;     // stand at the pose of t = 0 until then, instead of being under way
-  std::optional<std::uint64_t> seed;  // of what is random; none: the scenario's
+  bool face_forward = false;          // look along the velocity; not for formulas
+  bool hold_before_start = false;     // stand at the pose of t = 0 before the start
+  std::optional<std::uint64_t> seed;  // seed of the random generator; none: the scenario's
 };
 
-// `folder` is the scenario's, which a track's file is relative to.
+// `folder` is the scenario's folder, which a track's file name starts from.
 [[nodiscard]] MotionSettings read_motion(TomlReader reader, const std::filesystem::path& folder);
 
 }  // namespace peerd::config

@@ -7,14 +7,15 @@
 namespace peerd::config {
 namespace {
 
-// Peers learn of a motion some seconds before its start: what they do then is under way too. Before that it stands.
+// Peers learn of a motion some seconds before its start, and the object is under way then too. Before that it stands
+// still.
 constexpr double kUnderWay_s = 5.0;
 constexpr double kAfterEnd_s = 2.0;
 constexpr double kGeneratedMax_s = 3600.0;  // 20 to 30 knots a second are made before the run
 
 using Knots = std::vector<Knot>;
 
-// The knots of those numbers; only the settings of a flock need to know all places.
+// Makes the knots of the objects with these numbers. Only a flock needs the places of all objects.
 struct KnotMaker {
   std::span<const Pose> places;
   std::span<const std::size_t> numbers;
@@ -70,7 +71,7 @@ struct Maker {
       sources.emplace_back(std::move(*made));
     }
   }
-  // All of them go the same way.
+  // All objects have the same path.
   void add_same(const Knots& path, bool loops, bool turns) {
     const Knots facing = motion.face_forward ? facing_forward(path) : path;
     for (const std::size_t number : knots.numbers) {
@@ -90,7 +91,7 @@ struct Maker {
   }
   void operator()(const ExternalProgram&) { assert(false && "a program drives it"); }
   void operator()(const replication::Launch&) { assert(false && "nothing drives it"); }
-  void operator()(const auto& random) {  // a walk, a drive or a flock
+  void operator()(const auto& random) {  // a walker, a car or a flock
     if (duration_s > kGeneratedMax_s) return fail("such a motion is made before the run, so for 3600 s at most");
     if (const auto wrong = misplaced(random)) return fail(*wrong);
     std::vector<Knots> all = knots(random);

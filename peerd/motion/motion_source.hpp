@@ -8,11 +8,12 @@
 
 namespace peerd::config {
 
-// What moves one object: formulas or a path. Velocity, acceleration and spin of a sample are right-hand derivatives.
+// The motion of one object, by formulas or by a path. Velocity, acceleration and spin of a sample are right-hand
+// derivatives.
 class MotionSource {
  public:
   explicit MotionSource(FormulaMotion formula) : motion_(std::move(formula)) {}
-  // With `hold`, stands at the pose of t = 0 before that.
+  // The object stands at the pose of t = 0 before that, if `hold` is set.
   MotionSource(MotionPath path, bool hold) : motion_(std::move(path)), hold_(hold) {}
 
   [[nodiscard]] Pose pose(double t_s) const;
@@ -23,8 +24,8 @@ class MotionSource {
   bool hold_ = false;
 };
 
-// What moves those that `numbers` names of all that share the motion; `places` are theirs in the world's file. `what`
-// begins its errors.
+// Makes the motions of the objects that `numbers` selects among all that share `motion`. `places` are the places of all
+// of them in the world's file. Errors begin with `what`.
 [[nodiscard]] Result<std::vector<MotionSource>> make_sources(const MotionSettings& motion, const std::string& what,
                                                              std::span<const Pose> places,
                                                              std::span<const std::size_t> numbers,

@@ -4,11 +4,11 @@
 
 namespace peerd::config {
 
-// SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014): the same numbers from
-// every library, as std::'s distributions don't promise.
+// SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014). It gives the same
+// numbers with every library, which std::'s distributions do not promise.
 class Random {
  public:
-  // Object `n` of those that share a seed draws from a sequence of its own.
+  // Objects that share a seed draw from different sequences, by their number `n`.
   Random(std::uint64_t seed, std::uint64_t n) : state_(seed) { state_ = bits() ^ (n * 0xD1B54A32D192ED03u); }
 
   std::uint64_t bits() {
@@ -17,24 +17,24 @@ class Random {
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
     return z ^ (z >> 31);
   }
-  // In [0, 1).
+  // A number in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   double uniform(double from, double to) { return from + (to - from) * uniform(); }
-  // Of mean 0 and variance 1: twelve uniform ones, so never beyond 6, and without a libm.
+  // A number of mean 0 and variance 1: the sum of twelve uniform ones, so never beyond 6, and without libm.
   double normal() {
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) sum += uniform();
     return sum;
   }
-  // One of 0 .. count - 1.
+  // An integer from 0 to count - 1.
   std::uint64_t below(std::uint64_t count) { return bits() % count; }
 
  private:
   std::uint64_t state_;
 };
 
-// One step of an Ornstein-Uhlenbeck process of mean 0 (exact in distribution): `sd` in the long run, forgotten over
-// `memory_s`.
+// One step of an Ornstein-Uhlenbeck process of mean 0 (exact in distribution), with the standard deviation `sd` in the
+// long run and the time constant `memory_s`.
 inline double wander(double value, double sd, double memory_s, double step_s, Random& random) {
   const double kept = std::exp(-step_s / memory_s);
   return kept * value + sd * std::sqrt(1.0 - kept * kept) * random.normal();

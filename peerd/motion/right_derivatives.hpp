@@ -9,9 +9,10 @@ struct RightDerivatives {
   double value = 0.0, first = 0.0, second = 0.0;
 };
 
-// Forward differences over ever shorter steps; the step that agrees best with the one before it wins (after C. J. F.
-// Ridders, "Accurate computation of F'(x) and F'(x)F''(x)", 1982), so a corner shortly after t is stepped short of.
-// Five-point stencils: errors h^4 f5/5 and 5 h^3 f5/6, against rounding of about 6 |f| eps / h and 30 |f| eps / h^2.
+// Takes forward differences over ever shorter steps. The step that agrees best with the one before it wins (after C. J.
+// F. Ridders, "Accurate computation of F'(x) and F'(x)F''(x)", 1982), so that a step ends before a corner shortly after
+// t. The five-point stencils have errors of h^4 f5/5 and 5 h^3 f5/6, against rounding of about 6 |f| eps / h and 30 |f|
+// eps / h^2.
 template <class F>
 [[nodiscard]] RightDerivatives right_derivatives(const F& f, double t) {
   constexpr double kLongestStep_s = 1.0 / 128.0;

@@ -9,7 +9,7 @@ namespace peerd::config {
 namespace {
 
 constexpr double kRightRadius_m = 7.0, kLeftRadius_m = 10.0;
-constexpr double kClear_m = kLeftRadius_m + 5.0;  // a car is at least so far before a crossing when it starts
+constexpr double kClear_m = kLeftRadius_m + 5.0;  // least distance of a car to the next crossing when it starts
 
 struct Way {
   int columns, rows;
@@ -31,7 +31,7 @@ StreetRoute::StreetRoute(const DriveSettings& settings, const Vec2& start, Rando
   way_ = (along_x ? 0u : 1u) + (aside < 0.0 ? 2u : 0u);
   ahead_ = kWays[way_].direction();
   const bool forward = ahead_.sum() > 0.0;
-  // How far it has come along its street, in blocks, seen in its own direction.
+  // The distance that the car has come along its street, in blocks, in its own direction.
   const double along = along_x ? grid.x() : grid.y(), clear = kClear_m / s_.block_m;
   const double come = std::clamp(forward ? along : last - along, 0.0, last - clear);
   const double next = std::ceil(come + clear);
@@ -57,7 +57,7 @@ void StreetRoute::add(double length_m, double curvature) {
   ahead_ = end.direction;
 }
 
-// To the next crossing, and round its corner if it turns there.
+// Adds the way to the next crossing, and round its corner if the car turns there.
 void StreetRoute::extend() {
   std::array<std::size_t, 3> choices{};  // straight, right, left
   std::size_t count = 0;
@@ -72,7 +72,7 @@ void StreetRoute::extend() {
   } else {
     const bool right = turn == 1;
     const double radius = right ? kRightRadius_m : kLeftRadius_m;
-    // The lanes meet `lane_m` before the crossing's middle or behind it; the circle begins a radius before that.
+    // The lanes meet `lane_m` before the crossing's middle or behind it, and the circle begins a radius before that.
     add(to_crossing + (right ? -s_.lane_m : s_.lane_m) - radius, 0.0);
     add(0.5 * std::numbers::pi * radius, (right ? 1.0 : -1.0) / radius);
     ahead_ = kWays[(way_ + turn) % 4].direction();
@@ -104,7 +104,7 @@ StreetRoute::Place StreetRoute::at(double s_m) {
 double StreetRoute::safe_speed(double s_m, double braking, double sideways, double speed_max) {
   double speed = speed_max;
   const double horizon_m = speed_max * speed_max / (2.0 * braking);
-  (void)piece(s_m + horizon_m);  // is drawn that far
+  (void)piece(s_m + horizon_m);  // extends the route that far
   for (const Piece& p : pieces_) {
     if (p.curvature == 0.0 || p.begin_m + p.length_m < s_m) continue;
     const double before = std::max(0.0, p.begin_m - s_m);

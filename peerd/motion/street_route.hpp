@@ -1,33 +1,35 @@
 #pragma once
+#include <cstddef>
 #include <vector>
 
-#include "peerd/motion/drive.hpp"
+#include "core/math.hpp"
+#include "peerd/motion/drive_settings.hpp"
 #include "peerd/motion/random.hpp"
 
 namespace peerd::config {
 
-using Vec2 = Eigen::Vector2d;  // x, z
+using Vec2 = Eigen::Vector2d;  // x and z [m]
 
-// The way that a car is meant to go: straight pieces along a lane's middle and quarter circles, drawn as it is asked
-// for.
+// The way that a car is meant to take: straight pieces along a lane's middle and quarter circles. It is drawn at random
+// as far as it is asked for.
 class StreetRoute {
  public:
   struct Place {
     Vec2 position, direction;
   };
-  // From the lane that is nearest to `start`.
+  // The route begins on the lane that is nearest to `start`.
   StreetRoute(const DriveSettings& settings, const Vec2& start, Random& random);
 
-  // At a distance along it [m].
+  // The place at a distance along the route [m].
   [[nodiscard]] Place at(double s_m);
-  // The greatest speed [m/s] at `s_m` for which there is still time to brake, by `braking` [m/s^2], for the turns that
-  // come, each taken with `sideways` [m/s^2].
+  // The greatest speed [m/s] at `s_m` that still leaves time to brake, by `braking` [m/s^2], for the turns ahead, each
+  // taken with `sideways` [m/s^2].
   [[nodiscard]] double safe_speed(double s_m, double braking, double sideways, double speed_max);
 
  private:
   struct Piece {
     double begin_m, length_m;
-    Vec2 position, direction;  // where it begins
+    Vec2 position, direction;  // at its beginning
     double curvature;          // [1/m], positive to the right
   };
   void extend();
@@ -39,9 +41,9 @@ class StreetRoute {
   Random& random_;
   std::vector<Piece> pieces_;
   double end_m_ = 0.0;
-  Vec2 end_, ahead_;          // of what is drawn
-  int column_ = 0, row_ = 0;  // the crossing that comes next
-  std::size_t way_ = 0;       // to there: +x, +z, -x, -z, each right of the one before
+  Vec2 end_, ahead_;          // end of the route so far
+  int column_ = 0, row_ = 0;  // next crossing
+  std::size_t way_ = 0;       // direction to it: 0: +x, 1: +z, 2: -x, 3: -z; each is right of the one before
 };
 
 }  // namespace peerd::config

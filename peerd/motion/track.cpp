@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kPlaces = "t,x,y,z", kPoses = "t,x,y,z,qw,qx,qy,qz";
 
-// The numbers between the commas; none where one is no finite number.
+// The numbers between the commas. There is no result where one is not a finite number.
 std::optional<std::vector<double>> numbers(std::string_view line) {
   std::vector<double> row;
   for (;;) {
@@ -34,7 +34,7 @@ std::optional<std::vector<double>> numbers(std::string_view line) {
 
 struct Rows {
   std::vector<std::vector<double>> rows;
-  std::vector<std::size_t> lines;  // of each, from 1
+  std::vector<std::size_t> lines;  // line number of each row, from 1
   std::size_t columns = 4;
 };
 

@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "peerd/motion/motion_path.hpp"
 #include "peerd/input/input_error.hpp"
+#include "peerd/motion/motion_path.hpp"
 
 namespace peerd::config {
 
@@ -11,12 +11,12 @@ namespace peerd::config {
 // time.
 struct Track {
   std::filesystem::path file;
-  bool loop = false, corners = false;  // as of waypoints
+  bool loop = false, corners = false;  // as in Waypoints
 };
 
 struct LoadedTrack {
   std::vector<Knot> knots;
-  bool turns = false;  // it has orientations
+  bool turns = false;  // the file has orientations
 };
 [[nodiscard]] Result<LoadedTrack> load_track(const Track& track);
 

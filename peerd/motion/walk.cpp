@@ -11,10 +11,10 @@ namespace peerd::config {
 namespace {
 
 constexpr double kWalkerStep_s = 0.05;
-constexpr double kBorder_m = 3.0;       // nearer to a border than this a walker turns back
-constexpr double kTurnMax_rad_s = 1.5;  // so that it turns on 1 m at 1.5 m/s
-constexpr double kTurnLag_s = 0.25;     // how fast the turn rate follows what is wanted
-constexpr double kWalkerSpeedLag_s = 0.5;     // and the speed
+constexpr double kBorder_m = 3.0;          // a walker turns back where a border is nearer than this
+constexpr double kTurnMax_rad_s = 1.5;     // a turn within 1 m at 1.5 m/s
+constexpr double kTurnLag_s = 0.25;        // time constant of the turn rate
+constexpr double kWalkerSpeedLag_s = 0.5;  // time constant of the speed
 constexpr double kAcceleration_m_s2 = 1.5;
 constexpr double kSpeedMemory_s = 5.0;
 
@@ -38,7 +38,8 @@ class Walker {
     return k;
   }
 
-  // The speed and the turn rate are continuous; the position is the integral of the velocity's cubic over the step.
+  // One step of the simulation. The speed and the turn rate are continuous, and the position is the integral of the
+  // velocity's cubic over the step.
   void step() {
     const Vec3 v = speed_ * ahead(), a = speed_rate_ * ahead() + speed_ * turn_rate_ * left();
     fancy_turn_ = wander(fancy_turn_, s_.turn_rad_s, s_.turn_memory_s, kWalkerStep_s, random_);
@@ -49,7 +50,7 @@ class Walker {
     turn_rate_ += (turn_wanted - turn_rate_) * kWalkerStep_s / kTurnLag_s;
     heading_ += 0.5 * (turn_before + turn_rate_) * kWalkerStep_s;
     const double rate_wanted = speed_ > safe_speed() ? -braking() : (speed_wanted() - speed_) / kWalkerSpeedLag_s;
-    // Never so much that it walks backwards.
+    // The rate is bounded so that the walker never goes backwards.
     speed_rate_ = std::max(std::clamp(rate_wanted, -braking(), kAcceleration_m_s2), -speed_ / kWalkerStep_s);
     speed_ += speed_rate_ * kWalkerStep_s;
     const Vec3 v1 = speed_ * ahead(), a1 = speed_rate_ * ahead() + speed_ * turn_rate_ * left();
@@ -63,7 +64,7 @@ class Walker {
     return s_.stop_every_s > 0.0 ? -s_.stop_every_s * std::log1p(-random_.uniform())
                                  : std::numeric_limits<double>::infinity();
   }
-  // Away from the borders that are near: 1 at a border, 0 at kBorder_m.
+  // Points away from the borders that are near, with a length of 1 at a border and 0 at kBorder_m.
   [[nodiscard]] Vec3 inwards() const {
     const auto near = [](double distance_m) { return std::clamp(1.0 - distance_m / kBorder_m, 0.0, 1.0); };
     return {near(position_.x() - s_.x_min_m) - near(s_.x_max_m - position_.x()), 0.0,
@@ -74,10 +75,10 @@ class Walker {
     const Vec3 in = inwards();
     if (in.isZero(0.0)) return 0.0;
     const double angle = std::atan2(in.dot(left()), in.dot(ahead()));
-    // Along the border is good enough.
+    // A direction along the border is good enough.
     return std::abs(angle) < 0.5 * std::numbers::pi - border() ? 0.0 : 4.0 * border() * angle;
   }
-  // How far it is to the border, straight ahead and somewhat to each side, for it may turn.
+  // The distance to the border, the least of straight ahead and somewhat to each side, because the walker may turn.
   [[nodiscard]] double room_m() const {
     const auto along = [](double at, double towards, double low, double high) {
       if (towards == 0.0) return std::numeric_limits<double>::infinity();
@@ -102,7 +103,7 @@ class Walker {
     if (stands_for_s_ > 0.0) return 0.0;
     return std::min(std::max(0.0, usual_speed_ + fancy_speed_), safe_speed());
   }
-  // It can stop within the room that it has, half a metre short of the border.
+  // The speed at which the walker can stop half a metre short of the border.
   [[nodiscard]] double safe_speed() const {
     return std::sqrt(2.0 * kAcceleration_m_s2 * std::max(0.0, room_m() - 0.5));
   }

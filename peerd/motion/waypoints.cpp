@@ -7,7 +7,7 @@
 namespace peerd::config {
 namespace {
 
-// Solves lower[i] x[i-1] + diagonal[i] x[i] + upper[i] x[i+1] = right[i] (Thomas; the diagonal dominates).
+// Solves lower[i] x[i-1] + diagonal[i] x[i] + upper[i] x[i+1] = right[i] by Thomas's algorithm; the diagonal dominates.
 std::vector<Vec3> solve_tridiagonal(const std::vector<double>& lower, std::vector<double> diagonal,
                                     const std::vector<double>& upper, std::vector<Vec3> right) {
   const std::size_t n = diagonal.size();
@@ -23,7 +23,7 @@ std::vector<Vec3> solve_tridiagonal(const std::vector<double>& lower, std::vecto
   return right;
 }
 
-// The same with lower[0] in the last column and upper[n-1] in the first (Sherman and Morrison).
+// Solves the same system with lower[0] in the last column and upper[n-1] in the first (Sherman and Morrison).
 std::vector<Vec3> solve_cyclic(const std::vector<double>& lower, std::vector<double> diagonal,
                                const std::vector<double>& upper, const std::vector<Vec3>& right) {
   const std::size_t n = diagonal.size();
@@ -41,7 +41,7 @@ std::vector<Vec3> solve_cyclic(const std::vector<double>& lower, std::vector<dou
 }
 
 // Accelerations of the C2 cubic spline at its points, by its "moments": h M(i-1) + 2 (h + h') M(i) + h' M(i+1) is six
-// times the change of slope at i. Zero at both ends, or periodic with the last point being the first.
+// times the change of slope at i. They are zero at both ends, or periodic with the last point being the first.
 std::vector<Vec3> spline_accelerations(const std::vector<Knot>& knots, bool loop) {
   const std::size_t pieces = knots.size() - 1;
   std::vector<Vec3> accelerations(knots.size(), Vec3::Zero());

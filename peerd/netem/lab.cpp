@@ -22,8 +22,8 @@
 namespace peerd::netem {
 namespace {
 
-// A file system of this process's own, in memory: here `ip netns` keeps the namespaces' names, and here is what `ip`
-// and `tc` are to read.
+// A file system in memory that only this process and its children see. `ip netns` keeps the names of namespaces here,
+// and files that `ip` and `tc` read are here too.
 constexpr const char* kNames = "/run/netns";
 
 InputError missing(const std::string& what) { return {"error: no network by netem here: " + what, 3}; }
@@ -41,7 +41,7 @@ bool write_text(const std::string& file, const std::string& text) {
   return static_cast<bool>(out.flush());
 }
 
-// Lines for `ip -batch` or `tc -batch`; what these have against one is on the standard error output.
+// Runs lines by `ip -batch` or `tc -batch`. Their complaints go to standard error.
 Result<void> run_batch(const std::string& tool, const std::string& lines, const std::string& what) {
   const std::string file = std::string(kNames) + "/.batch";
   if (!write_text(file, lines)) return std::unexpected(system_lacks("can't write " + file));
@@ -90,10 +90,10 @@ Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
   if (done) done = run_batch("ip", devices, "kernel module ifb");
   if (done) done = run_batch("tc", queues, "kernel modules sch_netem, sch_ingress, cls_flower and act_mirred");
   for (std::size_t i = 0; i < peers && done; ++i) {
-    done = run_batch(
-        "ip -n " + name(i),
-        fmt::format("link set lo up\naddress add {0}/24 dev {1}\nlink set {1} up\n", address(i), kInterface),
-        "an address for each peer");
+    done =
+        run_batch("ip -n " + name(i),
+                  fmt::format("link set lo up\naddress add {0}/24 dev {1}\nlink set {1} up\n", address(i), kInterface),
+                  "an address for each peer");
   }
   if (!done) return std::unexpected(done.error());
   std::unique_ptr<Lab> lab(new Lab(peers));
@@ -103,10 +103,10 @@ Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
 
 Result<void> Lab::set_multicast(bool on) {
   for (std::size_t i = 0; i < peers_; ++i) {
-    // A route that leads nowhere in place of none: without one, multicast would take the way of all other packets.
-    const std::string lines = fmt::format("link set {0} multicast {1}\nroute replace {2} 224.0.0.0/4{3}\n", kInterface,
-                                          on ? "on" : "off", on ? "unicast" : "unreachable",
-                                          on ? std::string(" dev ") + kInterface : "");
+    // The route leads nowhere. Without it, multicast would take the route of all other packets.
+    const std::string lines =
+        fmt::format("link set {0} multicast {1}\nroute replace {2} 224.0.0.0/4{3}\n", kInterface, on ? "on" : "off",
+                    on ? "unicast" : "unreachable", on ? std::string(" dev ") + kInterface : "");
     if (auto done = run_batch("ip -n " + name(i), lines, "interfaces with multicast or without"); !done) return done;
   }
   return {};
@@ -159,7 +159,8 @@ Result<report::NetworkMeasured> Lab::measure(const config::RunSettings& run) con
       longest_ms = std::max(longest_ms, 2.0 * (l.latency_ms + l.jitter_ms));
     }
   }
-  // What is late by a tenth of a second more counts as lost: nothing but a computer that stands still does that.
+  // A probe that is late by another tenth of a second counts as lost: only a computer that stands still makes it so
+  // late.
   if (auto done = probe(sockets, longest_ms + 100.0, measured.links, measured.oversleep_before_ms); !done) {
     return std::unexpected(done.error());
   }

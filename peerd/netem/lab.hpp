@@ -16,26 +16,27 @@ namespace peerd::netem {
 //   e0 ══ veth ══ p0 ─┐                               ┌─ p1 ══ veth ══ e0
 //                     ├─ bridge ─ leaving by p1, from 0: i0-1 (ifb: netem) ─┘
 //
-// What the bridge sends out of a port goes, by the sender's hardware address, through the device of that direction, so
-// each receiver loses and waits by itself, as in the simulator. ARP passes untouched.
+// A packet that leaves the bridge by a port goes, by the sender's hardware address, through the device of that
+// direction. So each receiver has losses and delays of its own, as in the simulator. ARP passes untouched.
 //
 // Everything lives in namespaces of this process and its children: the kernel takes it down with the last of them,
 // however that ends.
 class Lab {
  public:
-  // Moves this process into namespaces of its own: at most one a process. The error says what the system lacks.
+  // Moves this process into namespaces of its own, which it can do once. The error says what the system lacks.
   [[nodiscard]] static Result<std::unique_ptr<Lab>> build(std::size_t peers);
 
-  // What each direction does from now on. Counts begin anew.
+  // Sets the network of each direction, and begins its counts anew.
   [[nodiscard]] Result<void> set_links(const config::RunSettings& run);
-  // Sends datagrams each way, all at once, and fills in what became of them: the delay by one clock.
+  // Sends datagrams in all directions at once and fills in their losses and their delays, which are measured by one
+  // clock.
   [[nodiscard]] Result<report::NetworkMeasured> measure(const config::RunSettings& run) const;
-  // Whether the peers' interfaces do multicast from now on; at first they do.
+  // Switches multicast of the peers' interfaces on or off; at first it is on.
   [[nodiscard]] Result<void> set_multicast(bool on);
-  // Fills in what netem has counted since set_links.
+  // Fills in the packets that netem has counted since set_links().
   [[nodiscard]] Result<void> count(report::NetworkMeasured& measured) const;
 
-  // In front of a command that is to run as a peer; such a process is terminated if this one dies.
+  // The words in front of a command that is to run as a peer. Such a process is terminated if this one dies.
   [[nodiscard]] static std::vector<std::string> inside(std::size_t peer);
   [[nodiscard]] static std::string address(std::size_t peer);
   static constexpr const char* kInterface = "e0";

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kProbes = 100;
 constexpr std::int64_t kInterval_ns = 10'000'000;
-constexpr std::uint16_t kPort = 19'999;  // below those of scenario runs
+constexpr std::uint16_t kPort = 19'999;  // below the ports of scenario runs
 constexpr const char* kGroup = "239.192.80.255";
 
 struct Probe {
@@ -46,7 +46,7 @@ struct Received {
   std::int64_t at_ns = 0;
 };
 
-// False: nothing waits.
+// Receives one datagram. False means that none waits.
 bool receive(int fd, Received& received) {
   iovec part{&received.probe, sizeof received.probe};
   alignas(cmsghdr) std::byte control[CMSG_SPACE(sizeof(timespec))];
@@ -89,7 +89,7 @@ ProbeSocket::~ProbeSocket() {
 }
 
 Result<void> probe(const std::vector<ProbeSocket>& sockets, double patience_ms,
-                           std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms) {
+                   std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms) {
   const std::size_t peers = sockets.size();
   const sockaddr_in to = group_address();
   std::vector<std::vector<std::uint32_t>> copies(links.size(), std::vector<std::uint32_t>(kProbes));

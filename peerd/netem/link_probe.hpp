@@ -22,10 +22,11 @@ class ProbeSocket {
   int fd_;
 };
 
-// Every socket sends so many datagrams to all others, one each 10 ms, and listens for `patience_ms` longer. Fills in
-// the probes of links[from * sockets + to] and the oversleep of those 10 ms. The delay is from just before the system
-// call to the stamp of the receiving kernel, which is the same one with the same clock.
+// Every socket sends a number of datagrams to all others, one each 10 ms, and listens for `patience_ms` longer. The
+// function fills in the probes of links[from * sockets + to] and by how much each wait of 10 ms was too long. A delay
+// is from just before the system call to the receiving kernel's timestamp; both are read from one clock, because all
+// namespaces have one kernel.
 [[nodiscard]] Result<void> probe(const std::vector<ProbeSocket>& sockets, double patience_ms,
-                                         std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms);
+                                 std::vector<report::LinkMeasured>& links, std::vector<double>& oversleep_ms);
 
 }  // namespace peerd::netem

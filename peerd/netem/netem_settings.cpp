@@ -7,13 +7,15 @@
 namespace peerd::netem {
 namespace {
 
-// So many packets may wait. netem drops what comes on top, and its default (1,000) is 500 ms of 2,000 packets/s: a loss
-// that nobody asked for. Memory is taken as packets come, so the number costs nothing.
+// The number of packets that may wait. netem drops further ones, and its default (1,000) is 500 ms of 2,000 packets/s:
+// a loss that the scenario does not ask for. Memory is taken as packets come, so a large number costs nothing.
 constexpr std::uint32_t kLimit = 1'000'000'000;
-constexpr int kTableSize = 8192;     // steps of a probability; the kernel takes twice as many, a message of tc not
-constexpr double kTableUnit = 8192;  // NETEM_DIST_SCALE: an entry of so much is one spread
+constexpr int kTableSize =
+    8192;  // steps of a probability; the kernel takes twice as many, but a message of tc does not
+constexpr double kTableUnit = 8192;  // NETEM_DIST_SCALE: the entry that means one spread
 
-// A share `reordering` of the entries is held back by latency + jitter; each kind is uniform over its own jitter.
+// A share `reordering` of the entries is delayed by another latency + jitter. Both kinds are uniform over their own
+// jitter.
 std::string delay_table(const config::LinkSettings& link, double mean_ms, double spread_ms) {
   const int held = static_cast<int>(std::lround(link.reordering * kTableSize));
   std::string table;
@@ -30,8 +32,8 @@ std::string delay_table(const config::LinkSettings& link, double mean_ms, double
 
 std::string loss(const config::LinkSettings& link) {
   if (link.loss_burst > 0.0) {
-    // Gilbert's two states: all is lost in the bad one, which is left with probability 1 / burst and entered so often
-    // that its share is the loss.
+    // Gilbert's model has two states. All datagrams are lost in the bad one, which is left with probability 1 / burst
+    // and entered so often that its share is the loss.
     const double leave = 1.0 / link.loss_burst, enter = leave * link.loss / (1.0 - link.loss);
     return fmt::format(" loss gemodel {:.7f}% {:.7f}%", 100.0 * enter, 100.0 * leave);
   }

@@ -45,7 +45,7 @@ void draw_mark(Svg& svg, Point at, const LegendEntry& entry) {
 std::string shortened(const std::string& text, double width, double size) {
   std::size_t begin = 0;
   while (begin < text.size() && text_width(std::string_view(text).substr(begin), size) + size > width) ++begin;
-  while (begin < text.size() && (text[begin] & 0xc0) == 0x80) ++begin;  // not inside a UTF-8 letter
+  while (begin < text.size() && (text[begin] & 0xc0) == 0x80) ++begin;  // never begin inside of a UTF-8 character
   return text_width(text, size) <= width ? text : "…" + text.substr(begin);
 }
 
@@ -83,7 +83,7 @@ void draw_legend(Svg& svg, Point at, double width, std::span<const LegendEntry> 
 void draw_events(Svg& svg, const RunRecord& run, std::span<const Panel* const> panels) {
   constexpr double kSize = 10.0, kRow = 12.0, kGap = 3.0;
   const Box& first = panels.front()->box();
-  std::vector<double> row_ends;  // where the last name of each row ends
+  std::vector<double> row_ends;  // end of the last name of each row
   for (const EventMark& event : run.events) {
     const double x = panels.front()->px(event.t_s);
     for (const Panel* panel : panels) {
@@ -152,7 +152,8 @@ const ObjectInfo* find_object(const RunRecord& run, std::string_view path) {
 std::vector<PeerInfo> observers_of(const RunRecord& run, const ObjectInfo& object) {
   std::vector<PeerInfo> observers;
   for (const PeerInfo& peer : run.peers) {
-    if (peer.peer != object.owner && !ghost_samples_of(run, peer.peer, object.object).empty()) observers.push_back(peer);
+    if (peer.peer != object.owner && !ghost_samples_of(run, peer.peer, object.object).empty())
+      observers.push_back(peer);
   }
   return observers;
 }

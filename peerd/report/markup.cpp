@@ -9,7 +9,7 @@ namespace peerd::report {
 std::string markup_text(std::string_view text) {
   std::string clean(text);
   if (std::ranges::any_of(clean, [](char c) { return (c & 0x80) != 0; })) {
-    using Json = nlohmann::json;  // its writer replaces what is not UTF-8
+    using Json = nlohmann::json;  // its writer replaces bytes that are not UTF-8
     clean = Json::parse(Json(clean).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
   }
   std::string out;

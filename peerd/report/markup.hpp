@@ -4,8 +4,8 @@
 
 namespace peerd::report {
 
-// A text as XML and HTML may hold it, between tags or in double quotes: escaped, what is not UTF-8 replaced, control
-// characters as spaces.
+// Escapes a text for XML and HTML, between tags or in double quotes. Bytes that are not UTF-8 are replaced, and control
+// characters become spaces.
 [[nodiscard]] std::string markup_text(std::string_view text);
 
 }  // namespace peerd::report

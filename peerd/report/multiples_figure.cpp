@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "peerd/measure/agreement.hpp"
+#include "peerd/measure/lookup.hpp"
+#include "peerd/measure/sweep.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/measure/lookup.hpp"
 #include "peerd/report/output_rates.hpp"
-#include "peerd/measure/sweep.hpp"
 
 namespace peerd::report {
 namespace {
@@ -20,14 +20,16 @@ constexpr std::size_t kMostColumns = 7;
 constexpr std::size_t kMostRows = 8;
 constexpr std::size_t kMostColours = 4;
 
-constexpr double kPlotWidth = 260.0;
-constexpr double kLeft = 62.0;                                    // of the numbers beside a plot
-constexpr double kPitch = 330.0;                                  // from column to column
-constexpr double kTop = 96.0;                                     // title and legend
-constexpr double kPosition = 104.0, kError = 76.0, kRate = 52.0;  // heights of a picture's three plots
-constexpr double kGap = 12.0;                                     // between them
-constexpr double kAxis = 48.0;                                    // numbers and name of the time axis
-constexpr double kLine = 14.0;                                    // of text
+struct MultiplesLayout {  // [px]
+  static constexpr double kPlotWidth = 260.0;
+  static constexpr double kLeft = 62.0;                                    // width of the numbers beside a plot
+  static constexpr double kPitch = 330.0;                                  // from one column to the next
+  static constexpr double kTop = 96.0;                                     // height of the title and the legend
+  static constexpr double kPosition = 104.0, kError = 76.0, kRate = 52.0;  // heights of a picture's three plots
+  static constexpr double kGap = 12.0;                                     // between two plots of a picture
+  static constexpr double kAxis = 48.0;  // height of the time axis with its numbers and its name
+  static constexpr double kLine = 14.0;  // height of a line of text
+};
 
 struct Key {
   std::string name;
@@ -50,7 +52,7 @@ Key key_of(const std::string& name, std::span<const RunRecord> runs) {
   return key;
 }
 
-// Which key goes where: columns, rows, colours. The ones that are not there have an empty name and one value.
+// The keys of columns, rows and colours. A key that the sweep does not have is an empty name with one value.
 struct Layout {
   Key columns, rows, colours;
 };
@@ -99,7 +101,7 @@ std::vector<std::string> key_names(const Layout& layout) {
 
 Stroke colour_stroke(std::size_t i) { return {.colour = colour_of(i), .width = 1.3, .dashes = i == 0 ? "" : "5 3"}; }
 
-// One observer is drawn: the first of the first run that has any.
+// The one observer that is drawn: the first observer of the first run that has any.
 std::optional<PeerInfo> observer_of(std::span<const RunRecord> runs, const std::string& path) {
   for (const RunRecord& run : runs) {
     const ObjectInfo* object = find_object(run, path);
@@ -123,12 +125,14 @@ Picture draw_frames(Svg& svg, Point at, const RunRecord& run, const FigureFrame&
   };
   Range position = range_of(frame.position_m);
   const double room = 0.06 * (position.hi - position.lo);
-  position = {position.lo - 2.5 * room, position.hi + room};  // the combs of updates need some below
-  const double error_y = at.y + kPosition + kGap;
-  const double rate_y = error_y + kError + kGap;
-  Picture picture{Panel({at.x, at.y, kPlotWidth, kPosition}, time, position),
-                  Panel({at.x, error_y, kPlotWidth, kError}, time, from_zero(range_of(frame.error_m).hi)),
-                  Panel({at.x, rate_y, kPlotWidth, kRate}, time, from_zero(frame.rate_max_kB_s))};
+  position = {position.lo - 2.5 * room, position.hi + room};  // the combs of updates need room below
+  const double error_y = at.y + MultiplesLayout::kPosition + MultiplesLayout::kGap;
+  const double rate_y = error_y + MultiplesLayout::kError + MultiplesLayout::kGap;
+  Picture picture{
+      Panel({at.x, at.y, MultiplesLayout::kPlotWidth, MultiplesLayout::kPosition}, time, position),
+      Panel({at.x, error_y, MultiplesLayout::kPlotWidth, MultiplesLayout::kError}, time,
+            from_zero(range_of(frame.error_m).hi)),
+      Panel({at.x, rate_y, MultiplesLayout::kPlotWidth, MultiplesLayout::kRate}, time, from_zero(frame.rate_max_kB_s))};
   picture.position.draw_axes(svg, {.y = component_name(frame.component) + " [m]", .x_ticks = 9, .y_ticks = 6});
   picture.error.draw_axes(svg, {.y = "error [m]", .x_ticks = 9, .y_ticks = 5});
   picture.rate.draw_axes(svg, {.x = "time [s]", .y = "kB/s", .x_ticks = 9, .y_ticks = 3});
@@ -188,7 +192,7 @@ void draw_picture(Svg& svg, Point at, std::span<const RunRecord> runs, const Lay
   const std::size_t number = row * layout.columns.values.size() + column + 1;
   std::optional<Picture> picture;
   double line_y = at.y + 4.0;
-  const double plots_y = at.y + kLine * static_cast<double>(layout.colours.values.size()) + 14.0;
+  const double plots_y = at.y + MultiplesLayout::kLine * static_cast<double>(layout.colours.values.size()) + 14.0;
   for (std::size_t colour = 0; colour < layout.colours.values.size(); ++colour) {
     const RunRecord* run = find_run(runs, layout, row, column, colour);
     const ObjectInfo* object = run ? find_object(*run, frame.object) : nullptr;
@@ -200,7 +204,7 @@ void draw_picture(Svg& svg, Point at, std::span<const RunRecord> runs, const Lay
       const double title_width = text_width(title + "  ", 12.0);
       svg.text({at.x, at.y - 12.0}, title, {.size = 12.0, .bold = true});
       const std::string words = describe(run->params, in_common);
-      const double room = (kPlotWidth - title_width) / 1.12;  // bold letters are wider
+      const double room = (MultiplesLayout::kPlotWidth - title_width) / 1.12;  // bold letters are wider
       const double size = std::clamp(12.0 * room / (text_width(words, 12.0) + 1.0), 9.0, 12.0);
       svg.text({at.x + title_width, at.y - 12.0}, shortened(words, room, size), {.size = size, .bold = true});
       picture = draw_frames(svg, {at.x, plots_y}, *run, frame);
@@ -214,9 +218,9 @@ void draw_picture(Svg& svg, Point at, std::span<const RunRecord> runs, const Lay
     svg.line({at.x, line_y - 4.0}, {at.x + 18.0, line_y - 4.0}, colour_stroke(colour));
     svg.text({at.x + 24.0, line_y},
              shortened(name + std::to_string(drawn.updates) + " updates, mean " + short_label(drawn.mean_m, 3) + " m",
-                       kPlotWidth - 24.0, 11.0),
+                       MultiplesLayout::kPlotWidth - 24.0, 11.0),
              {.size = 11.0});
-    line_y += kLine;
+    line_y += MultiplesLayout::kLine;
   }
 }
 
@@ -228,17 +232,18 @@ std::string multiples_figure(const ScenarioInfo& info, std::span<const RunRecord
   if (!layout || !observer) return "";
   const std::size_t columns = layout->columns.values.size(), rows = layout->rows.values.size();
   const std::size_t colours = layout->colours.values.size();
-  const double row_pitch =
-      kLine * static_cast<double>(colours) + 40.0 + kPosition + kGap + kError + kGap + kRate + kAxis;
-  const double width = kPitch * static_cast<double>(columns) + 10.0;
-  Svg svg(width, kTop + row_pitch * static_cast<double>(rows) + 4.0);
+  const double row_pitch = MultiplesLayout::kLine * static_cast<double>(colours) + 40.0 + MultiplesLayout::kPosition +
+                           MultiplesLayout::kGap + MultiplesLayout::kError + MultiplesLayout::kGap +
+                           MultiplesLayout::kRate + MultiplesLayout::kAxis;
+  const double width = MultiplesLayout::kPitch * static_cast<double>(columns) + 10.0;
+  Svg svg(width, MultiplesLayout::kTop + row_pitch * static_cast<double>(rows) + 4.0);
 
   std::string subtitle =
       info.mode + ", seed " + std::to_string(info.seed) + "; one scale for each latency, one for output";
   const std::size_t drawn = columns * rows * colours;
   if (runs.size() > drawn)
     subtitle += "; " + std::to_string(runs.size() - drawn) + " runs repeat others and are left out";
-  draw_title(svg, {kLeft, 28.0}, width - kLeft - 20.0,
+  draw_title(svg, {MultiplesLayout::kLeft, 28.0}, width - MultiplesLayout::kLeft - 20.0,
              info.name + ": " + frame.object + " and its ghost at " + observer->name + ", run by run", subtitle);
   using Mark = LegendEntry::Mark;
   std::vector<LegendEntry> legend{{Mark::kLine, {.colour = kTruthColour, .width = 3.0}, "truth"}};
@@ -256,12 +261,13 @@ std::string multiples_figure(const ScenarioInfo& info, std::span<const RunRecord
   }
   legend.push_back({Mark::kUpright, {.colour = colour_of(0)}, "update"});
   legend.push_back({Mark::kUpright, {.colour = kContactColour, .dashes = "2 3"}, "contact"});
-  draw_legend(svg, {kLeft, 68.0}, width - kLeft - 20.0, legend);
+  draw_legend(svg, {MultiplesLayout::kLeft, 68.0}, width - MultiplesLayout::kLeft - 20.0, legend);
 
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < columns; ++column) {
       draw_picture(svg,
-                   {kLeft + kPitch * static_cast<double>(column), kTop + 12.0 + row_pitch * static_cast<double>(row)},
+                   {MultiplesLayout::kLeft + MultiplesLayout::kPitch * static_cast<double>(column),
+                    MultiplesLayout::kTop + 12.0 + row_pitch * static_cast<double>(row)},
                    runs, *layout, row, column, frame, *observer);
     }
   }

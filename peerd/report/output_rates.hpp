@@ -5,11 +5,12 @@
 
 namespace peerd::report {
 
-// How long a bar of output lasts: a second, as in the seed; a rounder number of seconds when a run is so long that
-// seconds would be hairs.
+// The length of an output bin: a second, as in the thesis, or a rounder number of seconds where a run is so long that
+// bars of a second would be hairlines.
 [[nodiscard]] double output_bin_s(double duration_s);
 
-// Output of a peer [kB/s, kB = 1000 bytes] in each bin; the last may be short and is divided by what it has.
+// The output of a peer in each bin [kB/s, kB = 1000 bytes]. The last bin may be shorter and is divided by its own
+// length.
 [[nodiscard]] std::vector<double> output_rates(const RunRecord& run, PeerId sender);
 
 }  // namespace peerd::report

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "peerd/measure/sweep.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/measure/sweep.hpp"
 #include "peerd/report/table.hpp"
 
 namespace peerd::report {
@@ -16,12 +16,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kWidth = 1140.0;
-constexpr double kHeight = 470.0;
-constexpr Box kLeftBox{70.0, 92.0, 510.0, 310.0};
-constexpr Box kRightBox{620.0, 92.0, 500.0, 310.0};
+struct OverviewLayout {  // [px]
+  static constexpr double kWidth = 1140.0;
+  static constexpr double kHeight = 470.0;
+  static constexpr Box kLeftBox{70.0, 92.0, 510.0, 310.0};
+  static constexpr Box kRightBox{620.0, 92.0, 500.0, 310.0};
+};
 
-// What the overview needs of a run: means over the observers of the principal object.
+// The numbers of a run that the overview shows: means over the observers of the principal object.
 struct RunPoint {
   Params params;
   double error_m = 0.0;
@@ -43,7 +45,7 @@ RunPoint run_point(const Json& run, const std::string& path) {
   return point;
 }
 
-// Runs that differ in their seed alone are one point: their mean.
+// Runs that differ in their seed alone are one point, which is their mean.
 std::vector<RunPoint> mean_points(const std::vector<RunPoint>& runs, std::size_t repeat) {
   std::vector<RunPoint> points;
   for (std::size_t first = 0; first + repeat <= runs.size(); first += repeat) {
@@ -58,7 +60,7 @@ std::vector<RunPoint> mean_points(const std::vector<RunPoint>& runs, std::size_t
   return points;
 }
 
-// The swept key on the x axis: numeric in every run, with the most values; the first of equals.
+// The swept key of the x axis: numeric in every run, with the most values, and the first among equals.
 std::optional<std::string> x_key(const std::vector<RunPoint>& points, const std::vector<std::string>& keys) {
   std::optional<std::string> best;
   std::size_t most = 1;
@@ -78,7 +80,7 @@ std::optional<std::string> x_key(const std::vector<RunPoint>& points, const std:
   return best;
 }
 
-struct Combination {  // of the values of all keys but the one on the x axis
+struct Combination {  // values of all keys except that of the x axis
   std::string label;
   std::vector<const RunPoint*> runs;
   std::size_t colour = 0;
@@ -92,7 +94,7 @@ std::size_t index_in(std::vector<std::string>& list, const std::string& value) {
   return index;
 }
 
-// Colour tells the values of the last key apart, the pattern of dashes those of the keys before it.
+// Colours tell the values of the last key apart, and patterns of dashes those of the keys before it.
 std::vector<Combination> combinations_of(const std::vector<RunPoint>& points, const std::vector<std::string>& all_keys,
                                          const std::optional<std::string>& x) {
   std::vector<std::string> keys = all_keys;
@@ -139,7 +141,7 @@ void draw_lines(Svg& svg, const std::vector<Combination>& combinations, const st
   }
   xs.hi += 0.03 * (xs.hi - xs.lo);
   if (negative) xs.lo -= 0.03 * (xs.hi - xs.lo);
-  const Panel panel(kLeftBox, xs, from_zero(most_m));
+  const Panel panel(OverviewLayout::kLeftBox, xs, from_zero(most_m));
   panel.draw_axes(svg, {.x = axis, .y = "mean ghost error [m]", .x_ticks = 9, .y_ticks = 9});
   for (const Combination& c : combinations) {
     std::vector<Point> data;
@@ -153,7 +155,7 @@ void draw_lines(Svg& svg, const std::vector<Combination>& combinations, const st
   }
 }
 
-// With samples of the lines, the bars are also the lines' legend: it never lies over the curves.
+// Bars with samples of the lines are also the lines' legend, which then never lies over the curves.
 std::vector<BarEntry> combination_bars(const std::vector<Combination>& combinations, double RunPoint::*what,
                                        bool lines) {
   std::vector<BarEntry> bars;
@@ -170,7 +172,7 @@ struct BarPanel {
   int decimals = 0;
 };
 
-// A run alone: its observers side by side, and what each object cost.
+// The panels of a single run: its observers side by side, and the updates of each object.
 std::array<BarPanel, 2> single_panels(const Json& run, const std::string& path) {
   BarPanel errors{"ghost error of " + path + " [m]", {}, 3};
   BarPanel updates{"updates sent", {}, 0};
@@ -194,12 +196,12 @@ std::array<BarPanel, 2> single_panels(const Json& run, const std::string& path) 
   return {errors, updates};
 }
 
-// Several runs: errors (where they are not lines over x) and updates by combination.
+// The panels of several runs: errors (where they are not lines over x) and updates by combination.
 std::array<BarPanel, 2> sweep_panels(const std::vector<Combination>& combinations, const std::vector<std::string>& keys,
                                      bool lines) {
   BarPanel errors{"mean ghost error [m], mean over the observers", {}, 3};
   BarPanel updates{"updates sent", {}, 0};
-  if (lines && keys.size() == 1 && !combinations.empty()) {  // the only line: its cost changes along it
+  if (lines && keys.size() == 1 && !combinations.empty()) {  // the cost of a single line changes along it
     for (const RunPoint* run : combinations.front().runs) {
       updates.bars.push_back({describe(run->params, keys), run->updates, colour_of(0), {}});
     }
@@ -229,7 +231,9 @@ std::string overview_figure(const Json& summary) {
 
   // Bars alone need less height than lines.
   const auto bars_height = kBarPitch * static_cast<double>(std::max(panels[0].bars.size(), panels[1].bars.size()));
-  Svg svg(kWidth, x ? kHeight : kLeftBox.y + std::min(bars_height, kLeftBox.height) + 24.0);
+  Svg svg(OverviewLayout::kWidth,
+          x ? OverviewLayout::kHeight
+            : OverviewLayout::kLeftBox.y + std::min(bars_height, OverviewLayout::kLeftBox.height) + 24.0);
   const std::string title = summary.at("scenario").get<std::string>() + (path.empty() ? "" : ": " + path);
   std::string subtitle = summary.at("mode").get<std::string>() + ", seed " + summary.at("seed").dump() + ", " +
                          std::to_string(points.size()) + (points.size() == 1 ? " run" : " runs");
@@ -238,15 +242,17 @@ std::string overview_figure(const Json& summary) {
         (points.size() == 1 ? ", the first of " : ", each the mean over ") + summary.at("repeat").dump() + " seeds";
   }
   if (path.empty()) subtitle += ": no object that another peer observes";
-  draw_title(svg, {kLeftBox.x, 28.0}, kWidth - kLeftBox.x - 20.0, title, subtitle);
+  draw_title(svg, {OverviewLayout::kLeftBox.x, 28.0}, OverviewLayout::kWidth - OverviewLayout::kLeftBox.x - 20.0, title,
+             subtitle);
   if (path.empty()) return std::move(svg).finish();
   if (x) {
-    svg.text({kLeftBox.x, kLeftBox.y - 10.0}, "mean ghost error, mean over the observers", {.size = 12.0});
+    svg.text({OverviewLayout::kLeftBox.x, OverviewLayout::kLeftBox.y - 10.0},
+             "mean ghost error, mean over the observers", {.size = 12.0});
     draw_lines(svg, combinations, *x, axis_label(*x, keys));
   } else {
-    draw_bars(svg, kLeftBox, panels[0].title, panels[0].bars, panels[0].decimals);
+    draw_bars(svg, OverviewLayout::kLeftBox, panels[0].title, panels[0].bars, panels[0].decimals);
   }
-  draw_bars(svg, kRightBox, panels[1].title, panels[1].bars, panels[1].decimals);
+  draw_bars(svg, OverviewLayout::kRightBox, panels[1].title, panels[1].bars, panels[1].decimals);
   return std::move(svg).finish();
 }
 

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "peerd/measure/pareto.hpp"
+#include "peerd/measure/sweep.hpp"
 #include "peerd/report/markup.hpp"
 #include "peerd/report/page_style.hpp"
-#include "peerd/measure/pareto.hpp"
 #include "peerd/report/svg.hpp"
-#include "peerd/measure/sweep.hpp"
 #include "peerd/report/table.hpp"
 
 namespace peerd::report {
@@ -21,13 +21,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // A browser scrolls through some ten megabytes of SVG without a stutter.
-constexpr std::size_t kMostPictureBytes = 8u << 20;  // of single runs
-constexpr std::size_t kMostRuns = 200;               // with details
-constexpr std::size_t kMostRunRows = 400;            // of the table of runs
-constexpr std::size_t kMostObjectRows = 24;          // of a run's table of objects
-constexpr std::size_t kMostNames = 40;               // of peers and objects, and of values of a key
+constexpr std::size_t kMostPictureBytes = 8u << 20;  // for all pictures of single runs
+constexpr std::size_t kMostRuns = 200;               // runs with details
+constexpr std::size_t kMostRunRows = 400;            // rows of the table of runs
+constexpr std::size_t kMostObjectRows = 24;          // rows of a run's table of objects
+constexpr std::size_t kMostNames = 40;               // names of peers, of objects, and values of a key
 
-// Four digits: more than the samples bear, and errors of all sizes are told apart.
+// Four digits are more than the samples bear, and they tell errors of all sizes apart.
 std::string four_digits(double value) { return short_label(value, 4); }
 
 std::string element(std::string_view tag, std::string_view content) {
@@ -36,7 +36,7 @@ std::string element(std::string_view tag, std::string_view content) {
   return out;
 }
 
-// Text whose line feeds count.
+// Escapes a text and keeps its line feeds.
 std::string markup_lines(std::string_view text) {
   std::string out;
   for (std::size_t begin = 0; begin < text.size();) {
@@ -51,7 +51,7 @@ std::string counted(std::size_t count, std::string_view what) {
   return std::to_string(count) + ' ' + std::string(what) + (count == 1 ? "" : "s");
 }
 
-// As long as a list is short; else its beginning and how many more there are.
+// Lists all names of a short list, else its beginning and the number of the others.
 std::string listed(const std::vector<std::string>& names) {
   std::string out;
   for (std::size_t i = 0; i < std::min(names.size(), kMostNames); ++i) out += (i > 0 ? ", " : "") + names[i];
@@ -59,12 +59,12 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-// Wide things scroll by themselves, not the page; tabindex lets the keyboard do it.
+// Wide content scrolls by itself instead of the page. tabindex lets the keyboard scroll it.
 std::string scrolling(const std::string& content) {
   return "<div class=\"scroll\" tabindex=\"0\">" + content + "</div>\n";
 }
 
-// Columns as a table; rows beyond `most` are left out and counted. first_cell may link a row to somewhere.
+// Prints columns as a table. Rows beyond `most` are left out and counted. first_cell may link a row to another place.
 std::string table_of(const std::vector<Column>& columns, std::size_t most,
                      std::string (*first_cell)(const std::string&) = nullptr) {
   if (columns.empty()) return "";
@@ -103,7 +103,7 @@ std::string table_of(const std::vector<Column>& columns, std::size_t most,
   return out;
 }
 
-// A picture and how to read it. The file beside the page is the same picture.
+// A picture with its description. The file beside the page is the same picture.
 std::string figure(const std::string& svg, const std::string& file, const std::string& caption) {
   return "<figure>" + scrolling(svg) + element("figcaption", caption + " <a href=\"" + file + "\">" + file + "</a>") +
          "</figure>\n";
@@ -113,7 +113,7 @@ std::string run_anchor(std::size_t number) { return "run-" + std::to_string(numb
 
 std::string run_link(const std::string& number) { return "<a href=\"#run-" + number + "\">" + number + "</a>"; }
 
-// --- What was run
+// --- The scenario and its command
 
 std::string keys_table(std::span<const RunRecord> runs) {
   std::vector<Params> params;
@@ -161,7 +161,7 @@ std::string what_was_run(const ScenarioInfo& info, std::span<const RunRecord> ru
   return out + keys_table(runs);
 }
 
-// What a reader of the numbers should know first.
+// The list of warnings, which come before the numbers.
 std::string warnings_list(const ScenarioInfo& info) {
   if (info.warnings.empty()) return "";
   std::string items;
@@ -169,7 +169,7 @@ std::string warnings_list(const ScenarioInfo& info) {
   return "<h2>Warnings</h2>\n" + element("ul", items) + '\n';
 }
 
-// What a scenario expects of its numbers, as summary.json has it.
+// The results of the expectations, as summary.json has them.
 std::string expectations_section(const Json& summary) {
   if (!summary.contains("expectations")) return "";
   std::vector<Column> columns{{"", "name", false, {}},    {"", "expected", false, {}}, {"", "", false, {}},
@@ -255,7 +255,7 @@ std::string overview_section(const Json& summary, const Pictures& pictures) {
 
 // --- One run
 
-// The rows with the greatest mean errors first.
+// The rows of objects, those with the greatest mean errors first.
 std::string objects_table(const Json& run) {
   std::vector<const Json*> rows;
   for (const Json& row : run.at("objects")) rows.push_back(&row);
@@ -290,7 +290,7 @@ std::string objects_table(const Json& run) {
   return "<h3>Objects</h3>\n" + table_of(columns, kMostObjectRows);
 }
 
-// The numbers of a JSON object as the cells of one row, those that are there.
+// Adds those numbers of a JSON object that it has as the cells of one row.
 void add_row(std::vector<Column>& columns, const std::string& name, const Json& numbers) {
   columns.front().cells.push_back(name);
   for (Column& c : std::span(columns).subspan(1)) {

@@ -3,8 +3,8 @@
 
 namespace peerd::report {
 
-// The page's style sheet. In the dark the pictures' neutral colours, which are attributes that a rule overrides, are
-// exchanged; those that stand for something stay.
+// The page's style sheet. The dark scheme exchanges the pictures' neutral colours, which are attributes that a rule
+// overrides; colours with a meaning stay.
 inline constexpr std::string_view kPageStyle = R"css(
 :root { color-scheme: light dark; --back: #fff; --text: #222; --faint: #5b6168; --line: #d4d7db; --head: #f3f4f6; }
 body { margin: 0 auto; padding: 1rem; max-width: 84rem; background: var(--back); color: var(--text);

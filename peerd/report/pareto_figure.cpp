@@ -5,26 +5,28 @@
 #include <string>
 #include <vector>
 
+#include "peerd/measure/pareto.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/measure/pareto.hpp"
 
 namespace peerd::report {
 namespace {
 
-constexpr double kWidth = 800.0;
-constexpr double kLeft = 70.0;
-constexpr double kPlotWidth = 710.0;
-constexpr double kPlotHeight = 320.0;
-constexpr double kLegendTop = 74.0;
-constexpr double kLegendLine = 18.0;
+struct ParetoLayout {  // [px]
+  static constexpr double kWidth = 800.0;
+  static constexpr double kLeft = 70.0;
+  static constexpr double kPlotWidth = 710.0;
+  static constexpr double kPlotHeight = 320.0;
+  static constexpr double kLegendTop = 74.0;
+  static constexpr double kLegendLine = 18.0;
+};
 constexpr std::size_t kMostFronts = kColours.size() * kDashes.size();
 
 Stroke front_stroke(std::size_t i) {
   return {.colour = colour_of(i), .width = 2.0, .dashes = dashes_of(i / kColours.size())};
 }
 
-// The front as the stairs of what it takes: no more error for these bytes, no more bytes for this error.
+// The front is drawn as stairs: each step is the least error for its bytes.
 void draw_front(Svg& svg, const Panel& panel, const Situation& situation, const Stroke& stroke) {
   std::vector<RunCost> front;
   std::ranges::copy_if(situation.runs, std::back_inserter(front), &RunCost::on_front);
@@ -43,7 +45,7 @@ void draw_runs(Svg& svg, const Panel& panel, const Situation& situation, const S
   for (const RunCost& run : situation.runs) {
     const Point at = panel.at(run.bytes_per_s, run.error_m);
     svg.circle(at, 4.0, run.on_front ? stroke.colour : "#fff", {.colour = stroke.colour, .width = 1.6});
-    // A number that would lie on the one before it is left out: the table has it.
+    // A number that would cover the one before it is left out; the table has it.
     if (!run.on_front || (std::fabs(at.y - label_y) < 11.0 && std::fabs(at.x - label_x) < 24.0)) continue;
     svg.text({at.x + 6.0, at.y - 5.0}, std::to_string(run.run + 1), {.size = 10.0, .colour = "#444"});
     label_x = at.x;
@@ -69,21 +71,26 @@ std::string pareto_figure(const nlohmann::ordered_json& summary) {
     legend.push_back({LegendEntry::Mark::kLine, front_stroke(i), label.empty() ? "the front" : label});
   }
   legend.push_back({LegendEntry::Mark::kCircle, {.colour = "#222", .width = 1.6}, "beaten by another"});
-  const auto rows = legend_rows(legend, kPlotWidth);
+  const auto rows = legend_rows(legend, ParetoLayout::kPlotWidth);
 
-  const Box box{kLeft, kLegendTop + kLegendLine * static_cast<double>(rows.size()), kPlotWidth, kPlotHeight};
+  const Box box{ParetoLayout::kLeft,
+                ParetoLayout::kLegendTop + ParetoLayout::kLegendLine * static_cast<double>(rows.size()),
+                ParetoLayout::kPlotWidth, ParetoLayout::kPlotHeight};
   const bool logarithmic = errors.lo > 0.0;
   const Panel panel = logarithmic ? Panel::log_y(box, bytes, {errors.lo / 1.3, errors.hi * 1.3})
                                   : Panel(box, bytes, from_zero(errors.hi));
-  Svg svg(kWidth, box.y + box.height + 52.0);
+  Svg svg(ParetoLayout::kWidth, box.y + box.height + 52.0);
   std::string subtitle =
       "filled, with the run's number: no other run of the same network has less error for no more bytes";
   if (drawn < situations.size())
     subtitle += "; " + std::to_string(situations.size() - drawn) + " networks are left out";
-  draw_title(svg, {kLeft, 28.0}, kPlotWidth, summary.at("scenario").get<std::string>() + ": error against bytes",
-             subtitle);
+  draw_title(svg, {ParetoLayout::kLeft, 28.0}, ParetoLayout::kPlotWidth,
+             summary.at("scenario").get<std::string>() + ": error against bytes", subtitle);
   for (std::size_t row = 0; row < rows.size(); ++row) {
-    draw_legend(svg, {kLeft, kLegendTop + kLegendLine * static_cast<double>(row) + 6.0}, kPlotWidth, rows[row]);
+    draw_legend(
+        svg,
+        {ParetoLayout::kLeft, ParetoLayout::kLegendTop + ParetoLayout::kLegendLine * static_cast<double>(row) + 6.0},
+        ParetoLayout::kPlotWidth, rows[row]);
   }
   panel.draw_axes(svg, {.x = "sent by all peers [bytes/s]",
                         .y = logarithmic ? "mean ghost error [m], logarithmic" : "mean ghost error [m]",

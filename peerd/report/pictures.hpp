@@ -12,7 +12,7 @@
 
 namespace peerd::report {
 
-// Every picture of a report, drawn once for its file and for the page. "" where one does not apply.
+// All pictures of a report, each drawn once for its file and for the page. A picture that does not apply is empty.
 struct Pictures {
   struct OfRun {
     std::string run, timeline;
@@ -23,7 +23,7 @@ struct Pictures {
 [[nodiscard]] Pictures draw_pictures(const ScenarioInfo& info, std::span<const RunRecord> runs,
                                      const nlohmann::ordered_json& summary);
 
-// "run-001.svg" of ("run", 1).
+// The name of a picture's file: "run-001.svg" for ("run", 1).
 [[nodiscard]] std::string picture_file(std::string_view kind, std::size_t number);
 
 }  // namespace peerd::report

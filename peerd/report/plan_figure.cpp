@@ -4,21 +4,24 @@
 #include <vector>
 
 #include "peerd/measure/agreement.hpp"
-#include "peerd/report/figure_parts.hpp"
-#include "peerd/report/figures.hpp"
 #include "peerd/measure/lookup.hpp"
 #include "peerd/measure/sweep.hpp"
+#include "peerd/report/figure_parts.hpp"
+#include "peerd/report/figures.hpp"
 #include "peerd/report/table.hpp"
 
 namespace peerd::report {
 namespace {
 
-constexpr double kLeft = 70.0;
-constexpr double kTop = 86.0;
-constexpr double kLongest = 1040.0;  // pixels of the longer side
-constexpr double kLeast = 60.0;      // and of the shorter, for paths that are nearly straight
+struct PlanLayout {  // [px]
+  static constexpr double kLeft = 70.0;
+  static constexpr double kTop = 86.0;
+  static constexpr double kLongest = 1040.0;  // length of the longer side
+  static constexpr double kLeast = 60.0;      // least length of the shorter side, for paths that are nearly straight
+};
 
-// World axes on the page: the longer extent lies, so that a road fits. Seen from +y: -z goes right when z lies.
+// Maps world axes to the page. The longer extent is horizontal, so that a road fits. The view is from +y; where z is
+// horizontal, -z points right.
 struct PlanAxes {
   int across = 0;
   int up = 2;
@@ -29,7 +32,7 @@ struct PlanAxes {
 
 struct PlanPaths {
   std::vector<Vec3> truth;
-  std::vector<std::vector<Vec3>> ghosts;  // by observer
+  std::vector<std::vector<Vec3>> ghosts;  // one for each observer
 };
 
 std::size_t worst_run(const nlohmann::ordered_json& summary, const std::string& path) {
@@ -75,7 +78,7 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
   const std::vector<PeerInfo> observers = object ? observers_of(runs[number], *object) : std::vector<PeerInfo>{};
   if (observers.empty()) {
     Svg svg(800.0, 80.0);
-    draw_title(svg, {kLeft, 28.0}, 700.0, info.name, "no object that another peer observes");
+    draw_title(svg, {PlanLayout::kLeft, 28.0}, 700.0, info.name, "no object that another peer observes");
     return std::move(svg).finish();
   }
   const RunRecord& run = runs[number];
@@ -87,7 +90,7 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
       paths.ghosts.back().push_back(s.ghost.position);
     }
   }
-  // Everything else that is replicated, where it stood first.
+  // The first places of all other objects that are replicated.
   std::vector<Vec3> others;
   for (const ObjectInfo& other : run.objects) {
     if (other.object == object->object) continue;
@@ -116,18 +119,18 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
   const double room = 0.02 * (across.hi - across.lo);
   across = {across.lo - room, across.hi + room};
   up = {up.lo - room, up.hi + room};
-  const double scale = kLongest / (across.hi - across.lo);  // pixels per metre, the same on both axes
-  const double least_m = kLeast / scale;
+  const double scale = PlanLayout::kLongest / (across.hi - across.lo);  // pixels per metre, the same on both axes
+  const double least_m = PlanLayout::kLeast / scale;
   if (up.hi - up.lo < least_m) {
     const double middle = 0.5 * (up.lo + up.hi);
     up = {middle - 0.5 * least_m, middle + 0.5 * least_m};
   }
-  const Box box{kLeft, kTop, kLongest, (up.hi - up.lo) * scale};
+  const Box box{PlanLayout::kLeft, PlanLayout::kTop, PlanLayout::kLongest, (up.hi - up.lo) * scale};
 
-  Svg svg(kLongest + kLeft + 20.0, box.height + kTop + 52.0);
+  Svg svg(PlanLayout::kLongest + PlanLayout::kLeft + 20.0, box.height + PlanLayout::kTop + 52.0);
   std::vector<std::string> keys;
   for (const auto& item : run.params.items()) keys.push_back(item.key());
-  draw_title(svg, {kLeft, 28.0}, kLongest,
+  draw_title(svg, {PlanLayout::kLeft, 28.0}, PlanLayout::kLongest,
              info.name + " from above" + (keys.empty() ? "" : ": " + describe(run.params, keys)),
              object->path + ", run " + std::to_string(number + 1) +
                  (runs.size() > 1 ? ", the one with the greatest mean ghost error" : ""));
@@ -152,7 +155,7 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
     }
     legend.push_back({Mark::kSquare, {.colour = "#444"}, "other objects at the start"});
   }
-  draw_legend(svg, {kLeft, kTop - 10.0}, kLongest, legend);
+  draw_legend(svg, {PlanLayout::kLeft, PlanLayout::kTop - 10.0}, PlanLayout::kLongest, legend);
   return std::move(svg).finish();
 }
 

@@ -6,26 +6,26 @@
 #include <vector>
 
 #include "peerd/measure/agreement.hpp"
+#include "peerd/measure/lookup.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/measure/lookup.hpp"
 #include "peerd/report/output_rates.hpp"
 #include "peerd/report/table.hpp"
+#include "peerd/report/time_figure_layout.hpp"
 
 namespace peerd::report {
 namespace {
 
-constexpr double kWidth = 800.0;
-constexpr double kHeight = 728.0;
-constexpr double kLeft = 70.0;
-constexpr double kPlotWidth = 710.0;
-constexpr Box kPositionBox{kLeft, 86.0, kPlotWidth, 210.0};
-constexpr Box kErrorBox{kLeft, 336.0, kPlotWidth, 170.0};
-constexpr Box kRateBox{kLeft, 546.0, kPlotWidth, 130.0};
+struct RunLayout : TimeFigureLayout {  // [px]
+  static constexpr double kHeight = 728.0;
+  static constexpr Box kPositionBox{kLeft, 86.0, kPlotWidth, 210.0};
+  static constexpr Box kErrorBox{kLeft, 336.0, kPlotWidth, 170.0};
+  static constexpr Box kRateBox{kLeft, 546.0, kPlotWidth, 130.0};
+};
 
 int component_of(std::span<const RunRecord> runs, const std::string& path) {
   Vec3 bend = Vec3::Zero();   // greatest range without the straight line
-  Vec3 range = Vec3::Zero();  // and with it, for objects that go straight
+  Vec3 range = Vec3::Zero();  // greatest range with it, for objects that go straight
   for (const RunRecord& run : runs) {
     const ObjectInfo* object = find_object(run, path);
     const std::vector<PeerInfo> observers = object ? observers_of(run, *object) : std::vector<PeerInfo>{};
@@ -45,7 +45,7 @@ int component_of(std::span<const RunRecord> runs, const std::string& path) {
       if (!plain.empty()) range[c] = std::max(range[c], plain.hi - plain.lo);
     }
   }
-  // A straight line leaves nothing but rounding.
+  // For a straight line only rounding is left.
   const bool straight = bend.maxCoeff() <= 1e-9 * range.maxCoeff();
   Eigen::Index best = 0;
   (straight ? range : bend).maxCoeff(&best);
@@ -65,7 +65,7 @@ struct Marks {
   std::size_t wrong = 0;
 };
 
-// Contacts of the object as upright lines, updates as a comb on the time axis.
+// Draws contacts of the object as vertical lines, and its updates as a comb on the time axis.
 Marks draw_instants(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Agreement& judged,
                     const Panel& position, const Panel& error) {
   Marks marks;
@@ -80,7 +80,7 @@ Marks draw_instants(Svg& svg, const RunRecord& run, const ObjectInfo& object, co
                {.colour = kContactColour, .dashes = "2 3"});
     }
   }
-  const double bottom = kPositionBox.y + kPositionBox.height;
+  const double bottom = RunLayout::kPositionBox.y + RunLayout::kPositionBox.height;
   for (const UpdateSent& u : run.updates) {
     if (u.object != object.object) continue;
     ++marks.updates;
@@ -89,8 +89,8 @@ Marks draw_instants(Svg& svg, const RunRecord& run, const ObjectInfo& object, co
   return marks;
 }
 
-// Where an observer's ghost met what it predicted: a ring if it is the outcome, a cross if there was no such one or it
-// came out on the other side.
+// Marks the places where an observer's ghost met something as predicted: a ring if that is the outcome, a cross if
+// there was no such outcome or it was on the other side.
 void draw_predictions(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Agreement& judged,
                       PeerId observer, const ErrorSeries& series, std::string_view colour, const Panel& position,
                       Marks& marks) {
@@ -122,12 +122,13 @@ void draw_rates(Svg& svg, const RunRecord& run, const ObjectInfo& object, const 
     const Point top = panel.at(begin_s, rates[i]);
     const double right = panel.px(std::min(begin_s + width_s, run.duration_s));
     const double gap = right - top.x > 6.0 ? 1.0 : 0.0;
-    svg.rect({top.x + gap, top.y, std::max(0.2, right - top.x - 2.0 * gap), kRateBox.y + kRateBox.height - top.y},
+    svg.rect({top.x + gap, top.y, std::max(0.2, right - top.x - 2.0 * gap),
+              RunLayout::kRateBox.y + RunLayout::kRateBox.height - top.y},
              kBarColour);
   }
   const double mean =
       rates.empty() ? 0.0 : std::accumulate(rates.begin(), rates.end(), 0.0) / static_cast<double>(rates.size());
-  svg.text({kLeft, kRateBox.y - 9.0},
+  svg.text({RunLayout::kLeft, RunLayout::kRateBox.y - 9.0},
            "everything that " + peer_name(run, object.owner) + " sends, mean " + tick_label(mean, 2) + " kB/s",
            {.size = 11.0});
 }
@@ -165,24 +166,24 @@ FigureFrame figure_frame(std::span<const RunRecord> runs, const nlohmann::ordere
 }
 
 std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size_t number, const FigureFrame& frame) {
-  Svg svg(kWidth, kHeight);
+  Svg svg(RunLayout::kWidth, RunLayout::kHeight);
   const ObjectInfo* object = find_object(run, frame.object);
   std::string subtitle =
       info.name + " (" + info.mode + ", seed " + std::to_string(info.seed) + "), run " + std::to_string(number);
   if (object == nullptr) {
-    draw_title(svg, {kLeft, 28.0}, kPlotWidth, run_title(info, run),
+    draw_title(svg, {RunLayout::kLeft, 28.0}, RunLayout::kPlotWidth, run_title(info, run),
                subtitle + ": no object that another peer observes");
     return std::move(svg).finish();
   }
   subtitle += ": " + object->path + ", run by " + peer_name(run, object->owner);
-  draw_title(svg, {kLeft, 28.0}, kPlotWidth, run_title(info, run), subtitle);
+  draw_title(svg, {RunLayout::kLeft, 28.0}, RunLayout::kPlotWidth, run_title(info, run), subtitle);
 
   Range position_range = drawable(frame.position_m.at(latency_text(run)));
   const double room = 0.06 * (position_range.hi - position_range.lo);
-  position_range = {position_range.lo - 2.0 * room, position_range.hi + room};  // the comb of updates needs some below
-  const Panel position(kPositionBox, {0.0, run.duration_s}, position_range);
-  const Panel error(kErrorBox, {0.0, run.duration_s}, from_zero(frame.error_m.at(latency_text(run)).hi));
-  const Panel rates(kRateBox, {0.0, run.duration_s}, from_zero(frame.rate_max_kB_s));
+  position_range = {position_range.lo - 2.0 * room, position_range.hi + room};  // the comb of updates needs room below
+  const Panel position(RunLayout::kPositionBox, {0.0, run.duration_s}, position_range);
+  const Panel error(RunLayout::kErrorBox, {0.0, run.duration_s}, from_zero(frame.error_m.at(latency_text(run)).hi));
+  const Panel rates(RunLayout::kRateBox, {0.0, run.duration_s}, from_zero(frame.rate_max_kB_s));
   position.draw_axes(svg, {.y = component_name(frame.component) + " [m]", .x_ticks = 16});
   error.draw_axes(svg, {.y = "ghost error [m]", .x_ticks = 16});
   draw_rates(svg, run, *object, rates);
@@ -215,8 +216,8 @@ std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size
     above_position.push_back({Mark::kUpright, {.colour = kContactColour, .dashes = "2 3"}, "contact"});
   if (marks.right > 0) above_position.push_back({Mark::kCircle, {.colour = "#222", .width = 1.5}, "predicted"});
   if (marks.wrong > 0) above_position.push_back({Mark::kCross, {.colour = "#222", .width = 1.5}, "mispredicted"});
-  draw_legend(svg, {kLeft, kPositionBox.y - 9.0}, kPlotWidth, above_position);
-  draw_legend(svg, {kLeft, kErrorBox.y - 9.0}, kPlotWidth, above_error);
+  draw_legend(svg, {RunLayout::kLeft, RunLayout::kPositionBox.y - 9.0}, RunLayout::kPlotWidth, above_position);
+  draw_legend(svg, {RunLayout::kLeft, RunLayout::kErrorBox.y - 9.0}, RunLayout::kPlotWidth, above_error);
   return std::move(svg).finish();
 }
 

@@ -26,7 +26,7 @@ Svg::Svg(double width, double height) {
   rect({0.0, 0.0, width, height}, "#fff");
 }
 
-// To a tenth of a pixel: finer cannot be seen, and pictures stay small.
+// Numbers are rounded to a tenth of a pixel: finer ones cannot be seen, and pictures stay small.
 void Svg::number(double value) {
   assert(std::isfinite(value));
   const auto tenths = static_cast<std::int64_t>(std::llround(std::clamp(value, -1e6, 1e6) * 10.0));
@@ -169,10 +169,11 @@ Ticks nice_ticks(Range range, int most) {
   assert(most >= 2);
   range = drawable(range);
   const double width = range.hi - range.lo;
-  // The least step that could do is width / most; start a decade below it and go up.
+  // The least step that could do is width / most. The search starts a decade below it and goes up.
   for (int exponent = static_cast<int>(std::floor(std::log10(width / most)));; ++exponent) {
     for (const double mantissa : {1.0, 2.0, 5.0}) {
-      // Multiples are taken of an integer, divided for small steps: 3 / 10 is the 0.3 one would write, 3 * 0.1 is not.
+      // Ticks are multiples of an integer, divided for small steps: 3 / 10 is the 0.3 that a person would write, 3 *
+      // 0.1 is not.
       const double power = std::pow(10.0, std::abs(exponent));
       const auto multiple = [&](double i) { return exponent < 0 ? i * mantissa / power : i * mantissa * power; };
       const double step = multiple(1.0);

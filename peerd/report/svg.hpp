@@ -8,7 +8,7 @@
 
 namespace peerd::report {
 
-// A small SVG writer: what plots need and no more. Pixels, y down, the origin at the top left. The text is
+// A small SVG writer for plots. Units are pixels, y points down, and the origin is at the top left. The text is
 // self-contained (no scripts, style sheets or outside fonts) and well-formed whatever the strings hold.
 
 struct Point {
@@ -46,7 +46,7 @@ class Svg {
 
   void rect(const Box& box, std::string_view fill, const Stroke* outline = nullptr);
   void line(Point a, Point b, const Stroke& stroke);
-  // Points that are not finite break the line.
+  // Draws a line through points; points that are not finite break it.
   void polyline(std::span<const Point> points, const Stroke& stroke);
   void circle(Point centre, double radius, std::string_view fill, const Stroke& stroke);
   void cross(Point centre, double radius, const Stroke& stroke);
@@ -64,10 +64,10 @@ class Svg {
 inline constexpr std::string_view kGridColour = "#e4e4e4";
 inline constexpr std::string_view kFrameColour = "#555";
 
-// About how wide DejaVu Sans sets a text [px]; other fonts are narrower. For placing things beside it.
+// The approximate width of a text in DejaVu Sans [px]; other fonts are narrower.
 [[nodiscard]] double text_width(std::string_view text, double size);
 
-// A closed interval of data. Starts empty. Values that are not finite do not count, nor those that no scene has and
+// A closed interval of data, empty at first. It ignores values that are not finite, and values that no scene has and
 // whose differences might overflow.
 struct Range {
   double lo = std::numeric_limits<double>::infinity();
@@ -80,30 +80,30 @@ struct Range {
   [[nodiscard]] bool empty() const { return !(lo <= hi); }
 };
 
-// Something that can be an axis: an empty range becomes [0, 1], a single value gets room on both sides.
+// Makes a range that can be an axis: an empty range becomes [0, 1], and a single value gets room on both sides.
 [[nodiscard]] Range drawable(Range range);
 
-// For quantities that start at nothing: [0, hi] with a little room, [0, 1] if all are zero.
+// The range of quantities that start at zero: [0, hi] with a little room, or [0, 1] if all are zero.
 [[nodiscard]] inline Range from_zero(double hi) { return {0.0, hi > 0.0 ? 1.06 * hi : 1.0}; }
 
 struct Ticks {
   std::vector<double> at;
-  int decimals = 0;  // that their labels need
+  int decimals = 0;  // decimals that the labels need
 };
 
 // Multiples of 1, 2 or 5 times a power of ten inside the range, as many as possible but at most `most` (>= 2).
 [[nodiscard]] Ticks nice_ticks(Range range, int most);
-// 1, 2 and 5 times the powers of ten inside a range of positive numbers, or the powers alone where those are too many.
+// The powers of ten times 1, 2 and 5 inside a range of positive numbers, or the powers alone where those are too many.
 [[nodiscard]] std::vector<double> log_ticks(Range range, int most);
 [[nodiscard]] std::string tick_label(double value, int decimals);
-// As few digits as say it, and so many at most: "0.0005", "20", "5.61e-05".
+// A number with as few digits as it needs and at most `digits`: "0.0005", "20", "5.61e-05".
 [[nodiscard]] std::string short_label(double value, int digits = 4);
 
 // Axes around a box: maps data to pixels and draws frame, grid and labels.
 class Panel {
  public:
   Panel(const Box& box, Range x, Range y) : box_(box), x_(drawable(x)), y_(drawable(y)) {}
-  // The y axis shows the logarithm; y holds positive numbers.
+  // A panel whose y axis shows the logarithm; y holds positive numbers.
   static Panel log_y(const Box& box, Range x, Range y);
 
   [[nodiscard]] double px(double x) const { return box_.x + (x - x_.lo) / (x_.hi - x_.lo) * box_.width; }
@@ -115,20 +115,20 @@ class Panel {
   [[nodiscard]] const Box& box() const { return box_; }
 
   struct Labels {
-    std::string_view x = {};  // empty: neither the label nor the ticks' numbers
+    std::string_view x = {};  // empty: neither label nor numbers
     std::string_view y = {};
     int x_ticks = 11;
     int y_ticks = 6;  // 0: none
   };
   void draw_axes(Svg& svg, const Labels& labels) const;
 
-  // A curve through data points that are sorted by x. More points than pixels can tell apart are thinned to the first,
-  // lowest, highest and last of each pixel column, which draws the same line (Jugel et al., M4, VLDB 2014).
+  // Draws a curve through data points that are sorted by x. More points than pixels can tell apart are thinned to the
+  // first, lowest, highest and last of each pixel column, which draws the same line (Jugel et al., M4, VLDB 2014).
   void draw_curve(Svg& svg, std::span<const Point> data, const Stroke& stroke) const;
 
  private:
   Box box_;
-  Range x_, y_;  // y: of the logarithms where log_y_
+  Range x_, y_;  // logarithms in y where log_y_
   bool log_y_ = false;
 };
 

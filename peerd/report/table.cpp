@@ -42,7 +42,7 @@ std::vector<Params> params_of(const Json& summary) {
 void add_error_cells(const Json* row, std::span<Column> mean_p99_max, ErrorText error_text) {
   static constexpr std::array names{"mean", "p99", "max"};
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool seen = row != nullptr && row->at("samples") > 0;  // no sample is not the same as no error
+    const bool seen = row != nullptr && row->at("samples") > 0;  // a row without samples is not a row without error
     mean_p99_max[i].cells.push_back(seen ? error_text(row->at("ghost_error_m").at(names[i]).get<double>()) : "-");
   }
 }
@@ -100,7 +100,7 @@ std::vector<Column> lay_out(const Json& summary, const std::string& path, ErrorT
   return columns;
 }
 
-// "0.123 ± 0.004" of a point's number; "-" where none of its runs has it.
+// The mean and the half width of a point's number, such as "0.123 ± 0.004"; "-" where none of its runs has it.
 std::string interval_cell(const Json* holder, const char* measure, int decimals) {
   if (holder == nullptr || !holder->contains(measure)) return "-";
   const Json& number = holder->at(measure);
@@ -108,7 +108,7 @@ std::string interval_cell(const Json* holder, const char* measure, int decimals)
          fixed(number.at("half_width_95").get<double>(), decimals);
 }
 
-// A row a point and an observer: means over the seeds.
+// One row for each point and observer, with means over the seeds.
 std::vector<Column> lay_out_points(const Json& summary, const std::string& path) {
   std::vector<Params> params;
   for (const Json& point : summary.at("points")) params.push_back(point.at("params"));
@@ -193,7 +193,7 @@ std::string wrong_outcomes_table(const Json& summary) {
   std::vector<std::string> keys = varying_keys(params);
   std::erase(keys, "decisions.policy");
   std::vector<Column> columns{{"", "wrong outcomes", false, {}}};
-  std::vector<std::vector<std::uint64_t>> wrong;  // by row, then column
+  std::vector<std::vector<std::uint64_t>> wrong;  // indices: row, column
   std::uint64_t truth = 0;
   const auto index_in = [](std::vector<std::string>& names, const std::string& name) {
     const auto at = std::ranges::find(names, name);

@@ -10,27 +10,27 @@
 #include <vector>
 
 #include "peerd/measure/agreement.hpp"
+#include "peerd/measure/lookup.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
-#include "peerd/measure/lookup.hpp"
 #include "peerd/report/output_rates.hpp"
+#include "peerd/report/time_figure_layout.hpp"
 
 namespace peerd::report {
 namespace {
 
-constexpr double kWidth = 800.0;
-constexpr double kLeft = 70.0;
-constexpr double kPlotWidth = 710.0;
-constexpr Box kRateBox{kLeft, 86.0, kPlotWidth, 130.0};
-constexpr Box kThresholdBox{kLeft, 256.0, kPlotWidth, 110.0};
-constexpr double kLanesTop = 406.0;
-constexpr double kLane = 26.0;  // height of a peer's lane
+struct TimelineLayout : TimeFigureLayout {  // [px]
+  static constexpr Box kRateBox{kLeft, 86.0, kPlotWidth, 130.0};
+  static constexpr Box kThresholdBox{kLeft, 256.0, kPlotWidth, 110.0};
+  static constexpr double kLanesTop = 406.0;
+  static constexpr double kLane = 26.0;  // height of a peer's lane
+};
 
-constexpr std::size_t kMostCurves = 6;    // colours that can be told apart
-constexpr std::size_t kMostLanes = 10;    // peers
-constexpr std::size_t kMostMarks = 3000;  // more are a black bar, and megabytes
+constexpr std::size_t kMostCurves = 6;    // number of colours that can be told apart
+constexpr std::size_t kMostLanes = 10;    // number of peers
+constexpr std::size_t kMostMarks = 3000;  // more marks make a black bar, and megabytes
 
-// A value that holds from one point to the next, as a curve.
+// The curve of a value that holds from one point to the next.
 std::vector<Point> stepped(const std::vector<Point>& points, double end_x) {
   std::vector<Point> steps;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -52,7 +52,7 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// A curve a peer, those that send most first; what the others send is not drawn, but counted in the legend.
+// Draws a curve for each of the peers that send most. The others are counted in the legend.
 void draw_rates(Svg& svg, const RunRecord& run, const Panel& panel) {
   panel.draw_axes(svg, {.y = "sent [kB/s]", .x_ticks = 16, .y_ticks = 5});
   struct Sender {
@@ -68,7 +68,7 @@ void draw_rates(Svg& svg, const RunRecord& run, const Panel& panel) {
   std::ranges::stable_sort(senders, std::ranges::greater{}, &Sender::mean);
   std::vector<LegendEntry> legend;
   const std::size_t drawn = std::min(kMostCurves, senders.size());
-  for (std::size_t i = drawn; i-- > 0;) {  // the greatest on top
+  for (std::size_t i = drawn; i-- > 0;) {  // the greatest is drawn last, on top
     panel.draw_curve(svg, rate_steps(senders[i].rates, run.duration_s), observer_stroke(i));
   }
   for (std::size_t i = 0; i < drawn; ++i) {
@@ -79,10 +79,10 @@ void draw_rates(Svg& svg, const RunRecord& run, const Panel& panel) {
     legend.push_back(
         {LegendEntry::Mark::kLine, {.opacity = 0.0}, std::to_string(senders.size() - drawn) + " others not drawn"});
   }
-  draw_legend(svg, {kLeft, kRateBox.y - 9.0}, kPlotWidth, legend);
+  draw_legend(svg, {TimelineLayout::kLeft, TimelineLayout::kRateBox.y - 9.0}, TimelineLayout::kPlotWidth, legend);
 }
 
-// An update's threshold is said to hold until the next update: nobody is told of changes in between.
+// Draws the threshold of each update as valid until the next one. Changes in between are not published.
 void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Panel& panel) {
   panel.draw_axes(svg, {.y = "threshold [m]", .x_ticks = 16, .y_ticks = 5});
   std::vector<Point> points;
@@ -91,19 +91,19 @@ void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, c
   }
   const Stroke stroke{.colour = colour_of(0), .width = 1.5};
   panel.draw_curve(svg, stepped(points, run.duration_s), stroke);
-  // A line from update to update, as long as these can be told apart.
-  if (static_cast<double>(points.size()) < 0.5 * kPlotWidth) {
+  // Updates are marked as long as the marks can be told apart.
+  if (static_cast<double>(points.size()) < 0.5 * TimelineLayout::kPlotWidth) {
     for (const Point& p : points) svg.circle(panel.at(p.x, p.y), 2.2, colour_of(0), stroke);
   }
   const std::vector<LegendEntry> legend{
       {LegendEntry::Mark::kLine, stroke,
        "error threshold of " + object.path + " at each of its " + std::to_string(points.size()) + " updates"}};
-  draw_legend(svg, {kLeft, kThresholdBox.y - 9.0}, kPlotWidth, legend);
+  draw_legend(svg, {TimelineLayout::kLeft, TimelineLayout::kThresholdBox.y - 9.0}, TimelineLayout::kPlotWidth, legend);
 }
 
 enum class ContactMark : std::uint8_t { kHappened, kDecided, kPredicted, kWrong, kApplied };
 
-// What a mark says of a contact's row; nothing for what only repeats another.
+// The mark of a contact's row; none for a row that only repeats another.
 std::optional<ContactMark> mark_of(const ContactRow& contact, Verdict verdict) {
   switch (verdict) {
     case Verdict::kOutcome:
@@ -161,16 +161,21 @@ std::vector<LegendEntry> lanes_legend(std::span<const std::size_t> counts) {
   return legend;
 }
 
-// A lane a peer: what it said of contacts, at the contact's time, with a line to when it knew.
+// Draws a lane for each peer with its statements about contacts at the contact's time, and a line to when the peer
+// knew.
 void draw_lanes(Svg& svg, const RunRecord& run, std::size_t lanes, const Panel& panel) {
   panel.draw_axes(svg, {.x = "time [s]", .x_ticks = 16, .y_ticks = 0});
-  const auto middle = [](std::size_t lane) { return kLanesTop + kLane * (static_cast<double>(lane) + 0.5); };
+  const auto middle = [](std::size_t lane) {
+    return TimelineLayout::kLanesTop + TimelineLayout::kLane * (static_cast<double>(lane) + 0.5);
+  };
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     if (lane > 0) {
-      const double y = kLanesTop + kLane * static_cast<double>(lane);
-      svg.line({kLeft, y}, {kLeft + kPlotWidth, y}, {.colour = kGridColour});
+      const double y = TimelineLayout::kLanesTop + TimelineLayout::kLane * static_cast<double>(lane);
+      svg.line({TimelineLayout::kLeft, y}, {TimelineLayout::kLeft + TimelineLayout::kPlotWidth, y},
+               {.colour = kGridColour});
     }
-    svg.text({kLeft - 8.0, middle(lane) + 4.0}, shortened(run.peers[lane].name, kLeft - 12.0, 11.0),
+    svg.text({TimelineLayout::kLeft - 8.0, middle(lane) + 4.0},
+             shortened(run.peers[lane].name, TimelineLayout::kLeft - 12.0, 11.0),
              {.size = 11.0, .anchor = Anchor::kEnd});
   }
   const Agreement judged = agreement(run);
@@ -203,7 +208,7 @@ void draw_lanes(Svg& svg, const RunRecord& run, std::size_t lanes, const Panel& 
     legend.push_back({Mark::kLine, {.colour = kContactColour}, "until it knew"});
   }
   if (left_out > 0) legend.push_back({Mark::kLine, {.opacity = 0.0}, std::to_string(left_out) + " not drawn"});
-  draw_legend(svg, {kLeft, kLanesTop - 9.0}, kPlotWidth, legend);
+  draw_legend(svg, {TimelineLayout::kLeft, TimelineLayout::kLanesTop - 9.0}, TimelineLayout::kPlotWidth, legend);
 }
 
 }  // namespace
@@ -211,17 +216,20 @@ void draw_lanes(Svg& svg, const RunRecord& run, std::size_t lanes, const Panel& 
 std::string timeline_figure(const ScenarioInfo& info, const RunRecord& run, std::size_t number,
                             const FigureFrame& frame) {
   const std::size_t lanes = std::min(run.peers.size(), kMostLanes);
-  Svg svg(kWidth, kLanesTop + kLane * static_cast<double>(lanes) + 52.0);
+  Svg svg(TimelineLayout::kWidth,
+          TimelineLayout::kLanesTop + TimelineLayout::kLane * static_cast<double>(lanes) + 52.0);
   std::string subtitle = info.name + ", run " + std::to_string(number) +
                          ": what each peer sends, thresholds in force, contacts by who says so";
   if (lanes < run.peers.size())
     subtitle += " (of " + std::to_string(lanes) + " of " + std::to_string(run.peers.size()) + " peers)";
-  draw_title(svg, {kLeft, 28.0}, kPlotWidth, run_title(info, run), subtitle);
+  draw_title(svg, {TimelineLayout::kLeft, 28.0}, TimelineLayout::kPlotWidth, run_title(info, run), subtitle);
   const Range time{0.0, run.duration_s};
-  const Panel rates(kRateBox, time, from_zero(frame.peer_rate_max_kB_s));
-  const Panel thresholds(kThresholdBox, time, from_zero(frame.threshold_max_m));
+  const Panel rates(TimelineLayout::kRateBox, time, from_zero(frame.peer_rate_max_kB_s));
+  const Panel thresholds(TimelineLayout::kThresholdBox, time, from_zero(frame.threshold_max_m));
   const auto count = static_cast<double>(lanes);
-  const Panel contacts({kLeft, kLanesTop, kPlotWidth, kLane * count}, time, {0.0, count});
+  const Panel contacts(
+      {TimelineLayout::kLeft, TimelineLayout::kLanesTop, TimelineLayout::kPlotWidth, TimelineLayout::kLane * count},
+      time, {0.0, count});
   std::vector<const Panel*> drawn{&rates};
   draw_rates(svg, run, rates);
   if (const ObjectInfo* object = find_object(run, frame.object)) {

@@ -30,7 +30,7 @@ std::expected<void, std::string> write_file(const fs::path& path, std::string_vi
   return {};
 }
 
-// The number in KIND-NNN.svg, 0 for every other name.
+// The number in a name KIND-NNN.svg, or 0 for every other name.
 std::size_t picture_number(const std::string& name, const std::string& kind) {
   if (!name.starts_with(kind + '-') || !name.ends_with(".svg")) return 0;
   const std::string digits = name.substr(kind.size() + 1, name.size() - kind.size() - 5);
@@ -39,7 +39,7 @@ std::size_t picture_number(const std::string& name, const std::string& kind) {
   return std::stoul(digits);
 }
 
-// Those of runs that this report does not have, and those of a sweep that do not apply to it.
+// Removes pictures of runs that this report does not have, and pictures of a sweep that do not apply to it.
 std::expected<void, std::string> remove_old_pictures(const fs::path& out, const Pictures& pictures) {
   std::error_code error;
   std::vector<fs::path> old;
@@ -87,7 +87,7 @@ std::expected<void, std::string> write_report(const fs::path& out, const Scenari
   if (auto done = write_file(out / "traffic.csv", traffic_csv(runs)); !done) return done;
   if (auto done = write_file(out / "collisions.csv", collisions_csv(runs)); !done) return done;
   if (auto done = write_file(out / "report.html", report_page(info, runs, summary, pictures)); !done) return done;
-  // Last: who finds a summary.json finds the rest.
+  // summary.json is written last: a reader that finds it finds the rest.
   using Json = nlohmann::ordered_json;
   return write_file(out / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }

@@ -11,12 +11,12 @@ namespace peerd::report {
 
 // Writes report.html, summary.json, errors.csv, traffic.csv, collisions.csv, run-001.svg .., timeline-001.svg ..,
 // overview.svg, plan.svg and, of a sweep that they fit, pareto.svg and multiples.svg into `out`, which is made if need
-// be. Pictures of an earlier, longer sweep are removed: they would be taken for this one's. The error is a sentence
-// that names the file.
+// be. Pictures of an earlier, longer sweep are removed, because they would be taken for this one's. The error is a
+// sentence that names the file.
 [[nodiscard]] std::expected<void, std::string> write_report(const std::filesystem::path& out, const ScenarioInfo& info,
                                                             std::span<const RunRecord> runs);
 
-// The same with a summary that the caller has already (it prints its table).
+// Writes the same with a summary that the caller already has.
 [[nodiscard]] std::expected<void, std::string> write_report(const std::filesystem::path& out, const ScenarioInfo& info,
                                                             std::span<const RunRecord> runs,
                                                             const nlohmann::ordered_json& summary);

@@ -6,14 +6,15 @@
 namespace peerd {
 namespace {
 
-// A peer that leaves and comes back has several.
+// A peer's time in the session. A peer that leaves and comes back has several.
 struct Presence {
   HostTime from, until;  // in true time
   SimTime first_row, last_row;
 };
 using Presences = std::map<PeerId, std::vector<Presence>>;
 
-// Who was there from the start was so before its first row, and whom nothing has ended goes on after its last.
+// A peer that was there from the start was there before its first row, and a peer that nothing has ended stays after
+// its last row.
 Presences presences_of(const config::RunSettings& run, const std::vector<PeerLog>& logs) {
   Presences presences;
   for (const PeerLog& log : logs) {
@@ -21,14 +22,16 @@ Presences presences_of(const config::RunSettings& run, const std::vector<PeerLog
     const bool from_the_start = own.empty() && config::starts_with(run.events, log.name);
     if (!log.start || (log.object_samples.empty() && !from_the_start)) continue;
     own.push_back({from_the_start ? HostTime::min() : log.object_samples.front().true_at,
-                   log.ended_at.value_or(HostTime::max()), from_the_start ? SimTime::min() : log.object_samples.front().at,
+                   log.ended_at.value_or(HostTime::max()),
+                   from_the_start ? SimTime::min() : log.object_samples.front().at,
                    log.ended_at && !log.object_samples.empty() ? log.object_samples.back().at : SimTime::max()});
   }
   return presences;
 }
 
 bool alive(const std::vector<Presence>& presences, HostTime t) {
-  return std::ranges::any_of(presences, [&](const Presence& presence) { return presence.from <= t && t <= presence.until; });
+  return std::ranges::any_of(presences,
+                             [&](const Presence& presence) { return presence.from <= t && t <= presence.until; });
 }
 
 report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<Presence>& presences, SimTime start) {
@@ -37,21 +40,22 @@ report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<P
     constexpr double kNever = std::numeric_limits<double>::infinity();
     return t == SimTime::min() ? -kNever : t == SimTime::max() ? kNever : to_seconds(t - start);
   };
-  for (const Presence& presence : presences) info.there_s.emplace_back(since_start(presence.first_row), since_start(presence.last_row));
-  if (presences.empty()) info.there_s.emplace_back(1.0, 0.0);  // never
+  for (const Presence& presence : presences)
+    info.there_s.emplace_back(since_start(presence.first_row), since_start(presence.last_row));
+  if (presences.empty()) info.there_s.emplace_back(1.0, 0.0);  // an interval that no time is in
   return info;
 }
 
 // The truth of one object as its owner logged it, in true time.
 struct Truth {
-  const config::MotionSource* motion = nullptr;  // what drives it
-  std::vector<const PeerLog::ObjectSample*> ticks;     // by true_at
+  const config::MotionSource* motion = nullptr;     // motion of a driven object; null: none
+  std::vector<const PeerLog::ObjectSample*> ticks;  // sorted by true_at
 
   [[nodiscard]] const PeerLog::ObjectSample* last_not_after(HostTime t) const {
     const auto next = std::ranges::upper_bound(ticks, t, {}, [](const auto* b) { return b->true_at; });
     return next == ticks.begin() ? nullptr : *(next - 1);
   }
-  // The owner's session time at that instant.
+  // The owner's session time at a true instant.
   [[nodiscard]] SimTime session_time(HostTime t) const {
     const PeerLog::ObjectSample* b = last_not_after(t);
     if (b == nullptr) b = ticks.front();
@@ -64,7 +68,7 @@ struct Truth {
     if (before != nullptr && last) return advance(before->state, to_seconds(t - before->true_at)).pose();
     return between(t, [](const PeerLog::ObjectSample& b) { return b.state.pose(); });
   }
-  // What the owner's user sees then.
+  // The pose that is displayed at the owner.
   [[nodiscard]] Pose seen(HostTime t, SimTime start) const {
     const PeerLog::ObjectSample* b = last_not_after(t);
     if (b == nullptr || b->shown.position == b->state.position) return pose(t, start);
@@ -87,7 +91,7 @@ struct Truth {
 }  // namespace
 
 Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedWorld& shared,
-                                           const std::vector<PeerLog>& logs) {
+                                   const std::vector<PeerLog>& logs) {
   const Scene& scene = shared.world.scene;
   report::RunRecord record;
   record.params = run.params;
@@ -99,7 +103,7 @@ Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedW
   std::map<ObjectId, PeerId> owners;
   const auto objects = config::resolve(run, scene);
   if (!objects) return std::unexpected(objects.error());
-  std::optional<SimTime> start;  // the lowest peer's, which the others follow
+  std::optional<SimTime> start;  // session time of the lowest peer, which the others follow
   for (const PeerLog& log : logs) {
     if (!log.start && config::starts_with(run.events, log.name)) {
       return std::unexpected(InputError{"error: peer " + log.name + " never met all the others", 3});
@@ -131,7 +135,7 @@ Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedW
       const double t_s = to_seconds(truth.session_time(b.true_at) - *start);
       if (!within(t_s)) continue;
       record.ghost_samples.push_back({t_s, log.peer, b.object, truth.pose(b.true_at, *start), b.state.pose(), b.shown,
-                                truth.seen(b.true_at, *start)});
+                                      truth.seen(b.true_at, *start)});
     }
     const auto since_start = [&](SimTime t) { return to_seconds(t - *start); };
     for (const PeerLog::Update& u : log.updates) {

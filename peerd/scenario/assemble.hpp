@@ -1,14 +1,14 @@
 #pragma once
 #include <vector>
 
-#include "peerd/node/peer_node.hpp"
 #include "peerd/measure/run_record.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd {
 
-// Puts the peers' logs of one run side by side: every belief against the truth at the same true instant. The truth of a
-// driven object is its motion; that of any other is interpolated between the ticks of the peer that runs it.
+// Lays the logs of one run's peers side by side: every ghost against the truth at the same true instant. The truth of a
+// driven object is its motion; that of any other object is interpolated between the ticks of its owner.
 [[nodiscard]] Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedWorld& shared,
-                                                         const std::vector<PeerLog>& logs);
+                                                 const std::vector<PeerLog>& logs);
 
 }  // namespace peerd

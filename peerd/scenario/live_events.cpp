@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Longer than a peer's tick takes; the others' events must not wait for one that is stuck.
+// This is longer than a peer's tick takes. Events of other peers must not wait for one that hangs.
 constexpr std::chrono::milliseconds kAnswerWithin{200};
 
 }  // namespace
@@ -24,7 +24,7 @@ std::optional<InputError> why_not_live(const std::vector<config::ScenarioEvent>&
     const std::string key = "error: event." + e.name + ": ";
     if (e.peer.empty()) {
       return InputError{key + std::string(to_string(e.kind)) +
-                                " is for a simulated network; use peerd sim, or take the event out"};
+                        " is for a simulated network; use peerd sim, or take the event out"};
     }
     const bool joins = e.kind == config::EventKind::kJoin;
     if (joins && (already_joined.contains(e.peer) || config::starts_with(events, e.peer))) {
@@ -42,8 +42,7 @@ Result<LiveEvents> LiveEvents::make(const std::vector<config::ScenarioEvent>& ev
   std::error_code error;
   std::string folder = (fs::temp_directory_path(error) / "peerd-XXXXXX").string();
   if (error || mkdtemp(folder.data()) == nullptr) {
-    return std::unexpected(
-        InputError{"error: can't make a folder like " + folder + " for a control socket", 3});
+    return std::unexpected(InputError{"error: can't make a folder like " + folder + " for a control socket", 3});
   }
   live.folder_ = folder;
   return live;
@@ -56,7 +55,7 @@ LiveEvents::LiveEvents(LiveEvents&& other) noexcept
       done_(other.done_) {}
 
 LiveEvents::~LiveEvents() {
-  std::error_code ignored;  // a socket that is left in it harms nobody
+  std::error_code ignored;  // a socket that is left in the folder does no harm
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }
 
@@ -65,7 +64,7 @@ const config::ScenarioEvent* LiveEvents::take_due() {
   const auto now = std::chrono::steady_clock::now();
   if (!begin_) {
     const auto reply = api::ask(control(), R"({"do":"status"})", kAnswerWithin);
-    if (!reply) return nullptr;  // it has not opened its socket yet
+    if (!reply) return nullptr;  // the peer has not opened its socket yet
     const auto status = nlohmann::json::parse(*reply, nullptr, false);
     if (!status.is_object() || !status.contains("since_start_s") || !status["since_start_s"].is_number())
       return nullptr;

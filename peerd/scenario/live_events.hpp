@@ -8,23 +8,23 @@
 
 namespace peerd {
 
-// Why real processes can't have these events; none: they can.
+// The reason why real processes cannot have these events; none where they can.
 [[nodiscard]] std::optional<InputError> why_not_live(const std::vector<config::ScenarioEvent>& events);
 
-// When the events of a scenario between real processes are due: those that are done to a process. Keys are in the
-// settings that it reads itself. One of the peers is asked when the motions began; its
-// control socket lies in a folder of its own, which goes with the object.
+// Tells when the events of a scenario between real processes are due. Only events that happen to a process are meant: a
+// peer reads scripted keys from its own settings. One of the peers is asked when the motions began; its control socket
+// lies in a folder of its own, which is deleted with this object.
 class LiveEvents {
  public:
-  // The error: the folder can't be made. Without events there is none.
+  // The error is that the folder can't be made. Without events there is no folder.
   [[nodiscard]] static Result<LiveEvents> make(const std::vector<config::ScenarioEvent>& events);
   LiveEvents(LiveEvents&& other) noexcept;
   LiveEvents& operator=(LiveEvents&&) = delete;
   ~LiveEvents();
 
-  // What the peer that is asked needs as --control; empty: nobody is asked.
+  // The argument of --control for the peer that is asked. It is empty where no peer is asked.
   [[nodiscard]] std::filesystem::path control() const { return folder_.empty() ? folder_ : folder_ / "s"; }
-  // The next one that is due; null: none is. Asks, so it may take a moment.
+  // The next event that is due, or null. It may ask the peer, which can take a moment.
   [[nodiscard]] const config::ScenarioEvent* take_due();
 
  private:

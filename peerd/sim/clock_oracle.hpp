@@ -7,8 +7,8 @@
 
 namespace peerd::sim {
 
-// Sees the session time of all peers at one true instant, which none of them can: how far each is from the one that it
-// follows, and whether it says so.
+// Sees the session time of all peers at one true instant, which no peer can. It measures how far each peer is from the
+// one that it follows, and whether the bound that the peer publishes holds.
 class ClockOracle {
  public:
   struct WatchedPeer {
@@ -17,9 +17,10 @@ class ClockOracle {
   };
   explicit ClockOracle(std::vector<WatchedPeer> peers) : peers_(std::move(peers)), seen_(peers_.size()) {}
 
-  // After each tick of that peer. `now` is true time, which all hosts' clocks differ from by their offset.
+  // Takes a sample after each tick of that peer. `now` is true time, from which each host's clock differs by its
+  // offset.
   void take_sample(HostTime now, std::size_t peer);
-  // Of the peer; none: it led all the time.
+  // The errors of the peer; none where it has led all the time.
   [[nodiscard]] std::optional<PeerLog::ClockError> error_of(std::size_t peer) const;
 
  private:

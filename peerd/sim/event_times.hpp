@@ -7,15 +7,15 @@
 
 namespace peerd::sim {
 
-// A run's events in virtual time, one after the other.
+// The events of a run in virtual time, one after the other.
 class EventTimes {
  public:
   explicit EventTimes(const std::vector<config::ScenarioEvent>& events) : events_(events) {}
 
-  // When the motions begin: events count from there.
+  // Events count from `t`, the begin of the motions.
   void begin(VirtualTime t) { begin_ = t; }
   [[nodiscard]] bool begun() const { return begin_.has_value(); }
-  // None: not known yet, or there are no more.
+  // The time of the next event; none where it is not known yet, or where no event is left.
   [[nodiscard]] std::optional<VirtualTime> next() const {
     if (!begin_ || done_ == events_.size()) return std::nullopt;
     return *begin_ + from_seconds(events_[done_].at_s);

@@ -9,7 +9,7 @@
 namespace peerd::sim {
 namespace {
 
-// More updates of one object than can be under way.
+// The number of updates of one object that are kept is more than can be under way.
 constexpr std::size_t kUpdatesKeptMax = 1024;
 
 double ms(Duration d) { return 1e3 * to_seconds(d); }
@@ -123,7 +123,7 @@ void InterestOracle::close_gap(Duration length) {
   found_.longest_missing_ms = std::max(found_.longest_missing_ms, ms(length));
 }
 
-// When something newer was first sent than the update of that number; none where that is the newest.
+// The time at which an update newer than that sequence number was first sent; none where that update is the newest.
 std::optional<VirtualTime> InterestOracle::outdated_since(ObjectId object, std::uint32_t sequence) const {
   const auto sent = sent_updates_.find(object);
   if (sent == sent_updates_.end()) return std::nullopt;
@@ -136,7 +136,7 @@ void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region,
   const auto message = replication::decode(datagram, session_time(from, now));
   if (!message || (message->updates.empty() && message->handovers.empty() && message->subscriptions.empty())) return;
   std::size_t counted_bytes = datagram.size();
-  if (message->hello) {  // only the regions entered that go with it
+  if (message->hello) {  // count only the subscriptions that go with the hello
     replication::Message hello = *message;
     hello.subscriptions.clear();
     counted_bytes = replication::encode(*message).size() - replication::encode(hello).size();
@@ -179,14 +179,15 @@ void InterestOracle::on_membership(VirtualTime now, std::size_t peer, bool joine
     std::deque<VirtualTime>& late = observed.joins_of_late;
     late.push_back(now);
     while (late.front() <= now - std::chrono::seconds(1)) late.pop_front();
-    observed.found.joins_in_a_second = std::max(observed.found.joins_in_a_second, static_cast<std::uint32_t>(late.size()));
+    observed.found.joins_in_a_second =
+        std::max(observed.found.joins_in_a_second, static_cast<std::uint32_t>(late.size()));
   }
 }
 
 report::InterestRecord InterestOracle::record() const {
   InterestOracle all = *this;
   for (ObservedPeer& observed : all.observed_) {
-    for (const auto& [object, since] : observed.missing_since) {  // gaps that the run's end has cut
+    for (const auto& [object, since] : observed.missing_since) {  // gaps that last until the run's end
       all.close_gap(*begin_ + from_seconds(static_cast<double>(samples_taken_) / run_.sample_hz) - since);
     }
     const double samples = static_cast<double>(std::max<std::uint64_t>(samples_taken_, 1));

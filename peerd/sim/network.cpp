@@ -5,7 +5,7 @@
 namespace peerd::sim {
 namespace {
 
-// SplitMix64 (Steele, Lea, Flood 2014): neighbouring inputs give unrelated seeds.
+// SplitMix64 (Steele, Lea, Flood 2014) gives unrelated seeds for neighbouring inputs.
 std::uint64_t mixed(std::uint64_t x) {
   x += 0x9E3779B97F4A7C15ULL;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
@@ -17,11 +17,11 @@ std::uint64_t mixed(std::uint64_t x) {
 
 Link::Link(const config::LinkSettings& settings, std::uint64_t seed) : settings_(settings), random_(seed) {}
 
-// By hand: the standard's distributions may differ from one library to the next.
+// The standard's distributions may differ between libraries, so this is done by hand.
 double Link::uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
 
-// In bursts by Gilbert's model (1960), in the order of steps that the kernel's netem has: a datagram's fate is the
-// state that it finds, and then the state may change.
+// Bursts follow Gilbert's model (1960), in the order of steps that the kernel's netem has: the state decides a
+// datagram's fate, and then the state may change.
 bool Link::lost() {
   if (settings_.loss_burst == 0.0) return uniform() < settings_.loss;
   const double leave = 1.0 / settings_.loss_burst, enter = leave * settings_.loss / (1.0 - settings_.loss);

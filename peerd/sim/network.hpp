@@ -14,20 +14,20 @@
 
 namespace peerd::sim {
 
-// Time that all simulated peers share and none can read.
+// The time that all simulated peers share and none can read.
 using VirtualTime = InjectedClock<struct VirtualClockTag>::time_point;
 
-// One direction between two peers. Each has a generator of its own, seeded from the run's seed and its two ends, so
-// that what one link draws changes nothing on another.
+// One direction between two peers. Each has a generator of its own, seeded from the run's seed and the link's two ends,
+// so that the draws of one link change nothing on another.
 class Link {
  public:
   Link(const config::LinkSettings& settings, std::uint64_t seed);
-  // When the copies of a datagram that leaves now arrive: none when it is lost, two when it is duplicated.
+  // Delays of the copies of a datagram that leaves now: none where it is lost, two where it is duplicated.
   [[nodiscard]] std::vector<Duration> delays();
   void change(const config::LinkChange& change) { config::change_link(settings_, change); }
 
  private:
-  [[nodiscard]] double uniform();  // [0, 1)
+  [[nodiscard]] double uniform();  // in [0, 1)
   [[nodiscard]] bool lost();
   [[nodiscard]] Duration one_delay();
 
@@ -38,8 +38,8 @@ class Link {
 
 struct Delivery {
   VirtualTime at;
-  std::uint64_t number;  // in order of sending: ties go to the older one
-  std::size_t from, to;  // peers' indices
+  std::uint64_t number;  // number of the sending; the older one goes first among equal times
+  std::size_t from, to;  // indices of the peers
   RegionId region;
   std::shared_ptr<const replication::Bytes> datagram;
 
@@ -48,7 +48,8 @@ struct Delivery {
   }
 };
 
-// Multicast between simulated peers: a datagram reaches whoever has joined its region, by the link between the two.
+// Multicast between simulated peers: a datagram reaches each peer that has joined its region, by the link between the
+// two.
 class Network {
  public:
   explicit Network(const config::RunSettings& run);
@@ -56,9 +57,9 @@ class Network {
   void join(std::size_t peer, RegionId region);
   void leave(std::size_t peer, RegionId region);
   void leave_all(std::size_t peer) { joined_[peer].clear(); }
-  // From now on nothing that is sent gets to another side; what is under way arrives. By peer; empty: all hear all.
+  // Datagrams do not cross between sides from now on; those under way arrive. `sides` is by peer; empty: no partition.
   void part(std::vector<std::uint32_t> sides) { sides_ = std::move(sides); }
-  // From now on, for what is sent on the link between two peers.
+  // Changes the link for all datagrams that are sent from now on.
   void change(std::size_t from, std::size_t to, const config::LinkChange& change) {
     links_[from * peers_ + to].change(change);
   }
@@ -71,9 +72,9 @@ class Network {
 
  private:
   std::size_t peers_;
-  std::vector<Link> links_;                    // from * peers + to
-  std::vector<std::vector<RegionId>> joined_;  // by peer, sorted
-  std::vector<std::uint32_t> sides_;           // by peer; empty: no partition
+  std::vector<Link> links_;                    // index: from * peers + to
+  std::vector<std::vector<RegionId>> joined_;  // sorted regions of each peer
+  std::vector<std::uint32_t> sides_;           // side of each peer; empty: no partition
   std::priority_queue<Delivery, std::vector<Delivery>, std::greater<>> queue_;
   std::uint64_t sent_ = 0;
 };

@@ -15,11 +15,11 @@ namespace {
 
 // The virtual clock starts here, so that no host's clock offset makes a time negative.
 constexpr VirtualTime kBegin{std::chrono::seconds(10'000'000)};
-// Peers that have not all joined by then never will: the scenario's links lose everything.
+// Peers that have not all joined after this time never will: the scenario's links lose everything.
 constexpr Duration kJoinWithin = std::chrono::seconds(600);
 
 struct SimulatedPeer {
-  std::unique_ptr<PeerNode> node;  // null: it is not there
+  std::unique_ptr<PeerNode> node;  // null: the peer is not there
   Duration clock_offset;
   VirtualTime came_at;
   std::uint64_t incarnations = 0;
@@ -35,7 +35,7 @@ struct SimulatedPeer {
 
 constexpr double kFallback_s = 1.0;
 
-// Of any link at any time of the run.
+// The longest delay of any link at any time of the run.
 double longest_delay_s(const config::RunSettings& run) {
   std::vector<config::LinkSettings> links{run.network};
   for (const auto& [ends, link] : run.links) links.push_back(link);
@@ -52,9 +52,9 @@ double longest_delay_s(const config::RunSettings& run) {
 }
 
 std::optional<InputError> why_not_simulated(const config::RunSettings& run,
-                                                    const std::vector<config::PeerObjects>& objects) {
+                                            const std::vector<config::PeerObjects>& objects) {
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
-    if (objects[i].outside.empty()) continue;  // what it sends would depend on how fast this computer simulates
+    if (objects[i].outside.empty()) continue;  // the program's poses would depend on how fast this computer simulates
     return InputError{
         "error: peer." + run.peers[i].name + " leaves \"" + objects[i].outside.begin()->first +
         "\" to a program outside, which runs in real time, and a simulation does not; use peerd run or peerd "
@@ -63,7 +63,7 @@ std::optional<InputError> why_not_simulated(const config::RunSettings& run,
   return std::nullopt;
 }
 
-// Where a simulated peer's datagrams come from, in its captures: 10.ID or fd00::ID.
+// The address that a simulated peer's datagrams have in captures: 10.ID or fd00::ID.
 boost::asio::ip::udp::endpoint address_of(const config::PeerSettings& peer, const net::GroupPlan& groups) {
   namespace ip = boost::asio::ip;
   if (groups.base.is_v4()) return {ip::address_v4(10u << 24 | (peer.id & 0xFF'FFFF)), groups.port};
@@ -72,7 +72,7 @@ boost::asio::ip::udp::endpoint address_of(const config::PeerSettings& peer, cons
   return {ip::address_v6(bytes), groups.port};
 }
 
-// A run as it goes on.
+// The state of a run in progress.
 class Simulation {
  public:
   Simulation(const config::RunSettings& run, const SharedWorld& shared, const Observer& observer,
@@ -114,7 +114,7 @@ class Simulation {
       for (const SimulatedPeer& p : peers_) watched.push_back({p.node.get(), p.clock_offset});
       oracle_.emplace(run_, shared_.world.scene, std::move(watched));
     }
-    if (!config::peers_change(run_.events)) {  // whose clocks it watches
+    if (!config::peers_change(run_.events)) {  // the clock oracle watches a fixed set of peers
       std::vector<ClockOracle::WatchedPeer> clocks;
       for (const SimulatedPeer& p : peers_) clocks.push_back({p.node.get(), p.clock_offset});
       clock_oracle_.emplace(std::move(clocks));
@@ -127,8 +127,8 @@ class Simulation {
       if (clock_oracle_) logs_.back().clock_error = clock_oracle_->error_of(logs_.size() - 1);
       if (p.capture) p.capture->flush();
       if (p.capture && !p.capture->good()) {
-        return std::unexpected(InputError{
-            "error: can't write the captures to " + captures_->folder.string() + "; is the disk full?", 3});
+        return std::unexpected(
+            InputError{"error: can't write the captures to " + captures_->folder.string() + "; is the disk full?", 3});
       }
     }
     std::ranges::stable_sort(logs_, {}, &PeerLog::peer);
@@ -144,7 +144,7 @@ class Simulation {
     for (const config::PeerSettings& p : run_.peers) {
       if (config::starts_with(run_.events, p.name)) options.wait_for.push_back(PeerId{p.id});
     }
-    // Everybody must have heard of the start, and of the objects that already move, before it comes.
+    // All peers must know the start, and the objects that already move, before it comes.
     options.start_lead = from_seconds(1.0 + 2.0 * longest_delay_s_);
     options.clock_offset = peer.clock_offset;
     options.sample_hz = run_.sample_hz;
@@ -237,7 +237,7 @@ class Simulation {
     }
   }
 
-  // Whose tick is next; none: nobody is there.
+  // The peer whose tick is next; none where no peer is there.
   [[nodiscard]] std::optional<std::size_t> next_peer() const {
     std::optional<std::size_t> next;
     for (std::size_t i = 0; i < peers_.size(); ++i) {
@@ -253,15 +253,15 @@ class Simulation {
     }
   }
 
-  // To the end of the run, or to what stands in its way.
+  // Runs to the end, or to an error.
   std::optional<InputError> go_on() {
-    // Late updates end no belief early, and what is held back is decided and heard of: a fallback waits for two
-    // latencies and three hellos.
+    // The run lingers so that late updates still arrive and deferred contacts are decided and applied: a fallback waits
+    // for two latencies and three hellos.
     const Duration linger = from_seconds(run_.duration_s + 3.0 * longest_delay_s_ + kFallback_s);
     for (;;) {
       const std::optional<std::size_t> next = next_peer();
       const std::optional<VirtualTime> event_at = events_.next();
-      if (!next && !event_at) return std::nullopt;  // all have gone
+      if (!next && !event_at) return std::nullopt;  // all peers have gone
       const VirtualTime tick_at = next ? std::max(now_, peers_[*next].deadline()) : VirtualTime::max();
       const VirtualTime first_at = network_.idle() ? tick_at : std::min(tick_at, network_.next_delivery());
       if (event_at && *event_at <= first_at) {
@@ -270,7 +270,9 @@ class Simulation {
         continue;
       }
       while (oracle_ && oracle_->next_sample_time() && *oracle_->next_sample_time() < first_at) oracle_->take_sample();
-      if (!network_.idle() && network_.next_delivery() <= tick_at) {  // datagrams first: a tick begins by draining them
+      if (!network_.idle() &&
+          network_.next_delivery() <=
+              tick_at) {  // datagrams precede a tick of the same time, because a tick begins by draining them
         const Delivery d = network_.take_next();
         now_ = d.at;
         const SimulatedPeer& to = peers_[d.to];
@@ -292,7 +294,7 @@ class Simulation {
       if (!events_.begun()) note_begin();
       if (!node.start() && now_ - peers_[*next].came_at > kJoinWithin) {
         return InputError{"error: peer " + run_.peers[*next].name +
-                                  " never had all the others; does the network lose everything?"};
+                          " never had all the others; does the network lose everything?"};
       }
       if (node.start() && node.peer().clock().to_session(host) > *node.start() + linger) return std::nullopt;
     }
@@ -303,13 +305,13 @@ class Simulation {
   const Observer& observer_;
   const KeyObserver& key_observer_;
   const Captures* captures_;  // null: none
-  net::GroupPlan groups_;     // that the captures name
+  net::GroupPlan groups_;     // named in the captures
   Network network_;
   EventTimes events_;
   double longest_delay_s_;
   VirtualTime now_ = kBegin;
-  std::vector<SimulatedPeer> peers_;  // of the run, in its order
-  std::vector<PeerLog> logs_;         // of lives that are over
+  std::vector<SimulatedPeer> peers_;  // in the run's order
+  std::vector<PeerLog> logs_;         // logs of peers that have left
   std::optional<InterestOracle> oracle_;
   std::optional<ClockOracle> clock_oracle_;
 };
@@ -319,7 +321,7 @@ class Simulation {
 config::RunSettings without_latency(config::RunSettings run) {
   run.network = {};
   run.links.clear();
-  std::erase_if(run.events, [](const config::ScenarioEvent& e) { return e.peer.empty(); });  // those of the network
+  std::erase_if(run.events, [](const config::ScenarioEvent& e) { return e.peer.empty(); });  // events of the network
   run.replication.policy.error_threshold_m = 0.0;
   run.replication.policy.order = replication::ModelOrder::kSecond;
   run.replication.policy.predict_collisions = true;
@@ -328,9 +330,8 @@ config::RunSettings without_latency(config::RunSettings run) {
 }
 
 Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
-                                              const Observer& observer, const KeyObserver& key_observer,
-                                              std::optional<report::InterestRecord>* interest,
-                                              const Captures* captures) {
+                                      const Observer& observer, const KeyObserver& key_observer,
+                                      std::optional<report::InterestRecord>* interest, const Captures* captures) {
   return Simulation(run, shared, observer, key_observer, captures).all(interest);
 }
 

@@ -3,36 +3,35 @@
 #include <functional>
 #include <vector>
 
-#include "peerd/node/peer_node.hpp"
 #include "peerd/measure/run_record.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd::sim {
 
-// Called with every output of every peer but its datagrams: for a log.
+// Called with every output of every peer except its datagrams, for a log.
 using Observer = std::function<void(HostTime true_now, const PeerNode&, const replication::Output&)>;
 
-// Called with what became of every key that a peer's settings press.
+// Called with the effect of every key that a peer's settings press.
 using KeyObserver = std::function<void(HostTime true_now, const PeerNode&, const KeyReport&)>;
 
-// Where each peer's capture goes (record/capture.hpp), and the scenario that the run is one of.
+// The folder of the peers' captures (record/capture.hpp), and the scenario of the run.
 struct Captures {
-  std::filesystem::path folder;  // that is there; NAME.pcapng
+  std::filesystem::path folder;  // exists already; files are NAME.pcapng
   const config::Scenario& scenario;
-  std::filesystem::path file;  // the scenario's
+  std::filesystem::path file;  // the scenario's file
 };
 
-// One run of a scenario on a simulated network, as fast as it goes: the peers are the daemon's own, only clock and
-// network are not. The same settings give the same logs, byte for byte: one for each life of each peer, which has
-// several where it leaves and comes back. `interest`, if given and a peer has an area of interest: what was found about
-// those. `captures`: what they are recorded as; null: nothing is recorded.
+// Runs a scenario on a simulated network, as fast as it goes. The peers are the daemon's own; only clock and network
+// are not. The same settings give the same logs, byte for byte: one log for each life of each peer, which has several
+// lives where it leaves and comes back. `interest`, if not null, gets the findings about areas of interest where a peer
+// has one. `captures`, if not null, says where the peers are recorded.
 [[nodiscard]] Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
-                                                            const Observer& observer = {},
-                                                            const KeyObserver& key_observer = {},
-                                                            std::optional<report::InterestRecord>* interest = nullptr,
-                                                            const Captures* captures = nullptr);
+                                                    const Observer& observer = {}, const KeyObserver& key_observer = {},
+                                                    std::optional<report::InterestRecord>* interest = nullptr,
+                                                    const Captures* captures = nullptr);
 
-// The same run where everybody knows everything at once: no latency, no loss, an update each tick, the lower id
-// decides. Peers come and go as they do.
+// The same run with perfect knowledge: no latency, no loss, an update each tick, and the lower id decides. Peers join
+// and leave as before.
 [[nodiscard]] config::RunSettings without_latency(config::RunSettings run);
 
 }  // namespace peerd::sim

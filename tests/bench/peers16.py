@@ -40,7 +40,7 @@ def write_scenario(folder, objects, duration_s):
     world = ["#VRML V2.0 utf8"]
     scenario = ['world = "w.wrl"', f"duration_s = {duration_s}"]
     for peer in range(PEERS):
-        scenario += [f"[peer.{name(peer)}]", f"id = {peer + 1}", f'enslaves = ["{name(peer)}_*"]']
+        scenario += [f"[peer.{name(peer)}]", f"id = {peer + 1}", f'owns = ["{name(peer)}_*"]']
         for i in range(objects):
             x = (side_m - 2) * (2 * ((peer * objects + i) * 0.618034 % 1) - 1)
             z = (side_m - 2) * (2 * (peer * objects + i) / (PEERS * objects) - 1)

@@ -149,7 +149,7 @@ class Bench {
         {"without surface error", {"replication.surface_error=false", "replication.angle_threshold_deg=3"}},
         {"without prediction of collisions", {"replication.approach=dr"}},
         {"proximity by spheres", {"replication.proximity=spheres"}},
-        {"nothing goes along", {"replication.along_at=1"}}};
+        {"nothing goes along", {"replication.piggyback_fraction=1"}}};
     std::vector<Curve> curves;
     for (const Without& kind : kinds) {
       curves.push_back(sweep(scenario, kind.name, "best", latency_ms, by_wanted_error(kind.sets)));

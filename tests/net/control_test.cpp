@@ -29,7 +29,7 @@ class Control : public testing::Test {
                 name,
                 "--id",
                 std::to_string(id),
-                "--enslave",
+                "--own",
                 owns,
                 "--interface",
                 "lo",

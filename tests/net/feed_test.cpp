@@ -28,7 +28,7 @@ constexpr const char* kScenario = R"(world = "w.wrl"
 error_threshold_m = 0.05
 [peer.a]
 id = 1
-enslaves = ["CAR"]
+owns = ["CAR"]
 clock_offset_s = 3
 [peer.a.motion.CAR]
 outside = true

@@ -10,9 +10,9 @@
 #include <regex>
 #include <system_error>
 
-#include "peerd/scenario/assemble.hpp"
-#include "peerd/os/interfaces.hpp"
 #include "peerd/measure/summary.hpp"
+#include "peerd/os/interfaces.hpp"
+#include "peerd/scenario/assemble.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
@@ -43,7 +43,7 @@ error_threshold_m = 0.05
 
 [peer.a]
 id = 1
-enslaves = ["CAR"]
+owns = ["CAR"]
 [peer.a.motion.CAR]
 x = "2*abs(t - 1)"
 z = "-3*t"
@@ -53,7 +53,7 @@ id = 2
 
 [peer.c]
 id = 3
-enslaves = ["CUBE"]
+owns = ["CUBE"]
 )toml";
 
 // Each test uses a port of its own: slots 0 to 9 of this process.
@@ -137,7 +137,7 @@ TEST_F(PeerProcess, ThreeShareAWorldAndLeaveWhenItIsOver) {
 
 TEST_F(PeerProcess, ClocksThatDifferByThreeSecondsAgree) {
   folder.write("s.toml", std::string(kScenario).substr(0, std::string(kScenario).find("[peer.b]")) +
-                             "[peer.c]\nid = 3\nenslaves = [\"CUBE\"]\n");
+                             "[peer.c]\nid = 3\nowns = [\"CUBE\"]\n");
   const Words sets{"peer.a.clock_offset_s=-1", "peer.c.clock_offset_s=2", "duration_s=2"};
   const auto more = [&](const std::string& name) {
     Words words{"--once", "--record", record_of(name)};
@@ -189,7 +189,7 @@ TEST_F(PeerProcess, AKilledPeerIsLostAndATerminatedOneLeavesAtOnce) {
 TEST_F(PeerProcess, NamesThatAreNotUtf8DoNotEndAPeerThatLogsJson) {
   folder.write("w.wrl",
                "#VRML V2.0 utf8\nDEF CAF\xC9 Transform { velocityVector 0 0 1 children Shape { geometry Box { } } }\n");
-  folder.write("s.toml", "world = \"w.wrl\"\nduration_s = 1\n[peer.a]\nid = 1\nenslaves = [\"CAF*\"]\n");
+  folder.write("s.toml", "world = \"w.wrl\"\nduration_s = 1\n[peer.a]\nid = 1\nowns = [\"CAF*\"]\n");
   Process a = start_peer("a", 6, {"--json", "--verbose", "--once"});
   EXPECT_EQ(a.exit_code(10), 0) << a.out() << a.err();
   EXPECT_THAT(a.out(), HasSubstr("update of CAF\xEF\xBF\xBD"));
@@ -238,11 +238,11 @@ TEST_F(PeerProcess, GarbageIsCountedAndDropped) {
 
 TEST_F(PeerProcess, AScenarioOfRealProcessesWritesItsReport) {
   Process all = start("scenario", {"scenario", (folder / "s.toml").string(), "--set", "duration_s=1", "--set",
-                                   "peer.c.enslaves=[\"CUBE\", \"WALL\"]", "--out", (folder / "out").string()});
+                                   "peer.c.owns=[\"CUBE\", \"WALL\"]", "--out", (folder / "out").string()});
   ASSERT_EQ(all.exit_code(20), 0) << all.out() << all.err();
   const auto summary = nlohmann::json::parse(testing_support::text_of(folder / "out/summary.json"));
   EXPECT_EQ(summary["mode"], "real");
-  EXPECT_EQ(summary["runs"][0]["params"]["peer.c.enslaves"], nlohmann::json({"CUBE", "WALL"}));
+  EXPECT_EQ(summary["runs"][0]["params"]["peer.c.owns"], nlohmann::json({"CUBE", "WALL"}));
   EXPECT_EQ(summary["runs"][0]["objects"].size(), 3u * 2);
   for (const char* file : {"errors.csv", "traffic.csv", "collisions.csv", "overview.svg", "run-001.svg"}) {
     EXPECT_TRUE(std::filesystem::exists(folder / "out" / file)) << file;
@@ -316,7 +316,21 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"MalformedWorldOfAPeer", {"run", "--world", "@/bad.wrl"}, 1, "bad.wrl:2:", false},
         Bad{"CheckOfAMalformedWorld", {"check", "@/bad.wrl"}, 1, "bad.wrl:2:", false},
         Bad{"CheckOfNothing", {"check", "@/none.wrl"}, 2, "none.wrl"},
-        Bad{"UnknownObject", {"run", "--world", "@/w.wrl", "--enslave", "CARR"}, 2, "did you mean \"CAR\"?"},
+        Bad{"UnknownObject", {"run", "--world", "@/w.wrl", "--own", "CARR"}, 2, "did you mean \"CAR\"?"},
+        Bad{"UnknownObjectByTheOptionsOldName",
+            {"run", "--world", "@/w.wrl", "--enslave", "CARR"},
+            2,
+            "warning: --enslave is now called --own\nerror: ",
+            false},
+        Bad{"BothNamesOfAnOption",
+            {"run", "--world", "@/w.wrl", "--enslave", "CAR", "--own", "CAR"},
+            2,
+            "--own excludes --enslave",
+            false},
+        Bad{"BothNamesOfAKey",
+            {"sim", "@/s.toml", "--set", "peer.a={id = 1, enslaves = [], owns = []}"},
+            2,
+            "peer.a.enslaves and peer.a.owns are two names of one key"},
         Bad{"UnknownPeer",
             {"run", "--config", "@/s.toml", "--peer", "d"},
             2,

@@ -24,7 +24,7 @@ constexpr const char* kScenario = R"toml(world = "keys.wrl"
 error_threshold_m = 0.05
 [peer.a]
 id = 1
-enslaves = ["RED", "BLUE"]
+owns = ["RED", "BLUE"]
 clock_offset_s = 2
 [peer.a.motion.BLUE]
 outside = true

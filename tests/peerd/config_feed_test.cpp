@@ -16,7 +16,7 @@ class ConfigFeed : public testing::Test {
   Result<Scenario> read(const std::string& text) {
     folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { children Shape { geometry Box { } } }\n");
     return read_scenario(
-        {.file = folder.write("my.toml", "world = \"w.wrl\"\n[peer.a]\nid = 1\nenslaves = [\"CAR\"]\n" + text),
+        {.file = folder.write("my.toml", "world = \"w.wrl\"\n[peer.a]\nid = 1\nowns = [\"CAR\"]\n" + text),
          .configs = {},
          .sets = {},
          .seed = {}});

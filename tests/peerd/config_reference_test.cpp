@@ -1,4 +1,4 @@
-// peerd/config/README.md is the scenario language's reference: it and the parser know the same keys.
+// docs/reference/configuration.md is the reference of the scenario language: it and the parser know the same keys.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,8 @@ namespace peerd::config::config_reference_test {
 
 using testing::HasSubstr;
 
-const std::filesystem::path kConfig = PEERD_SOURCE_DIR "/peerd/config";
+const std::filesystem::path kReference = PEERD_SOURCE_DIR "/docs/reference/configuration.md";
+const std::filesystem::path kParsers[] = {PEERD_SOURCE_DIR "/peerd/config", PEERD_SOURCE_DIR "/peerd/motion"};
 
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream in(path);
@@ -88,7 +89,7 @@ class Reference : public testing::Test {
 latency_ms = 5
 [peer.a]
 id = 1
-enslaves = ["CAR"]
+owns = ["CAR"]
 [peer.b]
 id = 2
 [peer.c]
@@ -105,7 +106,7 @@ id = 3
 
 // Each example, set by its dotted name, is taken; a list among them is one value.
 TEST_F(Reference, EveryExampleIsOne) {
-  std::istringstream lines(text_of(kConfig / "README.md"));
+  std::istringstream lines(text_of(kReference));
   const Section* section = nullptr;
   std::size_t rows = 0;
   std::set<std::string> seen;
@@ -147,15 +148,17 @@ TEST_F(Reference, EveryExampleIsOne) {
 
 // Each key that the parser asks for is described. It asks by literals, so its text says which.
 TEST_F(Reference, EveryKeyIsDescribed) {
-  const std::string reference = text_of(kConfig / "README.md");
+  const std::string reference = text_of(kReference);
   const std::regex asked(
       "(?:read|read_word|rows|word_rows|tables?|has|require|peer|table_or_empty)\\((?:reader, |root, )?\"([a-z_]+)\"");
   std::set<std::string> keys;
   for (const LinkKey& key : kLinkKeys) keys.emplace(key.name);
-  for (const auto& file : std::filesystem::directory_iterator(kConfig)) {
-    if (file.path().extension() != ".cpp") continue;
-    const std::string text = text_of(file);
-    for (std::sregex_iterator at(text.begin(), text.end(), asked), end; at != end; ++at) keys.insert((*at)[1]);
+  for (const auto& folder_of_parsers : kParsers) {
+    for (const auto& file : std::filesystem::directory_iterator(folder_of_parsers)) {
+      if (file.path().extension() != ".cpp") continue;
+      const std::string text = text_of(file);
+      for (std::sregex_iterator at(text.begin(), text.end(), asked), end; at != end; ++at) keys.insert((*at)[1]);
+    }
   }
   EXPECT_GT(keys.size(), 130u);
   for (const std::string& key : keys) {
@@ -163,7 +166,7 @@ TEST_F(Reference, EveryKeyIsDescribed) {
                            reference.find("#### `" + key + "`") != std::string::npos ||
                            std::regex_search(reference, std::regex("`\\[+([A-Za-z]+\\.)*" + key + "(\\.|\\])")) ||
                            std::regex_search(reference, std::regex("\n\\| [^|]*`" + key + "`[^|]*\\|"));
-    EXPECT_TRUE(described) << key << " is not in peerd/config/README.md";
+    EXPECT_TRUE(described) << key << " is not in docs/reference/configuration.md";
   }
 }
 

@@ -144,7 +144,7 @@ TEST(Keys, OfACarThatAFormulaMovesAreRefused) {
 
 TEST(Keys, OfACarThatNobodyRunsAreRefused) {
   const std::vector<std::string> lines =
-      key_lines({"peer.a.enslaves=[]", R"(peer.a.key=[{at_s = 1, key = "ArrowUp"}])", "peer.b.key=[]"});
+      key_lines({"peer.a.owns=[]", R"(peer.a.key=[{at_s = 1, key = "ArrowUp"}])", "peer.b.key=[]"});
   EXPECT_THAT(lines, ElementsAre("a: ArrowUp: FASTER does not move RED: no peer runs it"));
 }
 

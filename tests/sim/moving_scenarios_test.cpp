@@ -35,7 +35,8 @@ TEST_P(Traffic, OneOutcomeEverywhere) {
 // An owner's own contacts, which the others only predict, too: where updates go when they are due. Told earlier, a box
 // that grazes a car's edge is predicted on its other side once.
 TEST_P(Traffic, OwnersContactsArePredictedAsTheyAre) {
-  const Ran ran = run_short("traffic", {std::string("decisions.policy=") + GetParam(), "replication.along_at=1"});
+  const Ran ran =
+      run_short("traffic", {std::string("decisions.policy=") + GetParam(), "replication.piggyback_fraction=1"});
   const auto& collisions = ran.summary["collisions"];
   EXPECT_GE(collisions["decided"], 5);
   EXPECT_EQ(collisions["agreed"], 2 * collisions["decided"].get<int>());

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <sstream>
 
-#include "peerd/commands/commands.hpp"
+#include "peerd/commands/replay_command.hpp"
 #include "peerd/record/pcapng.hpp"
 #include "peerd/record/udp_packet.hpp"
 #include "tests/peerd/scratch_folder.hpp"
@@ -116,7 +116,7 @@ error_threshold_m = 0.05
 latency_ms = 20
 [peer.a]
 id = 1
-enslaves = ["CAR"]
+owns = ["CAR"]
 [peer.a.motion.CAR]
 x = "2*sin(3*t)"
 [peer.b]
@@ -189,6 +189,26 @@ TEST_F(ReplayOfOne, InputThatIsMissingMakesAnotherPeer) {
     return p.link != record::LinkType::kRawIp || p.direction != record::Direction::kIn || ++heard != 2;
   }));
   EXPECT_EQ(again.code, 1);
+}
+
+// Captures of earlier versions have the names that keys had then.
+TEST_F(ReplayOfOne, OldNamesOfKeysInItsHeadAreUnderstood) {
+  bool renamed = false;
+  const auto file = changed([&](int number, const record::PcapngPacket&, std::vector<std::byte>& bytes) {
+    if (number != 1) return true;
+    std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string now = "owns = ", old = "enslaves = ";
+    const auto at = text.find(now);
+    renamed = at != std::string::npos;
+    if (renamed) text.replace(at, now.size(), old);
+    const auto changed_bytes = std::as_bytes(std::span(text));
+    bytes.assign(changed_bytes.begin(), changed_bytes.end());
+    return true;
+  });
+  ASSERT_TRUE(renamed);
+  const Replayed again = replay(file);
+  EXPECT_EQ(again.code, 0) << again.error << again.json.dump();
+  EXPECT_GT(again.json["datagrams_out"], 0);
 }
 
 TEST_F(ReplayOfOne, WhereTheRecordIsCutOffWhatIsThereIsTheSame) {

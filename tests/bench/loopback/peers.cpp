@@ -9,12 +9,12 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "tests/bench/temporary_folder.hpp"
+#include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/daemon/daemon.hpp"
 #include "peerd/transport/open_transport.hpp"
-#include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/transport/transport_options.hpp"
 #include "ping_pong.hpp"
+#include "tests/bench/temporary_folder.hpp"
 
 namespace peerd::bench {
 namespace {
@@ -46,7 +46,7 @@ class Session {
         world += std::string("DEF s") + side + std::to_string(i) + " Transform { }\n";
       }
       if (others_ > 0) owns += std::string(", \"s") + side + "*\"";
-      scenario += peer + "]\nid = " + (side == 'a' ? "1" : "2") + "\nenslaves = [" + owns + "]\n" + motions;
+      scenario += peer + "]\nid = " + (side == 'a' ? "1" : "2") + "\nowns = [" + owns + "]\n" + motions;
     }
     std::ofstream(folder_ / "w.wrl") << world;
     std::ofstream(folder_ / "s.toml") << scenario;

@@ -36,7 +36,7 @@ Outcome collide(const std::filesystem::path& world, double at_s = 0.0, bool json
 }
 Outcome bake(const std::filesystem::path& world) {
   std::ostringstream out, err;
-  const int exit_code = run_bake(world.string(), true, out, err);
+  const int exit_code = run_bake(world.string(), {.json = true}, out, err);
   return {exit_code, out.str(), err.str()};
 }
 std::filesystem::path write(const ScratchFolder& folder, std::string_view body) {

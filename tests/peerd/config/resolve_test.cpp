@@ -54,10 +54,10 @@ std::vector<ObjectId> moved(const PeerObjects& peer) {
 }
 double x_at(const PeerObjects& peer, ObjectId object, double t) { return peer.motions.at(object).pose(t).position.x(); }
 
-const std::string kTwo = "[peer.a]\nid = 1\nenslaves = [\"CAR_*\"]\n[peer.b]\nid = 2\nenslaves = [\"VAN\"]\n";
+const std::string kTwo = "[peer.a]\nid = 1\nowns = [\"CAR_*\"]\n[peer.b]\nid = 2\nowns = [\"VAN\"]\n";
 
 TEST_F(ResolveTest, PatternsBecomeObjectsOnceEach) {
-  const auto p = peers("[peer.b]\nid = 2\nenslaves = [\"CAR_C\", \"CAR_?\"]\n[peer.a]\nid = 1\nenslaves = [\"V*\"]\n");
+  const auto p = peers("[peer.b]\nid = 2\nowns = [\"CAR_C\", \"CAR_?\"]\n[peer.a]\nid = 1\nowns = [\"V*\"]\n");
   ASSERT_EQ(p.size(), 2u);
   EXPECT_THAT(p[0].owned, ElementsAre(kVan)) << "in the order of run.peers, by id";
   EXPECT_THAT(p[1].owned, ElementsAre(kCarC, kCarB, kCarA)) << "in the order of the settings, then of the world";
@@ -66,7 +66,7 @@ TEST_F(ResolveTest, PatternsBecomeObjectsOnceEach) {
 
 TEST_F(ResolveTest, WhoRunsAnObjectDrivesItAndCountsThemAll) {
   const auto p = peers(
-      "[peer.a]\nid = 1\nenslaves = [\"CAR_A\"]\n[peer.b]\nid = 2\nenslaves = [\"CAR_C\", \"VAN\"]\n"
+      "[peer.a]\nid = 1\nowns = [\"CAR_A\"]\n[peer.b]\nid = 2\nowns = [\"CAR_C\", \"VAN\"]\n"
       "[motion.\"CAR_*\"]\nx = \"100*n + t\"\n");
   EXPECT_THAT(moved(p[0]), ElementsAre(kCarA));
   EXPECT_THAT(moved(p[1]), ElementsAre(kCarC));
@@ -83,7 +83,7 @@ TEST_F(ResolveTest, APeersOwnMotionComesFirst) {
 
 TEST_F(ResolveTest, APeersPatternMovesWhatThatPeerRuns) {
   const auto p = peers(
-      "[peer.a]\nid = 1\nenslaves = [\"CAR_A\"]\n[peer.b]\nid = 2\nenslaves = [\"CAR_C\"]\n"
+      "[peer.a]\nid = 1\nowns = [\"CAR_A\"]\n[peer.b]\nid = 2\nowns = [\"CAR_C\"]\n"
       "[peer.a.motion.\"CAR_*\"]\nx = \"n\"\n");
   EXPECT_THAT(moved(p[0]), ElementsAre(kCarA));
   EXPECT_THAT(moved(p[1]), IsEmpty());
@@ -127,8 +127,7 @@ TEST_F(ResolveTest, RandomMotionsFollowTheScenariosSeedOrTheirOwn) {
 TEST_F(ResolveTest, AFlockIsOneWhoeverRunsItsBirds) {
   const std::string flock = "[motion.\"CAR_*\".flock]\nwithin_m = [0, 0, 0, 90, 90, 90]\n";
   const auto one = peers(kTwo + flock);
-  const auto two =
-      peers("[peer.a]\nid = 1\nenslaves = [\"CAR_A\"]\n[peer.b]\nid = 2\nenslaves = [\"CAR_C\"]\n" + flock);
+  const auto two = peers("[peer.a]\nid = 1\nowns = [\"CAR_A\"]\n[peer.b]\nid = 2\nowns = [\"CAR_C\"]\n" + flock);
   for (const double t : {0.0, 3.3, 9.9}) {
     EXPECT_EQ(x_at(one[0], kCarA, t), x_at(two[0], kCarA, t));
     EXPECT_EQ(x_at(one[0], kCarC, t), x_at(two[1], kCarC, t));
@@ -144,17 +143,17 @@ TEST_F(ResolveTest, ATrackLiesBesideTheScenario) {
 
 TEST_F(ResolveTest, ErrorsHaveTheirPlaces) {
   const std::string file = (folder / "s.toml").string();
-  EXPECT_THAT(error("[peer.a]\nid = 1\nenslaves = [\"CAR_A\",\n\"BUS_*\"]"),
-              testing::StartsWith(file + ":6:1: error: peer.a.enslaves: no object of the world is called like"));
+  EXPECT_THAT(error("[peer.a]\nid = 1\nowns = [\"CAR_A\",\n\"BUS_*\"]"),
+              testing::StartsWith(file + ":6:1: error: peer.a.owns: no object of the world is called like"));
   EXPECT_THAT(error(kTwo + "[motion.\"BUS_*\"]\n"), HasSubstr(file + ":9:1: error: motion.BUS_*: no object"));
-  EXPECT_THAT(error(kTwo + "[peer.c]\nid = 3\nenslaves = [\"*_A\"]"),
-              HasSubstr(file + ":11:13: error: peer.c.enslaves: peer a enslaves \"CAR_A\" too"));
+  EXPECT_THAT(error(kTwo + "[peer.c]\nid = 3\nowns = [\"*_A\"]"),
+              HasSubstr(file + ":11:9: error: peer.c.owns: peer a owns \"CAR_A\" too"));
   EXPECT_THAT(error(kTwo + "[motion.\"CAR_*\"]\n[motion.\"*_A\"]\n"),
               HasSubstr("\"CAR_A\" is moved by motion.*_A too"));
   EXPECT_THAT(error(kTwo + "[peer.a.motion.\"CAR_*\"]\n[peer.a.motion.CAR_A]\n"), HasSubstr("moved by"));
   EXPECT_THAT(error(kTwo + "[peer.a.motion.VAN]\n"),
-              HasSubstr(file + ":9:1: error: peer.a.motion.VAN: the peer moves only what it enslaves; add \"VAN\" to "
-                               "peer.a.enslaves"));
+              HasSubstr(file + ":9:1: error: peer.a.motion.VAN: the peer moves only what it owns; add \"VAN\" to "
+                               "peer.a.owns"));
   EXPECT_THAT(error(kTwo + "[motion.\"CAR_*\"]\nx = \"sin(\"\n"),
               HasSubstr(file + ":9:1: error: motion.CAR_*: formula \"sin(\""));
   EXPECT_THAT(error(kTwo + "[motion.\"CAR_*\"]\nwalk = {within_m = [50, 50, 60, 60]}\n"),

@@ -29,12 +29,12 @@ loss = 0.25
 id = 3
 [peer.a]
 id = 1
-enslaves = ["CAR"]
+owns = ["CAR"]
 [peer.a.motion.CAR]
 x = "t"
 [peer.b]
 id = 2
-enslaves = ["CUBE"]
+owns = ["CUBE"]
 )";
 
 class ScenarioTest : public testing::Test {
@@ -76,7 +76,7 @@ TEST_F(ScenarioTest, PhysicsStandsInPlaceOfFormulas) {
   const std::string text = R"(world = "some.wrl"
 [peer.a]
 id = 1
-enslaves = ["BALL", "BOX"]
+owns = ["BALL", "BOX"]
 [peer.a.motion.BALL]
 physics = { velocity = [1, 2, 3], acceleration = [0, -9.81, 0], at_s = 1.5 }
 [peer.a.motion.BOX]
@@ -117,7 +117,7 @@ TEST_F(ScenarioTest, ReadsWhatTheFileSays) {
   EXPECT_EQ(run.peers[2].name, "zoe");
   ASSERT_EQ(run.peers[0].owns.size(), 1u);
   EXPECT_EQ(run.peers[0].owns[0].text, "CAR");
-  EXPECT_THAT(run.peers[0].owns[0].at, testing::EndsWith("my.toml:18:13: "));
+  EXPECT_THAT(run.peers[0].owns[0].at, testing::EndsWith("my.toml:18:9: "));
   EXPECT_EQ(std::get<MotionFormula>(run.peers[0].motion.at("CAR").kind).x, "t");
 }
 
@@ -248,7 +248,7 @@ TEST_F(ScenarioTest, ASetListSweeps) {
 }
 
 TEST_F(ScenarioTest, AListOfNodesIsOneValue) {
-  const Scenario s = read(kTwoPeers, {"peer.zoe.enslaves=[\"X\", \"Y\"]"});
+  const Scenario s = read(kTwoPeers, {"peer.zoe.owns=[\"X\", \"Y\"]"});
   ASSERT_EQ(s.runs.size(), 1u);
   EXPECT_THAT(s.runs.front().peers[2].owns,
               ElementsAre(testing::Field(&NodePattern::text, "X"), testing::Field(&NodePattern::text, "Y")));
@@ -256,8 +256,8 @@ TEST_F(ScenarioTest, AListOfNodesIsOneValue) {
 
 // The parameters name what ran; `peerd scenario` hands them on to its processes word for word.
 TEST_F(ScenarioTest, AListAmongTheParametersStaysAList) {
-  EXPECT_THAT(params(read(kTwoPeers, {"peer.zoe.enslaves=[\"X\", \"Y\"]"})),
-              ElementsAre(R"({"network.latency_ms":5,"peer.zoe.enslaves":["X","Y"],"replication.order":1})"));
+  EXPECT_THAT(params(read(kTwoPeers, {"peer.zoe.owns=[\"X\", \"Y\"]"})),
+              ElementsAre(R"({"network.latency_ms":5,"peer.zoe.owns":["X","Y"],"replication.order":1})"));
   const RunSettings run = read(kTwoPeers, {"peer.a.motion.CAR.axis=[0, 0, 1]"}).runs.front();
   EXPECT_THAT(std::get<MotionFormula>(run.peers[0].motion.at("CAR").kind).axis, ElementsAre(0, 0, 1));
 }
@@ -342,8 +342,8 @@ INSTANTIATE_TEST_SUITE_P(
             "5:1: ", "unknown key replication.ordr; did you mean replication.order?"},
         Bad{"UnknownLinkKey", "loss", "lost",
             "12:1: ", "unknown key network.link.a.b.lost; did you mean network.link.a.b.loss?"},
-        Bad{"UnknownPeerKey", "id = 2\nenslaves", "id = 2\nenslave",
-            "23:1: ", "unknown key peer.b.enslave; did you mean peer.b.enslaves?"},
+        Bad{"UnknownPeerKey", "id = 2\nowns", "id = 2\nown",
+            "23:1: ", "unknown key peer.b.own; did you mean peer.b.owns?"},
         Bad{"NameWithABlank", "peer.zoe", "peer.\"z o\"", "14:1: ", "the peer's name \"z o\""},
         Bad{"NameWithASlash", "peer.zoe", "peer.\"z/o\"", "14:1: ", "no blank and no slash"},
         Bad{"UnknownMotionKey", "x = \"t\"", "xx = \"t\"", "20:1: ", "unknown key peer.a.motion.CAR.xx"},
@@ -506,9 +506,9 @@ TEST(LoadWorld, TellsWorldsApartByTheirBytesAndFindsObjects) {
   EXPECT_EQ(load_world(folder.write("same.wrl", text))->hash, one->hash);
   EXPECT_NE(load_world(folder.write("other.wrl", std::string(text) + "\n"))->hash, one->hash);
   EXPECT_EQ(*find_object(one->scene, "CUBE", "x"), ObjectId{1});
-  const auto wrong = find_object(one->scene, "CUBA", "peer.a.enslaves");
+  const auto wrong = find_object(one->scene, "CUBA", "peer.a.owns");
   ASSERT_FALSE(wrong);
-  EXPECT_EQ(wrong.error().text, "error: peer.a.enslaves: the world has no object \"CUBA\"; did you mean \"CUBE\"?");
+  EXPECT_EQ(wrong.error().text, "error: peer.a.owns: the world has no object \"CUBA\"; did you mean \"CUBE\"?");
 }
 
 TEST(LoadWorld, AMalformedWorldIsAFindingAboutTheInput) {

@@ -1,0 +1,17 @@
+#pragma once
+#include <string>
+
+namespace peerd {
+
+struct CtlOptions {
+  std::string socket;   // path of the peer's socket; empty: found by its name
+  std::string name;     // the peer's name; empty: the only peer of this user
+  std::string request;  // a line of the control protocol
+  bool json = false;    // print the reply as it came
+};
+
+// `peerd ctl`: sends a request to a peer on this computer and prints its reply. Returns 1 when a key did not do all
+// that it should, or a pose is not used.
+[[nodiscard]] int run_ctl(const CtlOptions& options);
+
+}  // namespace peerd

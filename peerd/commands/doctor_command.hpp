@@ -1,0 +1,20 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace peerd {
+
+struct DoctorOptions {
+  std::filesystem::path config;   // file whose table [transport] is used; empty: the defaults
+  std::vector<std::string> sets;  // KEY=VALUE over it
+  bool json = false;
+};
+
+// `peerd doctor`: tries whether a peer could reach others from here, and how. Returns 3 when it could not. As JSON:
+// interface {name, why} (null: none), multicast {tried, works, took_us, kernel_stamps | problem},
+// memberships_of_a_socket (null: not limited by number), receive_buffer_bytes {asked, granted}, unicast_needed,
+// unicast_peers, transport ("multicast", "unicast", null), problem.
+[[nodiscard]] int run_doctor(const DoctorOptions& options);
+
+}  // namespace peerd

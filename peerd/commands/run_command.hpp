@@ -1,0 +1,25 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace peerd {
+
+struct PeerOptions {
+  std::filesystem::path config;                 // a scenario file; one of its peers is run
+  std::vector<std::filesystem::path> overlays;  // merged over it, in order
+  std::vector<std::string> sets;
+  std::string peer;                    // one of the configuration's peers; empty: the only one
+  std::filesystem::path record;        // file for the peer's log; empty: none
+  std::filesystem::path capture;       // file for the peer's capture (record/capture.hpp); empty: none
+  std::optional<std::string> control;  // path of the control socket, of --control; empty: none
+  bool once = false;                   // leave when the scenario's duration is over
+  bool json = false;                   // log lines as JSON
+  bool verbose = false;                // debug lines too
+};
+
+// `peerd run`, and with a capture `peerd record`: runs one peer in the foreground, until SIGTERM or SIGINT.
+[[nodiscard]] int run_peer(const PeerOptions& options);
+
+}  // namespace peerd

@@ -1,0 +1,196 @@
+#include "peerd/scenario/live_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstddef>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include "peerd/input/json_line.hpp"
+#include "peerd/netem/lab.hpp"
+#include "peerd/scenario/child_process.hpp"
+#include "peerd/scenario/live_events.hpp"
+
+namespace peerd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A peer takes two seconds to join and none to leave; one that is not done so long after the scenario's end hangs.
+constexpr std::chrono::seconds kGrace{20};
+
+// JSON values are TOML values, except for tables.
+std::string toml_value(const nlohmann::ordered_json& value) {
+  if (!value.is_structured()) return value.dump();
+  std::string text;
+  for (const auto& [key, item] : value.items()) {
+    text +=
+        (text.empty() ? "" : ", ") + (value.is_object() ? nlohmann::json(key).dump() + " = " : "") + toml_value(item);
+  }
+  return value.is_object() ? "{" + text + "}" : "[" + text + "]";
+}
+
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+constexpr std::chrono::milliseconds kWait{20};
+
+// Waits kWait for a stop signal. The signals are blocked, so that the peers can be ended before this process ends.
+bool asked_to_stop() {
+  const sigset_t signals = stop_signals();
+  const timespec wait{0, std::chrono::nanoseconds(kWait).count()};
+  return sigtimedwait(&signals, nullptr, &wait) > 0;
+}
+
+std::string last_lines(const fs::path& path, std::size_t count) {
+  std::ifstream in(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  std::string text;
+  for (std::size_t i = lines.size() > count ? lines.size() - count : 0; i < lines.size(); ++i)
+    text += "  " + lines[i] + "\n";
+  return text;
+}
+
+std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSettings& run,
+                                      const config::PeerSettings& peer, const fs::path& record) {
+  std::vector<std::string> command{
+      launch.program.string(), "run",    "--config", launch.scenario.string(), "--peer", peer.name, "--record",
+      record.string(),         "--once", "--verbose"};
+  const auto set = [&](const std::string& assignment) { command.insert(command.end(), {"--set", assignment}); };
+  for (const std::string& s : launch.sets) set(s);
+  for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));
+  set("seed=" + std::to_string(run.seed));
+  const std::uint32_t port = run.transport.port.value_or(static_cast<std::uint32_t>(launch.port));
+  if (run.transport.multicast == config::kMulticastNever) {  // each peer needs a port of its own
+    std::string all;
+    for (std::uint32_t i = 0; i < run.peers.size(); ++i) {
+      if (run.peers[i].id == peer.id) set("transport.port=" + std::to_string(port + i));
+      const std::string host = launch.lab ? netem::Lab::address(i) : "127.0.0.1";
+      all += (i == 0 ? "" : ", ") + nlohmann::json(host + ":" + std::to_string(port + i)).dump();
+    }
+    set("transport.peers=[" + all + "]");
+  } else {
+    set("transport.port=" + std::to_string(port));
+  }
+  std::string wanted = launch.interface.empty() ? run.transport.interface : launch.interface;
+  if (wanted.empty()) wanted = "lo";
+  if (launch.lab) wanted = netem::Lab::kInterface;
+  set("transport.interface=" + json_line(wanted));
+  for (const fs::path& overlay : launch.configs) command.insert(command.end(), {"--overlay", overlay.string()});
+  return command;
+}
+
+// The command as it runs in the peer's namespace, where the run has a lab.
+std::vector<std::string> in_place(const LiveRun& launch, std::size_t peer, const std::vector<std::string>& command) {
+  std::vector<std::string> words = launch.lab ? netem::Lab::inside(peer) : std::vector<std::string>{};
+  words.insert(words.end(), command.begin(), command.end());
+  return words;
+}
+
+}  // namespace
+
+void block_stop_signals() {
+  const sigset_t signals = stop_signals();
+  sigprocmask(SIG_BLOCK, &signals, nullptr);
+}
+
+Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSettings& run,
+                                      std::vector<double>& oversleep_ms) {
+  auto events = LiveEvents::make(run.events);
+  if (!events) return std::unexpected(events.error());
+  std::vector<std::unique_ptr<ChildProcess>> captures;  // end after the peers
+  std::vector<std::unique_ptr<ChildProcess>> children;  // in the order of starting
+  const auto stem_of = [&](const std::string& peer) { return (launch.out / (launch.run_name + "." + peer)).string(); };
+  const auto start = [&](const config::PeerSettings& peer) {
+    const std::string record = stem_of(peer.name) + ".rows";
+    fs::remove(record);
+    auto command = peer_command(launch, run, peer, record);
+    if (children.empty() && !events->control().empty()) {
+      command.insert(command.end(), {"--control", events->control().string()});
+    }
+    const auto place = static_cast<std::size_t>(&peer - run.peers.data());
+    children.push_back(
+        std::make_unique<ChildProcess>(peer.name, in_place(launch, place, command), stem_of(peer.name) + ".log"));
+  };
+  for (std::size_t i = 0; i < run.peers.size() && launch.tcpdump; ++i) {
+    const std::string file = stem_of(run.peers[i].name);
+    captures.push_back(std::make_unique<ChildProcess>(
+        run.peers[i].name + "'s tcpdump",
+        in_place(launch, i, {"tcpdump", "-Z", "root", "-U", "-i", netem::Lab::kInterface, "-w", file + ".pcap"}),
+        file + ".tcpdump.log"));
+  }
+  for (const config::PeerSettings& peer : run.peers) {
+    if (config::starts_with(run.events, peer.name)) start(peer);
+  }
+  const auto happen = [&](const config::ScenarioEvent& event) {
+    if (event.kind == config::EventKind::kJoin) {
+      return start(*std::ranges::find(run.peers, event.peer, &config::PeerSettings::name));
+    }
+    const auto child = std::ranges::find(children, event.peer, [](const auto& c) { return c->name(); });
+    (*child)->end(event.kind == config::EventKind::kKill ? SIGKILL : SIGTERM);
+  };
+  const bool show_progress = isatty(STDERR_FILENO) != 0;
+  const auto begun = std::chrono::steady_clock::now();
+  const auto most = std::chrono::duration<double>(run.duration_s) + kGrace;
+  const auto fail = [&](ChildProcess& child, const std::string& what) {
+    return std::unexpected(InputError{fmt::format("error: peer {} {}; its last words ({}):\n{}", child.name(), what,
+                                                  child.output().string(), last_lines(child.output(), 5)),
+                                      child.exit_code() == 0 ? 3 : child.exit_code()});
+  };
+  for (auto shown = begun;;) {
+    bool any = false;
+    for (auto& child : children) {
+      if (child->running()) {
+        any = true;
+      } else if (child->exit_code() != 0 && !child->killed()) {
+        return fail(*child, "ended by itself");
+      }
+    }
+    if (!any) break;
+    while (const config::ScenarioEvent* event = events->take_due()) happen(*event);
+    for (auto& capture : captures) {
+      if (!capture->running()) return fail(*capture, "ended by itself");
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (now - begun > most) {
+      const auto hung = std::ranges::find_if(children, [](const auto& c) { return c->running(); });
+      return fail(**hung, "did not come to an end");
+    }
+    if (now - shown >= std::chrono::seconds(1)) {
+      shown = now;
+      const auto line = fmt::format("{}: {:2.0f} s, {} peers live", launch.run_name,
+                                    std::chrono::duration<double>(now - begun).count(), children.size());
+      std::cerr << (show_progress ? "\r" + line : line + "\n") << std::flush;
+    }
+    const auto sleep_began = std::chrono::steady_clock::now();
+    if (asked_to_stop()) {
+      return std::unexpected(InputError{"error: stopped by a signal; the peers were stopped too", 3});
+    }
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - sleep_began;
+    oversleep_ms.push_back((took - kWait).count());
+  }
+  if (show_progress) std::cerr << "\r\033[K";
+  std::vector<PeerLog> logs;
+  for (const auto& child : children) {
+    if (child->killed()) continue;  // a killed peer has written no record
+    auto log = load_peer_log(stem_of(child->name()) + ".rows");
+    if (!log) return std::unexpected(log.error());
+    logs.push_back(std::move(*log));
+  }
+  return logs;
+}
+
+}  // namespace peerd
