@@ -11,6 +11,7 @@
 #include <boost/asio/post.hpp>
 
 #include "peerd/control/answer.hpp"
+#include "peerd/feed/pose_message.hpp"
 #include "peerd/os/os_clock.hpp"
 #include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/transport/transport_options.hpp"
@@ -62,7 +63,11 @@ void Daemon::on_poses(std::string_view datagram) {
   const HostTime at = now();
   const Duration host_minus_wall = clock_.minus_wall();
   if (capture_) capture_->on_poses(at, host_minus_wall, datagram);
-  api::take_datagram(node_, at, datagram, host_minus_wall);
+  if (const auto message = feed::parse_pose_message(datagram)) {
+    (void)node_.on_poses(at, host_minus_wall, message->poses);  // a refused pose is counted, and may become a notice
+  } else {
+    node_.refuse_poses(message.error());
+  }
   drain();
 }
 

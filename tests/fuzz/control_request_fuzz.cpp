@@ -11,6 +11,7 @@
 #include "core/scene/reader.hpp"
 #include "peerd/control/answer.hpp"
 #include "peerd/control/request.hpp"
+#include "peerd/feed/json_members.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace {
@@ -70,7 +71,7 @@ class Driver {
     const api::Answer answer = api::answer(*node_, now_, line);
     require(answer.line.find('\n') == std::string::npos);
     const auto reply = nlohmann::json::parse(answer.line);
-    require(reply.at("v") == api::kVersion && reply.at("ok").is_boolean());
+    require(reply.at("v") == feed::kMessageVersion && reply.at("ok").is_boolean());
     require(reply.at("ok") == api::parse_request(line).has_value());
     pass();
   }

@@ -9,8 +9,10 @@
 #include <string_view>
 
 #include "core/scene/reader.hpp"
-#include "peerd/control/answer.hpp"
 #include "peerd/control/request.hpp"
+#include "peerd/feed/pose_message.hpp"
+#include "peerd/node/describe.hpp"
+#include "peerd/node/peer_node.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace {
@@ -69,13 +71,20 @@ class Driver {
   }
 
   void hear(std::string_view datagram) {
+    const auto message = feed::parse_pose_message(datagram);
+    // The control socket understands the same poses.
     const auto request = api::parse_request(datagram);
     const auto* poses = request ? std::get_if<api::PoseRequest>(&*request) : nullptr;
+    require((poses != nullptr) == message.has_value());
     const std::uint64_t before = count("poses_taken") + count("poses_refused");
     const std::uint64_t messages_before = count("pose_messages_refused");
     // For each other one Unix time is a nanosecond ahead: no time that is named may wrap round by that.
     host_minus_wall_ = Duration{-1} - host_minus_wall_;
-    api::take_datagram(*node_, now_, datagram, host_minus_wall_);
+    if (message) {
+      (void)node_->on_poses(now_, host_minus_wall_, message->poses);
+    } else {
+      node_->refuse_poses(message.error());
+    }
     require(count("poses_taken") + count("poses_refused") == before + (poses == nullptr ? 0 : poses->poses.size()));
     require(count("pose_messages_refused") == messages_before + (poses == nullptr ? 1 : 0));
     pass();

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/control/answer.hpp"
+#include "peerd/feed/pose_message.hpp"
+#include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -55,7 +57,13 @@ class PeerNodeFeed : public testing::Test {
     return node->peer().truth(*shared->world.scene.find(path), node->peer().clock().to_session(now));
   }
   json ask(const json& request) { return json::parse(api::answer(*node, now, request.dump(), kWallBehind).line); }
-  void datagram(const std::string& text) { api::take_datagram(*node, now, text, kWallBehind); }
+  void datagram(const std::string& text) {
+    if (const auto message = feed::parse_pose_message(text)) {
+      (void)node->on_poses(now, kWallBehind, message->poses);
+    } else {
+      node->refuse_poses(message.error());
+    }
+  }
   [[nodiscard]] double unix_s() const { return to_seconds(now.time_since_epoch() - kWallBehind); }
   std::uint64_t count(const std::string& name) { return node->log().counters.at(name); }
 
