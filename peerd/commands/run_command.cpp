@@ -9,17 +9,17 @@
 #include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 
+#include "peerd/commands/commands.hpp"
+#include "peerd/commands/print.hpp"
 #include "peerd/control/control_path.hpp"
 #include "peerd/control/control_server.hpp"
-#include "peerd/commands/commands.hpp"
+#include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/daemon/daemon.hpp"
 #include "peerd/node/describe.hpp"
-#include "peerd/os/udp_port.hpp"
-#include "peerd/os/host_clock.hpp"
 #include "peerd/node/peer_node.hpp"
-#include "peerd/commands/print.hpp"
+#include "peerd/os/host_clock.hpp"
+#include "peerd/os/udp_port.hpp"
 #include "peerd/record/capture.hpp"
-#include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/transport/transport_options.hpp"
 
 namespace peerd {
@@ -38,18 +38,33 @@ class Log {
     logger_.set_pattern(json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","peer":%n,"level":"%l","text":%v})"
                              : "%H:%M:%S.%e %-7l %n: %v");
   }
+  void operator()(const LogLine& line) { (*this)(level_of(line.level), line.text); }
   void operator()(spdlog::level::level_enum level, const std::string& text) {
     logger_.log(level, json_ ? json_line(text) : text);
   }
 
  private:
+  static spdlog::level::level_enum level_of(LogLevel level) {
+    switch (level) {
+      case LogLevel::kDebug:
+        return spdlog::level::debug;
+      case LogLevel::kInfo:
+        return spdlog::level::info;
+      case LogLevel::kWarning:
+        return spdlog::level::warn;
+      case LogLevel::kError:
+        return spdlog::level::err;
+    }
+    return spdlog::level::err;
+  }
+
   spdlog::logger logger_;
   bool json_;
 };
 
 struct ControlPlace {
-  std::filesystem::path socket;  // empty: none
-  bool requested_explicitly = false;        // so that a peer without it must not run
+  std::filesystem::path socket;       // empty: none
+  bool requested_explicitly = false;  // so that a peer without it must not run
 };
 
 // The flag's, else the configuration's, else the user's own folder's where the system has made one.
@@ -82,10 +97,12 @@ Result<const config::PeerSettings*> choose_peer(const config::RunSettings& run, 
 }
 
 // Null: none is asked for.
-Result<std::unique_ptr<record::CaptureWriter>> open_capture(
-    const PeerOptions& options, const config::Scenario& scenario, const config::PeerSettings& peer,
-    const SharedWorld& shared, const PeerNode::Options& node, const net::OpenedTransport& reached,
-    net::GroupPlan groups, HostTime now) {
+Result<std::unique_ptr<record::CaptureWriter>> open_capture(const PeerOptions& options,
+                                                            const config::Scenario& scenario,
+                                                            const config::PeerSettings& peer, const SharedWorld& shared,
+                                                            const PeerNode::Options& node,
+                                                            const net::OpenedTransport& reached, net::GroupPlan groups,
+                                                            HostTime now) {
   if (options.capture.empty()) return nullptr;
   // A datagram goes to many addresses by unicast, and stands in the capture once: as if all regions had one group.
   if (reached.unicast()) groups.pool = 1;
@@ -96,7 +113,7 @@ Result<std::unique_ptr<record::CaptureWriter>> open_capture(
 
 // Null: runs without; nobody has asked for it in so many words.
 Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, const ControlPlace& place,
-                                                                 Daemon& daemon, Log& log) {
+                                                         Daemon& daemon, Log& log) {
   if (place.socket.empty()) return nullptr;
   auto opened =
       api::ControlServer::open(io, place.socket, [&daemon](std::string_view line) { return daemon.on_control(line); });
@@ -110,9 +127,8 @@ Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, c
 }
 
 // Null: the peer takes no poses by UDP.
-Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io,
-                                                              const config::PeerSettings& settings, Daemon& daemon,
-                                                              Log& log) {
+Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io, const config::PeerSettings& settings,
+                                                      Daemon& daemon, Log& log) {
   if (settings.feed.udp.empty()) return nullptr;
   auto opened = feed::UdpPort::open(io, settings.feed.udp, "peer." + settings.name + ".feed.udp",
                                     [&daemon](std::string_view datagram) { daemon.on_poses(datagram); });
@@ -145,7 +161,7 @@ void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, 
 }
 
 void log_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport, const Daemon& daemon,
-                 Log& log) {
+                Log& log) {
   const net::ForwardTime& forward = daemon.forward();
   const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
   log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
@@ -247,7 +263,7 @@ int run_peer(const PeerOptions& options) {
 
   const auto cache_warmer = open_cache_warmer(run, log);
   Daemon daemon(
-      io, *node, *transport, clock, [&log](const LogLine& line) { log(line.level, line.text); },
+      io, *node, *transport, clock, [&log](const LogLine& line) { log(line); },
       options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   if (options.verbose) daemon.log_updates();
   daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), cache_warmer.get());

@@ -49,7 +49,7 @@ class PeerNodeFeed : public testing::Test {
       }
       while (const auto notice = node->poll_feed_notice()) {
         const LogLine line = describe(*notice);
-        if (line.level != spdlog::level::debug) said += line.text + "\n";
+        if (line.level != LogLevel::kDebug) said += line.text + "\n";
       }
     }
   }
