@@ -9,7 +9,7 @@
 
 namespace peerd::feed {
 
-// What an external program says about an object at one instant, in the world frame and SI units.
+// A statement of an external program about an object at one instant, in the world frame and SI units.
 struct PoseSample {
   Vec3 position = Vec3::Zero();
   std::optional<Quat> orientation{};            // of about unit length; none: as in the pose before

@@ -18,7 +18,7 @@
 
 namespace peerd::feed {
 
-// What became of the poses of one message.
+// The outcome for the poses of one message.
 struct Outcome {
   struct Refused {
     std::string object;

@@ -19,7 +19,7 @@ struct FedPose {
   PoseSample pose;
 };
 
-// What an external program says about the objects that it moves, over the control socket or by UDP
+// A message of an external program about the objects that it moves, over the control socket or by UDP
 // (docs/reference/control-protocol.md).
 struct PoseMessage {
   std::vector<FedPose> poses;
