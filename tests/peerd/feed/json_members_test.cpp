@@ -21,15 +21,16 @@ TEST_P(ParseJsonObject, TakesOneObjectWithoutDuplicateNames) {
     EXPECT_THAT(object.error(), HasSubstr(GetParam().error));
   }
 }
-INSTANTIATE_TEST_SUITE_P(
-    Table, ParseJsonObject,
-    testing::Values(Line{"Empty", "{}", ""}, Line{"WithALineEnd", "{\"a\":1}\r", ""},
-                    Line{"NoText", "", "not JSON"}, Line{"TwoObjects", "{} {}", "not JSON"},
-                    Line{"NaN", "{\"a\":NaN}", "no NaN"}, Line{"Infinite", "{\"a\":1e999}", "no 1e999"},
-                    Line{"AList", "[{}]", "no object"}, Line{"Twice", R"({"a":1,"b":2,"a":1})", "\"a\" is given twice"},
-                    Line{"TwiceInside", R"({"b":[{"a":1,"a":1}]})", "\"a\" is given twice"},
-                    Line{"OnceInEachObject", R"({"a":{"a":1},"b":[{"a":1},{"a":1}]})", ""}),
-    [](const auto& c) { return std::string(c.param.name); });
+INSTANTIATE_TEST_SUITE_P(Table, ParseJsonObject,
+                         testing::Values(Line{"Empty", "{}", ""}, Line{"WithALineEnd", "{\"a\":1}\r", ""},
+                                         Line{"NoText", "", "not JSON"}, Line{"TwoObjects", "{} {}", "not JSON"},
+                                         Line{"NaN", "{\"a\":NaN}", "no NaN"},
+                                         Line{"Infinite", "{\"a\":1e999}", "no 1e999"},
+                                         Line{"AList", "[{}]", "no object"},
+                                         Line{"Twice", R"({"a":1,"b":2,"a":1})", "\"a\" is given twice"},
+                                         Line{"TwiceInside", R"({"b":[{"a":1,"a":1}]})", "\"a\" is given twice"},
+                                         Line{"OnceInEachObject", R"({"a":{"a":1},"b":[{"a":1},{"a":1}]})", ""}),
+                         [](const auto& c) { return std::string(c.param.name); });
 
 TEST(JsonMembers, GiveTheirValues) {
   const json object = json::parse(R"({"t":"x","f":true,"w":-3,"n":2.5,"v":[1,2,3],"q":[1,2,3,4],"o":[{"a":1},{}]})");
@@ -81,7 +82,8 @@ TEST(JsonMembers, WholeNumbersHaveLimits) {
     EXPECT_EQ(members.whole("w", 5, 0, 10), 5);
     return members.finish();
   };
-  for (const char* text : {R"({"w":-1})", R"({"w":11})", R"({"w":1.5})", R"({"w":"1"})", R"({"w":18446744073709551615})"}) {
+  for (const char* text :
+       {R"({"w":-1})", R"({"w":11})", R"({"w":1.5})", R"({"w":"1"})", R"({"w":18446744073709551615})"}) {
     EXPECT_EQ(wrong(text), "\"w\" must be a whole number from 0 to 10") << text;
   }
   const json object = json::parse(R"({"a":0,"b":10})");

@@ -57,8 +57,12 @@ TEST_F(PoseFeedsTest, UnixTimesBecomeHostTimes) {
 }
 
 TEST_F(PoseFeedsTest, EachPoseIsTakenOrCountedWithItsReason) {
-  const Outcome outcome =
-      push({{"A", {}, {}}, {"C", {}, {}}, {"C", {}, {}}, {"B", -1.0, {}}, {"B", 9.1e9, {}}, {"B", {}, {.position = {2e9, 0, 0}}}});
+  const Outcome outcome = push({{"A", {}, {}},
+                                {"C", {}, {}},
+                                {"C", {}, {}},
+                                {"B", -1.0, {}},
+                                {"B", 9.1e9, {}},
+                                {"B", {}, {.position = {2e9, 0, 0}}}});
   EXPECT_EQ(outcome.taken, 1u);
   std::vector<std::pair<std::string, Refusal>> refused;
   for (const auto& [object, why] : outcome.refused) refused.emplace_back(object, why);

@@ -27,9 +27,8 @@ TEST(PoseMessage, HasOnePoseWithAllItsValues) {
 }
 
 TEST(PoseMessage, ItsTimeIsThatOfPosesWithoutTheirOwn) {
-  const auto message = parse_pose_message(
-      R"({"do":"pose","time_s":1,"poses":[{"object":"A","position_m":[0,0,0]},)"
-      R"({"object":"B","position_m":[0,0,0],"time_s":2}]})");
+  const auto message = parse_pose_message(R"({"do":"pose","time_s":1,"poses":[{"object":"A","position_m":[0,0,0]},)"
+                                          R"({"object":"B","position_m":[0,0,0],"time_s":2}]})");
   ASSERT_TRUE(message) << message.error();
   EXPECT_TRUE(message->reply);
   ASSERT_EQ(message->poses.size(), 2u);
@@ -67,8 +66,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"NoPosition", R"({"do":"pose","object":"A"})", "\"position_m\" is missing"},
                     Wrong{"TwoNumbers", R"({"do":"pose","object":"A","position_m":[0,0]})", "list of 3 numbers"},
                     Wrong{"Misspelt", R"({"do":"pose","poses":[],"repyl":true})", "did you mean \"reply\"?"},
-                    Wrong{"SecondPose",
-                          R"({"do":"pose","poses":[{"object":"A","position_m":[0,0,0]},{"object":"B"}]})",
+                    Wrong{"SecondPose", R"({"do":"pose","poses":[{"object":"A","position_m":[0,0,0]},{"object":"B"}]})",
                           "\"poses\" number 2: \"position_m\" is missing"}),
     [](const auto& c) { return std::string(c.param.name); });
 

@@ -17,7 +17,10 @@ struct KeyReportTest : testing::Test {
   KeyReportTest() {
     report.key = {'A', 0};
     report.hits = 2;
-    report.changes = {{.sensor = 0, .recipient = *scene.find("A"), .velocity_world = {2, 0, -0.5}}};
+    KeyReport::Change change;
+    change.recipient = *scene.find("A");
+    change.velocity_world = {2, 0, -0.5};
+    report.changes = {change};
   }
   std::vector<std::string> lines() const {
     std::vector<std::string> all;
@@ -34,7 +37,7 @@ struct KeyReportTest : testing::Test {
 
 TEST_F(KeyReportTest, IsDoneWhereASensorGotTheKeyAndEveryChangeWasMade) {
   EXPECT_TRUE(report.done());
-  report.changes.push_back({.refused = "no"});
+  report.changes.emplace_back().refused = "no";
   EXPECT_FALSE(report.done());
   report.changes.clear();
   EXPECT_TRUE(report.done()) << "sensors without a recipient change nothing";
