@@ -8,6 +8,7 @@
 
 #include "peerd/commands/print.hpp"
 #include "peerd/control/answer.hpp"
+#include "peerd/feed/pose_message.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/record/capture.hpp"
@@ -100,7 +101,11 @@ class Replay {
     } else if (const auto* control = std::get_if<record::Control>(&event.what)) {
       (void)api::answer(node_, event.at, control->line, control->host_minus_wall);
     } else if (const auto* poses = std::get_if<record::Poses>(&event.what)) {
-      api::take_datagram(node_, event.at, poses->datagram, poses->host_minus_wall);
+      if (const auto message = feed::parse_pose_message(poses->datagram)) {
+        (void)node_.on_poses(event.at, poses->host_minus_wall, message->poses);
+      } else {
+        node_.refuse_poses(message.error());
+      }
     } else if (std::holds_alternative<record::Left>(event.what)) {
       node_.leave(event.at);
     }

@@ -40,11 +40,26 @@ class Log {
     logger_.set_pattern(json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","peer":%n,"level":"%l","text":%v})"
                              : "%H:%M:%S.%e %-7l %n: %v");
   }
+  void operator()(const LogLine& line) { (*this)(level_of(line.level), line.text); }
   void operator()(spdlog::level::level_enum level, const std::string& text) {
     logger_.log(level, json_ ? json_line(text) : text);
   }
 
  private:
+  static spdlog::level::level_enum level_of(LogLevel level) {
+    switch (level) {
+      case LogLevel::kDebug:
+        return spdlog::level::debug;
+      case LogLevel::kInfo:
+        return spdlog::level::info;
+      case LogLevel::kWarning:
+        return spdlog::level::warn;
+      case LogLevel::kError:
+        return spdlog::level::err;
+    }
+    return spdlog::level::err;
+  }
+
   spdlog::logger logger_;
   bool json_;
 };
@@ -253,7 +268,7 @@ int run_peer(const PeerOptions& options) {
 
   const auto cache_warmer = open_cache_warmer(run, log);
   Daemon daemon(
-      io, *node, *transport, clock, [&log](const LogLine& line) { log(line.level, line.text); },
+      io, *node, *transport, clock, [&log](const LogLine& line) { log(line); },
       options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   if (options.verbose) daemon.log_updates();
   daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), cache_warmer.get());

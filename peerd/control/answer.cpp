@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/control/request.hpp"
+#include "peerd/feed/json_members.hpp"
 #include "replication/decision/decision.hpp"
 
 namespace peerd::api {
@@ -17,12 +18,12 @@ ordered_json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 ordered_json in_ms(std::optional<Duration> d) { return d ? ordered_json(to_seconds(*d) * 1e3) : ordered_json(nullptr); }
 
-// Where the request's text comes back in it, it may be no UTF-8.
+// A reply may repeat text of the request, which may not be UTF-8: such bytes are replaced.
 std::string line_of(const ordered_json& reply) {
   return reply.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-ordered_json good() { return {{"v", kVersion}, {"ok", true}}; }
+ordered_json good() { return {{"v", feed::kMessageVersion}, {"ok", true}}; }
 
 ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId owner) {
   const replication::Peer& peer = node.peer();
@@ -43,11 +44,12 @@ ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId
   return row;
 }
 
-// Objects that somebody runs, from a number on. `next` is where to go on; null where this was the last.
+// Adds the objects that have an owner, from a number on. "next" is the number to continue from; null after the last
+// one.
 void add_objects(ordered_json& reply, const PeerNode& node, HostTime now, const ObjectsRequest& request, bool own) {
   reply["objects"] = ordered_json::array();
   reply["next"] = nullptr;
-  if (!node.peer().clock().synchronised()) return;  // nothing moves yet
+  if (!node.peer().clock().synchronised()) return;  // without session time nothing has a position yet
   const SimTime t = node.peer().clock().to_session(now);
   for (const auto& [object, owner] : node.peer().owners().from(ObjectId{request.from})) {
     if (own && owner != node.peer().id()) continue;
@@ -86,7 +88,7 @@ ordered_json status(PeerNode& node, HostTime now, const net::TrafficCounters* ne
   return reply;
 }
 
-// Of `peers` and of each region: rates are for whoever asks twice.
+// Reports counts for each peer and each region; a client that wants rates asks twice.
 ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest& request) {
   const replication::Peer& peer = node.peer();
   const replication::SessionClock& clock = peer.clock();
@@ -130,7 +132,7 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
          {"overtaken", received.overtaken()},
          {"drops", member.drops}});
   }
-  std::map<RegionId, replication::LossMeter> received;  // of all who are here
+  std::map<RegionId, replication::LossMeter> received;  // from all members
   for (const auto& [id, member] : members) {
     for (const auto& [region, meter] : member.received) received[region] += meter;
   }
@@ -189,7 +191,7 @@ ordered_json pose_reply(const feed::Outcome& outcome) {
 }  // namespace
 
 std::string refusal(const std::string& sentence) {
-  return line_of({{"v", kVersion}, {"ok", false}, {"error", sentence}});
+  return line_of({{"v", feed::kMessageVersion}, {"ok", false}, {"error", sentence}});
 }
 
 Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall,
@@ -211,14 +213,6 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
   }
   if (std::holds_alternative<LeaveRequest>(*request)) return {line_of(good()), /*leave=*/true};
   return {line_of(status(node, now, network))};
-}
-
-void take_datagram(PeerNode& node, HostTime now, std::string_view datagram, Duration host_minus_wall) {
-  const auto request = parse_request(datagram);
-  if (!request) return node.refuse_poses(request.error());
-  const auto* poses = std::get_if<PoseRequest>(&*request);
-  if (poses == nullptr) return node.refuse_poses("by UDP \"do\" must be \"pose\"");
-  (void)node.on_poses(now, host_minus_wall, poses->poses);
 }
 
 }  // namespace peerd::api

@@ -13,7 +13,7 @@ namespace peerd::api {
 namespace asio = boost::asio;
 
 Result<std::string> ask(const std::filesystem::path& path, const std::string& request,
-                                std::chrono::milliseconds within) {
+                        std::chrono::milliseconds within) {
   using Protocol = asio::local::stream_protocol;
   const auto nobody = [&](const std::string& why) {
     return std::unexpected(InputError{"error: no peer answers at " + path.string() + ": " + why, 3});
@@ -23,16 +23,16 @@ Result<std::string> ask(const std::filesystem::path& path, const std::string& re
   boost::system::error_code error;
   if (path.string().size() >= sizeof(sockaddr_un::sun_path)) return nobody("the path is too long for a socket's");
   socket.open(Protocol(), error);
-  socket.non_blocking(true, error);  // a peer that is stopped, with a full queue, would keep us waiting
+  socket.non_blocking(true, error);  // connect() to a stopped peer with a full queue would block
   socket.connect(Protocol::endpoint(path.string()), error);
-  // Linux says EAGAIN of a full queue, which Asio makes no_buffer_space.
+  // Linux returns EAGAIN for a full queue, which Asio reports as no_buffer_space.
   const bool full = error == asio::error::would_block || error == asio::error::no_buffer_space;
   if (error) return nobody(full ? "it is stopped, or busy" : error.message());
 
   const std::string line = request + '\n';
   std::string reply;
   std::optional<boost::system::error_code> done;
-  // Whether it got through is told by what comes back: a peer may say no and close before it has read everything.
+  // The write's result is ignored: a peer may refuse and close before it has read everything, and its reply counts.
   asio::async_write(socket, asio::buffer(line), [](const boost::system::error_code&, std::size_t) {});
   asio::async_read_until(socket, asio::dynamic_buffer(reply), '\n',
                          [&](const boost::system::error_code& failed, std::size_t size_bytes) {

@@ -7,9 +7,9 @@
 
 namespace peerd::api {
 
-// Sends one request to the peer that listens at `path` and gives its reply, both without the end of their line. The
-// error, with exit code 3, says that nobody answers.
+// Sends one request to the peer that listens at `path` and returns its reply, both without line ends. The error, with
+// exit code 3, says that no peer answers.
 [[nodiscard]] Result<std::string> ask(const std::filesystem::path& path, const std::string& request,
-                                              std::chrono::milliseconds within = std::chrono::seconds(3));
+                                      std::chrono::milliseconds within = std::chrono::seconds(3));
 
 }  // namespace peerd::api

@@ -7,13 +7,14 @@
 
 namespace peerd::api {
 
-// Where peers listen that nobody told where: $XDG_RUNTIME_DIR/peerd. None where that is not set.
+// The folder of default sockets: $XDG_RUNTIME_DIR/peerd. None where the variable is not set.
 [[nodiscard]] std::optional<std::filesystem::path> runtime_folder();
 
-// The socket that a peer of that name listens on by default.
+// The default socket of a peer of that name.
 [[nodiscard]] std::optional<std::filesystem::path> default_socket(const std::string& peer);
 
-// For `peerd ctl` without --control: the named peer's, or that of the only peer there is. The error names them.
+// Finds the socket for `peerd ctl` without --control: that of the named peer or, with an empty name, of the only peer.
+// The error names the peers where there are several.
 [[nodiscard]] Result<std::filesystem::path> find_socket(const std::string& peer);
 
 }  // namespace peerd::api

@@ -29,14 +29,15 @@ using boost::system::error_code;
 using Protocol = asio::local::stream_protocol;
 
 constexpr int kEnvironment = 3;
-constexpr std::chrono::seconds kAcceptAgainAfter{1};  // when the system has no descriptors left
+constexpr std::chrono::seconds kAcceptAgainAfter{1};  // pause after a failure, such as a lack of descriptors
 
 std::unexpected<InputError> cannot_listen(const fs::path& path, const std::string& why, int code = kEnvironment) {
   return std::unexpected(InputError{"error: can't listen for control at " + path.string() + ": " + why, code});
 }
 
-// Held while a stale socket is looked at and replaced: of two peers that start at once, the second finds the first. A
-// file beside the socket that only this user may open: whoever may open a shared folder could hold that one for ever.
+// A lock that is held while a stale socket is checked and replaced, so that of two peers that start at once the second
+// finds the first. It is a file beside the socket that only this user may open: a lock on a shared folder could be held
+// for ever by any user.
 class LockFile {
  public:
   explicit LockFile(const fs::path& path)
@@ -59,7 +60,7 @@ class LockFile {
   bool held_ = false;
 };
 
-// Makes room at `path` where a dead peer left its socket.
+// Removes the socket of a dead peer at `path`.
 Result<void> clear(asio::io_context& io, const fs::path& path) {
   struct stat found {};
   if (lstat(path.c_str(), &found) != 0) {
@@ -70,10 +71,10 @@ Result<void> clear(asio::io_context& io, const fs::path& path) {
   Protocol::socket probe(io);
   error_code error;
   probe.open(Protocol(), error);
-  probe.non_blocking(true, error);  // one with a full queue would keep us waiting
+  probe.non_blocking(true, error);  // connect() to a peer with a full queue would block
   probe.connect(Protocol::endpoint(path.string()), error);
   if (error != asio::error::connection_refused) {
-    // Linux says EAGAIN of a full queue, which Asio makes no_buffer_space.
+    // Linux returns EAGAIN for a full queue, which Asio reports as no_buffer_space.
     const bool full = error == asio::error::would_block || error == asio::error::no_buffer_space;
     const bool is_alive = !error || full;
     return cannot_listen(path, is_alive ? "another peer listens there; give each its own" : error.message());
@@ -86,7 +87,7 @@ Result<void> clear(asio::io_context& io, const fs::path& path) {
 
 }  // namespace
 
-// Clients and handlers outlive the server by what the io_context still holds; `over_` tells them.
+// The io_context may hold clients and handlers that outlive the server; `over_` tells them.
 class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
  public:
   Impl(asio::io_context& io, fs::path path, Answer answer)
@@ -101,7 +102,7 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     if (auto cleared = clear(io_, path_); !cleared) return cleared;
     error_code error;
     acceptor_.open(Protocol(), error);
-    // A socket's file gets the mode of the descriptor that is bound to it: at no time may others connect.
+    // The file of a socket gets the mode of its descriptor, so that other users cannot connect at any time.
     if (!error && fchmod(acceptor_.native_handle(), 0600) != 0) error = {errno, boost::system::system_category()};
     if (!error) acceptor_.bind(Protocol::endpoint(path_.string()), error);
     if (!error) acceptor_.listen(kClientsMax, error);
@@ -138,7 +139,7 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     Protocol::socket socket;
     asio::steady_timer deadline;
     std::string in, out;
-    bool last = false;  // closed after this reply
+    bool last = false;  // the connection closes after this reply
   };
   using ClientPtr = std::shared_ptr<Client>;
 
@@ -168,7 +169,7 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     if (full) {
       ++counters_.refused;
       const std::string line = refusal("this peer has " + std::to_string(kClientsMax) + " clients already") + '\n';
-      client->socket.write_some(asio::buffer(line), error);  // all of it fits a new socket's buffer, or it is lost
+      client->socket.write_some(asio::buffer(line), error);  // the line fits into the buffer of a new socket
       return client->close();
     }
     clients_.insert(client);
@@ -184,12 +185,12 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
 
   void on_read(const ClientPtr& client, const error_code& error, std::size_t size_bytes) {
     if (!clients_.contains(client)) return;
-    if (error == asio::error::not_found) {  // no end of line within the limit: what follows can't be told apart
+    if (error == asio::error::not_found) {  // no line end within the limit, so later requests cannot be separated
       ++counters_.too_long;
       client->last = true;
       return reply(client, refusal("a request may have " + std::to_string(kLineMax_bytes) + " bytes"));
     }
-    if (error) return drop(client);  // half a line at the end of the stream asks for nothing
+    if (error) return drop(client);  // an unfinished line at the end of the stream is not a request
     ++counters_.requests;
     const std::string line = client->in.substr(0, size_bytes - 1);
     client->in.erase(0, size_bytes);
@@ -199,8 +200,9 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     reply(client, std::move(answer));
   }
 
-  // As much as fits leaves at once, so that the reply to "leave" is out before the peer is gone; the rest has a time
-  // limit. The client's next request is read only when its reply is out: what waits here is one reply a client.
+  // As much of the reply as fits leaves at once, so that the reply to "leave" is out before the peer leaves; the rest
+  // has a time limit. The client's next request is read only after its reply is out, so that one reply waits for each
+  // client.
   void reply(const ClientPtr& client, std::string line) {
     assert(line.find('\n') == std::string::npos);
     client->out = std::move(line) + '\n';
@@ -239,7 +241,7 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
   Protocol::acceptor acceptor_;
   asio::steady_timer again_;
   std::set<ClientPtr> clients_;
-  std::pair<dev_t, ino_t> file_{};  // the socket's own: another's at the same path is not removed
+  std::pair<dev_t, ino_t> file_{};  // identifies our socket: close() leaves another one at the same path alone
   bool over_ = false;
   Counters counters_;
 };
@@ -250,8 +252,7 @@ ControlServer::~ControlServer() { impl_->close(); }
 
 const ControlServer::Counters& ControlServer::counters() const { return impl_->counters(); }
 
-Result<std::unique_ptr<ControlServer>> ControlServer::open(asio::io_context& io, const fs::path& path,
-                                                                   Answer answer) {
+Result<std::unique_ptr<ControlServer>> ControlServer::open(asio::io_context& io, const fs::path& path, Answer answer) {
   constexpr std::size_t kPathMax_bytes = sizeof(sockaddr_un::sun_path) - 1;
   if (path.string().size() > kPathMax_bytes) {
     return cannot_listen(path, "a socket's path may have " + std::to_string(kPathMax_bytes) + " bytes", 2);

@@ -15,22 +15,23 @@ class io_context;
 
 namespace peerd::api {
 
-// A Unix stream socket that only this user may open: one line in, one line out. Runs in the io_context's one thread and
-// never blocks it: a client that does not read its reply is dropped, one that sends too much is told so and dropped.
+// Serves a Unix stream socket that only this user may open: one line in, one line out. It runs in the io_context's one
+// thread and never blocks it: a client that does not read its reply is dropped, and a client that sends too long a line
+// gets an error and is dropped.
 class ControlServer {
  public:
   static constexpr std::size_t kClientsMax = 16;
-  static constexpr std::chrono::seconds kReplyWithin{2};  // a client must take its reply in
+  static constexpr std::chrono::seconds kReplyWithin{2};  // the time for a client to read its reply
 
-  // One request without its end to one reply without its end, empty for none. Must not destroy the server.
+  // Converts one request to one reply, both without line ends; an empty reply is not sent. It must not destroy the
+  // server.
   using Answer = std::function<std::string(std::string_view line)>;
 
-  // Listens at `path` from now on. A socket that nobody listens on any more is replaced; anything else that stands
-  // there is left alone and is an error. The folder must exist. PATH.lock beside it is made and stays.
+  // Listens at `path`, whose folder must exist. A stale socket, on which no process listens, is replaced; anything else
+  // at `path` is left alone and is an error. PATH.lock beside it is created and remains.
   [[nodiscard]] static Result<std::unique_ptr<ControlServer>> open(boost::asio::io_context& io,
-                                                                           const std::filesystem::path& path,
-                                                                           Answer answer);
-  ~ControlServer();  // the socket is removed
+                                                                   const std::filesystem::path& path, Answer answer);
+  ~ControlServer();  // removes the socket
 
   struct Counters {
     std::uint64_t clients = 0, refused = 0, requests = 0, too_long = 0, too_slow = 0;

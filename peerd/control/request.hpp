@@ -5,17 +5,17 @@
 #include <string>
 #include <string_view>
 #include <variant>
-#include <vector>
 
 #include "core/motion/key_codes.hpp"
-#include "peerd/feed/pose_feeds.hpp"
+#include "peerd/feed/pose_message.hpp"
 
 namespace peerd::api {
 
-// One line of the control protocol; README.md in this folder specifies it.
-inline constexpr int kVersion = 1;
-inline constexpr std::size_t kLineMax_bytes = 65'536;  // of a request, its end included: no UDP datagram is longer
-// In one reply: nobody's list may hold up the peer's ticks.
+// The requests of the control protocol, which docs/reference/control-protocol.md specifies.
+
+// The longest request [bytes], its line end included; no UDP datagram is longer.
+inline constexpr std::size_t kLineMax_bytes = 65'536;
+// The longest lists of one reply. Making a longer one would hold up the peer's ticks.
 inline constexpr std::uint32_t kObjectsMax = 256;
 inline constexpr std::size_t kPeersMax = 256, kRegionsMax = 1024;
 
@@ -31,13 +31,10 @@ struct PeersRequest {
   std::uint32_t from = 0;  // the first peer's id
 };
 struct LeaveRequest {};
-struct PoseRequest {
-  std::vector<feed::FedPose> poses;
-  bool reply = true;  // false: none at all, so that the program need not read
-};
+using PoseRequest = feed::PoseMessage;
 using Request = std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest>;
 
-// Hostile input. The error is one sentence for whoever sent it.
+// Parses one line of hostile input. The error is one sentence for its sender.
 [[nodiscard]] std::expected<Request, std::string> parse_request(std::string_view line);
 
 }  // namespace peerd::api

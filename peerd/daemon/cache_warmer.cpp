@@ -16,11 +16,11 @@ constexpr std::array<const char*, 2> kObjects{"A", "B"};
 constexpr const char* kWorld = "#VRML V2.0 utf8\nDEF A Transform { }\nDEF B Transform { }\n";
 constexpr RegionId kRegion{0};
 
-// More than from one tick to the next, and no whole number of them: each time there is something to tell.
+// Longer than the period of ticks, and not a multiple of it, so that an update is due in each run.
 constexpr Duration kStep = std::chrono::milliseconds(50) + std::chrono::nanoseconds(17);
-// Farther than any threshold that a scene has.
+// Farther than any threshold of a scene [m].
 constexpr double kStride_m = 1e3;
-// Until the two share a session and no hello hurries.
+// The time until the two peers share a session and send hellos at the settled rate.
 constexpr Duration kSettledAfter = std::chrono::seconds(8);
 
 std::unique_ptr<const SharedWorld> make_world() {
@@ -49,7 +49,7 @@ std::unique_ptr<PeerNode> make_node(std::size_t number, const replication::Publi
 }  // namespace
 
 std::expected<std::unique_ptr<CacheWarmer>, net::NetError> CacheWarmer::make(replication::PublishPolicy policy,
-                                                                         std::uint64_t runs_per_session) {
+                                                                             std::uint64_t runs_per_session) {
   policy.bytes_per_s.reset();
   if (policy.error_threshold_m >= kStride_m) policy.error_threshold_m.reset();
   std::unique_ptr<CacheWarmer> made(new CacheWarmer(policy, runs_per_session));
@@ -64,7 +64,7 @@ std::expected<std::unique_ptr<CacheWarmer>, net::NetError> CacheWarmer::make(rep
   if (auto joined = made->socket_->join(kRegion); !joined) return std::unexpected(joined.error());
   CacheWarmer& r = *made;
   r.socket_->on_receive([&r](const net::Arrival& arrival) {
-    for (const auto& node : r.nodes_) node->on_packet(r.now_, arrival.region, arrival.datagram);  // its own it drops
+    for (const auto& node : r.nodes_) node->on_packet(r.now_, arrival.region, arrival.datagram);  // each drops its own
   });
   r.begin();
   r.run();

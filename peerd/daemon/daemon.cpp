@@ -11,20 +11,20 @@
 #include <boost/asio/post.hpp>
 
 #include "peerd/control/answer.hpp"
-#include "peerd/os/os_clock.hpp"
 #include "peerd/daemon/cache_warmer.hpp"
+#include "peerd/feed/pose_message.hpp"
+#include "peerd/os/os_clock.hpp"
 #include "peerd/transport/transport_options.hpp"
 
 namespace peerd {
 
-using spdlog::level::level_enum;
-
-// How often the system is asked: of its clock, whose own bound grows by 0.5 ms a second, and of the interface.
+// The period of the questions to the system about its clock, whose own bound grows by 0.5 ms a second, and about the
+// interface.
 constexpr std::chrono::seconds kSystemPeriod{1};
-// Of so many looks of one who does not sleep, one is at timers, signals and control, too.
+// While the daemon polls busily, one of so many polls also serves timers, signals and control.
 constexpr std::uint64_t kReadsPerPoll = 8;
-// Who wakes later than that was stopped for a while. What came meanwhile is read before anybody is judged silent, but
-// no more than so many turns of it: ticks go on in a flood, too.
+// A process that wakes later than this has been stopped for a while. It reads the datagrams of that time before it
+// judges any peer silent, but at most kStalledTurns batches, so that ticks continue in a flood.
 constexpr std::chrono::milliseconds kStalled{100};
 constexpr int kStalledTurns = 64;
 
@@ -50,7 +50,7 @@ std::string Daemon::on_control(std::string_view line) {
   if (answer.leave) {
     boost::asio::post(io_, [this] {
       if (over_) return;
-      log_({level_enum::info, "leaving: as requested"});
+      log_({LogLevel::kInfo, "leaving: as requested"});
       leave();
     });
   }
@@ -62,25 +62,29 @@ void Daemon::on_poses(std::string_view datagram) {
   const HostTime at = now();
   const Duration host_minus_wall = clock_.minus_wall();
   if (capture_) capture_->on_poses(at, host_minus_wall, datagram);
-  api::take_datagram(node_, at, datagram, host_minus_wall);
+  if (const auto message = feed::parse_pose_message(datagram)) {
+    (void)node_.on_poses(at, host_minus_wall, message->poses);  // a refused pose is counted, and may become a notice
+  } else {
+    node_.refuse_poses(message.error());
+  }
   drain();
 }
 
 void Daemon::on_poses(std::span<const feed::FedPose> poses) {
   assert(capture_ == nullptr);
   if (over_) return;
-  // Two dozen readings of clocks, 0.5 us: for those alone that name a Unix time.
+  // Reading the difference costs 0.5 us (two dozen clock readings), so only poses that name a Unix time pay for it.
   const bool stamped = std::ranges::any_of(poses, [](const feed::FedPose& fed) { return fed.time_s.has_value(); });
   const Duration host_minus_wall = stamped ? clock_.minus_wall() : Duration{0};
-  (void)node_.on_poses(now(), host_minus_wall, poses);  // what was refused is counted, and a notice
+  (void)node_.on_poses(now(), host_minus_wall, poses);  // a refused pose is counted, and may become a notice
   drain();
 }
 
 int Daemon::run() {
-  (void)now();  // nothing counts as having come before the peer was made
+  (void)now();  // no datagram counts as having come before the peer was made
   signals_.async_wait([this](const boost::system::error_code& error, int signal) {
     if (error) return;
-    log_({level_enum::info, fmt::format("leaving: got {}", signal == SIGINT ? "SIGINT" : "SIGTERM")});
+    log_({LogLevel::kInfo, fmt::format("leaving: got {}", signal == SIGINT ? "SIGINT" : "SIGTERM")});
     leave();
   });
   transport_.on_receive([this](const net::Arrival& arrival) {
@@ -97,9 +101,9 @@ int Daemon::run() {
   return exit_code_;
 }
 
-// As io_.run(), but for what comes before it sleeps. Datagrams are what hurries: most looks ask the sockets themselves,
-// which takes one system call in place of two. Whose datagram it waits for may share its processor: between two looks
-// it offers that, or both would wait until it sleeps.
+// As io_.run(), except that it polls for a while before it sleeps. Datagrams are urgent: most polls ask the sockets
+// themselves, which takes one system call in place of two. The sender of the awaited datagram may share this processor:
+// the loop yields between two polls, or both would wait until it sleeps.
 void Daemon::serve() {
   while (io_.run_one() > 0) {
     HostTime done = clock_.now(), warmed_at = done;
@@ -136,7 +140,7 @@ void Daemon::wake() {
   drain();
   if (over_) return;
   if (leave_after_ && node_.start() && node_.peer().clock().to_session(now) > *node_.start() + *leave_after_) {
-    log_({level_enum::info, "leaving: the scenario is over"});
+    log_({LogLevel::kInfo, "leaving: the scenario is over"});
     return leave();
   }
   due_ = node_.next_deadline();
@@ -154,7 +158,7 @@ void Daemon::read_os_clock_into_node(HostTime now) {
 
 void Daemon::follow_interface() {
   if (const auto change = transport_.follow_interface())
-    log_({change->is_back ? level_enum::info : level_enum::err, change->sentence});
+    log_({change->is_back ? LogLevel::kInfo : LogLevel::kError, change->sentence});
 }
 
 void Daemon::leave() {
@@ -172,7 +176,7 @@ void Daemon::stop() {
 }
 
 void Daemon::drain() {
-  std::vector<replication::Output> change;  // for the log, which may be slow: datagrams leave first
+  std::vector<replication::Output> change;  // logged after the datagrams have left, because the log may be slow
   while (auto out = node_.poll_output()) {
     if (!logs_updates_ && std::holds_alternative<replication::Published>(*out)) continue;
     if (auto* send = std::get_if<replication::Send>(&*out)) {
@@ -199,19 +203,19 @@ void Daemon::drain() {
   if (capture_) keep_capture();
 }
 
-// After each input, so that whatever ends this process leaves a capture of all that it did. Without one the peer goes
-// on for the others' sake, and ends with the exit code of what went wrong.
+// Runs after each input, so that a process that is killed leaves a capture of everything that it did. A peer whose
+// capture fails continues for the sake of the session, and ends with the exit code of that failure.
 void Daemon::keep_capture() {
   capture_->flush();
   if (capture_->good()) return;
-  log_({level_enum::err, "the capture ends here: it can't be written any more; is the disk full?"});
+  log_({LogLevel::kError, "the capture ends here: it can't be written any more; is the disk full?"});
   capture_ = nullptr;
   exit_code_ = 3;
 }
 
 void Daemon::check(const std::expected<void, net::NetError>& done) {
   if (done) return;
-  log_({level_enum::err, done.error().sentence});
+  log_({LogLevel::kError, done.error().sentence});
   exit_code_ = input_error(done.error()).exit_code;
   stop();
 }

@@ -9,57 +9,59 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "peerd/daemon/tick_lateness.hpp"
 #include "peerd/node/describe.hpp"
+#include "peerd/node/peer_node.hpp"
 #include "peerd/os/forward_time.hpp"
 #include "peerd/os/host_clock.hpp"
-#include "peerd/transport/transport.hpp"
-#include "peerd/node/peer_node.hpp"
 #include "peerd/record/capture.hpp"
-#include "peerd/daemon/tick_lateness.hpp"
+#include "peerd/transport/transport.hpp"
 
 namespace peerd {
 
 class CacheWarmer;
 
-// The driver of DESIGN section 5, over a real clock and a real network. One thread.
+// Drives a peer over a real clock and a real network, in one thread.
 //
-// The peer is told when a datagram came, not when it was read, and its `now` must not run backwards: what came before
-// something that the peer has been told of already counts as having come with that. A tick reads what waits first, so
-// that this is rare and short; it is counted.
+// The peer gets the time at which a datagram arrived, not that at which it was read, and the peer's `now` must not run
+// backwards: a datagram that arrived before the last input counts as having arrived with that input. A tick first reads
+// the datagrams that wait, so that this is rare and the difference small; ForwardTime counts it.
 //
-// Nothing waits for a tick that need not: a datagram is applied when it is read, and what a program or a key changes
-// leaves in the same turn of the loop.
+// Only ticks wait for their time: a datagram is applied when it is read, and the updates that a program or a key causes
+// leave in the same turn of the loop.
 class Daemon {
  public:
   using Log = std::function<void(const LogLine&)>;
 
-  // All that it refers to outlives it. leave_after: from the start of motions. capture: null: nothing is recorded.
+  // All arguments by reference and pointer outlive the daemon. It leaves `leave_after` after the start of the motions.
+  // Without a `capture` nothing is recorded.
   Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock, Log log,
          std::optional<Duration> leave_after, record::CaptureWriter* capture = nullptr);
 
-  // One line of the control protocol; the reply to "leave" is out before the peer is gone.
+  // Answers one line of the control protocol; the reply to "leave" is out before the peer leaves.
   std::string on_control(std::string_view line);
-  // One datagram of a program that moves objects; or, not to be recorded, the poses of one.
+  // Takes one datagram of an external program.
   void on_poses(std::string_view datagram);
+  // Takes poses of a program in this process; there must be no capture, which could not record them.
   void on_poses(std::span<const feed::FedPose> poses);
-  // Each update gets a line from now on. They are many: else not even their words are put together.
+  // Logs each update from now on. Updates are many, so without this call their lines are not even composed.
   void log_updates() { logs_updates_ = true; }
-  // Whenever it has done something, it looks for more for so long before it sleeps, so that what comes meanwhile need
-  // not wake it. Not negative; zero, as at first: it sleeps at once. Every kCacheWarmingPeriod of that it runs
-  // `cache_warmer`, if there is one; that outlives it.
+  // After each event the daemon polls for this long before it sleeps, so that the next event need not wake it. The time
+  // is not negative; with zero, the default, the daemon sleeps at once. While it polls, it runs `cache_warmer`, which
+  // may be null and outlives it, every kCacheWarmingPeriod.
   void busy_poll(Duration before_sleep, CacheWarmer* cache_warmer = nullptr) {
     busy_poll_ = before_sleep;
     cache_warmer_ = cache_warmer;
   }
   static constexpr Duration kCacheWarmingPeriod = std::chrono::microseconds(200);
-  // `handler` is called whenever a datagram has been taken: what it told is in the node's ghosts by then, and what the
-  // node has to say to that leaves afterwards.
+  // Calls `handler` whenever the node has taken a datagram: its ghosts are up to date by then, and its answers leave
+  // afterwards.
   void on_received(std::function<void()> handler) { received_handler_ = std::move(handler); }
 
-  // Until a signal comes, it is told to leave or the scenario is over. The exit code.
+  // Runs until a signal, a request to leave or the end of the scenario. Returns the exit code.
   int run();
 
-  // Counts the datagrams that came before something that the peer had been told of.
+  // Counts the datagrams that arrived before an input that the peer had got already.
   [[nodiscard]] const net::ForwardTime& forward() const { return forward_; }
   [[nodiscard]] const TickLateness& lateness() const { return lateness_; }
 
@@ -83,11 +85,11 @@ class Daemon {
   const net::HostClock& clock_;
   Log log_;
   std::optional<Duration> leave_after_;
-  record::CaptureWriter* capture_;  // null: none, or none any more
+  record::CaptureWriter* capture_;  // null: none, or it has failed
   std::function<void()> received_handler_;
   net::ForwardTime forward_;
   TickLateness lateness_;
-  std::optional<HostTime> due_;  // what the timer was set for
+  std::optional<HostTime> due_;  // expiry of the timer
   HostTime system_due_ = HostTime::min();
   Duration busy_poll_{0};
   CacheWarmer* cache_warmer_ = nullptr;  // null: none

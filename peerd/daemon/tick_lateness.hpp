@@ -7,8 +7,7 @@
 
 namespace peerd {
 
-// How late ticks ran, each by when it was to run; of those that were missed the first counts. Bounded, however long a
-// peer runs.
+// A histogram of how late ticks ran. Of consecutive missed ticks the first counts. Its memory is constant.
 class TickLateness {
  public:
   static constexpr Duration kStep = std::chrono::microseconds(100);
@@ -19,7 +18,7 @@ class TickLateness {
     ++count_;
     most_ = std::max(most_, late);
   }
-  // All but a hundredth of them were less late, rounded up to kStep.
+  // The 99th percentile, rounded up to kStep.
   [[nodiscard]] Duration p99() const {
     std::uint64_t below = 0;
     for (std::size_t i = 0; i + 1 < counts_.size(); ++i) {
@@ -32,7 +31,7 @@ class TickLateness {
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
  private:
-  std::array<std::uint64_t, 1001> counts_{};  // the last: 0.1 s and later
+  std::array<std::uint64_t, 1001> counts_{};  // the last one counts 0.1 s and more
   std::uint64_t count_ = 0;
   Duration most_{0};
 };

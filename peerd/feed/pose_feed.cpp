@@ -9,17 +9,18 @@
 namespace peerd::feed {
 namespace {
 
-// Enough for poses at 1 kHz that are sent as far ahead as they may be, and for what the parabola reaches back.
+// The capacity suffices for poses at 1 kHz that are sent as far ahead as is allowed, and for the parabola's reach into
+// the past.
 constexpr std::size_t kPosesMax = 512;
-constexpr std::size_t kPosesMin = 3;  // a slow program's are kept however old
+constexpr std::size_t kPosesMin = 3;  // kept however old they are, for slow programs
 constexpr Duration kMemory = std::chrono::seconds(1);
 
-// Written so that what is no number is beyond it, too.
+// The comparison is written so that a NaN is beyond the limit, too.
 bool within(const std::optional<Vec3>& v, double most) { return !v || v->norm() <= most; }
 
-std::optional<Refusal> wrong_with(const PoseSample& p) {
+std::optional<Refusal> reason_to_refuse(const PoseSample& p) {
   if (!(p.position.norm() <= kPositionMax_m)) return Refusal::kPosition;
-  // A program may print few digits. Angles or a zero in the quaternion's place are no such thing.
+  // The tolerance admits programs that print few digits, and refuses angles or zeros in the quaternion's place.
   if (p.orientation && !(p.orientation->squaredNorm() > 0.5 && p.orientation->squaredNorm() < 2.0)) {
     return Refusal::kOrientation;
   }
@@ -84,7 +85,7 @@ const char* sentence(Refusal refusal) {
 }
 
 std::expected<void, Refusal> PoseFeed::push(HostTime now, std::optional<HostTime> at, const PoseSample& pose) {
-  if (const auto wrong = wrong_with(pose)) return std::unexpected(*wrong);
+  if (const auto wrong = reason_to_refuse(pose)) return std::unexpected(*wrong);
   const HostTime t = at.value_or(now);
   if (t < now - kAgeMax) return std::unexpected(Refusal::kTooOld);
   if (t > now + kAheadMax) return std::unexpected(Refusal::kTooFarAhead);
@@ -97,14 +98,14 @@ std::expected<void, Refusal> PoseFeed::push(HostTime now, std::optional<HostTime
   } else {
     known.pose.orientation = next == poses_.begin() ? place_.orientation : *std::prev(next)->pose.orientation;
   }
-  // In place of the first one where there are kPosesMax.
+  // With kPosesMax poses the new one replaces the oldest.
   poses_.insert(poses_.begin() + (next - poses_.cbegin()), std::move(known));
   const HostTime oldest = poses_.back().at - kMemory;
   while (poses_.size() > kPosesMin && poses_.front().at < oldest) poses_.pop_front();
   return {};
 }
 
-// The first pose that is not before t: most often one of the last two, or none.
+// Returns the first pose that is not before t: most often one of the last two, or the end.
 PoseFeed::Poses::const_iterator PoseFeed::not_before(HostTime t) const {
   auto at = poses_.end();
   for (int newest = 0; newest < 2; ++newest) {
@@ -114,8 +115,8 @@ PoseFeed::Poses::const_iterator PoseFeed::not_before(HostTime t) const {
   return std::ranges::lower_bound(poses_.begin(), at, t, {}, &Known::at);
 }
 
-// The newest pose that is at least so much before it and belongs to the same run: neither a jump nor a silence lies
-// between them. None: there is none.
+// Returns the newest pose that is at least `spacing` before `later` and belongs to the same run, which means that
+// neither a jump nor a silence lies between the two; null where there is no such pose.
 const PoseFeed::Known* PoseFeed::before(const Known& later, Duration spacing) const {
   auto at = not_before(later.at);
   while (at != poses_.begin() && !at->pose.jump && at->at - std::prev(at)->at <= stale_) {
@@ -131,10 +132,10 @@ KinematicState PoseFeed::advanced_from(const Known& base, double dt_s) const {
   const Duration spacing = base.stamped ? kSpacing : kSpacingUnstamped;
   const Known* const one = before(base, spacing);
   const Known* const two = one == nullptr ? nullptr : before(*one, spacing);
-  double reach_s = 0.0;  // a parabola is believed as far ahead as it reaches back, then its tangent
+  double reach_s = 0.0;  // the parabola holds as far ahead as it reaches back, beyond that its tangent
   if (pose.velocity) {
     s.velocity = *pose.velocity;
-    // Not at a sharp turn, as in position_history().
+    // A sharp turn gets no acceleration, as in position_history().
     const Vec3 newer = one == nullptr ? Vec3::Zero() : Vec3(pose.position - one->pose.position);
     const Vec3 older = two == nullptr ? newer : Vec3(one->pose.position - two->pose.position);
     if (one != nullptr && s.velocity.dot(newer) >= 0.0 && newer.dot(older) >= 0.0) {
@@ -151,7 +152,7 @@ KinematicState PoseFeed::advanced_from(const Known& base, double dt_s) const {
   } else if (one != nullptr) {
     s.velocity = (pose.position - one->pose.position) / to_seconds(base.at - one->at);
   }
-  if (!(s.acceleration.norm() <= kAccelerationMax_m_s2)) {  // a jump that nobody named
+  if (!(s.acceleration.norm() <= kAccelerationMax_m_s2)) {  // a jump that the program did not name
     s.acceleration = Vec3::Zero();
     if (!pose.velocity) s.velocity = Vec3::Zero();
   }
@@ -174,7 +175,7 @@ KinematicState PoseFeed::advanced_from(const Known& base, double dt_s) const {
 
 KinematicState PoseFeed::at(HostTime t) const {
   if (!begun()) return at_rest(place_);
-  // The first pose not before t, as long as nothing was put there since; else the last.
+  // The base is the first pose that is not before t, unless that is a later jump; else the pose before it.
   auto base = not_before(t);
   const bool after_t = base != poses_.end() && base->at > t;
   if (base == poses_.end() || (after_t && base->pose.jump && base != poses_.begin())) --base;

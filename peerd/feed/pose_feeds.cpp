@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kUnixTimeMax_s = 9e9;  // the year 2255; int64 nanoseconds end 7 years later
 
-// A stranger's words as they may stand in a log: one short line of visible characters.
+// Makes hostile text fit for a log: one short line of printable ASCII characters.
 std::string printable(std::string_view text) {
   std::string line(text.substr(0, 160));
   for (char& c : line) {

@@ -14,17 +14,11 @@
 #include "core/ids.hpp"
 #include "core/scene/scene.hpp"
 #include "peerd/feed/pose_feed.hpp"
+#include "peerd/feed/pose_message.hpp"
 
 namespace peerd::feed {
 
-// One pose as it came: of an object by its path, at that Unix time or, where it says none, when it came.
-struct FedPose {
-  std::string object;
-  std::optional<double> time_s;
-  PoseSample pose;
-};
-
-// What became of a message.
+// The outcome for the poses of one message.
 struct Outcome {
   struct Refused {
     std::string object;
@@ -34,36 +28,36 @@ struct Outcome {
   std::vector<Refused> refused;
 };
 
-// Worth a log line: each object's first pose and its silences, and the first refusal of each kind. Counters tell of
-// all.
+// An event that is worth a log line: each object's first pose and its silences, and the first refusal of each kind.
+// Counters count all of them.
 struct Notice {
   enum class Kind : std::uint8_t { kBegan, kSilent, kResumed, kRefused, kNotUnderstood };
   Kind kind;
-  std::string what;    // the object; why not
-  bool again = false;  // not the first such thing of that object
+  std::string what;    // the object, or the reason
+  bool again = false;  // this object has had such an event before
 };
 
-// All objects of a peer that programs outside move.
+// All objects of a peer that external programs move.
 class PoseFeeds {
  public:
   struct Settings {
-    std::map<std::string, ObjectId> objects;  // by the path that programs say; each has one
+    std::map<std::string, ObjectId> objects;  // by the path that programs use; one path for each object
     Duration stale = std::chrono::milliseconds(500);
   };
   PoseFeeds(Settings settings, const Scene& scene);
 
-  // host_minus_wall turns Unix time into this host's.
+  // Takes the poses of one message. Unix time + `host_minus_wall` is the time of this host.
   Outcome push(HostTime now, Duration host_minus_wall, std::span<const FedPose> poses);
-  // Something came by UDP that was no message of poses.
+  // Counts a datagram that is no message of poses, for the reason `why`.
   void refuse_message(const std::string& why);
 
   [[nodiscard]] bool feeds(ObjectId object) const;
   [[nodiscard]] std::span<const ObjectId> objects() const { return objects_; }  // sorted
   [[nodiscard]] std::optional<ObjectId> find(std::string_view path) const;
-  // The object's state at a tick or between two; the ticks of one object never go back.
+  // The object's state at a tick or between two; the times that are asked of one object must not decrease.
   [[nodiscard]] KinematicState sample(ObjectId object, HostTime t);
   [[nodiscard]] std::optional<Notice> poll_notice();
-  // Into a peer's counters. Nothing where nothing is fed.
+  // Adds the counters of all feeds; none where no object has a feed.
   void count(std::map<std::string, std::uint64_t>& counters) const;
 
  private:
@@ -81,8 +75,8 @@ class PoseFeeds {
   [[nodiscard]] Fed& fed(ObjectId object);
 
   std::vector<ObjectId> objects_;  // sorted
-  std::vector<Fed> feeds_;         // of each of them
-  // An object's place in both.
+  std::vector<Fed> feeds_;         // parallel to objects_
+  // Index into both, by path.
   std::unordered_map<std::string, std::size_t, HashOfPath, std::equal_to<>> by_path_;
   std::uint64_t taken_ = 0, messages_refused_ = 0;
   std::array<std::uint64_t, kRefusals> refused_{};

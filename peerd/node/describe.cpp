@@ -8,8 +8,6 @@ namespace peerd {
 namespace {
 
 using namespace replication;
-using spdlog::level::level_enum;
-
 template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
@@ -40,82 +38,83 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
       Overloaded{
           [](const Send&) -> Line { return std::nullopt; },
           [](const Join& j) -> Line {
-            return LogLine{level_enum::debug, fmt::format("joined region {}", j.region.value)};
+            return LogLine{LogLevel::kDebug, fmt::format("joined region {}", j.region.value)};
           },
           [](const Leave& l) -> Line {
-            return LogLine{level_enum::debug, fmt::format("left region {}", l.region.value)};
+            return LogLine{LogLevel::kDebug, fmt::format("left region {}", l.region.value)};
           },
           [](const Synchronised& s) -> Line {
-            return LogLine{level_enum::info, fmt::format("in session: follows the clock of peer {}, offset {:.3f} ms, "
-                                                         "error at most {:.3f} ms",
-                                                         s.follows.value, ms(s.session_minus_host), ms(s.error_bound))};
+            return LogLine{LogLevel::kInfo, fmt::format("in session: follows the clock of peer {}, offset {:.3f} ms, "
+                                                        "error at most {:.3f} ms",
+                                                        s.follows.value, ms(s.session_minus_host), ms(s.error_bound))};
           },
           [](const ClockStepped& s) -> Line {
-            return LogLine{level_enum::warn,
+            return LogLine{LogLevel::kWarning,
                            fmt::format("{}: the session clock stepped forward by {:.3f} ms, offset {:.3f} ms",
                                        s.same_session ? "back in the session" : "two sessions have met", ms(s.step),
                                        ms(s.session_minus_host))};
           },
           [](const OsClockDoubted& d) -> Line {
             return LogLine{
-                level_enum::warn,
+                LogLevel::kWarning,
                 fmt::format("the operating systems' clocks of peer {} and of this computer cannot both be as "
                             "good as they say: {:.3f} ms apart from what the network shows, which takes precedence",
                             d.peer.value, ms(d.apart))};
           },
           [](const HostSuspended& s) -> Line {
-            return LogLine{level_enum::warn,
+            return LogLine{LogLevel::kWarning,
                            fmt::format("this peer was stopped for {:.1f} s; its objects go on from where "
                                        "they were",
                                        to_seconds(s.gap))};
           },
           [&](const PeerJoined& p) -> Line {
-            return LogLine{level_enum::info, named(p.peer, p.name) + (p.restarted ? " restarted" : " joined")};
+            return LogLine{LogLevel::kInfo, named(p.peer, p.name) + (p.restarted ? " restarted" : " joined")};
           },
           [&](const PeerLost& p) -> Line {
-            return p.left_gracefully ? LogLine{level_enum::info, named(p.peer, p.name) + " left"}
-                                  : LogLine{level_enum::warn, named(p.peer, p.name) + " is lost: it has gone silent"};
+            return p.left_gracefully
+                       ? LogLine{LogLevel::kInfo, named(p.peer, p.name) + " left"}
+                       : LogLine{LogLevel::kWarning, named(p.peer, p.name) + " is lost: it has gone silent"};
           },
           [&](const ObjectOrphaned& f) -> Line {
-            return LogLine{level_enum::warn, fmt::format("{} stands still: its owner, peer {}, is gone",
-                                                         scene.path_of(f.object), f.owner.value)};
+            return LogLine{LogLevel::kWarning, fmt::format("{} stands still: its owner, peer {}, is gone",
+                                                           scene.path_of(f.object), f.owner.value)};
           },
           [](const OtherVersion& o) -> Line {
-            return LogLine{level_enum::err,
+            return LogLine{LogLevel::kError,
                            fmt::format("peer {} speaks version {} of the protocol, this one version {}: neither hears "
                                        "the other; give all peers the same peerd",
                                        o.peer.value, o.version, replication::kProtocolVersion)};
           },
           [&](const OtherWorld& o) -> Line {
-            return LogLine{level_enum::warn, named(o.peer, o.name) +
-                                                 " has another world and is ignored; give both the "
-                                                 "same file, and the same [regions]"};
+            return LogLine{LogLevel::kWarning, named(o.peer, o.name) +
+                                                   " has another world and is ignored; give both the "
+                                                   "same file, and the same [regions]"};
           },
           [](const IdInUse& i) -> Line {
-            return LogLine{level_enum::err,
+            return LogLine{LogLevel::kError,
                            fmt::format("another peer uses id {} too; give each peer its own", i.peer.value)};
           },
           [&](const OwnershipConflict& c) -> Line {
-            return LogLine{level_enum::err, fmt::format("two peers own {}; peer {} keeps it",
-                                                        scene.path_of(c.object), c.owner.value)};
+            return LogLine{LogLevel::kError,
+                           fmt::format("two peers own {}; peer {} keeps it", scene.path_of(c.object), c.owner.value)};
           },
           [&](const Published& p) -> Line {
-            return LogLine{level_enum::debug, fmt::format("update of {}: {}, threshold {} m", scene.path_of(p.object),
-                                                          to_string(p.reason), p.threshold_m)};
+            return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", scene.path_of(p.object),
+                                                         to_string(p.reason), p.threshold_m)};
           },
           [&](const ContactSeen& c) -> Line {
             const double ago_s = to_seconds(c.known_at - c.contact.at);
-            return LogLine{c.kind == ContactKind::kPredicted ? level_enum::debug : level_enum::info,
+            return LogLine{c.kind == ContactKind::kPredicted ? LogLevel::kDebug : LogLevel::kInfo,
                            fmt::format("{} {} {}, {:.1f} ms ago", scene.path_of(c.contact.collider), verb(c.kind),
                                        scene.path_of(c.contact.collidee), 1e3 * ago_s)};
           },
           [&](const Overruled& o) -> Line {
-            return LogLine{level_enum::info, fmt::format("{} on {}: another peer's decision counts",
-                                                         scene.path_of(o.collider), scene.path_of(o.collidee))};
+            return LogLine{LogLevel::kInfo, fmt::format("{} on {}: another peer's decision counts",
+                                                        scene.path_of(o.collider), scene.path_of(o.collidee))};
           },
           [](const ContactsRetracted&) -> Line { return std::nullopt; },
           [&](const NotColliding& n) -> Line {
-            return LogLine{level_enum::debug,
+            return LogLine{LogLevel::kDebug,
                            fmt::format("{} notColliding {}", scene.path_of(n.object), n.value ? "TRUE" : "FALSE")};
           },
       },
@@ -123,20 +122,20 @@ std::optional<LogLine> describe(const Output& output, const Scene& scene) {
 }
 
 LogLine describe(const feed::Notice& notice) {
-  const auto once = notice.again ? level_enum::debug : level_enum::warn;
+  const auto once = notice.again ? LogLevel::kDebug : LogLevel::kWarning;
   switch (notice.kind) {
     case feed::Notice::Kind::kBegan:
-      return {level_enum::info, "a program moves " + notice.what};
+      return {LogLevel::kInfo, "a program moves " + notice.what};
     case feed::Notice::Kind::kSilent:
       return {once, notice.what + " stands still: the program that moves it is silent"};
     case feed::Notice::Kind::kResumed:
-      return {notice.again ? level_enum::debug : level_enum::info, notice.what + " gets poses again"};
+      return {notice.again ? LogLevel::kDebug : LogLevel::kInfo, notice.what + " gets poses again"};
     case feed::Notice::Kind::kRefused:
       return {once, "a pose of " + notice.what + "; more such are only counted"};
     case feed::Notice::Kind::kNotUnderstood:
       return {once, "a datagram that is no message of poses: " + notice.what + "; more such are only counted"};
   }
-  return {level_enum::err, "?"};
+  return {LogLevel::kError, "?"};
 }
 
 }  // namespace peerd

@@ -1,14 +1,15 @@
 #include "peerd/node/peer_log.hpp"
-#include "peerd/input/text_file.hpp"
 
 #include <charconv>
 #include <fstream>
 #include <sstream>
 
+#include "peerd/input/text_file.hpp"
+
 namespace peerd {
 namespace {
 
-// One row a line, its kind first, fields separated by spaces; numbers in their shortest exact form.
+// Writes one row to a line: its kind first, then its fields, separated by spaces; numbers in their shortest exact form.
 class RowWriter {
  public:
   RowWriter& row(char kind) {
@@ -48,7 +49,7 @@ class RowWriter {
   std::string text_;
 };
 
-// Reads one row; a field that is not there or not of its kind makes it bad for good.
+// Reads one row. A field that is missing or malformed makes the row bad for good.
 class RowReader {
  public:
   explicit RowReader(const std::string& line) : in_(line) {}

@@ -13,18 +13,20 @@
 
 namespace peerd {
 
-// What one peer did and believed in a run, or in one of its lives where it left and came back, in session time. The
-// simulator keeps it in memory, a real peer writes it to a file; peerd/scenario/assemble.hpp makes one RunRecord of all of them.
+// Everything that one peer did and believed in a run, in session time; a peer that left and came back has one log for
+// each of its incarnations. The simulator keeps logs in memory and a real peer writes its log to a file;
+// peerd/scenario/assemble.hpp makes one RunRecord of all of them.
 struct PeerLog {
-  // `at` is a tick of the peer's own session clock, `true_at` the same instant on a clock that all peers share (the
-  // simulator's, or the computer's without the test offset): what an error of the session clock hides, that one shows.
+  // `at` is a tick of the peer's own session clock and `true_at` the same instant on a clock that all peers share (the
+  // simulator's, or the computer's without the test offset). The shared clock shows what an error of the session clock
+  // would hide.
   struct ObjectSample {
     SimTime at;
     HostTime true_at;
     ObjectId object;
-    PeerId owner;  // the peer itself: `state` is the truth
+    PeerId owner;  // where this is the peer itself, `state` is the truth
     KinematicState state;
-    Pose shown{};  // what a viewer draws
+    Pose shown{};  // as a viewer draws it
   };
   struct Update {
     SimTime at;
@@ -45,18 +47,19 @@ struct PeerLog {
     SimTime known_at;
   };
 
-  // Of a simulated peer's session time, against the peer that it followed: as somebody found who sees both clocks.
+  // The error of a simulated peer's session time against that of the peer that it followed. The simulator measures it,
+  // since it sees both clocks.
   struct ClockError {
     std::uint64_t samples;  // ticks
     Duration p99, max;
-    Duration bound_median, bound_max;  // that it published
-    std::uint64_t beyond_bound;        // samples in which the error was larger
+    Duration bound_median, bound_max;  // bounds that the peer published
+    std::uint64_t beyond_bound;        // samples with an error beyond the published bound
   };
 
   PeerId peer;
   std::string name;
   std::optional<SimTime> start;      // of the motions
-  std::optional<HostTime> ended_at;  // when it left or was killed, like `true_at`; none: it was there to the end
+  std::optional<HostTime> ended_at;  // when the peer left or was killed, as `true_at`; none: it stayed to the end
   std::vector<ObjectSample> object_samples;
   std::vector<Update> updates;
   std::vector<Datagram> datagrams;
@@ -64,7 +67,7 @@ struct PeerLog {
   std::uint32_t groups_joined = 0;
   std::uint32_t other_worlds = 0;
   std::map<std::string, std::uint64_t> counters;
-  std::optional<ClockError> clock_error;  // none: it led all the time, or a real network; not in the file
+  std::optional<ClockError> clock_error;  // not in the file; none: a real network, or the peer led all the time
 };
 
 [[nodiscard]] Result<void> save(const PeerLog& log, const std::filesystem::path& path);

@@ -8,8 +8,8 @@
 namespace peerd {
 namespace {
 
-// Faster than this no key makes anything [m/s]: an object would soon be where no update can tell of it (1e12 m), and
-// what the others can't decode they drop without a word.
+// The highest speed that a key may give an object [m/s]. A faster one would soon leave the range of an update (1e12 m),
+// and receivers drop updates beyond that range.
 constexpr double kKeySpeedMax_m_s = 1e6;
 
 const char* to_string(replication::ContactKind kind) {
@@ -28,8 +28,7 @@ const char* to_string(replication::ContactKind kind) {
 
 }  // namespace
 
-Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
-                                                               bool inlines_when_needed) {
+Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path, bool inlines_when_needed) {
   auto world = config::load_world(path, inlines_when_needed);
   if (!world) return std::unexpected(world.error());
   auto shared = std::make_unique<SharedWorld>();
@@ -72,7 +71,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
         std::ranges::any_of(objects.outside, [&](const auto& named) { return named.second == object; });
     const auto launch = objects.launches.find(object);
     config.owned.push_back({object, outside || objects.motions.contains(object),
-                               launch == objects.launches.end() ? replication::Launch{} : launch->second});
+                            launch == objects.launches.end() ? replication::Launch{} : launch->second});
   }
   feed::PoseFeeds feeds({std::move(objects.outside), from_seconds(settings.feed.stale_s)}, shared.world.scene);
   return std::unique_ptr<PeerNode>(new PeerNode(std::move(config), shared, std::move(objects.motions), std::move(feeds),
@@ -94,11 +93,11 @@ PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, co
 }
 
 void PeerNode::on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram) {
-  (void)peer_.on_packet(now, region, datagram);  // why it was dropped is in the peer's counters
+  (void)peer_.on_packet(now, region, datagram);  // the peer's counters have the reason of a drop
 }
 
-// The lowest of the peers that are waited for says when; the others follow its hellos. Once it has gone, the lowest of
-// those that are left says it, for whoever comes later.
+// The peer with the lowest id of those that are waited for sets the start, and the others follow its hellos. After it
+// has left, the lowest of the remaining peers announces the start to joining peers.
 void PeerNode::agree_on_start(HostTime now) {
   if (!peer_.clock().synchronised()) return;
   if (options_.late) return follow_start(now);
@@ -124,10 +123,11 @@ void PeerNode::agree_on_start(HostTime now) {
   }
 }
 
-// Of somebody who comes later. Keys from before it was there are nobody's.
+// A late peer takes the start that any member announces, and skips scripted keys that precede its own joining.
 void PeerNode::follow_start(HostTime now) {
   const auto& members = peer_.members().all();
-  const auto announcing = std::ranges::find_if(members, [](const auto& member) { return member.second.start.has_value(); });
+  const auto announcing =
+      std::ranges::find_if(members, [](const auto& member) { return member.second.start.has_value(); });
   if (announcing == members.end()) return;
   const bool first = !log_.start;
   log_.start = announcing->second.start;
@@ -143,7 +143,7 @@ void PeerNode::leave(HostTime now) {
 void PeerNode::on_tick(HostTime now) {
   agree_on_start(now);
   if (log_.start != started_for_) {
-    // A start that shifts once the motions have begun (two sessions have met) changes nothing for them.
+    // The start shifts where two sessions meet; motions that have begun are not affected.
     const bool begun = started_for_ && *log_.start <= peer_.clock().to_session(now);
     started_for_ = log_.start;
     if (!begun) peer_.start_motions(now, *log_.start);
@@ -152,7 +152,7 @@ void PeerNode::on_tick(HostTime now) {
   samples_.clear();
   if (due) {
     for (const auto& [object, motion] : motions_) {
-      // Until it is known when the motion begins, the object stands where the world's file put it.
+      // Until the start is known, the object stands where the world's file places it.
       samples_.push_back({object, log_.start ? motion.sample(to_seconds(*due - *log_.start))
                                              : at_rest(shared_.world.scene.rigid_pose(object))});
     }
@@ -162,7 +162,7 @@ void PeerNode::on_tick(HostTime now) {
   }
   const std::uint64_t ticks = peer_.counters().ticks;
   peer_.on_tick(now, samples_);
-  const bool ticked = due && peer_.counters().ticks > ticks;  // not where the session's time has just changed
+  const bool ticked = due && peer_.counters().ticks > ticks;  // no tick where the session time has just changed
   if (ticked) logged_at_ = *due;
   press_keys(now);
   if (!options_.keep_log || !log_.start) return;
@@ -183,7 +183,7 @@ HostTime PeerNode::next_deadline() const {
   return next;
 }
 
-// After the tick: what a key changes at a tick's own time, the tick has not yet told the others.
+// Scripted keys are pressed after the tick of the same time, because that tick publishes states from before the press.
 void PeerNode::press_keys(HostTime now) {
   if (!log_.start) return;
   const SimTime session_now = peer_.clock().to_session(now);
@@ -195,7 +195,7 @@ void PeerNode::press_keys(HostTime now) {
 feed::Outcome PeerNode::on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses) {
   feed::Outcome outcome = feeds_.push(now, host_minus_wall, poses);
   if (outcome.taken == 0) return outcome;
-  if (peer_.due_tick(now)) on_tick(now);  // it is of an instant before: a jump is none of its business
+  if (peer_.due_tick(now)) on_tick(now);  // a due tick is of an earlier instant and must not see a jump of now
   samples_.clear();
   for (const feed::FedPose& fed : poses) {
     if (const auto object = feeds_.find(fed.object)) samples_.push_back({*object, feeds_.sample(*object, now)});
@@ -205,7 +205,7 @@ feed::Outcome PeerNode::on_poses(HostTime now, Duration host_minus_wall, std::sp
 }
 
 KeyReport PeerNode::on_key(HostTime now, const KeyEvent& key) {
-  on_tick(now);  // a tick that is due comes first: the motion that it tells of must not be changed behind its back
+  on_tick(now);  // a due tick publishes the motion from before the key, so it comes first
   KeyReport report = press(now, key);
   key_reports_.push_back(report);
   peer_.publish_now(now, {});
@@ -242,7 +242,7 @@ KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
   return report;
 }
 
-// Why this peer does not do that; empty: it may.
+// Returns the reason why this peer may not make the change; empty where it may.
 std::string PeerNode::why_not(HostTime now, const KeyReport::Change& change) const {
   const ObjectId object = change.recipient;
   const PeerId owner = peer_.owner(object);
@@ -257,7 +257,7 @@ std::string PeerNode::why_not(HostTime now, const KeyReport::Change& change) con
   if (drives(object)) return "a motion of the configuration moves it";
   Vec3 velocity = change.velocity_world;
   if (!change.absolute) velocity += peer_.truth(object, peer_.clock().to_session(now)).velocity;
-  // Written so that what is no number is refused too.
+  // The comparison is written so that a NaN is refused too.
   return velocity.norm() <= kKeySpeedMax_m_s ? "" : "it would be faster than 1e6 m/s, more than updates can tell of";
 }
 
@@ -275,8 +275,9 @@ void PeerNode::record_truths(SimTime t) {
   }
 }
 
-// Ghosts are looked at on a grid of their own: were it the tick's, a peer with another tick rate would show another
-// error although it believes the same. A sample that was slept through is not made up for from what is known now.
+// Ghosts are sampled on a time grid of their own: on the grid of ticks, peers with the same ghosts but different tick
+// rates would show different errors. Samples that fell into a suspension are left out, for later knowledge must not
+// fill them.
 void PeerNode::record_ghosts(HostTime now) {
   const SimTime session_now = peer_.clock().to_session(now);
   if (session_now < sample_time(next_sample_)) return;
@@ -300,10 +301,10 @@ std::optional<replication::Output> PeerNode::poll_output() {
   if (std::holds_alternative<Join>(*out)) log_.groups_joined = std::max(log_.groups_joined, ++groups_);
   if (std::holds_alternative<Leave>(*out)) --groups_;
   if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;
-  // The motions go on from where they are; if the other session has begun its own, its start is taken over.
+  // Motions continue from where they are. Where the other session has begun its motions, its start is adopted later.
   const auto* stepped = std::get_if<ClockStepped>(&*out);
   if (stepped != nullptr && log_.start && !stepped->same_session) *log_.start += stepped->step;
-  // Who slept through the start has still to be told of it: the sleep wiped out what was planned.
+  // A suspension discards the planned start, so a peer that was suspended across its start plans it again.
   const bool suspended = std::holds_alternative<HostSuspended>(*out) || (stepped != nullptr && stepped->same_session);
   if (suspended && log_.start && logged_at_ < *log_.start) started_for_.reset();
   if (!options_.keep_log) return out;

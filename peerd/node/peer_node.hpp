@@ -15,29 +15,29 @@
 
 namespace peerd {
 
-// What all peers of a run read and none changes.
+// The world that all peers of a run read and none of them changes.
 struct SharedWorld {
   config::LoadedWorld world;
   std::unique_ptr<const replication::WorldModel> model;
 };
 [[nodiscard]] Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
-                                                                             bool inlines_when_needed = false);
+                                                                     bool inlines_when_needed = false);
 
-// A peer with what moves its objects and what keeps its log: the part of a driver that the real and the simulated world
-// share. Still no clock and no socket.
+// A peer together with the sources of its objects' motion and with its log: the part of a driver that the real and the
+// simulated world share. Sans-IO, as the peer itself.
 class PeerNode {
  public:
   struct Options {
     std::uint64_t incarnation = 1;
-    std::vector<PeerId> wait_for;  // motions begin when all of these are here; empty: at once
-    bool late = false;             // the others have begun without it: it takes the start that they say
-    Duration start_lead{0};        // from then to the first whole second that is at least so far ahead
-    Duration clock_offset{0};      // test setting: what this host's clock is ahead of the shared one
+    std::vector<PeerId> wait_for;  // motions begin once all of these peers are members; empty: at once
+    bool late = false;             // the session has begun without this peer, which adopts the announced start
+    Duration start_lead{0};        // the start is the first whole second at least this long after everybody is here
+    Duration clock_offset{0};      // test setting: how far this host's clock is ahead of the shared clock
     bool keep_log = true;
-    std::uint32_t sample_hz = 60;  // how often the log looks at the ghosts, whatever the tick rate
+    std::uint32_t sample_hz = 60;  // rate of the ghosts' samples in the log, independent of the tick rate
   };
 
-  // `objects` are those of the settings.
+  // `objects` are the resolved objects of `settings`.
   [[nodiscard]] static std::unique_ptr<PeerNode> make(const config::PeerSettings& settings,
                                                       const config::ReplicationSettings& replication,
                                                       const SharedWorld& shared, config::PeerObjects objects,
@@ -46,20 +46,21 @@ class PeerNode {
   void on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
   void on_tick(HostTime now);
   void on_os_clock(HostTime now, std::optional<replication::OsClock> clock) { peer_.on_os_clock(now, clock); }
-  // A key goes down at this peer: its KeySensors change the velocity of objects that it runs. A release means nothing,
-  // and each repeat of a key that is held down counts if the caller passes it on, as in the seed's toolkit.
+  // A key is pressed at this peer: its KeySensors change the velocity of objects that it owns. Releases have no effect.
+  // Each automatic repeat that the caller passes on counts as a press, as in the toolkit of Ohlenburg 2003.
   KeyReport on_key(HostTime now, const KeyEvent& key);
-  // A program outside says where objects are that it moves; what the others believe too wrong goes out at once.
-  // host_minus_wall: what this host's time is ahead of Unix time.
+  // An external program sends poses of the objects that it moves. An update of each object whose ghost is beyond its
+  // threshold leaves at once. Unix time + `host_minus_wall` is the time of this host.
   feed::Outcome on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses);
+  // Counts a datagram of the pose port that is no message of poses.
   void refuse_poses(const std::string& why) { feeds_.refuse_message(why); }
   void leave(HostTime now);
-  // The next output, already in the log.
+  // The next output, which the log has recorded already.
   [[nodiscard]] std::optional<replication::Output> poll_output();
-  void reuse(replication::Bytes&& datagram) { peer_.reuse(std::move(datagram)); }  // as the peer's
-  // What became of the next key, whether it came by on_key() or from the settings: for a log.
+  void reuse(replication::Bytes&& datagram) { peer_.reuse(std::move(datagram)); }  // as Peer::reuse()
+  // The effect of the next key, whether it came by on_key() or from the settings.
   [[nodiscard]] std::optional<KeyReport> poll_key_report();
-  // What is new of the programs that move objects: for a log.
+  // The next event of the feeds that is worth a log line.
   [[nodiscard]] std::optional<feed::Notice> poll_feed_notice() { return feeds_.poll_notice(); }
   [[nodiscard]] HostTime next_deadline() const;
 
@@ -67,11 +68,11 @@ class PeerNode {
   [[nodiscard]] const Scene& scene() const { return shared_.world.scene; }
   [[nodiscard]] const std::string& name() const { return config_.name; }
   [[nodiscard]] const std::optional<replication::Viewpoint>& viewpoint() const { return config_.decisions.viewpoint; }
-  // Driven here, so not by keys or collisions.
+  // Whether a motion of the configuration or an external program drives the object, so that keys and collisions do not.
   [[nodiscard]] bool drives(ObjectId object) const { return motions_.contains(object) || feeds(object); }
-  // Moved by a program outside.
+  // Whether an external program moves the object.
   [[nodiscard]] bool feeds(ObjectId object) const { return feeds_.feeds(object); }
-  // When motions begin; none until everybody is here.
+  // The start of the motions; none until all awaited peers are here.
   [[nodiscard]] std::optional<SimTime> start() const { return log_.start; }
   // The log with the counters as they stand now.
   [[nodiscard]] const PeerLog& log();
@@ -97,10 +98,10 @@ class PeerNode {
   replication::PeerConfig config_;
   replication::Peer peer_;
   PeerLog log_;
-  std::vector<replication::OwnSample> samples_;  // what the peer is told next
-  std::uint32_t groups_ = 0;                     // that it listens to now
+  std::vector<replication::OwnSample> samples_;  // input of the peer's next tick
+  std::uint32_t groups_ = 0;                     // regions that are joined now
   SimTime logged_at_{};                          // the last tick
-  std::optional<SimTime> started_for_;           // the start that the peer was told
+  std::optional<SimTime> started_for_;           // the start that the peer was given last
   bool announces_start_ = false;
   std::int64_t next_sample_ = 0;  // counted from the start
   KeySensors key_sensors_;

@@ -19,12 +19,12 @@ void ArrivalClock::on_pair(const HostClock::Pair& pair) {
 
 std::optional<HostTime> ArrivalClock::arrival(Duration wall_stamp, HostTime empty_at) const {
   assert(last_);
-  // What came before the step was found is in no queue any more that was empty after it.
+  // A queue that was empty after the step was found holds no datagram from before it.
   if (stepped_ && empty_at < *stepped_ + kStampToQueue) return std::nullopt;
   if (wall_stamp > last_->wall) return std::nullopt;  // in the future
   const Duration middle = host_minus_wall_least_ + (host_minus_wall_most_ - host_minus_wall_least_) / 2;
   const HostTime at{wall_stamp + middle};
-  if (at < empty_at - kStampToQueue) return std::nullopt;  // was in the queue when that was empty
+  if (at < empty_at - kStampToQueue) return std::nullopt;  // it would have been in the queue that was empty
   return std::min(at, last_->after);
 }
 

@@ -6,7 +6,7 @@
 
 namespace peerd::net {
 
-// Times as they are handed to a peer, which must not run backwards: the later of each and the last one.
+// Makes a row of times monotonic, as a peer demands: each result is the later of the argument and the last result.
 class ForwardTime {
  public:
   HostTime operator()(HostTime at) {
@@ -17,7 +17,7 @@ class ForwardTime {
     last_ = std::max(last_, at);
     return last_;
   }
-  // How many were earlier than one before, and by how much at most.
+  // The number of arguments that were earlier than one before them, and the greatest such difference.
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] Duration most() const { return most_; }
 

@@ -14,8 +14,8 @@ Duration read_clock(clockid_t id) {
   return std::chrono::seconds{t.tv_sec} + std::chrono::nanoseconds{t.tv_nsec};
 }
 
-// Of several readings the one that took least: whoever is preempted in the midst of one is wrong by up to half a time
-// slice. (With one processor for three peers that was 12.7 ms, for a peer's whole life.)
+// Returns the difference by the fastest of several readings. A process that is preempted during a reading is wrong by
+// up to half a time slice; three peers on one processor have shown 12.7 ms, for the whole life of a peer.
 Duration wall_minus_boot_time() {
   Duration difference{0}, least = Duration::max();
   for (int i = 0; i < 8; ++i) {

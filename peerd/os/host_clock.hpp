@@ -3,21 +3,21 @@
 
 namespace peerd::net {
 
-// What a peer takes for the time of its computer [ns since the Unix epoch]. Nothing else reads a clock for it.
+// The host time of a peer [ns since the Unix epoch]: the only clock that is read for a peer.
 //
-// now() reads the wall clock once, at construction; from then on time runs by CLOCK_BOOTTIME, which counts on while the
-// computer is suspended. So it never steps and never runs backwards, whatever an administrator or an NTP daemon does to
-// the wall clock. Two peers on two hosts may therefore differ by seconds, and drift: the session clock measures and
-// removes that.
+// The wall clock is read once, at construction; from then on time runs by CLOCK_BOOTTIME, which continues while the
+// computer is suspended. So host time never steps and never runs backwards, whatever an administrator or an NTP daemon
+// does to the wall clock. The host times of two computers may therefore differ by seconds, and drift; the session clock
+// measures and removes that.
 class HostClock {
  public:
-  // test_offset: makes this process believe that it is that much later than its computer says (a test setting).
+  // `test_offset` is a test setting, which is added to the time of the computer.
   explicit HostClock(Duration test_offset = Duration{0});
   [[nodiscard]] HostTime now() const;
-  // What now() is ahead of the wall clock at this instant: turns what another program of this computer stamped by the
-  // wall clock (Unix time) into this clock's time, whatever has been done to the wall clock since construction.
+  // The difference from the wall clock to now(), at this instant. It converts Unix times of other programs on this
+  // computer to host time, even where the wall clock has been set since construction.
   [[nodiscard]] Duration minus_wall() const;
-  // A reading of the wall clock (Unix time) between two of this one.
+  // A reading of the wall clock (Unix time) between two readings of this clock.
   struct Pair {
     HostTime before;
     Duration wall;

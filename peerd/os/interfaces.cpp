@@ -16,7 +16,7 @@ const char* name_of(IpFamily family) { return family == IpFamily::kV4 ? "IPv4" :
 
 bool has_address(const Interface& i, IpFamily family) { return family == IpFamily::kV4 ? i.has_ipv4 : i.has_ipv6; }
 
-// Linux routes IPv4 multicast over lo once lo is named as the interface; IPv6 has no multicast route there, unless an
+// Linux routes IPv4 multicast over lo where lo is named as the interface. For IPv6, lo has no multicast route unless an
 // administrator adds one.
 bool can_multicast(const Interface& i, IpFamily family) {
   return i.up && has_address(i, family) && (i.loopback ? family == IpFamily::kV4 : i.multicast);
@@ -100,13 +100,13 @@ std::expected<std::vector<Interface>, NetError> list_interfaces() {
   const std::unique_ptr<ifaddrs, decltype([](ifaddrs* p) { freeifaddrs(p); })> owner(raw);
 
   std::vector<Interface> interfaces;
-  for (const ifaddrs* entry = raw; entry; entry = entry->ifa_next) {  // one entry an address, and one a link
+  for (const ifaddrs* entry = raw; entry; entry = entry->ifa_next) {  // one entry for each address and for each link
     std::string name = entry->ifa_name;
     name.erase(std::min(name.find(':'), name.size()));  // an address may carry a label such as eth0:1
     auto known = std::ranges::find(interfaces, name, &Interface::name);
     if (known == interfaces.end()) {
       const unsigned index = if_nametoindex(name.c_str());
-      if (index == 0) continue;  // gone since
+      if (index == 0) continue;  // the interface has gone in the meantime
       known = interfaces.insert(known, {.name = name,
                                         .index = index,
                                         .up = (entry->ifa_flags & IFF_UP) != 0,

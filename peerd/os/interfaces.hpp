@@ -17,12 +17,12 @@ struct Interface {
   bool up = false;
   bool running = false;  // has a carrier: a cable, a wireless link, a container on the bridge
   bool loopback = false;
-  bool multicast = false;  // says so itself; lo does not, and yet carries IPv4 multicast
+  bool multicast = false;  // IFF_MULTICAST; lo lacks the flag, and yet carries IPv4 multicast
   bool has_ipv4 = false;
   bool has_ipv6 = false;
 };
 
-// The interfaces of this computer (of this network namespace), by index.
+// The interfaces of this network namespace, by index.
 [[nodiscard]] std::expected<std::vector<Interface>, NetError> list_interfaces();
 
 struct ChosenInterface {
@@ -30,8 +30,8 @@ struct ChosenInterface {
   std::string why;  // for the log: "eth0, as configured"
 };
 
-// The interface of that name; or, for an empty name, the only one that reaches other computers and is running, else lo
-// (IPv4). A pure function of the list.
+// Returns the interface named `wanted`; for an empty name, the only one that reaches other computers and is running,
+// else lo (IPv4). A pure function of the list.
 [[nodiscard]] std::expected<ChosenInterface, NetError> choose_interface(const std::vector<Interface>& interfaces,
                                                                         std::string_view wanted, IpFamily family);
 

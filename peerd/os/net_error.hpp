@@ -4,11 +4,12 @@
 
 namespace peerd::net {
 
-// Why the network could not be had. The sentence is for a person: it says what is wrong and what to do about it.
+// The reason for which an operation on the network failed. The sentence is for a person: it says what is wrong and what
+// to do about it.
 struct NetError {
   enum class Kind : std::uint8_t {
     kNoSuchInterface,  // no interface of that name
-    kNoMulticast,      // there is one, but multicast does not work over it
+    kNoMulticast,      // multicast does not work over the interface
     kPortBusy,         // another program holds the port and does not share it
     kPermission,       // the system forbids it
     kLimit,            // too many groups, files, regions

@@ -6,9 +6,9 @@
 
 namespace peerd::net {
 
-// What the kernel says of CLOCK_REALTIME, as NTP or PTP steers it: its maxerror, and what this reading took. None: it
-// does not know how right that clock is (STA_UNSYNC: nothing steers it, or it has just been set), or a leap second is
-// being inserted. What ntp_adjtime(3) says, and no privilege is needed to ask.
+// Reads CLOCK_REALTIME together with the error bound that the kernel states while NTP or PTP steers the clock: its
+// maxerror, plus the duration of this reading. None where the kernel knows no bound (STA_UNSYNC: nothing steers the
+// clock, or it has just been set), or while a leap second is inserted. ntp_adjtime(3) needs no privilege for this.
 [[nodiscard]] std::optional<replication::OsClock> read_os_clock(const HostClock& clock);
 
 }  // namespace peerd::net

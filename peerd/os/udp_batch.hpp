@@ -20,30 +20,30 @@ namespace peerd::net {
 
 namespace asio = boost::asio;
 
-// A datagram and what the kernel says beside it. Valid until the next read.
+// A datagram with the kernel's metadata. It is valid until the next read.
 struct Received {
   std::span<const std::byte> bytes;
   bool truncated = false;
   const asio::ip::udp::endpoint& from;
   std::optional<asio::ip::address> to;       // by IP_PKTINFO, IPV6_PKTINFO
-  unsigned interface_index = 0;              // that it came over
-  std::optional<std::uint32_t> lost_before;  // by this socket since it was opened, modulo 2^32; none when none
-  std::optional<Duration> wall_stamp;        // Unix time at which the kernel got it
+  unsigned interface_index = 0;              // of the receiving interface
+  std::optional<std::uint32_t> lost_before;  // datagrams that the socket has lost in all, modulo 2^32; none: no losses
+  std::optional<Duration> wall_stamp;        // Unix time at which the kernel received it
 };
 
-// Up to kBatch datagrams of one socket by one recvmmsg. Allocates when it is made and never again.
+// Reads up to kBatch datagrams of one socket by one recvmmsg. It allocates at construction only.
 class ReceiveBatch {
  public:
   explicit ReceiveBatch(std::size_t max_bytes);
   ReceiveBatch(const ReceiveBatch&) = delete;
   ReceiveBatch& operator=(const ReceiveBatch&) = delete;
 
-  // How many were waiting, kBatch at most; an error as -errno.
+  // Returns the number of datagrams that were waiting, at most kBatch, or an error as -errno.
   [[nodiscard]] int read(int fd);
-  [[nodiscard]] Received operator[](std::size_t i);  // of those that the last read gave
+  [[nodiscard]] Received operator[](std::size_t i);  // the i-th datagram of the last read
 
  private:
-  // Where it was sent to, how many were lost before it, when it came.
+  // Room for the destination address, the number of lost datagrams and the timestamp.
   static constexpr std::size_t kControlBytes =
       CMSG_SPACE(sizeof(in6_pktinfo)) + CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(timespec));
   struct alignas(cmsghdr) Control {
@@ -56,10 +56,10 @@ class ReceiveBatch {
   std::array<asio::ip::udp::endpoint, kBatch> froms_;
   std::array<iovec, kBatch> into_{};
   std::array<mmsghdr, kBatch> messages_{};
-  std::size_t used_ = kBatch;  // whose lengths are to be set before the next read
+  std::size_t used_ = kBatch;  // messages whose lengths are to be reset before the next read
 };
 
-// Datagrams that wait to leave by one sendmmsg. Allocates when it is made and never again.
+// Datagrams that wait to leave by one sendmmsg. The queue allocates at construction only.
 class SendQueue {
  public:
   explicit SendQueue(std::size_t max_bytes);
@@ -67,9 +67,10 @@ class SendQueue {
   SendQueue& operator=(const SendQueue&) = delete;
 
   [[nodiscard]] bool full() const { return size_ == kBatch; }
-  // Not when full. Copies header and datagram, max_bytes together at most.
+  // Copies header and datagram, which together have at most `max_bytes`. The queue must not be full.
   void push(const asio::ip::udp::endpoint& to, std::span<const std::byte> header, std::span<const std::byte> datagram);
-  // Empties it. Counts what the kernel takes, and why it doesn't take the rest: those, by their place in it.
+  // Sends and empties the queue. Counts the datagrams that the kernel takes, and the others by reason; returns the
+  // indices of those others.
   std::bitset<kBatch> flush(int fd, TrafficCounters& counters);
 
  private:

@@ -16,9 +16,9 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 using boost::system::error_code;
 
-constexpr std::size_t kDatagramMax_bytes = 65'535;  // no UDP payload is longer, so none is cut
-constexpr int kReceiveBuffer_bytes = 1 << 20;       // asked for; the system may give less
-// Read at one go; then the ticks have their turn, whoever floods the port.
+constexpr std::size_t kDatagramMax_bytes = 65'535;  // no UDP payload is longer, so none is truncated
+constexpr int kReceiveBuffer_bytes = 1 << 20;       // requested; the system may grant less
+// The number of datagrams that are read before ticks have their turn, so that a flood of the port does not stop them.
 constexpr int kDatagramsAtOnce = 32;
 
 }  // namespace
@@ -47,7 +47,7 @@ UdpPort::UdpPort(asio::io_context& io, OnDatagram on_datagram)
     : socket_(io), on_datagram_(std::move(on_datagram)), buffer_(kDatagramMax_bytes) {}
 
 Result<std::unique_ptr<UdpPort>> UdpPort::open(asio::io_context& io, const std::string& address,
-                                                       const std::string& asked_by, OnDatagram on_datagram) {
+                                               const std::string& asked_by, OnDatagram on_datagram) {
   const auto fail = [&](const std::string& why, int code) {
     return std::unexpected(InputError{"error: " + asked_by + " = \"" + address + "\": " + why, code});
   };
@@ -59,7 +59,7 @@ Result<std::unique_ptr<UdpPort>> UdpPort::open(asio::io_context& io, const std::
   socket.open(endpoint->protocol(), error);
   if (!error) socket.non_blocking(true, error);
   if (error) return fail(error.message(), 3);
-  error_code ignored;  // asked, not demanded; what is lost for want of room is counted
+  error_code ignored;  // a smaller buffer is acceptable, for losses are counted
   socket.set_option(asio::socket_base::receive_buffer_size(kReceiveBuffer_bytes), ignored);
   const int on = 1;
   if (setsockopt(socket.native_handle(), SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) != 0) {
@@ -73,13 +73,13 @@ Result<std::unique_ptr<UdpPort>> UdpPort::open(asio::io_context& io, const std::
 }
 
 udp::endpoint UdpPort::endpoint() const {
-  error_code ignored;  // it is bound
+  error_code ignored;  // a bound socket has a local endpoint
   return socket_.local_endpoint(ignored);
 }
 
 void UdpPort::wait() {
   socket_.async_wait(udp::socket::wait_read, [this](const error_code& cancelled) {
-    if (!cancelled) receive();  // else the port is gone
+    if (!cancelled) receive();  // a cancelled wait means that the port is destroyed
   });
 }
 
@@ -89,7 +89,7 @@ void UdpPort::receive() {
   wait();
 }
 
-// False: there is none.
+// Returns false where no datagram waits.
 bool UdpPort::receive_one() {
   iovec part{buffer_.data(), buffer_.size()};
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof(std::uint32_t))];

@@ -6,7 +6,8 @@
 namespace peerd::net {
 namespace {
 
-// Batches of one socket before timers, signals and other sockets get their turn; the rest stays in the kernel's queue.
+// The number of batches that are read of one socket before timers, signals and other sockets have their turn; the rest
+// stays in the kernel's queue.
 constexpr int kReadsPerTurn = 2;
 
 }  // namespace
@@ -23,7 +24,7 @@ void UdpReceiver::start(Handler handler) {
 void UdpReceiver::wait() {
   socket_.async_wait(asio::ip::udp::socket::wait_read,
                      [this, alive = std::weak_ptr(alive_)](const boost::system::error_code& ec) {
-                       if (alive.expired() || ec) return;  // a wait fails only when its socket is closed
+                       if (alive.expired() || ec) return;  // a wait fails only because its socket is closed
                        read();
                        wait();
                      });
@@ -60,8 +61,8 @@ bool UdpReceiver::read() {
   return any;
 }
 
-// The kernel says how many in all, modulo 2^32, as they were when this one came: what was turned away since then makes
-// the difference less than what is known already, until the next one comes.
+// The kernel reports the total of losses, modulo 2^32, at the arrival of this datagram. Losses that are already known
+// may have happened after its arrival; then the difference is negative until the next datagram.
 void UdpReceiver::count_lost(const Received& received) {
   if (!received.lost_before) return;
   const auto more = static_cast<std::int32_t>(*received.lost_before - filtered_ - lost_);

@@ -11,7 +11,7 @@
 
 namespace peerd::net {
 
-// What all sockets of one transport read with, one after the other.
+// The buffers and clocks that all sockets of one transport share; the sockets are read one after the other.
 struct Reading {
   Reading(const HostClock& host_clock, TrafficCounters& traffic, std::size_t max_bytes)
       : clock(host_clock), counters(traffic), batch(max_bytes) {
@@ -24,7 +24,7 @@ struct Reading {
   bool busy = false;
 };
 
-// One UDP socket that is read whenever something has come.
+// One UDP socket, which is read whenever datagrams wait.
 class UdpReceiver {
  public:
   using Handler = std::function<void(const Received&, HostTime at)>;
@@ -34,11 +34,11 @@ class UdpReceiver {
 
   [[nodiscard]] asio::ip::udp::socket& socket() { return socket_; }
   [[nodiscard]] const asio::ip::udp::socket& socket() const { return socket_; }
-  // Once, with the socket open. `handler` must not read, nor destroy this.
+  // Starts reading; to be called once, with the socket open. `handler` must neither read nor destroy the receiver.
   void start(Handler handler);
-  // The socket's filter has dropped one, or soon will: the kernel counts it among those it lost.
+  // Notes that the socket's filter has dropped a datagram, or soon will. The kernel counts it as lost.
   void on_filtered() { ++filtered_; }
-  // What waits now, as much as is fair to others; whether anything did.
+  // Reads the datagrams that wait, up to a limit that is fair to other sockets. Returns whether there was one.
   bool read();
 
  private:
@@ -49,10 +49,10 @@ class UdpReceiver {
   asio::ip::udp::socket socket_;
   Reading& reading_;
   Handler handler_;
-  std::uint32_t filtered_ = 0;  // modulo 2^32, as the next one
-  std::uint32_t lost_ = 0;         // for want of room, as far as the kernel has said
-  HostTime empty_at_;              // the socket's queue was empty then or later
-  // Closing a socket does not call back completions that are already queued (Asio, cancel()): they look here first.
+  std::uint32_t filtered_ = 0;  // modulo 2^32
+  std::uint32_t lost_ = 0;      // for want of room, as far as the kernel has reported; modulo 2^32
+  HostTime empty_at_;           // the socket's queue was empty then or later
+  // Closing a socket does not cancel completions that are already queued (Asio, cancel()), so they check this first.
   std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);
 };
 

@@ -32,7 +32,7 @@ std::expected<void, NetError> set_options(int fd, std::span<const SocketOption> 
   return {};
 }
 
-// Each option's reason is in README.md.
+// The reason for each option is in peerd/transport/README.md.
 std::expected<void, NetError> open_udp(udp::socket& socket, const UdpOptions& options) {
   error_code ec;
   socket.open(options.v4 ? udp::v4() : udp::v6(), ec);
@@ -62,7 +62,7 @@ std::expected<void, NetError> open_udp(udp::socket& socket, const UdpOptions& op
   const int fd = socket.native_handle();
   if (auto good = set_options(fd, common); !good) return good;
   if (auto good = options.v4 ? set_options(fd, v4) : set_options(fd, v6); !good) return good;
-  // Asked, not demanded: the kernel caps it without a word, and granted_receive_buffer() tells what came of it.
+  // The kernel caps the size silently; granted_receive_buffer() returns the granted size.
   return set_options(fd,
                      std::array<SocketOption, 1>{{{SOL_SOCKET, SO_RCVBUF, options.receive_buffer_bytes, "SO_RCVBUF"}}});
 }
@@ -85,7 +85,7 @@ std::expected<void, NetError> bind_udp(udp::socket& socket, std::uint16_t number
   return {};
 }
 
-// Linux reserves twice what it is asked for, for its own book-keeping, and tells that; Asio takes half of it.
+// Linux reserves and reports twice the requested size, for its own book-keeping; Asio halves the reported size.
 int granted_receive_buffer(const udp::socket& socket) {
   asio::socket_base::receive_buffer_size size;
   error_code ec;

@@ -11,7 +11,7 @@ namespace peerd::net {
 
 namespace asio = boost::asio;
 
-[[nodiscard]] std::string text_of(int error);  // of an errno
+[[nodiscard]] std::string text_of(int error);  // the system's text for an errno
 [[nodiscard]] std::unexpected<NetError> failure(NetError::Kind kind, std::string sentence);
 
 template <class Value>
@@ -28,16 +28,16 @@ struct SocketOption {
 struct UdpOptions {
   bool v4 = true;
   int dscp = 0;                  // 0 to 63
-  int receive_buffer_bytes = 0;  // asked of the kernel
+  int receive_buffer_bytes = 0;  // requested of the kernel
 };
-// Non-blocking; the kernel stamps what comes, counts what it loses, and says where each datagram was sent to.
+// Opens a non-blocking socket for which the kernel timestamps datagrams, counts lost ones, and names destinations.
 [[nodiscard]] std::expected<void, NetError> open_udp(asio::ip::udp::socket& socket, const UdpOptions& options);
 
-// To the wildcard address. `advice`: what to do where another program holds the port.
+// Binds to the wildcard address. `advice` says, for the error, what to do where another program holds the port.
 [[nodiscard]] std::expected<void, NetError> bind_udp(asio::ip::udp::socket& socket, std::uint16_t port,
                                                      const std::string& advice);
 
-// Granted by the kernel, which may be less than asked: net.core.rmem_max. 0: it doesn't say.
+// The receive buffer that the kernel grants [bytes], which may be less than requested (net.core.rmem_max). 0: unknown.
 [[nodiscard]] int granted_receive_buffer(const asio::ip::udp::socket& socket);
 
 }  // namespace peerd::net

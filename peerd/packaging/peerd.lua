@@ -1,9 +1,9 @@
 -- Wireshark and tshark (4.0 on) show peerd's datagrams with this file: copy it to ~/.local/lib/wireshark/plugins, or
--- say `-X lua_script:peerd.lua`. The bytes are proto/README.md's; peerd/record/README.md says what to filter by.
+-- say `-X lua_script:peerd.lua`. docs/protocol.md specifies the bytes; peerd/packaging/README.md describes the preferences.
 --
--- Protobuf is read here and not by Wireshark's own dissector, which knows messages but not what is packed into their
+-- This file reads Protobuf itself, because Wireshark's own dissector knows messages but not the packed contents of their
 -- byte strings: records bit by bit, lists of varints. Bytes that no peer sends are marked as malformed, as peers refuse
--- them; values beyond the limits of a peer's world are, too.
+-- them, and so are values beyond the limits of the protocol.
 
 local peerd = Proto("peerd", "peerd: a shared world")
 local inputs = Proto("peerd_input", "peerd: what a recorded peer was told")
@@ -153,10 +153,10 @@ peerd.experts = { malformed }
 
 -- ---- refusing -----------------------------------------------------------------------------------------------------
 
--- What a peer would refuse: thrown as a table, so that an error of this file's own is not taken for one of the bytes.
+-- A refusal of the bytes is thrown as a table, so that an error of this file itself is not taken for one.
 local function refuse(why) error({ refused = why }, 0) end
 
--- Runs `dissect`; what it refuses is marked in `tree`. Whether nothing was.
+-- Runs `dissect` and marks a refusal in `tree`. Returns whether there was none.
 local function guarded(tree, dissect)
   local good, problem = pcall(dissect)
   if good then return true end
@@ -171,7 +171,7 @@ local TWO32 = 2 ^ 32
 local ALL_ONES = UInt64.new(0xFFFFFFFF, 0xFFFFFFFF)
 
 local function signed(u) return Int64.new(u:lower(), u:higher()) end
--- A varint's 0, 1, 2, 3 as 0, -1, 1, -2.
+-- Decodes zigzag: 0, 1, 2, 3 mean 0, -1, 1, -2.
 local function unzigzag(u)
   local half = u:rshift(1)
   if u:lower() % 2 == 1 then half = half:bxor(ALL_ONES) end
@@ -219,7 +219,7 @@ end
 
 -- ---- Protobuf -----------------------------------------------------------------------------------------------------
 
--- A varint at `at`, at most 10 bytes: its value and what comes after it.
+-- Reads a varint at `at`, of at most 10 bytes. Returns its value and the offset after it.
 local function varint(tvb, at)
   local value = UInt64.new(0)
   for i = 0, 9 do
@@ -231,17 +231,16 @@ local function varint(tvb, at)
   refuse("a number of more than 10 bytes")
 end
 
--- Calls handlers[number] with each field's value and range: of wire type "varint" a UInt64, of "fixed64" nothing, of
--- "bytes" a Tvb. As to Protobuf's own readers, another type than the handler's is an unknown field, and of one that is
--- there more than once, and not `repeated`, the last counts. Messages are shown as often as they are there; Protobuf
--- merges them.
+-- Calls handlers[number] with each field's value and range: for wire type "varint" a UInt64, for "fixed64" nothing, for
+-- "bytes" a Tvb. As in Protobuf's own readers, a field of another type than the handler's is unknown, and the last of
+-- several fields counts unless it is `repeated`. Repeated messages are all shown; Protobuf merges them.
 local WIRE_TYPES = { [0] = "varint", [1] = "fixed64", [2] = "bytes", [5] = "fixed32" }
 local function each_field(tvb, tree, handlers)
   local at, calls, last = 0, {}, {}
   while at < tvb:len() do
     local begin, tag, value, range = at, nil, nil, nil
     tag, at = varint(tvb, at)
-    -- Of the fifth byte of a tag, Protobuf's C++ reader drops what is beyond 32 bits.
+    -- Protobuf's C++ reader drops the bits of a tag beyond the lowest 32.
     local number, wire = math.floor(tag:lower() / 8), WIRE_TYPES[tag:lower() % 8]
     if number == 0 or at - begin > 5 then refuse("a field without a number") end
     if wire == "varint" then
@@ -320,11 +319,11 @@ local XYZ, WXYZ = { "x", "y", "z" }, { "w", "x", "y", "z" }
 
 -- ---- bits ---------------------------------------------------------------------------------------------------------
 
--- The bits of a Tvb from a byte on, each byte's lowest first.
+-- Reads the bits of a Tvb from a byte on, the lowest bit of each byte first.
 local Bits = {}
 Bits.__index = Bits
 function Bits.new(tvb, at) return setmetatable({ tvb = tvb, begin = at, bit = 8 * at }, Bits) end
-function Bits:get(count)  -- at most 53, so that a Lua number holds them
+function Bits:get(count)  -- at most 53 bits, which a Lua number holds exactly
   if self.bit + count > 8 * self.tvb:len() then refuse("a record or a list is cut short") end
   local value, weight = 0, 1
   while count > 0 do
@@ -337,7 +336,7 @@ function Bits:get(count)  -- at most 53, so that a Lua number holds them
   end
   return value
 end
--- A varint in its shortest form.
+-- Reads a varint, which must be in its shortest form.
 function Bits:varint64()
   local value = UInt64.new(0)
   for i = 0, 9 do
@@ -363,7 +362,7 @@ function Bits:pad()
 end
 function Bits:range() return self.tvb(self.begin, self.bit / 8 - self.begin) end
 
--- Which of three are there.
+-- Reads which of three axes are present.
 function Bits:mask(may_be_empty)
   if self:get(1) == 0 then return { true, true, true } end
   local mask = self:get(3)
@@ -375,7 +374,8 @@ function Bits:signed(magnitude_bits, may_be_zero)
   if magnitude == 0 and (negative or not may_be_zero) then refuse("a zero that is sent") end
   return negative and -magnitude or magnitude
 end
--- In steps: the vector, and the bits of its longest component. `axes`: which it has, where it doesn't say so itself.
+-- Reads a vector in steps. Returns it and the width of its longest component. `axes` are its axes where the bits do not
+-- name them.
 function Bits:steps(step_log2, width_bits, axes)
   local width = self:get(width_bits)
   if width == 0 then return { 0, 0, 0 }, 0 end
@@ -391,7 +391,7 @@ function Bits:steps(step_log2, width_bits, axes)
   if most < 2 ^ (width - 1) then refuse("a width that is larger than needed") end
   return v, width
 end
--- binary64 by its bits.
+-- Reads a binary64 number.
 function Bits:double()
   local low, high = self:get(32), self:get(32)
   local sign = high >= 2 ^ 31 and -1 or 1
@@ -413,8 +413,8 @@ function Bits:exact()
   end
   return v
 end
--- The smallest three of a unit quaternion: whole numbers of 1 / (sqrt(2) 4095).
--- `upright`: w or y is the largest, and the other of the two is there.
+-- Reads the smallest three components of a unit quaternion, which are whole multiples of 1 / (sqrt(2) 4095). If `upright`,
+-- the largest is w or y, and only the other of the two is present.
 function Bits:orientation(upright)
   local largest, left = upright and 2 * self:get(1) or self:get(2), 2 * 4095 ^ 2
   local steps = {}
@@ -440,7 +440,7 @@ end
 local FIRST, SECOND, HISTORY, THIRD, TURNING, OSCILLATING, SLIDING = 1, 2, 3, 4, 5, 6, 7
 local UNKNOWN_KIND, EXACT = 8, 15
 
--- Which axes it moves along if it is level, and turns about if it is upright.
+-- The axes of motion of a level record, and the axis of rotation of an upright one.
 local ALONG_Y, ALONG_XZ = { false, true, false }, { true, false, true }
 
 local function within(m, axes)
@@ -581,7 +581,7 @@ local function dissect_record(tvb, tree, at, base_time)
   return at + range:len()
 end
 
--- The time with those lowest 5 bytes that is nearest to the capture's. Receivers take their own, of the session.
+-- Returns the time with those lowest 5 bytes that is nearest to the capture's time. Receivers use session time.
 local function nearest_time(low, pinfo)
   local near = tonumber(pinfo.abs_ts) * 1e9
   local period = 2 ^ 40
@@ -696,7 +696,7 @@ local function dissect_introduction(tvb, tree)
   if not named then refuse("no name") end
 end
 
--- Microseconds, at most so many.
+-- Reads microseconds up to a limit.
 local function microseconds(tree, f, most, keep)
   return { varint = function(value, range)
     if value > most then refuse("a clock so wrong that it is none") end
@@ -719,7 +719,7 @@ local function dissect_hello(tvb, tree)
       if ms > 2000 then refuse("a latency beyond 2 s") end
     end),
     { bytes = function(list) dissect_echoes(list, tree) end },
-    { bytes = function(list) notes = list end },  -- which needs the time, wherever that stands
+    { bytes = function(list) notes = list end },  -- decoded after the session time, which may follow it
     { repeated = true, bytes = function(...) introductions[#introductions + 1] = { ... } end },
     microseconds(tree, H.clock_error, CLOCK_ERROR_MOST),
     { varint = function(value, range) os_minus_session, os_range = unzigzag(value), range end },
@@ -733,7 +733,7 @@ end
 
 -- ---- decisions, regions -------------------------------------------------------------------------------------------
 
--- Four binary64, of which a mask says which are not zero.
+-- Reads four binary64 numbers; a mask says which of them are not zero.
 function Bits:quaternion()
   local q, there = { 0, 0, 0, 0 }, {}
   for i = 1, 4 do there[i] = self:get(1) == 1 end
@@ -751,14 +751,14 @@ local STATE = { "position", "velocity", "acceleration", "orientation", "spin" }
 local AT_REST = {
   position = { 0, 0, 0 }, velocity = { 0, 0, 0 }, acceleration = { 0, 0, 0 }, orientation = { 1, 0, 0, 0 }, spin = { 0, 0, 0 },
 }
--- Bit for bit: 0 and -0 differ.
+-- Compares bit by bit: 0 and -0 differ.
 local function same_bits(a, b)
   for i = 1, #a do
     if a[i] ~= b[i] or 1 / a[i] ~= 1 / b[i] then return false end
   end
   return true
 end
--- A state by what differs from another.
+-- Reads a state by its differences from another state.
 local function take_state(bits, was)
   local is = {}
   for _, name in ipairs(STATE) do
@@ -772,7 +772,7 @@ local function take_state(bits, was)
   if norm(is.spin) > 1e4 then refuse("a spin beyond 10,000 rad/s") end
   return is
 end
--- 0 and -0 are one.
+-- Compares by value: 0 and -0 are equal.
 local function same_value(a, b)
   for i = 1, #a do
     if a[i] ~= b[i] then return false end
@@ -827,7 +827,7 @@ local function dissect_decisions(tvb, tree, pinfo)
   return count
 end
 
--- A repeated uint32, packed or not.
+-- Reads a repeated uint32, packed or not.
 local function numbers(into)
   local function keep(value, range) into[#into + 1] = { value:lower(), range } end
   return {
@@ -945,7 +945,7 @@ local function dissect_greeting(tvb, tree, pinfo)
   pinfo.cols.info = "greeting" .. (flags >= 2 and ", leaving" or "")
 end
 
--- An address as a list of numbers below 2^16, or nothing.
+-- Converts an address to a list of numbers below 2^16; nil for other text.
 local function address_words(text)
   local a, b, c, d = text:match("^(%d+)%.(%d+)%.(%d+)%.(%d+)$")
   if a then return { a * 256 + b, c * 256 + d } end
@@ -963,7 +963,7 @@ local function address_words(text)
   return #list == 8 and list or nil
 end
 
--- By how much a group comes after the first; nothing where it doesn't.
+-- Returns the distance of a group from the first one; nil where it does not follow it.
 local function distance(from, group)
   local first, to = address_words(from), address_words(tostring(group))
   if not first or not to or #first ~= #to then return nil end
@@ -976,7 +976,7 @@ local function distance(from, group)
   return number >= 0 and number <= most and number or nil
 end
 
--- A world's regions follow at a distance that is a multiple of this.
+-- The groups of a world's regions begin at a multiple of this distance.
 local WORLD_STEP = 1024
 
 local function region_of(group)
@@ -1008,7 +1008,7 @@ function peerd.dissector(tvb, pinfo, root)
   return tvb:len()
 end
 
--- What begins like a datagram of this version: version, sender, then a number or what else comes next.
+-- Recognises a datagram of this version by its beginning: version, sender, then a number or another field.
 local function looks_like_one(tvb)
   local at = tvb:len() > 5 and tvb(0, 1):uint() == REGION_MARK and 5 or 0
   return tvb:len() >= at + 5 and tvb(at, 3):uint() == 0x080310

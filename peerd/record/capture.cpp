@@ -6,20 +6,20 @@
 #include <stdexcept>
 #include <vector>
 
-#include "peerd/transport/unicast_frame.hpp"
 #include "peerd/record/udp_packet.hpp"
+#include "peerd/transport/unicast_frame.hpp"
 
 namespace peerd::record {
 namespace {
 
 namespace ip = boost::asio::ip;
 
-// What one input and its outputs take at most, so that they reach the file by one call of the system, all or nothing.
+// More than one input and its outputs take [bytes], so that they reach the file by one system call, all or nothing.
 constexpr std::size_t kBuffer_bytes = std::size_t{1} << 20;
 
 constexpr std::uint32_t kNetwork = 0, kInputs = 1;  // the capture's interfaces
 
-// As on the wire: where regions share groups, each datagram says its own.
+// As on the wire, a datagram begins with its region where regions share groups.
 bool framed(const net::GroupPlan& groups) { return groups.pool > 0; }
 
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
@@ -27,7 +27,7 @@ std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// "WORD REST", or WORD alone.
+// Splits "WORD REST", or WORD alone, and leaves REST in `text`.
 std::string_view take_word(std::string_view& text) {
   const std::size_t blank = text.find(' ');
   const std::string_view word = text.substr(0, blank);
@@ -62,9 +62,8 @@ std::optional<decltype(Event::what)> input_from(std::string_view text) {
 
 }  // namespace
 
-Result<std::unique_ptr<CaptureWriter>> CaptureWriter::open(const std::filesystem::path& path,
-                                                                   const Setup& setup, HostTime now,
-                                                                   const ip::address& own_address) {
+Result<std::unique_ptr<CaptureWriter>> CaptureWriter::open(const std::filesystem::path& path, const Setup& setup,
+                                                           HostTime now, const ip::address& own_address) {
   std::unique_ptr<CaptureWriter> writer(new CaptureWriter(path, setup, now, own_address));
   writer->flush();
   if (!writer->good()) return std::unexpected(InputError{path.string() + ": error: can't be written", 3});
@@ -174,7 +173,7 @@ std::expected<std::optional<Event>, std::string> CaptureReader::next() {
   const auto wrong = [&](const std::string& why) {
     return std::unexpected("packet " + std::to_string(count_) + ": " + why);
   };
-  ++count_;  // from 1, as Wireshark does
+  ++count_;  // packets count from 1, as in Wireshark
   if ((*packet)->at < last_) return wrong("its time is before that of the one before");
   last_ = (*packet)->at;
   if ((*packet)->link == LinkType::kRawIp) {

@@ -16,17 +16,17 @@
 
 namespace peerd::record {
 
-// A capture: everything that went into one PeerNode, in that order, with the times that it was told, and the datagrams
-// that came out. README.md in this folder has the file's format.
+// Writes a capture: every input of one PeerNode, in its order and with the times that the node got, and the datagrams
+// that the node sent. README.md in this folder specifies the file.
 //
-// Each call stands before the node's, on_send() where its outputs are polled. What can't be written ends the capture
-// for good, and good() says so.
+// Each call precedes the corresponding call of the node; on_send() is called where the node's outputs are polled. After
+// a write error the capture has ended for good, and good() is false.
 class CaptureWriter {
  public:
-  // own_address: where the peer's datagrams come from; any address where that is not one alone.
+  // `own_address` is the source of the peer's datagrams, or the unspecified address where there are several.
   [[nodiscard]] static Result<std::unique_ptr<CaptureWriter>> open(const std::filesystem::path& path,
-                                                                           const Setup& setup, HostTime now,
-                                                                           const boost::asio::ip::address& own_address);
+                                                                   const Setup& setup, HostTime now,
+                                                                   const boost::asio::ip::address& own_address);
 
   void on_packet(HostTime now, const boost::asio::ip::udp::endpoint& from, RegionId region,
                  std::span<const std::byte> datagram);
@@ -35,9 +35,9 @@ class CaptureWriter {
   void on_control(HostTime now, Duration host_minus_wall, std::string_view line);
   void on_poses(HostTime now, Duration host_minus_wall, std::string_view datagram);
   void on_leave(HostTime now) { input(now, "leave"); }
-  // At the time of the last input, which it answers.
+  // The datagram has the time of the last input, which has caused it.
   void on_send(RegionId region, std::span<const std::byte> datagram);
-  // Hands what is written to the system, so that it outlives this process.
+  // Passes everything to the operating system, so that it outlives this process.
   void flush() { file_.flush(); }
   [[nodiscard]] bool good() const { return file_.good(); }
 
@@ -50,7 +50,7 @@ class CaptureWriter {
 
   std::ostream& opened(const std::filesystem::path& path);
 
-  std::vector<char> buffer_;  // of file_
+  std::vector<char> buffer_;  // used by file_
   std::ofstream file_;
   PcapngWriter packets_;
   net::GroupPlan groups_;
@@ -58,7 +58,7 @@ class CaptureWriter {
   HostTime now_;
 };
 
-// What stands in a capture. Spans and views point into its bytes.
+// The events of a capture. Spans and views point into its bytes.
 struct DatagramIn {
   RegionId region;
   std::span<const std::byte> datagram;
@@ -68,14 +68,14 @@ struct DatagramOut {
   std::span<const std::byte> datagram;
 };
 struct Tick {};
-struct OsClockRead {  // none: it does not know how right it is
+struct OsClockRead {  // none: the system knows no error bound
   std::optional<replication::OsClock> clock;
 };
-struct Control {  // a line of the control protocol
+struct Control {  // one line of the control protocol
   Duration host_minus_wall;
   std::string_view line;
 };
-struct Poses {  // a datagram at the port for poses
+struct Poses {  // one datagram of the pose port
   Duration host_minus_wall;
   std::string_view datagram;
 };
@@ -85,18 +85,18 @@ struct Event {
   std::variant<DatagramIn, DatagramOut, Tick, OsClockRead, Control, Poses, Left> what;
 };
 
-// Hostile input: errors are sentences that say where.
+// Reads a capture, which is hostile input. Errors are sentences that say where.
 class CaptureReader {
  public:
   // `file` outlives the reader and its events.
   [[nodiscard]] static std::expected<CaptureReader, std::string> open(std::span<const std::byte> file);
 
   [[nodiscard]] const Setup& setup() const { return setup_; }
-  // When the peer was made.
+  // The time at which the peer was made.
   [[nodiscard]] HostTime begin() const { return begin_; }
-  // None at the end. Times never go back.
+  // Returns the next event, and none at the end. A file whose times decrease is an error.
   [[nodiscard]] std::expected<std::optional<Event>, std::string> next();
-  // After the end: the writer was stopped in the middle.
+  // After the end: whether the file stops inside of a packet, because its writer was stopped.
   [[nodiscard]] bool cut_off() const { return packets_.cut_off(); }
 
  private:

@@ -12,14 +12,14 @@ namespace {
 constexpr std::uint32_t kSectionHeader = 0x0A0D0D0A, kInterface = 1, kEnhancedPacket = 6;
 constexpr std::uint32_t kMagic = 0x1A2B3C4D;
 constexpr std::uint16_t kMajorVersion = 1;
-// Options, each by the blocks that it stands in.
+// The codes of options, which depend on the block.
 constexpr std::uint16_t kEndOfOptions = 0, kComment = 1;
 constexpr std::uint16_t kSectionProgram = 4;
 constexpr std::uint16_t kInterfaceName = 2, kInterfaceDescription = 3, kTimeResolution = 9;
 constexpr std::uint16_t kPacketFlags = 2;
 constexpr std::byte kNanoseconds{9};  // 10^-9
 constexpr std::size_t kBlockFrame_bytes = 12;
-constexpr std::size_t kPadding_bytes = 4;  // everything begins at a multiple
+constexpr std::size_t kPadding_bytes = 4;  // blocks, options and packets begin at multiples
 
 constexpr std::size_t padded(std::size_t size_bytes) {
   return (size_bytes + kPadding_bytes - 1) / kPadding_bytes * kPadding_bytes;
@@ -57,7 +57,7 @@ PcapngWriter::PcapngWriter(std::ostream& out, std::string_view program, std::str
   put(body_, kMagic);
   put(body_, kMajorVersion);
   put(body_, std::uint16_t{0});                           // minor
-  put(body_, std::numeric_limits<std::uint64_t>::max());  // the section's length is not told
+  put(body_, std::numeric_limits<std::uint64_t>::max());  // the section's length is unspecified
   put_option(body_, kSectionProgram, program);
   put_option(body_, kComment, comment);
   end_options(body_);
@@ -67,7 +67,7 @@ PcapngWriter::PcapngWriter(std::ostream& out, std::string_view program, std::str
 void PcapngWriter::interface(LinkType link, std::string_view name, std::string_view description) {
   put(body_, static_cast<std::uint16_t>(link));
   put(body_, std::uint16_t{0});
-  put(body_, std::uint32_t{0});  // packets are whole
+  put(body_, std::uint32_t{0});  // packets are not truncated
   put_option(body_, kInterfaceName, name);
   put_option(body_, kInterfaceDescription, description);
   put_option(body_, kTimeResolution, std::span(&kNanoseconds, 1));
@@ -82,8 +82,8 @@ void PcapngWriter::packet(std::uint32_t interface, HostTime at, Direction direct
   put(body_, interface);
   put(body_, static_cast<std::uint32_t>(ns >> 32));
   put(body_, static_cast<std::uint32_t>(ns));
-  put(body_, size);  // captured
-  put(body_, size);  // of the packet
+  put(body_, size);  // captured length
+  put(body_, size);  // original length
   put_padded(body_, bytes);
   if (direction != Direction::kUnknown) {
     const auto flags = static_cast<std::uint32_t>(direction);
@@ -135,7 +135,7 @@ PcapngReader::Done PcapngReader::take_options(Body options, Take take) const {
   return {};
 }
 
-// The byte order is already known: next() needs it for the block's length.
+// next() has found the byte order, which it needs for the block's length.
 PcapngReader::Done PcapngReader::take_section(Body body) {
   if (in_section_) return std::unexpected(where("a second section begins: two files have been joined"));
   if (body.size() < 16) return std::unexpected(where("the section header is too short"));
@@ -195,7 +195,7 @@ std::expected<std::optional<PcapngPacket>, std::string> PcapngReader::next() {
       break;
     }
     const std::uint32_t type = number32(rest_, 0);
-    if (type == kSectionHeader) {  // the same from both ends
+    if (type == kSectionHeader) {  // this number is the same in both byte orders
       const std::uint32_t magic = number32(rest_, 8);
       if (magic == __builtin_bswap32(kMagic)) {
         swapped_ = !swapped_;

@@ -17,10 +17,10 @@ namespace peerd::record {
 //
 //   0           4            8                               length - 4    length
 //   +-----------+------------+- - - - - - - - - - - - - - - - - -+-----------+
-//   | type      | length     | body, options, all multiples of 4 | length    |    each number in the writer's byte
-//   order,
-//   +-----------+------------+- - - - - - - - - - - - - - - - - -+-----------+    which the section header's magic
-//   tells
+//   | type      | length     | body, options, all multiples of 4 | length    |
+//   +-----------+------------+- - - - - - - - - - - - - - - - - -+-----------+
+//
+// Each number is in the writer's byte order, which the magic number of the section header shows.
 
 enum class LinkType : std::uint16_t {
   kRawIp = 101,  // a packet begins with its IPv4 or IPv6 header
@@ -29,10 +29,11 @@ enum class LinkType : std::uint16_t {
 
 enum class Direction : std::uint8_t { kUnknown = 0, kIn = 1, kOut = 2 };
 
-// Writes in this machine's byte order, times in nanoseconds since 1970. The stream's state says whether all is written.
+// Writes in this machine's byte order, with times in nanoseconds since 1970. The state of the stream shows write
+// errors.
 class PcapngWriter {
  public:
-  // The section header comes at once.
+  // Writes the section header.
   PcapngWriter(std::ostream& out, std::string_view program, std::string_view comment);
   // Interfaces count from 0, in the order of these calls.
   void interface(LinkType link, std::string_view name, std::string_view description);
@@ -40,28 +41,28 @@ class PcapngWriter {
   void packet(std::uint32_t interface, HostTime at, Direction direction, std::span<const std::byte> bytes);
 
  private:
-  void block(std::uint32_t type);  // what body_ holds, and empties it
+  void block(std::uint32_t type);  // writes body_ as a block, and empties it
 
   std::ostream& out_;
   std::vector<std::byte> body_;
 };
 
 struct PcapngPacket {
-  LinkType link;  // any number at all: of the interface that it came over
+  LinkType link;  // of the packet's interface; any number, not only the enumerators
   HostTime at;
   Direction direction;
   std::span<const std::byte> bytes;
 };
 
-// Reads files of either byte order, of one section, with times in nanoseconds; passes over blocks and options that it
-// does not know. Hostile input.
+// Reads files of either byte order, of one section, with times in nanoseconds. It skips unknown blocks and options. The
+// file is hostile input.
 class PcapngReader {
  public:
   // `file` outlives the reader and the packets.
   explicit PcapngReader(std::span<const std::byte> file) : rest_(file), size_bytes_(file.size()) {}
-  // The next packet; none at the end. The error, one sentence, says where and why the file can't be read any further.
+  // Returns the next packet, and none at the end. The error, one sentence, says where and why the file is unreadable.
   [[nodiscard]] std::expected<std::optional<PcapngPacket>, std::string> next();
-  // After the end: the file stops inside of a block, because its writer was stopped. What is whole counts.
+  // After the end: whether the file stops inside of a block, because its writer was stopped. Whole blocks count.
   [[nodiscard]] bool cut_off() const { return cut_off_; }
 
  private:
@@ -73,7 +74,7 @@ class PcapngReader {
   Done take_section(Body body);
   Done take_interface(Body body);
   std::expected<PcapngPacket, std::string> take_packet(Body body) const;
-  // Calls with each option's code and value until the end of options.
+  // Calls take(code, value) for each option until the end of options.
   template <class Take>
   Done take_options(Body options, Take take) const;
 

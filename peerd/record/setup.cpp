@@ -42,7 +42,7 @@ std::string to_text(const Setup& s) {
                                     {"inlines_when_needed", s.inlines_when_needed},
                                     {"file", s.file.string()},
                                     {"configuration", s.configuration}};
-  // Paths may be no UTF-8; one with a character replaced is told as one that is not there.
+  // Paths may not be UTF-8. A path with a replaced character will be reported as missing.
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -66,7 +66,7 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
                                       groups.at("pool").get<std::uint32_t>());
     if (!plan) return std::unexpected(plan.error().sentence);
     s.groups = *plan;
-    s.groups.offset = groups.value("offset", 0U);  // older records have none
+    s.groups.offset = groups.value("offset", 0U);  // format 1 without "offset" means 0
     s.world = json.at("world").get<std::string>();
     s.world_hash = json.at("world_hash").get<std::uint64_t>();
     s.inlines_when_needed = json.at("inlines_when_needed").get<bool>();

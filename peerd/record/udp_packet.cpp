@@ -14,8 +14,7 @@ namespace ip = boost::asio::ip;
 constexpr std::size_t kIpv4_bytes = 20, kIpv6_bytes = 40, kUdp_bytes = 8;
 constexpr std::size_t kPayloadMax_bytes = 65'535 - kIpv6_bytes - kUdp_bytes;
 constexpr std::uint8_t kUdpProtocol = 17;
-constexpr std::uint8_t kHopLimit =
-    1;  // what a peer's datagrams have, unless it is configured; nothing here depends on it
+constexpr std::uint8_t kHopLimit = 1;  // the default of a peer's datagrams; nothing here depends on it
 
 void put(std::vector<std::byte>& out, std::uint64_t value, int size_bytes) {
   for (int shift = 8 * (size_bytes - 1); shift >= 0; shift -= 8) out.push_back(static_cast<std::byte>(value >> shift));
@@ -32,8 +31,8 @@ std::uint32_t number16(std::span<const std::byte> bytes, std::size_t at) {
   return std::to_integer<std::uint32_t>(bytes[at]) << 8 | std::to_integer<std::uint32_t>(bytes[at + 1]);
 }
 
-// RFC 1071: the sum of 16-bit words in ones' complement, of which the complement is the checksum. `sum` goes on from
-// another part, which was of even length.
+// RFC 1071: the ones' complement sum of 16-bit words, whose complement is the checksum. `sum` is that of the preceding
+// bytes, of even number.
 std::uint32_t add_words(std::uint32_t sum, std::span<const std::byte> bytes) {
   for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) sum += number16(bytes, i);
   if (bytes.size() % 2 != 0) sum += std::to_integer<std::uint32_t>(bytes.back()) << 8;
@@ -85,7 +84,7 @@ std::vector<std::byte> encode(const UdpPacket& packet) {
   put(out, udp_bytes, 2);
   put(out, 0, 2);
   out.insert(out.end(), packet.payload.begin(), packet.payload.end());
-  // Of the pseudo header, too: addresses, length, protocol.
+  // The sum includes the pseudo header: addresses, length, protocol.
   std::uint32_t sum = kUdpProtocol + static_cast<std::uint32_t>(udp_bytes);
   sum = add_words(sum, std::span(out).subspan(addresses_at));
   const std::uint32_t checksum = ~sum & 0xFFFF;

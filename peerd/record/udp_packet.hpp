@@ -7,8 +7,8 @@
 
 namespace peerd::record {
 
-// A UDP datagram with the headers that it has, or would have, on the wire: IPv4 (RFC 791) or IPv6 (RFC 8200), one whole
-// packet without options, then UDP (RFC 768), all checksums there.
+// A UDP datagram with the headers that it has, or would have, on the wire: IPv4 (RFC 791) or IPv6 (RFC 8200),
+// unfragmented and without options, then UDP (RFC 768), with all checksums.
 struct UdpPacket {
   boost::asio::ip::udp::endpoint from, to;  // of one family
   std::span<const std::byte> payload;       // at most 65,487 bytes
@@ -16,7 +16,7 @@ struct UdpPacket {
 
 [[nodiscard]] std::vector<std::byte> encode(const UdpPacket& packet);
 
-// None: it is not what encode() makes. The payload is part of `bytes`.
+// Decodes packets of the form that encode() makes; none for other bytes. The payload points into `bytes`.
 [[nodiscard]] std::optional<UdpPacket> decode_udp_packet(std::span<const std::byte> bytes);
 
 }  // namespace peerd::record

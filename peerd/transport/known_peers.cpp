@@ -10,12 +10,12 @@ using asio::ip::udp;
 
 namespace {
 
-// Who is silent for so long where it is known but speaks from another address has moved there. Two processes of two
-// addresses each may know one another by the wrong pair: what either sends comes from another address than the other
-// holds. One of them must move first, else both do and still miss.
+// A known peer that is silent for so long at its address, but greets from another one, has moved there. Two processes
+// with two addresses each may know one another by the wrong pair: each sends from another address than the other knows.
+// One of them must move first, for if both moved at once they would miss each other again.
 constexpr Duration kMovesFirst = std::chrono::milliseconds(2'200), kMovesLater = std::chrono::milliseconds(4'200);
 
-// Port, address and, of an IPv6 address that each link has for itself, the link.
+// The bytes of an endpoint: port, address and, for a link-local IPv6 address, the link.
 struct EndpointBytes {
   std::array<std::byte, 22> bytes{};
   std::size_t size = 0;
@@ -40,7 +40,7 @@ EndpointBytes bytes_of(const udp::endpoint& at) {
 
 }  // namespace
 
-// No endpoint is hashed from no bytes: what all may read says nothing of any number.
+// The instance is public and is the hash of no bytes. Every endpoint has bytes, so the instance reveals no number.
 KnownPeers::KnownPeers(Options options)
     : options_(std::move(options)), instance_(static_cast<std::uint32_t>(sip_hash(options_.key, {}))) {}
 
@@ -65,8 +65,9 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   if (greeting.echo != number_for(from)) return Outcome::kUnverified;
   auto known = std::ranges::find(peers_, greeting.instance, &Peer::instance);
   if (known != peers_.end() && known->at != from) {
-    known->also = from;  // it may hold us by another of our addresses, and send from there
-    if (now - known->last_received < (instance_ < greeting.instance ? kMovesFirst : kMovesLater)) return Outcome::kTwice;
+    known->also = from;  // the peer may know us by another of our addresses, and send from there
+    if (now - known->last_received < (instance_ < greeting.instance ? kMovesFirst : kMovesLater))
+      return Outcome::kTwice;
     known->also = std::exchange(known->at, from);
   }
   if (greeting.leaving) {
@@ -76,7 +77,8 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   }
   const bool is_new = known == peers_.end();
   if (is_new) {
-    std::erase_if(peers_, [&](const Peer& peer) { return peer.at == from; });  // started again
+    std::erase_if(peers_,
+                  [&](const Peer& peer) { return peer.at == from; });  // the process at that address has restarted
     if (peers_.size() >= options_.most) return Outcome::kFull;
     peers_.push_back({.at = from, .instance = greeting.instance});
     known = peers_.end() - 1;
@@ -84,7 +86,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   introduced_.erase(from);
   known->last_received = now;
   known->number = greeting.number;
-  if (!greeting.reply) {  // else it is bare, and takes back nothing
+  if (!greeting.reply) {  // a greeting that wants a reply is bare, and changes no regions
     known->all_regions = greeting.all_regions;
     known->regions = greeting.regions;
   }
@@ -96,7 +98,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   return is_new ? Outcome::kNew : Outcome::kKnown;
 }
 
-// Only who receives at `from` can send our own number for it back to us, and only a candidate needs to be remembered.
+// Only the process that receives at `from` can send our number for that address, and only candidates are remembered.
 void KnownPeers::on_own(HostTime now, const udp::endpoint& from, const Greeting& greeting) {
   const bool candidate = introduced_.contains(from) || std::ranges::find(options_.seeds, from) != options_.seeds.end();
   if (greeting.number != number_for(from) || !candidate) return;
@@ -104,7 +106,7 @@ void KnownPeers::on_own(HostTime now, const udp::endpoint& from, const Greeting&
   introduced_.erase(from);
 }
 
-// Never shortens: who fell silent and is named by others is greeted for the longer of both.
+// The time is never shortened: a silent peer that others name is greeted for the longer of both times.
 void KnownPeers::introduce(const udp::endpoint& at, HostTime until) {
   if (!introduced_.contains(at) && introduced_.size() >= options_.most) return;
   HostTime& greeted_until = introduced_.try_emplace(at, until).first->second;
@@ -116,7 +118,7 @@ void KnownPeers::forget(HostTime now) {
   std::erase_if(own_, [&](const auto& entry) { return now > entry.second; });
   std::erase_if(peers_, [&](const Peer& peer) {
     if (now - peer.last_received <= options_.silence) return false;
-    introduce(peer.at, now + options_.again);  // whoever named it to us may be gone by now
+    introduce(peer.at, now + options_.again);  // the peer that named it may have left by now
     return true;
   });
 }

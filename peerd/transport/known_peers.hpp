@@ -13,33 +13,34 @@
 
 namespace peerd::net {
 
-// Whom unicast goes to, and whom to greet in the hope of it. Pure: no socket, no clock.
+// The addresses that unicast datagrams go to, and the candidates that are greeted. Sans-IO: no socket, no clock.
 //
-// Known is who has echoed the number of its address of late. Candidates are the seeds of the configuration, for as long
-// as they don't answer, whom a known peer says that it hears, for some rounds, and who fell silent, for some minutes.
+// A peer is known while it echoes the number of its address. Candidates are the configured addresses for as long as
+// they do not answer, addresses that a known peer names, for some rounds, and peers that have become silent, for some
+// minutes.
 class KnownPeers {
  public:
   struct Options {
-    SipKey key = {};  // of this process alone, and secret: else others know what to echo
+    SipKey key = {};  // secret and of this process alone: whoever knows it can forge echoes
     std::vector<asio::ip::udp::endpoint> seeds = {};
-    Duration silence = std::chrono::seconds(5);       // who hasn't greeted for so long is gone
-    Duration introduction = std::chrono::seconds(3);  // for so long who was named by others is greeted
-    Duration again = std::chrono::minutes(10);        // for so long who fell silent is greeted
-    Duration own = std::chrono::seconds(60);          // for so long an address that is ours isn't greeted
-    std::size_t most = 256;                           // of known peers, of those to be greeted, of our own
+    Duration silence = std::chrono::seconds(5);       // a known peer that sends no greeting for so long is removed
+    Duration introduction = std::chrono::seconds(3);  // an address that others name is greeted for so long
+    Duration again = std::chrono::minutes(10);        // a peer that has become silent is greeted for so long
+    Duration own = std::chrono::seconds(60);          // an address of this process is not greeted for so long
+    std::size_t most = 256;                           // limit of known peers, of introduced and of own addresses
   };
   struct Peer {
     asio::ip::udp::endpoint at;
     std::uint32_t instance = 0;
-    std::uint64_t number = 0;  // to echo to it
+    std::uint64_t number = 0;  // the last number that it sent, which our greetings echo
     HostTime last_received{};
     bool all_regions = false;
-    std::vector<RegionId> regions = {};                // that it wants, ascending
-    std::optional<asio::ip::udp::endpoint> also = {};  // where it echoed, too; nothing is sent there
+    std::vector<RegionId> regions = {};                // those that it wants, ascending
+    std::optional<asio::ip::udp::endpoint> also = {};  // another address that it echoed from; nothing is sent there
   };
   enum class Outcome : std::uint8_t {
-    kOwn,       // we greeted ourselves: by an address of this computer that is among the seeds
-    kUnverified,  // hasn't echoed its number: answer it shortly, believe it nothing
+    kOwn,         // our own greeting, by an address of this computer that is among the configured ones
+    kUnverified,  // the sender has not echoed its number: the answer is short, and its content is not used
     kNew,
     kKnown,
     kTwice,  // known by another address already
@@ -52,20 +53,20 @@ class KnownPeers {
   Outcome on_greeting(HostTime now, const asio::ip::udp::endpoint& from, const Greeting& greeting);
   void forget(HostTime now);
 
-  // Our process, and the number that who receives at `at` is to echo: a keyed hash of it, so that knowing that of one
-  // address tells nothing of others. Never 0.
-  [[nodiscard]] std::uint32_t instance() const { return instance_; }
+  [[nodiscard]] std::uint32_t instance() const { return instance_; }  // of this process
+  // The number that the receiver at `at` must echo. It is a keyed hash of the address, so that the number of one
+  // address reveals nothing about those of others. It is never 0.
   [[nodiscard]] std::uint64_t number_for(const asio::ip::udp::endpoint& at) const;
-  // Whether a known peer has echoed from there.
+  // Whether a known peer has echoed from that address.
   [[nodiscard]] bool has_echoed(const asio::ip::udp::endpoint& from) const;
 
-  [[nodiscard]] const std::vector<Peer>& peers() const { return peers_; }      // in the order in which they came
+  [[nodiscard]] const std::vector<Peer>& peers() const { return peers_; }      // in the order of their joining
   [[nodiscard]] std::size_t introduced() const { return introduced_.size(); }  // named or silent, and not known now
-  [[nodiscard]] std::size_t own() const { return own_.size(); }                // candidates that are ourselves
+  [[nodiscard]] std::size_t own() const { return own_.size(); }                // candidates that are of this process
   [[nodiscard]] static bool wants(const Peer& peer, RegionId region);
   [[nodiscard]] std::vector<asio::ip::udp::endpoint> candidates() const;
-  // The peers to name in a greeting, kGreetingPeersMax of them; `round` picks which where there are more. Addresses of
-  // this computer's loopback mean somebody else to a receiver elsewhere.
+  // The peers to name in a greeting, at most kGreetingPeersMax; `round` selects them where there are more. Loopback
+  // addresses are left out for receivers on other computers, where they mean another peer.
   [[nodiscard]] std::vector<asio::ip::udp::endpoint> introductions(const Peer& to, std::size_t round) const;
 
  private:
@@ -76,8 +77,8 @@ class KnownPeers {
   Options options_;
   std::uint32_t instance_;
   std::vector<Peer> peers_;
-  std::map<asio::ip::udp::endpoint, HostTime> own_;         // candidates that are ourselves, and until when
-  std::map<asio::ip::udp::endpoint, HostTime> introduced_;  // until when to greet them
+  std::map<asio::ip::udp::endpoint, HostTime> own_;         // candidates of this process, and until when
+  std::map<asio::ip::udp::endpoint, HostTime> introduced_;  // addresses to greet, and until when
 };
 
 }  // namespace peerd::net

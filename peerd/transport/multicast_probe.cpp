@@ -8,13 +8,13 @@ namespace peerd::net {
 namespace {
 
 constexpr int kTries = 6;
-constexpr std::chrono::milliseconds kWait{50};  // for each
+constexpr std::chrono::milliseconds kWait{50};  // for each try
 
 }  // namespace
 
 std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, MulticastOptions options) {
   asio::io_context io(1);
-  options.any_port = true;  // no peer hears it
+  options.any_port = true;  // no peer receives the probe
   options.receives_own_datagrams = true;
   const auto opened = MulticastSocket::open(io, clock, options);
   if (!opened) return std::unexpected(opened.error());

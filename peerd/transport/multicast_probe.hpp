@@ -7,15 +7,15 @@ namespace peerd::net {
 
 struct ProbeResult {
   ChosenInterface over;
-  Duration took{0};      // from sending to hearing it
-  bool stamped = false;  // by the kernel
+  Duration took{0};      // from sending to receiving
+  bool stamped = false;  // whether the kernel timestamps datagrams
   int receive_buffer_bytes = 0;
-  std::optional<std::size_t> memberships_max;  // of one socket
+  std::optional<std::size_t> memberships_max;  // groups of one socket; none: unknown
 };
 
-// Whether a datagram that this computer sends to the first group of the plan comes back through its own kernel, on a
-// port of its own. Takes as long as a datagram does, at most 0.3 s where none comes. It says nothing about what lies
-// beyond: an access point or a switch that swallows multicast is not noticed.
+// Checks whether a datagram to the first group of the plan comes back through this computer's kernel, on a port that no
+// peer uses. The check takes as long as a datagram does, and at most 0.3 s where none comes. It says nothing about the
+// network beyond: it does not notice an access point or a switch that discards multicast.
 [[nodiscard]] std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, MulticastOptions options);
 
 }  // namespace peerd::net

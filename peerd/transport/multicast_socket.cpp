@@ -17,7 +17,7 @@
 #include "peerd/os/udp_socket.hpp"
 #include "peerd/transport/unicast_frame.hpp"
 
-// linux/in6.h has it since 4.20, but cannot be included beside netinet/in.h
+// linux/in6.h defines it since Linux 4.20, but cannot be included beside netinet/in.h.
 #ifndef IPV6_MULTICAST_ALL
 #define IPV6_MULTICAST_ALL 29
 #endif
@@ -30,13 +30,13 @@ using boost::system::error_code;
 
 IpFamily family_of(const GroupPlan& groups) { return groups.base.is_v4() ? IpFamily::kV4 : IpFamily::kV6; }
 
-// Where regions share groups each datagram says its own.
+// A datagram begins with its region where regions share groups.
 std::size_t most_bytes(const GroupPlan& groups) {
   return kMaxDatagramBytes + (groups.pool > 0 ? kRegionHeaderBytes : 0);
 }
 
-// Others may bind the socket's port from now on. Where the system chooses the port, that is for afterwards: two that
-// share theirs anyway may be given the same one.
+// Lets other sockets bind the socket's port from now on. Where the system chooses the port, this must follow the bind:
+// the system may give the same port to two sockets that share it.
 std::expected<void, NetError> share_port(int fd) {
   return set_options(fd, std::array<SocketOption, 1>{{{SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR"}}});
 }
@@ -44,7 +44,7 @@ std::expected<void, NetError> share_port(int fd) {
 }  // namespace
 
 std::optional<std::size_t> memberships_limit(IpFamily family) {
-  if (family == IpFamily::kV6) return std::nullopt;  // by memory, net.core.optmem_max
+  if (family == IpFamily::kV6) return std::nullopt;  // limited by memory, net.core.optmem_max
   std::size_t limit = 0;
   if (!(std::ifstream("/proc/sys/net/ipv4/igmp_max_memberships") >> limit)) return std::nullopt;
   return limit;
@@ -88,7 +88,7 @@ MulticastSocket::MulticastSocket(asio::io_context& io, const HostClock& clock, c
   filtered_by_.reserve(kBatch);
 }
 
-// From a port that nobody else has. Nothing is read from it.
+// The sender is bound to a port of its own. Nothing is read from it.
 std::expected<void, NetError> MulticastSocket::add_sender() {
   udp::socket& socket = sender_.emplace(io_);
   if (auto good = open_udp(socket, {options_.groups.base.is_v4(), options_.dscp, 0}); !good) return good;
@@ -97,15 +97,16 @@ std::expected<void, NetError> MulticastSocket::add_sender() {
   return share_port(socket.native_handle());
 }
 
-// Lets the kernel drop what our sender has sent before it is queued: it comes from its port, and from this computer. A
-// classic BPF program, which sees a datagram from its UDP header on (sk_filter); 0 drops it.
+// Makes the kernel drop the sender's datagrams before they are queued, by their source port and because they are from
+// this computer. The filter is a classic BPF program, which sees a datagram from its UDP header on (sk_filter); 0 drops
+// it.
 std::expected<void, NetError> MulticastSocket::filter_own_datagrams(int fd) const {
   constexpr std::uint32_t kAll = 0xffffffff;
   const std::uint32_t port = sender_->local_endpoint().port();
   std::array<sock_filter, 6> program{{
       BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 0),  // the source port
       BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, port, 0, 2),
-      // On lo all is of this computer; elsewhere the copy that comes back is marked.
+      // On lo every datagram is of this computer; elsewhere the copy that loops back is marked.
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(SKF_AD_OFF + SKF_AD_PKTTYPE)),
       BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, PACKET_LOOPBACK, 1, 0),
       BPF_STMT(BPF_RET | BPF_K, kAll),
@@ -119,7 +120,8 @@ std::expected<void, NetError> MulticastSocket::filter_own_datagrams(int fd) cons
   return {};
 }
 
-// All hear the same port. A datagram goes to each that has joined its group, and each group has one.
+// All sockets share one port. The kernel delivers a datagram to each socket that has joined its group, and one socket
+// joins each group.
 std::expected<void, NetError> MulticastSocket::add_socket() {
   auto made = std::make_unique<Socket>(io_, reading_);
   udp::socket& socket = made->receiver.socket();
@@ -145,7 +147,7 @@ std::expected<void, NetError> MulticastSocket::add_socket() {
   return {};
 }
 
-// Each option's reason is in README.md.
+// The reason for each option is in README.md.
 std::expected<void, NetError> MulticastSocket::configure(int fd) const {
   const std::array<SocketOption, 3> v4{{{IPPROTO_IP, IP_MULTICAST_ALL, 0, "IP_MULTICAST_ALL"},
                                         {IPPROTO_IP, IP_MULTICAST_LOOP, 1, "IP_MULTICAST_LOOP"},
@@ -154,7 +156,7 @@ std::expected<void, NetError> MulticastSocket::configure(int fd) const {
                                         {IPPROTO_IPV6, IPV6_MULTICAST_LOOP, 1, "IPV6_MULTICAST_LOOP"},
                                         {IPPROTO_IPV6, IPV6_MULTICAST_HOPS, options_.ttl, "IPV6_MULTICAST_HOPS"}}};
   if (auto good = options_.groups.base.is_v4() ? set_options(fd, v4) : set_options(fd, v6); !good) return good;
-  // Over one that is gone it sends once that is back.
+  // A vanished interface is no error: follow_interface() sets the option once the interface is back.
   if (const int error = send_over_our_interface(fd); error && !interface_was_replaced()) {
     return failure(NetError::Kind::kNoMulticast, "cannot send multicast over \"" + chosen_.interface.name +
                                                      "\": " + text_of(error) + "; name another interface");
@@ -162,8 +164,8 @@ std::expected<void, NetError> MulticastSocket::configure(int fd) const {
   return {};
 }
 
-// Asks the routing table now whether a datagram would get out, rather than let every send fail later. Connecting a UDP
-// socket sends nothing; it is another socket, since a connected one hears its peer only.
+// Asks the routing table now whether a datagram would leave, so that not every send fails later. Connecting a UDP
+// socket sends nothing; the probe is a socket of its own, because a connected socket receives from its peer only.
 std::expected<void, NetError> MulticastSocket::probe_route() {
   error_code ec;
   udp::socket probe(io_);
@@ -218,15 +220,15 @@ std::expected<void, NetError> MulticastSocket::join(RegionId region) {
   return {};
 }
 
-// The kernel's limit may be lower than it said at the start, or count memory: a socket that is full by surprise is no
-// end as long as a new one takes the group.
+// The kernel's limit may have been lowered since the start, or may count memory. So a socket that is unexpectedly full
+// is no error as long as a new socket can join the group.
 std::expected<MulticastSocket::Socket*, NetError> MulticastSocket::add_membership(RegionId region,
                                                                                   const asio::ip::address& group) {
   for (const auto& socket : sockets_) {
     if (socket->memberships >= memberships_max_) continue;
     const int error = change_membership(*socket, true, group);
     if (error == ENOBUFS || error == ENOMEM) continue;
-    // Of an interface that is gone it is joined once that is back.
+    // A vanished interface is no error: follow_interface() joins the group once the interface is back.
     if (error && !interface_was_replaced()) return std::unexpected(join_error(region, error));
     ++socket->memberships;
     return socket.get();
@@ -244,7 +246,7 @@ std::expected<MulticastSocket::Socket*, NetError> MulticastSocket::add_membershi
 std::expected<void, NetError> MulticastSocket::leave(RegionId region) {
   if (joined_.erase(region) == 0) return {};
   const auto membership = memberships_.find(group_number(options_.groups, region));
-  assert(membership != memberships_.end());  // it was joined
+  assert(membership != memberships_.end());
   if (--membership->second.regions > 0) return {};
   Socket& socket = *membership->second.socket;
   const asio::ip::address group = membership->second.group;
@@ -273,7 +275,7 @@ bool MulticastSocket::interface_was_replaced() const {
   return if_nametoindex(chosen_.interface.name.c_str()) != chosen_.interface.index;
 }
 
-// Its memberships went with the old one, but the sockets count them until they are left.
+// The memberships vanished with the old interface, but the sockets count them until they leave the groups.
 int MulticastSocket::switch_to(unsigned interface) {
   const auto change_all = [this](bool join) {
     int error = 0;
@@ -283,7 +285,7 @@ int MulticastSocket::switch_to(unsigned interface) {
     }
     return error;
   };
-  (void)change_all(false);  // of some it never had them
+  (void)change_all(false);  // fails for groups that were joined while the interface was gone
   chosen_.interface.index = interface;
   if (const int error = sender_ ? send_over_our_interface(sender_->native_handle()) : 0) return error;
   for (const auto& socket : sockets_) {
@@ -292,14 +294,14 @@ int MulticastSocket::switch_to(unsigned interface) {
   return change_all(true);
 }
 
-// By interface index, here and when joining: addresses come and go, and an interface may have none of its own.
+// Sets the interface by its index, as change_membership() does: addresses change, and an interface may have none.
 int MulticastSocket::send_over_our_interface(int fd) const {
   const int index = static_cast<int>(chosen_.interface.index);
   if (options_.groups.base.is_v6()) return set_option(fd, IPPROTO_IPV6, IPV6_MULTICAST_IF, index);
   ip_mreqn outgoing{};
   outgoing.imr_ifindex = index;
-  // Linux does not take lo's own address for multicast: datagrams would come from another interface's address, or from
-  // 0.0.0.0 where there is none. Elsewhere the kernel chooses, and goes on choosing when an address changes.
+  // Linux does not choose lo's own address as the source of multicast: datagrams would come from another interface's
+  // address, or from 0.0.0.0 where there is none. For other interfaces the kernel chooses, again after each change.
   if (chosen_.interface.loopback) outgoing.imr_address.s_addr = htonl(INADDR_LOOPBACK);
   return set_option(fd, IPPROTO_IP, IP_MULTICAST_IF, outgoing);
 }
@@ -332,7 +334,7 @@ NetError MulticastSocket::join_error(RegionId region, int error) const {
   return {NetError::Kind::kOther, what + text_of(error)};
 }
 
-// An IPv6 group of link-local scope means nothing without its interface; wider ones ignore the number.
+// An IPv6 group of link-local scope is incomplete without its interface; wider scopes ignore the index.
 udp::endpoint MulticastSocket::on_our_interface(const udp::endpoint& group) const {
   if (group.address().is_v4()) return group;
   return {asio::ip::address_v6(group.address().to_v6().to_bytes(), chosen_.interface.index), group.port()};
@@ -377,7 +379,7 @@ void MulticastSocket::start(Socket& socket) {
 
 bool MulticastSocket::receive_pending() {
   bool any = false;
-  // By number: the handler may join, which may add a socket.
+  // The loop uses indices, because the handler may join a region, which may add a socket.
   for (std::size_t i = 0; i < sockets_.size(); ++i) any |= sockets_[i]->receiver.read();
   return any;
 }
@@ -391,7 +393,7 @@ void MulticastSocket::take(const Received& received, HostTime at) {
     ++counters_.in_no_destination;
     return;
   }
-  // IPv6 matches a datagram's group with this socket's, but not the interface that it came over.
+  // The kernel matches the group of an IPv6 datagram with the socket's groups, but not its interface.
   if (received.interface_index != chosen_.interface.index) {
     ++counters_.in_other_interface;
     return;
@@ -416,7 +418,7 @@ void MulticastSocket::take(const Received& received, HostTime at) {
     region = named_region;
     datagram = datagram.subspan(kRegionHeaderBytes);
   }
-  assert(region);  // of no region's group was this socket made a member
+  assert(region);  // the sockets join groups of regions only
   ++counters_.packets_in;
   counters_.bytes_in += received.bytes.size();
   handler_({*region, datagram, at, received.from});

@@ -15,27 +15,27 @@
 #include "core/ids.hpp"
 #include "peerd/os/interfaces.hpp"
 #include "peerd/os/net_error.hpp"
+#include "peerd/os/udp_receiver.hpp"
 #include "peerd/transport/region_groups.hpp"
 #include "peerd/transport/transport.hpp"
-#include "peerd/os/udp_receiver.hpp"
 
 namespace peerd::net {
 
 struct MulticastOptions {
-  std::string interface = "";  // "lo", "eth0"; empty: choose_interface picks
+  std::string interface = "";  // "lo", "eth0"; empty: choose_interface() chooses
   GroupPlan groups;
   int ttl = 1;                             // hops, 0 to 255. 0: this computer only; 1: this LAN
-  int dscp = 0;                            // 0 to 63: how routers and wireless links should treat what is sent
-  int receive_buffer_bytes = 1024 * 1024;  // asked of the kernel, which may grant less (net.core.rmem_max)
-  bool any_port = false;                   // the system chooses, whatever the plan says: for a probe
-  // Whether what is sent here to a group that is joined comes back. If not, it leaves from a port of its own, by which
-  // the kernel knows it again before it wakes anybody.
+  int dscp = 0;                            // 0 to 63: the priority for routers and wireless links
+  int receive_buffer_bytes = 1024 * 1024;  // requested of the kernel, which may grant less (net.core.rmem_max)
+  bool any_port = false;                   // the system chooses the port in place of the plan's, for a probe
+  // Whether own datagrams to a joined group come back. If not, they leave from a port of their own, by which a filter
+  // in the kernel drops them before they wake the process.
   bool receives_own_datagrams = true;
 };
 
-// All regions of a session over one interface: sends to any, hears those that it joined. As the kernel lets each UDP
-// socket hear so many groups only, more are opened when those are used up. Loopback must be on for peers that share a
-// computer to hear each other.
+// Carries all regions of a session over one interface: it sends to any region and receives those that are joined. The
+// kernel limits the groups of one UDP socket, so further sockets are opened when a socket is full. Multicast loopback
+// is on so that peers on one computer receive each other.
 class MulticastSocket final : public Transport {
  public:
   // `io` and `clock` outlive it.
@@ -58,7 +58,7 @@ class MulticastSocket final : public Transport {
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] const ChosenInterface& chosen_interface() const { return chosen_; }
   [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
-  // Of the one that sends.
+  // The descriptor of the sending socket.
   [[nodiscard]] int native_handle() {
     return (sender_ ? *sender_ : sockets_.front()->receiver.socket()).native_handle();
   }
@@ -72,7 +72,7 @@ class MulticastSocket final : public Transport {
   struct Membership {
     Socket* socket;
     asio::ip::address group;
-    std::size_t regions = 0;  // that are joined and have this group
+    std::size_t regions = 0;  // joined regions of this group
   };
 
   MulticastSocket(asio::io_context& io, const HostClock& clock, const MulticastOptions& options,
@@ -84,12 +84,12 @@ class MulticastSocket final : public Transport {
   std::expected<void, NetError> configure(int fd) const;
   std::expected<void, NetError> probe_route();
 
-  [[nodiscard]] int send_over_our_interface(int fd) const;  // errno, 0 = done
+  [[nodiscard]] int send_over_our_interface(int fd) const;  // 0, or an errno
   [[nodiscard]] int change_membership(Socket& socket, bool join,
-                                      const asio::ip::address& group);  // errno, 0 = done
+                                      const asio::ip::address& group);  // 0, or an errno
   std::expected<Socket*, NetError> add_membership(RegionId region, const asio::ip::address& group);
   [[nodiscard]] bool interface_was_replaced() const;
-  [[nodiscard]] int switch_to(unsigned interface);  // errno, 0 = done
+  [[nodiscard]] int switch_to(unsigned interface);  // 0, or an errno
   [[nodiscard]] NetError join_error(RegionId region, int error) const;
   [[nodiscard]] asio::ip::udp::endpoint on_our_interface(const asio::ip::udp::endpoint& group) const;
 
@@ -99,21 +99,21 @@ class MulticastSocket final : public Transport {
   asio::io_context& io_;
   MulticastOptions options_;
   ChosenInterface chosen_;
-  bool interface_gone_ = false;  // as was told
+  bool interface_gone_ = false;  // as last reported
   asio::ip::address own_address_;
   TrafficCounters counters_;
   Reading reading_;
-  std::optional<asio::ip::udp::socket> sender_;  // none: the first of the others sends
+  std::optional<asio::ip::udp::socket> sender_;  // none: the first of sockets_ sends
   std::vector<std::unique_ptr<Socket>> sockets_;
-  std::size_t memberships_max_;  // of one socket
+  std::size_t memberships_max_;  // for one socket
   std::set<RegionId> joined_;
   std::map<std::uint32_t, Membership> memberships_;  // by the number of the group
   ReceiveHandler handler_;
   SendQueue queue_;
-  std::vector<UdpReceiver*> filtered_by_;  // for each in queue_: the socket whose filter will meet it; null: none
+  std::vector<UdpReceiver*> filtered_by_;  // for each datagram in queue_: the socket whose filter will drop it; or null
 };
 
-// How many groups one socket may join, as the system is set up; none: it counts otherwise, or doesn't say.
+// The number of groups that the system lets one socket join; none where it counts otherwise, or does not say.
 [[nodiscard]] std::optional<std::size_t> memberships_limit(IpFamily family);
 
 }  // namespace peerd::net

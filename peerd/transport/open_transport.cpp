@@ -2,8 +2,8 @@
 
 #include <charconv>
 
-#include "peerd/transport/multicast_probe.hpp"
 #include "peerd/os/udp_socket.hpp"
+#include "peerd/transport/multicast_probe.hpp"
 
 namespace peerd::net {
 namespace {
@@ -14,14 +14,14 @@ struct HostAndPort {
   std::string host, port;
 };
 
-// "host:port", or "[address]:port" where the address has colons itself.
+// Splits "host:port", or "[address]:port" where the address itself has colons.
 std::expected<HostAndPort, NetError> split(const std::string& text) {
   const auto colon = text.rfind(':');
   HostAndPort parts{text.substr(0, colon), colon == std::string::npos ? "" : text.substr(colon + 1)};
   if (parts.host.size() > 2 && parts.host.front() == '[' && parts.host.back() == ']') {
     parts.host = parts.host.substr(1, parts.host.size() - 2);
   } else if (parts.host.find_first_of(":[]") != std::string::npos) {
-    parts.host.clear();  // whose last part may be the port, or not
+    parts.host.clear();  // ambiguous: the last part may be the port, or a part of the address
   }
   std::uint16_t number = 0;
   const char* const end = parts.port.data() + parts.port.size();
@@ -74,18 +74,18 @@ std::expected<std::vector<udp::endpoint>, NetError> resolve_peers(const std::vec
 
 namespace {
 
-// Whether unicast may do where multicast failed for that reason. It wouldn't mend a wrong setting.
+// Whether unicast may work where multicast failed for that reason. It does not mend a wrong setting.
 bool unicast_may_do(NetError::Kind kind) {
   return kind == NetError::Kind::kNoMulticast || kind == NetError::Kind::kLimit || kind == NetError::Kind::kOther;
 }
 
-// Why not multicast; empty: it works.
+// Returns the reason for unicast; empty where multicast is to be used.
 std::expected<std::string, NetError> why_unicast(const HostClock& clock, const TransportOptions& options) {
   if (options.use == MulticastUse::kAlways) return "";
   if (options.use == MulticastUse::kNever) return "transport.multicast says so";
   const auto probe = probe_multicast(clock, options.multicast);
   if (probe) {
-    // lo is the last resort of a peer that is to choose by itself; whoever lists peers means to reach them.
+    // lo is the last resort where no interface is configured; a configuration that lists peers means to reach them.
     const bool only_loopback = options.multicast.interface.empty() && probe->over.interface.loopback;
     return only_loopback && !options.peers.empty() ? probe->over.why : "";
   }

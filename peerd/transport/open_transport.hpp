@@ -13,16 +13,16 @@
 namespace peerd::net {
 
 enum class MulticastUse : std::uint8_t {
-  kAuto,    // where a probe says that it works; else unicast, if peers are given
-  kAlways,  // or not at all
+  kAuto,    // multicast if a probe shows that it works, else unicast if peers are given
+  kAlways,  // multicast or an error
   kNever,   // unicast
 };
 
 struct TransportOptions {
-  MulticastOptions multicast;  // the port, the interface, the family of the group and what follows hold for unicast too
+  MulticastOptions multicast;  // its port, interface, address family, DSCP and buffer size hold for unicast, too
   MulticastUse use = MulticastUse::kAuto;
-  std::vector<std::string> peers = {};  // "host:port", "[2001:db8::1]:port": seeds of unicast
-  SipKey key = {};                      // of this process alone, and secret; for unicast (KnownPeers)
+  std::vector<std::string> peers = {};  // "host:port", "[2001:db8::1]:port": the addresses that unicast greets first
+  SipKey key = {};                      // secret and of this process alone, for unicast (KnownPeers)
 };
 
 struct OpenedTransport {
@@ -35,7 +35,7 @@ struct OpenedTransport {
 [[nodiscard]] std::expected<OpenedTransport, NetError> open_transport(asio::io_context& io, const HostClock& clock,
                                                                       const TransportOptions& options);
 
-// The addresses of seeds, names looked up now. kBadSetting: one that is no HOST:PORT.
+// Resolves the addresses of configured peers, host names by the system's resolver. kBadSetting: one is not HOST:PORT.
 [[nodiscard]] std::expected<std::vector<asio::ip::udp::endpoint>, NetError> resolve_peers(
     const std::vector<std::string>& peers, IpFamily family);
 

@@ -13,10 +13,11 @@ using asio::ip::address_v6;
 
 constexpr std::uint64_t kLastIpv4Group = 0xEFFF'FFFF;  // 239.255.255.255
 constexpr std::uint64_t kMaxNumber = std::numeric_limits<std::uint32_t>::max();
-constexpr RegionId kWhole{0};  // the scene, uncut
-// So far apart are the regions of two worlds; few grids have more. peerd.lua knows it.
+constexpr RegionId kWhole{0};  // the whole scene
+// The distance between the groups of two worlds; few grids have more regions. peerd.lua knows this number.
 constexpr std::uint32_t kWorldStep = 1024, kWorldsMost = 256;
-// Of the groups that follow the base, worlds are spread over this part at most: a large grid has room behind the last.
+// Worlds are spread over at most this fraction of the groups that follow the base, so that a large grid has room after
+// the last world.
 constexpr std::uint64_t kWorldsShare = 16;
 
 std::optional<address_v4> add(address_v4 base, std::uint32_t number) {
@@ -49,7 +50,7 @@ address_v6 address_of(Halves h) {
   return address_v6(bytes);
 }
 
-// The top 16 bits (ff, flags, scope) are not part of the group's number: a carry into them would change the scope.
+// The top 16 bits (ff, flags, scope) are not part of the group's number, for a carry into them would change the scope.
 std::optional<address_v6> add(const address_v6& base, std::uint32_t number) {
   const Halves from = halves_of(base);
   Halves to{from.high, from.low + number};
@@ -67,8 +68,8 @@ std::optional<asio::ip::address> nth_group(const asio::ip::address& base, std::u
   return std::nullopt;
 }
 
-// The finaliser of MurmurHash3 (A. Appleby, public domain): each bit of the region changes half of the result's. By the
-// remainder alone, a grid with rows as long as the pool would put whole columns into one group.
+// The finaliser of MurmurHash3 (A. Appleby, public domain): each bit of the region changes half of the result's bits.
+// With the remainder alone, a grid with rows as long as the pool would put whole columns into one group.
 std::uint32_t hash(std::uint32_t x) {
   x = (x ^ x >> 16) * 0x85EB'CA6Bu;
   x = (x ^ x >> 13) * 0xC2B2'AE35u;
@@ -150,7 +151,8 @@ std::optional<std::uint32_t> distance(const GroupPlan& plan, const asio::ip::add
   const Halves base = halves_of(plan.base.to_v6()), number = halves_of(group.to_v6());
   const std::uint64_t low = number.low - base.low;
   const std::uint64_t high = number.high - base.high - (number.low < base.low ? 1 : 0);
-  // The base may end where a carry crosses the halves, never where one crosses the scope: group_endpoint refuses those.
+  // Groups may lie beyond a carry from the low to the high half, but not beyond one into the scope, which
+  // group_endpoint() refuses.
   if (high != 0 || low > kMaxNumber || number.high >> 48 != base.high >> 48) return std::nullopt;
   return static_cast<std::uint32_t>(low);
 }

@@ -5,7 +5,7 @@
 namespace peerd::net {
 namespace {
 
-// The paper's names.
+// The internal state, with the paper's names.
 struct State {
   std::uint64_t v0, v1, v2, v3;
 
@@ -30,7 +30,7 @@ struct State {
   }
 };
 
-// Up to eight bytes.
+// Reads up to eight bytes.
 std::uint64_t little_endian(std::span<const std::byte> bytes) {
   std::uint64_t word = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) word |= std::to_integer<std::uint64_t>(bytes[i]) << (8 * i);
@@ -41,7 +41,8 @@ std::uint64_t little_endian(std::span<const std::byte> bytes) {
 
 std::uint64_t sip_hash(const SipKey& key, std::span<const std::byte> input) {
   State state(key);
-  const std::uint64_t length = static_cast<std::uint64_t>(input.size()) << 56;  // its last byte alone
+  const std::uint64_t length = static_cast<std::uint64_t>(input.size())
+                               << 56;  // the length modulo 256, in the top byte
   for (; input.size() >= 8; input = input.subspan(8)) state.compress(little_endian(input.first(8)));
   state.compress(length | little_endian(input));
   state.v2 ^= 0xff;

@@ -10,8 +10,8 @@ struct SipKey {
   std::uint64_t k0 = 0, k1 = 0;
 };
 
-// SipHash-2-4 (Aumasson and Bernstein, "SipHash: a fast short-input PRF", 2012): who does not hold the key cannot tell
-// the hash of one input from those of others.
+// SipHash-2-4 (Aumasson and Bernstein, "SipHash: a fast short-input PRF", 2012). Without the key, the hashes of any
+// inputs do not help to predict the hash of another input.
 [[nodiscard]] std::uint64_t sip_hash(const SipKey& key, std::span<const std::byte> input);
 
 }  // namespace peerd::net

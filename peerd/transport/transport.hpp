@@ -18,24 +18,25 @@ namespace peerd::net {
 
 namespace asio = boost::asio;
 
-// One datagram from the network; `datagram` and `from` are only valid during the call that gets it.
+// One datagram from the network; `datagram` and `from` are valid during the handler's call only.
 struct Arrival {
   RegionId region;
   std::span<const std::byte> datagram;
-  // When the kernel had it, by HostClock; when it was read, where the kernel's stamp says nothing. Never after the
-  // reading, but earlier perhaps than that of the one before: sockets are read one after the other.
+  // The time of arrival at the kernel, by HostClock; the time of reading where the kernel's timestamp is unusable. It
+  // is never after the reading, but may be before that of the last arrival, because sockets are read one after the
+  // other.
   HostTime at;
   const asio::ip::udp::endpoint& from;
 };
 
-// What became of a transport's interface, for the log.
+// A change of a transport's interface, for the log.
 struct InterfaceChange {
-  bool is_back;  // else it is gone
+  bool is_back;  // false: the interface is gone
   std::string sentence;
 };
 
-// What carries datagrams between peers: multicast (MulticastSocket) or, where there is none, unicast to each
-// (UnicastFanOut). Same datagrams, same regions. Single-threaded, as its io_context.
+// Carries datagrams between peers: by multicast (MulticastSocket) or, where there is none, by unicast to each peer
+// (UnicastFanOut). Datagrams and regions are the same for both. Single-threaded, as its io_context.
 class Transport {
  public:
   // The handler may join, leave, send and flush; it must not receive, nor destroy the transport.
@@ -46,31 +47,33 @@ class Transport {
   Transport& operator=(const Transport&) = delete;
   virtual ~Transport() = default;
 
-  // Starts reading; once, with a handler that can be called. Before that the kernel queues what arrives.
+  // Starts reading; to be called once, with a callable handler. Before that the kernel queues datagrams.
   virtual void on_receive(ReceiveHandler handler) = 0;
-  // Hands on what waits by now, so that what came before a tick is known in it; whether anything did. After
-  // on_receive().
+  // Passes all datagrams that wait to the handler, so that a tick knows what arrived before it. Returns whether there
+  // was one. To be called after on_receive().
   virtual bool receive_pending() = 0;
 
-  // Both may be repeated: joining what is joined and leaving what is not do nothing. After leave() the handler is not
-  // called for that region any more, not even for what the kernel had queued.
+  // Joining a joined region and leaving a region that is not joined have no effect. After leave() the handler is not
+  // called for that region, not even for datagrams that the kernel had queued.
   virtual std::expected<void, NetError> join(RegionId region) = 0;
   virtual std::expected<void, NetError> leave(RegionId region) = 0;
 
-  // Takes a copy; no need to have joined the region. What waits leaves with flush(), or by itself kBatch at a time.
-  // Neither blocks, and what doesn't leave is counted by its reason: dead reckoning bears losses, so none is an error.
+  // Copies the datagram; the region need not be joined. Waiting datagrams leave with flush(), or kBatch at a time.
+  // Neither call blocks. Datagrams that do not leave are counted by reason and are no error, for dead reckoning
+  // tolerates losses.
   virtual void send(RegionId region, std::span<const std::byte> datagram) = 0;
   virtual void flush() = 0;
 
-  // An interface that is deleted and made anew under its old name (a VPN, a container's network) is another one to the
-  // kernel: goes over to it. What there is to say of that, each time once. Asks the system: for now and then.
+  // Switches to an interface that was deleted and made anew under its old name (a VPN, a container's network), which
+  // the kernel regards as another one. Returns each change once. It asks the system, so it is to be called about once a
+  // second.
   [[nodiscard]] virtual std::optional<InterfaceChange> follow_interface() = 0;
 
   [[nodiscard]] virtual const TrafficCounters& counters() const = 0;
   [[nodiscard]] virtual std::size_t joined_count() const = 0;  // regions
-  // Granted by the kernel for each socket.
+  // The receive buffer that the kernel grants to each socket [bytes].
   [[nodiscard]] virtual int receive_buffer_bytes() const = 0;
-  // Where its datagrams come from; the unspecified address of its family where that depends on where they go.
+  // The source address of own datagrams; the unspecified address of its family where it depends on the destination.
   [[nodiscard]] virtual asio::ip::address own_address() const = 0;
   // For the log: "group 239.192.80.0 port 47474 over lo, as configured".
   [[nodiscard]] virtual std::string describe() const = 0;

@@ -28,8 +28,7 @@ InputError input_error(const net::NetError& error) {
   return {"error: " + error.sentence, error.kind == net::NetError::Kind::kBadSetting ? 2 : 3};
 }
 
-Result<net::TransportOptions> transport_options(const config::TransportSettings& settings,
-                                                        const net::SipKey& key) {
+Result<net::TransportOptions> transport_options(const config::TransportSettings& settings, const net::SipKey& key) {
   const auto port = static_cast<std::uint16_t>(settings.port.value_or(kDefaultPort));
   const auto plan = net::parse_group_plan(settings.group, port, settings.group_pool);
   if (!plan) return std::unexpected(input_error(plan.error()));
@@ -38,7 +37,7 @@ Result<net::TransportOptions> transport_options(const config::TransportSettings&
   options.multicast.groups = *plan;
   options.multicast.ttl = static_cast<int>(settings.ttl);
   options.multicast.dscp = static_cast<int>(settings.dscp);
-  options.multicast.receives_own_datagrams = false;  // a peer has no use for its own words
+  options.multicast.receives_own_datagrams = false;  // a peer does not use its own datagrams
   options.multicast.receive_buffer_bytes = static_cast<int>(settings.receive_buffer_bytes);
   options.use = use_of(settings.multicast);
   options.peers = settings.peers;

@@ -4,17 +4,17 @@
 
 namespace peerd {
 
-// How to reach other peers, from the table [transport]; `key` as TransportOptions has it. The error is a person's.
+// The options of the configuration's table [transport]; `key` is TransportOptions::key.
 [[nodiscard]] Result<net::TransportOptions> transport_options(const config::TransportSettings& settings,
-                                                                      const net::SipKey& key);
+                                                              const net::SipKey& key);
 
-// 128 bits of the kernel's randomness: once for each start of a process. Throws std::system_error if it has none.
+// 128 random bits of the kernel, for one start of a process. Throws std::system_error if the kernel has none.
 [[nodiscard]] net::SipKey random_key();
 
-// The error of the network as that of a command: 2 where a setting is wrong, else 3.
+// Converts an error of the network to one of a command, with exit code 2 where a setting is wrong, else 3.
 [[nodiscard]] InputError input_error(const net::NetError& error);
 
-// Empty, or that the kernel grants less of a receive buffer than was asked, and what to do.
+// The warning that the kernel grants a smaller receive buffer than requested, with advice; empty where it does not.
 [[nodiscard]] std::string buffer_warning(const config::TransportSettings& settings, int granted_bytes);
 
 }  // namespace peerd

@@ -13,8 +13,8 @@ namespace {
 
 using asio::ip::udp;
 
-// Everybody is greeted once a round. After a change, and at the start, some rounds are short: greetings get lost, and a
-// peer that doesn't know what we want sends us nothing.
+// Each round greets all known peers and candidates. After a change, and at the start, some rounds are short: greetings
+// may get lost, and a peer that does not know our regions sends nothing.
 constexpr auto kRound = std::chrono::seconds(1);
 constexpr auto kShortRound = std::chrono::milliseconds(100);
 constexpr int kShortRounds = 3, kShortRoundsAtStart = 10;
@@ -60,7 +60,7 @@ UnicastFanOut::UnicastFanOut(asio::io_context& io, const HostClock& clock, const
       hurried_rounds_(kShortRoundsAtStart) {}
 
 UnicastFanOut::~UnicastFanOut() {
-  if (!handler_) return;  // has greeted nobody
+  if (!handler_) return;  // no greeting has left yet
   greet_all(/*leaving=*/true);
   queue_.flush(native_handle(), counters_);
 }
@@ -78,7 +78,7 @@ std::string UnicastFanOut::describe() const {
          (options_.interface.empty() ? "" : " over " + options_.interface + " or lo");
 }
 
-// Datagrams go where the routes lead; what comes is told apart by the interface's number.
+// The routing table decides about outgoing datagrams; incoming ones are selected by the interface's index.
 std::optional<InterfaceChange> UnicastFanOut::follow_interface() {
   if (!only_over_) return std::nullopt;
   const unsigned interface = if_nametoindex(options_.interface.c_str());
@@ -129,7 +129,7 @@ void UnicastFanOut::push(const udp::endpoint& to, std::span<const std::byte> hea
   queue_.push(to, header, datagram);
 }
 
-// Several joins and leaves of one step, and peers that are new, make one round of greetings.
+// Several joins, leaves and new peers of one step cause one round of greetings.
 void UnicastFanOut::flush() {
   if (std::exchange(round_due_, false) && handler_) next_round();
   queue_.flush(native_handle(), counters_);
@@ -174,12 +174,12 @@ void UnicastFanOut::on_greeting(const Received& received, HostTime at) {
   const auto outcome = known_.on_greeting(at, received.from, *greeting);
   using Outcome = KnownPeers::Outcome;
   if (outcome == Outcome::kFull) ++counters_.peers_refused;
-  // The others are to be told of a new one, and who was named is to be greeted.
+  // A round names the new peer to the others, and greets the addresses that the greeting has named.
   if (outcome == Outcome::kNew || known_.introduced() > introduced) round_due_ = true;
-  // Who echoes the number of a process that is no more is told of this one, asked or not.
+  // A sender that echoes the number of an earlier process at this address gets a greeting of this process in any case.
   const bool unverified = outcome == Outcome::kUnverified && !greeting->leaving;
   const bool known = outcome == Outcome::kNew || outcome == Outcome::kKnown;
-  const bool answered = outcome == Outcome::kKnown && !greeting->reply;  // what we want
+  const bool answered = outcome == Outcome::kKnown && !greeting->reply;  // it knows our regions
   if (!(known && !answered) && !(unverified && (greeting->reply || greeting->echo != 0))) return;
   Greeting reply{.echo = greeting->number, .reply = unverified};
   if (known) reply.regions.assign(joined_.begin(), joined_.end());

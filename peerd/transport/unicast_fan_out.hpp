@@ -13,31 +13,32 @@
 #include <vector>
 
 #include "peerd/os/interfaces.hpp"
+#include "peerd/os/udp_receiver.hpp"
 #include "peerd/transport/known_peers.hpp"
 #include "peerd/transport/transport.hpp"
-#include "peerd/os/udp_receiver.hpp"
 
 namespace peerd::net {
 
 struct UnicastOptions {
   IpFamily family = IpFamily::kV4;
-  std::string interface = "";  // hears what comes over this one and lo; empty: over any
-  std::uint16_t port = 0;      // of this peer alone
+  std::string interface = "";  // receives over this interface and lo; empty: over any
+  std::uint16_t port = 0;      // of this peer alone; from 1
   std::vector<asio::ip::udp::endpoint> seeds = {};
-  SipKey key = {};  // KnownPeers'
+  SipKey key = {};  // KnownPeers::Options::key
   int dscp = 0;
   int receive_buffer_bytes = 1024 * 1024;
 };
 
-// Where multicast is missing: each datagram to each peer that wants its region, one copy each. Peers find each other by
-// greetings, from the seeds on: who greets is greeted, and each tells the others whom it hears.
+// Sends one copy of each datagram to every peer that wants its region, where multicast does not work. Peers find each
+// other by greetings, beginning with the configured addresses: each greeting is answered, and names peers that its
+// sender knows.
 class UnicastFanOut final : public Transport {
  public:
   // `io` and `clock` outlive it.
   [[nodiscard]] static std::expected<std::unique_ptr<UnicastFanOut>, NetError> open(asio::io_context& io,
                                                                                     const HostClock& clock,
                                                                                     const UnicastOptions& options);
-  // Says goodbye.
+  // Sends a leaving greeting to all known peers.
   ~UnicastFanOut() override;
 
   void on_receive(ReceiveHandler handler) override;
@@ -69,7 +70,7 @@ class UnicastFanOut final : public Transport {
   void next_round();
 
   UnicastOptions options_;
-  std::optional<unsigned> only_over_, loopback_;  // numbers of interfaces; 0: it is gone
+  std::optional<unsigned> only_over_, loopback_;  // indices of interfaces; 0: the interface is gone
   TrafficCounters counters_;
   Reading reading_;
   UdpReceiver receiver_;
@@ -81,7 +82,7 @@ class UnicastFanOut final : public Transport {
   std::size_t round_ = 0;
   int hurried_rounds_;
   bool round_due_ = false;
-  std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // as UdpReceiver's
+  std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // as UdpReceiver::alive_
 };
 
 }  // namespace peerd::net

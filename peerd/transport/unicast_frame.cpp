@@ -17,7 +17,7 @@ void put(std::vector<std::byte>& out, std::uint64_t value, int size_bytes) {
   for (int shift = 8 * (size_bytes - 1); shift >= 0; shift -= 8) out.push_back(static_cast<std::byte>(value >> shift));
 }
 
-// Takes numbers off the front; `good` is over with the first that isn't there.
+// Takes numbers off the front. `good` becomes false with the first number that is missing.
 struct Cursor {
   std::span<const std::byte> left;
   bool good = true;

@@ -12,9 +12,9 @@
 
 namespace peerd::net {
 
-// What precedes a datagram where the group that it was sent to does not say its region: by unicast, whose destination
-// is the receiver, and where regions share groups. UDP itself has no field that could: ports say who, and nothing else
-// comes through routers unchanged. Numbers are big-endian.
+// The region header precedes a datagram whose destination does not identify its region: by unicast, and where regions
+// share groups. UDP itself has no field for it: ports identify processes, and routers preserve nothing else. Numbers
+// are big-endian.
 //
 //    0        1                          5
 //   +--------+--------+--------+--------+--------+- - - - - -+
@@ -22,10 +22,11 @@ namespace peerd::net {
 //   +--------+--------+--------+--------+--------+- - - - - -+
 inline constexpr std::size_t kRegionHeaderBytes = 5;
 [[nodiscard]] std::array<std::byte, kRegionHeaderBytes> region_header(RegionId region);
-// None: the bytes do not begin with one.
+// None where the bytes do not begin with a region header.
 [[nodiscard]] std::optional<RegionId> read_region_header(std::span<const std::byte> bytes);
 
-// By unicast alone: who is here, what it wants to hear, and whom it hears.
+// A greeting, which is sent by unicast only, announces its sender, the regions that it wants, and the peers that it
+// knows.
 //
 //    0        1          5          11         17       18       19       20
 //   +--------+- - - - - +- - - - - +- - - - - +--------+--------+--------+- - - - - - - +- - - - - - - - - - - - - -+
@@ -33,27 +34,27 @@ inline constexpr std::size_t kRegionHeaderBytes = 5;
 //   |        |          |          |          |        |0xFF all|        |  x 4         |  address 4 or, IPv6, 16)  |
 //   +--------+- - - - - +- - - - - +- - - - - +--------+--------+--------+- - - - - - - +- - - - - - - - - - - - - -+
 //
-// The number is another one for each address that is greeted (KnownPeers::number_for). Who echoes that of the address
-// it greets from gets our datagrams there, and nobody else: an address that somebody made up doesn't hear its number,
-// no other address's will do, and it is never sent more than it seemed to send.
+// The number is different for each address that is greeted (KnownPeers::number_for). Datagrams go only to addresses
+// that have echoed their own number: a forged source address does not receive its number, the number of another address
+// does not help, and an unverified address is never sent more bytes than it seemed to send.
 inline constexpr int kAddressNumberBits = 48;
 struct Greeting {
-  std::uint32_t instance = 0;          // of the sender's process; its two addresses, where it has two, are one peer
-  std::uint64_t number = 0;            // for the receiver to echo, kAddressNumberBits
-  std::uint64_t echo = 0;              // the last number that the sender had from the receiver; 0: none
-  bool reply = false;                  // wants one back; bare: tells no regions and no peers
-  bool leaving = false;                // sends and wants no more
-  bool all_regions = false;            // more than fit; else `regions`, ascending
-  std::vector<RegionId> regions = {};  // that the sender wants to hear
-  std::vector<asio::ip::udp::endpoint> peers = {};  // that the sender hears
+  std::uint32_t instance = 0;          // of the sender's process, which may have several addresses
+  std::uint64_t number = 0;            // to be echoed by the receiver; kAddressNumberBits bits
+  std::uint64_t echo = 0;              // the last number that the receiver sent to the sender; 0: none
+  bool reply = false;                  // a reply is wanted; the greeting is bare: it has no regions and no peers
+  bool leaving = false;                // the sender leaves
+  bool all_regions = false;            // the sender wants more regions than fit
+  std::vector<RegionId> regions = {};  // the regions that the sender wants, ascending
+  std::vector<asio::ip::udp::endpoint> peers = {};  // peers that the sender knows
 };
 inline constexpr std::size_t kGreetingRegionsMax = 200, kGreetingPeersMax = 20;
 inline constexpr std::size_t kGreetingMaxBytes = 20 + 4 * kGreetingRegionsMax + 18 * kGreetingPeersMax;
-static_assert(kGreetingMaxBytes <= 1200);  // as all datagrams of peers: no network cuts them in two
+static_assert(kGreetingMaxBytes <= 1200);  // as all datagrams of peers, so that networks do not fragment them
 
-// At most kGreetingMaxBytes; what is more is left out of the peers and makes the regions all.
+// Encodes to at most kGreetingMaxBytes: surplus peers are left out, and too many regions become all regions.
 [[nodiscard]] std::vector<std::byte> encode(const Greeting& greeting, bool v4);
-// None: no greeting, or not to its last byte.
+// None where the bytes are not exactly one greeting.
 [[nodiscard]] std::optional<Greeting> decode_greeting(std::span<const std::byte> bytes, bool v4);
 
 }  // namespace peerd::net

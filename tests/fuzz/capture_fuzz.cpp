@@ -1,5 +1,5 @@
-// Any file at all as a capture: all that is read lies within it, times never go back, and what is read can be written
-// and read once more, the same.
+// Reads any file as a capture: all spans lie within the file, times never decrease, and the packets survive writing and
+// reading.
 #include <cstdint>
 #include <cstdlib>
 #include <span>
@@ -13,7 +13,7 @@ namespace {
 using namespace peerd;
 using namespace peerd::record;
 
-// Not assert: it must hold in every build.
+// Unlike assert(), this check is on in every build.
 void require(bool condition) {
   if (!condition) std::abort();
 }

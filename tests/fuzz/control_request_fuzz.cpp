@@ -1,5 +1,5 @@
-// Any lines at all to a peer's control interface: each gets one line of JSON of this version, in bounded work, and the
-// peer's own objects stay where an update can tell of them.
+// Sends any lines to a peer's control interface: each gets one line of JSON of this version, in bounded work, and the
+// peer's own objects stay within the range of updates.
 //
 // An input is a row of requests, one a line.
 #include <cstdint>
@@ -11,18 +11,19 @@
 #include "core/scene/reader.hpp"
 #include "peerd/control/answer.hpp"
 #include "peerd/control/request.hpp"
+#include "peerd/feed/json_members.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace {
 
 using namespace peerd;
 
-// Not assert: it must hold in every build.
+// Unlike assert(), this check is on in every build.
 void require(bool condition) {
   if (!condition) std::abort();
 }
 
-// Sensors of a few keys, one that sets and one that turns others off.
+// The world has sensors of a few keys; one sets a velocity and one disables other sensors.
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
 DEF A Transform { children Shape { geometry Box { } } }
 DEF B Transform { children Shape { geometry Box { } } }
@@ -33,7 +34,7 @@ DEF OFF KeySensor { keyValue 66 }
 ROUTE OFF.keyHit TO ADD.disable
 ROUTE ADD.keyHit TO OFF.enabled
 )";
-constexpr int kLinesMax = 64;  // of an input
+constexpr int kLinesMax = 64;  // in one input
 
 SharedWorld make_world() {
   SharedWorld shared;
@@ -70,7 +71,7 @@ class Driver {
     const api::Answer answer = api::answer(*node_, now_, line);
     require(answer.line.find('\n') == std::string::npos);
     const auto reply = nlohmann::json::parse(answer.line);
-    require(reply.at("v") == api::kVersion && reply.at("ok").is_boolean());
+    require(reply.at("v") == feed::kMessageVersion && reply.at("ok").is_boolean());
     require(reply.at("ok") == api::parse_request(line).has_value());
     pass();
   }

@@ -1,9 +1,9 @@
-// Any datagrams at all: decode() lets only sound messages through, and a peer in session that gets them goes on in
-// bounded work, with finite ghosts, and sends only what others can read.
+// Sends any datagrams to a peer in session: decode() accepts only valid messages, and the peer continues in bounded
+// work, with finite ghosts, and sends only messages that others can decode.
 //
-// An input is a row of datagrams, each after two bytes of its length (low byte first) and one of the time that passes
-// before it comes [10 ms, 6 bits] and the region that it comes in (2 bits above). What is left over is the last one.
-// Each input goes to a peer that cuts the scene into regions and to one that doesn't.
+// An input is a row of datagrams. Each follows two bytes of its length (low byte first) and one byte of the time that
+// passes before it [10 ms, 6 bits] and of its region (2 bits above). The rest is the last datagram. Each input goes to
+// a peer that cuts the scene into regions and to one that does not.
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -17,12 +17,12 @@ namespace {
 using namespace peerd;
 using namespace peerd::replication;
 
-// Not assert: it must hold in every build.
+// Unlike assert(), this check is on in every build.
 void require(bool condition) {
   if (!condition) std::abort();
 }
 
-// A ball of ours between two walls, a cube that the datagrams may claim, and one that nobody collides with.
+// The world has an own ball between two walls, a cube that the datagrams may claim, and one without interests.
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
 DEF BALL Transform { collisionResponse CollisionResponse { } velocityVector 2 0 0 children Shape { geometry Box { size 1 1 1 } } }
 DEF LEFT Transform { translation -4 0 0 children Shape { geometry Box { size 1 9 9 } } }
@@ -32,8 +32,8 @@ DEF FREE Transform { translation 0 9 0 children Shape { geometry Box { size 1 1 
 CollisionInterest { objectPath "BALL" interests [ "LEFT" "RIGHT" "CUBE" ] collisionType 1 }
 CollisionInterest { objectPath "CUBE" interests [ "LEFT" "RIGHT" "BALL" ] collisionType 1 }
 )";
-constexpr HostTime kBegin{std::chrono::seconds(1'000)};  // what the saved inputs' times are near
-constexpr int kDatagramsMax = 24;                        // of an input
+constexpr HostTime kBegin{std::chrono::seconds(1'000)};  // near the times of the saved inputs
+constexpr int kDatagramsMax = 24;                        // in one input
 
 struct World {
   Scene scene = read_world(kWorld).scene.value();
@@ -43,7 +43,7 @@ struct World {
 class Driver {
  public:
   Driver(const World& world, bool cuts) : world_(world), peer_(config(world.scene, cuts), *world.model) {
-    pass(std::chrono::milliseconds(1200));  // alone, it founds a session
+    pass(std::chrono::milliseconds(1200));  // a peer that is alone founds a session
     require(peer_.clock().synchronised());
   }
 

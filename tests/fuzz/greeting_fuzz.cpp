@@ -1,7 +1,7 @@
-// Any datagram at all at a unicast peer's port: decode_greeting() lets only whole greetings through, each with one
-// text, and the table of peers stays within its bounds whatever they say.
+// Sends any datagram to the port of a unicast peer: decode_greeting() accepts only whole greetings, in their one
+// encoding, and the table of peers stays within its bounds.
 //
-// The first byte picks the family (its lowest bit) and the sender's port; the rest is the datagram.
+// The first byte selects the family (its lowest bit) and the sender's port; the rest is the datagram.
 #include <cstdint>
 #include <cstdlib>
 #include <span>
@@ -13,7 +13,7 @@ namespace {
 using namespace peerd;
 using namespace peerd::net;
 
-// Not assert: it must hold in every build.
+// Unlike assert(), this check is on in every build.
 void require(bool condition) {
   if (!condition) std::abort();
 }
@@ -34,7 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       v4 ? asio::ip::address(asio::ip::address_v4::loopback()) : asio::ip::address(asio::ip::address_v6::loopback()),
       data[0]);
   KnownPeers known({.key = {1, 2}, .most = 4});
-  greeting->echo = known.number_for(from);  // so that it is believed
+  greeting->echo = known.number_for(from);  // so that the sender is verified
   HostTime now{std::chrono::seconds(1)};
   for (int i = 0; i < 2; ++i) (void)known.on_greeting(now, from, *greeting);
   require(known.peers().size() <= 1);
@@ -43,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(known.introductions(peer, greeting->instance).empty());
     for (const RegionId region : peer.regions) require(KnownPeers::wants(peer, region));
   }
-  known.forget(now + std::chrono::seconds(100));  // who fell silent is greeted for a while
+  known.forget(now + std::chrono::seconds(100));  // silent peers become candidates
   require(known.peers().empty() && known.candidates().size() <= 1);
   known.forget(now + std::chrono::seconds(100) + std::chrono::minutes(11));
   require(known.candidates().empty());

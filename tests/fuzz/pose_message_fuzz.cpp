@@ -1,23 +1,25 @@
-// Any datagrams at all to the port of programs that move objects: objects stay where an update can tell of them, and
-// every pose is taken or counted as refused.
+// Sends any datagrams to the pose port: objects stay within the range of updates, and every pose is taken or counted as
+// refused.
 //
-// An input is a row of datagrams, one a line; the peer's clock is Unix time, 1,000 s at first, and goes on by 5 ms
-// each.
+// An input has one datagram on each line. The peer's clock is Unix time; it begins at 1,000 s and advances by 5 ms for
+// each datagram.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
 #include "core/scene/reader.hpp"
-#include "peerd/control/answer.hpp"
 #include "peerd/control/request.hpp"
+#include "peerd/feed/pose_message.hpp"
+#include "peerd/node/describe.hpp"
+#include "peerd/node/peer_node.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace {
 
 using namespace peerd;
 
-// Not assert: it must hold in every build.
+// Unlike assert(), this check is on in every build.
 void require(bool condition) {
   if (!condition) std::abort();
 }
@@ -26,7 +28,7 @@ constexpr const char* kWorld = R"(#VRML V2.0 utf8
 DEF A Transform { children Shape { geometry Box { } } }
 DEF B Transform { translation 9 9 9 children Shape { geometry Box { } } }
 )";
-constexpr int kLinesMax = 256;  // of an input
+constexpr int kLinesMax = 256;  // in one input
 
 SharedWorld make_world() {
   SharedWorld shared;
@@ -69,13 +71,20 @@ class Driver {
   }
 
   void hear(std::string_view datagram) {
+    const auto message = feed::parse_pose_message(datagram);
+    // The control socket understands the same poses.
     const auto request = api::parse_request(datagram);
     const auto* poses = request ? std::get_if<api::PoseRequest>(&*request) : nullptr;
+    require((poses != nullptr) == message.has_value());
     const std::uint64_t before = count("poses_taken") + count("poses_refused");
     const std::uint64_t messages_before = count("pose_messages_refused");
-    // For each other one Unix time is a nanosecond ahead: no time that is named may wrap round by that.
+    // For every second datagram Unix time is a nanosecond ahead, by which no named time may overflow.
     host_minus_wall_ = Duration{-1} - host_minus_wall_;
-    api::take_datagram(*node_, now_, datagram, host_minus_wall_);
+    if (message) {
+      (void)node_->on_poses(now_, host_minus_wall_, message->poses);
+    } else {
+      node_->refuse_poses(message.error());
+    }
     require(count("poses_taken") + count("poses_refused") == before + (poses == nullptr ? 0 : poses->poses.size()));
     require(count("pose_messages_refused") == messages_before + (poses == nullptr ? 1 : 0));
     pass();
@@ -105,6 +114,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     driver.hear(rest.substr(0, end));
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
-  for (int i = 0; i < 200; ++i) driver.pass();  // until it stands
+  for (int i = 0; i < 200; ++i) driver.pass();  // until all objects stand
   return 0;
 }

@@ -1,5 +1,5 @@
-// Runs a fuzz target over saved inputs where libFuzzer is not linked: every file of the folders that are named, and
-// files named by themselves. A folder without files fails: a test that runs nothing proves nothing.
+// Runs a fuzz target over saved inputs where libFuzzer is not linked: every file of the named folders, and named files.
+// A folder without files is an error, because a test without inputs proves nothing.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -21,7 +21,7 @@ std::size_t allocations() { return count; }
 
 }  // namespace peerd::net::testing_support
 
-// The library's other forms, [] and nothrow, call these; a sanitizer's don't, and its nothrow would meet our delete.
+// The library's array and nothrow forms call these. Those of a sanitizer do not, so the nothrow form is replaced, too.
 void* operator new(std::size_t size) {
   return peerd::net::testing_support::allocated(std::malloc(std::max<std::size_t>(size, 1)));
 }

@@ -3,8 +3,8 @@
 
 namespace peerd::net::testing_support {
 
-// How often this thread has asked for memory since the program began: by operator new, which allocation_meter.cpp
-// replaces. The sockets have no memory from anywhere else.
+// The number of calls of operator new, which allocation_meter.cpp replaces, by this thread since the program began. The
+// sockets have no other source of memory.
 [[nodiscard]] std::size_t allocations();
 
 }  // namespace peerd::net::testing_support

@@ -1,4 +1,4 @@
-// In steady state no datagram costs memory from the heap, whichever way it goes.
+// In steady state neither sending nor receiving a datagram allocates.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -11,8 +11,8 @@
 
 #include "core/scene/reader.hpp"
 #include "peerd/transport/unicast_fan_out.hpp"
-#include "replication/wire/codec.hpp"
 #include "replication/peer.hpp"
+#include "replication/wire/codec.hpp"
 #include "tests/net/allocation_meter.hpp"
 #include "tests/net/listener.hpp"
 
@@ -25,12 +25,12 @@ using testing_support::run_until;
 
 constexpr std::size_t kRounds = 50, kEach = 40;  // more than a batch
 
-// Sends and receives the rounds through the io_context, as a peer does; how many allocations that took.
+// Sends and receives all rounds through the io_context, as a peer does, and returns the number of allocations.
 std::size_t cost_of_rounds(asio::io_context& io, Transport& from, RegionId region, const std::size_t& heard) {
   const std::string text(1200, 'x');
   std::size_t before = 0;
   for (std::size_t round = 0; round < 2 * kRounds; ++round) {
-    if (round == kRounds) before = allocations();  // Asio keeps its own operations' memory from the first ones on
+    if (round == kRounds) before = allocations();  // Asio reuses the memory of its first operations
     const std::size_t wanted = heard + kEach;
     for (std::size_t i = 0; i < kEach; ++i) from.send(region, bytes_of(text));
     from.flush();
@@ -76,12 +76,13 @@ TEST(UnicastAllocations, NoneForADatagram) {
   (*b)->on_receive([&](const Arrival& arrival) { heard += arrival.datagram.size() == 1200; });
   const auto told = [&] { return !(*a)->peers().empty() && (*a)->peers().front().regions.size() == 1; };
   ASSERT_TRUE(run_until(io, told));
-  // Greetings are lists and do allocate: a round of them may fall into the measurement, a datagram's share may not.
+  // Greetings are lists and allocate. One round of them may fall into the measurement; an allocation for each datagram
+  // may not.
   EXPECT_LT(cost_of_rounds(io, **a, RegionId{7}, heard), kRounds * kEach / 10);
   EXPECT_EQ((*b)->counters().packets_in, 2 * kRounds * kEach);
 }
 
-// Two peers of thirty objects each, which swing so far that each is told several times a second.
+// Two peers with thirty objects each, which swing so far that updates of each are due several times a second.
 class PeerAllocations : public testing::Test {
  protected:
   struct Flight {
@@ -113,7 +114,7 @@ class PeerAllocations : public testing::Test {
     }
   }
 
-  // What datagrams of updates cost until then: those that come, and ticks that send nothing else.
+  // Counts the allocations of datagrams of updates: of received ones, and of ticks that send nothing else.
   void run(Duration until, Count& in, Count& out) {
     const HostTime end{until};
     while (now_ < end) {
@@ -153,7 +154,7 @@ class PeerAllocations : public testing::Test {
     const std::size_t sent = drain(i);
     if (sent > 0) out.datagrams += sent, out.allocations += cost;
   }
-  // How many were sent; none where one was something else.
+  // The number of datagrams of updates; none where another datagram was sent.
   std::size_t drain(std::size_t i) {
     std::size_t sent = 0;
     bool others = false;

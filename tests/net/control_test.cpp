@@ -54,7 +54,7 @@ class Control : public testing::Test {
     EXPECT_EQ(said.code, 0) << said.err;
     return said.code == 0 ? json::parse(said.out) : json();
   }
-  // Its status once motions have begun.
+  // The peer's status once motions have begun.
   json wait_for_start(const std::string& socket) {
     json status;
     for (int tries = 0; tries < 200; ++tries) {
@@ -64,7 +64,7 @@ class Control : public testing::Test {
     }
     return status;
   }
-  // An object as a peer has it; waits until its velocity is that.
+  // An object as a peer reports it; waits until it has that velocity.
   json wait_for_velocity(const std::string& socket, const std::string& what, const std::string& path, const json& v) {
     json last;
     for (int tries = 0; tries < 100; ++tries) {
@@ -132,7 +132,7 @@ TEST_F(Control, AKeySetsACarInMotionAndTheOtherPeerSeesIt) {
   EXPECT_FALSE(std::filesystem::exists(at_b));
 }
 
-// One looks for what comes for a second before it sleeps, which with 60 ticks it never does.
+// One peer polls for a second before it sleeps; at 60 ticks a second it never sleeps.
 TEST_F(Control, APeerThatNeverSleepsAnswersMovesAndLeaves) {
   const std::string at_a = socket("a"), at_b = socket("b");
   Process a = start_peer("a", 1, "RED", 14, {"--control", at_a, "--set", "transport.busy_poll_us=1000000"});

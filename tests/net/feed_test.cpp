@@ -1,4 +1,4 @@
-// Real peers of which one is told by a program, in real time, where its object is.
+// Real peers, of which one gets poses of its object from a program in real time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ udp = "127.0.0.1:0"
 id = 2
 )";
 
-// 3 m/s on a circle, by Unix time.
+// The position on a circle at 3 m/s, by Unix time.
 constexpr double kRadius = 2.0, kOmega = 1.5;
 Vec3 circle(double unix_s) {
   const double a = kOmega * std::fmod(unix_s, 2.0 * std::numbers::pi / kOmega);
@@ -64,7 +64,7 @@ class Feed : public testing::Test {
     if (!std::regex_search(out, found, std::regex("at 127.0.0.1 port ([0-9]+)"))) return 0;
     return static_cast<std::uint16_t>(std::stoi(found[1]));
   }
-  // Until the start, from when on logs are kept.
+  // Waits until the start, from which on logs are kept.
   void meet(Process& a, Process& b) {
     ASSERT_TRUE(a.says("peer b (id 2) joined", 5)) << a.out() << a.err();
     ASSERT_TRUE(b.says("peer a (id 1) joined", 5)) << b.out() << b.err();
@@ -95,7 +95,7 @@ class Feed : public testing::Test {
   int calls = 0;
 };
 
-// Half of the rows of that time are off by at most this. (A sender that the system lets wait for long spoils some.)
+// The median error of the rows of that interval. A maximum would be spoilt by a sender that the system delays.
 double median_error_m(const PeerLog& log, double from_s, double until_s) {
   std::vector<double> errors;
   for (const PeerLog::ObjectSample& b : log.object_samples) {
@@ -143,7 +143,7 @@ TEST_F(Feed, ARemoteGhostFollowsAProgramsPosesByUdp) {
 
   const PeerLog of_a = end(a, "a"), of_b = end(b, "b");
   EXPECT_THAT(a.out(), HasSubstr(" poses, refused 0 and 1 messages; 1 silences"));
-  // By the bound of pose_feed.hpp for 30 Hz, 0.3 mm; where it stopped and went with the poses, 50 mm.
+  // The bound of pose_feed.hpp for 30 Hz is 0.3 mm; an object that stopped between poses would be off by 50 mm.
   EXPECT_LT(median_error_m(of_a, begin + 0.2, now - 0.05), 0.002);
   EXPECT_LT(median_error_m(of_b, begin + 0.2, now - 0.05), 0.05) << "the threshold";
 }
@@ -169,7 +169,7 @@ TEST_P(Example, DrivesTheCarOfItsScenario) {
   const PeerLog of_b = end(b, "b");
   EXPECT_THAT(a.out(), HasSubstr("refused 0 and 0 messages"));
 
-  // How far the ghost is from the figure eight, wherever on it.
+  // The distance of a ghost from the nearest point of the figure eight.
   const auto off_m = [](const Vec3& p) {
     double least = 1e9;
     for (double w = 0.0; w < 6.3; w += 0.001) {

@@ -17,7 +17,7 @@
 
 namespace peerd::net::testing_support {
 
-// A port of this process's own: 16 to each, below the range that the system hands out by itself. `slot` < 16.
+// A port that no other test process uses: each has 16, below the range that the system assigns. `slot` < 16.
 inline std::uint16_t own_port(unsigned slot) {
   return static_cast<std::uint16_t>(10'000 + static_cast<unsigned>(getpid()) % 1400 * 16 + slot);
 }
@@ -28,13 +28,13 @@ inline std::string text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// One for all sockets of the tests, as a peer has.
+// The clock of all sockets of the tests, as a peer has one.
 inline const HostClock& clock() {
   static const HostClock host_clock;
   return host_clock;
 }
 
-// A socket that remembers what it heard.
+// A socket that records what it receives.
 struct Listener {
   Listener(asio::io_context& io, const MulticastOptions& options) {
     auto opened = MulticastSocket::open(io, clock(), options);
@@ -69,8 +69,8 @@ struct Listener {
   std::unique_ptr<MulticastSocket> socket;
 };
 
-// Runs the sockets until `done`, at most 5 s. Nothing here waits for silence: a test that something is not heard sends
-// a marker after it, which overtakes nothing on one computer.
+// Runs the sockets until `done`, at most 5 s. No test waits for silence: a test that a datagram is not received sends a
+// marker after it, for datagrams do not overtake each other on one computer.
 template <class Predicate>
 bool run_until(asio::io_context& io, Predicate done) {
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(5);

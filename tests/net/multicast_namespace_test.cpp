@@ -1,5 +1,5 @@
-// Multicast between two network namespaces of the test's own, joined by a veth pair: the only way to have IPv6
-// multicast on any computer (lo has none), and datagrams that really leave an interface.
+// Multicast between two network namespaces, which a veth pair connects. Only this gives IPv6 multicast on any computer
+// (lo has none), and datagrams that really leave an interface.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -58,7 +58,7 @@ TEST_P(OverAWire, DatagramsCrossIt) {
   with_wire([](const Wire& wire) {
     asio::io_context io;
     wire.left.enter();
-    Listener a(io, options(1, ""));  // one interface reaches others: no need to name it
+    Listener a(io, options(1, ""));  // the only interface that reaches others need not be named
     wire.right.enter();
     Listener b(io, options(1, "vb"));
     EXPECT_EQ(a.socket->chosen_interface().interface.name, "va");
@@ -76,7 +76,7 @@ TEST_P(OverAWire, DatagramsCrossIt) {
   });
 }
 
-// Nor over an interface whose own copies come by another way through the kernel than those of lo.
+// On an interface other than lo, the sender's copies take another way through the kernel, where the filter works, too.
 TEST_P(OverAWire, ASocketWithoutOwnDatagramsReceivesTheOthers) {
   with_wire([](const Wire& wire) {
     asio::io_context io;
@@ -117,7 +117,7 @@ TEST_P(OverAWire, TheHopLimitIsAsAsked) {
   });
 }
 
-// One of the same name is another one to the kernel, and what was joined went with the old one.
+// The kernel regards an interface of the same name as another one, and memberships vanish with the old one.
 void follow_what_is_made_anew(MulticastOptions left, MulticastOptions right) {
   with_wire([&](const Wire& wire) {
     asio::io_context io;
@@ -136,7 +136,7 @@ void follow_what_is_made_anew(MulticastOptions left, MulticastOptions right) {
     EXPECT_THAT(gone->sentence, testing::HasSubstr("\"va\" is gone"));
     EXPECT_FALSE(a.socket->follow_interface()) << "is said once";
     EXPECT_TRUE(a.socket->leave(RegionId{2}));
-    // Once it is back, and of these many more than one socket takes.
+    // The interface is back, and more groups are joined than one socket takes.
     for (std::uint32_t region = 3; region <= 50; ++region) EXPECT_TRUE(a.socket->join(RegionId{region})) << region;
     ASSERT_EQ(wire.connect(), "");
     for (const auto& [side, listener] : {std::pair(&wire.left, &a), {&wire.right, &b}}) {
@@ -195,7 +195,7 @@ TEST_P(OverAWire, AnotherInterfaceInTheSameGroupIsNotHeard) {
   });
 }
 
-// ---- limits that are met in the middle ----
+// ---- limits that change while a peer runs ----
 
 void write_limit(const char* path, int value) { ASSERT_TRUE(shell("echo " + std::to_string(value) + " > " + path)); }
 constexpr const char* kIpv4Limit = "/proc/sys/net/ipv4/igmp_max_memberships";  // each namespace has its own
@@ -287,15 +287,16 @@ TEST(Ipv6OverLo, IsRefusedWithAWayOut) {
   });
 }
 
-// Each peer filters out what comes from its sender's port: whoever had the same one would never be heard. Where nearly
-// all ports are taken, two that may share one would.
+// Each peer filters out datagrams from its sender's port, so it would never hear a peer with the same sender's port.
+// Where nearly all ports are taken, the system gives one port to two sockets that may share it.
 TEST(OverLo, NoTwoSendersHaveOnePort) {
   with_wire([](const Wire& wire) {
     asio::io_context io;
     wire.left.enter();
     ASSERT_TRUE(shell("ip link set lo up && echo 40000 40013 > /proc/sys/net/ipv4/ip_local_port_range"));
-    const MulticastOptions options{
-        .interface = "lo", .groups = {asio::ip::make_address("239.192.0.0"), own_port(2)}, .receives_own_datagrams = false};
+    const MulticastOptions options{.interface = "lo",
+                                   .groups = {asio::ip::make_address("239.192.0.0"), own_port(2)},
+                                   .receives_own_datagrams = false};
     std::vector<std::unique_ptr<MulticastSocket>> open;
     std::set<std::uint16_t> ports;
     for (int i = 0; i < 12; ++i) {

@@ -19,8 +19,8 @@
 
 namespace peerd::testing_support {
 
-// The real program as a child of the test. Its output goes to files, so that a full pipe never holds it up. It is
-// killed with the object, and nothing else ever is.
+// The real program as a child of the test. Its output goes to files, so that a full pipe never blocks it. The
+// destructor kills the child, and no other process.
 class Process {
  public:
   // `arguments` follow the program's name.
@@ -49,13 +49,13 @@ class Process {
   }
 
   void signal(int number) const {
-    if (!ended_) kill(pid_, number);  // not yet waited for, so the id is still its own
+    if (!ended_) kill(pid_, number);  // a child that has not been waited for keeps its id
   }
   [[nodiscard]] bool running() {
     if (!ended_) ended_ = waitpid(pid_, &status_, WNOHANG) == pid_;
     return !ended_;
   }
-  // Its exit code; -1 when a signal ended it, -2 when it is still running after that long.
+  // The exit code; -1 where a signal has ended it, -2 where it is still running after that time.
   [[nodiscard]] int exit_code(double within_s) {
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
     while (running()) {
@@ -64,7 +64,7 @@ class Process {
     }
     return WIFEXITED(status_) ? WEXITSTATUS(status_) : -1;
   }
-  // Waits until it has said so on its standard output.
+  // Waits until the text is in its standard output.
   [[nodiscard]] bool says(const std::string& words, double within_s) {
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
     for (;;) {

@@ -1,5 +1,5 @@
-// Real peers that are recorded while keys are pressed, a program moves an object, and questions are asked; replayed,
-// they send the same bytes and believed the same.
+// Real peers are recorded while keys are pressed, a program moves an object, and requests are made; their replays send
+// the same bytes and log the same states.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -120,7 +120,7 @@ TEST_P(Record, WhatARealPeerDidIsReplayed) {
   feed_blue(a);
   EXPECT_EQ(ctl({"pose", "BLUE", "4", "0", "7"})["done"], true);
   (void)ctl({"objects"});
-  (void)ctl({"key", "w"}, 1);  // nobody listens to it here
+  (void)ctl({"key", "w"}, 1);  // no KeySensor of this peer listens to it
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   (void)ctl({"leave"});
   EXPECT_EQ(a.exit_code(5), 0) << a.out() << a.err();
@@ -137,7 +137,7 @@ TEST_P(Record, WhatARealPeerDidIsReplayed) {
   EXPECT_THAT(text_of(file("a", "again")), HasSubstr("N keys 3\n")) << "one by the configuration, two by ctl";
   EXPECT_THAT(text_of(file("a", "again")), HasSubstr("N pose_messages_refused 1\n"));
   EXPECT_THAT(text_of(file("a", "again")), HasSubstr("N poses_taken 30\n"));
-  // Killed where it stood, it leaves all that it did.
+  // A killed peer leaves a capture of everything that it did.
   const nlohmann::json of_b = replay("b");
   EXPECT_EQ(of_b["same"], true) << of_b;
   EXPECT_GT(of_b["datagrams_out"], 10) << of_b;

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "peerd/scenario/assemble.hpp"
 #include "peerd/measure/summary.hpp"
+#include "peerd/scenario/assemble.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 #include "tests/net/wire.hpp"
@@ -27,7 +27,7 @@ const Words kSettings{"duration_s=4", "replication.approach=dr+rcp+acpt", "repli
 
 class UnicastProcess : public testing::Test {
  protected:
-  // In the namespace that the calling thread is in.
+  // Starts a peer in the namespace of the calling thread.
   Process start(const std::string& name, const char* interface, unsigned slot, const std::string& seeds,
                 const Words& more = {}) {
     Words words{"run",     "--config", kScenario,
@@ -43,7 +43,7 @@ class UnicastProcess : public testing::Test {
     return "\"" + std::string(host) + ":" + std::to_string(own_port(slot)) + "\"";
   }
   [[nodiscard]] std::string record_of(const std::string& name) const { return (folder / (name + ".rows")).string(); }
-  // What the peers' records say, side by side.
+  // The summary of all peers' logs.
   nlohmann::ordered_json summary() {
     const auto scenario = config::read_scenario(
         {.file = kScenario, .configs = {}, .sets = kSettings, .seed = {}, .real = true, .sweep = true});
@@ -78,7 +78,7 @@ class UnicastProcess : public testing::Test {
   ScratchFolder folder;
 };
 
-// a and c on one computer, b on another; only a is a seed, so b and c know each other through it.
+// Peers a and c are on one computer and b on another; only a is configured, so b and c learn of each other through a.
 TEST_F(UnicastProcess, ThreeShareEq47WhereTheInterfacesDoNoMulticast) {
   with_wire([&](const Wire& wire) {
     wire.right.enter();
@@ -118,7 +118,7 @@ TEST_F(UnicastProcess, AScenarioOfRealProcessesRunsOverIt) {
       log, AllOf(HasSubstr("unicast at port"), HasSubstr("peer b (id 2) joined"), HasSubstr("peer c (id 3) joined")));
 }
 
-// Told how to get out of it, not left alone in silence.
+// The error names both ways out.
 TEST_F(UnicastProcess, WithoutMulticastAndWithoutPeersItDoesNotRun) {
   with_wire([&](const Wire& wire) {
     wire.left.enter();

@@ -33,7 +33,9 @@ class Namespace {
   }
   void enter() const { ASSERT_EQ(setns(fd_, CLONE_NEWNET), 0) << std::generic_category().message(errno); }
   [[nodiscard]] const std::string& problem() const { return problem_; }
-  [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(fd_); }  // of whoever inherits it
+  [[nodiscard]] std::string path() const {
+    return "/proc/self/fd/" + std::to_string(fd_);
+  }  // in a process that inherits the descriptor
 
  private:
   int fd_;
@@ -44,14 +46,14 @@ inline bool shell(const std::string& command) { return std::system((command + " 
 
 // left (interface va: 192.0.2.1, fe80::1) ---- right (interface vb: 192.0.2.2, fe80::2)
 struct Wire {
-  // Empty, or why there is none.
+  // Empty, or the reason why there is no wire.
   std::string lay() {
     if (!left.problem().empty() || !right.problem().empty()) {
       return "no network namespaces here: " + left.problem() + right.problem();
     }
     return connect();
   }
-  // Also anew, after `ip link del va`.
+  // Makes the pair, again after `ip link del va`.
   [[nodiscard]] std::string connect() const {
     left.enter();
     if (!shell("ip link add va type veth peer name vb && ip link set vb netns " + right.path())) {
@@ -64,7 +66,7 @@ struct Wire {
     left.enter();
     return right_up && comes_up("va") ? "" : "the veth pair does not come up within 5 s";
   }
-  // The carrier is there some milliseconds after the second end is up.
+  // The carrier comes some milliseconds after the second end is up.
   static bool comes_up(const std::string& name) {
     for (int tries = 0; tries < 500; ++tries) {
       const auto interfaces = list_interfaces();
@@ -74,7 +76,7 @@ struct Wire {
     }
     return false;
   }
-  // nodad: an address is of no use while its uniqueness is being checked, for a second or two.
+  // nodad: an address is unusable while its uniqueness is checked, for a second or two.
   static bool address(const std::string& name, const std::string& host) {
     return shell("ip link set lo up && ip link set " + name + " addrgenmode none && ip addr add 192.0.2." + host +
                  "/24 dev " + name + " && ip addr add fe80::" + host + "/64 dev " + name + " nodad && ip link set " +

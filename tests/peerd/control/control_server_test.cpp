@@ -25,7 +25,7 @@ namespace asio = boost::asio;
 using Protocol = asio::local::stream_protocol;
 using testing::HasSubstr;
 
-// A server that answers each line with the line itself, or with much more.
+// A server that answers each line with that line, or with a very long one.
 class ControlServerTest : public testing::Test {
  protected:
   ControlServerTest() : path(folder / "c.sock") {}
@@ -50,7 +50,7 @@ class ControlServerTest : public testing::Test {
     boost::system::error_code ignored;
     asio::write(socket, asio::buffer(bytes), ignored);
   }
-  // What comes until that many lines are there, or the end, or nothing for a second.
+  // Receives until that many lines are there, the end, or silence for a second.
   std::string receive(Protocol::socket& socket, int lines) {
     std::string all;
     char part[4096];
@@ -131,7 +131,7 @@ TEST_F(ControlServerTest, ALivingPeersSocketIsNot) {
   EXPECT_EQ(receive(a, 1), "got one\n");
 }
 
-// As any user may hold a folder that is open to all.
+// Any user may lock a folder that is open to all.
 TEST_F(ControlServerTest, DoesNotWaitForWhoHoldsTheFolder) {
   const int folder_fd = ::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   ASSERT_GE(folder_fd, 0);
@@ -245,14 +245,14 @@ TEST_F(ControlServerTest, AskingNobodyIsTheEnvironmentsFault) {
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().exit_code, 3);
   EXPECT_THAT(none.error().text, HasSubstr("no peer answers"));
-  const auto server = open();  // and never runs
+  const auto server = open();  // the io_context never runs
   const auto silent = ask(path, "one", std::chrono::milliseconds(50));
   ASSERT_FALSE(silent);
   EXPECT_EQ(silent.error().exit_code, 3);
   EXPECT_THAT(silent.error().text, HasSubstr("silent for 50 ms"));
 }
 
-// As a peer that is stopped: the system takes what its queue holds, and nobody more.
+// A stopped peer: the system accepts as many clients as the queue holds.
 TEST_F(ControlServerTest, WhoseQueueIsFullLivesAndIsBusy) {
   Protocol::acceptor stopped(io);
   stopped.open();

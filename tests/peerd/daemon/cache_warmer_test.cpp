@@ -1,4 +1,4 @@
-// Two peers of nobody's session that tell each other of an object, over sockets of their own.
+// Two private peers that send each other updates over a socket of their own.
 #include "peerd/daemon/cache_warmer.hpp"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <ostream>
 #include <string>
 
-namespace peerd::rehearsal_test {
+namespace peerd::cache_warmer_test {
 
 using replication::PublishPolicy;
 
@@ -18,8 +18,7 @@ void PrintTo(const Policy& p, std::ostream* out) { *out << p.name; }
 
 class CacheWarmerOf : public testing::TestWithParam<Policy> {};
 
-// So many runs tell as many updates, which leave, come back and are taken; but for some that a kernel with much to do
-// may still hold back.
+// Each run sends one update, which leaves, comes back and is taken, except for some that a busy kernel may still hold.
 void expect_told(CacheWarmer& cache_warmer) {
   constexpr std::uint64_t kRuns = 200;
   const std::uint64_t before = cache_warmer.updates_received();
@@ -27,7 +26,7 @@ void expect_told(CacheWarmer& cache_warmer) {
   EXPECT_GE(cache_warmer.updates_received(), before + kRuns * 9 / 10);
 }
 
-// However updates are published.
+// Cache warming works with every publish policy.
 TEST_P(CacheWarmerOf, UpdatesInEachRun) {
   const auto cache_warmer = CacheWarmer::make(GetParam().policy);
   ASSERT_TRUE(cache_warmer) << cache_warmer.error().sentence;
@@ -56,4 +55,4 @@ TEST(CacheWarmer, UpdatesInEachRunOfAnotherSession) {
   expect_told(**cache_warmer);
 }
 
-}  // namespace peerd::rehearsal_test
+}  // namespace peerd::cache_warmer_test

@@ -1,4 +1,4 @@
-// How a peer waits: asleep, or looking for what comes before it sleeps. And what it makes of having been stopped.
+// How a daemon waits, asleep or polling, and how it continues after it has been stopped.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/daemon/daemon.hpp"
 #include "peerd/transport/open_transport.hpp"
-#include "peerd/daemon/cache_warmer.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 #include "tests/peerd/scratch_folder.hpp"
@@ -29,7 +29,7 @@ using testing::Not;
 
 constexpr std::uint64_t kTicks = 40, kStrange = 40;
 
-// A peer of 60 ticks a second, and in its own thread a stranger whose datagrams it hears and drops, one each 10 ms.
+// A peer with 60 ticks a second, and a thread whose invalid datagrams it drops, one every 10 ms.
 class Waiting : public testing::Test {
  protected:
   Waiting() {
@@ -53,7 +53,7 @@ class Waiting : public testing::Test {
 
   struct Used {
     double wall_s, cpu_s;
-    long sleeps;  // how often it gave the processor away to wait
+    long sleeps;  // voluntary context switches
   };
   static Used used() {
     timespec wall{}, cpu{};
@@ -67,7 +67,7 @@ class Waiting : public testing::Test {
     return {s(wall), s(cpu), usage.ru_nvcsw};
   }
 
-  // Until it has ticked and heard enough, has answered as it ticked, and is told to leave.
+  // Runs until it has ticked and received enough, has answered requests meanwhile, and is asked to leave.
   Used run(Duration busy_poll) {
     Daemon daemon(
         io, *node, *transport, clock, [](const LogLine&) {}, std::nullopt);
@@ -118,14 +118,14 @@ TEST_F(Waiting, SleepsAtOnceByDefault) {
   EXPECT_EQ(cache_warmer->updates_received(), received_before);
 }
 
-// For longer than the run takes: all that it does, it does while it polls.
+// The daemon polls for longer than the run takes, so it does everything while it polls.
 TEST_F(Waiting, TicksHearsAnswersAndLeavesWhileItPolls) {
   const Used all = run(20s);
   EXPECT_LT(all.sleeps, static_cast<long>(kTicks) / 2);
   EXPECT_GT(cache_warmer->updates_received(), received_before + kTicks) << "some 80 could be between two ticks";
 }
 
-// 60 ticks a second, 100 timers and 100 datagrams: 0.26 of the time at most, and what it does.
+// 60 ticks, 100 timers and 100 datagrams a second: polling takes at most 0.26 of the time.
 TEST_F(Waiting, SleepsWhenNothingHasComeForSoLong) {
   const Used all = run(1ms);
   EXPECT_GE(all.sleeps, static_cast<long>(kTicks));
@@ -136,7 +136,7 @@ net::MulticastOptions options_over(const char* interface) {
   return {.interface = interface, .groups = {boost::asio::ip::make_address("239.192.80.0"), own_port(14)}};
 }
 
-// A peer with all that it needs, and what it has logged.
+// A peer with all that it needs, and the lines of its log.
 struct Peer {
   Peer(const SharedWorld& shared, const std::string& name, std::uint32_t id, const net::MulticastOptions& options) {
     config::PeerSettings settings;
@@ -155,7 +155,8 @@ struct Peer {
   std::string said;
 };
 
-// What the other said of late waits behind more than two reads take: none of it is lost in the kernel's queue, 0.3 MB.
+// The other peer's last datagrams wait behind more than two reads take. The kernel's queue of 0.3 MB loses none of
+// them.
 TEST(Stalled, NobodyIsLostWhoseDatagramsWaitToBeRead) {
   const testing_support::ScratchFolder folder;
   const auto shared = std::move(*share_world(folder.write("w.wrl", "#VRML V2.0 utf8\n")));
@@ -193,7 +194,7 @@ TEST(Stalled, NobodyIsLostWhoseDatagramsWaitToBeRead) {
   EXPECT_THAT(b.said, HasSubstr("peer a (id 1) is lost")) << "as whoever is silent for 2.5 s";
 }
 
-// It says so, and goes on over the new one without being told.
+// The daemon logs the change, and continues over the new interface by itself.
 TEST(FollowsItsInterface, OneThatIsDeletedAndMadeAnew) {
   const testing_support::ScratchFolder folder;
   const auto shared = std::move(*share_world(folder.write("w.wrl", "#VRML V2.0 utf8\n")));

@@ -19,7 +19,7 @@ constexpr Duration kStale = 500ms;
 
 HostTime after(double s) { return kBegin + from_seconds(s); }
 
-// 3 m/s on a circle of 2 m about +y, looking where it goes.
+// The state on a circle of 2 m about +y at 3 m/s, oriented along the motion.
 constexpr double kRadius = 2.0, kOmega = 1.5, kSpeed = kRadius * kOmega, kThird = kSpeed * kOmega * kOmega;
 KinematicState circle(double t) {
   const double a = kOmega * t, s = std::sin(a), c = std::cos(a);
@@ -36,7 +36,7 @@ struct Sent {
   double sampled_s, heard_s;
 };
 
-// Uneven in both: samples of the circle d apart or up to a fifth less, each heard at most j later, in order.
+// Samples of the circle at uneven intervals, d or up to a fifth less; each arrives at most j later, in order.
 std::vector<Sent> jittered(double d_s, double j_s, double until_s, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto fraction = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -105,13 +105,13 @@ TEST_P(OnACircle, TheStateAtATickIsOffByNewtonsRemainderAtMost) {
   }
   RecordProperty("bound_mm", std::to_string(1e3 * bound));
 }
-// Without times of their own, poses are off by up to what the object moves within the jitter; the parabola makes up to
-// Lebesgue's constant times as much of it.
+// Poses without a time are off by up to the motion within the jitter, which the parabola magnifies by up to Lebesgue's
+// constant.
 TEST_P(OnACircle, WithoutTimesTheJitterCountsToo) {
   const double d = 1.0 / GetParam().hz, j = GetParam().jitter_s, e = d + j;
   const double s = to_seconds(PoseFeed::kSpacingUnstamped);
   const double lebesgue = (e + s) * (e + 2 * s) / (2 * s * s) + e * (e + 2 * s) / (s * s) + e * (e + s) / (2 * s * s);
-  // A velocity is not of the time that it is heard at either.
+  // A velocity belongs to the time of its pose, not to that of its arrival.
   const double velocity_off = GetParam().says == Says::kPose ? 0.0 : kSpeed * kOmega * j * e * (1.0 + e / s);
   const double bound = remainder_m(e, s + e) + lebesgue * kSpeed * j + velocity_off;
   const double worst = worst_m(jittered(d, j, 20.0, 2), false, GetParam().says, 60.0);
@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(Table, OnACircle,
                                          Rate{"At30HzWithAll", 30, 0.010, Says::kAll}),
                          [](const auto& c) { return std::string(c.param.name); });
 
-// Poses a tenth of a second ahead of time: the state is taken from between them.
+// Poses come a tenth of a second ahead of time, so the state is interpolated between them.
 TEST(PoseFeed, PosesOfTheFutureAreInterpolated) {
   PoseFeed feed({}, kStale);
   const double d = 1.0 / 60.0, ahead = 0.1;
@@ -262,7 +262,7 @@ TEST(PoseFeed, AMissingOrientationKeepsTheLastOne) {
   EXPECT_LT(s.angular_velocity_body.norm(), 1e-12);
 }
 
-// It coasts for stale_s, then stands where it has come to; its next pose begins anew.
+// The object coasts for stale_s, then stands where it is; the next pose begins a new run.
 TEST(PoseFeed, StandsWhenTheProgramFallsSilent) {
   PoseFeed feed({}, kStale);
   for (int i = 0; i <= 10; ++i)
@@ -315,8 +315,8 @@ TEST(PoseFeed, ASpeedBeyondTheWireLimitsIsAnUnmarkedJump) {
   EXPECT_EQ(feed.at(after(0.05)).position.x(), 1e9);
 }
 
-// A ball turns round at a wall: nothing beyond the turn is made of what was before it.
-// .. and so is what would have to accelerate more, though its speed at the last pose is none.
+// Poses that need an acceleration beyond the limit are an unmarked jump, too, even if the speed at the last pose is
+// zero.
 TEST(PoseFeed, AccelerationsBeyondTheLimitAreNotBelieved) {
   for (const bool with_velocity : {false, true}) {
     PoseFeed feed({}, kStale);
@@ -333,6 +333,7 @@ TEST(PoseFeed, AccelerationsBeyondTheLimitAreNotBelieved) {
   }
 }
 
+// A ball turns round at a wall: the states after the turn are not made of poses before it.
 TEST(PoseFeed, AtASharpTurnTheNewestPosesCountAlone) {
   for (const bool with_velocity : {false, true}) {
     PoseFeed feed({}, kStale);
@@ -377,7 +378,7 @@ TEST(PoseFeed, QueuesAreNotMadeIntoVelocity) {
     ASSERT_TRUE(feed.push(after(sent.heard_s), std::nullopt, {.position = Vec3(kSpeed * sent.sampled_s, 0, 0)}));
     if (sent.heard_s > 0.5) worst = std::max(worst, std::abs(feed.at(after(sent.heard_s)).velocity.x() - kSpeed));
   }
-  // Positions off by up to half of what it moves within j (all late by the same is no matter), with weights of at most
+  // Positions are off by up to half of the motion within j (a constant delay does not matter), with weights of at most
   // 3/2, 2 and 1 over the spacing.
   EXPECT_LT(worst, 4.5 / s * 0.5 * kSpeed * j);
 }

@@ -8,7 +8,7 @@ namespace peerd::peer_node_test {
 
 using namespace std::chrono_literals;
 
-// A start that comes while the computer sleeps must not be slept through for good.
+// A peer that is suspended during the start must begin its motions when it resumes.
 TEST(PeerNode, APeerSuspendedDuringTheStartBeginsWhenItResumes) {
   const testing_support::ScratchFolder folder;
   folder.write("w.wrl",

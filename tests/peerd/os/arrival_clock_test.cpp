@@ -9,13 +9,13 @@ namespace peerd::net::arrival_clock_test {
 
 using namespace std::chrono_literals;
 
-// A computer whose wall clock can be set; its HostClock began at 1000 s.
+// A computer whose wall clock can be set. Its HostClock begins at 1000 s.
 struct Computer {
   HostTime host{1000s};
   Duration wall_minus_host{500s};
 
   [[nodiscard]] Duration wall() const { return host.time_since_epoch() + wall_minus_host; }
-  // Read within 60 ns.
+  // A pair of readings within 60 ns.
   HostClock::Pair pair() {
     const HostTime before = host;
     host += 30ns;
@@ -49,7 +49,7 @@ TEST(ArrivalClock, NeverLaterThanTheReading) {
   clock.on_pair(computer.pair());
   const HostTime before = computer.host;
   const auto slow =
-      HostClock::Pair{before, computer.wall() + 900us, before + 1ms};  // preempted: the truth is anywhere in it
+      HostClock::Pair{before, computer.wall() + 900us, before + 1ms};  // preempted: the true time is anywhere within
   ArrivalClock fresh;
   fresh.on_pair(slow);
   const auto at = fresh.arrival(slow.wall, before);
@@ -78,7 +78,7 @@ TEST(ArrivalClock, AStampFromBeforeTheQueueWasEmptyIsNone) {
   EXPECT_FALSE(clock.arrival(oldest - 1us, empty_at));
 }
 
-// The wall clock is set while datagrams wait: nothing that comes of their stamps may be further off than the slack.
+// The wall clock is set while datagrams wait: no arrival time may be off by more than the slack.
 class SteppedWallClock : public testing::TestWithParam<Duration> {};
 TEST_P(SteppedWallClock, IsNoticedUntilTheQueueHasBeenEmpty) {
   Computer computer;

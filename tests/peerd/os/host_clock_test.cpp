@@ -15,7 +15,7 @@ TEST(HostClock, IsTheTimeOfThisComputer) {
   EXPECT_LT(std::chrono::abs(now - wall), 1s);
 }
 
-// However far its own time is from the wall clock's, what is stamped by that one can be told in its own.
+// Timestamps of the wall clock can be converted however far the two clocks are apart.
 TEST(HostClock, TurnsUnixTimeIntoItsOwn) {
   const auto wall = [] {
     return std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch());
@@ -24,7 +24,7 @@ TEST(HostClock, TurnsUnixTimeIntoItsOwn) {
     const HostClock clock(offset);
     const Duration before = wall();
     const Duration found = clock.now().time_since_epoch() - clock.minus_wall();
-    const Duration after = wall(), span = after - before;  // no reading is off by more than all of them took
+    const Duration after = wall(), span = after - before;  // no reading is off by more than the duration of all of them
     EXPECT_GE(found, before - span);
     EXPECT_LE(found, after + span);
   }

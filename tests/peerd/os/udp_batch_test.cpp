@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing_support::bytes_of;
 using testing_support::text_of;
 
-// Two sockets on lo, without a port of their own to defend.
+// Two sockets on lo, whose ports the system chooses.
 struct UdpBatch : testing::Test {
   UdpBatch() {
     for (udp::socket* socket : {&a, &b}) {
@@ -76,7 +76,7 @@ TEST_F(UdpBatch, LengthsOfOneReadDoNotCutTheNext) {
   }
 }
 
-// One more thing is said then than in the reads before.
+// The read after a loss has one more control message than the reads before.
 TEST_F(UdpBatch, HowManyWereLostIsSaidBesideAllElse) {
   const int small = 4096;
   ASSERT_EQ(set_option(b.native_handle(), SOL_SOCKET, SO_RCVBUF, small), 0);
@@ -107,7 +107,7 @@ TEST_F(UdpBatch, WhatIsTooLongSaysSo) {
 
 TEST_F(UdpBatch, NothingWaitingIsEagain) { EXPECT_EQ(batch.read(b.native_handle()), -EAGAIN); }
 
-// One that the kernel refuses is no end for those behind it.
+// A datagram that the kernel refuses does not hold up those behind it.
 TEST_F(UdpBatch, TheRefusedAreCountedAndTheOthersLeave) {
   const udp::endpoint nowhere(asio::ip::address_v4::loopback(), 0);        // EINVAL
   const udp::endpoint forbidden(asio::ip::address_v4::broadcast(), 4000);  // EACCES: no SO_BROADCAST

@@ -55,8 +55,8 @@ struct Groups {
 };
 class Capture : public testing::TestWithParam<Groups> {};
 
-// Regions come back from groups, and from the datagrams themselves where regions share groups; even one that begins as
-// a region's mark does.
+// Regions are found from groups, and from the datagrams themselves where regions share groups, even for a datagram that
+// begins as a region header does.
 TEST_P(Capture, WhatIsWrittenIsRead) {
   const char* const base = GetParam().base;
   const std::uint32_t pool = GetParam().pool;
@@ -125,6 +125,37 @@ TEST(CaptureFile, OfSomebodyElseIsRefused) {
   const auto reader = CaptureReader::open(std::as_bytes(std::span(file)));
   ASSERT_FALSE(reader);
   EXPECT_THAT(reader.error(), HasSubstr("no capture of peerd's"));
+}
+
+// A capture whose inputs have the given times [ns]; the setup has time 10.
+std::string file_with_times(std::initializer_list<std::int64_t> times_ns) {
+  std::ostringstream out;
+  PcapngWriter writer(out, "peerd", "");
+  writer.interface(LinkType::kRawIp, "network", "");
+  writer.interface(LinkType::kUser0, "inputs", "");
+  const auto input = [&](std::int64_t ns, const std::string& text) {
+    writer.packet(1, HostTime{Duration{ns}}, Direction::kIn, std::as_bytes(std::span(text)));
+  };
+  input(10, "peer " + to_text(some_setup("239.192.0.0", 0)));
+  for (const std::int64_t ns : times_ns) input(ns, "tick");
+  return out.str();
+}
+
+TEST(CaptureFile, WhoseTimesDecreaseIsRefused) {
+  const auto error_of = [](std::initializer_list<std::int64_t> times_ns) {
+    const std::string file = file_with_times(times_ns);
+    auto reader = CaptureReader::open(std::as_bytes(std::span(file)));
+    EXPECT_TRUE(reader) << reader.error();
+    for (;;) {
+      const auto event = reader->next();
+      if (!event) return event.error();
+      if (!*event) return std::string();
+    }
+  };
+  EXPECT_EQ(error_of({10, 10, 11, 11}), "") << "equal times are in order";
+  EXPECT_EQ(error_of({11, 10}), "packet 2: its time is before that of the one before");
+  EXPECT_EQ(error_of({12, 13, 12}), "packet 3: its time is before that of the one before");
+  EXPECT_EQ(error_of({9}), "packet 1: its time is before that of the one before") << "before the peer was made";
 }
 
 }  // namespace peerd::record::capture_test

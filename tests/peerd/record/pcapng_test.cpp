@@ -58,7 +58,7 @@ std::string written() {
   return out.str();
 }
 
-// Where its blocks begin, by their own lengths.
+// The offsets of the file's blocks, by their lengths.
 std::vector<std::size_t> blocks_of(const std::string& file) {
   std::vector<std::size_t> begins;
   for (std::size_t at = 0; at < file.size();) {
@@ -90,7 +90,7 @@ TEST(Pcapng, BlocksOfOtherTypesArePassedOver) {
   EXPECT_EQ(read(file).packets, kPackets);
 }
 
-// A machine of the other byte order writes the same numbers the other way round.
+// A machine of the other byte order writes the same numbers with swapped bytes.
 TEST(Pcapng, AFileOfTheOtherByteOrderIsRead) {
   std::string file;
   const auto put32 = [&](std::uint32_t n) {
@@ -114,7 +114,7 @@ TEST(Pcapng, AFileOfTheOtherByteOrderIsRead) {
             (std::vector<Packet>{{LinkType::kRawIp, (std::int64_t{1} << 32) + 2, Direction::kOut, "abc"}}));
 }
 
-// Wherever its writer was stopped, what is whole counts.
+// Wherever the writer was stopped, the whole packets count.
 TEST(Pcapng, AFileThatIsCutOffGivesThePacketsBeforeTheCut) {
   const std::string file = written();
   const auto begins = blocks_of(file);
@@ -125,6 +125,21 @@ TEST(Pcapng, AFileThatIsCutOffGivesThePacketsBeforeTheCut) {
     EXPECT_EQ(back.error, "");
     EXPECT_EQ(back.packets.size(), whole < 3 ? 0 : whole - 3) << "of " << size << " bytes";
     EXPECT_EQ(back.cut_off, !std::ranges::binary_search(begins, size)) << "of " << size << " bytes";
+  }
+}
+
+// The magic number of a section header ends at byte 12: a shorter file must not be read beyond its end, where a test
+// lays out bytes that would change the result.
+TEST(Pcapng, ASectionHeaderThatEndsWithinItsMagicIsNotReadBeyondTheEnd) {
+  const std::string section = written().substr(0, 12), rubbish(8, '\x7F');
+  for (std::size_t size = 8; size < 12; ++size) {
+    const Read alone = read(std::string_view(section).substr(0, size));
+    EXPECT_THAT(alone.error, HasSubstr("no pcapng file")) << size << " bytes, followed by the rest of the magic";
+    const std::string file = written() + section.substr(0, size), around = file + rubbish;
+    const Read after = read(std::string_view(around).substr(0, file.size()));
+    EXPECT_EQ(after.error, "") << size << " bytes after a whole file, followed by rubbish";
+    EXPECT_TRUE(after.cut_off);
+    EXPECT_EQ(after.packets.size(), kPackets.size());
   }
 }
 

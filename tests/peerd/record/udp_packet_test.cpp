@@ -13,7 +13,8 @@ std::span<const std::byte> bytes_of(std::string_view text) { return std::as_byte
 
 ip::udp::endpoint at(const char* address, std::uint16_t port) { return {ip::make_address(address), port}; }
 
-// Checked by hand: the header's words add up to 0xFFFF, the datagram's with the pseudo header's, too.
+// The checksums were verified by hand: the words of the header add up to 0xFFFF, and so do those of the datagram with
+// the pseudo header.
 TEST(UdpPacket, HasTheBytesOfItsStandards) {
   const auto bytes = encode({at("10.0.0.1", 47474), at("239.192.0.0", 47474), bytes_of("abc")});
   const unsigned char expected[] = {0x45, 0x00, 0x00, 0x1F, 0x00, 0x00, 0x40, 0x00, 0x01, 0x11, 0x7F,
@@ -21,7 +22,7 @@ TEST(UdpPacket, HasTheBytesOfItsStandards) {
                                     0xB9, 0x72, 0xB9, 0x72, 0x00, 0x0B, 0x00, 0x00, 'a',  'b',  'c'};
   ASSERT_EQ(bytes.size(), sizeof expected);
   for (std::size_t i = 0; i < bytes.size(); ++i) {
-    if (i == 10 || i == 11 || i == 26 || i == 27) continue;  // the sums, below
+    if (i == 10 || i == 11 || i == 26 || i == 27) continue;  // the checksums, see below
     EXPECT_EQ(std::to_integer<unsigned>(bytes[i]), expected[i]) << "byte " << i;
   }
   const auto word = [&](std::size_t i) {

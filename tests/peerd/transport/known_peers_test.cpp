@@ -21,7 +21,7 @@ const udp::endpoint kA = at("192.0.2.1"), kB = at("192.0.2.2"), kC = at("192.0.2
 Greeting from(std::uint32_t instance, std::vector<RegionId> regions = {}, std::vector<udp::endpoint> peers = {}) {
   return {.instance = instance, .number = 7, .regions = std::move(regions), .peers = std::move(peers)};
 }
-// As of somebody who receives at that address.
+// A greeting of a peer that receives at that address.
 Outcome echoed(KnownPeers& known, HostTime now, const udp::endpoint& at, Greeting greeting) {
   greeting.echo = known.number_for(at);
   return known.on_greeting(now, at, greeting);
@@ -45,7 +45,7 @@ TEST(KnownPeers, SeedsAreGreetedUntilTheyAnswerAndAgainWhenTheyAreGone) {
   EXPECT_THAT(known.candidates(), ElementsAre(kA, kB));
 }
 
-// An address that somebody made up doesn't hear its number, and who made it up knows those of others alone.
+// A forged address does not receive its number, and the forger knows the numbers of other addresses only.
 TEST(KnownPeers, APeerThatDoesNotEchoItsNumberIsUnverified) {
   KnownPeers known({.key = kKey});
   const std::uint64_t of_others[] = {0,
@@ -87,7 +87,7 @@ TEST(KnownPeers, NumbersFitTheGreetingAndAreNeverThatOfNone) {
   EXPECT_LT(*numbers.rbegin(), std::uint64_t{1} << kAddressNumberBits);
 }
 
-// What we send to that address, coming from it.
+// Our own greeting to that address, as it comes back from there.
 Greeting ours(const KnownPeers& known, const udp::endpoint& to) {
   return {.instance = known.instance(), .number = known.number_for(to), .reply = true};
 }
@@ -103,7 +103,7 @@ TEST(KnownPeers, OurOwnAddressAmongTheSeedsIsFoundOut) {
   EXPECT_THAT(known.candidates(), IsEmpty());
 }
 
-// Our instance is in every greeting of ours, so anybody may say it of any address.
+// Our instance is in all our greetings, so anyone may send it from any address.
 TEST(KnownPeers, NobodyElseMakesAnAddressOurs) {
   KnownPeers known({.key = kKey, .seeds = {kA}});
   for (const std::uint64_t number : {std::uint64_t{0}, known.number_for(kB)}) {
@@ -149,12 +149,12 @@ TEST(KnownPeers, AProcessWithTwoAddressesIsOnePeer) {
   EXPECT_FALSE(known.has_echoed(kA) || known.has_echoed(kB));
 }
 
-// Both have two addresses, and each holds the other by one that the other does not send from. The network: who sends to
-// the other's address of one subnet does so from its own of that subnet.
+// Both peers have two addresses, and each knows the other by an address that the other does not send from. In this
+// network a datagram to an address of one subnet comes from the sender's address of that subnet.
 TEST(KnownPeers, TwoThatKnowEachOtherByTheWrongPairOfAddressesFindTheRightOne) {
   const udp::endpoint a1 = at("192.0.2.1"), a2 = at("198.51.100.1"), b1 = at("192.0.2.2"), b2 = at("198.51.100.2");
   constexpr SipKey kOther{3, 4};
-  for (const bool swapped : {false, true}) {  // whose instance is the lower one
+  for (const bool swapped : {false, true}) {  // which of the two has the lower instance
     KnownPeers a({.key = swapped ? kOther : kKey}), b({.key = swapped ? kKey : kOther});
     const auto meets = [](KnownPeers& to, const KnownPeers& sender, HostTime now, const udp::endpoint& source) {
       return echoed(to, now, source, {.instance = sender.instance(), .number = 7, .regions = {RegionId{1}}});
@@ -218,7 +218,7 @@ TEST(KnownPeers, ARegionGoesToWhoWantsIt) {
   EXPECT_TRUE(KnownPeers::wants(known.peers()[0], RegionId{2}));
 }
 
-// A seed by another address than it answers from stays a candidate: its bare answers come for ever.
+// A configured address whose peer answers from another one stays a candidate, so bare answers continue for ever.
 TEST(KnownPeers, ABareGreetingDoesNotTakeBackWhatItsSenderWants) {
   KnownPeers known({.key = kKey});
   const Greeting bare{.instance = 2, .number = 8, .reply = true};
@@ -239,7 +239,7 @@ TEST(KnownPeers, ABareGreetingDoesNotTakeBackWhatItsSenderWants) {
   EXPECT_FALSE(KnownPeers::wants(known.peers().front(), RegionId{7})) << "a full one takes it back";
 }
 
-// Two who met by a third, which has left since, and an outage longer than either waits for the other.
+// Two peers have met through a third, which has left, and an outage lasts longer than the time until silence.
 TEST(KnownPeers, WhoFellSilentIsGreetedForTenMinutes) {
   KnownPeers known({.key = kKey});
   echoed(known, HostTime{1s}, kC, from(3, {}, {kA}));

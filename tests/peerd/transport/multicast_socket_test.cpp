@@ -62,7 +62,7 @@ TEST_F(MulticastSocketTest, TheRegionIsTheOneSentTo) {
   for (const std::uint32_t region : {300u, 0u, 7u, 1u}) a.send(region, std::to_string(region));
   ASSERT_TRUE(run_until(io, [&] { return b.heard.size() == 4; }));
   EXPECT_THAT(b.heard, ElementsAre(Pair(300, "300"), Pair(0, "0"), Pair(7, "7"), Pair(1, "1")));
-  EXPECT_THAT(a.heard, IsEmpty());  // sending takes no joining
+  EXPECT_THAT(a.heard, IsEmpty());  // a sender need not join
 }
 
 // Without IP_MULTICAST_ALL=0 the kernel delivers every group that anyone on this computer joined.
@@ -148,7 +148,7 @@ TEST_F(MulticastSocketTest, AFullReceiveBufferLosesDatagramsAndSaysHowMany) {
   EXPECT_EQ(b.socket->counters().in_queue_overflow, kFlood - before_marker);
 }
 
-// What was turned away is not lost, though the kernel counts both as one.
+// Datagrams that the filter drops are not lost, although the kernel counts both together.
 TEST_F(MulticastSocketTest, ASocketWithoutOwnDatagramsCountsOnlyOthers) {
   constexpr std::size_t kFlood = 200, kOwn = 50;
   MulticastOptions deaf_to_itself = options(15);
@@ -210,7 +210,7 @@ TEST_F(MulticastSocketTest, DestroyedWithDatagramsWaitingIsQuiet) {
   ASSERT_TRUE(run_until(io, [&] { return !a.heard.empty(); }));
 }
 
-// Hostile input: what other programs may send to our port.
+// Other programs may send hostile datagrams to our port.
 TEST_F(MulticastSocketTest, StrangeDatagramsAreCountedAndDropped) {
   const MulticastOptions ours = options(10, "239.192.1.0");
   Listener b(io, ours);
@@ -337,7 +337,7 @@ TEST_F(MulticastSocketTest, WhatLeavesMakesRoom) {
   EXPECT_THAT(b.heard, ElementsAre(Pair(200, "marker")));
 }
 
-// The kernel's limit counts for each socket; a handler may need another one in the middle of a batch.
+// The kernel's limit is for each socket; a handler may need another socket in the middle of a batch.
 TEST_F(MulticastSocketTest, TheHandlerMayJoinMoreThanASocketHolds) {
   Listener a(io, options(13));
   auto b = MulticastSocket::open(io, testing_support::clock(), options(13));

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "peerd/transport/multicast_probe.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 
@@ -29,7 +28,7 @@ TransportOptions over(const char* interface, MulticastUse use, std::vector<std::
 }
 
 struct OpenTransport : testing::Test {
-  // "multicast", or why not.
+  // "multicast", or the reason against it.
   std::string kind_of(const TransportOptions& options) {
     const auto opened = open_transport(io, clock(), options);
     if (!opened) return "error: " + opened.error().sentence;
@@ -50,7 +49,7 @@ TEST_F(OpenTransport, IsUnicastWhereItIsToldTo) {
   EXPECT_EQ(kind_of(over("lo", MulticastUse::kNever)), "unicast: transport.multicast says so");
 }
 
-// Where an interface or its family does no multicast; lo has none over IPv6.
+// lo does no multicast over IPv6.
 TEST_F(OpenTransport, IsUnicastWhereThereIsNoMulticastAndThereArePeers) {
   const char* const ipv6 = "ff15::1:0:0";
   EXPECT_THAT(kind_of(over("lo", MulticastUse::kAuto, {"[::1]:4000"}, ipv6)),
@@ -76,7 +75,7 @@ TEST_F(OpenTransport, AnInterfaceWithoutMulticastIsFoundOut) {
   });
 }
 
-// lo would do, but for this computer alone, and there are peers to reach.
+// lo works for this computer only, and there are peers to reach.
 TEST_F(OpenTransport, LoIsNoAnswerForWhoHasPeersToReach) {
   with_wire([&](const Wire& wire) {
     wire.left.enter();
@@ -99,7 +98,7 @@ TEST_F(OpenTransport, AJoinThatIsRefusedIsFoundOut) {
   });
 }
 
-// All looks well, but nothing comes: what arrives over va is led away.
+// Everything opens well but no datagram arrives, for traffic control redirects what comes over va.
 TEST_F(OpenTransport, MulticastThatIsSwallowedIsFoundOut) {
   bool led_away = true;
   with_wire([&](const Wire& wire) {
@@ -117,21 +116,7 @@ TEST_F(OpenTransport, MulticastThatIsSwallowedIsFoundOut) {
   if (!led_away) GTEST_SKIP() << "no traffic control here (package iproute2, kernel modules cls_u32 and act_mirred)";
 }
 
-TEST(MulticastProbe, FindsWhatDoctorTells) {
-  MulticastOptions options;
-  options.interface = "lo";
-  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
-  asio::io_context io;
-  const asio::ip::udp::socket greedy(io, {asio::ip::udp::v4(), own_port(1)});  // the peers' port is not the probe's
-  const auto probe = probe_multicast(clock(), options);
-  ASSERT_TRUE(probe) << probe.error().sentence;
-  EXPECT_EQ(probe->over.interface.name, "lo");
-  EXPECT_TRUE(probe->stamped);
-  EXPECT_GT(probe->took, Duration{0});
-  EXPECT_EQ(probe->memberships_max, memberships_limit(IpFamily::kV4));
-}
-
-// ---- seeds ----
+// ---- configured addresses ----
 
 TEST(ResolvePeers, ReadsAddressesOfTheFamily) {
   using asio::ip::make_address;

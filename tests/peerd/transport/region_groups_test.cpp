@@ -104,7 +104,7 @@ TEST(GroupPool, AnyRegionHasOneOfItsGroups) {
   }
 }
 
-// All peers, of any build, must send a region to one group.
+// The hash is part of the protocol: all builds must map a region to the same group.
 TEST(GroupPool, WhichOneIsFixedForEver) {
   const auto plan = parse_group_plan("239.192.80.0", 4000, 64);
   ASSERT_TRUE(plan);

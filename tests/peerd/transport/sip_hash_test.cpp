@@ -6,7 +6,7 @@
 
 namespace peerd::net::sip_hash_test {
 
-// Bytes 00, 01, 02 ...
+// The bytes 00, 01, 02 and so on.
 std::array<std::byte, 16> counting() {
   std::array<std::byte, 16> bytes{};
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i);
@@ -14,7 +14,7 @@ std::array<std::byte, 16> counting() {
 }
 const SipKey kKey{.k0 = 0x0706050403020100, .k1 = 0x0f0e0d0c0b0a0908};
 
-// Appendix A of the paper (15 bytes), and the empty input of its authors' reference vectors.
+// The vectors are from appendix A of the paper (15 bytes) and from its authors' reference vectors (empty input).
 TEST(SipHash, IsThatOfThePaper) {
   const auto bytes = counting();
   EXPECT_EQ(sip_hash(kKey, std::span(bytes).first(15)), 0xa129ca6149be45e5u);

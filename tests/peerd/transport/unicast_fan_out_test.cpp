@@ -24,7 +24,7 @@ using testing_support::text_of;
 
 udp::endpoint address(unsigned slot) { return {asio::ip::address_v4::loopback(), own_port(slot)}; }
 
-// A peer on lo that remembers what it heard.
+// A peer on lo that records what it receives.
 struct UnicastPeer {
   UnicastPeer(asio::io_context& io, unsigned slot, std::vector<udp::endpoint> seeds, std::uint64_t start = 1) {
     auto opened = UnicastFanOut::open(
@@ -44,7 +44,7 @@ struct UnicastPeer {
     transport->send(RegionId{region}, bytes_of(text));
     transport->flush();
   }
-  // Knows that so many peers want that region.
+  // Waits until it knows that so many peers want that region.
   [[nodiscard]] bool knows(std::size_t count, std::uint32_t region) const {
     const auto wants = [&](const auto& peer) { return KnownPeers::wants(peer, RegionId{region}); };
     return std::ranges::count_if(transport->peers(), wants) == static_cast<std::ptrdiff_t>(count);
@@ -74,7 +74,7 @@ TEST_F(UnicastFanOutTest, OneSeedIsEnoughForThreeToMeet) {
   }
 }
 
-// Who joins late waits for no round: here no timer runs at all.
+// A late joiner does not wait for a round: no timer runs in this test.
 TEST_F(UnicastFanOutTest, ThreeMessagesAreEnoughToKnowWhatTheOtherWants) {
   UnicastPeer a(io, 0, {});
   a.join(1);
@@ -114,7 +114,7 @@ TEST_F(UnicastFanOutTest, OneListForAllMayNameThePeerItself) {
   EXPECT_THAT(a.heard, IsEmpty());
 }
 
-// As a host name that stands for 127.0.1.1 would: a answers from 127.0.0.1, and b greets 127.0.0.2 for ever.
+// A host name may resolve to 127.0.1.1. Here a answers from 127.0.0.1, and b greets 127.0.0.2 for ever.
 TEST_F(UnicastFanOutTest, ASeedThatAnswersFromAnotherAddressIsHeardAndHearsEverything) {
   UnicastPeer a(io, 0, {}), b(io, 1, {{asio::ip::make_address("127.0.0.2"), own_port(0)}});
   a.join(1), b.join(1);
@@ -131,7 +131,7 @@ TEST_F(UnicastFanOutTest, ASeedThatAnswersFromAnotherAddressIsHeardAndHearsEvery
   EXPECT_EQ(b.heard.size(), sent);
 }
 
-// The sender filters; what crosses with a change of mind, the receiver drops.
+// The sender filters by region, and the receiver drops datagrams that cross with its leaving.
 TEST_F(UnicastFanOutTest, ARegionGoesToWhoWantsItAlone) {
   UnicastPeer a(io, 0, {}), b(io, 1, {address(0)}), c(io, 2, {address(0)});
   b.join(1), b.join(2), c.join(2);
@@ -175,7 +175,7 @@ TEST_F(UnicastFanOutTest, AProcessThatStartsAgainIsKnownAgain) {
   }
 }
 
-// A peer that died without a word is here again: who still greets the old process is told of the new one at once.
+// A peer has crashed and restarted: peers that still greet the old process learn of the new one at once.
 TEST_F(UnicastFanOutTest, APeerWithAStaleInstanceIsAnswered) {
   UnicastPeer a(io, 0, {});
   udp::socket other(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
@@ -199,7 +199,7 @@ TEST_F(UnicastFanOutTest, APeerWithAStaleInstanceIsAnswered) {
   EXPECT_THAT(a.transport->peers(), IsEmpty());
 }
 
-// Hostile input: what other programs may send to our port.
+// Other programs may send hostile datagrams to our port.
 TEST_F(UnicastFanOutTest, StrangeDatagramsAreCountedAndMakeNobodyAPeer) {
   UnicastPeer a(io, 0, {});
   a.join(1);
@@ -233,7 +233,7 @@ struct Outsider {
     for (const char letter : text) bytes.push_back(static_cast<std::byte>(letter));
     send(bytes);
   }
-  // The next that waits; empty: none.
+  // The next waiting datagram; empty where there is none.
   std::vector<std::byte> receive() {
     std::vector<std::byte> bytes(2000);
     boost::system::error_code ec;
@@ -273,7 +273,7 @@ TEST_F(UnicastFanOutTest, NobodyIsHeardBeforeItHasEchoed) {
   EXPECT_EQ(counters.packets_in, 1u);
 }
 
-// What one socket was told does not make another address a receiver.
+// The number of one address does not make another address a receiver.
 TEST_F(UnicastFanOutTest, TheNumberOfOneAddressSendsNothingToAnother) {
   UnicastPeer a(io, 0, {});
   Outsider attacker(io), victim(io);
@@ -281,7 +281,7 @@ TEST_F(UnicastFanOutTest, TheNumberOfOneAddressSendsNothingToAnother) {
   a.transport->receive_pending();
   const auto answer = decode_greeting(attacker.receive(), true);
   ASSERT_TRUE(answer);
-  // As if forged: lo lets the test send from the victim's address.
+  // A forged datagram: lo lets the test send from the victim's address.
   const auto forged = encode({.instance = 5, .number = 6, .echo = answer->number, .all_regions = true}, true);
   victim.send(forged);
   a.transport->receive_pending();
@@ -306,7 +306,7 @@ TEST_F(UnicastFanOutTest, WhatIsTooLargeIsACountedDropAndTheLongestIsNot) {
   EXPECT_EQ(a.transport->counters().out_too_large, 1u);
 }
 
-// By "lo" a peer stays on its computer although its port is open on all interfaces.
+// With interface "lo" a peer stays on its computer, although its port is open on all interfaces.
 TEST_F(UnicastFanOutTest, WhatComesOverAnotherInterfaceIsDropped) {
   testing_support::with_wire([&](const testing_support::Wire& wire) {
     wire.left.enter();

@@ -79,7 +79,7 @@ TEST_P(Greetings, WhatDoesNotFitIsAllRegionsAndFewerPeers) {
   EXPECT_TRUE(got->regions.empty());
 }
 
-// Hostile input: nothing but a whole greeting is one.
+// Only the bytes of a whole greeting are a greeting; input is hostile.
 TEST_P(Greetings, NoPartAndNoMoreOfOneIsOne) {
   const auto bytes = encode(greeting(GetParam()), GetParam());
   for (std::size_t size = 0; size < bytes.size(); ++size) {

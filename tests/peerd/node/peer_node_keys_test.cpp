@@ -1,17 +1,13 @@
-// Keys at one peer, and what its control interface says of it.
+// Keys that are pressed at one peer.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
-#include "peerd/control/answer.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::peer_node_keys_test {
 
 using namespace std::chrono_literals;
-using nlohmann::json;
 using testing::HasSubstr;
 
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
@@ -56,7 +52,7 @@ class PeerNodeKeys : public testing::Test {
     node = PeerNode::make(settings, {}, *shared, std::move(config::resolve(settled, shared->world.scene)->front()), {});
     return *node;
   }
-  // Until that time after the start.
+  // Runs until that time after the start.
   void run(double until_s) {
     for (; !node->start() || since_start_s() < until_s; now += 5ms) {
       node->on_tick(now);
@@ -70,7 +66,6 @@ class PeerNodeKeys : public testing::Test {
   [[nodiscard]] KinematicState truth(const char* path) const {
     return node->peer().truth(*shared->world.scene.find(path), node->peer().clock().to_session(now));
   }
-  json ask(const std::string& request) { return json::parse(api::answer(*node, now, request).line); }
 
   testing_support::ScratchFolder folder;
   std::unique_ptr<const SharedWorld> shared;
@@ -170,104 +165,6 @@ TEST_F(PeerNodeKeys, TheNextKeyIsADeadline) {
   now = node->peer().clock().to_host(*node->start() + from_seconds(0.5013));
   node->on_tick(now);
   EXPECT_TRUE(node->poll_key_report());
-}
-
-TEST_F(PeerNodeKeys, StatusSaysWhoWhereAndHowFast) {
-  make();
-  EXPECT_FALSE(ask(R"({"do":"status"})")["session"]["joined"].get<bool>());
-  EXPECT_TRUE(ask(R"({"do":"objects"})")["objects"].empty());
-  run(1);
-  const json s = ask(R"({"do":"status"})");
-  EXPECT_EQ(s["v"], 1);
-  EXPECT_EQ(s["ok"], true);
-  EXPECT_EQ(s["peer"], json({{"id", 1}, {"name", "a"}}));
-  EXPECT_TRUE(s["session"]["joined"].get<bool>());
-  EXPECT_NEAR(s["since_start_s"].get<double>(), since_start_s(), 1e-6);
-  EXPECT_NEAR(s["world_time_s"].get<double>(), since_start_s(), 1e-6);
-  ASSERT_EQ(s["objects"].size(), 3u);
-  EXPECT_EQ(s["objects"][0]["path"], "A");
-  EXPECT_EQ(s["objects"][0]["owner"], 1);
-  EXPECT_EQ(s["objects"][0]["velocity_m_s"], json({1.0, 0.0, 0.0}));
-  EXPECT_NEAR(s["objects"][0]["position_m"][0].get<double>(), since_start_s(), 0.02);
-  EXPECT_EQ(s["objects"][2]["path"], "DRIVEN");
-  EXPECT_EQ(s["objects"][2]["driven"], true);
-  EXPECT_GT(s["counters"]["ticks"].get<int>(), 10);
-}
-
-TEST_F(PeerNodeKeys, PeersReportsReceptionOfEachPeer) {
-  make();
-  run(1);
-  replication::Message hello;
-  hello.sender = PeerId{2};
-  hello.incarnation = 7;
-  hello.number = 1;
-  hello.hello.emplace().introduction.emplace();
-  hello.hello->introduction->name = "b";
-  hello.hello->introduction->world_hash = replication::RegionSettings{}.session_hash(shared->world.hash);
-  const replication::Bytes datagram = replication::encode(hello);
-  node->on_packet(now, replication::kWholeScene, datagram);
-  replication::Message more;  // the fourth comes, twice, and then the third
-  more.sender = PeerId{2};
-  more.incarnation = 7;
-  more.handovers = {{ObjectId{0}, 1, RegionId{1}}};  // which is not its own
-  for (const std::uint32_t number : {4u, 4u, 3u}) {
-    more.number = number;
-    node->on_packet(now, replication::kWholeScene, replication::encode(more));
-  }
-  const json reply = ask(R"({"do":"peers"})");
-  EXPECT_EQ(reply["clock"]["follows"], 1);
-  EXPECT_EQ(reply["clock"]["error_ms"], 0.0);
-  ASSERT_EQ(reply["peers"].size(), 1u);
-  EXPECT_EQ(reply["peers"][0]["name"], "b");
-  EXPECT_EQ(reply["peers"][0]["joined"], false);
-  EXPECT_EQ(reply["peers"][0]["bytes_in"], datagram.size() + 3 * replication::encode(more).size());
-  for (const json& row : {reply["peers"][0], reply["regions"][0]}) {
-    EXPECT_EQ(row["datagrams_in"], 4);
-    EXPECT_EQ(row["duplicates"], 1);
-    EXPECT_EQ(row["overtaken"], 1);
-    EXPECT_GT(row["loss_in"], 0.2) << "one of four";
-  }
-  EXPECT_EQ(reply["peers"][0]["drops"], json({{"not_owner", 3}}));
-  EXPECT_TRUE(reply["peers"][0]["clock_ahead_ms"].is_null()) << "nobody knows yet";
-  EXPECT_TRUE(reply["next"].is_null());
-  ASSERT_EQ(reply["regions"].size(), 1u);
-  EXPECT_TRUE(ask(R"({"do":"peers","from":3})")["peers"].empty());
-}
-
-TEST_F(PeerNodeKeys, ObjectsComeInPieces) {
-  make();
-  run(1);
-  const json first = ask(R"({"do":"objects","count":2})");
-  EXPECT_EQ(first["objects"].size(), 2u);
-  const json rest = ask(json{{"do", "objects"}, {"from", first["next"]}}.dump());
-  EXPECT_EQ(rest["objects"].size(), 1u);
-  EXPECT_TRUE(rest["next"].is_null());
-}
-
-TEST_F(PeerNodeKeys, AKeysReplySaysWhatItDid) {
-  make();
-  run(1);
-  const json reply = ask(R"({"do":"key","key":"a"})");
-  EXPECT_EQ(reply["ok"], true);
-  EXPECT_EQ(reply["done"], false);
-  EXPECT_EQ(reply["key"], "A");
-  EXPECT_EQ(reply["consumed"], false);
-  ASSERT_EQ(reply["changes"].size(), 2u);
-  EXPECT_EQ(reply["changes"][0]["sensor"], "MORE");
-  EXPECT_EQ(reply["changes"][0]["recipient"], "A");
-  EXPECT_EQ(reply["changes"][0]["done"], true);
-  EXPECT_EQ(reply["changes"][1]["sensor"], "KeySensor 1");
-  EXPECT_THAT(reply["changes"][1]["refused"].get<std::string>(), HasSubstr("a motion"));
-}
-
-TEST_F(PeerNodeKeys, RubbishGetsAReasonAndLeavesThePeerAlone) {
-  make();
-  run(1);
-  EXPECT_EQ(ask("rubbish")["ok"], false);
-  EXPECT_THAT(ask("{\"do\":\"key\",\"key\":\"\\u0000\"}")["error"].get<std::string>(), HasSubstr("there is no key"));
-  EXPECT_EQ(truth("A").velocity, Vec3(1, 0, 0));
-  EXPECT_FALSE(api::answer(*node, now, "{\"do\":\"status\"}").leave);
-  EXPECT_TRUE(api::answer(*node, now, "{\"do\":\"leave\"}").leave);
 }
 
 }  // namespace peerd::peer_node_keys_test

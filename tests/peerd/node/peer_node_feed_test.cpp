@@ -1,10 +1,12 @@
-// Objects that a program outside moves, at one peer and through its control interface.
+// Objects that an external program moves, at one peer, by datagrams and through its control interface.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
 #include "peerd/control/answer.hpp"
+#include "peerd/feed/pose_message.hpp"
+#include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -20,7 +22,7 @@ DEF ARM Transform { children Shape { geometry Box { } } }
 DEF FREE Transform { translation 0 50 0 children Shape { geometry Box { } } }
 DEF PUSH KeySensor { recipient "CAR" keyValue 65 value 2 0 0 }
 )";
-constexpr Duration kWallBehind = 3s;  // what the host's time is ahead of Unix time in these tests
+constexpr Duration kWallBehind = 3s;  // from Unix time to host time
 
 class PeerNodeFeed : public testing::Test {
  protected:
@@ -47,7 +49,7 @@ class PeerNodeFeed : public testing::Test {
       }
       while (const auto notice = node->poll_feed_notice()) {
         const LogLine line = describe(*notice);
-        if (line.level != spdlog::level::debug) said += line.text + "\n";
+        if (line.level != LogLevel::kDebug) said += line.text + "\n";
       }
     }
   }
@@ -55,7 +57,13 @@ class PeerNodeFeed : public testing::Test {
     return node->peer().truth(*shared->world.scene.find(path), node->peer().clock().to_session(now));
   }
   json ask(const json& request) { return json::parse(api::answer(*node, now, request.dump(), kWallBehind).line); }
-  void datagram(const std::string& text) { api::take_datagram(*node, now, text, kWallBehind); }
+  void datagram(const std::string& text) {
+    if (const auto message = feed::parse_pose_message(text)) {
+      (void)node->on_poses(now, kWallBehind, message->poses);
+    } else {
+      node->refuse_poses(message.error());
+    }
+  }
   [[nodiscard]] double unix_s() const { return to_seconds(now.time_since_epoch() - kWallBehind); }
   std::uint64_t count(const std::string& name) { return node->log().counters.at(name); }
 
@@ -67,7 +75,7 @@ class PeerNodeFeed : public testing::Test {
   std::string said;
 };
 
-// Between two ticks: to whoever hears it now, not 16 ms later.
+// A pose between two ticks is published at once, not 16 ms later.
 TEST_F(PeerNodeFeed, GhostErrorsAboveTheThresholdArePublishedAtOnce) {
   run(3s);
   const auto jumps_to = [&](double x) {
@@ -87,7 +95,7 @@ TEST_F(PeerNodeFeed, GhostErrorsAboveTheThresholdArePublishedAtOnce) {
   EXPECT_NEAR(believed(), 8.0, 0.01) << "the tick told";
   EXPECT_EQ(jumps_to(8.0), 0u) << "nobody is wrong about it";
   const std::uint64_t told = count("updates_out");
-  now += 20ms;  // a tick is due that nobody has asked for yet
+  now += 20ms;  // a due tick has not run yet
   EXPECT_GE(jumps_to(9.0), 1u);
   EXPECT_NEAR(believed(), 9.0, 0.01) << "it does not wait for the tick after";
   EXPECT_EQ(count("updates_out"), told + 1);
@@ -99,7 +107,7 @@ TEST_F(PeerNodeFeed, StandsUntilTheFirstPoseAndFollowsFromThen) {
   ASSERT_TRUE(node->start());
   EXPECT_EQ(truth("CAR").position, Vec3(1, 2, 3)) << "its velocityVector is not for it";
   int i = 0;
-  run(1s, [&] {  // 30 Hz, 4 m/s, told 5 ms late
+  run(1s, [&] {  // 30 Hz, 4 m/s, 5 ms late
     if (i++ % 33 != 0) return;
     const double t = to_seconds(now - HostTime{1003s}) - 0.005;
     datagram(
@@ -124,8 +132,8 @@ TEST_F(PeerNodeFeed, SilenceIsLoggedOnceAndCounted) {
   EXPECT_EQ(count("feeds_silent"), 3u);
 }
 
-// Nanoseconds of int64 end in the year 2262: where the wall clock is ahead of the host's, such a time is not taken for
-// one of the past.
+// Nanoseconds in an int64 end in the year 2262. Where the wall clock is ahead of the host's, a later time must not
+// overflow to one of the past.
 TEST_F(PeerNodeFeed, TimesOfOtherCenturiesDoNotWrapRound) {
   run(2s);
   const auto refused = [&](double time_s) {

@@ -1,0 +1,184 @@
+#include "peerd/control/answer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/control/request.hpp"
+#include "replication/wire/codec.hpp"
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::api::answer_test {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr const char* kWorld = R"(#VRML V2.0 utf8
+DEF A Transform { velocityVector 1 0 0 children Shape { geometry Box { } } }
+DEF B Transform { children Shape { geometry Box { } } }
+DEF DRIVEN Transform { children Shape { geometry Box { } } }
+DEF MORE KeySensor { recipient "A" keyValue 65 value 2 0 0 consume FALSE }
+KeySensor { recipient "DRIVEN" keyValue 65 value 2 0 0 consume FALSE }
+)";
+
+// One peer with three objects, one of which a formula drives.
+class ControlAnswer : public testing::Test {
+ protected:
+  ControlAnswer() {
+    folder.write("w.wrl", kWorld);
+    auto read = share_world(folder / "w.wrl");
+    if (!read) throw std::runtime_error(read.error().text);
+    shared = std::move(*read);
+    settings.name = "a";
+    settings.id = 1;
+    settings.owns = {"A", "B", "DRIVEN"};
+    std::get<config::MotionFormula>(settings.motion["DRIVEN"].kind).x = "t";
+  }
+  PeerNode& make() {
+    config::RunSettings settled;
+    settled.peers = {settings};
+    node = PeerNode::make(settings, {}, *shared, std::move(config::resolve(settled, shared->world.scene)->front()), {});
+    return *node;
+  }
+  // Runs until that time after the start.
+  void run(double until_s) {
+    for (; !node->start() || since_start_s() < until_s; now += 5ms) {
+      node->on_tick(now);
+      while (node->poll_output()) {
+      }
+    }
+  }
+  [[nodiscard]] double since_start_s() const {
+    return to_seconds(node->peer().clock().to_session(now) - *node->start());
+  }
+  [[nodiscard]] KinematicState truth(const char* path) const {
+    return node->peer().truth(*shared->world.scene.find(path), node->peer().clock().to_session(now));
+  }
+  json ask(const std::string& request) { return json::parse(api::answer(*node, now, request).line); }
+
+  testing_support::ScratchFolder folder;
+  std::unique_ptr<const SharedWorld> shared;
+  config::PeerSettings settings;
+  std::unique_ptr<PeerNode> node;
+  HostTime now{1000s};
+};
+
+TEST_F(ControlAnswer, StatusSaysWhoWhereAndHowFast) {
+  make();
+  EXPECT_FALSE(ask(R"({"do":"status"})")["session"]["joined"].get<bool>());
+  EXPECT_TRUE(ask(R"({"do":"objects"})")["objects"].empty());
+  run(1);
+  const json s = ask(R"({"do":"status"})");
+  EXPECT_EQ(s["v"], 1);
+  EXPECT_EQ(s["ok"], true);
+  EXPECT_EQ(s["peer"], json({{"id", 1}, {"name", "a"}}));
+  EXPECT_TRUE(s["session"]["joined"].get<bool>());
+  EXPECT_NEAR(s["since_start_s"].get<double>(), since_start_s(), 1e-6);
+  EXPECT_NEAR(s["world_time_s"].get<double>(), since_start_s(), 1e-6);
+  ASSERT_EQ(s["objects"].size(), 3u);
+  EXPECT_EQ(s["objects"][0]["path"], "A");
+  EXPECT_EQ(s["objects"][0]["owner"], 1);
+  EXPECT_EQ(s["objects"][0]["velocity_m_s"], json({1.0, 0.0, 0.0}));
+  EXPECT_NEAR(s["objects"][0]["position_m"][0].get<double>(), since_start_s(), 0.02);
+  EXPECT_EQ(s["objects"][2]["path"], "DRIVEN");
+  EXPECT_EQ(s["objects"][2]["driven"], true);
+  EXPECT_GT(s["counters"]["ticks"].get<int>(), 10);
+}
+
+TEST_F(ControlAnswer, PeersReportsReceptionOfEachPeer) {
+  make();
+  run(1);
+  replication::Message hello;
+  hello.sender = PeerId{2};
+  hello.incarnation = 7;
+  hello.number = 1;
+  hello.hello.emplace().introduction.emplace();
+  hello.hello->introduction->name = "b";
+  hello.hello->introduction->world_hash = replication::RegionSettings{}.session_hash(shared->world.hash);
+  const replication::Bytes datagram = replication::encode(hello);
+  node->on_packet(now, replication::kWholeScene, datagram);
+  replication::Message more;  // the fourth datagram comes twice, and then the third
+  more.sender = PeerId{2};
+  more.incarnation = 7;
+  more.handovers = {{ObjectId{0}, 1, RegionId{1}}};  // an object that it does not own
+  for (const std::uint32_t number : {4u, 4u, 3u}) {
+    more.number = number;
+    node->on_packet(now, replication::kWholeScene, replication::encode(more));
+  }
+  const json reply = ask(R"({"do":"peers"})");
+  EXPECT_EQ(reply["clock"]["follows"], 1);
+  EXPECT_EQ(reply["clock"]["error_ms"], 0.0);
+  ASSERT_EQ(reply["peers"].size(), 1u);
+  EXPECT_EQ(reply["peers"][0]["name"], "b");
+  EXPECT_EQ(reply["peers"][0]["joined"], false);
+  EXPECT_EQ(reply["peers"][0]["bytes_in"], datagram.size() + 3 * replication::encode(more).size());
+  for (const json& row : {reply["peers"][0], reply["regions"][0]}) {
+    EXPECT_EQ(row["datagrams_in"], 4);
+    EXPECT_EQ(row["duplicates"], 1);
+    EXPECT_EQ(row["overtaken"], 1);
+    EXPECT_GT(row["loss_in"], 0.2) << "one of four";
+  }
+  EXPECT_EQ(reply["peers"][0]["drops"], json({{"not_owner", 3}}));
+  EXPECT_TRUE(reply["peers"][0]["clock_ahead_ms"].is_null()) << "nobody knows yet";
+  EXPECT_TRUE(reply["next"].is_null());
+  ASSERT_EQ(reply["regions"].size(), 1u);
+  EXPECT_TRUE(ask(R"({"do":"peers","from":3})")["peers"].empty());
+}
+
+TEST_F(ControlAnswer, ObjectsComeInPieces) {
+  make();
+  run(1);
+  const json first = ask(R"({"do":"objects","count":2})");
+  EXPECT_EQ(first["objects"].size(), 2u);
+  const json rest = ask(json{{"do", "objects"}, {"from", first["next"]}}.dump());
+  EXPECT_EQ(rest["objects"].size(), 1u);
+  EXPECT_TRUE(rest["next"].is_null());
+}
+
+TEST_F(ControlAnswer, AKeysReplySaysWhatItDid) {
+  make();
+  run(1);
+  const json reply = ask(R"({"do":"key","key":"a"})");
+  EXPECT_EQ(reply["ok"], true);
+  EXPECT_EQ(reply["done"], false);
+  EXPECT_EQ(reply["key"], "A");
+  EXPECT_EQ(reply["consumed"], false);
+  ASSERT_EQ(reply["changes"].size(), 2u);
+  EXPECT_EQ(reply["changes"][0]["sensor"], "MORE");
+  EXPECT_EQ(reply["changes"][0]["recipient"], "A");
+  EXPECT_EQ(reply["changes"][0]["done"], true);
+  EXPECT_EQ(reply["changes"][1]["sensor"], "KeySensor 1");
+  EXPECT_THAT(reply["changes"][1]["refused"].get<std::string>(), HasSubstr("a motion"));
+}
+
+TEST_F(ControlAnswer, RubbishGetsAReasonAndLeavesThePeerAlone) {
+  make();
+  run(1);
+  EXPECT_EQ(ask("rubbish")["ok"], false);
+  EXPECT_THAT(ask("{\"do\":\"key\",\"key\":\"\\u0000\"}")["error"].get<std::string>(), HasSubstr("there is no key"));
+  EXPECT_EQ(truth("A").velocity, Vec3(1, 0, 0));
+  EXPECT_FALSE(api::answer(*node, now, "{\"do\":\"status\"}").leave);
+  EXPECT_TRUE(api::answer(*node, now, "{\"do\":\"leave\"}").leave);
+}
+
+TEST_F(ControlAnswer, TheNetworksCountersBelongToStatus) {
+  make();
+  net::TrafficCounters network;
+  network.packets_in = 42;
+  const json with = json::parse(answer(*node, now, R"({"do":"status"})", Duration{0}, &network).line);
+  EXPECT_EQ(with["counters"]["net.packets_in"], 42);
+  EXPECT_FALSE(ask(R"({"do":"status"})")["counters"].contains("net.packets_in"));
+}
+
+TEST_F(ControlAnswer, ARefusalIsOneLineOfJsonWhateverItsTextHolds) {
+  const std::string line = refusal("no \"\xFF\n\" here");
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+  const json reply = json::parse(line);
+  EXPECT_EQ(reply["v"], 1);
+  EXPECT_EQ(reply["ok"], false);
+  EXPECT_EQ(reply["error"], "no \"\uFFFD\n\" here") << "a byte that is no UTF-8 is replaced";
+}
+
+}  // namespace peerd::api::answer_test

@@ -1,0 +1,91 @@
+#include "peerd/record/setup.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace peerd::record::setup_test {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+Setup some_setup() {
+  Setup s;
+  s.peer = "a";
+  s.configuration = "x = \"ä\"\n";
+  s.file = "/some/where/s.toml";
+  s.world = "/some/where/w.wrl";
+  s.world_hash = 0xFEDC'BA98'7654'3210;
+  s.inlines_when_needed = true;
+  s.options.incarnation = ~std::uint64_t{0};
+  s.options.wait_for = {PeerId{1}, PeerId{4'000'000'000}};
+  s.options.start_lead = Duration{5};
+  s.options.clock_offset = Duration{-3};
+  s.options.keep_log = false;
+  s.options.sample_hz = 50;
+  s.groups = {boost::asio::ip::make_address("ff15::1:0:0"), 47474, 9, 2048};
+  return s;
+}
+
+TEST(CaptureSetup, IsReadAsItWasWritten) {
+  const record::Setup s = some_setup();
+  const auto read = setup_from(to_text(s));
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read->peer, s.peer);
+  EXPECT_EQ(read->configuration, s.configuration);
+  EXPECT_EQ(read->file, s.file);
+  EXPECT_EQ(read->world, s.world);
+  EXPECT_EQ(read->world_hash, s.world_hash) << "all 64 bits";
+  EXPECT_TRUE(read->inlines_when_needed);
+  EXPECT_EQ(read->options.incarnation, s.options.incarnation);
+  EXPECT_EQ(read->options.wait_for, s.options.wait_for);
+  EXPECT_EQ(read->options.start_lead, s.options.start_lead);
+  EXPECT_EQ(read->options.clock_offset, s.options.clock_offset);
+  EXPECT_FALSE(read->options.keep_log);
+  EXPECT_EQ(read->options.sample_hz, 50u);
+  EXPECT_EQ(read->groups.base, s.groups.base);
+  EXPECT_EQ(read->groups.port, s.groups.port);
+  EXPECT_EQ(read->groups.pool, s.groups.pool);
+  EXPECT_EQ(read->groups.offset, s.groups.offset);
+}
+
+TEST(CaptureSetup, WithoutAnOffsetTheGroupsBeginAtTheBase) {
+  json text = json::parse(to_text(some_setup()));
+  text["groups"].erase("offset");
+  EXPECT_EQ(setup_from(text.dump()).value().groups.offset, 0u);
+}
+
+TEST(CaptureSetup, APathThatIsNoUtf8IsStillText) {
+  record::Setup s = some_setup();
+  s.world = "/\xFF.wrl";
+  EXPECT_EQ(setup_from(to_text(s)).value().world, "/\uFFFD.wrl");
+}
+
+TEST(CaptureSetup, EveryMemberIsNeeded) {
+  const json whole = json::parse(to_text(some_setup()));
+  for (const auto& [name, value] : whole.items()) {
+    json text = whole;
+    text.erase(name);
+    const auto read = setup_from(text.dump());
+    ASSERT_FALSE(read) << name;
+    EXPECT_THAT(read.error(), HasSubstr("'" + name + "'"));
+  }
+}
+
+TEST(CaptureSetup, WrongValuesAreOneSentence) {
+  const auto error = [](const char* pointer, const json& value) {
+    json text = json::parse(to_text(some_setup()));
+    text[json::json_pointer(pointer)] = value;
+    const auto read = setup_from(text.dump());
+    return read ? std::string() : read.error();
+  };
+  EXPECT_EQ(error("/format", 2), "what is recorded is of format 2, and this program reads 1");
+  EXPECT_EQ(error("/sample_hz", 0), "sample_hz is 0");
+  EXPECT_THAT(error("/groups/base", "192.0.2.1"), HasSubstr("is not a multicast address"));
+  EXPECT_THAT(error("/groups/port", 0), HasSubstr("port 0"));
+  EXPECT_THAT(error("/peer", 1), HasSubstr("can't be read"));
+  EXPECT_THAT(setup_from("rubbish").error(), HasSubstr("can't be read"));
+}
+
+}  // namespace peerd::record::setup_test
