@@ -6,7 +6,7 @@
 
 #include "core/scene/scene.hpp"
 #include "peerd/feed/pose_feeds.hpp"
-#include "replication/output.hpp"
+#include "replication/output/output.hpp"
 
 namespace peerd {
 

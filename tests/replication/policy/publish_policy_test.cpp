@@ -1,4 +1,4 @@
-#include "replication/publish/publisher.hpp"
+#include "replication/policy/publish_policy.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "tests/replication/worlds.hpp"
 
-namespace peerd::replication::publisher_test {
+namespace peerd::replication::publish_policy_test {
 
 using namespace test;
 
@@ -222,4 +222,4 @@ TEST(PublishReasonName, IsDistinctForEach) {
   EXPECT_STREQ(to_string(PublishReason::kGain), "gain");
 }
 
-}  // namespace peerd::replication::publisher_test
+}  // namespace peerd::replication::publish_policy_test
