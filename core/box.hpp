@@ -33,9 +33,10 @@ struct AxisBox {
   friend bool operator==(const AxisBox& a, const AxisBox& b) { return a.lo == b.lo && a.hi == b.hi; }
 };
 
-// Of a Shape's binary32 vertices in its own frame [m]: exact, as a box of numbers that it holds.
+// The box of the binary32 vertices of a Shape in its own frame [m]. It is exact, as its sides are coordinates of
+// vertices.
 using LocalBox = AxisBox<float>;
-// In the world frame [m].
+// A box in the world frame [m].
 using WorldBox = AxisBox<double>;
 
 // A box that contains m * p for every p in `box`: as the reals have it, and as multiply(m.linear, p) + m.offset rounds

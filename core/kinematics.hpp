@@ -3,8 +3,8 @@
 
 namespace peerd {
 
-// How a rigid body moves from one instant on, as far as dead reckoning models it. World frame, SI units. In 128 bytes:
-// what needs 16-byte alignment comes first.
+// A KinematicState describes how a rigid body moves from one instant on, as far as dead reckoning models it: world
+// frame, SI units. It takes 128 bytes, since the members that need 16-byte alignment come first.
 struct KinematicState {
   Quat orientation = Quat::Identity();        // unit, body to world
   Vec3 position = Vec3::Zero();               // [m]
@@ -15,7 +15,7 @@ struct KinematicState {
   [[nodiscard]] Pose pose() const { return {position, orientation}; }
 };
 
-// The state dt_s [s] later (or earlier): equations 4.1 and 4.2 of the seed thesis with q(t) = q0 * exp(w t). Always
+// The state dt_s [s] later (or earlier): equations 4.1 and 4.2 of the thesis with q(t) = q0 * exp(w t). Always
 // from the base state, never accumulated; the quaternion is normalised at each evaluation.
 [[nodiscard]] KinematicState advance(const KinematicState& base, double dt_s);
 

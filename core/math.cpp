@@ -6,7 +6,7 @@
 
 namespace peerd {
 
-// Of length 1 but for some roundings: whoever turns something by it normalises the product.
+// The result has length 1 but for some roundings: callers that turn something by it normalise the product.
 Quat quat_exp(const Vec3& rotation_rad) {
   const double half2 = 0.25 * rotation_rad.squaredNorm();
   if (half2 <= kSincCosMax) {

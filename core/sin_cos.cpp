@@ -13,7 +13,7 @@ SinCos sin_cos(double x) {
   if (std::abs(x) <= std::numbers::pi / 4.0) return small(x);  // it would stay, but for -0
   constexpr double kHalfPi = std::numbers::pi / 2.0;
   constexpr double kHalfPiRest = 6.123233995736766e-17;  // pi/2 - kHalfPi
-  // Of what is smaller the remainder is x itself.
+  // A smaller number is its own remainder.
   if (!(std::abs(x) <= std::numbers::pi)) x = std::remainder(x, 2.0 * std::numbers::pi);
   const double quarter = std::nearbyint(x / kHalfPi);  // -2 .. 2
   const auto [s, c] = small((x - quarter * kHalfPi) - quarter * kHalfPiRest);

@@ -25,7 +25,7 @@ inline constexpr double kSincCosMax = 0.616850275068084914;  // (pi/4)^2
 
 namespace detail {
 
-// Of the two Taylor series in x^2: (-1)^k / (2k + 1)! and (-1)^k / (2k)!, from the last k on.
+// The coefficients of the two Taylor series in x^2: (-1)^k / (2k + 1)! and (-1)^k / (2k)!, from the last k on.
 template <int kLast>
 inline constexpr auto kSincCosTerms = [] {
   std::array<std::array<double, 2>, kLast + 1> terms{};

@@ -17,9 +17,9 @@ struct InjectedClock {
   static constexpr bool is_steady = true;
 };
 
-// What this computer's clock says; two hosts may differ by seconds.
+// A time of the clock of this computer; two hosts may differ by seconds.
 using HostTime = InjectedClock<struct HostClockTag>::time_point;
-// What all peers of a session agree on (replication/session/session_clock.hpp turns one into the other).
+// A time that all peers of a session agree on (replication/session/session_clock.hpp turns one into the other).
 using SimTime = InjectedClock<struct SessionClockTag>::time_point;
 
 [[nodiscard]] constexpr double to_seconds(Duration d) { return static_cast<double>(d.count()) / 1e9; }

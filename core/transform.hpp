@@ -39,9 +39,10 @@ struct Affine {
 // rotations.
 [[nodiscard]] Pose rigid_pose(std::span<const TransformFields> path);
 
-// The same, and what scales and shears the rest leaves of the path: its product's linear part is rotation * stretch.
-// Exactly the identity without scale, and exactly the scale where only the last transform has one. With R_i and S_i the
-// rotation and the scale (SR * S * SR^-1) of transform i, stretch_i = (R_i^T * stretch_(i-1) * R_i) * S_i.
+// A rigid pose with the matrix that scales and shears the rest of the path: the linear part of the product of the path
+// is rotation * stretch. The stretch is exactly the identity without scale, and exactly the scale where only the last
+// transform has one. With R_i and S_i the rotation and the scale (SR * S * SR^-1) of transform i, stretch_i = (R_i^T *
+// stretch_(i-1) * R_i) * S_i.
 struct StretchedPose {
   Pose pose;
   Mat3 stretch = Mat3::Identity();

@@ -104,7 +104,7 @@ class Incremental final : public BroadPhase {
   struct State {
     bool exists = false;
     bool in_to_test = false;  // in touched_
-    bool changed = false;  // in changed_
+    bool changed = false;     // in changed_
   };
   struct Refit {  // of the fat box, the last
     float margin_m = 0.0F;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "collision/broad_phase/broad_phase.hpp"
+#include "collision/broad_phase/broad_pair.hpp"
 
 namespace peerd::collision {
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "collision/broad_phase/broad_phase.hpp"
+#include "collision/broad_phase/broad_pair.hpp"
 #include "collision/broad_phase/fat_box.hpp"
 
 namespace peerd::collision {

@@ -8,7 +8,8 @@ namespace peerd::collision {
 
 void SweepAndPrune::insert(BroadIndex object) {
   for (Axis& axis : axes_) {
-    if (axis.position_of.size() < 2 * std::size_t{object} + 2) axis.position_of.resize(2 * std::size_t{object} + 2, kNone);
+    if (axis.position_of.size() < 2 * std::size_t{object} + 2)
+      axis.position_of.resize(2 * std::size_t{object} + 2, kNone);
     assert(axis.position_of[2 * object] == kNone);
   }
 }
@@ -78,11 +79,13 @@ void SweepAndPrune::move_endpoint(Axis& axis, std::uint32_t endpoint_id, float t
     if (overlap(boxes_[end.object()], boxes_[other.object()])) found.push_back({end.object(), other.object()});
   };
   while (at > 0 && end.before(endpoints[at - 1])) {
-    if (!end.upper() && endpoints[at - 1].upper() && endpoints[at - 1].object() != end.object()) meet(endpoints[at - 1]);
+    if (!end.upper() && endpoints[at - 1].upper() && endpoints[at - 1].object() != end.object())
+      meet(endpoints[at - 1]);
     shift(at - 1);
   }
   while (at + 1 < endpoints.size() && endpoints[at + 1].before(end)) {
-    if (end.upper() && !endpoints[at + 1].upper() && endpoints[at + 1].object() != end.object()) meet(endpoints[at + 1]);
+    if (end.upper() && !endpoints[at + 1].upper() && endpoints[at + 1].object() != end.object())
+      meet(endpoints[at + 1]);
     shift(at + 1);
   }
   endpoints[at] = end;
@@ -97,9 +100,11 @@ void SweepAndPrune::sort_all(std::span<const BroadIndex> changed, std::vector<Fo
       axis.endpoints.push_back({0.0F, 2 * object});
       axis.endpoints.push_back({0.0F, 2 * object + 1});
     }
-    for (Endpoint& end : axis.endpoints) end.at_m = end.upper() ? boxes_[end.object()].hi[i] : boxes_[end.object()].lo[i];
+    for (Endpoint& end : axis.endpoints)
+      end.at_m = end.upper() ? boxes_[end.object()].hi[i] : boxes_[end.object()].lo[i];
     std::ranges::sort(axis.endpoints, [](const Endpoint& a, const Endpoint& b) {
-      return a.before(b) || (!b.before(a) && a.endpoint_id < b.endpoint_id);  // the order of equals is written down, too
+      return a.before(b) ||
+             (!b.before(a) && a.endpoint_id < b.endpoint_id);  // the order of equals is written down, too
     });
     for (std::uint32_t k = 0; k < axis.endpoints.size(); ++k) axis.position_of[axis.endpoints[k].endpoint_id] = k;
   }

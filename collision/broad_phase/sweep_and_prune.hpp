@@ -26,12 +26,14 @@ class SweepAndPrune final : public OverlapFinder {
     std::uint32_t endpoint_id;  // 2 * object + (1: upper end)
 
     // Closed boxes: of ends at the same place the lower ones come first.
-    [[nodiscard]] bool before(const Endpoint& b) const { return at_m < b.at_m || (at_m == b.at_m && !upper() && b.upper()); }
+    [[nodiscard]] bool before(const Endpoint& b) const {
+      return at_m < b.at_m || (at_m == b.at_m && !upper() && b.upper());
+    }
     [[nodiscard]] bool upper() const { return (endpoint_id & 1) != 0; }
     [[nodiscard]] BroadIndex object() const { return endpoint_id >> 1; }
   };
   struct Axis {
-    std::vector<Endpoint> endpoints;             // sorted
+    std::vector<Endpoint> endpoints;         // sorted
     std::vector<std::uint32_t> position_of;  // by End::who: where in `endpoints`; kNone: isn't there
   };
 

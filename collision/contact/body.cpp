@@ -5,6 +5,7 @@
 
 #include "collision/exact/convexity.hpp"
 #include "collision/exact/ordered_sums.hpp"
+#include "core/geometry/tessellate.hpp"
 
 namespace peerd::collision {
 namespace {

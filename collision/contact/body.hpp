@@ -31,12 +31,12 @@ struct ExactSphere {
 // An object as collision sees it: everything below one node, in that node's rigid frame.
 struct Body {
   ObjectId object;
-  std::vector<ConvexPiece> pieces;   // depth-first order of their Shapes
-  std::shared_ptr<Surface> surface;  // of all Shapes, convex or not; copies of a body share it
-  std::optional<ExactSphere> sphere;        // two such bodies meet as spheres
-  Vec3 center = Vec3::Zero();        // of the bounding sphere, object frame [m]
-  double radius_m = 0.0;             // encloses every vertex; 0 when there are none
-  std::uint32_t meshes_built = 0;    // for it
+  std::vector<ConvexPiece> pieces;    // depth-first order of their Shapes
+  std::shared_ptr<Surface> surface;   // of all Shapes, convex or not; copies of a body share it
+  std::optional<ExactSphere> sphere;  // two such bodies meet as spheres
+  Vec3 center = Vec3::Zero();         // of the bounding sphere, object frame [m]
+  double radius_m = 0.0;              // encloses every vertex; 0 when there are none
+  std::uint32_t meshes_built = 0;     // for it
   // Why not all of it are pieces, naming the Shape and its reason: then its surface is asked. Empty when they are.
   std::string not_convex_reason;
   // Why this body has no exact answer, naming the Shape and its reason; empty when it has. A body that can't be

@@ -34,8 +34,8 @@ std::int64_t face_along(const Solid& collidee, const Mat3& R, const Vec3& n_worl
   return -1;
 }
 
-void set_contact_polygon(Contact& contact, const Solid& collidee, const Mat3& R, const Vec3& n_world, const Vec3& velocity,
-                  double e) {
+void set_contact_polygon(Contact& contact, const Solid& collidee, const Mat3& R, const Vec3& n_world,
+                         const Vec3& velocity, double e) {
   contact.collidee_shape = collidee.shape;
   contact.collidee_polygon = 0;
   contact.normal_world = n_world;

@@ -1,5 +1,5 @@
 #pragma once
-#include "collision/contact/contact_time.hpp"
+#include "collision/contact/contact.hpp"
 #include "collision/contact/separating_axis.hpp"
 
 namespace peerd::collision {
@@ -12,6 +12,6 @@ namespace peerd::collision {
 // of the lowest polygon around the touching corner or edge that the collider's velocity relative to it runs against;
 // otherwise n itself. e [m] is the rounding bound of a vertex's distance along n.
 void set_contact_polygon(Contact& contact, const Solid& collidee, const Mat3& R_world_collidee, const Vec3& n_world,
-                  const Vec3& approach_velocity_world, double e);
+                         const Vec3& approach_velocity_world, double e);
 
 }  // namespace peerd::collision

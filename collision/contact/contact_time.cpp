@@ -4,15 +4,13 @@
 #include <cassert>
 #include <cmath>
 
-#include "collision/contact/mesh_contact.hpp"
 #include "collision/contact/convex_contact.hpp"
+#include "collision/contact/mesh_contact.hpp"
 #include "collision/contact/separating_axis.hpp"
 #include "collision/contact/sphere_contact.hpp"
 
 namespace peerd::collision {
 namespace {
-
-double sum_of_magnitudes(const Vec3& a, const Vec3& b) { return magnitude(a) + magnitude(b); }
 
 // Farther than any vertex is from the body's origin.
 double reach(const Body& body) { return magnitude(body.center) + body.radius_m; }
@@ -132,13 +130,6 @@ class Query {
 };
 
 }  // namespace
-
-RoundingBound rounding_bound(const PairQuery& query, double radius_sum_m) {
-  const KinematicState &a = query.collider_motion, &b = query.collidee_motion;
-  return {kRounding * (sum_of_magnitudes(a.position, b.position) + radius_sum_m),
-          kRounding * sum_of_magnitudes(a.velocity, b.velocity),
-          kRounding * 0.5 * sum_of_magnitudes(a.acceleration, b.acceleration)};
-}
 
 bool touching(const MovingBody& a, const MovingBody& b, CollisionType type) {
   const ContactState now = first_contact(a, b, type, 0.0).state;

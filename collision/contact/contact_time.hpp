@@ -1,35 +1,7 @@
 #pragma once
-#include <cstdint>
-
-#include "collision/contact/body.hpp"
-#include "core/kinematics.hpp"
+#include "collision/contact/contact.hpp"
 
 namespace peerd::collision {
-
-enum class ContactState : std::uint8_t {
-  kSeparated,    // no contact in [0, horizon]
-  kContact,      // first contact at time_s
-  kOverlapped,   // the bodies share more than touching points at 0, whichever way they move
-  kUnsupported,  // the two have no exact answer: see has_exact_answer()
-  kFailed,       // the iteration cap was reached: certainly no contact before time_s, nothing is known of later
-};
-
-struct Contact {
-  ContactState state = ContactState::kSeparated;
-  double time_s = 0.0;               // in [0, horizon], seconds after both base states
-  Vec3 normal_world = Vec3::Zero();  // unit normal of the collidee's polygon, facing the collider
-  bool resting = false;              // they touch at 0 with no speed towards each other, and only the acceleration
-                                     // presses: reflecting the velocity can't end this contact
-  ObjectId collidee_shape;           // which polygon the normal is of; for kBox the collidee itself, and polygon 0
-  std::uint32_t collidee_polygon = 0;
-  std::uint32_t iterations = 0;  // of conservative advancement; 0 where the closed form answered
-};
-
-// A body and how it moves from time 0 on.
-struct MovingBody {
-  const Body& body;
-  const KinematicState& motion;
-};
 
 // When two moving bodies first come to touch while approaching each other, within [0, horizon_s] (finite).
 //
@@ -60,18 +32,12 @@ struct MovingBody {
                                     double horizon_s);
 
 // Whether they touch as they stand, or are nearer than contact times leave them: to within twice
-// kAdvancementTolerance_m. One that is wholly inside a convex piece touches it, too. Needs to be has_exact_answer() but for
-// kBox.
+// kAdvancementTolerance_m. One that is wholly inside a convex piece touches it, too. Needs to be has_exact_answer() but
+// for kBox.
 [[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type);
 
 // Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and
 // where a surface is asked, both are within 2^58 m.
 [[nodiscard]] bool has_exact_answer(const Body& a, const Body& b);
-
-// Times are handed on as SimTime, whole nanoseconds (core/time.hpp): where a body was told to touch, it may already be
-// this much of its motion inside. Longer, and a bounce of that length is taken for rest.
-inline constexpr double kClockTick_s = 1e-9;
-inline constexpr double kAdvancementTolerance_m = 1e-6;
-inline constexpr std::uint32_t kAdvancementCap = 512;
 
 }  // namespace peerd::collision

@@ -1,8 +1,12 @@
 #pragma once
-#include "collision/contact/contact_time.hpp"
+#include <limits>
+
+#include "collision/contact/contact.hpp"
 #include "collision/contact/separating_axis.hpp"
 
 namespace peerd::collision {
+
+inline constexpr double kNever = std::numeric_limits<double>::infinity();  // [s]
 
 // One convex pair of a query. The answers are those of first_contact for this pair alone.
 struct PairQuery {
@@ -25,7 +29,7 @@ struct RoundingBound {
 
 // Both orientations constant: closed form.
 [[nodiscard]] Contact translational_contact(const PairQuery& query, double radius_sum_m, const Mat3& R_world_collider,
-                                      const Mat3& R_world_collidee);
+                                            const Mat3& R_world_collidee);
 
 // At least one body turns: conservative advancement.
 [[nodiscard]] Contact rotational_contact(const PairQuery& query, double radius_sum_m);

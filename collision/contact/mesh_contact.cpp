@@ -6,14 +6,14 @@
 #include <optional>
 
 #include "collision/exact/ordered_sums.hpp"
-#include "collision/query/time_of_impact.hpp"
 #include "collision/exact/triangle_distance.hpp"
+#include "collision/query/time_of_impact.hpp"
 
 namespace peerd::collision {
 namespace {
 
 // Between calls they keep memory, never values.
-thread_local MeshImpactQuery impacts;
+thread_local MeshImpactQuery contact_impacts;
 thread_local WideQuery near_query;
 
 void set_polygon(Contact& contact, const Surface& collidee, std::uint32_t polygon_of_soup) {
@@ -34,8 +34,8 @@ Vec3 approach_velocity(const KinematicState& a, const KinematicState& b, const V
 // Two triangles that are near: the normal of the collidee's polygon, on the side of the collider, if that comes towards
 // it.
 std::optional<Vec3> approached_normal(const Contact& contact, const Surface& collider, const KinematicState& a,
-                        const Surface& collidee, const KinematicState& b, const RelativeMotion& a_from_b,
-                        const FacePair& faces) {
+                                      const Surface& collidee, const KinematicState& b, const RelativeMotion& a_from_b,
+                                      const FacePair& faces) {
   const Triangle in_b = collidee.soup().triangle(faces.b);
   const Triangle of_b = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
   const TriangleDistance gap = triangle_distance(collider.soup().triangle(faces.a), of_b);
@@ -47,15 +47,15 @@ std::optional<Vec3> approached_normal(const Contact& contact, const Surface& col
   const double side = dot(n, rotate(R_a, gap.on_a - gap.on_b)) / gap.distance;
   if (std::abs(side) < 0x1p-10) return std::nullopt;
   if (side < 0.0) n = -n;
-  const Vec3 approach_direction =
-      contact.resting ? Vec3(a.acceleration - b.acceleration) : approach_velocity(a, b, rotate(R_a, gap.on_a) + a.position);
+  const Vec3 approach_direction = contact.resting ? Vec3(a.acceleration - b.acceleration)
+                                                  : approach_velocity(a, b, rotate(R_a, gap.on_a) + a.position);
   if (dot(n, approach_direction) >= -0x1p-30 * length(approach_direction)) return std::nullopt;
   return n;
 }
 
 // The least pair of polygons that meets, if any does: sets polygon and normal.
 bool find_approached_polygon(Contact& contact, Surface& collider, const KinematicState& a, Surface& collidee,
-              const KinematicState& b) {
+                             const KinematicState& b) {
   const RelativeMotion a_from_b(a.pose(), b.pose());
   std::optional<PolygonPair> least;
   for (const FacePair& faces :
@@ -71,7 +71,8 @@ bool find_approached_polygon(Contact& contact, Surface& collider, const Kinemati
   return least.has_value();
 }
 
-void set_hit_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee, const MeshImpact& impact) {
+void set_hit_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee,
+                     const MeshImpact& impact) {
   const KinematicState a = advance(collider.motion, impact.time_s), b = advance(collidee.motion, impact.time_s);
   if (find_approached_polygon(contact, *collider.body.surface, a, *collidee.body.surface, b)) return;
   set_polygon(contact, *collidee.body.surface, impact.pair.b);
@@ -111,8 +112,8 @@ Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, dou
   Contact contact;
   Surface &a = *collider.body.surface, &b = *collidee.body.surface;
   if (a.soup().faces.empty() || b.soup().faces.empty()) return contact;
-  const MeshImpact impact = impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion, horizon_s,
-                                                 {.tolerance_m = kAdvancementTolerance_m});
+  const MeshImpact impact = contact_impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion,
+                                                         horizon_s, {.tolerance_m = kAdvancementTolerance_m});
   contact.time_s = impact.time_s;
   contact.iterations = impact.iterations;
   switch (impact.state) {

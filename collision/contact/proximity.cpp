@@ -3,9 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "collision/query/mesh_distance.hpp"
+#include "collision/contact/contact_time.hpp"
 #include "collision/exact/ordered_sums.hpp"
 #include "collision/exact/quadratic.hpp"
+#include "collision/query/mesh_distance.hpp"
 #include "collision/query/time_of_impact.hpp"
 
 namespace peerd::collision {
@@ -18,7 +19,7 @@ Vec3 sphere_center(const MovingBody& m) {
 constexpr std::uint32_t kMaxIterations = 1024;
 
 // Between calls they keep memory, never values.
-thread_local MeshImpactQuery impacts;
+thread_local MeshImpactQuery proximity_impacts;
 thread_local MeshDistanceQuery distances;
 
 }  // namespace
@@ -44,9 +45,9 @@ bool may_come_near(const MovingBody& p, const MovingBody& q, double within_s, do
       distances.distance(of_p.tree(), of_q.tree(), RelativeMotion(p.motion.pose(), q.motion.pose()),
                          {.stop_above_m = margin_m, .stop_below_m = margin_m, .max_iterations = kMaxIterations});
   if (now.lower_m < margin_m) return true;
-  const MeshImpact impact =
-      impacts.first_impact(of_p.tree(), p.motion, of_q.tree(), q.motion, within_s,
-                           {.tolerance_m = 2.0 * margin_m, .max_iterations = kMaxIterations, .only_distance = true});
+  const MeshImpact impact = proximity_impacts.first_impact(
+      of_p.tree(), p.motion, of_q.tree(), q.motion, within_s,
+      {.tolerance_m = 2.0 * margin_m, .max_iterations = kMaxIterations, .only_distance = true});
   return impact.state != MeshImpactState::kSeparated;
 }
 

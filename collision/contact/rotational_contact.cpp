@@ -2,14 +2,12 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/contact/contact_polygon.hpp"
 #include "collision/contact/convex_contact.hpp"
 #include "collision/exact/quadratic.hpp"
-#include "collision/contact/contact_polygon.hpp"
 
 namespace peerd::collision {
 namespace {
-
-constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // Both bodies at one instant.
 struct Instant {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "collision/exact/ordered_sums.hpp"
 #include "collision/contact/separating_axis.hpp"
+#include "collision/exact/ordered_sums.hpp"
 
 namespace peerd::collision {
 namespace {

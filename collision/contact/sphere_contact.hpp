@@ -1,5 +1,5 @@
 #pragma once
-#include "collision/contact/contact_time.hpp"
+#include "collision/contact/contact.hpp"
 
 namespace peerd::collision {
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <vector>
 
+#include "collision/contact/contact_polygon.hpp"
 #include "collision/contact/convex_contact.hpp"
 #include "collision/exact/quadratic.hpp"
-#include "collision/contact/contact_polygon.hpp"
 
 // The collidee's and the mirrored collider's Minkowski sum is a convex polytope in which the collider's origin, seen
 // from the collidee's, moves along a parabola. Every facet of it gives one gap (the signed distance in front of that
@@ -15,8 +15,6 @@
 // axes.
 namespace peerd::collision {
 namespace {
-
-constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // What a gap does at time 0, by the touching rule of first_contact.
 enum class Start : std::uint8_t { kApart, kParting, kApproaching, kPressed, kStill, kInside };

@@ -21,7 +21,7 @@ Integer3 minus(const Integer3& a, const Integer3& b) { return {a[0] - b[0], a[1]
 Integer3 cross(const Integer3& a, const Integer3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-Integer dot(const Integer3& a, const Integer3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Integer exact_dot(const Integer3& a, const Integer3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 bool is_zero(const Integer3& a) { return a[0].is_zero() && a[1].is_zero() && a[2].is_zero(); }
 
 // Scaled so that the largest component is +-1 before squaring: the integers may exceed the square root of DBL_MAX.
@@ -135,7 +135,7 @@ class ConvexityTest {
     }
     if (is_zero(n)) return name + " has no area";
     for (const std::uint32_t v : c) {
-      if (!dot(n, minus(exact_[v], exact_[c[0]])).is_zero()) return name + " is not planar";
+      if (!exact_dot(n, minus(exact_[v], exact_[c[0]])).is_zero()) return name + " is not planar";
     }
     normals_.push_back(make_direction(std::move(n)));
     if (!turns_one_way(c, normals_.back())) return name + " is concave";
@@ -225,7 +225,7 @@ class ConvexityTest {
     const Vec3 products = normals_[polygon].approximate.cwiseProduct(d);
     const double sum = products.x() + products.y() + products.z();
     if (std::abs(sum) > 0x1p-49 * products.cwiseAbs().sum()) return sum > 0.0 ? 1 : -1;
-    return dot(normals_[polygon].exact, minus(exact_[v], exact_[corner])).sign();
+    return exact_dot(normals_[polygon].exact, minus(exact_[v], exact_[corner])).sign();
   }
 
   // With every polygon facing outward, the two owners of an edge run along it in opposite directions. If not, the

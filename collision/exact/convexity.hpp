@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/scene.hpp"
+#include "core/geometry/mesh.hpp"
+#include "core/math.hpp"
 
 namespace peerd::collision {
 

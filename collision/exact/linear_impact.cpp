@@ -25,7 +25,9 @@ struct Later {
   bool operator()(const ParameterBox& a, const ParameterBox& b) const {
     const double ta = a.side[0].lo, tb = b.side[0].lo;
     if (ta != tb) return ta > tb;
-    const auto size = [](const ParameterBox& c) { return std::max({c.side[0].width(), c.side[1].width(), c.side[2].width()}); };
+    const auto size = [](const ParameterBox& c) {
+      return std::max({c.side[0].width(), c.side[1].width(), c.side[2].width()});
+    };
     return size(a) < size(b);
   }
 };

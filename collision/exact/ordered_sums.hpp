@@ -12,6 +12,7 @@ namespace peerd::collision {
 [[nodiscard]] inline Vec3 unit(const Vec3& a) { return a / length(a); }
 // At least the length, without a root.
 [[nodiscard]] inline double magnitude(const Vec3& a) { return std::abs(a.x()) + std::abs(a.y()) + std::abs(a.z()); }
+[[nodiscard]] inline double sum_of_magnitudes(const Vec3& a, const Vec3& b) { return magnitude(a) + magnitude(b); }
 
 // R v, and R^T v.
 [[nodiscard]] inline Vec3 rotate(const Mat3& R, const Vec3& v) {

@@ -238,7 +238,7 @@ int orient2d_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j, Or
 }
 
 int orient2d_along_exact(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
-                          OrientationCounters& counters) {
+                         OrientationCounters& counters) {
   ++counters.exact;
   const Vec3& d = direction;
   if (in_range({a[i], a[j], b[i], b[j], d[i], d[j]})) {

@@ -25,13 +25,13 @@ inline constexpr double kUnitRoundoff = 0x1p-53;
                                     OrientationCounters& counters);
 // Of |b - a, c - a| in the plane of the coordinates i and j: 1 when a b c turn to the left, i to the right and j up.
 [[nodiscard]] int orient2d_exact(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
-                                  OrientationCounters& counters);
+                                 OrientationCounters& counters);
 
 // The same with a direction in place of the last point: of |b - a, c - a, direction| and of |b - a, direction|.
 [[nodiscard]] int volume_sign_along_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& direction,
                                           OrientationCounters& counters);
 [[nodiscard]] int orient2d_along_exact(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
-                                        OrientationCounters& counters);
+                                       OrientationCounters& counters);
 
 // Underflow: each of the few products of a determinant can lose 2^-1075, and what was lost is multiplied by at most one
 // more coordinate difference. Far above that, so that it never makes a subnormal number of an ordinary difference.
@@ -84,7 +84,7 @@ class PlaneFilter {
 
 // Bound: section 4.3, (3 + 16 u) u times the permanent.
 [[nodiscard]] inline int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j,
-                                   OrientationCounters& counters) {
+                                  OrientationCounters& counters) {
   const double plus = (b[i] - a[i]) * (c[j] - a[j]);
   const double minus = (b[j] - a[j]) * (c[i] - a[i]);
   const double value = plus - minus;
@@ -95,7 +95,7 @@ class PlaneFilter {
 }
 
 [[nodiscard]] inline int orient2d_along(const Vec3& a, const Vec3& b, const Vec3& direction, int i, int j,
-                                         OrientationCounters& counters) {
+                                        OrientationCounters& counters) {
   const double plus = (b[i] - a[i]) * direction[j];
   const double minus = (b[j] - a[j]) * direction[i];
   const double value = plus - minus;

@@ -2,7 +2,8 @@
 #include <limits>
 #include <optional>
 
-#include "collision/exact/triangle_pair.hpp"
+#include "collision/exact/orientation.hpp"
+#include "collision/exact/triangle.hpp"
 
 namespace peerd::collision {
 

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "collision/exact/ordered_sums.hpp"
 #include "collision/exact/double_double.hpp"
+#include "collision/exact/infinity.hpp"
+#include "collision/exact/ordered_sums.hpp"
+#include "collision/exact/triangle_pair.hpp"
 
 namespace peerd::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 template <class Number>
 struct Point {

@@ -1,5 +1,5 @@
 #pragma once
-#include "collision/exact/triangle_pair.hpp"
+#include "collision/exact/triangle.hpp"
 
 namespace peerd::collision {
 

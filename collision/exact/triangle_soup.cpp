@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/transform.hpp"
 #include "core/geometry/triangulation.hpp"
+#include "core/transform.hpp"
 
 namespace peerd::collision {
 bool is_representable(const Vec3& v) {

@@ -5,14 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "collision/exact/triangle_pair.hpp"
+#include "collision/exact/triangle.hpp"
 #include "core/box.hpp"
 #include "core/geometry/mesh.hpp"
 
 namespace peerd::collision {
 
-// What exact queries work on: the triangles of a mesh's polygons, cut by core/geometry/triangulation.hpp's fixed rule, in the
-// rigid frame of a Shape. Whatever the polygons were, cracked, doubled, crumpled or without an area, is still there.
+// What exact queries work on: the triangles of a mesh's polygons, cut by core/geometry/triangulation.hpp's fixed rule,
+// in the rigid frame of a Shape. Whatever the polygons were, cracked, doubled, crumpled or without an area, is still
+// there.
 struct TriangleSoup {
   struct Face {
     std::array<std::uint32_t, 3> corners;  // into `vertices`

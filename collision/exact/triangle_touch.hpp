@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "collision/exact/triangle_pair.hpp"
+#include "collision/exact/triangle.hpp"
 
 // The triangle test over any arithmetic. `Signs` says what the signs of determinants are:
 //   std::array<int, 3> sides(const Triangle& plane, const Triangle& of)   the sides of three corners, 1 where the plane

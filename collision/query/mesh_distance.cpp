@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "collision/exact/infinity.hpp"
 #include "collision/exact/ordered_sums.hpp"
 #include "collision/exact/triangle_distance.hpp"
 #include "collision/query/wide_distance.hpp"
@@ -15,7 +16,6 @@ using Ref = WideTree::Ref;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
 // Up to eight boxes: the children of a node, or a leaf as one.

@@ -22,10 +22,10 @@ struct MeshDistance {
 struct MeshDistanceOptions {
   // upper - lower at the end, besides the rounding of places, 2^-43 of the largest coordinate.
   double accuracy_m = 0.0;
-  double relative_accuracy = 0.0;                             // or this part of upper
+  double relative_accuracy = 0.0;                                 // or this part of upper
   double stop_above_m = std::numeric_limits<double>::infinity();  // lower >= this: farther apart than anybody asks
-  double stop_below_m = 0.0;                                        // upper <= this: nearer than anybody asks
-  std::uint32_t max_iterations = 1u << 18;                   // then the interval is what is known
+  double stop_below_m = 0.0;                                      // upper <= this: nearer than anybody asks
+  std::uint32_t max_iterations = 1u << 18;                        // then the interval is what is known
 };
 
 // Pairs of nodes, then of triangles, the nearest boxes first, until no pair is left that could be nearer than the

@@ -4,9 +4,9 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
+#include "collision/exact/infinity.hpp"
 #include "collision/exact/ordered_sums.hpp"
 #include "collision/exact/triangle_distance.hpp"
 #include "collision/query/wide_impact.hpp"
@@ -17,7 +17,6 @@ using Ref = WideTree::Ref;
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A window is so long that nothing turns farther than this [rad], and nothing moves farther than this part of the
 // larger mesh: bounds of the way are loose beyond, and more pairs are looked at. Where few are, it may be so many times
 // longer.
@@ -42,9 +41,9 @@ double radius(const TriangleSoup& soup) {
 struct MotionState {
   RelativeMotion a_from_b;
   Mat3 world_from_a;
-  Vec3 velocity_a, velocity_b;  // of the bodies' origins [m/s]
-  Vec3 angular_velocity_a, angular_velocity_b;          // [rad/s]
-  Vec3 pressing;                // A's acceleration less B's [m/s^2]
+  Vec3 velocity_a, velocity_b;                  // of the bodies' origins [m/s]
+  Vec3 angular_velocity_a, angular_velocity_b;  // [rad/s]
+  Vec3 pressing;                                // A's acceleration less B's [m/s^2]
 
   MotionState(const KinematicState& a, const KinematicState& b)
       : a_from_b(a.pose(), b.pose()),
@@ -56,10 +55,13 @@ struct MotionState {
         pressing(rotate_back(world_from_a, a.acceleration - b.acceleration)) {}
 
   [[nodiscard]] Vec3 velocity_at_a(const Vec3& p) const { return velocity_a + angular_velocity_a.cross(p); }
-  [[nodiscard]] Vec3 velocity_at_b(const Vec3& p) const { return velocity_b + angular_velocity_b.cross(p - a_from_b.translation); }
+  [[nodiscard]] Vec3 velocity_at_b(const Vec3& p) const {
+    return velocity_b + angular_velocity_b.cross(p - a_from_b.translation);
+  }
 };
 
-// The time until a gap that closes at `closing` and ever faster, by `closing_acceleration_bound` [m/s^2] at most, is gone.
+// The time until a gap that closes at `closing` and ever faster, by `closing_acceleration_bound` [m/s^2] at most, is
+// gone.
 double time_to_close(double gap, double closing, double closing_acceleration_bound) {
   if (gap <= 0.0) return 0.0;
   if (closing <= 0.0 && closing_acceleration_bound <= 0.0) return kInfinity;
@@ -164,7 +166,7 @@ class MeshImpactQuery::Search {
     centripetal_m_s2_ = (rate_a_ * edge_a + rate_b_ * edge_b) * (1.0 + 0x1p-40);
     acceleration_m_s2_ = length(motion_a.acceleration - motion_b.acceleration) * (1.0 + 0x1p-40);
     coordinate_bound_m_ = magnitude(motion_a.position) + magnitude(motion_b.position) + a.extent_m() + b.extent_m() +
-                magnitude(a.origin()) + magnitude(b.origin());
+                          magnitude(a.origin()) + magnitude(b.origin());
   }
 
   MeshImpact run() {
@@ -273,7 +275,8 @@ class MeshImpactQuery::Search {
     speeds.rate_a = static_cast<float>(rate_a_ * (1.0 + 0x1p-20));
     speeds.rate_b = static_cast<float>(rate_b_ * (1.0 + 0x1p-20));
     const double rounding = 0x1p-18 * (length(a.velocity) + length(b.velocity) + spin_speed_m_s_);
-    const double change = std::min(0.5 * centripetal_m_s2_ * window_s, 2.0 * spin_speed_m_s_) + 0.5 * acceleration_m_s2_ * window_s;
+    const double change =
+        std::min(0.5 * centripetal_m_s2_ * window_s, 2.0 * spin_speed_m_s_) + 0.5 * acceleration_m_s2_ * window_s;
     speeds.slack_m_s = static_cast<float>((change + rounding) * (1.0 + 0x1p-20));
     return speeds;
   }
@@ -302,7 +305,7 @@ class MeshImpactQuery::Search {
 
   // How long they certainly don't touch; 0 where that is not known to be any longer, and they are the best hit now.
   double safe_step(std::uint32_t face_a, std::uint32_t face_b, const MotionState& now, double t, const Triangle& a,
-              const Triangle& b) {
+                   const Triangle& b) {
     TriangleDistance found = triangle_distance(a, b, kRelativeAccuracy);
     if (found.distance == 0.0) return hit(face_a, face_b, now, t, found, center_direction(now), false);
     // Where the world's coordinates are large, places in it are known less well than the tolerance.
@@ -359,7 +362,8 @@ class MeshImpactQuery::Search {
   }
 
   enum class NearPairState : std::uint8_t { kCloses, kRests, kFree };
-  [[nodiscard]] NearPairState classify_contact(const AxisProjections& along, const MotionState& now, const Vec3& n, double reach, double noise) const {
+  [[nodiscard]] NearPairState classify_contact(const AxisProjections& along, const MotionState& now, const Vec3& n,
+                                               double reach, double noise) const {
     const double unknown = 0x1p-40 + noise;
     const double still = unknown * (length(now.velocity_a) + length(now.velocity_b) + spin_speed_m_s_);
     const double closing = along.closing_speed(reach), pressing = dot(n, now.pressing);
@@ -367,11 +371,12 @@ class MeshImpactQuery::Search {
     // What doesn't rise by the tolerance before it comes back rests.
     if (closing < -still && closing * closing > 2.0 * pressing * options_.tolerance_m) return NearPairState::kFree;
     // Of what turns only a bound of how it goes on is known.
-    return pressing > unknown * acceleration_m_s2_ || spin_speed_m_s_ > 0.0 ? NearPairState::kRests : NearPairState::kFree;
+    return pressing > unknown * acceleration_m_s2_ || spin_speed_m_s_ > 0.0 ? NearPairState::kRests
+                                                                            : NearPairState::kFree;
   }
 
-  double hit(std::uint32_t face_a, std::uint32_t face_b, const MotionState& now, double t, const TriangleDistance& found,
-             const Vec3& direction, bool rests) {
+  double hit(std::uint32_t face_a, std::uint32_t face_b, const MotionState& now, double t,
+             const TriangleDistance& found, const Vec3& direction, bool rests) {
     if (hit_ && t >= best_s_) return 0.0;
     hit_ = true;
     best_s_ = t;
@@ -400,10 +405,10 @@ class MeshImpactQuery::Search {
   const MeshImpactOptions& options_;
   double step_s_, best_s_;
   double rate_a_ = 0.0, rate_b_ = 0.0;  // [rad/s]
-  double spin_speed_m_s_ = 0.0;               // no two points move faster by turning, together
-  double centripetal_m_s2_ = 0.0;              // nor do those velocities change faster
+  double spin_speed_m_s_ = 0.0;         // no two points move faster by turning, together
+  double centripetal_m_s2_ = 0.0;       // nor do those velocities change faster
   double acceleration_m_s2_ = 0.0;      // of one origin against the other
-  double coordinate_bound_m_ = 0.0;               // the sum of the largest coordinates at the start
+  double coordinate_bound_m_ = 0.0;     // the sum of the largest coordinates at the start
   bool hit_ = false, exhausted_ = false;
   MeshImpact impact_;
 };

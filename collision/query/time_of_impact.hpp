@@ -11,11 +11,11 @@
 namespace peerd::collision {
 
 enum class MeshImpactState : std::uint8_t {
-  kSeparated,   // certainly no contact within the step
-  kHit,         // nearer than the tolerance at `time_s` and not parting, and no contact before
-  kOverlapped,  // they touch at the start: exact
-  kIterationLimit,   // failed: no contact before `time_s`, nothing is known of later; the iterations ran out
-  kTooLarge,    // failed: nothing is known, a mesh is larger than 2^60 m
+  kSeparated,       // certainly no contact within the step
+  kHit,             // nearer than the tolerance at `time_s` and not parting, and no contact before
+  kOverlapped,      // they touch at the start: exact
+  kIterationLimit,  // failed: no contact before `time_s`, nothing is known of later; the iterations ran out
+  kTooLarge,        // failed: nothing is known, a mesh is larger than 2^60 m
 };
 
 struct MeshImpact {

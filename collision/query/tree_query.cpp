@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/exact/triangle_pair.hpp"
+
 namespace peerd::collision {
 namespace {
 

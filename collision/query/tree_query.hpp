@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "collision/exact/orientation.hpp"
 #include "collision/tree/kdop_tree.hpp"
 #include "collision/tree/realignment.hpp"
 

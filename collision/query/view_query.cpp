@@ -4,14 +4,13 @@
 #include <bit>
 #include <cmath>
 
+#include "collision/exact/ordered_sums.hpp"
 #include "core/sin_cos.hpp"
 
 namespace peerd::collision {
 namespace {
 
 using Ref = WideTree::Ref;
-
-double dot(const Vec3& a, const Vec3& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
 // A plane's offset in a tree's numbers may be larger than binary32 has them: it is beyond the tree then, as this is.
 constexpr double kFar = 0x1p100;

@@ -23,8 +23,8 @@ HWY_INLINE V gap_length(V x, V y, V z) {
 HWY_INLINE V gap_of_boxes(const V3& center_a, const V3& half_a, const V3& center_b, const V3& half_b) {
   const auto along = [](V ca, V ha, V cb, V hb) { return known(hn::Sub(hn::Abs(hn::Sub(ca, cb)), hn::Add(ha, hb))); };
   return gap_length(along(center_a.x, half_a.x, center_b.x, half_b.x),
-                        along(center_a.y, half_a.y, center_b.y, half_b.y),
-                        along(center_a.z, half_a.z, center_b.z, half_b.z));
+                    along(center_a.y, half_a.y, center_b.y, half_b.y),
+                    along(center_a.z, half_a.z, center_b.z, half_b.z));
 }
 
 HWY_INLINE std::uint32_t first_bits(std::size_t count) { return (1u << count) - 1; }

@@ -75,7 +75,7 @@ void NodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMo
 
 // What the corners of eight triangles come to when they go on as they do now, one to a lane.
 HWY_INLINE Corners advanced(const Corners& at, const std::array<float, 3>& base, const std::array<float, 3>& turn,
-                           float within_s) {
+                            float within_s) {
   const V3 axis{set(turn[0]), set(turn[1]), set(turn[2])};
   const V within = set(within_s);
   const auto later = [&](const V3& p) {
@@ -96,14 +96,15 @@ HWY_INLINE SweptInterval swept_interval_of(const V3& now, const V3& later) {
           hn::Min(hn::Min(later.x, later.y), later.z), hn::Max(hn::Max(later.x, later.y), later.z)};
 }
 HWY_INLINE SweptInterval swept_interval_along(const V3& n, const Corners& now, const Corners& later) {
-  return swept_interval_of({dot(n, now.p), dot(n, now.q), dot(n, now.r)}, {dot(n, later.p), dot(n, later.q), dot(n, later.r)});
+  return swept_interval_of({dot(n, now.p), dot(n, now.q), dot(n, now.r)},
+                           {dot(n, later.p), dot(n, later.q), dot(n, later.r)});
 }
 
 HWY_INLINE V coordinate(const V3& p, std::size_t k) { return k == 0 ? p.x : k == 1 ? p.y : p.z; }
 // Along an axis.
 HWY_INLINE SweptInterval swept_interval_of(const Corners& now, const Corners& later, std::size_t k) {
   return swept_interval_of({coordinate(now.p, k), coordinate(now.q, k), coordinate(now.r, k)},
-                  {coordinate(later.p, k), coordinate(later.q, k), coordinate(later.r, k)});
+                           {coordinate(later.p, k), coordinate(later.q, k), coordinate(later.r, k)});
 }
 HWY_INLINE V farthest_of(const SweptInterval& reach) {
   return hn::Max(hn::Max(hn::Abs(reach.low), hn::Abs(reach.high)),
@@ -148,7 +149,7 @@ struct SweptBox {
   float low, high, low_later, high_later, far;
 };
 HWY_INLINE SweptBox swept_interval_of(const WideTree::Leaf& leaf, const std::array<float, 3>& base,
-                             const std::array<float, 3>& turn, float rate, float within_s, std::size_t k) {
+                                      const std::array<float, 3>& turn, float rate, float within_s, std::size_t k) {
   const std::size_t x = (k + 1) % 3, y = (k + 2) % 3;
   const float way = (base[k] + (turn[x] * leaf.center[y] - turn[y] * leaf.center[x])) * within_s;
   const float more = (rate * ((leaf.half[0] + leaf.half[1]) + leaf.half[2])) * within_s;
@@ -172,10 +173,12 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
   std::uint32_t rows = 0;  // of B's triangles: those that A's box may meet
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const Corners own = load_corners(b.corners, i);
-    const Corners here = moved(own, m), there = moved(advanced(own, s.linear_velocity_b, s.angular_velocity_b, within_s), m);
+    const Corners here = moved(own, m),
+                  there = moved(advanced(own, s.linear_velocity_b, s.angular_velocity_b, within_s), m);
     store_corners(here, corners, i);
     store_corners(there, later, i);
-    const SweptInterval of_b[3] = {swept_interval_of(here, there, 0), swept_interval_of(here, there, 1), swept_interval_of(here, there, 2)};
+    const SweptInterval of_b[3] = {swept_interval_of(here, there, 0), swept_interval_of(here, there, 1),
+                                   swept_interval_of(here, there, 2)};
     const V farthest = hn::Max(hn::Max(farthest_of(of_b[0]), farthest_of(of_b[1])), farthest_of(of_b[2]));
     const V off = hn::Add(off_anywhere, hn::Mul(hn::Add(set(far_box), farthest), off_of_far));
     auto apart = hn::Lt(off, hn::Zero(Lanes()));  // none yet
@@ -199,8 +202,10 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
   }
   const std::uint32_t present = (1u << a.count) - 1;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const Corners here = load_corners(a.corners, i), there = advanced(here, s.linear_velocity_a, s.angular_velocity_a, within_s);
-    const SweptInterval of_a[3] = {swept_interval_of(here, there, 0), swept_interval_of(here, there, 1), swept_interval_of(here, there, 2)};
+    const Corners here = load_corners(a.corners, i),
+                  there = advanced(here, s.linear_velocity_a, s.angular_velocity_a, within_s);
+    const SweptInterval of_a[3] = {swept_interval_of(here, there, 0), swept_interval_of(here, there, 1),
+                                   swept_interval_of(here, there, 2)};
     const V far_a = hn::Max(hn::Max(farthest_of(of_a[0]), farthest_of(of_a[1])), farthest_of(of_a[2]));
     const Planes plane = planes(here);
     const SweptInterval across_a = swept_interval_along(plane.normal, here, there);
@@ -210,7 +215,8 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
       if ((rows >> row & 1) == 0) continue;
       const V off = hn::Add(off_anywhere, hn::Mul(hn::Add(far_a, set(far[row])), off_of_far));
       auto apart = hn::Lt(off, hn::Zero(Lanes()));  // none yet
-      for (std::size_t k = 0; k < 3; ++k) apart = hn::Or(apart, apart_along(of_a[k], set_swept_interval(reaches, k, row), off));
+      for (std::size_t k = 0; k < 3; ++k)
+        apart = hn::Or(apart, apart_along(of_a[k], set_swept_interval(reaches, k, row), off));
       if (hn::AllTrue(Lanes(), apart)) continue;
       const Corners other = set_corners(corners, row), other_later = set_corners(later, row);
       const auto along = [&](const V3& n, const SweptInterval& reach_a, V n_size, V& part) {

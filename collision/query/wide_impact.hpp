@@ -14,7 +14,8 @@ struct WideSpeeds {
   float slack_m_s;       // what the velocities of points may change by, on average, until the end, and all rounding
 };
 
-using MeetTimes = std::array<std::array<float, WideTree::kWidth>, WideTree::kWidth>;  // [s], by B's triangle, A's triangle
+using MeetTimes =
+    std::array<std::array<float, WideTree::kWidth>, WideTree::kWidth>;  // [s], by B's triangle, A's triangle
 
 // Which children's boxes may meet within that time; which triangles may, and of those: not before which time.
 void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,

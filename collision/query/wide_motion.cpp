@@ -29,7 +29,8 @@ WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotio
   // their soup's origin lose more there.
   const auto far = [](const WideTree& tree) { return tree.origin().cwiseAbs().maxCoeff() + tree.extent_m(); };
   const double binary64 = 0x1p-46 * (far(a) + far(b) + motion.translation.cwiseAbs().maxCoeff());
-  const double slack_m = 0x1p-19 * (2.0 * a.extent_m() + 2.0 * b.extent_m() + farthest + margin_m) + binary64 + margin_m;
+  const double slack_m =
+      0x1p-19 * (2.0 * a.extent_m() + 2.0 * b.extent_m() + farthest + margin_m) + binary64 + margin_m;
   slack_a = static_cast<float>(slack_m * a.scale() + 0x1p-120);
   slack_b = static_cast<float>(slack_m * b.scale() + 0x1p-120);
 }

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "collision/exact/triangle_distance.hpp"
+#include "collision/exact/triangle_pair.hpp"
 #include "collision/query/wide_overlap.hpp"
 
 namespace peerd::collision {
@@ -28,8 +29,9 @@ void WideQuery::open(const WideTree& a, const WideTree& b, Ref of_a, Ref of_b, c
   counters_.bv_tests += 64;
   test_nodes(a.node(of_a.index()), b.node(of_b.index()), motion, masks);
   for (std::size_t row = WideTree::kWidth; row-- > 0;) {
-    for_bits_downwards(
-        masks[row], [&](std::size_t i) { stack_.emplace_back(WideTree::child_slot(of_a, i), WideTree::child_slot(of_b, row)); });
+    for_bits_downwards(masks[row], [&](std::size_t i) {
+      stack_.emplace_back(WideTree::child_slot(of_a, i), WideTree::child_slot(of_b, row));
+    });
   }
 }
 
@@ -94,7 +96,8 @@ bool WideQuery::search(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
   });
 }
 
-bool WideQuery::find_pair(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, PolygonPair& pair, LeafPair* leaf_pair) {
+bool WideQuery::find_pair(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, PolygonPair& pair,
+                          LeafPair* leaf_pair) {
   return search(a, b, a_from_b, [&](const PolygonPair& found, LeafPair at) {
     pair = found;
     if (leaf_pair != nullptr) *leaf_pair = at;

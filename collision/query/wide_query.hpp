@@ -23,8 +23,8 @@ struct FacePair {
 // An object keeps its memory, so that a query like one before allocates nothing. Not thread-safe.
 class WideQuery {
  public:
-  // One true pair: of those that there are, the first in the order of the trees. False where there is none. `leaf_pair`: the
-  // leaves that it is in.
+  // One true pair: of those that there are, the first in the order of the trees. False where there is none.
+  // `leaf_pair`: the leaves that it is in.
   struct LeafPair {
     WideTree::ChildSlot a = 0, b = 0;
   };

@@ -28,7 +28,6 @@ CollisionWatch::CollisionWatch(const Scene& scene, HierarchyLoader load_hierarch
       interests_.push_back({interest.collider, collidee, interest.type});
     }
   }
-  is_colliding_.resize(interests_.size());
   collisions_.resize(interests_.size());
   add_objects(scene);
   add_pairs();
@@ -41,9 +40,13 @@ void CollisionWatch::add_objects(const Scene& scene) {
   for (std::uint32_t i = 0; i < object_of_.size(); ++i) {
     if (object_of_[i] == kNone) continue;
     object_of_[i] = static_cast<BroadIndex>(objects_.size());
-    objects_.push_back({.id = {i}, .is_transform = scene.instances[i].kind == NodeKind::kTransform});
+    objects_.push_back({.id = {i}});
+    changes_.add_object({i}, scene.instances[i].kind == NodeKind::kTransform);
     moved_objects_.push_back(object_of_[i]);
     broad_->add(object_of_[i], {});
+  }
+  for (const WatchedInterest& interest : interests_) {
+    changes_.add_interest(object_of_[interest.collider.value], object_of_[interest.collidee.value]);
   }
 }
 
@@ -60,7 +63,8 @@ void CollisionWatch::add_pairs() {
       broad_->register_interest(objects.low, objects.high);
     }
     ++pairs_.back().end;
-    (interests_[interests_by_pair_[i]].type == CollisionType::kBox ? pairs_.back().has_box_interest : pairs_.back().has_shape_interest) = true;
+    (interests_[interests_by_pair_[i]].type == CollisionType::kBox ? pairs_.back().has_box_interest
+                                                                   : pairs_.back().has_shape_interest) = true;
   }
 }
 
@@ -81,9 +85,7 @@ void CollisionWatch::reshape(std::uint32_t geometry, Geometry form) {
 
 const CollisionWatch::Tick& CollisionWatch::tick() {
   ++tick_;
-  began_.clear();
-  ended_.clear();
-  not_colliding_.clear();
+  changes_.begin_tick();
   apply_pending_changes();
   if (!moved_objects_.empty()) {
     counters_.objects_moved += moved_objects_.size();
@@ -105,8 +107,8 @@ const CollisionWatch::Tick& CollisionWatch::tick() {
     objects_[object].displacement_m = 0.0;
   }
   moved_objects_.clear();
-  update_result();
-  return result_;
+  ++counters_.ticks;
+  return changes_.end_tick();
 }
 
 // Its sum is rounded up. What has gone nowhere in particular is as good as reshaped: no gap is known of it.
@@ -176,7 +178,7 @@ void CollisionWatch::find_near() {
 // Their boxes are apart now.
 void CollisionWatch::clear_pair(std::uint32_t pair) {
   for (std::uint32_t i = pairs_[pair].begin; i < pairs_[pair].end; ++i) {
-    refusals_changed_ |= refusals_.erase(interests_by_pair_[i]) > 0;
+    changes_.accept(interests_by_pair_[i]);
     set_colliding(interests_by_pair_[i], false);
   }
 }
@@ -207,11 +209,11 @@ void CollisionWatch::test_pair(NearPair& near) {
   near.touching = false;
   for (std::uint32_t i = pair.begin; i < pair.end; ++i) {
     const std::uint32_t interest = interests_by_pair_[i];
-    refusals_changed_ |= refusals_.erase(interest) > 0;
+    changes_.accept(interest);
     const bool has_box_interest = interests_[interest].type == CollisionType::kBox;
     const bool colliding = has_box_interest ? boxes_collide(interest) : !apart && shapes_collide(interest, near);
-    near.touching |= !has_box_interest && (colliding || refusals_.contains(interest));
-    if (is_colliding_[interest]) collisions_[interest].reset();
+    near.touching |= !has_box_interest && (colliding || changes_.is_refused(interest));
+    if (changes_.is_colliding(interest)) collisions_[interest].reset();
     set_colliding(interest, colliding);
   }
 }
@@ -254,8 +256,7 @@ bool CollisionWatch::find_gap(NearPair& near) {
 }
 
 bool CollisionWatch::refuse(std::uint32_t interest, const std::string& why) {
-  refusals_[interest] = why;
-  refusals_changed_ = true;
+  changes_.refuse(interest, why);
   return false;
 }
 
@@ -280,47 +281,13 @@ bool CollisionWatch::shapes_collide(std::uint32_t interest, NearPair& near) {
 }
 
 void CollisionWatch::set_colliding(std::uint32_t interest, bool colliding) {
-  if (static_cast<bool>(is_colliding_[interest]) == colliding) return;
-  is_colliding_[interest] = colliding;
-  (colliding ? began_ : ended_).push_back(interest);
-  for (const ObjectId id : {interests_[interest].collider, interests_[interest].collidee}) {
-    Object& object = objects_[object_of_[id.value]];
-    object.collisions += colliding ? 1u : ~0u;
-    if (!std::exchange(object.changed, true)) changed_objects_.push_back(object_of_[id.value]);
-  }
-  if (!colliding) collisions_[interest].reset();
-}
-
-void CollisionWatch::update_result() {
-  ++counters_.ticks;
-  if (!began_.empty() || !ended_.empty()) {
-    std::ranges::sort(began_);
-    std::ranges::sort(ended_);
-    merged_.clear();
-    std::ranges::set_difference(colliding_, ended_, std::back_inserter(merged_));
-    colliding_.clear();
-    std::ranges::merge(merged_, began_, std::back_inserter(colliding_));
-  }
-  std::ranges::sort(changed_objects_);
-  for (const BroadIndex i : changed_objects_) {
-    Object& object = objects_[i];
-    object.changed = false;
-    const bool colliding = object.collisions > 0;
-    if (std::exchange(object.was_colliding, colliding) != colliding && object.is_transform) {
-      not_colliding_.push_back({object.id, !colliding});
-    }
-  }
-  changed_objects_.clear();
-  if (std::exchange(refusals_changed_, false)) {
-    refused_.clear();
-    for (const auto& [interest, why] : refusals_) refused_.push_back({interest, why});
-  }
-  result_ = {colliding_, began_, ended_, not_colliding_, refused_};
+  if (changes_.set_colliding(interest, colliding) && !colliding) collisions_[interest].reset();
 }
 
 const Collision& CollisionWatch::collision(std::uint32_t interest) {
   static const Collision kNoCollision;
-  if (!is_colliding_[interest]) return kNoCollision;
+  assert(interest < interests_.size());
+  if (!changes_.is_colliding(interest)) return kNoCollision;
   std::optional<Collision>& known = collisions_[interest];
   if (!known) {
     const auto& [collider, collidee, type] = interests_[interest];

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collision/broad_phase/broad_phase.hpp"
+#include "collision/scene/collision_changes.hpp"
 #include "collision/scene/pair_coherence.hpp"
 #include "collision/scene/scene_query.hpp"
 
@@ -34,10 +35,10 @@ struct CollisionWatchCounters {
   std::uint64_t pairs_far = 0;        // passed over: their boxes are apart
   std::uint64_t pairs_unmoved = 0;    // passed over: near, but neither has moved since the answer
   std::uint64_t pairs_separated = 0;  // passed over: they have not gone as far as they were apart
-  std::uint64_t pairs_queried = 0;      // all others
-  std::uint64_t gap_searches = 0;      // of those asked
+  std::uint64_t pairs_queried = 0;    // all others
+  std::uint64_t gap_searches = 0;     // of those asked
   std::uint64_t gaps_found = 0;       // ", apart by as much as was sought, so that no more was asked
-  std::uint64_t boxes_queried = 0;      // for boxes
+  std::uint64_t boxes_queried = 0;    // for boxes
   PairCoherence::Counters shapes;     // what those asked came to, for witnesses and all pairs
   BroadPhaseCounters broad;
   SceneQueryCounters query;  // its `queries` with those of all ticks
@@ -67,27 +68,11 @@ class CollisionWatch {
   void set_transforms(std::span<const TransformFields> transforms);  // all; those that differ have moved
   void reshape(std::uint32_t geometry, Geometry form);
 
-  // A Transform's eventOut notColliding (seed, C.5): FALSE when it begins to collide with anything, as a collider or as
-  // a collidee, TRUE when it no longer does. None in the first tick for what doesn't collide.
-  struct NotColliding {
-    ObjectId object;
-    bool value = false;
-    friend bool operator==(const NotColliding&, const NotColliding&) = default;
-  };
-  struct Refused {
-    std::uint32_t interest = 0;
-    std::string why;
-  };
-  // All sorted by interest or object.
-  struct Tick {
-    std::span<const std::uint32_t> colliding;
-    std::span<const std::uint32_t> began, ended;  // since the last tick
-    std::span<const NotColliding> not_colliding;  // "
-    // Interests that have no answer, and count as not colliding: SceneQuery's error. One whose other object has nothing
-    // that can collide has one.
-    std::span<const Refused> refused;
-  };
-  // Valid until the next one.
+  using NotColliding = collision::NotColliding;
+  using Refused = RefusedInterest;
+  using Tick = CollisionChanges::Tick;
+  // Applies what was said since the last tick, and answers; valid until the next tick. An interest is refused where
+  // SceneQuery has no answer, with its error; one whose other object has nothing that can collide has an answer.
   const Tick& tick();
 
   // What SceneQuery::collide() answers, as of the last tick, which it must have had. Pairs of polygons are looked for
@@ -100,14 +85,10 @@ class CollisionWatch {
  private:
   struct Object {
     ObjectId id;
-    bool is_transform = false;
-    bool moved = true;           // before this tick
-    bool was_colliding = false;  // at the last one
-    bool changed = false;        // in changed_objects_
-    double displacement_m = 0.0;          // gone in this tick, at most
-    double travelled_m = 0.0;         // ", in all ticks
+    bool moved = true;            // since the last tick
+    double displacement_m = 0.0;  // a bound of how far its points went in this tick
+    double travelled_m = 0.0;     // the sum of displacement_m over all ticks, rounded up
     std::uint64_t reshaped_at_tick = 0;
-    std::uint32_t collisions = 0;  // of its interests
   };
   struct Pair {  // of objects that interests join
     BroadPair objects;
@@ -122,11 +103,11 @@ class CollisionWatch {
     // is not known. Boxes and trees have room for rounding many times over, so there is enough of it at both ends of a
     // way.
     double gap_m = 0.0, travelled_m = 0.0;
-    std::uint64_t gap_tick = 0;   // the tick
-    std::uint16_t horizon = 4;  // ticks of motion that a gap is sought for
-    std::uint8_t failures = 0;  // how often none was found in a row
-    std::uint8_t pause = 0;     // times not to seek one
-    bool touching = false;      // in any exact way, at the last tick; or refused
+    std::uint64_t gap_tick = 0;  // the tick
+    std::uint16_t horizon = 4;   // ticks of motion that a gap is sought for
+    std::uint8_t failures = 0;   // how often none was found in a row
+    std::uint8_t pause = 0;      // times not to seek one
+    bool touching = false;       // in any exact way, at the last tick; or refused
   };
 
   void add_objects(const Scene& scene);
@@ -144,17 +125,16 @@ class CollisionWatch {
   bool refuse(std::uint32_t interest, const std::string& why);
   void clear_pair(std::uint32_t pair);
   void set_colliding(std::uint32_t interest, bool colliding);
-  void update_result();
 
   const Scene& scene_;
   SceneQuery query_;
   PairCoherence coherence_;
   std::unique_ptr<BroadPhase> broad_;
   std::vector<WatchedInterest> interests_;
-  std::vector<Object> objects_;           // by BroadIndex, in the order of ids
-  std::vector<std::uint32_t> object_of_;  // by instance: BroadIndex or kNone
-  std::vector<Pair> pairs_;               // sorted
-  std::vector<std::uint32_t> interests_by_pair_;    // interests
+  std::vector<Object> objects_;                   // by BroadIndex, in the order of ids
+  std::vector<std::uint32_t> object_of_;          // by instance: BroadIndex or kNone
+  std::vector<Pair> pairs_;                       // sorted
+  std::vector<std::uint32_t> interests_by_pair_;  // interests
 
   // Said since the last tick.
   std::vector<std::uint32_t> moved_transforms_;
@@ -163,18 +143,9 @@ class CollisionWatch {
 
   std::vector<BroadIndex> moved_objects_;
   std::vector<NearPair> near_pairs_, previous_near_pairs_;  // sorted
-  // By interest.
-  std::vector<std::uint8_t> is_colliding_;
-  std::vector<std::optional<Collision>> collisions_;
-  std::map<std::uint32_t, std::string> refusals_;
-
-  std::vector<BroadIndex> changed_objects_;
-  std::vector<std::uint32_t> colliding_, began_, ended_, merged_;
-  std::vector<NotColliding> not_colliding_;
-  std::vector<Refused> refused_;
-  bool refusals_changed_ = false;
+  std::vector<std::optional<Collision>> collisions_;        // by interest, where collision() was called
+  CollisionChanges changes_;
   std::uint64_t tick_ = 0;
-  Tick result_;
   CoherenceOptions options_;
   CollisionWatchCounters counters_;
 };

@@ -29,10 +29,10 @@ class PairCoherence {
 
  private:
   struct CachedPair {
-    std::uint64_t key = 0;                 // both instances
+    std::uint64_t key = 0;                       // both instances
     std::uint64_t version_a = 0, version_b = 0;  // 0: of nothing
     std::uint64_t tested_at_tick = 0;            // the last tick
-    WideQuery::LeafPair leaf_pair{};                // where they touch
+    WideQuery::LeafPair leaf_pair{};             // where they touch
     bool touching = false;
   };
   [[nodiscard]] CachedPair& find(std::uint64_t key, std::uint64_t tick, std::uint32_t& hint);
@@ -41,7 +41,7 @@ class PairCoherence {
   bool caches_;
   std::vector<CachedPair> cache_;
   std::unordered_map<std::uint64_t, std::uint32_t> index_of_key_;  // in memories_, by key
-  std::size_t eviction_size_ = 4096;                                  // of memories, before old ones are looked for
+  std::size_t eviction_size_ = 4096;                               // of memories, before old ones are looked for
   WideQuery query_;
   Counters counters_;
 };

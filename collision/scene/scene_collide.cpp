@@ -1,34 +1,40 @@
-// What collides in a scene.
+#include "collision/scene/scene_collide.hpp"
+
 #include <algorithm>
-#include <cmath>
+#include <cassert>
 #include <functional>
 #include <utility>
 
-#include "collision/scene/scene_query.hpp"
 #include "collision/scene/world_box.hpp"
 
 namespace peerd::collision {
 
-// The seed's listing 3.5: group against group, down to pairs of shapes whose boxes overlap.
-struct SceneQuery::Search {
-  SceneQuery& query;
+SceneCollide::SceneCollide(const Scene& scene, ShapePlacement& placement, ShapeBoxes& boxes)
+    : scene_(scene), placement_(placement), boxes_(boxes) {}
+
+// The search of the thesis's listing 3.5: group against group, down to pairs of Shapes whose boxes overlap.
+struct SceneCollide::Search {
+  SceneCollide& query;
   const std::function<bool(const ClosePair&)>& visit;
-  double gap_m = 0.0;  // boxes that are no farther apart count as overlapping
+  double gap_m = 0.0;  // boxes that are no farther apart than this count as overlapping
   std::string error{};
 
-  // True where the search is over.
+  [[nodiscard]] const WorldBox& box(std::uint32_t i) const { return query.boxes_.box(i, Surfaces::kColliding); }
+  [[nodiscard]] bool collides(std::uint32_t i) const { return is_surface(query.scene_, i, Surfaces::kColliding); }
+
+  // True where the search has ended before all pairs were visited.
   bool run(ObjectId collider, ObjectId collidee) {
     const auto end = [&](std::uint32_t i) { return query.scene_.instances[i].subtree_end; };
     const std::uint32_t end_a = end(collider.value), end_b = end(collidee.value);
     for (std::uint32_t a = collider.value; a < end_a;) {
-      if (!overlap(query.box(a), query.box(collidee.value), gap_m)) {
+      if (!overlap(box(a), box(collidee.value), gap_m)) {
         a = end(a);
         continue;
       }
-      if (query.is_surface(a)) {
+      if (collides(a)) {
         for (std::uint32_t b = collidee.value; b < end_b;) {
-          const bool apart = !overlap(query.box(a), query.box(b), gap_m);
-          if (!apart && a != b && query.is_surface(b) && shapes(a, b)) return true;
+          const bool apart = !overlap(box(a), box(b), gap_m);
+          if (!apart && a != b && collides(b) && visit_shapes(a, b)) return true;
           b = apart ? end(b) : b + 1;
         }
       }
@@ -37,8 +43,9 @@ struct SceneQuery::Search {
     return false;
   }
 
-  bool shapes(std::uint32_t collider, std::uint32_t collidee) {
-    const auto of_collider = query.scaled_geometry(collider), of_collidee = query.scaled_geometry(collidee);
+  bool visit_shapes(std::uint32_t collider, std::uint32_t collidee) {
+    ShapePlacement& placement = query.placement_;
+    const auto of_collider = placement.scaled_geometry(collider), of_collidee = placement.scaled_geometry(collidee);
     if (!of_collider || !of_collidee) {
       error = of_collider ? of_collidee.error() : of_collider.error();
       return true;
@@ -46,24 +53,24 @@ struct SceneQuery::Search {
     if ((*of_collider)->soup.faces.empty() || (*of_collidee)->soup.faces.empty()) return false;
     const bool collider_first = collider < collidee;
     const std::uint32_t a = collider_first ? collider : collidee, b = collider_first ? collidee : collider;
-    ScaledGeometry& shaped_a = collider_first ? **of_collider : **of_collidee;
-    ScaledGeometry& shaped_b = collider_first ? **of_collidee : **of_collider;
-    return visit({a, b, shaped_a.version, shaped_b.version, &query.tree(a, shaped_a), &query.tree(b, shaped_b),
-                  RelativeMotion(query.placed(a).at.pose, query.placed(b).at.pose), collider_first});
+    ScaledGeometry& scaled_a = collider_first ? **of_collider : **of_collidee;
+    ScaledGeometry& scaled_b = collider_first ? **of_collidee : **of_collider;
+    assert(a < b && scaled_a.version > 0 && scaled_b.version > 0);
+    return visit({a, b, scaled_a.version, scaled_b.version, &placement.tree(a, scaled_a), &placement.tree(b, scaled_b),
+                  RelativeMotion(placement.placed(a).pose.pose, placement.placed(b).pose.pose), collider_first});
   }
 };
 
-std::expected<void, std::string> SceneQuery::visit_close_pairs(ObjectId collider, ObjectId collidee,
-                                                               const std::function<bool(const ClosePair&)>& visit) {
-  apply_moves();
+std::expected<void, std::string> SceneCollide::visit_close_pairs(ObjectId collider, ObjectId collidee,
+                                                                 const std::function<bool(const ClosePair&)>& visit) {
   Search search{*this, visit};
   (void)search.run(collider, collidee);
   if (!search.error.empty()) return std::unexpected(std::move(search.error));
   return {};
 }
 
-bool SceneQuery::separated_by(ObjectId a, ObjectId b, double gap_m) {
-  apply_moves();
+bool SceneCollide::separated_by(ObjectId a, ObjectId b, double gap_m) {
+  assert(gap_m >= 0.0);
   bool apart = true;
   const auto visit = [&](const ClosePair& close) {
     apart = query_.separated_by(*close.tree_a, *close.tree_b, close.a_from_b, gap_m);
@@ -75,20 +82,10 @@ bool SceneQuery::separated_by(ObjectId a, ObjectId b, double gap_m) {
   return apart && search.error.empty();
 }
 
-double SceneQuery::displacement_m(ObjectId object) {
-  apply_moves();
-  double most = 0.0;
-  for (std::uint32_t i = object.value; i < scene_.at(object).subtree_end; ++i) {
-    if (is_surface(i) && placed(i).updated_at == move_batch_) most = std::max(most, placed(i).displacement_m);
-  }
-  return most;
-}
-
-std::expected<Collision, std::string> SceneQuery::collide(ObjectId collider, ObjectId collidee, CollisionType type) {
-  apply_moves();
+std::expected<Collision, std::string> SceneCollide::collide(ObjectId collider, ObjectId collidee, CollisionType type) {
   Collision found;
   if (type == CollisionType::kBox) {
-    const auto a = tight_box(collider), b = tight_box(collidee);
+    const auto a = boxes_.tight_box(collider), b = boxes_.tight_box(collidee);
     if (!a) return std::unexpected(a.error());
     if (!b) return std::unexpected(b.error());
     found.colliding = overlap(*a, *b);
@@ -109,6 +106,7 @@ std::expected<Collision, std::string> SceneQuery::collide(ObjectId collider, Obj
   });
   if (!searched) return std::unexpected(searched.error());
   std::ranges::sort(found.pairs);
+  assert(std::ranges::adjacent_find(found.pairs) == found.pairs.end());
   found.colliding = !found.pairs.empty();
   return found;
 }

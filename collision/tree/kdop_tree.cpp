@@ -9,31 +9,14 @@
 #include "collision/tree/kdop_volume.hpp"
 
 namespace peerd::collision {
-namespace {
+namespace kdop_tree_detail {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-template <int K>
-WideKdop<K> widened(const Kdop<K>& dop) {
-  WideKdop<K> out;
-  std::ranges::copy(dop.lo, out.lo.begin());
-  std::ranges::copy(dop.hi, out.hi.begin());
-  return out;
-}
-
-template <int K>
-double shared_volume(const Kdop<K>& a, const Kdop<K>& b) {
-  WideKdop<K> both;
-  for (std::size_t i = 0; i < both.kSlabs; ++i) {
-    both.lo[i] = std::max(a.lo[i], b.lo[i]);
-    both.hi[i] = std::min(a.hi[i], b.hi[i]);
-  }
-  return volume(both);
-}
+constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
 // A box of floats for the surface-area heuristic.
 struct AreaBox {
-  std::array<float, 3> lo = {kInfinity, kInfinity, kInfinity}, hi = {-kInfinity, -kInfinity, -kInfinity};
+  std::array<float, 3> lo = {kFloatInfinity, kFloatInfinity, kFloatInfinity},
+                       hi = {-kFloatInfinity, -kFloatInfinity, -kFloatInfinity};
   void merge(const float* p) {
     for (std::size_t i = 0; i < 3; ++i) {
       lo[i] = std::min(lo[i], p[i]);
@@ -56,6 +39,32 @@ struct Bin {
   AreaBox box;
   std::uint32_t count = 0;
 };
+
+}  // namespace kdop_tree_detail
+namespace {
+
+using kdop_tree_detail::AreaBox;
+using kdop_tree_detail::Bin;
+using kdop_tree_detail::kBins;
+using kdop_tree_detail::kFloatInfinity;
+
+template <int K>
+WideKdop<K> widened(const Kdop<K>& dop) {
+  WideKdop<K> out;
+  std::ranges::copy(dop.lo, out.lo.begin());
+  std::ranges::copy(dop.hi, out.hi.begin());
+  return out;
+}
+
+template <int K>
+double shared_volume(const Kdop<K>& a, const Kdop<K>& b) {
+  WideKdop<K> both;
+  for (std::size_t i = 0; i < both.kSlabs; ++i) {
+    both.lo[i] = std::max(a.lo[i], b.lo[i]);
+    both.hi[i] = std::min(a.hi[i], b.hi[i]);
+  }
+  return volume(both);
+}
 
 }  // namespace
 
@@ -94,8 +103,8 @@ void KdopTree<K>::project_vertices() {
 template <int K>
 Kdop<K> KdopTree<K>::bound(std::uint32_t begin, std::uint32_t end) const {
   Projections lo, hi;
-  lo.fill(kInfinity);
-  hi.fill(-kInfinity);
+  lo.fill(kFloatInfinity);
+  hi.fill(-kFloatInfinity);
   for (std::uint32_t i = begin; i < end; ++i) {
     for (const std::uint32_t corner : soup_->faces[order_[i]].corners) {
       const Projections& p = projections_[corner];
@@ -107,8 +116,8 @@ Kdop<K> KdopTree<K>::bound(std::uint32_t begin, std::uint32_t end) const {
   }
   Kdop<K> out;
   for (std::size_t s = 0; s < K / 2; ++s) {
-    out.lo[s] = std::nextafter(lo[s], -kInfinity);
-    out.hi[s] = std::nextafter(hi[s], kInfinity);
+    out.lo[s] = std::nextafter(lo[s], -kFloatInfinity);
+    out.hi[s] = std::nextafter(hi[s], kFloatInfinity);
   }
   return out;
 }

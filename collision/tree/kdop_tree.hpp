@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "collision/exact/triangle_soup.hpp"
 #include "collision/tree/kdop.hpp"
 #include "collision/tree/split_rule.hpp"
-#include "collision/exact/triangle_soup.hpp"
 
 namespace peerd::collision {
 

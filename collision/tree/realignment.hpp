@@ -2,8 +2,8 @@
 #include <array>
 #include <cstdint>
 
-#include "collision/tree/kdop.hpp"
 #include "collision/exact/relative_motion.hpp"
+#include "collision/tree/kdop.hpp"
 
 namespace peerd::collision {
 

@@ -3,298 +3,127 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <tuple>
+
+#include "core/animation/change_tracker.hpp"
+#include "core/animation/delivery_log.hpp"
+#include "core/animation/event_graph.hpp"
+#include "core/animation/event_tracer.hpp"
+#include "core/animation/segment_finder.hpp"
+#include "core/animation/sensor_simulator.hpp"
 
 namespace peerd::animation {
-namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+namespace {
 
 bool is_finite(const Value& v) {
   return std::ranges::all_of(v.number, [](double x) { return std::isfinite(x); }) &&
          std::ranges::all_of(v.numbers, [](float x) { return std::isfinite(x); });
 }
 
-bool is_float_or_time(const EventPort& c) {
-  return c.slot == static_cast<std::uint8_t>(SensorOutput::kFraction) ||
-         c.slot == static_cast<std::uint8_t>(SensorOutput::kTime);
-}
-
 }  // namespace
 
-Animation::Animation(const Network& network, const AnimationOptions& options)
-    : graph_(std::make_unique<EventGraph>(network)),
-      simulator_(std::make_unique<SensorSimulator>(*graph_, network, options.read_time_s, options.max_transitions,
-                                         options.min_history)),
-      options_(options),
-      place_(graph_->sensor_node.size(), kNone) {
-  grow();
-}
-
-void Animation::grow() {
-  const std::size_t ports = graph_->ports.size();
-  has_delivered_.resize(ports, 0);
-  seen_.resize(ports, 0);
-  reached_.resize(ports, 0);
-  via_.resize(ports, kNone);
-}
-
-std::optional<std::uint32_t> Animation::find_or_add(std::uint32_t node, std::string_view name, FieldType type,
-                                                    bool in) {
-  const std::size_t ports = graph_->ports.size();
-  const auto port = graph_->find_or_add(node, name, type, in);
-  if (graph_->ports.size() != ports) {
+struct Animation::Parts {
+  Parts(const Network& network, const AnimationOptions& options)
+      : graph(network),
+        simulator(graph, network, options.read_time_s, options.max_transitions, options.min_history),
+        tracer(graph, simulator, deliveries),
+        segments(graph, simulator, deliveries, tracer),
+        changes(graph, simulator, deliveries),
+        read_time_s(options.read_time_s) {
     grow();
-    simulator_->port_added(*port);
   }
-  return port;
-}
+
+  void grow() {
+    deliveries.grow(graph.ports.size());
+    tracer.grow(graph.ports.size());
+    changes.grow(graph.ports.size());
+  }
+
+  std::optional<std::uint32_t> find_or_add(std::uint32_t node, std::string_view name, FieldType type, bool in) {
+    const std::size_t ports = graph.ports.size();
+    const auto port = graph.find_or_add(node, name, type, in);
+    if (graph.ports.size() != ports) {
+      grow();
+      simulator.port_added(*port);
+    }
+    return port;
+  }
+
+  EventGraph graph;
+  SensorSimulator simulator;
+  DeliveryLog deliveries;
+  EventTracer tracer;
+  SegmentFinder segments;
+  ChangeTracker changes;
+  double read_time_s;
+};
+
+Animation::Animation(const Network& network, const AnimationOptions& options)
+    : parts_(std::make_unique<Parts>(network, options)) {}
+Animation::~Animation() = default;
+Animation::Animation(Animation&&) noexcept = default;
+Animation& Animation::operator=(Animation&&) noexcept = default;
+
+std::span<const Finding> Animation::findings() const { return parts_->graph.findings; }
 
 std::optional<FieldId> Animation::field(std::uint32_t node, std::string_view name) {
-  auto port = graph_->find(node, name);
-  if (!port && !graph_->is_plain(node)) port = find_or_add(node, name, FieldType::kFloat, false);
+  auto port = parts_->graph.find(node, name);
+  if (!port && !parts_->graph.is_plain(node)) port = parts_->find_or_add(node, name, FieldType::kFloat, false);
   return port ? std::optional(FieldId{*port}) : std::nullopt;
 }
 
 Field Animation::describe(FieldId id) const {
-  const EventPort& c = graph_->ports[id.value];
-  return {id, c.node, graph_->names[c.name], c.type};
+  const EventPort& c = parts_->graph.ports[id.value];
+  return {id, c.node, parts_->graph.names[c.name], c.type};
 }
 
 std::vector<Field> Animation::driven() const {
+  const std::vector<EventPort>& ports = parts_->graph.ports;
   std::vector<Field> out;
-  for (std::uint32_t c = 0; c < graph_->ports.size(); ++c) {
-    if (graph_->ports[c].driven && graph_->ports[c].kind != PortKind::kInterpolator) out.push_back(describe({c}));
+  for (std::uint32_t c = 0; c < ports.size(); ++c) {
+    if (ports[c].driven && ports[c].kind != PortKind::kInterpolator) out.push_back(describe({c}));
   }
   return out;
 }
 
-// Ports whose latest event is known without looking further upstream.
-bool Animation::is_source(const EventPort& c) const {
-  return c.feeds_sensor || c.kind == PortKind::kSensorOutput || c.kind == PortKind::kKey;
-}
-
-const Animation::Delivered* Animation::delivered(std::uint32_t port, double t) const {
-  if (!has_delivered_[port]) return nullptr;
-  const std::vector<Delivered>& all = delivered_.at(port);
-  const auto after = std::ranges::upper_bound(all, t, {}, &Delivered::t);
-  return after == all.begin() ? nullptr : &*std::prev(after);
-}
-
-// A port's own latest event at or before t, those that come over ROUTEs left out unless it is a leaf.
-std::optional<Stamp> Animation::source_event(std::uint32_t port, double t, At at) {
-  const EventPort& c = graph_->ports[port];
-  if (c.feeds_sensor) {
-    const PortEvent* event = simulator_->latest(port, t);
-    return event ? std::optional(event->stamp) : std::nullopt;
-  }
-  if (c.kind != PortKind::kSensorOutput) {
-    const Delivered* d = delivered(port, t);
-    return d ? std::optional(Stamp{d->t, 0, 0}) : std::nullopt;
-  }
-  const std::uint32_t sensor = graph_->index_of_node[c.node];
-  const TimeSensorState& s = simulator_->sensor(sensor, t);
-  const double last = simulator_->last_time(simulator_->component_of_sensor(sensor));
-  t = std::min(t, last);
-  if (!s.has_run) return std::nullopt;
-  const auto since = [&](double when) { return Stamp{when, when == s.begin_s ? s.begin_step : 0, 0}; };
-  if (c.slot == static_cast<std::uint8_t>(SensorOutput::kCycleTime)) {
-    return since(std::max(s.active ? cycle_start(s.fields, t) : s.final_cycle_s, s.begin_s));
-  }
-  if (!s.active) return Stamp{s.end_s, s.end_step, 0};
-  if (!is_float_or_time(c)) return Stamp{s.begin_s, s.begin_step, 0};
-  return at == At::kJustAfter && t < last ? Stamp{kInfinity, 0, 0} : since(t);
-}
-
-Keys Animation::keys_at(std::uint32_t port, double t) const {
-  const std::uint32_t i = graph_->index_of_node[graph_->ports[port].node];
-  Keys keys = keys_of(graph_->interpolators[i]);
-  const auto [key, key_value] = graph_->key_ports[i];
-  if (key != kNone) {
-    if (const Delivered* d = delivered(key, t)) keys.key = d->value.numbers;
-  }
-  if (key_value != kNone) {
-    if (const Delivered* d = delivered(key_value, t)) keys.key_value = d->value.numbers;
-  }
-  return keys;
-}
-
-// Whether an event that reaches the port at t is sent on.
-bool Animation::interpolates(std::uint32_t port, double t) const {
-  const EventPort& c = graph_->ports[port];
-  if (c.kind != PortKind::kInterpolator) return true;
-  return sends(graph_->interpolators[graph_->index_of_node[c.node]].type, keys_at(port, t));
-}
-
-// Most fields hang on one chain of single ROUTEs: then there is nothing to choose. Returns false where there is.
-bool Animation::find_simple_path(std::uint32_t port, double t, At at, bool& found) {
-  const std::uint64_t mark = ++mark_;
-  path_.clear();
-  found = false;
-  while (true) {
-    if (std::exchange(seen_[port], mark) == mark) return false;  // a ring
-    const EventPort& c = graph_->ports[port];
-    path_.push_back(port);
-    if (is_source(c)) break;
-    if (has_delivered_[port]) return false;
-    if (c.first_in == kNone) break;
-    const Link& link = graph_->links[c.first_in];
-    if (link.next_in != kNone) return false;
-    port = link.from;
-  }
-  upstream_ = path_;
-  const auto stamp = source_event(port, t, at);  // none of a port that nothing leads to
-  if (!stamp) return true;
-  source_ = {*stamp, port};
-  found = std::ranges::all_of(path_, [&](std::uint32_t c) { return interpolates(c, std::min(stamp->t, t)); });
-  return true;
-}
-
-// Finds the event that is the port's latest at or before t (or just after t), into source_ and path_: collects all that
-// is upstream, then lets the sources' events spread, the latest timestamp first, wave by wave, each port taking the
-// first that reaches it.
-bool Animation::find_path(std::uint32_t port, double t, At at) {
-  if (bool found = false; find_simple_path(port, t, at, found)) return found;
-  const std::uint64_t question = ++mark_;
-  upstream_.assign(1, port);
-  sources_.clear();
-  seen_[port] = question;
-  for (std::size_t i = 0; i < upstream_.size(); ++i) {
-    const std::uint32_t at_port = upstream_[i];
-    if (const auto stamp = source_event(at_port, t, at); stamp && interpolates(at_port, std::min(stamp->t, t))) {
-      sources_.push_back({*stamp, at_port});
-    }
-    const EventPort& c = graph_->ports[at_port];
-    if (is_source(c)) continue;
-    for (std::uint32_t r = c.first_in; r != kNone; r = graph_->links[r].next_in) {
-      const std::uint32_t from = graph_->links[r].from;
-      if (std::exchange(seen_[from], question) != question) upstream_.push_back(from);
-    }
-  }
-  std::ranges::sort(sources_, [](const Source& a, const Source& b) {
-    return std::tuple(b.stamp.t, b.stamp.step, a.stamp.wave, a.port) <
-           std::tuple(a.stamp.t, a.stamp.step, b.stamp.wave, b.port);
-  });
-  const Source* const end = sources_.data() + sources_.size();
-  for (const Source* group = sources_.data(); group != end && reached_[port] <= question;) {
-    const Source* group_end = group;
-    while (group_end != end && group_end->stamp.t == group->stamp.t && group_end->stamp.step == group->stamp.step) {
-      ++group_end;
-    }
-    source_ = *group;
-    wave_.clear();
-    propagate(group, group_end, port);
-    group = group_end;
-  }
-  if (reached_[port] <= question) return false;
-  path_.clear();
-  path_.push_back(port);
-  while (via_[path_.back()] != kNone) path_.push_back(graph_->links[via_[path_.back()]].from);
-  source_.port = path_.back();
-  return true;
-}
-
-// The events of one timestamp. A port is claimed if its mark is above the question's, seen_[target].
-void Animation::propagate(const Source* group, const Source* group_end, std::uint32_t target) {
-  const std::uint64_t question = seen_[target];
-  const double t = group->stamp.t;
-  for (std::uint32_t wave = group->stamp.wave; group != group_end || !wave_.empty(); ++wave) {
-    if (wave_.empty()) wave = group->stamp.wave;
-    for (; group != group_end && group->stamp.wave == wave; ++group) {
-      if (reached_[group->port] > question) continue;
-      reached_[group->port] = ++mark_;
-      via_[group->port] = kNone;
-      wave_.push_back(group->port);
-    }
-    if (reached_[target] > question) return;
-    const std::uint64_t wave_mark = ++mark_;
-    next_wave_.clear();
-    for (const std::uint32_t from : wave_) {
-      for (std::uint32_t r = graph_->ports[from].first_out; r != kNone; r = graph_->links[r].next_out) {
-        const std::uint32_t to = graph_->links[r].to;
-        if (seen_[to] != question || is_source(graph_->ports[to])) continue;
-        if (reached_[to] == wave_mark) {
-          via_[to] = std::max(via_[to], r);
-        } else if (reached_[to] <= question && interpolates(to, t)) {
-          reached_[to] = wave_mark;
-          via_[to] = r;
-          next_wave_.push_back(to);
-        }
-      }
-    }
-    std::swap(wave_, next_wave_);
-  }
-}
-
-// The event of source_, as it arrives at the other end of path_.
-void Animation::evaluate_path(double t, Value& out) {
-  const EventPort& source = graph_->ports[source_.port];
-  const double when = std::min(source_.stamp.t, t);
-  std::size_t next = path_.size() - 1;  // the first port of the path that has yet to take the event
-  if (source.feeds_sensor) {
-    out.set(source.type, simulator_->latest(source_.port, t)->value);
-  } else if (source.kind == PortKind::kSensorOutput) {
-    const std::uint32_t sensor = graph_->index_of_node[source.node];
-    const double last = simulator_->last_time(simulator_->component_of_sensor(sensor));
-    const TimeSensorOutput o = *output(simulator_->sensor(sensor, t), std::min(t, last));
-    const double by_slot[] = {o.is_active ? 1.0 : 0.0, o.cycle_time_s, o.fraction, o.time_s};
-    out.set(source.type, by_slot[source.slot]);
-  } else {
-    out = delivered(source_.port, t)->value;
-    ++next;
-  }
-  while (next-- > 0) {
-    const EventPort& c = graph_->ports[path_[next]];
-    if (c.kind != PortKind::kInterpolator) continue;
-    const InterpolatorType type = graph_->interpolators[graph_->index_of_node[c.node]].type;
-    evaluate(type, keys_at(path_[next], when), out.scalar(), out);
-  }
-}
-
 bool Animation::value(FieldId id, double t, Value& out) {
   assert(std::isfinite(t));
-  if (!find_path(id.value, t, At::kNow)) return false;
-  evaluate_path(t, out);
+  if (!parts_->tracer.find(id.value, t, EventTracer::At::kNow)) return false;
+  parts_->tracer.evaluate(t, out);
   return true;
+}
+
+std::optional<Segment> Animation::segment(FieldId id, double t) {
+  assert(std::isfinite(t));
+  return parts_->segments.find(id.value, t);
+}
+
+void Animation::changing(double from_s, double to_s, std::vector<FieldId>& out) {
+  assert(std::isfinite(from_s) && std::isfinite(to_s) && from_s <= to_s);
+  parts_->changes.changing(from_s, to_s, out);
 }
 
 std::optional<DeliverError> Animation::deliver(double t, std::uint32_t node, std::string_view name,
                                                const Value& value) {
   if (!std::isfinite(t) || !is_finite(value)) return DeliverError::kNotFinite;
-  if (t < options_.read_time_s) return DeliverError::kBeforeRead;
-  const auto found = find_or_add(node, name, value.type, true);
-  if (!found) return DeliverError::kNoSuchField;
-  const std::uint32_t port = *found;
-  const EventPort& c = graph_->ports[port];
+  if (t < parts_->read_time_s) return DeliverError::kBeforeRead;
+  const auto port = parts_->find_or_add(node, name, value.type, true);
+  if (!port) return DeliverError::kNoSuchField;
+  const EventPort& c = parts_->graph.ports[*port];
   if (value.type != (c.kind == PortKind::kInterpolator ? FieldType::kFloat : c.type)) return DeliverError::kType;
   if (c.feeds_sensor) {
-    simulator_->deliver(t, port, value.scalar());
-    const std::uint32_t component = simulator_->component_of_port(port);
-    if (!cursor_valid_) return std::nullopt;
-    if (t > cursor_s_) {
-      upcoming_.push_back({t, component, false});
-      std::push_heap(upcoming_.begin(), upcoming_.end());
-      return std::nullopt;
-    }
-    changed_ports_.push_back(port);
-    const std::vector<std::uint32_t>& sensors = simulator_->sensors(component);
-    changed_sensors_.insert(changed_sensors_.end(), sensors.begin(), sensors.end());
-    refresh(component, cursor_s_);
-    push_component(component, cursor_s_);
+    parts_->simulator.deliver(t, *port, value.scalar());
+    parts_->changes.note_sensor_delivery(*port, t);
     return std::nullopt;
   }
-  has_delivered_[port] = 1;
-  std::vector<Delivered>& all = delivered_[port];
-  const auto at = all.insert(std::ranges::upper_bound(all, t, {}, &Delivered::t), {t, value});
-  if (c.kind == PortKind::kKey && c.slot == 0) sort_keys(at->value.numbers);
-  if (!cursor_valid_) return std::nullopt;
-  if (t <= cursor_s_) {
-    changed_ports_.push_back(port);
-  } else {
-    upcoming_.push_back({t, port, true});
-    std::push_heap(upcoming_.begin(), upcoming_.end());
-  }
+  Value& kept = parts_->deliveries.insert(*port, t, value);
+  if (c.kind == PortKind::kKey && c.slot == 0) sort_keys(kept.numbers);
+  parts_->changes.note_delivery(*port, t);
   return std::nullopt;
+}
+
+std::optional<double> Animation::transition_limit_reached_at() const {
+  return parts_->simulator.transition_limit_reached_at();
 }
 
 }  // namespace peerd::animation

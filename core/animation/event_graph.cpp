@@ -29,7 +29,7 @@ constexpr SensorPortName kSensorPorts[] = {
     {"startTime", PortKind::kSensorInput, index_of(SensorInput::kStartTime), FieldType::kTime},
 };
 
-// x, set_x or x_changed
+// A field x is also written set_x or x_changed.
 bool names_field(std::string_view field, std::string_view exposed_field) {
   if (field.starts_with("set_")) return field.substr(4) == exposed_field;
   if (field.ends_with("_changed")) return field.substr(0, field.size() - 8) == exposed_field;
@@ -84,7 +84,8 @@ EventGraph::EventGraph(const Network& network) {
   mark_sensor_inputs();
 }
 
-std::optional<EventGraph::PortSpec> EventGraph::port_spec_of(std::uint32_t node, std::string_view field, FieldType type) const {
+std::optional<EventGraph::PortSpec> EventGraph::port_spec_of(std::uint32_t node, std::string_view field,
+                                                             FieldType type) const {
   switch (kind_of_node_[node]) {
     case NodeKind::kPlain:
       return PortSpec{field, PortKind::kRelay, 0, type, true, true, type};
@@ -101,9 +102,10 @@ std::optional<EventGraph::PortSpec> EventGraph::port_spec_of(std::uint32_t node,
   const InterpolatorType itype = interpolators[index_of_node[node]].type;
   if (field == "set_fraction" || field == "value_changed") {
     return PortSpec{"value_changed", PortKind::kInterpolator, 0, value_type(itype), field[0] == 's',
-                field[0] == 'v', FieldType::kFloat};
+                    field[0] == 'v', FieldType::kFloat};
   }
-  if (names_field(field, "key")) return PortSpec{"key", PortKind::kKey, 0, FieldType::kFloats, true, true, FieldType::kFloats};
+  if (names_field(field, "key"))
+    return PortSpec{"key", PortKind::kKey, 0, FieldType::kFloats, true, true, FieldType::kFloats};
   if (names_field(field, "keyValue")) {
     return PortSpec{"keyValue", PortKind::kKey, 1, key_value_type(itype), true, true, key_value_type(itype)};
   }
@@ -122,7 +124,7 @@ std::optional<std::uint32_t> EventGraph::find(std::uint32_t node, std::string_vi
 }
 
 std::optional<std::uint32_t> EventGraph::find_or_add(std::uint32_t node, std::string_view field, FieldType type,
-                                                    bool in) {
+                                                     bool in) {
   if (node >= kind_of_node_.size()) return std::nullopt;
   const auto slot = port_spec_of(node, field, type);
   if (!slot || (in ? !slot->in : !slot->out)) return std::nullopt;

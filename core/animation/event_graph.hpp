@@ -18,8 +18,8 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 enum class PortKind : std::uint8_t { kRelay, kInterpolator, kKey, kSensorOutput, kSensorInput };
 enum class SensorOutput : std::uint8_t { kIsActive, kCycleTime, kFraction, kTime };
 
-// What sends at most one event at one timestamp (4.10.4): an exposedField, an eventOut, or an interpolator as a whole
-// (set_fraction in, value_changed out).
+// An event port sends at most one event at one timestamp (4.10.4). It is an exposedField, an eventOut, or an
+// interpolator as a whole, which takes set_fraction and sends value_changed.
 struct EventPort {
   std::uint32_t node = 0;
   std::uint32_t name = 0;  // index into EventGraph::names
@@ -27,7 +27,7 @@ struct EventPort {
   std::uint8_t slot = 0;               // SensorOutput or SensorInput; kKey: 0 for key, 1 for keyValue
   FieldType type = FieldType::kFloat;  // of the events it sends
   bool driven = false;                 // a ROUTE leads here from a TimeSensor's eventOut
-  bool feeds_sensor = false;                // a TimeSensor's input, or a relay that leads to one
+  bool feeds_sensor = false;           // a TimeSensor's input, or a relay that leads to one
   std::uint32_t first_in = kNone;      // routes, chained by Link::next_in
   std::uint32_t first_out = kNone;     // routes, chained by Link::next_out
 };
@@ -58,7 +58,7 @@ class EventGraph {
   std::deque<std::string> names;  // which stay where they are as more are added
   std::vector<Finding> findings;
 
-  // By node: the index among its kind (sensors, interpolators), kNone for a plain node.
+  // The index of each node among those of its kind (sensors, interpolators); kNone for a plain node.
   std::vector<std::uint32_t> index_of_node;
   std::vector<std::uint32_t> sensor_node;
   std::vector<std::array<std::uint32_t, 4>> sensor_outputs;  // by sensor and SensorOutput: ports or kNone

@@ -17,7 +17,7 @@ struct Interpolator {
   SharedArray<float> key_value;
 };
 
-// What a set_fraction is answered from. A view.
+// A view of the keys that a set_fraction is answered from.
 struct Keys {
   std::span<const float> key;
   std::span<const float> key_value;

@@ -1,4 +1,5 @@
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -10,7 +11,7 @@
 
 namespace peerd::animation {
 
-// What an Animation is built from: the nodes of a file that events pass through, and its ROUTEs.
+// A Network is the part of a file that an Animation is built from: the nodes that events pass through, and the ROUTEs.
 
 // Any node that is neither a TimeSensor nor an interpolator. Each of its fields relays (4.7): an event to set_x sets x
 // and sends x_changed. What a node does besides (a Script's program) comes from outside, by Animation::deliver.
@@ -35,8 +36,8 @@ struct Network {
 
 enum class Problem : std::uint8_t {
   kNoSuchNode,         // the ROUTE is left out
-  kNoSuchField,        // "
-  kTypeMismatch,       // "
+  kNoSuchField,        // the ROUTE is left out
+  kTypeMismatch,       // the ROUTE is left out
   kRouteToKeys,        // ": an interpolator's key and keyValue take events by deliver() alone
   kRepeated,           // ": the first of them counts (4.10.2)
   kUnsortedKeys,       // each key counts as the greatest up to it
@@ -49,6 +50,12 @@ enum class Problem : std::uint8_t {
 struct Finding {
   Problem problem = Problem::kNoSuchNode;
   std::uint32_t index = 0;  // of the ROUTE for the first five, else of the node
+};
+
+// A field that takes part in a network's events.
+struct FieldId {
+  std::uint32_t value = 0;
+  friend constexpr auto operator<=>(const FieldId&, const FieldId&) = default;
 };
 
 }  // namespace peerd::animation

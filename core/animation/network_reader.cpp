@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/animation/animation.hpp"
+#include "core/vrml/default_values.hpp"
 
 namespace peerd::vrml {
 namespace {

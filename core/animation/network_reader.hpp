@@ -11,8 +11,8 @@ namespace peerd::vrml {
 struct NetworkReadResult {
   animation::Network network;
   std::vector<std::uint32_t> document_node;  // by the network's node: the document's
-  std::vector<Position> routes_at;            // by the network's ROUTE
-  bool has_sensors = false;                   // TimeSensors; without one nothing moves by itself
+  std::vector<Position> routes_at;           // by the network's ROUTE
+  bool has_sensors = false;                  // TimeSensors; without one nothing moves by itself
 };
 [[nodiscard]] NetworkReadResult read_network(const std::shared_ptr<const Document>& document);
 

@@ -28,8 +28,8 @@ void sort_unique(std::vector<std::uint32_t>& v) {
 
 }  // namespace
 
-SensorSimulator::SensorSimulator(const EventGraph& graph, const Network& network, double read_time_s, std::size_t max_transitions,
-                 std::size_t min_history)
+SensorSimulator::SensorSimulator(const EventGraph& graph, const Network& network, double read_time_s,
+                                 std::size_t max_transitions, std::size_t min_history)
     : graph_(graph), read_time_s_(read_time_s), max_transitions_(max_transitions), min_history_(min_history) {
   const auto sensors = static_cast<std::uint32_t>(graph.sensor_node.size());
   const auto ports = static_cast<std::uint32_t>(graph.ports.size());

@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -9,8 +8,8 @@
 
 namespace peerd::animation {
 
-// When an event was: later `t` is later; at one t, later `step`; within a step, events that came over fewer ROUTEs
-// (lower `wave`) came first, and the first is the one that counts (4.10.4).
+// A Stamp orders events: a later `t` is later; at one t, a later `step` is; within a step, events that came over fewer
+// ROUTEs (lower `wave`) came first, and the first is the one that counts (4.10.4).
 struct Stamp {
   double t = 0.0;  // [s]
   std::uint32_t step = 0;
@@ -46,7 +45,7 @@ class SensorSimulator {
   static constexpr double kTick_s = 0x1p-6;
 
   SensorSimulator(const EventGraph& graph, const Network& network, double read_time_s, std::size_t max_transitions,
-          std::size_t min_history);
+                  std::size_t min_history);
 
   // The state whose transition is the latest at or before t.
   [[nodiscard]] const TimeSensorState& sensor(std::uint32_t sensor, double t);
@@ -67,8 +66,8 @@ class SensorSimulator {
   [[nodiscard]] double previous_instant(std::uint32_t component, double t);  // <= t
   [[nodiscard]] double next_instant(std::uint32_t component, double t);      // > t
 
-  // What was looked at in (from, to]: calls f(is_port, index), in order of time, repeatedly for one that changed often;
-  // once for everything where `from` is forgotten.
+  // Calls f(is_port, index) for each change in (from, to], in order of time, repeatedly for a port or sensor that
+  // changed often. Where `from` is forgotten, it calls f once for each port and sensor of the component.
   template <class F>
   void for_each_change(std::uint32_t component, double from, double to, F&& f) {
     Component& c = components_[component];
@@ -88,8 +87,6 @@ class SensorSimulator {
   [[nodiscard]] std::optional<double> transition_limit_reached_at() const;
 
  private:
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
   struct TimedState {
     double t = -kInfinity;
     TimeSensorState state;
@@ -120,8 +117,8 @@ class SensorSimulator {
     std::size_t next_delivered = 0;
     std::size_t transitions = 0;               // changes there have been
     std::size_t transitions_counted_from = 0;  // when the latest delivery was taken
-    double history_begin_s = -kInfinity;            // what was before is forgotten
-    double simulated_until_s = -kInfinity;               // every instant up to here is done
+    double history_begin_s = -kInfinity;       // what was before is forgotten
+    double simulated_until_s = -kInfinity;     // every instant up to here is done
     double stopped_at_s = kInfinity;
   };
   struct PendingEvent {
@@ -155,13 +152,13 @@ class SensorSimulator {
   std::size_t min_history_ = 0;
   std::vector<Component> components_;
   std::vector<std::uint32_t> component_of_sensor_;
-  std::vector<std::uint32_t> component_of_port_;  // kNone unless control
-  std::vector<std::vector<TimedState>> state_history_;        // by sensor, then time; the first is the file's
-  std::vector<std::vector<PortEvent>> log_;       // by port, then time; control ports only
-  std::vector<std::uint32_t> version_;            // by sensor, of its valid Due
-  std::vector<std::uint8_t> feeds_sensor_inputs_;    // by sensor: bits, of SensorOutput
+  std::vector<std::uint32_t> component_of_port_;        // kNone unless control
+  std::vector<std::vector<TimedState>> state_history_;  // by sensor, then time; the first is the file's
+  std::vector<std::vector<PortEvent>> log_;             // by port, then time; control ports only
+  std::vector<std::uint32_t> version_;                  // by sensor, of its valid Due
+  std::vector<std::uint8_t> feeds_sensor_inputs_;       // by sensor: bits, of SensorOutput
 
-  // Of the instant that is being run.
+  // The state of the instant that is being run.
   std::vector<std::uint8_t> stop_pending_;  // by sensor: stopped by an event, has yet to say so
   std::vector<std::uint32_t> due_sensors_, next_sensors_, processed_sensors_;
   std::vector<PendingEvent> wave_, next_wave_;

@@ -13,7 +13,8 @@ namespace peerd::animation {
 // part of conj(a) * b as its sign happens to be: some axis, the same on every machine. Error below 2e-15.
 [[nodiscard]] Vec3 rotation_between(const Quat& a, const Quat& b);
 
-// a turned by r [rad], given in a's own frame: a * exp(r / 2). Unit to 3e-16; error below 2e-15 for |r| <= 2 pi.
+// Returns `a` turned by r [rad], which is given in the own frame of a: a * exp(r / 2). The result is unit to 3e-16; its
+// error is below 2e-15 for |r| <= 2 pi.
 [[nodiscard]] Quat rotated_in_body_frame(const Quat& a, const Vec3& r);
 
 // The point at `fraction` of the shorter arc from p to q, both of which should be unit; their lengths are interpolated

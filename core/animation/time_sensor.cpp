@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
+
+#include "core/animation/value.hpp"
 
 namespace peerd::animation {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // c_n, without 0 * inf
 double cycle(const TimeSensorFields& f, double n) {
   return n == 0.0 ? f.start_time : f.start_time + n * f.cycle_interval;
 }
 
-// Whether the cycles around t can be told apart in binary64, so that counting them is off by one at most.
+// Returns whether the cycles around t can be told apart in binary64, so that counting them is off by one at most.
 bool resolvable(const TimeSensorFields& f, double t) {
   return std::max(std::abs(t), std::abs(f.start_time)) * 0x1p-50 < f.cycle_interval;
 }
@@ -85,7 +84,7 @@ void stop(TimeSensorState& s, double now, bool at_end) {
   assert(s.active);
   s.active = false;
   s.final_fraction = fraction(s.fields, now);
-  // At the end of a cycle, no new one has begun.
+  // When the run ends with a cycle, no new cycle has begun.
   const double before = at_end ? std::max(std::nextafter(now, -kInfinity), s.fields.start_time) : now;
   s.final_cycle_s = cycle_start(s.fields, before);
   s.end_s = now;

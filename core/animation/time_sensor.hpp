@@ -31,14 +31,15 @@ struct TimeSensorFields {
 // cycle_interval.
 [[nodiscard]] double fraction(const TimeSensorFields& f, double t);
 
-// What the sensor is from one transition until the next. Fields keep their initial values where none are said.
+// The state of a sensor from one transition until the next. Fields keep their initial values where the comments name no
+// other.
 struct TimeSensorState {
   TimeSensorFields fields;
   bool active = false;
-  bool has_run = false;              // it has been active: the eventOuts below have sent
-  bool cycle_done = false;            // startTime's one cycle is over; only loop or a new startTime makes it run again
+  bool has_run = false;          // it has been active: the eventOuts below have sent
+  bool cycle_done = false;       // startTime's one cycle is over; only loop or a new startTime makes it run again
   std::uint32_t begin_step = 0;  // orders transitions at one time (see control.hpp)
-  std::uint32_t end_step = 0;    // "
+  std::uint32_t end_step = 0;    // orders transitions at one time (see sensor_simulator.hpp)
   double begin_s = 0.0;          // when the latest run became active
   double end_s = 0.0;          // active: when it will stop if no event comes, +inf if never. Inactive: when it stopped
   double final_fraction = 0;   // inactive: the latest events' values
@@ -59,13 +60,15 @@ void start(TimeSensorState& s, double now);
 // no cycle begins now; otherwise an event stops it.
 void stop(TimeSensorState& s, double now, bool at_end);
 
-// When an active sensor stops if no event comes: stopTime (if > startTime) or, unless it loops, the end of its cycle.
+// Returns when an active sensor stops if no event comes: stopTime (if > startTime) or, unless it loops, the end of its
+// cycle.
 [[nodiscard]] double end_of_run(const TimeSensorFields& f, double now);
 
-// Its next transition after now if no event comes; +inf if none.
+// Returns the next transition after now if no event comes; +inf if there is none.
 [[nodiscard]] double next_transition(const TimeSensorState& s, double now);
 
-// In the order in which those of one time are taken: "processed as set_stopTime, then set_startTime" (4.6.9).
+// The inputs stand in the order in which events of one time are taken: "processed as set_stopTime, then set_startTime"
+// (4.6.9).
 enum class SensorInput : std::uint8_t { kStopTime, kEnabled, kLoop, kCycleInterval, kStartTime };
 
 enum class SetResult : std::uint8_t { kIgnored, kSet, kSetAndStopped };

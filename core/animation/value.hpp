@@ -1,11 +1,15 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/math.hpp"
 
 namespace peerd::animation {
+
+// A time that never comes [s]; -kInfinity is before all times.
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The VRML97 types that events of this folder carry (clause 5). Others (SFString, SFNode, SFImage, ...) have no
 // predefined movement, and ROUTEs of theirs are not for this folder.
@@ -27,7 +31,7 @@ enum class FieldType : std::uint8_t {
 
 [[nodiscard]] constexpr bool is_multiple(FieldType type) { return type >= FieldType::kFloats; }
 
-// One field's value. Single values are binary64, not the binary32 that SFFloat and SFVec3f ask for at least: rounding a
+// The value of one field. Single values are binary64, although SFFloat and SFVec3f ask for binary32 only: rounding a
 // fraction to binary32 would make movement a staircase of 6e-8 of a cycle. Rotations are unit quaternions.
 struct Value {
   FieldType type = FieldType::kFloat;

@@ -49,7 +49,8 @@ void CornerTree::build_node(std::uint32_t node, std::uint32_t begin, std::uint32
   nodes_[node] = {box, end - begin};
   if (end - begin <= kLeaf) return;
   const std::uint32_t middle = begin + (end - begin) / 2;
-  // In binary64: in binary32 a width may be infinite. Which way it is cut changes no answer.
+  // The widths are binary64, as in binary32 a width may be infinite. The way in which the tree is cut changes no
+  // answer.
   const bool wide = static_cast<double>(box.hi.x) - static_cast<double>(box.lo.x) >
                     static_cast<double>(box.hi.y) - static_cast<double>(box.lo.y);
   const auto coordinate = [&](std::uint32_t corner) { return wide ? points_[corner].x : points_[corner].y; };

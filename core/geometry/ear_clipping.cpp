@@ -7,9 +7,10 @@
 namespace peerd {
 namespace {
 
-// For three points of a line: b is inside the segment from a to c.
+// Returns, for three points of a line, whether b is inside the segment from a to c.
 bool between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
-  return (lexicographically_less(a, b) && lexicographically_less(b, c)) || (lexicographically_less(c, b) && lexicographically_less(b, a));
+  return (lexicographically_less(a, b) && lexicographically_less(b, c)) ||
+         (lexicographically_less(c, b) && lexicographically_less(b, a));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 #include "core/geometry/geometry.hpp"
+#include "core/geometry/mesh.hpp"
 
 namespace peerd {
 

@@ -9,7 +9,7 @@ namespace {
 constexpr std::uint64_t kDigitMask = 0xffff'ffff;
 }  // namespace
 
-// Each call moves a digit by less than 2^33, so that 2^30 of them fit.
+// A call moves each digit by less than 2^33, so that 2^30 calls fit.
 void ExactSum::add(double product) {
   if (product == 0.0) return;
   const auto bits = std::bit_cast<std::uint64_t>(product);

@@ -8,7 +8,7 @@ namespace peerd {
 // floating-point filter can't decide a sign, this does. At most 2^30 products.
 class ExactSum {
  public:
-  // In binary64 the product of two binary32 numbers is exact, and never subnormal.
+  // The product of two binary32 numbers is exact in binary64, and never subnormal.
   void add(float a, float b) { add(static_cast<double>(a) * static_cast<double>(b)); }
   void subtract(float a, float b) { add(-(static_cast<double>(a) * static_cast<double>(b))); }
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "core/geometry/exact_sum.hpp"
-#include "core/math.hpp"
 #include "core/geometry/polygon_writer.hpp"
+#include "core/math.hpp"
 #include "core/sin_cos.hpp"
 
 // Whatever the standard leaves open is decided here, and by comparing numbers as they were written or by exact signs:
@@ -43,7 +43,7 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
 }
 
-// Neither too large nor too small to be squared: binary32 numbers and their products are within 2^+-298.
+// The vector is neither too large nor too small to be squared: binary32 numbers and their products are within 2^+-298.
 Vec3 unit(const Vec3& v) {
   const double length = std::sqrt(dot(v, v));
   return {v.x() / length, v.y() / length, v.z() / length};
@@ -65,8 +65,8 @@ Vec3 exact_normal(const Point& a, const Point& b, const Point& c) {
   return n;
 }
 
-// The same, and 0 where it is no larger than what rounding makes: each coordinate x is off by at most 2^-24 |x|, and
-// moves a component by that times the two sides' extents.
+// Returns exact_normal(), or 0 where that is no larger than the effect of rounding: each coordinate x is off by at most
+// 2^-24 |x|, and moves a component by that times the extents of the two sides.
 Vec3 normal(const Point& a, const Point& b, const Point& c) {
   const Vec3 n = exact_normal(a, b, c);
   const double size = (largest(a.cast<double>()) + largest(b.cast<double>())) + largest(c.cast<double>());
@@ -96,7 +96,8 @@ std::optional<std::vector<Scp>> bent_scps(const std::vector<Point>& path,
   std::vector<Vec3> y(count), z(count);
   std::optional<std::size_t> first_defined;
   for (std::size_t i = 0; i < count; ++i) {
-    // At the ends of an open spine the point stands for its own neighbour: y is along the one segment, and z undefined.
+    // The first and the last point of an open spine stand for their own neighbour: y is along the one segment, and z
+    // undefined.
     const Point& previous = i > 0 ? path[i - 1] : closed ? path[last - 1] : path[0];
     const Point& next = i < last ? path[i + 1] : closed ? path[1] : path[last];
     y[i] = minus(next, previous);
@@ -120,7 +121,7 @@ std::optional<std::vector<Scp>> bent_scps(const std::vector<Point>& path,
   return scps;
 }
 
-// One for each spine point.
+// Returns the cross-section plane of each spine point.
 std::vector<Scp> spine_scps(std::span<const Point> spine) {
   std::vector<Point> path;  // without consecutive points that are one
   std::vector<std::size_t> place;
@@ -165,7 +166,7 @@ T value_at(const SharedArray<T>& values, std::size_t i, const T& otherwise) {
   return values.empty() ? otherwise : values[std::min(i, values.size() - 1)];
 }
 
-// Which vertices there are: rings of the cross-section's points, one for each spine point.
+// The vertices of an extrusion: rings of the points of the cross-section, one ring for each spine point.
 struct Layout {
   explicit Layout(const ExtrusionGeometry& e) : spine_points(e.spine.size()), section_points(e.cross_section.size()) {
     if (spine_points < 2 || section_points < 2) return;

@@ -1,10 +1,11 @@
 #pragma once
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <string_view>
 #include <variant>
 
-#include "core/geometry/mesh.hpp"
+#include "core/shared_array.hpp"
 
 namespace peerd {
 
@@ -52,25 +53,10 @@ struct NoSurface {
 using Geometry = std::variant<BoxGeometry, SphereGeometry, ConeGeometry, CylinderGeometry, ElevationGridGeometry,
                               ExtrusionGeometry, FaceSetGeometry, NoSurface>;
 
-// How finely curved geometry is cut.
+// The fineness with which curved geometry is cut into polygons.
 struct Tessellation {
   std::uint32_t slices = 24;  // around an axis, >= 3
   std::uint32_t stacks = 12;  // of a sphere from pole to pole, >= 2
 };
-
-// The polygons of a geometry in its Shape's frame, as the standard (ISO/IEC 14772-1:1997, clause 6) defines them; they
-// have the corners that the geometry has, and share vertices. Counter-clockwise seen from outside; `ccw` FALSE is in
-// Mesh::ccw and leaves the corners as they are. Computed in binary64 and rounded once, by operations that IEEE 754
-// defines, so that peers get the same bits; coordinates that would be infinite are the largest finite ones. At most
-// 2^31 - 1 corners, polygon ends included: the caller has asked mesh_size() before, and refuses worlds far below that.
-[[nodiscard]] Mesh build_mesh(const Geometry& geometry, const Tessellation& tessellation = {});
-
-// The polygons that build_mesh() would give, and what they would give cut into triangles (corners - 2 each, and at
-// least 1), without building anything.
-struct MeshSize {
-  std::uint64_t polygons = 0;
-  std::uint64_t triangles = 0;
-};
-[[nodiscard]] MeshSize mesh_size(const Geometry& geometry, const Tessellation& tessellation = {});
 
 }  // namespace peerd

@@ -30,10 +30,16 @@ struct Mesh {
   static constexpr std::int32_t kEndOfPolygon = -1;
 };
 
+// The number of polygons of a mesh and of the triangles that they are cut into: n - 2 for a polygon of n corners, and
+// at least 1.
+struct MeshSize {
+  std::uint64_t polygons = 0;
+  std::uint64_t triangles = 0;
+};
 // A mesh of those corners; finds where its polygons begin. A -1 behind a -1 makes no polygon.
 [[nodiscard]] Mesh make_mesh(SharedArray<Eigen::Vector3f> vertices, SharedArray<std::int32_t> corners, bool ccw = true);
 
-// Of the vertices that polygons use.
+// Returns the box of the vertices that polygons use.
 [[nodiscard]] LocalBox box_of(const Mesh& mesh);
 
 }  // namespace peerd

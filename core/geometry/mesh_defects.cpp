@@ -42,8 +42,8 @@ bool is_warped(std::span<const Eigen::Vector3f> points) {
   return size == 0.0 || high - low > kVisible * std::sqrt(longest) * size;
 }
 
-// Where to begin for the least of all rotations (two candidates, of which each comparison rules out as many beginnings
-// as it read). Linear.
+// Returns the beginning of the least of all rotations. The search keeps two candidates; each comparison rules out as
+// many beginnings as it has read. Linear.
 std::size_t least_rotation(std::span<const std::uint32_t> cycle) {
   const std::size_t n = cycle.size();
   const auto at = [&](std::size_t i) { return cycle[i < n ? i : i - n]; };
@@ -154,8 +154,8 @@ void MeshDefectFinder::lay_out_lists() {
   entries_.resize(begin);
 }
 
-// Each place has a list of the edges to higher places: the other place, the polygon, and whether it runs downward.
-// Files have neighbours close together, so that this stays in the cache where a hash table of edges would not.
+// A place has a list of the edges to higher places: the other place, the polygon, and whether the edge runs downward.
+// Files have neighbours close together, so that the lists stay in the cache where a hash table of edges would not.
 void MeshDefectFinder::find_edges(MeshDefects& found) {
   const auto for_each_edge = [&](const auto& visit) {
     for (std::uint32_t i = 0; i < polygons(); ++i) {
@@ -215,8 +215,7 @@ void MeshDefectFinder::classify_edge(std::span<const std::uint64_t> uses, MeshDe
   for (const std::uint64_t use : uses) non_manifold_[polygon_of(use)] = true;
 }
 
-// Each place has a list of the polygons of which it is the lowest: the corner behind it, to compare less, and the
-// number.
+// A place has a list of the polygons of which it is the lowest: the corner behind it, to compare less, and the number.
 void MeshDefectFinder::find_duplicates(MeshDefects& found) {
   std::vector<std::uint32_t> reversed;
   start_lists();

@@ -9,22 +9,22 @@
 
 namespace peerd {
 
-// What can be wrong with a polygon. None of it stops a collision from being computed, as the triangulation takes all
-// polygons. A corner's place decides, not its index; -0 is 0. A polygon can have several defects.
+// The defects that a polygon can have. No defect stops a collision from being computed, as the triangulation takes all
+// polygons. The place of a corner decides, not its index; -0 is 0. A polygon can have several defects.
 enum class Defect : std::uint8_t {
   // All triangles that it is cut into have zero area, exactly. So have polygons of one or two corners.
   kDegenerate,
   // An earlier polygon has the same corners in the same cyclic order, or in the reverse. A corner that is written twice
   // is two corners. A first one and its two copies are two duplicates.
   kDuplicate,
-  // Not all of its corners lie in one plane, exactly. Of polygons with more than three corners most do so by rounding
-  // alone: it is the triangulation that says what their surface is.
+  // The corners do not lie in one plane, exactly. Most polygons with more than three corners have this defect by
+  // rounding alone: the triangulation says what their surface is.
   kNonPlanar,
-  // Of these, those that can be seen: along the area vector (Newell) the corners are farther apart than 1e-4 of the
-  // longest edge (the closing one included). Where that vector is zero, any polygon of kNonPlanar. Computed in
-  // binary64.
+  // The polygon is non-planar so that it can be seen: along the area vector (Newell) the corners are farther apart than
+  // 1e-4 of the longest edge, the closing one included. Where that vector is zero, every polygon of kNonPlanar has this
+  // defect. It is computed in binary64.
   kWarped,
-  // One of its edges belongs to more than two polygons.
+  // An edge of the polygon belongs to more than two polygons.
   kNonManifold,
 };
 inline constexpr std::size_t kDefects = 5;

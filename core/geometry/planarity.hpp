@@ -4,7 +4,8 @@
 
 namespace peerd {
 
-// Whether points lie on one line, or in one plane. No decision is rounded; coordinates must be finite.
+// These functions return whether points lie on one line, or in one plane. The decision is exact; coordinates must be
+// finite.
 [[nodiscard]] bool collinear(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c);
 [[nodiscard]] bool coplanar(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c,
                             const Eigen::Vector3f& d);

@@ -11,7 +11,7 @@ struct PlanePoint {
   friend bool operator==(const PlanePoint&, const PlanePoint&) = default;  // -0 == 0
 };
 
-// By x, then by y. Along a line this is one of its two directions.
+// Orders points by x, then by y. Along a line this is one of its two directions.
 [[nodiscard]] inline bool lexicographically_less(const PlanePoint& a, const PlanePoint& b) {
   return a.x < b.x || (a.x == b.x && a.y < b.y);
 }

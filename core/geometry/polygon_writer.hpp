@@ -3,9 +3,10 @@
 #include <cassert>
 #include <initializer_list>
 #include <limits>
+#include <utility>
 #include <vector>
 
-#include "core/geometry/geometry.hpp"
+#include "core/geometry/mesh.hpp"
 
 namespace peerd {
 

@@ -31,7 +31,7 @@ class Triangulator {
   EarClipping ear_clipping_;
 };
 
-// How many triangles a polygon of that many corners gives.
+// Returns the number of triangles that a polygon of that many corners gives.
 [[nodiscard]] constexpr std::uint64_t triangle_count(std::uint64_t corners) { return corners < 4 ? 1 : corners - 2; }
 
 }  // namespace peerd

@@ -1,4 +1,5 @@
 #include "core/motion/moving_scene.hpp"
+#include "core/geometry/tessellate.hpp"
 
 #include <algorithm>
 

@@ -19,18 +19,19 @@ class MovingScene {
  public:
   explicit MovingScene(const Scene& scene);  // the scene outlives it, at its place
 
-  // To world time t, forwards or backwards. The nodes whose place in the world changed; valid until the next call.
+  // Moves the scene to world time t, forwards or backwards. The result lists the nodes whose place in the world
+  // changed; it is valid until the next call.
   std::span<const NodeHandle> go_to(double t_s);
   [[nodiscard]] double time_s() const { return time_s_; }
 
   [[nodiscard]] NodeHandle node(ObjectId id) const { return parts_.front().nodes[id.value]; }
   [[nodiscard]] const Affine& world_from_local(ObjectId id) const { return graph_.world_from_local(node(id)); }
-  // Of the vertices below an instance that its polygons use, in the world. Empty where it has none. What doesn't
-  // collide is within: it is seen.
+  // Returns the box in the world of the vertices below an instance that its polygons use. The box is empty where there
+  // are none. Geometry that does not collide counts, since it is seen.
   [[nodiscard]] WorldBox box(ObjectId id);
 
-  // Those of the scene's pending Inlines, by their place in its list, that have not been filled and whose boxes meet
-  // `of_interest` as the world stands now.
+  // Returns the pending Inlines of the scene, by their place in its list, that have not been filled and whose boxes
+  // meet `of_interest` as the world stands now.
   [[nodiscard]] std::vector<std::size_t> inlines_near(const WorldBox& of_interest) const;
   // Puts the content of a pending Inline where it belongs; it moves by itself as the rest does. Once each.
   void fill_inline(std::size_t pending, std::shared_ptr<const Scene> content);

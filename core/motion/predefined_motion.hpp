@@ -11,22 +11,24 @@
 
 namespace peerd {
 
-// What a world moves by itself: TimeSensors, interpolators and ROUTEs, as a function of world time (the time of its
-// TimeSensors) and of nothing else, so that every peer sees the same without a word between them. World time before 0
-// is before the world was read: everything is where its file puts it.
+// PredefinedMotion is the movement that a world makes by itself: TimeSensors, interpolators and ROUTEs, as a function
+// of world time (the time of its TimeSensors) and of nothing else, so that all peers see the same without any message.
+// World time before 0 is before the world was read: everything is where its file puts it.
 //
-// Cost: nothing where a world has no TimeSensor that is ROUTEd. A question costs what its own instance depends on.
-// Not const: it remembers what it found out about chains of TimeSensors. Not thread-safe.
+// The cost is zero for a world without a TimeSensor that has a ROUTE. A question costs as much as its own instance
+// depends on. Questions are not const, since they remember what is known about chains of TimeSensors. Not thread-safe.
 class PredefinedMotion {
  public:
   explicit PredefinedMotion(const Scene& scene);  // the scene outlives it
 
-  // Whether the instance's place in the world moves by itself: its own Transform or one above it is driven.
+  // Returns whether the place of the instance in the world moves by itself: its own Transform or one above it is
+  // driven.
   [[nodiscard]] bool moves(ObjectId id) const;
-  // Whether all below it stays one rigid body of one shape: nothing strictly below it is driven, no scale of its path
-  // is, and no driven rotation stands below an uneven scale, which would shear it ever differently.
+  // Returns whether everything below the instance stays one rigid body of one shape: nothing strictly below it is
+  // driven, no scale of its path is, and no driven rotation stands below an uneven scale, which would shear it ever
+  // differently.
   [[nodiscard]] bool stays_rigid(ObjectId id) const;
-  // Of what is driven, by id, each once.
+  // The driven instances and fields, by id, each once.
   [[nodiscard]] const std::vector<ObjectId>& driven_transforms() const { return driven_ids_; }
 
   [[nodiscard]] std::vector<animation::FieldId> fields_of(ObjectId id) const;  // that are driven
@@ -39,16 +41,16 @@ class PredefinedMotion {
 
   // Geometries whose vertices move: IndexedFaceSets whose Coordinate is driven, by index into Scene::geometries.
   [[nodiscard]] std::vector<std::uint32_t> flexible_geometries() const;
-  // One of them at world time t. Points that the event has no value for stay where the file has them.
+  // Evaluates one driven geometry at world time t. Points that the event has no value for stay where the file has them.
   [[nodiscard]] Geometry geometry(std::uint32_t index, double t_s);
 
-  // How an instance's rigid pose goes on from t: it is advance(state, s - begin_s) at world time s from begin_s until
-  // end_s, begin_s <= t < end_s. One driven translation, or its own driven rotation about its origin, or both, is
-  // exactly so between two keys. Anything else (a rotation above it, a driven center or scale) is cut into pieces of
-  // kPiece_s on a grid of world time: through its true pose at both ends and its true position in the middle, off by
-  // about |jerk| * kPiece_s^3 / 125 in between: for a point on a circle of 10 m radius that turns once a second 1e-5 m.
-  // Where keys are closer together than kPiece_s they are cut so too, whatever moves: a file cannot make work without
-  // end.
+  // Describes how the rigid pose of an instance goes on from t: it is advance(state, s - begin_s) at world time s from
+  // begin_s until end_s, begin_s <= t < end_s. One driven translation, or its own driven rotation about its origin, or
+  // both, are exactly so between two keys. Anything else (a rotation above it, a driven center or scale) is cut into
+  // pieces of kPiece_s on a grid of world time. Such a piece goes through the true pose at both ends and the true
+  // position in the middle, and is off by about |jerk| * kPiece_s^3 / 125 in between: 1e-5 m for a point on a circle of
+  // 10 m radius that turns once a second. Where keys are closer together than kPiece_s the movement is cut in this way
+  // too, so that a file cannot make work without end.
   struct Piece {
     double begin_s = 0.0, end_s = 0.0;
     KinematicState state;
@@ -56,8 +58,8 @@ class PredefinedMotion {
   static constexpr double kPiece_s = 0x1p-7;
   [[nodiscard]] Piece piece(ObjectId id, double t_s);
 
-  // Since when TimeSensors that start each other stand still, as they have used up what one world may: see
-  // animation::AnimationOptions. As far as anybody has asked.
+  // Returns the time since when TimeSensors that start each other stand still, because they have used up what one world
+  // may (see animation::AnimationOptions), as far as the motion has been evaluated.
   [[nodiscard]] std::optional<double> transition_limit_reached_at() const {
     return animation_ ? animation_->transition_limit_reached_at() : std::nullopt;
   }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/geometry.hpp"
+#include "core/geometry/tessellate.hpp"
 
 namespace peerd {
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/geometry/mesh.hpp"
+#include "core/vrml/default_values.hpp"
 #include "core/vrml/element_positions.hpp"
 
 namespace peerd::vrml {

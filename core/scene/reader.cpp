@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "core/animation/network_reader.hpp"
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 #include "core/scene/scene_builder.hpp"
 
 namespace peerd {
 
 namespace {
 
-// Where the Inlines stand that were left empty within something that collides.
+// Returns the places of the Inlines that were left empty within something that collides.
 std::set<std::pair<std::string, std::size_t>> needed_inlines(const Scene& scene, const vrml::Problems& problems) {
   // An object's pending Inlines are a range, as they stand in the order of their instances: how many ranges begin at
   // each of them, less those that end before it.
@@ -49,8 +49,8 @@ ReadResult read_world(std::string_view text, const ReadOptions& options) {
   vrml::ParseOptions parsing{options.load, options.defer_inlines, {}, options.limits};
   vrml::Problems problems;
   Scene scene;
-  // Which Inlines collide is known when all are numbered; those are read in a second pass, and what they bring may need
-  // others. Each pass reads at least one more.
+  // The Inlines that collide are known when all are numbered. They are read in a second pass, and their content may
+  // need others. A pass reads at least one more Inline than the pass before it.
   while (true) {
     const std::shared_ptr<const vrml::Document> document =
         vrml::parse({options.name, text, nullptr}, problems, parsing);

@@ -27,7 +27,7 @@ struct ReadResult {
   std::vector<Source> sources;          // the world's own text first; `text` of that is the caller's unless unpacked
 };
 
-// Reads a VRML97 world with the seed's extensions (ISO/IEC 14772-1; seed, appendix C); the text may be packed with
+// Reads a VRML97 world (ISO/IEC 14772-1) with the extensions of appendix C of the thesis; the text may be packed with
 // gzip. A pure function of the text and of what `load` gives: no file is opened here. Reports all problems of one
 // reading. Time is linear in the texts and in what they expand to for worlds as people write them, memory a small
 // multiple of what is kept; what both can grow to is limited (ReadLimits).

@@ -131,7 +131,8 @@ Eigen::Affine3d Scene::object_from_shape(ObjectId object, ObjectId shape) const 
   const auto above = path_below(*this, -1, object);
   const Affine below = product(*this, path_below(*this, static_cast<std::int32_t>(object.value), shape));
   const bool scaled = std::ranges::any_of(above, [&](std::uint32_t i) { return is_scaled(transform({i})); });
-  // Without scale the pose is the whole path, and its product with its own inverse is left out rather than rounded.
+  // A path without scale is its own rigid pose, and the product of that with its inverse is left out rather than
+  // rounded.
   if (!scaled) return to_eigen(below);
   Affine baked;  // rigid_pose(object)^-1 * world_from_local(object); both have the same origin
   baked.linear =

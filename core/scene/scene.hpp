@@ -28,34 +28,34 @@ enum class NodeKind : std::uint8_t {
   kShape,
 };
 
-// The seed's C.2 has CRT_INVERSE and CRT_ZERO; CRT_IMPULSE is ours.
+// Appendix C.2 of the thesis has CRT_INVERSE and CRT_ZERO; CRT_IMPULSE is ours.
 enum class ResponseType : std::uint8_t { kInverse = 0, kZero = 1, kImpulse = 2 };
 
 struct CollisionResponse {
   ResponseType type = ResponseType::kInverse;
   bool set_back = true;
-  // Of kImpulse alone.
+  // The following members count for kImpulse alone.
   double mass_kg = 1.0;        // > 0
   double restitution = 1.0;    // 0 to 1: what is left of the speed at which two meet; of a pair the smaller counts
   double friction_m_s2 = 0.0;  // >= 0: deceleration with which it slides to rest; 0: none
 };
 
-// What the seed's appendix C.5 adds to a Transform.
+// The fields that appendix C.5 of the thesis adds to a Transform.
 struct ObjectFields {
   Vec3 velocity = Vec3::Zero();       // velocityVector [m/s]
   double distance_threshold_m = 0.5;  // distanceThreshold
   std::optional<CollisionResponse> response;
 };
 
-// What the seed's appendix C.4 adds to a Shape.
+// The fields that appendix C.4 of the thesis adds to a Shape.
 struct ShapeFields {
   SharedArray<Eigen::Vector3f> convex_hull;
   std::string_view hierarchy_file;
   std::int32_t split_threshold = 10;
 };
 
-// One node of the scene graph as it is instanced. Instances stand in depth-first file order, so a subtree is the
-// contiguous range [its own index, subtree_end).
+// An Instance is one node of the scene graph as it is instanced. Instances stand in depth-first file order, so a
+// subtree is the contiguous range [its own index, subtree_end).
 struct Instance {
   static constexpr std::uint32_t kNone = ~0u;
 
@@ -79,7 +79,7 @@ struct Instance {
   bool drawn : 1 = true;
 };
 
-enum class CollisionType : std::uint8_t { kBox = 0, kWitness = 1, kAllPairs = 2 };  // seed, C.1
+enum class CollisionType : std::uint8_t { kBox = 0, kWitness = 1, kAllPairs = 2 };  // the thesis, C.1
 
 struct CollisionInterest {
   ObjectId collider;
@@ -87,7 +87,7 @@ struct CollisionInterest {
   CollisionType type = CollisionType::kBox;
 };
 
-// Seed, C.3: a key changes the velocity of an object.
+// A KeySensor (the thesis, C.3) changes the velocity of an object when a key is pressed.
 struct KeySensor {
   std::uint32_t node = Instance::kNone;  // into Document::nodes
   std::optional<ObjectId> recipient;     // a Transform; none: it only tells other KeySensors

@@ -6,11 +6,13 @@
 #include <unordered_set>
 #include <utility>
 
-#include "core/vrml/element_positions.hpp"
+#include "core/geometry/tessellate.hpp"
 #include "core/scene/geometry_reader.hpp"
-#include "core/vrml/name_table.hpp"
 #include "core/scene/path_resolver.hpp"
 #include "core/scene/rotation.hpp"
+#include "core/vrml/default_values.hpp"
+#include "core/vrml/element_positions.hpp"
+#include "core/vrml/name_table.hpp"
 
 namespace peerd::vrml {
 namespace {
@@ -62,7 +64,7 @@ class Builder {
   Scene build();
 
  private:
-  // What the instances of one node have in common.
+  // The data that the instances of one node have in common.
   struct Shared {
     std::uint32_t node = kNone;
     std::uint32_t first_child = 0, end_child = 0;  // in children_
@@ -74,14 +76,15 @@ class Builder {
     bool inner_name = false;
     bool siblings = false;  // two of its children or more have names
   };
-  // What the standard makes of a node's children, as Instance has it.
+  // The presence that the standard gives the children of a node, as Instance has it.
   struct Presence {
     bool collides = true, drawn = true;
     [[nodiscard]] Presence below(Presence parent) const { return {collides && parent.collides, drawn && parent.drawn}; }
-    // What is as that instance is, or less, can be copied from it.
+    // Returns whether everything present here is present in the instance, so that this can be copied from it.
     [[nodiscard]] bool within(const Instance& i) const { return (!collides || i.collides) && (!drawn || i.drawn); }
   };
-  // In file order, those that are no instances too; a Collision's proxy behind its children.
+  // Children stand in file order, with those that are no instances; the proxy of a Collision stands behind its
+  // children.
   struct Child {
     std::uint32_t shared = kNone;  // kNone: it is no instance
     Position at = 0;
@@ -298,15 +301,15 @@ void Builder::share(std::uint32_t index) {
   if (node.type->role == NodeRole::kShape) share_shape(node, shared);
   share_children(node, shared);
   if (node.def.empty()) return;
-  // Each name is looked up once a node, however many instances there are of it.
+  // A name is looked up once a node, however many instances there are of it.
   const auto next = static_cast<std::uint32_t>(name_numbers_.size());
   std::uint32_t& number = name_numbers_[node.def];
   if (name_numbers_.size() > next) number = next;  // it was new
   shared.name = number;
 }
 
-// Whether the scene is small enough to instantiate. Children stand before their parents in the document, so one pass
-// knows each node's instances and height; a chain of USE can be deeper and larger than any text.
+// Returns whether the scene is small enough to instantiate. Children stand before their parents in the document, so one
+// pass knows the instances and height of each node; a chain of USE can be deeper and larger than any text.
 bool Builder::measure_instances() {
   std::vector<std::uint32_t> count(shared_.size(), 0);
   std::vector<std::uint16_t> height(shared_.size(), 0);
@@ -380,7 +383,7 @@ void Builder::instantiate(const Child& child, std::int32_t parent, std::uint32_t
   scene_.instances[id].subtree_end = end;
   if (shared.siblings) mark_siblings(id, id + 1, end);
   if (shared.kind == NodeKind::kInline) add_pending_inline(nodes_[shared.node], id);
-  // Each instance of an Inline that is left for later is pending by itself.
+  // All instances of an Inline that is left for later are pending by themselves.
   if (scene_.pending_inlines.size() == inlines) shared.first_instance = id;
 }
 
@@ -414,8 +417,8 @@ void Builder::add_pending_inline(const Node& node, std::uint32_t id) {
   pending.base = problems_.name_of(url->at);
 }
 
-// Among siblings of one name only the first is found by it. A lone name, at the top level, means the first in the
-// world, wherever that is.
+// Siblings of one name are found by it only if they are the first. A lone name, at the top level, means the first in
+// the world, wherever that is.
 void Builder::mark_siblings(std::uint32_t parent, std::uint32_t begin, std::uint32_t end) {
   auto& instances = scene_.instances;
   for (std::uint32_t i = begin; i < end; i = instances[i].subtree_end) {
@@ -426,7 +429,7 @@ void Builder::mark_siblings(std::uint32_t parent, std::uint32_t begin, std::uint
   }
 }
 
-// What is named inside PROTOs and Inlines: the first instance of each name in each scope.
+// Gathers the names inside PROTOs and Inlines: the first instance of each name in each scope.
 void Builder::gather_inner_names() {
   std::vector<std::uint32_t> first_of_node(nodes_.size(), kNone);
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
@@ -535,7 +538,7 @@ void Builder::add_key_sensor(std::uint32_t index) {
                                 .enabled = flag("enabled")});
 }
 
-// Only one peer knows of a key, and what a world moves by itself must be the same on all of them.
+// A key is known to one peer only, but the movement that a world makes by itself must be the same on all of them.
 void Builder::check_key_routes() {
   for (const Route& route : document_->routes) {
     const bool from_key = nodes_[route.from_node].type->role == NodeRole::kKeySensor;

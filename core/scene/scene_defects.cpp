@@ -1,4 +1,5 @@
 #include "core/scene/scene_defects.hpp"
+#include "core/geometry/tessellate.hpp"
 
 #include <cstddef>
 #include <map>

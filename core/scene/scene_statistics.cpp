@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/geometry/tessellate.hpp"
 #include "core/vrml/document.hpp"
 
 namespace peerd {

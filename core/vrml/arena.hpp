@@ -67,4 +67,29 @@ class Arena {
   std::size_t size_ = 0;
 };
 
+// A list of elements that grows inside an arena. When the caller guessed the count right, it takes one block of the
+// right size; otherwise the outgrown blocks stay in the arena unused.
+template <class T>
+class GrowingList {
+ public:
+  GrowingList(Arena& arena, std::size_t guess) : arena_(arena), block_(arena.allocate<T>(guess)) {}
+
+  void add(T element) {
+    if (count_ == block_.size()) grow();
+    block_[count_++] = element;
+  }
+  [[nodiscard]] std::span<const T> elements() const { return block_.first(count_); }
+
+ private:
+  void grow() {
+    const auto larger = arena_.allocate<T>(std::max<std::size_t>(8, 2 * count_));
+    std::ranges::copy(elements(), larger.begin());
+    block_ = larger;
+  }
+
+  Arena& arena_;
+  std::span<T> block_;
+  std::size_t count_ = 0;
+};
+
 }  // namespace peerd

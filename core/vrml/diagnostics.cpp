@@ -41,7 +41,7 @@ std::string render(const Diagnostic& diagnostic, std::string_view file_name, std
 namespace vrml {
 
 std::optional<Position> Problems::open(Source source) {
-  // One position behind each text's last byte, for what is missing at its end.
+  // The position behind the last byte of a text belongs to it, for what is missing at its end.
   if (bytes_ + source.text.size() + 1 > kMaxBytes) return std::nullopt;
   const auto begin = static_cast<Position>(bytes_);
   bytes_ += source.text.size() + 1;
@@ -81,7 +81,7 @@ void Problems::warning(Position at, std::string message) {
   list_.push_back({at, Severity::kWarning, std::move(message)});
 }
 
-// One pass over each text. Lines end with LF, CR or CR LF.
+// Reads all texts once. Lines end with LF, CR or CR LF.
 std::vector<SourceLocation> Problems::locate(const std::vector<Position>& sorted) const {
   assert(std::ranges::is_sorted(sorted));
   std::vector<SourceLocation> out;

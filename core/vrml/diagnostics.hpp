@@ -25,7 +25,7 @@ struct Diagnostic {
   SourceLocation where;
   std::string message;
   std::uint32_t source = 0;  // which text, by its place in ReadResult::sources
-  std::size_t offset = 0;    // the same place as `where`, in bytes from the beginning of that text
+  std::size_t offset = 0;    // offset of `where` in that text, in bytes
 };
 
 // FILE:LINE:COLUMN: error: MESSAGE
@@ -33,7 +33,7 @@ struct Diagnostic {
 //    ^
 [[nodiscard]] std::string render(const Diagnostic& diagnostic, std::string_view file_name, std::string_view text);
 
-// One of the texts that a world is made of: its own, or that of an Inline or an EXTERNPROTO.
+// A Source is one of the texts that a world is made of: its own, or that of an Inline or an EXTERNPROTO.
 struct Source {
   std::string name;                          // for people, and what its relative URLs start from
   std::string_view text;                     // unpacked
@@ -66,7 +66,7 @@ class Problems {
   [[nodiscard]] std::size_t errors() const { return errors_; }
 
   [[nodiscard]] std::vector<SourceLocation> locate(const std::vector<Position>& sorted) const;
-  // In the order of the texts; leaves this empty.
+  // Returns the diagnostics in the order of the texts, and leaves this object empty.
   struct Report {
     std::vector<Source> sources;
     std::vector<Diagnostic> diagnostics;
@@ -80,7 +80,7 @@ class Problems {
     std::string message;
   };
   [[nodiscard]] std::size_t source_at(Position at) const;
-  // Whether it is new: what is wrong in a PROTO is wrong in each copy, and said once.
+  // Returns whether the message is new: a mistake in a PROTO is there in each copy, and is reported once.
   [[nodiscard]] bool is_new(Position at, const std::string& message);
 
   std::vector<Source> sources_;
@@ -92,10 +92,10 @@ class Problems {
   std::size_t warnings_ = 0;
 };
 
-// What a message shows of the input: in quotes, control bytes as '?', shortened.
+// Returns text of the input as a message shows it: in quotes, control bytes as '?', shortened.
 [[nodiscard]] std::string quoted(std::string_view text);
 
-// Of more names than this none is looked for: a misspelt one among millions must not cost minutes.
+// No suggestion is looked for among more names than this: a misspelt one among millions must not cost minutes.
 inline constexpr std::size_t kMaxSuggestionNames = 4096;
 
 [[nodiscard]] std::string did_you_mean(const Suggestion& suggestion);  // ", did you mean 'Transform'?", or empty

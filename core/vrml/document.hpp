@@ -59,7 +59,8 @@ struct Node {
   }
 };
 
-// From the field `from` of a node to `to` of another; an exposedField stands for its _changed or its set_ event.
+// A Route leads from the field `from` of a node to `to` of another; an exposedField stands for its _changed or its set_
+// event.
 struct Route {
   std::uint32_t from_node = NodeRef::kNull, to_node = NodeRef::kNull;
   const FieldSpec* from = nullptr;
@@ -84,14 +85,8 @@ struct Document {
   std::vector<Route> routes;       // in file order
   std::vector<InnerName> inner_names;
   std::vector<std::string_view> unreadable_names;  // of the world's nodes that errors made unreadable
-  Arena arena;                               // all values and names
-  std::deque<NodeType> own_types;            // of Scripts, and of EXTERNPROTOs that were not found
+  Arena arena;                                     // all values and names
+  std::deque<NodeType> own_types;                  // of Scripts, and of EXTERNPROTOs that were not found
 };
-
-// The value that a field has where the text gives none. Not for events, nor for fields of prototypes and scripts.
-[[nodiscard]] const Field& default_of(const FieldSpec& spec);
-
-// The value of `field`, given or default.
-[[nodiscard]] const Field& value_of(const Node& node, std::string_view field);
 
 }  // namespace peerd::vrml

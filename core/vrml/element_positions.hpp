@@ -7,15 +7,15 @@
 
 namespace peerd::vrml {
 
-// Where the elements of a value of numbers or strings stand. Found by cutting the text again, so that lists need not
-// hold the place of each of their numbers.
+// ElementPositions finds where the elements of a value of numbers or strings stand. It cuts the text again, so that
+// lists need not hold the place of each of their numbers.
 class ElementPositions {
  public:
   ElementPositions(std::string_view text, Position text_begin, Position value)
       : begin_(text_begin), lexer_(text, value - text_begin), token_(lexer_.next()) {
     if (token_.kind == TokenKind::kOpenBracket) token_ = lexer_.next();
   }
-  // Each call asks for the same element as the call before it or for a later one.
+  // A call asks for the same element as the call before it or for a later one.
   [[nodiscard]] Position at(std::size_t element) {
     go_to(element);
     return begin_ + token_.offset;

@@ -49,8 +49,8 @@ std::string_view without_plus(std::string_view text) {
   return plus ? text.substr(1) : text;
 }
 
-// Whether a well-formed number that no binary64 can hold is too small rather than too large: by the decimal exponent of
-// its first digit that is not 0.
+// Returns whether a well-formed number that no binary64 can hold is too small rather than too large: by the decimal
+// exponent of its first digit that is not 0.
 bool is_tiny(std::string_view number) {
   const std::size_t mark = std::min(number.find_first_of("eE"), number.size());
   const std::string_view digits = number.substr(0, mark);
@@ -162,7 +162,7 @@ Token Lexer::cut() {
   if (number) {
     if (!kWholeNumbers) return token(TokenKind::kNumber, 0);
     std::size_t size = run(text_, at_, kNumeric);
-    // "1.#QNAN", "-1.#IND", "1.#INF": how some exporters write NaN and infinity. Not a number and a comment.
+    // Some exporters write NaN and infinity as "1.#QNAN", "-1.#IND", "1.#INF". These are not a number and a comment.
     if (at_ + size < text_.size() && text_[at_ + size] == '#') {
       const std::string_view rest = text_.substr(at_ + size);
       for (const std::string_view mark : {"#IND", "#QNAN", "#SNAN", "#INF"}) {
@@ -257,9 +257,10 @@ std::expected<std::int32_t, NumberError> read_int32(std::string_view text) {
   return static_cast<std::int32_t>(negative ? 0u - magnitude : magnitude);
 }
 
-// At most 19 digits fit in 64 bits. With up to 15 digits or a mantissa of 53 bits and a power of ten that binary64
-// holds exactly, one division or multiplication gives the nearest binary64 (Clinger, "How to read floating point
-// numbers accurately", 1990); rounding that to binary32 is right too unless it lies just between two of them.
+// A mantissa of at most 19 digits fits in 64 bits. With up to 15 digits or a mantissa of 53 bits and a power of ten
+// that binary64 holds exactly, one division or multiplication gives the nearest binary64 (Clinger, "How to read
+// floating point numbers accurately", 1990); rounding that to binary32 is right too unless it lies just between two of
+// them.
 const char* scan_plain(const char* begin, const char* end, float& value) {
   constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};

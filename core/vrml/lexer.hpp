@@ -35,18 +35,18 @@ class Lexer {
  public:
   explicit Lexer(std::string_view text, std::size_t begin = 0) : text_(text), at_(begin) {}
   [[nodiscard]] Token next();
-  // The same, but of a number it takes nothing and gives no text: for callers of take_numbers() and then next().
+  // Works like next(), but takes nothing of a number and gives no text: for callers of take_numbers() and then next().
   [[nodiscard]] Token next_begin();
   void stop() { at_ = text_.size(); }
   void go_to(std::size_t offset) { at_ = offset; }
   [[nodiscard]] std::size_t offset() const { return at_; }
 
-  // For lists of numbers, which are most of a world's bytes: takes numbers of the plain kind straight from the text up
-  // to the first thing that is none, and leaves that to next(). Both give the same bits for the same text.
+  // Takes numbers of the plain kind straight from the text up to the first token that is none, and leaves that to
+  // next(). Lists of numbers are most of the bytes of a world. Both ways give the same bits for the same text.
   template <class T, class Add>  // float or std::int32_t; Add is told each one, `most` at the most
   void take_numbers(Add add, std::size_t most = std::numeric_limits<std::size_t>::max());
-  // How many numbers may stand between here and the next ']': never too few where the list is right, unless a comment
-  // holds a ']'.
+  // Returns how many numbers may stand between here and the next ']': never too few where the list is right, unless a
+  // comment holds a ']'.
   struct Count {
     std::size_t numbers = 0;
     std::size_t end = 0;  // the offset of that ']', or of the text's end
@@ -82,13 +82,13 @@ enum class NumberError : std::uint8_t { kSyntax, kNotFinite, kOverflow };
 // The value of a kString token: \" and \\ are the only escapes.
 [[nodiscard]] std::string unescaped(std::string_view text);
 
-// Where a number of the plain kind ends: digits, a period and a small exponent, or a decimal integer, that white space
-// or a bracket follows. Its value is in `value`, the same bits that read_float() and read_int32() give. Null where it
-// is of any other kind, right or wrong.
+// Returns where a number of the plain kind ends: digits, a period and a small exponent, or a decimal integer, that
+// white space or a bracket follows. `value` receives the same bits that read_float() and read_int32() give. Returns
+// null where the number is of any other kind, right or wrong.
 [[nodiscard]] const char* scan_plain(const char* begin, const char* end, float& value);
 [[nodiscard]] const char* scan_plain(const char* begin, const char* end, std::int32_t& value);
 
-// Whether a word is reserved and cannot name a node (annex A.3).
+// Returns whether a word is reserved and cannot name a node (annex A.3).
 [[nodiscard]] bool is_keyword(std::string_view word);
 
 template <class T, class Add>

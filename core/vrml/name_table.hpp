@@ -45,7 +45,7 @@ class NameTable {
   static std::uint32_t hash(std::string_view name) {
     return static_cast<std::uint32_t>(std::hash<std::string_view>{}(name));
   }
-  // Where `name` is, or would be. There is always a free slot to end at.
+  // Returns the slot where `name` is, or would be. There is always a free slot to end at.
   [[nodiscard]] std::size_t place(std::string_view name, std::uint32_t hash) const {
     const std::size_t mask = slots_.size() - 1;
     std::size_t i = hash & mask;

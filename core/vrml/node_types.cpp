@@ -32,7 +32,7 @@ constexpr Range kShouldBeNonNegative = Range::kShouldBeNonNegative;
 constexpr Range kShouldBePositive = Range::kShouldBePositive;
 constexpr Range kNonNegative = Range::kNonNegative;
 
-// The tables: VRML97 clause 6, in its order of fields, with the seed's appendix C.
+// The tables: VRML97 clause 6, in its order of fields, with appendix C of the thesis.
 
 constexpr FieldSpec kAnchorFields[] = {
     event_in("addChildren", kMFNode),
@@ -89,7 +89,7 @@ constexpr FieldSpec kCollisionFields[] = {
     event_out("collideTime", kSFTime),
 };
 constexpr FieldSpec kCollisionInterestFields[] = {
-    // Listing 3.3 of the seed writes collisionInterests where its appendix C.1 has interests.
+    // Listing 3.3 of the thesis writes collisionInterests where appendix C.1 has interests.
     field("objectPath", kSFString, "\"\""),
     field("interests", kMFString, "[ ]"),
     field("collisionInterests", kMFString, "[ ]"),
@@ -506,7 +506,7 @@ constexpr NodeType kNodeTypes[] = {
 };
 static_assert(std::ranges::is_sorted(kNodeTypes, {}, &NodeType::name));
 
-// Where the types of each first byte begin in the table; the next byte's are behind them.
+// The index says where the types of each first byte begin in the table; those of the next byte are behind them.
 constexpr auto kFirstOfInitial = [] {
   std::array<std::uint8_t, 257> first{};
   for (std::size_t byte = 0, i = 0; byte < first.size(); ++byte) {

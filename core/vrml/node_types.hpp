@@ -38,12 +38,12 @@ enum class Access : std::uint8_t {
   kContent,  // no field of the standard's and none that a file can give: what the reader found behind a node's URL
 };
 
-// What values of a number field the standard allows, each component by itself. Outside of it a world can't be built
-// from the field (an error), or it can (a warning): a Box of size 0 is a square, and a light too bright is nobody's
-// collision.
+// The values that the standard allows in a field of numbers, for each component by itself. A value outside of the range
+// is an error if no world can be built from the field. Otherwise it is a warning: a Box of size 0 is a square, and a
+// light too bright takes part in no collision.
 enum class Range : std::uint8_t { kAny, kNonNegative, kPositive, kSize, kShouldBeNonNegative, kShouldBePositive };
 
-// Where a node may stand. A node field accepts a set of these.
+// The places at which a node may stand. A node field accepts a set of these.
 enum NodeClass : std::uint16_t {
   kChild = 1,  // among the children of a grouping node, or at the top level
   kAppearance = 2,
@@ -61,7 +61,7 @@ enum NodeClass : std::uint16_t {
   kAnyClass = 0xFFFF,
 };
 
-// What the scene builder makes of a node.
+// The role that a node has for the scene builder.
 enum class NodeRole : std::uint8_t {
   kPart,     // read through the node that holds it, or what moves others
   kDisplay,  // for eyes and ears: of no concern to a scene that collides. Other fields of a browser's own are let pass
@@ -95,7 +95,7 @@ struct NodeType {
   std::span<const FieldSpec> fields;
 };
 
-// a == b, told from the first byte where it can be: most names that are compared differ there.
+// Returns a == b, decided by the first byte where that is possible: most names that are compared differ there.
 [[nodiscard]] inline bool same_name(std::string_view a, std::string_view b) {
   return a.size() == b.size() && (a.empty() || (a.front() == b.front() && a == b));
 }
@@ -110,7 +110,7 @@ struct NodeType {
 [[nodiscard]] std::optional<Access> find_access(std::string_view name);
 [[nodiscard]] const FieldSpec& inline_content();                        // of an Inline: the nodes of its file
 [[nodiscard]] std::string_view name_of_classes(std::uint16_t classes);  // for a message: "a geometry node"
-// Whether an event can be sent from, or to, a field of that access (4.7).
+// Both return whether an event can be sent from, or to, a field of that access (4.7).
 [[nodiscard]] bool sends_events(Access access);
 [[nodiscard]] bool takes_events(Access access);
 [[nodiscard]] bool has_value(Access access);

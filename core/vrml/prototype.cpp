@@ -4,12 +4,12 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "core/vrml/element_positions.hpp"
+#include "core/vrml/field_checks.hpp"
 
 namespace peerd::vrml {
 namespace {
 
-// The same nodes, `base` further on.
+// Returns a field with the same nodes, `base` further on.
 Field moved(const Field& field, std::uint32_t base, Arena& arena) {
   const std::span<NodeRef> refs = arena.allocate<NodeRef>(field.count);
   std::ranges::transform(field.as<NodeRef>(), refs.begin(), [&](NodeRef ref) {
@@ -21,7 +21,7 @@ Field moved(const Field& field, std::uint32_t base, Arena& arena) {
   return out;
 }
 
-// Most are in order, or nearly so.
+// Sorts links, which are in order already in most files, or nearly so.
 template <class Link, class Key>
 void sort_by(std::vector<Link>& links, Key Link::*key) {
   if (!std::ranges::is_sorted(links, {}, key)) std::ranges::stable_sort(links, {}, key);
@@ -36,59 +36,6 @@ std::size_t place_of(const Prototype& prototype, const FieldSpec& outer) {
 }
 
 }  // namespace
-
-bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<Node>& nodes, Problems& problems) {
-  if (!holds_nodes(spec.type)) return true;
-  bool good = true;
-  for (const NodeRef& ref : value.as<NodeRef>()) {
-    if (!ref.is_node()) continue;
-    const NodeType& type = *nodes[ref.index].type;
-    if ((spec.accepts & type.classes) != 0) continue;
-    std::string message = quoted(spec.name) + " takes " + std::string(name_of_classes(spec.accepts)) + "; " +
-                          std::string(type.name) + " is " + std::string(name_of_classes(type.classes));
-    if (spec.accepts == kChild) {
-      // Shown by nobody and solid to nobody, and harmless.
-      if (type.classes == kGeometry) message += ": write Shape { geometry " + std::string(type.name) + " { .. } }";
-      problems.warning(ref.at, message + "; here it has no effect");
-      continue;
-    }
-    problems.error(ref.at, message);
-    good = false;
-  }
-  return good;
-}
-
-bool check_range(const FieldSpec& spec, const Field& value, Problems& problems) {
-  if (spec.range == Range::kAny) return true;
-  const bool positive =
-      spec.range == Range::kPositive || spec.range == Range::kShouldBePositive || spec.range == Range::kSize;
-  const bool must = spec.range == Range::kPositive || spec.range == Range::kNonNegative || spec.range == Range::kSize;
-  bool good = true;
-  std::optional<ElementPositions> positions;
-  const auto check = [&](std::size_t element, double number) {
-    if (positive ? number > 0 : number >= 0) return;
-    if (problems.full()) return;
-    if (!positions) positions.emplace(problems.text_of(value.at), problems.begin_of(value.at), value.at);
-    const bool is_error = must && !(spec.range == Range::kSize && number == 0);
-    const std::string found = ", found " + quoted(positions->text_at(element));
-    const Position at = positions->at(element);
-    if (is_error) {
-      problems.error(at, quoted(spec.name) + (positive ? " must be > 0" : " must be >= 0") + found);
-      good = false;
-    } else {
-      problems.warning(
-          at, quoted(spec.name) + (positive ? " should be > 0" : " should be >= 0") + found + "; it is taken as it is");
-    }
-  };
-  if (float_count(spec.type) > 0) {
-    for (std::size_t i = 0; i < value.count; ++i) check(i, static_cast<double>(value.as<float>()[i]));
-  } else if (spec.type == FieldType::kSFInt32 || spec.type == FieldType::kMFInt32) {
-    for (std::size_t i = 0; i < value.count; ++i) check(i, value.as<std::int32_t>()[i]);
-  } else if (spec.type == FieldType::kSFTime || spec.type == FieldType::kMFTime) {
-    for (std::size_t i = 0; i < value.count; ++i) check(i, value.as<double>()[i]);
-  }
-  return good;
-}
 
 NodeSet reachable_nodes(const Body& body, std::uint32_t node) {
   NodeSet set;
@@ -140,7 +87,7 @@ std::uint32_t copy_nodes(const Body& from, const NodeSet& set, Body& to, Arena& 
 void sort_links(Prototype& prototype) {
   prototype.value_of_field.assign(prototype.type.fields.size(), ValueLink::kNone);
   for (const IsLink& link : prototype.links) {
-    // Where the outer one sends events the inner one does too, and likewise where it takes them (table 4.4).
+    // The inner field sends events where the outer one does, and likewise takes them (table 4.4).
     if (link.outer->access != Access::kField && link.inner->access != Access::kField) {
       prototype.event_links.push_back(link);
     }

@@ -42,32 +42,34 @@ struct Prototype {
   std::vector<std::optional<Field>> defaults;  // of each of type.fields; none for events and what could not be read
   Body body;                  // its default nodes and its own; what it is made of stands expanded in it
   std::vector<IsLink> links;  // to fields and events of `body`, through what is expanded in it
-  // Of the links once all are there, so that no instance and no ROUTE looks at more of them than it needs: see
-  // sort_links(). What belongs to one `outer`, or to one node, keeps its order.
+  // The following lists are made of the links once all are there, so that no instance and no ROUTE reads more of them
+  // than it needs: see sort_links(). The links of one `outer`, or of one node, keep their order.
   std::vector<IsLink> event_links;            // those to events, by `outer`
   std::vector<ValueLink> value_links;         // by node
   std::vector<std::uint32_t> linked_fields;   // places in type.fields of those with value links
   std::vector<std::uint32_t> link_counts;     // of each of linked_fields: its value links
   std::vector<std::uint32_t> value_of_field;  // by place in type.fields: the place in linked_fields, or kNone
   std::uint64_t copied_references = 0;        // what a copy costs beside the nodes, references and ROUTEs of `body`
-  // Set for an EXTERNPROTO that no file defines: its instances are nodes of that type, with its interface and no more.
+  // This is set for an EXTERNPROTO that no file defines: its instances are nodes of that type, with its interface and
+  // no more.
   const NodeType* not_found = nullptr;
 };
 
-// When the prototype is complete: sorts `links` by `outer` and makes the lists that follow from them.
+// Sorts `links` by `outer` and makes the lists that follow from them, when the prototype is complete.
 void sort_links(Prototype& prototype);
 
-// Those of one field of the interface.
+// Returns the links of one field of the interface.
 [[nodiscard]] std::span<const IsLink> links_of(const std::vector<IsLink>& by_outer, const FieldSpec& outer);
 [[nodiscard]] std::span<const ValueLink> value_links_of(const Prototype& prototype, std::uint32_t node);
 // The values that the links take: those `given`, by place in linked_fields; null where there is the default.
 [[nodiscard]] std::vector<const Field*> linked_values(const Prototype& prototype, std::span<const Field> given);
 
-// What the values of a copy's links count, in references: the node lists of all that take one, and what else is looked
-// at more than once.
+// Returns the cost of the values of the links of a copy, in references: the node lists of all that take one, and
+// everything else that is read more than once.
 [[nodiscard]] std::uint64_t cost_of_values(const Prototype& prototype, std::span<const Field> given);
 
-// What copies of a node's fields count, in references: three of them are a Field's size. A node counts as eight anyway.
+// Returns the cost of copies of the fields of a node, in references: three of them have the size of a Field. A node
+// counts as eight anyway.
 [[nodiscard]] constexpr std::uint64_t cost_of_fields(std::uint64_t count) { return count <= 8 ? 0 : 3 * (count - 8); }
 
 // Puts a copy of the prototype's body behind `out`, with the fields `given` where they IS: checks their nodes' classes
@@ -88,9 +90,5 @@ struct NodeSet {
 [[nodiscard]] NodeSet reachable_nodes(const Body& body, std::uint32_t node);
 // Puts a copy of them from one body into another; gives the place of the last.
 [[nodiscard]] std::uint32_t copy_nodes(const Body& from, const NodeSet& nodes, Body& to, Arena& arena);
-
-// Whether `field` may hold those values and nodes of `nodes`; reports what it may not.
-bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<Node>& nodes, Problems& problems);
-bool check_range(const FieldSpec& spec, const Field& value, Problems& problems);
 
 }  // namespace peerd::vrml

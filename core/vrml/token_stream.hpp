@@ -29,7 +29,7 @@ class TokenStream {
   }
   [[nodiscard]] Position position() const { return position_of(token_); }
   [[nodiscard]] Position position_of(const Token& token) const { return text_begin_ + token.offset; }
-  // What the token after the next one is.
+  // Returns the kind of the token after the next one.
   [[nodiscard]] TokenKind kind_after() {
     static_cast<void>(peek());
     Lexer ahead = lexer_;
@@ -52,22 +52,24 @@ class TokenStream {
     lexer_.template take_numbers<T>(add, most);
     advance();
   }
-  // At the '[' of a list: how many numbers it may hold. 0 inside a list that was counted before, so that a text of
-  // brackets that never close is not counted over and over.
+  // Returns how many numbers a list may hold, at its '['. It is 0 inside a list that was counted before, so that a text
+  // of brackets that never close is not counted over and over.
   [[nodiscard]] std::size_t count_numbers();
 
-  // From '{' or '[' to its partner, whatever is between; the names that stand behind a DEF in there.
+  // Passes over everything from '{' or '[' to its partner, and returns the names that stand behind a DEF in there.
   std::vector<std::string_view> skip_balanced();
   // Says once that what `what` opened at `open` never ends: all that is open around it doesn't either.
   void report_unclosed(Position open, const std::string& what, char missing);
 
  private:
-  // In place: a copy of what was written piece by piece just before would wait for the pieces.
+  // The token is constructed in place: a copy of an object that was written piece by piece just before would wait for
+  // the pieces.
   void advance() {
     ::new (&token_) Token(lexer_.next_begin());
     if (at(TokenKind::kInvalid) || at(TokenKind::kUnterminatedString)) pass_over_invalid();
   }
-  // Most numbers are taken by take_numbers(): only who looks at one otherwise has the lexer look for its end.
+  // Numbers are mostly taken by take_numbers(): the lexer looks for the end of a number only for callers that use it
+  // otherwise.
   [[nodiscard]] bool is_begin() const { return at(TokenKind::kNumber) && token_.text.empty(); }
   void pass_over_invalid();
 
@@ -79,7 +81,7 @@ class TokenStream {
   bool unclosed_reported_ = false;
 };
 
-// What a message calls a token.
+// Returns the name of a token in messages.
 [[nodiscard]] std::string described(const Token& token);
 
 }  // namespace peerd::vrml

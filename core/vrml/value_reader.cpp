@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/vrml/element_positions.hpp"
-#include "core/vrml/prototype.hpp"
+#include "core/vrml/field_checks.hpp"
 
 namespace peerd::vrml {
 namespace {
@@ -17,30 +17,6 @@ bool spells_non_finite(const Token& token) {
 }
 
 bool is_rotation(FieldType type) { return type == FieldType::kSFRotation || type == FieldType::kMFRotation; }
-
-// A list of numbers on its way into an arena, in a block of the right size when the guess was right.
-template <class T>
-class Growing {
- public:
-  Growing(Arena& arena, std::size_t guess) : arena_(arena), block_(arena.allocate<T>(guess)) {}
-
-  void add(T element) {
-    if (count_ == block_.size()) grow();
-    block_[count_++] = element;
-  }
-  [[nodiscard]] std::span<const T> elements() const { return block_.first(count_); }
-
- private:
-  void grow() {
-    const auto larger = arena_.allocate<T>(std::max<std::size_t>(8, 2 * count_));
-    std::ranges::copy(elements(), larger.begin());
-    block_ = larger;
-  }
-
-  Arena& arena_;
-  std::span<T> block_;
-  std::size_t count_ = 0;
-};
 
 }  // namespace
 
@@ -134,7 +110,7 @@ template <class T>
 bool ValueReader::read_numbers(const FieldSpec& spec, Field& field) {
   if (!tokens_.at(kOpenBracket)) return read_single<T>(spec, field);
   const Token open = tokens_.peek();
-  Growing<T> list(arena_, tokens_.count_numbers());
+  GrowingList<T> list(arena_, tokens_.count_numbers());
   tokens_.take();
   ++open_lists_;
   bool good = true;
@@ -312,11 +288,11 @@ bool ValueReader::read_one_node(const FieldSpec& spec, Field& field) {
 }
 
 bool ValueReader::read_nodes(const FieldSpec& spec, Field& field) {
-  if (tokens_.at_word("NULL")) return tokens_.take(), true;  // the seed's appendix C.5 writes an empty list so
+  if (tokens_.at_word("NULL")) return tokens_.take(), true;  // appendix C.5 of the thesis writes an empty list so
   const std::size_t first = refs_.size();
   const bool good = read_list([&] {
     if (!tokens_.at(kWord) || tokens_.at_word("NULL") || !read_node_) return expected_value(spec, "a node");
-    // What cannot be read keeps its place among children as a null, so that child indices stay the text's.
+    // A node that cannot be read keeps its place among children as a null, so that child indices are those of the text.
     if (const std::optional<NodeRef> ref = read_node_(spec)) refs_.push_back(*ref);
     return true;
   });

@@ -16,9 +16,10 @@ class ValueReader {
   ValueReader(TokenStream& tokens, Arena& arena, Problems& problems)
       : tokens_(tokens), arena_(arena), problems_(problems) {}
 
-  // One node of an SFNode or MFNode value: null where it could not be read, nothing where a ROUTE or PROTO stood.
+  // Reads one node of an SFNode or MFNode value: null where it could not be read, nothing where a ROUTE or PROTO stood.
   using ReadNode = std::function<std::optional<NodeRef>(const FieldSpec&)>;
-  // Whether a word among the values of a list shows that the list's ']' was forgotten: the next field of the node.
+  // Returns whether a word among the values of a list shows that the ']' of the list was forgotten: it is the next
+  // field of the node.
   using IsField = std::function<bool(std::string_view)>;
   void set_parser(ReadNode read_node, IsField is_field) {
     read_node_ = std::move(read_node);
@@ -57,7 +58,7 @@ class ValueReader {
   template <class T>
   bool take_number(const FieldSpec& spec, std::expected<T, NumberError> number, T& value);
   bool expected_value(const FieldSpec& spec, std::string_view what);
-  // Whether the list that began at `open` ends here, well or not; `good` says which.
+  // Returns whether the list that began at `open` ends here, well or not; `good` says which.
   bool list_ends(const Token& open, bool& good);
 
   template <class T>

@@ -6,15 +6,14 @@
 namespace peerd::vrml {
 namespace {
 
-constexpr std::uint32_t kNone = Instance::kNone;
-
 bool has_paths(const Node& node) {
   return node.type->role == NodeRole::kCollisionInterest || node.type->role == NodeRole::kKeySensor;
 }
 
 }  // namespace
 
-PathRewriter::PathRewriter(const Scene& scene) : scene_(scene), first_instance_(scene.document->nodes.size(), kNone) {
+PathRewriter::PathRewriter(const Scene& scene)
+    : scene_(scene), first_instance_(scene.document->nodes.size(), Instance::kNone) {
   const Document& document = *scene.document;
   std::set<std::uint32_t> scopes;
   for (const Node& node : document.nodes) {
@@ -27,7 +26,7 @@ PathRewriter::PathRewriter(const Scene& scene) : scene_(scene), first_instance_(
   }
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    if (first_instance_[instance.node] == kNone) first_instance_[instance.node] = i;
+    if (first_instance_[instance.node] == Instance::kNone) first_instance_[instance.node] = i;
     if (instance.def.empty()) continue;
     const std::uint32_t scope = document.nodes[instance.node].scope;
     if (scope == 0) first_of_name_.emplace(instance.def, i);
@@ -44,7 +43,7 @@ std::optional<std::uint32_t> PathRewriter::instance_of(std::string_view path, st
   if (scope != 0) {
     if (const auto it = inner_nodes_.find({scope, path}); it != inner_nodes_.end()) {
       const std::uint32_t first = first_instance_[it->second];
-      return first == kNone ? std::nullopt : std::optional(first);
+      return first == Instance::kNone ? std::nullopt : std::optional(first);
     }
     if (const auto it = inner_instances_.find({scope, path}); it != inner_instances_.end()) return it->second;
   }

@@ -8,28 +8,29 @@
 #include <utility>
 #include <vector>
 
+#include "core/scene/path_resolver.hpp"
 #include "core/scene/scene.hpp"
 #include "core/vrml/document.hpp"
-#include "core/scene/path_resolver.hpp"
 
 namespace peerd::vrml {
 
-// What the paths of CollisionInterests and KeySensors mean, where they stand in PROTOs and Inlines, and how to say the
-// same where all names are the world's.
+// PathRewriter finds what the paths of CollisionInterests and KeySensors mean where they stand in PROTOs and Inlines,
+// and how to name the same instances where all names are those of the world.
 class PathRewriter {
  public:
   explicit PathRewriter(const Scene& scene);
   PathRewriter(const PathRewriter&) = delete;
   PathRewriter& operator=(const PathRewriter&) = delete;
 
-  // As the reader finds it: a name inside of a PROTO or an Inline means a node in there first.
+  // Returns the instance that the reader finds: a name inside of a PROTO or an Inline means a node in there first.
   [[nodiscard]] std::optional<std::uint32_t> instance_of(std::string_view path, std::uint32_t scope) const;
   // A CollisionInterest whose object is in no scene: it does nothing, and could not be read again.
   [[nodiscard]] bool has_no_target(const Node& node) const;
   // The first instance that has the name outside of PROTOs and Inlines.
   [[nodiscard]] std::optional<std::uint32_t> first_in_world_scope(std::string_view name) const;
 
-  // From here on names are `names` of each node, all the world's; where `written` has none the node stays as it is.
+  // Renames the nodes: from here on `names` has the name of each node, all in the scope of the world; where `written`
+  // has none the node stays as it is.
   void rename(const std::vector<std::string_view>& names, const std::vector<bool>& written);
   [[nodiscard]] std::optional<std::string> rewritten(std::string_view path, std::uint32_t scope) const;
 
@@ -39,7 +40,7 @@ class PathRewriter {
   const Scene& scene_;
   std::vector<std::uint32_t> first_instance_;  // by node
   std::unordered_map<std::string_view, std::uint32_t> first_of_name_;
-  // In the scopes that have a CollisionInterest or a KeySensor.
+  // The names in the scopes that have a CollisionInterest or a KeySensor.
   std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_nodes_, inner_instances_;
   bool has_paths_ = false;
   Scene renamed_;  // its instances only

@@ -12,8 +12,6 @@ namespace {
 
 using namespace vrml;
 
-constexpr std::uint32_t kNone = Instance::kNone;
-
 std::string quoted_name(const Node& node) {
   return std::string(node.type->name) + (node.def.empty() ? "" : " " + std::string(node.def));
 }
@@ -65,8 +63,8 @@ class Comparison {
         b_(*b.document),
         paths_a_(a),
         paths_b_(b),
-        partner_(a_.nodes.size(), kNone),
-        partner_of_b_(b_.nodes.size(), kNone) {
+        partner_(a_.nodes.size(), Instance::kNone),
+        partner_of_b_(b_.nodes.size(), Instance::kNone) {
     for (const Node& node : b_.nodes) names_b_.insert(node.def);
   }
 
@@ -149,7 +147,7 @@ bool Comparison::pair(const NodeRef& a, const NodeRef& b, const std::string& whe
   }
   if (!b.is_node()) return differs(where + " is null in the second only");
   std::uint32_t& partner = partner_[a.index];
-  if (partner == kNone && partner_of_b_[b.index] == kNone) {
+  if (partner == Instance::kNone && partner_of_b_[b.index] == Instance::kNone) {
     partner = b.index;
     partner_of_b_[b.index] = a.index;
     waiting_.push_back(a.index);
@@ -224,7 +222,7 @@ bool Comparison::compare_routes() {
   for (const Route& route : a_.routes) {
     const auto lost = [&](std::uint32_t node, const FieldSpec* field) {
       const std::uint32_t other = partner_[node];
-      return other != kNone && field->name == "url" && is_filled_inline(a_.nodes[node]) &&
+      return other != Instance::kNone && field->name == "url" && is_filled_inline(a_.nodes[node]) &&
              b_.nodes[other].type->name == "Group";
     };
     if (lost(route.from_node, route.from) || lost(route.to_node, route.to)) continue;

@@ -43,7 +43,7 @@ void TextWriter::list(std::size_t count, AddOne add_one, Closes closes, std::str
     out_ += "[ ]";
     return end_line();
   }
-  // One line if it fits. A list that doesn't is found out within a line's width.
+  // A list is written on one line if it fits. A list that does not is found out within the width of a line.
   const std::size_t begin = out_.size();
   const std::size_t line_begin = out_.rfind('\n') + 1;
   out_ += "[ ";
@@ -78,7 +78,7 @@ void TextWriter::list(std::size_t count, AddOne add_one, Closes closes, std::str
       group = out_.size();
       first_in_line = false;
     } else if (out_.size() - this_line > kWidth) {
-      // One group is longer than a line.
+      // A single group can be longer than a line.
       end_line();
       this_line = out_.size();
       out_.append(indent, ' ');

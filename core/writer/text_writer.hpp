@@ -33,7 +33,7 @@ class TextWriter {
     line(text);
   }
 
-  // Behind a field's name: a value of any type but nodes. Ends the line.
+  // Writes a value of any type but nodes behind the name of its field, and ends the line.
   void value(const Field& field);
   void strings(std::span<const std::string> texts);
 
@@ -53,7 +53,7 @@ class TextWriter {
   std::size_t depth_ = 0;
 };
 
-// In quotes, with \" and \\ for what ends and escapes.
+// Writes text in quotes, with \" and \\ for the characters that end a string and escape.
 [[nodiscard]] std::string string_text(std::string_view value);
 
 }  // namespace peerd::vrml

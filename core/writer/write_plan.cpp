@@ -13,11 +13,10 @@ bool is_external(const Node& node) {
   return node.type->role == NodeRole::kPart && find_node_type(node.type->name) != node.type;
 }
 
-// Whether a node may stand at the top level without being seen, heard or sensed there.
+// Returns whether a node may stand at the top level without being seen, heard or sensed there.
 bool is_plain(const Node& node) {
   const NodeRole role = node.type->role;
-  if (role == NodeRole::kScript || role == NodeRole::kCollisionInterest || role == NodeRole::kKeySensor)
-    return true;
+  if (role == NodeRole::kScript || role == NodeRole::kCollisionInterest || role == NodeRole::kKeySensor) return true;
   return role == NodeRole::kPart && !is_external(node) &&
          (node.type->name.ends_with("Interpolator") || node.type->name == "TimeSensor");
 }
@@ -98,8 +97,9 @@ OutsideNodes outside_nodes(const Document& document, const PathRewriter& paths) 
     }
   }
   mark_below(document, true, content);
-  // Of the nodes that nothing holds, those of the world's own PROTOs are told by where they stand in the text. The
-  // others by their neighbours: a copy of a PROTO's body lies together, and the content of an Inline lies before it.
+  // The nodes that no other node holds belong to PROTOs of the world itself or to an Inline. Those of the world are
+  // told by their place in the text, the others by their neighbours: a copy of the body of a PROTO lies together, and
+  // the content of an Inline lies before it.
   const Position last_own = last_own_reference(document);
   std::vector<bool> of_inline(count, false);
   bool inside = false;
@@ -109,8 +109,8 @@ OutsideNodes outside_nodes(const Document& document, const PathRewriter& paths) 
     if (in_scene[i] || content[i] || (filled && node.at <= last_own)) inside = content[i] && !in_scene[i];
     of_inline[i] = inside && node.scope != 0 && node.at > last_own;
     const NodeRole role = node.type->role;
-    const bool acts = filled || role == NodeRole::kScript || role == NodeRole::kKeySensor ||
-                      role == NodeRole::kCollisionInterest;
+    const bool acts =
+        filled || role == NodeRole::kScript || role == NodeRole::kKeySensor || role == NodeRole::kCollisionInterest;
     wanted[i] = (wanted[i] || acts || !node.def.empty()) && !paths.has_no_target(node);
   }
   OutsideNodes out;
@@ -177,7 +177,7 @@ std::vector<WrittenField> WritePlan::fields_of(const Node& node) const {
     }
     return fields;
   }
-  // Of every Script first, then what it declares, in that order.
+  // The fields of every Script come first, then those that it declares, in that order.
   const std::size_t common = find_node_type("Script")->fields.size();
   const auto place = [&](const FieldSpec* spec) { return static_cast<std::size_t>(spec - node.type->fields.data()); };
   std::vector<const Field*> values(node.type->fields.size(), nullptr);
@@ -305,7 +305,7 @@ void WritePlan::choose_names() {
     std::uint32_t& first = first_instance[scene_.instances[i].node];
     first = std::min(first, i);
   }
-  // Whether a lone name finds it: it must go on doing so.
+  // Returns whether a lone name finds the node, and so must go on finding it.
   const auto found_first = [&](std::uint32_t index) {
     const auto first = paths_.first_in_world_scope(document_.nodes[index].def);
     return first && *first == first_instance[index];
@@ -329,7 +329,7 @@ void WritePlan::choose_names() {
     const auto [it, is_new] = in_force.try_emplace(node.def, index);
     if (is_new) continue;
     const std::uint32_t before = it->second;
-    // Between two copies of a PROTO's ROUTEs it is clearer to have two names; but an instance's is part of paths.
+    // Two copies of the ROUTEs of a PROTO are clearer with two names; but the name of an instance is part of paths.
     const bool confusing = needed_[before] > 0 && node.scope != 0 && first_instance[index] == kNever;
     if (needed_[before] <= defined_[index] && !confusing) {
       shadowed[before] = true;

@@ -12,7 +12,7 @@
 #include "core/scene/scene.hpp"
 #include "core/vrml/document.hpp"
 #include "core/writer/path_rewriter.hpp"
-#include "core/writer/writer.hpp"
+#include "core/writer/write_options.hpp"
 
 namespace peerd::vrml {
 
@@ -30,11 +30,11 @@ struct OutsideNodes {
 };
 [[nodiscard]] OutsideNodes outside_nodes(const Document& document, const PathRewriter& paths);
 
-// What stands in the place of a null among nodes, and of a CollisionInterest that names nothing: no instance, and the
-// children behind it keep their numbers.
+// The type of the node that is written in the place of a null among nodes, and of a CollisionInterest that names
+// nothing. It is no instance, and the children behind it keep their numbers.
 inline constexpr std::string_view kPlaceholderType = "WorldInfo";
 
-// One field as it is written; without a value, an event or what a Script does not give.
+// A WrittenField is one field as it is written. Without a value, it is an event or a field that a Script does not give.
 struct WrittenField {
   const FieldSpec* spec = nullptr;
   const Field* value = nullptr;
@@ -42,8 +42,8 @@ struct WrittenField {
   bool declared = false;  // a Script's own: written with its access and type
 };
 
-// What is written, in which order and under which names. Made in one walk in the order of the text; the writer takes
-// the same walk again.
+// A WritePlan says which nodes are written, in which order and under which names. It is made in one walk in the order
+// of the text; the writer takes the same walk again.
 class WritePlan {
  public:
   WritePlan(const Scene& scene, const WriteOptions& options);
@@ -56,7 +56,7 @@ class WritePlan {
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   [[nodiscard]] bool too_deep() const { return too_deep_; }
 
-  // What a walk meets at a reference, `holder` being the node that has it (kNull: the top level).
+  // The action that a walk takes at a reference, `holder` being the node that has it (kNull: the top level).
   enum class RefAction : std::uint8_t { kNull, kPlaceholder, kDefine, kUse, kLater };
   [[nodiscard]] RefAction action_at(const NodeRef& ref, std::uint32_t holder, std::vector<bool>& visited) const;
 

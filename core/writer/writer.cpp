@@ -70,7 +70,7 @@ std::string Writer::write() {
   return out_.take();
 }
 
-// What an EXTERNPROTO that was not found is known to have; its URLs are not kept.
+// Writes the interface of an EXTERNPROTO that was not found, as far as it is known; its URLs are not kept.
 void Writer::declare(const NodeType& type, std::string_view name) {
   out_.begin_line("EXTERNPROTO ");
   out_.add(name);
@@ -86,7 +86,7 @@ void Writer::declare(const NodeType& type, std::string_view name) {
   out_.close("] [ ]");
 }
 
-// One node on the line that is begun; ends it.
+// Writes one node on the line that is begun, and ends the line.
 void Writer::item(const NodeRef& ref, std::uint32_t holder) {
   switch (plan_.action_at(ref, holder, visited_)) {
     case RefAction::kDefine:
@@ -168,7 +168,7 @@ void Writer::nodes(const Field* value, const FieldSpec& spec, std::uint32_t hold
   out_.close("]");
 }
 
-// Of a CollisionInterest or a KeySensor: the names that it goes by where all names are the world's.
+// Writes the names of a CollisionInterest or a KeySensor, as they are where all names are those of the world.
 void Writer::paths(const Node& node, const Field& value) {
   std::vector<std::string> texts;
   for (const std::string_view path : value.as<std::string_view>()) {

@@ -16,6 +16,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/geometry/tessellate.hpp"
 #include "core/motion/predefined_motion.hpp"
 #include "core/scene/scene_defects.hpp"
 #include "core/scene/scene_statistics.hpp"

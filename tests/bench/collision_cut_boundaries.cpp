@@ -3,6 +3,7 @@
 #include <array>
 #include <numeric>
 
+#include "collision/exact/triangle_pair.hpp"
 #include "collision_descent.hpp"
 #include "collision_kdops.hpp"
 #include "collision_experiments.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "collision/exact/triangle_pair.hpp"
 #include "collision/query/wide_query.hpp"
 #include "collision_experiments.hpp"
 #include "collision_hierarchy_tables.hpp"

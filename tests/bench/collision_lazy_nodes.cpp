@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 
+#include "collision/exact/triangle_pair.hpp"
 #include "collision_descent.hpp"
 #include "collision_experiments.hpp"
 #include "collision_motion.hpp"

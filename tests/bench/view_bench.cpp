@@ -25,6 +25,7 @@
 
 #include "collision/scene/scene_query.hpp"
 #include "collision_meshes.hpp"
+#include "core/geometry/tessellate.hpp"
 #include "core/scene/reader.hpp"
 #include "figures.hpp"
 #include "heap_meter.hpp"

@@ -32,6 +32,7 @@
 #include <vector>
 
 #include "coin_reader.hpp"
+#include "core/vrml/default_values.hpp"
 #include "core/vrml/gzip.hpp"
 #include "core/scene/scene_statistics.hpp"
 #include "core/vrml/document.hpp"

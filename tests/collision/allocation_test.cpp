@@ -3,16 +3,15 @@
 #include <cmath>
 #include <string>
 
-#include "collision/scene/collision_watch.hpp"
 #include "collision/query/mesh_distance.hpp"
 #include "collision/query/time_of_impact.hpp"
+#include "collision/scene/collision_watch.hpp"
 #include "tests/allocation_counter.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/core/read_text.hpp"
 
 #if PEERD_COUNTS_ALLOCATIONS
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::allocation_test {
 
 TEST(Allocation, QueriesMakeNoneOnceTheirMemoryHasGrown) {
   const TriangleSoup soup = torus(16, 32, true), other = random_soup(400, 0.1, 71);
@@ -78,6 +77,5 @@ TEST(Allocation, TicksMakeNoneOnceTheirMemoryHasGrown) {
   EXPECT_GT(changes, 100u);
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::allocation_test
 #endif

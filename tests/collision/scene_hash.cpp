@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "collision/exact/triangle_pair.hpp"
 #include "collision/query/ray_query.hpp"
 #include "collision/query/view_query.hpp"
 #include "collision/query/wide_query.hpp"

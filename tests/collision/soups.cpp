@@ -1,5 +1,7 @@
 #include "tests/collision/soups.hpp"
 
+#include "collision/exact/triangle_pair.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

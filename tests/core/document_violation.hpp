@@ -6,7 +6,7 @@
 
 namespace peerd::vrml {
 
-// What document.hpp promises of every document; nothing, or what is wrong.
+// Returns the promise of document.hpp that the document breaks; an empty string where it keeps all.
 inline std::string document_violation(const Document& document) {
   const auto owns = [](const NodeType& type, const FieldSpec* spec) {
     return std::ranges::any_of(type.fields, [&](const FieldSpec& field) { return &field == spec; });
@@ -21,7 +21,7 @@ inline std::string document_violation(const Document& document) {
     for (const Field& field : node.given()) {
       if (!owns(*node.type, field.spec)) return place + " has a field that is not its type's";
       if (field.spec->type != FieldType::kSFNode && field.spec->type != FieldType::kMFNode) continue;
-      // What a Script declares itself may name nodes around it.
+      // The fields that a Script declares itself may name nodes around it.
       const bool own =
           node.type->name == "Script" && find_field(*find_node_type("Script"), field.spec->name) == nullptr;
       for (const NodeRef& ref : field.as<NodeRef>()) {

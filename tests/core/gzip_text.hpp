@@ -6,7 +6,7 @@
 
 namespace peerd {
 
-// One gzip member.
+// Packs text as one gzip member.
 inline std::string gzipped(std::string_view text, int level = 6) {
   z_stream stream{};
   deflateInit2(&stream, level, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/geometry.hpp"
+#include "core/geometry/tessellate.hpp"
 #include "core/math.hpp"
 
 namespace peerd {
@@ -29,7 +29,7 @@ inline Points points_of(const Mesh& mesh) {
   return points;
 }
 
-// Each directed edge is there once, and so is its reverse: a closed surface of one orientation.
+// The mesh has each directed edge once, and also its reverse: a closed surface of one orientation.
 inline bool is_closed(const Mesh& mesh) {
   std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
   for (const auto& polygon : polygons_of(mesh)) {
@@ -59,7 +59,7 @@ inline double signed_volume(const Mesh& mesh) {
   return six_volumes / 6.0;
 }
 
-// What build_mesh() gave, counted as mesh_size() should have.
+// Counts the mesh that build_mesh() gave, as mesh_size() should have.
 inline MeshSize counted(const Mesh& mesh) {
   MeshSize size;
   for (const auto& polygon : polygons_of(mesh)) {

@@ -8,8 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/vrml/document.hpp"
 #include "core/scene/reader.hpp"
+#include "core/vrml/default_values.hpp"
+#include "core/vrml/document.hpp"
 #include "tests/core/document_violation.hpp"
 
 namespace peerd {
@@ -103,7 +104,7 @@ inline std::vector<std::string> paths_of(const Scene& scene) {
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) paths.push_back(scene.path_of(ObjectId{i}));
   return paths;
 }
-// Those that collide.
+// Returns the instances that collide.
 inline std::vector<std::string> solid_of(const Scene& scene) {
   std::vector<std::string> paths;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
@@ -133,7 +134,7 @@ inline std::vector<float> floats(const Node& node, std::string_view field) {
   const auto f = value_of(node, field).as<float>();
   return {f.begin(), f.end()};
 }
-// Of all nodes of a type, in the document's order.
+// Returns all nodes of a type, in the order of the document.
 inline std::vector<std::vector<float>> floats_of(const Document& document, std::string_view type,
                                                  std::string_view field) {
   std::vector<std::vector<float>> all;

@@ -43,15 +43,16 @@ class SlowEarClipping {
   std::span<const PlanePoint> points_;
   // Kept from call to call for their memory.
   std::vector<Corner> corners_;
-  std::vector<std::uint32_t> by_x_;     // corners sorted by x
-  std::vector<Waiting> waiting_;        // lists
+  std::vector<std::uint32_t> by_x_;        // corners sorted by x
+  std::vector<Waiting> waiting_;           // lists
   std::vector<std::uint64_t> candidates_;  // heap of spikes and ears, the best on top; some are stale
-  std::uint32_t lowest_ = 0;            // no corner below it is left
+  std::uint32_t lowest_ = 0;               // no corner below it is left
 };
 
-// For three points of a line: b is inside the segment from a to c.
+// Returns, for three points of a line, whether b is inside the segment from a to c.
 inline bool between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
-  return (lexicographically_less(a, b) && lexicographically_less(b, c)) || (lexicographically_less(c, b) && lexicographically_less(b, a));
+  return (lexicographically_less(a, b) && lexicographically_less(b, c)) ||
+         (lexicographically_less(c, b) && lexicographically_less(b, a));
 }
 
 inline void SlowEarClipping::cut(std::span<const PlanePoint> points, std::vector<CornerTriangle>& triangles) {

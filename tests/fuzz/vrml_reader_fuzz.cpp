@@ -1,6 +1,6 @@
-// Any bytes at all: the reader must end, say where each problem is, and give a scene that keeps core/scene/scene.hpp's word
-// and a document that keeps core/vrml/document.hpp's. The input is a world and the files that it may name: what stands
-// behind the first separator is "1.wrl", behind the next "2.wrl", and so on; the world itself is "0.wrl".
+// Any bytes at all: the reader must end, say where each problem is, and give a scene that keeps core/scene/scene.hpp's
+// word and a document that keeps core/vrml/document.hpp's. The input is a world and the files that it may name: what
+// stands behind the first separator is "1.wrl", behind the next "2.wrl", and so on; the world itself is "0.wrl".
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,20 +9,21 @@
 #include <string_view>
 #include <vector>
 
+#include "core/geometry/tessellate.hpp"
 #include "core/motion/moving_scene.hpp"
 #include "core/scene/reader.hpp"
 #include "tests/core/document_violation.hpp"
 
 namespace {
 
-// Not assert: it must hold in every build.
+// This is no assert, since it must hold in every build.
 void require(bool condition) {
   if (!condition) std::abort();
 }
 
 constexpr std::string_view kSeparator = "\n@@@@\n";
 
-std::vector<std::string_view> files_of(std::string_view input) {
+std::vector<std::string_view> files_in(std::string_view input) {
   std::vector<std::string_view> files;
   while (true) {
     const std::size_t end = input.find(kSeparator);
@@ -73,7 +74,7 @@ void check_paths(const peerd::Scene& scene, std::uint32_t i) {
   require(pose.position == origin || !origin.allFinite());
 }
 
-// What moves by itself is where it says, whichever way time is asked for.
+// Instances that move by themselves are where PredefinedMotion says, whichever way time is asked for.
 void check_movement(const peerd::Scene& scene) {
   peerd::MovingScene there(scene), back(scene);
   for (const double t : {0.0, 0.3, 1.0, 1.7, 1e6}) (void)there.go_to(t);
@@ -93,7 +94,7 @@ void check_movement(const peerd::Scene& scene) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto files = files_of({reinterpret_cast<const char*>(data), size});
+  const auto files = files_in({reinterpret_cast<const char*>(data), size});
   const peerd::ReadResult result = peerd::read_world(files[0], options_for(files));
   const bool error =
       std::ranges::any_of(result.diagnostics, [](const auto& d) { return d.severity == peerd::Severity::kError; });
@@ -104,7 +105,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (!result.scene) return 0;
   const peerd::Scene& scene = *result.scene;
-  require(peerd::vrml::broken_promise(*scene.document).empty());
+  require(peerd::vrml::document_violation(*scene.document).empty());
   for (const peerd::Geometry& geometry : scene.geometries) {
     // Grids and extrusions of a short text may be large; the reader has not built them, and nobody has asked.
     const peerd::MeshSize size_built = mesh_size(geometry, scene.tessellation);

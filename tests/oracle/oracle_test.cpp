@@ -31,7 +31,9 @@ std::ostream& operator<<(std::ostream& out, const Pair& pair) {
   return out;
 }
 
-namespace {
+}  // namespace peerd::oracle
+
+namespace peerd::oracle::oracle_test {
 
 constexpr double kTiny = std::numeric_limits<double>::denorm_min();
 constexpr double kUp = 1 + std::numeric_limits<double>::epsilon();  // times a power of two: its next neighbour
@@ -373,5 +375,4 @@ TEST(TritriFilesCorpus, BothOraclesSayWhatIsRecorded) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::oracle
+}  // namespace peerd::oracle::oracle_test

@@ -1,12 +1,11 @@
 // Ten thousand objects in one place, in one cell and in one line: work grows with objects and pairs that are named, not
 // with their squares.
 #include "collision/broad_phase/broad_phase.hpp"
-#include "collision/scene/collision_watch.hpp"
 #include "collision/query/wide_query.hpp"
+#include "collision/scene/collision_watch.hpp"
 #include "tests/replication/lan.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::crowds_test {
 
 using namespace std::chrono_literals;
 
@@ -85,13 +84,11 @@ TEST(CrowdOfTriangles, OneTreeHoldsThem) {
   }
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::crowds_test
 
 // ---- peers ----
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::crowds_test {
 
 using namespace test;
 
@@ -171,5 +168,4 @@ TEST(CrowdThatMoves, IsSampledAHundredTimesASecond) {
   EXPECT_EQ(motions.counters().contacts, 0u) << "none comes nearer to another";
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::crowds_test

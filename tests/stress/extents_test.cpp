@@ -14,8 +14,7 @@
 #include "tests/oracle/triangle_oracle.hpp"
 #include "tests/replication/lan.hpp"
 
-namespace peerd {
-namespace {
+namespace peerd::extents_test {
 
 // Whole numbers of 2^20 m, up to just above 10^9: sums with what is on a grid of 2^-20 are exact.
 constexpr double kOffsets_m[] = {0.0, 0x1p0, 0x1p10, 0x1p20, 0x1p30};
@@ -117,11 +116,9 @@ TEST(Extents, ContactTimesErrByTheRoundingOfPlaces) {
   std::printf("contact times: at most %.2f of the bound 2^-50 (distance + 16 sizes) / speed\n", worst);
 }
 
-}  // namespace
-}  // namespace peerd
+}  // namespace peerd::extents_test
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::extents_test {
 
 using namespace test;
 
@@ -215,5 +212,4 @@ TEST(Extents, GhostsErrInProportionToTheScene) {
   }
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::extents_test

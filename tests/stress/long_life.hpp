@@ -13,21 +13,21 @@ inline constexpr double kNormBound = 1e-15, kSpinnerBound_rad = 1e-3, kBallBound
 inline constexpr std::int64_t kClocksBound_ns = 10'000'000;
 
 struct LongLife {
-  double session_s = 0.0;           // simulated
-  std::uint64_t ticks = 0;          // of both
-  std::uint64_t contacts = 0;       // answered by the ball that bounces
+  double session_s = 0.0;      // simulated
+  std::uint64_t ticks = 0;     // of both
+  std::uint64_t contacts = 0;  // answered by the ball that bounces
   std::uint64_t updates = 0;
-  std::uint64_t lost = 0;           // peers thought gone, clocks stepped, sleeps: there is no reason for any
+  std::uint64_t lost = 0;                      // peers thought gone, clocks stepped, sleeps: there is no reason for any
   std::map<std::string, std::uint64_t> drops;  // by reason, but for those before the session and of copies
-  std::uint64_t old_copies = 0;     // updates that came once more, too old to be taken
-  double norm_error = 0.0;          // the most that an orientation's norm was from 1
-  double spinner_error_rad = 0.0;   // the ghost of what turns at 100 rad/s, from the closed form
-  double ball_error_m = 0.0;        // the observer's ghost of the ball from its owner's truth
-  double ball_speed_error = 0.0;    // of its speed, which nothing changes; relative
-  double mover_error_m = 0.0;       // ghost of what a formula drives, the worst
-  double machine_error_m = 0.0;     // what the world moves by itself, from where its keys have it then
-  std::uint64_t machine_differs = 0;  // instants at which the two peers' bits of it were others
-  std::int64_t clocks_apart_ns = 0;   // the most that the session times of the two were apart
+  std::uint64_t old_copies = 0;                // updates that came once more, too old to be taken
+  double norm_error = 0.0;                     // the most that an orientation's norm was from 1
+  double spinner_error_rad = 0.0;              // the ghost of what turns at 100 rad/s, from the closed form
+  double ball_error_m = 0.0;                   // the observer's ghost of the ball from its owner's truth
+  double ball_speed_error = 0.0;               // of its speed, which nothing changes; relative
+  double mover_error_m = 0.0;                  // ghost of what a formula drives, the worst
+  double machine_error_m = 0.0;                // what the world moves by itself, from where its keys have it then
+  std::uint64_t machine_differs = 0;           // instants at which the two peers' bits of it were others
+  std::int64_t clocks_apart_ns = 0;            // the most that the session times of the two were apart
 };
 
 // `hours` of `tick_hz`, looked at every `look`. A ball bounces between walls by physics; SPINNER turns at 100 rad/s and
@@ -85,8 +85,8 @@ inline LongLife live_for(Duration total, std::uint32_t tick_hz, Duration look) {
     lan.run_until(t);
     count_outputs();
     const SimTime now = std::min(lan.session_now(0), lan.session_now(1)) - settled;
-    life.clocks_apart_ns = std::max<std::int64_t>(
-        life.clocks_apart_ns, std::abs((lan.session_now(0) - lan.session_now(1)).count()));
+    life.clocks_apart_ns =
+        std::max<std::int64_t>(life.clocks_apart_ns, std::abs((lan.session_now(0) - lan.session_now(1)).count()));
     for (std::size_t i : {0u, 1u}) {
       for (const char* name : {"BALL", "SPINNER", "MOVER", "PLATE"}) {
         const KinematicState s = lan.peer(i).ghost(world[name], now);
@@ -96,8 +96,7 @@ inline LongLife live_for(Duration total, std::uint32_t tick_hz, Duration look) {
     const auto worst = [](double& so_far, double error) { so_far = std::max(so_far, error); };
     worst(life.spinner_error_rad,
           angle_between(lan.peer(1).ghost(world["SPINNER"], now).orientation, spinner(now).orientation));
-    worst(life.mover_error_m,
-          (lan.peer(1).ghost(world["MOVER"], now).position - mover(now).position).norm());
+    worst(life.mover_error_m, (lan.peer(1).ghost(world["MOVER"], now).position - mover(now).position).norm());
     const KinematicState ball = lan.peer(0).truth(world["BALL"], now);
     worst(life.ball_error_m, (lan.peer(1).ghost(world["BALL"], now).position - ball.position).norm());
     worst(life.ball_speed_error, std::abs(ball.velocity.norm() / speed - 1.0));

@@ -43,8 +43,8 @@ inline ManyBounces bounce(const std::string& geometry, double low_m, const std::
     const KinematicState s = motions.at(ball, sim(t));
     const double height_m = s.position.y() - low_m;
     out.lowest_m = std::max(out.lowest_m, -height_m);
-    out.energy_error = std::max(
-        out.energy_error, std::abs((0.5 * s.velocity.squaredNorm() + kGravity * height_m) / energy - 1.0));
+    out.energy_error =
+        std::max(out.energy_error, std::abs((0.5 * s.velocity.squaredNorm() + kGravity * height_m) / energy - 1.0));
   }
   const MotionWorld::Counters& counters = motions.counters();
   out.came_to_rest = counters.came_to_rest;

@@ -7,8 +7,7 @@
 #include "tests/collision/shapes.hpp"
 #include "tests/replication/lan.hpp"
 
-namespace peerd::replication {
-namespace {
+namespace peerd::replication::orders_test {
 
 using namespace test;
 
@@ -156,11 +155,9 @@ TEST(Orders, OfArrivalOfTheSameDatagrams) {
   EXPECT_EQ(orders, 30);
 }
 
-}  // namespace
-}  // namespace peerd::replication
+}  // namespace peerd::replication::orders_test
 
-namespace peerd::collision {
-namespace {
+namespace peerd::collision::orders_test {
 
 using namespace test;
 
@@ -213,5 +210,4 @@ TEST(Orders, OfPolygons) {
   EXPECT_GE(expected_pairs.size(), faces.size());
 }
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::orders_test

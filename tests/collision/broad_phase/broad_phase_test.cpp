@@ -15,7 +15,9 @@ namespace peerd::collision {
 
 void PrintTo(BroadPair pair, std::ostream* out) { *out << pair.low << '-' << pair.high; }
 
-namespace {
+}  // namespace peerd::collision
+
+namespace peerd::collision::broad_phase_test {
 
 using Pairs = std::vector<BroadPair>;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -361,5 +363,4 @@ INSTANTIATE_TEST_SUITE_P(Methods, EachIncrementalMethod,
                                          BroadPhaseMethod::kInterestLists),
                          [](const auto& of) { return name(of.param); });
 
-}  // namespace
-}  // namespace peerd::collision
+}  // namespace peerd::collision::broad_phase_test

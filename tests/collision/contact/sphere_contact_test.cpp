@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "collision/contact/contact_time.hpp"
 #include "core/scene/reader.hpp"
 
 namespace peerd::collision::sphere_contact_test {

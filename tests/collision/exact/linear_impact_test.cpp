@@ -54,8 +54,8 @@ TEST(EdgeEdgeImpact, CrossingAndParallelEdges) {
   EXPECT_LE(crosses.time, 0.25);
   EXPECT_NEAR(crosses.time, 0.25, 1e-6);
   // A whole stretch touches at once: it takes long to be sure of the time, and never says that there is none.
-  const LinearImpact parallel = edge_edge_impact({moving({-1, 0, 1}, {0, 0, -4}), moving({1, 0, 1}, {0, 0, -4})}, rail,
-                                                 {.max_iterations = 4096});
+  const LinearImpact parallel =
+      edge_edge_impact({moving({-1, 0, 1}, {0, 0, -4}), moving({1, 0, 1}, {0, 0, -4})}, rail, {.max_iterations = 4096});
   EXPECT_NE(parallel.state, ImpactState::kSeparated);
   EXPECT_LE(parallel.time, 0.25);
   EXPECT_EQ(edge_edge_impact({moving({-1, 1e-4, 1}, {0, 0, -4}), moving({1, 1e-4, 1}, {0, 0, -4})}, rail).state,

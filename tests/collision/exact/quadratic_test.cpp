@@ -21,7 +21,8 @@ TEST_P(NonPositive, Intervals) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, NonPositive,
-    testing::Values(Case{"AlwaysAbove", {1, 0, 0}, {}, {}}, Case{"AlwaysTouching", {0, 0, 0}, TimeInterval::always(), {}},
+    testing::Values(Case{"AlwaysAbove", {1, 0, 0}, {}, {}},
+                    Case{"AlwaysTouching", {0, 0, 0}, TimeInterval::always(), {}},
                     Case{"Falling", {2, -1, 0}, {2, kInf}, {}}, Case{"Rising", {2, 1, 0}, {-kInf, -2}, {}},
                     Case{"Bowl", {2, -3, 1}, {1, 2}, {}}, Case{"BowlTouching", {1, -2, 1}, {1, 1}, {}},
                     Case{"BowlAbove", {1.5, -2, 1}, {}, {}}, Case{"Hill", {-2, 3, -1}, {-kInf, 1}, {2, kInf}},

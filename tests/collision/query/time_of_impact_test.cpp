@@ -277,14 +277,49 @@ TEST(TimeOfImpact, IsBeforeTheFirstInstantThatTouches) {
   EXPECT_GT(hits, 10);
 }
 
-TEST(TriangleDistance, OfPairsThatAreEasilySeen) {
-  const Triangle floor = {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)};
-  const auto distance = [&](const Triangle& t) { return triangle_distance(floor, t).distance; };
-  EXPECT_EQ(distance({Vec3(1, 1, 2), Vec3(1, 1, 3), Vec3(2, 1, 3)}), 2.0);
-  EXPECT_EQ(distance({Vec3(1, 1, 1), Vec3(1, 1, -1), Vec3(2, 1, -1)}), 0.0);
-  EXPECT_EQ(distance({Vec3(-3, 0, 4), Vec3(-3, 0, 4), Vec3(-3, 0, 4)}), 5.0);
-  EXPECT_EQ(distance({Vec3(-1, -1, 1), Vec3(5, -1, 1), Vec3(5, -1, 1)}), std::sqrt(2.0));
-  EXPECT_EQ(distance({Vec3(1, 1, 0.5), Vec3(2, 1, 0.5), Vec3(1, 2, 0.5)}), 0.5);
+// Where the world's coordinates are so large that places in it are known less well than the tolerance, a hit is
+// reported that much earlier: at 1e10 m, a unit in the last place is 2e-6 m. A hit must never touch already.
+TEST(TimeOfImpact, CubesThatTumbleOntoAPlateFarOutDoNotTouchItWhenTheyHit) {
+  TriangleSoup cube, plate;
+  for (int i = 0; i < 8; ++i) {
+    cube.vertices.emplace_back((i & 1) != 0 ? 0.5 : -0.5, (i & 2) != 0 ? 0.5 : -0.5, (i & 4) != 0 ? 0.5 : -0.5);
+  }
+  for (const auto& side : {std::array{0u, 4u, 6u, 2u},
+                           {1u, 3u, 7u, 5u},
+                           {0u, 1u, 5u, 4u},
+                           {2u, 6u, 7u, 3u},
+                           {0u, 2u, 3u, 1u},
+                           {4u, 5u, 7u, 6u}}) {
+    const auto polygon = static_cast<std::uint32_t>(cube.faces.size() / 2);
+    cube.faces.push_back({{side[0], side[1], side[2]}, polygon});
+    cube.faces.push_back({{side[0], side[2], side[3]}, polygon});
+  }
+  plate.vertices = {{-20, 0, -20}, {-20, 0, 20}, {20, 0, 20}, {20, 0, -20}};
+  plate.faces = {{{0, 1, 2}, 0}, {{0, 2, 3}, 0}};
+  for (TriangleSoup* const soup : {&cube, &plate}) {
+    for (const Vec3& v : soup->vertices) soup->box.merge(v);
+  }
+  WideTree of_cube(cube), of_plate(plate);
+  MeshImpactQuery query;
+  WideQuery exact;
+  Numbers numbers(91);
+  int hits = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 place(1e10, 1e10 * (i % 2), -1e10);
+    KinematicState falls, lies;
+    lies.position = place;
+    falls.position = place + Vec3(numbers.between(-3, 3), 3.0, numbers.between(-3, 3));
+    falls.orientation = random_pose(numbers, 1.0).orientation;
+    falls.velocity = {numbers.between(-1, 1), -2.0, numbers.between(-1, 1)};
+    falls.angular_velocity_body = numbers.point(3.0);
+    const MeshImpact impact = query.first_impact(of_cube, falls, of_plate, lies, 3.0);
+    ASSERT_EQ(impact.state, MeshImpactState::kHit) << i;
+    PolygonPair pair{};
+    const RelativeMotion then(advance(falls, impact.time_s).pose(), advance(lies, impact.time_s).pose());
+    EXPECT_FALSE(exact.find_pair(of_cube, of_plate, then, pair)) << i << " at " << impact.time_s;
+    ++hits;
+  }
+  EXPECT_EQ(hits, 300);
 }
 
 }  // namespace peerd::collision::time_of_impact_test

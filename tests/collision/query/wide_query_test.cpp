@@ -9,40 +9,12 @@
 #include <set>
 #include <vector>
 
+#include "collision/exact/triangle_pair.hpp"
 #include "tests/collision/soups.hpp"
 
 namespace peerd::collision::wide_query_test {
 
 using ::testing::ElementsAreArray;
-
-TEST(WideTree, HoldsEachTriangleOnceInFullLeaves) {
-  for (const std::uint32_t triangles : {1u, 7u, 8u, 9u, 63u, 64u, 65u, 511u, 513u, 1000u, 4097u}) {
-    const TriangleSoup soup = random_soup(triangles, 0.1, triangles);
-    WideTree tree(soup);
-    tree.build_all();
-    std::multiset<std::uint32_t> held;
-    std::size_t leaves = 0;
-    std::vector<WideTree::Ref> stack = {tree.at(WideTree::kRoot)};
-    while (!stack.empty()) {
-      const WideTree::Ref ref = stack.back();
-      stack.pop_back();
-      if (ref.kind() == WideTree::Ref::kLeaf) {
-        const WideTree::Leaf& leaf = tree.leaf(ref.index());
-        ++leaves;
-        for (std::size_t i = 0; i < leaf.count; ++i) held.insert(leaf.faces[i]);
-        continue;
-      }
-      ASSERT_EQ(ref.kind(), WideTree::Ref::kNode);
-      for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
-        const WideTree::Ref child = tree.at(WideTree::child_slot(ref, i));
-        if (child.kind() != WideTree::Ref::kNone) stack.push_back(child);
-      }
-    }
-    EXPECT_EQ(held.size(), triangles);
-    EXPECT_EQ(std::set<std::uint32_t>(held.begin(), held.end()).size(), triangles);
-    EXPECT_EQ(leaves, (triangles + 7) / 8);
-  }
-}
 
 struct Case {
   TriangleSoup a, b;

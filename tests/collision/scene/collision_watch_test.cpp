@@ -203,8 +203,8 @@ TEST_P(Walks, EveryTickIsWhatANewQueryAnswers) {
   EXPECT_GT(oracle.changes, 100u);
   const CollisionWatchCounters counters = watch.counters();
   for (const std::uint64_t some :
-       {counters.pairs_far, counters.pairs_unmoved, counters.pairs_separated, counters.pairs_queried, counters.gaps_found,
-        counters.boxes_queried, counters.shapes.pairs_witnessed, counters.shapes.pairs_tested}) {
+       {counters.pairs_far, counters.pairs_unmoved, counters.pairs_separated, counters.pairs_queried,
+        counters.gaps_found, counters.boxes_queried, counters.shapes.pairs_witnessed, counters.shapes.pairs_tested}) {
     EXPECT_GT(some, 10u);
   }
 }

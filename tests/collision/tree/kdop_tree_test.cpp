@@ -8,7 +8,6 @@
 #include <set>
 #include <vector>
 
-#include "collision/tree/kdop_volume.hpp"
 #include "tests/collision/soups.hpp"
 
 namespace peerd::collision::kdop_tree_test {
@@ -165,54 +164,6 @@ TYPED_TEST(KdopTreeTest, RefitFollowsVerticesThatMove) {
   const std::vector<PolygonPair> expected = brute_force(moved, other, motion);
   ASSERT_THAT(expected, Not(IsEmpty()));
   EXPECT_THAT(all_pairs(moving, still, motion, counters), ElementsAreArray(expected));
-}
-
-TYPED_TEST(KdopTreeTest, RealignedDopsHoldTheMovedVertices) {
-  constexpr int K = TypeParam::kFaces;
-  Numbers numbers(11);
-  const TriangleSoup soup = random_soup(20, 0.8, 12);
-  KdopTree<K> tree(soup, {});
-  for (int n = 0; n < 2000; ++n) {
-    const RelativeMotion motion(random_pose(numbers, n % 3 == 0 ? 1e6 : 2.0), random_pose(numbers, 2.0));
-    const WideKdop<K> dop = Realignment<K>(motion, 2.0)(tree.node(0).dop);
-    for (const Vec3& v : soup.vertices) {
-      const Vec3 p = motion(v);
-      for (std::size_t i = 0; i < dop.kSlabs; ++i) {
-        ASSERT_GE(along(dop.kDirections[i], p), dop.lo[i]);
-        ASSERT_LE(along(dop.kDirections[i], p), dop.hi[i]);
-      }
-    }
-  }
-}
-
-// Without turning, the slabs are the old ones, moved, but for the padding.
-TYPED_TEST(KdopTreeTest, RealignmentWithoutRotationKeepsTheSlabs) {
-  constexpr int K = TypeParam::kFaces;
-  const TriangleSoup soup = random_soup(20, 0.8, 12);
-  KdopTree<K> tree(soup, {});
-  const WideKdop<K> dop = Realignment<K>(RelativeMotion(Pose{}, Pose{}), 2.0)(tree.node(0).dop);
-  for (std::size_t i = 0; i < dop.kSlabs; ++i) {
-    EXPECT_NEAR(dop.lo[i], tree.node(0).dop.lo[i], 1e-12);
-    EXPECT_NEAR(dop.hi[i], tree.node(0).dop.hi[i], 1e-12);
-  }
-}
-
-// A cube's k-DOP is the cube; an octahedron's 14-DOP, and 26-DOP, is the octahedron.
-TEST(KdopVolume, OfSolidsThatAKdopFits) {
-  WideKdop<18> cube;
-  for (std::size_t i = 0; i < cube.kSlabs; ++i) {
-    const auto& d = cube.kDirections[i];
-    const double reach = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
-    cube.hi[i] = 7.0 * along(d, {1, 1, 1}) + reach;
-    cube.lo[i] = 7.0 * along(d, {1, 1, 1}) - reach;
-  }
-  EXPECT_NEAR(volume(cube), 8.0, 1e-12);
-  WideKdop<26> octahedron;
-  octahedron.lo.fill(-1.0);
-  octahedron.hi.fill(1.0);
-  EXPECT_NEAR(volume(octahedron), 4.0 / 3.0, 1e-12);
-  octahedron.lo[4] = 2.0;
-  EXPECT_EQ(volume(octahedron), 0.0);
 }
 
 }  // namespace peerd::collision::kdop_tree_test

@@ -4,8 +4,7 @@
 #include "tests/allocation_counter.hpp"
 
 #if PEERD_COUNTS_ALLOCATIONS
-namespace peerd::animation {
-namespace {
+namespace peerd::animation::allocation_test {
 
 TEST(Allocation, QuestionsMakeNoneOnceBuffersHaveGrown) {
   constexpr auto kFloat = FieldType::kFloat;
@@ -41,6 +40,5 @@ TEST(Allocation, QuestionsMakeNoneOnceBuffersHaveGrown) {
   EXPECT_NE(sum, 0.0);
 }
 
-}  // namespace
-}  // namespace peerd::animation
+}  // namespace peerd::animation::allocation_test
 #endif

@@ -1,4 +1,5 @@
 #include "core/animation/animation.hpp"
+#include "core/animation/sensor_simulator.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -103,7 +104,8 @@ TEST(Loops, OfInterpolatorsEnd) {
 }
 
 TEST(Loops, OfSensorsThatRetriggerEachOtherAtOneInstantEnd) {
-  // Each starts when the other does, and stops when the other stops: all in one instant, at which each starts once.
+  // Both sensors start when the other does, and stop when the other stops: all in one instant, at which each starts
+  // once.
   Animation a({{once(2, 1), once(2, 50)},
                {{0, "cycleTime", 1, "set_startTime", kTime},
                 {1, "cycleTime", 0, "set_startTime", kTime},
@@ -155,7 +157,7 @@ TEST(Feedback, AnswersDoNotDependOnTheOrderOfQuestions) {
 }
 
 TEST(Loops, ASensorStartsOnceAnInstant) {
-  // At 1 the first sensor starts, which starts the third, and is disabled because the second stops; then it is enabled
+  // The first sensor starts at 1, which starts the third, and is disabled because the second stops; then it is enabled
   // because the third starts.
   Animation a({{looping(8, 1.0), once(0.5, 0.5), TimeSensorFields{9}},
                {{1, "isActive", 0, "set_enabled", kBool},
@@ -171,7 +173,7 @@ TEST(Loops, ASensorStartsOnceAnInstant) {
 
 TEST(Feedback, OfOneWaveTheLaterRouteCounts) {  // 4.10.5
   for (const bool stops_last : {true, false}) {
-    // At 2 the first sensor stops and the second starts, and both tell the third.
+    // The first sensor stops at 2 and the second starts, and both send to the third.
     Network n{{once(1, 1), once(9, 2), TimeSensorFields{4, true, true, 0, 0}}, {}};
     n.routes.push_back({stops_last ? 1u : 0u, "isActive", 2, "set_enabled", kBool});
     n.routes.push_back({stops_last ? 0u : 1u, "isActive", 2, "set_enabled", kBool});

@@ -454,7 +454,7 @@ TEST(Oracle, SegmentsSayWhatValuesSay) {
   EXPECT_GT(moving, 10000);
 }
 
-// What changing() leaves out does not change.
+// A field that changing() leaves out does not change.
 TEST(Oracle, WhatIsNotChangingStays) {
   for (unsigned seed = 0; seed < 600; ++seed) {
     Generator g(seed);

@@ -51,7 +51,7 @@ TEST(Segment, SaysWhereTheMovementBendsAndHowFastItIs) {
   EXPECT_EQ(second.position, Vec3(5, 0, 0));
   EXPECT_EQ(second.velocity, Vec3(0, 2, 0));
 
-  // At a cycle's end the field has the last value; the segment is what follows.
+  // The field has the last value at the end of a cycle; the segment is the movement that follows.
   EXPECT_EQ(a.segment(translation, 12.0)->position, Vec3(0, 0, 0));
   Value v;
   ASSERT_TRUE(a.value(translation, 12.0, v));

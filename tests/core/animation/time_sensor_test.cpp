@@ -14,7 +14,7 @@ struct Case {
   const char* name;
   TimeSensorFields fields;
   double t;
-  bool ran, active;
+  bool has_run, active;
   double fraction, time_s, cycle_s;
 };
 class Sensor : public testing::TestWithParam<Case> {};

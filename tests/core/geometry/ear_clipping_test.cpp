@@ -43,7 +43,7 @@ class RandomPolygon {
       case 1:
         return anywhere(n, 0);  // crosses itself
       case 2:
-        return anywhere(n, 2 + random_() % 6);  // .. and touches itself, with equal corners and straight ones
+        return anywhere(n, 2 + random_() % 6);  // this one touches itself, with equal corners and straight ones
       case 3:
         return steps(n);
       case 4:
@@ -98,7 +98,7 @@ class RandomPolygon {
     }
     return points;
   }
-  // From some corners to another and back, and corners twice.
+  // The polygon goes from some corners to another and back, and has corners twice.
   Points with_seams(Points points) {
     for (int k = 0; k < 3; ++k) {
       const std::size_t i = random_() % points.size(), j = random_() % points.size();
@@ -120,7 +120,7 @@ TEST(EarClipping, CutsAsItsSlowTwinDoes) {
   }
 }
 
-// What was kept of the polygon before is of no account.
+// State that was kept of the polygon before is of no account.
 TEST(EarClipping, ForgetsTheLastPolygon) {
   RandomPolygon polygons(6);
   EarClipping clipping;

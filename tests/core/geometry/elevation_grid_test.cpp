@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "core/geometry/tessellate.hpp"
 #include "tests/core/mesh_checks.hpp"
 
 namespace peerd::elevation_grid_test {

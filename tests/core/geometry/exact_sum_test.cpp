@@ -66,7 +66,7 @@ TEST(Turn, AgreesWithRationalNumbers) {
     const int exponents = std::array{0, 2, 20, 127}[static_cast<std::size_t>(round % 4)];
     const PlanePoint a{random_float(rng, exponents), random_float(rng, exponents)};
     const PlanePoint b{random_float(rng, exponents), random_float(rng, exponents)};
-    // On the line through them but for rounding.
+    // The point is on the line through them but for rounding.
     const float t = std::uniform_real_distribution(-2.0F, 2.0F)(rng);
     const PlanePoint c{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
     if (!std::isfinite(c.x) || !std::isfinite(c.y)) continue;
@@ -76,7 +76,7 @@ TEST(Turn, AgreesWithRationalNumbers) {
   }
 }
 
-// Of a size that the differences in binary64 lose in part.
+// The coordinates have a size that the differences in binary64 lose in part.
 TEST(Turn, AgreesWithRationalNumbersWhereDifferencesAreRounded) {
   std::mt19937 rng(3);
   std::uniform_real_distribution<float> tiny(-0x1p-17F, 0x1p-17F);

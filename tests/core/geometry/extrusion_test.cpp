@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/geometry/tessellate.hpp"
 #include "tests/core/mesh_checks.hpp"
 
 namespace peerd::extrusion_test {
@@ -109,8 +110,8 @@ INSTANTIATE_TEST_SUITE_P(
                 {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}},
                 {{{0, -1, 0}, {0, 0, 1}}, {{0, -1, 0}, {0, 0, 1}}, {{0, -1, 0}, {0, 0, 1}}}},
         ScpCase{"AllPointsOne", {{1, 2, 3}, {1, 2, 3}}, {{{1, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}}}},
-        // y = spine[i+1] - spine[i-1]; z = (spine[i+1] - spine[i]) x (spine[i-1] - spine[i]); the ends take their
-        // neighbour's z and their own segment's y; x = y x z.
+        // The standard has y = spine[i+1] - spine[i-1]; z = (spine[i+1] - spine[i]) x (spine[i-1] - spine[i]); the ends
+        // take the z of their neighbour and the y of their own segment; x = y x z.
         ScpCase{"Bend",
                 {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}},
                 {{{-1, 0, 0}, {0, 0, -1}}, {{-kHalf, kHalf, 0}, {0, 0, -1}}, {{0, 1, 0}, {0, 0, -1}}}},
@@ -121,22 +122,24 @@ INSTANTIATE_TEST_SUITE_P(
                  {{-kHalf, kHalf, 0}, {0, 0, -1}},
                  {{-kHalf, kHalf, 0}, {0, 0, -1}},
                  {{-1, 0, 0}, {0, 0, -1}}}},
-        // "If the Z-axis of the first point is undefined (because the spine is not closed and the first two spine
-        // segments are collinear) then the Z-axis for the first spine point with a defined Z-axis is used."
+        // The standard says: "If the Z-axis of the first point is undefined (because the spine is not closed and the
+        // first two spine segments are collinear) then the Z-axis for the first spine point with a defined Z-axis is
+        // used."
         ScpCase{"FirstTwoSegmentsCollinear",
                 {{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {1, 2, 0}},
                 {{{-1, 0, 0}, {0, 0, -1}},
                  {{-1, 0, 0}, {0, 0, -1}},
                  {{-kHalf, kHalf, 0}, {0, 0, -1}},
                  {{0, 1, 0}, {0, 0, -1}}}},
-        // "If the three points .. are collinear, .. the value from the previous point is used instead."
+        // The standard says: "If the three points .. are collinear, .. the value from the previous point is used
+        // instead."
         ScpCase{"LastSegmentsCollinear",
                 {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}},
                 {{{-1, 0, 0}, {0, 0, -1}},
                  {{-kHalf, kHalf, 0}, {0, 0, -1}},
                  {{0, 1, 0}, {0, 0, -1}},
                  {{0, 1, 0}, {0, 0, -1}}}},
-        // "If two points are coincident, they both have the same SCP."
+        // The standard says: "If two points are coincident, they both have the same SCP."
         ScpCase{"CoincidentAtTheBend",
                 {{0, 0, 0}, {0, 1, 0}, {0, 1, 0}, {1, 1, 0}},
                 {{{-1, 0, 0}, {0, 0, -1}},
@@ -154,7 +157,8 @@ INSTANTIATE_TEST_SUITE_P(
                  {{-kHalf, 0, -kHalf}, {0, 1, 0}},
                  {{-kHalf, 0, kHalf}, {0, 1, 0}},
                  {{kHalf, 0, kHalf}, {0, 1, 0}}}},
-        // From (1, 1, 0) straight back to where it was: y is the previous point's, (1, 1, 0) / sqrt 2.
+        // The spine goes from (1, 1, 0) straight back to where it was: y is that of the previous point, (1, 1, 0) /
+        // sqrt 2.
         ScpCase{"StraightBack",
                 {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 1, 0}},
                 {{{-1, 0, 0}, {0, 0, -1}},
@@ -184,7 +188,7 @@ TEST(Extrusion, ClosedSpineEndsInItsFirstPlane) {
   }
 }
 
-// Not by an epsilon: by what rounding the file's decimals can have moved.
+// The bound is no epsilon, but the distance that rounding the decimals of the file can have moved the points.
 TEST(Extrusion, CollinearIsToWithinTheRoundingOfTheFile) {
   // 0.1F, 0.3F and 0.7F aren't multiples of each other, but on x = y = z these points are.
   const Spine straight = {{0, 0, 0}, {0.1F, 0.1F, 0.1F}, {0.3F, 0.3F, 0.3F}, {0.7F, 0.7F, 0.7F}};
@@ -210,7 +214,7 @@ TEST(Extrusion, StraightDecimalsStayStraight) {
   }
 }
 
-// So gently that no three points in a row differ from a line by more than rounding makes.
+// The spine bends so gently that no three points in a row differ from a line by more than rounding makes.
 TEST(Extrusion, TakesABendThatOnlyTheWholeShows) {
   Spine spine;
   for (int i = 0; i <= 2000; ++i) {
@@ -240,7 +244,7 @@ TEST(Extrusion, ScalesThenTurnsThenAligns) {
 
 TEST(Extrusion, EachSpinePointHasItsScaleAndOrientation) {
   ExtrusionGeometry e = extrude({{1, 0}, {0, 1}}, {{0, 0, 0}, {0, 1, 0}, {0, 2, 0}});
-  e.scale = Section{{1, 1}, {2, 1}, {3, 1}, {9, 9}};  // "the excess values are ignored"
+  e.scale = Section{{1, 1}, {2, 1}, {3, 1}, {9, 9}};  // 6.18: "the excess values are ignored"
   e.orientation = Orientations{{0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, kHalfTurn}, {0, 1, 0, 1}};
   const Mesh mesh = build_mesh(e);
   ASSERT_EQ(mesh.vertices.size(), 6U);
@@ -279,7 +283,7 @@ TEST(Extrusion, ClosedSpineSharesItsFirstRing) {
   EXPECT_NEAR(signed_volume(mesh), 2 * std::numbers::pi * 3, 0.1);  // Pappus
   EXPECT_GT(signed_volume(mesh), 0.0);
 
-  // With a twist the last ring isn't the first.
+  // The last ring is not the first where there is a twist.
   e.orientation = [] {
     Orientations twist(65, {0, 1, 0, 0});
     twist.back()[3] = kQuarterTurn;

@@ -11,7 +11,7 @@
 #include <set>
 #include <tuple>
 
-#include "core/geometry/geometry.hpp"
+#include "core/geometry/tessellate.hpp"
 
 namespace peerd::mesh_defects_test {
 
@@ -33,7 +33,7 @@ Counts edges_of(const MeshDefects& d) {
   return {d.boundary_edges, d.non_manifold_edges, d.same_direction_edges, d.edges_without_length};
 }
 
-// On a plane that is no axis'; all are exact.
+// The corners lie on a plane of no axis; all are exact.
 std::vector<Point> tilted(const std::vector<std::array<float, 2>>& points) {
   std::vector<Point> out;
   for (const auto& [x, y] : points) out.emplace_back(x, x + 2 * y + 1, y - x);
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"AllInOnePlace", kSquare, {1, 1, 1, 1, -1}, {1}, {0, 0, 0, 4}},
         Case{"OutAndBackTwice", kSquare, {0, 1, 0, 3, -1}, {1}, {0, 0, 0, 0}},
         Case{"BackAndForthOnALine", tilted({{0, 0}, {3, 3}, {1, 1}, {2, 2}}), {0, 1, 2, 3, -1}, {1}, {4}},
-        // Its parts cancel out, and still have an area.
+        // The parts of the polygon cancel out, and still have an area.
         Case{"BowTie", tilted({{0, 0}, {2, 2}, {2, 0}, {0, 2}}), {0, 1, 2, 3, -1}, {}, {4}},
         Case{"TinyArea", {{0, 0, 0}, {1e-45F, 0, 0}, {0, 1e-45F, 0}}, {0, 1, 2, -1}, {}, {3}},
         Case{"HugeArea", {{3e38F, 0, 0}, {-3e38F, 1e-45F, 0}, {0, 0, 0}}, {0, 1, 2, -1}, {}, {3}},
@@ -117,12 +117,12 @@ INSTANTIATE_TEST_SUITE_P(
              {0, 1, 2, 3, 4, 5, -1},
              {0, 0, 1, 1},
              {6}},
-        // Its area vector is zero, but there is no plane, and the triangles have areas.
+        // The area vector is zero, but there is no plane, and the triangles have areas.
         Case{"SpikesOfThreeAxes", kTetrahedron, {0, 1, 0, 2, 0, 3, -1}, {0, 0, 1, 1}, {}},
         // Non-manifold
         Case{"Book", kBook, {0, 1, 2, -1, 1, 0, 3, -1, 0, 1, 4, -1}, {0, 0, 0, 0, 3}, {6, 1}},
         Case{"BookOfFour", kBook, {0, 1, 2, -1, 1, 0, 3, -1, 0, 1, 4, -1, 1, 0, 5, -1}, {0, 0, 0, 0, 4}, {8, 1}},
-        // To a hole and back again, as files have holes: that edge belongs to one polygon.
+        // The polygon goes to a hole and back again, as files have holes: that edge belongs to one polygon.
         Case{"HoleByABridge",
              tilted({{0, 0}, {6, 0}, {6, 6}, {0, 6}, {2, 2}, {2, 4}, {4, 4}, {4, 2}}),
              {0, 1, 2, 3, 0, 4, 5, 6, 7, 4, -1},
@@ -158,7 +158,7 @@ TEST(MeshDefects, OfSolidsAreNone) {
   EXPECT_EQ(edges_of(no_bottom), Counts{24});
 }
 
-// The same in the plainest way: rational numbers, and every pair looked at.
+// The oracle works in the plainest way: rational numbers, and every pair is compared.
 class Oracle {
  public:
   explicit Oracle(const Mesh& mesh) : mesh_(mesh) {
@@ -323,7 +323,7 @@ TEST(MeshDefects, OfAnyMeshAreWhatTheOracleSays) {
     if (oracle.doubtful) continue;
     ++compared;
     MeshDefects found = finder.find(mesh);
-    // What is warped is computed in binary64, where sizes of 1e-45 and 1e38 don't meet.
+    // Warped polygons are found in binary64, where sizes of 1e-45 and 1e38 don't meet.
     const auto warped = static_cast<std::size_t>(Defect::kWarped);
     if (which == 3)
       found.counts[warped] = {oracle.counts[warped], static_cast<std::uint32_t>(oracle.first[warped].value_or(0))};

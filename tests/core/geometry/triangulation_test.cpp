@@ -166,7 +166,7 @@ void expect_sound(const Polygon& polygon, const Triangles& triangles) {
   ASSERT_EQ(sum, oracle.twice_area);
 }
 
-// So that those of a simple polygon cover it and nothing else, once.
+// The triangles of a simple polygon then cover it and nothing else, once.
 void expect_all_counter_clockwise(const Polygon& polygon, const Triangles& triangles) {
   const Oracle oracle(polygon);
   for (const CornerTriangle& t : triangles) {
@@ -221,7 +221,7 @@ Polygon star_shaped(std::mt19937& rng, std::size_t n) {
   for (double& a : angles) a = angle(rng);
   std::ranges::sort(angles);
   std::uniform_real_distribution<double> radius(0.1, 1);
-  // In a random direction, and not quite planar once it's rounded.
+  // The polygon lies in a random direction, and is not quite planar once it is rounded.
   const Eigen::Quaterniond q = Eigen::Quaterniond(angle(rng), angle(rng), angle(rng), angle(rng)).normalized();
   const Eigen::Vector3d offset(angle(rng), angle(rng), angle(rng));
   Polygon polygon;

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "core/geometry/tessellate.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::geometry_reader_test {

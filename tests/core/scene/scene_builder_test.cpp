@@ -24,7 +24,7 @@ TEST(SceneBuilderUse, SharesTheGeometry) {
   EXPECT_EQ(scene.instances[5].node, scene.instances[0].node);
 }
 
-// What is instanced a second time has the names, children and shadows of the first.
+// An instance of a node that is instanced a second time has the names, children and shadows of the first.
 TEST(SceneBuilderUse, IsTheSameSubtreeAgain) {
   const Scene scene = scene_of(R"(
     DEF A Group { children [ DEF N Shape { } DEF N Group { children DEF M Shape { } } ] }
@@ -132,7 +132,7 @@ TEST(SceneBuilderCollides, IsForEachInstanceByItself) {
   EXPECT_THAT(solid_of(scene), ElementsAre("0", "1", "1/0", "2"));
 }
 
-// What eyes see and what things collide with are two questions at a Collision, and one at a Switch or an LOD.
+// A Collision answers apart what is seen and what collides; a Switch or an LOD answers both at once.
 TEST(SceneBuilderDrawn, IsWhatIsSeenWhetherItCollidesOrNot) {
   EXPECT_THAT(drawn_of(scene_of("Collision { collide FALSE children [ Shape { } ] }")), ElementsAre("0", "0/0"));
   EXPECT_THAT(drawn_of(scene_of("Collision { children Shape { } proxy Group { children Shape { } } }")),
@@ -249,7 +249,7 @@ TEST(SceneBuilderResponse, ChecksWhatAnImpulseIsOf) {
   EXPECT_THAT(of("responseType 2 mass 2 restitution 0 friction 1"), IsEmpty());
 }
 
-// Of a lost node inside of other things too.
+// A name of a lost node inside of other nodes counts too.
 TEST(SceneBuilderInterests, SayNothingTwiceOfALostPath) {
   EXPECT_THAT(problems_of("Group { x DEF A Group { children DEF C Shpae { } } } DEF B Group { }\n"
                           "CollisionInterest { objectPath \"C\" interests \"B\" } CollisionInterest { objectPath "

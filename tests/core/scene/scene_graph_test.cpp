@@ -38,7 +38,7 @@ std::vector<std::uint64_t> bits(const Affine& m) {
   return out;
 }
 
-// What a call of `work` added to a counter.
+// Returns how much a call of `work` adds to a counter.
 template <class Work>
 SceneGraphCounters spent(SceneGraph& graph, Work work) {
   const SceneGraphCounters before = graph.counters();
@@ -341,13 +341,13 @@ TEST(SceneGraphCounters, MoversAmongManySiblingsCostNoSibling) {
     graph.update();
     return spent(graph, [&] { (void)graph.box(graph.root()); }).boxes_merged;
   };
-  // One takes off from the floor that they all stand on: any other shows where that is.
+  // One node takes off from the floor that they all stand on: any other shows where that is.
   graph.set_translation(movers[0], {1000, 1000, 0});
   EXPECT_LE(cost_of_asking_all(), 2u);
   EXPECT_GT(graph.box(graph.root()).hi[1], 1000);
   graph.set_translation(movers[0], {1000, 2000, 0});
   EXPECT_LE(cost_of_asking_all(), 2u);
-  // It comes down: where the highest is now, only a look at all of them can tell.
+  // The node comes down: where the highest is now, only a look at all of them can tell.
   graph.set_translation(movers[0], {1000, 0, 0});
   graph.update();
   EXPECT_LE(spent(graph, [&] { (void)graph.box(movers[0]); }).boxes_merged, 1u);

@@ -1,4 +1,4 @@
-// The facts about configs/worlds/eq47.wrl that the scenario rests on (DESIGN.md section 8, seed equation 4.7).
+// The facts about configs/worlds/eq47.wrl that the scenario rests on (equation 4.7 of the thesis).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "core/geometry/tessellate.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::eq47_world_test {

@@ -1,7 +1,7 @@
 // EXTERNPROTO: ISO/IEC 14772-1:1997, 4.3.7, 4.5.2 and 4.9.
 #include <gmock/gmock.h>
 
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::vrml::extern_proto_test {
@@ -196,7 +196,7 @@ TEST(ExternProtoScope, UsedInAPrototypeAndThroughAnInline) {
   EXPECT_EQ(document_violation(*scene.document), "");
 }
 
-// In processes of their own: what goes wrong here is the stack.
+// These tests run in processes of their own: a fault here overflows the stack.
 void read_and_leave(const std::string& body, const Files& files) {
   const ReadResult result = read_body(body, files);
   std::_Exit(result.diagnostics.empty() || result.sources.size() > 40 ? 1 : 0);

@@ -1,5 +1,5 @@
-// What a text may cost: ReadLimits, depth, the number of problems, and texts that are made to be slow. None of these
-// tests looks at a clock; one that is quadratic runs into the test's time limit.
+// These tests bound the cost of a text: ReadLimits, depth, the number of problems, and texts that are made to be slow.
+// None of them looks at a clock; a quadratic reader runs into the time limit of the test.
 #include <gmock/gmock.h>
 
 #include "tests/core/read_text.hpp"
@@ -119,7 +119,7 @@ TEST(MemoryLimit, CountsRoutesOfCopies) {
   }
 }
 
-// .. nor ROUTEs, links, fields and lists that instances take as they are.
+// The limit also counts ROUTEs, links, fields and lists that instances take as they are.
 TEST(MemoryLimit, CountsLinksOfCopies) {
   const std::string body =
       "PROTO P [ field SFFloat r 1 ] { Sphere { " + times(3000, "radius IS r ") + "} } " + times(50, "P { } ");
@@ -397,7 +397,7 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair{"OpenLists", +[] { return times(60'000, "LOD { range [ 1 "); }}),
     [](const auto& text) { return std::string(text.param.first); });
 
-// Each interest names a range of instances, and each Inline that was left empty stands in some of them or in none.
+// An interest names a range of instances, and an Inline that was left empty stands in some of the ranges or in none.
 TEST(ManyInterests, BesideManyInlinesLeftEmpty) {
   const std::string body =
       "PROTO C [ ] { Group { children CollisionInterest { objectPath \"A\" interests \"B\" } } }\n"

@@ -1,4 +1,5 @@
 #include "core/vrml/node_types.hpp"
+#include "core/vrml/default_values.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::vrml::node_types_test {
@@ -22,8 +23,8 @@ TEST(NodeTypes, AreInAlphabeticalOrderWithoutRepeats) {
   EXPECT_EQ(node_types().size(), 57u);
 }
 
-// How many exposedFields, fields, eventIns and eventOuts clause 6 gives each node; the seed's appendix C adds to
-// Shape and Transform.
+// The table has the number of exposedFields, fields, eventIns and eventOuts that clause 6 gives each node; appendix C
+// of the thesis adds to Shape and Transform.
 TEST(NodeTypes, HaveTheFieldsOfTheStandard) {
   struct Counts {
     const char* name;

@@ -18,7 +18,7 @@ namespace peerd::vrml::number_test {
 
 std::uint32_t bits(float f) { return std::bit_cast<std::uint32_t>(f); }
 
-// Whether the fast reader took it; fails where it took it otherwise than read_float() does.
+// Returns whether the fast reader took the number; fails where it took it otherwise than read_float() does.
 bool agrees(const std::string& text) {
   float fast = 0;
   const char* const end = scan_plain(text.data(), text.data() + text.size(), fast);
@@ -183,7 +183,7 @@ TEST(Numbers, OfIntegersAgree) {
   }
 }
 
-// The same through a world, where the readers take turns.
+// The comparison is made through a world too, where the readers take turns.
 TEST(Numbers, OfOneListAreReadByBoth) {
   std::string list;
   std::vector<float> expected;

@@ -1,4 +1,4 @@
-#include "core/vrml/parser.hpp"
+#include "core/parser/parser.hpp"
 
 #include <gmock/gmock.h>
 
@@ -230,7 +230,7 @@ TEST(UnknownFields, OfDisplayNodesAreWarnings) {
   EXPECT_THAT(errors_of("Transform { extra 1 }"), ElementsAre("2:13: Transform has no field 'extra'"));
 }
 
-// What was DEFed inside of what was passed over is lost, and its USE says nothing more.
+// A name that was DEFed inside of a part that was passed over is lost, and its USE reports nothing more.
 TEST(UnknownFields, LoseTheNamesInThem) {
   EXPECT_THAT(errors_of("Viewpoint { extra DEF N Thing { part DEF M Thing { } } } USE N USE M"), IsEmpty());
 }

@@ -201,7 +201,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {"3:7: expected NODE.EVENT of a ROUTE, found 'TO'",
                  "3:9: expected NODE.EVENT of a ROUTE, found the end of the file"}},
         BadCase{"WithoutAnEvent", "ROUTE X. TO Y.scale\nGroup { }", {"3:10: expected an event of 'X', found 'TO'"}},
-        // What an Inline holds is no event that it has.
+        // The content of an Inline is no event that the Inline has.
         BadCase{"ToWhatAnInlineHolds",
                 "DEF N Inline { } DEF G Group { } ROUTE G.children TO N.children",
                 {"3:56: Inline takes no event 'children'"}}),

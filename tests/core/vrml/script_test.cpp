@@ -1,6 +1,7 @@
 // Script: ISO/IEC 14772-1:1997, 4.12 and 6.40.
 #include <gmock/gmock.h>
 
+#include "core/vrml/default_values.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::vrml::script_test {

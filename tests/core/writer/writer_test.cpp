@@ -13,9 +13,9 @@
 #include <random>
 #include <sstream>
 
-#include "core/writer/scene_difference.hpp"
-#include "core/vrml/document.hpp"
 #include "core/scene/reader.hpp"
+#include "core/vrml/document.hpp"
+#include "core/writer/scene_difference.hpp"
 
 namespace peerd::writer_test {
 
@@ -43,15 +43,15 @@ std::string errors_of(const ReadResult& result) {
   return out;
 }
 
-// What a world became, and what it was.
+// A world as it was and as it came back.
 struct Trip {
   Scene original, copy;
   std::string text;
   std::vector<std::string> notes;
 };
 
-// There and back: the copy is the same world, writing it again gives the same text, and each name of the world still
-// finds the same instance.
+// Writes and reads a world: the copy is the same world, writing it again gives the same text, and each name of the
+// world still finds the same instance.
 void round_trip(const ReadResult& read, const FileLoader& load, const WriteOptions& options, Trip& trip) {
   SCOPED_TRACE(options.keep_inlines ? "Inlines kept" : "Inlines filled");
   ASSERT_TRUE(read.scene) << errors_of(read);
@@ -91,7 +91,7 @@ Trip trip_of(std::string_view body, const Files& files = {}, const WriteOptions&
 
 std::string written(std::string_view body) { return trip_of(body).text.substr(kHeader.size()); }
 
-// What is written is what was read
+// The written text holds the values that were read
 
 struct Same {
   const char* name;
@@ -399,7 +399,7 @@ class RandomWorld {
     static constexpr char kKinds[] = "????csiopktgggttttggggpp";
     kind = choice < 4 ? 'g' : kKinds[choice];
     if (kind == 'p' && names.declared == 0) kind = 't';
-    // What an instance inside of a PROTO is called in its own is not known to the reader as it should be.
+    // The name of an instance inside of a PROTO is not known to the reader as it should be.
     const bool nameless = kind == 'p' && names.in_prototype;
     if (once_in(2) && !nameless) {
       def = name();
@@ -558,7 +558,7 @@ TEST(WriterProperty, RandomWorldsComeBackTheSameAndSettleAtOnce) {
     ++good;
     Trip trip, kept;
     round_trip(read, {}, {}, trip);
-    // What stands in a kept Inline may, as a last resort, name nodes of the world around it, whose names are others
+    // The interests of a kept Inline may, as a last resort, name nodes of the world around it, whose names are others
     // then.
     if (std::ranges::none_of(files, [](const auto& file) {
           return file.second.contains("objectPath") || file.second.contains("recipient");

@@ -1,0 +1,67 @@
+#pragma once
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "collision/exact/relative_motion.hpp"
+#include "collision/query/wide_query.hpp"
+#include "collision/scene/shape_boxes.hpp"
+#include "collision/scene/shape_placement.hpp"
+
+namespace peerd::collision {
+
+// A polygon of a Shape: `polygon` counts in file order.
+struct ShapePolygon {
+  ObjectId shape;
+  std::uint32_t polygon = 0;
+  friend auto operator<=>(const ShapePolygon&, const ShapePolygon&) = default;
+};
+
+struct ShapePair {
+  ShapePolygon collider, collidee;
+  friend auto operator<=>(const ShapePair&, const ShapePair&) = default;
+};
+
+// The answer for a collider and a collidee.
+struct Collision {
+  bool colliding = false;
+  std::vector<ShapePair> pairs;  // kWitness: one; kAllPairs: all, sorted, each once; kBox: none
+};
+
+// Two Shapes whose boxes overlap, as the exact questions see them.
+struct ClosePair {
+  std::uint32_t a = 0, b = 0;                  // instances, a < b: a gives the frame
+  std::uint64_t version_a = 0, version_b = 0;  // ScaledGeometry::version
+  WideTree *tree_a = nullptr, *tree_b = nullptr;
+  RelativeMotion a_from_b;
+  bool collider_first = true;  // whether a is below the collider
+};
+
+// Finds which Shapes of two objects touch. The placement and the boxes outlive this object, and moves are applied
+// before each call.
+class SceneCollide {
+ public:
+  SceneCollide(const Scene& scene, ShapePlacement& placement, ShapeBoxes& boxes);
+  SceneCollide(const SceneCollide&) = delete;
+  SceneCollide& operator=(const SceneCollide&) = delete;
+
+  // The answers of SceneQuery's functions of the same names.
+  [[nodiscard]] std::expected<Collision, std::string> collide(ObjectId collider, ObjectId collidee, CollisionType type);
+  [[nodiscard]] std::expected<void, std::string> visit_close_pairs(ObjectId collider, ObjectId collidee,
+                                                                   const std::function<bool(const ClosePair&)>& visit);
+  [[nodiscard]] bool separated_by(ObjectId a, ObjectId b, double gap_m);
+
+  [[nodiscard]] const QueryCounters& counters() const { return query_.counters(); }
+
+ private:
+  struct Search;
+
+  const Scene& scene_;
+  ShapePlacement& placement_;
+  ShapeBoxes& boxes_;
+  WideQuery query_;
+};
+
+}  // namespace peerd::collision

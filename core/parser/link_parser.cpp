@@ -1,0 +1,56 @@
+#include "core/parser/link_parser.hpp"
+
+#include <algorithm>
+#include <span>
+#include <string>
+
+namespace peerd::vrml {
+
+using enum TokenKind;
+
+void LinkParser::parse(OpenNode& open, const FieldSpec& spec, Access access, Position at) {
+  const Position is_at = text_.tokens.position();
+  text_.tokens.take();
+  if (!text_.tokens.at(kWord)) {
+    open.damaged = true;
+    return text_.tokens.error(text_.tokens.position(), "expected a name of the PROTO's interface after IS, found " +
+                                                           described(text_.tokens.peek()));
+  }
+  const Token name = text_.tokens.take();
+  const auto refuse = [&](Position where, const std::string& why) {
+    open.damaged = true;
+    text_.tokens.error(where, why);
+  };
+  Prototype* const prototype = text_.scope->prototype;
+  if (prototype == nullptr) return refuse(is_at, "IS belongs inside a PROTO");
+  const FieldSpec* outer = find_field(prototype->type, name.text);
+  if (outer == nullptr) {
+    Suggestion suggestion(name.text);
+    for (const FieldSpec& field : prototype->type.fields) suggestion.consider(field.name);
+    return refuse(text_.tokens.position_of(name), "the interface of " + quoted(prototype->type.name) + " has no " +
+                                                      quoted(name.text) + did_you_mean(suggestion));
+  }
+  if (outer->type != spec.type) {
+    return refuse(at, quoted(spec.name) + " is " + std::string(name_of(spec.type)) + " and cannot be " +
+                          quoted(outer->name) + ", which is " + std::string(name_of(outer->type)));
+  }
+  const bool value = outer->access == Access::kExposedField && access == Access::kField;
+  if (value) {
+    text_.tokens.warning(at, "the field " + quoted(spec.name) + " takes the value of the exposedField " +
+                                 quoted(outer->name) + ", and no events: the standard wants a field here");
+  } else if (outer->access != access && access != Access::kExposedField) {
+    return refuse(at, "the " + std::string(name_of(access)) + ' ' + quoted(spec.name) + " cannot be the " +
+                          std::string(name_of(outer->access)) + ' ' + quoted(outer->name));
+  }
+  const bool carries = has_value(access) && has_value(outer->access);
+  open.links.push_back({outer, &spec, at});
+  if (!carries) return;
+  const bool linked = std::ranges::find(open.linked, &spec) != open.linked.end();
+  const auto own_fields = std::span(open_nodes_.fields).subspan(open.first_field);
+  if (linked || std::ranges::find(own_fields, &spec, &Field::spec) != own_fields.end()) {
+    text_.tokens.warning(at, quoted(spec.name) + " is given twice; the last IS counts");
+  }
+  if (!linked) open.linked.push_back(&spec);
+}
+
+}  // namespace peerd::vrml

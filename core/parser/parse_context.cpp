@@ -1,0 +1,38 @@
+#include "core/parser/parse_context.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "core/vrml/gzip.hpp"
+#include "core/vrml/lexer.hpp"
+
+namespace peerd::vrml {
+
+std::expected<OpenText, std::string> open_text(ParseContext& context, Source source) {
+  const std::uint64_t left =
+      context.options.limits.text_bytes - std::min(context.text_bytes, context.options.limits.text_bytes);
+  std::expected<Header, std::string> header = std::unexpected("");
+  if (is_gzip(source.text)) {
+    std::expected<std::string, std::string> unpacked = gunzip(source.text, left);
+    if (unpacked) {
+      source.owned = std::make_shared<const std::string>(std::move(*unpacked));
+      source.text = *source.owned;
+      header = read_header(source.text);
+    } else {
+      header = std::unexpected(unpacked.error());
+    }
+  } else if (source.text.size() > left) {
+    header = std::unexpected("it is larger than " + std::to_string(left) + " bytes, more than this reader takes");
+    source.text = {};
+  } else {
+    header = read_header(source.text);
+  }
+  context.text_bytes += source.text.size();
+  const std::optional<Position> begin = context.problems.open(std::move(source));
+  if (!header) return std::unexpected(header.error());
+  if (!begin) return std::unexpected("its files together are larger than 4 GiB, more than this reader takes");
+  if (!header->remark.empty()) context.problems.warning(*begin, std::string(header->remark));
+  return OpenText{*begin, header->end};
+}
+
+}  // namespace peerd::vrml

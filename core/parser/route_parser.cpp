@@ -1,0 +1,137 @@
+#include "core/parser/route_parser.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace peerd::vrml {
+
+using enum TokenKind;
+
+void RouteParser::parse() {
+  const Token keyword = text_.tokens.take();
+  const std::optional<RouteEnd> from = parse_end();
+  if (!from && !text_.tokens.at_word("TO")) return skip_line_of(keyword);
+  if (!text_.tokens.at_word("TO")) {
+    text_.tokens.error(text_.tokens.position(),
+                       "expected TO and where the ROUTE goes, found " + described(text_.tokens.peek()));
+    return skip_line_of(keyword);
+  }
+  text_.tokens.take();
+  const std::optional<RouteEnd> to = parse_end();
+  if (!to) return skip_line_of(keyword);
+  if (from && from->node != nullptr && to->node != nullptr) text_.scope->routes.emplace_back(*from, *to);
+}
+
+// A broken ROUTE ends with its line, as nearly all do.
+void RouteParser::skip_line_of(const Token& first) {
+  std::uint32_t seen = first.offset;
+  while (text_.tokens.at(kWord) || text_.tokens.at(kPeriod) || text_.tokens.at(kNumber)) {
+    const std::string_view text = text_.problems.text_of(text_.tokens.position());
+    const std::string_view between = text.substr(seen, text_.tokens.peek().offset - seen);
+    if (between.find_first_of("\r\n") != std::string_view::npos) return;
+    seen = text_.tokens.take().offset;
+  }
+}
+
+// NODE.EVENT; nothing where it is not written so. Its node is null where no node has that name.
+std::optional<RouteEnd> RouteParser::parse_end() {
+  const auto expected = [&](const std::string& what) {
+    text_.tokens.error(text_.tokens.position(), "expected " + what + ", found " + described(text_.tokens.peek()));
+    return std::nullopt;
+  };
+  RouteEnd end;
+  if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text)) return expected("NODE.EVENT of a ROUTE");
+  const Token name = text_.tokens.take();
+  end.name = name.text;
+  if (!text_.tokens.accept(kPeriod)) return expected("'.' and an event of " + quoted(name.text));
+  if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text))
+    return expected("an event of " + quoted(name.text));
+  end.at = text_.tokens.position();
+  end.event = text_.tokens.take().text;
+  if (Definition* const* const named = text_.scope->names.find(name.text)) {
+    end.node = *named;
+  } else {
+    text_.tokens.error(text_.tokens.position_of(name), "ROUTE names " + quoted(name.text) +
+                                                           ", which no DEF before it names" +
+                                                           did_you_mean(text_.names_like(name.text)));
+  }
+  return end;
+}
+
+// The field that an event's name stands for: itself, or the exposedField behind set_x and x_changed (4.7).
+RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
+  const Definition& definition = *end.node;
+  if (definition.type == nullptr || definition.node == NodeRef::kNull) return {};  // what was lost is reported
+  const NodeType& type = *definition.type;
+  const auto serves = [&](const FieldSpec& field) {
+    return sends ? sends_events(field.access) : takes_events(field.access);
+  };
+  const FieldSpec* found = nullptr;
+  const FieldSpec* exact = find_field(type, end.event);
+  if (exact != nullptr && exact->access == Access::kContent) exact = nullptr;
+  if (exact != nullptr && serves(*exact)) {
+    found = exact;
+  } else {
+    // set_ and _changed may be left out, and an exposedField has both (4.7, 4.10.2).
+    std::string_view base;
+    if (sends && end.event.ends_with("_changed")) base = end.event.substr(0, end.event.size() - 8);
+    if (!sends && end.event.starts_with("set_")) base = end.event.substr(4);
+    const FieldSpec* field = base.empty() ? nullptr : find_field(type, base);
+    if (field != nullptr && field->access == Access::kExposedField) found = field;
+    if (exact == nullptr && found == nullptr) {
+      field = find_field(type, sends ? std::string(end.event) + "_changed" : "set_" + std::string(end.event));
+      if (field != nullptr && serves(*field)) found = field;
+    }
+  }
+  if (found == nullptr) {
+    std::string why;
+    if (exact != nullptr) {
+      why = quoted(end.event) + " is an " + std::string(name_of(exact->access)) + " of " + std::string(type.name);
+      if (exact->access == Access::kField) why.replace(why.find(" is an "), 7, " is a ");
+      why += sends ? ": it sends no events" : ": it takes no events";
+    } else {
+      Suggestion suggestion(end.event);
+      for (const FieldSpec& field : type.fields) {
+        if (serves(field)) suggestion.consider(field.name);
+      }
+      why = std::string(type.name) + (sends ? " sends no event " : " takes no event ") + quoted(end.event) +
+            did_you_mean(suggestion);
+    }
+    text_.tokens.error(end.at, why);
+    return {};
+  }
+  if (definition.prototype == nullptr || definition.prototype->not_found != nullptr) {
+    return {.spec = found, .own = {.node = definition.node, .inner = found}};
+  }
+  return {.spec = found, .base = definition.base, .inner = links_of(definition.prototype->event_links, *found)};
+}
+
+void RouteParser::add_routes(const Scope& scope, const RouteEnd& from, const RouteEnd& to) {
+  const Event source = find_event(from, true);
+  const Event target = find_event(to, false);
+  if (source.spec == nullptr || target.spec == nullptr) return;
+  if (source.spec->type != target.spec->type) {
+    text_.tokens.error(to.at, "this ROUTE goes from " + std::string(name_of(source.spec->type)) + " to " +
+                                  std::string(name_of(target.spec->type)) + ": both must be of one type");
+    return;
+  }
+  for (const IsLink& out : source.links()) {
+    for (const IsLink& in : target.links()) {
+      if (!text_.context.room_for(0, 2, from.at)) return;
+      scope.body->routes.push_back({source.base + out.node, target.base + in.node, out.inner, in.inner, from.at});
+    }
+  }
+}
+
+void RouteParser::close(Scope& scope) {
+  for (const auto& [from, to] : scope.routes) add_routes(scope, from, to);
+  const bool lost =
+      std::ranges::any_of(scope.definitions, [](const Definition& d) { return d.node == NodeRef::kNull; });
+  if (!text_.in_world_body() || !lost) return;
+  for (const auto& [name, definition] : scope.names.table()) {
+    if (definition->node == NodeRef::kNull) text_.context.document.unreadable_names.push_back(text_.arena.copy(name));
+  }
+}
+
+}  // namespace peerd::vrml

@@ -1,0 +1,76 @@
+#include "core/parser/script_parser.hpp"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace peerd::vrml {
+
+using enum TokenKind;
+
+void ScriptParser::parse_declaration(OpenNode& open) {
+  const Token keyword = text_.tokens.take();
+  const Access access = *find_access(keyword.text);
+  const auto type = text_.tokens.at(kWord) ? find_field_type(text_.tokens.peek().text) : std::nullopt;
+  if (!type) {
+    open.damaged = true;
+    text_.tokens.error(text_.tokens.position(), "expected a field type, found " + described(text_.tokens.peek()));
+    if (text_.tokens.at(kWord) && !find_access(text_.tokens.peek().text)) text_.tokens.take();
+    if (text_.tokens.at(kWord) && !find_access(text_.tokens.peek().text)) text_.tokens.take();
+    return open_nodes_.skip_value(text_);
+  }
+  text_.tokens.take();
+  if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text)) {
+    open.damaged = true;
+    text_.tokens.error(text_.tokens.position(),
+                       "expected the name of a field, found " + described(text_.tokens.peek()));
+    if (text_.tokens.at(kWord) && !find_access(text_.tokens.peek().text)) text_.tokens.take();
+    return has_value(access) ? open_nodes_.skip_value(text_) : void();
+  }
+  const Token name = text_.tokens.take();
+  if (access == Access::kExposedField) {
+    open.damaged = true;
+    text_.tokens.error(text_.tokens.position_of(keyword),
+                       "a Script declares fields, eventIns and eventOuts, no exposedFields");
+  }
+  if (find_field_of(open, name.text) != nullptr) {
+    open.damaged = true;
+    text_.tokens.error(text_.tokens.position_of(name), "this Script has " + quoted(name.text) + " already");
+  }
+  if (open.own_fields.size() >= kMaxFields) {
+    if (!std::exchange(open.damaged, true)) text_.report_too_many_fields(text_.tokens.position_of(name));
+    return has_value(access) ? open_nodes_.skip_value(text_) : void();
+  }
+  const FieldSpec& spec =
+      open.own_fields.emplace_back(FieldSpec{text_.arena.copy(name.text), *type, access, {}, Range::kAny, kAnyClass});
+  if (text_.tokens.at_word("IS")) return links_.parse(open, spec, access, text_.tokens.position_of(name));
+  if (!has_value(access)) return;
+  // Scripts in this field's nodes have lists of their own.
+  std::vector<Definition*> outer_uses = std::exchange(open_nodes_.script_uses, {});
+  if (const std::optional<Field> value = text_.values.read(spec)) {
+    open_nodes_.fields.push_back(*value);
+    auto around = open_nodes_.script_uses.begin();
+    for (const NodeRef& ref : value->as<NodeRef>().first(open_nodes_.script_uses.empty() ? 0 : value->count)) {
+      // The document's arena is ours to write until it is handed over.
+      if (ref.index == kOpenNode) text_.scope->unresolved_refs[*around++].push_back(const_cast<NodeRef*>(&ref));
+    }
+  } else {
+    open.damaged = true;
+  }
+  open_nodes_.script_uses = std::move(outer_uses);
+}
+
+void ScriptParser::finish(OpenNode& open) {
+  std::vector<FieldSpec> specs(open.type->fields.begin(), open.type->fields.end());
+  specs.insert(specs.end(), open.own_fields.begin(), open.own_fields.end());
+  NodeType& type = text_.context.document.own_types.emplace_back(*open.type);
+  type.fields = text_.arena.copy(std::span<const FieldSpec>(specs));
+  for (std::size_t i = open.first_field; i < open_nodes_.fields.size(); ++i)
+    open_nodes_.fields[i].spec = find_field(type, open_nodes_.fields[i].spec->name);
+  open.type = &type;
+  if (open.definition != nullptr) open.definition->type = &type;
+}
+
+}  // namespace peerd::vrml

@@ -1,0 +1,40 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+
+#include "core/parser/node_parser.hpp"
+#include "core/parser/open_nodes.hpp"
+#include "core/parser/prototype_parser.hpp"
+#include "core/parser/route_parser.hpp"
+#include "core/parser/text_state.hpp"
+#include "core/parser/type_finder.hpp"
+
+namespace peerd::vrml {
+
+// Reads one text of a world. The other texts that it names are read on the way, by ParseContext::parse_text.
+class TextParser final : private Grammar {
+ public:
+  // The parameters are those of TextState.
+  TextParser(ParseContext& context, Position text_begin, std::size_t begin, std::uint32_t nesting);
+
+  // Reads the whole text into `body`. Inlines are loaded where that is the body of the world.
+  Declarations parse_text(Body& body);
+
+ private:
+  bool parse_statement() override;
+  NodeRef parse_node() override { return nodes_.parse_node(); }
+  NodeRef parse_node_body(const Token& def, const Token& type_name, Position at) override {
+    return nodes_.parse_node_body(def, type_name, at);
+  }
+  // Reads one node of the value of an SFNode or MFNode, for ValueReader.
+  std::optional<NodeRef> parse_node_value(const FieldSpec& spec);
+
+  TextState text_;
+  OpenNodes open_nodes_;
+  RouteParser routes_;
+  TypeFinder types_;
+  PrototypeParser prototypes_;
+  NodeParser nodes_;
+};
+
+}  // namespace peerd::vrml

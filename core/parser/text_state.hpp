@@ -1,0 +1,69 @@
+#pragma once
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/parser/parse_context.hpp"
+#include "core/vrml/token_stream.hpp"
+#include "core/vrml/value_reader.hpp"
+
+namespace peerd::vrml {
+
+// A TextState is one text while it is read, as all parts of its parser see it: the tokens to come, the reader of field
+// values, and the scope that names are defined in.
+struct TextState {
+  // `text_begin` is the position of the text among all texts of the world, `begin` the offset of its first token behind
+  // the header, `nesting` how many nodes, PROTOs and files are open around it.
+  TextState(ParseContext& parse_context, Position text_begin, std::size_t begin, std::uint32_t open_around)
+      : context(parse_context),
+        arena(parse_context.document.arena),
+        problems(parse_context.problems),
+        tokens(problems.text_of(text_begin), text_begin, begin, problems),
+        values(tokens, arena, problems),
+        nesting(open_around) {}
+  TextState(const TextState&) = delete;
+  TextState& operator=(const TextState&) = delete;
+
+  // Returns whether nodes that are read now become nodes of the world, rather than of a PROTO or of a library. Inlines
+  // are loaded in the world only.
+  [[nodiscard]] bool in_world_body() const { return scope->body == &context.world; }
+
+  // Defines a name in the current scope. A name that is there already means the new definition from here on (4.4.3).
+  Definition& define(std::string_view name);
+  // Defines names of nodes that could not be read, so that a USE of them is not reported as well. Empty ones count not.
+  void define_unreadable(std::string_view name);
+  void define_unreadable(const std::vector<std::string_view>& names);
+  // The DEF name in the current scope that is most like `name`.
+  [[nodiscard]] Suggestion names_like(std::string_view name) const;
+
+  // Passes over the brackets or braces at the next token, and defines the names in them as unreadable.
+  void skip_balanced() { define_unreadable(tokens.skip_balanced()); }
+  // Reports the field at `at` as one more than kMaxFields.
+  void report_too_many_fields(Position at);
+
+  ParseContext& context;
+  Arena& arena;
+  Problems& problems;
+  TokenStream tokens;
+  ValueReader values;
+  Scope* scope = nullptr;
+  std::uint32_t nesting = 0;  // of nodes and PROTOs, through files: each is a recursion
+};
+
+// The rules of the VRML97 grammar (ISO/IEC 14772-1, annex A) that contain each other. A part of the parser that meets
+// such a rule inside its own calls it through this interface, so that the parts need not know each other.
+class Grammar {
+ public:
+  // Reads a PROTO, an EXTERNPROTO or a ROUTE if one stands here, and says whether one did.
+  virtual bool parse_statement() = 0;
+  // Reads a node or a USE. The result is null where it could not be read.
+  virtual NodeRef parse_node() = 0;
+  // Reads a node whose type name has been taken. `def` is the name behind its DEF, or an empty token; `at` is the
+  // position of the first token of the node.
+  virtual NodeRef parse_node_body(const Token& def, const Token& type_name, Position at) = 0;
+
+ protected:
+  ~Grammar() = default;
+};
+
+}  // namespace peerd::vrml

@@ -1,0 +1,55 @@
+#include "collision/broad_phase/dynamic_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/collision/broad_phase/overlap_finder_check.hpp"
+
+namespace peerd::collision::dynamic_tree_test {
+
+TEST(DynamicTree, FindsAllNewOverlapsAndNothingElse) {
+  test::expect_finds_new_overlaps<DynamicTree>(81, 8);
+  test::expect_finds_new_overlaps<DynamicTree>(82, 40);
+}
+
+std::vector<FatBox> row(BroadIndex count) {
+  std::vector<FatBox> boxes;
+  for (BroadIndex i = 0; i < count; ++i) {
+    const double x = 2.0 * i;
+    boxes.push_back(fattened(ExactBox::of({Vec3(x, 0, 0), Vec3(x + 1, 1, 1)}), 0.0));
+  }
+  return boxes;
+}
+
+// Inserting in order is the worst case of a tree without rotations: it would be as high as the row is long.
+TEST(DynamicTree, StaysLowWhenBoxesComeInOrder) {
+  const std::vector<FatBox> boxes = row(1024);
+  DynamicTree tree(boxes);
+  EXPECT_EQ(tree.height(), 0u);
+  std::vector<OverlapFinder::Found> found;
+  for (BroadIndex i = 0; i < boxes.size(); ++i) {
+    tree.insert(i);
+    tree.update(std::vector{i}, found);
+  }
+  EXPECT_TRUE(found.empty());
+  EXPECT_GE(tree.height(), 10u);
+  EXPECT_LE(tree.height(), 30u);
+}
+
+TEST(DynamicTree, IsEmptyAgainWhenAllAreGone) {
+  const std::vector<FatBox> boxes = row(50);
+  DynamicTree tree(boxes);
+  std::vector<OverlapFinder::Found> found;
+  for (int round = 0; round < 2; ++round) {
+    std::vector<BroadIndex> all;
+    for (BroadIndex i = 0; i < boxes.size(); ++i) {
+      tree.insert(i);
+      all.push_back(i);
+    }
+    tree.update(all, found);
+    EXPECT_GT(tree.height(), 0u);
+    for (const BroadIndex i : all) tree.erase(i);
+    EXPECT_EQ(tree.height(), 0u);
+  }
+}
+
+}  // namespace peerd::collision::dynamic_tree_test

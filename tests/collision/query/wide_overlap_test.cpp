@@ -1,0 +1,90 @@
+#include "collision/query/wide_overlap.hpp"
+
+#include <gtest/gtest.h>
+
+#include "collision/exact/triangle_pair.hpp"
+#include "tests/collision/query/wide_kernels.hpp"
+
+namespace peerd::collision::wide_overlap_test {
+
+using namespace test;
+using Ref = WideTree::Ref;
+
+bool any_touch(const WidePair& pair, const std::vector<std::uint32_t>& of_a, const std::vector<std::uint32_t>& of_b) {
+  OrientationCounters counters;
+  for (const std::uint32_t i : of_a) {
+    for (const std::uint32_t j : of_b) {
+      if (touch(pair.of_a(i), pair.of_b(j), counters)) return true;
+    }
+  }
+  return false;
+}
+
+// What a kernel rules out doesn't touch, by the exact test; and it rules out most of what doesn't.
+TEST(WideOverlap, RulesOutNothingThatTouches) {
+  Numbers numbers(321);
+  std::size_t touching = 0, kept = 0, pairs = 0;
+  for (int i = 0; i < 12; ++i) {
+    const WidePair pair(random_soup(120, 0.2, 322), torus(8, 10, true),
+                        RelativeMotion(random_pose(numbers, 0.6), random_pose(numbers, 0.6)));
+    const WideMotion motion(pair.tree_a, pair.tree_b, pair.a_from_b);
+    OrientationCounters counters;
+    for (const WideTree::Leaf& a : pair.tree_a.leaves()) {
+      for (const WideTree::Leaf& b : pair.tree_b.leaves()) {
+        Masks masks;
+        test_leaves(a, b, motion, masks);
+        for (std::size_t row = 0; row < b.count; ++row) {
+          ASSERT_EQ(masks[row] >> a.count, 0) << "a triangle that isn't there";
+          for (std::size_t lane = 0; lane < a.count; ++lane) {
+            const bool may = (masks[row] >> lane & 1) != 0;
+            const bool does = touch(pair.of_a(a.faces[lane]), pair.of_b(b.faces[row]), counters);
+            ASSERT_TRUE(may || !does);
+            touching += does;
+            kept += may;
+            ++pairs;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(touching, 100u);
+  EXPECT_LT(kept - touching, pairs / 100);
+}
+
+TEST(WideOverlap, NodesAndLeavesRuleOutNothingThatTouchesBelow) {
+  Numbers numbers(323);
+  int ruled_out = 0;
+  for (int i = 0; i < 6; ++i) {
+    const WidePair pair(random_soup(200, 0.15, 324), torus(10, 12, true),
+                        RelativeMotion(random_pose(numbers, 1.0), random_pose(numbers, 1.0)));
+    const WideMotion motion(pair.tree_a, pair.tree_b, pair.a_from_b);
+    const WideTree::Node &a = pair.tree_a.node(0), &b = pair.tree_b.node(0);
+    Masks masks;
+    test_nodes(a, b, motion, masks);
+    const WideTree::Leaf &leaf_a = pair.tree_a.leaf(0), &leaf_b = pair.tree_b.leaf(0);
+    const std::vector<std::uint32_t> in_leaf_a(leaf_a.faces.begin(), leaf_a.faces.begin() + leaf_a.count);
+    const std::vector<std::uint32_t> in_leaf_b(leaf_b.faces.begin(), leaf_b.faces.begin() + leaf_b.count);
+    const std::uint8_t node_leaf = test_node_leaf(a, leaf_b, motion), leaf_node = test_leaf_node(leaf_a, b, motion);
+    for (std::size_t row = 0; row < WideTree::kWidth; ++row) {
+      const bool in_b = b.children[row].kind() != Ref::kNone;
+      const auto below_b = in_b ? faces_below(pair.tree_b, b.children[row]) : std::vector<std::uint32_t>();
+      ASSERT_TRUE((leaf_node >> row & 1) != 0 || !any_touch(pair, in_leaf_a, below_b));
+      const bool in_a = a.children[row].kind() != Ref::kNone;
+      const auto beside = in_a ? faces_below(pair.tree_a, a.children[row]) : std::vector<std::uint32_t>();
+      ASSERT_TRUE((node_leaf >> row & 1) != 0 || !any_touch(pair, beside, in_leaf_b));
+      for (std::size_t lane = 0; lane < WideTree::kWidth; ++lane) {
+        const bool may = (masks[row] >> lane & 1) != 0;
+        if (a.children[lane].kind() == Ref::kNone || !in_b) {
+          EXPECT_FALSE(may) << "a child that isn't there";
+          continue;
+        }
+        if (may) continue;
+        ++ruled_out;
+        ASSERT_FALSE(any_touch(pair, faces_below(pair.tree_a, a.children[lane]), below_b));
+      }
+    }
+  }
+  EXPECT_GT(ruled_out, 20);
+}
+
+}  // namespace peerd::collision::wide_overlap_test

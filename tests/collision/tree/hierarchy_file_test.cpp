@@ -1,0 +1,228 @@
+#include "collision/tree/hierarchy_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "collision/query/wide_query.hpp"
+#include "tests/collision/soups.hpp"
+
+namespace peerd::collision::hierarchy_file_test {
+
+using ::testing::HasSubstr;
+using Ref = WideTree::Ref;
+
+constexpr std::size_t kHeaderBytes = 64;
+
+// A file at an address that is a multiple of 32, as a mapped one is.
+struct Mapped {
+  std::shared_ptr<std::byte[]> memory;
+  std::span<const std::byte> bytes;
+};
+Mapped mapped(const std::string& file) {
+  struct alignas(32) Block {
+    std::byte bytes[32];
+  };
+  const auto blocks = std::make_shared<Block[]>(file.size() / sizeof(Block) + 1);
+  std::memcpy(blocks.get(), file.data(), file.size());
+  auto* const first = blocks[0].bytes;
+  return {std::shared_ptr<std::byte[]>(blocks, first), {first, file.size()}};
+}
+std::expected<WideTree, std::string> read(const TriangleSoup& soup, const std::string& file) {
+  const Mapped m = mapped(file);
+  return read_hierarchy(soup, m.memory, m.bytes);
+}
+
+// The parts of a file, to be changed and put together again with a checksum that fits: the hash of the format, written
+// down a second time.
+struct Forged {
+  std::string header;
+  std::vector<WideTree::Node> nodes;
+  std::vector<WideTree::Leaf> leaves;
+
+  explicit Forged(const std::string& file) : header(file.substr(0, kHeaderBytes)) {
+    nodes.resize(number(36));
+    leaves.resize(number(40));
+    std::memcpy(nodes.data(), file.data() + kHeaderBytes, nodes.size() * sizeof(WideTree::Node));
+    std::memcpy(leaves.data(), file.data() + kHeaderBytes + nodes.size() * sizeof(WideTree::Node),
+                leaves.size() * sizeof(WideTree::Leaf));
+  }
+  [[nodiscard]] std::uint32_t number(std::size_t offset) const {
+    std::uint32_t value = 0;
+    std::memcpy(&value, header.data() + offset, sizeof value);
+    return value;
+  }
+  void set_number(std::size_t offset, std::uint32_t value) { std::memcpy(header.data() + offset, &value, sizeof value); }
+
+  [[nodiscard]] std::string file() {
+    std::string body(nodes.size() * sizeof(WideTree::Node) + leaves.size() * sizeof(WideTree::Leaf), '\0');
+    std::memcpy(body.data(), nodes.data(), nodes.size() * sizeof(WideTree::Node));
+    std::memcpy(body.data() + nodes.size() * sizeof(WideTree::Node), leaves.data(),
+                leaves.size() * sizeof(WideTree::Leaf));
+    set_number(36, static_cast<std::uint32_t>(nodes.size()));
+    set_number(40, static_cast<std::uint32_t>(leaves.size()));
+    std::uint64_t hash = 0xcbf29ce484222325u;
+    for (std::size_t i = 0; i < body.size(); i += 8) {  // both kinds of entries are multiples of eight bytes
+      std::uint64_t word = 0;
+      std::memcpy(&word, body.data() + i, sizeof word);
+      hash = std::rotl((hash ^ word) * 0x100000001b3u, 29);
+    }
+    std::memcpy(header.data() + 24, &hash, sizeof hash);
+    return header + body;
+  }
+};
+
+std::string written(const TriangleSoup& soup) {
+  WideTree tree(soup);
+  return write_hierarchy(tree);
+}
+
+TEST(HierarchyFile, ATreeThatWasReadAnswersAsTheOneThatWasWritten) {
+  const TriangleSoup a = torus(16, 20, true), b = random_soup(300, 0.1, 61), few = random_soup(5, 0.6, 62);
+  Numbers numbers(63);
+  for (const TriangleSoup* soup : {&a, &few}) {
+    auto from_file = read(*soup, written(*soup));
+    ASSERT_TRUE(from_file.has_value()) << from_file.error();
+    EXPECT_FALSE(from_file->refittable());
+    EXPECT_EQ(from_file->nodes_built(), 0u);
+    WideTree built(*soup), other(b);
+    WideQuery query;
+    for (int i = 0; i < 20; ++i) {
+      const RelativeMotion motion(random_pose(numbers, 0.7), random_pose(numbers, 0.7));
+      const std::vector<PolygonPair> expected = query.all_pairs(built, other, motion);
+      EXPECT_EQ(query.all_pairs(*from_file, other, motion), expected);
+    }
+  }
+}
+
+// The helper's checksum is the format's: an unchanged file passes.
+TEST(HierarchyFile, PartsPutTogetherAgainAreTheFile) {
+  const TriangleSoup soup = random_soup(200, 0.1, 64);
+  const std::string file = written(soup);
+  EXPECT_EQ(Forged(file).file(), file);
+}
+
+struct Forgery {
+  const char* name;
+  std::function<void(Forged&)> change;
+};
+// All of a tree of more than two levels. Child 0 of the root is a node; the last node's children are leaves.
+const Forgery kForgeries[] = {
+    {"NodeOutOfRange", [](Forged& f) { f.nodes[0].children[0] = Ref(Ref::kNode, static_cast<std::uint32_t>(f.nodes.size())); }},
+    {"LeafOutOfRange",
+     [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kLeaf, static_cast<std::uint32_t>(f.leaves.size())); }},
+    {"LeafFarOutOfRange", [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kLeaf, 0x3fff'ffff); }},
+    {"ChildIsItsParent", [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kNode, static_cast<std::uint32_t>(f.nodes.size() - 1)); }},
+    {"ChildIsTheRoot", [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kNode, 0); }},
+    {"ChildStandsBeforeItsParent",
+     [](Forged& f) {  // two nodes that are each other's children, cut off from the root
+       f.nodes[0].children[0] = Ref();
+       f.nodes[2].children[0] = Ref(Ref::kNode, 1);
+     }},
+    {"SharedNode", [](Forged& f) { f.nodes[0].children[1] = f.nodes[0].children[0]; }},
+    {"SharedLeaf", [](Forged& f) { f.nodes.back().children[1] = f.nodes.back().children[0]; }},
+    {"Pending", [](Forged& f) { f.nodes.back().children[0] = Ref(Ref::kPending, 0); }},
+    {"OrphanedNode", [](Forged& f) { f.nodes[0].children[0] = Ref(); }},
+    {"OrphanedLeaf", [](Forged& f) { f.nodes.back().children[0] = Ref(); }},
+    {"EmptyLeaf", [](Forged& f) { f.leaves[1].count = 0; }},
+    {"LeafOfNine", [](Forged& f) { f.leaves[1].count = 9; }},
+    {"FaceOutOfRange", [](Forged& f) { f.leaves[1].faces[0] = f.number(32); }},
+    {"FaceOutOfRangeInAnUnusedLane",
+     [](Forged& f) {
+       auto& leaf = *std::ranges::find_if(f.leaves, [](const WideTree::Leaf& l) { return l.count < WideTree::kWidth; });
+       leaf.faces[WideTree::kWidth - 1] = f.number(32);
+     }},
+    {"MissingFace", [](Forged& f) { f.leaves[1].faces[0] = f.leaves[0].faces[0]; }},
+};
+
+TEST(HierarchyFile, RefusesForgedTreesWithRightChecksums) {
+  const TriangleSoup soup = random_soup(1003, 0.1, 65);  // not a multiple of 8: one leaf has unused lanes
+  const std::string file = written(soup);
+  for (const Forgery& forgery : kForgeries) {
+    Forged forged(file);
+    ASSERT_GT(forged.nodes.size(), 3u);
+    ASSERT_EQ(forged.nodes[0].children[0].kind(), Ref::kNode);
+    ASSERT_EQ(forged.nodes.back().children[0].kind(), Ref::kLeaf);
+    forgery.change(forged);
+    const auto tree = read(soup, forged.file());
+    ASSERT_FALSE(tree.has_value()) << forgery.name;
+    EXPECT_THAT(tree.error(), HasSubstr("it is no tree")) << forgery.name;
+  }
+}
+
+TEST(HierarchyFile, ATreeWithoutNodesIsOneLeaf) {
+  const TriangleSoup soup = random_soup(8, 0.3, 66);
+  const std::string file = written(soup);
+  ASSERT_EQ(Forged(file).nodes.size(), 0u);
+  ASSERT_TRUE(read(soup, file).has_value());
+  Forged none(file);
+  none.leaves.clear();
+  EXPECT_FALSE(read(soup, none.file()).has_value());
+  Forged two(file);
+  two.leaves.push_back(two.leaves[0]);
+  EXPECT_FALSE(read(soup, two.file()).has_value());
+}
+
+TEST(HierarchyFile, SaysWhatIsWrong) {
+  const TriangleSoup soup = random_soup(100, 0.1, 67);
+  const std::string file = written(soup);
+  const auto error = [&](const std::string& changed) { return read(soup, changed).error(); };
+  const auto with = [&](std::size_t offset, char c) {
+    std::string changed = file;
+    changed[offset] = c;
+    return changed;
+  };
+  EXPECT_EQ(error(""), "it is no hierarchy file");
+  EXPECT_EQ(error(file.substr(0, kHeaderBytes - 1)), "it is no hierarchy file");
+  EXPECT_EQ(error(with(0, 'X')), "it is no hierarchy file");
+  EXPECT_EQ(error(with(8, 2)), "it is of another version");
+  EXPECT_EQ(error(with(12, 65)), "it is of another version");
+  EXPECT_EQ(error(with(16, static_cast<char>(file[16] ^ 1))), "it is of another mesh");
+  EXPECT_EQ(error(file.substr(0, file.size() - 1)), "it is cut short or too long");
+  EXPECT_EQ(error(file + '\0'), "it is cut short or too long");
+  EXPECT_THAT(error(with(kHeaderBytes + 5, static_cast<char>(file[kHeaderBytes + 5] ^ 4))), HasSubstr("checksum"));
+  TriangleSoup moved = soup;
+  moved.vertices[7][1] = std::nextafter(moved.vertices[7][1], 9.0);
+  EXPECT_EQ(read(moved, file).error(), "it is of another mesh");
+}
+
+// Whatever bits are changed below a right checksum: the file is refused, or queries stay within its arrays (address
+// sanitizer) and end.
+TEST(HierarchyFile, NothingInAFileMakesAQueryReadBeyondItsArrays) {
+  const TriangleSoup soup = random_soup(150, 0.2, 68), other = torus(8, 10, true);
+  const std::string file = written(soup);
+  Numbers numbers(69);
+  int read_again = 0;
+  for (int i = 0; i < 400; ++i) {
+    Forged forged(file);
+    const std::size_t size = forged.nodes.size() * sizeof(WideTree::Node);
+    auto* const bytes = reinterpret_cast<unsigned char*>(forged.nodes.data());
+    auto* const leaf_bytes = reinterpret_cast<unsigned char*>(forged.leaves.data());
+    for (int k = 0; k < 1 + i % 3; ++k) {
+      const double at = numbers.unit();
+      const auto bit = static_cast<unsigned char>(1u << static_cast<unsigned>(8.0 * numbers.unit()));
+      if (i % 2 == 0) {
+        bytes[static_cast<std::size_t>(at * static_cast<double>(size))] ^= bit;
+      } else {
+        leaf_bytes[static_cast<std::size_t>(at * static_cast<double>(forged.leaves.size() * sizeof(WideTree::Leaf)))] ^=
+            bit;
+      }
+    }
+    auto tree = read(soup, forged.file());
+    if (!tree) continue;
+    ++read_again;
+    WideTree still(other);
+    WideQuery query;
+    (void)query.all_pairs(*tree, still, RelativeMotion(random_pose(numbers, 0.5), random_pose(numbers, 0.5)));
+  }
+  EXPECT_GT(read_again, 100);
+}
+
+}  // namespace peerd::collision::hierarchy_file_test

@@ -1,0 +1,131 @@
+#include "collision/tree/wide_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "tests/collision/soups.hpp"
+
+namespace peerd::collision::wide_tree_test {
+
+using Ref = WideTree::Ref;
+
+TEST(WideTree, HoldsEachTriangleOnceInFullLeaves) {
+  for (const std::uint32_t triangles : {1u, 7u, 8u, 9u, 63u, 64u, 65u, 511u, 513u, 1000u, 4097u}) {
+    const TriangleSoup soup = random_soup(triangles, 0.1, triangles);
+    WideTree tree(soup);
+    tree.build_all();
+    std::multiset<std::uint32_t> held;
+    std::size_t leaves = 0;
+    std::vector<WideTree::Ref> stack = {tree.at(WideTree::kRoot)};
+    while (!stack.empty()) {
+      const WideTree::Ref ref = stack.back();
+      stack.pop_back();
+      if (ref.kind() == WideTree::Ref::kLeaf) {
+        const WideTree::Leaf& leaf = tree.leaf(ref.index());
+        ++leaves;
+        for (std::size_t i = 0; i < leaf.count; ++i) held.insert(leaf.faces[i]);
+        continue;
+      }
+      ASSERT_EQ(ref.kind(), WideTree::Ref::kNode);
+      for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
+        const WideTree::Ref child = tree.at(WideTree::child_slot(ref, i));
+        if (child.kind() != WideTree::Ref::kNone) stack.push_back(child);
+      }
+    }
+    EXPECT_EQ(held.size(), triangles);
+    EXPECT_EQ(std::set<std::uint32_t>(held.begin(), held.end()).size(), triangles);
+    EXPECT_EQ(leaves, (triangles + 7) / 8);
+  }
+}
+
+// Every box holds the corners below it, but for the rounding that the header states.
+void expect_boxes_hold(WideTree& tree) {
+  const double room = 0x1p-22 * tree.extent_m() * tree.scale();
+  const auto inside = [&](const Vec3& p, double center, double half, int k) {
+    return std::abs(p[k] - center) <= half + room;
+  };
+  for (const WideTree::Node& node : tree.nodes()) {
+    for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
+      std::vector<Ref> stack;
+      if (node.children[i].kind() != Ref::kNone) stack.push_back(node.children[i]);
+      while (!stack.empty()) {
+        const Ref ref = stack.back();
+        stack.pop_back();
+        if (ref.kind() == Ref::kNode) {
+          for (const Ref child : tree.node(ref.index()).children) {
+            if (child.kind() != Ref::kNone) stack.push_back(child);
+          }
+          continue;
+        }
+        const WideTree::Leaf& leaf = tree.leaf(ref.index());
+        for (std::size_t f = 0; f < leaf.count; ++f) {
+          for (const Vec3& corner : tree.soup().triangle(leaf.faces[f])) {
+            const Vec3 p = (corner - tree.origin()) * tree.scale();
+            for (int k = 0; k < 3; ++k) {
+              const auto axis = static_cast<std::size_t>(k);
+              EXPECT_TRUE(inside(p, node.center[axis][i], node.half[axis][i], k));
+              EXPECT_TRUE(inside(p, leaf.center[axis], leaf.half[axis], k));
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(WideTree, BoxesHoldWhatIsBelowThem) {
+  for (const TriangleSoup& soup : {random_soup(200, 0.2, 51), torus(16, 20, true), half_space()}) {
+    WideTree tree(soup);
+    tree.build_all();
+    ASSERT_NO_FATAL_FAILURE(expect_boxes_hold(tree));
+  }
+}
+
+TEST(WideTree, RefittedBoxesHoldMovedVertices) {
+  TriangleSoup soup = torus(12, 16, true);
+  WideTree tree(soup);
+  tree.build_all();
+  soup.box = {};
+  for (Vec3& v : soup.vertices) {
+    v = {2.0 * v[0] + 5.0, v[1] - v[0] * v[0], v[2] + 0.5};
+    soup.box.merge(v);
+  }
+  ASSERT_TRUE(tree.refittable());
+  const std::size_t nodes = tree.nodes_built();
+  tree.refit();
+  EXPECT_EQ(tree.nodes_built(), nodes);
+  ASSERT_NO_FATAL_FAILURE(expect_boxes_hold(tree));
+}
+
+TEST(WideTree, BuildsANodeWhenItIsVisitedAndKeepsIt) {
+  const TriangleSoup soup = random_soup(1000, 0.1, 52);
+  WideTree tree(soup);
+  EXPECT_EQ(tree.nodes_built(), 0u);
+  const Ref root = tree.at(WideTree::kRoot);
+  ASSERT_EQ(root.kind(), Ref::kNode);
+  EXPECT_EQ(tree.nodes_built(), 1u);
+  const WideTree::Node* const before = &tree.node(root.index());
+  const Ref child = tree.at(WideTree::child_slot(root, 0));
+  EXPECT_EQ(tree.nodes_built(), 2u);
+  EXPECT_EQ(tree.at(WideTree::child_slot(root, 0)).index(), child.index());
+  EXPECT_EQ(tree.nodes_built(), 2u);
+  tree.build_all();
+  EXPECT_EQ(&tree.node(root.index()), before);
+  EXPECT_EQ(WideTree::parent(WideTree::child_slot(root, 3)).index(), root.index());
+}
+
+// So large that binary32 would overflow: a scale below 1, a power of two.
+TEST(WideTree, HugeSoupsAreScaledByAPowerOfTwo) {
+  const TriangleSoup soup = half_space();
+  const WideTree tree(soup);
+  EXPECT_LT(tree.scale(), 1.0);
+  int exponent = 0;
+  EXPECT_EQ(std::frexp(tree.scale(), &exponent), 0.5);
+  const TriangleSoup small = torus(8, 8, true);
+  EXPECT_EQ(WideTree(small).scale(), 1.0);
+}
+
+}  // namespace peerd::collision::wide_tree_test
