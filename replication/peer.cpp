@@ -2,210 +2,228 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
+#include <vector>
 
-#include "core/scene/bounding_radius.hpp"
-#include "replication/decision/decision.hpp"
+#include "replication/contact_report.hpp"
+#include "replication/intake.hpp"
+#include "replication/peer_parts.hpp"
+#include "replication/session_keeper.hpp"
 
 namespace peerd::replication {
-namespace {
 
-// Hellos come faster until this peer has a session, so that joining takes tenths of a second.
-constexpr Duration kJoiningHelloPeriod = std::chrono::milliseconds(100);
-// Of so many datagrams memory is kept: as many as a peer sends at once, but for its first states.
-constexpr std::size_t kSpareMax = 64;
-
-}  // namespace
-
-const char* to_string(Drop drop) {
-  switch (drop) {
-    case Drop::kOwn:
-      return "own";
-    case Drop::kUndecodable:
-      return "undecodable";
-    case Drop::kIdInUse:
-      return "id_in_use";
-    case Drop::kStaleIncarnation:
-      return "stale_boot";
-    case Drop::kOtherWorld:
-      return "other_world";
-    case Drop::kTooMany:
-      return "too_many";
-    case Drop::kUnintroduced:
-      return "stranger";
-    case Drop::kRegion:
-      return "region";
-    case Drop::kNotYetInSession:
-      return "not_yet_in_session";
+class Peer::Impl {
+ public:
+  Impl(PeerConfig config, const WorldModel& model)
+      : parts(std::move(config), model), keeper(parts), intake(parts, keeper) {
+    parts.outbox.push(Join{kWholeScene});
   }
-  return "?";
+
+  [[nodiscard]] std::optional<SimTime> due_tick(HostTime now) const;
+  void on_tick(HostTime now, std::span<const OwnSample> samples);
+  void publish_now(HostTime now, std::span<const OwnSample> samples);
+  void send_hello(HostTime now, bool leaving);
+
+  PeerParts parts;
+  SessionKeeper keeper;
+  Intake intake;
+
+ private:
+  void tick(SimTime t, std::span<const OwnSample> samples);
+  void advance(SimTime t);
+  [[nodiscard]] bool is_settled(HostTime now) const;
+};
+
+std::optional<SimTime> Peer::Impl::due_tick(HostTime now) const {
+  if (!parts.replica.begun()) return std::nullopt;
+  const std::int64_t number = parts.ticks.number_at(parts.to_session(now));
+  if (number <= parts.ticks.last()) return std::nullopt;
+  return parts.ticks.time_of(number);
 }
 
-Peer::Peer(PeerConfig config, const WorldModel& model)
-    : config_(std::move(config)),
-      model_(model),
-      members_(config_.lost_after),
-      own_index_(model.scene->instances.size()),
-      owners_(model.scene->instances.size()),
-      colliding_(model),
-      grid_(config_.regions.grid()),
-      interest_(grid_, config_.regions.hysteresis) {
-  if (!model.moving.empty()) predefined_.emplace(*model.scene);
-  assert(config_.id.value != 0 && config_.incarnation != 0 && config_.tick_hz > 0);
-  std::ranges::sort(config_.owned, {}, &OwnedObject::object);
-  own_objects_.reserve(config_.owned.size());
-  for (const OwnedObject& e : config_.owned) {
-    OwnObject& own = own_objects_[e.object];
-    own.driven = e.driven;
-    own.launch = e.launch;
-    if (config_.policy.surface_error) own.bounding_radius_m = bounding_radius_m(*model.scene, e.object);
-    owners_.set(e.object, config_.id);
-  }
-  index_own_objects();
-  outputs_.push_back(Join{kWholeScene});
-}
-
-void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) {
+void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
   const std::optional<SimTime> due = due_tick(now);
-  const bool ticks = maintain_session(now) && due;
+  const bool ticks = keeper.maintain(now) && due;
   if (ticks) {
-    const std::int64_t number = tick_number(*due);
-    ++counters_.ticks;
-    counters_.ticks_missed += static_cast<std::uint64_t>(number - last_tick_ - 1);
-    last_tick_ = number;
+    const std::int64_t number = parts.ticks.number_at(*due);
+    ++parts.counters.ticks;
+    parts.counters.ticks_missed += static_cast<std::uint64_t>(number - parts.ticks.last() - 1);
+    parts.ticks.set_last(number);
     tick(*due, samples);
-    follow_interest(*due);
+    parts.regions.follow_interest(*due, parts.to_session(now));
   }
-  if (!settled(now)) next_hello_ = std::min(*next_hello_, last_hello_ + config_.hello_period);
-  if (now >= *next_hello_) {  // before the records: who has not heard of a peer can't use its updates
+  if (!is_settled(now)) parts.greeter.hurry();
+  if (parts.greeter.is_due(now)) {  // before the records: a peer that does not know this one can't use its updates
     send_hello(now, false);
-    repeat_updates(now);
-    repeat_unacknowledged_decisions();
-    last_hello_ = now;
-    next_hello_ = now + (clock_.synchronised() ? config_.settled_hello_period : kJoiningHelloPeriod);
+    parts.publication.repeat_updates(now, parts.to_session(now));
+    parts.decisions.repeat_unacknowledged();
+    parts.greeter.schedule_next(now, parts.time.clock().synchronised());
   }
-  if (ticks) announce_subscriptions();
-  flush_records(ticks);
-  const std::uint32_t& number = datagram_numbers_[kWholeScene];
-  if (number == last_sent_number_ && now - last_sent_at_ >= config_.hello_period) send_keepalive();
-  if (number == last_sent_number_) return;
-  last_sent_number_ = number;
-  last_sent_at_ = now;
+  if (ticks) parts.regions.announce();
+  parts.publication.flush(ticks);
+  if (parts.greeter.needs_keepalive(now, parts.outbox.last_number())) {
+    Message keepalive = parts.outbox.blank();
+    parts.outbox.send(keepalive);
+  }
+  parts.greeter.note_sent(now, parts.outbox.last_number());
 }
 
-std::int64_t Peer::tick_number(SimTime t) const {
-  const std::int64_t ns = t.time_since_epoch().count();
-  const std::int64_t second = 1'000'000'000;
-  const std::int64_t whole = ns >= 0 ? ns / second : (ns - second + 1) / second;
-  const std::int64_t rest = ns - whole * second;
-  // The last k with tick_time(k) <= t; tick_time rounds down, so a tick's own time must give the tick back.
-  return whole * config_.tick_hz + ((rest + 1) * config_.tick_hz - 1) / second;
+void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
+  parts.extend_motions(t);
+  parts.replica.truth().advance(t);
+  parts.publication.take(t, samples);
+  parts.replica.ghosts().advance(t);
+  report_contacts(parts, t);
+  parts.publication.publish(t);
 }
 
-SimTime Peer::tick_time(std::int64_t number) const {
-  const std::int64_t hz = config_.tick_hz;
-  const std::int64_t whole = number >= 0 ? number / hz : (number - hz + 1) / hz;
-  return SimTime{std::chrono::seconds(whole) + Duration{(number - whole * hz) * 1'000'000'000 / hz}};
+// As a tick does, but for the contacts: those wait for the next tick, which finds them when they happened.
+void Peer::Impl::publish_now(HostTime now, std::span<const OwnSample> samples) {
+  if (!parts.replica.begun() || due_tick(now)) return;
+  const SimTime t = parts.to_session(now);
+  if (t <= parts.ticks.last_time()) return;  // the session's time was ahead and is being put right
+  std::vector<const OwnSample*> urgent;
+  for (const OwnSample& sample : samples) {
+    if (parts.publication.is_urgent(sample, t)) urgent.push_back(&sample);
+  }
+  if (urgent.empty() && parts.launches.unpublished().empty()) return;
+  const std::uint64_t published_before = parts.counters.updates_out;
+  parts.extend_motions(t);
+  parts.replica.truth().advance(t);
+  for (const OwnSample* sample : urgent) parts.replica.truth().set_base(sample->object, t, sample->state);
+  parts.replica.ghosts().advance(t);
+  parts.publication.publish_at_once(t, urgent);
+  parts.counters.updates_at_once += parts.counters.updates_out - published_before;
+  parts.publication.flush(false);
 }
 
-std::optional<SimTime> Peer::due_tick(HostTime now) const {
-  if (!replica_) return std::nullopt;
-  const std::int64_t number = tick_number(clock_.to_session(now));
-  if (number <= last_tick_) return std::nullopt;
-  return tick_time(number);
+// Whether nobody waits for what this peer's next hello says: all have a session, know each other and each other's
+// clocks, what is sent arrives, and no contact is open that this peer has found or may be the one to decide.
+bool Peer::Impl::is_settled(HostTime now) const {
+  const bool lossy = copies_against(parts.members.worst_loss_to_peers(), 2) > 1;
+  return parts.replica.begun() && !parts.greeter.is_settling(now) &&
+         !parts.greeter.must_introduce(parts.time.clock().synchronised()) && !lossy && !parts.decisions.has_deferred() &&
+         std::ranges::none_of(parts.members.all(), [](const auto& entry) {
+           return entry.second.awaits_our_decision || !entry.second.synchronised;
+         });
 }
 
-void Peer::advance_ghosts(SimTime t) {
-  if (!replica_) return;
-  extend_predefined(t);
-  replica_->ghosts.advance(t);
+void Peer::Impl::send_hello(HostTime now, bool leaving) {
+  Message m = parts.outbox.blank();
+  m.leaving = leaving;
+  Hello& hello = m.hello.emplace();
+  parts.time.stamp(hello, now);
+  hello.sessions = parts.greeter.sessions();
+  hello.latency = parts.members.own_latency();
+  hello.notes = parts.decisions.notes();
+  parts.greeter.fill_echoes(hello, now, parts.regions.cuts());
+  if (parts.greeter.introduces(parts.time.clock().synchronised())) {
+    std::vector<ObjectId> own;
+    for (const auto& [object, each] : std::as_const(parts.own)) own.push_back(object);
+    hello.introduction = parts.greeter.introduction(own, parts.world_time.start(), parts.world_time.zero());
+  }
+  if (!leaving) m.subscriptions = parts.regions.take(kSubscriptionsWithHello, true);
+  parts.greeter.on_hello_sent(now, parts.outbox.send(m));
+}
+
+// ---- the facade ----
+
+Peer::Peer(PeerConfig config, const WorldModel& model) : impl_(std::make_unique<Impl>(std::move(config), model)) {}
+Peer::~Peer() = default;
+
+std::expected<void, Drop> Peer::on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram) {
+  return impl_->intake.on_packet(now, region, datagram);
+}
+
+void Peer::on_tick(HostTime now, std::span<const OwnSample> samples) { impl_->on_tick(now, samples); }
+
+std::optional<SimTime> Peer::due_tick(HostTime now) const { return impl_->due_tick(now); }
+
+void Peer::publish_now(HostTime now, std::span<const OwnSample> samples) { impl_->publish_now(now, samples); }
+
+void Peer::on_os_clock(HostTime now, std::optional<OsClock> clock) { impl_->parts.time.on_os_clock(now, clock); }
+
+void Peer::start_motions(HostTime now, SimTime start) {
+  PeerParts& p = impl_->parts;
+  if (!p.replica.begun()) return;
+  const SimTime from = std::max(start, p.to_session(now));
+  for (const auto& [object, own] : std::as_const(p.own)) {
+    if (!own.driven) p.launches.schedule(object, from + own.launch.after);
+  }
+}
+
+bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute) {
+  PeerParts& p = impl_->parts;
+  const OwnObject* own = std::as_const(p.own).find(object);
+  if (!p.replica.begun() || own == nullptr || own->driven) return false;
+  const SimTime t = std::max(p.to_session(now), p.ticks.last_time());
+  p.launches.begin_due(t, [&p](SimTime at, ObjectId o) { return p.file_velocity(at, o); });
+  p.replica.truth().advance(t);
+  p.launches.change_velocity(t, object, velocity, absolute);
+  return true;
+}
+
+void Peer::announce_start(SimTime start) {
+  impl_->parts.world_time.announce_start(start);
+  impl_->keeper.reintroduce();
 }
 
 void Peer::leave(HostTime now) {
-  flush_records(true);
-  send_hello(now, true);
+  impl_->parts.publication.flush(true);
+  impl_->send_hello(now, true);
 }
 
-std::optional<Output> Peer::poll_output() {
-  if (polled_ < outputs_.size()) return std::move(outputs_[polled_++]);
-  outputs_.clear();
-  polled_ = 0;
-  return std::nullopt;
-}
+std::optional<Output> Peer::poll_output() { return impl_->parts.outbox.poll(); }
 
-void Peer::reuse(Bytes&& datagram) {
-  if (spare_.size() < kSpareMax) spare_.push_back(std::move(datagram));
-}
+void Peer::reuse(Bytes&& datagram) { impl_->parts.outbox.reuse(std::move(datagram)); }
 
 HostTime Peer::next_deadline() const {
-  if (!next_hello_) return HostTime::min();
-  HostTime next = std::min(*next_hello_, last_sent_at_ + config_.hello_period);
-  if (replica_) next = std::min(next, clock_.to_host(tick_time(last_tick_ + 1)));
-  if (const auto expiry = members_.next_expiry()) next = std::min(next, *expiry);
+  const PeerParts& p = impl_->parts;
+  HostTime next = p.greeter.next_deadline();
+  if (!p.time.started()) return next;
+  if (p.replica.begun()) next = std::min(next, p.time.clock().to_host(p.ticks.next_time()));
+  if (const auto expiry = p.members.next_expiry()) next = std::min(next, *expiry);
   return next;
 }
 
-KinematicState Peer::truth(ObjectId object, SimTime t) const {
-  assert(replica_);
-  return replica_->truth.has(object) ? replica_->truth.at(object, t) : ghost(object, t);
+PeerId Peer::id() const { return impl_->parts.config.id; }
+const SessionClock& Peer::clock() const { return impl_->parts.time.clock(); }
+const std::optional<OsClock>& Peer::os_clock() const { return impl_->parts.time.os_clock(); }
+std::optional<PeerId> Peer::follows() const { return impl_->parts.time.follows(); }
+const Membership& Peer::members() const { return impl_->parts.members; }
+const Owners& Peer::owners() const { return impl_->parts.owners; }
+std::optional<SimTime> Peer::world_zero() const { return impl_->parts.world_time.zero(); }
+std::optional<double> Peer::time_sensors_limited_at() const { return impl_->parts.scripted.limited_at(); }
+
+Vec3 Peer::to_world(SimTime at, ObjectId object, const Vec3& in_parent) {
+  return impl_->parts.scripted.to_world(at, impl_->parts.world_time.zero(), object, in_parent);
 }
 
-KinematicState Peer::ghost(ObjectId object, SimTime t) const {
-  assert(replica_);
-  return replica_->ghosts.has(object) ? replica_->ghosts.at(object, t) : at_rest(model_.scene->rigid_pose(object));
+KinematicState Peer::truth(ObjectId object, SimTime t) const { return impl_->parts.replica.truth(object, t); }
+KinematicState Peer::ghost(ObjectId object, SimTime t) const { return impl_->parts.replica.ghost(object, t); }
+bool Peer::receives(ObjectId object) const { return impl_->parts.replica.receives(object); }
+
+const UpdateRecord* Peer::last_update_of(ObjectId object) const {
+  return impl_->parts.replica.last_update_of(object);
 }
 
-// Straight, turned as the ghost is, past the others as they go from where they were drawn with it last.
-bool Peer::may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const {
-  const collision::Body* body = model_.body(object);
-  if (body == nullptr) return true;
-  KinematicState way = at_rest({from, replica_->ghosts.at(object, t).orientation});
-  way.velocity = to - from;  // in one second
-  return std::ranges::none_of(model_.pairs_of(object), [&](std::uint32_t number) {
-    const CollisionPair& pair = model_.pairs[number];
-    const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
-    if (!receives(other)) return false;
-    const MotionWorld& drawn = own_objects_.contains(other) ? replica_->truth : replica_->ghosts;
-    const Pose now = drawn.at(other, t).pose();
-    const Vec3 then = drawn.has_history_at(other, since) ? drawn.at(other, since).position : now.position;
-    KinematicState goes = at_rest({then, now.orientation});
-    goes.velocity = now.position - goes.position;
-    const collision::ContactState met =
-        collision::first_contact({*body, way}, {*model_.body(other), goes}, pair.type, 1.0).state;
-    return met == collision::ContactState::kContact || met == collision::ContactState::kOverlapped;
-  });
+const Interest& Peer::interest() const { return impl_->parts.regions.interest(); }
+
+void Peer::advance_ghosts(SimTime t) {
+  PeerParts& p = impl_->parts;
+  if (!p.replica.begun()) return;
+  p.scripted.extend(t, p.world_time.zero(), p.owners, p.replica);
+  p.replica.ghosts().advance(t);
 }
 
-Duration Peer::display_delay() const {
-  const DisplayDelay& delay = config_.display_delay;
-  if (!delay.measured) return delay.fixed;
-  const std::uint32_t hz = config_.policy.snapshots_hz;
-  return delay.fixed + oldest_update_ + (hz > 0 ? Duration{std::chrono::seconds(1)} / hz : Duration{0});
-}
+Pose Peer::shown(ObjectId object, SimTime t) { return impl_->parts.display.shown(object, t); }
 
-Pose Peer::shown(ObjectId object, SimTime t) {
-  const Duration delay = display_delay();
-  if (own_objects_.contains(object)) return truth(object, config_.display_delay.own ? t - delay : t).pose();
-  if (delay > Duration{0}) return ghost(object, t - delay).pose();
-  const KinematicState state = ghost(object, t);
-  if (!replica_->ghosts.has(object)) return state.pose();
-  Convergence& convergence = shown_.try_emplace(object, config_.convergence).first->second;
-  const std::uint64_t blocked = convergence.blocked(), detours = convergence.detours();
-  const MotionWorld& ghosts = replica_->ghosts;
-  const SimTime since = convergence.last_shown().value_or(t);
-  const Pose pose = convergence.shown(
-      t, state, ghosts.revision(object),
-      [&](const Vec3& from, const Vec3& to) { return may_pass(object, since, t, from, to); },
-      [&](SimTime at) {
-        return ghosts.has_history_at(object, at) ? std::optional(ghosts.at(object, at).pose()) : std::nullopt;
-      });
-  counters_.convergence_blocked += convergence.blocked() - blocked;
-  counters_.convergence_detours += convergence.detours() - detours;
-  return pose;
-}
+const Peer::Counters& Peer::counters() const { return impl_->parts.counters; }
 
 MotionWorld::Counters Peer::motion_counters() const {
   MotionWorld::Counters sum;
-  if (replica_) (sum += replica_->truth.counters()) += replica_->ghosts.counters();
+  const Replica& replica = impl_->parts.replica;
+  if (replica.begun()) (sum += replica.truth().counters()) += replica.ghosts().counters();
   return sum;
 }
 

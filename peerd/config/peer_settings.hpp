@@ -9,7 +9,7 @@
 #include "core/scene/scene.hpp"
 #include "peerd/config/node_pattern.hpp"
 #include "peerd/motion/motion_settings.hpp"
-#include "replication/peer_config.hpp"
+#include "replication/policy/peer_config.hpp"
 
 namespace peerd::config {
 

@@ -119,7 +119,7 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
          {"leads", member.leads},
          {"heard_ms_ago", in_ms(now - member.last_received)},
          {"round_trip_ms", in_ms(member.clock.round_trip())},
-         {"delay_ms", in_ms(member.mean_delay())},
+         {"delay_ms", in_ms(member.delays.mean())},
          {"clock_ahead_ms", compared ? in_ms(member.clock.likely(now).offset - own) : ordered_json(nullptr)},
          {"clock_ahead_least_ms", compared ? in_ms(bounds->least - own) : ordered_json(nullptr)},
          {"clock_ahead_most_ms", compared ? in_ms(bounds->most - own) : ordered_json(nullptr)},
@@ -127,7 +127,7 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
          {"datagrams_in", member.datagrams_in},
          {"bytes_in", member.bytes_in},
          {"loss_in", received.loss()},
-         {"loss_out", member.loss_to_peer ? ordered_json(*member.loss_to_peer) : ordered_json(nullptr)},
+         {"loss_out", member.echo.loss_to_peer ? ordered_json(*member.echo.loss_to_peer) : ordered_json(nullptr)},
          {"duplicates", received.duplicates()},
          {"overtaken", received.overtaken()},
          {"drops", member.drops}});

@@ -13,7 +13,7 @@
 #include "peerd/motion/track.hpp"
 #include "peerd/motion/walk.hpp"
 #include "peerd/motion/waypoints.hpp"
-#include "replication/peer_config.hpp"
+#include "replication/policy/peer_config.hpp"
 
 namespace peerd::config {
 

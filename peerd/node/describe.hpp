@@ -4,7 +4,7 @@
 #include "core/scene/scene.hpp"
 #include "peerd/feed/pose_feeds.hpp"
 #include "peerd/node/log_line.hpp"
-#include "replication/output.hpp"
+#include "replication/output/output.hpp"
 
 namespace peerd {
 

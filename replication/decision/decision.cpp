@@ -6,7 +6,6 @@ namespace peerd::replication {
 namespace {
 
 constexpr Duration kDecisionGrid = std::chrono::milliseconds(125);
-constexpr Duration kLatencyGrid = std::chrono::milliseconds(50);
 constexpr double kClocksDiffer_s = 1e-3;
 
 // The one with the greater claim; the lower id where neither has.
@@ -53,11 +52,6 @@ SimTime decided_as_of(SimTime contact, Duration lookback) {
   Duration rest = since % kDecisionGrid;
   if (rest < Duration{0}) rest += kDecisionGrid;
   return contact - rest - lookback;
-}
-
-Duration latency_bound(Duration longest) {
-  const auto steps = (std::max(longest, Duration{0}) + kLatencyGrid / 2 + kLatencyGrid - Duration{1}) / kLatencyGrid;
-  return steps * kLatencyGrid;
 }
 
 bool sees(const collision::Camera& camera, const WorldBox& box) {

@@ -32,10 +32,6 @@ struct Contender {
 // differ by a little; on a grid they still take the same states, but for one in (125 ms / difference).
 [[nodiscard]] SimTime decided_as_of(SimTime contact, Duration lookback);
 
-// How late a peer says that it hears others, from the longest delay that it has measured: up to a whole 50 ms and at
-// least 25 ms more, so that a little jitter doesn't change what the others are told.
-[[nodiscard]] Duration latency_bound(Duration longest);
-
 // Whether a camera sees anything of a box.
 [[nodiscard]] bool sees(const collision::Camera& camera, const WorldBox& box);
 

@@ -12,7 +12,6 @@
 #include "replication/wire/decision_policy.hpp"
 #include "replication/wire/loss_meter.hpp"
 #include "replication/motion/motion_model.hpp"
-#include "replication/interest/region_grid.hpp"
 
 namespace peerd::replication {
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "replication/peer.hpp"
+#include "replication/wire/codec.hpp"
 #include "tests/replication/worlds.hpp"
 
 // A few peers on a small network of their own, in fake time: the whole of what a driver does.

@@ -623,8 +623,8 @@ TEST(Models, AreChosenForTheLatencyThatHellosMeasure) {
     lan.add(choosing(2), 7s);  // its clock is another
     lan.run_until(6s);
     const Member& other = lan.peer(0).members().all().at(PeerId{2});
-    ASSERT_TRUE(other.mean_delay());
-    EXPECT_NEAR(to_seconds(*other.mean_delay()), to_seconds(latency), 1e-3);
+    ASSERT_TRUE(other.delays.mean());
+    EXPECT_NEAR(to_seconds(*other.delays.mean()), to_seconds(latency), 1e-3);
   }
 }
 
@@ -709,7 +709,7 @@ TEST(Peer, EarlierUpdatesAreCopiedOnceLossBegins) {
   EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u);
   lan.filter = [&](std::size_t from, std::size_t, const Message& m) { return from != 0 || m.number % 4 != 0; };
   lan.run_until(40s);
-  EXPECT_GT(lan.peer(0).members().all().at(PeerId{2}).loss_to_peer.value(), 0.1);
+  EXPECT_GT(lan.peer(0).members().all().at(PeerId{2}).echo.loss_to_peer.value(), 0.1);
   EXPECT_EQ(lan.peer(0).counters().updates_repeated, 3u);
 }
 

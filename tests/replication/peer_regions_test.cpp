@@ -681,7 +681,7 @@ TEST_F(Regions, AFarPeerJudgesALinkByTheOthersToo) {
   lan.add(looking_from(in_regions(3, {}, 2.0), 45.0));
   lan.run_until(10s);
   EXPECT_FALSE(holds(2, "A"));
-  EXPECT_LT(lan.peer(0).members().all().at(PeerId{3}).loss_to_peer.value(), 0.006);
+  EXPECT_LT(lan.peer(0).members().all().at(PeerId{3}).echo.loss_to_peer.value(), 0.006);
 }
 
 TEST(RegionsInLoss, UpdatesThatReceiversDependOnAreCopiedMoreOften) {

@@ -201,7 +201,7 @@ TEST(PeerSession, AcknowledgementsOfTheLastIncarnationDoNotCount) {
     lan.run_until(45s + when);
     const auto& members = lan.peer(1).members().all();
     ASSERT_TRUE(members.contains(PeerId{1}));
-    const auto& acknowledgement = members.at(PeerId{1}).acknowledgement;
+    const auto& acknowledgement = members.at(PeerId{1}).echo.acknowledgement;
     ASSERT_TRUE(acknowledgement);
     EXPECT_LE(acknowledgement->received.highest, lan.peer(1).counters().datagrams_out);
   }

@@ -91,15 +91,6 @@ TEST(DecidedAsOf, IsOnAGridAndFarEnoughBack) {
   }
 }
 
-TEST(LatencyBound, LeavesRoomForJitter) {
-  EXPECT_EQ(latency_bound(-5ms), 50ms);
-  EXPECT_EQ(latency_bound(0ms), 50ms);
-  EXPECT_EQ(latency_bound(25ms), 50ms);
-  EXPECT_EQ(latency_bound(26ms), 100ms);
-  EXPECT_EQ(latency_bound(100ms), 150ms);
-  EXPECT_EQ(latency_bound(500ms), 550ms);
-}
-
 TEST(Sees, WhatLiesInTheFrustum) {
   const auto box_at = [](double x, double z) { return WorldBox{Vec3(x - 1, -1, z - 1), Vec3(x + 1, 1, z + 1)}; };
   const collision::Camera ahead{{}, 0.8, 1.0};

@@ -73,7 +73,7 @@ TEST(Interest, AfterAStepOfTimeAllStayForAWhile) {
 TEST(Interest, WithoutRegionsItReceivesEverything) {
   const Interest interest(RegionGrid(), kUsual);
   EXPECT_TRUE(interest.receives({1e9, 0, 0}));
-  EXPECT_FALSE(Interest(kGrid, kUsual).hears({0, 0, 0}));
+  EXPECT_FALSE(Interest(kGrid, kUsual).receives({0, 0, 0}));
 }
 
 // Areas that wander, jump and shake: what must be heard is, what is heard for nothing is within the hysteresis, and no

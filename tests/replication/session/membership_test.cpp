@@ -11,29 +11,6 @@ using namespace test;
 using Admission = Membership::Admission;
 constexpr PeerId kTwo{2}, kThree{3}, kFive{5};
 
-Echo echo(const Received& received) { return {kTwo, received.highest, 0s, received, 0.0}; }
-
-TEST(Acknowledgement, HasWhatCameSinceTheFirst) {
-  Acknowledgement acknowledgement(Received{10, 10, ~std::uint64_t{0}});  // of what came before nothing is known
-  EXPECT_FALSE(acknowledgement.has(10));
-  acknowledgement.on_echo(echo({20, 2, ~std::uint64_t{0b100}}));  // all but 18
-  acknowledgement.on_echo(echo({15, 15, ~std::uint64_t{0}}));     // overtaken
-  for (std::uint32_t number = 1; number < 30; ++number) {
-    EXPECT_EQ(acknowledgement.has(number), number > 10 && number <= 20 && number != 18) << number;
-    EXPECT_EQ(acknowledgement.surely_lost(number), number == 18) << number;
-  }
-}
-
-TEST(Acknowledgement, OldNumbersAreOnlyKnownToHaveArrived) {
-  Acknowledgement acknowledgement(Received{10, 10, ~std::uint64_t{0}});
-  acknowledgement.on_echo(echo({200, 1, ~std::uint64_t{0b10}}));
-  EXPECT_TRUE(acknowledgement.has(137) && acknowledgement.surely_lost(199));
-  EXPECT_FALSE(acknowledgement.has(136) || acknowledgement.surely_lost(136));
-  acknowledgement.on_echo(echo({200, 100, ~std::uint64_t{0}}));  // 199 came late
-  EXPECT_TRUE(acknowledgement.has(101));
-  EXPECT_FALSE(acknowledgement.has(100) || acknowledgement.surely_lost(100));
-}
-
 TEST(Membership, RecognisesAPeerByItsIncarnation) {
   Membership members(2s);
   EXPECT_EQ(members.on_datagram(host(0s), kTwo, 10), Admission::kJoined);

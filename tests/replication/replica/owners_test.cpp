@@ -1,4 +1,4 @@
-#include "replication/decision/owners.hpp"
+#include "replication/replica/owners.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

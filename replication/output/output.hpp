@@ -8,7 +8,7 @@
 #include "core/time.hpp"
 #include "replication/motion/colliding_objects.hpp"
 #include "replication/motion/motion_world.hpp"
-#include "replication/publish/publisher.hpp"
+#include "replication/policy/publish_policy.hpp"
 #include "replication/wire/wire.hpp"
 
 namespace peerd::replication {

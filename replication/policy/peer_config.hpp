@@ -8,9 +8,9 @@
 #include "core/kinematics.hpp"
 #include "core/time.hpp"
 #include "replication/motion/convergence.hpp"
-#include "replication/decision/decision.hpp"
 #include "replication/interest/interest.hpp"
-#include "replication/publish/publisher.hpp"
+#include "replication/policy/publish_policy.hpp"
+#include "replication/wire/decision_policy.hpp"
 #include "replication/wire/wire.hpp"
 
 namespace peerd::replication {
@@ -80,6 +80,11 @@ struct PeerConfig {
   Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
   // Objects that nothing drives stand until start_motions(); else their launches count from the session's begin.
   bool wait_for_start = false;
+
+  // Whether this peer decides all contacts of two owners.
+  [[nodiscard]] bool is_decision_server() const {
+    return decisions.policy == DecisionPolicy::kServer && decisions.server == id;
+  }
 };
 
 }  // namespace peerd::replication

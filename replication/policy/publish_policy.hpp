@@ -74,35 +74,4 @@ struct GhostError {
 [[nodiscard]] double urgency(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                              std::optional<SimTime> last_sent, SimTime now, double viewed_from_m);
 
-// What a peer may still send: a bucket of bytes that fills at a rate. Nothing that goes is refused; it can be owed, as
-// much as the bucket holds. A part of the rate is for updates alone, whatever the rest has taken or owes, or many
-// peers' hellos would end them.
-class ByteBudget {
- public:
-  // For updates [bytes]; not more than kBurst_s of the rate or a datagram hold.
-  [[nodiscard]] double left(const PublishPolicy& policy, SimTime now);
-  void spend(std::size_t bytes, bool on_updates);
-
- private:
-  static constexpr double kBurst_s = 0.25, kForUpdates = 0.25;
-  std::optional<SimTime> filled_;
-  double remaining_ = 0.0, for_updates_ = 0.0;
-};
-
-// What may be spent on updates that no threshold asks for: a bucket that fills at a rate and holds so many.
-class UpdateBudget {
- public:
-  // The error [m] beyond which an update is worth one of what is left: `wanted_m` when the bucket is full, twice as
-  // much for each that is gone, so that it settles where the object's motion asks for as many as the rate allows: for a
-  // given number of updates the mean error is least where the threshold stays the same. None when one is owed.
-  [[nodiscard]] std::optional<double> least_gain_m(const PublishPolicy& policy, SimTime now);
-  // Any update takes one; what thresholds ask for is not refused, but paid for, down to one that is owed.
-  void spend(const PublishPolicy& policy, SimTime now);
-
- private:
-  void fill(const PublishPolicy& policy, SimTime now);
-  std::optional<SimTime> filled_;
-  double remaining_ = 0.0;
-};
-
 }  // namespace peerd::replication

@@ -22,6 +22,11 @@ class Owners {
   [[nodiscard]] PeerId of(ObjectId object) const {
     return object.value < by_object_.size() ? by_object_[object.value] : kNobody;
   }
+  // Whether two different peers own the two objects.
+  [[nodiscard]] bool have_two(ObjectId a, ObjectId b) const {
+    const PeerId owner_a = of(a), owner_b = of(b);
+    return owner_a != kNobody && owner_b != kNobody && owner_a != owner_b;
+  }
   // kNobody: from now on nobody does. There is such an object.
   void set(ObjectId object, PeerId owner) {
     assert(object.value < by_object_.size());

@@ -1,0 +1,76 @@
+#include "replication/contact_report.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <variant>
+#include <vector>
+
+namespace peerd::replication {
+namespace {
+
+// An object that is squeezed between two others touches each of them many times a millisecond. Contacts of one pair no
+// farther apart are one touch, and the last of them is what becomes of it.
+constexpr Duration kSameTouch = std::chrono::milliseconds(4);
+
+bool is_same_touch(const ContactEvent& a, const ContactEvent& b) {
+  const bool pair =
+      (a.collider == b.collider && a.collidee == b.collidee) || (a.collider == b.collidee && a.collidee == b.collider);
+  return pair && a.at <= b.at + kSameTouch && b.at <= a.at + kSameTouch;
+}
+
+// Contacts of own objects; as the server, of all.
+void report_truth(PeerParts& p, SimTime t) {
+  std::vector<ContactEvent> decided;  // in the order of what happened, of one touch the last
+  while (const auto event = p.replica.truth().poll_event()) {
+    const auto* contact = std::get_if<ContactEvent>(&*event);
+    if (contact == nullptr) continue;
+    const bool mine = p.own.contains(contact->collider) || p.own.contains(contact->collidee);
+    const bool shared = p.owners.have_two(contact->collider, contact->collidee);
+    if (!mine && !(shared && p.config.is_decision_server())) continue;  // a partner's own contact, which ghosts show
+    if (shared) {
+      if (contact->deferred) {
+        p.decisions.defer(*contact);
+      } else {
+        std::erase_if(decided, [&](const ContactEvent& c) { return is_same_touch(c, *contact); });
+        decided.push_back(*contact);
+      }
+      continue;
+    }
+    p.replica.colliding().on_contact(*contact);
+    p.outbox.push(ContactSeen{ContactKind::kOwner, *contact, t});
+  }
+  for (const ContactEvent& contact : decided) p.decisions.decide(contact, t);
+  p.decisions.resolve_overdue(t);
+}
+
+// Contacts that everybody predicts. Of own objects the truth tells, or a decision.
+void report_ghosts(PeerParts& p, SimTime t) {
+  const auto is_remote = [&](ObjectId id) { return !p.own.contains(id) && p.owners.of(id) != kNobody; };
+  while (const auto event = p.replica.ghosts().poll_event()) {
+    if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
+      if (is_remote(retracted->object)) p.outbox.push(*retracted);
+      continue;
+    }
+    const auto& contact = std::get<ContactEvent>(*event);
+    p.publication.on_predicted_contact(contact);
+    if (!is_remote(contact.collider) && !is_remote(contact.collidee)) continue;
+    const bool mine = p.own.contains(contact.collider) || p.own.contains(contact.collidee);
+    if (!mine) p.replica.colliding().on_contact(contact);
+    p.outbox.push(ContactSeen{ContactKind::kPredicted, contact, t});
+  }
+}
+
+}  // namespace
+
+void report_contacts(PeerParts& p, SimTime t) {
+  assert(p.replica.begun());
+  report_truth(p, t);
+  report_ghosts(p, t);
+  const auto state_of = [&](ObjectId id) {
+    return (p.own.contains(id) ? p.replica.truth() : p.replica.ghosts()).at(id, t);
+  };
+  p.replica.colliding().update(state_of, t);
+  while (const auto change = p.replica.colliding().poll()) p.outbox.push(*change);
+}
+
+}  // namespace peerd::replication

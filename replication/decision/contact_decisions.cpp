@@ -1,0 +1,435 @@
+#include "replication/decision/contact_decisions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <map>
+#include <utility>
+
+#include "replication/motion/response.hpp"
+#include "replication/wire/wire_limits.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// The most copies of a decision, one a tick, as the loss asks: they survive its bursts without waiting for a hello.
+constexpr std::uint32_t kDecisionCopies = 3;
+// A contact of longer ago, as it turns out now (a decision that came late has put an object on another way), is decided
+// by nobody any more: some peers would hear of it too late to take it, and others would not.
+constexpr Duration kDecidedWithin = std::chrono::seconds(3);
+// Decisions are repeated until they are so old: receivers drop those of more than 6 s (intake.cpp), and a latency has
+// to fit between.
+constexpr Duration kRepeatedFor = std::chrono::seconds(5);
+// Decisions are noted in hellos, where there is little room, until they are so old.
+constexpr Duration kAnnouncedFor = std::chrono::milliseconds(3500);
+// Longer than any decision that a receiver would take can be on its way.
+constexpr Duration kRememberedFor = std::chrono::seconds(8);
+// An object that hangs between two others touches them many times a second. Of one pair only the newest decisions are
+// repeated where nothing says whether they have come, as many as there can be in 250 ms (4 ms apart: peer_tick.cpp,
+// kSameTouch).
+constexpr int kRepeatedOfPair = 64;
+// Of one peer's decisions on one pair so many are remembered: twice as many as there can be in kRememberedFor.
+constexpr std::size_t kOfPairMax = 4000;
+
+}  // namespace
+
+ContactDecisions::ContactDecisions(const PeerConfig& config, const WorldModel& model, Membership& members,
+                                   const Owners& owners, OwnObjects& own, Replica& replica, const TickGrid& ticks,
+                                   Outbox& outbox, PeerCounters& counters)
+    : config_(config),
+      model_(model),
+      members_(members),
+      owners_(owners),
+      own_(own),
+      replica_(replica),
+      ticks_(ticks),
+      outbox_(outbox),
+      counters_(counters) {}
+
+// ---- which contacts this peer looks for ----
+
+bool ContactDecisions::may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) const {
+  if (owner_a == kNobody || owner_b == kNobody || owner_a == owner_b) return false;
+  if (config_.decisions.policy == DecisionPolicy::kId) return peer == decider_by_id(owner_a, owner_b);
+  const bool is_server = config_.decisions.policy == DecisionPolicy::kServer && peer == config_.decisions.server;
+  return peer == owner_a || peer == owner_b || is_server;
+}
+
+// Whether this peer looks for contacts of the two. By the policy `id` a peer that doesn't decide has no need to; else
+// both owners look: which of them is to decide depends on when, and it may fall back to the other.
+bool ContactDecisions::searches_contacts_of(ObjectId a, ObjectId b) const {
+  const bool mine = own_.contains(a) || own_.contains(b);
+  if (!owners_.have_two(a, b)) return mine;
+  if (config_.decisions.policy == DecisionPolicy::kId) return decider_by_id(owners_.of(a), owners_.of(b)) == config_.id;
+  return mine || config_.is_decision_server();
+}
+
+// The truth watches what this peer finds. Ghosts are watched wherever they may meet something, own ones included: the
+// sender must know what every receiver predicts, or a predicted collision would cost an update. Objects that this peer
+// does not receive meet nothing.
+void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
+  if (!replica_.begun()) return;
+  std::map<ObjectId, bool> partners;
+  // A remote object whose collisions with own ones this peer finds, or with any as the server.
+  const auto is_partner = [&](ObjectId object) {
+    const auto [at, is_new] = partners.try_emplace(object, false);
+    if (is_new && !own_.contains(object) && owners_.of(object) != kNobody) {
+      at->second = std::ranges::any_of(model_.pairs_of(object), [&](std::uint32_t number) {
+        return searches_contacts_of(model_.pairs[number].collider, model_.pairs[number].collidee);
+      });
+    }
+    return at->second;
+  };
+  for (const std::uint32_t number : pairs) {
+    assert(number < model_.pairs.size());
+    const auto& [a, b, type, mutual] = model_.pairs[number];
+    const bool here = replica_.receives(a) && replica_.receives(b), mine = own_.contains(a) || own_.contains(b);
+    replica_.truth().watch(number, here && (mine ? searches_contacts_of(a, b) : is_partner(a) || is_partner(b)));
+    replica_.ghosts().watch(number, here && config_.policy.predict_collisions);
+  }
+}
+
+// Both owners' states so far back have reached everybody.
+Duration ContactDecisions::lookback() const {
+  return config_.decisions.lookback ? *config_.decisions.lookback : members_.longest_latency();
+}
+
+std::optional<Pose> ContactDecisions::camera_pose(const Viewpoint& viewpoint, SimTime at) const {
+  if (!viewpoint.object) return viewpoint.pose;
+  if (!replica_.ghosts().has_history_at(*viewpoint.object, at)) return std::nullopt;
+  const Pose carrier = replica_.ghosts().at(*viewpoint.object, at).pose();
+  return Pose{carrier * viewpoint.pose.position, (carrier.orientation * viewpoint.pose.orientation).normalized()};
+}
+
+Contender ContactDecisions::contender(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const {
+  Contender s{owners_.of(object), std::nullopt, members_.own_latency(), false};
+  const MotionWorld& ghosts = replica_.ghosts();
+  if (ghosts.has_history_at(object, at)) s.state = ghosts.at(object, at);
+  std::optional<Viewpoint> viewpoint = config_.decisions.viewpoint;
+  if (s.owner != config_.id) {
+    const auto member = members_.all().find(s.owner);
+    if (member == members_.all().end()) return s;
+    s.latency = member->second.latency;
+    viewpoint = member->second.viewpoint;
+  }
+  if (config_.decisions.policy != DecisionPolicy::kFieldOfView || !viewpoint) return s;
+  const std::optional<Pose> from = camera_pose(*viewpoint, at);
+  if (!from) return s;
+  // Both of them: a viewpoint that rides on one has that one in view wherever it looks.
+  const collision::Camera camera{*from, viewpoint->field_of_view, viewpoint->aspect};
+  s.sees = std::ranges::all_of(meeting, [&](const WorldBox& box) { return sees(camera, box); });
+  return s;
+}
+
+PeerId ContactDecisions::choose_decider(ObjectId a, ObjectId b, SimTime contact) const {
+  const SimTime at = decided_as_of(contact, lookback());
+  std::vector<WorldBox> meeting;  // around the two, where they are then
+  for (const ObjectId object : {a, b}) {
+    const collision::Body& body = *model_.body(object);
+    const Vec3 center = replica_.ghosts().at(object, at).pose() * body.center;
+    meeting.push_back(WorldBox{center.array() - body.radius_m, center.array() + body.radius_m});
+  }
+  const PeerId server = config_.decisions.server;
+  const bool here = server == config_.id || members_.contains(server);
+  return decider(config_.decisions.policy, contender(a, at, meeting), contender(b, at, meeting),
+                 here ? server : kNobody);
+}
+
+// Whether a decision that is made now on a contact of that time reaches everybody in time.
+bool ContactDecisions::reaches_all_in_time(SimTime contact) const {
+  return contact >= ticks_.last_time() - kDecidedWithin;
+}
+
+// What two other peers' objects do is nothing but a prediction.
+ContactAuthority ContactDecisions::authority(ObjectId a, ObjectId b, SimTime contact) const {
+  if (!owners_.have_two(a, b) || !searches_contacts_of(a, b)) return ContactAuthority::kAsPublished;
+  if (!reaches_all_in_time(contact)) return ContactAuthority::kDeferred;
+  if (config_.decisions.policy == DecisionPolicy::kId) return ContactAuthority::kLocal;
+  return choose_decider(a, b, contact) == config_.id ? ContactAuthority::kLocal : ContactAuthority::kDeferred;
+}
+
+// ---- contacts that this peer has found ----
+
+// An object that spins up, or is hit by one that goes as fast as can be, leaves the limits within which receivers take
+// states. They would refuse the decision, and the whole datagram with it.
+ContactEvent ContactDecisions::within_wire_limits(ContactEvent c) {
+  for (KinematicState* const s : {&c.collider_before, &c.collidee_before, &c.collider_after, &c.collidee_after}) {
+    if (acceptable(*s)) continue;
+    *s = at_rest_within_limits(*s);
+    ++counters_.states_out_of_range;
+  }
+  return c;
+}
+
+DecisionRecord ContactDecisions::record_of(const ContactEvent& c, DecisionRule rule) const {
+  return {c.collider,
+          c.collidee,
+          c.at,
+          c.normal,
+          c.collider_before,
+          c.collidee_before,
+          c.collider_after,
+          c.collidee_after,
+          rule,
+          log_.last(c.collider, c.collidee)};
+}
+
+std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord& d) {
+  ++counters_.decisions;
+  auto changes = log_.add(d, config_.id);
+  for (DecisionLog::Entry& e : log_.entries()) {
+    const bool added =
+        e.author == config_.id && e.record.contact == d.contact && of_pair(e.record, d.collider, d.collidee);
+    if (!added || !e.in_force) continue;
+    e.copies = static_cast<int>(copies_against(members_.worst_loss_to_peers(), kDecisionCopies));
+  }
+  return changes.value_or(std::vector<DecisionLog::Change>{});
+}
+
+// A contact that was decided here before and overruled, and is found again on the way that the other peer's decision
+// gave, is another decision: a nanosecond later, for decisions are told apart by their times.
+void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
+  ContactEvent c = within_wire_limits(contact);
+  while (const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee)) {
+    if (known->in_force) break;  // the same once more
+    c.at += Duration{1};
+  }
+  const auto changes = add_own(record_of(c, config_.decisions.policy));
+  // All who receive it will do so: the own object's ghost, too, or this peer's copy of their ghosts would differ.
+  replica_.ghosts().set_base(c.collider, c.at, law_of_outcome(model_.response_of(c.collider), c.collider_after));
+  replica_.ghosts().set_base(c.collidee, c.at, law_of_outcome(model_.response_of(c.collidee), c.collidee_after));
+  replica_.colliding().on_contact(c);
+  outbox_.push(ContactSeen{ContactKind::kDecided, c, known_at});
+  const bool alone = changes.size() == 1 && changes.front().author == config_.id;
+  if (!alone) apply(changes, known_at);
+}
+
+// A contact just before one that has been decided is the same collision, found here by somewhat other states than the
+// decider's: its decision has come before this peer's own tick.
+void ContactDecisions::defer(const ContactEvent& c) {
+  const SimTime decided = log_.last(c.collider, c.collidee);
+  if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
+  if (!reaches_all_in_time(c.at)) {
+    ++counters_.contacts_too_late;
+    return;
+  }
+  ++counters_.contacts_held;
+  deferred_.push_back({c, choose_decider(c.collider, c.collidee, c.at)});
+}
+
+bool ContactDecisions::awaits_decision_on(ObjectId object) const {
+  return std::ranges::any_of(
+      deferred_, [&](const Deferred& h) { return h.contact.collider == object || h.contact.collidee == object; });
+}
+
+// Contacts on which the peer that is to decide has said nothing in time. The lower id decides them; the other one where
+// it was the lower one that said nothing, and else once a decision of the lower one would have come: the lower one may
+// not have found the contact.
+void ContactDecisions::resolve_overdue(SimTime t) {
+  log_.forget_before(t - kRememberedFor);
+  const Duration patience = 2 * lookback() + 3 * config_.hello_period;
+  const Duration lower_id_delay = lookback() + config_.hello_period;
+  std::vector<Deferred> over;
+  for (const Deferred& h : deferred_) {
+    const PeerId lower = decider_by_id(owners_.of(h.contact.collider), owners_.of(h.contact.collidee));
+    const Duration wait = members_.contains(h.decider) ? patience : Duration{0};
+    const bool first = lower == config_.id || lower == h.decider;
+    if (t >= h.contact.at + wait + (first ? Duration{0} : lower_id_delay)) over.push_back(h);
+  }
+  for (const Deferred& h : over) decide_by_fallback(h.contact, t);
+}
+
+void ContactDecisions::decide_by_fallback(const ContactEvent& c, SimTime known_at) {
+  std::erase_if(deferred_, [&](const Deferred& h) {
+    return h.contact.at == c.at && h.contact.collider == c.collider && h.contact.collidee == c.collidee;
+  });
+  if (!config_.decisions.fallback || !owners_.have_two(c.collider, c.collidee)) return;
+  if (!reaches_all_in_time(c.at)) {
+    ++counters_.contacts_too_late;
+    return;
+  }
+  ++counters_.decisions_fallback;
+  apply(add_own(record_of(within_wire_limits(c), DecisionRule::kId)), known_at);
+}
+
+// Whether that peer may have found nothing because it does not know how an own object came to the contact: it has not
+// confirmed the last update from before it, or one that was replaced unconfirmed.
+bool ContactDecisions::may_have_missed_our_update(PeerId peer, const ContactEvent& c) const {
+  if (config_.regions.cell_m > 0.0) return false;  // updates to regions are not acknowledged
+  return std::ranges::any_of(std::array{c.collider, c.collidee}, [&](ObjectId object) {
+    const OwnObject* own = own_.find(object);
+    if (own == nullptr || !own->last_sent || own->delivery.acknowledged_by.contains(peer)) return false;
+    return own->delivery.unacknowledged_by.contains(peer) || *own->last_sent <= c.at;
+  });
+}
+
+// ---- what other peers say ----
+
+void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTime known_at) {
+  const SimTime sent_at = known_at - members_.find(sender)->delays.last();
+  const std::vector<Deferred> waiting = deferred_;
+  for (const Deferred& h : waiting) {
+    if (h.decider != sender) continue;
+    const auto same = [&](const ContactNote& n) {
+      const bool pair = (n.collider == h.contact.collider && n.collidee == h.contact.collidee) ||
+                        (n.collider == h.contact.collidee && n.collidee == h.contact.collider);
+      return pair && n.contact >= h.contact.at - DecisionLog::kSameCollision &&
+             n.contact <= h.contact.at + DecisionLog::kSameCollision;
+    };
+    const auto note = std::ranges::find_if(hello.notes, same);
+    if (note != hello.notes.end() && note->deferred) {  // each left it to the other
+      if (decider_by_id(config_.id, sender) == config_.id) decide_by_fallback(h.contact, known_at);
+    } else if (note == hello.notes.end() && sent_at >= h.contact.at + lookback() && hello.notes.size() < kNotesMax &&
+               !may_have_missed_our_update(sender, h.contact)) {
+      ++counters_.contacts_refuted;
+      std::erase_if(deferred_,
+                    [&](const Deferred& other) { return other.contact.at == h.contact.at && other.decider == sender; });
+    }
+  }
+}
+
+// A peer that has just joined may not know yet who owns the objects: it acknowledges the decision as missing, so that
+// it is repeated.
+const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d, SimTime known_at) {
+  if (!may_decide(sender, owners_.of(d.collider), owners_.of(d.collidee))) {
+    members_.find(sender)->received[kWholeScene].mark_as_missing(number);
+    return "not_decider";
+  }
+  if (log_.count(sender, d.collider, d.collidee) >= kOfPairMax) return "too_many_decisions";
+  const auto changes = log_.add(d, sender);
+  if (!changes) return "decision_known";
+  if (changes->empty()) return "decision_overruled";
+  apply(*changes, known_at);
+  return nullptr;
+}
+
+void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, SimTime known_at) {
+  for (const DecisionLog::Change& change : changes) {
+    const DecisionRecord& d = change.record;
+    if (change.in_force) {
+      apply(d, change.author, known_at);
+      continue;
+    }
+    ++counters_.decisions_overruled;
+    outbox_.push(Overruled{d.collider, d.collidee, d.contact});
+    for (const ObjectId object : {d.collider, d.collidee}) own_.republish(object);
+  }
+}
+
+// From the contact time on, not from the arrival.
+void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
+  std::erase_if(deferred_, [&](const Deferred& h) { return of_pair(d, h.contact.collider, h.contact.collidee); });
+  for (const ObjectId object : {d.collider, d.collidee}) {
+    rebase(object, d.contact);
+    const OwnObject* own = own_.find(object);
+    if (own != nullptr && own->last_sent && *own->last_sent > d.contact) own_.republish(object);
+  }
+  if (!replica_.receives(d.collider) || !replica_.receives(d.collidee)) return;  // nothing to report of those
+  const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
+                             d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
+  replica_.colliding().on_contact(contact);
+  outbox_.push(
+      ContactSeen{author == config_.id ? ContactKind::kDecided : ContactKind::kApplied, contact, known_at});
+}
+
+// Gives both worlds the object's way from there on, by all that is known: the decisions in force, and its owner's last
+// update if the owner knew of them. Without a decision on an earlier contact that came later there would be a gap in
+// which the two meet once more.
+void ContactDecisions::rebase(ObjectId object, SimTime from) {
+  const OwnObject* own = own_.find(object);
+  const bool owned = own != nullptr, moved_by_physics = owned && !own->driven;
+  // What it met by itself from there on it may not have met.
+  if (moved_by_physics) outbox_.push(ContactsRetracted{object, from});
+  SimTime last = from;
+  for (const DecisionLog::Entry& e : log_.entries()) {
+    const DecisionRecord& d = e.record;
+    if (!e.in_force || d.contact < from || (d.collider != object && d.collidee != object)) continue;
+    const MotionModel after =
+        law_of_outcome(model_.response_of(object), d.collider == object ? d.collider_after : d.collidee_after);
+    if (moved_by_physics) replica_.truth().set_base(object, d.contact, after);
+    replica_.set_ghost(object, d.contact, after, owned);
+    last = d.contact;
+  }
+  const UpdateRecord* u = replica_.last_update_of(object);
+  if (owned || u == nullptr) return;
+  if (u->at > last && u->decision >= last && !log_.overruled(object, u->decision)) {
+    replica_.set_ghost(object, u->at, u->model, owned);
+  }
+}
+
+// Whether every peer of the session has the decision, as far as they say.
+bool ContactDecisions::is_acknowledged_by_all(const DecisionLog::Entry& own) const {
+  return std::ranges::all_of(members_.all(), [&](const auto& member) {
+    return !member.second.synchronised || own.acknowledged_by.contains(member.first);
+  });
+}
+
+void ContactDecisions::on_acknowledgement(PeerId sender, const Acknowledgement& acknowledgement) {
+  for (DecisionLog::Entry& e : log_.entries()) {
+    if (e.author != config_.id || e.sent_in.empty() || e.acknowledged_by.contains(sender)) continue;
+    if (std::ranges::any_of(e.sent_in, [&](std::uint32_t number) { return acknowledgement.has(number); })) {
+      e.acknowledged_by.insert(sender);
+    } else if (acknowledgement.surely_lost(e.sent_in.back())) {
+      repeat(e);
+    }
+  }
+}
+
+void ContactDecisions::on_new_session_of(PeerId sender) {
+  for (DecisionLog::Entry& decision : log_.entries()) {
+    decision.sent_in.clear();
+    decision.acknowledged_by.erase(sender);
+  }
+}
+
+// ---- what goes out ----
+
+void ContactDecisions::repeat_unacknowledged() {
+  if (!replica_.begun()) return;
+  const Duration patience = members_.acknowledged_within(config_.settled_hello_period);
+  const SimTime answered = ticks_.last_time() - std::min<Duration>(patience, kRepeatedFor / 2);
+  std::map<std::pair<ObjectId, ObjectId>, int> newer;
+  for (auto entry = log_.entries().rbegin(); entry != log_.entries().rend(); ++entry) {
+    if (entry->author != config_.id || !entry->in_force || entry->record.contact > answered) continue;
+    if (newer[std::minmax(entry->record.collider, entry->record.collidee)]++ >= kRepeatedOfPair) continue;
+    if (!is_acknowledged_by_all(*entry)) repeat(*entry);
+  }
+}
+
+void ContactDecisions::repeat(DecisionLog::Entry& own) {
+  if (!config_.decisions.repeat || !own.in_force || own.copies > 0) return;
+  if (own.record.contact < ticks_.last_time() - kRepeatedFor) return;
+  own.copies = 1;
+  ++counters_.decisions_repeated;
+}
+
+std::vector<ContactNote> ContactDecisions::notes() const {
+  std::vector<ContactNote> notes;
+  for (const Deferred& h : deferred_) {
+    if (notes.size() == kNotesMax) return notes;
+    notes.push_back({h.contact.collider, h.contact.collidee, h.contact.at, true});
+  }
+  const SimTime since = replica_.begun() ? ticks_.last_time() - kAnnouncedFor : SimTime{};
+  for (auto entry = log_.entries().rbegin(); entry != log_.entries().rend(); ++entry) {
+    const DecisionRecord& d = entry->record;
+    if (entry->author != config_.id || d.contact < since || is_acknowledged_by_all(*entry)) continue;
+    if (notes.size() == kNotesMax) break;
+    notes.push_back({d.collider, d.collidee, d.contact, false});
+  }
+  return notes;
+}
+
+void ContactDecisions::note_sent(std::span<const DecisionRecord> decisions, std::uint32_t number) {
+  for (const DecisionRecord& d : decisions) {
+    DecisionLog::Entry* entry = log_.find(d.contact, config_.id, d.collider, d.collidee);
+    assert(entry != nullptr);
+    entry->sent_in.push_back(number);
+  }
+}
+
+void ContactDecisions::restart() {
+  log_.clear();
+  deferred_.clear();
+}
+
+}  // namespace peerd::replication

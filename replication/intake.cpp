@@ -1,0 +1,236 @@
+#include "replication/intake.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <string>
+#include <utility>
+
+#include "replication/wire/hello_lists.hpp"
+#include "replication/wire/wire_limits.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// An owner that has not taken up a decision for so long has never received it: its updates count again.
+constexpr Duration kDecisionStands = std::chrono::seconds(2);
+// A decision may be of what happened up to 3 s ago (contact_decisions.cpp), and repeated where datagrams get lost.
+constexpr Duration kDecisionAgeMax = std::chrono::seconds(6);
+
+// The time that a hello took, session time to session time; what is negative, or longer than any latency, counts as 0
+// or kLatencyMax.
+Duration delay_of(SimTime sent, SimTime came) {
+  if (sent >= came) return Duration{0};
+  if (sent <= came - kLatencyMax) return Duration{kLatencyMax};  // before a difference could overflow
+  return came - sent;
+}
+
+}  // namespace
+
+std::unexpected<Drop> Intake::dropped(RegionId region, Drop why) {
+  if (why != Drop::kOwn) {  // what comes back by loopback is no news
+    ++p_.counters.drops[to_string(why)];
+    ++p_.counters.regions[region].drops[to_string(why)];
+  }
+  return std::unexpected(why);
+}
+
+std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram) {
+  (void)keeper_.check_suspension(now);  // what comes is read by the time that goes on
+  const auto message = codec_.decode(datagram, p_.to_session(now));
+  if (!message) {
+    ++p_.counters.drops[std::string("undecodable_") + to_string(message.error())];  // which of them
+    if (message.error() == DecodeError::kVersion) p_.admission.on_other_version(codec_.sender(), codec_.version());
+    return dropped(region, Drop::kUndecodable);
+  }
+  Message& m = **message;
+  assert(m.sender != kNobody);
+  const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.subscriptions.empty();
+  if (for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
+  if (const auto admitted = admit(now, m); !admitted) return dropped(region, admitted.error());
+  ++p_.counters.datagrams_in;
+  p_.counters.bytes_in += datagram.size();
+  PeerCounters::Traffic& traffic = p_.counters.regions[region];
+  ++traffic.datagrams_in;
+  traffic.bytes_in += datagram.size();
+  Member& member = *p_.members.find(m.sender);
+  ++member.datagrams_in;
+  member.bytes_in += datagram.size();
+  if (m.number > 0) member.received[region].on_datagram(m.number);
+  if (m.hello) on_hello(now, m.sender, m.number, *m.hello);
+  if (m.leaving) {
+    const Member left = p_.admission.dismiss(m.sender);
+    keeper_.lose(m.sender, left.name, now, true);
+    return {};
+  }
+  if (!p_.replica.begun()) {
+    if (m.updates.empty() && m.decisions.empty()) return {};
+    return dropped(region, Drop::kNotYetInSession);
+  }
+  on_records(m.sender, m, p_.to_session(now));
+  return {};
+}
+
+std::expected<void, Drop> Intake::admit(HostTime now, const Message& m) {
+  const auto on_lost = [&](PeerId peer, const Member& member) { keeper_.lose(peer, member.name, now, true); };
+  const auto admission = p_.admission.admit(now, m, p_.time.started(), on_lost);
+  if (!admission) {
+    // A sender that does not introduce itself does not know this peer: it will answer this peer's introduction.
+    if (admission.error() == Drop::kUnintroduced && !p_.admission.has_other_world(m.sender)) {
+      p_.time.on_unintroduced_peer(now);
+      p_.greeter.settle_from(now);
+      p_.greeter.introduce_once();
+    }
+    return std::unexpected(admission.error());
+  }
+  if (*admission == Membership::Admission::kKnown) return {};
+  assert(*admission == Membership::Admission::kJoined || *admission == Membership::Admission::kRestarted);
+  const bool restarted = *admission == Membership::Admission::kRestarted;
+  p_.greeter.settle_from(now);
+  p_.own.check_all();  // a peer is here that does not have the last updates of resting objects
+  if (restarted) keeper_.orphan_objects_of(m.sender, now);
+  p_.outbox.push(PeerJoined{m.sender, m.introduction()->name, restarted});
+  return {};
+}
+
+// ---- hellos ----
+
+void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello) {
+  Member& member = *p_.members.find(sender);
+  const bool is_newest = number > member.hello;
+  member.hello = number;
+  member.hello_rx = now;
+  member.awaits_our_decision = std::ranges::any_of(hello.notes, [&](const ContactNote& n) {
+    return n.deferred && p_.decisions.may_decide(p_.config.id, p_.owners.of(n.collider), p_.owners.of(n.collidee));
+  });
+  if (hello.sessions != member.sessions) {  // it knows of no updates yet
+    p_.own.resend_all();
+    p_.decisions.on_new_session_of(sender);
+    if (p_.world_time.zero()) keeper_.reintroduce();
+  }
+  member.sessions = hello.sessions;
+  member.synchronised = hello.session_tx.has_value();
+  member.latency = hello.latency;
+  if (hello.introduction) on_introduction(now, sender, member, hello);
+  const auto named = std::ranges::find(hello.echoes, p_.config.id, &Echo::peer);
+  // An echo of more than this peer has sent is of its last incarnation.
+  const bool counts = named != hello.echoes.end() && named->received.highest <= p_.outbox.last_number();
+  const Echo* echo = counts ? &*named : nullptr;
+  on_echo(sender, member, hello, echo);
+  if (hello.session_tx && p_.replica.begun() && p_.time.clock().synchronised()) {
+    const SimTime session_now = p_.to_session(now);
+    member.delays.add(delay_of(*hello.session_tx, session_now));
+    p_.decisions.on_contact_notes(sender, hello, session_now);
+  }
+  const auto zero = hello.introduction && hello.session_tx ? hello.introduction->world_zero : std::nullopt;
+  if (zero && p_.world_time.on_zero(sender, p_.time.follows(), *zero)) {
+    keeper_.reintroduce();
+    p_.scripted.restart();
+  }
+  if (!is_newest) return;
+  std::optional<OffsetInterval::Echo> exchange;
+  if (const auto sent = echo != nullptr ? p_.greeter.sent_at(echo->hello) : std::nullopt; sent && hello.session_tx) {
+    exchange = {*sent, *hello.session_tx - echo->hold_time};
+  }
+  p_.time.on_stamps(now, member, hello, exchange);
+  keeper_.follow_leader(now, sender);
+}
+
+void Intake::on_introduction(HostTime now, PeerId sender, Member& member, const Hello& hello) {
+  const Introduction& introduction = *hello.introduction;
+  member.name = introduction.name;
+  member.start = introduction.start;
+  member.viewpoint = introduction.viewpoint;
+  // A peer in another session has published nothing yet that this one could take.
+  const bool both = hello.session_tx && p_.replica.begun();
+  const Duration ahead = both ? *hello.session_tx - p_.to_session(now) : Duration{0};
+  if (!hello.session_tx || ahead <= -kUpdateAgeMax || ahead >= kUpdateAheadMax) return;
+  keeper_.claim(sender, introduction.owned);
+}
+
+// `echo`: what the sender's hello says of this peer's datagrams; null: nothing.
+void Intake::on_echo(PeerId sender, Member& member, const Hello& hello, const Echo* echo) {
+  if (echo == nullptr) {
+    member.echo.on_hello_without_echo(leaves_out(hello.echoes, p_.config.id), p_.members.hellos_in_a_turn());
+    return;
+  }
+  if (member.echo.on_echo(*echo)) p_.own.resend_all();  // what the sender had forgotten stands still there
+  const Acknowledgement& acknowledgement = *member.echo.acknowledgement;
+  for (auto& [object, own] : p_.own) {
+    Delivery& delivery = own.delivery;
+    if (delivery.acknowledged_by.contains(sender)) continue;
+    if (std::ranges::none_of(delivery.sent_in, [&](std::uint32_t n) { return acknowledgement.has(n); })) continue;
+    delivery.acknowledged_by.insert(sender);
+    delivery.unacknowledged_by.erase(sender);
+  }
+  p_.decisions.on_acknowledgement(sender, acknowledgement);
+}
+
+// ---- records ----
+
+void Intake::on_records(PeerId sender, Message& m, SimTime session_now) {
+  if (m.unknown_models > 0) p_.counters.drops["unknown_model"] += m.unknown_models;
+  p_.regions.on_subscriptions(sender, m.subscriptions, session_now);
+  p_.regions.on_handovers(sender, m.handovers, session_now);
+  for (UpdateRecord& u : m.updates) {
+    if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
+      p_.drop(sender, "update_time");
+    } else {
+      on_update(sender, m.number, u, session_now);
+    }
+  }
+  for (const DecisionRecord& d : m.decisions) {
+    if (d.contact < session_now - kDecisionAgeMax || d.contact > session_now + kUpdateAheadMax) {
+      p_.drop(sender, "decision_time");
+    } else if (const char* why = p_.decisions.on_decision(sender, m.number, d, session_now)) {
+      p_.drop(sender, why);
+    }
+  }
+}
+
+void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, SimTime session_now) {
+  const RelaySettings& relay = p_.config.relay;
+  const bool relayed = relay.through == sender;
+  if (relay.through != kNobody && !relayed && relay.through != p_.config.id) return;  // the relay passes it on
+  PeerId owner = p_.owners.of(u.object);
+  if (owner == kNobody && !relayed) {  // its hello may have been lost
+    keeper_.claim(sender, {&u.object, 1});
+    owner = p_.owners.of(u.object);
+  }
+  if (relayed && p_.own.contains(u.object)) {
+    p_.display.on_update_age(session_now - u.at);
+    return;
+  }
+  Member* owning = p_.members.find(owner);
+  if (owning == nullptr || (owner != sender && !relayed)) {
+    // The sender may be its owner's successor, or go on under an owner whose claim has not come yet. Datagrams to
+    // regions are not acknowledged.
+    if (!p_.regions.cuts()) p_.members.find(sender)->received[kWholeScene].mark_as_missing(number);
+    return p_.drop(sender, "not_owner");
+  }
+  std::uint32_t& last = owning->last_sequence[u.object];
+  const bool elsewhere = !p_.replica.receives(u.object) && p_.regions.interest().receives(u.model.state.position);
+  if (u.sequence == last && !elsewhere) {
+    ++p_.counters.updates_duplicate;
+    return;
+  }
+  if (u.sequence < last) return p_.drop(sender, "old_sequence");
+  last = u.sequence;
+  p_.display.on_update_age(session_now - u.at);
+  ++p_.counters.updates_in;
+  if (relay.through == p_.config.id) {
+    if (relay.restamps) u.at = session_now;
+    p_.publication.relay(u);
+    ++p_.counters.updates_relayed;
+  }
+  if (!p_.regions.accept(u, session_now)) return;
+  const DecisionLog& decisions = p_.decisions.log();
+  const SimTime decided = decisions.last(u.object);
+  if (u.decision < decided && u.at < decided + kDecisionStands) return p_.drop(sender, "before_decision");
+  if (decisions.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) {
+    return p_.drop(sender, "before_decision");
+  }
+  p_.replica.note_update(u);
+  p_.replica.set_ghost(u.object, u.at, u.model, p_.own.contains(u.object));
+}
+
+}  // namespace peerd::replication

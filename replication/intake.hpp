@@ -1,0 +1,37 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <span>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/peer_parts.hpp"
+#include "replication/session_keeper.hpp"
+#include "replication/wire/codec.hpp"
+
+namespace peerd::replication {
+
+// What comes in: datagrams become messages, and their records go to the parts that they concern.
+class Intake {
+ public:
+  Intake(PeerParts& parts, SessionKeeper& keeper) : p_(parts), keeper_(keeper) {}
+
+  // A datagram from the network: hostile until proven otherwise. The error says why it changed nothing.
+  std::expected<void, Drop> on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
+
+ private:
+  [[nodiscard]] std::unexpected<Drop> dropped(RegionId region, Drop why);
+  [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
+  void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
+  void on_introduction(HostTime now, PeerId sender, Member& member, const Hello& hello);
+  void on_echo(PeerId sender, Member& member, const Hello& hello, const Echo* echo);
+  void on_records(PeerId sender, Message& message, SimTime session_now);
+  void on_update(PeerId sender, std::uint32_t number, UpdateRecord& update, SimTime session_now);
+
+  PeerParts& p_;
+  SessionKeeper& keeper_;
+  Codec codec_;
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,62 @@
+#include "replication/output/outbox.hpp"
+
+#include <cassert>
+
+namespace peerd::replication {
+namespace {
+
+// Memory is kept for so many datagrams: as many as a peer sends at once, but for its first states.
+constexpr std::size_t kSpareMax = 64;
+
+}  // namespace
+
+Outbox::Outbox(PeerId self, std::uint64_t incarnation, PeerCounters& counters)
+    : self_(self), incarnation_(incarnation), counters_(counters) {
+  assert(self != kNobody && incarnation != 0);
+}
+
+Message Outbox::blank() const {
+  Message m;
+  m.sender = self_;
+  m.incarnation = incarnation_;
+  return m;
+}
+
+std::uint32_t Outbox::send(Message& message, RegionId region, std::span<const EncodedUpdate> updates) {
+  assert(message.sender == self_ && message.incarnation == incarnation_);
+  message.number = ++numbers_[region];
+  Bytes datagram;
+  if (!spare_.empty()) {
+    datagram = std::move(spare_.back());
+    spare_.pop_back();
+  }
+  codec_.encode(message, updates, datagram);
+  assert(datagram.size() <= kDatagramMax_bytes);
+  ++counters_.datagrams_out;
+  counters_.bytes_out += datagram.size();
+  PeerCounters::Traffic& traffic = counters_.regions[region];
+  ++traffic.datagrams_out;
+  traffic.bytes_out += datagram.size();
+  bytes_.spend(datagram.size(), !updates.empty());
+  outputs_.push_back(Send{region, std::move(datagram)});
+  return message.number;
+}
+
+std::optional<Output> Outbox::poll() {
+  assert(polled_ <= outputs_.size());
+  if (polled_ < outputs_.size()) return std::move(outputs_[polled_++]);
+  outputs_.clear();
+  polled_ = 0;
+  return std::nullopt;
+}
+
+void Outbox::reuse(Bytes&& datagram) {
+  if (spare_.size() < kSpareMax) spare_.push_back(std::move(datagram));
+}
+
+std::uint32_t Outbox::last_number(RegionId region) const {
+  const auto at = numbers_.find(region);
+  return at == numbers_.end() ? 0 : at->second;
+}
+
+}  // namespace peerd::replication

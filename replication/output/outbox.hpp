@@ -1,0 +1,52 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/ids.hpp"
+#include "replication/interest/region_grid.hpp"
+#include "replication/output/output.hpp"
+#include "replication/output/peer_counters.hpp"
+#include "replication/policy/budget.hpp"
+#include "replication/wire/codec.hpp"
+
+namespace peerd::replication {
+
+// What a peer puts out, in the order in which it does: encoded and numbered datagrams, and the events of output.hpp.
+class Outbox {
+ public:
+  // `counters` outlive the outbox.
+  Outbox(PeerId self, std::uint64_t incarnation, PeerCounters& counters);
+
+  // A message of this peer with nothing in it yet.
+  [[nodiscard]] Message blank() const;
+  // Encodes a message to a region and numbers it; `updates`, whose times count from the first one's, go in place of the
+  // message's own. The result fits in kDatagramMax_bytes. Returns its number, from 1 in each region.
+  std::uint32_t send(Message& message, RegionId region = kWholeScene, std::span<const EncodedUpdate> updates = {});
+  void push(Output output) { outputs_.push_back(std::move(output)); }
+
+  [[nodiscard]] std::optional<Output> poll();
+  // Takes back the memory of a datagram that has been sent, so that the next ones need not allocate.
+  void reuse(Bytes&& datagram);
+
+  // The number of the last datagram to that region; 0 before the first.
+  [[nodiscard]] std::uint32_t last_number(RegionId region = kWholeScene) const;
+  [[nodiscard]] ByteBudget& bytes() { return bytes_; }
+
+ private:
+  PeerId self_;
+  std::uint64_t incarnation_;
+  PeerCounters& counters_;
+  Codec codec_;
+  std::map<RegionId, std::uint32_t> numbers_;
+  std::vector<Bytes> spare_;  // memory for datagrams
+  ByteBudget bytes_;
+  std::vector<Output> outputs_;
+  std::size_t polled_ = 0;  // of outputs_
+};
+
+}  // namespace peerd::replication

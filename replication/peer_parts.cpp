@@ -1,0 +1,49 @@
+#include "replication/peer_parts.hpp"
+
+#include <cassert>
+#include <utility>
+
+namespace peerd::replication {
+
+PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
+    : config(std::move(peer_config)),
+      model(world_model),
+      ticks(config.tick_hz),
+      outbox(config.id, config.incarnation, counters),
+      members(config.lost_after),
+      admission(config, members, outbox),
+      time(config, members, outbox, counters),
+      greeter(config, members),
+      owners(model.scene->instances.size()),
+      own(*model.scene, config.owned, config.policy.surface_error),
+      replica(model),
+      scripted(model),
+      launches(model, own, replica),
+      display(config, model, own, replica, counters),
+      regions(config, model, members, owners, own, replica, ticks, outbox, counters,
+              [this](ObjectId object, bool received) {
+                if (received) display.forget(object);
+                watch_pairs_of(object);
+              }),
+      decisions(config, model, members, owners, own, replica, ticks, outbox, counters),
+      publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox,
+                  counters) {
+  for (const auto& [object, each] : std::as_const(own)) owners.set(object, config.id);
+  assert(own.size() <= owners.size());
+}
+
+void PeerParts::drop(PeerId sender, const char* reason) {
+  ++counters.drops[reason];
+  if (Member* member = members.find(sender)) ++member->drops[reason];
+}
+
+void PeerParts::extend_motions(SimTime t) {
+  scripted.extend(t, world_time.zero(), owners, replica);
+  launches.begin_due(t, [this](SimTime at, ObjectId object) { return file_velocity(at, object); });
+}
+
+Vec3 PeerParts::file_velocity(SimTime at, ObjectId object) {
+  return scripted.to_world(at, world_time.zero(), object, model.scene->object(object).velocity);
+}
+
+}  // namespace peerd::replication

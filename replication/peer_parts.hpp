@@ -1,0 +1,65 @@
+#pragma once
+#include "replication/decision/contact_decisions.hpp"
+#include "replication/output/outbox.hpp"
+#include "replication/output/peer_counters.hpp"
+#include "replication/output/tick_grid.hpp"
+#include "replication/policy/peer_config.hpp"
+#include "replication/publish/publication.hpp"
+#include "replication/replica/display.hpp"
+#include "replication/replica/launches.hpp"
+#include "replication/replica/own_objects.hpp"
+#include "replication/replica/owners.hpp"
+#include "replication/replica/replica.hpp"
+#include "replication/replica/scripted_motion.hpp"
+#include "replication/session/admission.hpp"
+#include "replication/session/greeter.hpp"
+#include "replication/session/membership.hpp"
+#include "replication/session/session_time.hpp"
+#include "replication/session/world_time.hpp"
+#include "replication/subscription/region_subscriptions.hpp"
+
+namespace peerd::replication {
+
+// The parts of a peer. Each owns its fields and knows those above it in this list, which is the order of the rooms;
+// what concerns several of them is done by SessionKeeper, ContactReport and Intake.
+struct PeerParts {
+  PeerParts(PeerConfig peer_config, const WorldModel& world_model);
+  PeerParts(const PeerParts&) = delete;
+  PeerParts& operator=(const PeerParts&) = delete;
+
+  const PeerConfig config;
+  const WorldModel& model;
+  PeerCounters counters;
+  TickGrid ticks;
+  Outbox outbox;
+  // Who is here and whose time it is.
+  Membership members;
+  Admission admission;
+  SessionTime time;
+  WorldTime world_time;
+  Greeter greeter;
+  // What this peer knows of the world.
+  Owners owners;
+  OwnObjects own;
+  Replica replica;
+  ScriptedMotion scripted;
+  Launches launches;
+  Display display;
+  // Which regions, who decides contacts, what goes out.
+  RegionSubscriptions regions;
+  ContactDecisions decisions;
+  Publication publication;
+
+  // Session time of `now`.
+  [[nodiscard]] SimTime to_session(HostTime now) const { return time.clock().to_session(now); }
+  // Counts a record of a member that was not used.
+  void drop(PeerId sender, const char* reason);
+  // Gives both worlds, which have begun, what the file moves until t, and the truth what this peer launches until then.
+  void extend_motions(SimTime t);
+  // The world's velocityVector of an object, which is in its parent's frame, in the world's frame [m/s].
+  [[nodiscard]] Vec3 file_velocity(SimTime at, ObjectId object);
+  // The decisions and the truth watch these pairs of the model by who owns and receives their objects now.
+  void watch_pairs_of(ObjectId object) { decisions.watch(model.pairs_of(object)); }
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,36 @@
+#pragma once
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/motion/world_model.hpp"
+#include "replication/output/peer_counters.hpp"
+#include "replication/policy/peer_config.hpp"
+#include "replication/replica/owners.hpp"
+#include "replication/replica/replica.hpp"
+
+namespace peerd::replication {
+
+// The error threshold of an own object's updates [m]: the tight one in close proximity to an object of another peer, so
+// that a collision finds accurate ghosts (adaptive collision prediction tracking, Ohlenburg 2003, section 4.4.2).
+class ProximityThreshold {
+ public:
+  // All of them outlive this.
+  ProximityThreshold(const PeerConfig& config, const WorldModel& model, const Owners& owners, const Replica& replica,
+                     PeerCounters& counters);
+
+  // The threshold in force at t, >= least_m().
+  [[nodiscard]] double at(ObjectId object, SimTime t) const;
+  // No error below it makes an update due, however close other objects are and whatever the budget has.
+  [[nodiscard]] double least_m(ObjectId object) const;
+
+ private:
+  [[nodiscard]] double usual_m(ObjectId object) const;
+  [[nodiscard]] double time_to_contact_s(ObjectId object, SimTime t, double threshold_m) const;
+
+  const PeerConfig& config_;
+  const WorldModel& model_;
+  const Owners& owners_;
+  const Replica& replica_;
+  PeerCounters& counters_;
+};
+
+}  // namespace peerd::replication

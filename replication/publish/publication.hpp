@@ -1,0 +1,112 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/decision/contact_decisions.hpp"
+#include "replication/output/outbox.hpp"
+#include "replication/output/peer_counters.hpp"
+#include "replication/output/tick_grid.hpp"
+#include "replication/policy/peer_config.hpp"
+#include "replication/publish/proximity_threshold.hpp"
+#include "replication/publish/update_repeater.hpp"
+#include "replication/replica/launches.hpp"
+#include "replication/replica/own_objects.hpp"
+#include "replication/replica/own_sample.hpp"
+#include "replication/replica/owners.hpp"
+#include "replication/replica/replica.hpp"
+#include "replication/session/membership.hpp"
+#include "replication/subscription/region_subscriptions.hpp"
+#include "replication/wire/codec.hpp"
+
+namespace peerd::replication {
+
+// Which updates of own objects go out, and when: those whose ghosts have gone too far from the truth, those whose time
+// is up, and what fits beside them.
+class Publication {
+ public:
+  // All of them outlive this.
+  Publication(const PeerConfig& config, const WorldModel& model, const Membership& members, const Owners& owners,
+              OwnObjects& own, Launches& launches, Replica& replica, RegionSubscriptions& regions,
+              ContactDecisions& decisions, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters);
+
+  // At the tick at t: the truth of driven objects. Samples of objects that this peer no longer owns are left out.
+  void take(SimTime t, std::span<const OwnSample> samples);
+  // The tick at t, after both worlds have been advanced to it: makes the updates that are due.
+  void publish(SimTime t);
+  // Between two ticks, at t: whether the sample is so far from what everybody predicts that its object may not wait.
+  [[nodiscard]] bool is_urgent(const OwnSample& sample, SimTime t) const;
+  // Between two ticks, after both worlds have been advanced to t: makes the updates of changes that nobody could know,
+  // and those of the samples that are due.
+  void publish_at_once(SimTime t, std::span<const OwnSample* const> samples);
+  // With a hello: sends again what nothing newer has replaced and somebody may not have.
+  void repeat_updates(HostTime now, SimTime session_now);
+  // A relay passes on another peer's update.
+  void relay(const UpdateRecord& update) { updates_due_.emplace_back(update, update.at); }
+  // Sends what is due in as few datagrams as hold it. `with_decisions`: copies of decisions and handovers, too.
+  void flush(bool with_decisions);
+  // Two objects that are published in different regions have met in the ghosts: a peer that receives one of them must
+  // be told what became of it.
+  void on_predicted_contact(const ContactEvent& contact);
+  // Session time has stepped: what waits is void.
+  void restart();
+
+ private:
+  // An own object that a tick has checked.
+  struct Checked {
+    ObjectId object;
+    OwnObject* own;
+    GhostError error;
+    double threshold_m;
+  };
+  // An object of which an update is due, where bytes are counted.
+  struct Due {
+    Checked what;
+    PublishReason reason;
+    double urgency = 0.0;
+  };
+
+  void observe(ObjectId object, OwnObject& own, SimTime t, double latency_s);
+  [[nodiscard]] bool is_worth_an_update(OwnObject& own, SimTime t, const GhostError& error) const;
+  void publish_changed(SimTime t);
+  void publish_most_urgent(SimTime t);
+  void publish_piggybacked(SimTime t);
+  [[nodiscard]] bool tracks_acknowledgements() const;
+  [[nodiscard]] bool update_is_redundant(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
+                                         const KinematicState& ghost) const;
+  [[nodiscard]] std::optional<PublishReason> why_due(ObjectId object, OwnObject& own, SimTime t, double threshold_m,
+                                                     const KinematicState& truth, const KinematicState& ghost,
+                                                     const GhostError& error) const;
+  [[nodiscard]] SimTime next_check(ObjectId object, const OwnObject& own, SimTime t, const GhostError& error) const;
+  [[nodiscard]] bool published_since_tick(const OwnObject& own) const;
+  std::size_t publish_update(ObjectId object, OwnObject& own, SimTime at, SimTime t, PublishReason reason,
+                             double threshold_m);
+  void flush_region(RegionId region, std::span<const Handover> handovers, std::span<EncodedUpdate> updates,
+                    bool with_decisions);
+  void send(Message& message, RegionId region, std::span<const EncodedUpdate> updates);
+
+  const PeerConfig& config_;
+  const Membership& members_;
+  const Owners& owners_;
+  OwnObjects& own_;
+  Launches& launches_;
+  Replica& replica_;
+  RegionSubscriptions& regions_;
+  ContactDecisions& decisions_;
+  const TickGrid& ticks_;
+  Outbox& outbox_;
+  PeerCounters& counters_;
+  ProximityThreshold thresholds_;
+  UpdateRepeater repeater_;
+  std::vector<EncodedUpdate> updates_due_, copies_due_;
+  std::vector<Checked> not_due_;      // of this tick
+  std::vector<Due> due_updates_;      // of this tick
+  bool over_byte_budget_ = false;     // as of the last tick
+};
+
+}  // namespace peerd::replication

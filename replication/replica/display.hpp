@@ -1,0 +1,48 @@
+#pragma once
+#include <algorithm>
+#include <map>
+
+#include "core/ids.hpp"
+#include "core/kinematics.hpp"
+#include "core/time.hpp"
+#include "replication/motion/convergence.hpp"
+#include "replication/output/peer_counters.hpp"
+#include "replication/policy/peer_config.hpp"
+#include "replication/replica/own_objects.hpp"
+#include "replication/replica/replica.hpp"
+
+namespace peerd::replication {
+
+// What a viewer draws: ghosts, smoothed where an update has moved them (convergence), or everything late by a delay.
+// Nothing that other peers could notice depends on it.
+class Display {
+ public:
+  // All of them outlive this.
+  Display(const PeerConfig& config, const WorldModel& model, const OwnObjects& own, const Replica& replica,
+          PeerCounters& counters);
+
+  // For each object, t never goes back; the ghosts have been advanced to t. What is shown doesn't go through what an
+  // interest pairs the object with, where the ghost didn't.
+  [[nodiscard]] Pose shown(ObjectId object, SimTime t);
+
+  // An update came that late.
+  void on_update_age(Duration age) { oldest_update_ = std::max(oldest_update_, age); }
+  // Session time has stepped: nothing shown so far means anything.
+  void restart();
+  // The object is shown at once where it is.
+  void forget(ObjectId object) { shown_.erase(object); }
+
+ private:
+  [[nodiscard]] Duration delay() const;
+  [[nodiscard]] bool may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const;
+
+  const PeerConfig& config_;
+  const WorldModel& model_;
+  const OwnObjects& own_;
+  const Replica& replica_;
+  PeerCounters& counters_;
+  std::map<ObjectId, Convergence> shown_;
+  Duration oldest_update_{0};  // the greatest age of an update on arrival
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,53 @@
+#include "replication/replica/launches.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+#include <vector>
+
+#include "replication/motion/response.hpp"
+
+namespace peerd::replication {
+
+void Launches::shift(Duration by) {
+  for (auto& [object, at] : scheduled_) at += by;
+}
+
+void Launches::launch(SimTime t, ObjectId object, const FileVelocity& file_velocity) {
+  const Launch& launch = own_.at(object).launch;
+  KinematicState state = replica_.truth().at(object, t);
+  state.velocity = launch.velocity ? *launch.velocity : file_velocity(t, object);
+  state.acceleration = launch.acceleration;
+  replica_.truth().set_base(object, t, law_after(model_.response_of(object), MotionModel{}, state));
+}
+
+void Launches::begin_due(SimTime until, const FileVelocity& file_velocity) {
+  std::vector<std::pair<SimTime, ObjectId>> due;
+  for (const auto& [object, at] : scheduled_) {
+    if (at <= until) due.emplace_back(at, object);
+  }
+  std::ranges::sort(due);
+  for (const auto& [at, object] : due) {
+    replica_.truth().advance(at);
+    launch(at, object, file_velocity);
+    unpublished_[object] = at;
+    scheduled_.erase(object);
+  }
+}
+
+void Launches::change_velocity(SimTime t, ObjectId object, const Vec3& velocity, bool absolute) {
+  assert(own_.contains(object) && !own_.at(object).driven);
+  const MotionModel law = replica_.truth().model_at(object, t);
+  KinematicState state = law.state;
+  state.velocity = absolute ? velocity : Vec3(state.velocity + velocity);
+  replica_.truth().set_base(object, t, law_after(model_.response_of(object), law, state));
+  scheduled_.erase(object);
+  unpublished_[object] = t;
+}
+
+void Launches::forget(ObjectId object) {
+  scheduled_.erase(object);
+  unpublished_.erase(object);
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,50 @@
+#pragma once
+#include <functional>
+#include <map>
+
+#include "core/ids.hpp"
+#include "core/math.hpp"
+#include "core/time.hpp"
+#include "replication/motion/world_model.hpp"
+#include "replication/replica/own_objects.hpp"
+#include "replication/replica/replica.hpp"
+
+namespace peerd::replication {
+
+// Changes of own objects' motion that nobody could predict: the launches of those that physics moves, and velocities
+// that a key or a hand has given them.
+class Launches {
+ public:
+  // All of them outlive this.
+  Launches(const WorldModel& model, OwnObjects& own, Replica& replica) : model_(model), own_(own), replica_(replica) {}
+
+  // The object stands until `at`.
+  void schedule(ObjectId object, SimTime at) { scheduled_[object] = at; }
+  // Session time has stepped.
+  void shift(Duration by);
+  // The velocity of an object that begins to move at `at` [m/s, world frame], where its launch names none.
+  using FileVelocity = std::function<Vec3(SimTime at, ObjectId object)>;
+  // Launches the object at t. Its truth is known until t.
+  void launch(SimTime t, ObjectId object, const FileVelocity& file_velocity);
+  // Does the launches that are due until then, in order of time. Advances the truth to each of them.
+  void begin_due(SimTime until, const FileVelocity& file_velocity);
+  // From t on the object, which this peer owns and nothing drives, has the velocity [m/s, world frame], or that much
+  // more of it. The truth has been advanced to t.
+  void change_velocity(SimTime t, ObjectId object, const Vec3& velocity, bool absolute);
+
+  // Changes that have not been published, with the instants since which they hold.
+  [[nodiscard]] const std::map<ObjectId, SimTime>& unpublished() const { return unpublished_; }
+  void note_published(ObjectId object) { unpublished_.erase(object); }
+  void forget_unpublished() { unpublished_.clear(); }
+  // Another peer owns the object from now on.
+  void forget(ObjectId object);
+
+ private:
+  const WorldModel& model_;
+  OwnObjects& own_;
+  Replica& replica_;
+  std::map<ObjectId, SimTime> scheduled_;
+  std::map<ObjectId, SimTime> unpublished_;
+};
+
+}  // namespace peerd::replication

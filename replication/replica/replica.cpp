@@ -1,0 +1,28 @@
+#include "replication/replica/replica.hpp"
+
+namespace peerd::replication {
+
+KinematicState Replica::ghost(ObjectId object, SimTime t) const {
+  return ghosts().has(object) ? ghosts().at(object, t) : at_rest(model_.scene->rigid_pose(object));
+}
+
+KinematicState Replica::truth(ObjectId object, SimTime t) const {
+  return truth().has(object) ? truth().at(object, t) : ghost(object, t);
+}
+
+void Replica::set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned) {
+  ghosts().set_base(object, t, model);
+  if (!owned && truth().has(object)) truth().set_base(object, t, model);
+}
+
+void Replica::declare_remote(ObjectId object, Role role) {
+  if (truth().has(object)) truth().declare(object, role);
+  ghosts().declare(object, role);
+}
+
+const UpdateRecord* Replica::last_update_of(ObjectId object) const {
+  const auto at = last_updates_.find(object);
+  return at == last_updates_.end() ? nullptr : &at->second;
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,91 @@
+#pragma once
+#include <cassert>
+#include <optional>
+#include <set>
+#include <unordered_map>
+#include <utility>
+
+#include "core/ids.hpp"
+#include "core/kinematics.hpp"
+#include "core/time.hpp"
+#include "replication/motion/colliding_objects.hpp"
+#include "replication/motion/motion_world.hpp"
+#include "replication/motion/world_model.hpp"
+#include "replication/wire/wire.hpp"
+
+namespace peerd::replication {
+
+// This peer's copy of the shared world, in two versions. `truth` holds what is known: own objects as they are, and the
+// ghosts of those remote objects that may meet something. `ghosts` holds what everybody predicts from the updates, own
+// objects included: the sender's copy of every receiver's ghosts. Both begin with the session.
+class Replica {
+ public:
+  struct Worlds {
+    MotionWorld truth, ghosts;
+  };
+
+  // The model outlives the replica.
+  explicit Replica(const WorldModel& model) : model_(model), colliding_(model) {}
+
+  [[nodiscard]] bool begun() const { return worlds_.has_value(); }
+  // Begins both worlds anew at t, with everything at its place in the file.
+  void begin(SimTime t) { worlds_.emplace(Worlds{MotionWorld(model_, t), MotionWorld(model_, t)}); }
+  // The worlds as they were; begin() must follow.
+  [[nodiscard]] Worlds take() {
+    assert(begun());
+    return std::move(*worlds_);
+  }
+
+  // They have begun.
+  [[nodiscard]] MotionWorld& truth() {
+    assert(begun());
+    return worlds_->truth;
+  }
+  [[nodiscard]] const MotionWorld& truth() const {
+    assert(begun());
+    return worlds_->truth;
+  }
+  [[nodiscard]] MotionWorld& ghosts() {
+    assert(begun());
+    return worlds_->ghosts;
+  }
+  [[nodiscard]] const MotionWorld& ghosts() const {
+    assert(begun());
+    return worlds_->ghosts;
+  }
+  // The objects that touch something in the world as this peer knows it.
+  [[nodiscard]] CollidingObjects& colliding() { return colliding_; }
+
+  // The state of any object at t: by the ghosts, at its place in the file where they do not have it.
+  [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
+  // By the truth; by the ghosts where nothing can meet the object.
+  [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
+
+  // From t on everybody predicts the object to move so. The truth follows unless the object is owned here.
+  void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned);
+  // The role of an object that is not owned here. One that nothing can meet is in the ghosts alone.
+  void declare_remote(ObjectId object, Role role);
+
+  // Whether this peer receives the object's updates: false for objects in regions that it does not listen to. What it
+  // says of those is void; they meet nothing here.
+  [[nodiscard]] bool receives(ObjectId object) const { return !unreceived_.contains(object); }
+  // False where that is how it was.
+  bool set_received(ObjectId object, bool received) {
+    return received ? unreceived_.erase(object) > 0 : unreceived_.insert(object).second;
+  }
+
+  // The last update of a remote object that was applied; null before the first.
+  [[nodiscard]] const UpdateRecord* last_update_of(ObjectId object) const;
+  void note_update(const UpdateRecord& update) { last_updates_.insert_or_assign(update.object, update); }
+  void forget_update_of(ObjectId object) { last_updates_.erase(object); }
+  void forget_updates() { last_updates_.clear(); }
+
+ private:
+  const WorldModel& model_;
+  std::optional<Worlds> worlds_;
+  CollidingObjects colliding_;
+  std::set<ObjectId> unreceived_;
+  std::unordered_map<ObjectId, UpdateRecord> last_updates_;
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,56 @@
+#include "replication/replica/scripted_motion.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+
+namespace peerd::replication {
+namespace {
+
+// World time [s] beyond which a count of nanoseconds would overflow: 100 years.
+constexpr double kFarthest_s = 3.2e9;
+
+}  // namespace
+
+ScriptedMotion::ScriptedMotion(const WorldModel& model) : model_(model) {
+  if (!model.moving.empty()) motion_.emplace(*model.scene);
+}
+
+void ScriptedMotion::restart() {
+  pieces_.clear();
+  for (const ObjectId object : model_.moving) pieces_.push_back({object, std::nullopt, std::nullopt});
+}
+
+void ScriptedMotion::extend(SimTime to, std::optional<SimTime> world_zero, const Owners& owners, Replica& replica) {
+  if (!world_zero) return;
+  // Rounded up to where a nanosecond lies within a piece.
+  const auto session_time = [&](double world_s) {
+    return *world_zero + Duration{static_cast<std::int64_t>(std::ceil(world_s * 1e9))};
+  };
+  for (Piece& p : pieces_) {
+    if (owners.of(p.object) != kNobody) {
+      p.known_until.reset();
+      p.owned_until = to;
+      continue;
+    }
+    while (!p.known_until || *p.known_until <= to) {
+      const SimTime from = p.known_until.value_or(to);
+      const PredefinedMotion::Piece piece = motion_->piece(p.object, to_seconds(from - *world_zero));
+      const SimTime begin = std::max(session_time(piece.begin_s), p.owned_until.value_or(SimTime::min()));
+      const KinematicState state = advance(piece.state, to_seconds(begin - *world_zero) - piece.begin_s);
+      replica.truth().set_base(p.object, begin, state);
+      replica.ghosts().set_base(p.object, begin, state);
+      const bool ends = piece.end_s < kFarthest_s;
+      p.known_until = ends ? std::max(session_time(piece.end_s), from + Duration{1}) : SimTime::max();
+      assert(*p.known_until > from);
+    }
+  }
+}
+
+Vec3 ScriptedMotion::to_world(SimTime at, std::optional<SimTime> world_zero, ObjectId object, const Vec3& in_parent) {
+  if (!motion_ || !world_zero) return model_.scene->to_world(object, in_parent);
+  return motion_->to_world(object, in_parent, to_seconds(at - *world_zero));
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,81 @@
+#include "replication/session/admission.hpp"
+
+#include <cassert>
+#include <utility>
+
+namespace peerd::replication {
+namespace {
+
+// More peers than one network carries: somebody invents them.
+constexpr std::size_t kMembersMax = 4096;
+// Versions that are reported.
+constexpr std::size_t kVersionsMax = 8;
+// Of so many departed peers the incarnation is remembered, so that a late datagram of theirs is recognised.
+constexpr std::size_t kDepartedMax = 4096;
+
+}  // namespace
+
+Admission::Admission(const PeerConfig& config, Membership& members, Outbox& outbox)
+    : config_(config), members_(members), outbox_(outbox) {}
+
+std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, const Message& m,
+                                                            std::optional<HostTime> started, const OnLost& on_lost) {
+  if (m.sender == config_.id) return admit_own(now, m, started);
+  const Introduction* introduction = m.introduction();
+  const Member* known = members_.find(m.sender);
+  if (introduction == nullptr) {
+    if (known == nullptr) return std::unexpected(Drop::kUnintroduced);
+    if (incarnation_low(known->incarnation) != m.incarnation) return std::unexpected(Drop::kStaleIncarnation);
+    return members_.on_datagram(now, m.sender, known->incarnation);
+  }
+  // A datagram from before its goodbye, or the goodbye again.
+  const auto departed = departed_peers_.find(m.sender);
+  if (known == nullptr && departed != departed_peers_.end() && m.incarnation <= departed->second) {
+    return std::unexpected(Drop::kStaleIncarnation);
+  }
+  if (known == nullptr && members_.all().size() == kMembersMax) return std::unexpected(Drop::kTooMany);
+  if (introduction->world_hash != config_.world_hash) {
+    if (known != nullptr && m.incarnation < known->incarnation) return std::unexpected(Drop::kStaleIncarnation);
+    if (const auto member = members_.remove(m.sender)) on_lost(m.sender, *member);
+    return reject_other_world(m);
+  }
+  const Membership::Admission admission = members_.on_datagram(now, m.sender, m.incarnation);
+  if (admission == Membership::Admission::kStale) return std::unexpected(Drop::kStaleIncarnation);
+  return admission;
+}
+
+std::unexpected<Drop> Admission::admit_own(HostTime now, const Message& m, std::optional<HostTime> started) {
+  const Introduction* introduction = m.introduction();
+  const std::uint64_t own = introduction != nullptr ? config_.incarnation : incarnation_low(config_.incarnation);
+  if (m.incarnation == own) return std::unexpected(Drop::kOwn);
+  // What this peer sent in its last incarnation may still be under way.
+  const bool just_started = !started || now - *started < config_.lost_after;
+  if (just_started && (introduction == nullptr || m.incarnation < config_.incarnation)) {
+    return std::unexpected(Drop::kStaleIncarnation);
+  }
+  if (introduction == nullptr) return std::unexpected(Drop::kIdInUse);  // if not in another world
+  if (introduction->world_hash != config_.world_hash) return reject_other_world(m);
+  if (!std::exchange(id_in_use_reported_, true)) outbox_.push(IdInUse{m.sender});
+  return std::unexpected(Drop::kIdInUse);
+}
+
+std::unexpected<Drop> Admission::reject_other_world(const Message& m) {
+  assert(m.introduction() != nullptr);
+  if (other_worlds_.size() == kMembersMax) other_worlds_.clear();
+  if (other_worlds_.insert(m.sender).second) outbox_.push(OtherWorld{m.sender, m.introduction()->name});
+  return std::unexpected(Drop::kOtherWorld);
+}
+
+Member Admission::dismiss(PeerId peer) {
+  auto member = members_.remove(peer);
+  assert(member);
+  if (departed_peers_.size() < kDepartedMax) departed_peers_[peer] = member->incarnation;
+  return *std::move(member);
+}
+
+void Admission::on_other_version(PeerId sender, std::uint32_t version) {
+  if (version == 0 || sender == kNobody || other_versions_.size() == kVersionsMax) return;
+  if (other_versions_.insert(version).second) outbox_.push(OtherVersion{sender, version});
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,55 @@
+#pragma once
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/output/outbox.hpp"
+#include "replication/output/peer_counters.hpp"
+#include "replication/policy/peer_config.hpp"
+#include "replication/session/membership.hpp"
+#include "replication/wire/wire.hpp"
+
+namespace peerd::replication {
+
+// Whether a sound message is one for this peer: of another peer, in its present incarnation, with the same world. A
+// message that does not introduce its sender counts if the sender is known.
+class Admission {
+ public:
+  // The part of the admission that concerns others. The member has been removed already.
+  using OnLost = std::function<void(PeerId, const Member&)>;
+
+  // All of them outlive this.
+  Admission(const PeerConfig& config, Membership& members, Outbox& outbox);
+
+  // How the sender is known, never kStale, or why the message is dropped. `started`: when this peer was; none: not yet.
+  // `on_lost` is called for a member that turns out to have another world, before that is reported.
+  [[nodiscard]] std::expected<Membership::Admission, Drop> admit(HostTime now, const Message& message,
+                                                                 std::optional<HostTime> started,
+                                                                 const OnLost& on_lost);
+  // A member says goodbye, which is its last word in this incarnation: it is removed and returned.
+  [[nodiscard]] Member dismiss(PeerId peer);
+  // A datagram of another protocol version.
+  void on_other_version(PeerId sender, std::uint32_t version);
+  // Whether that peer is known to have another world.
+  [[nodiscard]] bool has_other_world(PeerId peer) const { return other_worlds_.contains(peer); }
+
+ private:
+  [[nodiscard]] std::unexpected<Drop> admit_own(HostTime now, const Message& message,
+                                                std::optional<HostTime> started);
+  [[nodiscard]] std::unexpected<Drop> reject_other_world(const Message& message);
+
+  const PeerConfig& config_;
+  Membership& members_;
+  Outbox& outbox_;
+  std::set<PeerId> other_worlds_;                   // each is reported once
+  std::set<std::uint32_t> other_versions_;          // each is reported once
+  std::map<PeerId, std::uint64_t> departed_peers_;  // the incarnation of each peer that has said goodbye
+  bool id_in_use_reported_ = false;
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,153 @@
+#include "replication/session/greeter.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "replication/wire/hello_lists.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// Hellos come faster until this peer has a session, so that joining takes tenths of a second.
+constexpr Duration kJoiningHelloPeriod = std::chrono::milliseconds(100);
+// A peer that joins measures its clock and its loss with hellos: so long they are not rare.
+constexpr Duration kSettling = std::chrono::seconds(4);
+// With one hello in so many a peer introduces itself to whom it may concern; and with so many in a row whenever
+// something in its introduction is new, more of them where the loss asks for it.
+constexpr std::size_t kIntroductionEvery = 8;
+constexpr std::uint32_t kIntroductionRepeats = 3, kIntroductionRepeatsMax = 6;
+// Own objects in an introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of at most
+// 20, a viewpoint of at most 97, a name of 64 and kSubscriptionsWithHello regions of at most 7, and 11 for them all,
+// fit into a datagram.
+constexpr std::size_t kOwnedMax = 50;
+// Of lost peers so many are remembered: more than one network carries.
+constexpr std::size_t kLostPeersMax = 4096;
+
+// Lists too long for one datagram take turns: of `size` entries at most `most`, from the `first` one on, going round.
+template <class Take>
+void take_turns(std::size_t first, std::size_t size, std::size_t most, Take take) {
+  for (std::size_t i = 0; i < std::min(size, most); ++i) take((first + i) % size);
+}
+
+}  // namespace
+
+Greeter::Greeter(const PeerConfig& config, const Membership& members) : config_(config), members_(members) {}
+
+void Greeter::greet_anew(HostTime now) {
+  next_hello_ = now;
+  settle_from(now);
+}
+
+void Greeter::settle_from(HostTime now) { settling_until_ = now + kSettling; }
+
+void Greeter::hurry() {
+  assert(next_hello_);
+  next_hello_ = std::min(*next_hello_, last_hello_ + config_.hello_period);
+}
+
+void Greeter::schedule_next(HostTime now, bool synchronised) {
+  last_hello_ = now;
+  next_hello_ = now + (synchronised ? config_.settled_hello_period : kJoiningHelloPeriod);
+}
+
+bool Greeter::needs_keepalive(HostTime now, std::uint32_t last_number) const {
+  assert(last_number >= last_sent_number_);
+  return last_number == last_sent_number_ && now - last_sent_at_ >= config_.hello_period;
+}
+
+void Greeter::note_sent(HostTime now, std::uint32_t last_number) {
+  if (last_number == last_sent_number_) return;
+  last_sent_number_ = last_number;
+  last_sent_at_ = now;
+}
+
+HostTime Greeter::next_deadline() const {
+  return next_hello_ ? std::min(*next_hello_, last_sent_at_ + config_.hello_period) : HostTime::min();
+}
+
+void Greeter::on_session_entered(std::size_t own_objects) {
+  ++sessions_;
+  reintroduce(own_objects);
+}
+
+void Greeter::reintroduce(std::size_t own_objects) {
+  const std::uint32_t times =
+      std::max(kIntroductionRepeats, copies_against(members_.worst_loss_to_peers(), kIntroductionRepeatsMax));
+  introductions_due_ = times * (1 + own_objects / kOwnedMax);
+  assert(introductions_due_ > 0);
+}
+
+bool Greeter::must_introduce(bool synchronised) const {
+  return !synchronised || introductions_due_ > 0 || std::ranges::any_of(members_.all(), [](const auto& entry) {
+    return !entry.second.echo.echoes_us && !entry.second.echo.unreachable;
+  });
+}
+
+bool Greeter::introduces(bool synchronised) const {
+  return must_introduce(synchronised) || hellos_ % kIntroductionEvery == 0;
+}
+
+// A peer without a session waits for its echoes: where they take turns, every other hello begins with the next one of
+// those peers.
+void Greeter::fill_echoes(Hello& hello, HostTime now, bool cuts_regions) {
+  const auto is_new = [](const auto& entry) { return !entry.second.synchronised; };
+  const bool newcomers = std::ranges::any_of(members_.all(), is_new);
+  const std::size_t turn = members_.hellos_in_a_turn(), unnamed = turn > 1 && newcomers ? 2 * turn : turn;
+  std::vector<std::pair<PeerId, const Member*>> echoable;
+  std::vector<std::size_t> echoable_new;
+  for (const auto& [peer, member] : members_.all()) {
+    const auto received = member.received.find(kWholeScene);
+    if (const auto lost = lost_peers_.find(peer); lost != lost_peers_.end()) {
+      if (lost->second++ < unnamed) continue;
+      lost_peers_.erase(lost);
+    }
+    if (member.hello == 0 || now - member.hello_rx > kHeldMax) continue;
+    if (received == member.received.end()) continue;
+    if (!member.synchronised) echoable_new.push_back(echoable.size());
+    echoable.emplace_back(peer, &member);
+  }
+  const bool for_new = !echoable_new.empty() && hellos_ % 2 == 1;
+  const std::size_t first =
+      for_new ? echoable_new[hellos_ / 2 % echoable_new.size()] : kEchoesStep * echo_turns_++;
+  const double mean_loss = members_.mean_loss();
+  take_turns(first, echoable.size(), kEchoesMax, [&](std::size_t i) {
+    const auto& [peer, member] = echoable[i];
+    const LossMeter& meter = member->received.at(kWholeScene);
+    // Where regions keep most of a far peer's datagrams away, hellos alone would take long to show a good link: what
+    // comes from the others tells, too.
+    const LossMeter all = member->received_in_all();
+    const double loss = cuts_regions ? all.loss(mean_loss) : all.loss();
+    hello.echoes.push_back({peer, member->hello, now - member->hello_rx, meter.received(), loss});
+  });
+  assert(hello.echoes.size() <= kEchoesMax);
+}
+
+Introduction Greeter::introduction(std::span<const ObjectId> own, std::optional<SimTime> start,
+                                   std::optional<SimTime> world_zero) {
+  assert(std::ranges::is_sorted(own));
+  Introduction i{config_.name, config_.world_hash, {}, start, world_zero, config_.decisions.viewpoint};
+  take_turns(introductions_ * kOwnedMax, own.size(), kOwnedMax, [&](std::size_t k) { i.owned.push_back(own[k]); });
+  std::ranges::sort(i.owned);
+  ++introductions_;
+  if (introductions_due_ > 0) --introductions_due_;
+  return i;
+}
+
+void Greeter::on_hello_sent(HostTime now, std::uint32_t number) {
+  ++hellos_;
+  while (!sent_hellos_.empty() && now - sent_hellos_.front().at > kHeldMax) sent_hellos_.pop_front();
+  assert(sent_hellos_.empty() || sent_hellos_.back().number < number);
+  sent_hellos_.push_back({number, now});
+}
+
+std::optional<HostTime> Greeter::sent_at(std::uint32_t number) const {
+  const auto sent = std::ranges::find(sent_hellos_, number, &SentHello::number);
+  return sent == sent_hellos_.end() ? std::nullopt : std::optional(sent->at);
+}
+
+void Greeter::on_peer_lost(PeerId peer) {
+  if (lost_peers_.size() < kLostPeersMax) lost_peers_[peer] = 0;
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,99 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/output/outbox.hpp"
+#include "replication/output/peer_counters.hpp"
+#include "replication/policy/peer_config.hpp"
+#include "replication/session/membership.hpp"
+#include "replication/session/session_clock.hpp"
+
+namespace peerd::replication {
+
+// Whose time the session's is, and what this peer knows of it.
+//
+// The lowest peer of a session leads: its clock is the session's time, and all others follow it. A peer that finds no
+// session founds one. Where two sessions have met, the one whose time is later goes on, and the peers of the other step
+// forward into it, so that nobody's time ever runs back.
+class SessionTime {
+ public:
+  // After a longer gap between two calls this peer was stopped, or its computer asleep. What would have happened
+  // meanwhile is not made up: for everybody else its objects stood still.
+  static constexpr Duration kSuspendedAfter = std::chrono::seconds(4);
+
+  // All of them outlive this.
+  SessionTime(const PeerConfig& config, Membership& members, Outbox& outbox, PeerCounters& counters);
+
+  [[nodiscard]] const SessionClock& clock() const { return clock_; }
+  // The peer whose session time this one takes over; itself: it leads. None: nobody's yet.
+  [[nodiscard]] std::optional<PeerId> follows() const { return follows_; }
+  [[nodiscard]] bool leads() const { return follows_ == config_.id; }
+  [[nodiscard]] const std::optional<OsClock>& os_clock() const { return os_clock_; }
+  [[nodiscard]] std::optional<HostTime> started() const { return started_; }
+  // The last call of check_suspension().
+  [[nodiscard]] HostTime called_at() const { return called_at_.value(); }
+
+  // The first tick: this peer listens from now on. False where it has started before.
+  bool start(HostTime now);
+
+  // To be called first whenever time arrives. Where nobody has called for long, this host slept, or was stopped, or its
+  // clock has jumped; which of them, and how much time has really passed, only the others can tell. So session time
+  // goes on from where it was, and this peer publishes no time until it has received theirs: a peer that led would
+  // otherwise lead everybody into the wrong one. Where nobody is left, it founds again. Returns the gap; none: there
+  // was none, or nobody to be out of step with. `in_session`: this peer has a world.
+  [[nodiscard]] std::optional<Duration> check_suspension(HostTime now, bool in_session);
+
+  // A peer has been received that has not introduced itself, and may have a session.
+  void on_unintroduced_peer(HostTime now) { unintroduced_peer_at_ = now; }
+  // The operating system's word of its clock at `now`; none: it does not know how right it is.
+  void on_os_clock(HostTime now, std::optional<OsClock> clock);
+  // The time stamps of a hello. `exchange`: when this peer's hello that it echoes left and arrived; none: it echoes
+  // none that is known.
+  void on_stamps(HostTime now, Member& member, const Hello& hello, const std::optional<OffsetInterval::Echo>& exchange);
+
+  // True when this peer has founded a session, or goes on with one in which nobody else is left.
+  [[nodiscard]] bool found_session(HostTime now);
+  // Follows the right peer. `sender`: the peer whose hello has just come. True when this peer has session time for the
+  // first time since it had a world, that is, when it has to enter the session.
+  [[nodiscard]] bool follow_leader(HostTime now, std::optional<PeerId> sender, bool in_session);
+  // The followed peer has gone.
+  [[nodiscard]] bool has_lost_leader() const;
+
+  // A step of session time, forward: into another session, or, after a suspension, to where the same one had got.
+  struct Step {
+    Duration by;
+    bool same_session;
+  };
+  // To be called at every tick.
+  [[nodiscard]] std::optional<Step> adjust(HostTime now);
+
+  // What a hello says of this peer's time.
+  void stamp(Hello& hello, HostTime now) const;
+
+ private:
+  [[nodiscard]] bool may_respond(HostTime now, const Member& member) const;
+  [[nodiscard]] std::optional<OsClockNote> os_clock_note(HostTime now) const;
+  [[nodiscard]] std::optional<OffsetBounds> os_bounds(HostTime now, const Member& member) const;
+  [[nodiscard]] SessionClock::Estimate estimate(HostTime now, PeerId peer);
+  enum class Session : std::uint8_t { kUnknown, kEarlier, kSame, kLater };
+  [[nodiscard]] Session session_of(HostTime now, const Member& member, Duration own_error) const;
+  [[nodiscard]] std::optional<PeerId> choose_leader(HostTime now) const;
+
+  const PeerConfig& config_;
+  Membership& members_;
+  Outbox& outbox_;
+  PeerCounters& counters_;
+  SessionClock clock_;
+  std::optional<PeerId> follows_;
+  std::optional<HostTime> started_;
+  HostTime listening_since_{};  // since the start, or since this host was suspended
+  std::optional<HostTime> called_at_;
+  bool was_suspended_ = false;  // since it had session time last
+  std::optional<HostTime> unintroduced_peer_at_;
+  std::optional<OsClock> os_clock_;
+  HostTime os_clock_at_{};
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,228 @@
+#include "replication/session_keeper.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <iterator>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace peerd::replication {
+namespace {
+
+// Where own objects that something drives were, in the truth: contacts with them are found as they come.
+constexpr Duration kDrivenKept = std::chrono::milliseconds(500);
+
+template <class T>
+std::vector<T> without_doubles(std::vector<T> all) {
+  std::ranges::sort(all);
+  all.erase(std::ranges::unique(all).begin(), all.end());
+  return all;
+}
+
+}  // namespace
+
+bool SessionKeeper::check_suspension(HostTime now) {
+  const bool in_session = p_.replica.begun();
+  const auto gap = p_.time.check_suspension(now, in_session);
+  if (!gap) return false;
+  assert(*gap > SessionTime::kSuspendedAfter);
+  if (!in_session) return true;
+  p_.greeter.greet_anew(now);
+  p_.counters.ticks_missed += static_cast<std::uint64_t>(*gap * p_.config.tick_hz / std::chrono::seconds(1));
+  p_.outbox.push(HostSuspended{*gap});
+  return true;
+}
+
+bool SessionKeeper::maintain(HostTime now) {
+  if (p_.time.start(now)) p_.greeter.start(now);
+  if (check_suspension(now)) return false;
+  // Nobody else is here who could tell how much time has passed: this peer's own clock counts on.
+  const bool in_session = p_.replica.begun();
+  const Duration gap = in_session ? p_.to_session(now) - p_.ticks.last_time() : Duration{0};
+  if (gap > SessionTime::kSuspendedAfter) {
+    p_.counters.ticks_missed += static_cast<std::uint64_t>(p_.ticks.number_at(p_.to_session(now)) - p_.ticks.last());
+    p_.members.restart_silence_of_all(now);  // it was not they who were silent
+    move_to_session_time(p_.ticks.last_time(), p_.to_session(now));
+    p_.outbox.push(HostSuspended{gap});
+    return false;
+  }
+  for (auto& [peer, member] : p_.members.expire(now)) lose(peer, member.name, now, false);
+  const bool lost_leader = p_.time.has_lost_leader();
+  if (p_.time.found_session(now)) {
+    if (!p_.replica.begun()) enter_session(now);
+  } else if (lost_leader) {
+    follow_leader(now, std::nullopt);
+  }
+  const auto step = p_.time.adjust(now);
+  if (!step) return true;
+  const SimTime after = p_.to_session(now);
+  ++p_.counters.clock_steps;
+  if (!step->same_session) p_.world_time.on_other_session(step->by, p_.time.follows());
+  if (p_.replica.begun()) move_to_session_time(after - step->by, after);
+  p_.outbox.push(ClockStepped{p_.time.clock().session_minus_host(now), step->by, step->same_session});
+  return false;
+}
+
+void SessionKeeper::follow_leader(HostTime now, std::optional<PeerId> sender) {
+  if (p_.time.follow_leader(now, sender, p_.replica.begun())) enter_session(now);
+}
+
+void SessionKeeper::enter_session(HostTime host_now) {
+  assert(!p_.replica.begun());
+  const SimTime now = p_.to_session(host_now);
+  p_.greeter.on_session_entered(p_.own.size());
+  p_.greeter.greet_anew(host_now);
+  begin_worlds(now);
+  p_.ticks.set_last(p_.ticks.number_at(now));
+  declare_all();
+  p_.scripted.restart();
+  for (auto& [object, own] : p_.own) {
+    p_.replica.truth().set_base(object, now, at_rest(p_.model.scene->rigid_pose(object)));
+    if (own.driven || p_.config.wait_for_start) continue;
+    if (own.launch.after > Duration{0}) {
+      p_.launches.schedule(object, now + own.launch.after);
+    } else {
+      p_.launches.launch(now, object, [this](SimTime at, ObjectId o) { return p_.file_velocity(at, o); });
+    }
+  }
+}
+
+// The clock has stepped into another session, or this computer was suspended. Everything goes on from where it is, at
+// the other session's time; what was known of the past, and what was published in the old time, is void.
+void SessionKeeper::move_to_session_time(SimTime before, SimTime now) {
+  const Replica::Worlds old = p_.replica.take();
+  p_.replica.colliding().forget(now);
+  p_.display.restart();
+  p_.greeter.on_session_entered(p_.own.size());
+  p_.greeter.greet_anew(p_.time.clock().to_host(now));
+  begin_worlds(now);
+  p_.ticks.set_last(p_.ticks.number_at(now));
+  p_.decisions.restart();
+  p_.replica.forget_updates();
+  p_.regions.restart_at(now);
+  p_.publication.restart();
+  declare_all();
+  MotionWorld &truth = p_.replica.truth(), &ghosts = p_.replica.ghosts();
+  for (const ObjectId object : old.ghosts.objects()) {
+    if (!ghosts.has(object)) ghosts.declare(object, Role::kScene);  // orphaned, and meets nothing
+    if (truth.has(object)) truth.set_base(object, now, old.truth.model_at(object, before));
+    ghosts.set_base(object, now, old.ghosts.model_at(object, before));
+  }
+  p_.scripted.restart();
+  p_.launches.forget_unpublished();
+  p_.launches.shift(now - before);
+  for (auto& [object, own] : p_.own) {
+    own.last_sent.reset();
+    own.delivery.record.reset();
+    own.models.reset();  // their samples are of the other time
+    own.poses = {};
+    own.budget = {};
+  }
+}
+
+void SessionKeeper::begin_worlds(SimTime now) {
+  p_.replica.begin(now);
+  p_.own.check_all();
+  MotionWorld& truth = p_.replica.truth();
+  if (!p_.config.display_delay.own) truth.keep_history_of_driven(kDrivenKept);
+  truth.set_authority([&decisions = p_.decisions](ObjectId a, ObjectId b, SimTime contact) {
+    return decisions.authority(a, b, contact);
+  });
+}
+
+void SessionKeeper::declare_all() {
+  for (const auto& [object, peer] : p_.owners) {
+    if (const OwnObject* own = p_.own.find(object)) {
+      p_.replica.truth().declare(object, own->driven ? Role::kDriven : Role::kAuthoritative);
+      p_.replica.ghosts().declare(object, Role::kPredicted);
+    } else {
+      p_.replica.declare_remote(object, Role::kPredicted);
+    }
+  }
+  watch_all_pairs();
+}
+
+void SessionKeeper::watch_all_pairs() {
+  std::vector<std::uint32_t> all(p_.model.pairs.size());
+  std::iota(all.begin(), all.end(), 0U);
+  p_.regions.measure_contact_ranges(all, true);
+  p_.decisions.watch(all);
+}
+
+// Somebody owns these from now on: that matters to their pairs, and to those of what they are paired with.
+void SessionKeeper::watch_pairs_around(std::span<const ObjectId> objects) {
+  const auto pairs_of = [&](std::span<const ObjectId> some) {
+    std::vector<std::uint32_t> pairs;
+    for (const ObjectId object : some) std::ranges::copy(p_.model.pairs_of(object), std::back_inserter(pairs));
+    return without_doubles(std::move(pairs));
+  };
+  const std::vector<std::uint32_t> theirs = pairs_of(objects);
+  std::vector<ObjectId> paired;
+  for (const std::uint32_t number : theirs) {
+    paired.push_back(p_.model.pairs[number].collider);
+    paired.push_back(p_.model.pairs[number].collidee);
+  }
+  const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
+  p_.regions.measure_contact_ranges(theirs, false);
+  p_.decisions.watch(around);
+}
+
+void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects) {
+  assert(peer != kNobody && peer != p_.config.id);
+  std::vector<ObjectId> changed, lost;
+  for (const ObjectId object : objects) {
+    if (object.value >= p_.model.scene->instances.size()) {
+      p_.drop(peer, "object");
+      continue;
+    }
+    const PeerId before = p_.owners.of(object);
+    const bool added = before == kNobody, taken = !added && peer < before;
+    if (!added && !taken) continue;
+    if (taken) {
+      p_.outbox.push(OwnershipConflict{object, peer});
+      if (before == p_.config.id) {
+        lost.push_back(object);
+        p_.launches.forget(object);
+      }
+      p_.regions.forget_handovers_of(object);
+    }
+    p_.owners.set(object, peer);
+    changed.push_back(object);
+    p_.regions.on_claimed(object, p_.ticks.last_time());
+    if (p_.replica.begun()) p_.replica.declare_remote(object, Role::kPredicted);
+  }
+  p_.own.remove(lost);
+  watch_pairs_around(changed);
+}
+
+void SessionKeeper::lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully) {
+  orphan_objects_of(peer, now);
+  p_.greeter.on_peer_lost(peer);
+  p_.outbox.push(PeerLost{peer, name, left_gracefully});
+}
+
+void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now) {
+  if (p_.world_time.on_peer_lost(peer)) {
+    reintroduce();
+    p_.scripted.restart();
+  }
+  const SimTime t = p_.to_session(now);
+  p_.own.forget_acknowledgements_of(peer);
+  bool owned_any = false;
+  for (const auto& [object, owner] : p_.owners) {
+    if (owner != peer) continue;
+    owned_any = true;
+    if (p_.replica.begun()) {
+      p_.replica.set_ghost(object, t, at_rest(p_.replica.ghosts().at(object, t).pose()), false);
+      p_.replica.declare_remote(object, Role::kScene);
+      if (p_.replica.receives(object)) p_.outbox.push(ObjectOrphaned{object, peer});
+      p_.replica.forget_update_of(object);
+    }
+    p_.regions.on_orphaned(object);
+    p_.owners.set(object, kNobody);
+  }
+  if (owned_any) watch_all_pairs();  // a pass over all pairs: not for each datagram that says goodbye
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,143 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/interest/interest.hpp"
+#include "replication/interest/region_grid.hpp"
+#include "replication/output/outbox.hpp"
+#include "replication/output/peer_counters.hpp"
+#include "replication/output/tick_grid.hpp"
+#include "replication/policy/peer_config.hpp"
+#include "replication/replica/own_objects.hpp"
+#include "replication/replica/owners.hpp"
+#include "replication/replica/replica.hpp"
+#include "replication/session/membership.hpp"
+#include "replication/wire/wire.hpp"
+
+namespace peerd::replication {
+
+// Where the scene is cut into regions: those that this peer subscribes to, by what matters to it; which remote objects
+// it therefore receives; and the handovers of own objects from region to region.
+//
+// A subscription says "I listen there since then": owners of objects there that have not been published since publish
+// them anew. A handover says "this object is published in that region from now on". Both go out in copies, as often as
+// the loss asks for, and are repeated later.
+class RegionSubscriptions {
+ public:
+  // Called after this peer has begun or ceased to receive an object.
+  using OnReceptionChanged = std::function<void(ObjectId object, bool received)>;
+
+  // All of them outlive this.
+  RegionSubscriptions(const PeerConfig& config, const WorldModel& model, Membership& members, const Owners& owners,
+                      OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters,
+                      OnReceptionChanged on_reception_changed);
+
+  [[nodiscard]] const RegionGrid& grid() const { return grid_; }
+  [[nodiscard]] const Interest& interest() const { return interest_; }
+  [[nodiscard]] bool cuts() const { return grid_.cuts(); }
+
+  // ---- the regions that this peer listens to
+
+  // At a tick: joins and leaves regions, asks for the states in joined ones. `now`: session time of this call.
+  void follow_interest(SimTime t, SimTime now);
+  // At most so many subscriptions that are due, and counts them as sent. `goes_anyway`: in a datagram that goes anyway,
+  // else none before it is time for one of them.
+  [[nodiscard]] std::vector<Subscription> take(std::size_t most, bool goes_anyway);
+  // Sends what is due in datagrams of its own, to everybody: the owner of objects in a region need not listen to it.
+  void announce();
+
+  // ---- the objects that this peer receives
+
+  // Another peer has the object now. Where it is nobody here knows.
+  void on_claimed(ObjectId object, SimTime last_tick);
+  // An update of a remote object: false where it says that the object is in a region that this peer does not listen to.
+  [[nodiscard]] bool accept(const UpdateRecord& update, SimTime session_now);
+  void on_handovers(PeerId sender, std::span<const Handover> handovers, SimTime session_now);
+  // What the peer owned stays where it is: a peer that leaves its region keeps it.
+  void on_orphaned(ObjectId object) { last_receptions_.erase(object); }
+  // Session time has stepped: everything is published anew, and remote objects may be anywhere.
+  void restart_at(SimTime now);
+
+  // ---- the regions in which own objects are published
+
+  // Another peer subscribes: the next tick publishes anew what it may not have.
+  void on_subscriptions(PeerId sender, std::span<const Subscription> subscriptions, SimTime session_now);
+  // Whether `position` is farther from the cell in which the object was published last than others grow their areas.
+  [[nodiscard]] bool has_left_region(const OwnObject& own, const Vec3& position) const;
+  // The object has been published there. `receiver_may_hold_nothing`: a receiver may know nothing of it but by this.
+  void on_published(OwnObject& own, const UpdateRecord& update, bool receiver_may_hold_nothing);
+  // The handovers that are due, by the regions that they go to, and counts them as sent. `goes_anyway`: whether a
+  // datagram goes to that region anyway.
+  using GoesAnyway = std::function<bool(RegionId)>;
+  [[nodiscard]] std::map<RegionId, std::vector<Handover>> take_handovers(const GoesAnyway& goes_anyway);
+  // Another peer owns the object now: there is nothing to hand over.
+  void forget_handovers_of(ObjectId object);
+  // The region in which the object was published last, kWholeScene where that is not known.
+  [[nodiscard]] RegionId region_of(ObjectId object) const;
+  // Measures the farthest distances from own objects at which remote objects may touch them, by these pairs; `anew`:
+  // and by no others.
+  void measure_contact_ranges(std::span<const std::uint32_t> pairs, bool anew);
+
+ private:
+  struct LastReception {
+    RegionId region;
+    SimTime at{};                           // when this peer received it
+    std::optional<SimTime> requested_at{};  // when it asked whether the object is still there, for want of an update
+  };
+  // What is announced in copies, a tick apart, and then repeated some time apart.
+  struct Announcement {
+    std::uint32_t copies;   // still to be sent
+    std::uint32_t repeats;  // and so many after these
+    std::optional<SimTime> sent_at{};
+
+    [[nodiscard]] bool is_due(SimTime t, Duration apart) const;
+    [[nodiscard]] bool is_over() const { return copies + repeats == 0; }
+    void note_sent(SimTime t);
+  };
+  struct PendingSubscription : Announcement {
+    Subscription subscription;
+  };
+  struct PendingHandover : Announcement {
+    Handover handover;
+    RegionId from;
+  };
+
+  [[nodiscard]] Duration state_request_takes() const;
+  [[nodiscard]] std::optional<std::vector<Area>> areas(SimTime t) const;
+  void join(RegionId region, SimTime now);
+  void leave(RegionId region, SimTime t);
+  void request_states_of(RegionId region, SimTime now);
+  void expire_silent_objects(SimTime t, SimTime now);
+  void stop_receiving(ObjectId object);
+  void leave_interest(ObjectId object, SimTime t);
+  [[nodiscard]] std::size_t pairs_with_received(ObjectId object) const;
+  void announce_handover(const UpdateRecord& update, RegionId from, RegionId to);
+  void drop(PeerId sender, const char* reason);
+
+  const PeerConfig& config_;
+  const WorldModel& model_;
+  Membership& members_;
+  const Owners& owners_;
+  OwnObjects& own_;
+  Replica& replica_;
+  const TickGrid& ticks_;
+  Outbox& outbox_;
+  PeerCounters& counters_;
+  OnReceptionChanged on_reception_changed_;
+  RegionGrid grid_;
+  Interest interest_;
+  double remote_radius_m_ = 0.0;  // the largest bounding radius of what other peers have ever owned
+  std::map<ObjectId, LastReception> last_receptions_;  // of remote objects that this peer receives
+  std::size_t unreceived_pairs_ = 0;                   // of the objects that it does not, with whatever
+  std::vector<PendingSubscription> pending_subscriptions_;
+  std::vector<PendingHandover> pending_handovers_;  // of own objects, in no region that they are published in
+};
+
+}  // namespace peerd::replication
