@@ -47,7 +47,7 @@ double atan2(double y, double x) {
   const double ay = std::abs(y);
   const double ax = std::abs(x);
   if (!(std::isfinite(ax) && std::isfinite(ay))) return std::numeric_limits<double>::quiet_NaN();
-  double angle = 0.0;  // of (ax, ay), in [0, pi/2]
+  double angle = 0.0;  // angle of (ax, ay), in [0, pi/2]
   if (ay <= ax) {
     angle = ax == 0.0 ? 0.0 : atan_unit(ay / ax);
   } else {

@@ -29,7 +29,7 @@ namespace detail {
 template <int kLast>
 inline constexpr auto kSincCosTerms = [] {
   std::array<std::array<double, 2>, kLast + 1> terms{};
-  double factorial = 1.0;  // of 2k: whole, and below 2^53
+  double factorial = 1.0;  // (2k)!: whole, and below 2^53
   for (int k = 0; k <= kLast; ++k) {
     if (k > 0) factorial *= (2 * k - 1) * (2 * k);
     const double sign = k % 2 == 0 ? 1.0 : -1.0;

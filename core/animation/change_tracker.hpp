@@ -29,7 +29,7 @@ class ChangeTracker {
  private:
   struct Upcoming {
     double t = 0.0;
-    std::uint32_t index = 0;  // of a component, or of a port that has a delivery
+    std::uint32_t index = 0;  // index of a component, or of a port that has a delivery
     bool is_port = false;
     friend bool operator<(const Upcoming& a, const Upcoming& b) { return a.t > b.t; }
   };
@@ -49,11 +49,11 @@ class ChangeTracker {
   bool cursor_valid_ = false;
   double cursor_s_ = 0.0;
   std::vector<std::uint32_t> active_;  // the sensors that are active at the cursor
-  std::vector<std::uint32_t> place_;   // by sensor: its place in active_, or kNone
+  std::vector<std::uint32_t> place_;   // indexed by sensor: its place in active_, or kNone
   std::vector<Upcoming> upcoming_;     // heap; may hold an instant twice, or one that is no more
   std::vector<std::uint32_t> changed_sensors_, changed_ports_;  // changed since the last call of changing()
 
-  std::vector<std::uint64_t> seen_;  // by port: the mark of the call that has met it
+  std::vector<std::uint64_t> seen_;  // indexed by port: the mark of the call that has met it
   std::uint64_t mark_ = 0;
   std::vector<std::uint32_t> open_;  // ports whose ROUTEs are to be followed
 };

@@ -34,7 +34,7 @@ class DeliveryLog {
 
  private:
   std::map<std::uint32_t, std::vector<Delivered>> delivered_;
-  std::vector<std::uint8_t> has_delivered_;  // by port; answers most questions without a search
+  std::vector<std::uint8_t> has_delivered_;  // indexed by port; answers most questions without a search
 };
 
 }  // namespace peerd::animation

@@ -25,7 +25,7 @@ struct EventPort {
   std::uint32_t name = 0;  // index into EventGraph::names
   PortKind kind = PortKind::kRelay;
   std::uint8_t slot = 0;               // SensorOutput or SensorInput; kKey: 0 for key, 1 for keyValue
-  FieldType type = FieldType::kFloat;  // of the events it sends
+  FieldType type = FieldType::kFloat;  // type of the events that it sends
   bool driven = false;                 // a ROUTE leads here from a TimeSensor's eventOut
   bool feeds_sensor = false;           // a TimeSensor's input, or a relay that leads to one
   std::uint32_t first_in = kNone;      // routes, chained by Link::next_in
@@ -63,9 +63,9 @@ class EventGraph {
   // The index of each node among those of its kind (sensors, interpolators); kNone for a plain node.
   std::vector<std::uint32_t> index_of_node;
   std::vector<std::uint32_t> sensor_node;
-  std::vector<std::array<std::uint32_t, 4>> sensor_outputs;  // by sensor and SensorOutput: ports or kNone
+  std::vector<std::array<std::uint32_t, 4>> sensor_outputs;  // indexed by sensor and SensorOutput: ports or kNone
   std::vector<Interpolator> interpolators;                   // with sorted keys
-  std::vector<std::array<std::uint32_t, 2>> key_ports;       // by interpolator: key, keyValue; ports or kNone
+  std::vector<std::array<std::uint32_t, 2>> key_ports;       // indexed by interpolator: key, keyValue; ports or kNone
 
  private:
   struct PortSpec {

@@ -57,9 +57,9 @@ class EventTracer {
   std::vector<std::uint32_t> path_;
   std::vector<std::uint32_t> upstream_;
   std::vector<Source> sources_;         // all events that may count
-  std::vector<std::uint64_t> seen_;     // by port: the mark of the question that has met it
-  std::vector<std::uint64_t> reached_;  // by port: the mark of the wave that has reached it
-  std::vector<std::uint32_t> via_;      // by port: the ROUTE of the event that counts
+  std::vector<std::uint64_t> seen_;     // indexed by port: the mark of the question that has met it
+  std::vector<std::uint64_t> reached_;  // indexed by port: the mark of the wave that has reached it
+  std::vector<std::uint32_t> via_;      // indexed by port: the ROUTE of the event that counts
   std::vector<std::uint32_t> wave_, next_wave_;
   std::uint64_t mark_ = 0;
 };

@@ -25,8 +25,8 @@ struct Keys {
 };
 [[nodiscard]] inline Keys keys_of(const Interpolator& i) { return {i.key.span(), i.key_value.span()}; }
 
-[[nodiscard]] FieldType value_type(InterpolatorType type);      // of value_changed
-[[nodiscard]] FieldType key_value_type(InterpolatorType type);  // of keyValue
+[[nodiscard]] FieldType value_type(InterpolatorType type);      // type of value_changed
+[[nodiscard]] FieldType key_value_type(InterpolatorType type);  // type of keyValue
 
 // Returns the part of the fields that is used: as many keys as have their whole keyValue, and as many keyValues as have
 // a key. Coordinate and NormalInterpolators hold as many vectors a key as their keyValue allows (6.13, 6.31: "an
@@ -44,7 +44,7 @@ void sort_keys(std::span<float> key);  // makes each key the greatest up to it
 struct KeyInterval {
   std::size_t a = 0;  // the last key <= fraction
   std::size_t b = 0;  // the one after; == a at and outside the ends
-  double weight = 0;  // of b, in [0, 1)
+  double weight = 0;  // weight of b, in [0, 1)
 };
 
 // Finds the key interval of f(t) = v_0 for t <= t_0, v_{n-1} for t >= t_{n-1}, else linterp(t, v_i, v_{i+1}) for t_i <=

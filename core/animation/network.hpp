@@ -27,7 +27,7 @@ struct Route {
   std::string from_field;
   std::uint32_t to_node = 0;
   std::string to_field;
-  FieldType type = FieldType::kFloat;  // of both ends (4.10.2: they shall match)
+  FieldType type = FieldType::kFloat;  // type of both ends (4.10.2: they shall match)
 };
 
 struct Network {
@@ -50,7 +50,7 @@ enum class Problem : std::uint8_t {
 
 struct Finding {
   Problem problem = Problem::kNoSuchNode;
-  std::uint32_t index = 0;  // of the ROUTE for the first five, else of the node
+  std::uint32_t index = 0;  // index of the ROUTE for the first five, else of the node
 };
 
 // A FieldId names a field that takes part in the events of a network.

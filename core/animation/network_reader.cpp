@@ -79,7 +79,7 @@ animation::Node read_node(const std::shared_ptr<const Document>& document, const
 
 NetworkReadResult read_network(const std::shared_ptr<const Document>& document) {
   NetworkReadResult reading;
-  std::map<std::uint32_t, std::uint32_t> place;  // of the document's nodes in the network
+  std::map<std::uint32_t, std::uint32_t> place;  // places of the document's nodes in the network
   const auto node = [&](std::uint32_t index) {
     const auto [it, is_new] = place.try_emplace(index, static_cast<std::uint32_t>(reading.network.nodes.size()));
     if (is_new) {

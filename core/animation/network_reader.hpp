@@ -10,8 +10,8 @@ namespace peerd::vrml {
 // The ROUTEs of a document and the nodes that they join, from which predefined movement is computed.
 struct NetworkReadResult {
   animation::Network network;
-  std::vector<std::uint32_t> document_node;  // by the network's node: the document's
-  std::vector<Position> routes_at;           // by the network's ROUTE
+  std::vector<std::uint32_t> document_node;  // indexed by the network's node: the document's
+  std::vector<Position> routes_at;           // indexed by the network's ROUTE
   bool has_sensors = false;                  // TimeSensors; without one nothing moves by itself
 };
 [[nodiscard]] NetworkReadResult read_network(const std::shared_ptr<const Document>& document);

@@ -134,7 +134,7 @@ bool SegmentFinder::follow_path(double t, Segment& s, Value& held) {
     }
     const double ka = keys.key[a];
     const double gap = keys.key[b] - ka;
-    const double duration_s = gap * line.duration_s;  // of the whole piece; < 0 if the fraction falls
+    const double duration_s = gap * line.duration_s;  // duration of the whole piece; < 0 if the fraction falls
     // The weight is taken at begin_s. The time at which the line met key a can be far away where the line is nearly
     // level.
     const double weight = (line.at(s.begin_s) - ka) / gap;

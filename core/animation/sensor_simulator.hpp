@@ -53,7 +53,7 @@ class SensorSimulator {
   [[nodiscard]] const PortEvent* latest(std::uint32_t port, double t);
 
   void deliver(double t, std::uint32_t port, double value);
-  void port_added(std::uint32_t port);  // by EventGraph::find_or_add, to a sensor
+  void port_added(std::uint32_t port);  // called after EventGraph::find_or_add has added a port to a sensor
 
   [[nodiscard]] std::uint32_t component_count() const { return static_cast<std::uint32_t>(components_.size()); }
   [[nodiscard]] std::uint32_t component_of_sensor(std::uint32_t s) const { return component_of_sensor_[s]; }
@@ -113,8 +113,8 @@ class SensorSimulator {
     std::vector<std::uint32_t> sensors;
     std::vector<std::uint32_t> ports;
     std::vector<Due> heap;             // least t on top; an entry counts if its version is the sensor's
-    std::vector<Change> changes;       // by t
-    std::vector<Delivered> delivered;  // by t and port, then in order of the calls
+    std::vector<Change> changes;       // sorted by t
+    std::vector<Delivered> delivered;  // sorted by t and port, then in order of the calls
     std::size_t next_delivered = 0;
     std::size_t transitions = 0;               // changes there have been
     std::size_t transitions_counted_from = 0;  // transitions when the latest delivery was taken
@@ -154,16 +154,16 @@ class SensorSimulator {
   std::vector<Component> components_;
   std::vector<std::uint32_t> component_of_sensor_;
   std::vector<std::uint32_t> component_of_port_;        // kNone unless control
-  std::vector<std::vector<TimedState>> state_history_;  // by sensor, then time; the first is the file's
-  std::vector<std::vector<PortEvent>> log_;             // by port, then time; control ports only
-  std::vector<std::uint32_t> version_;                  // by sensor, of its valid Due
-  std::vector<std::uint8_t> feeds_sensor_inputs_;       // by sensor: bits, of SensorOutput
+  std::vector<std::vector<TimedState>> state_history_;  // indexed by sensor, then time; the first is the file's
+  std::vector<std::vector<PortEvent>> log_;             // indexed by port, then time; control ports only
+  std::vector<std::uint32_t> version_;                  // indexed by sensor, of its valid Due
+  std::vector<std::uint8_t> feeds_sensor_inputs_;       // indexed by sensor: bits, of SensorOutput
 
   // The state of the instant that is being run.
-  std::vector<std::uint8_t> stop_pending_;  // by sensor: stopped by an event, has yet to say so
+  std::vector<std::uint8_t> stop_pending_;  // indexed by sensor: stopped by an event, has yet to say so
   std::vector<std::uint32_t> due_sensors_, next_sensors_, processed_sensors_;
   std::vector<PendingEvent> wave_, next_wave_;
-  std::vector<std::uint64_t> fired_, candidate_;  // by port: the mark of the step, of the wave
+  std::vector<std::uint64_t> fired_, candidate_;  // indexed by port: the mark of the step, of the wave
   std::vector<std::uint32_t> candidate_at_;
   std::uint64_t mark_ = 0;
 };

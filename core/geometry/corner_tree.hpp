@@ -70,8 +70,8 @@ class CornerTree {
 
   std::span<const PlanePoint> points_;
   // The arrays are kept from polygon to polygon for their memory.
-  std::vector<std::uint32_t> corners_, places_;  // by place, by corner
-  std::vector<std::uint8_t> is_removed_;         // by corner
+  std::vector<std::uint32_t> corners_, places_;  // indexed by place, by corner
+  std::vector<std::uint8_t> is_removed_;         // indexed by corner
   std::vector<Node> nodes_;
 };
 

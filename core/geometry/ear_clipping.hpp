@@ -34,8 +34,8 @@ class EarClipping {
  private:
   enum class Kind : std::uint8_t { kSpike, kEar, kBlocked, kOther, kCut };
   struct Corner {
-    std::uint32_t previous = 0, next = 0;                    // of the polygon that is left
-    std::uint32_t previous_distinct = 0, next_distinct = 0;  // of the whole polygon: the nearest at another point
+    std::uint32_t previous = 0, next = 0;                    // neighbours in the polygon that is left
+    std::uint32_t previous_distinct = 0, next_distinct = 0;  // nearest corners of the whole polygon at another point
     std::uint32_t searched_until = 0;                        // place in tree_; all before it don't block
     std::uint32_t blocker = kNone;                           // the last one that did; it knows who waits for it
     std::uint32_t first_blocked = kNone;                     // entry of waiting_ for who is blocked by this corner
@@ -57,7 +57,7 @@ class EarClipping {
   std::span<const PlanePoint> points_;
   // The arrays are kept from call to call for their memory.
   std::vector<Corner> corners_;
-  CornerTree tree_;                             // of corners that are left
+  CornerTree tree_;                             // the corners that are left
   std::vector<BlockedCorner> blocked_corners_;  // lists
   std::vector<std::uint64_t> candidates_;       // heap of spikes and ears, the best on top; some are stale
   std::uint32_t lowest_ = 0;                    // no corner below it is left

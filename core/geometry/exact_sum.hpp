@@ -23,7 +23,7 @@ class ExactSum {
   // Carries until every digit is within [0, 2^32). The carry out of the last digit is -1 if the sum is negative.
   static std::int64_t carry(std::array<std::int64_t, kDigits>& digits);
 
-  std::array<std::int64_t, kDigits> digits_{};  // of either sign, and not carried yet
+  std::array<std::int64_t, kDigits> digits_{};  // digits of either sign, and not carried yet
 };
 
 }  // namespace peerd

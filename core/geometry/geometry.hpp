@@ -57,7 +57,7 @@ using Geometry = std::variant<BoxGeometry, SphereGeometry, ConeGeometry, Cylinde
 // The fineness with which curved geometry is cut into polygons.
 struct Tessellation {
   std::uint32_t slices = 24;  // around an axis, >= 3
-  std::uint32_t stacks = 12;  // of a sphere from pole to pole, >= 2
+  std::uint32_t stacks = 12;  // parts of a sphere from pole to pole, >= 2
 };
 
 }  // namespace peerd

@@ -11,7 +11,7 @@
 namespace peerd {
 namespace {
 
-constexpr double kVisible = 1e-4;  // of the longest edge
+constexpr double kVisible = 1e-4;  // share of the longest edge
 constexpr std::uint32_t kUnknown = ~0U;
 
 void count(MeshDefects& found, Defect defect, std::uint32_t polygon) {

@@ -39,7 +39,7 @@ struct MeshDefects {
 
   // Edges are unordered pairs of places. A polygon that runs along an edge twice, as to a hole and back, still is one.
   std::uint64_t boundary_edges = 0;        // run along once
-  std::uint64_t non_manifold_edges = 0;    // of more than two polygons
+  std::uint64_t non_manifold_edges = 0;    // edges of more than two polygons
   std::uint64_t same_direction_edges = 0;  // edges of one or two polygons that run along them twice or more in one
                                            // direction one polygon shows its back
   std::uint64_t edges_without_length = 0;  // from a corner to the next at the same place; among none of the above

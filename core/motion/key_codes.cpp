@@ -74,7 +74,7 @@ constexpr int kFunctionKeys = 35;  // Qt 3's F1 to F35 follow each other
 struct Modifier {
   std::string_view name;
   bool KeyModifiers::*flag;
-  std::int32_t qt3, qt4;  // of the state
+  std::int32_t qt3, qt4;  // flag in the state
   std::int32_t key = 0;   // the key that sets the flag, in Qt 3's numbers
 };
 constexpr std::array kModifiers = {

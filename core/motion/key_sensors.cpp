@@ -48,7 +48,7 @@ void KeySensors::send(const std::vector<std::size_t>& hits) {
     std::size_t place;
     bool value;
   };
-  std::map<std::size_t, Arrival> wave, next;  // by sensor: the event to its `enabled`
+  std::map<std::size_t, Arrival> wave, next;  // indexed by sensor: the event to its `enabled`
   std::unordered_set<std::size_t> taken;
   const auto pass_on = [&](const std::vector<Route>& routes, bool value) {
     for (const Route& route : routes) {

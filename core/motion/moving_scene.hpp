@@ -47,10 +47,10 @@ class MovingScene {
 
     const Scene& scene;
     PredefinedMotion motion;
-    std::vector<NodeHandle> nodes;                                  // by instance
+    std::vector<NodeHandle> nodes;                                  // indexed by instance
     std::vector<std::pair<animation::FieldId, ObjectId>> by_field;  // instances that a driven field moves, sorted
-    std::vector<bool> has_box;                                      // by instance; empty until a box is asked for
-    std::vector<LocalBox> geometry_boxes;                           // by geometry, once it was needed
+    std::vector<bool> has_box;             // indexed by instance; empty until a box is asked for
+    std::vector<LocalBox> geometry_boxes;  // indexed by geometry, once it was needed
     std::vector<bool> has_geometry_box;
     bool placed = false;                 // at time_s_
     std::shared_ptr<const Scene> owned;  // keeps `scene` where it is an Inline's

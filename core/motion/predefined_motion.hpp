@@ -78,7 +78,7 @@ class PredefinedMotion {
 
   const Scene& scene_;
   std::optional<animation::Animation> animation_;
-  std::vector<Driven> driven_;  // by transform
+  std::vector<Driven> driven_;  // indexed by transform
   std::vector<ObjectId> driven_ids_;
   std::vector<std::pair<std::uint32_t, animation::FieldId>> flexible_;  // geometry, points; by geometry
   animation::Value value_;                                              // scratch

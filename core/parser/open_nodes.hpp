@@ -20,7 +20,7 @@ struct PendingLink {
 struct OpenNode {
   const NodeType* type = nullptr;
   OpenNode* outer = nullptr;    // the node around it, or null
-  std::size_t first_field = 0;  // of this node, in OpenNodes::fields
+  std::size_t first_field = 0;  // first field of this node in OpenNodes::fields
   std::vector<PendingLink> links{};
   // The fields whose value comes by a link, each once. They are few, where links can be many.
   std::vector<const FieldSpec*> linked{};

@@ -94,10 +94,10 @@ struct ParseContext {
     std::optional<std::vector<NodeRef>> content{};  // roots in `world`, once read as an Inline
     std::optional<Declarations> library{};          // PROTOs, once read for an EXTERNPROTO
   };
-  std::map<std::string, File, std::less<>> files{};  // by LoadedFile::name
+  std::map<std::string, File, std::less<>> files{};  // indexed by LoadedFile::name
   std::vector<std::string_view> open_files{};
   std::uint64_t text_bytes = 0;
-  std::uint64_t node_eighths = 0;  // of all bodies
+  std::uint64_t node_eighths = 0;  // eighths of nodes in all bodies
   std::uint32_t resolving = 0;     // EXTERNPROTOs that lead to one another
   bool too_many_nodes = false;
 

@@ -47,7 +47,7 @@ struct TextState {
   TokenStream tokens;
   ValueReader values;
   Scope* scope = nullptr;
-  std::uint32_t nesting = 0;  // of nodes and PROTOs, through files: each is a recursion
+  std::uint32_t nesting = 0;  // open nodes and PROTOs, through files: each is a recursion
 };
 
 // The rules of the VRML97 grammar (ISO/IEC 14772-1, annex A) that contain each other. A part of the parser that meets

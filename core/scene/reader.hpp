@@ -17,7 +17,7 @@ struct ReadOptions {
   // read, but listed in Scene::pending_inlines. Instances are numbered without it, so all peers of a session must use
   // the same value.
   bool defer_inlines = false;
-  Tessellation tessellation{};  // of curved geometry
+  Tessellation tessellation{};  // fineness of curved geometry
   ReadLimits limits{};
 };
 

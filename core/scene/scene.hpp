@@ -118,7 +118,7 @@ struct Scene {
   std::vector<CollisionInterest> interests;
   std::vector<KeySensor> key_sensors;
   std::vector<PendingInline> pending_inlines;
-  Tessellation tessellation;                       // of all curved geometry
+  Tessellation tessellation;                       // fineness of all curved geometry
   std::shared_ptr<const vrml::Document> document;  // all fields of all nodes; names and arrays live in it
 
   [[nodiscard]] const Instance& at(ObjectId id) const { return instances.at(id.value); }

@@ -111,14 +111,15 @@ class Builder {
   const ReadLimits& limits_;
   Problems& problems_;
   Scene scene_;
-  std::vector<std::uint32_t> geometry_of_;  // by node
+  std::vector<std::uint32_t> geometry_of_;  // indexed by node
   std::map<std::vector<const void*>, std::uint32_t> copied_geometry_;
-  std::vector<std::uint32_t> shared_of_;  // by node, into shared_; kNone: it has no instances
+  std::vector<std::uint32_t> shared_of_;  // indexed by node, into shared_; kNone: it has no instances
   std::vector<Shared> shared_;
-  std::vector<Child> children_;               // of each Shared, side by side
-  NameTable<std::uint32_t> name_numbers_;     // of all names of instances
-  std::vector<std::uint32_t> first_of_name_;  // by number, the first instance; kNone: no name of the world's own
-  std::vector<std::uint32_t> last_parent_;    // by number, of the instance that was marked last
+  std::vector<Child> children_;            // children of each Shared, side by side
+  NameTable<std::uint32_t> name_numbers_;  // numbers of all names of instances
+  std::vector<std::uint32_t>
+      first_of_name_;                       // indexed by number, the first instance; kNone: no name of the world's own
+  std::vector<std::uint32_t> last_parent_;  // indexed by number, of the instance that was marked last
 };
 
 // Adds a geometry, or finds it among copies: copies of the geometry of a PROTO have the same values, not just equal

@@ -116,7 +116,7 @@ class SceneGraph {
   [[nodiscard]] SceneGraphCounters counters() const {
     return {transforms_set_, poses_updated_, nodes_changed_, boxes_.counters().updated, boxes_.counters().merged};
   }
-  [[nodiscard]] std::size_t memory_bytes() const;  // of all arrays, their spare capacity included
+  [[nodiscard]] std::size_t memory_bytes() const;  // size of all arrays, spare capacity included
 
  private:
   [[nodiscard]] const SceneNode& at(NodeHandle node) const { return tree_[tree_.slot(node)]; }

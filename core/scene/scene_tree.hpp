@@ -30,7 +30,7 @@ struct alignas(32) SceneNode {
   std::uint32_t depth : 20 = 0;      // below the root
   std::uint32_t has_transform : 1 = 0;
   std::uint32_t dirty : 1 = 0;          // update() has to make its pose, with all below
-  std::uint32_t in_dirty_list : 1 = 0;  // of the slot, not of the node: survives remove()
+  std::uint32_t in_dirty_list : 1 = 0;  // mark of the slot, not of the node: survives remove()
   // A tracked node has a world box, which everything tracked above has absorbed; all below is tracked or pending.
   std::uint32_t box_tracked : 1 = 0;
   std::uint32_t box_pending : 1 = 0;  // its box has to be made anew from those below

@@ -30,7 +30,7 @@ class Arena {
     return {out.data(), out.size()};
   }
 
-  [[nodiscard]] std::size_t size_bytes() const { return size_; }  // of all blocks
+  [[nodiscard]] std::size_t size_bytes() const { return size_; }  // size of all blocks
 
  private:
   static constexpr std::size_t kFirstBlock = 4096;
@@ -62,8 +62,8 @@ class Arena {
   }
 
   std::vector<std::unique_ptr<std::byte[]>> blocks_;  // each aligned for any type
-  std::byte* begin_ = nullptr;                        // of the block in use
-  std::size_t used_ = 0, free_ = 0;                   // of the block in use
+  std::byte* begin_ = nullptr;                        // state of the block in use
+  std::size_t used_ = 0, free_ = 0;                   // state of the block in use
   std::size_t next_block_ = kFirstBlock / 2;
   std::size_t size_ = 0;
 };

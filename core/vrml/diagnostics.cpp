@@ -6,7 +6,7 @@
 namespace peerd {
 namespace {
 
-constexpr std::size_t kExcerptBytes = 160;  // of a source line
+constexpr std::size_t kExcerptBytes = 160;  // longest excerpt of a source line
 
 bool is_control(char c) { return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f; }
 bool is_utf8_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }

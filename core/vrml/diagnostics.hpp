@@ -55,8 +55,8 @@ class Problems {
   // Adds a text and returns the position of its first byte; nothing where the texts together would exceed kMaxBytes.
   [[nodiscard]] std::optional<Position> open(Source source);
   [[nodiscard]] std::string_view text_of(Position at) const;  // the whole text that holds it
-  [[nodiscard]] Position begin_of(Position at) const;         // of that text
-  [[nodiscard]] std::string_view name_of(Position at) const;  // of that text
+  [[nodiscard]] Position begin_of(Position at) const;         // for the text that holds `at`
+  [[nodiscard]] std::string_view name_of(Position at) const;  // for the text that holds `at`
   // Returns the name of the text and the offset in it: the same in every reading of the same files.
   [[nodiscard]] std::pair<std::string, std::size_t> place_of(Position at) const;
 
@@ -84,7 +84,7 @@ class Problems {
   [[nodiscard]] bool is_new(Position at, const std::string& message);
 
   std::vector<Source> sources_;
-  std::vector<Position> begins_;  // of each source
+  std::vector<Position> begins_;  // begin of each source
   std::uint64_t bytes_ = 0;
   std::vector<Entry> list_;
   std::unordered_set<std::string> reported_;

@@ -32,8 +32,8 @@ struct NodeRef {
 struct Field {
   const FieldSpec* spec = nullptr;
   const void* data = nullptr;
-  std::uint32_t count = 0;  // of elements
-  Position at = 0;          // of the value's first token
+  std::uint32_t count = 0;  // number of elements
+  Position at = 0;          // position of the first token of the value
 
   template <class T>
   [[nodiscard]] std::span<const T> as() const {
@@ -86,9 +86,9 @@ struct Document {
   std::vector<NodeRef> top_level;  // null where a node could not be read
   std::vector<Route> routes;       // in file order
   std::vector<InnerName> inner_names;
-  std::vector<std::string_view> unreadable_names;  // of the world's nodes that errors made unreadable
+  std::vector<std::string_view> unreadable_names;  // names of nodes of the world that errors made unreadable
   Arena arena;                                     // all values and names
-  std::deque<NodeType> own_types;                  // of Scripts, and of EXTERNPROTOs that were not found
+  std::deque<NodeType> own_types;                  // types of Scripts, and of EXTERNPROTOs that were not found
 };
 
 }  // namespace peerd::vrml

@@ -17,10 +17,10 @@ struct LoadedFile {
 using FileLoader = std::function<std::expected<LoadedFile, std::string>(std::string_view url, std::string_view base)>;
 
 struct ReadLimits {
-  std::uint64_t text_bytes = std::uint64_t{1} << 30;  // of all texts, unpacked; below 4 GiB
+  std::uint64_t text_bytes = std::uint64_t{1} << 30;  // size of all texts, unpacked; below 4 GiB
   std::uint32_t nodes = 1u << 22;                     // after PROTOs are expanded
   std::uint32_t instances = 1u << 22;                 // a USE counts again
-  std::uint64_t polygons = 1u << 24;                  // of one geometry, tessellated
+  std::uint64_t polygons = 1u << 24;                  // polygons of one geometry, tessellated
 };
 
 }  // namespace peerd

@@ -25,7 +25,7 @@ enum class TokenKind : std::uint8_t {
 
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  std::uint32_t offset = 0;  // of its first byte (a string's quote) in the text
+  std::uint32_t offset = 0;  // offset of its first byte (the quote of a string) in the text
   std::string_view text;     // into the text that is read
 };
 

@@ -33,7 +33,7 @@ class NameTable {
   }
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  [[nodiscard]] auto begin() const { return entries_.begin(); }  // of pairs of a name and its value
+  [[nodiscard]] auto begin() const { return entries_.begin(); }  // iterates over pairs of a name and its value
   [[nodiscard]] auto end() const { return entries_.end(); }
 
  private:

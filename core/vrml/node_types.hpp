@@ -108,7 +108,7 @@ struct NodeType {
 [[nodiscard]] std::optional<FieldType> find_field_type(std::string_view name);
 [[nodiscard]] std::string_view name_of(Access access);
 [[nodiscard]] std::optional<Access> find_access(std::string_view name);
-[[nodiscard]] const FieldSpec& inline_content();                        // of an Inline: the nodes of its file
+[[nodiscard]] const FieldSpec& inline_content();                        // field of an Inline: the nodes of its file
 [[nodiscard]] std::string_view name_of_classes(std::uint16_t classes);  // for a message: "a geometry node"
 // Both return whether an event can be sent from, or to, a field of that access (4.7).
 [[nodiscard]] bool sends_events(Access access);

@@ -170,7 +170,7 @@ Expansion expand(const Prototype& prototype, std::span<const Field> given, Body&
   };
   auto link = prototype.value_links.begin();
   std::vector<Field> fields;
-  std::vector<std::uint32_t> places;  // by ValueLink::field: where its value stands among them
+  std::vector<std::uint32_t> places;  // indexed by ValueLink::field: where its value stands among them
   for (std::uint32_t i = 0; i < body.nodes.size(); ++i) {
     Node node = body.nodes[i];
     node.scope += out.scopes;

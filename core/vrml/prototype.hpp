@@ -39,17 +39,18 @@ struct ValueLink {
 
 // A Prototype is a PROTO, or an EXTERNPROTO that was found or will not be (4.8, 4.9).
 struct Prototype {
-  NodeType type;                               // its interface as fields
-  std::vector<std::optional<Field>> defaults;  // by type.fields; none for events and values that could not be read
-  Body body;                                   // nodes of default values and of the body, with inner PROTOs expanded
-  std::vector<IsLink> links;                   // to fields and events of `body`, through what is expanded in it
+  NodeType type;  // its interface as fields
+  std::vector<std::optional<Field>>
+      defaults;               // indexed by type.fields; none for events and values that could not be read
+  Body body;                  // nodes of default values and of the body, with inner PROTOs expanded
+  std::vector<IsLink> links;  // to fields and events of `body`, through what is expanded in it
   // The following lists are made of the links once all are there, so that no instance and no ROUTE reads more of them
   // than it needs: see sort_links(). The links of one `outer`, or of one node, keep their order.
   std::vector<IsLink> event_links;            // links to events, by `outer`
-  std::vector<ValueLink> value_links;         // by node
+  std::vector<ValueLink> value_links;         // indexed by node
   std::vector<std::uint32_t> linked_fields;   // places in type.fields of those with value links
   std::vector<std::uint32_t> link_counts;     // number of value links, by linked_fields
-  std::vector<std::uint32_t> value_of_field;  // by place in type.fields: the place in linked_fields, or kNone
+  std::vector<std::uint32_t> value_of_field;  // indexed by place in type.fields: the place in linked_fields, or kNone
   std::uint64_t copied_references = 0;        // cost of a copy beside the nodes, references and ROUTEs of `body`
   // This is set for an EXTERNPROTO that no file defines: its instances are nodes of that type, with its interface and
   // no more.
@@ -87,7 +88,7 @@ struct Expansion {
 struct NodeSet {
   std::vector<std::uint32_t> nodes;
   std::uint64_t references = 0;  // in their fields
-  std::uint64_t cost = 0;        // of a copy, beside the nodes: in references
+  std::uint64_t cost = 0;        // cost of a copy beside the nodes, in references
 };
 [[nodiscard]] NodeSet reachable_nodes(const Body& body, std::uint32_t node);
 // Puts a copy of the nodes from one body into another; returns the place of the last.

@@ -74,7 +74,7 @@ class ValueReader {
   Problems& problems_;
   ReadNode read_node_;
   IsField is_field_;
-  std::vector<NodeRef> refs_;  // of all open lists of nodes
+  std::vector<NodeRef> refs_;  // nodes of all open lists
   std::uint32_t open_lists_ = 0;
 };
 

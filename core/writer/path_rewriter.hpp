@@ -39,7 +39,7 @@ class PathRewriter {
   [[nodiscard]] std::optional<std::uint32_t> renamed_instance_of(std::string_view path) const;
 
   const Scene& scene_;
-  std::vector<std::uint32_t> first_instance_;  // by node
+  std::vector<std::uint32_t> first_instance_;  // indexed by node
   std::unordered_map<std::string_view, std::uint32_t> first_of_name_;
   // The names in the scopes that have a CollisionInterest or a KeySensor.
   std::map<std::pair<std::uint32_t, std::string_view>, std::uint32_t> inner_nodes_, inner_instances_;

@@ -260,7 +260,7 @@ void WritePlan::plan_routes() {
   std::size_t lost = 0;
   for (std::uint32_t i = 0; i < document_.routes.size(); ++i) {
     const Route& route = document_.routes[i];
-    if (!visited_[route.from_node] || !visited_[route.to_node]) continue;  // of an Inline that stays one
+    if (!visited_[route.from_node] || !visited_[route.to_node]) continue;  // the ROUTE is in an Inline that stays one
     if (!is_written(document_, route, options_.keep_inlines)) {
       ++lost;
       continue;

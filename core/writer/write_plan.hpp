@@ -93,8 +93,8 @@ class WritePlan {
   // The following members belong to the walk. Times count DEFs, USEs and places for ROUTEs.
   std::uint32_t time_ = 0;
   std::vector<bool> visited_;
-  std::vector<std::uint32_t> order_;             // of nodes, by their first place
-  std::vector<std::uint32_t> defined_, needed_;  // by node: when, and until when; 0: never
+  std::vector<std::uint32_t> order_;             // nodes in the order of their first place
+  std::vector<std::uint32_t> defined_, needed_;  // indexed by node: when, and until when; 0: never
   std::vector<std::uint32_t> places_;            // times at which ROUTEs may stand
   bool too_deep_ = false;
 

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "core/geometry/mesh.hpp"
 #include "generated_text.hpp"
 
 namespace peerd::bench {

@@ -2,6 +2,7 @@
 
 #include "collision_descent.hpp"
 #include "collision_motion.hpp"
+#include "core/geometry/mesh.hpp"
 #include "generated_text.hpp"
 #include "tests/oracle/triangle_cases.hpp"
 

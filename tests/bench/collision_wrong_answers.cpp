@@ -7,6 +7,7 @@
 #include "collision_motion.hpp"
 #include "collision_narrow.hpp"
 #include "collision_pairs.hpp"
+#include "core/box.hpp"
 #include "generated_text.hpp"
 #include "tests/oracle/triangle_oracle.hpp"
 

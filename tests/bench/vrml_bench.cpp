@@ -32,6 +32,7 @@
 #include <vector>
 
 #include "coin_reader.hpp"
+#include "core/geometry/mesh.hpp"
 #include "core/vrml/default_values.hpp"
 #include "core/vrml/gzip.hpp"
 #include "core/scene/scene_statistics.hpp"

@@ -22,8 +22,8 @@ class SlowEarClipping {
  private:
   enum class Kind : std::uint8_t { kSpike, kEar, kBlocked, kOther, kCut };
   struct Corner {
-    std::uint32_t previous = 0, next = 0;                    // of the polygon that is left
-    std::uint32_t previous_distinct = 0, next_distinct = 0;  // of the whole polygon: the nearest at another point
+    std::uint32_t previous = 0, next = 0;                    // neighbours in the polygon that is left
+    std::uint32_t previous_distinct = 0, next_distinct = 0;  // nearest corners of the whole polygon at another point
     std::uint32_t blocker = 0;                               // place in by_x_; all before it don't block
     std::uint32_t first_waiting = kNone;                     // entry of waiting_ for who is blocked by this corner
     Kind kind = Kind::kOther;

@@ -119,7 +119,7 @@ TEST(Segment, AgreesWithValueToTheStatedBound) {
     for (std::size_t k = 1; k < a_keys.size(); ++k) {
       if (a_keys[k] > a_keys[k - 1]) gap = std::min(gap, a_keys[k] - a_keys[k - 1]);
     }
-    const double chain = 2e-16 / gap;  // of a piece: what rounding the fraction makes
+    const double chain = 2e-16 / gap;  // movement of a piece times the rounding of the fraction
     const FieldId fields[] = {*a.field(4, "translation"), *a.field(4, "rotation")};
     for (const FieldId field : fields) {
       double t = start_s - 0.5;

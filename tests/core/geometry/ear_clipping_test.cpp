@@ -144,7 +144,7 @@ Points funnel(std::size_t n) {
 }
 TEST(EarClipping, OfManyCornersIsNotQuadratic) {
   EXPECT_EQ(cut<EarClipping>(funnel(500)), cut<testing_support::SlowEarClipping>(funnel(500)));
-  EXPECT_EQ(cut<EarClipping>(funnel(80'000)).size(), 79'997U);  // of 79,999 corners
+  EXPECT_EQ(cut<EarClipping>(funnel(80'000)).size(), 79'997U);  // polygon of 79,999 corners
 }
 
 }  // namespace peerd::ear_clipping_test

@@ -148,7 +148,7 @@ TEST(MeshDefects, OfSolidsAreNone) {
     const MeshDefects found = MeshDefectFinder().find(build_mesh(solid));
     EXPECT_EQ(edges_of(found), Counts{}) << solid.index();
     Counts expected{};
-    expected[2] = found[Defect::kNonPlanar].polygons;  // of the sphere, by rounding
+    expected[2] = found[Defect::kNonPlanar].polygons;  // polygons of the sphere, by rounding
     EXPECT_EQ(counts_of(found), expected) << solid.index();
     if (!std::holds_alternative<SphereGeometry>(solid)) {
       EXPECT_EQ(expected, Counts{}) << solid.index();

@@ -61,8 +61,8 @@ TEST(Sphere, HasQuadrilateralsBetweenItsRings) {
 struct Solid {
   const char* name;
   Geometry geometry;
-  double volume;            // of the round one
-  double (*prism)(double);  // of the one with that many slices; null if it isn't a prism or pyramid
+  double volume;            // volume of the round one
+  double (*prism)(double);  // volume of the one with that many slices; null if it is no prism or pyramid
 };
 double circle_area(double slices) { return slices / 2 * std::sin(2 * kPi / slices); }
 class RoundSolid : public testing::TestWithParam<Solid> {};

@@ -14,7 +14,7 @@ TEST(TextState, LetsALaterDefinitionTakeOverAName) {
   Definition& second = t.define("A", "Transform");
   EXPECT_NE(&first, &second);
   EXPECT_EQ(*t.scope.names.find("A"), &second);
-  EXPECT_EQ(t.scope.definitions.size(), 2u);  // what has met the first one keeps it
+  EXPECT_EQ(t.scope.definitions.size(), 2u);  // references to the first one still hold
 }
 
 TEST(TextState, KnowsUnreadableNamesButNoEmptyOne) {

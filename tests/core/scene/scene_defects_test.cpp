@@ -26,7 +26,8 @@ TEST(SceneDefects, AreOfGeometriesNotOfTheirUses) {
   EXPECT_EQ(scene.path_of(found[Defect::kNonPlanar].shape.value()), "C");
   EXPECT_EQ(found[Defect::kNonPlanar].polygon, 0U);
   EXPECT_EQ(found[Defect::kWarped].polygons, 2U);
-  EXPECT_EQ(found[Defect::kNonManifold].polygons, 3U);  // of BAD: the segment runs along an edge of both triangles
+  EXPECT_EQ(found[Defect::kNonManifold].polygons,
+            3U);  // defect of BAD: the segment runs along an edge of both triangles
   EXPECT_EQ(scene.path_of(found[Defect::kNonManifold].shape.value()), "A/BAD");
 }
 

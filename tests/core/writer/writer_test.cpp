@@ -479,7 +479,7 @@ class RandomWorld {
            children(names, 2) + "} ] }\n";
     std::erase_if(names.closed, [](const Named& n) { return n.name == "Body"; });
     names.closed.push_back({"Body", 't'});
-    const ScopeNames shown = names;  // what a CollisionInterest may name
+    const ScopeNames shown = names;  // names that a CollisionInterest may use
     for (std::uint32_t i = below(3); i-- > 0;) out += child(names, 1);
     return out + route(names) + (once_in(2) ? interest(shown) : "") + "}\n";
   }
