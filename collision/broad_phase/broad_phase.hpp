@@ -10,14 +10,14 @@ namespace peerd::collision {
 
 // Work done since the beginning.
 struct BroadPhaseCounters {
-  std::uint64_t box_tests = 0;  // of a box with a box, at a node or end point of a structure as well
+  std::uint64_t box_tests = 0;  // comparisons of two boxes, at a node or end point of a structure as well
   std::uint64_t moves = 0;      // objects whose box differed from that at the last tick
-  std::uint64_t refits = 0;     // of those, objects that had left their fat box
+  std::uint64_t refits = 0;     // moves by which an object left its fat box
 };
 
 // The ways to find candidates. All give the same answers, in the same order.
 enum class BroadPhaseMethod : std::uint8_t {
-  kBruteForce,     // tests every interest in every tick: what the others are checked against
+  kBruteForce,     // tests every interest in every tick; the others are checked against it
   kSweepAndPrune,  // sorted ends of boxes along three axes, for pairs and for groups
   kDynamicTree,    // a tree of fat boxes, for pairs and for groups
   kInterestLists,  // an object's own list of interests for pairs, a tree for each group: the default
@@ -34,8 +34,8 @@ class BroadPhase {
   virtual ~BroadPhase() = default;
 
   virtual void add(BroadIndex object, const WorldBox& box) = 0;   // must not be there
-  virtual void remove(BroadIndex object) = 0;                     // with its interests, and out of its groups
-  virtual void move(BroadIndex object, const WorldBox& box) = 0;  // of no cost where the box is the same
+  virtual void remove(BroadIndex object) = 0;                     // its interests end, and it leaves its groups
+  virtual void move(BroadIndex object, const WorldBox& box) = 0;  // costs nothing where the box is the same
 
   // Both objects exist. The result is false where the interest was (wasn't) registered already.
   virtual bool register_interest(BroadIndex a, BroadIndex b) = 0;

@@ -26,7 +26,7 @@ class DynamicTree final : public OverlapFinder {
   static constexpr Ref kNone = ~0u;
   struct Node {
     FatBox box;
-    std::array<Ref, 2> children;  // a leaf: none, and its object
+    std::array<Ref, 2> children;  // of a leaf: kNone, and its object
     Ref parent;
     std::uint32_t height;  // a leaf: 0
     [[nodiscard]] bool is_leaf() const { return height == 0; }
@@ -45,7 +45,7 @@ class DynamicTree final : public OverlapFinder {
   const std::vector<FatBox>& boxes_;
   std::vector<Node> nodes_;
   std::vector<Ref> free_;
-  std::vector<Ref> leaf_of_;  // by object; kNone: its box is none, or it is no member
+  std::vector<Ref> leaf_of_;  // by object: its leaf, or kNone where its box is none() or it is no member
   std::vector<Ref> stack_;
   Ref root_ = kNone;
 };

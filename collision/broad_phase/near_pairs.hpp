@@ -18,7 +18,7 @@ class NearPairs {
   struct Pair {
     std::array<BroadIndex, 2> object;  // the lower one first
     std::array<Index, 2> next, previous;
-    bool overlapping = false;  // at the last tick
+    bool overlapping = false;  // whether the exact boxes overlapped at the last tick
 
     [[nodiscard]] std::size_t side(BroadIndex o) const { return object[1] == o ? 1 : 0; }
     [[nodiscard]] BroadIndex other(BroadIndex o) const { return object[1] == o ? object[0] : object[1]; }
@@ -85,7 +85,7 @@ class NearPairs {
     if (next != kNone) pairs_[next].previous[pairs_[next].side(object)] = previous;
   }
   std::vector<Pair> pairs_;
-  std::vector<Index> first_;  // by object
+  std::vector<Index> first_;  // by object: its first pair, or kNone
 };
 
 }  // namespace peerd::collision

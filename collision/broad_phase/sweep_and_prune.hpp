@@ -43,7 +43,7 @@ class SweepAndPrune final : public OverlapFinder {
 
   const std::vector<FatBox>& boxes_;
   std::array<Axis, 3> axes_;
-  std::vector<BroadIndex> open_;  // of sort_all()
+  std::vector<BroadIndex> open_;  // scratch of sort_all()
 };
 
 }  // namespace peerd::collision

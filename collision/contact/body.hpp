@@ -13,9 +13,9 @@ namespace peerd::collision {
 
 // A convex piece of an object: a closed convex polyhedron, or one flat convex polygon. Object frame, binary64.
 struct ConvexPiece {
-  ObjectId shape;                  // the Shape instance it comes from
-  std::vector<Vec3> vertices;      // [m]
-  std::vector<Vec3> face_normals;  // unit, outward; what each polygon of the mesh faces, one entry a polygon
+  ObjectId shape;                                 // the Shape instance it comes from
+  std::vector<Vec3> vertices;                     // [m]
+  std::vector<Vec3> face_normals;                 // the unit outward normal of each polygon of the mesh
   std::vector<std::vector<std::uint32_t>> faces;  // vertex indices; faces[i] is polygon i of the mesh, in file order
   std::vector<Vec3> face_axes;                    // the distinct face normals, as separating-axis candidates
   std::vector<Vec3> edge_axes;                    // the distinct edge directions, unit
@@ -32,11 +32,11 @@ struct ExactSphere {
 struct Body {
   ObjectId object;
   std::vector<ConvexPiece> pieces;    // depth-first order of their Shapes
-  std::shared_ptr<Surface> surface;   // of all Shapes, convex or not; copies of a body share it
+  std::shared_ptr<Surface> surface;   // all polygons of all Shapes, convex or not; copies of a body share it
   std::optional<ExactSphere> sphere;  // two such bodies meet as spheres
-  Vec3 center = Vec3::Zero();         // of the bounding sphere, object frame [m]
+  Vec3 center = Vec3::Zero();         // centre of the bounding sphere, object frame [m]
   double radius_m = 0.0;              // encloses every vertex; 0 when there are none
-  std::uint32_t meshes_built = 0;     // for it
+  std::uint32_t meshes_built = 0;     // meshes tessellated for this body
   // Why not all of the body is convex pieces, naming the Shape and its reason; then queries use its surface. Empty when
   // all of it is.
   std::string not_convex_reason;

@@ -20,9 +20,9 @@ struct Contact {
   Vec3 normal_world = Vec3::Zero();  // unit normal of the collidee's polygon, facing the collider
   bool resting = false;              // they touch at 0 with no speed towards each other, and only the acceleration
                                      // presses: reflecting the velocity can't end this contact
-  ObjectId collidee_shape;           // which polygon the normal is of; for kBox the collidee itself, and polygon 0
+  ObjectId collidee_shape;  // the Shape whose polygon the normal is of; for kBox the collidee itself, and polygon 0
   std::uint32_t collidee_polygon = 0;
-  std::uint32_t iterations = 0;  // of conservative advancement; 0 where the closed form answered
+  std::uint32_t iterations = 0;  // steps of conservative advancement; 0 where the closed form answered
 };
 
 // A body and how it moves from time 0 on.

@@ -19,9 +19,9 @@ struct PairQuery {
 
 // Bounds of the rounding of a gap and of its rates; at(s) bounds that of the gap after s seconds [m].
 struct RoundingBound {
-  double gap_m;              // at time 0
-  double speed_m_s;          // of the first derivative
-  double half_acceleration;  // of the coefficient of t^2 [m/s^2]
+  double gap_m;              // of the gap at time 0
+  double speed_m_s;          // of the gap's first derivative
+  double half_acceleration;  // of half the gap's second derivative [m/s^2]
 
   [[nodiscard]] double at(double s) const { return gap_m + s * (speed_m_s + s * half_acceleration); }
 };

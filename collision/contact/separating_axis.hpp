@@ -12,7 +12,7 @@ namespace peerd::collision {
 struct Solid {
   std::span<const Vec3> vertices;      // object frame
   const ConvexPiece* piece = nullptr;  // null: the world box of `vertices`
-  ObjectId shape;                      // whose polygons they are
+  ObjectId shape;                      // the Shape whose polygons these are
 };
 
 enum class AxisKind : std::uint8_t { kWorld, kCollideeFace, kColliderFace, kEdges, kSide };

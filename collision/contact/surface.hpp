@@ -20,7 +20,7 @@ class Surface {
 
   struct Polygon {
     ObjectId shape;
-    std::uint32_t polygon = 0;  // of the Shape, in file order
+    std::uint32_t polygon = 0;  // counts the Shape's polygons, in file order
   };
 
   [[nodiscard]] const TriangleSoup& soup() const { return soup_; }
@@ -38,7 +38,7 @@ class Surface {
 
  private:
   TriangleSoup soup_;
-  std::vector<std::pair<std::uint32_t, ObjectId>> shapes_;  // the number of its first polygon, by number
+  std::vector<std::pair<std::uint32_t, ObjectId>> shapes_;  // for each Shape the number of its first polygon, ascending
   std::uint32_t polygons_ = 0;
   std::optional<WideTree> tree_;
 };

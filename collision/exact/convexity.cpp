@@ -89,7 +89,7 @@ class ConvexityTest {
     assert(normals_.size() == surface_.polygons.size());
     for (const Direction& n : normals_) surface_.normals.push_back(n.approximate);
     choose_axes();
-    assert(!surface_.face_axes.empty() && surface_.edge_axes.size() >= 3);
+    assert(!surface_.face_axes.empty() && surface_.edge_axes.size() >= (surface_.flat() ? 2U : 3U));
     return std::move(surface_);
   }
 

@@ -12,9 +12,9 @@ namespace peerd::collision {
 
 // The surface of a Mesh that is a closed convex polyhedron, or one flat convex polygon, in the Shape's frame [m].
 struct ConvexSurface {
-  std::vector<Eigen::Vector3f> vertices;                // those in use, one of each position
+  std::vector<Eigen::Vector3f> vertices;                // the vertices in use, one of each position
   std::vector<std::vector<std::uint32_t>> polygons;     // polygon i of the mesh, counter-clockwise seen from outside
-  std::vector<Vec3> normals;                            // of each polygon, outward, unit
+  std::vector<Vec3> normals;                            // unit outward normals, by polygon
   std::vector<std::uint32_t> face_axes;                 // the least polygon of each set of parallel ones
   std::vector<std::array<std::uint32_t, 2>> edge_axes;  // one true edge of each set of parallel ones
 

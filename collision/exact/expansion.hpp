@@ -74,7 +74,7 @@ class Expansion {
   [[nodiscard]] int sign() const { return size_ == 0 ? 0 : terms_[size_ - 1] > 0.0 ? 1 : -1; }
 
  private:
-  std::array<double, N> terms_;  // what is beyond size_ is never read
+  std::array<double, N> terms_;  // terms beyond size_ are never read
   std::size_t size_ = 0;
 };
 

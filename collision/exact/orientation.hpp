@@ -14,7 +14,7 @@ namespace peerd::collision {
 // The work that the filter could not do.
 struct OrientationCounters {
   std::uint64_t exact = 0;      // signs that the filter left open
-  std::uint64_t wide = 0;       // of those, the ones beyond the range of expansions
+  std::uint64_t wide = 0;       // exact signs beyond the range of expansions
   std::uint64_t quotients = 0;  // parameters that needed integers
 };
 

@@ -16,12 +16,12 @@ namespace peerd::collision {
 struct TriangleSoup {
   struct Face {
     std::array<std::uint32_t, 3> corners;  // into `vertices`
-    std::uint32_t polygon;                 // of the mesh, in file order
+    std::uint32_t polygon;                 // a polygon of the mesh, in file order
     friend bool operator==(const Face&, const Face&) = default;
   };
   std::vector<Vec3> vertices;  // [m], one for each of the mesh's
-  std::vector<Face> faces;     // by polygon
-  WorldBox box;                // of the vertices that faces use, in the soup's frame
+  std::vector<Face> faces;     // in the order of their polygons
+  WorldBox box;                // the box of the vertices that faces use, in the soup's frame
 
   [[nodiscard]] Triangle triangle(std::uint32_t face) const {
     const auto& c = faces[face].corners;

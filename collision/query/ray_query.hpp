@@ -11,16 +11,16 @@ namespace peerd::collision {
 
 struct RayHit {
   std::uint32_t polygon = 0;
-  std::uint32_t face = 0;  // of the soup, a triangle of that polygon
+  std::uint32_t face = 0;  // a face of the soup, one of the polygon's triangles
   double t = 0.0;          // the ray's parameter, as first_parameter() rounds it
   Vec3 point =
       Vec3::Zero();  // origin + t * direction, in binary64: off by 2^-51 (|origin| + t |direction|) along an axis
 };
 
 struct RayCounters {
-  std::uint64_t bv_tests = 0;        // boxes
-  std::uint64_t triangle_tests = 0;  // exact ones
-  OrientationCounters orientation;   // of those tests
+  std::uint64_t bv_tests = 0;        // tests of a ray with a box
+  std::uint64_t triangle_tests = 0;  // exact tests of a ray with a triangle
+  OrientationCounters orientation;   // the work of the triangle tests
 };
 
 // Finds what a ray hits first: of all triangles of the soup with a first_parameter() of at most the ray's longest, the

@@ -65,7 +65,7 @@ class MeshImpactQuery {
 
   WideQuery overlap_;
   std::vector<std::pair<WideTree::ChildSlot, WideTree::ChildSlot>> stack_;
-  std::vector<TrianglePair> pairs_;  // of a window's leaves
+  std::vector<TrianglePair> pairs_;  // the pairs of triangles of a window's leaves
 };
 
 }  // namespace peerd::collision

@@ -15,7 +15,7 @@ struct QueryCounters {
   std::uint64_t bv_tests = 0;        // Nv: pairs of bounding volumes compared
   std::uint64_t bv_updates = 0;      // Nu: bounding volumes realigned
   std::uint64_t triangle_tests = 0;  // Np
-  OrientationCounters orientation;   // of those tests
+  OrientationCounters orientation;   // the work of the triangle tests
 };
 
 struct PolygonPair {

@@ -10,8 +10,8 @@ namespace peerd::collision {
 // its tree's own frame [m/s, rad/s].
 struct WideSpeeds {
   std::array<float, 3> linear_velocity_a, angular_velocity_a, linear_velocity_b, angular_velocity_b;
-  float rate_a, rate_b;  // of turning, at least |turn| [rad/s]
-  float slack_m_s;       // what the velocities of points may change by, on average, until the end, and all rounding
+  float rate_a, rate_b;  // at least the lengths of the angular velocities [rad/s]
+  float slack_m_s;       // a bound of the mean change of points' velocities until the end, and of all rounding
 };
 
 using MeetTimes =

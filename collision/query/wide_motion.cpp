@@ -7,7 +7,7 @@
 namespace peerd::collision {
 
 WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotion& motion, double margin_m) {
-  assert(margin_m >= 0.0 && a.scale() > 0.0 && b.scale() > 0.0);
+  assert(!std::isnan(margin_m) && a.scale() > 0.0 && b.scale() > 0.0);
   const Vec3 origin = motion(b.origin()) - a.origin();
   const Vec3 home = multiply(Mat3(motion.rotation.transpose()), Vec3(-origin));
   const double to_a = a.scale() / b.scale(), to_b = b.scale() / a.scale();
@@ -35,7 +35,6 @@ WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotio
       0x1p-19 * (2.0 * a.extent_m() + 2.0 * b.extent_m() + farthest + margin_m) + binary64 + margin_m;
   slack_a = static_cast<float>(slack_m * a.scale() + 0x1p-120);
   slack_b = static_cast<float>(slack_m * b.scale() + 0x1p-120);
-  assert(!(slack_a < 0.0f) && !(slack_b < 0.0f));
 }
 
 }  // namespace peerd::collision

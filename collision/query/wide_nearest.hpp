@@ -23,7 +23,7 @@ HWY_INLINE V known(V x) {
 
 constexpr float kRoundedDown = 1.0f - 0x1p-20f;  // a few operations, each of which may be off by 2^-24
 
-HWY_INLINE V clamped(V x) {  // what is no number becomes 0
+HWY_INLINE V clamped(V x) {  // NaN becomes 0
   const V zero = hn::Zero(Lanes());
   return hn::Min(hn::IfThenElseZero(hn::Gt(x, zero), x), set(1.0f));
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cmath>
 
 #include "collision/exact/triangle_distance.hpp"
 #include "collision/exact/triangle_pair.hpp"
@@ -154,7 +155,7 @@ const std::vector<FacePair>& WideQuery::faces_within(WideTree& a, WideTree& b, c
 }
 
 bool WideQuery::separated_by(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double gap_m) {
-  assert(gap_m >= 0.0);
+  assert(!std::isnan(gap_m));
   const WideMotion motion(a, b, a_from_b, gap_m);
   stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
   Masks masks;

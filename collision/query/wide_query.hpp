@@ -12,7 +12,7 @@ namespace peerd::collision {
 struct WideMotion;
 
 struct FacePair {
-  std::uint32_t a, b;  // of the soups
+  std::uint32_t a, b;  // faces of the two soups
   friend auto operator<=>(const FacePair&, const FacePair&) = default;
 };
 

@@ -14,7 +14,7 @@ class WideRay {
  public:
   WideRay(const WideTree& tree, const Ray& ray);
   [[nodiscard]] bool reaches_tree() const { return reaches_tree_; }  // false: it certainly hits nothing
-  void shorten(double longest);                                      // of the ray's own parameter
+  void shorten(double longest);                                      // `longest` is a parameter of the original ray
 
   std::array<float, 3> start{}, inverse{};  // a point of it, and one over its direction, of which no component is 0
   float first = 0.0f, last = 0.0f;

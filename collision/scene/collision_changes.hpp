@@ -54,9 +54,9 @@ class CollisionChanges {
   struct Object {
     ObjectId id;
     bool is_transform = false;
-    bool was_colliding = false;    // at the last tick
-    bool changed = false;          // in changed_objects_
-    std::uint32_t collisions = 0;  // of its interests
+    bool was_colliding = false;    // whether it collided at the last tick
+    bool changed = false;          // listed in changed_objects_
+    std::uint32_t collisions = 0;  // the number of its interests that collide
   };
   struct Interest {
     BroadIndex collider, collidee;

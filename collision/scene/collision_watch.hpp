@@ -23,8 +23,8 @@ struct WatchedInterest {
 
 // The caches that are kept from tick to tick. Answers don't depend on them.
 struct CoherenceOptions {
-  bool witnesses = true;  // where two Shapes touched is tested first
-  bool gaps = true;       // how far objects were apart: nothing is tested until they may have gone as far
+  bool witnesses = true;  // the leaves where two Shapes touched are tested first
+  bool gaps = true;       // a certified gap: nothing is tested until the objects may have closed it
 };
 
 // Work done since the beginning.
@@ -36,10 +36,10 @@ struct CollisionWatchCounters {
   std::uint64_t pairs_unmoved = 0;    // passed over: near, but neither has moved since the answer
   std::uint64_t pairs_separated = 0;  // passed over: they have not gone as far as they were apart
   std::uint64_t pairs_queried = 0;    // all others
-  std::uint64_t gap_searches = 0;     // of pairs_queried
-  std::uint64_t gaps_found = 0;       // of gap_searches: the gap was as wide as was sought, and nothing more was tested
-  std::uint64_t boxes_queried = 0;    // interests of type kBox tested
-  PairCoherence::Counters shapes;     // the close pairs of Shapes of the pairs queried
+  std::uint64_t gap_searches = 0;     // searches for a gap, at most one for each of pairs_queried
+  std::uint64_t gaps_found = 0;     // searches that found a gap as wide as was sought, so that nothing more was tested
+  std::uint64_t boxes_queried = 0;  // interests of type kBox tested
+  PairCoherence::Counters shapes;   // the close pairs of Shapes of the pairs queried
   BroadPhaseCounters broad;
   SceneQueryCounters query;  // its `queries` with those of all ticks
 };
@@ -90,24 +90,24 @@ class CollisionWatch {
     double travelled_m = 0.0;     // the sum of displacement_m over all ticks, rounded up
     std::uint64_t reshaped_at_tick = 0;
   };
-  struct Pair {  // of objects that interests join
+  struct Pair {  // two objects that interests join
     BroadPair objects;
-    std::uint32_t begin = 0, end = 0;  // of by_pair_
+    std::uint32_t begin = 0, end = 0;  // a range of interests_by_pair_
     bool has_box_interest = false, has_shape_interest = false;
   };
   struct NearPair {
     BroadPair objects;
-    std::uint32_t pair = 0;  // of pairs_
+    std::uint32_t pair = 0;  // its index in pairs_
     std::uint32_t hint = 0;  // PairCoherence's
     // No two points that can collide were nearer than gap_m [m] when the two objects together had gone travelled_m; 0
     // where no gap is known. Boxes and trees have room for rounding many times over, so there is enough of it at both
     // ends of a way.
     double gap_m = 0.0, travelled_m = 0.0;
     std::uint64_t gap_tick = 0;  // the tick
-    std::uint16_t horizon = 4;   // ticks of motion that a gap is sought for
-    std::uint8_t failures = 0;   // how often none was found in a row
-    std::uint8_t pause = 0;      // times not to seek one
-    bool touching = false;       // in any exact way, at the last tick; or refused
+    std::uint16_t horizon = 4;   // the number of ticks of the present motion that a gap is sought for
+    std::uint8_t failures = 0;   // searches in a row that found no gap
+    std::uint8_t pause = 0;      // searches to leave out
+    bool touching = false;       // an exact interest of the pair collided, or was refused, at the last tick
   };
 
   void add_objects(const Scene& scene);

@@ -14,8 +14,8 @@ class PairCoherence {
  public:
   // These count pairs of Shapes whose boxes overlap, each once a tick.
   struct Counters {
-    std::uint64_t pairs_witnessed = 0;  // where they touched they still do
-    std::uint64_t pairs_tested = 0;     // from the roots of their trees
+    std::uint64_t pairs_witnessed = 0;  // pairs that still touch in the leaves where they did
+    std::uint64_t pairs_tested = 0;     // pairs tested from the roots of their trees
   };
 
   // Without `caches`, all pairs are tested.
@@ -30,10 +30,10 @@ class PairCoherence {
 
  private:
   struct CachedPair {
-    std::uint64_t key = 0;                       // both instances
+    std::uint64_t key = 0;                       // both instances, a << 32 | b
     std::uint64_t version_a = 0, version_b = 0;  // 0: none yet
-    std::uint64_t tested_at_tick = 0;            // the last tick
-    WideQuery::LeafPair leaf_pair{};             // where they touch
+    std::uint64_t tested_at_tick = 0;            // the tick of the last test
+    WideQuery::LeafPair leaf_pair{};             // the leaves where they touch
     bool touching = false;
   };
   [[nodiscard]] CachedPair& find(std::uint64_t key, std::uint64_t tick, std::uint32_t& hint);

@@ -85,7 +85,7 @@ class ScaledGeometries {
   ByKey by_key_;
   std::uint64_t next_version_ = 0;
   std::vector<std::string> notes_;
-  Counters counters_;  // nodes_built: of hierarchies that are no more
+  Counters counters_;  // nodes_built counts hierarchies that are no more
 };
 
 }  // namespace peerd::collision

@@ -45,7 +45,7 @@ class SceneView {
   ShapePlacement& placement_;
   ShapeBoxes& boxes_;
   ViewQuery views_;
-  std::vector<OpenSubtree> open_;  // of cull_subtrees()
+  std::vector<OpenSubtree> open_;  // scratch of cull_subtrees()
   std::vector<ShapeInView> in_view_;
 };
 

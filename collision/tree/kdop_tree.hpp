@@ -28,7 +28,7 @@ class KdopTree {
  public:
   struct Node {
     Kdop<K> dop;               // contains the node's triangles as real numbers have them
-    std::uint32_t begin, end;  // its part of the triangles' order
+    std::uint32_t begin, end;  // the node's range of order()
     std::uint32_t left;        // its children are nodes[left] and nodes[left + 1]; or one of the two below
   };
   static constexpr std::uint32_t kLeaf = ~0u, kUnsplit = ~0u - 1;
@@ -76,12 +76,12 @@ class KdopTree {
   const TriangleSoup* soup_;
   TreeOptions options_;
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> depth_;  // of each node; only the combined rules ask
+  std::vector<std::uint32_t> depth_;  // by node: its depth, which only the combined rules need
   std::vector<std::uint32_t> order_;
   // The projections of a vertex, rounded to nearest; padded with zeros, so that four make a vector register.
   using Projections = std::array<float, (K / 2 + 3) / 4 * 4>;
   std::vector<Projections> projections_;
-  std::vector<Centroid> centroids_;  // of the faces, times three quarters, which is never too large
+  std::vector<Centroid> centroids_;  // by face: its centroid times three quarters, which never overflows
 };
 
 extern template class KdopTree<6>;

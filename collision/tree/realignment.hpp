@@ -36,7 +36,7 @@ class Realignment {
 
  private:
   struct Term {
-    double weight = 0.0;  // negative: of the slab's opposite direction
+    double weight = 0.0;  // negative: the slab's opposite direction counts
     std::uint32_t slab = 0;
   };
   std::array<std::array<Term, 3>, K / 2> terms_;

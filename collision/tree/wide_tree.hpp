@@ -33,7 +33,7 @@ class WideTree {
     [[nodiscard]] constexpr std::uint32_t index() const { return bits_ & 0x3fff'ffff; }
 
    private:
-    std::uint32_t bits_ = 0xffff'ffff;  // none
+    std::uint32_t bits_ = 0xffff'ffff;  // kind kNone
   };
 
   // Half the side of a box that isn't there: it overlaps nothing, however it is turned and scaled, since what becomes
@@ -46,8 +46,8 @@ class WideTree {
   };
   struct alignas(32) Leaf {
     std::array<std::array<std::array<float, kWidth>, 3>, 3> corners;  // by corner, axis, triangle [m]
-    std::array<std::uint32_t, kWidth> faces;                          // of the soup
-    std::array<float, 3> center, half;                                // of all of it [m]
+    std::array<std::uint32_t, kWidth> faces;                          // indices of the soup's faces
+    std::array<float, 3> center, half;                                // the box of the whole leaf [m]
     std::uint32_t count = 0;
   };
 
@@ -105,7 +105,7 @@ class WideTree {
     float unused;
   };
   struct Range {
-    std::uint32_t begin, end;  // of items_
+    std::uint32_t begin, end;  // a range of items_
     [[nodiscard]] std::uint32_t count() const { return end - begin; }
   };
   struct Box {
@@ -130,7 +130,7 @@ class WideTree {
   void measure();
 
   const TriangleSoup* soup_;
-  std::shared_ptr<const void> owner_;  // of what the two pointers show, where that is not the vectors below
+  std::shared_ptr<const void> owner_;  // keeps the memory of the two pointers, where that is not the vectors below
   const Node* node_data_ = nullptr;
   const Leaf* leaf_data_ = nullptr;
   Vec3 origin_;
@@ -140,7 +140,7 @@ class WideTree {
   std::vector<Node> nodes_;    // its capacity is that of the whole tree
   std::vector<Leaf> leaves_;   // its capacity is that of the whole tree, too
   std::vector<Item> items_;    // gone when all is built
-  std::vector<Range> ranges_;  // of pending children, by index
+  std::vector<Range> ranges_;  // the ranges of pending children, by index
 };
 
 }  // namespace peerd::collision

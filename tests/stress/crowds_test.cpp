@@ -91,6 +91,7 @@ TEST(CrowdOfTriangles, OneTreeHoldsThem) {
 namespace peerd::replication::crowds_test {
 
 using namespace test;
+using peerd::crowds_test::kCrowd;
 
 std::string crowd(double step_m, bool each_with_the_next) {
   std::string text =

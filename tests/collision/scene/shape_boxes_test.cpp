@@ -79,10 +79,10 @@ TEST(ShapeBoxes, RealignedBoxesLieBetweenTheTightAndThePadded) {
   EXPECT_TRUE(world.boxes.box(0, Surfaces::kColliding).contains(realigned));
 }
 
-// Nine scales of 1e38 overflow binary64.
+// A translation of 3e38 m under eight scales of 1e38 overflows binary64.
 TEST(ShapeBoxes, RefuseShapesWithoutAFinitePlace) {
-  std::string body = "Shape { geometry Box {} }";
-  for (int i = 0; i < 9; ++i) body = "Transform { scale 1e38 1 1 children " + body + " }";
+  std::string body = "Transform { translation 3e38 0 0 children Shape { geometry Box {} } }";
+  for (int i = 0; i < 8; ++i) body = "Transform { scale 1e38 1 1 children " + body + " }";
   World world(body);
   const auto box = world.boxes.tight_box({0});
   ASSERT_FALSE(box.has_value());

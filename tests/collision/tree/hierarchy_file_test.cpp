@@ -8,6 +8,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -111,6 +112,21 @@ TEST(HierarchyFile, PartsPutTogetherAgainAreTheFile) {
   EXPECT_EQ(Forged(file).file(), file);
 }
 
+// A free slot of a node, and the last node, which has leaves and free slots.
+Ref& free_slot(WideTree::Node& node) {
+  const auto slot = std::ranges::find_if(node.children, [](Ref ref) { return ref.kind() == Ref::kNone; });
+  if (slot == node.children.end()) throw std::logic_error("the node is full");
+  return *slot;
+}
+Ref& slot_of_node(Forged& f, std::uint32_t index) {
+  for (WideTree::Node& node : f.nodes) {
+    for (Ref& ref : node.children) {
+      if (ref.kind() == Ref::kNode && ref.index() == index) return ref;
+    }
+  }
+  throw std::logic_error("the node has no parent");
+}
+
 struct Forgery {
   const char* name;
   std::function<void(Forged&)> change;
@@ -142,6 +158,31 @@ const Forgery kForgeries[] = {
      [](Forged& f) {
        auto& leaf = *std::ranges::find_if(f.leaves, [](const WideTree::Leaf& l) { return l.count < WideTree::kWidth; });
        leaf.faces[WideTree::kWidth - 1] = f.number(32);
+     }},
+    // The forgeries below leave nothing unseen: one condition alone refuses each.
+    {"LeafSharedThroughAFreeSlot", [](Forged& f) { free_slot(f.nodes.back()) = f.nodes.back().children[0]; }},
+    {"NodeSharedThroughAFreeSlot", [](Forged& f) { free_slot(f.nodes[0]) = f.nodes[0].children[0]; }},
+    {"NodeThatHangsBelowItself",
+     [](Forged& f) {
+       const auto last = static_cast<std::uint32_t>(f.nodes.size() - 1);
+       slot_of_node(f, last) = Ref();
+       free_slot(f.nodes[last]) = Ref(Ref::kNode, last);
+     }},
+    {"NodeBehindALaterParent",
+     [](Forged& f) {
+       slot_of_node(f, 1) = Ref();
+       free_slot(f.nodes.back()) = Ref(Ref::kNode, 1);
+     }},
+    {"PendingInPlaceOfALeaf",
+     [](Forged& f) {
+       Ref& ref = f.nodes.back().children[0];
+       ref = Ref(Ref::kPending, ref.index());
+     }},
+    {"OneMoreLeafThatIsEmpty",
+     [](Forged& f) {
+       f.leaves.push_back(f.leaves[0]);
+       f.leaves.back().count = 0;
+       free_slot(f.nodes.back()) = Ref(Ref::kLeaf, static_cast<std::uint32_t>(f.leaves.size() - 1));
      }},
     {"MissingFace", [](Forged& f) { f.leaves[1].faces[0] = f.leaves[0].faces[0]; }},
 };
