@@ -72,11 +72,11 @@ class Waiting : public testing::Test {
     Daemon daemon(
         io, *node, *transport, clock, [](const LogLine&) {}, std::nullopt);
     daemon.busy_poll(busy_poll, cache_warmer.get());
-    Listener stranger(io, options());
+    Listener outsider(io, options());
     boost::asio::steady_timer timer(io);
     const auto give_up = std::chrono::steady_clock::now() + 10s;
     std::function<void()> each = [&] {
-      stranger.send(0, "this is no datagram of a peer");
+      outsider.send(0, "this is no datagram of a peer");
       const bool done = daemon.lateness().count() >= kTicks && dropped() >= kStrange;
       if (done || std::chrono::steady_clock::now() > give_up) {
         status = nlohmann::json::parse(daemon.on_control(R"({"do": "status"})"));
@@ -162,7 +162,7 @@ TEST(Stalled, NobodyIsLostWhoseDatagramsWaitToBeRead) {
   const auto shared = std::move(*share_world(folder.write("w.wrl", "#VRML V2.0 utf8\n")));
   const net::MulticastOptions options = options_over("lo");
   Peer a(*shared, "a", 1, options), b(*shared, "b", 2, options);
-  Listener stranger(a.io, options);
+  Listener outsider(a.io, options);
   boost::asio::steady_timer timer(a.io);
   const auto give_up = std::chrono::steady_clock::now() + 10s;
   bool stalled = false;
@@ -174,7 +174,7 @@ TEST(Stalled, NobodyIsLostWhoseDatagramsWaitToBeRead) {
     }
     if (a.said.contains("peer b (id 2) joined") && a.daemon->lateness().count() > 0) {
       stalled = true;
-      for (int i = 0; i < 300; ++i) stranger.send(0, "this is no datagram of a peer");
+      for (int i = 0; i < 300; ++i) outsider.send(0, "this is no datagram of a peer");
       std::this_thread::sleep_for(2'500ms);
       next = 200ms;
     }

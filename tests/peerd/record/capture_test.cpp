@@ -127,7 +127,7 @@ TEST(CaptureFile, OfSomebodyElseIsRefused) {
   EXPECT_THAT(reader.error(), HasSubstr("no capture of peerd's"));
 }
 
-// A capture whose inputs have the given times [ns]; the setup has time 10.
+// A capture whose inputs have the given times [ns]. Its setup, packet 1, has time 10.
 std::string file_with_times(std::initializer_list<std::int64_t> times_ns) {
   std::ostringstream out;
   PcapngWriter writer(out, "peerd", "");
@@ -153,9 +153,9 @@ TEST(CaptureFile, WhoseTimesDecreaseIsRefused) {
     }
   };
   EXPECT_EQ(error_of({10, 10, 11, 11}), "") << "equal times are in order";
-  EXPECT_EQ(error_of({11, 10}), "packet 2: its time is before that of the one before");
-  EXPECT_EQ(error_of({12, 13, 12}), "packet 3: its time is before that of the one before");
-  EXPECT_EQ(error_of({9}), "packet 1: its time is before that of the one before") << "before the peer was made";
+  EXPECT_EQ(error_of({11, 10}), "packet 3: its time is before that of the one before");
+  EXPECT_EQ(error_of({12, 13, 12}), "packet 4: its time is before that of the one before");
+  EXPECT_EQ(error_of({9}), "packet 2: its time is before that of the one before") << "before the peer was made";
 }
 
 }  // namespace peerd::record::capture_test

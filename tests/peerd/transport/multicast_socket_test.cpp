@@ -215,11 +215,11 @@ TEST_F(MulticastSocketTest, StrangeDatagramsAreCountedAndDropped) {
   const MulticastOptions ours = options(10, "239.192.1.0");
   Listener b(io, ours);
   b.join(0);
-  udp::socket stranger(io, udp::v4());
-  stranger.set_option(asio::ip::multicast::outbound_interface(asio::ip::address_v4::loopback()));
+  udp::socket outsider(io, udp::v4());
+  outsider.set_option(asio::ip::multicast::outbound_interface(asio::ip::address_v4::loopback()));
   const auto send_to = [&](const char* address, std::size_t size) {
     const std::string text(size, 'x');
-    stranger.send_to(asio::buffer(text), {asio::ip::make_address(address), ours.groups.port});
+    outsider.send_to(asio::buffer(text), {asio::ip::make_address(address), ours.groups.port});
   };
   send_to("127.0.0.1", 10);                       // to the port, to no group
   send_to("239.192.1.0", kMaxDatagramBytes + 1);  // one byte too many

@@ -203,12 +203,12 @@ TEST_F(UnicastFanOutTest, APeerWithAStaleInstanceIsAnswered) {
 TEST_F(UnicastFanOutTest, StrangeDatagramsAreCountedAndMakeNobodyAPeer) {
   UnicastPeer a(io, 0, {});
   a.join(1);
-  udp::socket stranger(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
-  stranger.non_blocking(true);
-  const auto send = [&](std::string_view text) { stranger.send_to(asio::buffer(text), address(0)); };
+  udp::socket outsider(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
+  outsider.non_blocking(true);
+  const auto send = [&](std::string_view text) { outsider.send_to(asio::buffer(text), address(0)); };
   send(""), send("R"), send("G not a greeting"), send(std::string(3000, 'G'));
   const auto forged = encode({.instance = 5, .echo = 12345, .reply = true}, true);
-  stranger.send_to(asio::buffer(forged), address(0));
+  outsider.send_to(asio::buffer(forged), address(0));
   ASSERT_TRUE(run_until(io, [&] { return a.transport->counters().greetings_in == 1; }));
   EXPECT_EQ(a.transport->counters().in_malformed, 3u);
   EXPECT_EQ(a.transport->counters().in_truncated, 1u);
@@ -217,7 +217,7 @@ TEST_F(UnicastFanOutTest, StrangeDatagramsAreCountedAndMakeNobodyAPeer) {
   std::array<std::byte, 2000> bytes{};
   boost::system::error_code ec;
   std::size_t answered = 0;
-  for (std::size_t size; (size = stranger.receive(asio::buffer(bytes), 0, ec)) > 0 && !ec;) answered += size;
+  for (std::size_t size; (size = outsider.receive(asio::buffer(bytes), 0, ec)) > 0 && !ec;) answered += size;
   EXPECT_LE(answered, forged.size()) << "no more comes back than went there";
 }
 
