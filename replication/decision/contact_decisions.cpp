@@ -25,7 +25,7 @@ constexpr Duration kAnnouncedFor = std::chrono::milliseconds(3500);
 // Longer than any decision that a receiver would take can be on its way.
 constexpr Duration kRememberedFor = std::chrono::seconds(8);
 // An object that hangs between two others touches them many times a second. Of one pair only the newest decisions are
-// repeated where nothing says whether they have come, as many as there can be in 250 ms (4 ms apart: peer_tick.cpp,
+// repeated where nothing says whether they have come, as many as there can be in 250 ms (4 ms apart: contact_report.cpp,
 // kSameTouch).
 constexpr int kRepeatedOfPair = 64;
 // Of one peer's decisions on one pair so many are remembered: twice as many as there can be in kRememberedFor.

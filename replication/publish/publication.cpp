@@ -282,7 +282,6 @@ void Publication::publish_at_once(SimTime t, std::span<const OwnSample* const> s
 // Returns the record's size [bytes].
 std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime at, SimTime t, PublishReason reason,
                                         double threshold_m) {
-  assert(at <= t);
   const PublishPolicy& policy = config_.policy;
   own.budget.spend(policy, t);
   if (own.last_sent) {
