@@ -8,7 +8,7 @@ namespace {
 constexpr Duration kDecisionGrid = std::chrono::milliseconds(125);
 constexpr double kClocksDiffer_s = 1e-3;
 
-// The one with the greater claim; the lower id where neither has.
+// The owner with the greater claim; the lower id where neither is greater.
 PeerId by_claim(const Contender& a, const Contender& b, double claim_a, double claim_b) {
   if (claim_a > claim_b) return a.owner;
   if (claim_b > claim_a) return b.owner;
@@ -33,7 +33,7 @@ PeerId decider(DecisionPolicy policy, const Contender& a, const Contender& b, Pe
     case DecisionPolicy::kFieldOfView:
       return by_claim(a, b, a.sees, b.sees);
     case DecisionPolicy::kExpectedError:
-      // Each knows its own object; what it would be wrong about is the other's.
+      // Each owner knows its own object; its error is in the other's.
       return by_claim(a, b, -expected_error_m(*b.state, a.latency), -expected_error_m(*a.state, b.latency));
     case DecisionPolicy::kId:
     case DecisionPolicy::kServer:

@@ -20,7 +20,7 @@ std::vector<RegionId> touched(const RegionGrid& grid, std::span<const Area> area
 
 }  // namespace
 
-// FNV-1a 64, as world files are hashed.
+// The hash is FNV-1a 64, as for world files.
 std::uint64_t RegionSettings::session_hash(std::uint64_t world_hash) const {
   if (cell_m == 0.0) return world_hash;
   std::uint64_t hash = world_hash;

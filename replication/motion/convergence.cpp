@@ -5,14 +5,15 @@
 namespace peerd::replication {
 namespace {
 
-// How far behind the ghost an object may be drawn on its way, and in how many steps a place there is looked for. Beyond
+// An object may be drawn so far behind the ghost on its way, and a place there is looked for in so many steps. Beyond
 // twice the latency of half a second nothing is won.
 constexpr Duration kTrailMax = std::chrono::seconds(2);
 constexpr int kTrailSteps = 64;
 // A step that cuts a corner is halved so often.
 constexpr int kHalvings = 6;
 
-// The shorter way around, at a rate that is nearly even. Two opposite orientations have no way: the later one.
+// The orientation at that part of the shorter way around, at a rate that is nearly even. Two opposite orientations
+// have no shorter way: the result is the later one.
 Quat between(const Quat& from, const Quat& to, double part) {
   const double sign = from.dot(to) < 0.0 ? -1.0 : 1.0;
   const Quat mixed((1.0 - part) * from.coeffs() + (part * sign) * to.coeffs());
@@ -21,7 +22,7 @@ Quat between(const Quat& from, const Quat& to, double part) {
 
 }  // namespace
 
-// After last_, and before the end of the way.
+// The pose at t, which is after last_ and before the end of the way.
 Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) const {
   const double s = to_seconds(t - from_->at), over = to_seconds(policy_.over), part = s / over;
   const Vec3& p0 = from_->pose.position;
@@ -32,7 +33,7 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
     case ConvergenceMethod::kJump:
       break;
     case ConvergenceMethod::kLinear: {
-      // From here straight on to where it ends, however the ghost has turned since.
+      // The object goes from here straight to where the way ends, however the ghost has turned since.
       const Vec3 from = last_->pose.position;
       const double left = over - to_seconds(last_->at - from_->at);
       out.velocity = (end.position - from) / left;
@@ -56,7 +57,7 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
   return out;
 }
 
-// The latest time at which the ghost was where the object may go to at once.
+// The latest time at which the ghost was at a place that the object may reach at once.
 std::optional<SimTime> Convergence::reachable(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) const {
   for (int i = 0; i <= kTrailSteps; ++i) {
     const SimTime earlier = t - i * (kTrailMax / kTrailSteps);
@@ -67,8 +68,9 @@ std::optional<SimTime> Convergence::reachable(SimTime t, const MayPass& may_pass
   return std::nullopt;
 }
 
-// On along the ghost's way, so fast that it is caught up with when the time of the way back is over; more slowly where
-// a straight step would cut a corner, and ahead where the next part of the way is barred by now. None: nothing is free.
+// The object goes on along the ghost's way, so fast that it catches up when the time of the way back is over; more
+// slowly where a straight step would cut a corner, and ahead where the next part of the way is barred by now. None:
+// nothing is free.
 std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) {
   const auto draw = [&](SimTime at) -> std::optional<Drawn> {
     const auto pose = was(at);
@@ -87,7 +89,7 @@ std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass
   for (int i = 1; wanted < t && i <= kTrailSteps; ++i) {
     if (auto drawn = draw(wanted + i * (t - wanted) / kTrailSteps)) return drawn;
   }
-  // The place that was found reachable.
+  // The place that reachable() has found.
   if (const auto pose = was(trail_->at); pose && may_pass(last_->pose.position, pose->position)) {
     const bool moves = pose->position != last_->pose.position;
     if (moves || t - trail_->moved_at <= policy_.over) {

@@ -5,8 +5,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/sin_cos.hpp"
 #include "core/rotate_body.hpp"
+#include "core/sin_cos.hpp"
 #include "replication/motion/position_history.hpp"
 
 namespace peerd::replication {
@@ -65,7 +65,7 @@ struct Parabola {
   double va, vj, aa, aj;
 };
 
-// That is (4 c(h/2) - c(h)) / h and 4 (c(h) - 2 c(h/2)) / h^2, term by term, over h, h^2, 1 and h.
+// The series of (4 c(h/2) - c(h)) / h and 4 (c(h) - 2 c(h/2)) / h^2, term by term, over h, h^2, 1 and h.
 constexpr Series kParabola = [] {
   Series series{};
   for (int k = 0; k < kTerms; ++k) {
@@ -112,7 +112,7 @@ struct Translation {
   return out;
 }
 
-// The acceleration's part along the axis stays, the rest turns: a'' = -rate^2 a, with a' = axis x a.
+// A turning motion: the acceleration's part along the axis stays, the rest turns: a'' = -rate^2 a, with a' = axis x a.
 struct Turn {
   [[gnu::always_inline]] inline Turn(const KinematicState& s, const Vec3& axis_rate)
       : state(s), rate(axis_rate.norm()) {
@@ -135,14 +135,14 @@ struct Turn {
   Vec3 along = Vec3::Zero(), across, jerk;
 };
 
-// Until friction has stopped it [s]; none: it never does.
+// The time until friction has stopped the object [s]; none: it never does.
 std::optional<double> stop_s(const Vec3& velocity, const Vec3& acceleration) {
   const double closing = -velocity.dot(acceleration);
   if (closing <= 0.0) return std::nullopt;
   return velocity.squaredNorm() / closing;
 }
 
-// Inlined: what a caller does not use of it is not computed.
+// Inlined, so that the parts that a caller does not use are not computed.
 [[gnu::always_inline]] inline Translation translation(const MotionModel& m, double t) {
   switch (m.kind) {
     case MotionKind::kThird:
@@ -195,14 +195,14 @@ bool translates_by_pieces(const MotionModel& m) {
   return m.kind == MotionKind::kThird || m.kind == MotionKind::kTurning || m.kind == MotionKind::kOscillating;
 }
 
-// At a steadily growing rate: its mean is that in the middle.
+// A spin about one axis grows steadily: its mean within a piece is its value in the middle.
 bool turns_about_one_axis(const MotionModel& m) {
   return m.kind != MotionKind::kSliding && is_zero(m.state.angular_velocity_body.cross(m.angular_acceleration_body));
 }
 
 bool is_cut(const MotionModel& m) { return translates_by_pieces(m) || !is_zero(m.angular_acceleration_body); }
 
-// The largest that the jerk can become: within a second, for a constant jerk it is itself.
+// The largest jerk that the model can reach [m/s^3]: within a second, a constant jerk is the bound itself.
 double jerk_bound(const MotionModel& m) {
   switch (m.kind) {
     case MotionKind::kThird:
@@ -226,8 +226,8 @@ Duration piece_length(const MotionModel& m) {
   return Duration{std::int64_t{1} << log2_ns};
 }
 
-// Rounded up, so that what has stopped stands; the way left before that is below a nanosecond's. Later than in 31 years
-// (more nanoseconds than fit) is never.
+// The time of the stop, rounded up, so that an object that has stopped stands; the way left before that is below a
+// nanosecond's. A stop later than in 31 years (more nanoseconds than fit) counts as never.
 std::optional<Duration> stop_after(const std::optional<double>& stop) {
   if (!stop || *stop > 1e9) return std::nullopt;
   const Duration after{static_cast<std::int64_t>(std::ceil(*stop * 1e9))};
@@ -238,7 +238,7 @@ std::optional<Duration> stop_after(const std::optional<double>& stop) {
 struct Bounds {
   Duration begin{0};
   std::optional<Duration> end;
-  bool cut = false;  // of the grid, not natively of constant acceleration and spin
+  bool cut = false;  // a piece of the grid, not natively of constant acceleration and spin
 };
 
 Bounds bounds_at(const MotionModel& m, Duration since_base) {
@@ -393,7 +393,7 @@ MotionModel after_contact(const MotionModel& m, const KinematicState& after, con
   MotionModel out = m;
   out.state = after;
   if (!mirrored) return {after};
-  if (m.kind == MotionKind::kTurning) {  // no rotation any more: its mirror image
+  if (m.kind == MotionKind::kTurning) {  // its mirror image is no rotation any more
     const Vec3 axis = m.rate_rad_s;
     const double rate = axis.norm();
     out.kind = MotionKind::kOscillating;

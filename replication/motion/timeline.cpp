@@ -31,7 +31,7 @@ void Timeline::forget_before(SimTime t) {
   if (piece_.first <= begin()) piece_.end = SimTime::min();
 }
 
-// Of the segment in force at t, or of the first one.
+// The index of the segment in force at t; 0 before the first one.
 std::size_t Timeline::index_at(SimTime t) const {
   if (last_.from <= t) return past_.size();
   const auto next = std::upper_bound(past_.begin(), past_.end(), t, begins_after);
@@ -44,7 +44,8 @@ const Timeline::Segment& Timeline::segment_at(SimTime t) const {
 
 std::optional<SimTime> Timeline::last_change_until(SimTime t) const {
   const Segment& s = segment_at(t);
-  const bool stays = is_motionless(s.model.state) && s.model.jerk.isZero(0.0) && s.model.angular_acceleration_body.isZero(0.0);
+  const bool stays =
+      is_motionless(s.model.state) && s.model.jerk.isZero(0.0) && s.model.angular_acceleration_body.isZero(0.0);
   if (t < s.from || (&s == &segment(0) && stays)) return std::nullopt;
   return in_piece(t) ? piece_.begin : s.from + piece_begin(s.model, t - s.from);
 }

@@ -14,7 +14,7 @@ bool is_inside(const Scene& scene, ObjectId inner, ObjectId outer) {
   return inner.value >= outer.value && inner.value < scene.at(outer).subtree_end;
 }
 
-// By type and the lower and the higher of the two: which of the model's pairs that is.
+// The index of each pair in the model, by its type, its lower and its higher object.
 using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::size_t>;
 
 void add_pair(WorldModel& model, KnownPairs& known, const CollisionPair& pair) {

@@ -19,7 +19,8 @@ class ProximityThreshold {
 
   // The threshold in force at t, >= least_m().
   [[nodiscard]] double at(ObjectId object, SimTime t) const;
-  // No error below it makes an update due, however close other objects are and whatever the budget has.
+  // The least threshold [m]: no error below it makes an update due, however close other objects are and whatever the
+  // budget has.
   [[nodiscard]] double least_m(ObjectId object) const;
 
  private:

@@ -6,8 +6,8 @@
 namespace peerd::replication {
 namespace {
 
-// Slewing by half a percent moves a 10 m/s object's belief by 5 cm/s: below any threshold in use. Whoever is this far
-// off has it off by more anyway: it gets in step ten times as fast.
+// Slewing by half a percent moves the ghost of a 10 m/s object by 5 cm/s: below any threshold in use. A clock that is
+// off by more than kFastBeyond moves it by more anyway: it is slewed ten times as fast.
 constexpr std::int64_t kSlewDivisor = 200, kFastSlewDivisor = 1'000'000 / kSlew_ppm;
 constexpr Duration kFastBeyond = std::chrono::milliseconds(20);
 // Farther than this behind, this host was stopped or two sessions have met: slewing would take longer than 5 s.
@@ -75,12 +75,12 @@ SimTime SessionClock::to_session(HostTime host) const {
 HostTime SessionClock::to_host(SimTime session) const {
   const HostTime unslewed{session.time_since_epoch() - offset_};
   if (debt_ == Duration{0} || unslewed <= adjusted_at_) return unslewed;
-  // elapsed + elapsed / slew_divisor_, or minus, is the time until then, until the debt is paid.
+  // elapsed + elapsed / slew_divisor_ (or minus) is the time until then, as long as the debt is not paid.
   const Duration until = unslewed - adjusted_at_;
   const std::int64_t rate = slew_divisor_ + (debt_ > Duration{0} ? 1 : -1);
   HostTime host = adjusted_at_ + until / rate * slew_divisor_;
   host = debt_ > Duration{0} ? std::max(host, unslewed - debt_) : std::min(host, unslewed - debt_);
-  while (to_session(host) < session) host += session - to_session(host);  // what integer division has cut off
+  while (to_session(host) < session) host += session - to_session(host);  // adds what integer division has cut off
   while (to_session(host - Duration{1}) >= session) host -= Duration{1};
   return host;
 }
