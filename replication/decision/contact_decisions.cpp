@@ -189,6 +189,7 @@ std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord&
 // A contact that was decided here before and overruled, and is found again on the way that the other peer's decision
 // gave, is another decision: it is a nanosecond later, for decisions are distinguished by their times.
 void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
+  assert(owners_.have_two(contact.collider, contact.collidee) && !contact.deferred);
   ContactEvent c = within_wire_limits(contact);
   while (const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee)) {
     if (known->in_force) break;  // the same once more
@@ -208,6 +209,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
 // A contact just before one that has been decided is the same collision, found here by somewhat other states than the
 // decider's: its decision has come before this peer's own tick.
 void ContactDecisions::defer(const ContactEvent& c) {
+  assert(owners_.have_two(c.collider, c.collidee) && c.deferred);
   const SimTime decided = log_.last(c.collider, c.collidee);
   if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
   if (!reaches_all_in_time(c.at)) {
@@ -267,6 +269,7 @@ bool ContactDecisions::may_have_missed_our_update(PeerId peer, const ContactEven
 // ---- what other peers say ----
 
 void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTime known_at) {
+  assert(members_.contains(sender));
   const SimTime sent_at = known_at - members_.find(sender)->delays.last();
   const std::vector<Deferred> waiting = deferred_;
   for (const Deferred& h : waiting) {

@@ -1,6 +1,7 @@
 #include "replication/decision/decision.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace peerd::replication {
 namespace {
@@ -43,6 +44,7 @@ PeerId decider(DecisionPolicy policy, const Contender& a, const Contender& b, Pe
 }
 
 double expected_error_m(const KinematicState& other, Duration latency) {
+  assert(latency >= Duration{0});
   const double late_s = to_seconds(latency);
   return other.velocity.norm() * kClocksDiffer_s + 0.5 * other.acceleration.norm() * late_s * late_s;
 }
@@ -51,6 +53,7 @@ SimTime decided_as_of(SimTime contact, Duration lookback) {
   const Duration since = contact.time_since_epoch();
   Duration rest = since % kDecisionGrid;
   if (rest < Duration{0}) rest += kDecisionGrid;
+  assert(rest >= Duration{0} && rest < kDecisionGrid);
   return contact - rest - lookback;
 }
 

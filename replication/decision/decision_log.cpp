@@ -1,6 +1,7 @@
 #include "replication/decision/decision_log.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -38,6 +39,7 @@ bool of_pair(const DecisionRecord& d, ObjectId a, ObjectId b) {
 }
 
 std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionRecord& record, PeerId author) {
+  assert(author != kNobody && record.collider != record.collidee);
   if (find(record.contact, author, record.collider, record.collidee) != nullptr) return std::nullopt;
   Entry& added =
       *entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, 0, {}, {}});
@@ -53,6 +55,7 @@ std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionR
     added.in_force = true;
     return std::vector{Change{record, author, true}};
   }
+  assert(pair.size() >= 2);
   std::ranges::sort(pair, {}, [](const Entry* e) { return rank(*e); });
   std::map<PeerId, std::vector<const Entry*>> standing;  // by author: decisions of one author do not conflict
   std::vector<Change> changes;

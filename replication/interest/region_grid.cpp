@@ -13,6 +13,7 @@ double cell_of(double x, double cell_m) { return std::floor(x / cell_m); }
 
 // The region, 0 .. n - 1, of an axis to which a cell belongs.
 std::uint32_t region_along(double cell, std::uint32_t n) {
+  assert(n >= 1);
   const double rest = std::fmod(cell, n);  // exact
   return static_cast<std::uint32_t>(rest < 0.0 ? rest + n : rest);
 }
@@ -24,6 +25,7 @@ struct Near {
 
 // The regions along one axis of which some cell is within radius_m of x, with the distance of the nearest one.
 std::vector<Near> near_along(double x, double radius_m, double cell_m, std::uint32_t n) {
+  assert(cell_m > 0.0 && n >= 1);
   if (n == 1) return {{0, 0.0}};
   const double cell = cell_of(x, cell_m);
   const std::uint32_t here = region_along(cell, n);
@@ -72,6 +74,7 @@ std::vector<RegionId> RegionGrid::touched(const Vec3& center, double radius_m) c
       }
     }
   }
+  assert(std::ranges::is_sorted(found));
   return found;
 }
 

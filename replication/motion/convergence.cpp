@@ -1,6 +1,7 @@
 #include "replication/motion/convergence.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace peerd::replication {
 namespace {
@@ -15,6 +16,7 @@ constexpr int kHalvings = 6;
 // The orientation at that part of the shorter way around, at a rate that is nearly even. Two opposite orientations
 // have no shorter way: the result is the later one.
 Quat between(const Quat& from, const Quat& to, double part) {
+  assert(part >= 0.0 && part <= 1.0);
   const double sign = from.dot(to) < 0.0 ? -1.0 : 1.0;
   const Quat mixed((1.0 - part) * from.coeffs() + (part * sign) * to.coeffs());
   return mixed.norm() > 0x1p-20 ? mixed.normalized() : to;
@@ -24,6 +26,7 @@ Quat between(const Quat& from, const Quat& to, double part) {
 
 // The pose at t, which is after last_ and before the end of the way.
 Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) const {
+  assert(from_ && last_ && t > last_->at && policy_.over > Duration{0});
   const double s = to_seconds(t - from_->at), over = to_seconds(policy_.over), part = s / over;
   const Vec3& p0 = from_->pose.position;
   const Vec3& v0 = from_->velocity;
@@ -59,6 +62,7 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
 
 // The latest time at which the ghost was at a place that the object may reach at once.
 std::optional<SimTime> Convergence::reachable(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) const {
+  assert(last_ && was);
   for (int i = 0; i <= kTrailSteps; ++i) {
     const SimTime earlier = t - i * (kTrailMax / kTrailSteps);
     const auto pose = was(earlier);
@@ -72,6 +76,7 @@ std::optional<SimTime> Convergence::reachable(SimTime t, const MayPass& may_pass
 // slowly where a straight step would cut a corner, and ahead where the next part of the way is barred by now. None:
 // nothing is free.
 std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) {
+  assert(from_ && last_ && trail_ && t > last_->at);
   const auto draw = [&](SimTime at) -> std::optional<Drawn> {
     const auto pose = was(at);
     if (!pose || !may_pass(last_->pose.position, pose->position)) return std::nullopt;
@@ -132,6 +137,7 @@ Pose Convergence::shown(SimTime t, const KinematicState& ghost, std::uint64_t re
     from_.reset();
     trail_.reset();
   }
+  assert(!trail_ || from_);
   last_ = way.value_or(Drawn{t, ghost.pose(), ghost.velocity});
   return last_->pose;
 }

@@ -32,6 +32,7 @@ constexpr double kBetterBy_m = 1e-6;
 constexpr double kSpinBetterBy = 0.4;
 
 std::size_t index_of(MotionKind kind) {
+  assert(std::ranges::find(kMotionKinds, kind) != std::end(kMotionKinds));
   return static_cast<std::size_t>(std::ranges::find(kMotionKinds, kind) - std::begin(kMotionKinds));
 }
 
@@ -59,6 +60,7 @@ int leaves_out(MotionKind kind) {
 }
 
 double power(double x, int n) {
+  assert(n >= 0);
   double p = 1.0;
   for (; n > 0; --n) p *= x;
   return p;
@@ -96,6 +98,7 @@ double velocity_jump(const KinematicState& a, const KinematicState& b, double dt
 }  // namespace
 
 void ModelChooser::Score::add(double e, double share) {
+  assert(share > 0.0 && share <= 1.0);
   weight = weight * (1.0 - share) + share;
   error += (e - error) * share / weight;
 }
@@ -133,6 +136,7 @@ void ModelChooser::keep(const Sample& now) {
   while (samples_.size() > 2 && now.at - samples_[1].at > from_seconds(policy_.horizon_max_s + kSpanMax_s)) {
     samples_.pop_front();
   }
+  assert(!samples_.empty() && samples_.size() <= kSamplesMax);
 }
 
 void ModelChooser::learn_what_is_usual(const Sample& before, const Sample& now) {
@@ -151,6 +155,7 @@ Vec3 ModelChooser::rate_of_change(std::size_t i, Vec3 KinematicState::*what) con
   if (back == 1) return (value(0) - value(1)) / age_s(1);
   const std::size_t m = std::min(back / 2, kSpanMax);
   const double d1 = age_s(m), d2 = age_s(2 * m) - d1, sum = d1 + d2;
+  assert(d1 > 0.0 && d2 > 0.0);
   const Vec3 b1 = value(m) - value(0), b2 = value(2 * m) - value(0);
   return d1 / (sum * d2) * b2 - (1.0 / d1 + 1.0 / d2) * b1;
 }
@@ -199,6 +204,7 @@ bool ModelChooser::make_history(std::size_t i, MotionModel& model) const {
 // Makes `model`, which has the pose and spin of sample i, the one of that kind that the samples up to it give. False
 // where they give none that receivers would take.
 bool ModelChooser::make(MotionKind kind, std::size_t i, MotionModel& model) const {
+  assert(i < samples_.size());
   const KinematicState& s = samples_[i].state;
   model.kind = kind;
   model.state.velocity = s.velocity;
@@ -252,6 +258,7 @@ void ModelChooser::judge(const Horizon& horizon) {
   while (k > 1 && age_s(k) > end_s) --k;
   while (k < half && age_s(k + 1) <= end_s) ++k;
   judged_ = k;
+  assert(k >= 1 && k <= back);
   const std::size_t base = n - k;
   const double h = age_s(k), share = std::min(1.0, to_seconds(since) / policy_.memory_s);
   const double farther = std::max(1.0, end_s / h);

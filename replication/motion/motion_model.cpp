@@ -13,6 +13,7 @@ namespace peerd::replication {
 namespace {
 
 constexpr int kShortestPiece_log2_ns = 22, kLongestPiece_log2_ns = 27;
+static_assert(kShortestPiece_log2_ns < kLongestPiece_log2_ns);
 
 bool is_zero(const Vec3& v) { return v.isZero(0.0); }
 
@@ -78,6 +79,7 @@ constexpr Series kParabola = [] {
 }();
 
 [[gnu::always_inline]] inline Parabola parabola(double rate, double h) {
+  assert(h > 0.0);
   const double x = rate * h, x2 = x * x;
   if (x2 < 0.125) {
     const auto s = sum_of(kParabola, x2);
@@ -242,6 +244,7 @@ struct Bounds {
 };
 
 Bounds bounds_at(const MotionModel& m, Duration since_base) {
+  assert(since_base >= Duration{0});
   Bounds b;
   const auto cut_at = [&](std::optional<Duration> at) {
     if (!at) return;
@@ -265,6 +268,7 @@ Bounds bounds_at(const MotionModel& m, Duration since_base) {
     cut_at(stop_after(stop_s(m.state.velocity, m.state.acceleration)));
     cut_at(stop_after(stop_s(m.state.angular_velocity_body, m.angular_acceleration_body)));
   }
+  assert(b.begin <= since_base && (!b.end || *b.end > since_base));
   return b;
 }
 
@@ -315,11 +319,13 @@ KinematicState evaluate(const MotionModel& m, double dt_s) {
 }
 
 Vec3 position_after(const MotionModel& m, double dt_s) {
+  assert(dt_s >= 0.0);
   if (is_cut(m) && dt_s > kModelLasts_s) return evaluate(m, dt_s).position;
   return m.state.position + displacement(m, dt_s);
 }
 
 Quat orientation_after(const MotionModel& m, double dt_s) {
+  assert(dt_s >= 0.0);
   if (is_cut(m) && dt_s > kModelLasts_s) return evaluate(m, dt_s).orientation;
   KinematicState out = m.state;
   turn(m, dt_s, out);
@@ -347,6 +353,7 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
   const Bounds b = bounds_at(m, since_base);
   const double begin_s = to_seconds(b.begin);
   if (!b.cut) return {b.begin, b.end, evaluate(m, begin_s)};
+  assert(b.end && *b.end > b.begin);
   const double h = to_seconds(*b.end - b.begin);
   const Translation moved = translation(m, begin_s);
   MotionPiece piece{b.begin, b.end, m.state};
@@ -381,6 +388,7 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
 }
 
 MotionModel sliding_to_rest(const KinematicState& state, double friction_m_s2) {
+  assert(!(friction_m_s2 < 0.0));
   MotionModel m = state;
   m.kind = MotionKind::kSliding;
   const double speed = state.velocity.norm();

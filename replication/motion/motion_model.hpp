@@ -1,5 +1,7 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 
 #include "core/kinematics.hpp"
@@ -21,6 +23,12 @@ inline constexpr MotionKind kMotionKinds[] = {MotionKind::kFirst,  MotionKind::k
                                               MotionKind::kThird,  MotionKind::kTurning, MotionKind::kOscillating,
                                               MotionKind::kSliding};
 [[nodiscard]] const char* to_string(MotionKind);
+static_assert([] {  // the codes of the wire are the places in the list, from 1
+  for (std::size_t i = 0; i < std::size(kMotionKinds); ++i) {
+    if (static_cast<std::size_t>(kMotionKinds[i]) != i + 1) return false;
+  }
+  return true;
+}());
 
 // A law of motion with its parameters, in the world frame and SI units except where a name says body. A parameter that
 // the kind does not name is zero.

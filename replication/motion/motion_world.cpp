@@ -36,7 +36,9 @@ constexpr std::int64_t kPruningSlots = 128;
 
 SimTime grid_floor(SimTime t) {
   const std::int64_t ns = t.time_since_epoch().count(), step = kLookahead.count();
-  return SimTime{Duration{(ns >= 0 ? ns / step : -((-ns + step - 1) / step)) * step}};
+  const SimTime floor{Duration{(ns >= 0 ? ns / step : -((-ns + step - 1) / step)) * step}};
+  assert(floor <= t && t - floor < kLookahead);
+  return floor;
 }
 
 // Adds t, and keeps only the contacts that count together with one at t.
@@ -94,6 +96,7 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
                       .free_at = {},
                       .recent = {}});
   }
+  assert(objects_.size() == model.bodies.size() && pairs_.size() == model.pairs.size());
 }
 
 std::span<const std::uint32_t> MotionWorld::pairs_of(std::size_t object) const {
@@ -102,6 +105,7 @@ std::span<const std::uint32_t> MotionWorld::pairs_of(std::size_t object) const {
 }
 
 void MotionWorld::declare(ObjectId object, Role role) {
+  assert(object.value < index_by_id_.size());
   if (find(object) == nullptr) {  // apart from bodies: no interest names the object, and it meets nothing
     const KinematicState initial = at_rest(model_.scene->rigid_pose(object));
     index_by_id_[object.value] = static_cast<std::uint32_t>(objects_.size());
@@ -131,6 +135,7 @@ void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
 }
 
 void MotionWorld::watch(std::uint32_t number, bool on) {
+  assert(number < pairs_.size());
   Pair& pair = pairs_[number];
   if (pair.watched == on) return;
   pair.watched = on;
@@ -148,6 +153,7 @@ void MotionWorld::reschedule(std::size_t i) {
     in_pair_checks_[i] = scheduled;
     scheduled ? ++watched_ : --watched_;
   }
+  assert(watched_ <= pairs_.size());
   pair_checks_.set(i, scheduled ? pair.contact.value_or(pair.clear_until) : SimTime::max());
 }
 
@@ -280,6 +286,7 @@ void MotionWorld::search_window(Pair& pair) {
   SimTime end = grid_floor(s) + kLookahead;
   if (bound_a.next_change) end = std::min(end, *bound_a.next_change);
   if (bound_b.next_change) end = std::min(end, *bound_b.next_change);
+  assert(end > s);
 
   if (bound_a.still && bound_b.still) {  // two objects that stand do not meet
     ++counters_.searches_skipped;
@@ -298,6 +305,7 @@ void MotionWorld::search_window(Pair& pair) {
   SimTime begin = grid_floor(s);
   if (bound_a.last_change) begin = std::max(begin, *bound_a.last_change);
   if (bound_b.last_change) begin = std::max(begin, *bound_b.last_change);
+  assert(begin <= s);
   KinematicState state_a, state_b;
   const auto search_from = [&](SimTime from) {
     begin = from;
@@ -314,6 +322,7 @@ void MotionWorld::search_window(Pair& pair) {
   // Contacts before s have been dealt with.
   if (begin < s && c.state != collision::ContactState::kSeparated && time_of(c) < s) c = search_from(s);
   const auto contact_at = [&](SimTime t, bool overlapped) {
+    assert(t >= s);
     pair.contact = t;
     pair.clear_until = t;
     pair.normal = c.normal_world;
@@ -375,6 +384,7 @@ MotionModel MotionWorld::motion_after_response(std::size_t object, const Pair& p
                                                const KinematicState& other, bool other_responds, const Vec3& n) {
   Object& o = objects_[object];
   const CollisionResponse* const response = model_.response_of(o.id);
+  assert(response != nullptr && pair.contact);
   const Object& met = objects_[pair.collider == object ? pair.collidee : pair.collider];
   const ContactSide side{*response, model_.response_of(met.id), other_responds, self.state, other, n};
   const SimTime t = *pair.contact;
@@ -402,6 +412,7 @@ MotionModel MotionWorld::motion_after_response(std::size_t object, const Pair& p
 }
 
 void MotionWorld::respond_to_contact(Pair& pair) {
+  assert(pair.contact);
   const SimTime t = *pair.contact;
   Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
   const MotionModel model_a = a.timeline.model_at(t), model_b = b.timeline.model_at(t);
@@ -472,6 +483,7 @@ void MotionWorld::advance(SimTime to) {
     }
     counters_.searches_skipped += watched - checked;
     if (!first) break;
+    assert(*pairs_[*first].contact <= to);
     if (contacts == kContactsMax) {
       ++counters_.capped;
       for (std::size_t i = 0; i < pairs_.size(); ++i) {
@@ -529,6 +541,7 @@ SimTime MotionWorld::base_time(ObjectId object) const { return objects_[index_of
 std::uint64_t MotionWorld::revision(ObjectId object) const { return objects_[index_of(object)].revision; }
 
 std::optional<MotionWorld::Event> MotionWorld::poll_event() {
+  assert(polled_ <= events_.size());
   if (polled_ < events_.size()) return std::move(events_[polled_++]);
   events_.clear();
   polled_ = 0;

@@ -51,6 +51,7 @@ KinematicState respond(const ContactSide& m) {
 }
 
 KinematicState come_to_rest_against(const ContactSide& m, bool pressed) {
+  assert(std::abs(m.n.norm() - 1.0) < 1e-9);
   KinematicState after = m.self;
   const bool turns = !m.self.angular_velocity_body.isZero(0.0) || !m.other.angular_velocity_body.isZero(0.0);
   // Two objects that do not respond by impulse don't share what they change, and where a body turns, the speed of its

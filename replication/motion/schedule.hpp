@@ -21,7 +21,10 @@ class Schedule {
   }
 
   [[nodiscard]] std::size_t size() const { return count_; }
-  [[nodiscard]] SimTime at(std::size_t number) const { return least_[leaves_ + number]; }
+  [[nodiscard]] SimTime at(std::size_t number) const {
+    assert(number < count_);
+    return least_[leaves_ + number];
+  }
 
   // Sets the time of one thing; SimTime::max(): never.
   void set(std::size_t number, SimTime t) {

@@ -1,6 +1,7 @@
 #include "replication/motion/swept_bound.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 
 #include "collision/contact/contact_time.hpp"
@@ -27,6 +28,7 @@ double radius_of(const collision::Body& body) {
 }  // namespace
 
 SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {
+  assert(begin <= s && s < end);
   SweptBound bound;
   bound.last_change = timeline.last_change_until(s);
   bound.next_change = timeline.next_change_after(s);
@@ -38,6 +40,7 @@ SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, Si
   const SimTime law_begins = timeline.segment_at(s).from;
   bound.from = s <= law_begins ? s : std::max(begin, law_begins + Duration{1});
   bound.until = s <= law_begins ? s + Duration{1} : end;
+  assert(bound.answers_for(s));
 
   const double h = to_seconds(end - begin);
   bound.low.setConstant(std::numeric_limits<double>::infinity());

@@ -1,4 +1,5 @@
 #pragma once
+#include <cassert>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -57,7 +58,10 @@ class Timeline {
   [[nodiscard]] SimTime begin() const { return segment(0).from; }
   // The number of segments, at least one; their `from` strictly increases.
   [[nodiscard]] std::size_t segment_count() const { return past_.size() + 1; }
-  [[nodiscard]] const Segment& segment(std::size_t i) const { return i < past_.size() ? past_[i] : last_; }
+  [[nodiscard]] const Segment& segment(std::size_t i) const {
+    assert(i <= past_.size());
+    return i < past_.size() ? past_[i] : last_;
+  }
   [[nodiscard]] const Segment& last_segment() const { return last_; }
   // The index of the first segment that begins at t or later; the number of segments where none does.
   [[nodiscard]] std::size_t first_not_before(SimTime t) const {

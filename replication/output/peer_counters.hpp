@@ -34,8 +34,8 @@ struct PeerCounters {
   std::uint64_t updates_in = 0, updates_out = 0;
   std::uint64_t updates_at_once = 0;   // the part of updates_out that was sent between two ticks
   std::uint64_t update_bytes_out = 0;  // of updates_out
-  std::array<std::uint64_t, kRecordSizes.size() + 1>
-      update_sizes_out{};               // the number of updates_out that fit each size, then that of longer ones
+  // The number of updates_out that fit each of kRecordSizes, then that of longer ones.
+  std::array<std::uint64_t, kRecordSizes.size() + 1> update_sizes_out{};
   std::uint64_t updates_repeated = 0;   // second copies sent; not in updates_out
   std::uint64_t updates_duplicate = 0;  // copies of updates that were applied already
   std::uint64_t updates_relayed = 0;

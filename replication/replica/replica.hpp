@@ -76,7 +76,10 @@ class Replica {
 
   // The last update of a remote object that was applied; null before the first.
   [[nodiscard]] const UpdateRecord* last_update_of(ObjectId object) const;
-  void note_update(const UpdateRecord& update) { last_updates_.insert_or_assign(update.object, update); }
+  void note_update(const UpdateRecord& update) {
+    assert(update.sequence > 0);
+    last_updates_.insert_or_assign(update.object, update);
+  }
   void forget_update_of(ObjectId object) { last_updates_.erase(object); }
   void forget_updates() { last_updates_.clear(); }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -28,6 +29,7 @@ bool plausible(const OffsetInterval::Echo& echo, SimTime t3, HostTime t4) {
 }  // namespace
 
 Duration drift(Duration elapsed, std::int64_t ppm) {
+  assert(ppm >= 0);
   constexpr Duration kLongest =
       std::chrono::years(1);  // no peer is silent for so long; the limit keeps the product within int64
   return (std::clamp(elapsed, Duration{0}, kLongest) / 1000 + Duration{1}) * ppm / 1000;
@@ -64,6 +66,7 @@ bool OffsetInterval::on_hello(SimTime t3, HostTime t4, const std::optional<Echo>
   at_ = t4;
   origin_ = behind;
   to_us_.add({behind, t4});
+  assert(least_ && (!most_ || *least_ <= *most_));
   return agrees;
 }
 
@@ -118,12 +121,14 @@ OffsetInterval::Speed OffsetInterval::speed() const {
     if (n < 4.0 || !(xx > 0.0)) break;  // three values are fitted: two means and the slope
     const double variance = std::max(0.0, yy - xy * xy / xx) / (n - 3.0);
     const double weight = xx + variance / (kMost * kMost);
+    assert(weight > 0.0);
     speed = {std::clamp(xy / weight, -kMost, kMost), std::sqrt(variance / weight)};
   }
   return speed;
 }
 
 OffsetInterval::Likely OffsetInterval::likely(HostTime now) const {
+  assert(least_ && most_ && !to_us_.samples().empty() && !from_us_.samples().empty());
   const Speed known = speed();
   // The quickest sample of a direction; the possible error of the speed counts against old samples.
   const auto quickest_s = [&](const Direction& way, double sign) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -22,7 +23,10 @@ inline constexpr std::int64_t kSlew_ppm = 50'000;
 // Bounds of another clock minus this host's: the difference is surely within both.
 struct OffsetBounds {
   Duration least, most;
-  [[nodiscard]] Duration middle() const { return least + (most - least) / 2; }
+  [[nodiscard]] Duration middle() const {
+    assert(least <= most);
+    return least + (most - least) / 2;
+  }
   [[nodiscard]] OffsetBounds aged(Duration elapsed, std::int64_t ppm) const {
     return {least - drift(elapsed, ppm), most + drift(elapsed, ppm)};
   }

@@ -85,8 +85,8 @@ class RegionSubscriptions {
   struct LastReception {
     RegionId region;
     SimTime at{};  // when this peer received it
-    std::optional<SimTime>
-        requested_at{};  // when this peer asked whether the object is still there, for want of an update
+    // When this peer asked whether the object is still there, for want of an update.
+    std::optional<SimTime> requested_at{};
   };
   // An announcement goes out in copies, a tick apart, and is then repeated some time apart.
   struct Announcement {

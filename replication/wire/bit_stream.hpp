@@ -16,6 +16,7 @@ inline constexpr int kFieldMax_bits = 56;  // the most bits of one put() or get(
 
 namespace detail {
 inline constexpr int kWord_bits = 64, kWord_bytes = 8;
+static_assert(kFieldMax_bits <= kWord_bits - 8);
 // The word with its lowest byte first in memory, whatever the processor. The function is its own inverse.
 inline std::uint64_t lowest_first(std::uint64_t word) {
   return std::endian::native == std::endian::little ? word : std::byteswap(word);
@@ -38,6 +39,7 @@ class BitWriter {
   }
   // Fills the last byte with zeros and returns the size in bytes.
   std::size_t finish() {
+    assert(pending_bits_ < detail::kWord_bits);
     if (pending_bits_ > 0) put_bytes(static_cast<std::size_t>(pending_bits_ + 7) / 8);
     pending_ = 0;
     pending_bits_ = 0;

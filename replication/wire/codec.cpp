@@ -19,6 +19,8 @@ namespace {
 constexpr std::size_t kUsualRecord_bytes = 24;
 constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes cannot hold more
 constexpr int kBase_bytes = kLowTime_bits / 8;
+static_assert(8 * kBase_bytes == kLowTime_bits);
+static_assert(kListMax >= 2 * static_cast<int>(kSubscriptionsMax));
 
 // ---- to Protobuf ----
 

@@ -108,6 +108,7 @@ std::optional<DecisionRecord> decode_decision(std::span<const std::byte>& rest, 
   BitReader in(rest);
   DecisionRecord decision;
   if (!take(in, near, decision)) return std::nullopt;
+  assert(in.size_bytes() <= rest.size());
   rest = rest.subspan(in.size_bytes());
   return decision;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 
 namespace peerd::replication {
 namespace {
@@ -11,6 +12,7 @@ constexpr double kDecay = 1.0 / 1000.0;  // the part of the counts that is forgo
 }  // namespace
 
 void LossMeter::on_datagram(std::uint32_t number) {
+  assert(number > 0);
   if (number > highest_) {
     const std::uint32_t ahead = number - highest_;
     const bool first = highest_ == 0;  // datagrams from before this peer listened were not lost
@@ -26,6 +28,7 @@ void LossMeter::on_datagram(std::uint32_t number) {
     const double newly = first ? 1 : std::min(ahead, kWindow);  // a gap counts for no more than the window
     sent_ = sent_ * (1.0 - kDecay) + newly;
     lost_ = lost_ * (1.0 - kDecay) + newly - 1.0;
+    assert(lost_ >= 0.0 && lost_ <= sent_);
     return;
   }
   const std::uint32_t behind = highest_ - number;
@@ -53,6 +56,7 @@ Received LossMeter::received() const {
 }
 
 std::uint32_t copies_against(double loss, std::uint32_t most) {
+  assert(loss >= 0.0 && loss <= 1.0);
   if (loss < kLossMin) return 1;
   std::uint32_t copies = 1;
   for (double all_lost = loss; all_lost > kAllLostMax && copies < most; all_lost *= loss) ++copies;

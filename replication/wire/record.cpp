@@ -18,6 +18,7 @@ constexpr int kKind_bits = 4, kStep_bits = 4;
 constexpr std::uint64_t kExact = 15;       // in the step's field, which codes -23 to -9 by 0 to 14
 constexpr std::uint64_t kUnknownKind = 8;  // kinds from here on are of a later version
 static_assert(kStepMost_log2 - kStepLeast_log2 < static_cast<int>(kExact));
+static_assert(kUnknownKind == std::size(kMotionKinds) + 1 && kUnknownKind < 1 << kKind_bits);
 
 // The field of a vector begins with the number of bits of its longest component, in so many bits.
 constexpr int kLongWidth_bits = 6, kWidth_bits = 5;
@@ -389,6 +390,8 @@ UpdateRecord quantised(const UpdateRecord& record, const Tolerance& tolerance) {
 
 std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::byte, kRecordMax_bytes> bytes) {
   assert(static_cast<std::uint64_t>(u.model.kind) < kUnknownKind);
+  assert(!u.position_step_log2 ||
+         (*u.position_step_log2 >= kStepLeast_log2 && *u.position_step_log2 <= kStepMost_log2));
   BitWriter out(bytes);
   const bool later = u.at != base, decided = u.decision != SimTime{};
   out.put(static_cast<std::uint64_t>(u.model.kind), kKind_bits);
@@ -429,6 +432,7 @@ std::expected<UpdateRecord, RecordError> decode_record(std::span<const std::byte
   BitReader in(rest);
   std::expected<UpdateRecord, RecordError> out;
   if (!take(in, base, *out)) return std::unexpected(RecordError::kValue);
+  assert(in.size_bytes() <= rest.size());
   rest = rest.subspan(in.size_bytes());
   return out;
 }

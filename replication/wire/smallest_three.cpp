@@ -1,7 +1,9 @@
 #include "replication/wire/smallest_three.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 namespace peerd::replication {
@@ -29,8 +31,12 @@ std::optional<SmallestThree> without(const std::array<double, 4>& q, int largest
 }  // namespace
 
 std::optional<Quat> to_orientation(const SmallestThree& three) {
+  assert(three.largest >= 0 && three.largest < 4);
   std::int32_t left = kUnit_steps2;
-  for (const std::int32_t n : three.steps) left -= n * n;
+  for (const std::int32_t n : three.steps) {
+    assert(std::abs(n) <= SmallestThree::kMost);
+    left -= n * n;
+  }
   if (left < 0) return std::nullopt;
   std::array<double, 4> q{};
   std::size_t in = 0;

@@ -1,4 +1,6 @@
 #pragma once
+#include <cassert>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -19,6 +21,7 @@ inline void put_varint(BitWriter& out, std::uint64_t value) {
 
 template <class Number>
 [[nodiscard]] bool take_varint(BitReader& in, Number& value) {
+  static_assert(std::unsigned_integral<Number>);
   std::uint64_t wide = 0;
   for (int shift = 0; shift < 64; shift += 7) {
     const std::uint64_t group = in.get(8);
@@ -55,6 +58,7 @@ inline constexpr int kLowTime_bits = 40;
 }
 // The time with those low bits that is nearest to `near`.
 [[nodiscard]] inline bool take_low_time(std::uint64_t low, SimTime near, SimTime& t) {
+  assert(low >> kLowTime_bits == 0);
   constexpr int kAbove_bits = 64 - kLowTime_bits;
   const auto here = static_cast<std::uint64_t>(near.time_since_epoch().count());
   // Shifted up and down again, the difference's highest bit that travels is its sign.

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cstdint>
 
 #include "core/math.hpp"
@@ -48,6 +49,7 @@ inline void put_exact(BitWriter& out, const Vec3& v) {
 
 // Writes an orientation that is not the identity; the identity is not sent.
 inline void put_exact(BitWriter& out, const Quat& q) {
+  assert(!is_identity(q));
   for (const double component : {q.w(), q.x(), q.y(), q.z()}) put_exact(out, component);
 }
 

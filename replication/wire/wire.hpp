@@ -84,6 +84,7 @@ inline constexpr std::size_t kEchoesMax = 15, kEchoesStep = kEchoesMax - 1;
 [[nodiscard]] constexpr std::size_t hellos_to_name(std::size_t peers) {
   return peers <= kEchoesMax ? 1 : (peers + kEchoesStep - 1) / kEchoesStep;
 }
+static_assert(hellos_to_name(0) == 1 && hellos_to_name(kEchoesMax) == 1 && hellos_to_name(kEchoesMax + 1) == 2);
 
 // The part of a hello that names the sender. It changes seldom and goes with some hellos only.
 struct Introduction {
@@ -111,8 +112,8 @@ struct Hello {
   std::uint32_t sessions = 0;  // the number of sessions that the sender has entered; each began without any updates
   Duration latency{0};         // how late the sender receives other peers (latency_bound), in whole milliseconds
   std::vector<Echo> echoes;
-  std::vector<ContactNote>
-      notes;  // deferred contacts first, then the newest decisions of the sender, until all peers have them
+  // Deferred contacts first, then the newest decisions of the sender, until all peers have them.
+  std::vector<ContactNote> notes;
   std::optional<Introduction> introduction;
 };
 
@@ -149,8 +150,8 @@ struct Message {
   std::vector<Subscription> subscriptions;
   std::vector<Handover> handovers;  // from the region that the message goes to
   bool leaving = false;
-  std::uint32_t unknown_models =
-      0;  // updates that decode() left out, because they name a model that this build does not know
+  // The updates that decode() left out, because they name a model that this build does not know.
+  std::uint32_t unknown_models = 0;
 
   [[nodiscard]] const Introduction* introduction() const {
     return hello && hello->introduction ? &*hello->introduction : nullptr;

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 
@@ -40,7 +41,9 @@ inline KinematicState at_rest_within_limits(const KinematicState& s) {
     inside.position[axis] = std::isfinite(p) ? std::clamp(p, -kMagnitudeMax, kMagnitudeMax) : 0.0;
   }
   if (acceptable(s.orientation)) inside.orientation = s.orientation;
-  return at_rest(inside);
+  const KinematicState out = at_rest(inside);
+  assert(acceptable(out));
+  return out;
 }
 inline bool in_range(std::int64_t ns) { return ns >= -kTimeMax_ns && ns <= kTimeMax_ns; }
 
