@@ -24,8 +24,8 @@ class SessionKeeper {
   // A hello has come, whose time stamps are known by now: follows the right peer.
   void follow_leader(HostTime now, std::optional<PeerId> sender);
 
-  // A peer claims these objects. A peer does not get an object that another one owns already, except that of two
-  // claims that of the lower id counts.
+  // A peer claims these objects: those without an owner are its own from now on, and those of another owner only if
+  // the id of the claiming peer is lower.
   void claim(PeerId peer, std::span<const ObjectId> objects);
   // A peer has gone.
   void lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully);

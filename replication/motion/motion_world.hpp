@@ -25,12 +25,11 @@ enum class Role : std::uint8_t {
   kPredicted,      // responds to contacts; a response is retracted when its cause turns out to have moved otherwise
 };
 
-// The authority in a contact: the peer whose outcome counts.
+// The authority in a contact: the outcome that counts.
 enum class ContactAuthority : std::uint8_t {
   kAsPublished,  // this world's, but for an object with an update of a later time, which contains the outcome
-  kLocal,    // this world's, also for an object with an update of a later time, whose owner leaves the decision to this
-             // peer
-  kDeferred  // the contact is reported once, as deferred, and the two objects go on
+  kLocal,        // this world's, also for an object with a later update: its owner leaves the decision to this peer
+  kDeferred      // the contact is reported once, as deferred, and the two objects go on
 };
 
 struct ContactEvent {

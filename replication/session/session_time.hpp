@@ -25,11 +25,8 @@ class SessionTime {
   [[nodiscard]] const SessionClock& clock() const { return clock_; }
   // The peer whose session time this one takes over; itself: it leads. None: nobody's yet.
   [[nodiscard]] std::optional<PeerId> follows() const { return follows_; }
-  [[nodiscard]] bool leads() const { return follows_ == config_.id; }
   [[nodiscard]] const std::optional<OsClock>& os_clock() const { return os_clock_; }
   [[nodiscard]] std::optional<HostTime> started() const { return started_; }
-  // The last call of check_suspension().
-  [[nodiscard]] HostTime called_at() const { return called_at_.value(); }
 
   // The first tick: this peer listens from now on. False where it has started before.
   bool start(HostTime now);
