@@ -42,7 +42,7 @@ bool SessionKeeper::maintain(HostTime now) {
   const Duration gap = in_session ? p_.to_session(now) - p_.ticks.last_time() : Duration{0};
   if (gap > SessionTime::kSuspendedAfter) {
     p_.counters.ticks_missed += static_cast<std::uint64_t>(p_.ticks.number_at(p_.to_session(now)) - p_.ticks.last());
-    p_.members.restart_silence_of_all(now);  // it was not they who were silent
+    p_.members.restart_silence_of_all(now);  // this host was silent, not the members
     move_to_session_time(p_.ticks.last_time(), p_.to_session(now));
     p_.outbox.push(HostSuspended{gap});
     return false;

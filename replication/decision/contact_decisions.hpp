@@ -26,7 +26,7 @@ namespace peerd::replication {
 // peer, and what becomes of decisions on their way to all (Ohlenburg 2003, section 4.4.4).
 class ContactDecisions {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   ContactDecisions(const PeerConfig& config, const WorldModel& model, Membership& members, const Owners& owners,
                    OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters);
 

@@ -13,7 +13,7 @@ namespace peerd::replication {
 // that a collision finds accurate ghosts (adaptive collision prediction tracking, Ohlenburg 2003, section 4.4.2).
 class ProximityThreshold {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   ProximityThreshold(const PeerConfig& config, const WorldModel& model, const Owners& owners, const Replica& replica,
                      PeerCounters& counters);
 

@@ -30,7 +30,7 @@ namespace peerd::replication {
 // whose time is up, and those that fit beside them.
 class Publication {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   Publication(const PeerConfig& config, const WorldModel& model, const Membership& members, const Owners& owners,
               OwnObjects& own, Launches& launches, Replica& replica, RegionSubscriptions& regions,
               ContactDecisions& decisions, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters);

@@ -17,7 +17,7 @@ namespace peerd::replication {
 // a delay. Nothing that other peers could notice depends on it.
 class Display {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   Display(const PeerConfig& config, const WorldModel& model, const OwnObjects& own, const Replica& replica,
           PeerCounters& counters);
 

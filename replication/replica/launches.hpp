@@ -15,7 +15,7 @@ namespace peerd::replication {
 // that a key or a hand has given them.
 class Launches {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   Launches(const WorldModel& model, OwnObjects& own, Replica& replica) : model_(model), own_(own), replica_(replica) {}
 
   // The object stands until `at`.

@@ -23,7 +23,7 @@ class Admission {
   // Called for a member that is lost by an admission, after it has been removed.
   using OnLost = std::function<void(PeerId, const Member&)>;
 
-  // All of them outlive this.
+  // All arguments outlive this object.
   Admission(const PeerConfig& config, Membership& members, Outbox& outbox);
 
   // Returns how the sender is known, never kStale, or why the message is dropped. `started`: when this peer was

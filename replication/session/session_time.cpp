@@ -57,7 +57,7 @@ std::optional<Duration> SessionTime::check_suspension(HostTime now, bool in_sess
   if (!last || now - *last <= kSuspendedAfter) return std::nullopt;
   if (members_.all().empty()) return std::nullopt;  // its own clock counts on
   const Duration gap = now - *last;
-  members_.restart_silence_of_all(now);  // it was not they who were silent
+  members_.restart_silence_of_all(now);  // this host was silent, not the members
   members_.forget_clocks();
   follows_.reset();
   listening_since_ = now;

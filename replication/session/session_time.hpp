@@ -19,7 +19,7 @@ class SessionTime {
   // meanwhile is not made up: for everybody else its objects stood still.
   static constexpr Duration kSuspendedAfter = std::chrono::seconds(4);
 
-  // All of them outlive this.
+  // All arguments outlive this object.
   SessionTime(const PeerConfig& config, Membership& members, Outbox& outbox, PeerCounters& counters);
 
   [[nodiscard]] const SessionClock& clock() const { return clock_; }

@@ -30,7 +30,7 @@ class RegionSubscriptions {
   // Called after this peer has begun or ceased to receive an object.
   using OnReceptionChanged = std::function<void(ObjectId object, bool received)>;
 
-  // All of them outlive this.
+  // All arguments outlive this object.
   RegionSubscriptions(const PeerConfig& config, const WorldModel& model, Membership& members, const Owners& owners,
                       OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters,
                       OnReceptionChanged on_reception_changed);
