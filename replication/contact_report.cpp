@@ -18,9 +18,9 @@ bool is_same_touch(const ContactEvent& a, const ContactEvent& b) {
   return pair && a.at <= b.at + kSameTouch && b.at <= a.at + kSameTouch;
 }
 
-// Contacts of own objects; as the server, of all.
+// Reports contacts of own objects; as the server, those of all objects.
 void report_truth(PeerParts& p, SimTime t) {
-  std::vector<ContactEvent> decided;  // in the order of what happened, of one touch the last
+  std::vector<ContactEvent> decided;  // in order of time, the last contact of each touch
   while (const auto event = p.replica.truth().poll_event()) {
     const auto* contact = std::get_if<ContactEvent>(&*event);
     if (contact == nullptr) continue;
@@ -43,7 +43,7 @@ void report_truth(PeerParts& p, SimTime t) {
   p.decisions.resolve_overdue(t);
 }
 
-// Contacts that everybody predicts. Of own objects the truth tells, or a decision.
+// Reports contacts that everybody predicts. Contacts of own objects are reported by the truth, or by a decision.
 void report_ghosts(PeerParts& p, SimTime t) {
   const auto is_remote = [&](ObjectId id) { return !p.own.contains(id) && p.owners.of(id) != kNobody; };
   while (const auto event = p.replica.ghosts().poll_event()) {

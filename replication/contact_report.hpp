@@ -4,8 +4,8 @@
 
 namespace peerd::replication {
 
-// At a tick, after both worlds have been advanced to t: hands the contacts that they have found to who decides them,
-// and reports them, and what has ceased to touch anything.
+// Handles the contacts that both worlds have found, at a tick, after both have been advanced to t: passes them to the
+// decisions, and reports them and the objects that have ceased to touch anything.
 void report_contacts(PeerParts& parts, SimTime t);
 
 }  // namespace peerd::replication

@@ -16,8 +16,7 @@ constexpr Duration kDecisionStands = std::chrono::seconds(2);
 // A decision may be of what happened up to 3 s ago (contact_decisions.cpp), and repeated where datagrams get lost.
 constexpr Duration kDecisionAgeMax = std::chrono::seconds(6);
 
-// The time that a hello took, session time to session time; what is negative, or longer than any latency, counts as 0
-// or kLatencyMax.
+// The delay of a hello, in session time; a negative one counts as 0, and one longer than any latency as kLatencyMax.
 Duration delay_of(SimTime sent, SimTime came) {
   if (sent >= came) return Duration{0};
   if (sent <= came - kLatencyMax) return Duration{kLatencyMax};  // before a difference could overflow
@@ -27,7 +26,7 @@ Duration delay_of(SimTime sent, SimTime came) {
 }  // namespace
 
 std::unexpected<Drop> Intake::dropped(RegionId region, Drop why) {
-  if (why != Drop::kOwn) {  // what comes back by loopback is no news
+  if (why != Drop::kOwn) {  // a datagram that comes back by loopback is no news
     ++p_.counters.drops[to_string(why)];
     ++p_.counters.regions[region].drops[to_string(why)];
   }
@@ -35,10 +34,10 @@ std::unexpected<Drop> Intake::dropped(RegionId region, Drop why) {
 }
 
 std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram) {
-  (void)keeper_.check_suspension(now);  // what comes is read by the time that goes on
+  (void)keeper_.check_suspension(now);  // the datagram is read by the session time that goes on
   const auto message = codec_.decode(datagram, p_.to_session(now));
   if (!message) {
-    ++p_.counters.drops[std::string("undecodable_") + to_string(message.error())];  // which of them
+    ++p_.counters.drops[std::string("undecodable_") + to_string(message.error())];  // counts the kind of error
     if (message.error() == DecodeError::kVersion) p_.admission.on_other_version(codec_.sender(), codec_.version());
     return dropped(region, Drop::kUndecodable);
   }
@@ -153,7 +152,7 @@ void Intake::on_echo(PeerId sender, Member& member, const Hello& hello, const Ec
     member.echo.on_hello_without_echo(leaves_out(hello.echoes, p_.config.id), p_.members.hellos_in_a_turn());
     return;
   }
-  if (member.echo.on_echo(*echo)) p_.own.resend_all();  // what the sender had forgotten stands still there
+  if (member.echo.on_echo(*echo)) p_.own.resend_all();  // the objects that the sender had forgotten stand still there
   const Acknowledgement& acknowledgement = *member.echo.acknowledgement;
   for (auto& [object, own] : p_.own) {
     Delivery& delivery = own.delivery;

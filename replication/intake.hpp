@@ -12,7 +12,7 @@
 
 namespace peerd::replication {
 
-// What comes in: datagrams become messages, and their records go to the parts that they concern.
+// Takes what comes in: datagrams become messages, and their records go to the parts that they concern.
 class Intake {
  public:
   Intake(PeerParts& parts, SessionKeeper& keeper) : p_(parts), keeper_(keeper) {}

@@ -46,6 +46,7 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
   const bool ticks = keeper.maintain(now) && due;
   if (ticks) {
     const std::int64_t number = parts.ticks.number_at(*due);
+    assert(number > parts.ticks.last());
     ++parts.counters.ticks;
     parts.counters.ticks_missed += static_cast<std::uint64_t>(number - parts.ticks.last() - 1);
     parts.ticks.set_last(number);
@@ -102,8 +103,8 @@ void Peer::Impl::publish_now(HostTime now, std::span<const OwnSample> samples) {
 bool Peer::Impl::is_settled(HostTime now) const {
   const bool lossy = copies_against(parts.members.worst_loss_to_peers(), 2) > 1;
   return parts.replica.begun() && !parts.greeter.is_settling(now) &&
-         !parts.greeter.must_introduce(parts.time.clock().synchronised()) && !lossy && !parts.decisions.has_deferred() &&
-         std::ranges::none_of(parts.members.all(), [](const auto& entry) {
+         !parts.greeter.must_introduce(parts.time.clock().synchronised()) && !lossy &&
+         !parts.decisions.has_deferred() && std::ranges::none_of(parts.members.all(), [](const auto& entry) {
            return entry.second.awaits_our_decision || !entry.second.synchronised;
          });
 }
@@ -203,9 +204,7 @@ KinematicState Peer::truth(ObjectId object, SimTime t) const { return impl_->par
 KinematicState Peer::ghost(ObjectId object, SimTime t) const { return impl_->parts.replica.ghost(object, t); }
 bool Peer::receives(ObjectId object) const { return impl_->parts.replica.receives(object); }
 
-const UpdateRecord* Peer::last_update_of(ObjectId object) const {
-  return impl_->parts.replica.last_update_of(object);
-}
+const UpdateRecord* Peer::last_update_of(ObjectId object) const { return impl_->parts.replica.last_update_of(object); }
 
 const Interest& Peer::interest() const { return impl_->parts.regions.interest(); }
 

@@ -13,16 +13,16 @@
 #include "replication/output/output.hpp"
 #include "replication/output/peer_counters.hpp"
 #include "replication/policy/peer_config.hpp"
-#include "replication/replica/owners.hpp"
 #include "replication/replica/own_sample.hpp"
+#include "replication/replica/owners.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/session/session_clock.hpp"
 #include "replication/wire/wire.hpp"
 
 namespace peerd::replication {
 
-// One peer, whole: replica, dead reckoning, prediction, decisions, session. Sans-IO: it owns no socket, clock, thread
-// or source of randomness. `now` is this host's clock and must not run backwards. Single-threaded.
+// A whole peer: replica, dead reckoning, prediction, decisions, session. It is sans-IO: it owns no socket, clock,
+// thread or source of randomness. `now` is this host's clock and must not run backwards. Single-threaded.
 class Peer {
  public:
   using Counters = PeerCounters;
@@ -40,8 +40,8 @@ class Peer {
   // Does everything that is due at `now`; calling it early is harmless. `samples` are of the instant that due_tick(now)
   // gave, one for each driven object, and are ignored when no tick is due.
   void on_tick(HostTime now, std::span<const OwnSample> samples);
-  // The tick that on_tick(now) would do: the last point of the session's tick grid that is not after now. None: not due,
-  // or not synchronised yet.
+  // The tick that on_tick(now) would do: the last point of the session's tick grid that is not after now. None: not
+  // due, or not synchronised yet.
   [[nodiscard]] std::optional<SimTime> due_tick(HostTime now) const;
   // Between two ticks: what drives these objects has just moved them. Each whose ghosts are too wrong is published now
   // and not with the next tick, once at most until then; so is what change_velocity() has changed. Does nothing where a
@@ -52,9 +52,9 @@ class Peer {
   void on_os_clock(HostTime now, std::optional<OsClock> clock);
   // The launches of own objects count from `start`, or from now if that has passed.
   void start_motions(HostTime now, SimTime start);
-  // A key or a hand changes the velocity [m/s, world frame] of an object that this peer owns and nothing drives: replaces
-  // it, or adds to it. False, and nothing done, for any other object and before a session. publish_now() or the next
-  // tick publishes it.
+  // A key or a hand changes the velocity [m/s, world frame] of an object that this peer owns and nothing drives:
+  // replaces it, or adds to it. False, and nothing done, for any other object and before a session. publish_now() or
+  // the next tick publishes it.
   bool change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute);
   // From now on this peer's hellos say when motions by formula begin. Peers that run such motions together follow the
   // lowest peer's word. It is also time 0 of the world's TimeSensors where the session has none yet.
@@ -65,7 +65,7 @@ class Peer {
   [[nodiscard]] std::optional<Output> poll_output();
   // Takes back the memory of a datagram that has been sent, so that sending need not allocate.
   void reuse(Bytes&& datagram);
-  // When to call on_tick() next.
+  // The time at which to call on_tick() next.
   [[nodiscard]] HostTime next_deadline() const;
 
   // ---- what this peer knows
@@ -82,12 +82,12 @@ class Peer {
   [[nodiscard]] std::optional<SimTime> world_zero() const;
   // World time [s] since which the world's TimeSensors stand still (PredefinedMotion::transition_limit_reached_at).
   [[nodiscard]] std::optional<double> time_sensors_limited_at() const;
-  // A vector in the frame of the object's parent, as the file has velocities, in the world's frame, as the parent stands
-  // then.
+  // A vector in the frame of the object's parent, as the file has velocities, in the world's frame, as the parent
+  // stands then.
   [[nodiscard]] Vec3 to_world(SimTime at, ObjectId object, const Vec3& in_parent);
 
-  // The state of an object as this peer knows it, and as everybody predicts it. Both need a session. Of the past 4 s; of
-  // own objects that something drives of the past half second, and of those that no interest names since their last
+  // The state of an object as this peer knows it, and as everybody predicts it. Both need a session. Of the past 4 s;
+  // of own objects that something drives of the past half second, and of those that no interest names since their last
   // sample, unless they are shown late.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
@@ -101,8 +101,8 @@ class Peer {
   // Brings the ghosts to t, which may lie between two ticks: for a viewer with a frame rate of its own. Changes nothing
   // that the other peers could notice.
   void advance_ghosts(SimTime t);
-  // The pose that a viewer draws. For each object, t never goes back; after advance_ghosts(t). It doesn't go through what
-  // an interest pairs the object with, where the ghost didn't.
+  // The pose that a viewer draws. For each object, t never goes back; after advance_ghosts(t). It doesn't go through
+  // what an interest pairs the object with, where the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
 
   [[nodiscard]] const Counters& counters() const;

@@ -21,7 +21,7 @@
 namespace peerd::replication {
 
 // The parts of a peer. Each owns its fields and knows those above it in this list, which is the order of the rooms;
-// what concerns several of them is done by SessionKeeper, ContactReport and Intake.
+// SessionKeeper, contact_report and Intake do what concerns several of them.
 struct PeerParts {
   PeerParts(PeerConfig peer_config, const WorldModel& world_model);
   PeerParts(const PeerParts&) = delete;
@@ -32,20 +32,20 @@ struct PeerParts {
   PeerCounters counters;
   TickGrid ticks;
   Outbox outbox;
-  // Who is here and whose time it is.
+  // The peers that are here, and session time.
   Membership members;
   Admission admission;
   SessionTime time;
   WorldTime world_time;
   Greeter greeter;
-  // What this peer knows of the world.
+  // The world, as far as this peer knows it.
   Owners owners;
   OwnObjects own;
   Replica replica;
   ScriptedMotion scripted;
   Launches launches;
   Display display;
-  // Which regions, who decides contacts, what goes out.
+  // Regions, decisions on contacts, and updates.
   RegionSubscriptions regions;
   ContactDecisions decisions;
   Publication publication;
@@ -54,7 +54,8 @@ struct PeerParts {
   [[nodiscard]] SimTime to_session(HostTime now) const { return time.clock().to_session(now); }
   // Counts a record of a member that was not used.
   void drop(PeerId sender, const char* reason);
-  // Gives both worlds, which have begun, what the file moves until t, and the truth what this peer launches until then.
+  // Gives both worlds, which have begun, the motion by the file until t, and the truth the launches by this peer until
+  // then.
   void extend_motions(SimTime t);
   // The world's velocityVector of an object, which is in its parent's frame, in the world's frame [m/s].
   [[nodiscard]] Vec3 file_velocity(SimTime at, ObjectId object);

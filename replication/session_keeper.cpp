@@ -10,7 +10,7 @@
 namespace peerd::replication {
 namespace {
 
-// Where own objects that something drives were, in the truth: contacts with them are found as they come.
+// The truth keeps the positions of driven own objects for so long: contacts with them are found as the samples come.
 constexpr Duration kDrivenKept = std::chrono::milliseconds(500);
 
 template <class T>
@@ -37,12 +37,12 @@ bool SessionKeeper::check_suspension(HostTime now) {
 bool SessionKeeper::maintain(HostTime now) {
   if (p_.time.start(now)) p_.greeter.start(now);
   if (check_suspension(now)) return false;
-  // Nobody else is here who could tell how much time has passed: this peer's own clock counts on.
+  // No other peer is here that could tell how much time has passed: this peer's own clock counts on.
   const bool in_session = p_.replica.begun();
   const Duration gap = in_session ? p_.to_session(now) - p_.ticks.last_time() : Duration{0};
   if (gap > SessionTime::kSuspendedAfter) {
     p_.counters.ticks_missed += static_cast<std::uint64_t>(p_.ticks.number_at(p_.to_session(now)) - p_.ticks.last());
-    p_.members.restart_silence_of_all(now);  // it was not they who were silent
+    p_.members.restart_silence_of_all(now);  // this host was silent, not the members
     move_to_session_time(p_.ticks.last_time(), p_.to_session(now));
     p_.outbox.push(HostSuspended{gap});
     return false;
@@ -150,7 +150,7 @@ void SessionKeeper::watch_all_pairs() {
   p_.decisions.watch(all);
 }
 
-// Somebody owns these from now on: that matters to their pairs, and to those of what they are paired with.
+// These objects have an owner from now on: that matters to their pairs, and to those of what they are paired with.
 void SessionKeeper::watch_pairs_around(std::span<const ObjectId> objects) {
   const auto pairs_of = [&](std::span<const ObjectId> some) {
     std::vector<std::uint32_t> pairs;

@@ -9,8 +9,8 @@
 
 namespace peerd::replication {
 
-// What concerns all parts of a peer at once: entering a session, stepping into another one, and changes of who is here
-// and who owns what.
+// Does what concerns all parts of a peer at once: entering a session, stepping into another one, and changes of
+// members and of owners.
 class SessionKeeper {
  public:
   explicit SessionKeeper(PeerParts& parts) : p_(parts) {}
@@ -18,20 +18,20 @@ class SessionKeeper {
   // To be called first whenever time arrives. True where this host was suspended: no time of before this call means
   // anything.
   bool check_suspension(HostTime now);
-  // At every call of on_tick: silent peers, the session's founding, the clock. False when everything begins anew at this
-  // instant, and a tick that was due is not.
+  // Maintains members, session and clock at every call of on_tick(). False when everything begins anew at this
+  // instant, and a tick that was due is void.
   [[nodiscard]] bool maintain(HostTime now);
-  // The hello of a peer has come, whose time stamps are known by now: follows whom it has to.
+  // A hello has come, whose time stamps are known by now: follows the right peer.
   void follow_leader(HostTime now, std::optional<PeerId> sender);
 
-  // A peer says that it owns these. Nobody owns an object that somebody else owns already; of two that both say so the
-  // lower id is believed.
+  // A peer claims these objects: those without an owner are its own from now on, and those of another owner only if
+  // the id of the claiming peer is lower.
   void claim(PeerId peer, std::span<const ObjectId> objects);
   // A peer has gone.
   void lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully);
   // A peer has gone, or begins anew: what it owned stands still from now on and belongs to nobody.
   void orphan_objects_of(PeerId peer, HostTime now);
-  // An own introduction has changed.
+  // The introduction of this peer has changed.
   void reintroduce() { p_.greeter.reintroduce(p_.own.size()); }
 
  private:

@@ -14,8 +14,8 @@ namespace {
 
 // The most copies of a decision, one a tick, as the loss asks: they survive its bursts without waiting for a hello.
 constexpr std::uint32_t kDecisionCopies = 3;
-// A contact of longer ago, as it turns out now (a decision that came late has put an object on another way), is decided
-// by nobody any more: some peers would hear of it too late to take it, and others would not.
+// A contact of longer ago, as it turns out now (a decision that came late has put an object on another way), is
+// decided by no peer any more: some peers would receive the decision too late to take it, and others would not.
 constexpr Duration kDecidedWithin = std::chrono::seconds(3);
 // Decisions are repeated until they are so old: receivers drop those of more than 6 s (intake.cpp), and a latency has
 // to fit between.
@@ -25,10 +25,10 @@ constexpr Duration kAnnouncedFor = std::chrono::milliseconds(3500);
 // Longer than any decision that a receiver would take can be on its way.
 constexpr Duration kRememberedFor = std::chrono::seconds(8);
 // An object that hangs between two others touches them many times a second. Of one pair only the newest decisions are
-// repeated where nothing says whether they have come, as many as there can be in 250 ms (4 ms apart: peer_tick.cpp,
-// kSameTouch).
+// repeated where nothing says whether they have come, as many as there can be in 250 ms (4 ms apart:
+// contact_report.cpp, kSameTouch).
 constexpr int kRepeatedOfPair = 64;
-// Of one peer's decisions on one pair so many are remembered: twice as many as there can be in kRememberedFor.
+// The most decisions of one peer on one pair that are remembered: twice as many as there can be in kRememberedFor.
 constexpr std::size_t kOfPairMax = 4000;
 
 }  // namespace
@@ -46,7 +46,7 @@ ContactDecisions::ContactDecisions(const PeerConfig& config, const WorldModel& m
       outbox_(outbox),
       counters_(counters) {}
 
-// ---- which contacts this peer looks for ----
+// ---- the contacts that this peer looks for ----
 
 bool ContactDecisions::may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) const {
   if (owner_a == kNobody || owner_b == kNobody || owner_a == owner_b) return false;
@@ -89,7 +89,7 @@ void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
   }
 }
 
-// Both owners' states so far back have reached everybody.
+// The states of both owners from so long before a contact have reached everybody.
 Duration ContactDecisions::lookback() const {
   return config_.decisions.lookback ? *config_.decisions.lookback : members_.longest_latency();
 }
@@ -115,7 +115,7 @@ Contender ContactDecisions::contender(ObjectId object, SimTime at, std::span<con
   if (config_.decisions.policy != DecisionPolicy::kFieldOfView || !viewpoint) return s;
   const std::optional<Pose> from = camera_pose(*viewpoint, at);
   if (!from) return s;
-  // Both of them: a viewpoint that rides on one has that one in view wherever it looks.
+  // The camera must see both of them: a viewpoint that rides on one has that one in view wherever it looks.
   const collision::Camera camera{*from, viewpoint->field_of_view, viewpoint->aspect};
   s.sees = std::ranges::all_of(meeting, [&](const WorldBox& box) { return sees(camera, box); });
   return s;
@@ -140,7 +140,7 @@ bool ContactDecisions::reaches_all_in_time(SimTime contact) const {
   return contact >= ticks_.last_time() - kDecidedWithin;
 }
 
-// What two other peers' objects do is nothing but a prediction.
+// A contact of two other peers' objects is nothing but a prediction.
 ContactAuthority ContactDecisions::authority(ObjectId a, ObjectId b, SimTime contact) const {
   if (!owners_.have_two(a, b) || !searches_contacts_of(a, b)) return ContactAuthority::kAsPublished;
   if (!reaches_all_in_time(contact)) return ContactAuthority::kDeferred;
@@ -187,15 +187,17 @@ std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord&
 }
 
 // A contact that was decided here before and overruled, and is found again on the way that the other peer's decision
-// gave, is another decision: a nanosecond later, for decisions are told apart by their times.
+// gave, is another decision: it is a nanosecond later, for decisions are distinguished by their times.
 void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
+  assert(owners_.have_two(contact.collider, contact.collidee) && !contact.deferred);
   ContactEvent c = within_wire_limits(contact);
   while (const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee)) {
     if (known->in_force) break;  // the same once more
     c.at += Duration{1};
   }
   const auto changes = add_own(record_of(c, config_.decisions.policy));
-  // All who receive it will do so: the own object's ghost, too, or this peer's copy of their ghosts would differ.
+  // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
+  // ghosts would differ.
   replica_.ghosts().set_base(c.collider, c.at, law_of_outcome(model_.response_of(c.collider), c.collider_after));
   replica_.ghosts().set_base(c.collidee, c.at, law_of_outcome(model_.response_of(c.collidee), c.collidee_after));
   replica_.colliding().on_contact(c);
@@ -207,6 +209,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
 // A contact just before one that has been decided is the same collision, found here by somewhat other states than the
 // decider's: its decision has come before this peer's own tick.
 void ContactDecisions::defer(const ContactEvent& c) {
+  assert(owners_.have_two(c.collider, c.collidee) && c.deferred);
   const SimTime decided = log_.last(c.collider, c.collidee);
   if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
   if (!reaches_all_in_time(c.at)) {
@@ -266,6 +269,7 @@ bool ContactDecisions::may_have_missed_our_update(PeerId peer, const ContactEven
 // ---- what other peers say ----
 
 void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTime known_at) {
+  assert(members_.contains(sender));
   const SimTime sent_at = known_at - members_.find(sender)->delays.last();
   const std::vector<Deferred> waiting = deferred_;
   for (const Deferred& h : waiting) {
@@ -290,7 +294,8 @@ void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTi
 
 // A peer that has just joined may not know yet who owns the objects: it acknowledges the decision as missing, so that
 // it is repeated.
-const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d, SimTime known_at) {
+const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d,
+                                          SimTime known_at) {
   if (!may_decide(sender, owners_.of(d.collider), owners_.of(d.collidee))) {
     members_.find(sender)->received[kWholeScene].mark_as_missing(number);
     return "not_decider";
@@ -316,7 +321,7 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
   }
 }
 
-// From the contact time on, not from the arrival.
+// The decision holds from the contact time on, not from its arrival.
 void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
   std::erase_if(deferred_, [&](const Deferred& h) { return of_pair(d, h.contact.collider, h.contact.collidee); });
   for (const ObjectId object : {d.collider, d.collidee}) {
@@ -328,8 +333,7 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
   const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
                              d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
   replica_.colliding().on_contact(contact);
-  outbox_.push(
-      ContactSeen{author == config_.id ? ContactKind::kDecided : ContactKind::kApplied, contact, known_at});
+  outbox_.push(ContactSeen{author == config_.id ? ContactKind::kDecided : ContactKind::kApplied, contact, known_at});
 }
 
 // Gives both worlds the object's way from there on, by all that is known: the decisions in force, and its owner's last
@@ -338,7 +342,7 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
 void ContactDecisions::rebase(ObjectId object, SimTime from) {
   const OwnObject* own = own_.find(object);
   const bool owned = own != nullptr, moved_by_physics = owned && !own->driven;
-  // What it met by itself from there on it may not have met.
+  // The object may not have met what it has met by itself since then.
   if (moved_by_physics) outbox_.push(ContactsRetracted{object, from});
   SimTime last = from;
   for (const DecisionLog::Entry& e : log_.entries()) {

@@ -26,16 +26,16 @@ namespace peerd::replication {
 // peer, and what becomes of decisions on their way to all (Ohlenburg 2003, section 4.4.4).
 class ContactDecisions {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   ContactDecisions(const PeerConfig& config, const WorldModel& model, Membership& members, const Owners& owners,
                    OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters);
 
-  // ---- which contacts this peer looks for
+  // ---- the contacts that this peer looks for
 
   // Whether `peer` may be the one that decides a contact of two owners.
   [[nodiscard]] bool may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) const;
-  // The pairs, by their numbers in the model, that the truth and the ghosts watch from now on, by who owns and receives
-  // their objects. Does nothing before the replica has begun.
+  // Makes the truth and the ghosts watch these pairs of the model from now on, or not, by who owns and receives their
+  // objects. Does nothing before the replica has begun.
   void watch(std::span<const std::uint32_t> pairs);
   // The authority of a contact that the truth has found.
   [[nodiscard]] ContactAuthority authority(ObjectId a, ObjectId b, SimTime contact) const;
@@ -56,9 +56,10 @@ class ContactDecisions {
   // Null, or why the decision changed nothing.
   [[nodiscard]] const char* on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& decision,
                                         SimTime known_at);
-  // What the sender's hello says of contacts: whether it has found what this peer left to it.
+  // The contact notes of a sender's hello: whether it has found the contacts that this peer leaves to it.
   void on_contact_notes(PeerId sender, const Hello& hello, SimTime known_at);
-  // The datagrams of this peer that the sender has: repeats at once what has surely not come there.
+  // The datagrams of this peer that the sender has received: repeats at once a decision whose last copy has surely
+  // been lost.
   void on_acknowledgement(PeerId sender, const Acknowledgement& acknowledgement);
   // The sender has begun a session: it knows of no decision.
   void on_new_session_of(PeerId sender);
@@ -67,8 +68,8 @@ class ContactDecisions {
 
   // With a hello: repeats decisions that every peer of the session could have confirmed, and some peer has not.
   void repeat_unacknowledged();
-  // For a hello: the contacts that this peer defers, and its own decisions until all have them. A peer that defers the
-  // same contact waits for those.
+  // For a hello: the contacts that this peer defers, and its own decisions until all peers have them. A peer that
+  // defers the same contact waits for the decision.
   [[nodiscard]] std::vector<ContactNote> notes() const;
   // The decisions of which a copy is due, for a datagram; the caller counts each one down.
   [[nodiscard]] std::vector<DecisionLog::Entry>& entries() { return log_.entries(); }
@@ -79,7 +80,7 @@ class ContactDecisions {
   // Session time has stepped: what was decided is void.
   void restart();
 
-  // Where a viewpoint's camera is; none: where its object is then is not known.
+  // The pose of a viewpoint's camera; none where the pose of its object at that time is not known.
   [[nodiscard]] std::optional<Pose> camera_pose(const Viewpoint& viewpoint, SimTime at) const;
 
  private:

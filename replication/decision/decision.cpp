@@ -1,6 +1,7 @@
 #include "replication/decision/decision.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace peerd::replication {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 constexpr Duration kDecisionGrid = std::chrono::milliseconds(125);
 constexpr double kClocksDiffer_s = 1e-3;
 
-// The one with the greater claim; the lower id where neither has.
+// The owner with the greater claim; the lower id where neither is greater.
 PeerId by_claim(const Contender& a, const Contender& b, double claim_a, double claim_b) {
   if (claim_a > claim_b) return a.owner;
   if (claim_b > claim_a) return b.owner;
@@ -33,7 +34,7 @@ PeerId decider(DecisionPolicy policy, const Contender& a, const Contender& b, Pe
     case DecisionPolicy::kFieldOfView:
       return by_claim(a, b, a.sees, b.sees);
     case DecisionPolicy::kExpectedError:
-      // Each knows its own object; what it would be wrong about is the other's.
+      // Each owner knows its own object; its error is in the other's.
       return by_claim(a, b, -expected_error_m(*b.state, a.latency), -expected_error_m(*a.state, b.latency));
     case DecisionPolicy::kId:
     case DecisionPolicy::kServer:
@@ -43,6 +44,7 @@ PeerId decider(DecisionPolicy policy, const Contender& a, const Contender& b, Pe
 }
 
 double expected_error_m(const KinematicState& other, Duration latency) {
+  assert(latency >= Duration{0});
   const double late_s = to_seconds(latency);
   return other.velocity.norm() * kClocksDiffer_s + 0.5 * other.acceleration.norm() * late_s * late_s;
 }
@@ -51,6 +53,7 @@ SimTime decided_as_of(SimTime contact, Duration lookback) {
   const Duration since = contact.time_since_epoch();
   Duration rest = since % kDecisionGrid;
   if (rest < Duration{0}) rest += kDecisionGrid;
+  assert(rest >= Duration{0} && rest < kDecisionGrid);
   return contact - rest - lookback;
 }
 

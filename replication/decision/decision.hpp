@@ -10,22 +10,23 @@
 
 namespace peerd::replication {
 
-// One of the two objects and who runs it, as everybody knows them.
+// One of the two objects of a contact with its owner, by published states.
 struct Contender {
   PeerId owner;
-  std::optional<KinematicState> state;  // published; none: not known so far back
-  Duration latency{0};                  // how late its owner hears of others
-  bool sees = false;                    // its owner's field of view has both
+  std::optional<KinematicState> state;  // the published state; none: it is not known so far back
+  Duration latency{0};                  // how late its owner receives other peers
+  bool sees = false;                    // its owner's field of view contains both objects
 };
 
-// The peer that decides whether the two collided, and how (seed 4.4.4): the one that runs them, or of two owners the
-// one by `policy`. kNobody for two scene objects, which do not move. `server`: kNobody where it is not here.
+// The peer that decides whether the two collided, and how (Ohlenburg 2003, section 4.4.4): the owner of both, or of
+// two owners the one by `policy`. kNobody for two scene objects, which do not move. `server`: kNobody where the server
+// is not in the session.
 [[nodiscard]] PeerId decider(DecisionPolicy policy, const Contender& a, const Contender& b, PeerId server);
 [[nodiscard]] PeerId decider_by_id(PeerId owner_a, PeerId owner_b);
 
-// By how much a peer that hears of others `latency` late misjudges where such an object is [m]: |v| dt + |a| L^2 / 2.
-// dt = 1 ms: what session clocks differ by, all that a steady velocity can do wrong. What accelerates is about to
-// accelerate otherwise, and that is heard of L late.
+// The error [m] that a peer which receives others `latency` late makes in the position of such an object: |v| dt + |a|
+// L^2 / 2. dt = 1 ms: what session clocks differ by, which is all the error of a steady velocity. An object that
+// accelerates is about to accelerate otherwise, and its updates come L late.
 [[nodiscard]] double expected_error_m(const KinematicState& other, Duration latency);
 
 // The instant whose states decide a contact: `lookback` before the last whole 125 ms. The two owners' contact times

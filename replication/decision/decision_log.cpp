@@ -1,6 +1,7 @@
 #include "replication/decision/decision_log.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -8,7 +9,7 @@
 namespace peerd::replication {
 namespace {
 
-// Entries are by contact time, then author: the first that is not before that.
+// The first entry that is not before that contact time and author, by which entries are ordered.
 template <class Entries>
 auto not_before(Entries& entries, SimTime contact, PeerId author) {
   const auto before = [](const DecisionLog::Entry& e, const std::pair<SimTime, PeerId>& key) {
@@ -20,13 +21,13 @@ auto not_before(Entries& entries, SimTime contact, PeerId author) {
 bool involves(const DecisionRecord& d, ObjectId object) { return d.collider == object || d.collidee == object; }
 
 bool conflict(const DecisionLog::Entry& a, const DecisionLog::Entry& b) {
-  if (a.author == b.author) return false;  // one peer's word after the other
+  if (a.author == b.author) return false;  // decisions of one peer follow each other
   const Duration apart = a.record.contact - b.record.contact;
   if (apart > DecisionLog::kSameCollision || -apart > DecisionLog::kSameCollision) return false;
   return a.record.known < b.record.contact && b.record.known < a.record.contact;
 }
 
-// Strongest first.
+// The rank of a decision in a conflict; the lowest rank wins.
 auto rank(const DecisionLog::Entry& e) {
   return std::tuple(e.record.rule == DecisionRule::kId, e.author, e.record.contact);
 }
@@ -38,6 +39,7 @@ bool of_pair(const DecisionRecord& d, ObjectId a, ObjectId b) {
 }
 
 std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionRecord& record, PeerId author) {
+  assert(author != kNobody && record.collider != record.collidee);
   if (find(record.contact, author, record.collider, record.collidee) != nullptr) return std::nullopt;
   Entry& added =
       *entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, 0, {}, {}});
@@ -49,12 +51,13 @@ std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionR
     pair.push_back(&e);
     conflicts = conflicts || conflict(e, added);
   }
-  if (!conflicts) {  // nor does anything else change
+  if (!conflicts) {  // then no other decision changes either
     added.in_force = true;
     return std::vector{Change{record, author, true}};
   }
+  assert(pair.size() >= 2);
   std::ranges::sort(pair, {}, [](const Entry* e) { return rank(*e); });
-  std::map<PeerId, std::vector<const Entry*>> standing;  // by author: one's own do not conflict
+  std::map<PeerId, std::vector<const Entry*>> standing;  // by author: decisions of one author do not conflict
   std::vector<Change> changes;
   for (Entry* e : pair) {
     const bool in_force = std::ranges::none_of(standing, [&](const auto& of_one) {
@@ -106,8 +109,9 @@ SimTime DecisionLog::last(ObjectId a, ObjectId b) const {
 }
 
 bool DecisionLog::overruled(ObjectId object, SimTime contact) const {
-  return std::ranges::any_of(
-      entries_, [&](const Entry& e) { return !e.in_force && e.record.contact == contact && involves(e.record, object); });
+  return std::ranges::any_of(entries_, [&](const Entry& e) {
+    return !e.in_force && e.record.contact == contact && involves(e.record, object);
+  });
 }
 
 }  // namespace peerd::replication

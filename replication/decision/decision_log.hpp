@@ -8,12 +8,12 @@
 
 namespace peerd::replication {
 
-// The decisions that a peer knows, its own and others'. What stands is a function of the set of them, whatever order
-// they came in and however often: peers that have heard the same hold the same outcomes.
+// The decisions that a peer knows, its own and those of other peers. Which of them are in force is a function of the
+// set of them, whatever order they came in and however often: peers with the same decisions have the same outcomes.
 //
 // Two decisions on one pair conflict if they are of different peers, their contacts lie within kSameCollision, and
-// neither peer knew of the other's. Then the one by the policy stands against the one by fallback, else that of the
-// lower id.
+// neither peer knew of the other's. Then the one by the policy overrules the one by fallback; otherwise that of the
+// lower id is in force.
 class DecisionLog {
  public:
   static constexpr Duration kSameCollision = std::chrono::seconds(1);
@@ -22,8 +22,8 @@ class DecisionLog {
     DecisionRecord record;
     PeerId author;
     bool in_force = false;
-    // Of our own: how often still to be sent, the numbers of the datagrams that carried it (since somebody last forgot
-    // all), who has one of them.
+    // For decisions of this peer: the copies still to be sent, the numbers of the datagrams that carried it (since a
+    // member last forgot all), and the members that have acknowledged one of them.
     int copies = 0;
     std::vector<std::uint32_t> sent_in;
     std::set<PeerId> acknowledged_by;
@@ -31,26 +31,27 @@ class DecisionLog {
   struct Change {
     DecisionRecord record;
     PeerId author;
-    bool in_force;  // false: it did, until now
+    bool in_force;  // false: it was in force until now
   };
 
-  // What is different now, those that no longer stand first. None: it is known already.
+  // Adds a decision and returns the changes, those that are no longer in force first. None: the decision is known
+  // already.
   std::optional<std::vector<Change>> add(const DecisionRecord& record, PeerId author);
-  // That peer's decision on exactly that contact of the two; null where none is known.
+  // The decision of that peer on exactly that contact of the two; null where none is known.
   [[nodiscard]] const Entry* find(SimTime contact, PeerId author, ObjectId a, ObjectId b) const;
   [[nodiscard]] Entry* find(SimTime contact, PeerId author, ObjectId a, ObjectId b);
-  // Of that peer's on the two.
+  // The number of decisions of that peer on the two.
   [[nodiscard]] std::size_t count(PeerId author, ObjectId a, ObjectId b) const;
   void forget_before(SimTime contact);
   void clear() { entries_.clear(); }
 
-  // Contact time of the last decision that stands on an object, or on a pair; none: SimTime{}.
+  // The contact time of the last decision in force on an object, or on a pair; SimTime{} where there is none.
   [[nodiscard]] SimTime last(ObjectId object) const;
   [[nodiscard]] SimTime last(ObjectId a, ObjectId b) const;
-  // Whether a decision on the object at that contact time is known and does not stand.
+  // Whether a decision on the object at that contact time is known and overruled.
   [[nodiscard]] bool overruled(ObjectId object, SimTime contact) const;
 
-  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }  // by contact time, then author
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }  // in order of contact time, then author
   [[nodiscard]] std::vector<Entry>& entries() { return entries_; }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 
 namespace peerd::replication {
 namespace {
@@ -9,6 +10,7 @@ namespace {
 std::vector<RegionId> touched(const RegionGrid& grid, std::span<const Area> areas, double grown_by_m) {
   std::vector<RegionId> all;
   for (const Area& area : areas) {
+    assert(!(area.radius_m < 0.0));
     const std::vector<RegionId> some = grid.touched(area.center, area.radius_m + grown_by_m);
     all.insert(all.end(), some.begin(), some.end());
   }
@@ -20,7 +22,7 @@ std::vector<RegionId> touched(const RegionGrid& grid, std::span<const Area> area
 
 }  // namespace
 
-// FNV-1a 64, as world files are hashed.
+// The hash is FNV-1a 64, as for world files.
 std::uint64_t RegionSettings::session_hash(std::uint64_t world_hash) const {
   if (cell_m == 0.0) return world_hash;
   std::uint64_t hash = world_hash;
@@ -44,6 +46,7 @@ std::vector<Interest::Change> Interest::follow_all(SimTime now) {
 
 std::vector<Interest::Change> Interest::change(SimTime now, std::span<const RegionId> wanted,
                                                std::span<const RegionId> kept) {
+  assert(std::ranges::is_sorted(wanted) && std::ranges::is_sorted(kept) && std::ranges::includes(kept, wanted));
   std::vector<Change> changes;
   for (const RegionId region : wanted) {
     if (since_.try_emplace(region, now).second) changes.push_back({region, true});

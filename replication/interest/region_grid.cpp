@@ -7,12 +7,13 @@
 namespace peerd::replication {
 namespace {
 
-// Cells are numbered along an axis, from the origin. Positions up to 1e12 m and cells from 1e-3 m on: exact in
-// binary64.
+// The number of a cell along an axis, from the origin. It is exact in binary64 for positions up to 1e12 m and cells
+// from 1e-3 m on.
 double cell_of(double x, double cell_m) { return std::floor(x / cell_m); }
 
-// 0 .. n - 1; which of an axis's regions a cell belongs to.
+// The region, 0 .. n - 1, of an axis to which a cell belongs.
 std::uint32_t region_along(double cell, std::uint32_t n) {
+  assert(n >= 1);
   const double rest = std::fmod(cell, n);  // exact
   return static_cast<std::uint32_t>(rest < 0.0 ? rest + n : rest);
 }
@@ -22,8 +23,9 @@ struct Near {
   double distance_m;
 };
 
-// The regions along one axis of which some cell is within radius_m of x, and how far the nearest one is.
+// The regions along one axis of which some cell is within radius_m of x, with the distance of the nearest one.
 std::vector<Near> near_along(double x, double radius_m, double cell_m, std::uint32_t n) {
+  assert(cell_m > 0.0 && n >= 1);
   if (n == 1) return {{0, 0.0}};
   const double cell = cell_of(x, cell_m);
   const std::uint32_t here = region_along(cell, n);
@@ -72,6 +74,7 @@ std::vector<RegionId> RegionGrid::touched(const Vec3& center, double radius_m) c
       }
     }
   }
+  assert(std::ranges::is_sorted(found));
   return found;
 }
 

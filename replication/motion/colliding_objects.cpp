@@ -1,6 +1,7 @@
 #include "replication/motion/colliding_objects.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <vector>
 
 namespace peerd::replication {
@@ -28,6 +29,7 @@ void CollidingObjects::part(const Pair& pair, SimTime t) {
   touching_.erase(pair);
   for (const ObjectId object : {pair.first, pair.second}) {
     const auto partners = partners_.find(object);
+    assert(partners != partners_.end() && partners->second > 0);
     if (--partners->second > 0) continue;
     partners_.erase(partners);
     events_.push_back({object, t, true});
@@ -43,6 +45,7 @@ void CollidingObjects::update(const StateOf& state_of, SimTime t) {
 
 void CollidingObjects::forget(SimTime t) {
   while (!touching_.empty()) part(*touching_.begin(), t);
+  assert(partners_.empty());
 }
 
 void CollidingObjects::forget(ObjectId object, SimTime t) {

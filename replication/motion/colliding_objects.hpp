@@ -11,28 +11,28 @@
 
 namespace peerd::replication {
 
-// The seed's eventOut notColliding of an object (appendix C.5): false where it begins to touch what an interest pairs
-// it with, true where it touches nothing any more.
+// The eventOut notColliding of an object (Ohlenburg 2003, appendix C.5): false where the object begins to touch what
+// an interest pairs it with, true where it touches nothing any more.
 struct NotColliding {
   ObjectId object;
-  SimTime at;  // the contact time; for true the tick at which it was found apart
+  SimTime at;  // the contact time; for true, the tick at which it was found apart
   bool value = true;
 };
 
-// Which objects touch something. Contacts say when that begins, a look at every tick when it is over: a bounce lasts
-// until the next tick, what lies on a floor collides until it is taken away.
+// The objects that touch something. A contact says when touching begins, a check at every tick when it is over: a
+// bounce lasts until the next tick, and an object that lies on a floor collides until it is taken away.
 class CollidingObjects {
  public:
   explicit CollidingObjects(const WorldModel& model);
 
-  // Of a pair that no interest names it is not said.
+  // Ignores pairs that no interest names.
   void on_contact(const ContactEvent& contact);
-  // Looks at pairs that touched: how objects stand at t.
+  // Checks the pairs that touched. `state_of` gives the states of objects at t.
   using StateOf = std::function<KinematicState(ObjectId)>;
   void update(const StateOf& state_of, SimTime t);
-  // Another world: nothing touches that has not a contact there.
+  // Session time has stepped, and both worlds begin anew: nothing touches that has no contact there.
   void forget(SimTime t);
-  // It is not heard of any more, so it touches nothing.
+  // The object is not received any more, so it touches nothing.
   void forget(ObjectId object, SimTime t);
 
   [[nodiscard]] std::optional<NotColliding> poll();
@@ -44,9 +44,9 @@ class CollidingObjects {
   void part(const Pair& pair, SimTime t);
 
   const WorldModel& model_;
-  std::map<Pair, std::vector<CollisionType>> types_;  // of the model's pairs
+  std::map<Pair, std::vector<CollisionType>> types_;  // the types of the model's pairs
   std::set<Pair> touching_;
-  std::map<ObjectId, std::size_t> partners_;  // of what touches anything
+  std::map<ObjectId, std::size_t> partners_;  // the number of partners that each object touches, > 0
   std::deque<NotColliding> events_;
 };
 

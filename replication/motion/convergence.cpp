@@ -1,19 +1,22 @@
 #include "replication/motion/convergence.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace peerd::replication {
 namespace {
 
-// How far behind the ghost an object may be drawn on its way, and in how many steps a place there is looked for. Beyond
+// An object may be drawn so far behind the ghost on its way, and a place there is looked for in so many steps. Beyond
 // twice the latency of half a second nothing is won.
 constexpr Duration kTrailMax = std::chrono::seconds(2);
 constexpr int kTrailSteps = 64;
 // A step that cuts a corner is halved so often.
 constexpr int kHalvings = 6;
 
-// The shorter way around, at a rate that is nearly even. Two opposite orientations have no way: the later one.
+// The orientation at that part of the shorter way around, at a rate that is nearly even. Two opposite orientations
+// have no shorter way: the result is the later one.
 Quat between(const Quat& from, const Quat& to, double part) {
+  assert(part >= 0.0 && part <= 1.0);
   const double sign = from.dot(to) < 0.0 ? -1.0 : 1.0;
   const Quat mixed((1.0 - part) * from.coeffs() + (part * sign) * to.coeffs());
   return mixed.norm() > 0x1p-20 ? mixed.normalized() : to;
@@ -21,8 +24,9 @@ Quat between(const Quat& from, const Quat& to, double part) {
 
 }  // namespace
 
-// After last_, and before the end of the way.
+// The pose at t, which is after last_ and before the end of the way.
 Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) const {
+  assert(from_ && last_ && t > last_->at && policy_.over > Duration{0});
   const double s = to_seconds(t - from_->at), over = to_seconds(policy_.over), part = s / over;
   const Vec3& p0 = from_->pose.position;
   const Vec3& v0 = from_->velocity;
@@ -32,7 +36,7 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
     case ConvergenceMethod::kJump:
       break;
     case ConvergenceMethod::kLinear: {
-      // From here straight on to where it ends, however the ghost has turned since.
+      // The object goes from here straight to where the way ends, however the ghost has turned since.
       const Vec3 from = last_->pose.position;
       const double left = over - to_seconds(last_->at - from_->at);
       out.velocity = (end.position - from) / left;
@@ -56,8 +60,9 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
   return out;
 }
 
-// The latest time at which the ghost was where the object may go to at once.
+// The latest time at which the ghost was at a place that the object may reach at once.
 std::optional<SimTime> Convergence::reachable(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) const {
+  assert(last_ && was);
   for (int i = 0; i <= kTrailSteps; ++i) {
     const SimTime earlier = t - i * (kTrailMax / kTrailSteps);
     const auto pose = was(earlier);
@@ -67,9 +72,11 @@ std::optional<SimTime> Convergence::reachable(SimTime t, const MayPass& may_pass
   return std::nullopt;
 }
 
-// On along the ghost's way, so fast that it is caught up with when the time of the way back is over; more slowly where
-// a straight step would cut a corner, and ahead where the next part of the way is barred by now. None: nothing is free.
+// The object goes on along the ghost's way, so fast that it catches up when the time of the way back is over; more
+// slowly where a straight step would cut a corner, and ahead where the next part of the way is barred by now. None:
+// nothing is free.
 std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) {
+  assert(from_ && last_ && trail_ && t > last_->at);
   const auto draw = [&](SimTime at) -> std::optional<Drawn> {
     const auto pose = was(at);
     if (!pose || !may_pass(last_->pose.position, pose->position)) return std::nullopt;
@@ -87,7 +94,7 @@ std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass
   for (int i = 1; wanted < t && i <= kTrailSteps; ++i) {
     if (auto drawn = draw(wanted + i * (t - wanted) / kTrailSteps)) return drawn;
   }
-  // The place that was found reachable.
+  // The place that reachable() has found.
   if (const auto pose = was(trail_->at); pose && may_pass(last_->pose.position, pose->position)) {
     const bool moves = pose->position != last_->pose.position;
     if (moves || t - trail_->moved_at <= policy_.over) {
@@ -130,6 +137,7 @@ Pose Convergence::shown(SimTime t, const KinematicState& ghost, std::uint64_t re
     from_.reset();
     trail_.reset();
   }
+  assert(!trail_ || from_);
   last_ = way.value_or(Drawn{t, ghost.pose(), ghost.velocity});
   return last_->pose;
 }

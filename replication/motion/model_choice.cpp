@@ -10,29 +10,33 @@
 namespace peerd::replication {
 namespace {
 
-// Of one object, whatever the tick rate: 2 s at 250 Hz, 90 kB.
+// The samples that are kept of one object, whatever the tick rate: 2 s at 250 Hz, 90 kB.
 constexpr std::size_t kSamplesMax = 512;
-// .. and room for so many more at a time: room that is not needed is memory that is walked through all the same.
+// The room for samples grows by so many at a time: room that is not needed would be walked through in memory all the
+// same.
 constexpr std::size_t kMoreSamples = 16;
-// Derivatives are taken over this many samples on either side at most: more smooths noise, fewer see changes sooner.
+// Derivatives are taken over this many samples on either side at most: more of them smooth noise, fewer show changes
+// sooner.
 constexpr std::size_t kSpanMax = 4;
 constexpr std::size_t kTriplesMax = 8;
-// What derivatives a horizon ago are taken from is kept so long beyond it.
+// Samples are kept so long beyond the horizon, for the derivatives at a horizon ago.
 constexpr double kSpanMax_s = 0.25;
-// Once a run has so many samples, predictions are judged so often within the memory: neighbours say nearly the same.
+// Once a run has kYoung samples, predictions are judged kJudgedInMemory times within the memory: neighbours say nearly
+// the same.
 constexpr std::size_t kYoung = 16;
 constexpr double kJudgedInMemory = 12.0;
-// A model takes another's place if it is expected to be this much better: enough not to flap between equals.
+// A model takes another's place if its expected error is this much smaller: enough not to flap between equals.
 constexpr double kBetterBy = 0.8;
 constexpr double kBetterBy_m = 1e-6;
-// .. and an acceleration of the spin, which an update that doesn't have it saves, by this.
+// An acceleration of the spin, which an update saves bytes without, is taken where the error is this much smaller.
 constexpr double kSpinBetterBy = 0.4;
 
 std::size_t index_of(MotionKind kind) {
+  assert(std::ranges::find(kMotionKinds, kind) != std::end(kMotionKinds));
   return static_cast<std::size_t>(std::ranges::find(kMotionKinds, kind) - std::begin(kMotionKinds));
 }
 
-// From the simplest.
+// The kinds of models, the simplest first.
 constexpr MotionKind kBySimplicity[] = {MotionKind::kFirst,      MotionKind::kSecond,  MotionKind::kSliding,
                                         MotionKind::kHistory,    MotionKind::kTurning, MotionKind::kThird,
                                         MotionKind::kOscillating};
@@ -56,14 +60,15 @@ int leaves_out(MotionKind kind) {
 }
 
 double power(double x, int n) {
+  assert(n >= 0);
   double p = 1.0;
   for (; n > 0; --n) p *= x;
   return p;
 }
 
-// What an error of that kind of model counts, beside one of second order: the square of what its update takes beside
-// one of that, some 34 bytes with its share of a datagram's header. The square is what errors and bytes are traded at
-// between thresholds (README.md).
+// The factor of an error of that kind of model, relative to one of second order: the square of the ratio of the bytes
+// of their updates, which for the second order are some 34 with the share of a datagram's header. Between thresholds,
+// errors and bytes are traded at the square (README.md).
 double price(MotionKind kind) {
   switch (kind) {
     case MotionKind::kFirst:
@@ -85,7 +90,7 @@ double price(MotionKind kind) {
 
 bool same_length(Duration a, Duration b) { return std::chrono::abs(a - b) <= (a + b) / 1'000'000; }
 
-// Of the velocity, beyond what the accelerations explain.
+// The change of the velocity beyond what the accelerations explain [m/s].
 double velocity_jump(const KinematicState& a, const KinematicState& b, double dt_s) {
   return (b.velocity - a.velocity - 0.5 * dt_s * (a.acceleration + b.acceleration)).norm();
 }
@@ -93,12 +98,13 @@ double velocity_jump(const KinematicState& a, const KinematicState& b, double dt
 }  // namespace
 
 void ModelChooser::Score::add(double e, double share) {
+  assert(share > 0.0 && share <= 1.0);
   weight = weight * (1.0 - share) + share;
   error += (e - error) * share / weight;
 }
 
-// Whether what `now` says does not go on from `before`: velocity that its accelerations don't explain, or an
-// acceleration that changes as it never did. What is usual is learnt, so that noisy samples are not all corners.
+// Whether `now` does not go on from `before`: its velocity is not explained by the accelerations, or its acceleration
+// changes as it never did. The usual changes are learnt, so that noisy samples are not all corners.
 bool ModelChooser::is_corner(const Sample& before, const Sample& now) const {
   const double dt = to_seconds(now.at - before.at);
   const KinematicState &a = before.state, &b = now.state;
@@ -126,10 +132,11 @@ void ModelChooser::push(SimTime t, const KinematicState& state, const Horizon& h
 
 void ModelChooser::keep(const Sample& now) {
   if (samples_.full()) samples_.set_capacity(std::min(samples_.size() + kMoreSamples, kSamplesMax));
-  samples_.push_back(now);  // which takes the place of the first one where there are kSamplesMax
+  samples_.push_back(now);  // replaces the first sample where there are kSamplesMax
   while (samples_.size() > 2 && now.at - samples_[1].at > from_seconds(policy_.horizon_max_s + kSpanMax_s)) {
     samples_.pop_front();
   }
+  assert(!samples_.empty() && samples_.size() <= kSamplesMax);
 }
 
 void ModelChooser::learn_what_is_usual(const Sample& before, const Sample& now) {
@@ -148,6 +155,7 @@ Vec3 ModelChooser::rate_of_change(std::size_t i, Vec3 KinematicState::*what) con
   if (back == 1) return (value(0) - value(1)) / age_s(1);
   const std::size_t m = std::min(back / 2, kSpanMax);
   const double d1 = age_s(m), d2 = age_s(2 * m) - d1, sum = d1 + d2;
+  assert(d1 > 0.0 && d2 > 0.0);
   const Vec3 b1 = value(m) - value(0), b2 = value(2 * m) - value(0);
   return d1 / (sum * d2) * b2 - (1.0 / d1 + 1.0 / d2) * b1;
 }
@@ -157,7 +165,7 @@ bool ModelChooser::make_oscillating(std::size_t i, MotionModel& model) const {
   if (back < 2) return false;
   const std::size_t m = std::min(back / 2, kSpanMax);
   const Duration step = samples_[i].at - samples_[i - m].at;
-  // Of a wave a(t-h) + a(t+h) = 2 cos(w h) a(t), whatever its phase.
+  // A wave has a(t-h) + a(t+h) = 2 cos(w h) a(t), whatever its phase.
   Vec3 products = Vec3::Zero(), squares = Vec3::Zero();
   for (std::size_t k = 0; k < kTriplesMax && k + 2 * m <= back; ++k) {
     const Sample &last = samples_[i - k], &middle = samples_[i - k - m], &first = samples_[i - k - 2 * m];
@@ -193,9 +201,10 @@ bool ModelChooser::make_history(std::size_t i, MotionModel& model) const {
   return true;
 }
 
-// Makes of `model`, which has the pose and spin of sample i, the one of that kind that the samples up to it give: false
+// Makes `model`, which has the pose and spin of sample i, the one of that kind that the samples up to it give. False
 // where they give none that receivers would take.
 bool ModelChooser::make(MotionKind kind, std::size_t i, MotionModel& model) const {
+  assert(i < samples_.size());
   const KinematicState& s = samples_[i].state;
   model.kind = kind;
   model.state.velocity = s.velocity;
@@ -229,11 +238,12 @@ bool ModelChooser::make(MotionKind kind, std::size_t i, MotionModel& model) cons
   return false;
 }
 
-// What would have been said half a run ago, or a horizon ago, against what has followed.
+// Compares what would have been published half a run ago, or a horizon ago, with what has followed.
 void ModelChooser::judge(const Horizon& horizon) {
   const std::size_t n = samples_.size() - 1, back = std::min(samples_[n].run - 1, n);
   if (back == 0) return;
-  if (is_motionless(samples_[n].state) && is_motionless(samples_[n - 1].state)) {  // nothing to choose: what stands costs nothing
+  if (is_motionless(samples_[n].state) &&
+      is_motionless(samples_[n - 1].state)) {  // a resting object costs nothing, whatever the model
     scores_[index_of(MotionKind::kFirst)].add(0.0, 1.0);
     return;
   }
@@ -244,10 +254,11 @@ void ModelChooser::judge(const Horizon& horizon) {
   const double end_s = std::min(horizon.end_s(), policy_.horizon_max_s);
   const auto age_s = [&](std::size_t k) { return to_seconds(now - samples_[n - k].at); };
   const std::size_t half = std::max<std::size_t>(1, back / 2);
-  std::size_t k = std::min(judged_ + 1, half);  // most often one more than last time
+  std::size_t k = std::min(judged_ + 1, half);  // in most calls one more than in the last one
   while (k > 1 && age_s(k) > end_s) --k;
   while (k < half && age_s(k + 1) <= end_s) ++k;
   judged_ = k;
+  assert(k >= 1 && k <= back);
   const std::size_t base = n - k;
   const double h = age_s(k), share = std::min(1.0, to_seconds(since) / policy_.memory_s);
   const double farther = std::max(1.0, end_s / h);

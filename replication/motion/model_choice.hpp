@@ -12,43 +12,46 @@
 
 namespace peerd::replication {
 
-// Which models a sender may choose from, and by what evidence.
+// The models that a sender may choose from, and the evidence by which it chooses.
 struct ModelPolicy {
-  std::array<bool, std::size(kMotionKinds)> allowed{true, true, true, true, true, true, true};  // by kMotionKinds
-  double memory_s = 0.5;                   // how fast the outcome of an old prediction is forgotten (time constant)
+  std::array<bool, std::size(kMotionKinds)> allowed{true, true, true, true,
+                                                    true, true, true};  // in the order of kMotionKinds
+  double memory_s = 0.5;                   // time constant with which the outcome of an old prediction is forgotten
   double horizon_max_s = 1;                // the farthest ahead that a prediction is judged by
   MotionKind first = MotionKind::kSecond;  // before there is any evidence
 };
 
-// When a receiver will use what is sent now: from `latency_s` on, for `interval_s`.
+// A receiver uses what is sent now from `latency_s` on, for `interval_s`.
 struct Horizon {
   double latency_s = 0.0, interval_s = 0.25;
   [[nodiscard]] double end_s() const { return latency_s + interval_s; }
 };
 
-// Which model an object's next update should name: the one that, made from what was known a horizon ago, would have
-// been nearest to what has followed. It sees samples up to now, nothing else.
+// Chooses the model that an object's next update should name: the one that, made from what was known a horizon ago,
+// would have been nearest to what has followed. It sees samples up to now, nothing else.
 //
-// A *run* is the samples since the last corner (a jump of velocity or acceleration, as a bounce makes): derivatives are
-// not taken across one, and no prediction is blamed for one. In a young run only short predictions have an outcome yet;
-// an error e at h counts as e (H/h)^p at the horizon H, p being the first power of time that the model leaves out.
+// A *run* is the samples since the last corner (a jump of velocity or acceleration, as a bounce makes): derivatives
+// are not taken across a corner, and no prediction is blamed for one. In a young run only short predictions have an
+// outcome yet; an error e at h counts as e (H/h)^p at the horizon H, where p is the first power of time that the model
+// leaves out.
 class ModelChooser {
  public:
   explicit ModelChooser(const ModelPolicy& policy) : policy_(policy) {}
 
-  // The object's state at t, later than all before.
+  // Adds the object's state at t, which is later than that of every call before.
   void push(SimTime t, const KinematicState& state, const Horizon& horizon);
 
-  // What the next push() will need comes from memory meanwhile.
+  // Fetches from memory what the next push() will need.
   [[gnu::always_inline]] inline void prefetch() const {
     if (samples_.size() < 2) return;
-    peerd::prefetch(&samples_.back(), 2 * sizeof(Sample));  // and where the next one comes
+    peerd::prefetch(&samples_.back(), 2 * sizeof(Sample));  // the last sample, and the place of the next one
     peerd::prefetch(samples_[1].at);
   }
 
-  // Based on the last sample. Ties go to the simpler model, then to the one chosen before.
+  // The chosen model, based on the last sample. At least one sample has been pushed. Ties go to the simpler model,
+  // then to the one chosen before.
   [[nodiscard]] MotionModel choose();
-  // How far off the model chosen last would have been at the horizon; infinite where nothing is known.
+  // The error that the model chosen last would have had at the horizon [m]; infinite where nothing is known.
   [[nodiscard]] double expected_error_m() const { return expected_error_m_; }
 
  private:
@@ -56,7 +59,7 @@ class ModelChooser {
   struct Sample {
     KinematicState state;
     SimTime at;
-    std::size_t run = 1;  // samples of its run so far, itself included; at most kSamplesMax
+    std::size_t run = 1;  // the number of samples of its run so far, itself included; at most kSamplesMax
   };
   struct Score {
     double weight = 0.0, error = 0.0;  // error [m, rad]: weighted mean
@@ -75,10 +78,10 @@ class ModelChooser {
   ModelPolicy policy_;
   boost::circular_buffer<Sample> samples_;
   SimTime judged_at_ = SimTime::min();
-  std::size_t judged_ = 1;  // so many samples before that was what was judged
+  std::size_t judged_ = 1;  // the judged prediction was made so many samples earlier
   std::array<Score, kKinds> scores_{};
   Score spin_constant_, spin_accelerated_;
-  double usual_jump_m_s_ = 0.0, usual_change_m_s2_ = 0.0;  // of velocity and acceleration, sample to sample
+  double usual_jump_m_s_ = 0.0, usual_change_m_s2_ = 0.0;  // changes of velocity and acceleration from sample to sample
   std::optional<MotionKind> chosen_;
   double expected_error_m_ = std::numeric_limits<double>::infinity();
 };

@@ -5,14 +5,15 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/sin_cos.hpp"
 #include "core/rotate_body.hpp"
+#include "core/sin_cos.hpp"
 #include "replication/motion/position_history.hpp"
 
 namespace peerd::replication {
 namespace {
 
 constexpr int kShortestPiece_log2_ns = 22, kLongestPiece_log2_ns = 27;
+static_assert(kShortestPiece_log2_ns < kLongestPiece_log2_ns);
 
 bool is_zero(const Vec3& v) { return v.isZero(0.0); }
 
@@ -65,7 +66,7 @@ struct Parabola {
   double va, vj, aa, aj;
 };
 
-// That is (4 c(h/2) - c(h)) / h and 4 (c(h) - 2 c(h/2)) / h^2, term by term, over h, h^2, 1 and h.
+// The series of (4 c(h/2) - c(h)) / h and 4 (c(h) - 2 c(h/2)) / h^2, term by term, over h, h^2, 1 and h.
 constexpr Series kParabola = [] {
   Series series{};
   for (int k = 0; k < kTerms; ++k) {
@@ -78,6 +79,7 @@ constexpr Series kParabola = [] {
 }();
 
 [[gnu::always_inline]] inline Parabola parabola(double rate, double h) {
+  assert(h > 0.0);
   const double x = rate * h, x2 = x * x;
   if (x2 < 0.125) {
     const auto s = sum_of(kParabola, x2);
@@ -112,7 +114,7 @@ struct Translation {
   return out;
 }
 
-// The acceleration's part along the axis stays, the rest turns: a'' = -rate^2 a, with a' = axis x a.
+// A turning motion: the acceleration's part along the axis stays, the rest turns: a'' = -rate^2 a, with a' = axis x a.
 struct Turn {
   [[gnu::always_inline]] inline Turn(const KinematicState& s, const Vec3& axis_rate)
       : state(s), rate(axis_rate.norm()) {
@@ -135,14 +137,14 @@ struct Turn {
   Vec3 along = Vec3::Zero(), across, jerk;
 };
 
-// Until friction has stopped it [s]; none: it never does.
+// The time until friction has stopped the object [s]; none: it never does.
 std::optional<double> stop_s(const Vec3& velocity, const Vec3& acceleration) {
   const double closing = -velocity.dot(acceleration);
   if (closing <= 0.0) return std::nullopt;
   return velocity.squaredNorm() / closing;
 }
 
-// Inlined: what a caller does not use of it is not computed.
+// Inlined, so that the parts that a caller does not use are not computed.
 [[gnu::always_inline]] inline Translation translation(const MotionModel& m, double t) {
   switch (m.kind) {
     case MotionKind::kThird:
@@ -195,14 +197,14 @@ bool translates_by_pieces(const MotionModel& m) {
   return m.kind == MotionKind::kThird || m.kind == MotionKind::kTurning || m.kind == MotionKind::kOscillating;
 }
 
-// At a steadily growing rate: its mean is that in the middle.
+// A spin about one axis grows steadily: its mean within a piece is its value in the middle.
 bool turns_about_one_axis(const MotionModel& m) {
   return m.kind != MotionKind::kSliding && is_zero(m.state.angular_velocity_body.cross(m.angular_acceleration_body));
 }
 
 bool is_cut(const MotionModel& m) { return translates_by_pieces(m) || !is_zero(m.angular_acceleration_body); }
 
-// The largest that the jerk can become: within a second, for a constant jerk it is itself.
+// The largest jerk that the model can reach [m/s^3]: within a second, a constant jerk is the bound itself.
 double jerk_bound(const MotionModel& m) {
   switch (m.kind) {
     case MotionKind::kThird:
@@ -226,8 +228,8 @@ Duration piece_length(const MotionModel& m) {
   return Duration{std::int64_t{1} << log2_ns};
 }
 
-// Rounded up, so that what has stopped stands; the way left before that is below a nanosecond's. Later than in 31 years
-// (more nanoseconds than fit) is never.
+// The time of the stop, rounded up, so that an object that has stopped stands; the way left before that is below a
+// nanosecond's. A stop later than in 31 years (more nanoseconds than fit) counts as never.
 std::optional<Duration> stop_after(const std::optional<double>& stop) {
   if (!stop || *stop > 1e9) return std::nullopt;
   const Duration after{static_cast<std::int64_t>(std::ceil(*stop * 1e9))};
@@ -238,10 +240,11 @@ std::optional<Duration> stop_after(const std::optional<double>& stop) {
 struct Bounds {
   Duration begin{0};
   std::optional<Duration> end;
-  bool cut = false;  // of the grid, not natively of constant acceleration and spin
+  bool cut = false;  // a piece of the grid, not natively of constant acceleration and spin
 };
 
 Bounds bounds_at(const MotionModel& m, Duration since_base) {
+  assert(since_base >= Duration{0});
   Bounds b;
   const auto cut_at = [&](std::optional<Duration> at) {
     if (!at) return;
@@ -265,6 +268,7 @@ Bounds bounds_at(const MotionModel& m, Duration since_base) {
     cut_at(stop_after(stop_s(m.state.velocity, m.state.acceleration)));
     cut_at(stop_after(stop_s(m.state.angular_velocity_body, m.angular_acceleration_body)));
   }
+  assert(b.begin <= since_base && (!b.end || *b.end > since_base));
   return b;
 }
 
@@ -315,11 +319,13 @@ KinematicState evaluate(const MotionModel& m, double dt_s) {
 }
 
 Vec3 position_after(const MotionModel& m, double dt_s) {
+  assert(dt_s >= 0.0);
   if (is_cut(m) && dt_s > kModelLasts_s) return evaluate(m, dt_s).position;
   return m.state.position + displacement(m, dt_s);
 }
 
 Quat orientation_after(const MotionModel& m, double dt_s) {
+  assert(dt_s >= 0.0);
   if (is_cut(m) && dt_s > kModelLasts_s) return evaluate(m, dt_s).orientation;
   KinematicState out = m.state;
   turn(m, dt_s, out);
@@ -347,6 +353,7 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
   const Bounds b = bounds_at(m, since_base);
   const double begin_s = to_seconds(b.begin);
   if (!b.cut) return {b.begin, b.end, evaluate(m, begin_s)};
+  assert(b.end && *b.end > b.begin);
   const double h = to_seconds(*b.end - b.begin);
   const Translation moved = translation(m, begin_s);
   MotionPiece piece{b.begin, b.end, m.state};
@@ -381,6 +388,7 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
 }
 
 MotionModel sliding_to_rest(const KinematicState& state, double friction_m_s2) {
+  assert(!(friction_m_s2 < 0.0));
   MotionModel m = state;
   m.kind = MotionKind::kSliding;
   const double speed = state.velocity.norm();
@@ -393,7 +401,7 @@ MotionModel after_contact(const MotionModel& m, const KinematicState& after, con
   MotionModel out = m;
   out.state = after;
   if (!mirrored) return {after};
-  if (m.kind == MotionKind::kTurning) {  // no rotation any more: its mirror image
+  if (m.kind == MotionKind::kTurning) {  // its mirror image is no rotation any more
     const Vec3 axis = m.rate_rad_s;
     const double rate = axis.norm();
     out.kind = MotionKind::kOscillating;

@@ -11,41 +11,44 @@
 namespace peerd::replication {
 namespace {
 
-// A search looks no farther than to the next multiple of this. Longer finds contacts that the next update makes void;
-// shorter searches more often.
+// A search goes no farther than to the next multiple of this. A longer time finds contacts that the next update makes
+// void; a shorter one searches more often.
 constexpr Duration kLookahead = std::chrono::milliseconds(250);
-// While two objects are inside each other and move apart, look again after this long. A fixed step, not the tick, so
-// that peers with other tick rates see the same.
+// While two objects are inside each other and move apart, the next check is after this long. The step is fixed and not
+// the tick, so that peers with other tick rates find the same.
 constexpr Duration kOverlapRetry = std::chrono::milliseconds(10);
 // An object with this many contacts within this time bounces ever lower (its bounces are below a micrometre for any
-// acceleration up to 1 km/s^2): it is put to rest instead of bounced on for ever.
+// acceleration up to 1 km/s^2): it is put to rest, or it would bounce for ever.
 constexpr std::size_t kBouncesMax = 8;
 constexpr Duration kBouncesWithin = std::chrono::milliseconds(1);
-// Those that answer by impulse are handed on among many (a rack that is broken), so what bounces ever lower is counted
-// by pair there, and one that has no room left by this many contacts.
+// Objects that respond by impulse pass impulses on among many (a rack that is broken), so ever lower bounces are
+// counted by pair there, and an object has no room left with this many contacts.
 constexpr std::size_t kImpulsesMax = 64;
 // A bound on the work of one advance(); reached only by objects squeezed between others.
 constexpr std::size_t kContactsMax = 1024;
-// Timelines keep this much past, for updates that arrive late.
+// Timelines keep this much of the past, for updates that arrive late.
 constexpr Duration kHistory = std::chrono::seconds(4);
-// .. and what is older for this at most, or for as long again where that is less: a driven object gets a segment a
-// tick, and to forget them one by one would cost more than all else that is done with them.
+// Timelines keep what is older for this much longer at most, or for as long again where that is less: a driven object
+// gets a segment at each tick, and to forget them one by one would cost more than everything else.
 constexpr Duration kPruneWithin = std::chrono::seconds(2);
-// In that time the objects' turns to forget, so that one tick does not do it for all of them.
+// The objects' turns to be pruned within that time, so that one tick does not prune all of them.
 constexpr std::int64_t kPruningSlots = 128;
 
 SimTime grid_floor(SimTime t) {
   const std::int64_t ns = t.time_since_epoch().count(), step = kLookahead.count();
-  return SimTime{Duration{(ns >= 0 ? ns / step : -((-ns + step - 1) / step)) * step}};
+  const SimTime floor{Duration{(ns >= 0 ? ns / step : -((-ns + step - 1) / step)) * step}};
+  assert(floor <= t && t - floor < kLookahead);
+  return floor;
 }
 
-// Leaves those that count for one at t, which is added.
+// Adds t, and keeps only the contacts that count together with one at t.
 void remember(std::vector<SimTime>& recent, SimTime t) {
   std::erase_if(recent, [&](SimTime r) { return r + kBouncesWithin < t || r > t; });
   recent.push_back(t);
 }
 
-// Whoever asks for all objects does so in order: so far ahead a piece is fetched, and the law where that is needed.
+// A caller that asks for all objects does so in order: a piece is fetched so far ahead, and the law where it is
+// needed.
 constexpr std::size_t kPieceAhead = 8, kLawAhead = 4;
 
 bool same_motion(const KinematicState& a, const KinematicState& b) {
@@ -81,18 +84,19 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
   for (const CollisionPair& p : model.pairs) {
     const auto answers = [&](ObjectId id) { return model.scene->object(id).response.has_value(); };
     const std::size_t collider = index_of(p.collider), collidee = index_of(p.collidee);
-    pairs_.push_back(
-        {.collider = static_cast<std::uint32_t>(collider),
-         .collidee = static_cast<std::uint32_t>(collidee),
-         .type = p.type,
-         .collider_responds = answers(p.collider),
-         .collidee_responds = p.mutual && answers(p.collidee),
-         .has_exact_search = p.type == CollisionType::kBox || collision::has_exact_answer(body(collider), body(collidee)),
-         .clear_until = start,
-         .contact = {},
-         .free_at = {},
-         .recent = {}});
+    pairs_.push_back({.collider = static_cast<std::uint32_t>(collider),
+                      .collidee = static_cast<std::uint32_t>(collidee),
+                      .type = p.type,
+                      .collider_responds = answers(p.collider),
+                      .collidee_responds = p.mutual && answers(p.collidee),
+                      .has_exact_search =
+                          p.type == CollisionType::kBox || collision::has_exact_answer(body(collider), body(collidee)),
+                      .clear_until = start,
+                      .contact = {},
+                      .free_at = {},
+                      .recent = {}});
   }
+  assert(objects_.size() == model.bodies.size() && pairs_.size() == model.pairs.size());
 }
 
 std::span<const std::uint32_t> MotionWorld::pairs_of(std::size_t object) const {
@@ -101,7 +105,8 @@ std::span<const std::uint32_t> MotionWorld::pairs_of(std::size_t object) const {
 }
 
 void MotionWorld::declare(ObjectId object, Role role) {
-  if (find(object) == nullptr) {  // but for bodies: no interest names it, it moves and meets nothing
+  assert(object.value < index_by_id_.size());
+  if (find(object) == nullptr) {  // apart from bodies: no interest names the object, and it meets nothing
     const KinematicState initial = at_rest(model_.scene->rigid_pose(object));
     index_by_id_[object.value] = static_cast<std::uint32_t>(objects_.size());
     objects_.push_back({.id = object,
@@ -130,6 +135,7 @@ void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
 }
 
 void MotionWorld::watch(std::uint32_t number, bool on) {
+  assert(number < pairs_.size());
   Pair& pair = pairs_[number];
   if (pair.watched == on) return;
   pair.watched = on;
@@ -138,7 +144,7 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
   reschedule(number);
 }
 
-// After any change of what the pair is asked for, or of what it knows.
+// Called after any change of whether the pair is watched, or of what is known of it.
 void MotionWorld::reschedule(std::size_t i) {
   const Pair& pair = pairs_[i];
   const bool scene = objects_[pair.collider].role == Role::kScene && objects_[pair.collidee].role == Role::kScene;
@@ -147,6 +153,7 @@ void MotionWorld::reschedule(std::size_t i) {
     in_pair_checks_[i] = scheduled;
     scheduled ? ++watched_ : --watched_;
   }
+  assert(watched_ <= pairs_.size());
   pair_checks_.set(i, scheduled ? pair.contact.value_or(pair.clear_until) : SimTime::max());
 }
 
@@ -159,7 +166,7 @@ void MotionWorld::note_change(std::size_t index) {
   changed_.push_back(static_cast<std::uint32_t>(index));
 }
 
-// After any change of its timeline.
+// Called after any change of the object's timeline.
 void MotionWorld::timeline_changed(std::size_t index) {
   note_change(index);
   schedule_pruning(index);
@@ -219,7 +226,7 @@ void MotionWorld::clear_bounces(std::size_t object, SimTime from) {
   for (const std::uint32_t i : pairs_of(object)) std::erase_if(pairs_[i].recent, later);
 }
 
-// What followed from a contact with `cause` at t or later is believed no more. Firm answers stand.
+// Retracts what followed from a contact with `cause` at t or later. Responses of authoritative objects stand.
 void MotionWorld::retract(std::size_t cause, SimTime t) {
   if (cause >= model_.partners_of_body.size()) return;  // it meets nothing
   for (const std::uint32_t i : model_.partners_of_body[cause]) {
@@ -229,7 +236,7 @@ void MotionWorld::retract(std::size_t cause, SimTime t) {
     while (wrong < o.timeline.segment_count() && o.timeline.segment(wrong).cause != objects_[cause].id) ++wrong;
     if (wrong == 0 || wrong == o.timeline.segment_count()) continue;
     const SimTime from = o.timeline.segment(wrong).from;
-    if (o.base_time >= from) continue;  // its owner has spoken since
+    if (o.base_time >= from) continue;  // its owner has published since
     o.timeline.truncate_from(from);
     timeline_changed(i);
     clear_bounces(i, from);
@@ -241,9 +248,9 @@ void MotionWorld::retract(std::size_t cause, SimTime t) {
   }
 }
 
-// The object's pieces changed from t on: what its pairs know of later contacts is void. What stands firm is not
-// searched in the past that this peer has already lived because another moved otherwise; its own change (a decision)
-// is.
+// The object's pieces changed from t on: what its pairs know of later contacts is void. Pairs with an authoritative or
+// driven object are not searched again in the past because another object moved otherwise; its own change (a decision)
+// makes them searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t) {
   for (const std::uint32_t i : pairs_of(object)) {
     Pair& pair = pairs_[i];
@@ -258,7 +265,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t) {
   }
 }
 
-// An update that its owner made after t already holds the outcome.
+// An update that its owner made after t already contains the outcome.
 bool MotionWorld::will_respond(const Object& o, bool registered, SimTime t) {
   return registered && o.role >= Role::kAuthoritative && o.base_time <= t;
 }
@@ -279,8 +286,9 @@ void MotionWorld::search_window(Pair& pair) {
   SimTime end = grid_floor(s) + kLookahead;
   if (bound_a.next_change) end = std::min(end, *bound_a.next_change);
   if (bound_b.next_change) end = std::min(end, *bound_b.next_change);
+  assert(end > s);
 
-  if (bound_a.still && bound_b.still) {  // nothing that stands meets anything
+  if (bound_a.still && bound_b.still) {  // two objects that stand do not meet
     ++counters_.searches_skipped;
     pair.clear_until = bound_a.next_change || bound_b.next_change ? end : SimTime::max();
     return;
@@ -292,11 +300,12 @@ void MotionWorld::search_window(Pair& pair) {
     pair.clear_until = end;
     return;
   }
-  // Where a search begins: not where this peer happens to have got to, but the last instant until s that the timelines
-  // alone decide, so that where they are equal contact times are, to the last bit.
+  // A search begins not where this peer happens to be, but at the last instant until s that the timelines alone
+  // decide, so that equal timelines give equal contact times, to the last bit.
   SimTime begin = grid_floor(s);
   if (bound_a.last_change) begin = std::max(begin, *bound_a.last_change);
   if (bound_b.last_change) begin = std::max(begin, *bound_b.last_change);
+  assert(begin <= s);
   KinematicState state_a, state_b;
   const auto search_from = [&](SimTime from) {
     begin = from;
@@ -310,9 +319,10 @@ void MotionWorld::search_window(Pair& pair) {
     return begin + Duration{static_cast<std::int64_t>(std::floor(found.time_s * 1e9))};
   };
   collision::Contact c = search_from(begin);
-  // What came before s has been dealt with.
+  // Contacts before s have been dealt with.
   if (begin < s && c.state != collision::ContactState::kSeparated && time_of(c) < s) c = search_from(s);
   const auto contact_at = [&](SimTime t, bool overlapped) {
+    assert(t >= s);
     pair.contact = t;
     pair.clear_until = t;
     pair.normal = c.normal_world;
@@ -371,16 +381,18 @@ void MotionWorld::search(Pair& pair, SimTime to) {
 }
 
 MotionModel MotionWorld::motion_after_response(std::size_t object, const Pair& pair, const MotionModel& self,
-                                  const KinematicState& other, bool other_responds, const Vec3& n) {
+                                               const KinematicState& other, bool other_responds, const Vec3& n) {
   Object& o = objects_[object];
   const CollisionResponse* const response = model_.response_of(o.id);
+  assert(response != nullptr && pair.contact);
   const Object& met = objects_[pair.collider == object ? pair.collidee : pair.collider];
   const ContactSide side{*response, model_.response_of(met.id), other_responds, self.state, other, n};
   const SimTime t = *pair.contact;
   const bool impulse = response->type == ResponseType::kImpulse;
   remember(o.recent, t);
   const std::size_t bounces = impulse ? pair.recent.size() : o.recent.size();
-  if (o.recent.size() > (impulse ? kImpulsesMax : 2 * kBouncesMax)) {  // between two that leave it no room
+  if (o.recent.size() >
+      (impulse ? kImpulsesMax : 2 * kBouncesMax)) {  // the object is between two that leave it no room
     ++counters_.jammed;
     CollisionResponse stops = *response;
     stops.type = ResponseType::kZero;
@@ -400,6 +412,7 @@ MotionModel MotionWorld::motion_after_response(std::size_t object, const Pair& p
 }
 
 void MotionWorld::respond_to_contact(Pair& pair) {
+  assert(pair.contact);
   const SimTime t = *pair.contact;
   Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
   const MotionModel model_a = a.timeline.model_at(t), model_b = b.timeline.model_at(t);
@@ -414,13 +427,21 @@ void MotionWorld::respond_to_contact(Pair& pair) {
   remember(pair.recent, t);
   if (a_responds) after_a = motion_after_response(pair.collider, pair, model_a, before_b, b_responds, pair.normal);
   if (b_responds) after_b = motion_after_response(pair.collidee, pair, model_b, before_a, a_responds, -pair.normal);
-  // What slides by the world's friction is told with just the deceleration that whoever hears of it knows it by
-  // (law_of_outcome), also where it does not answer: its own law's has been turned and rounded since its base.
+  // An object that slides by the world's friction is published with exactly the deceleration by which receivers
+  // recognise it (law_of_outcome), also where it does not respond: that of its own law has been turned and rounded
+  // since its base.
   const auto state_as_published = [&](ObjectId id, const MotionModel& after) {
     const bool slides = after.kind == MotionKind::kSliding;
     return slides ? law_after(model_.response_of(id), after, after.state).state : after.state;
   };
-  ContactEvent event{t, a.id, b.id, pair.normal, before_a, before_b, state_as_published(a.id, after_a), state_as_published(b.id, after_b)};
+  ContactEvent event{t,
+                     a.id,
+                     b.id,
+                     pair.normal,
+                     before_a,
+                     before_b,
+                     state_as_published(a.id, after_a),
+                     state_as_published(b.id, after_b)};
   pair.contact.reset();
   ++counters_.contacts;
   if (authority == ContactAuthority::kDeferred) {
@@ -442,7 +463,7 @@ void MotionWorld::respond_to_contact(Pair& pair) {
     timeline_changed(index);
     reopen_pairs(index, t);
   }
-  // Where no answer changes anything (nobody answers; an object that was stopped is run into) the contact goes on.
+  // A contact in which no response changes anything (nobody responds; an object that was stopped is run into) goes on.
   pair.inside = same_motion(before_a, after_a.state) && same_motion(before_b, after_b.state);
   events_.push_back(event);
 }
@@ -462,6 +483,7 @@ void MotionWorld::advance(SimTime to) {
     }
     counters_.searches_skipped += watched - checked;
     if (!first) break;
+    assert(*pairs_[*first].contact <= to);
     if (contacts == kContactsMax) {
       ++counters_.capped;
       for (std::size_t i = 0; i < pairs_.size(); ++i) {
@@ -519,6 +541,7 @@ SimTime MotionWorld::base_time(ObjectId object) const { return objects_[index_of
 std::uint64_t MotionWorld::revision(ObjectId object) const { return objects_[index_of(object)].revision; }
 
 std::optional<MotionWorld::Event> MotionWorld::poll_event() {
+  assert(polled_ <= events_.size());
   if (polled_ < events_.size()) return std::move(events_[polled_++]);
   events_.clear();
   polled_ = 0;

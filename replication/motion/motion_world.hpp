@@ -17,51 +17,51 @@
 
 namespace peerd::replication {
 
-// What an object does in a MotionWorld when it touches something. Those from kAuthoritative on answer.
+// The role of an object in a MotionWorld: what it does in a contact. Roles from kAuthoritative on respond.
 enum class Role : std::uint8_t {
-  kScene,   // run by nobody: stays
-  kDriven,  // moved by samples from outside; contacts are seen, not answered
-  kAuthoritative,    // answers contacts, and what it answered stays (an object that this peer runs)
-  kPredicted,  // answers contacts, but takes the answer back when its cause turns out to have moved otherwise
+  kScene,          // owned by nobody: it stays
+  kDriven,         // moved by samples from outside; its contacts are reported, and it does not respond
+  kAuthoritative,  // responds to contacts, and its responses are final (an object that this peer owns)
+  kPredicted,      // responds to contacts; a response is retracted when its cause turns out to have moved otherwise
 };
 
-// Whose outcome of a contact counts.
+// The authority in a contact: the outcome that counts.
 enum class ContactAuthority : std::uint8_t {
-  kAsPublished,   // this world's, but for an object whose owner has told of later: that holds it already
-  kLocal,      // this world's: whoever has told of later was to leave it to this peer
-  kDeferred  // the contact is told once, `held`, and the two go on
+  kAsPublished,  // this world's, but for an object with an update of a later time, which contains the outcome
+  kLocal,        // this world's, also for an object with a later update: its owner leaves the decision to this peer
+  kDeferred      // the contact is reported once, as deferred, and the two objects go on
 };
 
 struct ContactEvent {
   SimTime at;  // the contact time, rounded down to a nanosecond so that nothing is inside anything
   ObjectId collider, collidee;
-  Vec3 normal = Vec3::Zero();  // world frame, of the collidee's polygon, facing the collider
+  Vec3 normal = Vec3::Zero();  // in the world frame: of the collidee's polygon, facing the collider
   KinematicState collider_before, collidee_before, collider_after, collidee_after;
-  bool deferred = false;  // nobody answered: another peer decides. The states after are what it would come to here
+  bool deferred = false;  // nobody responded: another peer decides; the states after are what the outcome would be here
 };
 
-// Contacts of `object` after `since` that were told are believed no more; those that still hold are told again.
+// Contacts of `object` after `since` that were reported are retracted; those that still hold are reported again.
 struct ContactsRetracted {
   ObjectId object;
   SimTime since;
 };
 
-// Objects on timelines that meet each other at contact *times*. Results do not depend on how often advance() is called,
-// nor on when what was told came: a pair's next contact is computed once, from an instant that their timelines decide,
-// and kept until one of the pieces changes. Worlds with equal timelines find equal contacts, bit for bit.
+// Objects on timelines that meet each other at contact *times*. Results depend neither on how often advance() is
+// called, nor on when updates came: a pair's next contact is computed once, from an instant that the two timelines
+// decide, and kept until one of the pieces changes. Worlds with equal timelines find equal contacts, bit for bit.
 //
-// A tick costs what is due: pairs wait for the instant at which they need a look, objects for that at which something
-// of theirs is to be forgotten. What no interest names costs nothing between two changes of how it moves.
+// A tick costs what is due: pairs wait for the instant at which they need a check, objects for that at which their
+// timelines are pruned. An object that no interest names costs nothing between two changes of its motion.
 class MotionWorld {
  public:
   struct Counters {
     std::uint64_t contact_searches = 0;  // calls into collision
-    std::uint64_t searches_far = 0;      // spared those calls: where the two can be doesn't meet
+    std::uint64_t searches_far = 0;      // searches without such a call, because the bounds of the two are apart
     std::uint64_t searches_skipped = 0;  // pairs whose cached answer still stood
     std::uint64_t contacts = 0;
-    std::uint64_t contacts_undone = 0;  // beliefs taken back
+    std::uint64_t contacts_undone = 0;  // predicted contacts that were retracted
     std::uint64_t came_to_rest = 0;     // ever lower bounces ended by come_to_rest_against
-    std::uint64_t jammed = 0;           // objects stopped because rest gave way to rest
+    std::uint64_t jammed = 0;           // objects stopped because they were squeezed between others
     std::uint64_t overlapped = 0;       // searches that began inside another object
     std::uint64_t unsupported = 0;      // pairs that collision can't answer yet
     std::uint64_t failed = 0;           // searches that hit their iteration cap
@@ -79,43 +79,45 @@ class MotionWorld {
   void watch(ObjectId a, ObjectId b, bool on);
   void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
 
-  // How long where a driven object was is kept after the last advance(), > 0; 4 s at first, as of all others. Of one
-  // that no interest names, nothing but what was told last is kept from then on: nobody meets it.
+  // Keeps the positions of driven objects for so long before the last advance(), > 0; 4 s at first, as for all other
+  // objects. Of a driven object that no interest names, nothing but its last sample is kept from then on: nothing
+  // meets it.
   void keep_history_of_driven(Duration history) {
     assert(history > Duration{0});
     driven_history_ = history;
   }
 
-  // Asked at each contact.
+  // The function is asked at each contact.
   using AuthorityOf = std::function<ContactAuthority(ObjectId collider, ObjectId collidee, SimTime contact)>;
   void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
 
-  // From t on, the object moves so: an update, a sample, a decision. t may lie in the past; beliefs that followed from
-  // what is replaced are taken back and found anew by the next advance().
+  // From t on the object moves so: an update, a sample or a decision. t may lie in the past; predictions that followed
+  // from what is replaced are retracted and found anew by the next advance().
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
 
-  // For who tells many in turn: what set_base() will need of this one comes from memory meanwhile.
+  // For a caller that sets many objects in turn: fetches from memory what set_base() will need of this one.
   [[gnu::always_inline]] inline void prefetch(ObjectId object) const {
     if (const Object* o = find(object)) peerd::prefetch(*o);
   }
 
-  // Answers all contacts up to `to`, in time order.
+  // Finds all contacts up to `to`, in time order, and responds to them.
   void advance(SimTime to);
 
   [[nodiscard]] bool has(ObjectId object) const { return find(object) != nullptr; }
   [[nodiscard]] std::vector<ObjectId> objects() const;
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
-  // Whether it is known where it was at t: what ended more than 4 s before the last advance() (keep_driven) is not.
+  // Whether the position of the object at t is known: that of more than 4 s before the last advance() is not (see
+  // keep_history_of_driven).
   [[nodiscard]] bool has_history_at(ObjectId object, SimTime t) const;
-  // Since when the law that is in force at t is.
+  // The instant at which the law that is in force at t began.
   [[nodiscard]] SimTime law_since(ObjectId object, SimTime t) const;
-  // When the last told (not predicted) piece of its timeline began.
+  // The instant of the last update, sample or decision of the object; later predicted pieces do not move it.
   [[nodiscard]] SimTime base_time(ObjectId object) const;
-  // Whether it stands still from t on, for all that this world knows now.
+  // Whether the object stands still from t on, by all that this world knows now.
   [[nodiscard]] bool is_at_rest_from(ObjectId object, SimTime t) const;
-  // Hands over, each once and in any order, the objects whose way may have become another one since the last call.
-  // `function` tells this world nothing.
+  // Calls `function` for the objects whose motion may have changed since the last call, each once and in any order.
+  // `function` must not change this world.
   template <class Function>
   void take_changed(Function function) {
     for (const std::uint32_t i : changed_) {
@@ -124,9 +126,9 @@ class MotionWorld {
     }
     changed_.clear();
   }
-  // Another number whenever its future became another one: it was told, or what it had answered was taken back.
+  // A number that changes whenever the future of the object does: by set_base(), or when a response was retracted.
   [[nodiscard]] std::uint64_t revision(ObjectId object) const;
-  // What happened, in order; drain after advance().
+  // The events so far, in order; drain after advance().
   using Event = std::variant<ContactEvent, ContactsRetracted>;
   [[nodiscard]] std::optional<Event> poll_event();
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -137,11 +139,11 @@ class MotionWorld {
     Role role;
     Timeline timeline;
     SimTime base_time;
-    std::vector<SimTime> recent;  // of its last contacts, for ever lower bounces
+    std::vector<SimTime> recent;  // the times of its last contacts, to find ever lower bounces
     std::uint64_t revision = 0;
-    bool pruning_scheduled = false;  // it is in forgetting_
-    bool changed = false;  // .. in changed_
-    SweptBound bound;      // what was asked for last; it answers for nothing once the timeline changes
+    bool pruning_scheduled = false;  // it is in prunings_
+    bool changed = false;            // it is in changed_
+    SweptBound bound;                // the last bound; it answers for nothing once the timeline changes
   };
   struct Pair {
     std::uint32_t collider, collidee;  // into objects_
@@ -149,17 +151,17 @@ class MotionWorld {
     bool collider_responds, collidee_responds;
     bool has_exact_search;  // collision has an answer
     bool watched = true;
-    bool unsupported = false;        // told once, then left alone
-    bool overlapped = false;         // `contact` is an overlap found, not a touch
-    bool resting = false;            // `contact` is one pressed against the other, not one that comes in
-    bool inside = false;             // a contact that nobody answers goes on; it is told once
-    SimTime clear_until;             // no contact before this that is not already answered
-    std::optional<SimTime> contact;  // the next one, at clear_until, if the search found one
-    std::optional<SimTime> free_at;  // when the two were last known apart: setBack goes there
+    bool unsupported = false;        // counted once, then never searched again
+    bool overlapped = false;         // `contact` is an overlap, not a touch
+    bool resting = false;            // at `contact` the two are pressed together and do not approach
+    bool inside = false;             // a contact without a response goes on; it is reported once
+    SimTime clear_until;             // all contacts before this have been dealt with
+    std::optional<SimTime> contact;  // the next contact, at clear_until, if the search found one
+    std::optional<SimTime> free_at;  // the last instant at which the two were known to be apart: setBack goes there
     Vec3 normal = Vec3::Zero();
-    std::vector<SimTime> recent;  // of its last contacts, for those that answer by impulse
+    std::vector<SimTime> recent;  // the times of its last contacts, for objects that respond by impulse
   };
-  // When a timeline forgets what is too old by then.
+  // The instant at which a timeline is pruned of what is too old by then.
   struct Pruning {
     SimTime at;
     std::uint32_t object;
@@ -189,23 +191,23 @@ class MotionWorld {
   void prune_timelines();
   void respond_to_contact(Pair& pair);
   [[nodiscard]] MotionModel motion_after_response(std::size_t object, const Pair& pair, const MotionModel& self,
-                                     const KinematicState& other, bool other_responds, const Vec3& n);
+                                                  const KinematicState& other, bool other_responds, const Vec3& n);
   void retract(std::size_t cause, SimTime t);
   void reopen_pairs(std::size_t object, SimTime t);
   void clear_bounces(std::size_t object, SimTime from);
 
   const WorldModel& model_;
   SimTime start_, advanced_;
-  std::optional<Duration> driven_history_;  // none: as of all others
-  std::vector<Object> objects_;             // the model's bodies, then what else was declared, as it came
-  std::vector<std::uint32_t> index_by_id_;  // into objects_; kNone
-  std::vector<Pair> pairs_;                 // the model's
-  Schedule pair_checks_;                          // pairs: when the next look is due
-  std::size_t watched_ = 0;                 // pairs in looks_, whenever that is
+  std::optional<Duration> driven_history_;  // none: as for all other objects
+  std::vector<Object> objects_;  // the model's bodies, then the other declared objects in order of declaration
+  std::vector<std::uint32_t> index_by_id_;  // indices into objects_, or kNone
+  std::vector<Pair> pairs_;                 // in the order of the model
+  Schedule pair_checks_;                    // for each pair, when the next check is due
+  std::size_t watched_ = 0;                 // the number of pairs with a check, whenever that is due
   std::vector<bool> in_pair_checks_;
-  std::vector<Pruning> prunings_;  // a heap, the earliest first
-  std::vector<std::uint32_t> changed_;  // objects
-  AuthorityOf authority_of_;                   // none: as told
+  std::vector<Pruning> prunings_;       // a heap, the earliest first
+  std::vector<std::uint32_t> changed_;  // indices into objects_
+  AuthorityOf authority_of_;            // none: kAsPublished for all
   std::vector<Event> events_;
   std::size_t polled_ = 0;  // of events_
   Counters counters_;

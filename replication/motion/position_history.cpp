@@ -23,6 +23,7 @@ PositionHistory position_history(const Vec3& x0, const Vec3& x1, const Vec3& x2,
 }
 
 Vec3 spin_between(const Quat& from, const Quat& to, double dt_s) {
+  assert(dt_s > 0.0);
   const Quat d = from.conjugate() * to;
   const double sign = d.w() < 0.0 ? -1.0 : 1.0, s = d.vec().norm();
   const double angle_over_s = s < 1e-9 ? 2.0 : 2.0 * peerd::atan2(s, sign * d.w()) / s;

@@ -11,7 +11,7 @@ bool by_impulse(const CollisionResponse* response) {
   return response != nullptr && response->type == ResponseType::kImpulse;
 }
 
-// How much of what both together have to change is this one's.
+// The part of this object in what the two have to change together, in [0, 1].
 double share(const ContactSide& m) {
   if (!by_impulse(&m.response) || !m.other_responds || !by_impulse(m.other_response)) return 1.0;
   return m.other_response->mass_kg / (m.response.mass_kg + m.other_response->mass_kg);
@@ -22,7 +22,7 @@ double restitution(const ContactSide& m) {
   return by_impulse(m.other_response) ? std::min(own, m.other_response->restitution) : own;
 }
 
-// Negative: they approach.
+// The speed along n at which the two part [m/s]; negative where they approach.
 double parting_speed(const ContactSide& m) { return m.n.dot(m.self.velocity - m.other.velocity); }
 
 double friction(const CollisionResponse* response) { return by_impulse(response) ? response->friction_m_s2 : 0.0; }
@@ -51,10 +51,11 @@ KinematicState respond(const ContactSide& m) {
 }
 
 KinematicState come_to_rest_against(const ContactSide& m, bool pressed) {
+  assert(std::abs(m.n.norm() - 1.0) < 1e-9);
   KinematicState after = m.self;
   const bool turns = !m.self.angular_velocity_body.isZero(0.0) || !m.other.angular_velocity_body.isZero(0.0);
-  // Two of the seed's kind don't share what they change, and where a body turns its centre's speed is not the
-  // contact's.
+  // Two objects that do not respond by impulse don't share what they change, and where a body turns, the speed of its
+  // centre is not that of the contact.
   const bool stops = pressed && !turns && (!m.other_responds || share(m) < 1.0);
   const double speed = parting_speed(m);
   after.velocity -= share(m) * (stops ? speed : std::min(0.0, speed)) * m.n;

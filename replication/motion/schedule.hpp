@@ -8,21 +8,25 @@
 
 namespace peerd::replication {
 
-// When each of a fixed number of things needs a look, and which of them do by some time, in the order of their numbers:
-// a tree of least times. Setting a time and finding the next one due take the logarithm of their number at most.
+// The time at which each of a fixed number of things is to be checked. It finds those that are due by some time in the
+// order of their numbers, with a tree of least times. Setting a time and finding the next one due take the logarithm
+// of their number at most.
 class Schedule {
  public:
   Schedule() = default;
-  // All never.
+  // No thing is ever due.
   explicit Schedule(std::size_t count) : count_(count) {
     while (leaves_ < count) leaves_ *= 2;
     least_.assign(2 * leaves_, SimTime::max());
   }
 
   [[nodiscard]] std::size_t size() const { return count_; }
-  [[nodiscard]] SimTime at(std::size_t number) const { return least_[leaves_ + number]; }
+  [[nodiscard]] SimTime at(std::size_t number) const {
+    assert(number < count_);
+    return least_[leaves_ + number];
+  }
 
-  // SimTime::max(): never.
+  // Sets the time of one thing; SimTime::max(): never.
   void set(std::size_t number, SimTime t) {
     assert(number < count_);
     std::size_t node = leaves_ + number;
@@ -34,12 +38,13 @@ class Schedule {
     }
   }
 
-  // The first one from that number on that is due at `until` or earlier; size() where none is. `until` is before never.
+  // The first thing from that number on that is due at `until` or earlier; size() where none is. `until` is before
+  // SimTime::max().
   [[nodiscard]] std::size_t next_due(std::size_t number, SimTime until) const {
     assert(until < SimTime::max());
     if (number >= count_) return count_;
     std::size_t node = leaves_ + number;
-    while (least_[node] > until) {  // what lies to the right, in ever larger steps
+    while (least_[node] > until) {  // goes to the right, in ever larger steps
       while (node % 2 == 1) node /= 2;
       if (node == 0) return count_;
       ++node;

@@ -1,6 +1,7 @@
 #include "replication/motion/swept_bound.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 
 #include "collision/contact/contact_time.hpp"
@@ -8,15 +9,17 @@
 namespace peerd::replication {
 namespace {
 
-// Of all lengths involved; the rounding of a path and of the search's own tests is below 2^-39 of them.
+// The margin, as a fraction of all lengths involved; the rounding of a path and of the tests of the search is below
+// 2^-39 of them.
 constexpr double kMargin = 0x1p-30;
-// The world box of what lies in a sphere lies in the sphere this much larger (sqrt(3), rounded up):
-// CollisionType::kBox.
+// For CollisionType::kBox: the world box of a body that lies in a sphere lies in the sphere that is this much larger
+// (sqrt(3), rounded up).
 constexpr double kBoxReach = 1.7320508075688774;
 
 bool turns(const KinematicState& s) { return !s.angular_velocity_body.isZero(0.0); }
 
-// Holds all vertices, and what is round where these are on it.
+// The radius of a sphere around the body's centre that contains all vertices, and the exact sphere where the body is
+// one.
 double radius_of(const collision::Body& body) {
   if (!body.sphere) return body.radius_m;
   return std::max(body.radius_m, (body.sphere->center - body.center).norm() + body.sphere->radius_m);
@@ -25,16 +28,19 @@ double radius_of(const collision::Body& body) {
 }  // namespace
 
 SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {
+  assert(begin <= s && s < end);
   SweptBound bound;
   bound.last_change = timeline.last_change_until(s);
   bound.next_change = timeline.next_change_after(s);
   bound.still = is_motionless(timeline.at(s));
   if (bound.last_change) begin = std::max(begin, *bound.last_change);
   if (bound.next_change) end = std::min(end, *bound.next_change);
-  // At the instant at which a law begins, and before, at() tells the law's own derivatives; after it the piece's.
+  // Until the instant at which a law begins, at() gives the law's own derivatives; after it the derivatives of the
+  // piece.
   const SimTime law_begins = timeline.segment_at(s).from;
   bound.from = s <= law_begins ? s : std::max(begin, law_begins + Duration{1});
   bound.until = s <= law_begins ? s + Duration{1} : end;
+  assert(bound.answers_for(s));
 
   const double h = to_seconds(end - begin);
   bound.low.setConstant(std::numeric_limits<double>::infinity());
@@ -44,8 +50,8 @@ SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, Si
     const Vec3 center = turning ? at_begin.position : Vec3(at_begin.pose() * body.center);
     const double reach = turning ? body.center.norm() + radius : radius;
     const Vec3 way = h * at_begin.velocity;
-    // A tangent to the path, at any instant of it, leaves the chord's box by no more, the error of the tangent
-    // included.
+    // A tangent to the path, at any instant of it, leaves the box of the chord by no more than this, the error of the
+    // tangent included.
     const double bend = 0.5 * h * h * at_begin.acceleration.norm();
     const double lengths = center.norm() + body.center.norm() + way.norm() + bend + reach;
     const double more = bend + kMargin * lengths + 4.0 * collision::kAdvancementTolerance_m;
@@ -58,7 +64,7 @@ SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, Si
     hold(first, turns(first));
     return bound;
   }
-  // Partners' searches may begin with the law or within its first piece.
+  // The searches of partners may begin with the law or within its first piece.
   const KinematicState piece = timeline.at(begin + Duration{1});
   const bool turning = turns(first) || turns(piece);
   hold(first, turning);

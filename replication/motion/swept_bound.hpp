@@ -5,26 +5,28 @@
 
 namespace peerd::replication {
 
-// Where a body can be from some instant on, as long as its timeline's piece and the time that searches look ahead last:
-// the box of its bounding sphere's centre, and the sphere's radius. It holds the path at constant acceleration, the
-// tangents that a search may take in its place, and all that rounding can add.
+// The region in which a body can be from some instant on, as long as the piece of its timeline and the time that
+// searches look ahead last: the box of the centre of its bounding sphere, and the radius of the sphere. The region
+// contains the path at constant acceleration, the tangents that a search may take in its place, and all that rounding
+// can add.
 struct SweptBound {
-  // The piece in force at `s`, in [from, until): what the bound is of.
-  std::optional<SimTime> last_change, next_change;  // Timeline's, at s
-  bool still = false;                               // neither moves nor turns nor is accelerated at s
+  // The bound is of the piece in force at `s`, for s in [from, until).
+  std::optional<SimTime> last_change, next_change;  // of the Timeline, at s
+  bool still = false;                               // the body neither moves nor turns nor is accelerated at s
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   double radius_m = 0.0;
-  SimTime from = SimTime::max(), until = SimTime::min();  // the instants s that it answers for: [from, until)
+  SimTime from = SimTime::max(), until = SimTime::min();  // the bound answers for the instants s in [from, until)
 
   [[nodiscard]] bool answers_for(SimTime s) const { return s >= from && s < until; }
 };
 
-// Of the instant s; the sweep begins at `begin` <= s or where the piece does, and ends at `end` > s or where the piece
-// does.
+// The bound for the instant s. The sweep begins at `begin` <= s or where the piece does, and ends at `end` > s or
+// where the piece does.
 [[nodiscard]] SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin,
                                      SimTime end);
 
-// Certainly apart all the while that both bounds hold, so that first_contact() would answer kSeparated. NaN is not.
+// Whether the two are certainly apart all the while that both bounds hold, so that first_contact() would answer
+// kSeparated. False where a number is NaN.
 [[nodiscard]] bool apart(const SweptBound& a, const SweptBound& b, CollisionType type);
 
 }  // namespace peerd::replication

@@ -1,6 +1,7 @@
 #include "replication/motion/timeline.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace peerd::replication {
 namespace {
@@ -17,21 +18,24 @@ void Timeline::replace_from(SimTime t, const MotionModel& model, std::optional<O
     while (!past_.empty() && past_.back().from >= t) past_.pop_back();
   }
   last_ = {model, t, cause};
+  assert(past_.empty() || past_.back().from < last_.from);
 }
 
 void Timeline::truncate_from(SimTime t) {
   piece_.end = std::min(piece_.end, t);
   for (; !past_.empty() && last_.from >= t; past_.pop_back()) last_ = past_.back();
+  assert(past_.empty() || past_.back().from < last_.from);
 }
 
 void Timeline::forget_before(SimTime t) {
   const std::size_t first = index_at(t);
   if (first == 0) return;
   past_.erase(past_.begin(), past_.begin() + static_cast<std::ptrdiff_t>(first));
+  assert(begin() <= t);
   if (piece_.first <= begin()) piece_.end = SimTime::min();
 }
 
-// Of the segment in force at t, or of the first one.
+// The index of the segment in force at t; 0 before the first one.
 std::size_t Timeline::index_at(SimTime t) const {
   if (last_.from <= t) return past_.size();
   const auto next = std::upper_bound(past_.begin(), past_.end(), t, begins_after);
@@ -44,7 +48,8 @@ const Timeline::Segment& Timeline::segment_at(SimTime t) const {
 
 std::optional<SimTime> Timeline::last_change_until(SimTime t) const {
   const Segment& s = segment_at(t);
-  const bool stays = is_motionless(s.model.state) && s.model.jerk.isZero(0.0) && s.model.angular_acceleration_body.isZero(0.0);
+  const bool stays =
+      is_motionless(s.model.state) && s.model.jerk.isZero(0.0) && s.model.angular_acceleration_body.isZero(0.0);
   if (t < s.from || (&s == &segment(0) && stays)) return std::nullopt;
   return in_piece(t) ? piece_.begin : s.from + piece_begin(s.model, t - s.from);
 }
@@ -58,6 +63,7 @@ std::optional<SimTime> Timeline::next_change_after(SimTime t) const {
   if (const auto end = piece_end(s.model, t - s.from); end && (!change || s.from + *end < *change)) {
     change = s.from + *end;
   }
+  assert(!change || *change > t);
   return change;
 }
 
@@ -72,6 +78,7 @@ KinematicState Timeline::at(SimTime t) const {
     piece_.end = piece.end ? s.from + *piece.end : SimTime::max();
     if (&s != &last_) piece_.end = std::min(piece_.end, segment(i + 1).from);
     piece_.state = piece.state;
+    assert(in_piece(t));
   }
   return advance(piece_.state, to_seconds(t - piece_.begin));
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <cassert>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -11,22 +12,22 @@
 
 namespace peerd::replication {
 
-// Where one object is over time: models, each from its own instant to the next one's, as pieces of constant
-// acceleration and spin (motion_model.hpp). Evaluation always starts from the model's base state, so nothing
-// accumulates. For one thread at a time, reading included.
+// The motion of one object over time: models, each in force from its own instant to the next one's, as pieces of
+// constant acceleration and spin (motion_model.hpp). Evaluation always starts from the model's base state, so nothing
+// accumulates. A timeline is for one thread at a time, reading included.
 class Timeline {
  public:
   struct Segment {
     MotionModel model;  // its base is `from`
     SimTime from;
-    std::optional<ObjectId> cause;  // the other object of the contact that began it; none: told from outside
+    std::optional<ObjectId> cause;  // the other object of the contact that began it; none: it was set from outside
   };
 
   Timeline(SimTime from, const MotionModel& model) : last_{model, from, std::nullopt} {}
 
-  // From t on, the object moves so; whatever was believed of t and later is gone.
+  // From t on the object moves so; whatever was predicted of t and later is gone.
   void replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause);
-  // The same, and where it was before t is not known any more.
+  // Does the same, and forgets where the object was before t.
   void restart(SimTime t, const MotionModel& model) {
     past_.clear();
     last_ = {model, t, std::nullopt};
@@ -34,42 +35,46 @@ class Timeline {
   }
   // Forgets the segments that begin at t or later; the first one always stays.
   void truncate_from(SimTime t);
-  // Forgets segments that ended before t. What stays is moved: many are better forgotten at once.
+  // Forgets segments that ended before t. The segments that stay are moved, so it is better to forget many at once.
   void forget_before(SimTime t);
 
-  // By the piece in force at t. Before the first segment the object has not moved yet.
+  // The state at t by the piece in force then. Before the first segment the object has not moved yet.
   [[nodiscard]] KinematicState at(SimTime t) const;
-  // The law in force at t, based there: where at(t) has the object, with the derivatives of the closed form.
+  // The law in force at t, based there: the pose of at(t), with the derivatives of the closed form.
   [[nodiscard]] MotionModel model_at(SimTime t) const;
-  // The segment in force at t, when it or its piece in force began (none: it has not moved yet, or it always stood
-  // there), and when the next segment or piece begins (none: never).
+  // The segment in force at t; the instant at which it or its piece in force began (none: the object has not moved
+  // yet, or it always stood there); and the instant at which the next segment or piece begins (none: never).
   [[nodiscard]] const Segment& segment_at(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> last_change_until(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> next_change_after(SimTime t) const;
 
-  // For who asks of many objects in turn: what at(t) reads comes from memory meanwhile. First the piece; once that is
-  // there, the law, if the piece does not answer for t.
+  // For a caller that asks for many objects in turn: fetches what at(t) reads from memory. First the piece; once that
+  // is there, the law, if the piece does not answer for t.
   [[gnu::always_inline]] inline void prefetch_piece() const { prefetch(piece_); }
   [[gnu::always_inline]] inline void prefetch_law(SimTime t) const {
     if (!in_piece(t)) prefetch(last_);
   }
 
   [[nodiscard]] SimTime begin() const { return segment(0).from; }
-  // Strictly increasing `from`; at least one.
+  // The number of segments, at least one; their `from` strictly increases.
   [[nodiscard]] std::size_t segment_count() const { return past_.size() + 1; }
-  [[nodiscard]] const Segment& segment(std::size_t i) const { return i < past_.size() ? past_[i] : last_; }
+  [[nodiscard]] const Segment& segment(std::size_t i) const {
+    assert(i <= past_.size());
+    return i < past_.size() ? past_[i] : last_;
+  }
   [[nodiscard]] const Segment& last_segment() const { return last_; }
-  // The first segment that begins at t or later; their number where none does.
+  // The index of the first segment that begins at t or later; the number of segments where none does.
   [[nodiscard]] std::size_t first_not_before(SimTime t) const {
     const std::size_t in_force = index_at(t);
     return segment(in_force).from >= t ? in_force : in_force + 1;
   }
 
  private:
-  // The piece asked for last. A law's closed form costs up to ten times what its piece does, and whoever asks where
-  // something is now asks again soon. Only what at() says is kept, so no answer depends on what was asked before.
+  // The piece that was used last. The closed form of a law costs up to ten times as much as its piece, and a caller
+  // that asks where an object is now asks again soon. Only what at() returns is kept, so no answer depends on earlier
+  // questions.
   struct Piece {
-    SimTime first = SimTime::max(), end = SimTime::min();  // of the instants that it answers for: [first, end)
+    SimTime first = SimTime::max(), end = SimTime::min();  // it answers for the instants in [first, end)
     SimTime begin{};
     KinematicState state;  // at begin
   };
@@ -78,7 +83,7 @@ class Timeline {
   [[nodiscard]] std::size_t index_at(SimTime t) const;
 
   std::vector<Segment> past_;
-  Segment last_;  // not with the others: what is in force mostly, beside its piece
+  Segment last_;  // apart from the others, for it is mostly the one in force, and beside its piece
   mutable Piece piece_;
 };
 

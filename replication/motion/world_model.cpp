@@ -1,6 +1,7 @@
 #include "replication/motion/world_model.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <map>
 #include <tuple>
 
@@ -14,10 +15,11 @@ bool is_inside(const Scene& scene, ObjectId inner, ObjectId outer) {
   return inner.value >= outer.value && inner.value < scene.at(outer).subtree_end;
 }
 
-// By type and the lower and the higher of the two: which of the model's pairs that is.
+// The index of each pair in the model, by its type, its lower and its higher object.
 using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::size_t>;
 
 void add_pair(WorldModel& model, KnownPairs& known, const CollisionPair& pair) {
+  assert(pair.collider != pair.collidee);
   const auto [lower, higher] = std::minmax(pair.collider, pair.collidee);
   const auto [it, is_new] = known.try_emplace({pair.type, lower, higher}, model.pairs.size());
   if (is_new) {
@@ -91,6 +93,7 @@ std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
     }
     if (!model->bodies.back().unsupported.empty()) model->unsupported.push_back(model->bodies.back().unsupported);
   }
+  assert(std::ranges::is_sorted(model->bodies, {}, &collision::Body::object));
   index_pairs(*model);
   for (const CollisionPair& pair : model->pairs) {
     const collision::Body &a = *model->body(pair.collider), &b = *model->body(pair.collidee);

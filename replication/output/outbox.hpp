@@ -16,7 +16,7 @@
 
 namespace peerd::replication {
 
-// What a peer puts out, in the order in which it does: encoded and numbered datagrams, and the events of output.hpp.
+// The outputs of a peer, in their order: encoded and numbered datagrams, and the events of output.hpp.
 class Outbox {
  public:
   // `counters` outlive the outbox.
@@ -43,10 +43,10 @@ class Outbox {
   PeerCounters& counters_;
   Codec codec_;
   std::map<RegionId, std::uint32_t> numbers_;
-  std::vector<Bytes> spare_;  // memory for datagrams
+  std::vector<Bytes> spare_;  // memory for datagrams to come
   ByteBudget bytes_;
   std::vector<Output> outputs_;
-  std::size_t polled_ = 0;  // of outputs_
+  std::size_t polled_ = 0;  // the number of outputs_ that have been polled
 };
 
 }  // namespace peerd::replication

@@ -13,9 +13,10 @@
 
 namespace peerd::replication {
 
-// What a peer puts out, to be drained by Peer::poll_output() after every call that takes a time.
+// The outputs of a peer, to be drained by Peer::poll_output() after every call that takes a time.
 
-// Its datagrams mean other things by the same numbers. Told once a version.
+// A peer of another protocol version, whose datagrams mean other things by the same numbers. Each version is reported
+// once.
 struct OtherVersion {
   PeerId peer;
   std::uint32_t version = 0;
@@ -32,21 +33,21 @@ struct Leave {
   RegionId region;
 };
 struct Synchronised {
-  PeerId follows;  // itself: it founded the session
+  PeerId follows;  // the followed peer; itself: it founded the session
   Duration session_minus_host, error_bound;
 };
-// Session time went forward at once: into another session's, or, after a sleep, to where the same one had got.
+// Session time stepped forward: into another session's, or, after a suspension, to where the same one had got.
 struct ClockStepped {
   Duration session_minus_host, step;
   bool same_session;
 };
-// Two operating systems' clocks cannot both be as good as they say: what the hellos' stamps say is believed.
+// Two operating systems' clocks cannot both be as good as they say: the stamps of the hellos are believed.
 struct OsClockDoubted {
   PeerId peer;
-  Duration apart;  // of what they say and what the stamps allow
+  Duration apart;  // the gap between the bounds by the clocks and the bounds by the stamps
 };
 struct HostSuspended {
-  Duration gap;  // this peer was not run for so long; its objects go on from where they were
+  Duration gap;  // this peer did not run for so long; its objects go on from where they were
 };
 struct PeerJoined {
   PeerId peer;
@@ -67,11 +68,11 @@ struct OtherWorld {
   std::string name;
 };
 struct IdInUse {
-  PeerId peer;  // our own id, heard from somebody else
+  PeerId peer;  // the id of this peer, which another one uses, too
 };
 struct OwnershipConflict {
   ObjectId object;
-  PeerId owner;  // who keeps it: the lower id
+  PeerId owner;  // the peer that keeps the object: the one with the lower id
 };
 struct Published {
   SimTime at;
@@ -81,12 +82,12 @@ struct Published {
   PublishReason reason;
 };
 enum class ContactKind : std::uint8_t {
-  kOwner,      // happened to an object that this peer runs
-  kDecided,    // between an object of its own and another peer's; this peer decided and told the others
-  kPredicted,  // on ghosts: remote collision prediction
+  kOwner,      // a contact of an object that this peer owns
+  kDecided,    // between objects of two owners; this peer has decided it and publishes the decision
+  kPredicted,  // a contact of ghosts: remote collision prediction
   kApplied,    // another peer's decision
 };
-// A decision that was made or applied here counts no more: another on the same collision does.
+// A decision that was made or applied here is no longer in force: another one on the same collision is.
 struct Overruled {
   ObjectId collider, collidee;
   SimTime contact;
@@ -96,8 +97,8 @@ struct ContactSeen {
   ContactEvent contact;
   SimTime known_at;
 };
-using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined, PeerLost,
-                            ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, OwnershipConflict, Published, ContactSeen,
-                            Overruled, ContactsRetracted, NotColliding>;
+using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
+                            PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, OwnershipConflict, Published,
+                            ContactSeen, Overruled, ContactsRetracted, NotColliding>;
 
 }  // namespace peerd::replication

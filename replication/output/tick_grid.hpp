@@ -6,8 +6,8 @@
 
 namespace peerd::replication {
 
-// The points of session time at which every peer of a session ticks, `hz` of them a second, and the last one that this
-// peer has done. Times are rounded down to whole nanoseconds.
+// The points of session time at which every peer of a session ticks, `hz` times a second, and the last of them at
+// which this peer has ticked. Times are rounded down to whole nanoseconds.
 class TickGrid {
  public:
   explicit TickGrid(std::uint32_t hz) : hz_(hz) { assert(hz > 0); }

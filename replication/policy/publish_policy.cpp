@@ -38,7 +38,7 @@ std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m
                                  std::optional<SimTime> last_sent, SimTime now, bool redundant) {
   if (!last_sent) return PublishReason::kFirst;
   if (policy.snapshots_hz > 0) {
-    // Half a millisecond of slack: ticks are whole nanoseconds, and 1/60 s is none.
+    // Half a millisecond of slack: ticks are whole nanoseconds, and 1/60 s is not a whole number of them.
     const Duration period = Duration{std::chrono::seconds(1)} / policy.snapshots_hz - std::chrono::microseconds(500);
     return now - *last_sent >= period ? std::optional(PublishReason::kTime) : std::nullopt;
   }
@@ -49,8 +49,8 @@ std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m
 
 double urgency(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                std::optional<SimTime> last_sent, SimTime now, double viewed_from_m) {
-  constexpr double kNear_m = 1.0;  // nobody looks closer
-  constexpr double kNever = 1e9;   // as wrong as somebody may be who knows nothing of it
+  constexpr double kNear_m = 1.0;  // a viewer is no closer than that
+  constexpr double kNever = 1e9;   // the urgency of an object of which a receiver knows nothing
   const double near_m = std::max(viewed_from_m, kNear_m);
   if (!last_sent) return kNever / near_m;
   const double waited_s = to_seconds(now - *last_sent);

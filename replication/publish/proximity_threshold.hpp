@@ -13,13 +13,14 @@ namespace peerd::replication {
 // that a collision finds accurate ghosts (adaptive collision prediction tracking, Ohlenburg 2003, section 4.4.2).
 class ProximityThreshold {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   ProximityThreshold(const PeerConfig& config, const WorldModel& model, const Owners& owners, const Replica& replica,
                      PeerCounters& counters);
 
   // The threshold in force at t, >= least_m().
   [[nodiscard]] double at(ObjectId object, SimTime t) const;
-  // No error below it makes an update due, however close other objects are and whatever the budget has.
+  // The least threshold [m]: no error below it makes an update due, however close other objects are and whatever the
+  // budget has.
   [[nodiscard]] double least_m(ObjectId object) const;
 
  private:

@@ -15,8 +15,8 @@ namespace {
 
 // The smoothed interval between two updates stays within these [s].
 constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
-// A peer that is short of bytes waits for so many before the next datagram: one a tick with a record each would be half
-// headers.
+// A peer that is short of bytes waits for so many before the next datagram: a datagram with one record at each tick
+// would be half header.
 constexpr double kSmallestWorthwhileDatagram_bytes = 256.0;
 // A datagram's header (version, sender, number, the incarnation's low bits) leaves so much for records.
 constexpr std::size_t kRecordsMax_bytes = kDatagramMax_bytes - 19 - kUpdatesHeader_bytes - kDecisionsHeader_bytes;
@@ -25,8 +25,8 @@ constexpr std::size_t kHandoverMax_bytes = 15 + 4;
 // While an object is checked, what a tick needs of those that come so much later is fetched from memory.
 constexpr std::ptrdiff_t kOwnAhead = 4, kSamplesAhead = 2;
 
-// False for a model that is farther or faster than receivers take it: nobody could be told. What drives an object may
-// do that, and an object that falls for days, or a decision that somebody made up.
+// Whether receivers take the model: it is not too far or too fast. A model that is may come from what drives the
+// object, from a fall of days, or from a forged decision.
 bool sendable(const MotionModel& model) { return acceptable(model.state) && within_limits(model); }
 
 }  // namespace
@@ -54,7 +54,7 @@ void Publication::restart() {
   copies_due_.clear();
 }
 
-// ---- what is observed ----
+// ---- observing ----
 
 void Publication::take(SimTime t, std::span<const OwnSample> samples) {
   MotionWorld& truth = replica_.truth();
@@ -82,7 +82,7 @@ void Publication::observe(ObjectId object, OwnObject& own, SimTime t, double lat
   own.models->push(t, replica_.truth().at(object, t), Horizon{latency_s, own.interval_s});
 }
 
-// ---- what is due ----
+// ---- finding what is due ----
 
 // Whether an update is worth one of the budget: rounding its orientation may bring back as much as it mends.
 bool Publication::is_worth_an_update(OwnObject& own, SimTime t, const GhostError& error) const {
@@ -92,17 +92,18 @@ bool Publication::is_worth_an_update(OwnObject& own, SimTime t, const GhostError
          error.distance_m > std::max(*least_gain_m, 2.0 * own.bounding_radius_m * kOrientationError_rad);
 }
 
-// Regions forget what is not published anew, and what a relay passed on is not acknowledged.
+// Acknowledgements are tracked only without regions, which forget what is not published anew, and without a relay,
+// whose updates are not acknowledged.
 bool Publication::tracks_acknowledgements() const { return !regions_.cuts() && config_.relay.through == kNobody; }
 
-// Whether another update would say what everybody knows: the object rests where they have it; or a decision tells where
-// physics takes it, one that is still to come or from within the time threshold.
+// Whether another update would say what everybody knows: the object rests where all peers have it; or a decision says
+// where physics takes it, one that is still to come or from within the time threshold.
 bool Publication::update_is_redundant(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
                                       const KinematicState& ghost) const {
   if (!tracks_acknowledgements()) return false;
   if (is_motionless(truth) && is_motionless(ghost) && repeater_.is_acknowledged_by_all(own)) return true;
-  return !own.driven && (decisions_.awaits_decision_on(object) ||
-                         t - decisions_.log().last(object) < config_.policy.time_threshold);
+  return !own.driven &&
+         (decisions_.awaits_decision_on(object) || t - decisions_.log().last(object) < config_.policy.time_threshold);
 }
 
 // `error`: of the ghost against the truth, which is that of `own` at t.
@@ -125,7 +126,7 @@ SimTime Publication::next_check(ObjectId object, const OwnObject& own, SimTime t
   const PublishPolicy& policy = config_.policy;
   if (policy.snapshots_hz > 0) return t;
   if (!replica_.truth().is_at_rest_from(object, t) || !replica_.ghosts().is_at_rest_from(object, t)) return t;
-  // Something close to it, the budget or another update that goes out may ask for one.
+  // An object close to it, the budget or another update that goes out may ask for an update.
   const GhostError most{error.distance_m / policy.piggyback_fraction, error.angle_rad / policy.piggyback_fraction};
   if (due(policy, thresholds_.least_m(object), most, t, t)) return t;
   return *own.last_sent + longest_interval(policy, tracks_acknowledgements() && repeater_.is_acknowledged_by_all(own));
@@ -135,7 +136,7 @@ bool Publication::published_since_tick(const OwnObject& own) const {
   return own.last_sent && *own.last_sent > ticks_.last_time();
 }
 
-// ---- what goes out ----
+// ---- making updates ----
 
 void Publication::publish(SimTime t) {
   const double latency_s = to_seconds(members_.longest_mean_delay());
@@ -157,8 +158,8 @@ void Publication::publish(SimTime t) {
     ++counters_.objects_looked_at;
     observe(object, own, t, latency_s);
     const KinematicState truth = truths.at(object, t), ghost = ghosts.at(object, t);
-    // Where physics takes an object that has met something is not known before the contact is decided: until then its
-    // truth is no better than the ghosts.
+    // The way of an object that has met something is not known before the contact is decided: until then its truth is
+    // no better than the ghosts.
     const bool undecided = !own.driven && decisions_.awaits_decision_on(object);
     const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.bounding_radius_m);
     const double threshold_m = thresholds_.at(object, t);
@@ -179,7 +180,7 @@ void Publication::publish(SimTime t) {
   repeater_.copy(copies_due_);
 }
 
-// Of the updates that are due, as much as the budget of bytes allows.
+// Makes as many of the due updates as the byte budget allows.
 void Publication::publish_most_urgent(SimTime t) {
   const PublishPolicy& policy = config_.policy;
   if (!policy.bytes_per_s) return;
@@ -256,7 +257,7 @@ void Publication::publish_changed(SimTime t) {
 bool Publication::is_urgent(const OwnSample& sample, SimTime t) const {
   const OwnObject* own = std::as_const(own_).find(sample.object);
   if (own == nullptr || over_byte_budget_ || published_since_tick(*own)) return false;
-  if (!acceptable(sample.state)) return false;  // the tick says something in its place
+  if (!acceptable(sample.state)) return false;  // the tick publishes a state within the limits in its place
   assert(own->driven && sample.has_derivatives);
   const GhostError error = ghost_error(sample.state, replica_.ghosts().at(sample.object, t), own->bounding_radius_m);
   return due(config_.policy, thresholds_.least_m(sample.object), error, own->last_sent, t).has_value();
@@ -282,7 +283,6 @@ void Publication::publish_at_once(SimTime t, std::span<const OwnSample* const> s
 // Returns the record's size [bytes].
 std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime at, SimTime t, PublishReason reason,
                                         double threshold_m) {
-  assert(at <= t);
   const PublishPolicy& policy = config_.policy;
   own.budget.spend(policy, t);
   if (own.last_sent) {
@@ -308,7 +308,7 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
     ++counters_.states_out_of_range;
   }
   const double expected_error_m = own.models ? own.models->expected_error_m() : threshold_m;
-  // What physics moves is published exactly: resting against something and rounded, it could lie inside it.
+  // An object that physics moves is published exactly: resting against something and rounded, it could lie inside it.
   const Tolerance tolerance =
       own.driven ? rounding_tolerance(policy, threshold_m, own.bounding_radius_m, model.kind, expected_error_m)
                  : Tolerance{};
@@ -391,7 +391,7 @@ void Publication::flush_region(RegionId region, std::span<const Handover> handov
     EncodedUpdate& update = updates[next];
     update.count_from(updates[first].record().at);
     make_room(update.bytes().size());
-    update.count_from(updates[first].record().at);  // itself, where it comes first in another datagram
+    update.count_from(updates[first].record().at);  // from itself, where it comes first in another datagram
   }
   if (with_decisions) {
     for (DecisionLog::Entry& entry : decisions_.entries()) {

@@ -26,16 +26,16 @@
 
 namespace peerd::replication {
 
-// Which updates of own objects go out, and when: those whose ghosts have gone too far from the truth, those whose time
-// is up, and what fits beside them.
+// Chooses the updates of own objects that go out, and when: those whose ghosts have gone too far from the truth, those
+// whose time is up, and those that fit beside them.
 class Publication {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   Publication(const PeerConfig& config, const WorldModel& model, const Membership& members, const Owners& owners,
               OwnObjects& own, Launches& launches, Replica& replica, RegionSubscriptions& regions,
               ContactDecisions& decisions, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters);
 
-  // At the tick at t: the truth of driven objects. Samples of objects that this peer no longer owns are left out.
+  // At the tick at t: sets the truth of driven objects. Ignores samples of objects that this peer no longer owns.
   void take(SimTime t, std::span<const OwnSample> samples);
   // The tick at t, after both worlds have been advanced to it: makes the updates that are due.
   void publish(SimTime t);
@@ -44,16 +44,16 @@ class Publication {
   // Between two ticks, after both worlds have been advanced to t: makes the updates of changes that nobody could know,
   // and those of the samples that are due.
   void publish_at_once(SimTime t, std::span<const OwnSample* const> samples);
-  // With a hello: sends again what nothing newer has replaced and somebody may not have.
+  // With a hello: sends again the updates that nothing newer has replaced and that a peer may not have.
   void repeat_updates(HostTime now, SimTime session_now);
   // A relay passes on another peer's update.
   void relay(const UpdateRecord& update) { updates_due_.emplace_back(update, update.at); }
   // Sends what is due in as few datagrams as hold it. `with_decisions`: copies of decisions and handovers, too.
   void flush(bool with_decisions);
   // Two objects that are published in different regions have met in the ghosts: a peer that receives one of them must
-  // be told what became of it.
+  // receive the outcome.
   void on_predicted_contact(const ContactEvent& contact);
-  // Session time has stepped: what waits is void.
+  // Session time has stepped: the updates that wait are void.
   void restart();
 
  private:
@@ -104,9 +104,9 @@ class Publication {
   ProximityThreshold thresholds_;
   UpdateRepeater repeater_;
   std::vector<EncodedUpdate> updates_due_, copies_due_;
-  std::vector<Checked> not_due_;      // of this tick
-  std::vector<Due> due_updates_;      // of this tick
-  bool over_byte_budget_ = false;     // as of the last tick
+  std::vector<Checked> not_due_;   // of this tick
+  std::vector<Due> due_updates_;   // of this tick
+  bool over_byte_budget_ = false;  // as of the last tick
 };
 
 }  // namespace peerd::replication

@@ -13,8 +13,8 @@ namespace {
 // unless its rounding asks for that.
 constexpr double kAllButExact = 1.0 / 16.0, kFinest = 1.0 / 64.0;
 
-// By how much finer such a model is rounded: what rounding moves grows with the square of time, from a 16th of the
-// threshold at the kind's horizon, and should be half of it at the time threshold.
+// The factor by which such a model is rounded more finely: the error by rounding grows with the square of time, from a
+// 16th of the threshold at the kind's horizon, and should be half of it at the time threshold.
 double finer(MotionKind kind, Duration time_threshold) {
   const double horizons = to_seconds(time_threshold) / std::exp2(horizon_log2_s(kind));
   return std::clamp(8.0 / (horizons * horizons), kFinest, 1.0);
@@ -22,7 +22,7 @@ double finer(MotionKind kind, Duration time_threshold) {
 
 }  // namespace
 
-// Where snapshots go out whatever the thresholds, the tight one says what is close.
+// With snapshots, which go out whatever the thresholds, the tight threshold says what is close.
 Tolerance rounding_tolerance(const PublishPolicy& policy, double threshold_m, double bounding_radius_m, MotionKind kind,
                              double expected_error_m) {
   assert(threshold_m >= 0.0 && bounding_radius_m >= 0.0);

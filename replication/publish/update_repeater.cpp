@@ -10,7 +10,7 @@
 namespace peerd::replication {
 namespace {
 
-// Without acknowledgements: a state that has not been replaced for so long is one that stays for a while.
+// Without acknowledgements, a state that has not been replaced for so long is taken to stay for a while.
 constexpr Duration kUnreplacedFor = std::chrono::seconds(1);
 // The most repetitions of a state with hellos; enough for three in ten lost (0.3^6 = 0.0007).
 constexpr std::uint32_t kWithHellosMax = 5;
@@ -50,7 +50,7 @@ void UpdateRepeater::note_sent(const UpdateRecord& record, std::uint32_t number)
   if (own != nullptr && own->sequence == record.sequence) own->delivery.sent_in.push_back(number);
 }
 
-// With the next copy(), as often as the loss then asks for.
+// The update is copied with the next copy(), as often as the loss then asks for.
 void UpdateRepeater::copy_later(ObjectId object, OwnObject& own) {
   if (!std::exchange(own.delivery.copying, true)) copying_.push_back(object);
 }
@@ -61,7 +61,7 @@ void UpdateRepeater::copy(std::vector<EncodedUpdate>& copies_due) {
   const std::uint32_t usual = copies_against(loss, config_.policy.copies);
   const std::uint32_t to_arrive = copies_against(loss, std::max(config_.policy.copies, kCopiesToArrive));
   assert(usual >= 1 && to_arrive >= usual);
-  if (to_arrive > copies_wanted_) {  // what has gone out often enough so far may not have any more
+  if (to_arrive > copies_wanted_) {  // an update with enough copies so far may need more
     for (auto& [object, own] : own_) copy_later(object, own);
   }
   copies_wanted_ = to_arrive;
@@ -83,7 +83,7 @@ void UpdateRepeater::copy(std::vector<EncodedUpdate>& copies_due) {
   copying_.erase(kept, copying_.end());
 }
 
-// Whether somebody's hello says that the last datagram with the object's update did not arrive.
+// Whether a member's hello says that the last datagram with the object's update did not arrive.
 bool UpdateRepeater::is_lost(const OwnObject& own) const {
   const Delivery& delivery = own.delivery;
   return !delivery.sent_in.empty() && std::ranges::any_of(members_.all(), [&](const auto& entry) {
@@ -93,15 +93,14 @@ bool UpdateRepeater::is_lost(const OwnObject& own) const {
   });
 }
 
-// A lost state would stand wrong until the time threshold. It goes out again with the next hello where datagrams do get
-// lost, and whenever somebody's hello says that the last one did; where no hello says anything in time, as often as the
-// loss asks for.
+// A lost state would stand wrong until the time threshold. It goes out again with the next hello where datagrams do
+// get lost, and whenever a member's hello says that the last one was lost; where no hello says anything in time, as
+// often as the loss asks for.
 void UpdateRepeater::repeat(HostTime now, SimTime session_now, std::vector<EncodedUpdate>& updates_due) {
   const double loss = members_.worst_loss_to_peers();
   const bool lossy = copies_against(loss, 2) > 1;
   const std::uint32_t most = acknowledged_ ? kWithHellosMax : 1;
-  const Duration patience =
-      acknowledged_ ? members_.acknowledged_within(config_.settled_hello_period) : kUnreplacedFor;
+  const Duration patience = acknowledged_ ? members_.acknowledged_within(config_.settled_hello_period) : kUnreplacedFor;
   const Duration latency = members_.longest_latency();
   std::unordered_set<ObjectId> due_anyway;  // they go out for the first time just now
   for (const EncodedUpdate& u : updates_due) due_anyway.insert(u.record().object);

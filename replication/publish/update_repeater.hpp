@@ -17,7 +17,7 @@ namespace peerd::replication {
 // not have it.
 class UpdateRepeater {
  public:
-  // All of them outlive this. `acknowledged`: updates are acknowledged; those to regions are not.
+  // All arguments outlive this object. `acknowledged`: updates are acknowledged; those to regions are not.
   UpdateRepeater(const PeerConfig& config, const Membership& members, OwnObjects& own, bool acknowledged,
                  PeerCounters& counters);
 

@@ -13,11 +13,11 @@
 
 namespace peerd::replication {
 
-// What a viewer draws: ghosts, smoothed where an update has moved them (convergence), or everything late by a delay.
-// Nothing that other peers could notice depends on it.
+// The poses that a viewer draws: ghosts, smoothed where an update has moved them (convergence), or everything late by
+// a delay. Nothing that other peers could notice depends on it.
 class Display {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   Display(const PeerConfig& config, const WorldModel& model, const OwnObjects& own, const Replica& replica,
           PeerCounters& counters);
 
@@ -25,7 +25,7 @@ class Display {
   // interest pairs the object with, where the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
 
-  // An update came that late.
+  // An update arrived at that age.
   void on_update_age(Duration age) { oldest_update_ = std::max(oldest_update_, age); }
   // Session time has stepped: nothing shown so far means anything.
   void restart();

@@ -14,6 +14,7 @@ void Launches::shift(Duration by) {
 }
 
 void Launches::launch(SimTime t, ObjectId object, const FileVelocity& file_velocity) {
+  assert(!own_.at(object).driven);
   const Launch& launch = own_.at(object).launch;
   KinematicState state = replica_.truth().at(object, t);
   state.velocity = launch.velocity ? *launch.velocity : file_velocity(t, object);

@@ -15,7 +15,7 @@ namespace peerd::replication {
 // that a key or a hand has given them.
 class Launches {
  public:
-  // All of them outlive this.
+  // All arguments outlive this object.
   Launches(const WorldModel& model, OwnObjects& own, Replica& replica) : model_(model), own_(own), replica_(replica) {}
 
   // The object stands until `at`.
@@ -26,7 +26,7 @@ class Launches {
   using FileVelocity = std::function<Vec3(SimTime at, ObjectId object)>;
   // Launches the object at t. Its truth is known until t.
   void launch(SimTime t, ObjectId object, const FileVelocity& file_velocity);
-  // Does the launches that are due until then, in order of time. Advances the truth to each of them.
+  // Launches the objects that are due until then, in order of time. Advances the truth to each launch.
   void begin_due(SimTime until, const FileVelocity& file_velocity);
   // From t on the object, which this peer owns and nothing drives, has the velocity [m/s, world frame], or that much
   // more of it. The truth has been advanced to t.

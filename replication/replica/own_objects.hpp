@@ -23,7 +23,7 @@
 
 namespace peerd::replication {
 
-// A few peers, side by side in memory: they are looked at for every own object.
+// A small set of peers, side by side in memory, for it is read for every own object.
 using FewPeers = boost::container::flat_set<PeerId, std::less<>, boost::container::small_vector<PeerId, 4>>;
 
 // The last update of an own object on its way to the others.
@@ -32,14 +32,14 @@ struct Delivery {
   bool copying = false;                // the object waits for its copies (Publication)
   std::uint32_t times_sent = 0;        // aside from the repetitions with hellos
   std::uint32_t times_with_hello = 0;
-  HostTime with_hello_at{};             // the last time with a hello
-  std::vector<std::uint32_t> sent_in;   // the numbers of the datagrams that carried it to all
-  FewPeers acknowledged_by;             // the peers that are known to have one of those
-  FewPeers unacknowledged_by;           // the peers that have not confirmed the update before it, although there was time
-  bool copy_until_received = false;     // a receiver may know nothing of the object but by this update
+  HostTime with_hello_at{};            // the last time with a hello
+  std::vector<std::uint32_t> sent_in;  // the numbers of the datagrams that carried it to all
+  FewPeers acknowledged_by;            // the peers that are known to have one of those
+  FewPeers unacknowledged_by;        // the peers that have not confirmed the update before it, although there was time
+  bool copy_until_received = false;  // a receiver may know nothing of the object but by this update
 };
 
-// An object that this peer owns, and what it has published of it.
+// An object that this peer owns, and the state of its publication.
 struct OwnObject {
   bool driven = false;  // samples move it; else physics does
   Launch launch;
@@ -52,9 +52,10 @@ struct OwnObject {
   std::optional<ModelChooser> models;
   PoseHistory poses;  // of samples without derivatives
   UpdateBudget budget;
-  double interval_s = 0.25;                 // between its last updates, smoothed
-  std::optional<Vec3> published_position;   // by its last update [m, world]
-  double contact_range_m = 0.0;  // remote objects that it may collide with touch it from no farther away; 0: there are none
+  double interval_s = 0.25;                // between its last updates, smoothed
+  std::optional<Vec3> published_position;  // by its last update [m, world]
+  // Remote objects that it may collide with touch it from no farther away; 0: there are none.
+  double contact_range_m = 0.0;
 };
 
 // The objects that this peer owns, ascending, and the ticks at which each must be checked for an update.
@@ -94,7 +95,8 @@ class OwnObjects {
   // The next tick checks the object, or all of them. Objects that are not here are left out.
   void check(ObjectId object);
   void check_all();
-  // The last update of the object was not true: the next tick publishes it anew. Objects that are not here are left out.
+  // The last update of the object was not true: the next tick publishes it anew. Objects that are not here are left
+  // out.
   void republish(ObjectId object);
   // A peer may not have the last updates: the next tick sends them again.
   void resend_all();
@@ -106,7 +108,7 @@ class OwnObjects {
   void build_index();
 
   Map map_;
-  Schedule checks_;                  // by the objects' indices in map_
+  Schedule checks_;                   // by the objects' indices in map_
   std::vector<std::uint32_t> index_;  // by object; kNoIndex: not here
 };
 

@@ -4,8 +4,8 @@
 
 namespace peerd::replication {
 
-// Pose and derivatives of a driven object at a tick, from whatever moves it. At a corner, the derivatives of what
-// follows.
+// Pose and derivatives of a driven object at a tick, from whatever moves it. At a corner, the derivatives are those of
+// what follows.
 struct OwnSample {
   ObjectId object;
   KinematicState state;

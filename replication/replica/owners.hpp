@@ -12,13 +12,13 @@
 
 namespace peerd::replication {
 
-// Who runs what. A table by object: an update asks for its object's owner, and there are many of both.
+// The owners of all objects, in a table by object: an update asks for its object's owner, and there are many of both.
 class Owners {
  public:
-  // Of a scene with so many objects, ids below that.
+  // A scene has so many objects, with ids below that number.
   explicit Owners(std::size_t objects) : by_object_(objects, kNobody) {}
 
-  // kNobody where nobody runs it, or where there is no such object.
+  // The owner of an object; kNobody where nobody owns it, or where there is no such object.
   [[nodiscard]] PeerId of(ObjectId object) const {
     return object.value < by_object_.size() ? by_object_[object.value] : kNobody;
   }
@@ -27,13 +27,13 @@ class Owners {
     const PeerId owner_a = of(a), owner_b = of(b);
     return owner_a != kNobody && owner_b != kNobody && owner_a != owner_b;
   }
-  // kNobody: from now on nobody does. There is such an object.
+  // Sets the owner of an object, which exists. kNobody: nobody owns it from now on.
   void set(ObjectId object, PeerId owner) {
     assert(object.value < by_object_.size());
     by_object_[object.value] = owner;
   }
 
-  // What somebody runs, each with its owner, ascending: from() those from that one on. size() counts them.
+  // The owned objects, each with its owner, ascending; from() gives those from that one on, and size() counts all.
   class Iterator {
    public:
     using difference_type = std::ptrdiff_t;

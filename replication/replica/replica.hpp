@@ -36,7 +36,7 @@ class Replica {
     return std::move(*worlds_);
   }
 
-  // They have begun.
+  // The two worlds, which have begun.
   [[nodiscard]] MotionWorld& truth() {
     assert(begun());
     return worlds_->truth;
@@ -58,7 +58,7 @@ class Replica {
 
   // The state of any object at t: by the ghosts, at its place in the file where they do not have it.
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
-  // By the truth; by the ghosts where nothing can meet the object.
+  // The state of any object at t by the truth; by the ghosts where nothing can meet the object.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
 
   // From t on everybody predicts the object to move so. The truth follows unless the object is owned here.
@@ -69,14 +69,17 @@ class Replica {
   // Whether this peer receives the object's updates: false for objects in regions that it does not listen to. What it
   // says of those is void; they meet nothing here.
   [[nodiscard]] bool receives(ObjectId object) const { return !unreceived_.contains(object); }
-  // False where that is how it was.
+  // Sets whether this peer receives the object. False where that changes nothing.
   bool set_received(ObjectId object, bool received) {
     return received ? unreceived_.erase(object) > 0 : unreceived_.insert(object).second;
   }
 
   // The last update of a remote object that was applied; null before the first.
   [[nodiscard]] const UpdateRecord* last_update_of(ObjectId object) const;
-  void note_update(const UpdateRecord& update) { last_updates_.insert_or_assign(update.object, update); }
+  void note_update(const UpdateRecord& update) {
+    assert(update.sequence > 0);
+    last_updates_.insert_or_assign(update.object, update);
+  }
   void forget_update_of(ObjectId object) { last_updates_.erase(object); }
   void forget_updates() { last_updates_.clear(); }
 

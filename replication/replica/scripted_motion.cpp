@@ -23,11 +23,13 @@ void ScriptedMotion::restart() {
 }
 
 void ScriptedMotion::extend(SimTime to, std::optional<SimTime> world_zero, const Owners& owners, Replica& replica) {
+  assert(replica.begun());
   if (!world_zero) return;
-  // Rounded up to where a nanosecond lies within a piece.
+  // The session time is rounded up, so that the nanosecond lies within the piece.
   const auto session_time = [&](double world_s) {
     return *world_zero + Duration{static_cast<std::int64_t>(std::ceil(world_s * 1e9))};
   };
+  assert(pieces_.empty() || motion_);
   for (Piece& p : pieces_) {
     if (owners.of(p.object) != kNobody) {
       p.known_until.reset();

@@ -11,22 +11,23 @@
 
 namespace peerd::replication {
 
-// What the world's own file moves by its TimeSensors and ROUTEs: the same function of world time on all peers, which
-// costs no update. While a peer owns such an object, the owner moves it instead.
+// The motion of objects that the world's own file moves by its TimeSensors and ROUTEs: the same function of world time
+// on all peers, which costs no update. While a peer owns such an object, the owner moves it instead.
 class ScriptedMotion {
  public:
   // The model outlives this.
   explicit ScriptedMotion(const WorldModel& model);
 
-  // Both worlds have begun anew, or world time has: they are given everything from where it is now.
+  // Begins the motion anew, after both worlds or world time have begun anew: the worlds are given the motion from now
+  // on.
   void restart();
-  // Gives both worlds of the replica, which have begun, the motion until `to`. Does nothing before world time is known.
-  // Pieces begin at the same instants with the same bits on every peer, whenever it joined; but what somebody owned
-  // until now is not moved in its past.
+  // Gives both worlds of the replica, which have begun, the motion until `to`. Does nothing before world time is
+  // known. Pieces begin at the same instants with the same bits on every peer, whenever it joined; but an object that
+  // a peer owned until now is not moved in its past.
   void extend(SimTime to, std::optional<SimTime> world_zero, const Owners& owners, Replica& replica);
 
-  // A vector in the frame of the object's parent, in which the file has velocities, turned into the world's frame as the
-  // parent stands at that time.
+  // A vector in the frame of the object's parent, in which the file has velocities, turned into the world's frame as
+  // the parent stands at that time.
   [[nodiscard]] Vec3 to_world(SimTime at, std::optional<SimTime> world_zero, ObjectId object, const Vec3& in_parent);
   // World time [s] since which the world's TimeSensors stand still; none: they do not (PredefinedMotion).
   [[nodiscard]] std::optional<double> limited_at() const {
@@ -34,7 +35,8 @@ class ScriptedMotion {
   }
 
  private:
-  // Until when both worlds have the object's motion (none: they have none yet), and until when a peer owned it.
+  // An object with the time until which both worlds have its motion (none: they have none yet), and the time until
+  // which a peer owned it.
   struct Piece {
     ObjectId object;
     std::optional<SimTime> known_until, owned_until;

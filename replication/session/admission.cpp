@@ -6,11 +6,11 @@
 namespace peerd::replication {
 namespace {
 
-// More peers than one network carries: somebody invents them.
+// The most members: there are no more peers on one network, unless a forger invents them.
 constexpr std::size_t kMembersMax = 4096;
-// Versions that are reported.
+// The most versions that are reported.
 constexpr std::size_t kVersionsMax = 8;
-// Of so many departed peers the incarnation is remembered, so that a late datagram of theirs is recognised.
+// The incarnations of so many departed peers are remembered, so that a late datagram of theirs is recognised.
 constexpr std::size_t kDepartedMax = 4096;
 
 }  // namespace
@@ -48,12 +48,13 @@ std::unexpected<Drop> Admission::admit_own(HostTime now, const Message& m, std::
   const Introduction* introduction = m.introduction();
   const std::uint64_t own = introduction != nullptr ? config_.incarnation : incarnation_low(config_.incarnation);
   if (m.incarnation == own) return std::unexpected(Drop::kOwn);
-  // What this peer sent in its last incarnation may still be under way.
+  // Datagrams of this peer's last incarnation may still be under way.
   const bool just_started = !started || now - *started < config_.lost_after;
   if (just_started && (introduction == nullptr || m.incarnation < config_.incarnation)) {
     return std::unexpected(Drop::kStaleIncarnation);
   }
-  if (introduction == nullptr) return std::unexpected(Drop::kIdInUse);  // if not in another world
+  if (introduction == nullptr)
+    return std::unexpected(Drop::kIdInUse);  // unless it is in another world, which it does not say
   if (introduction->world_hash != config_.world_hash) return reject_other_world(m);
   if (!std::exchange(id_in_use_reported_, true)) outbox_.push(IdInUse{m.sender});
   return std::unexpected(Drop::kIdInUse);

@@ -16,18 +16,19 @@
 
 namespace peerd::replication {
 
-// Whether a sound message is one for this peer: of another peer, in its present incarnation, with the same world. A
-// message that does not introduce its sender counts if the sender is known.
+// Decides whether a sound message is one for this peer: of another peer, in its present incarnation, with the same
+// world. A message that does not introduce its sender counts if the sender is known.
 class Admission {
  public:
-  // The part of the admission that concerns others. The member has been removed already.
+  // Called for a member that is lost by an admission, after it has been removed.
   using OnLost = std::function<void(PeerId, const Member&)>;
 
-  // All of them outlive this.
+  // All arguments outlive this object.
   Admission(const PeerConfig& config, Membership& members, Outbox& outbox);
 
-  // How the sender is known, never kStale, or why the message is dropped. `started`: when this peer was; none: not yet.
-  // `on_lost` is called for a member that turns out to have another world, before that is reported.
+  // Returns how the sender is known, never kStale, or why the message is dropped. `started`: when this peer was
+  // started; none: not yet. `on_lost` is called for a member that turns out to have another world, before that is
+  // reported.
   [[nodiscard]] std::expected<Membership::Admission, Drop> admit(HostTime now, const Message& message,
                                                                  std::optional<HostTime> started,
                                                                  const OnLost& on_lost);
@@ -39,8 +40,7 @@ class Admission {
   [[nodiscard]] bool has_other_world(PeerId peer) const { return other_worlds_.contains(peer); }
 
  private:
-  [[nodiscard]] std::unexpected<Drop> admit_own(HostTime now, const Message& message,
-                                                std::optional<HostTime> started);
+  [[nodiscard]] std::unexpected<Drop> admit_own(HostTime now, const Message& message, std::optional<HostTime> started);
   [[nodiscard]] std::unexpected<Drop> reject_other_world(const Message& message);
 
   const PeerConfig& config_;

@@ -19,18 +19,18 @@ class DelayMeter {
     assert(delay >= Duration{0});
     delays_[measured_++ % kDelays] = delay;
   }
-  // At least one delay has been measured.
+  // The last delay. At least one has been measured.
   [[nodiscard]] Duration last() const {
     assert(measured_ > 0);
     return delays_[(measured_ - 1) % kDelays];
   }
-  // Their mean; none before the first.
+  // The mean of the delays; none before the first.
   [[nodiscard]] std::optional<Duration> mean() const {
     if (measured_ == 0) return std::nullopt;
     const auto known = static_cast<std::ptrdiff_t>(count());
     return std::accumulate(delays_.begin(), delays_.begin() + known, Duration{0}) / known;
   }
-  // The longest of them; 0 before the first.
+  // The longest of the delays; 0 before the first.
   [[nodiscard]] Duration longest() const {
     return std::accumulate(delays_.begin(), delays_.begin() + static_cast<std::ptrdiff_t>(count()), Duration{0},
                            [](Duration a, Duration b) { return std::max(a, b); });
@@ -44,7 +44,7 @@ class DelayMeter {
 };
 
 // The latency that a peer publishes, from the longest delay that it has measured: rounded up to a multiple of 50 ms and
-// at least 25 ms longer, so that a little jitter does not change what the other peers are told.
+// at least 25 ms longer, so that a little jitter does not change the published latency.
 [[nodiscard]] Duration latency_bound(Duration longest);
 
 }  // namespace peerd::replication

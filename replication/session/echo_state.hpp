@@ -21,7 +21,7 @@ struct Acknowledgement {
 // Whether another peer receives this one, as the echoes in its hellos say.
 struct EchoState {
   bool echoes_us = false;
-  bool stopped_echoing_us = false;                 // it did, until it lost this peer
+  bool stopped_echoing_us = false;                 // it echoed this peer until it lost it
   std::size_t hellos_without_echo = 0;             // since the last hello with one
   bool unreachable = false;                        // hellos without an echo were so many that nothing gets there
   std::optional<double> loss_to_peer;              // the part of this peer's datagrams that gets lost, in (0, 1)

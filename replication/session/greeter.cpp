@@ -11,17 +11,17 @@ namespace {
 
 // Hellos come faster until this peer has a session, so that joining takes tenths of a second.
 constexpr Duration kJoiningHelloPeriod = std::chrono::milliseconds(100);
-// A peer that joins measures its clock and its loss with hellos: so long they are not rare.
+// A peer that joins measures its clock and its loss with hellos: for so long they are not rare.
 constexpr Duration kSettling = std::chrono::seconds(4);
-// With one hello in so many a peer introduces itself to whom it may concern; and with so many in a row whenever
-// something in its introduction is new, more of them where the loss asks for it.
+// One hello in so many has an introduction; and so many hellos in a row have one whenever something in it is new, more
+// of them where the loss asks for it.
 constexpr std::size_t kIntroductionEvery = 8;
 constexpr std::uint32_t kIntroductionRepeats = 3, kIntroductionRepeatsMax = 6;
-// Own objects in an introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of at most
-// 20, a viewpoint of at most 97, a name of 64 and kSubscriptionsWithHello regions of at most 7, and 11 for them all,
-// fit into a datagram.
+// The most own objects in an introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of
+// at most 20, a viewpoint of at most 97, a name of 64 and kSubscriptionsWithHello regions of at most 7, and 11 for
+// them all, fit into a datagram.
 constexpr std::size_t kOwnedMax = 50;
-// Of lost peers so many are remembered: more than one network carries.
+// The most lost peers that are remembered: more than one network carries.
 constexpr std::size_t kLostPeersMax = 4096;
 
 // Lists too long for one datagram take turns: of `size` entries at most `most`, from the `first` one on, going round.
@@ -108,14 +108,13 @@ void Greeter::fill_echoes(Hello& hello, HostTime now, bool cuts_regions) {
     echoable.emplace_back(peer, &member);
   }
   const bool for_new = !echoable_new.empty() && hellos_ % 2 == 1;
-  const std::size_t first =
-      for_new ? echoable_new[hellos_ / 2 % echoable_new.size()] : kEchoesStep * echo_turns_++;
+  const std::size_t first = for_new ? echoable_new[hellos_ / 2 % echoable_new.size()] : kEchoesStep * echo_turns_++;
   const double mean_loss = members_.mean_loss();
   take_turns(first, echoable.size(), kEchoesMax, [&](std::size_t i) {
     const auto& [peer, member] = echoable[i];
     const LossMeter& meter = member->received.at(kWholeScene);
-    // Where regions keep most of a far peer's datagrams away, hellos alone would take long to show a good link: what
-    // comes from the others tells, too.
+    // Regions keep most of a far peer's datagrams away, so that its hellos alone would take long to show a good link:
+    // the mean loss of all members counts, too.
     const LossMeter all = member->received_in_all();
     const double loss = cuts_regions ? all.loss(mean_loss) : all.loss();
     hello.echoes.push_back({peer, member->hello, now - member->hello_rx, meter.received(), loss});

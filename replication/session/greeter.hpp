@@ -16,11 +16,11 @@
 
 namespace peerd::replication {
 
-// When this peer says hello, and what of its lists is in a hello: echoes of the peers that it receives, and from time to
-// time an introduction. Lists that are too long for one datagram take turns.
+// Decides when this peer says hello, and which entries of its lists are in a hello: echoes of the peers that it
+// receives, and from time to time an introduction. Lists that are too long for one datagram take turns.
 class Greeter {
  public:
-  // Both outlive this.
+  // `config` and `members` outlive this.
   Greeter(const PeerConfig& config, const Membership& members);
 
   // ---- when
@@ -29,10 +29,10 @@ class Greeter {
   void start(HostTime now) { next_hello_ = now; }
   // Something has begun anew: the next hello goes at once, and hellos are frequent for a while.
   void greet_anew(HostTime now);
-  // Somebody is new here, who measures clocks and loss by hellos: so long they are not rare.
+  // A peer is new here, which measures clocks and loss by hellos: for so long they are not rare.
   void settle_from(HostTime now);
   [[nodiscard]] bool is_settling(HostTime now) const { return now < settling_until_; }
-  // A hello is due in the usual period, at the latest: somebody waits for what it says.
+  // A hello is due after the usual period at the latest, because a peer waits for what it says.
   void hurry();
   [[nodiscard]] bool is_due(HostTime now) const { return now >= next_hello_.value(); }
   // A hello has just been sent. `synchronised`: this peer has session time.
@@ -41,7 +41,7 @@ class Greeter {
   // `last_number`: of the datagrams to all.
   [[nodiscard]] bool needs_keepalive(HostTime now, std::uint32_t last_number) const;
   void note_sent(HostTime now, std::uint32_t last_number);
-  // When a hello or a keepalive is due; HostTime::min() before the start.
+  // The time at which a hello or a keepalive is due; HostTime::min() before the start.
   [[nodiscard]] HostTime next_deadline() const;
 
   // ---- what
@@ -53,7 +53,7 @@ class Greeter {
   void reintroduce(std::size_t own_objects);
   // A peer has been received that does not introduce itself: it may not know this one.
   void introduce_once() { introductions_due_ = std::max<std::size_t>(introductions_due_, 1); }
-  // Whether somebody waits for an introduction: this peer is new here, or has news, or a peer that may receive it does
+  // Whether a peer waits for an introduction: this peer is new here, or has news, or a peer that may receive it does
   // not know it. `synchronised`: this peer has session time.
   [[nodiscard]] bool must_introduce(bool synchronised) const;
   // Adds the echoes. `cuts_regions`: the scene is cut into regions.
@@ -65,7 +65,7 @@ class Greeter {
                                           std::optional<SimTime> world_zero);
   // The hello went out as that datagram.
   void on_hello_sent(HostTime now, std::uint32_t number);
-  // When the hello of that datagram went out; none where it is too long ago.
+  // The time at which the hello of that datagram went out; none where that is too long ago.
   [[nodiscard]] std::optional<HostTime> sent_at(std::uint32_t number) const;
 
   // A peer is lost: it gets no echo until all other peers have been named once without it, so that it knows.
@@ -77,16 +77,16 @@ class Greeter {
   std::optional<HostTime> next_hello_;
   HostTime last_hello_{};
   HostTime settling_until_{};
-  HostTime last_sent_at_{};             // of any datagram to all
-  std::uint32_t last_sent_number_ = 0;  // of that datagram
-  std::uint32_t sessions_ = 0;          // entered
+  HostTime last_sent_at_{};                                      // of any datagram to all
+  std::uint32_t last_sent_number_ = 0;                           // of that datagram
+  std::uint32_t sessions_ = 0;                                   // entered
   std::size_t hellos_ = 0, introductions_ = 0, echo_turns_ = 0;  // sent; their lists take turns
   std::size_t introductions_due_ = 0;                            // with the next hellos
   struct SentHello {
     std::uint32_t number;
     HostTime at;
   };
-  std::deque<SentHello> sent_hellos_;          // of the last kHeldMax
+  std::deque<SentHello> sent_hellos_;         // of the last kHeldMax
   std::map<PeerId, std::size_t> lost_peers_;  // and the number of hellos that have left each out since it was lost
 };
 

@@ -18,20 +18,20 @@
 
 namespace peerd::replication {
 
-// One other peer, as far as its datagrams tell.
+// One other peer, as far as its datagrams are received.
 struct Member {
   std::uint64_t incarnation = 0;
   std::string name;
   HostTime last_received{};  // on this host's clock
   std::uint64_t datagrams_in = 0, bytes_in = 0;
-  std::map<std::string, std::uint64_t> drops;  // of its records, by reason
+  std::map<std::string, std::uint64_t> drops;  // its records that were dropped, by reason
   std::uint32_t hello = 0;                     // the number of its last hello's datagram; 0: none
   HostTime hello_rx{};                         // arrival of that hello, on this host's clock
   bool awaits_our_decision = false;            // it defers a contact that this peer may be the one to decide
   bool synchronised = false;
   OffsetInterval clock;                 // its session time minus this host's clock
   bool leads = false;                   // it says that it leads the session's time
-  Duration clock_error{0};              // else, how far its time may be from the leader's
+  Duration clock_error{0};              // the greatest distance of its time from the leader's, where it does not lead
   std::optional<OsClockNote> os_clock;  // as of hello_rx
   bool os_clock_doubted = false;        // its OS clock and this host's contradict the hellos' stamps
   std::uint32_t sessions = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -9,14 +10,14 @@
 namespace peerd::replication {
 namespace {
 
-// Our own stamp comes back within this; an older one, or one from our future, was not sent by us.
+// A stamp of this peer comes back within this; an older one, or one from the future, is not its own.
 constexpr Duration kEchoAgeMax = std::chrono::seconds(10);
 // No clock and no offset is farther than this from 0 (73 years): sums of some of them stay within int64.
 constexpr double kTimeMax_ns = 0x1p61;
 
 double ns(Duration d) { return static_cast<double>(d.count()); }
 
-// Stamps are other people's: what they say must be possible before it is computed with.
+// Stamps come from other peers: what they say must be possible before it is computed with.
 bool plausible(SimTime theirs, HostTime ours) {
   return std::abs(ns(theirs.time_since_epoch()) - ns(ours.time_since_epoch())) < kTimeMax_ns;
 }
@@ -28,7 +29,9 @@ bool plausible(const OffsetInterval::Echo& echo, SimTime t3, HostTime t4) {
 }  // namespace
 
 Duration drift(Duration elapsed, std::int64_t ppm) {
-  constexpr Duration kLongest = std::chrono::years(1);  // nobody is silent for so long; keeps the product in int64
+  assert(ppm >= 0);
+  constexpr Duration kLongest =
+      std::chrono::years(1);  // no peer is silent for so long; the limit keeps the product within int64
   return (std::clamp(elapsed, Duration{0}, kLongest) / 1000 + Duration{1}) * ppm / 1000;
 }
 
@@ -43,7 +46,7 @@ bool OffsetInterval::on_hello(SimTime t3, HostTime t4, const std::optional<Echo>
   const Duration least = behind - kStampError;
   bool echoed = echo && plausible(*echo, t3, t4);
   const Duration ahead = echoed ? echo->t2.time_since_epoch() - echo->t1.time_since_epoch() : Duration{0};
-  // From t1 on, so that of two ways as quick the newer one counts.
+  // The upper bound ages from t1 on, so that of two equally quick ways the newer one counts.
   const Duration most = echoed ? ahead + drift(t4 - echo->t1, drift_ppm) + kStampError : Duration::max();
   const Duration older = drift(t4 - at_, drift_ppm);
   if (least_) *least_ -= older;
@@ -51,7 +54,7 @@ bool OffsetInterval::on_hello(SimTime t3, HostTime t4, const std::optional<Echo>
   const bool agrees = least <= most && (!most_ || least <= *most_) && (!least_ || *least_ <= most);
   if (!agrees) {
     *this = {};
-    echoed = echoed && least <= most;  // else the jump was between its stamps
+    echoed = echoed && least <= most;  // else the clock jumped between the two stamps
   }
   least_ = std::max(least_.value_or(least), least);
   if (echoed) {
@@ -63,6 +66,7 @@ bool OffsetInterval::on_hello(SimTime t3, HostTime t4, const std::optional<Echo>
   at_ = t4;
   origin_ = behind;
   to_us_.add({behind, t4});
+  assert(least_ && (!most_ || *least_ <= *most_));
   return agrees;
 }
 
@@ -75,15 +79,17 @@ double OffsetInterval::by_now_s(const Direction::Sample& sample, HostTime now, d
   return to_seconds(sample.offset - origin_) + speed * to_seconds(now - sample.at);
 }
 
-// One line for each direction, of one slope, by least squares; and then again without what was held back on its way, as
-// delays only ever add. The slope is known beforehand to be of the size kMost (the mode of a Gaussian posterior), so
-// that delays that vary are not taken for a speed.
+// Fits one line to each direction, both of one slope, by least squares; and then again without the datagrams that were
+// held back on their way, as delays only ever add. The slope is known beforehand to be of the size kMost (the mode of
+// a Gaussian posterior), so that delays that vary are not taken for a speed.
 OffsetInterval::Speed OffsetInterval::speed() const {
   constexpr double kMost = 1e-6 * kDrift_ppm;
-  // So many times as late as half of its direction: delays that are spread evenly are none.
+  // A sample straggles if it is so many times as late as the median of its direction: delays that are spread evenly do
+  // not straggle.
   constexpr double kStraggling = 3.0;
   Speed speed{0.0, kMost};
-  std::array<std::pair<Direction, double>, 2> ways{{{to_us_, 1.0}, {from_us_, -1.0}}};  // to be put in order, the quickest first
+  std::array<std::pair<Direction, double>, 2> ways{
+      {{to_us_, 1.0}, {from_us_, -1.0}}};  // sorted below, the quickest first
   for (const bool without_stragglers : {false, true, true}) {
     double n = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
     for (auto& [way, sign] : ways) {
@@ -112,24 +118,26 @@ OffsetInterval::Speed OffsetInterval::speed() const {
       }
       n += static_cast<double>(kept.size());
     }
-    if (n < 4.0 || !(xx > 0.0)) break;  // three are fitted: two means and the slope
+    if (n < 4.0 || !(xx > 0.0)) break;  // three values are fitted: two means and the slope
     const double variance = std::max(0.0, yy - xy * xy / xx) / (n - 3.0);
     const double weight = xx + variance / (kMost * kMost);
+    assert(weight > 0.0);
     speed = {std::clamp(xy / weight, -kMost, kMost), std::sqrt(variance / weight)};
   }
   return speed;
 }
 
 OffsetInterval::Likely OffsetInterval::likely(HostTime now) const {
+  assert(least_ && most_ && !to_us_.samples().empty() && !from_us_.samples().empty());
   const Speed known = speed();
-  // The quickest of a direction; what the speed may be wrong by counts against old ones.
+  // The quickest sample of a direction; the possible error of the speed counts against old samples.
   const auto quickest_s = [&](const Direction& way, double sign) {
     const auto quickness_s = [&](const Direction::Sample& s) {
       return sign * by_now_s(s, now, known.value) - known.error * to_seconds(now - s.at);
     };
     return by_now_s(*std::ranges::max_element(way.samples(), {}, quickness_s), now, known.value);
   };
-  // One is of when it came, the other of when it left: what the clocks drift by meanwhile cancels.
+  // One sample is of its arrival, the other of its departure: the drift of the clocks in between cancels.
   return {origin_ + from_seconds((quickest_s(to_us_, 1.0) + quickest_s(from_us_, -1.0)) / 2.0), known.value};
 }
 

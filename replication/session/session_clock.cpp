@@ -6,12 +6,14 @@
 namespace peerd::replication {
 namespace {
 
-// Slewing by half a percent moves a 10 m/s object's belief by 5 cm/s: below any threshold in use. Whoever is this far
-// off has it off by more anyway: it gets in step ten times as fast.
+// Slewing by half a percent moves the ghost of a 10 m/s object by 5 cm/s: below any threshold in use. A clock that is
+// off by more than kFastBeyond moves it by more anyway: it is slewed ten times as fast.
 constexpr std::int64_t kSlewDivisor = 200, kFastSlewDivisor = 1'000'000 / kSlew_ppm;
+static_assert(kFastSlewDivisor > 1 && kFastSlewDivisor < kSlewDivisor);
 constexpr Duration kFastBeyond = std::chrono::milliseconds(20);
 // Farther than this behind, this host was stopped or two sessions have met: slewing would take longer than 5 s.
 constexpr Duration kStepBeyond = std::chrono::milliseconds(250);
+static_assert(kStepBeyond > kFastBeyond);
 
 }  // namespace
 
@@ -24,6 +26,8 @@ void SessionClock::lead(HostTime now) {
 }
 
 void SessionClock::follow(HostTime now, const Estimate& estimate, Duration steady) {
+  assert(!estimate.bounds || estimate.bounds->least <= estimate.bounds->most);
+  assert(estimate.reference_error >= Duration{0});
   if (std::exchange(leads_, false)) steady_until_ = now + steady;
   if (!estimate.bounds) {
     estimate_.reset();
@@ -39,6 +43,7 @@ void SessionClock::follow(HostTime now, const Estimate& estimate, Duration stead
 }
 
 void SessionClock::stop(HostTime now, Duration gap) {
+  assert(gap >= Duration{0});
   offset_ = session_minus_host(now - gap) - gap;
   debt_ = Duration{0};
   adjusted_at_ = now;
@@ -64,6 +69,7 @@ std::optional<Duration> SessionClock::adjust(HostTime now) {
 }
 
 Duration SessionClock::session_minus_host(HostTime now) const {
+  assert(slew_divisor_ > 0);
   const Duration most = std::max(Duration{0}, now - adjusted_at_) / slew_divisor_;
   return offset_ + std::clamp(debt_, -most, most);
 }
@@ -75,19 +81,21 @@ SimTime SessionClock::to_session(HostTime host) const {
 HostTime SessionClock::to_host(SimTime session) const {
   const HostTime unslewed{session.time_since_epoch() - offset_};
   if (debt_ == Duration{0} || unslewed <= adjusted_at_) return unslewed;
-  // elapsed + elapsed / slew_divisor_, or minus, is the time until then, until the debt is paid.
+  // elapsed + elapsed / slew_divisor_ (or minus) is the time until then, as long as the debt is not paid.
   const Duration until = unslewed - adjusted_at_;
   const std::int64_t rate = slew_divisor_ + (debt_ > Duration{0} ? 1 : -1);
   HostTime host = adjusted_at_ + until / rate * slew_divisor_;
   host = debt_ > Duration{0} ? std::max(host, unslewed - debt_) : std::min(host, unslewed - debt_);
-  while (to_session(host) < session) host += session - to_session(host);  // what integer division has cut off
+  while (to_session(host) < session) host += session - to_session(host);  // adds what integer division has cut off
   while (to_session(host - Duration{1}) >= session) host -= Duration{1};
+  assert(to_session(host) >= session);
   return host;
 }
 
 std::optional<Duration> SessionClock::error_bound(HostTime now) const {
   if (leads_) return Duration{0};
   if (!estimate_) return std::nullopt;
+  assert(estimate_->bounds);
   const OffsetBounds bounds = estimate_->bounds->aged(now - estimate_->at, estimate_->drift_ppm);
   const Duration reference = estimate_->reference_error +
                              drift(now - estimate_->at, estimate_->reference_error > Duration{0} ? kDrift_ppm : 0);
@@ -96,6 +104,7 @@ std::optional<Duration> SessionClock::error_bound(HostTime now) const {
 }
 
 Duration SessionClock::likely(HostTime now) const {
+  assert(estimate_);
   return estimate_->likely + from_seconds(estimate_->speed * to_seconds(now - estimate_->at));
 }
 

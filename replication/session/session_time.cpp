@@ -57,7 +57,7 @@ std::optional<Duration> SessionTime::check_suspension(HostTime now, bool in_sess
   if (!last || now - *last <= kSuspendedAfter) return std::nullopt;
   if (members_.all().empty()) return std::nullopt;  // its own clock counts on
   const Duration gap = now - *last;
-  members_.restart_silence_of_all(now);  // it was not they who were silent
+  members_.restart_silence_of_all(now);  // this host was silent, not the members
   members_.forget_clocks();
   follows_.reset();
   listening_since_ = now;
@@ -86,7 +86,7 @@ void SessionTime::on_os_clock(HostTime now, std::optional<OsClock> clock) {
 std::optional<OsClockNote> SessionTime::os_clock_note(HostTime now) const {
   if (!os_clock_) return std::nullopt;
   const Duration error = os_clock_->error + drift(now - os_clock_at_, kDrift_ppm);
-  if (error > kOsErrorMax) return std::nullopt;  // as good as none
+  if (error > kOsErrorMax) return std::nullopt;  // no better than none
   return OsClockNote{os_clock_->minus_host - clock_.session_minus_host(now), error};
 }
 
@@ -116,7 +116,7 @@ void SessionTime::on_stamps(HostTime now, Member& member, const Hello& hello,
   const auto bounds = member.clock.at(now, drift_ppm);
   if (!bounds) {
     member.os_clock.reset();
-  } else if (member.os_clock) {  // as of when it left
+  } else if (member.os_clock) {  // the error counts from when the hello left
     const Duration under_way = now + bounds->most - HostTime{hello.session_tx->time_since_epoch()};
     member.os_clock->error += drift(under_way, kDrift_ppm);
   }
@@ -186,9 +186,9 @@ std::optional<PeerId> SessionTime::choose_leader(HostTime now) const {
   // A peer that has still to step forward into the session leads nobody, and knows nothing of the others' times.
   const bool behind = follows_ && clock_.debt(now) > kOtherSession;
   if (behind && members_.contains(*follows_)) return follows_;
-  // What is known of the followed peer says all; of the others, how far they and this one are from the leader too. A
-  // peer that is surely ahead of the followed one does not doubt its own time: what it would have to slew back is no
-  // error of it.
+  // The estimate of the followed peer counts fully; for other peers, the distances of them and of this peer from the
+  // leader count too. A peer that is surely ahead of the followed one does not doubt its own time: what it would have
+  // to slew back is no error of it.
   const auto followed = follows_ ? members_.all().find(*follows_) : members_.all().end();
   const bool ahead =
       followed != members_.all().end() && session_of(now, followed->second, Duration{0}) == Session::kEarlier;

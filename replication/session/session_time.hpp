@@ -12,34 +12,27 @@
 
 namespace peerd::replication {
 
-// Whose time the session's is, and what this peer knows of it.
-//
-// The lowest peer of a session leads: its clock is the session's time, and all others follow it. A peer that finds no
-// session founds one. Where two sessions have met, the one whose time is later goes on, and the peers of the other step
-// forward into it, so that nobody's time ever runs back.
+// Session time as this peer has it, and the peer that it takes it from.
 class SessionTime {
  public:
   // After a longer gap between two calls this peer was stopped, or its computer asleep. What would have happened
   // meanwhile is not made up: for everybody else its objects stood still.
   static constexpr Duration kSuspendedAfter = std::chrono::seconds(4);
 
-  // All of them outlive this.
+  // All arguments outlive this object.
   SessionTime(const PeerConfig& config, Membership& members, Outbox& outbox, PeerCounters& counters);
 
   [[nodiscard]] const SessionClock& clock() const { return clock_; }
   // The peer whose session time this one takes over; itself: it leads. None: nobody's yet.
   [[nodiscard]] std::optional<PeerId> follows() const { return follows_; }
-  [[nodiscard]] bool leads() const { return follows_ == config_.id; }
   [[nodiscard]] const std::optional<OsClock>& os_clock() const { return os_clock_; }
   [[nodiscard]] std::optional<HostTime> started() const { return started_; }
-  // The last call of check_suspension().
-  [[nodiscard]] HostTime called_at() const { return called_at_.value(); }
 
   // The first tick: this peer listens from now on. False where it has started before.
   bool start(HostTime now);
 
   // To be called first whenever time arrives. Where nobody has called for long, this host slept, or was stopped, or its
-  // clock has jumped; which of them, and how much time has really passed, only the others can tell. So session time
+  // clock has jumped; which of them, and how much time has really passed, only the other peers know. So session time
   // goes on from where it was, and this peer publishes no time until it has received theirs: a peer that led would
   // otherwise lead everybody into the wrong one. Where nobody is left, it founds again. Returns the gap; none: there
   // was none, or nobody to be out of step with. `in_session`: this peer has a world.
@@ -69,7 +62,7 @@ class SessionTime {
   // To be called at every tick.
   [[nodiscard]] std::optional<Step> adjust(HostTime now);
 
-  // What a hello says of this peer's time.
+  // Writes this peer's session time and its errors into a hello.
   void stamp(Hello& hello, HostTime now) const;
 
  private:

@@ -10,7 +10,7 @@ namespace peerd::replication {
 // time at which this peer lets motions by formula begin.
 class WorldTime {
  public:
-  // None until a peer of the session has said.
+  // The session time of time 0; none until a peer of the session has published it.
   [[nodiscard]] std::optional<SimTime> zero() const { return zero_; }
   [[nodiscard]] std::optional<SimTime> start() const { return start_; }
 

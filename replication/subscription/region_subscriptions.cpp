@@ -14,9 +14,9 @@ namespace {
 constexpr Duration kSubscriptionAgeMax = std::chrono::seconds(10), kSubscriptionAheadMax = std::chrono::seconds(1);
 // The most copies of an announcement: enough for one datagram in five lost.
 constexpr std::uint32_t kSubscriptionCopies = 4, kHandoverCopies = 4;
-// Repetitions after the copies, on the best of links too, for nothing else tells of a datagram that was lost. A
-// subscription goes with a hello or with others of its kind, a handover with whatever goes there, once that may be lost
-// for another reason than the one before; at the latest in a hello's usual period.
+// Repetitions after the copies, on the best of links too, for nothing else shows that a datagram was lost. A
+// subscription goes with a hello or with others of its kind, a handover with whatever goes there, once that may be
+// lost for another reason than the one before; at the latest in a hello's usual period.
 constexpr std::uint32_t kSubscriptionRepeats = 2, kHandoverRepeats = 1;
 constexpr Duration kRepeatsApart = std::chrono::milliseconds(100);
 // Ticks from a need to the states: one until this peer notices, one until the others answer, one to spare.
@@ -37,8 +37,8 @@ void RegionSubscriptions::Announcement::note_sent(SimTime t) {
 }
 
 RegionSubscriptions::RegionSubscriptions(const PeerConfig& config, const WorldModel& model, Membership& members,
-                                         const Owners& owners, OwnObjects& own, Replica& replica,
-                                         const TickGrid& ticks, Outbox& outbox, PeerCounters& counters,
+                                         const Owners& owners, OwnObjects& own, Replica& replica, const TickGrid& ticks,
+                                         Outbox& outbox, PeerCounters& counters,
                                          OnReceptionChanged on_reception_changed)
     : config_(config),
       model_(model),
@@ -62,7 +62,8 @@ void RegionSubscriptions::drop(PeerId sender, const char* reason) {
 
 // ---- the regions that this peer listens to ----
 
-// From joining a region until the states of what is there have come: the subscription's way, and the answer's.
+// The time from joining a region until the states of its objects have come: the way of the subscription, and that of
+// the answer.
 Duration RegionSubscriptions::state_request_takes() const {
   return 2 * members_.longest_latency() + kTicksToStates * Duration{std::chrono::seconds(1)} / config_.tick_hz;
 }
@@ -83,8 +84,8 @@ void RegionSubscriptions::measure_contact_ranges(std::span<const std::uint32_t> 
   }
 }
 
-// What matters to this peer, as far as its own movement can take it until the states of a region that is joined now
-// have come. None: everything.
+// The areas that matter to this peer, as far as its own movement can take it until the states of a region that is
+// joined now have come. None: everything matters.
 std::optional<std::vector<Area>> RegionSubscriptions::areas(SimTime t) const {
   if (!config_.interest_radius_m || config_.is_decision_server()) return std::nullopt;
   // Objects are published where their origins are.
@@ -103,7 +104,7 @@ std::optional<std::vector<Area>> RegionSubscriptions::areas(SimTime t) const {
     const double speed_m_s = state.velocity.norm() + state.angular_velocity_body.norm() * arm.norm();
     areas.push_back({state.pose() * arm, radius_m + speed_m_s * ahead_s});
   }
-  // Close proximity is looked for so long ahead, on top.
+  // Close proximity is searched so long ahead, on top.
   const double near_s = config_.policy.track_proximity ? config_.policy.close_proximity_s : 0.0;
   for (const auto& [object, own] : std::as_const(own_)) {
     const KinematicState state = replica_.truth(object, t);
@@ -189,7 +190,7 @@ bool RegionSubscriptions::accept(const UpdateRecord& update, SimTime session_now
     return false;
   }
   last_receptions_.insert_or_assign(update.object, LastReception{grid_.region_of(position), session_now});
-  // Its pairs are watched before the worlds hear where it is: what it has met since then counts.
+  // The pairs of the object are watched before the worlds have its position: what it has met since then counts.
   if (replica_.set_received(update.object, true)) {
     unreceived_pairs_ -= pairs_with_received(update.object);
     on_reception_changed_(update.object, true);
@@ -302,8 +303,8 @@ void RegionSubscriptions::on_published(OwnObject& own, const UpdateRecord& updat
   announce_handover(update, before, now);
 }
 
-// Goes where the object was published before. What is published next in its new region takes none of that back; only
-// its return does. Regions that it left earlier hear where it is now.
+// The handover goes to the region where the object was published before. Updates in its new region do not cancel the
+// handover; only the object's return does. Regions that it left earlier are given its present region.
 void RegionSubscriptions::announce_handover(const UpdateRecord& update, RegionId from, RegionId to) {
   assert(from != to);
   const Handover handover{update.object, update.sequence, to};
@@ -341,7 +342,7 @@ std::map<RegionId, std::vector<Handover>> RegionSubscriptions::take_handovers(co
 void RegionSubscriptions::on_subscriptions(PeerId sender, std::span<const Subscription> subscriptions,
                                            SimTime session_now) {
   if (!grid_.cuts()) return;
-  std::map<RegionId, SimTime> since;  // the last of each
+  std::map<RegionId, SimTime> since;  // the last time of each region
   for (const Subscription& e : subscriptions) {
     if (e.since < session_now - kSubscriptionAgeMax || e.since > session_now + kSubscriptionAheadMax) {
       drop(sender, "entered_time");

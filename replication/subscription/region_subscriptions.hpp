@@ -23,18 +23,14 @@
 
 namespace peerd::replication {
 
-// Where the scene is cut into regions: those that this peer subscribes to, by what matters to it; which remote objects
-// it therefore receives; and the handovers of own objects from region to region.
-//
-// A subscription says "I listen there since then": owners of objects there that have not been published since publish
-// them anew. A handover says "this object is published in that region from now on". Both go out in copies, as often as
-// the loss asks for, and are repeated later.
+// Manages the regions where the scene is cut into them: the regions that this peer subscribes to, by what matters to
+// it; the remote objects that it therefore receives; and the handovers of own objects from region to region.
 class RegionSubscriptions {
  public:
   // Called after this peer has begun or ceased to receive an object.
   using OnReceptionChanged = std::function<void(ObjectId object, bool received)>;
 
-  // All of them outlive this.
+  // All arguments outlive this object.
   RegionSubscriptions(const PeerConfig& config, const WorldModel& model, Membership& members, const Owners& owners,
                       OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters,
                       OnReceptionChanged on_reception_changed);
@@ -47,20 +43,20 @@ class RegionSubscriptions {
 
   // At a tick: joins and leaves regions, asks for the states in joined ones. `now`: session time of this call.
   void follow_interest(SimTime t, SimTime now);
-  // At most so many subscriptions that are due, and counts them as sent. `goes_anyway`: in a datagram that goes anyway,
-  // else none before it is time for one of them.
+  // Returns at most so many subscriptions that are due, and counts them as sent. `goes_anyway`: in a datagram that
+  // goes anyway; otherwise none are taken before one of them must go.
   [[nodiscard]] std::vector<Subscription> take(std::size_t most, bool goes_anyway);
   // Sends what is due in datagrams of its own, to everybody: the owner of objects in a region need not listen to it.
   void announce();
 
   // ---- the objects that this peer receives
 
-  // Another peer has the object now. Where it is nobody here knows.
+  // Another peer owns the object now. Nobody here knows where the object is.
   void on_claimed(ObjectId object, SimTime last_tick);
   // An update of a remote object: false where it says that the object is in a region that this peer does not listen to.
   [[nodiscard]] bool accept(const UpdateRecord& update, SimTime session_now);
   void on_handovers(PeerId sender, std::span<const Handover> handovers, SimTime session_now);
-  // What the peer owned stays where it is: a peer that leaves its region keeps it.
+  // The object has lost its owner and stays where it is: a peer that leaves its region keeps it.
   void on_orphaned(ObjectId object) { last_receptions_.erase(object); }
   // Session time has stepped: everything is published anew, and remote objects may be anywhere.
   void restart_at(SimTime now);
@@ -82,19 +78,20 @@ class RegionSubscriptions {
   // The region in which the object was published last, kWholeScene where that is not known.
   [[nodiscard]] RegionId region_of(ObjectId object) const;
   // Measures the farthest distances from own objects at which remote objects may touch them, by these pairs; `anew`:
-  // and by no others.
+  // by these alone, else also by those of earlier calls.
   void measure_contact_ranges(std::span<const std::uint32_t> pairs, bool anew);
 
  private:
   struct LastReception {
     RegionId region;
-    SimTime at{};                           // when this peer received it
-    std::optional<SimTime> requested_at{};  // when it asked whether the object is still there, for want of an update
+    SimTime at{};  // when this peer received it
+    // When this peer asked whether the object is still there, for want of an update.
+    std::optional<SimTime> requested_at{};
   };
-  // What is announced in copies, a tick apart, and then repeated some time apart.
+  // An announcement goes out in copies, a tick apart, and is then repeated some time apart.
   struct Announcement {
-    std::uint32_t copies;   // still to be sent
-    std::uint32_t repeats;  // and so many after these
+    std::uint32_t copies;   // copies still to be sent
+    std::uint32_t repeats;  // repetitions after the copies
     std::optional<SimTime> sent_at{};
 
     [[nodiscard]] bool is_due(SimTime t, Duration apart) const;
@@ -134,8 +131,8 @@ class RegionSubscriptions {
   RegionGrid grid_;
   Interest interest_;
   double remote_radius_m_ = 0.0;  // the largest bounding radius of what other peers have ever owned
-  std::map<ObjectId, LastReception> last_receptions_;  // of remote objects that this peer receives
-  std::size_t unreceived_pairs_ = 0;                   // of the objects that it does not, with whatever
+  std::map<ObjectId, LastReception> last_receptions_;  // the last receptions of remote objects that this peer receives
+  std::size_t unreceived_pairs_ = 0;                   // the number of pairs of the objects that it does not receive
   std::vector<PendingSubscription> pending_subscriptions_;
   std::vector<PendingHandover> pending_handovers_;  // of own objects, in no region that they are published in
 };

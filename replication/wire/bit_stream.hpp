@@ -9,14 +9,15 @@
 
 namespace peerd::replication {
 
-// Bits in the order in which they are put: bit i of a stream is bit i % 8 (0: the lowest) of byte i / 8, and a field's
-// lowest bit comes first. Nothing here allocates. Bytes go and come eight at a time.
+// Streams of bits in the order in which they are put: bit i of a stream is bit i % 8 (0: the lowest) of byte i / 8,
+// and the lowest bit of a field comes first. Nothing here allocates. Bytes are moved eight at a time.
 
-inline constexpr int kFieldMax_bits = 56;  // of one put() or get()
+inline constexpr int kFieldMax_bits = 56;  // the most bits of one put() or get()
 
 namespace detail {
 inline constexpr int kWord_bits = 64, kWord_bytes = 8;
-// Its lowest byte first, whatever the processor; undoes itself.
+static_assert(kFieldMax_bits <= kWord_bits - 8);
+// The word with its lowest byte first in memory, whatever the processor. The function is its own inverse.
 inline std::uint64_t lowest_first(std::uint64_t word) {
   return std::endian::native == std::endian::little ? word : std::byteswap(word);
 }
@@ -24,7 +25,7 @@ inline std::uint64_t lowest_first(std::uint64_t word) {
 
 class BitWriter {
  public:
-  // Must hold whatever is put.
+  // `out` must have room for everything that is put.
   explicit BitWriter(std::span<std::byte> out) : out_(out) {}
 
   void put(std::uint64_t value, int bits) {
@@ -34,10 +35,11 @@ class BitWriter {
     if (pending_bits_ < detail::kWord_bits) return;
     put_bytes(detail::kWord_bytes);
     pending_bits_ -= detail::kWord_bits;
-    pending_ = value >> (bits - pending_bits_);  // what had no room any more
+    pending_ = value >> (bits - pending_bits_);  // the bits that had no room any more
   }
-  // Fills the last byte with zeros; gives the size in bytes.
+  // Fills the last byte with zeros and returns the size in bytes.
   std::size_t finish() {
+    assert(pending_bits_ < detail::kWord_bits);
     if (pending_bits_ > 0) put_bytes(static_cast<std::size_t>(pending_bits_ + 7) / 8);
     pending_ = 0;
     pending_bits_ = 0;
@@ -58,7 +60,7 @@ class BitWriter {
   int pending_bits_ = 0;  // fewer than a word's between two calls
 };
 
-// What is read beyond the end is zeros, and good() tells of it: callers may ask once, at the end.
+// Reads zeros beyond the end, which good() reports: callers may ask once, at the end.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::byte> in) : in_(in) {}
@@ -79,9 +81,9 @@ class BitReader {
     return value & ((std::uint64_t{1} << bits) - 1);
   }
   [[nodiscard]] bool good() const { return size_bytes() <= in_.size(); }
-  // Whether what is left of the byte that was begun is zeros, as finish() leaves it.
+  // Whether the rest of the last byte read from is zeros, as finish() leaves it.
   [[nodiscard]] bool padded_with_zeros() const { return (held_ & ((1u << held_bits_ % 8) - 1)) == 0; }
-  // Bytes that were begun.
+  // The number of bytes of which a bit has been read.
   [[nodiscard]] std::size_t size_bytes() const { return fetched_bytes_ - static_cast<std::size_t>(held_bits_ / 8); }
 
  private:
@@ -98,7 +100,7 @@ class BitReader {
   }
 
   std::span<const std::byte> in_;
-  std::size_t fetched_bytes_ = 0;  // beyond the end, too
+  std::size_t fetched_bytes_ = 0;  // counts bytes beyond the end, too
   std::uint64_t held_ = 0;
   int held_bits_ = 0;  // fewer than a word's between two calls
 };

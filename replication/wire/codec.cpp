@@ -19,6 +19,8 @@ namespace {
 constexpr std::size_t kUsualRecord_bytes = 24;
 constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes cannot hold more
 constexpr int kBase_bytes = kLowTime_bits / 8;
+static_assert(8 * kBase_bytes == kLowTime_bits);
+static_assert(kListMax >= 2 * static_cast<int>(kSubscriptionsMax));
 
 // ---- to Protobuf ----
 
@@ -35,7 +37,7 @@ void put(const Quat& q, proto::Quat* out) {
   out->set_z(q.z());
 }
 
-// All in one field, one behind the other; times count from the first one's, whose low bytes come first.
+// All updates go in one field, one behind the other; times count from the first one's, whose low bytes come first.
 void put(std::span<const EncodedUpdate> updates, proto::Datagram* out) {
   if (updates.empty()) return;
   std::string& bytes = *out->mutable_records();
@@ -109,7 +111,7 @@ void put(const std::vector<Handover>& handovers, proto::Datagram* out) {
   }
 }
 
-// What decode() does not set anyway; lists keep their memory.
+// Clears the parts that decode() does not set anyway; lists keep their memory.
 void clear(Message& m) {
   m.hello.reset();
   m.updates.clear();
@@ -165,7 +167,8 @@ bool take_records(const proto::Datagram& in, SimTime near, Message& m) {
 
 bool take_subscriptions(const proto::Datagram& in, std::vector<Subscription>& subscriptions) {
   SimTime latest;
-  if (in.subscriptions_size() % 2 != 0 || in.subscriptions_size() > kListMax || !take(in.subscriptions_ns(), latest)) return false;
+  if (in.subscriptions_size() % 2 != 0 || in.subscriptions_size() > kListMax || !take(in.subscriptions_ns(), latest))
+    return false;
   for (int i = 0; i < in.subscriptions_size(); i += 2) {
     const SimTime since = latest - std::chrono::milliseconds(in.subscriptions(i + 1));
     if (!in_range(since.time_since_epoch().count())) return false;
@@ -285,10 +288,12 @@ std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> da
   m.number = d.number();
   m.leaving = d.leaving();
   if (d.has_hello() && !take(d.hello(), m.hello.emplace())) return std::unexpected(DecodeError::kValue);
-  m.incarnation = m.introduction() != nullptr ? d.hello().introduction().incarnation() : incarnation_low(d.incarnation_low());
+  m.incarnation =
+      m.introduction() != nullptr ? d.hello().introduction().incarnation() : incarnation_low(d.incarnation_low());
   if (!take_records(d, near, m)) return std::unexpected(DecodeError::kValue);
   if (!take_decisions(d, near, m.decisions)) return std::unexpected(DecodeError::kValue);
-  if (!take_subscriptions(d, m.subscriptions) || !take_handovers(d, m.handovers)) return std::unexpected(DecodeError::kValue);
+  if (!take_subscriptions(d, m.subscriptions) || !take_handovers(d, m.handovers))
+    return std::unexpected(DecodeError::kValue);
   return &m;
 }
 

@@ -14,7 +14,7 @@ class Datagram;
 namespace peerd::replication {
 
 inline constexpr std::uint32_t kProtocolVersion = 7;
-// Never fragmented: below every tunnel's MTU once UDP, IP and a link's headers are added.
+// The largest datagram. It is never fragmented: below every tunnel's MTU once UDP, IP and a link's headers are added.
 inline constexpr std::size_t kDatagramMax_bytes = 1200;
 
 // A peer's name: 1 to kNameMax_bytes visible ASCII characters without '/'. It goes into logs and file names; longer
@@ -22,12 +22,13 @@ inline constexpr std::size_t kDatagramMax_bytes = 1200;
 inline constexpr std::size_t kNameMax_bytes = 64;
 [[nodiscard]] bool is_name(std::string_view text);
 
-// More than peers that decide collisions together can wait for each other.
+// The largest latency: peers that decide collisions together cannot wait for each other longer.
 inline constexpr std::chrono::milliseconds kLatencyMax{2000};
 
-// A peer whose time may be farther from its session's says none; sums of some such stay within int64 (36 years).
+// A peer whose time may be farther from its session's publishes none; sums of some such errors stay within int64 (36
+// years).
 inline constexpr Duration kClockErrorMax{std::int64_t{1} << 60};
-// Linux says of no clock that it may be farther off (NTP_PHASE_LIMIT).
+// The largest error that Linux reports for a clock (NTP_PHASE_LIMIT).
 inline constexpr std::chrono::seconds kOsErrorMax{16};
 
 enum class DecodeError : std::uint8_t {
@@ -43,22 +44,23 @@ enum class DecodeError : std::uint8_t {
 // The bytes of a message. The caller keeps them within kDatagramMax_bytes (encoded_size_bytes helps).
 [[nodiscard]] Bytes encode(const Message& message);
 
-// Trusts nothing: every value that comes back is finite and in range, unit vectors and quaternions unit within 1e-6.
-// Times of updates and decisions travel without what all who hear them know: they are taken to be within 9 minutes of
-// `near`.
+// The message of a datagram. Trusts nothing: every value that comes back is finite and in range, unit vectors and
+// quaternions unit within 1e-6. Times of updates and decisions travel without the bits that all receivers know: they
+// are taken to be within 9 minutes of `near`.
 [[nodiscard]] std::expected<Message, DecodeError> decode(std::span<const std::byte> datagram, SimTime near);
 
-// The same for many messages, one after the other: the next one uses the memory of the last.
+// Encodes and decodes many messages, one after the other: the next one uses the memory of the last.
 class Codec {
  public:
   Codec();
   ~Codec();
-  // `updates`, whose times count from the first one's, go in place of the message's own. The bytes replace those of
-  // `datagram`, whose memory they use.
+  // Encodes a message. `updates`, whose times count from the first one's, go in place of the message's own. The bytes
+  // replace those of `datagram`, whose memory they use.
   void encode(const Message& message, std::span<const EncodedUpdate> updates, Bytes& datagram);
-  // The message is good until the next call.
+  // Decodes a datagram. The message is valid until the next call.
   [[nodiscard]] std::expected<Message*, DecodeError> decode(std::span<const std::byte> datagram, SimTime near);
-  // Of the datagram that was refused for its version: those two mean the same in all versions.
+  // The version and the sender of a datagram that was refused for its version: these two mean the same in all
+  // versions.
   [[nodiscard]] std::uint32_t version() const;
   [[nodiscard]] PeerId sender() const;
 
@@ -67,11 +69,11 @@ class Codec {
   Message decoded_;
 };
 
-// What one record adds to a datagram: an update behind others of which the first is of the time `first`. The first of
-// all adds kUpdatesHeader_bytes besides: the base time, and the length of them all.
+// The bytes that one record adds to a datagram, for an update behind others of which the first is of the time `first`.
+// The first update of a datagram adds kUpdatesHeader_bytes besides: the base time, and the length of all updates.
 [[nodiscard]] std::size_t encoded_size_bytes(const UpdateRecord& record, SimTime first);
 inline constexpr std::size_t kUpdatesHeader_bytes = 8;
-// .. and a decision; the first adds kDecisionsHeader_bytes.
+// The bytes that a decision adds; the first one adds kDecisionsHeader_bytes besides.
 [[nodiscard]] std::size_t encoded_size_bytes(const DecisionRecord& record);
 inline constexpr std::size_t kDecisionsHeader_bytes = 3;
 

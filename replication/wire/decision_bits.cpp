@@ -45,7 +45,7 @@ bool take_all(BitReader& in, Vec3& v) {
   return take_exact(in, v);
 }
 
-// 0: as it was; 1 and all of it, where a bit of it differs.
+// A bit 0 means that the value is unchanged; a bit 1 is followed by all of it, if any of its bits differs.
 template <class T>
 void put_change(BitWriter& out, const T& was, const T& is) {
   const bool changed = bits_of(was) != bits_of(is);
@@ -108,6 +108,7 @@ std::optional<DecisionRecord> decode_decision(std::span<const std::byte>& rest, 
   BitReader in(rest);
   DecisionRecord decision;
   if (!take(in, near, decision)) return std::nullopt;
+  assert(in.size_bytes() <= rest.size());
   rest = rest.subspan(in.size_bytes());
   return decision;
 }

@@ -11,9 +11,9 @@
 namespace peerd::replication {
 namespace {
 
-constexpr std::size_t kEntryMax_bytes = 64;  // of any list; the longest has 33
+constexpr std::size_t kEntryMax_bytes = 64;  // an entry of any list; the longest entry has 33
 
-// What `put` writes for each entry.
+// The bytes that `put` writes for each entry.
 template <class Entry, class Put>
 std::string packed_by(const std::vector<Entry>& entries, Put put) {
   std::string bytes;
@@ -40,7 +40,7 @@ bool take_id(BitReader& in, Id& id) {
   return take_varint(in, id.value);
 }
 
-// The first is right behind the run.
+// Whether the mask of missing datagrams is sent; the first missing one is right behind the run.
 bool names_holes(const Received& r) { return r.run < std::min(r.highest, Received::kWindow); }
 
 bool take_received(BitReader& in, std::uint32_t highest, Received& r) {

@@ -16,19 +16,21 @@ namespace {
 
 constexpr int kKind_bits = 4, kStep_bits = 4;
 constexpr std::uint64_t kExact = 15;       // in the step's field, which codes -23 to -9 by 0 to 14
-constexpr std::uint64_t kUnknownKind = 8;  // from here on: a later version's
+constexpr std::uint64_t kUnknownKind = 8;  // kinds from here on are of a later version
 static_assert(kStepMost_log2 - kStepLeast_log2 < static_cast<int>(kExact));
+static_assert(kUnknownKind == std::size(kMotionKinds) + 1 && kUnknownKind < 1 << kKind_bits);
 
-// A vector's field begins with the bits that its longest component takes, in so many bits.
+// The field of a vector begins with the number of bits of its longest component, in so many bits.
 constexpr int kLongWidth_bits = 6, kWidth_bits = 5;
-constexpr int kComponentMax_bits = 52;  // whole numbers up to there are binary64's
+constexpr int kComponentMax_bits = 52;  // binary64 represents whole numbers of so many bits
 
 bool is_zero(const Vec3& v) { return v.isZero(0.0); }
 bool has_acceleration(MotionKind kind) { return kind != MotionKind::kFirst; }
 bool has_jerk(MotionKind kind) { return kind == MotionKind::kThird || kind == MotionKind::kOscillating; }
 bool has_rate(MotionKind kind) { return kind == MotionKind::kTurning || kind == MotionKind::kOscillating; }
 
-// Which axes a vector may have: any, which it says itself, or those of what moves level or turns upright.
+// The axes that a vector may have: none means any, and the vector has a mask of its own; else those of an object that
+// moves level or turns upright.
 using Axes = std::optional<unsigned>;
 constexpr unsigned kAlong_y = 0b010, kAlong_xz = 0b101;
 
@@ -41,13 +43,13 @@ bool within(unsigned axes, const Vec3& v) {
 
 unsigned rate_axes(MotionKind kind) { return kind == MotionKind::kTurning ? kAlong_y : kAlong_xz; }
 
-// As most of what walks and drives, on a plane.
+// Whether the motion is in a horizontal plane, as of most objects that walk or drive.
 bool is_level(const MotionModel& m) {
   return within(kAlong_xz, m.state.velocity) && within(kAlong_xz, m.state.acceleration) && within(kAlong_xz, m.jerk) &&
          within(rate_axes(m.kind), m.rate_rad_s);
 }
 
-// Turned about the vertical alone, and turning about it.
+// Whether the object is turned about the vertical alone, and turns about it.
 bool is_upright(const MotionModel& m) {
   return m.state.orientation.x() == 0.0 && m.state.orientation.z() == 0.0 &&
          within(kAlong_y, m.state.angular_velocity_body) && within(kAlong_y, m.angular_acceleration_body);
@@ -73,15 +75,15 @@ Steps steps_of(MotionKind kind, int position_log2) {
           -9 - 2 * h};
 }
 
-// Bits of the longest component, in steps. It must be a whole number of them.
+// The number of bits of the longest component, in steps. Each component is a whole number of steps.
 int width_of(const Vec3& v, int step_log2) {
   const double most = v.cwiseAbs().maxCoeff() * power_of_two(-step_log2);
   return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(most)));
 }
 
-// A rate that is off by d moves an axis by at most d (|a| h^3 / 6 + |j| h^4 / 24); about an axis, with vectors for d
-// and a, by |d| |a| h^3 / 6. Below, |a| < 2^A and |j| < 2^J on each axis, and d is half a step (of a vector: sqrt(3)
-// halves). None: without either it moves nothing.
+// The log2 of the step of a rate. A rate that is off by d moves an axis by at most d (|a| h^3 / 6 + |j| h^4 / 24);
+// about an axis, with vectors for d and a, by |d| |a| h^3 / 6. Below, |a| < 2^A and |j| < 2^J on each axis, and d is
+// half a step (of a vector: sqrt(3) halves). None: without acceleration and jerk the rate moves nothing.
 std::optional<int> rate_step_log2(const MotionModel& m, const Steps& steps) {
   const int a = width_of(m.state.acceleration, steps.acceleration), j = width_of(m.jerk, steps.jerk);
   if (a == 0 && j == 0) return std::nullopt;
@@ -92,9 +94,9 @@ std::optional<int> rate_step_log2(const MotionModel& m, const Steps& steps) {
 
 // ---- rounding ----
 
-// Whether it fits its field.
+// Rounds a vector to steps; false where it does not fit its field.
 bool round_to_steps(Vec3& v, int step_log2, int width_bits) {
-  if (is_zero(v)) {  // as most are
+  if (is_zero(v)) {  // most vectors are zero
     v.setZero();
     return true;
   }
@@ -103,7 +105,7 @@ bool round_to_steps(Vec3& v, int step_log2, int width_bits) {
   for (double& component : v) {
     const double n = std::nearbyint(component * per_step);
     if (!(std::abs(n) < most)) return false;
-    component = n * step + 0.0;  // no -0: it has no bits of its own
+    component = n * step + 0.0;  // adding 0 removes -0, which has no bits of its own
   }
   return true;
 }
@@ -120,7 +122,7 @@ bool round_to_steps(MotionModel& m, int position_log2) {
     return false;
   }
   s.orientation = is_identity(s.orientation) ? Quat::Identity() : to_orientation(smallest_three(s.orientation)).value();
-  if (m.kind == MotionKind::kSliding) {  // what has as good as stopped has
+  if (m.kind == MotionKind::kSliding) {  // a speed that rounds to zero counts as stopped
     if (is_zero(s.velocity)) s.acceleration.setZero();
     if (is_zero(s.angular_velocity_body)) m.angular_acceleration_body.setZero();
   }
@@ -137,7 +139,8 @@ bool rounds_to_first(const MotionModel& m, int position_log2) {
   return m.state.acceleration.cwiseAbs().maxCoeff() <= half_a_step;
 }
 
-// Friction that no longer points against the motion would stop it at once, and none would never.
+// Whether friction stops the rounded motion as it stops the exact one: friction that no longer points against the
+// motion would stop it at once, and no friction would never.
 bool brakes_alike(const Vec3& v, const Vec3& friction, const Vec3& v_rounded, const Vec3& friction_rounded) {
   return is_zero(v_rounded) || ((v.dot(friction) < 0.0) == (v_rounded.dot(friction_rounded) < 0.0) &&
                                 is_zero(friction) == is_zero(friction_rounded));
@@ -149,7 +152,7 @@ bool stops_alike(const MotionModel& a, const MotionModel& b) {
                                                          r.angular_velocity_body, b.angular_acceleration_body));
 }
 
-// What is absent on the wire has no signs.
+// Removes the signs of zeros: a component that is absent on the wire has no sign.
 void drop_signs_of_zero(MotionModel& m) {
   for (Vec3* v : {&m.state.position, &m.state.velocity, &m.state.acceleration, &m.state.angular_velocity_body, &m.jerk,
                   &m.rate_rad_s, &m.angular_acceleration_body}) {
@@ -160,7 +163,7 @@ void drop_signs_of_zero(MotionModel& m) {
 
 // ---- to bits ----
 
-// Which axes the vectors have.
+// The axes that the vectors of a record have.
 struct Form {
   Axes moves, rate, turns;
 };
@@ -193,7 +196,8 @@ void put_steps(BitWriter& out, const Vec3& v, int step_log2, int width_bits, Axe
   }
 }
 
-// Of what is upright w or y is the largest, and of the other three the one between that is not x or z.
+// For an upright orientation w or y is the largest component, and of the other three this is the one that is not x or
+// z.
 constexpr int kLargestIs_y = 2;
 std::int32_t& other_of_wy(SmallestThree& three) { return three.steps[three.largest == kLargestIs_y ? 0 : 1]; }
 
@@ -240,10 +244,10 @@ void put_steps(BitWriter& out, const MotionModel& m, int position_log2, const Fo
   }
 }
 
-// ---- from bits: each take() answers whether encode_record() could have made it; what the reader gives beyond its end
-// is refused when all is read ----
+// ---- from bits: each take() returns whether encode_record() could have made the bits; reading beyond the end is
+// refused after everything has been read ----
 
-// `may_be_zero`: where no mask says that it isn't. Zero has one sign.
+// Takes a number. `may_be_zero`: no mask says that it is not zero. Zero has one sign.
 bool take_sign_and_magnitude(BitReader& in, int magnitude_bits, bool may_be_zero, std::int64_t& n) {
   const std::uint64_t bits = in.get(magnitude_bits + 1);
   n = static_cast<std::int64_t>(bits >> 1);
@@ -280,7 +284,8 @@ bool take_orientation(BitReader& in, Quat& q, bool upright) {
   }
   three.largest = static_cast<int>(in.get(2));
   unsigned mask = 0;
-  if (!take_mask(in, three.largest != 0, mask)) return false;  // empty and w: the identity, which is not sent
+  if (!take_mask(in, three.largest != 0, mask))
+    return false;  // an empty mask with w is the identity, which is not sent
   for (std::size_t i = 0; i < 3; ++i) {
     std::int64_t n = 0;
     if ((mask >> i & 1) != 0 && !take_sign_and_magnitude(in, SmallestThree::kMagnitude_bits, false, n)) return false;
@@ -385,6 +390,8 @@ UpdateRecord quantised(const UpdateRecord& record, const Tolerance& tolerance) {
 
 std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::byte, kRecordMax_bytes> bytes) {
   assert(static_cast<std::uint64_t>(u.model.kind) < kUnknownKind);
+  assert(!u.position_step_log2 ||
+         (*u.position_step_log2 >= kStepLeast_log2 && *u.position_step_log2 <= kStepMost_log2));
   BitWriter out(bytes);
   const bool later = u.at != base, decided = u.decision != SimTime{};
   out.put(static_cast<std::uint64_t>(u.model.kind), kKind_bits);
@@ -425,6 +432,7 @@ std::expected<UpdateRecord, RecordError> decode_record(std::span<const std::byte
   BitReader in(rest);
   std::expected<UpdateRecord, RecordError> out;
   if (!take(in, base, *out)) return std::unexpected(RecordError::kValue);
+  assert(in.size_bytes() <= rest.size());
   rest = rest.subspan(in.size_bytes());
   return out;
 }

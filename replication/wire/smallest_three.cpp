@@ -1,7 +1,9 @@
 #include "replication/wire/smallest_three.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 namespace peerd::replication {
@@ -29,20 +31,25 @@ std::optional<SmallestThree> without(const std::array<double, 4>& q, int largest
 }  // namespace
 
 std::optional<Quat> to_orientation(const SmallestThree& three) {
+  assert(three.largest >= 0 && three.largest < 4);
   std::int32_t left = kUnit_steps2;
-  for (const std::int32_t n : three.steps) left -= n * n;
+  for (const std::int32_t n : three.steps) {
+    assert(std::abs(n) <= SmallestThree::kMost);
+    left -= n * n;
+  }
   if (left < 0) return std::nullopt;
   std::array<double, 4> q{};
   std::size_t in = 0;
   for (int i = 0; i < 4; ++i) {
     q[static_cast<std::size_t>(i)] = kStep * (i == three.largest ? std::sqrt(double{1} * left) : three.steps[in++]);
   }
-  if (left == kUnit_steps2) q[static_cast<std::size_t>(three.largest)] = 1.0;  // as it must be, if not by rounding
+  if (left == kUnit_steps2)
+    q[static_cast<std::size_t>(three.largest)] = 1.0;  // the exact value, whatever rounding does
   return Quat(q[0], q[1], q[2], q[3]);
 }
 
-// Where the two largest are almost equal, rounding may have exchanged them: then another is left out than before, and
-// only leaving out the same one again gives the same bits.
+// Rounding may have exchanged the two largest components where they are almost equal: then another one is left out
+// than before, and only leaving out the same one again gives the same bits.
 SmallestThree smallest_three(const Quat& orientation) {
   const std::array<double, 4> q = components(orientation);
   const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b); };
@@ -57,7 +64,7 @@ SmallestThree smallest_three(const Quat& orientation) {
   within[static_cast<std::size_t>(largest)] = q[static_cast<std::size_t>(largest)];
   const SmallestThree nearest = *without(within, largest);
   if (gives_it(nearest)) return nearest;
-  for (const int i : {0, 2, 1, 3}) {  // w and y first: of what turns about the vertical these are all there is
+  for (const int i : {0, 2, 1, 3}) {  // w and y first: an object that is turned about the vertical has no others
     const auto other = without(q, i);
     if (gives_it(other)) return *other;
   }

@@ -1,4 +1,6 @@
 #pragma once
+#include <cassert>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -9,8 +11,8 @@
 
 namespace peerd::replication {
 
-// Whole numbers as Protobuf's varints: 7 bits a byte, the lowest first, and 1 in the eighth if more follow. Each has
-// one form, the shortest; take_..() answers whether what it read was that.
+// Varints are whole numbers in the form of Protobuf: 7 bits a byte, the lowest first, and 1 in the eighth if more
+// follow. Each number has one form, the shortest; take_..() returns whether it has read that.
 
 inline void put_varint(BitWriter& out, std::uint64_t value) {
   for (; value >= 128; value >>= 7) out.put((value & 127) | 128, 8);
@@ -19,6 +21,7 @@ inline void put_varint(BitWriter& out, std::uint64_t value) {
 
 template <class Number>
 [[nodiscard]] bool take_varint(BitReader& in, Number& value) {
+  static_assert(std::unsigned_integral<Number>);
   std::uint64_t wide = 0;
   for (int shift = 0; shift < 64; shift += 7) {
     const std::uint64_t group = in.get(8);
@@ -33,7 +36,8 @@ template <class Number>
   return false;
 }
 
-// A time by its difference from another, modulo 2^64, which undoes itself; small ones of either sign are short.
+// A time as its difference from another one, modulo 2^64, which is its own inverse; small differences of either sign
+// are short.
 inline void put_time(BitWriter& out, SimTime from, SimTime t) {
   const auto d = static_cast<std::uint64_t>(t.time_since_epoch().count()) -
                  static_cast<std::uint64_t>(from.time_since_epoch().count());
@@ -47,13 +51,14 @@ inline void put_time(BitWriter& out, SimTime from, SimTime t) {
   return in_range(t.time_since_epoch().count());
 }
 
-// Of a time its lowest five bytes: 18 minutes, of which the receiver's own time says which.
+// The lowest five bytes of a time: 18 minutes, of which the receiver's own time says which.
 inline constexpr int kLowTime_bits = 40;
 [[nodiscard]] inline std::uint64_t low_time(SimTime t) {
   return static_cast<std::uint64_t>(t.time_since_epoch().count()) & ((std::uint64_t{1} << kLowTime_bits) - 1);
 }
 // The time with those low bits that is nearest to `near`.
 [[nodiscard]] inline bool take_low_time(std::uint64_t low, SimTime near, SimTime& t) {
+  assert(low >> kLowTime_bits == 0);
   constexpr int kAbove_bits = 64 - kLowTime_bits;
   const auto here = static_cast<std::uint64_t>(near.time_since_epoch().count());
   // Shifted up and down again, the difference's highest bit that travels is its sign.

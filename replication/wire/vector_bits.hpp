@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cstdint>
 
 #include "core/math.hpp"
@@ -8,12 +9,12 @@
 
 namespace peerd::replication {
 
-// Vectors and orientations, bit for bit, as records and decisions have them; proto/README.md specifies the bits. Each
-// take_..() answers whether its put_..() could have made that, so that every value has one form.
+// Vectors and orientations, bit for bit, in the form that records and decisions share; proto/README.md specifies the
+// bits. Each take_..() returns whether its put_..() could have made the bits, so that every value has one form.
 
 inline bool is_identity(const Quat& q) { return q.coeffs() == Quat::Identity().coeffs(); }
 
-// Where an axis is zero a mask says which are not.
+// Writes, where an axis is zero, a mask of the axes that are not. Returns the mask.
 template <class Three>
 unsigned put_mask(BitWriter& out, const Three& axes) {
   unsigned mask = 0;
@@ -46,8 +47,9 @@ inline void put_exact(BitWriter& out, const Vec3& v) {
   }
 }
 
-// Which is not the identity: that is not sent.
+// Writes an orientation that is not the identity; the identity is not sent.
 inline void put_exact(BitWriter& out, const Quat& q) {
+  assert(!is_identity(q));
   for (const double component : {q.w(), q.x(), q.y(), q.z()}) put_exact(out, component);
 }
 

@@ -9,20 +9,20 @@
 #include "core/kinematics.hpp"
 #include "core/math.hpp"
 #include "core/time.hpp"
+#include "replication/motion/motion_model.hpp"
 #include "replication/wire/decision_policy.hpp"
 #include "replication/wire/loss_meter.hpp"
-#include "replication/motion/motion_model.hpp"
 
 namespace peerd::replication {
 
 using Bytes = std::vector<std::byte>;
 
-// What travels, as the rest of this folder sees it. proto/README.md specifies the bytes and limits.
+// The messages that travel, as the rest of this folder sees them. proto/README.md specifies the bytes and limits.
 
 // A dead-reckoning update: from `at` on, `object` moves as `model` says.
 struct UpdateRecord {
   ObjectId object;
-  std::uint32_t sequence = 0;  // per sender and boot, from 1; a lower one never replaces a higher one
+  std::uint32_t sequence = 0;  // per sender and incarnation, from 1; a lower one never replaces a higher one
   SimTime at{};
   MotionModel model;
   // Contact time of the last decision on the object that the sender knew; none: SimTime{}. A state from before a
@@ -33,10 +33,10 @@ struct UpdateRecord {
   std::optional<int> position_step_log2{};
 };
 
-// By which policy the sender was to decide; kId also where nobody else had (fallback).
+// The policy by which the sender was to decide; kId also for a decision by fallback, when nobody else had decided.
 using DecisionRule = DecisionPolicy;
 
-// The one outcome of a collision, stated by the peer that decides it. Receiving it twice changes nothing.
+// The outcome of a collision, stated by the peer that decides it. A second copy changes nothing.
 struct DecisionRecord {
   ObjectId collider, collidee;
   SimTime contact{};
@@ -51,99 +51,107 @@ struct DecisionRecord {
 struct ContactNote {
   ObjectId collider, collidee;
   SimTime contact{};
-  bool deferred = false;  // the sender has found it, and leaves it to another to decide; else it has decided it itself
+  bool deferred = false;  // the sender leaves the decision to another peer; else it has decided itself
 };
 
 // As many notes as fit into a hello whose other lists are full.
 inline constexpr std::size_t kNotesMax = 8;
 
-// Where a peer looks from: a fixed pose, or one in the frame of an object, whose dead reckoning takes it along.
+// The viewpoint of a peer: a fixed pose, or one in the frame of an object, which carries it along by dead reckoning.
 struct Viewpoint {
   std::optional<ObjectId> object;
-  Pose pose;                        // a camera's: looks along -z, y up
+  Pose pose;                        // the pose of a camera that looks along -z, with y up
   double field_of_view = 0.785398;  // the smaller of the angles of width and height [rad], in (0, pi)
   double aspect = 1.0;              // width / height, > 0
 };
 
-// In a hello, to each peer heard: when its last hello came, and what of its datagrams did. The carrying hello's own
-// time and its arrival are the other two of NTP's four stamps.
+// In a hello, for each peer that the sender receives: when that peer's last hello arrived, and which of its datagrams
+// did. The time of the hello that carries the echo and the arrival of that hello are the other two of NTP's four
+// stamps.
 struct Echo {
   PeerId peer;
   std::uint32_t hello = 0;  // the number of its last hello's datagram
-  Duration hold_time{0};         // from that one's arrival to this hello
-  Received received;        // of its datagrams; the highest is not below `hello`
-  double loss = 0.0;        // what gets lost on the way (LossMeter), in thousandths
+  Duration hold_time{0};    // from the arrival of that hello to this one
+  Received received;        // of that peer's datagrams; the highest is not below `hello`
+  double loss = 0.0;        // the part that is lost on the way (LossMeter), in thousandths on the wire
 };
 
-// As many as a hello carries. More take turns in order of their ids, which go round; the next hello begins with this
-// one's last, so that any two that follow each other are in one list, which shows who is missing between them.
+// The echoes that a hello carries. If there are more, they take turns in order of their ids, which go round; the next
+// hello begins with the last one of this hello, so that any two that follow each other are in one list, which shows
+// which peers are missing between them.
 inline constexpr std::size_t kEchoesMax = 15, kEchoesStep = kEchoesMax - 1;
-// In how many hellos all are named.
+// The number of hellos in which all peers are named, >= 1.
 [[nodiscard]] constexpr std::size_t hellos_to_name(std::size_t peers) {
   return peers <= kEchoesMax ? 1 : (peers + kEchoesStep - 1) / kEchoesStep;
 }
+static_assert(hellos_to_name(0) == 1 && hellos_to_name(kEchoesMax) == 1 && hellos_to_name(kEchoesMax + 1) == 2);
 
-// Who the sender is. What changes seldom; it goes with some hellos only.
+// The part of a hello that names the sender. It changes seldom and goes with some hellos only.
 struct Introduction {
   std::string name;
   std::uint64_t world_hash = 0;
   std::vector<ObjectId> owned;
-  std::optional<SimTime> start;       // when this peer lets motions by formula begin, if it says so
+  std::optional<SimTime> start;       // when this peer lets motions by formula begin; none: it does not say
   std::optional<SimTime> world_zero;  // time 0 of the world's TimeSensors
   std::optional<Viewpoint> viewpoint;
 };
 
-// What the sender's operating system says of its clock: how far that is ahead of session time, and that it is off UTC
-// by at most `error`.
+// The clock of the sender's operating system: how far it is ahead of session time, and that it is off UTC by at most
+// `error`.
 struct OsClockNote {
   Duration minus_session{0};
   Duration error{0};  // on the wire, microseconds; rounded up
 };
 
 struct Hello {
-  std::optional<SimTime> session_tx;  // when it left; none: the sender has no session time
-  // How far that may be from the time of the session's leader; on the wire, microseconds, rounded up. None: it leads.
+  std::optional<SimTime> session_tx;  // when the hello left; none: the sender has no session time
+  // The greatest distance of session_tx from the time of the session's leader; on the wire, microseconds, rounded up.
+  // None: the sender leads.
   std::optional<Duration> clock_error;
   std::optional<OsClockNote> os_clock;  // none: not known to be right
-  std::uint32_t sessions = 0;           // how many the sender has entered; each began without any updates
-  Duration latency{0};                  // how late the sender hears of others (latency_bound), a whole millisecond
+  std::uint32_t sessions = 0;  // the number of sessions that the sender has entered; each began without any updates
+  Duration latency{0};         // how late the sender receives other peers (latency_bound), in whole milliseconds
   std::vector<Echo> echoes;
-  std::vector<ContactNote> notes;  // what is held first, then its newest decisions, until all have them
+  // Deferred contacts first, then the newest decisions of the sender, until all peers have them.
+  std::vector<ContactNote> notes;
   std::optional<Introduction> introduction;
 };
 
-// Of a boot number, what goes with every datagram; the whole of it goes with introductions.
+// The low bits of the incarnation go with every datagram; the whole of it goes with introductions.
 inline constexpr int kIncarnationLow_bits = 21;
 [[nodiscard]] constexpr std::uint64_t incarnation_low(std::uint64_t incarnation) {
   return incarnation & ((std::uint64_t{1} << kIncarnationLow_bits) - 1);
 }
 
-// "I listen there since then", or ask anew: who has an object there and has not told of it since tells its state anew.
+// A peer listens to the region since then, or asks anew: an owner of an object there that has not published it since
+// then publishes it anew.
 struct Subscription {
   RegionId region;
-  SimTime since{};  // on the wire, milliseconds before the latest of a message's; rounded towards that
+  SimTime since{};  // on the wire, milliseconds before the latest one of the message, rounded towards that
 };
-// As many as fit into a datagram of their own; into a hello with all of its lists full.
+// The numbers of subscriptions that fit into a datagram of their own, and into a hello with all of its lists full.
 inline constexpr std::size_t kSubscriptionsMax = 150, kSubscriptionsWithHello = 8;
 
-// "It is told elsewhere from now on": who does not listen there knows nothing of it any more.
+// An object is published in another region from now on: a peer that does not listen there receives nothing of it any
+// more.
 struct Handover {
   ObjectId object;
-  std::uint32_t sequence = 0;  // of the update that is told there
+  std::uint32_t sequence = 0;  // of the update that is published there
   RegionId to;
 };
 
 struct Message {
   PeerId sender;
-  std::uint64_t incarnation = 0;    // grows with each start of that peer; boot_low() of it where nothing introduces
-  std::uint32_t number = 0;  // of the sender's datagrams to that region since then, from 1; 0: not counted
+  std::uint64_t incarnation = 0;  // grows with each start of that peer; incarnation_low() of it without an introduction
+  std::uint32_t number = 0;  // counts the sender's datagrams to that region since its start, from 1; 0: not counted
   std::optional<Hello> hello;
   std::vector<UpdateRecord> updates;
   std::vector<DecisionRecord> decisions;
   std::vector<Subscription> subscriptions;
   std::vector<Handover> handovers;  // from the region that the message goes to
   bool leaving = false;
-  std::uint32_t unknown_models = 0;  // updates left out by decode(): they name a model that this build does not know
+  // The updates that decode() left out, because they name a model that this build does not know.
+  std::uint32_t unknown_models = 0;
 
   [[nodiscard]] const Introduction* introduction() const {
     return hello && hello->introduction ? &*hello->introduction : nullptr;
