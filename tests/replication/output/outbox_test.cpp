@@ -87,7 +87,7 @@ TEST(Outbox, EncodedUpdatesGoInPlaceOfTheMessagesOwn) {
 TEST(Outbox, CountsDatagramsAndBytesInAllAndByRegion) {
   Box box;
   Message small = box.outbox.blank(), large = box.outbox.blank();
-  large.updates.push_back(update_of(1, sim(1s)));
+  large.leaving = true;
   box.outbox.send(small);
   box.outbox.send(large, RegionId{4});
   const auto sent = drain<Send>(box.outbox);
