@@ -125,6 +125,38 @@ TEST(Convergence, WhatMayNotPassFollowsTheGhostsOwnWay) {
   }
 }
 
+// The object follows the ghost's trail until nothing of it can be reached any more, be it that everything is barred, or
+// that where the ghost was is not known any more. It waits for as long as a way back takes, and then jumps.
+TEST(Convergence, WaitsOnABarredTrailNoLongerThanAWayBackTakes) {
+  for (const bool forgotten : {false, true}) {
+    Convergence convergence({ConvergenceMethod::kLinear, kOver});
+    const KinematicState start = moving({0, 0, 0}, {20, 0, 0});
+    const auto ghost = [&](SimTime t) { return advance(start, std::max(0.0, to_seconds(t - sim(500ms)))); };
+    bool barred = false;
+    const auto near_by = [&](const Vec3& from, const Vec3& to) { return (to - from).norm() <= (barred ? 0.0 : 0.5); };
+    const auto was = [&](SimTime t) { return barred && forgotten ? std::nullopt : std::optional(ghost(t).pose()); };
+    (void)convergence.shown(sim(1s), at_rest({}), 0, near_by, was);
+    SimTime t = sim(1s);
+    Vec3 last = Vec3::Zero();
+    for (int frame = 0; frame < 10; ++frame) {
+      t += kFrame;
+      last = convergence.shown(t, ghost(t), 1, near_by, was).position;
+    }
+    ASSERT_EQ(convergence.detours(), 1u);
+    ASSERT_TRUE(last.x() > 0.1 && last.x() < 6.0) << "on the trail, far behind";
+    barred = true;
+    const SimTime moved_at = t;
+    while (t < moved_at + kOver) {
+      t += kFrame;
+      ASSERT_EQ(convergence.shown(t, ghost(t), 1, near_by, was).position, last) << "it waits";
+    }
+    EXPECT_EQ(convergence.blocked(), 0u);
+    t += kFrame;
+    EXPECT_EQ(convergence.shown(t, ghost(t), 1, near_by, was).position, ghost(t).position);
+    EXPECT_EQ(convergence.blocked(), 1u);
+  }
+}
+
 PeerConfig joins(const World& world, std::uint32_t id, const char* owns, ConvergencePolicy convergence = {}) {
   PeerConfig config;
   config.id = PeerId{id};

@@ -1,0 +1,322 @@
+#include "replication/decision/contact_decisions.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/replication/lan.hpp"
+#include "tests/replication/parts.hpp"
+
+namespace peerd::replication::contact_decisions_test {
+
+using namespace test;
+
+// A is this peer's, B peer `other`'s, C peer 9's.
+class Deciding : public testing::Test {
+ protected:
+  explicit Deciding(std::uint32_t self = 2, std::uint32_t remote = 3) : other(remote), conf(config(self, {{a}})) {
+    owners.set(a, PeerId{self});
+    owners.set(b, other);
+    owners.set(c, PeerId{9});
+    echo_us(add_member(members, remote), 0.001);
+    echo_us(add_member(members, 9), 0.001);
+    replica.begin(sim(0s));
+    replica.truth().declare(a, Role::kAuthoritative);
+    replica.ghosts().declare(a, Role::kPredicted);
+    for (const ObjectId object : {b, c}) replica.declare_remote(object, Role::kPredicted);
+    tick_to(10s);
+  }
+  void tick_to(Duration t) { ticks.set_last(ticks.number_at(sim(t))); }
+  ContactEvent contact(SimTime at = sim(10s)) const {
+    ContactEvent e;
+    e.at = at;
+    e.collider = a;
+    e.collidee = b;
+    e.normal = Vec3::UnitX();
+    e.collider_before = moving({0, 0, 0}, {-1, 0, 0});
+    e.collider_after = moving({0, 0, 0}, {1, 0, 0});
+    e.collidee_before = e.collidee_after = moving({-1, 0, 0});
+    return e;
+  }
+  DecisionRecord record(SimTime at = sim(10s)) const {
+    const ContactEvent e = contact(at);
+    return {e.collider,       e.collidee,        e.at, e.normal, e.collider_before, e.collidee_before, e.collider_after,
+            e.collidee_after, DecisionRule::kId, {}};
+  }
+  // Long enough for a deferred contact of 10 s.
+  Duration patience() const { return 10s + 2 * members.longest_latency() + 3 * conf.hello_period; }
+  std::size_t decided() { return drain<ContactSeen>(outbox).size(); }
+
+  World world{box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "-5 0 0") + box("C", "1 1 1", "9 9 9") +
+              interest("A", "\"B\" \"C\"") + interest("B", "\"C\"")};
+  ObjectId a = world["A"], b = world["B"], c = world["C"];
+  PeerId other;
+  PeerConfig conf;
+  PeerCounters counters;
+  Membership members{1750ms};
+  Owners owners{world.scene.instances.size()};
+  OwnObjects own{world.scene, conf.owned, false};
+  Replica replica{*world.model};
+  TickGrid ticks{60};
+  Outbox outbox{conf.id, conf.incarnation, counters};
+  ContactDecisions decisions{conf, *world.model, members, owners, own, replica, ticks, outbox, counters};
+};
+// The other one's id is lower.
+class Deferring : public Deciding {
+ protected:
+  Deferring() : Deciding(3, 2) {}
+};
+
+// ---- which contacts this peer looks for ----
+
+TEST_F(Deciding, WhoMayDecideIsOneOfTwoOwnersByThePolicy) {
+  const PeerId one{1}, two{2}, three{3};
+  for (const DecisionPolicy policy : {DecisionPolicy::kId, DecisionPolicy::kVelocity, DecisionPolicy::kServer}) {
+    conf.decisions.policy = policy;
+    conf.decisions.server = one;
+    EXPECT_TRUE(decisions.may_decide(two, two, three));
+    EXPECT_EQ(decisions.may_decide(three, two, three), policy != DecisionPolicy::kId);
+    EXPECT_EQ(decisions.may_decide(one, two, three), policy == DecisionPolicy::kServer);
+    EXPECT_FALSE(decisions.may_decide(two, two, two)) << "one owner needs no decision";
+    EXPECT_FALSE(decisions.may_decide(two, two, kNobody));
+    EXPECT_FALSE(decisions.may_decide(two, kNobody, two));
+  }
+}
+
+TEST_F(Deciding, ByIdTheLowerOneDecides) {
+  EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kLocal);
+  EXPECT_EQ(decisions.authority(b, c, sim(10s)), ContactAuthority::kAsPublished) << "others' are predictions";
+  owners.set(b, kNobody);
+  EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kAsPublished) << "the scene decides nothing";
+}
+
+TEST_F(Deferring, ByIdTheHigherOneDoesNotEvenLook) {
+  EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kAsPublished);
+  conf.decisions = {DecisionPolicy::kServer, PeerId{9}};
+  EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kDeferred) << "the server does";
+  conf.decisions.server = PeerId{3};
+  EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kLocal);
+  EXPECT_EQ(decisions.authority(b, c, sim(10s)), ContactAuthority::kLocal) << "the server decides others' too";
+}
+
+TEST_F(Deciding, NobodyDecidesAContactOfMoreThanThreeSecondsAgo) {
+  EXPECT_EQ(decisions.authority(a, b, ticks.last_time() - 3s), ContactAuthority::kLocal);
+  EXPECT_EQ(decisions.authority(a, b, ticks.last_time() - 3s - 1ns), ContactAuthority::kDeferred);
+  decisions.defer(contact(ticks.last_time() - 3s - 1ns));
+  EXPECT_FALSE(decisions.has_deferred());
+  EXPECT_EQ(counters.contacts_too_late, 1u);
+}
+
+// ---- contacts that this peer has found ----
+
+TEST_F(Deciding, ADecisionMovesTheGhostsAndIsReportedAndNoted) {
+  decisions.decide(contact(), sim(10020ms));
+  EXPECT_EQ(replica.ghost(a, sim(11s)).position, Vec3(1, 0, 0));
+  const auto seen = drain<ContactSeen>(outbox);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].kind, ContactKind::kDecided);
+  EXPECT_EQ(seen[0].known_at, sim(10020ms));
+  EXPECT_EQ(counters.decisions, 1u);
+  EXPECT_EQ(decisions.log().last(a, b), sim(10s));
+  const auto notes = decisions.notes();
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_FALSE(notes[0].deferred);
+  EXPECT_EQ(notes[0].contact, sim(10s));
+  EXPECT_EQ(decisions.entries().at(0).copies, 1) << "on a good link";
+}
+
+TEST_F(Deciding, CopiesAreAsManyAsTheLossAsksFor) {
+  echo_us(*members.find(other), 0.5);
+  decisions.decide(contact(), sim(10s));
+  EXPECT_EQ(decisions.entries().at(0).copies, 3);
+}
+
+TEST_F(Deciding, StatesBeyondTheWiresLimitsAreDecidedAtRest) {
+  ContactEvent wild = contact();
+  wild.collider_after.velocity = {1e13, 0, 0};
+  decisions.decide(wild, sim(10s));
+  EXPECT_EQ(counters.states_out_of_range, 1u);
+  EXPECT_EQ(decisions.entries().at(0).record.collider_after.velocity, Vec3(0, 0, 0));
+}
+
+TEST_F(Deferring, ADeferredContactIsNotedAndDecidedByNobodyElseInTime) {
+  conf.decisions.policy = DecisionPolicy::kVelocity;
+  replica.ghosts().set_base(b, sim(0s), moving({-5, 0, 0}, {0, 9, 0}));  // the faster one decides
+  replica.ghosts().advance(sim(10s));
+  decisions.defer(contact());
+  EXPECT_EQ(counters.contacts_held, 1u);
+  EXPECT_TRUE(decisions.awaits_decision_on(a) && decisions.awaits_decision_on(b));
+  EXPECT_FALSE(decisions.awaits_decision_on(c));
+  ASSERT_EQ(decisions.notes().size(), 1u);
+  EXPECT_TRUE(decisions.notes()[0].deferred);
+  decisions.resolve_overdue(sim(patience()) - 1ns);
+  EXPECT_TRUE(decisions.has_deferred());
+  EXPECT_EQ(decided(), 0u);
+  decisions.resolve_overdue(sim(patience()));
+  EXPECT_FALSE(decisions.has_deferred());
+  EXPECT_EQ(counters.decisions_fallback, 1u);
+  EXPECT_EQ(decided(), 1u);
+  EXPECT_EQ(decisions.entries().at(0).record.rule, DecisionRule::kId);
+}
+
+TEST_F(Deferring, WithoutFallbackNobodyDecides) {
+  conf.decisions.fallback = false;
+  decisions.defer(contact());
+  decisions.resolve_overdue(sim(patience()));
+  EXPECT_FALSE(decisions.has_deferred());
+  EXPECT_EQ(counters.decisions, 0u);
+}
+
+TEST_F(Deferring, AContactJustBeforeADecidedOneIsTheSame) {
+  ASSERT_EQ(decisions.on_decision(other, 1, record(), sim(10s)), nullptr);
+  decisions.defer(contact(sim(10s) - DecisionLog::kSameCollision));
+  decisions.defer(contact(sim(10s)));
+  EXPECT_FALSE(decisions.has_deferred());
+  decisions.defer(contact(sim(10s) + 1ns));
+  EXPECT_TRUE(decisions.has_deferred());
+}
+
+// ---- what other peers say ----
+
+TEST_F(Deferring, AnothersDecisionMovesBothWorldsAndEndsTheWaiting) {
+  decisions.defer(contact());
+  EXPECT_EQ(decisions.on_decision(other, 1, record(), sim(10100ms)), nullptr);
+  EXPECT_FALSE(decisions.has_deferred());
+  EXPECT_EQ(replica.truth(a, sim(11s)).position, Vec3(1, 0, 0));
+  EXPECT_EQ(replica.ghost(a, sim(11s)).position, Vec3(1, 0, 0));
+  std::vector<ContactSeen> seen;
+  std::vector<ContactsRetracted> retracted;
+  while (const auto out = outbox.poll()) {
+    if (const auto* s = std::get_if<ContactSeen>(&*out)) seen.push_back(*s);
+    if (const auto* r = std::get_if<ContactsRetracted>(&*out)) retracted.push_back(*r);
+  }
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].kind, ContactKind::kApplied);
+  EXPECT_EQ(seen[0].contact.at, sim(10s));
+  ASSERT_EQ(retracted.size(), 1u) << "of the own object, not of the other's";
+  EXPECT_EQ(retracted[0].object, a);
+}
+
+TEST_F(Deferring, ADecisionCountsOnceAndOfItsDeciderAlone) {
+  EXPECT_STREQ(decisions.on_decision(PeerId{9}, 1, record(), sim(10s)), "not_decider");
+  EXPECT_EQ(decisions.on_decision(other, 1, record(), sim(10s)), nullptr);
+  EXPECT_STREQ(decisions.on_decision(other, 2, record(), sim(10s)), "decision_known");
+  EXPECT_EQ(decided(), 1u);
+}
+
+TEST_F(Deferring, AnObjectPublishedSinceTheContactIsPublishedAnew) {
+  own.at(a).last_sent = sim(10s);
+  ASSERT_EQ(decisions.on_decision(other, 1, record(), sim(10s)), nullptr);
+  EXPECT_FALSE(own.at(a).republish);
+  own.at(a).last_sent = sim(10500ms);
+  ASSERT_EQ(decisions.on_decision(other, 2, record(sim(10400ms)), sim(11s)), nullptr);
+  EXPECT_TRUE(own.at(a).republish);
+}
+
+TEST_F(Deferring, ADecisionOnObjectsThatAreNotReceivedIsNotReported) {
+  replica.set_received(b, false);
+  ASSERT_EQ(decisions.on_decision(other, 1, record(), sim(10s)), nullptr);
+  EXPECT_EQ(decided(), 0u);
+  EXPECT_EQ(replica.truth(a, sim(11s)).position, Vec3(1, 0, 0)) << "it happened";
+}
+
+TEST_F(Deciding, WhatEachLeftToTheOtherTheLowerOneDecides) {
+  conf.decisions = {DecisionPolicy::kServer, other};
+  decisions.defer(contact());
+  Hello hello;
+  hello.notes.push_back({b, a, sim(10300ms), true});
+  decisions.on_contact_notes(other, hello, sim(10400ms));
+  EXPECT_EQ(counters.decisions_fallback, 1u);
+  EXPECT_FALSE(decisions.has_deferred());
+}
+
+TEST_F(Deciding, WhatTheDeciderHasNotFoundIsRefuted) {
+  conf.decisions = {DecisionPolicy::kServer, other};
+  decisions.defer(contact());
+  Hello hello;
+  const SimTime answered = sim(10s) + members.longest_latency();
+  decisions.on_contact_notes(other, hello, answered - 1ns);
+  EXPECT_TRUE(decisions.has_deferred()) << "it could not know yet";
+  hello.notes.push_back({b, a, sim(10300ms), false});
+  decisions.on_contact_notes(other, hello, answered);
+  EXPECT_TRUE(decisions.has_deferred()) << "its decision is on the way";
+  hello.notes.clear();
+  decisions.on_contact_notes(PeerId{9}, hello, answered);
+  EXPECT_TRUE(decisions.has_deferred()) << "that one was not to decide";
+  decisions.on_contact_notes(other, hello, answered);
+  EXPECT_FALSE(decisions.has_deferred());
+  EXPECT_EQ(counters.contacts_refuted, 1u);
+  EXPECT_EQ(counters.decisions, 0u);
+}
+
+// ---- what goes out ----
+
+class Sent : public Deciding {
+ protected:
+  Sent() {
+    decisions.decide(contact(), sim(10s));
+    DecisionLog::Entry& entry = decisions.entries().at(0);
+    entry.copies = 0;
+    decisions.note_sent(std::vector{entry.record}, 7);
+  }
+  int copies() { return decisions.entries().at(0).copies; }
+  static Acknowledgement of(const Received& received) {
+    Acknowledgement acknowledgement(Received{1, 1, 1});
+    acknowledgement.received = received;
+    return acknowledgement;
+  }
+};
+
+TEST_F(Sent, IsNotedUntilAllHaveIt) {
+  for (const PeerId peer : {other, PeerId{9}}) {
+    EXPECT_EQ(decisions.notes().size(), 1u);
+    decisions.on_acknowledgement(peer, of({7, 7, ~std::uint64_t{0}}));
+  }
+  EXPECT_TRUE(decisions.notes().empty());
+  EXPECT_EQ(copies(), 0);
+  decisions.on_new_session_of(other);
+  EXPECT_EQ(decisions.notes().size(), 1u) << "it has forgotten all";
+}
+
+TEST_F(Sent, WhatIsSurelyLostIsRepeatedAtOnce) {
+  decisions.on_acknowledgement(other, of({6, 6, ~std::uint64_t{0}}));
+  EXPECT_EQ(copies(), 0) << "it may be under way";
+  decisions.on_acknowledgement(other, of({9, 2, ~std::uint64_t{0b100}}));
+  EXPECT_EQ(copies(), 1);
+  EXPECT_EQ(counters.decisions_repeated, 1u);
+}
+
+TEST_F(Sent, WhatIsUnacknowledgedIsRepeatedWithAHello) {
+  const Duration answered = members.acknowledged_within(conf.settled_hello_period);
+  tick_to(10s);
+  decisions.repeat_unacknowledged();
+  EXPECT_EQ(copies(), 0) << "nobody could have answered";
+  tick_to(10s + answered + 20ms);
+  decisions.repeat_unacknowledged();
+  EXPECT_EQ(copies(), 1);
+  decisions.entries().at(0).copies = 0;
+  conf.decisions.repeat = false;
+  decisions.repeat_unacknowledged();
+  EXPECT_EQ(copies(), 0);
+  conf.decisions.repeat = true;
+  tick_to(15s + 20ms);
+  decisions.repeat_unacknowledged();
+  EXPECT_EQ(copies(), 0) << "receivers would drop it soon";
+}
+
+TEST_F(Sent, ARestartForgetsEverything) {
+  decisions.restart();
+  EXPECT_TRUE(decisions.notes().empty());
+  EXPECT_TRUE(decisions.log().entries().empty());
+}
+
+TEST_F(Deciding, ACameraIsWhereItsCarrierIsKnownToBe) {
+  Viewpoint view;
+  view.pose.position = {1, 2, 3};
+  EXPECT_EQ(decisions.camera_pose(view, sim(10s))->position, Vec3(1, 2, 3));
+  replica.ghosts().set_base(b, sim(5s), moving({0, 10, 0}));
+  view.object = b;
+  EXPECT_EQ(decisions.camera_pose(view, sim(10s))->position, Vec3(1, 12, 3));
+  replica.ghosts().advance(sim(60s));
+  EXPECT_FALSE(decisions.camera_pose(view, sim(1s))) << "too long ago";
+}
+
+}  // namespace peerd::replication::contact_decisions_test

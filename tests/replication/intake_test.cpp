@@ -1,0 +1,210 @@
+#include "replication/intake.hpp"
+
+#include <gtest/gtest.h>
+
+#include "replication/wire/wire_limits.hpp"
+#include "tests/replication/lan.hpp"
+#include "tests/replication/parts.hpp"
+
+namespace peerd::replication::intake_test {
+
+using namespace test;
+
+// Peer 5 founded a session at 1 s and owns O0; peer 7 introduced itself at 2 s and owns O1.
+class Arriving : public testing::Test {
+ protected:
+  Arriving() {
+    for (Duration t = 0s; t <= 2s; t += 100ms) (void)keeper.maintain(host(t));
+    Message hello = hello_of(7, host(2s), {o1});
+    EXPECT_TRUE(take(hello).has_value());
+  }
+  std::expected<void, Drop> take(const Message& m, RegionId region = kWholeScene, HostTime now = host(2s)) {
+    return intake.on_packet(now, region, encode(m));
+  }
+  Message update(std::uint32_t sequence, double x, SimTime at = sim(2s), std::uint32_t sender = 7) {
+    Message m = message_of(sender);
+    UpdateRecord u;
+    u.object = o1;
+    u.sequence = sequence;
+    u.at = at;
+    u.model = moving({x, 0, 0});
+    m.updates.push_back(u);
+    return m;
+  }
+  double x() const { return p.replica.ghost(o1, sim(2s)).position.x(); }
+
+  World world{field(3)};
+  ObjectId o0 = world["O0"], o1 = world["O1"], o2 = world["O2"];
+  PeerParts p{config(5, {{o0}}), *world.model};
+  SessionKeeper keeper{p};
+  Intake intake{p, keeper};
+};
+
+TEST_F(Arriving, AnIntroductionMakesAMemberWithItsObjects) {
+  const Member* seven = p.members.find(PeerId{7});
+  ASSERT_NE(seven, nullptr);
+  EXPECT_EQ(seven->name, "forged7");
+  EXPECT_EQ(seven->hello, 1u);
+  EXPECT_EQ(seven->hello_rx, host(2s));
+  EXPECT_TRUE(seven->synchronised);
+  EXPECT_EQ(p.owners.of(o1), PeerId{7});
+  const auto joined = drain<PeerJoined>(p.outbox);
+  ASSERT_EQ(joined.size(), 1u);
+  EXPECT_FALSE(joined[0].restarted);
+}
+
+TEST_F(Arriving, CountsWhatItUsesInAllByRegionAndByMember) {
+  const auto before = p.counters;
+  const Bytes datagram = encode(update(1, 3.5));
+  ASSERT_TRUE(intake.on_packet(host(2s), RegionId{4}, datagram));
+  EXPECT_EQ(p.counters.datagrams_in, before.datagrams_in + 1);
+  EXPECT_EQ(p.counters.bytes_in, before.bytes_in + datagram.size());
+  EXPECT_EQ(p.counters.regions[RegionId{4}].bytes_in, datagram.size());
+  EXPECT_EQ(p.members.find(PeerId{7})->datagrams_in, 2u);
+}
+
+TEST_F(Arriving, WhatIsNoDatagramIsDropped) {
+  const Bytes garbage(40, std::byte{0xFF});
+  EXPECT_EQ(intake.on_packet(host(2s), kWholeScene, garbage), std::unexpected(Drop::kUndecodable));
+  EXPECT_EQ(p.counters.drops["undecodable"], 1u);
+  EXPECT_EQ(p.counters.regions[kWholeScene].drops["undecodable"], 1u);
+}
+
+TEST_F(Arriving, WhatConcernsEverybodyIsNotSaidInARegion) {
+  EXPECT_EQ(take(hello_of(8, host(2s)), RegionId{4}), std::unexpected(Drop::kRegion));
+  Message goodbye = message_of(7);
+  goodbye.leaving = true;
+  EXPECT_EQ(take(goodbye, RegionId{4}), std::unexpected(Drop::kRegion));
+  EXPECT_TRUE(p.members.contains(PeerId{7}));
+}
+
+TEST_F(Arriving, AnUpdateMovesTheGhostInItsSequence) {
+  ASSERT_TRUE(take(update(2, 4.0)));
+  EXPECT_EQ(x(), 4.0);
+  EXPECT_EQ(p.counters.updates_in, 1u);
+  EXPECT_EQ(p.replica.last_update_of(o1)->sequence, 2u);
+  ASSERT_TRUE(take(update(2, 5.0)));
+  EXPECT_EQ(p.counters.updates_duplicate, 1u);
+  ASSERT_TRUE(take(update(1, 5.0)));
+  EXPECT_EQ(p.counters.drops["old_sequence"], 1u);
+  EXPECT_EQ(x(), 4.0);
+  ASSERT_TRUE(take(update(3, 6.0)));
+  EXPECT_EQ(x(), 6.0);
+}
+
+TEST_F(Arriving, UpdatesCountWithinTheirTimesLimits) {
+  for (const Duration at : {2s - kUpdateAgeMax - 1ns, 2s + kUpdateAheadMax + 1ns}) {
+    ASSERT_TRUE(take(update(9, 4.0, sim(at))));
+  }
+  EXPECT_EQ(p.counters.drops["update_time"], 2u);
+  EXPECT_EQ(p.members.find(PeerId{7})->drops["update_time"], 2u);
+  EXPECT_EQ(p.counters.updates_in, 0u);
+  ASSERT_TRUE(take(update(1, 4.0, sim(2s + kUpdateAheadMax))));
+  EXPECT_EQ(p.counters.updates_in, 1u);
+}
+
+TEST_F(Arriving, OnlyItsOwnerMovesAnObject) {
+  ASSERT_TRUE(take(hello_of(8, host(2s))));
+  ASSERT_TRUE(take(update(1, 4.0, sim(2s), 8)));
+  EXPECT_EQ(p.counters.drops["not_owner"], 1u);
+  EXPECT_EQ(x(), 3.0);
+  Message unowned = update(1, 9.0, sim(2s), 8);
+  unowned.updates[0].object = o2;
+  ASSERT_TRUE(take(unowned));
+  EXPECT_EQ(p.owners.of(o2), PeerId{8}) << "its hello may have been lost";
+  EXPECT_EQ(p.replica.ghost(o2, sim(2s)).position.x(), 9.0);
+}
+
+TEST_F(Arriving, AGoodbyeEndsMembershipAtOnce) {
+  Message goodbye = message_of(7);
+  goodbye.leaving = true;
+  ASSERT_TRUE(take(goodbye));
+  EXPECT_FALSE(p.members.contains(PeerId{7}));
+  EXPECT_EQ(p.owners.of(o1), kNobody);
+  EXPECT_TRUE(drain<PeerLost>(p.outbox).at(0).left_gracefully);
+}
+
+TEST_F(Arriving, ARestartedPeersObjectsAreItsNoLongerUntilItSaysSo) {
+  ASSERT_TRUE(take(update(9, 4.0)));
+  ASSERT_TRUE(take(hello_of(7, host(2s), {}, 101)));
+  EXPECT_EQ(p.owners.of(o1), kNobody);
+  const auto joined = drain<PeerJoined>(p.outbox);
+  ASSERT_EQ(joined.size(), 2u);
+  EXPECT_TRUE(joined[1].restarted);
+}
+
+// This peer has sent five datagrams, of which the fourth carried its object's update; peer 7 has had the second.
+class Echoed : public Arriving {
+ protected:
+  Echoed() {
+    for (int i = 0; i < 5; ++i) {
+      Message m = p.outbox.blank();
+      p.outbox.send(m);
+    }
+    echo(2, {2, 1, 1});
+    own.delivery.sent_in = {4};
+    own.delivery.unacknowledged_by.insert(PeerId{7});
+  }
+  void echo(std::uint32_t number, const Received& received) {
+    Message hello = hello_of(7, host(2s), {o1});
+    hello.number = number;
+    hello.hello->echoes.push_back({PeerId{5}, 1, 0s, received, 0.001});
+    EXPECT_TRUE(take(hello).has_value());
+  }
+  OwnObject& own = p.own.at(o0);
+};
+
+TEST_F(Echoed, WhatHasArrivedIsAcknowledged) {
+  echo(3, {5, 1, ~std::uint64_t{0b10}});
+  EXPECT_FALSE(own.delivery.acknowledged_by.contains(PeerId{7})) << "number 4 is missing";
+  echo(4, {5, 5, ~std::uint64_t{0}});
+  EXPECT_TRUE(own.delivery.acknowledged_by.contains(PeerId{7}));
+  EXPECT_FALSE(own.delivery.unacknowledged_by.contains(PeerId{7}));
+}
+
+TEST_F(Echoed, AnEchoOfMoreThanThisPeerHasSentIsOfItsLastIncarnation) {
+  echo(3, {9, 9, ~std::uint64_t{0}});
+  EXPECT_FALSE(own.delivery.acknowledged_by.contains(PeerId{7}));
+}
+
+TEST_F(Arriving, APeerInANewSessionIsSentEverythingAnew) {
+  p.own.at(o0).resend = false;
+  Message hello = hello_of(7, host(2s), {o1});
+  hello.number = 2;
+  ASSERT_TRUE(take(hello));
+  EXPECT_FALSE(p.own.at(o0).resend);
+  hello.number = 3;
+  hello.hello->sessions = 1;
+  ASSERT_TRUE(take(hello));
+  EXPECT_TRUE(p.own.at(o0).resend);
+}
+
+TEST(Intake, RecordsBeforeTheSessionAreNotUsed) {
+  const World world(field(2));
+  PeerParts p{config(5), *world.model};
+  SessionKeeper keeper{p};
+  Intake intake{p, keeper};
+  (void)keeper.maintain(host(0s));
+  ASSERT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(hello_of(7, host(0s)))));
+  Message m = message_of(7);
+  EXPECT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(m))) << "a keepalive";
+  UpdateRecord u;
+  u.object = world["O1"];
+  u.sequence = 1;
+  m.updates.push_back(u);
+  EXPECT_EQ(intake.on_packet(host(0s), kWholeScene, encode(m)), std::unexpected(Drop::kNotYetInSession));
+}
+
+TEST(Intake, AnUnintroducedPeerIsAskedForItsIntroduction) {
+  const World world(field(2));
+  PeerParts p{config(5), *world.model};
+  SessionKeeper keeper{p};
+  Intake intake{p, keeper};
+  for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
+  while (p.greeter.must_introduce(true)) (void)p.greeter.introduction({}, {}, {});
+  EXPECT_EQ(intake.on_packet(host(9s), kWholeScene, encode(message_of(7))), std::unexpected(Drop::kUnintroduced));
+  EXPECT_TRUE(p.greeter.must_introduce(true));
+  EXPECT_TRUE(p.greeter.is_settling(host(9s)));
+}
+
+}  // namespace peerd::replication::intake_test

@@ -1,0 +1,119 @@
+#include "replication/replica/display.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/replication/lan.hpp"
+
+namespace peerd::replication::display_test {
+
+using namespace test;
+
+// MINE is this peer's, BALL another's, which an interest pairs with WALL.
+class Shown : public testing::Test {
+ protected:
+  Shown() {
+    replica.begin(sim(0s));
+    replica.truth().declare(mine, Role::kDriven);
+    replica.declare_remote(ball, Role::kPredicted);
+    replica.truth().set_base(mine, sim(0s), moving({0, 20, 0}, {1, 0, 0}));
+    replica.ghosts().set_base(ball, sim(0s), moving({-5, 0, 0}, {0, 1, 0}));
+  }
+  Vec3 shown(ObjectId object, Duration t) {
+    replica.truth().advance(sim(t));
+    replica.ghosts().advance(sim(t));
+    return display.shown(object, sim(t)).position;
+  }
+
+  World world{box("MINE", "1 1 1", "0 20 0") + box("BALL", "1 1 1", "-5 0 0") + box("WALL", "0.2 90 90", "0 0 0") +
+              interest("BALL", "\"WALL\"") + interest("MINE", "\"WALL\"")};
+  ObjectId mine = world["MINE"], ball = world["BALL"];
+  PeerConfig conf = config(1, {{mine, true}});
+  PeerCounters counters;
+  OwnObjects own{world.scene, conf.owned, false};
+  Replica replica{*world.model};
+  Display display{conf, *world.model, own, replica, counters};
+};
+
+TEST_F(Shown, EverythingWhereItIs) {
+  EXPECT_EQ(shown(mine, 2s), Vec3(2, 20, 0));
+  EXPECT_EQ(shown(ball, 2s), Vec3(-5, 2, 0));
+  EXPECT_EQ(shown(world["WALL"], 2s), Vec3(0, 0, 0));
+}
+
+struct DelayCase {
+  const char* name;
+  DisplayDelay delay;
+  std::uint32_t snapshots_hz;
+  Duration own, remote;  // how late they are shown
+};
+class Late : public Shown, public testing::WithParamInterface<DelayCase> {};
+// The oldest update so far was 70 ms old.
+TEST_P(Late, ByTheDelayThatIsAskedFor) {
+  conf.display_delay = GetParam().delay;
+  conf.policy.snapshots_hz = GetParam().snapshots_hz;
+  for (const Duration age : {20ms, 70ms, 50ms}) display.on_update_age(age);
+  EXPECT_NEAR(shown(mine, 2s).x(), 2.0 - to_seconds(GetParam().own), 1e-9);
+  EXPECT_NEAR(shown(ball, 2s).y(), 2.0 - to_seconds(GetParam().remote), 1e-9);
+}
+INSTANTIATE_TEST_SUITE_P(Table, Late,
+                         testing::Values(DelayCase{"None", {}, 20, 0ms, 0ms},
+                                         DelayCase{"Fixed", {100ms, false, false}, 20, 0ms, 100ms},
+                                         DelayCase{"FixedForOwnOnesToo", {100ms, false, true}, 20, 100ms, 100ms},
+                                         DelayCase{"Measured", {0ms, true, false}, 0, 0ms, 70ms},
+                                         DelayCase{"MeasuredWithSnapshots", {0ms, true, false}, 20, 0ms, 120ms},
+                                         DelayCase{"All", {100ms, true, true}, 20, 220ms, 220ms}),
+                         [](const auto& c) { return std::string(c.param.name); });
+
+TEST_F(Shown, ARestartForgetsTheMeasuredDelay) {
+  conf.display_delay = {0ms, true, false};
+  display.on_update_age(500ms);
+  EXPECT_NEAR(shown(ball, 2s).y(), 1.5, 1e-9);
+  display.restart();
+  EXPECT_NEAR(shown(ball, 2s).y(), 2.0, 1e-9);
+}
+
+class Smoothed : public Shown {
+ protected:
+  Smoothed() { conf.convergence = {ConvergenceMethod::kLinear, 200ms}; }
+};
+
+// At 1 s the ball turns out to be 2 m farther along z.
+TEST_F(Smoothed, AnUpdateIsApproachedInTime) {
+  EXPECT_EQ(shown(ball, 1s), Vec3(-5, 1, 0));
+  replica.ghosts().set_base(ball, sim(1s), moving({-5, 1, 2}, {0, 1, 0}));
+  EXPECT_NEAR(shown(ball, 1100ms).z(), 1.0, 1e-9);
+  EXPECT_EQ(shown(ball, 1200ms).z(), 2.0);
+}
+
+TEST_F(Smoothed, WhatIsForgottenIsShownAtOnceWhereItIs) {
+  EXPECT_EQ(shown(ball, 1s), Vec3(-5, 1, 0));
+  replica.ghosts().set_base(ball, sim(1s), moving({-5, 1, 2}, {0, 1, 0}));
+  display.forget(ball);
+  EXPECT_EQ(shown(ball, 1100ms).z(), 2.0);
+}
+
+// The ghost has jumped to the wall's other side.
+TEST_F(Smoothed, NothingIsShownOnItsWayThroughAWall) {
+  EXPECT_EQ(shown(ball, 1s), Vec3(-5, 1, 0));
+  replica.ghosts().set_base(ball, sim(1s), moving({5, 1, 0}));
+  bool crossed = false;
+  for (Duration t = 1010ms; t < 1600ms; t += 10ms) {
+    const double x = shown(ball, t).x();
+    ASSERT_GT(std::abs(x), 0.59) << "half of the ball's edge and half of the wall's";
+    crossed |= x > 0;
+  }
+  EXPECT_TRUE(crossed);
+  EXPECT_EQ(counters.convergence_blocked, 1u);
+}
+
+TEST_F(Smoothed, AWallThatIsNotReceivedIsInNobodysWay) {
+  replica.set_received(world["WALL"], false);
+  EXPECT_EQ(shown(ball, 1s), Vec3(-5, 1, 0));
+  replica.ghosts().set_base(ball, sim(1s), moving({5, 1, 0}));
+  EXPECT_NEAR(shown(ball, 1100ms).x(), 0.0, 1e-9);
+  EXPECT_EQ(counters.convergence_blocked, 0u);
+}
+
+}  // namespace peerd::replication::display_test

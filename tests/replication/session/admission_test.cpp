@@ -1,0 +1,151 @@
+#include "replication/session/admission.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/replication/lan.hpp"
+#include "tests/replication/parts.hpp"
+
+namespace peerd::replication::admission_test {
+
+using namespace test;
+using Known = Membership::Admission;
+
+class Admitting : public testing::Test {
+ protected:
+  std::expected<Known, Drop> admit(const Message& m, HostTime now = host(10s),
+                                   std::optional<HostTime> started = host(0s)) {
+    return admission.admit(now, m, started, [this](PeerId peer, const Member& member) {
+      EXPECT_FALSE(members.contains(peer)) << "it has been removed already";
+      EXPECT_FALSE(outbox.poll()) << "its loss comes before the report of its world";
+      lost.emplace_back(peer, member.incarnation);
+    });
+  }
+  static Message introduction(std::uint32_t id, std::uint64_t incarnation = 100) {
+    return hello_of(id, host(10s), {}, incarnation);
+  }
+  static Message of_other_world(std::uint32_t id, std::uint64_t incarnation = 100) {
+    Message m = introduction(id, incarnation);
+    m.hello->introduction->world_hash = 0xBAD;
+    return m;
+  }
+
+  PeerConfig own = config(1);
+  PeerCounters counters;
+  Membership members{own.lost_after};
+  Outbox outbox{own.id, own.incarnation, counters};
+  Admission admission{own, members, outbox};
+  std::vector<std::pair<PeerId, std::uint64_t>> lost;
+};
+
+TEST_F(Admitting, APeerIsKnownOnceItHasIntroducedItself) {
+  EXPECT_EQ(admit(message_of(2)), std::unexpected(Drop::kUnintroduced));
+  EXPECT_EQ(admit(introduction(2)), Known::kJoined);
+  EXPECT_EQ(admit(introduction(2)), Known::kKnown);
+  EXPECT_EQ(admit(message_of(2)), Known::kKnown);
+  EXPECT_EQ(admit(message_of(2, 101)), std::unexpected(Drop::kStaleIncarnation)) << "another incarnation's";
+  EXPECT_EQ(admit(introduction(2, 101)), Known::kRestarted);
+  EXPECT_EQ(admit(introduction(2, 100)), std::unexpected(Drop::kStaleIncarnation));
+  EXPECT_EQ(members.find(PeerId{2})->incarnation, 101u);
+}
+
+// Of its incarnation a datagram without an introduction carries the low bits alone.
+TEST_F(Admitting, TheLowBitsOfAnIncarnationAreEnough) {
+  constexpr std::uint64_t kLong = 0xABCDEF01'23456789;
+  ASSERT_EQ(admit(introduction(2, kLong)), Known::kJoined);
+  EXPECT_EQ(admit(message_of(2, incarnation_low(kLong)), host(11s)), Known::kKnown);
+  EXPECT_EQ(members.find(PeerId{2})->incarnation, kLong);
+  EXPECT_EQ(members.find(PeerId{2})->last_received, host(11s));
+}
+
+struct OwnCase {
+  const char* name;
+  bool introduces;
+  std::uint64_t incarnation;  // this peer's is 100
+  std::optional<HostTime> started;
+  Drop drop;
+  bool reported;
+};
+class OwnId : public Admitting, public testing::WithParamInterface<OwnCase> {};
+TEST_P(OwnId, IsDroppedForItsReason) {
+  const OwnCase& c = GetParam();
+  const Message m = c.introduces ? introduction(1, c.incarnation) : message_of(1, c.incarnation);
+  EXPECT_EQ(admit(m, host(10s), c.started), std::unexpected(c.drop));
+  EXPECT_EQ(drain<IdInUse>(outbox).size(), c.reported ? 1u : 0u);
+  (void)admit(m, host(10s), c.started);
+  EXPECT_TRUE(drain<IdInUse>(outbox).empty()) << "once";
+  EXPECT_TRUE(members.all().empty());
+}
+// lost_after is 1750 ms: a start at 8.25 s of the host's time is just long enough ago.
+INSTANTIATE_TEST_SUITE_P(
+    Table, OwnId,
+    testing::Values(OwnCase{"Loopback", true, 100, host(0s), Drop::kOwn, false},
+                    OwnCase{"LoopbackWithoutIntroduction", false, 100, host(0s), Drop::kOwn, false},
+                    OwnCase{"LoopbackBeforeTheStart", true, 100, std::nullopt, Drop::kOwn, false},
+                    OwnCase{"ItsEarlierIncarnation", true, 99, host(8251ms), Drop::kStaleIncarnation, false},
+                    OwnCase{"BeforeTheStart", true, 99, std::nullopt, Drop::kStaleIncarnation, false},
+                    OwnCase{"EarlierButLongAfterTheStart", true, 99, host(8250ms), Drop::kIdInUse, true},
+                    OwnCase{"LaterSoonAfterTheStart", true, 101, host(9s), Drop::kIdInUse, true},
+                    OwnCase{"UnintroducedSoonAfterTheStart", false, 101, host(9s), Drop::kStaleIncarnation, false},
+                    OwnCase{"UnintroducedLongAfterTheStart", false, 101, host(0s), Drop::kIdInUse, false}),
+    [](const auto& c) { return std::string(c.param.name); });
+
+TEST_F(Admitting, ItsOwnIdInAnotherWorldIsReportedAsThat) {
+  EXPECT_EQ(admit(of_other_world(1, 101)), std::unexpected(Drop::kOtherWorld));
+  EXPECT_TRUE(admission.has_other_world(PeerId{1}));
+  EXPECT_EQ(drain<OtherWorld>(outbox).size(), 1u);
+}
+
+TEST_F(Admitting, APeerOfAnotherWorldIsReportedOnce) {
+  EXPECT_FALSE(admission.has_other_world(PeerId{2}));
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(admit(of_other_world(2)), std::unexpected(Drop::kOtherWorld));
+  const auto reported = drain<OtherWorld>(outbox);
+  ASSERT_EQ(reported.size(), 1u);
+  EXPECT_EQ(reported[0].peer, PeerId{2});
+  EXPECT_EQ(reported[0].name, "forged2");
+  EXPECT_TRUE(admission.has_other_world(PeerId{2}));
+  EXPECT_TRUE(members.all().empty() && lost.empty());
+}
+
+TEST_F(Admitting, AMemberThatTurnsOutToHaveAnotherWorldIsLost) {
+  ASSERT_EQ(admit(introduction(2, 100)), Known::kJoined);
+  EXPECT_EQ(admit(of_other_world(2, 99)), std::unexpected(Drop::kStaleIncarnation)) << "from before its restart";
+  EXPECT_TRUE(members.contains(PeerId{2}) && lost.empty());
+  EXPECT_EQ(admit(of_other_world(2, 101)), std::unexpected(Drop::kOtherWorld));
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0], std::pair(PeerId{2}, std::uint64_t{100}));
+  EXPECT_EQ(drain<OtherWorld>(outbox).size(), 1u);
+}
+
+TEST_F(Admitting, ADepartedPeerReturnsInALaterIncarnationOnly) {
+  ASSERT_EQ(admit(introduction(2, 100)), Known::kJoined);
+  const Member left = admission.dismiss(PeerId{2});
+  EXPECT_EQ(left.incarnation, 100u);
+  EXPECT_FALSE(members.contains(PeerId{2}));
+  EXPECT_EQ(admit(message_of(2, 100)), std::unexpected(Drop::kUnintroduced));
+  for (const std::uint64_t incarnation : {99u, 100u}) {
+    EXPECT_EQ(admit(introduction(2, incarnation)), std::unexpected(Drop::kStaleIncarnation));
+  }
+  EXPECT_EQ(admit(introduction(2, 101)), Known::kJoined);
+  EXPECT_EQ(admit(introduction(3, 1)), Known::kJoined) << "nobody else";
+}
+
+TEST_F(Admitting, NoMoreThan4096Members) {
+  for (std::uint32_t id = 2; id < 2 + 4096; ++id) ASSERT_EQ(admit(introduction(id)), Known::kJoined) << id;
+  EXPECT_EQ(admit(introduction(9999)), std::unexpected(Drop::kTooMany));
+  EXPECT_EQ(admit(introduction(2)), Known::kKnown);
+  EXPECT_EQ(admit(introduction(3, 101)), Known::kRestarted);
+}
+
+TEST_F(Admitting, OtherVersionsAreReportedOnceEachAndNoMoreThanEight) {
+  admission.on_other_version(kNobody, 3);
+  admission.on_other_version(PeerId{2}, 0);
+  EXPECT_TRUE(drain<OtherVersion>(outbox).empty());
+  for (int round = 0; round < 2; ++round) {
+    for (std::uint32_t version = 20; version < 40; ++version) admission.on_other_version(PeerId{2}, version);
+  }
+  const auto reported = drain<OtherVersion>(outbox);
+  ASSERT_EQ(reported.size(), 8u);
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(reported[i].version, 20 + i);
+}
+
+}  // namespace peerd::replication::admission_test

@@ -1,0 +1,154 @@
+#include "replication/session_keeper.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/replication/lan.hpp"
+#include "tests/replication/parts.hpp"
+
+namespace peerd::replication::session_keeper_test {
+
+using namespace test;
+
+// Peer 5 owns O0, which stands until it is launched, and O1, which something drives.
+class Keeping : public testing::Test {
+ protected:
+  static PeerConfig make(const World& world) {
+    PeerConfig c = config(5, {{world["O0"]}, {world["O1"], true}});
+    c.owned[0].launch = {2s, Vec3(1, 0, 0)};
+    return c;
+  }
+  // Until its session begins, at 1 s.
+  void found() {
+    for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
+    ASSERT_TRUE(p.replica.begun());
+  }
+  void member_owns(std::uint32_t id, std::vector<ObjectId> objects, HostTime now = host(1s)) {
+    add_member(p.members, id, now);
+    keeper.claim(PeerId{id}, objects);
+  }
+
+  World world{field(4)};
+  ObjectId o0 = world["O0"], o1 = world["O1"], o2 = world["O2"], o3 = world["O3"];
+  PeerParts p{make(world), *world.model};
+  SessionKeeper keeper{p};
+};
+
+TEST_F(Keeping, EntersItsOwnSessionAfterListening) {
+  EXPECT_TRUE(keeper.maintain(host(0s)));
+  EXPECT_EQ(p.time.started(), host(0s));
+  EXPECT_TRUE(p.greeter.is_due(host(0s)));
+  for (Duration t = 100ms; t < 1s; t += 100ms) EXPECT_TRUE(keeper.maintain(host(t)));
+  EXPECT_FALSE(p.replica.begun());
+  EXPECT_TRUE(keeper.maintain(host(1s)));
+  EXPECT_TRUE(p.replica.begun());
+  EXPECT_EQ(p.greeter.sessions(), 1u);
+  EXPECT_EQ(p.ticks.last(), p.ticks.number_at(p.to_session(host(1s))));
+  EXPECT_EQ(p.replica.truth(o0, sim(1s)).position, Vec3(0, 0, 0));
+  p.extend_motions(sim(3s) - 1ns);
+  EXPECT_TRUE(p.launches.unpublished().empty());
+  p.extend_motions(sim(3s));
+  EXPECT_EQ(p.launches.unpublished().at(o0), sim(3s)) << "2 s after the session's begin";
+}
+
+TEST_F(Keeping, OfTwoThatClaimAnObjectTheLowerIdHasIt) {
+  found();
+  member_owns(7, {o2});
+  EXPECT_EQ(p.owners.of(o2), PeerId{7});
+  member_owns(8, {o2, o3});
+  EXPECT_EQ(p.owners.of(o2), PeerId{7});
+  EXPECT_EQ(p.owners.of(o3), PeerId{8});
+  EXPECT_TRUE(drain<OwnershipConflict>(p.outbox).empty());
+  member_owns(6, {o2});
+  EXPECT_EQ(p.owners.of(o2), PeerId{6});
+  const auto conflicts = drain<OwnershipConflict>(p.outbox);
+  ASSERT_EQ(conflicts.size(), 1u);
+  EXPECT_EQ(conflicts[0].object, o2);
+  EXPECT_EQ(conflicts[0].owner, PeerId{6});
+}
+
+TEST_F(Keeping, AnOwnObjectIsLostToALowerIdAlone) {
+  found();
+  member_owns(7, {o0});
+  EXPECT_TRUE(p.own.contains(o0));
+  member_owns(3, {o0});
+  EXPECT_FALSE(p.own.contains(o0));
+  EXPECT_EQ(p.owners.of(o0), PeerId{3});
+  p.extend_motions(sim(9s));
+  EXPECT_TRUE(p.launches.unpublished().empty()) << "its owner launches it";
+}
+
+TEST_F(Keeping, ClaimsOfWhatIsNotThereAreCounted) {
+  found();
+  member_owns(7, {ObjectId{9999}, o2});
+  EXPECT_EQ(p.counters.drops["object"], 1u);
+  EXPECT_EQ(p.members.find(PeerId{7})->drops["object"], 1u);
+  EXPECT_EQ(p.owners.of(o2), PeerId{7});
+}
+
+TEST_F(Keeping, WhatALostPeerOwnedStandsStillAndIsNobodys) {
+  found();
+  member_owns(7, {o2});
+  p.replica.set_ghost(o2, sim(1s), moving({6, 0, 0}, {1, 0, 0}), false);
+  p.own.at(o1).delivery.acknowledged_by.insert(PeerId{7});
+  keeper.lose(PeerId{7}, "seven", host(3s), true);
+  EXPECT_EQ(p.owners.of(o2), kNobody);
+  EXPECT_EQ(p.replica.ghost(o2, sim(9s)).position, Vec3(8, 0, 0));
+  EXPECT_FALSE(p.own.at(o1).delivery.acknowledged_by.contains(PeerId{7}));
+  std::vector<ObjectOrphaned> orphaned;
+  std::vector<PeerLost> lost;
+  while (const auto out = p.outbox.poll()) {
+    if (const auto* o = std::get_if<ObjectOrphaned>(&*out)) orphaned.push_back(*o);
+    if (const auto* l = std::get_if<PeerLost>(&*out)) lost.push_back(*l);
+  }
+  ASSERT_EQ(orphaned.size(), 1u);
+  EXPECT_EQ(orphaned[0].object, o2);
+  EXPECT_EQ(orphaned[0].owner, PeerId{7});
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].name, "seven");
+  EXPECT_TRUE(lost[0].left_gracefully);
+}
+
+TEST_F(Keeping, ASilentPeerIsLost) {
+  found();
+  member_owns(7, {o2}, host(1s));
+  const HostTime expiry = host(1s) + p.config.lost_after;
+  EXPECT_TRUE(keeper.maintain(expiry - 1ns));
+  EXPECT_TRUE(p.members.contains(PeerId{7}));
+  EXPECT_TRUE(keeper.maintain(expiry));
+  EXPECT_FALSE(p.members.contains(PeerId{7}));
+  const auto lost = drain<PeerLost>(p.outbox);
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_FALSE(lost[0].left_gracefully);
+}
+
+TEST_F(Keeping, AloneItGoesOnFromWhereItWasAfterASuspension) {
+  found();
+  p.own.at(o1).last_sent = sim(1s);
+  p.replica.truth().set_base(o1, sim(1s), moving({3, 0, 0}, {0, 1, 0}));
+  EXPECT_FALSE(keeper.maintain(host(11s)));
+  const auto suspended = drain<HostSuspended>(p.outbox);
+  ASSERT_EQ(suspended.size(), 1u);
+  EXPECT_EQ(suspended[0].gap, 10s);
+  EXPECT_EQ(p.counters.ticks_missed, 600u);
+  EXPECT_EQ(p.replica.truth(o1, sim(11s)).position, Vec3(3, 0, 0)) << "it stood still for everybody else";
+  EXPECT_EQ(p.ticks.last_time(), sim(11s));
+  EXPECT_FALSE(p.own.at(o1).last_sent) << "it is published anew";
+  p.extend_motions(sim(13s) - 1ns);
+  EXPECT_TRUE(p.launches.unpublished().empty()) << "the launch waits for as long";
+  p.extend_motions(sim(13s));
+  EXPECT_EQ(p.launches.unpublished().at(o0), sim(13s));
+}
+
+TEST_F(Keeping, AmongOthersASuspensionIsReportedAndTheyAreNotBlamed) {
+  found();
+  member_owns(7, {o2}, host(1s));
+  EXPECT_FALSE(keeper.check_suspension(host(1s) + SessionTime::kSuspendedAfter));
+  p.members.find(PeerId{7})->last_received = host(5s);
+  EXPECT_TRUE(keeper.check_suspension(host(15s)));
+  EXPECT_TRUE(p.members.contains(PeerId{7}));
+  EXPECT_EQ(drain<HostSuspended>(p.outbox).at(0).gap, 10s);
+  EXPECT_EQ(p.counters.ticks_missed, 600u);
+  EXPECT_TRUE(p.greeter.is_due(host(15s)));
+}
+
+}  // namespace peerd::replication::session_keeper_test
