@@ -90,7 +90,8 @@ TEST_F(Deciding, ByIdTheLowerOneDecides) {
 
 TEST_F(Deferring, ByIdTheHigherOneDoesNotEvenLook) {
   EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kAsPublished);
-  conf.decisions = {DecisionPolicy::kServer, PeerId{9}};
+  conf.decisions.policy = DecisionPolicy::kServer;
+  conf.decisions.server = PeerId{9};
   EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kDeferred) << "the server does";
   conf.decisions.server = PeerId{3};
   EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kLocal);
@@ -219,7 +220,8 @@ TEST_F(Deferring, ADecisionOnObjectsThatAreNotReceivedIsNotReported) {
 }
 
 TEST_F(Deciding, WhatEachLeftToTheOtherTheLowerOneDecides) {
-  conf.decisions = {DecisionPolicy::kServer, other};
+  conf.decisions.policy = DecisionPolicy::kServer;
+  conf.decisions.server = other;
   decisions.defer(contact());
   Hello hello;
   hello.notes.push_back({b, a, sim(10300ms), true});
@@ -229,7 +231,8 @@ TEST_F(Deciding, WhatEachLeftToTheOtherTheLowerOneDecides) {
 }
 
 TEST_F(Deciding, WhatTheDeciderHasNotFoundIsRefuted) {
-  conf.decisions = {DecisionPolicy::kServer, other};
+  conf.decisions.policy = DecisionPolicy::kServer;
+  conf.decisions.server = other;
   decisions.defer(contact());
   Hello hello;
   const SimTime answered = sim(10s) + members.longest_latency();

@@ -160,7 +160,8 @@ TEST(RegionSubscriptions, WithoutARadiusOrAsTheServerItListensEverywhere) {
   for (const bool server : {false, true}) {
     Subscribing s;
     if (server) {
-      s.conf.decisions = {DecisionPolicy::kServer, PeerId{1}};
+      s.conf.decisions.policy = DecisionPolicy::kServer;
+      s.conf.decisions.server = PeerId{1};
     } else {
       s.conf.interest_radius_m.reset();
     }
