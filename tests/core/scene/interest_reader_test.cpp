@@ -52,7 +52,7 @@ TEST(KeySensors, InAProtoMoveItsOwnTransform) {
 TEST(CollisionInterests, CountEachCollideeOnceAndNeverTheColliderItself) {
   EXPECT_THAT(problems_of("DEF A Group { } DEF B Group { }\n"
                           "CollisionInterest { objectPath \"A\" interests [ \"B\", \"B\", \"A\" ] }"),
-              ElementsAre("warning 3:52: 'B' is listed twice; it counts once", "3:57: 'A' is the collider itself"));
+              ElementsAre("warning 3:53: 'B' is listed twice; it counts once", "3:58: 'A' is the collider itself"));
 }
 
 TEST(CollisionInterests, MustNameTheirCollider) {
@@ -66,7 +66,7 @@ TEST(CollisionInterests, HaveATypeOfThree) {
       "CollisionInterest { objectPath \"A\" interests \"B\" collisionType ";
   EXPECT_EQ(scene_of(body + "2 }").interests.at(0).type, CollisionType::kAllPairs);
   EXPECT_THAT(problems_of(body + "3 }"),
-              ElementsAre("3:66: collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found 3"));
+              ElementsAre("3:64: collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found 3"));
 }
 
 }  // namespace peerd::vrml::interest_reader_test
