@@ -16,7 +16,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
-namespace peerd::peer_process_test {
+namespace peerd::run_command_test {
 
 using net::testing_support::own_port;
 using testing::AllOf;
@@ -430,4 +430,4 @@ TEST_F(PeerProcess, TwoMeetOverIpv6) {
   if (!missing.empty()) GTEST_SKIP() << missing;
 }
 
-}  // namespace peerd::peer_process_test
+}  // namespace peerd::run_command_test
