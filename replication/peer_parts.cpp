@@ -26,8 +26,7 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
                 watch_pairs_of(object);
               }),
       decisions(config, model, members, owners, own, replica, ticks, outbox, counters),
-      publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox,
-                  counters) {
+      publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
   for (const auto& [object, each] : std::as_const(own)) owners.set(object, config.id);
   assert(own.size() <= owners.size());
 }

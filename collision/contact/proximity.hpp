@@ -8,8 +8,8 @@ namespace peerd::collision {
 // in the past counting as twice its absolute value; +inf when the spheres never meet. Velocities only, no acceleration.
 [[nodiscard]] double proximity_time_s(const MovingBody& p, const MovingBody& q);
 
-// Whether the polygons of two moving bodies may come nearer to each other than `margin_m` >= 0 within `within_s`, or are
-// that near now; false is certain. True may also mean that they only come within twice the margin. It sharpens
+// Whether the polygons of two moving bodies may come nearer to each other than `margin_m` >= 0 within `within_s`, or
+// are that near now; false is certain. True may also mean that they only come within twice the margin. It sharpens
 // proximity_time_s(), whose spheres let much through: a long wall's sphere holds half the street. The cost is a few
 // nodes of the hierarchies; the answer is true where kMaxIterations steps don't settle it, and where the bodies have no
 // exact answer (has_exact_answer()).

@@ -23,9 +23,9 @@
 #include "core/animation/interpolator.hpp"
 #include "core/geometry/tessellate.hpp"
 #include "core/geometry/triangulation.hpp"
+#include "core/scene/reader.hpp"
 #include "core/vrml/default_values.hpp"
 #include "core/vrml/document.hpp"
-#include "core/scene/reader.hpp"
 #include "figures.hpp"
 #include "generated_text.hpp"
 

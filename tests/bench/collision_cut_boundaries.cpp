@@ -5,8 +5,8 @@
 
 #include "collision/exact/triangle_pair.hpp"
 #include "collision_descent.hpp"
-#include "collision_kdops.hpp"
 #include "collision_experiments.hpp"
+#include "collision_kdops.hpp"
 #include "collision_motion.hpp"
 
 namespace peerd::bench {

@@ -1,14 +1,14 @@
 #pragma once
 #include <cstdint>
 
+#include "collision/query/tree_query.hpp"
 #include "collision/tree/kdop_tree.hpp"
 #include "collision/tree/realignment.hpp"
-#include "collision/query/tree_query.hpp"
 
 namespace peerd::bench {
 
-// The recursion of collision/query/tree_query.cpp, with the bounds of the nodes and what happens where two leaves meet left
-// to the experiment:
+// The recursion of collision/query/tree_query.cpp, with the bounds of the nodes and what happens where two leaves meet
+// left to the experiment:
 //   BoundA(node), BoundB(node)    k-DOPs of one frame that contain the nodes
 //   AtLeaves(of_a, of_b) -> bool  true ends it
 template <int K, class BoundA, class BoundB, class AtLeaves>

@@ -4,9 +4,9 @@
 //   hull      the corners of the convex hull of what is in it, transformed and bounded: the tight k-DOP
 #include "collision/tree/kdop_tree.hpp"
 #include "collision/tree/realignment.hpp"
-#include "collision_kdops.hpp"
 #include "collision_experiments.hpp"
 #include "collision_hull.hpp"
+#include "collision_kdops.hpp"
 #include "generated_text.hpp"
 
 namespace peerd::bench {

@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "collision/tree/kdop_tree.hpp"
-#include "collision_kdops.hpp"
 #include "collision_experiments.hpp"
 #include "collision_hull.hpp"
+#include "collision_kdops.hpp"
 #include "generated_text.hpp"
 
 namespace peerd::bench {
@@ -91,12 +91,15 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
     for (int i = 0; i < 7 * steps; ++i) {
       const auto thesis_volumes = volumes_of(*hull, thesis_rotation(i, steps), scratch);
       const auto any = volumes_of(*hull, random_rotation(random), scratch);
-      const auto no_larger = [&](std::size_t v, std::size_t than) { return thesis_volumes[v] <= thesis_volumes[than] + 1e-6; };  // rounding
+      const auto no_larger = [&](std::size_t v, std::size_t than) {
+        return thesis_volumes[v] <= thesis_volumes[than] + 1e-6;
+      };  // rounding
       ordered = ordered && no_larger(2, 0) && no_larger(3, 2) && no_larger(3, 1) && thesis_volumes[3] > 100 - 1e-6;
       for (std::size_t v = 0; v < kVolumes; ++v) {
         thesis_sums[v] += thesis_volumes[v] / (7 * steps);
         randoms[v] += any[v] / (7 * steps);
-        if (i % std::max(1, steps / 100) == 0) chart.series[v].points.push_back({static_cast<double>(i), thesis_volumes[v]});
+        if (i % std::max(1, steps / 100) == 0)
+          chart.series[v].points.push_back({static_cast<double>(i), thesis_volumes[v]});
       }
     }
     report.check(ordered, object.name + ": a k-DOP of more slabs is larger, or the hull is");

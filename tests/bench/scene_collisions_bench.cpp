@@ -27,8 +27,8 @@
 
 #include "collision/scene/collision_watch.hpp"
 #include "collision_meshes.hpp"
-#include "core/kinematics.hpp"
 #include "core/geometry/mesh.hpp"
+#include "core/kinematics.hpp"
 #include "figures.hpp"
 #include "heap_meter.hpp"
 

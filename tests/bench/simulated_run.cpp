@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "peerd/scenario/assemble.hpp"
 #include "peerd/measure/summary.hpp"
+#include "peerd/scenario/assemble.hpp"
 
 namespace peerd::bench {
 namespace {

@@ -27,10 +27,10 @@
 
 #include "collision_chart.hpp"
 #include "figures.hpp"
-#include "tests/bench/loopback/loopback.hpp"
-#include "replication/wire/codec.hpp"
 #include "replication/peer.hpp"
+#include "replication/wire/codec.hpp"
 #include "simulated_run.hpp"
+#include "tests/bench/loopback/loopback.hpp"
 #include "wire_codec.hpp"
 #include "wire_objects.hpp"
 #include "wire_traffic.hpp"

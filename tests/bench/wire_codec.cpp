@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <random>
 
-#include "replication/wire/codec.hpp"
 #include "replication/peer.hpp"
+#include "replication/wire/codec.hpp"
 #include "replication/wire/record.hpp"
 #include "wire_objects.hpp"
 

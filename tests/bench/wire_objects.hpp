@@ -8,8 +8,8 @@
 #include "core/kinematics.hpp"
 #include "core/scene/scene.hpp"
 #include "core/time.hpp"
-#include "replication/wire/wire.hpp"
 #include "replication/motion/world_model.hpp"
+#include "replication/wire/wire.hpp"
 
 // What the wire's benchmarks move, how they time it, and what they check.
 namespace peerd::bench {

@@ -11,6 +11,7 @@
 
 #include "core/scene/reader.hpp"
 #include "replication/peer.hpp"
+#include "replication/wire/codec.hpp"
 
 namespace {
 

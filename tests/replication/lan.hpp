@@ -237,7 +237,8 @@ inline Message message_of(std::uint32_t id, std::uint64_t incarnation = 100) {
   m.incarnation = incarnation;
   return m;
 }
-inline Message hello_of(std::uint32_t id, HostTime now, std::vector<ObjectId> owned = {}, std::uint64_t incarnation = 100) {
+inline Message hello_of(std::uint32_t id, HostTime now, std::vector<ObjectId> owned = {},
+                        std::uint64_t incarnation = 100) {
   Message m = message_of(id, incarnation);
   m.number = 1;
   Hello& hello = m.hello.emplace();

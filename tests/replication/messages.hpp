@@ -35,7 +35,7 @@ class MessageMaker {
     }
     for (std::uint32_t i = number<std::uint32_t>() % 3; i > 0; --i) {
       m.handovers.push_back({ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
-                        RegionId{number<std::uint32_t>()}});
+                             RegionId{number<std::uint32_t>()}});
     }
     return m;
   }
@@ -195,7 +195,8 @@ inline bool same_bits(const Message& a, const Message& b) {
            same_bits(d.collidee_after, e.collidee_after);
   };
   const auto same_echo = [](const Echo& e, const Echo& f) {
-    return e.peer == f.peer && e.hello == f.hello && e.hold_time == f.hold_time && e.received == f.received && e.loss == f.loss;
+    return e.peer == f.peer && e.hello == f.hello && e.hold_time == f.hold_time && e.received == f.received &&
+           e.loss == f.loss;
   };
   const auto same_note = [](const ContactNote& n, const ContactNote& o) {
     return n.collider == o.collider && n.collidee == o.collidee && n.contact == o.contact && n.deferred == o.deferred;
@@ -227,8 +228,9 @@ inline bool same_bits(const Message& a, const Message& b) {
            std::ranges::equal(h->echoes, g->echoes, same_echo) && std::ranges::equal(h->notes, g->notes, same_note) &&
            same_introduction(h->introduction, g->introduction);
   };
-  return std::ranges::equal(a.subscriptions, b.subscriptions, same_subscription) && std::ranges::equal(a.handovers, b.handovers, same_handover) &&
-         a.sender == b.sender && a.incarnation == b.incarnation && a.number == b.number && a.leaving == b.leaving &&
+  return std::ranges::equal(a.subscriptions, b.subscriptions, same_subscription) &&
+         std::ranges::equal(a.handovers, b.handovers, same_handover) && a.sender == b.sender &&
+         a.incarnation == b.incarnation && a.number == b.number && a.leaving == b.leaving &&
          same_hello(a.hello, b.hello) && std::ranges::equal(a.updates, b.updates, same_update) &&
          std::ranges::equal(a.decisions, b.decisions, same_decision);
 }

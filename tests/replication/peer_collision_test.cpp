@@ -20,7 +20,8 @@ TEST(Prediction, ACollisionThatEverybodyPredictsCostsNoUpdate) {
   Lan lan(world, {100ms, 0ms, 0, 0});
   const std::uint32_t hz[] = {60, 144, 30};
   for (std::uint32_t i = 0; i < 3; ++i) {
-    PeerConfig c = config(i + 1, i == 0 ? std::vector<OwnedObject>{{world["BALL"], false}} : std::vector<OwnedObject>{});
+    PeerConfig c =
+        config(i + 1, i == 0 ? std::vector<OwnedObject>{{world["BALL"], false}} : std::vector<OwnedObject>{});
     c.tick_hz = hz[i];
     lan.add(c, i * 3s);
   }
@@ -78,7 +79,8 @@ TEST(Prediction, WithoutItEveryBounceCostsAnUpdate) {
   const World world(corridor(std::string("velocityVector 2 0 0") + kBounces));
   Lan lan(world, {5ms, 0ms, 0, 0});
   for (std::uint32_t i = 0; i < 2; ++i) {
-    PeerConfig c = config(i + 1, i == 0 ? std::vector<OwnedObject>{{world["BALL"], false}} : std::vector<OwnedObject>{});
+    PeerConfig c =
+        config(i + 1, i == 0 ? std::vector<OwnedObject>{{world["BALL"], false}} : std::vector<OwnedObject>{});
     c.policy.predict_collisions = false;
     lan.add(c);
   }

@@ -356,8 +356,8 @@ TEST_F(Regions, AnObjectHandedOverMeanwhileIsRequestedInItsNewRegion) {
   lan.inject(self, encode(told), RegionId{1});
   const auto asked = [&](std::uint32_t region, Duration since) {
     return std::ranges::any_of(sent, [&](const Sent& s) {
-      return s.at > since &&
-             std::ranges::find(s.message.subscriptions, RegionId{region}, &Subscription::region) != s.message.subscriptions.end();
+      return s.at > since && std::ranges::find(s.message.subscriptions, RegionId{region}, &Subscription::region) !=
+                                 s.message.subscriptions.end();
     });
   };
   const Duration heard = lan.now();
@@ -591,7 +591,8 @@ TEST_F(Regions, ASubscriptionIsRepeatedTwice) {
   lan.run_until(9s);
   std::vector<Duration> said;
   lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
-    const bool entered = std::ranges::any_of(m.subscriptions, [](const Subscription& e) { return e.region == RegionId{5}; });
+    const bool entered =
+        std::ranges::any_of(m.subscriptions, [](const Subscription& e) { return e.region == RegionId{5}; });
     if (from != 0 || to != 1 || !entered) return true;
     said.push_back(lan.now());
     return said.size() == 3;

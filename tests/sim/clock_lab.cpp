@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "replication/wire/codec.hpp"
+
 #include "core/scene/reader.hpp"
 
 namespace peerd::sim::testing_support {

@@ -52,10 +52,9 @@ void expect_finds_new_overlaps(std::uint64_t seed, std::size_t most_changes) {
       }
       const Vec3 center = numbers.point(2.0);
       const double half = numbers.unit() < 0.05 ? 3.0 : numbers.between(0.0, 0.6);
-      boxes[object] = numbers.unit() < 0.1 ? FatBox::none()
-                                           : fattened(ExactBox::of({center - Vec3::Constant(half),
-                                                                    center + Vec3::Constant(half)}),
-                                                      0.0);
+      boxes[object] = numbers.unit() < 0.1
+                          ? FatBox::none()
+                          : fattened(ExactBox::of({center - Vec3::Constant(half), center + Vec3::Constant(half)}), 0.0);
       changed.insert(object);
     }
     std::vector<OverlapFinder::Found> found;

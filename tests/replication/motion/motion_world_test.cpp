@@ -728,7 +728,9 @@ TEST(MotionWorld, APairThatWasSparedWasApart) {
   MotionWorld world(*w.model, sim(0s));
   for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kAuthoritative);
   bool answers = false;
-  world.set_authority([&](ObjectId, ObjectId, SimTime) { return answers ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred; });
+  world.set_authority([&](ObjectId, ObjectId, SimTime) {
+    return answers ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred;
+  });
   world.set_base(w["BALL"], sim(0s), moving({-0.75, 0, 0}, {1, 0, 0}));
   world.advance(sim(300ms));
   EXPECT_EQ(contact_times(world).size(), 1u);  // held: another peer decides
