@@ -2,6 +2,8 @@
 
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
 namespace peerd::config {
 
 nlohmann::ordered_json to_json(const toml::node& node) {

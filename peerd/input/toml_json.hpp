@@ -1,6 +1,6 @@
 #pragma once
 #include <toml++/toml.h>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace peerd::config {
 

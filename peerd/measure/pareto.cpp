@@ -4,6 +4,8 @@
 #include <optional>
 #include <set>
 
+#include <nlohmann/json.hpp>
+
 #include "peerd/measure/sweep.hpp"
 
 namespace peerd::report {

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "peerd/config/measures.hpp"
 #include "peerd/measure/interval.hpp"
 

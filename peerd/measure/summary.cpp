@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "peerd/measure/agreement.hpp"
 #include "peerd/measure/lookup.hpp"
 #include "peerd/measure/points.hpp"

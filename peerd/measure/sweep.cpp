@@ -5,6 +5,8 @@
 #include <charconv>
 #include <string_view>
 
+#include <nlohmann/json.hpp>
+
 namespace peerd::report {
 namespace {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "peerd/measure/run_record.hpp"
 #include "peerd/measure/summary.hpp"

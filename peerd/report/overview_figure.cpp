@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "peerd/measure/sweep.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"

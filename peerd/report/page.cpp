@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "peerd/measure/pareto.hpp"
 #include "peerd/measure/sweep.hpp"
 #include "peerd/report/markup.hpp"

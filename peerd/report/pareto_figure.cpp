@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "peerd/measure/pareto.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "peerd/measure/columns.hpp"
 #include "peerd/measure/sweep.hpp"
 

@@ -28,7 +28,7 @@ std::string text_of(const std::filesystem::path& path) {
 
 using Words = std::vector<std::string>;
 
-// What stands in backquotes.
+// The words that stand in backquotes.
 Words quoted(const std::string& text) {
   Words words;
   const std::regex quote("`([^`]*)`");
@@ -128,8 +128,8 @@ TEST_F(Reference, EveryExampleIsOne) {
     const std::string named = line.substr(0, line.find(" | "));
     EXPECT_THAT(quoted(named), testing::Contains(example.substr(0, equals))) << line;
     for (const std::string& key : quoted(named)) {
-      // Where several keys share a row, the example is the first one's, and the others take no more than the parser's
-      // knowing them.
+      // Several keys may share a row. The example is the first one's then, and of the others only the names are
+      // checked.
       const bool shown = key == example.substr(0, equals);
       Words errors;
       for (Words sets : section->around) {

@@ -6,7 +6,7 @@
 
 #include "peerd/motion/motion_path.hpp"
 
-// What holds of every path, whatever made it.
+// Checks that hold of every path, whatever made it.
 namespace peerd::config::path_checks {
 
 inline bool same(const std::vector<Knot>& a, const std::vector<Knot>& b) {

@@ -1,4 +1,5 @@
-// configs/best.toml, one configuration for all latencies, on the seed's scenario and on other motions in its place.
+// configs/best.toml is one configuration for all latencies. It is tested on the thesis's scenario and with other
+// motions in it.
 #include <gtest/gtest.h>
 
 #include <cmath>

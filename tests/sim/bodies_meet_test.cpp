@@ -11,7 +11,7 @@ using testing_support::run_scenario;
 
 const std::string kMeeting = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
 
-// What a peer held of an object at the end, as its log says.
+// The state that a peer held of an object at the end, as its log says.
 KinematicState last_word(const Ran& ran, const std::string& peer, const std::string& path) {
   const auto object = std::ranges::find(ran.record.objects, path, &report::ObjectInfo::path)->object;
   for (const PeerLog& log : ran.logs) {
@@ -96,7 +96,8 @@ TEST_P(BodiesMeet, NoGhostIsWrongForLongerThanTheLatency) {
   EXPECT_GT(late_samples, 50u);
 }
 
-// What begins to move at t = 0 is known as soon as it can be: one latency and one tick later, whoever comes first.
+// An object that begins to move at t = 0 is known as soon as possible: one latency and one tick later, whichever peer
+// has started first.
 TEST(BodiesMeetBefore, EveryoneKnowsWhatMovesFromTheStart) {
   for (const char* latency_ms : {"0", "1", "5", "40", "300"}) {
     for (const char* first : {"peer.a.id=1", "peer.a.id=9"}) {
@@ -118,7 +119,7 @@ TEST(BodiesMeetBefore, EveryoneKnowsWhatMovesFromTheStart) {
 TEST(BodiesMeetPrediction, SparesTheObserverTheLatency) {
   const Ran dr = run_scenario(kMeeting, {"replication.approach=dr", "network.latency_ms=400"}).front();
   const Ran rcp = run_scenario(kMeeting, {"replication.approach=dr+rcp", "network.latency_ms=400"}).front();
-  const auto worst_m = [](const Ran& ran) {  // of LEFT at c, once the start has been heard of
+  const auto worst_m = [](const Ran& ran) {  // error of LEFT at c, once c knows the start
     const ObjectId left = std::ranges::find(ran.record.objects, "LEFT", &report::ObjectInfo::path)->object;
     double worst = 0.0;
     for (const auto& s : ran.record.ghost_samples) {

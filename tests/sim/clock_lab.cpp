@@ -107,7 +107,7 @@ void ClockLab::drain(std::size_t i) {
       network_->join(i, join->region);
     } else if (std::holds_alternative<replication::ClockStepped>(*out)) {
       ++hosts_[i].steps;
-      // Who follows it hears of that with its next hello.
+      // Its followers learn of that from its next hello.
       hosts_[i].excused_until = std::max(hosts_[i].excused_until, now_ + longest_delay_ + 2 * kHelloPeriod);
     }
   }

@@ -19,8 +19,8 @@ class ClockLab {
   struct HostSettings {
     Duration ahead{0};
     int drift_ppm = 0;
-    // What its operating system's clock is ahead of true time, and what it says that this can be at most; no bound: it
-    // says that it does not know.
+    // How far the clock of its operating system is ahead of true time, and the error bound that this clock states;
+    // without a bound it states that it does not know.
     Duration os_error{0};
     std::optional<Duration> os_bound = {};
   };
@@ -28,7 +28,7 @@ class ClockLab {
     Duration at;  // true time since the begin
     std::size_t peer;
     Duration error, bound;  // against the peer that it follows
-    Duration followed_for;  // .. without a break, by either of the two
+    Duration followed_for;  // without a break, by both of the two
   };
 
   ClockLab(const config::LinkSettings& links, std::vector<HostSettings> hosts, std::uint64_t seed);
@@ -48,7 +48,7 @@ class ClockLab {
   void set_os_clock(std::size_t peer, Duration error, std::optional<Duration> bound);
   // The network falls apart into these and the others; none: it is whole again.
   void part(std::vector<std::size_t> side) { apart_ = std::move(side); }
-  // Of this peer, and of who follows it, nobody can know their error until then: its clock has just jumped.
+  // Nobody can know the error of this peer and of its followers until then: its clock has just jumped.
   void restart_silence_of_all(std::size_t peer, Duration until) { hosts_[peer].excused_until = until; }
 
   [[nodiscard]] Duration now() const { return now_; }
@@ -58,7 +58,7 @@ class ClockLab {
   [[nodiscard]] const std::vector<Sample>& samples() const { return samples_; }
   [[nodiscard]] std::size_t steps(std::size_t i) const { return hosts_[i].steps; }
   [[nodiscard]] std::size_t excused() const { return excused_; }
-  // What broke: times that ran backwards, errors beyond their bound. Empty is good.
+  // Broken invariants: times that ran backwards, errors beyond their bound. Empty is good.
   [[nodiscard]] const std::vector<std::string>& findings() const { return findings_; }
 
  private:

@@ -22,7 +22,7 @@ struct Figures {
   std::size_t samples = 0;
 };
 
-// Of those samples since `from` whose peer has followed the same leader for `settled`.
+// Samples since `from` whose peer has followed the same leader for `settled`.
 Figures figures(const ClockLab& lab, Duration from, Duration settled = 0s) {
   std::vector<Duration> errors, bounds;
   std::vector<double> ratios;
@@ -40,7 +40,7 @@ Figures figures(const ClockLab& lab, Duration from, Duration settled = 0s) {
           bounds[bounds.size() / 2], errors.size()};
 }
 
-// From when on all errors are at most `aim`.
+// The time from which on all errors are at most `aim`.
 Duration recovered(const ClockLab& lab, Duration from, Duration aim) {
   Duration last = from;
   for (const ClockLab::Sample& s : lab.samples()) {
@@ -215,7 +215,7 @@ TEST(SessionTime, SurvivesALeaderCutOffAndTwoSessionsThatMeet) {
     lab.run_until(140s);
     EXPECT_THAT(lab.findings(), IsEmpty());
     print("cut off for 60 s", figures(lab, 80s));
-    // From the start: two sessions, minutes apart.
+    // Two sessions exist from the start, minutes apart.
     ClockLab two({20.0, 10.0, 0.05, 0.0, 0.0}, {{0s, 500}, {3s, -500}, {-2s, 0}, {100s, 20}}, 6);
     two.part(side);
     two.run_until(20s);
@@ -227,7 +227,7 @@ TEST(SessionTime, SurvivesALeaderCutOffAndTwoSessionsThatMeet) {
   }
 }
 
-// Peer 4 hears peer 2 alone, which follows peer 1.
+// Peer 4 receives peer 2 alone, which follows peer 1.
 TEST(SessionTime, OneThatFollowsAFollowerKnowsTheErrorOfBoth) {
   ClockLab lab(kLan, {{0s, 500}, {3s, -500}, {-2s, 0}, {1s, 500}}, 9);
   for (const std::size_t other : {0, 2}) {
@@ -285,7 +285,7 @@ TEST(SessionTime, AnOsClockThatIsSetChangesNothing) {
   }
 }
 
-// Whatever the network and the hosts do: nobody's time runs backwards, and nobody is farther off than it says.
+// No peer's time runs backwards, and none is farther off than its bound, whatever the network and the hosts do.
 class AnyTrouble : public testing::TestWithParam<std::uint64_t> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, AnyTrouble, testing::Range<std::uint64_t>(1, 41), testing::PrintToStringParamName());
 

@@ -9,9 +9,9 @@
 #include <random>
 #include <sstream>
 
-#include "peerd/transport/unicast_frame.hpp"
 #include "peerd/record/capture.hpp"
 #include "peerd/record/udp_packet.hpp"
+#include "peerd/transport/unicast_frame.hpp"
 #include "replication/wire/codec.hpp"
 #include "tests/net/process.hpp"
 #include "tests/peerd/scratch_folder.hpp"
@@ -28,7 +28,7 @@ using testing_support::must;
 constexpr const char* kTshark = "/usr/bin/tshark";
 constexpr const char* kMalformed = "peerd.malformed";
 
-// By a field's name, what it says each time that it is there, in order.
+// The values of each field by its name, in order of appearance.
 using Fields = std::map<std::string, std::vector<std::string>>;
 
 class Expected {
@@ -151,7 +151,7 @@ void add(Expected& out, const DecisionRecord& d) {
   if (d.known != SimTime{}) out.add("decision.known_ns", d.known);
 }
 
-// What of a datagram our decoder says; of one that it refuses, that it is malformed.
+// The fields that our decoder finds in a datagram, or for one that it refuses, that it is malformed.
 Fields expected_of(std::span<const std::byte> datagram, RegionId region, SimTime near) {
   Expected out;
   const auto m = decode(datagram, near);
@@ -213,7 +213,7 @@ std::vector<std::string> split(const std::string& text, char at) {
   return parts;
 }
 
-// By the packet's number, from 1: those that tshark takes for peerd's. `preferences`: "NAME:VALUE".
+// The packets that tshark takes for peerd's, by their numbers from 1. A preference is "NAME:VALUE".
 std::map<std::size_t, Fields> dissected(const ScratchFolder& folder, const std::filesystem::path& file,
                                         const std::vector<std::string>& preferences) {
   const std::vector<std::string> names = all_fields();
@@ -311,7 +311,7 @@ void compare_all(const ScratchFolder& folder, const std::filesystem::path& file,
   EXPECT_THAT(differences, testing::IsEmpty()) << file;
 }
 
-// What those scenarios never have: a decision on objects that spin, and a peer that leaves.
+// Those scenarios never have a decision on objects that spin, nor a peer that leaves; these do.
 Message farewell() {
   Message m;
   m.sender = PeerId{4'000'000'000};
@@ -354,7 +354,7 @@ class Dissector : public testing::Test {
       GTEST_SKIP() << "no " << kTshark << ": scripts/test --full installs it (apt-get install tshark)";
     }
   }
-  // The capture of one run's first peer, which has heard all the others.
+  // The capture of one run's first peer, which has received all others.
   std::filesystem::path capture(const std::string& file, const std::vector<std::string>& sets,
                                 const std::vector<std::filesystem::path>& configs = {}) {
     const std::filesystem::path path = PEERD_SOURCE_DIR "/configs/scenarios/" + file;
@@ -402,8 +402,8 @@ TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
   }
 }
 
-// By default a group's number modulo 1,024 is its region's; where there are more, tshark must be told of the first
-// one's.
+// A group's number modulo 1,024 is its region's by default. Where there are more regions, tshark needs the number of
+// the first one's group.
 TEST_F(Dissector, FindsRegionsBeyondItsDefaultOnceTold) {
   const auto file =
       capture("flock-regions.toml", {"duration_s=1", "regions.cell_m=9.375", "regions.counts=[64, 1, 64]"});
@@ -468,7 +468,7 @@ TEST_F(Dissector, MarksWhatTheDecoderRefuses) {
           datagram[random() % datagram.size()] ^= static_cast<std::byte>(1 << random() % 8);
         }
     }
-    // What begins with a mark of the network's, which is before any datagram, would be something else.
+    // A packet that begins with a mark of the network, which stands before any datagram, would be something else.
     if (!datagram.empty() && (datagram[0] == std::byte{0x52} || datagram[0] == std::byte{0x47})) datagram.clear();
     if (datagram.empty()) datagram.push_back(std::byte{8});
   }

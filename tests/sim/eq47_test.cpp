@@ -1,4 +1,4 @@
-// The seed's scenario on the simulated network against the table, made by an independent model of it.
+// Compares the thesis's scenario on the simulated network with a table that an independent model of it has made.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -70,7 +70,7 @@ TEST(Eq47, FollowsTheIndependentModel) {
             << " (worst " << worst_updates << ")\n";
 }
 
-// What prediction and tracking are for, in one line each.
+// The purposes of prediction and tracking, in one line each.
 TEST(Eq47, EachApproachIsWorthItsName) {
   for (const int order : {1, 2}) {
     const Ran dr = run_eq47("dr", order, 200), rcp = run_eq47("dr+rcp", order, 200),
@@ -114,7 +114,7 @@ std::size_t updates_between(const Ran& ran, double from_s, double to_s, bool nee
     return u.sender == kA && u.t_s > from_s && u.t_s <= to_s && (u.reason == "error" || !needed_only);
   }));
 }
-// What b believes of CAR's velocity along x around then: the difference over ten ticks.
+// CAR's velocity along x around that time, as b believes it: the difference over ten ticks.
 double ghost_velocity_x(const Ran& ran, PeerId observer, double t_s) {
   const report::GhostSample *first = nullptr, *last = nullptr;
   for (const auto& s : ran.record.ghost_samples) {

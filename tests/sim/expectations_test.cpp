@@ -13,7 +13,7 @@ using testing_support::run_scenario;
 
 const std::string kHeadOn = PEERD_SOURCE_DIR "/configs/scenarios/head-on.toml";  // the only one that compares
 
-// With the same run's where everybody knows everything at once, as peerd sim does.
+// The comparison is with the same run with perfect knowledge, as in peerd sim.
 void compare_outcomes(Ran& ran) {
   const config::RunSettings ideal = without_latency(ran.settings);
   const auto shared =

@@ -28,8 +28,8 @@ TEST_P(HostileNetwork, AllJoinAndErrorsStayBounded) {
   for (const char* observer : {"b", "c"}) {
     const auto error = ran.view(observer, "CAR")["ghost_error_m"];
     EXPECT_GE(ran.view(observer, "CAR")["samples"], 880) << "nobody was lost on the way";
-    // Where both copies of an update are lost the ghost goes on as it was told, at most until the time threshold of 5
-    // s, and the arcs pull at up to 14 m/s^2.
+    // The ghost goes on from its last update where both copies of the next one are lost, at most until the time
+    // threshold of 5 s, and the arcs pull at up to 14 m/s^2.
     EXPECT_LT(error["max"].get<double>(), 0.5 * 14.1 * 5.0 * 5.0);
     EXPECT_LT(ran.mean_error_m("c", "CUBE_1"), 1e-9) << "what stands, stands";
   }
@@ -54,7 +54,8 @@ TEST(HostileNetworks, ClockErrorUnderJitterIsAFractionOfIt) {
   const Ran ran = run_eq47("dr", 2, 50, {"network.jitter_ms=40", "peer.b.clock_offset_s=2", "duration_s=6"});
   // The session clock of b against a's, through rows of one true instant: a's rows say what its clock says.
   const auto ahead_s = [](const PeerLog& log) {
-    return to_seconds(log.object_samples.back().at.time_since_epoch() - log.object_samples.back().true_at.time_since_epoch());
+    return to_seconds(log.object_samples.back().at.time_since_epoch() -
+                      log.object_samples.back().true_at.time_since_epoch());
   };
   EXPECT_NEAR(ahead_s(ran.logs[1]), ahead_s(ran.logs[0]), 0.020);
   EXPECT_NEAR(ahead_s(ran.logs[2]), ahead_s(ran.logs[0]), 0.020);
@@ -64,7 +65,8 @@ TEST(HostileNetworks, ALinkThatIsSlowOneWayShiftsTheClockByHalfTheDifference) {
   // NTP's four stamps cannot see asymmetry; the bound that the clock states is half the round trip.
   const Ran ran = run_eq47("dr", 2, 10, {"network.link.a.b.latency_ms=110", "duration_s=6"});
   const auto ahead_s = [](const PeerLog& log) {
-    return to_seconds(log.object_samples.back().at.time_since_epoch() - log.object_samples.back().true_at.time_since_epoch());
+    return to_seconds(log.object_samples.back().at.time_since_epoch() -
+                      log.object_samples.back().true_at.time_since_epoch());
   };
   EXPECT_NEAR(std::abs(ahead_s(ran.logs[1]) - ahead_s(ran.logs[0])), 0.050, 0.003);
 }

@@ -17,7 +17,7 @@ using testing_support::run_scenario;
 const std::string kKeys = PEERD_SOURCE_DIR "/configs/scenarios/keys.toml";
 constexpr double kLatency_s = 0.1, kTick_s = 1.0 / 60;
 
-// What the owner knew of an object, or another peer believed, in time of the scenario.
+// The state of an object at its owner, or as another peer believed it, in time of the scenario.
 std::vector<std::pair<double, KinematicState>> states(const Ran& ran, std::size_t peer, const std::string& path) {
   const PeerLog& log = ran.logs.at(peer);
   const auto known = std::ranges::find(ran.record.objects, path, &report::ObjectInfo::path);
@@ -59,7 +59,7 @@ TEST(Keys, SetACarInMotionAndTheOtherPeerFollows) {
   constexpr double kThreshold_m = 0.25;
   double worst_m = 0;
   for (const auto& [t_s, state] : ghost) {
-    const double speed = t_s < 3 ? 2 : 7;  // of what the other peer has not heard of yet
+    const double speed = t_s < 3 ? 2 : 7;  // speed that the other peer does not know yet
     const double error_m = (state.position - at(truth, t_s).position).norm();
     EXPECT_LT(error_m, kThreshold_m + speed * (kLatency_s + 2 * kTick_s)) << t_s;
     worst_m = std::max(worst_m, error_m);

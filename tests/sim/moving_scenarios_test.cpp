@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, Traffic,
                            return name;
                          });
 
-// With half of the bytes that it needs: ghosts are farther off, outcomes are the same.
+// Half of the bytes that it needs make ghosts worse; outcomes stay the same.
 TEST(ShortOfBytes, KeepsToItsBudgetAndToOneOutcome) {
   const auto bytes_per_peer_s = [](const Ran& ran) {
     return ran.summary["traffic"]["bytes_per_s"].get<double>() / 3.0;
@@ -71,9 +71,9 @@ TEST(ShortOfBytes, KeepsToItsBudgetAndToOneOutcome) {
 
 struct Mover {
   const char* name;
-  std::size_t objects, observers;  // of each object
+  std::size_t objects, observers;  // observers of each object
   double way_m;                    // every object comes at least so far in 8 s ..
-  double mean_error_m;             // .. and is nowhere off by more than this on average, 200 ms away
+  double mean_error_m;             // greatest mean error [m] of any object, 200 ms away
 };
 class Movers : public testing::TestWithParam<Mover> {};
 TEST_P(Movers, AreFollowed) {
@@ -85,7 +85,7 @@ TEST_P(Movers, AreFollowed) {
   }
   EXPECT_EQ(paths.size(), GetParam().objects);
   EXPECT_EQ(ran.summary["objects"].size(), GetParam().objects * GetParam().observers);
-  std::map<ObjectId, std::pair<Vec3, double>> ways;  // where it was, how far it has come
+  std::map<ObjectId, std::pair<Vec3, double>> ways;  // last place and distance covered
   for (const auto& b : ran.record.ghost_samples) {
     if (b.observer != PeerId{1} && b.observer != PeerId{2}) continue;
     const auto [way, first] = ways.try_emplace(b.object, b.truth.position, 0.0);

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "peerd/scenario/assemble.hpp"
 #include "peerd/measure/summary.hpp"
+#include "peerd/scenario/assemble.hpp"
 #include "peerd/sim/simulation.hpp"
 
 // A scenario of the repository, run on the simulated network, with what its report says of it.
@@ -44,7 +44,7 @@ struct Ran {
     }
     throw std::runtime_error("nobody observes " + path);
   }
-  // Contacts that a peer told of, of that kind, in order of time.
+  // Contacts of that kind that a peer stated, in order of time.
   [[nodiscard]] std::vector<report::ContactRow> contacts(PeerId peer, const std::string& kind) const {
     std::vector<report::ContactRow> rows;
     std::ranges::copy_if(record.contacts, std::back_inserter(rows),

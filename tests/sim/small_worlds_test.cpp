@@ -42,7 +42,7 @@ TEST(Turner, AnUnsteadyTurnIsHeldToTheAngleThreshold) {
   };
   const Ran fine = swing("1"), coarse = swing("10");
   constexpr double kDegree = std::numbers::pi / 180;
-  // What one tick and the latency add: at most twice the spin of 2 rad/s for 17 + 5 ms.
+  // One tick and the latency add at most twice the spin of 2 rad/s for 17 + 5 ms.
   EXPECT_LT(worst_angle_rad(fine), 1 * kDegree + 0.09);
   EXPECT_GT(worst_angle_rad(coarse), 9 * kDegree);
   EXPECT_LT(worst_angle_rad(coarse), 10 * kDegree + 0.09);
@@ -69,7 +69,7 @@ TEST(Ball, BouncesOffTheWallAsTheBoxDoes) {
   EXPECT_EQ(ran.summary["counters"]["contact_searches_unsupported"], 0);
 }
 
-// What a long wall's sphere says is near costs no update where the wall isn't.
+// A long wall's sphere contains places where the wall is not: these cost no update.
 TEST(Street, AlongAWallOnlySpheresRaiseTraffic) {
   const auto ran = run_scenario(kWorlds + "street.toml");
   ASSERT_EQ(ran.size(), 2u);

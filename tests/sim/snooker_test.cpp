@@ -14,7 +14,7 @@ using testing_support::must;
 
 const std::string kSnooker = PEERD_SOURCE_DIR "/configs/scenarios/snooker.toml";
 constexpr double kShot_s = 1.0;
-constexpr double kMass_kg = 0.142;  // of the file's balls, which are all the same
+constexpr double kMass_kg = 0.142;  // mass of each of the balls
 
 using Bits = std::array<std::uint64_t, 9>;
 Bits bits_of(const KinematicState& s) {
@@ -32,14 +32,14 @@ struct Played {
   config::RunSettings settings;
   std::unique_ptr<const SharedWorld> shared;
   std::vector<PeerLog> logs;                        // a, b, c
-  std::vector<replication::ContactEvent> contacts;  // of a's truth
+  std::vector<replication::ContactEvent> contacts;  // contacts of the truth at a
 
   [[nodiscard]] double time_s(const PeerLog& log, SimTime t) const { return to_seconds(t - *log.start); }
   [[nodiscard]] bool is_ball(ObjectId id) const {
     const auto& response = shared->world.scene.object(id).response;
     return response && response->friction_m_s2 > 0.0;
   }
-  // What a peer held of all balls, by session instant.
+  // The states that a peer held of all balls, by session instant.
   [[nodiscard]] std::map<SimTime, std::map<ObjectId, Bits>> tables(const PeerLog& log) const {
     std::map<SimTime, std::map<ObjectId, Bits>> out;
     for (const PeerLog::ObjectSample& b : log.object_samples) out[b.at][b.object] = bits_of(b.state);
@@ -85,7 +85,7 @@ TEST_P(Snooker, AllTablesAreTheSameToTheLastBitAndOnlyTheShotIsSent) {
                          1e-3 * (played.settings.network.latency_ms + played.settings.network.jitter_ms) *
                              (played.settings.network.reordering > 0.0 ? 2.0 : 1.0);
 
-  // What the owner knows is what everybody believes.
+  // All peers believe what the owner knows.
   const auto truth = played.tables(a);
   for (const std::size_t peer : {1u, 2u}) {
     SCOPED_TRACE(played.logs[peer].name);
@@ -167,7 +167,8 @@ TEST(SnookerPhysics, KeepsMomentumAndNeverGainsEnergy) {
 
   const PeerLog& a = played.logs[0];
   std::map<SimTime, double> energy_j;
-  for (const PeerLog::ObjectSample& b : a.object_samples) energy_j[b.at] += 0.5 * kMass_kg * b.state.velocity.squaredNorm();
+  for (const PeerLog::ObjectSample& b : a.object_samples)
+    energy_j[b.at] += 0.5 * kMass_kg * b.state.velocity.squaredNorm();
   double last_j = 1e9, most_j = 0.0;
   for (const auto& [at, j] : energy_j) {
     if (played.time_s(a, at) < kShot_s + 0.02) continue;
@@ -192,7 +193,8 @@ TEST(SnookerPhysics, KeepsMomentumAndNeverGainsEnergy) {
   }
 }
 
-// From between two ticks, and RED_1 meets others 70 microseconds later: all that follows costs no update of its own.
+// The collision is between two ticks, and RED_1 meets others 70 microseconds later: none of the consequences costs an
+// update of its own.
 class SnookerByConfiguration : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Balls, SnookerByConfiguration, testing::Values("CUE", "RED_1"));
 TEST_P(SnookerByConfiguration, OneUpdateIsEnough) {

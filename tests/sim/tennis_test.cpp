@@ -13,7 +13,7 @@ const std::string kTennis = PEERD_SOURCE_DIR "/configs/scenarios/tennis.toml";
 
 struct Obstacle {
   const char* path;
-  Vec3 half;  // of its box [m]
+  Vec3 half;  // half extents of its box [m]
 };
 const Obstacle kObstacles[] = {{"RACKET_A", {0.02, 0.3, 0.3}},
                                {"RACKET_B", {0.02, 0.3, 0.3}},
@@ -43,7 +43,7 @@ TEST(Crosses, DistinguishesThroughFromPast) {
   EXPECT_TRUE(crosses({-1, 0, 0}, {-0.01, 0, 0}, half));
 }
 
-// What a viewer at one peer draws of one object, by session time: a straight line between two instants.
+// The pose that a viewer at one peer draws of one object, by session time: a straight line between two instants.
 struct Drawn {
   std::map<SimTime, Pose> poses;
 
@@ -143,7 +143,7 @@ TEST_P(Tennis, NobodySeesTheBallGoThroughAnything) {
   EXPECT_EQ(ran.summary["collisions"]["missed"], 0);
 }
 
-// By the ghost's own way: with 240 ms the straight way back would lead through the net.
+// The displayed object takes the ghost's own way: with 240 ms the straight way back would lead through the net.
 TEST(TennisRally, IsSeenToComeOverTheNetWhereTheStraightWayLeadsThroughIt) {
   const Ran ran = run_scenario(kTennis, {"network.latency_ms=240", "sample_hz=120"}).front();
   EXPECT_GE(ran.record.counters.at("convergence_detours"), 1u);

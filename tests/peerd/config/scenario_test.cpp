@@ -411,7 +411,7 @@ TEST_F(ScenarioTest, ABadSweepIsRefused) {
               HasSubstr("more than 100000 runs"));
 }
 
-// Of each table of the language, a number and a word.
+// Each table of the language has a number and a word here.
 TEST_F(ScenarioTest, WhateverIsNotSharedIsSwept) {
   const std::string more = R"([[peer.a.key]]
 at_s = 1

@@ -1,10 +1,7 @@
-#include "peerd/input/text_file.hpp"
 #include "peerd/input/toml_input.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::config::toml_input_test {
 
@@ -12,7 +9,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// What a table with one key of each type makes of `text`; the error's text, or "".
+// A table with one key of each type, as read from `text`, and the error's text, or "".
 struct Settings {
   double length_m = 1.5;
   std::optional<double> maybe;
@@ -132,21 +129,6 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(TomlReader, TheFirstErrorWins) {
   EXPECT_THAT(read("length_m = -1\ncount = 9\nwhat = 1").error, HasSubstr("length_m = -1"));
-}
-
-TEST(ReadTextFile, SaysWhyNot) {
-  const testing_support::ScratchFolder folder;
-  const auto none = read_text_file(folder / "none.toml");
-  ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().text, HasSubstr("none.toml: error: there is no such file"));
-  EXPECT_EQ(none.error().exit_code, 2);
-  const auto directory = read_text_file(folder.path());
-  ASSERT_FALSE(directory);
-  EXPECT_THAT(directory.error().text, HasSubstr("can't be read"));
-  EXPECT_EQ(directory.error().exit_code, 3);
-  EXPECT_EQ(read_text_file(folder.write("empty", "")), "");
-  const std::string bytes("a\0\r\nb", 5);
-  EXPECT_EQ(read_text_file(folder.write("bytes", bytes)), bytes);
 }
 
 TEST(DidYouMean, FindsWhatIsClose) {

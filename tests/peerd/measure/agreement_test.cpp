@@ -21,7 +21,7 @@ ContactRow row(double t_s, PeerId peer, const char* kind, const Vec3& normal = k
 struct Case {
   const char* name;
   std::vector<ContactRow> contacts;
-  std::vector<Verdict> verdicts;  // of the contacts
+  std::vector<Verdict> verdicts;  // verdicts of the contacts
   std::uint64_t missed;           // two other peers see each outcome of a
 };
 
@@ -120,7 +120,7 @@ TEST(Agreement, SingleContactTakesItsCollidersGap) {  // CAR meets the wall at 3
   EXPECT_THAT(agreement(run).verdicts, testing::ElementsAre(kOutcome, kOutcome, kAgreed, kSpurious));
 }
 
-// Of decisions alone, by what has been taken over: contact times must be the same.
+// Decisions alone are judged by the decisions that were applied: contact times must be the same.
 TEST(Agreement, SharedCountsAppliedDecisions) {
   RunRecord run = samples::quiet_run();
   run.contacts = {row(1, kA, "owner"),          row(1, kB, "predicted"), row(3, kA, "decided"), row(3, kB, "applied"),

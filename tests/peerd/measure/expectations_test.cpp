@@ -73,7 +73,7 @@ TEST_F(ExpectationsReport, ALimitHoldsForEachViewOfEachRun) {
   EXPECT_EQ(checked.failures[0].run, 1u);
   EXPECT_EQ(checked.failures[0].object, "CAR");
   EXPECT_EQ(checked.failures[0].found, mean_m(1, 0));
-  e.observer = "a";  // who runs the car
+  e.observer = "a";  // owner of the car
   EXPECT_FALSE(check(e).failed());
   EXPECT_EQ(check(e).values, 2u);
   e.observer = "";
@@ -104,7 +104,7 @@ TEST_F(ExpectationsReport, WordsOfTruth) {
   EXPECT_EQ(check(e).failures.size(), 1u);
 }
 
-// What nobody has seen is not as expected.
+// A number that nobody has seen is not as expected.
 TEST_F(ExpectationsReport, WhatIsNotThereFails) {
   Expectation e = that("ghost_error_m.max");
   e.at_most = 1e9;

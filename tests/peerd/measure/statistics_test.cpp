@@ -30,7 +30,7 @@ TEST(Statistics, MaxOfNegativesIsNegative) { EXPECT_EQ(statistics({-3.0, -1.0}).
 
 struct RankCase {
   std::size_t count;
-  double p99;  // of the samples 1, 2, .. count
+  double p99;  // p99 of the samples 1, 2, .. count
 };
 class NearestRank : public testing::TestWithParam<RankCase> {};
 TEST_P(NearestRank, IsTheLeastThat99PercentDoNotExceed) {

@@ -5,7 +5,6 @@
 #include <limits>
 #include <sstream>
 
-#include "peerd/measure/sweep.hpp"
 #include "peerd/report/table.hpp"
 #include "tests/peerd/report_samples.hpp"
 
@@ -43,7 +42,7 @@ TEST(Summary, HasTheShapeOfTheDesign) {
 TEST(Summary, HandNumbers) {
   RunRecord run = samples::quiet_run();
   run.ghost_samples = {belief(0, kB, kCar, {0, 0, 0}, {0, 0, 0}), belief(1, kB, kCar, {0, 0, 0}, {3, 0, 4}),
-                 belief(3, kB, kCar, {1, 0, 0}, {2, 0, 0})};
+                       belief(3, kB, kCar, {1, 0, 0}, {2, 0, 0})};
   run.updates = {{0, kA, kCar, 30, 0.5, "first"}, {1, kA, kCar, 32, 0.5, "error"}, {1, kB, kCube, 30, 0.5, "time"}};
   run.datagrams = {{0, kA, 100}, {1, kA, 50}, {2, kC, 25}};
   run.groups_joined = 12;
@@ -115,23 +114,11 @@ TEST(Summary, TheNetworkIsThereWhereItWasMeasured) {
   EXPECT_DOUBLE_EQ(s["oversleep_ms"]["during"]["max"], 9.0);
 }
 
-TEST(Summary, ARunCountsWhereTheComputerKeptTime) {
-  struct Case {
-    double before_ms, during_ms;
-    bool steady;
-  };
-  RunRecord run = samples::quiet_run();
-  for (const Case& c : {Case{10, 50, true}, Case{10.1, 50, false}, Case{10, 50.1, false}}) {
-    run.network = {.links = {}, .oversleep_before_ms = {0, c.before_ms}, .oversleep_during_ms = {0, c.during_ms}};
-    EXPECT_EQ(summarise(kInfo, {&run, 1})["runs"][0]["network"]["steady"], c.steady);
-  }
-}
-
 TEST(Summary, NothingInItIsNull) {
   RunRecord run = samples::quiet_run();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   run.ghost_samples = {belief(0, kB, kCar, {nan, 0, 0}, {0, 0, 0}), belief(1, kB, kCar, {0, 0, 0}, {1, 0, 0}),
-                 belief(2, kB, kCar, {0, 0, 0}, {1e200, 0, 0})};
+                       belief(2, kB, kCar, {0, 0, 0}, {1e200, 0, 0})};
   const std::vector<RunRecord> runs{run, RunRecord{}};
   const Json s = summarise(kInfo, runs);
   EXPECT_EQ(s.dump().find("null"), std::string::npos) << s.dump(2);
@@ -149,56 +136,6 @@ TEST(Summary, WarningsAreKept) {
   const Json s = summarise(info, {});
   EXPECT_EQ(s["warnings"][0], "the link was slow");
   EXPECT_THAT(table(s), testing::HasSubstr("warning: the link was slow\n"));
-}
-
-TEST(Table, ARowARunWithin100Columns) {
-  const std::string text = table(summarise(kInfo, samples::zigzag_sweep()));
-  std::vector<std::string> lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  ASSERT_EQ(lines.size(), 3u + 6u) << text;
-  for (const std::string& line : lines) EXPECT_LE(line.size(), 100u);
-  EXPECT_THAT(lines[0], testing::HasSubstr("CAR"));
-  EXPECT_THAT(lines[1], testing::AllOf(testing::HasSubstr("at b"), testing::HasSubstr("at c")));
-  EXPECT_THAT(lines[2], testing::AllOf(testing::HasSubstr("approach"), testing::HasSubstr("latency_ms")));
-  EXPECT_THAT(lines[3], testing::HasSubstr("dr"));
-  for (std::size_t i = 3; i < lines.size(); ++i) EXPECT_EQ(lines[i].size(), lines[2].size()) << text;  // aligned
-}
-
-TEST(Table, ManyObserversHaveARowEach) {
-  RunRecord run = samples::zigzag_run(0.1);
-  const PeerId d{4};
-  run.peers.push_back({d, "d"});
-  for (int i = 0; i < 3; ++i) run.ghost_samples.push_back(belief(i, d, kCar, {0, 0, 0}, {1, 0, 0}));
-  const std::string text = table(summarise(kInfo, {&run, 1}));
-  EXPECT_EQ(std::ranges::count(text, '\n'), 2 + 3) << text;
-  EXPECT_THAT(text, testing::HasSubstr("observer"));
-}
-
-TEST(Table, AnUnseenObjectIsADashNotAZero) {
-  RunRecord run = samples::quiet_run();
-  EXPECT_THAT(table(summarise(kInfo, {&run, 1})), testing::HasSubstr(" - "));
-}
-
-TEST(Sweep, VaryingKeysInOrderWhateverTheirType) {
-  const std::vector<Params> runs{{{"a.x", 1}, {"b.x", "u"}, {"c", 5}, {"e", 100}},
-                                 {{"a.x", 2}, {"b.x", "u"}, {"c", 5}, {"d", true}, {"e", 100.0}}};
-  EXPECT_THAT(varying_keys(runs), testing::ElementsAre("a.x", "d"));
-  EXPECT_TRUE(varying_keys({}).empty());
-}
-
-TEST(Sweep, Words) {
-  const Params run{{"network.latency_ms", 100.0},
-                   {"replication.approach", "dr+rcp"},
-                   {"replication.order", 2},
-                   {"motion.speed_m_s", 2.5},
-                   {"a.rate_hz", 60},
-                   {"b.rate_hz", 30}};
-  std::vector<std::string> keys;
-  for (const auto& item : run.items()) keys.push_back(item.key());
-  EXPECT_EQ(describe(run, keys), "latency 100 ms, dr+rcp, order 2, speed 2.5 m/s, a.rate 60 Hz, b.rate 30 Hz");
-  EXPECT_EQ(axis_label("network.latency_ms", keys), "latency [ms]");
-  EXPECT_EQ(short_name("a.rate_hz", keys), "a.rate_hz");
 }
 
 }  // namespace peerd::report::summary_test

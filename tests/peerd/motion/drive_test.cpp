@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Table, DriveLanes,
                                          Lane{"NorTheFirst", {-90, 0, -1}, {15, 0, -1.75}, {-1, 0, 0}}),
                          [](const auto& c) { return std::string(c.param.name); });
 
-// How far a place is from the nearest middle of a street.
+// The distance of a place from the nearest middle of a street.
 double off_street_m(const Vec3& p) {
   const auto off = [](double x) { return std::abs(x - 60.0 * std::round(x / 60.0)); };
   return std::min(off(p.x()), off(p.z()));

@@ -135,7 +135,8 @@ constexpr double kSpeed = 40 * pi / 15;
 double eq47_x(double s) {
   return s < 10 * pi ? s / 6 : s <= 20 * pi ? (20 * pi - s) / 6 : std::abs(5 * std::sin(s / 5));
 }
-// `at_corner` after 20 pi: which arc follows is told by s + a nanometre, so that a rounding of 1e-15 m decides nothing.
+// `at_corner` after 20 pi: the arc that follows is chosen by s + a nanometre, so that a rounding of 1e-15 m decides
+// nothing.
 double eq47_dx(double s) {
   const double after = s + 1e-9;
   const double slope = after < 10 * pi   ? 1.0 / 6
@@ -240,7 +241,7 @@ TEST(Motion, AnOffsetCountsWhereNothingTurns) {
   EXPECT_EQ(motion(f).sample(2.0).position, Vec3(2, 5, 0));
 }
 
-// Where a body is in a moment is what its sample says: turning for dt with that spin gives the next sample.
+// The sample says where a body is a moment later: turning for dt with that spin gives the next sample.
 TEST(Motion, SpinPredictsTheOrientation) {
   const FormulaMotion m = motion(turning({3, -1, 2}, "0.7*t"));
   const KinematicState later = advance(m.sample(1.0), 0.25);

@@ -30,7 +30,7 @@ TEST(Walk, CoversItsTimesFromItsPlace) {
   for (const Knot& k : knots) ASSERT_EQ(k.state.position.y(), 1.5);
 }
 
-// From everywhere, the corners too, and whoever it is.
+// All walkers stay inside from all starting places, the corners too.
 TEST(Walk, StaysInItsArea) {
   WalkSettings s = square();
   for (const double speed : {1.3, 3.0}) {

@@ -47,7 +47,7 @@ TEST_P(NetemOptions, AreThose) {
   EXPECT_EQ(!s.table.empty(), GetParam().table);
 }
 
-// What netem makes of a table's entry: mean + entry / 8192 of the spread.
+// The delay that netem makes of a table's entry is mean + entry / 8192 of the spread.
 std::vector<double> delays_ms(const std::string& table, double mean_ms, double spread_ms) {
   std::vector<double> delays;
   std::istringstream in(table);

@@ -170,8 +170,8 @@ TEST(ReportPage, OfNoRunsAndOfEmptyOnes) {
   EXPECT_THAT(page_of(kInfo, {RunRecord{}, samples::quiet_run()}), HasSubstr("<strong>Run 2</strong>"));
 }
 
-// In the dark the page exchanges the pictures' neutral colours; none that a picture uses may be forgotten. Okabe and
-// Ito's colours and that of bars are told from both backgrounds.
+// The dark scheme exchanges the pictures' neutral colours, and none that a picture uses may be forgotten. Okabe and
+// Ito's colours and that of bars stand out from both backgrounds.
 TEST(ReportPage, KnowsEveryNeutralColourOfItsPictures) {
   std::set<std::string> colours;
   const std::vector<RunRecord> runs = samples::zigzag_sweep();

@@ -140,8 +140,8 @@ TEST_F(AssembleTest, IsSortedAsTheReportWantsItAndSumsTheCounters) {
   logs[1].counters = {{"ticks", 4}, {"dropped_x", 1}};
   const auto r = record();
   ASSERT_EQ(r.ghost_samples.size(), 4u);
-  EXPECT_TRUE(
-      std::ranges::is_sorted(r.ghost_samples, {}, [](const auto& b) { return std::tuple(b.observer, b.object, b.t_s); }));
+  EXPECT_TRUE(std::ranges::is_sorted(r.ghost_samples, {},
+                                     [](const auto& b) { return std::tuple(b.observer, b.object, b.t_s); }));
   EXPECT_EQ(r.updates.front().sender, kB);
   EXPECT_EQ(r.counters.at("ticks"), 7u);
   EXPECT_EQ(r.counters.at("dropped_x"), 1u);

@@ -8,7 +8,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
-namespace peerd::control_test {
+namespace peerd::ctl_command_test {
 
 using net::testing_support::own_port;
 using nlohmann::json;
@@ -202,4 +202,4 @@ TEST_F(Control, WrongUseIsOneSentence) {
   }
 }
 
-}  // namespace peerd::control_test
+}  // namespace peerd::ctl_command_test

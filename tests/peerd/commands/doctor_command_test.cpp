@@ -7,7 +7,7 @@
 #include "tests/net/process.hpp"
 #include "tests/net/wire.hpp"
 
-namespace peerd::doctor_test {
+namespace peerd::doctor_command_test {
 
 using net::testing_support::own_port;
 using net::testing_support::shell;
@@ -119,4 +119,4 @@ TEST_F(Doctor, WrongSettingsAreWrongUse) {
   EXPECT_EQ(ask({"--set", "transport.multicast=never", "--set", "transport.peers=[\"nowhere\"]"}).exit_code, 2);
 }
 
-}  // namespace peerd::doctor_test
+}  // namespace peerd::doctor_command_test

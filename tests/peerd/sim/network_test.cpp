@@ -82,7 +82,7 @@ void expect_rate(double counted, double probability, const char* what) {
   const double sigma = std::sqrt(kSends * probability * (1 - probability));
   EXPECT_NEAR(counted, kSends * probability, 5 * sigma) << what << ", seed 1";
 }
-// What arrives at b of kSends datagrams, one a second.
+// The datagrams that arrive at b of kSends, one a second.
 std::vector<Delivery> flood(const config::RunSettings& run, std::size_t to = 1) {
   Network network(run);
   network.join(to, kHere);
@@ -175,7 +175,7 @@ TEST(LinkSeeds, EachLinkDrawsItsOwn) {
   EXPECT_NE(rows(flood(three_peers(kRough), 1)), rows(flood(three_peers(kRough), 2)));
 }
 
-// What a -> c draws changes nothing of a -> b: another loss there, or nobody listening at all.
+// The draws of a -> c change nothing of a -> b: neither another loss there nor a missing listener.
 TEST(LinkSeeds, WhatOneLinkDrawsChangesNothingOnAnother) {
   const auto at_b = [](const config::RunSettings& run, bool c_listens) {
     Network network(run);

@@ -1,9 +1,10 @@
-// Peers come and go and the network falls apart at times that the scenario names: what the others believe then.
+// Tests of what peers believe when other peers come and go, and when the network is partitioned, at times that the
+// scenario names.
 #include <gmock/gmock.h>
 
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim::events_test {
+namespace peerd::sim::simulation_test {
 
 using testing::HasSubstr;
 using testing_support::kEq47;
@@ -12,9 +13,9 @@ using testing_support::Ran;
 using testing_support::run_eq47;
 
 constexpr double kLatency_ms = 100;
-// A peer that has not been heard for so long is lost (replication/README.md); it is noticed at a tick.
+// A peer that is not received for so long is lost; the others notice it at a tick.
 constexpr double kLostAfter_s = 1.75 + 1.0 / 60;
-// What entering a session takes: listening, and a clock that has settled.
+// Joining a session takes this long: listening, and a clock that has settled.
 constexpr double kJoining_s = 3.0;
 
 Ran run(std::vector<std::string> events) { return run_eq47("dr+rcp+acpt", 2, kLatency_ms, std::move(events)); }
@@ -24,7 +25,7 @@ const std::string kTogether = "event.together={at_s = 7, kind = \"heal\"}";
 
 // An observer's views of an object between two times.
 std::vector<report::GhostSample> views(const Ran& ran, const std::string& observer, const std::string& path,
-                                        double from_s, double until_s) {
+                                       double from_s, double until_s) {
   const auto who = std::ranges::find(ran.record.peers, observer, &report::PeerInfo::name)->peer;
   const auto what = std::ranges::find(ran.record.objects, path, &report::ObjectInfo::path)->object;
   std::vector<report::GhostSample> found;
@@ -53,7 +54,7 @@ TEST(Partition, AnUnreachablePeerIsLostAndComesBack) {
   EXPECT_FALSE(views(parted, "c", "CUBE_1", 5, 7).empty()) << "b and c are on one side";
 }
 
-// Shorter than a peer takes to be lost: nobody is, and what was not heard is told again.
+// A partition that is shorter than the time after which a peer is lost loses no peer, and lost updates are repeated.
 TEST(Partition, AShortOneLosesNobody) {
   const Ran parted = run({kApart, "event.together={at_s = 5, kind = \"heal\"}"});
   EXPECT_EQ(views(parted, "c", "CAR", 4, 7).size(), 181u);
@@ -115,7 +116,7 @@ TEST(Join, ReceivesEverything) {
   EXPECT_EQ(ran.summary["collisions"]["disagreed"], 0);
 }
 
-// The peer with the lowest id says when motions begin; a later one is told by those that are left.
+// The peer with the lowest id says when motions begin. A peer that joins later learns it from the remaining peers.
 TEST(Join, LearnsTheStartFromWhoeverIsLeft) {
   const Ran ran = run(
       {"event.bye={at_s = 3, kind = \"leave\", peer = \"a\"}", "event.late={at_s = 6, kind = \"join\", peer = \"c\"}"});
@@ -156,4 +157,4 @@ TEST(Events, WhenAllHaveGoneTheRunIsOver) {
   EXPECT_EQ(ran.logs.size(), 3u);
 }
 
-}  // namespace peerd::sim::events_test
+}  // namespace peerd::sim::simulation_test

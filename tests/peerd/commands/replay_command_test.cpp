@@ -11,14 +11,14 @@
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/sim/run_scenario.hpp"
 
-namespace peerd::sim::replay_test {
+namespace peerd::sim::replay_command_test {
 
 using peerd::testing_support::ScratchFolder;
 using peerd::testing_support::text_of;
 using testing::HasSubstr;
 using testing_support::must;
 
-// What a command prints while this is there.
+// Captures what a command prints during its lifetime.
 class Printed {
  public:
   Printed() : out_(std::cout.rdbuf(text_.rdbuf())), error_(std::cerr.rdbuf(errors_.rdbuf())) {}
@@ -235,4 +235,4 @@ TEST_F(ReplayOfOne, NoCaptureIsAFindingAboutTheFile) {
   EXPECT_THAT(text.error, HasSubstr("no pcapng file"));
 }
 
-}  // namespace peerd::sim::replay_test
+}  // namespace peerd::sim::replay_command_test

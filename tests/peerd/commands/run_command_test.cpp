@@ -16,7 +16,7 @@
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
-namespace peerd::peer_process_test {
+namespace peerd::run_command_test {
 
 using net::testing_support::own_port;
 using testing::AllOf;
@@ -72,7 +72,7 @@ class PeerProcess : public testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return start(name, words);
   }
-  // What the peers' records say, side by side.
+  // The record assembled from the peers' records.
   nlohmann::ordered_json summary_of(const Words& names, const Words& sets) {
     const auto scenario = config::read_scenario(
         {.file = folder / "s.toml", .configs = {}, .sets = sets, .seed = {}, .real = true, .sweep = true});
@@ -325,8 +325,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"BothNamesOfAnOption",
             {"run", "--world", "@/w.wrl", "--enslave", "CAR", "--own", "CAR"},
             2,
-            "--own excludes --enslave",
-            false},
+            "--enslave and --own are two names of one option"},
         Bad{"BothNamesOfAKey",
             {"sim", "@/s.toml", "--set", "peer.a={id = 1, enslaves = [], owns = []}"},
             2,
@@ -430,4 +429,4 @@ TEST_F(PeerProcess, TwoMeetOverIpv6) {
   if (!missing.empty()) GTEST_SKIP() << missing;
 }
 
-}  // namespace peerd::peer_process_test
+}  // namespace peerd::run_command_test

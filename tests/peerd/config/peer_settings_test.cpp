@@ -5,7 +5,7 @@
 #include "peerd/config/scenario.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config::config_keys_test {
+namespace peerd::config::peer_settings_test {
 
 using testing::HasSubstr;
 using testing::StartsWith;
@@ -96,4 +96,4 @@ TEST_F(ConfigKeys, TheControlSocketStandsBesideTheScenario) {
   EXPECT_EQ(read("[control]\nsocket = \"/run/x.sock\"\n")->runs.front().control.socket, "/run/x.sock");
 }
 
-}  // namespace peerd::config::config_keys_test
+}  // namespace peerd::config::peer_settings_test

@@ -7,7 +7,7 @@
 #include "peerd/sim/simulation.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config::config_feed_test {
+namespace peerd::config::peer_settings_feed_test {
 
 using testing::HasSubstr;
 
@@ -85,4 +85,4 @@ TEST_F(ConfigFeed, APortNeedsSomethingToMove) {
   EXPECT_THAT(logs.error().text, HasSubstr("peer.a.feed.udp: no program moves anything here"));
 }
 
-}  // namespace peerd::config::config_feed_test
+}  // namespace peerd::config::peer_settings_feed_test

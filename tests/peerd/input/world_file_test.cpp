@@ -1,0 +1,72 @@
+#include "peerd/input/world_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::config::world_file_test {
+
+using testing::HasSubstr;
+using testing_support::ScratchFolder;
+
+struct UrlCase {
+  const char *url, *path;  // "": no file of this machine
+};
+class LocalPath : public testing::TestWithParam<UrlCase> {};
+TEST_P(LocalPath, IsTheFileThatTheUrlNames) {
+  const auto path = local_path(GetParam().url);
+  EXPECT_EQ(path.value_or("").string(), GetParam().path) << GetParam().url;
+}
+INSTANTIATE_TEST_SUITE_P(Table, LocalPath,
+                         testing::Values(UrlCase{"a.wrl", "a.wrl"}, UrlCase{"b/a.wrl", "b/a.wrl"},
+                                         UrlCase{"file:///x/a.wrl", "/x/a.wrl"},
+                                         UrlCase{"file://localhost/x/a.wrl", "/x/a.wrl"},
+                                         UrlCase{"file:a.wrl", "a.wrl"}, UrlCase{"a%20b.wrl", "a b.wrl"},
+                                         UrlCase{"a%2", "a%2"}, UrlCase{"a%zz", "a%zz"}, UrlCase{"a%00b", "a%00b"},
+                                         UrlCase{"http://h/a.wrl", ""}, UrlCase{"urn:x:y", ""},
+                                         UrlCase{"javascript:x", ""}, UrlCase{"b/c:d", "b/c:d"}, UrlCase{"", ""}));
+
+TEST(WorldFile, ReadsInlinesBesideItAndNamesThem) {
+  const ScratchFolder folder;
+  folder.write("inner.wrl", "#VRML V2.0 utf8\nDEF INNER Transform { }\n");
+  const auto path = folder.write("w.wrl", "#VRML V2.0 utf8\nDEF IN Inline { url \"inner.wrl\" }\n");
+  const auto file = read_world_file(path);
+  ASSERT_TRUE(file) << file.error().text;
+  ASSERT_TRUE((*file)->result.scene);
+  ASSERT_EQ((*file)->result.sources.size(), 2u);
+  EXPECT_EQ((*file)->result.sources[0].name, path.string());
+  EXPECT_THAT((*file)->result.sources[1].name, testing::EndsWith("inner.wrl"));
+}
+
+TEST(WorldFile, AWorldThatIncludesItselfIsNoEndlessOne) {
+  const ScratchFolder folder;
+  const auto path = folder.write("w.wrl", "#VRML V2.0 utf8\nInline { url \"./w.wrl\" }\n");
+  const auto file = read_world_file(path);
+  ASSERT_TRUE(file);
+  ASSERT_FALSE((*file)->result.diagnostics.empty());
+}
+
+TEST(WorldFile, NoFileIsAnErrorAndOneWithErrorsIsAResult) {
+  const ScratchFolder folder;
+  const auto none = read_world_file(folder / "none.wrl");
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().text, HasSubstr("none.wrl: error: there is no such file"));
+  const auto wrong = read_world_file(folder.write("w.wrl", "#VRML V2.0 utf8\nTransform { translation 1 }\n"));
+  ASSERT_TRUE(wrong);
+  EXPECT_FALSE((*wrong)->result.scene);
+  EXPECT_FALSE((*wrong)->result.diagnostics.empty());
+}
+
+TEST(LocalFiles, RefuseByName) {
+  const ScratchFolder folder;
+  const auto load = local_files();
+  const std::string base = (folder / "w.wrl").string();
+  EXPECT_EQ(load("http://h/a", base).error(), "it is no file of this machine");
+  EXPECT_EQ(load("none", base).error(), "there is no such file");
+  EXPECT_EQ(load(".", base).error(), "it is no regular file");
+  folder.write("a", "text");
+  EXPECT_EQ(load("a", base)->bytes, "text");
+}
+
+}  // namespace peerd::config::world_file_test
