@@ -91,11 +91,10 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_option("--peer", peer.peer, "which of the configuration's peers");
   command.add_option("--name", flags.name, "this peer's name, without a configuration");
   command.add_option("--id", flags.id, "this peer's number; each peer needs its own");
-  auto* const own = command.add_option("--own", flags.owns, "a node of the world that this peer runs (repeatable)")
-                        ->allow_extra_args(false);
+  command.add_option("--own", flags.owns, "a node of the world that this peer runs (repeatable)")
+      ->allow_extra_args(false);
   command.add_option("--enslave", flags.enslaves, "the former name of --own")
       ->allow_extra_args(false)
-      ->excludes(own)
       ->group("");  // not in the help
   add_network_options(command, flags);
   command.add_option("--control", peer.control,
@@ -310,6 +309,9 @@ int run(int argc, char** argv) {
   if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
   if (peer.config.empty() && flags.world.empty()) {
     return failed({"error: give a configuration (--config FILE) or a world (--world FILE)", kWrongUse});
+  }
+  if (!flags.enslaves.empty() && !flags.owns.empty()) {
+    return failed({"error: --enslave and --own are two names of one option; leave out --enslave", kWrongUse});
   }
   if (!flags.enslaves.empty()) {
     print_warnings(std::array{std::string("warning: --enslave is now called --own")});

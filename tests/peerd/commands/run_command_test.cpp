@@ -1,4 +1,4 @@
-// The real program: peers in processes of their own, with real multicast over lo.
+// The real program: peers as processes of their own, on real multicast over lo.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -72,7 +72,7 @@ class PeerProcess : public testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return start(name, words);
   }
-  // The summary of all peers' logs.
+  // The record assembled from the peers' records.
   nlohmann::ordered_json summary_of(const Words& names, const Words& sets) {
     const auto scenario = config::read_scenario(
         {.file = folder / "s.toml", .configs = {}, .sets = sets, .seed = {}, .real = true, .sweep = true});
@@ -158,7 +158,7 @@ TEST_F(PeerProcess, AKilledPeerIsLostAndATerminatedOneLeavesAtOnce) {
   ASSERT_TRUE(a.says(joined("c", 3), 5) && b.says(joined("c", 3), 5) && a.says("in session", 5) &&
               b.says("in session", 5) && c.says("in session", 5))
       << a.out() << b.out() << c.out();
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // the hellos of c name its objects by now
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // c's hellos say now what it runs
 
   const auto killed = std::chrono::steady_clock::now();
   c.signal(SIGKILL);
@@ -185,7 +185,7 @@ TEST_F(PeerProcess, AKilledPeerIsLostAndATerminatedOneLeavesAtOnce) {
   EXPECT_THAT(b.out(), HasSubstr("leaving: got SIGINT"));
 }
 
-// A world may not be UTF-8; in JSON the replacement character stands for such bytes.
+// Worlds from before VRML97 was UTF-8 throughout: what is not has a sign of its own in JSON.
 TEST_F(PeerProcess, NamesThatAreNotUtf8DoNotEndAPeerThatLogsJson) {
   folder.write("w.wrl",
                "#VRML V2.0 utf8\nDEF CAF\xC9 Transform { velocityVector 0 0 1 children Shape { geometry Box { } } }\n");
@@ -202,12 +202,12 @@ TEST_F(PeerProcess, NamesThatAreNotUtf8DoNotEndAPeerThatLogsJson) {
 // Random bytes, and real datagrams with bytes of them changed.
 TEST_F(PeerProcess, GarbageIsCountedAndDropped) {
   boost::asio::io_context io;
-  net::testing_support::Listener outsider(
+  net::testing_support::Listener stranger(
       io, {.interface = "lo", .groups = {boost::asio::ip::make_address("239.192.80.0"), own_port(3)}});
-  outsider.join(0);
+  stranger.join(0);
   Process a = start_peer("a", 3), c = start_peer("c", 3);
-  ASSERT_TRUE(net::testing_support::run_until(io, [&] { return outsider.heard.size() >= 20; })) << a.out();
-  const auto real = outsider.heard;
+  ASSERT_TRUE(net::testing_support::run_until(io, [&] { return stranger.heard.size() >= 20; })) << a.out();
+  const auto real = stranger.heard;
 
   constexpr int kEach = 200;
   std::mt19937_64 random(1);
@@ -215,12 +215,12 @@ TEST_F(PeerProcess, GarbageIsCountedAndDropped) {
   for (int i = 0; i < kEach; ++i) {
     bytes.resize(random() % 1500);
     for (char& byte : bytes) byte = static_cast<char>(random());
-    outsider.send(0, bytes);
+    stranger.send(0, bytes);
     bytes = real[random() % real.size()].second;
     for (int changes = 0; changes < 3 && !bytes.empty(); ++changes) {
       bytes[random() % bytes.size()] = static_cast<char>(random());
     }
-    outsider.send(0, bytes);
+    stranger.send(0, bytes);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -267,7 +267,7 @@ TEST_F(PeerProcess, AScenarioThatIsStoppedStopsItsPeers) {
 
 struct Bad {
   const char* name;
-  Words arguments;  // "@" stands for the scratch folder
+  Words arguments;  // in the scratch folder: @ stands for it
   int exit_code;
   const char* word;
   bool one_line = true;
@@ -287,7 +287,8 @@ TEST_P(BadInput, IsOneSentenceAndAnExitCode) {
     if (const auto at = word.find("PORT"); at != std::string::npos) word.replace(at, 4, std::to_string(own_port(9)));
   }
   boost::asio::io_context io;
-  const boost::asio::ip::udp::socket greedy(io, {boost::asio::ip::udp::v4(), own_port(9)});  // does not share its port
+  const boost::asio::ip::udp::socket greedy(io,
+                                            {boost::asio::ip::udp::v4(), own_port(9)});  // shares its port with nobody
   Process p = start("p", words);
   EXPECT_EQ(p.exit_code(10), GetParam().exit_code) << p.out() << p.err();
   EXPECT_THAT(p.err(), HasSubstr(GetParam().word));
@@ -324,8 +325,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"BothNamesOfAnOption",
             {"run", "--world", "@/w.wrl", "--enslave", "CAR", "--own", "CAR"},
             2,
-            "--own excludes --enslave",
-            false},
+            "--enslave and --own are two names of one option"},
         Bad{"BothNamesOfAKey",
             {"sim", "@/s.toml", "--set", "peer.a={id = 1, enslaves = [], owns = []}"},
             2,
@@ -384,8 +384,7 @@ TEST_F(PeerProcess, JsonIsOneObject) {
 
 // ---- IPv6, over a pair of interfaces in a network namespace of the test's own ----
 
-// Moves the calling thread, and all that it starts afterwards, into a new network namespace. Empty, or the reason why
-// not.
+// Moves the calling thread into a new network namespace; what it starts from then on lives there. Empty, or why not.
 std::string lay_wire() {
   if (unshare(CLONE_NEWNET) != 0) return "no network namespaces here: " + std::generic_category().message(errno);
   const auto shell = [](const std::string& command) { return std::system((command + " 2>/dev/null").c_str()) == 0; };
@@ -399,7 +398,7 @@ std::string lay_wire() {
       return "the veth pair takes no IPv6 addresses";
     }
   }
-  for (int tries = 0; tries < 500; ++tries) {  // the carrier comes some milliseconds later
+  for (int tries = 0; tries < 500; ++tries) {  // the carrier is there some milliseconds later
     const auto interfaces = net::list_interfaces();
     const auto is_up = [](const net::Interface& i) { return !i.loopback && i.running && i.has_ipv6; };
     if (interfaces && std::ranges::count_if(*interfaces, is_up) == 2) return "";

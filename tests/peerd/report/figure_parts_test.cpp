@@ -41,7 +41,7 @@ TEST(Legend, CountsWhatDoesNotFit) {
   std::vector<LegendEntry> entries(5);
   for (LegendEntry& entry : entries) entry.label = "a ghost at some peer";
   Svg svg(400, 20);
-  draw_legend(svg, {0, 10}, 320.0, entries);
+  draw_legend(svg, {0, 10}, 400.0, entries);
   EXPECT_THAT(std::move(svg).finish(), HasSubstr(">+ 3</text>"));
 }
 

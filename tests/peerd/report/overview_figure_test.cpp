@@ -26,8 +26,8 @@ TEST(OverviewFigure, HasALineForEachValueOfTheOtherKey) {
 TEST(OverviewFigure, OfOneRunHasABarForEachObserver) {
   const RunRecord run = samples::zigzag_run(0.1);
   const std::string svg = overview_figure(summarise(kInfo, {&run, 1}));
-  EXPECT_THAT(svg, HasSubstr(">b</text>"));
-  EXPECT_THAT(svg, HasSubstr(">c</text>"));
+  EXPECT_THAT(svg, HasSubstr(">b, mean</text>"));
+  EXPECT_THAT(svg, HasSubstr(">c, max</text>"));
 }
 
 TEST(OverviewFigure, RepeatedRunsAreTheirMean) {

@@ -12,7 +12,6 @@ using testing_support::must;
 const std::string kMeeting = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
 
 report::RunRecord run(std::vector<std::string> sets) {
-  sets.push_back("duration_s=3");
   const config::Scenario scenario =
       must(config::read_scenario({.file = kMeeting, .configs = {}, .sets = std::move(sets), .seed = {}}));
   return must(simulated_run(scenario.runs.front(), *must(share_world(scenario.world))));
@@ -20,7 +19,7 @@ report::RunRecord run(std::vector<std::string> sets) {
 
 TEST(SimulatedRun, IsTheAssembledSimulation) {
   const report::RunRecord record = run({});
-  const auto plain = testing_support::run_scenario(kMeeting, {"duration_s=3"}).front().record;
+  const auto plain = testing_support::run_scenario(kMeeting).front().record;
   EXPECT_EQ(record.ghost_samples.size(), plain.ghost_samples.size());
   EXPECT_EQ(record.datagrams.size(), plain.datagrams.size());
   EXPECT_FALSE(record.wrong) << "nobody asked";
