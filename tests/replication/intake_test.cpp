@@ -141,7 +141,7 @@ class Echoed : public Arriving {
       Message m = p.outbox.blank();
       p.outbox.send(m);
     }
-    echo(2, {2, 1, 1});
+    echo(2, {2, 1, ~std::uint64_t{0b10}});
     own.delivery.sent_in = {4};
     own.delivery.unacknowledged_by.insert(PeerId{7});
   }

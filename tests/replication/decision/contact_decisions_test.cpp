@@ -36,6 +36,10 @@ class Deciding : public testing::Test {
     e.collidee_before = e.collidee_after = moving({-1, 0, 0});
     return e;
   }
+  static ContactEvent left_to_another(ContactEvent e) {
+    e.deferred = true;
+    return e;
+  }
   DecisionRecord record(SimTime at = sim(10s)) const {
     const ContactEvent e = contact(at);
     return {e.collider,       e.collidee,        e.at, e.normal, e.collider_before, e.collidee_before, e.collider_after,
@@ -101,7 +105,7 @@ TEST_F(Deferring, ByIdTheHigherOneDoesNotEvenLook) {
 TEST_F(Deciding, NobodyDecidesAContactOfMoreThanThreeSecondsAgo) {
   EXPECT_EQ(decisions.authority(a, b, ticks.last_time() - 3s), ContactAuthority::kLocal);
   EXPECT_EQ(decisions.authority(a, b, ticks.last_time() - 3s - 1ns), ContactAuthority::kDeferred);
-  decisions.defer(contact(ticks.last_time() - 3s - 1ns));
+  decisions.defer(left_to_another(contact(ticks.last_time() - 3s - 1ns)));
   EXPECT_FALSE(decisions.has_deferred());
   EXPECT_EQ(counters.contacts_too_late, 1u);
 }
@@ -142,7 +146,7 @@ TEST_F(Deferring, ADeferredContactIsNotedAndDecidedByNobodyElseInTime) {
   conf.decisions.policy = DecisionPolicy::kVelocity;
   replica.ghosts().set_base(b, sim(0s), moving({-5, 0, 0}, {0, 9, 0}));  // the faster one decides
   replica.ghosts().advance(sim(10s));
-  decisions.defer(contact());
+  decisions.defer(left_to_another(contact()));
   EXPECT_EQ(counters.contacts_held, 1u);
   EXPECT_TRUE(decisions.awaits_decision_on(a) && decisions.awaits_decision_on(b));
   EXPECT_FALSE(decisions.awaits_decision_on(c));
@@ -160,7 +164,7 @@ TEST_F(Deferring, ADeferredContactIsNotedAndDecidedByNobodyElseInTime) {
 
 TEST_F(Deferring, WithoutFallbackNobodyDecides) {
   conf.decisions.fallback = false;
-  decisions.defer(contact());
+  decisions.defer(left_to_another(contact()));
   decisions.resolve_overdue(sim(patience()));
   EXPECT_FALSE(decisions.has_deferred());
   EXPECT_EQ(counters.decisions, 0u);
@@ -168,17 +172,17 @@ TEST_F(Deferring, WithoutFallbackNobodyDecides) {
 
 TEST_F(Deferring, AContactJustBeforeADecidedOneIsTheSame) {
   ASSERT_EQ(decisions.on_decision(other, 1, record(), sim(10s)), nullptr);
-  decisions.defer(contact(sim(10s) - DecisionLog::kSameCollision));
-  decisions.defer(contact(sim(10s)));
+  decisions.defer(left_to_another(contact(sim(10s) - DecisionLog::kSameCollision)));
+  decisions.defer(left_to_another(contact(sim(10s))));
   EXPECT_FALSE(decisions.has_deferred());
-  decisions.defer(contact(sim(10s) + 1ns));
+  decisions.defer(left_to_another(contact(sim(10s) + 1ns)));
   EXPECT_TRUE(decisions.has_deferred());
 }
 
 // ---- what other peers say ----
 
 TEST_F(Deferring, AnothersDecisionMovesBothWorldsAndEndsTheWaiting) {
-  decisions.defer(contact());
+  decisions.defer(left_to_another(contact()));
   EXPECT_EQ(decisions.on_decision(other, 1, record(), sim(10100ms)), nullptr);
   EXPECT_FALSE(decisions.has_deferred());
   EXPECT_EQ(replica.truth(a, sim(11s)).position, Vec3(1, 0, 0));
@@ -222,7 +226,7 @@ TEST_F(Deferring, ADecisionOnObjectsThatAreNotReceivedIsNotReported) {
 TEST_F(Deciding, WhatEachLeftToTheOtherTheLowerOneDecides) {
   conf.decisions.policy = DecisionPolicy::kServer;
   conf.decisions.server = other;
-  decisions.defer(contact());
+  decisions.defer(left_to_another(contact()));
   Hello hello;
   hello.notes.push_back({b, a, sim(10300ms), true});
   decisions.on_contact_notes(other, hello, sim(10400ms));
@@ -233,7 +237,7 @@ TEST_F(Deciding, WhatEachLeftToTheOtherTheLowerOneDecides) {
 TEST_F(Deciding, WhatTheDeciderHasNotFoundIsRefuted) {
   conf.decisions.policy = DecisionPolicy::kServer;
   conf.decisions.server = other;
-  decisions.defer(contact());
+  decisions.defer(left_to_another(contact()));
   Hello hello;
   const SimTime answered = sim(10s) + members.longest_latency();
   decisions.on_contact_notes(other, hello, answered - 1ns);

@@ -82,6 +82,7 @@ TEST_F(Copy, RemembersTheLastUpdateOfEach) {
   EXPECT_EQ(replica.last_update_of(lone), nullptr);
   UpdateRecord other;
   other.object = lone;
+  other.sequence = 1;
   replica.note_update(other);
   replica.forget_update_of(ball);
   EXPECT_EQ(replica.last_update_of(ball), nullptr);

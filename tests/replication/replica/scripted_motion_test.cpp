@@ -93,7 +93,7 @@ TEST_F(Scripted, VelocitiesOfTheFileAreInTheParentsFrame) {
   const World turning(
       "DEF TURN Transform { children [ " + box("IN", "1 1 1", "0 0 0") + " ] }\n" + box("BALL", "1 1 1", "-90 0 0") +
       "DEF T TimeSensor { cycleInterval 4 loop TRUE }\n"
-      "DEF O OrientationInterpolator { key [ 0 0.5 1 ] keyValue [ 0 0 1 0, 0 0 1 3.14159265, 0 0 1 6.2831853 ] }\n"
+      "DEF O OrientationInterpolator { key [ 0 0.25 1 ] keyValue [ 0 0 1 0, 0 0 1 1.5707963, 0 0 1 0 ] }\n"
       "ROUTE T.fraction_changed TO O.set_fraction ROUTE O.value_changed TO TURN.rotation\n" +
       interest("BALL", "\"TURN/IN\""));
   ScriptedMotion turned(*turning.model);
