@@ -12,7 +12,7 @@
 
 namespace peerd::replication {
 
-// Takes what comes in: datagrams become messages, and their records go to the parts that they concern.
+// The way in: datagrams become messages, and their records go to the parts that they concern.
 class Intake {
  public:
   Intake(PeerParts& parts, SessionKeeper& keeper) : p_(parts), keeper_(keeper) {}

@@ -196,17 +196,17 @@ TEST(Peer, AHelloLostOnceDoesNotLoseAPeer) {
   for (int i = 0; i < kPeers; ++i)
     lan.add(config(static_cast<std::uint32_t>(i + 1), {{world[("O" + std::to_string(i)).c_str()], false}}));
   lan.run_until(10s);
-  const auto retold = [&](std::size_t i) {
+  const auto resent = [&](std::size_t i) {
     return std::ranges::count(lan.seen<Published>(i), PublishReason::kJoiner, &Published::reason);
   };
-  std::ptrdiff_t retold_before = 0, retold_after = 0;
-  for (std::size_t i = 0; i < kPeers; ++i) retold_before += retold(i);
+  std::ptrdiff_t resent_before = 0, resent_after = 0;
+  for (std::size_t i = 0; i < kPeers; ++i) resent_before += resent(i);
   lan.run_until(40s);
   for (std::size_t i = 0; i < kPeers; ++i) {
     EXPECT_EQ(lan.peer(i).members().all().size(), kPeers - 1u);
-    retold_after += retold(i);
+    resent_after += resent(i);
   }
-  EXPECT_EQ(retold_after, retold_before);
+  EXPECT_EQ(resent_after, resent_before);
 }
 
 // Once all know each other, a hello goes out each second, and who they are with one in eight; a newcomer hears it with
@@ -567,7 +567,7 @@ TEST(Models, OfFallingAndSpinningNeedOneUpdate) {
   EXPECT_LT(angle_between(lan.peer(1).ghost(world["O0"], t).orientation, falls(t).orientation), 1e-3);
 }
 
-// A law that will be told anew after five seconds anyway is told in fewer bytes than one that is to last, and yet
+// A law that will be republished after five seconds anyway is published in fewer bytes than one that is to last, and yet
 // nothing but the time asks for an update.
 TEST(Models, AreRoundedAsTheTimeThresholdAllows) {
   const World world(field(1));

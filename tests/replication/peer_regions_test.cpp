@@ -550,7 +550,7 @@ TEST_F(Regions, ObjectsHandedOverDuringASuspensionAreDropped) {
   ASSERT_THAT(lan.seen<HostSuspended>(1), testing::SizeIs(1));
   EXPECT_EQ(lan.peer(1).owner(world["A"]), PeerId{1});
   EXPECT_FALSE(holds(1, "A"));
-  EXPECT_TRUE(holds(1, "B")) << "it is told anew where it has stayed";
+  EXPECT_TRUE(holds(1, "B")) << "it is republished where it has stayed";
 }
 
 // Its owner is gone: nobody could tell of it again.

@@ -202,12 +202,12 @@ TEST_F(PeerProcess, NamesThatAreNotUtf8DoNotEndAPeerThatLogsJson) {
 // Random bytes, and real datagrams with bytes of them changed.
 TEST_F(PeerProcess, GarbageIsCountedAndDropped) {
   boost::asio::io_context io;
-  net::testing_support::Listener stranger(
+  net::testing_support::Listener outsider(
       io, {.interface = "lo", .groups = {boost::asio::ip::make_address("239.192.80.0"), own_port(3)}});
-  stranger.join(0);
+  outsider.join(0);
   Process a = start_peer("a", 3), c = start_peer("c", 3);
-  ASSERT_TRUE(net::testing_support::run_until(io, [&] { return stranger.heard.size() >= 20; })) << a.out();
-  const auto real = stranger.heard;
+  ASSERT_TRUE(net::testing_support::run_until(io, [&] { return outsider.heard.size() >= 20; })) << a.out();
+  const auto real = outsider.heard;
 
   constexpr int kEach = 200;
   std::mt19937_64 random(1);
@@ -215,12 +215,12 @@ TEST_F(PeerProcess, GarbageIsCountedAndDropped) {
   for (int i = 0; i < kEach; ++i) {
     bytes.resize(random() % 1500);
     for (char& byte : bytes) byte = static_cast<char>(random());
-    stranger.send(0, bytes);
+    outsider.send(0, bytes);
     bytes = real[random() % real.size()].second;
     for (int changes = 0; changes < 3 && !bytes.empty(); ++changes) {
       bytes[random() % bytes.size()] = static_cast<char>(random());
     }
-    stranger.send(0, bytes);
+    outsider.send(0, bytes);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(300));

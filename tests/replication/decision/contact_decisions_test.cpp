@@ -229,6 +229,7 @@ TEST_F(Deciding, WhatEachLeftToTheOtherTheLowerOneDecides) {
   decisions.defer(left_to_another(contact()));
   Hello hello;
   hello.notes.push_back({b, a, sim(10300ms), true});
+  members.find(other)->delays.add(0ms);
   decisions.on_contact_notes(other, hello, sim(10400ms));
   EXPECT_EQ(counters.decisions_fallback, 1u);
   EXPECT_FALSE(decisions.has_deferred());
@@ -239,6 +240,8 @@ TEST_F(Deciding, WhatTheDeciderHasNotFoundIsRefuted) {
   conf.decisions.server = other;
   decisions.defer(left_to_another(contact()));
   Hello hello;
+  members.on_datagram(host(1s), PeerId{9}, 1);
+  for (const PeerId sender : {other, PeerId{9}}) members.find(sender)->delays.add(0ms);
   const SimTime answered = sim(10s) + members.longest_latency();
   decisions.on_contact_notes(other, hello, answered - 1ns);
   EXPECT_TRUE(decisions.has_deferred()) << "it could not know yet";
