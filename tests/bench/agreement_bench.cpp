@@ -38,7 +38,7 @@ constexpr const char* kHeader = "#VRML V2.0 utf8\n";
 
 using Triangles = std::vector<Triangle>;
 
-// What was compared
+// This section holds the quantities that are compared.
 
 struct Quantity {
   std::string name, unit;
@@ -265,10 +265,11 @@ void nest(std::string& out, Random& random, std::uint32_t levels) {
   out += "] }\n";
 }
 
-// Of a vertex p below a path of transforms, Coin's model matrix has for each of them: six products of matrices, each
-// entry a sum of four (4 u), one with the matrix of those above (4 u), and three matrices from axis and angle (12 u
-// each). All of the magnitudes, |p| -> |translation| + |center| + largest scale (|p| + |center|) level by level: those
-// of a rotation's entries may add to sqrt 3 of it, but roundings don't all add up either. Applying it takes 4 u.
+// The bound is on the rounding error of a vertex p below a path of transforms. For each of them, Coin's model matrix
+// takes six products of matrices, each entry a sum of four (4 u), one product with the matrix of the transforms above
+// (4 u), and three matrices from axis and angle (12 u each). All of these are relative to the magnitudes, which grow as
+// |p| -> |translation| + |center| + largest scale (|p| + |center|) level by level: the magnitudes of a rotation's
+// entries may add to sqrt 3 of that, but roundings don't all add up either. Applying the matrix takes 4 u.
 double transform_bound(const Scene& scene, std::size_t instance, double p) {
   double roundings = 4;
   for (auto i = static_cast<std::int32_t>(instance); i >= 0; i = scene.instances[static_cast<std::size_t>(i)].parent) {
@@ -507,7 +508,7 @@ SpineReading read_spine(std::span<const Eigen::Vector3f> points, bool decimals) 
       return {"extrusion.coincident", "6.18.3: coincident points have the same SCP; Coin's differ", 1};
     }
   }
-  // What is made to be collinear has few bits, so that this is exact there.
+  // Spines that are made to be collinear have few bits, so that this test is exact for them.
   const auto collinear = [&](std::size_t i) { return (spine[1] - spine[0]).cross(spine[i] - spine[0]).isZero(0); };
   bool straight = true;  // decimals are, but for the rounding to binary32
   for (std::size_t i = 0; i <= last && !decimals; ++i) straight = straight && collinear(i);
@@ -550,9 +551,10 @@ SpineReading read_spine(std::span<const Eigen::Vector3f> points, bool decimals) 
   return reading;
 }
 
-// Of a vertex, r from its spine point p: y and the two directions for z take 5 u each (a difference, a length, a
-// quotient); their product 12 u by the sine between them, and 4 u to be a unit; x both and 6 u more; the orientation's
-// matrix 12 u, two products of matrices and one of a vector 4 u each. Together (50 + 24 / sine) u of r, and 4 u of p.
+// The bound is on the rounding error of a vertex at the distance r from its spine point p. The y axis and the two
+// directions for z take 5 u each (a difference, a length, a quotient); the directions' product takes 12 u by the sine
+// between them, and 4 u to be a unit; x takes both and 6 u more; the orientation's matrix takes 12 u, two products of
+// matrices and one of a vector 4 u each. Together they make (50 + 24 / sine) u of r, and 4 u of p.
 double extrusion_bound(const ExtrusionGeometry& e, double sine) {
   double r = 0, p = 0, scale = e.scale.empty() ? 1 : 0;
   for (const auto& [x, z] : e.cross_section) r = std::max(r, std::hypot(double{x}, double{z}));

@@ -284,7 +284,7 @@ class Bench {
     std::printf("WRONG: %s\n", what.c_str());
     right_ = false;
   }
-  // What was answered last is what the twin says; and is so at no cost while nothing moves.
+  // The last answer must be the twin's, and a tick in which nothing moves must repeat it without a test of boxes.
   void check(const std::string& what, const World& world, BroadPhase& broad, bool against_twin) {
     const auto before = broad.counters();
     for (std::size_t i = 0; i < world.boxes.size(); ++i) broad.move(static_cast<BroadIndex>(i), world.boxes[i]);

@@ -10,8 +10,8 @@
 
 namespace peerd::bench {
 
-// What Coin makes of a world, by its own classes and in its own binary32. start_coin() first; nothing where it reports
-// an error.
+// These functions return what Coin makes of a world, by its own classes and in its own binary32. The caller calls
+// start_coin() first. They return nothing where Coin reports an error.
 
 using Triangle = std::array<Vec3, 3>;
 

@@ -1,5 +1,6 @@
-// Question: shall the boundary of a node be cut from its parent's by one plane (seed's figure 3.9) or made from its own
-// 18 slabs, if boundaries are what is transformed? And do queries gain from either, beside conic combinations of slabs?
+// Question: shall the boundary of a node be cut from its parent's by one plane (the thesis's figure 3.9) or made from
+// its own 18 slabs, if boundaries are what is transformed? And do queries gain from either, beside conic combinations
+// of slabs?
 #include <array>
 #include <numeric>
 

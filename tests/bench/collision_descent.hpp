@@ -47,10 +47,11 @@ template <int K, class BoundA, class BoundB, class AtLeaves>
 Descent(collision::KdopTree<K>&, collision::KdopTree<K>&, BoundA, BoundB, AtLeaves)
     -> Descent<K, BoundA, BoundB, AtLeaves>;
 
-// Of vertices that are within a metre or so of their origin.
+// The benchmarks' objects have vertices that are within a metre or so of their origin.
 inline constexpr double kExtent_m = 1.0;
 
-// What two leaves hold, triangle by triangle, the second one's in the first one's frame, for test(a, b) -> bool.
+// The returned function gives each pair of triangles of two leaves to test(a, b) -> bool, the second leaf's triangle in
+// the first one's frame.
 template <int K, class Test>
 auto each_pair(const collision::KdopTree<K>& a, const collision::KdopTree<K>& b,
                const collision::RelativeMotion& a_from_b, Test test) {

@@ -35,7 +35,7 @@ Table by_rule(const std::vector<HierarchyRow>& rows, const char* name, const cha
   return table;
 }
 
-// The seed's tables 3.4 to 3.6, k = 18.
+// The thesis's tables 3.4 to 3.6, k = 18.
 Table by_threshold(const std::vector<HierarchyRow>& rows, const std::string& object) {
   Table table{"thresholds-" + object,
               object + ", k = 18: height and kB by splatter, WITNESS us",
@@ -92,7 +92,7 @@ std::map<std::string, double> best_of(const std::vector<HierarchyRow>& rows, dou
   return out;
 }
 
-// Of the configurations that all of these objects have been measured with.
+// The ranking holds the configurations that all of these objects have been measured with.
 Table ranking(const std::string& name, const std::vector<HierarchyRow>& rows, Report& report) {
   auto best_witness = best_of(rows, &HierarchyRow::witness_s), best_all = best_of(rows, &HierarchyRow::all_pairs_s);
   struct Means {

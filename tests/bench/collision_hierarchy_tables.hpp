@@ -8,11 +8,11 @@
 
 namespace peerd::bench {
 
-struct Prices {  // of the seed's cost function [s]: Cv, Cu, Cp, and what a query costs besides, its Realignment
+struct Prices {  // of the thesis's cost function [s]: Cv, Cu, Cp, and what a query costs besides, its Realignment
   double test = 0, update = 0, triangle = 0, frame = 0;
 };
 
-// What one configuration has cost on one object.
+// A row holds what one configuration has cost on one object.
 struct HierarchyRow {
   std::string object, rule;
   int k = 0;

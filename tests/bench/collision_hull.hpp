@@ -11,15 +11,15 @@ struct Hull {
   std::vector<Vec3> vertices;  // corners
   double volume_m3 = 0;
 };
-// By Qhull; none where the points have no volume.
+// The hull is Qhull's; there is none where the points have no volume.
 [[nodiscard]] std::optional<Hull> convex_hull(std::span<const Vec3> points);
 
-// Of a box that holds the points: along their principal axes, then turned by a seeded search for as long as that
-// makes it smaller.
+// The volume is that of a box that holds the points: the box is along their principal axes, then a seeded search turns
+// it for as long as that makes it smaller.
 [[nodiscard]] double oriented_box_volume(std::span<const Vec3> points);
 
-// Of a ball that holds them: by Badoiu and Clarkson, "Smaller Core-Sets for Balls", SODA 2003; its radius is within a
-// thousandth of the least.
+// The volume is that of a ball that holds the points, by Badoiu and Clarkson, "Smaller Core-Sets for Balls", SODA 2003;
+// its radius is within a thousandth of the least.
 [[nodiscard]] double ball_volume(std::span<const Vec3> points);
 
 }  // namespace peerd::bench

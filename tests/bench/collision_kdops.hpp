@@ -40,7 +40,7 @@ inline std::vector<Vec3> corners_of(const std::vector<std::vector<Vec3>>& polygo
   return out;
 }
 
-// Of a closed polyhedron without holes; its polygons may be wound either way if it is convex.
+// The polygons bound a closed polyhedron without holes; they may be wound either way if it is convex.
 inline double volume_of(const std::vector<std::vector<Vec3>>& polygons) {
   Vec3 inside = Vec3::Zero();
   double corners = 0;

@@ -1,6 +1,6 @@
 // Question: shall an object's nodes be kept in the world's frame and transformed when they are first visited, known by
-// a frame counter or by the matrix they were last transformed with (seed's 3.2.5)? Or shall each query transform one
-// object's visited nodes to the other one's frame, as the library does, and keep nothing?
+// a frame counter or by the matrix they were last transformed with (the thesis's 3.2.5)? Or shall each query transform
+// one object's visited nodes to the other one's frame, as the library does, and keep nothing?
 #include <array>
 #include <cstring>
 

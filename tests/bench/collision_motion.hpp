@@ -8,11 +8,11 @@
 
 namespace peerd::bench {
 
-// The seed's scene (3.3.2): ten copies of an object in close proximity, bouncing off each other.
+// The thesis's scene (3.3.2): ten copies of an object in close proximity, bouncing off each other.
 inline constexpr std::uint32_t kCopies = 10;
 using Frame = std::array<Pose, kCopies>;
 
-// Of a soup of bounding radius 1, at 60 a second, after two seconds of gathering.
+// The copies are of a soup of bounding radius 1; the frames are 60 a second and begin after two seconds of gathering.
 [[nodiscard]] std::vector<Frame> move_copies(const collision::TriangleSoup& soup, std::uint32_t frames,
                                              std::uint64_t seed);
 

@@ -15,7 +15,7 @@ struct PairInput {
   std::vector<TrianglePair> pairs;
 };
 
-// What reaches the test of triangles in the scene of collision_motion.hpp.
+// The moving pairs are those that reach the test of triangles in the scene of collision_motion.hpp.
 [[nodiscard]] PairInput moving_pairs(const NamedSoup& object, bool quick);
 // A box and a heap of triangles on a floor: as they are; turned; floor and object tilted alike; or so with rounded
 // vertices, so that nothing is aligned with an axis and what was one plane is so but for rounding.

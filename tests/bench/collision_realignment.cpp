@@ -1,4 +1,5 @@
-// Question: three ways to take a k-DOP to another frame (seed's 3.2.3): how tight are they, and what do they cost?
+// Question: three ways to take a k-DOP to another frame (the thesis's 3.2.3): how tight are they, and what do they
+// cost?
 //   conic     Realignment<K>: combinations of three slabs
 //   boundary  the corners of the k-DOP's boundary, transformed and bounded
 //   hull      the corners of the convex hull of what is in it, transformed and bounded: the tight k-DOP

@@ -18,7 +18,7 @@ struct Table {
   std::vector<std::vector<std::string>> rows = {};
 };
 
-// What the experiments hand in.
+// The report takes what the experiments hand in.
 class Report {
  public:
   explicit Report(const Options& options) : options_(options) {}
@@ -46,7 +46,7 @@ class Report {
 [[nodiscard]] std::string text(double value, int decimals);
 [[nodiscard]] std::string text(std::uint64_t value);
 
-// Of this thread: what other programs take on a shared machine is no part of it.
+// The time is this thread's CPU time: what other programs take on a shared machine is no part of it.
 [[nodiscard]] double seconds_of(const std::function<void()>& work);
 // Each round runs all of them, so that what else the machine does falls on all alike [s].
 [[nodiscard]] std::vector<Quartiles> race(std::size_t rounds, std::span<const std::function<void()>> runners);

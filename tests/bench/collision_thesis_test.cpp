@@ -6,7 +6,8 @@
 namespace peerd::bench {
 namespace {
 
-// Where a ray from p along i crosses an odd number of edges, in the plane of the coordinates i and j.
+// A point p is inside where a ray from it along i crosses an odd number of edges, in the plane of the coordinates i
+// and j.
 bool inside(std::span<const Vec3> polygon, const Vec3& p, int i, int j) {
   bool odd = false;
   for (std::size_t k = 0; k < polygon.size(); ++k) {

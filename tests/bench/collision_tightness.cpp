@@ -35,7 +35,7 @@ void check_hulls(Report& report) {
   report.check(!convex_hull(std::vector<Vec3>(5, Vec3::Ones())), "the convex hull of one point");
 }
 
-// Volumes as the seed has them in its figures 3.1 and 3.2, % of the hull's.
+// Volumes as the thesis has them in its figures 3.1 and 3.2, % of the hull's.
 constexpr std::size_t kVolumes = 4;
 constexpr std::array<const char*, kVolumes> kNames = {"AABB", "14-DOP", "18-DOP", "26-DOP"};
 

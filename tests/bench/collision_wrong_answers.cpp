@@ -152,7 +152,7 @@ void compare_objects(const NamedSoup& object, Table& table, std::vector<Chart>& 
     for (const Vec3& v : object.soup.vertices) out.merge(Vec3(rotation * v + at.position));
     return out;
   };
-  std::vector<std::function<void()>> runners = {[&] {  // the boxes of a frame once, as the seed's update does
+  std::vector<std::function<void()>> runners = {[&] {  // the boxes of a frame once, as the thesis's update does
     std::array<WorldBox, kCopies> boxes;
     std::uint32_t known = ~0u;
     for (std::size_t i = 0; i < queries.size(); ++i) {

@@ -5,7 +5,7 @@
 
 namespace peerd::bench {
 
-// What every benchmark program is told: [--quick] [--out DIR] [--commit NAME] [FILE..].
+// Every benchmark program takes these options: [--quick] [--out DIR] [--commit NAME] [FILE..].
 struct Options {
   bool quick = false;                  // tiny inputs and few rounds: does it still work, not how fast
   std::string out;                     // folder for GROUP.json and GROUP.csv; empty: none is written

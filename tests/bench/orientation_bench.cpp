@@ -7,7 +7,7 @@
 //   closed form       q(t) = q0 exp(w t + alpha t^2 / 2), evaluated from the one base: core's and motion_model's law;
 //   of
 //                     the body that nothing acts on two such turns, one after the other (no update names that law)
-//   .. new base       the same, told anew every 5 s, as a peer does of what nobody hears of else (time_threshold_s)
+//   .. new base       the same, republished every 5 s, as a peer does of what nobody hears of else (time_threshold_s)
 //   exponential       q <- q exp(w h), w of the step's middle
 //   euler, midpoint,  q' = q w / 2, integrated and normalised at every step, as VRML browsers and many engines do; w is
 //   rk4               not integrated but given as it is, which flatters them
@@ -148,7 +148,7 @@ Real angle_of_step(Method method, Real x0, Real xm, Real x1) {  // half of w h: 
   return 2 * std::arg(one + (k1 + Real(2) * (k2 + k3) + k4) / Real(6));
 }
 
-// By how much the integrator must be off at the end [rad], in [0, pi].
+// The predicted drift is the angle by which the integrator must be off at the end [rad], in [0, pi].
 double predicted_rad(Method method, const Spin& spin, int hz, double duration_s) {
   const Real w = spin.w_body.cast<Real>().norm(), alpha = spin.alpha_body.cast<Real>().norm(), h = Real(1) / hz;
   const auto steps = static_cast<std::int64_t>(duration_s * hz);
@@ -355,7 +355,7 @@ class Bench {
                   at + ": off by " + in_rad(drift.last_rad) + " rad and not " + in_rad(predicted));
   }
 
-  // Where the drift at 60 Hz is still small, and that at 240 Hz more than rounding.
+  // The order is checked where the drift at 60 Hz is still small, and that at 240 Hz is more than rounding.
   void check_order(const MethodInfo& info, const Case& c, const std::vector<double>& drifts) {
     if (drifts[1] > 0.1 || drifts[2] <= rounding_rad(c, kRates_hz[2])) return;
     const double order = std::log(drifts[1] / drifts[2]) / std::log(static_cast<double>(kRates_hz[2]) / kRates_hz[1]);

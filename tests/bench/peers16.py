@@ -108,11 +108,11 @@ def check_beliefs(peers, objects):
                     wrong.append(f"{who} thinks that peer {p['owner']} runs {p['path']}")
                 if p["path"] not in places:
                     continue  # its owner's page ends elsewhere; that page's turn comes
-                told_at, place = places[p["path"]]
+                published_at, place = places[p["path"]]
                 off = sum((a - b) ** 2 for a, b in zip(p["position_m"], place)) ** 0.5
                 worst = max(worst, off)
                 # A walker turns in between, so that both may have gone either way; then updates on their way.
-                if off > THRESHOLD_M + 2 * SPEED_M_S * (abs(told_at - at) + 0.25):
+                if off > THRESHOLD_M + 2 * SPEED_M_S * (abs(published_at - at) + 0.25):
                     wrong.append(f"{who} has {p['path']} {off:.2f} m off")
         start = next(iter(told.values()))[1]["next"]
     wrong += [f"{who} knows {n} objects" for who, n in seen.items() if n != PEERS * objects]

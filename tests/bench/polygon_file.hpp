@@ -12,7 +12,8 @@ struct PolygonFile {
   std::vector<std::vector<int>> polygons;  // of indices into `vertices`, all of which exist
 };
 
-// By the name's end .obj (its v and f lines) or .off. The error is a sentence that names the file.
+// The file's format follows from its name's end, .obj (of which the v and f lines are read) or .off. The error is a
+// sentence that names the file.
 [[nodiscard]] std::expected<PolygonFile, std::string> read_polygon_file(const std::string& path);
 
 }  // namespace peerd::bench

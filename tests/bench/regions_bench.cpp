@@ -43,7 +43,8 @@ struct Cost {
   double received_over_held = 0.0, worst = 0.0;       // of all peers, of the worst
   double joins_s = 0.0, leaves_s = 0.0;               // of a peer
   std::uint32_t joins_in_a_second = 0;                // at most, of any
-  // Of all: updates; of them, those in another region than the last one, and those that answer who has joined.
+  // The rates are of all peers' updates, and of those among them that are in another region than the last one, and
+  // that answer a peer who has joined.
   double updates_s = 0.0, handovers_s = 0.0, answers_s = 0.0;
   double sent_bytes_s = 0.0;      // of all peers, hellos included
   double groups = 0.0;            // that a peer listens to, on average
@@ -68,7 +69,7 @@ std::vector<std::string> eight_flocks() {
   return sets;
 }
 
-// Who listens where, and how often objects were handed over while the motions last.
+// A watch counts who listens where, and how often objects were handed over while the motions last.
 class Watch {
  public:
   explicit Watch(double duration_s) : duration_(from_seconds(duration_s)) {}
@@ -101,7 +102,8 @@ class Watch {
   std::map<PeerId, std::uint64_t> before_, until_now_;  // hand-overs
 };
 
-// Where a peer's area is, over time: what its viewpoint flies with, as its owner knows it at its ticks.
+// An area path is where a peer's area is over time: at the object that its viewpoint flies with, as that object's owner
+// knows it at its ticks.
 class AreaPath {
  public:
   AreaPath(const PeerLog& log, ObjectId carrier) {
@@ -264,7 +266,7 @@ void over_edge(Chart& chart, const std::string& name, const std::vector<Cost>& c
   chart.series.push_back(std::move(series));
 }
 
-// What hardly depends on the latency is drawn of the first one.
+// Charts of quantities that hardly depend on the latency are drawn of the first latency only.
 std::vector<Chart> charts_of(const std::vector<Swept>& all) {
   const Axis edge{"edge of a cell [m]; 600: not cut", true, false};
   Chart bytes{"received over what the area holds", edge, {"times", false, true}, {}};

@@ -39,7 +39,7 @@ using namespace collision;
 
 constexpr double kTick_s = 1.0 / 60.0;
 
-// Of this thread: what else runs here doesn't count.
+// The time is this thread's CPU time [us]: what else runs here doesn't count.
 double thread_us() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -228,7 +228,8 @@ class Bench {
     return out;
   }
 
-  // What there was: everything is placed, boxes of all interests are compared, and each near one is asked.
+  // The plain way is the reference: everything is placed, boxes of all interests are compared, and each near pair is
+  // asked.
   [[nodiscard]] Quartiles plain(const Setting& setting, const std::vector<NamedSoup>& soups) {
     World world(setting, soups);
     SceneQuery query(world.scene);

@@ -19,7 +19,7 @@ struct SimulatedRun {
   double latency_ms = 0.0, duration_s = 0.0;
   std::vector<std::string> sets = {};  // KEY=VALUE
 };
-// .. read, with its world: it can be played as often as one likes, and always comes out alike.
+// A ready run has been read, with its world: it can be played as often as one likes, and always comes out alike.
 struct ReadyRun {
   config::Scenario scenario;
   std::unique_ptr<const SharedWorld> shared;
@@ -41,7 +41,7 @@ struct Played {
 
 inline constexpr double kUdpHeader_bytes = 28.0;  // .. and IPv4's
 
-// What a run cost, and how wrong everybody was.
+// An outcome holds what a run cost, and how wrong everybody was.
 struct Outcome {
   double bytes_per_s = 0.0;           // UDP payload of all datagrams of all peers
   double bytes_with_udp_per_s = 0.0;  // .. and 28 bytes of IPv4 and UDP header each
@@ -60,8 +60,9 @@ using Tradeoff = std::span<const Outcome>;
 // there. Straight between points, as logarithms.
 [[nodiscard]] std::optional<double> bytes_for(Tradeoff curve, double error_m, double Outcome::*bytes);
 
-// What a curve is swept over [m]: wanted_error_m of configs/best.toml (with its error threshold, which is never less
-// than 1 m), error_threshold_m of dead reckonings that know nothing else. 1 m, DIS's own, is among them.
+// The thresholds [m] are what a curve is swept over: wanted_error_m of configs/best.toml (with its error threshold,
+// which is never less than 1 m), error_threshold_m of dead reckonings that know nothing else. DIS's own, 1 m, is among
+// them.
 [[nodiscard]] std::vector<double> thresholds_m(bool quick);
 [[nodiscard]] std::vector<std::string> best_at(double threshold_m);
 [[nodiscard]] std::vector<std::string> dead_reckoning_at(double threshold_m);

@@ -7,7 +7,7 @@
 
 namespace peerd::bench {
 
-// For what only files can tell a program. Gone with the object.
+// The folder holds what only files can tell a program. The destructor removes it with all that it holds.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -95,7 +95,7 @@ AtRate measure(const std::string& scenario, double duration_s, std::uint32_t tic
   return out;
 }
 
-// Of the thread, over that at kUsual_hz in the same round; medians.
+// Each rate's figure is the median of the thread's CPU time over that at kUsual_hz in the same round.
 void time_rates(const std::string& scenario, double duration_s, std::size_t rounds, std::vector<AtRate>& rates) {
   std::vector<ReadyRun> runs;
   for (const AtRate& r : rates) runs.push_back(ready(at_rate(scenario, duration_s, r.tick_hz, 1)));

@@ -39,7 +39,7 @@ using collision::RayHit;
 using collision::TriangleSoup;
 using collision::WideTree;
 
-// Of this thread: others run beside it.
+// The time is this thread's CPU time [ns], because other threads run beside it.
 double now_ns() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -316,7 +316,7 @@ class Bench {
     right_ = false;
   }
 
-  // Of a mesh that nobody has asked for yet.
+  // The first ray is asked of a mesh that nobody has asked for yet.
   void first_ray(const std::string& mesh, const TriangleSoup& soup, std::size_t all) {
     const auto rays = rays_of(Kind::kCamera, soup, 20);
     std::vector<double> samples, built, everything;

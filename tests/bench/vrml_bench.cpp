@@ -97,7 +97,7 @@ std::vector<Input> corpus() {
   return inputs;
 }
 
-// What is timed
+// This section holds the functions that are timed.
 
 struct Tokens {
   std::size_t numbers = 0;

@@ -8,7 +8,7 @@ namespace peerd::bench {
 struct TextWorld {
   std::string name;
   std::string text;
-  // What a reader must find: of the Shapes, a USE counts again.
+  // A reader must find these numbers of the Shapes; a USE counts again.
   std::uint64_t polygons = 0, triangles = 0;
 };
 

@@ -4,7 +4,7 @@
 // wire_bench [--quick] [--out DIR] [--commit NAME] [OWN..]: one peer runs an eleventh of all objects, driven at 60 Hz
 // along sums of waves; ten others run a tenth of the rest each. One of the ten is a whole peer that dead-reckons its
 // objects; the other nine say what it says of objects of their own, datagram by datagram, so that updates come as often
-// as dead reckoning needs. Everything arrives after 20 ms. Models: as in configs/best.toml; `.order2`: the seed's
+// as dead reckoning needs. Everything arrives after 20 ms. Models: as in configs/best.toml; `.order2`: the thesis's
 // second order with the objects' own thresholds (0.5 m). No interests.
 //
 // Times are of the thread, so what else runs here doesn't count. tick_share_of_core: of 10,000 ghosts and 1,000 own
@@ -127,7 +127,7 @@ class Town {
     Bytes datagram;
   };
 
-  // Of block 0 the measured peer's, of block k those of the peer 1 + k.
+  // Block 0 holds the measured peer's objects, block k those of the peer 1 + k.
   [[nodiscard]] ObjectId object(std::size_t block, std::size_t i) const {
     return crowd_.object(block * own_count_ + i);
   }

@@ -11,13 +11,13 @@
 #include "replication/motion/world_model.hpp"
 #include "replication/wire/wire.hpp"
 
-// What the wire's benchmarks move, how they time it, and what they check.
+// This header holds what the wire's benchmarks move, how they time it, and what they check.
 namespace peerd::bench {
 
-// Of this thread [s], so what else runs here doesn't count.
+// The time is this thread's CPU time [s], so what else runs here doesn't count.
 [[nodiscard]] double thread_s();
 
-// What it takes to run f.
+// The duration is this thread's CPU time to run f [s].
 template <class F>
 double seconds_of(const F& f) {
   const double begin = thread_s();

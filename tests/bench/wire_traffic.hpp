@@ -5,8 +5,8 @@
 
 namespace peerd::bench {
 
-// What of the bytes on the wire a simulation tells, of configs/best.toml. Throws std::runtime_error where a run proves
-// nothing.
+// The figures are what a simulation with configs/best.toml tells of the bytes on the wire. The function throws
+// std::runtime_error where a run proves nothing.
 //
 // bytes_over_dis[.SCENARIO.LATENCYms], of traffic and crowd: bytes a second over those of DIS
 // (configs/baselines/dis.toml: an entity state PDU of 144 bytes for each update, nothing else) at the same mean error,

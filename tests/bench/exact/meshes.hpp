@@ -12,10 +12,11 @@ struct NamedSoup {
   collision::TriangleSoup soup;
 };
 
-// Of all OBJ and OFF files of a folder that have no more than `most` triangles, and some; by name.
+// The soups are those of all OBJ and OFF files of a folder that have at least one and no more than `most` triangles,
+// in the order of their names.
 [[nodiscard]] std::vector<NamedSoup> read_soups(const std::string& folder, std::size_t most);
 
-// What came of a mesh against itself, and against another one.
+// A result holds what came of a mesh against itself, and against another one.
 struct MeshResult {
   std::string name;
   std::size_t triangles = 0, polygons = 0;

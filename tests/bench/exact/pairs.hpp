@@ -7,7 +7,7 @@
 
 namespace peerd::bench::exact {
 
-// What came of one generator's pairs, or of one file's.
+// A result holds what came of one generator's pairs, or of one file's.
 struct PairResult {
   std::string name;
   std::uint64_t pairs = 0, touching = 0;
@@ -18,7 +18,8 @@ struct PairResult {
 };
 
 [[nodiscard]] PairResult check_generator(const oracle::Generator& generator, std::uint64_t seed, std::uint64_t pairs);
-// Of the corpus's pairs with recorded answers; with a file that cannot be read, an error is printed and it is wrong.
+// The results are of the corpus's pairs with recorded answers; for a file that cannot be read, an error is printed and
+// its result is wrong.
 [[nodiscard]] std::vector<PairResult> check_recorded(const std::string& folder);
 
 }  // namespace peerd::bench::exact

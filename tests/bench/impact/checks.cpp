@@ -79,8 +79,8 @@ class Checker::Case {
            b.angular_velocity_body.norm() * radius_m(pair_.b.soup);
   }
 
-  // Where meshes are apart, on by the time that takes to close, but never less than a part of the smaller mesh:
-  // what touches for longer than that is not missed.
+  // The walk goes on, where meshes are apart, by the time that their gap takes to close, but never by less than a part
+  // of the smaller mesh takes: a contact that lasts longer than that is not missed.
   void walk(double until) {
     const double small = std::min(radius_m(pair_.a.soup), radius_m(pair_.b.soup));
     const double least =

@@ -14,7 +14,7 @@ struct Judgement {
   bool wrong_start = false;     // kOverlapped and the exact test at 0 don't agree
   bool false_negative = false;  // an instant that touches before the time, or anywhere where there was to be no contact
   double touches_s = 0.0;       // that instant
-  // Of a hit:
+  // The following members describe a hit.
   bool not_near = false;    // farther apart than the tolerance at its time
   bool parts = false;       // the nearest points part, and no acceleration brings them back within the tolerance
   double distance_m = 0.0;  // of the meshes, then

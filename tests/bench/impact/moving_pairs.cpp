@@ -191,7 +191,7 @@ MovingPair random_pair(Numbers& numbers) {
   if (velocity.norm() > fastest) velocity *= fastest / velocity.norm();
   of_a.angular_velocity_body = any_spin(numbers) / step;
   of_b.angular_velocity_body = any_spin(numbers) / step;
-  // What turning about an origin elsewhere adds to the middle's velocity is left to it.
+  // The velocity that turning about an origin elsewhere adds to the middle's is not compensated.
   const Vec3 shared = numbers.unit() < 0.5 ? Vec3(Vec3::Zero()) : Vec3(numbers.point(10.0 * both / step));
   of_a.velocity = shared;
   of_b.velocity = shared + velocity;

@@ -93,7 +93,7 @@ class Side {
     const config::RunSettings& run = scenario_.runs.front();
     const std::chrono::microseconds before_sleep(run.transport.busy_poll_us);
     if (before_sleep.count() > 0) {
-      cache_warmer_ = value_of(CacheWarmer::make(run.replication.policy), "no rehearsal");
+      cache_warmer_ = value_of(CacheWarmer::make(run.replication.policy), "no cache warming");
     }
     daemon_.busy_poll(before_sleep, cache_warmer_.get());
     const Scene& scene = shared_->world.scene;

@@ -24,8 +24,8 @@ struct Latencies {
   std::vector<double> half_round_trip_us, one_way_us;
 };
 
-// Where two processes run decides more than what they do: on one core a bare datagram takes 4 us, on two, of which one
-// is to be woken, 30. So nobody leaves that to the kernel.
+// The cores that two processes run on decide more than what they do: on one core a bare datagram takes 4 us, on two, of
+// which one is to be woken, 30 us. So the choice of cores is not left to the kernel.
 struct Cores {
   int ping, pong;
 };

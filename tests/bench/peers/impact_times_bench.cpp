@@ -109,7 +109,7 @@ struct Errors {
   void add(const std::optional<double>& answer, const std::optional<double>& touches, double not_before, double end) {
     missed += touches && !answer;
     late += touches && answer && *answer * end > *touches;
-    // By more than a thousandth of the step, or where there is no contact.
+    // An answer is too early by more than a thousandth of the step, or where there is no contact.
     too_early += answer && (*answer * end < not_before - 1e-3 * end);
   }
 };

@@ -17,7 +17,8 @@ constexpr double kFastest = 0.025, kFastestSpin = 0.03, kPull = 0.0020, kBounce 
 
 using Rotation = double[3][3];
 
-// By the vector's length about its direction, from the left. Rows are made orthonormal again.
+// The rotation is turned by the vector's length [rad] about its direction, from the left. Its rows are made orthonormal
+// again.
 void turn(Rotation& rotation, const Point& by) {
   const double angle = length(by);
   if (angle < 1e-12) return;
@@ -69,7 +70,7 @@ class Crowd {
     }
   }
 
-  // Of the last step.
+  // The frame is that of the last step.
   [[nodiscard]] Frame frame() const {
     Frame frame{bodies_, {}};
     for (std::size_t i = 0; i < kBodies; ++i) {

@@ -9,7 +9,7 @@
 namespace peerd::bench::peers {
 namespace {
 
-// What is compared
+// This section holds the questions that are compared.
 
 struct Question {
   const char* name;
