@@ -68,7 +68,7 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
   const int steps = report.quick() ? 10 : 1'000;
   Table table{"tightness",
               "Mean volume over " + std::to_string(7 * steps) +
-                  " rotations, % of the convex hull's (seed's table 3.1): random ones, and the seed's (s)",
+                  " rotations, % of the convex hull's (seed's table 3.1): random ones, and the thesis's (s)",
               {"object", "hull corners"}};
   for (const char* name : kNames) table.columns.insert(table.columns.end(), {name, std::string(name) + " s"});
   table.columns.insert(table.columns.end(), {"OBB", "sphere"});

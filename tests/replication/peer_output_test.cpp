@@ -567,8 +567,8 @@ TEST(Models, OfFallingAndSpinningNeedOneUpdate) {
   EXPECT_LT(angle_between(lan.peer(1).ghost(world["O0"], t).orientation, falls(t).orientation), 1e-3);
 }
 
-// A law that will be republished after five seconds anyway is published in fewer bytes than one that is to last, and yet
-// nothing but the time asks for an update.
+// A law that will be republished after five seconds anyway is published in fewer bytes than one that is to last, and
+// yet nothing but the time asks for an update.
 TEST(Models, AreRoundedAsTheTimeThresholdAllows) {
   const World world(field(1));
   const auto updates_and_bytes = [&](Duration time_threshold) {
