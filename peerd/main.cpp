@@ -1,8 +1,13 @@
+#include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
+#include <functional>
 #include <iostream>
+#include <memory>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -182,131 +187,76 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   return nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}}.dump();
 }
 
-// The commands about a world without a peer.
-struct WorldCommands {
-  std::string world;
-  CheckOptions check;
-  CollideOptions collide;
-  BakeOptions bake;
-  CLI::App *check_command = nullptr, *collide_command = nullptr, *bake_command = nullptr;
+// A command of the program: its entry in the command line, and what runs it once that is parsed. `run` keeps the
+// options alive that `app` writes to.
+struct Command {
+  CLI::App* app;
+  std::function<int()> run;
 };
 
-// The options are stored in `worlds`, which must stay at its place.
-void add_world_commands(CLI::App& app, WorldCommands& worlds) {
-  const auto add = [&](const char* name, const char* what, bool& json) {
-    CLI::App* const command = app.add_subcommand(name, what);
-    command->add_option("world", worlds.world, "the VRML97 world")->required();
-    command->add_flag("--json", json, "one JSON object");
-    return command;
-  };
-  worlds.check_command =
-      add("check", "read a world; problems as FILE:LINE:COLUMN; statistics; polygons' defects", worlds.check.json);
-  worlds.check_command->add_option("--write", worlds.check.copy,
-                                   "write the world to a file, as one text that needs no other");
-  worlds.check_command->add_option("--at", worlds.check.at_s,
-                                   "say where its own movement has brought things after so many seconds");
-  worlds.collide_command =
-      add("collide", "which objects of a world collide: all its interests, once or tick by tick", worlds.collide.json);
+// The command line of a command about a world, without a peer.
+template <class Options>
+struct WorldFlags {
+  std::string world;
+  Options options;
+};
+
+template <class Options>
+CLI::App* add_world_command(CLI::App& app, const char* name, const char* what, WorldFlags<Options>& flags) {
+  CLI::App* const command = app.add_subcommand(name, what);
+  command->add_option("world", flags.world, "the VRML97 world")->required();
+  command->add_flag("--json", flags.options.json, "one JSON object");
+  return command;
+}
+
+Command add_check(CLI::App& app) {
+  const auto flags = std::make_shared<WorldFlags<CheckOptions>>();
+  CLI::App* const command = add_world_command(
+      app, "check", "read a world; problems as FILE:LINE:COLUMN; statistics; polygons' defects", *flags);
+  command->add_option("--write", flags->options.copy, "write the world to a file, as one text that needs no other");
+  command->add_option("--at", flags->options.at_s,
+                      "say where its own movement has brought things after so many seconds");
+  return {command, [flags] { return run_check(flags->world, flags->options, std::cout, std::cerr); }};
+}
+
+Command add_collide(CLI::App& app) {
+  const auto flags = std::make_shared<WorldFlags<CollideOptions>>();
+  CollideOptions& options = flags->options;
+  CLI::App* const command = add_world_command(
+      app, "collide", "which objects of a world collide: all its interests, once or tick by tick", *flags);
   const auto is_time = [](const std::string& text) {
     return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "a time is a finite number of seconds";
   };
-  worlds.collide_command->add_option("--at", worlds.collide.at_s, "when: the time of its TimeSensors [s]")
-      ->check(is_time);
+  const auto is_frequency = [](const std::string& text) {
+    const double hz = std::strtod(text.c_str(), nullptr);
+    return std::isfinite(hz) && hz > 0.0 ? "" : "a frequency is a positive number of ticks a second";
+  };
+  command->add_option("--at", options.at_s, "when: the time of its TimeSensors [s]")->check(is_time);
   auto* const until =
-      worlds.collide_command
-          ->add_option("--until", worlds.collide.until_s, "from then on until this time [s]: what begins and what ends")
+      command->add_option("--until", options.until_s, "from then on until this time [s]: what begins and what ends")
           ->check(is_time);
-  worlds.collide_command->add_option("--hz", worlds.collide.hz, "ticks a second (default: 60)")
-      ->needs(until)
-      ->check([](const std::string& text) {
-        const double hz = std::strtod(text.c_str(), nullptr);
-        return std::isfinite(hz) && hz > 0.0 ? "" : "a frequency is a positive number of ticks a second";
-      });
-  worlds.collide_command->add_flag("--realigned-boxes", worlds.collide.realigned_boxes,
-                                   "type box by the thesis's larger boxes, which no vertex is read for");
-  worlds.bake_command = add("bake", "write the hierarchy files that a world's Shapes name", worlds.bake.json);
+  command->add_option("--hz", options.hz, "ticks a second (default: 60)")->needs(until)->check(is_frequency);
+  command->add_flag("--realigned-boxes", options.realigned_boxes,
+                    "type box by the thesis's larger boxes, which no vertex is read for");
+  return {command, [flags] { return run_collide(flags->world, flags->options, std::cout, std::cerr); }};
 }
 
-int run(int argc, char** argv) {
-  CLI::App app{"peerd keeps a shared 3D world alive between computers without a server", "peerd"};
-  app.require_subcommand(1);
-  app.set_version_flag("--version", "peerd " PEERD_VERSION);
+Command add_bake(CLI::App& app) {
+  const auto flags = std::make_shared<WorldFlags<BakeOptions>>();
+  CLI::App* const command =
+      add_world_command(app, "bake", "write the hierarchy files that a world's Shapes name", *flags);
+  return {command, [flags] { return run_bake(flags->world, flags->options, std::cout, std::cerr); }};
+}
 
+// Both tables of options of a command that runs a peer.
+struct PeerFlags {
   PeerOptions peer;
-  RunFlags flags;
-  CLI::App* run_command = app.add_subcommand("run", "a peer, in the foreground; SIGTERM leaves cleanly");
-  add_run_options(*run_command, peer, flags);
-  CLI::App* record_command =
-      app.add_subcommand("record", "a peer, as run, that keeps all that it hears, is told and sends");
-  add_run_options(*record_command, peer, flags);
-  record_command->add_option("--out", peer.capture, "the file, pcapng: Wireshark opens it, too")->required();
+  RunFlags run;
+};
 
-  ReplayOptions replay;
-  CLI::App* replay_command = app.add_subcommand("replay", "runs a recorded peer once more; does it send the same?");
-  replay_command->add_option("file", replay.file, "what peerd record or peerd sim --capture wrote")->required();
-  replay_command->add_option("--world", replay.world, "where the world is now, if not where it was");
-  replay_command->add_option("--record", replay.record, "write what the peer did and believed, as peerd run does");
-  replay_command->add_flag("--json", replay.json, "one JSON object");
-  replay_command->add_flag("-v,--verbose", replay.verbose, "print the peer's log");
-
-  ScenarioOptions sim;
-  CLI::App* sim_command = app.add_subcommand("sim", "a scenario on a simulated network, as fast as it goes");
-  add_scenario_options(*sim_command, sim);
-  sim_command->add_option("--capture", sim.captures,
-                          "a folder for all that each peer hears and sends: PEER.pcapng, of a sweep in run-NNN");
-  sim_command->add_flag("-v,--verbose", sim.verbose, "print the peers' logs");
-
-  ScenarioOptions real;
-  CLI::App* scenario_command = app.add_subcommand("scenario", "a scenario between real processes over real multicast");
-  add_scenario_options(*scenario_command, real);
-  scenario_command->add_option("--interface", real.interface, "network interface (default: the scenario's, else lo)");
-  auto* const netem = scenario_command->add_flag(
-      "--netem", real.netem,
-      "over the scenario's [network], by the kernel's netem, in namespaces of its own (as root)");
-  scenario_command->add_flag("--capture", real.tcpdump, "what each peer sent and got, by tcpdump, as run-NNN.PEER.pcap")
-      ->needs(netem);
-
-  WorldCommands worlds;
-  add_world_commands(app, worlds);
-
-  DoctorOptions doctor;
-  RunFlags doctor_flags;
-  CLI::App* doctor_command = app.add_subcommand("doctor", "whether a peer could reach others from here, and how");
-  doctor_command->add_option("-c,--config", doctor.config, "a scenario file, of which the table [transport] counts");
-  doctor_command->add_option("--set", doctor.sets, "KEY=VALUE over it, such as transport.ttl=4 (repeatable)")
-      ->allow_extra_args(false);
-  add_network_options(*doctor_command, doctor_flags);
-  doctor_command->add_flag("--json", doctor.json, "one JSON object");
-
-  CtlOptions ctl;
-  KeyFlags key;
-  PoseFlags pose;
-  CLI::App* ctl_command = app.add_subcommand("ctl", "asks or tells a peer that runs on this computer");
-  const CtlCommands ctl_commands = add_ctl_commands(*ctl_command, ctl, key, pose);
-
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : kWrongUse;
-  }
-  if (*ctl_command) {
-    const auto request = ctl_request(ctl_commands, key, pose);
-    if (!request) return failed(request.error());
-    ctl.request = *request;
-    return run_ctl(ctl);
-  }
-  if (*doctor_command) {
-    auto sets = network_settings(doctor_flags);
-    sets.insert(sets.end(), doctor.sets.begin(), doctor.sets.end());
-    doctor.sets = std::move(sets);
-    return run_doctor(doctor);
-  }
-  if (*worlds.check_command) return run_check(worlds.world, worlds.check, std::cout, std::cerr);
-  if (*worlds.collide_command) return run_collide(worlds.world, worlds.collide, std::cout, std::cerr);
-  if (*worlds.bake_command) return run_bake(worlds.world, worlds.bake, std::cout, std::cerr);
-  if (*replay_command) return run_replay(replay);
-  if (*sim_command) return run_sim(sim);
-  if (*scenario_command) return run_scenario(real, std::filesystem::read_symlink("/proc/self/exe"));
+// Runs a peer as the options of `peerd run` or `peerd record` say, once they fit each other.
+int run_with(PeerFlags& options) {
+  auto& [peer, flags] = options;
   if (peer.config.empty() && flags.world.empty()) {
     return failed({"error: give a configuration (--config FILE) or a world (--world FILE)", kWrongUse});
   }
@@ -329,6 +279,111 @@ int run(int argc, char** argv) {
   }
   peer.sets = as_settings(flags, peer);
   return run_peer(peer);
+}
+
+Command add_run(CLI::App& app) {
+  const auto flags = std::make_shared<PeerFlags>();
+  CLI::App* const command = app.add_subcommand("run", "a peer, in the foreground; SIGTERM leaves cleanly");
+  add_run_options(*command, flags->peer, flags->run);
+  return {command, [flags] { return run_with(*flags); }};
+}
+
+Command add_record(CLI::App& app) {
+  const auto flags = std::make_shared<PeerFlags>();
+  CLI::App* const command =
+      app.add_subcommand("record", "a peer, as run, that keeps all that it hears, is told and sends");
+  add_run_options(*command, flags->peer, flags->run);
+  command->add_option("--out", flags->peer.capture, "the file, pcapng: Wireshark opens it, too")->required();
+  return {command, [flags] { return run_with(*flags); }};
+}
+
+Command add_replay(CLI::App& app) {
+  const auto options = std::make_shared<ReplayOptions>();
+  CLI::App* const command = app.add_subcommand("replay", "runs a recorded peer once more; does it send the same?");
+  command->add_option("file", options->file, "what peerd record or peerd sim --capture wrote")->required();
+  command->add_option("--world", options->world, "where the world is now, if not where it was");
+  command->add_option("--record", options->record, "write what the peer did and believed, as peerd run does");
+  command->add_flag("--json", options->json, "one JSON object");
+  command->add_flag("-v,--verbose", options->verbose, "print the peer's log");
+  return {command, [options] { return run_replay(*options); }};
+}
+
+Command add_sim(CLI::App& app) {
+  const auto options = std::make_shared<ScenarioOptions>();
+  CLI::App* const command = app.add_subcommand("sim", "a scenario on a simulated network, as fast as it goes");
+  add_scenario_options(*command, *options);
+  command->add_option("--capture", options->captures,
+                      "a folder for all that each peer hears and sends: PEER.pcapng, of a sweep in run-NNN");
+  command->add_flag("-v,--verbose", options->verbose, "print the peers' logs");
+  return {command, [options] { return run_sim(*options); }};
+}
+
+Command add_scenario(CLI::App& app) {
+  const auto options = std::make_shared<ScenarioOptions>();
+  CLI::App* const command = app.add_subcommand("scenario", "a scenario between real processes over real multicast");
+  add_scenario_options(*command, *options);
+  command->add_option("--interface", options->interface, "network interface (default: the scenario's, else lo)");
+  auto* const netem =
+      command->add_flag("--netem", options->netem,
+                        "over the scenario's [network], by the kernel's netem, in namespaces of its own (as root)");
+  command->add_flag("--capture", options->tcpdump, "what each peer sent and got, by tcpdump, as run-NNN.PEER.pcap")
+      ->needs(netem);
+  return {command, [options] { return run_scenario(*options, std::filesystem::read_symlink("/proc/self/exe")); }};
+}
+
+Command add_doctor(CLI::App& app) {
+  struct Flags {
+    DoctorOptions doctor;
+    RunFlags network;
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* const command = app.add_subcommand("doctor", "whether a peer could reach others from here, and how");
+  command->add_option("-c,--config", flags->doctor.config, "a scenario file, of which the table [transport] counts");
+  command->add_option("--set", flags->doctor.sets, "KEY=VALUE over it, such as transport.ttl=4 (repeatable)")
+      ->allow_extra_args(false);
+  add_network_options(*command, flags->network);
+  command->add_flag("--json", flags->doctor.json, "one JSON object");
+  return {command, [flags] {
+            auto sets = network_settings(flags->network);
+            sets.insert(sets.end(), flags->doctor.sets.begin(), flags->doctor.sets.end());
+            flags->doctor.sets = std::move(sets);
+            return run_doctor(flags->doctor);
+          }};
+}
+
+Command add_ctl(CLI::App& app) {
+  struct Flags {
+    CtlOptions ctl;
+    KeyFlags key;
+    PoseFlags pose;
+    CtlCommands commands{};
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* const command = app.add_subcommand("ctl", "asks or tells a peer that runs on this computer");
+  flags->commands = add_ctl_commands(*command, flags->ctl, flags->key, flags->pose);
+  return {command, [flags] {
+            const auto request = ctl_request(flags->commands, flags->key, flags->pose);
+            if (!request) return failed(request.error());
+            flags->ctl.request = *request;
+            return run_ctl(flags->ctl);
+          }};
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"peerd keeps a shared 3D world alive between computers without a server", "peerd"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "peerd " PEERD_VERSION);
+  // In the order of the help.
+  const std::array commands{add_run(app),   add_record(app),  add_replay(app), add_sim(app),    add_scenario(app),
+                            add_check(app), add_collide(app), add_bake(app),   add_doctor(app), add_ctl(app)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : kWrongUse;
+  }
+  const auto chosen = std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
+  assert(chosen != commands.end());
+  return chosen->run();
 }
 
 }  // namespace

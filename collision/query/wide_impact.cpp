@@ -161,6 +161,21 @@ HWY_INLINE SweptBox swept_interval_of(const WideTree::Leaf& leaf, const std::arr
   return {low, high, (low + way) - more, (high + way) + more, far};
 }
 
+// The planes of eight triangles, in rows.
+struct PlaneRows {
+  Rows normal;
+  Row size;
+};
+HWY_INLINE PlaneRows plane_rows(const std::array<Rows, 3>& corners) {
+  PlaneRows rows;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const Planes plane = planes(load_corners(corners, i));
+    store(plane.normal.x, rows.normal[0], i), store(plane.normal.y, rows.normal[1], i);
+    store(plane.normal.z, rows.normal[2], i), store(plane.size, rows.size, i);
+  }
+  return rows;
+}
+
 void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& m, const WideSpeeds& s,
                    float within_s, Masks& masks, MeetTimes& times) {
   masks.fill(0);
@@ -196,13 +211,7 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
   }
   rows &= (1u << b.count) - 1;
   if (rows == 0) return;
-  Rows normal;
-  Row size;
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const Planes plane = planes(load_corners(corners, i));
-    store(plane.normal.x, normal[0], i), store(plane.normal.y, normal[1], i), store(plane.normal.z, normal[2], i);
-    store(plane.size, size, i);
-  }
+  const auto [normal, size] = plane_rows(corners);
   const std::uint32_t present = (1u << a.count) - 1;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const Corners here = load_corners(a.corners, i),

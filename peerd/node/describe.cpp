@@ -29,97 +29,96 @@ const char* verb(ContactKind kind) {
   return "?";
 }
 
+std::string named(PeerId id, const std::string& name) { return fmt::format("peer {} (id {})", name, id.value); }
+
+// The line of the log for each output of a peer; none for those that only the program acts on.
+struct LineOf {
+  using Line = std::optional<LogLine>;
+
+  const Scene& scene;
+
+  Line operator()(const Send&) const { return std::nullopt; }
+  Line operator()(const Join& j) const {
+    return LogLine{LogLevel::kDebug, fmt::format("joined region {}", j.region.value)};
+  }
+  Line operator()(const Leave& l) const {
+    return LogLine{LogLevel::kDebug, fmt::format("left region {}", l.region.value)};
+  }
+  Line operator()(const Synchronised& s) const {
+    return LogLine{LogLevel::kInfo, fmt::format("in session: follows the clock of peer {}, offset {:.3f} ms, "
+                                                "error at most {:.3f} ms",
+                                                s.follows.value, ms(s.session_minus_host), ms(s.error_bound))};
+  }
+  Line operator()(const ClockStepped& s) const {
+    return LogLine{LogLevel::kWarning,
+                   fmt::format("{}: the session clock stepped forward by {:.3f} ms, offset {:.3f} ms",
+                               s.same_session ? "back in the session" : "two sessions have met", ms(s.step),
+                               ms(s.session_minus_host))};
+  }
+  Line operator()(const OsClockDoubted& d) const {
+    return LogLine{LogLevel::kWarning,
+                   fmt::format("the operating systems' clocks of peer {} and of this computer cannot both be as "
+                               "good as they say: {:.3f} ms apart from what the network shows, which takes precedence",
+                               d.peer.value, ms(d.apart))};
+  }
+  Line operator()(const HostSuspended& s) const {
+    return LogLine{LogLevel::kWarning, fmt::format("this peer was stopped for {:.1f} s; its objects go on from where "
+                                                   "they were",
+                                                   to_seconds(s.gap))};
+  }
+  Line operator()(const PeerJoined& p) const {
+    return LogLine{LogLevel::kInfo, named(p.peer, p.name) + (p.restarted ? " restarted" : " joined")};
+  }
+  Line operator()(const PeerLost& p) const {
+    return p.left_gracefully ? LogLine{LogLevel::kInfo, named(p.peer, p.name) + " left"}
+                             : LogLine{LogLevel::kWarning, named(p.peer, p.name) + " is lost: it has gone silent"};
+  }
+  Line operator()(const ObjectOrphaned& f) const {
+    return LogLine{LogLevel::kWarning,
+                   fmt::format("{} stands still: its owner, peer {}, is gone", scene.path_of(f.object), f.owner.value)};
+  }
+  Line operator()(const OtherVersion& o) const {
+    return LogLine{LogLevel::kError,
+                   fmt::format("peer {} speaks version {} of the protocol, this one version {}: neither hears "
+                               "the other; give all peers the same peerd",
+                               o.peer.value, o.version, replication::kProtocolVersion)};
+  }
+  Line operator()(const OtherWorld& o) const {
+    return LogLine{LogLevel::kWarning, named(o.peer, o.name) +
+                                           " has another world and is ignored; give both the "
+                                           "same file, and the same [regions]"};
+  }
+  Line operator()(const IdInUse& i) const {
+    return LogLine{LogLevel::kError, fmt::format("another peer uses id {} too; give each peer its own", i.peer.value)};
+  }
+  Line operator()(const OwnershipConflict& c) const {
+    return LogLine{LogLevel::kError,
+                   fmt::format("two peers own {}; peer {} keeps it", scene.path_of(c.object), c.owner.value)};
+  }
+  Line operator()(const Published& p) const {
+    return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", scene.path_of(p.object),
+                                                 to_string(p.reason), p.threshold_m)};
+  }
+  Line operator()(const ContactSeen& c) const {
+    const double ago_s = to_seconds(c.known_at - c.contact.at);
+    return LogLine{c.kind == ContactKind::kPredicted ? LogLevel::kDebug : LogLevel::kInfo,
+                   fmt::format("{} {} {}, {:.1f} ms ago", scene.path_of(c.contact.collider), verb(c.kind),
+                               scene.path_of(c.contact.collidee), 1e3 * ago_s)};
+  }
+  Line operator()(const Overruled& o) const {
+    return LogLine{LogLevel::kInfo, fmt::format("{} on {}: another peer's decision counts", scene.path_of(o.collider),
+                                                scene.path_of(o.collidee))};
+  }
+  Line operator()(const ContactsRetracted&) const { return std::nullopt; }
+  Line operator()(const NotColliding& n) const {
+    return LogLine{LogLevel::kDebug,
+                   fmt::format("{} notColliding {}", scene.path_of(n.object), n.value ? "TRUE" : "FALSE")};
+  }
+};
+
 }  // namespace
 
-std::optional<LogLine> describe(const Output& output, const Scene& scene) {
-  using Line = std::optional<LogLine>;
-  const auto named = [](PeerId id, const std::string& name) { return fmt::format("peer {} (id {})", name, id.value); };
-  return std::visit(
-      Overloaded{
-          [](const Send&) -> Line { return std::nullopt; },
-          [](const Join& j) -> Line {
-            return LogLine{LogLevel::kDebug, fmt::format("joined region {}", j.region.value)};
-          },
-          [](const Leave& l) -> Line {
-            return LogLine{LogLevel::kDebug, fmt::format("left region {}", l.region.value)};
-          },
-          [](const Synchronised& s) -> Line {
-            return LogLine{LogLevel::kInfo, fmt::format("in session: follows the clock of peer {}, offset {:.3f} ms, "
-                                                        "error at most {:.3f} ms",
-                                                        s.follows.value, ms(s.session_minus_host), ms(s.error_bound))};
-          },
-          [](const ClockStepped& s) -> Line {
-            return LogLine{LogLevel::kWarning,
-                           fmt::format("{}: the session clock stepped forward by {:.3f} ms, offset {:.3f} ms",
-                                       s.same_session ? "back in the session" : "two sessions have met", ms(s.step),
-                                       ms(s.session_minus_host))};
-          },
-          [](const OsClockDoubted& d) -> Line {
-            return LogLine{
-                LogLevel::kWarning,
-                fmt::format("the operating systems' clocks of peer {} and of this computer cannot both be as "
-                            "good as they say: {:.3f} ms apart from what the network shows, which takes precedence",
-                            d.peer.value, ms(d.apart))};
-          },
-          [](const HostSuspended& s) -> Line {
-            return LogLine{LogLevel::kWarning,
-                           fmt::format("this peer was stopped for {:.1f} s; its objects go on from where "
-                                       "they were",
-                                       to_seconds(s.gap))};
-          },
-          [&](const PeerJoined& p) -> Line {
-            return LogLine{LogLevel::kInfo, named(p.peer, p.name) + (p.restarted ? " restarted" : " joined")};
-          },
-          [&](const PeerLost& p) -> Line {
-            return p.left_gracefully
-                       ? LogLine{LogLevel::kInfo, named(p.peer, p.name) + " left"}
-                       : LogLine{LogLevel::kWarning, named(p.peer, p.name) + " is lost: it has gone silent"};
-          },
-          [&](const ObjectOrphaned& f) -> Line {
-            return LogLine{LogLevel::kWarning, fmt::format("{} stands still: its owner, peer {}, is gone",
-                                                           scene.path_of(f.object), f.owner.value)};
-          },
-          [](const OtherVersion& o) -> Line {
-            return LogLine{LogLevel::kError,
-                           fmt::format("peer {} speaks version {} of the protocol, this one version {}: neither hears "
-                                       "the other; give all peers the same peerd",
-                                       o.peer.value, o.version, replication::kProtocolVersion)};
-          },
-          [&](const OtherWorld& o) -> Line {
-            return LogLine{LogLevel::kWarning, named(o.peer, o.name) +
-                                                   " has another world and is ignored; give both the "
-                                                   "same file, and the same [regions]"};
-          },
-          [](const IdInUse& i) -> Line {
-            return LogLine{LogLevel::kError,
-                           fmt::format("another peer uses id {} too; give each peer its own", i.peer.value)};
-          },
-          [&](const OwnershipConflict& c) -> Line {
-            return LogLine{LogLevel::kError,
-                           fmt::format("two peers own {}; peer {} keeps it", scene.path_of(c.object), c.owner.value)};
-          },
-          [&](const Published& p) -> Line {
-            return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", scene.path_of(p.object),
-                                                         to_string(p.reason), p.threshold_m)};
-          },
-          [&](const ContactSeen& c) -> Line {
-            const double ago_s = to_seconds(c.known_at - c.contact.at);
-            return LogLine{c.kind == ContactKind::kPredicted ? LogLevel::kDebug : LogLevel::kInfo,
-                           fmt::format("{} {} {}, {:.1f} ms ago", scene.path_of(c.contact.collider), verb(c.kind),
-                                       scene.path_of(c.contact.collidee), 1e3 * ago_s)};
-          },
-          [&](const Overruled& o) -> Line {
-            return LogLine{LogLevel::kInfo, fmt::format("{} on {}: another peer's decision counts",
-                                                        scene.path_of(o.collider), scene.path_of(o.collidee))};
-          },
-          [](const ContactsRetracted&) -> Line { return std::nullopt; },
-          [&](const NotColliding& n) -> Line {
-            return LogLine{LogLevel::kDebug,
-                           fmt::format("{} notColliding {}", scene.path_of(n.object), n.value ? "TRUE" : "FALSE")};
-          },
-      },
-      output);
-}
+std::optional<LogLine> describe(const Output& output, const Scene& scene) { return std::visit(LineOf{scene}, output); }
 
 LogLine describe(const feed::Notice& notice) {
   const auto once = notice.again ? LogLevel::kDebug : LogLevel::kWarning;

@@ -33,6 +33,14 @@ struct PlanAxes {
 struct PlanPaths {
   std::vector<Vec3> truth;
   std::vector<std::vector<Vec3>> ghosts;  // one for each observer
+  std::vector<Vec3> others;               // the first places of all other objects that are replicated
+};
+
+// Where the plan stands on the page, and at which scale.
+struct PlanFrame {
+  PlanAxes axes;
+  Range across, up;  // [m]
+  Box box;           // [px]
 };
 
 std::size_t worst_run(const nlohmann::ordered_json& summary, const std::string& path) {
@@ -68,6 +76,79 @@ std::string axis_name(int axis, double sign) {
   return std::string(sign < 0.0 ? "−" : "") + (axis == 0 ? "x" : "z") + " [m]";
 }
 
+PlanPaths paths_of(const RunRecord& run, const ObjectInfo& object, std::span<const PeerInfo> observers) {
+  PlanPaths paths;
+  for (const TruthSample& s : truth_of(run, object)) paths.truth.push_back(s.position);
+  for (const PeerInfo& observer : observers) {
+    paths.ghosts.emplace_back();
+    for (const GhostSample& s : ghost_samples_of(run, observer.peer, object.object)) {
+      paths.ghosts.back().push_back(s.ghost.position);
+    }
+  }
+  for (const ObjectInfo& other : run.objects) {
+    if (other.object == object.object) continue;
+    const std::vector<PeerInfo> by = observers_of(run, other);
+    if (!by.empty()) {
+      paths.others.push_back(ghost_samples_of(run, by.front().peer, other.object).front().truth.position);
+    }
+  }
+  return paths;
+}
+
+// All paths with a margin, at one scale for both axes.
+PlanFrame frame_of(const PlanPaths& paths) {
+  Range x, z;
+  const auto add = [&](const std::vector<Vec3>& points) {
+    for (const Vec3& p : points) (x.add(p.x()), z.add(p.z()));
+  };
+  add(paths.truth);
+  for (const auto& ghost : paths.ghosts) add(ghost);
+  add(paths.others);
+  x = drawable(x);
+  z = drawable(z);
+
+  PlanFrame frame;
+  auto& [axes, across, up, box] = frame;
+  if (z.hi - z.lo > x.hi - x.lo) axes = {2, 0, -1.0, -1.0};
+  for (const double px : {x.lo, x.hi}) {
+    for (const double pz : {z.lo, z.hi}) {
+      const Point p = axes.of({px, 0.0, pz});
+      across.add(p.x);
+      up.add(p.y);
+    }
+  }
+  const double room = 0.02 * (across.hi - across.lo);
+  across = {across.lo - room, across.hi + room};
+  up = {up.lo - room, up.hi + room};
+  const double scale = PlanLayout::kLongest / (across.hi - across.lo);  // pixels per metre
+  const double least_m = PlanLayout::kLeast / scale;
+  if (up.hi - up.lo < least_m) {
+    const double middle = 0.5 * (up.lo + up.hi);
+    up = {middle - 0.5 * least_m, middle + 0.5 * least_m};
+  }
+  box = {PlanLayout::kLeft, PlanLayout::kTop, PlanLayout::kLongest, (up.hi - up.lo) * scale};
+  return frame;
+}
+
+void draw_paths(Svg& svg, const PlanPaths& paths, std::span<const PeerInfo> observers, const PlanAxes& axes,
+                const Panel& panel) {
+  using Mark = LegendEntry::Mark;
+  const Stroke truth{.colour = kTruthColour, .width = 5.0};
+  std::vector<LegendEntry> legend{{Mark::kLine, truth, "truth"}};
+  svg.polyline(in_pixels(on_page(paths.truth, axes), panel), truth);
+  for (std::size_t i = 0; i < observers.size(); ++i) {
+    svg.polyline(in_pixels(on_page(paths.ghosts[i], axes), panel), observer_stroke(i));
+    legend.push_back({Mark::kLine, observer_stroke(i), "ghost at " + observers[i].name});
+  }
+  if (!paths.others.empty()) {
+    for (const Point& at : in_pixels(on_page(paths.others, axes), panel)) {
+      if (std::isfinite(at.x) && std::isfinite(at.y)) svg.rect({at.x - 3.5, at.y - 3.5, 7.0, 7.0}, "#444");
+    }
+    legend.push_back({Mark::kSquare, {.colour = "#444"}, "other objects at the start"});
+  }
+  draw_legend(svg, {PlanLayout::kLeft, PlanLayout::kTop - 10.0}, PlanLayout::kLongest, legend);
+}
+
 }  // namespace
 
 std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> runs,
@@ -82,80 +163,22 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
     return std::move(svg).finish();
   }
   const RunRecord& run = runs[number];
-  PlanPaths paths;
-  for (const TruthSample& s : truth_of(run, *object)) paths.truth.push_back(s.position);
-  for (const PeerInfo& observer : observers) {
-    paths.ghosts.emplace_back();
-    for (const GhostSample& s : ghost_samples_of(run, observer.peer, object->object)) {
-      paths.ghosts.back().push_back(s.ghost.position);
-    }
-  }
-  // The first places of all other objects that are replicated.
-  std::vector<Vec3> others;
-  for (const ObjectInfo& other : run.objects) {
-    if (other.object == object->object) continue;
-    const std::vector<PeerInfo> by = observers_of(run, other);
-    if (!by.empty()) others.push_back(ghost_samples_of(run, by.front().peer, other.object).front().truth.position);
-  }
+  const PlanPaths paths = paths_of(run, *object, observers);
+  const PlanFrame frame = frame_of(paths);
 
-  Range x, z;
-  for (const Vec3& p : paths.truth) (x.add(p.x()), z.add(p.z()));
-  for (const auto& ghost : paths.ghosts) {
-    for (const Vec3& p : ghost) (x.add(p.x()), z.add(p.z()));
-  }
-  for (const Vec3& p : others) (x.add(p.x()), z.add(p.z()));
-  x = drawable(x);
-  z = drawable(z);
-  const PlanAxes axes = z.hi - z.lo > x.hi - x.lo ? PlanAxes{2, 0, -1.0, -1.0} : PlanAxes{};
-
-  Range across, up;
-  for (const double px : {x.lo, x.hi}) {
-    for (const double pz : {z.lo, z.hi}) {
-      const Point p = axes.of({px, 0.0, pz});
-      across.add(p.x);
-      up.add(p.y);
-    }
-  }
-  const double room = 0.02 * (across.hi - across.lo);
-  across = {across.lo - room, across.hi + room};
-  up = {up.lo - room, up.hi + room};
-  const double scale = PlanLayout::kLongest / (across.hi - across.lo);  // pixels per metre, the same on both axes
-  const double least_m = PlanLayout::kLeast / scale;
-  if (up.hi - up.lo < least_m) {
-    const double middle = 0.5 * (up.lo + up.hi);
-    up = {middle - 0.5 * least_m, middle + 0.5 * least_m};
-  }
-  const Box box{PlanLayout::kLeft, PlanLayout::kTop, PlanLayout::kLongest, (up.hi - up.lo) * scale};
-
-  Svg svg(PlanLayout::kLongest + PlanLayout::kLeft + 20.0, box.height + PlanLayout::kTop + 52.0);
+  Svg svg(PlanLayout::kLongest + PlanLayout::kLeft + 20.0, frame.box.height + PlanLayout::kTop + 52.0);
   std::vector<std::string> keys;
   for (const auto& item : run.params.items()) keys.push_back(item.key());
   draw_title(svg, {PlanLayout::kLeft, 28.0}, PlanLayout::kLongest,
              info.name + " from above" + (keys.empty() ? "" : ": " + describe(run.params, keys)),
              object->path + ", run " + std::to_string(number + 1) +
                  (runs.size() > 1 ? ", the one with the greatest mean ghost error" : ""));
-  const Panel panel(box, across, up);
-  panel.draw_axes(svg, {.x = axis_name(axes.across, axes.across_sign),
-                        .y = axis_name(axes.up, axes.up_sign),
+  const Panel panel(frame.box, frame.across, frame.up);
+  panel.draw_axes(svg, {.x = axis_name(frame.axes.across, frame.axes.across_sign),
+                        .y = axis_name(frame.axes.up, frame.axes.up_sign),
                         .x_ticks = 16,
-                        .y_ticks = std::clamp(static_cast<int>(box.height / 28.0), 3, 16)});
-  using Mark = LegendEntry::Mark;
-  const Stroke truth{.colour = kTruthColour, .width = 5.0};
-  std::vector<LegendEntry> legend{{Mark::kLine, truth, "truth"}};
-  svg.polyline(in_pixels(on_page(paths.truth, axes), panel), truth);
-  for (std::size_t i = 0; i < observers.size(); ++i) {
-    svg.polyline(in_pixels(on_page(paths.ghosts[i], axes), panel), observer_stroke(i));
-    legend.push_back({Mark::kLine, observer_stroke(i), "ghost at " + observers[i].name});
-  }
-  if (!others.empty()) {
-    for (const Vec3& p : others) {
-      const Point q = axes.of(p);
-      const Point at = panel.at(q.x, q.y);
-      if (std::isfinite(at.x) && std::isfinite(at.y)) svg.rect({at.x - 3.5, at.y - 3.5, 7.0, 7.0}, "#444");
-    }
-    legend.push_back({Mark::kSquare, {.colour = "#444"}, "other objects at the start"});
-  }
-  draw_legend(svg, {PlanLayout::kLeft, PlanLayout::kTop - 10.0}, PlanLayout::kLongest, legend);
+                        .y_ticks = std::clamp(static_cast<int>(frame.box.height / 28.0), 3, 16)});
+  draw_paths(svg, paths, observers, frame.axes, panel);
   return std::move(svg).finish();
 }
 

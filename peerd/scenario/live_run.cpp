@@ -100,6 +100,100 @@ std::vector<std::string> in_place(const LiveRun& launch, std::size_t peer, const
   return words;
 }
 
+// The processes of one run: its peers, and their captures.
+class LiveProcesses {
+ public:
+  LiveProcesses(const LiveRun& launch, const config::RunSettings& run, fs::path control)
+      : launch_(launch), run_(run), control_(std::move(control)) {}
+
+  void start_captures() {
+    for (std::size_t i = 0; i < run_.peers.size() && launch_.tcpdump; ++i) {
+      const std::string file = stem_of(run_.peers[i].name);
+      captures_.push_back(std::make_unique<ChildProcess>(
+          run_.peers[i].name + "'s tcpdump",
+          in_place(launch_, i, {"tcpdump", "-Z", "root", "-U", "-i", netem::Lab::kInterface, "-w", file + ".pcap"}),
+          file + ".tcpdump.log"));
+    }
+  }
+
+  // The first peer to start has the control socket that the scenario's events go to.
+  void start(const config::PeerSettings& peer) {
+    const std::string record = stem_of(peer.name) + ".rows";
+    fs::remove(record);
+    auto command = peer_command(launch_, run_, peer, record);
+    if (peers_.empty() && !control_.empty()) {
+      command.insert(command.end(), {"--control", control_.string()});
+    }
+    const auto place = static_cast<std::size_t>(&peer - run_.peers.data());
+    peers_.push_back(
+        std::make_unique<ChildProcess>(peer.name, in_place(launch_, place, command), stem_of(peer.name) + ".log"));
+  }
+
+  void happen(const config::ScenarioEvent& event) {
+    if (event.kind == config::EventKind::kJoin) {
+      return start(*std::ranges::find(run_.peers, event.peer, &config::PeerSettings::name));
+    }
+    const auto child = std::ranges::find(peers_, event.peer, [](const auto& c) { return c->name(); });
+    (*child)->end(event.kind == config::EventKind::kKill ? SIGKILL : SIGTERM);
+  }
+
+  // Whether a peer still runs; an error where one ended by itself.
+  [[nodiscard]] Result<bool> any_running() {
+    bool any = false;
+    for (auto& peer : peers_) {
+      if (peer->running()) {
+        any = true;
+      } else if (peer->exit_code() != 0 && !peer->killed()) {
+        return failed(*peer, "ended by itself");
+      }
+    }
+    return any;
+  }
+
+  [[nodiscard]] Result<void> check_captures() {
+    for (auto& capture : captures_) {
+      if (!capture->running()) return failed(*capture, "ended by itself");
+    }
+    return {};
+  }
+
+  // Precondition: a peer still runs.
+  [[nodiscard]] std::unexpected<InputError> hung() {
+    return failed(**std::ranges::find_if(peers_, [](const auto& c) { return c->running(); }), "did not come to an end");
+  }
+
+  [[nodiscard]] std::size_t started() const { return peers_.size(); }
+
+  // In the order of starting, without the killed ones, which have written no record.
+  [[nodiscard]] Result<std::vector<PeerLog>> load_logs() const {
+    std::vector<PeerLog> logs;
+    for (const auto& peer : peers_) {
+      if (peer->killed()) continue;
+      auto log = load_peer_log(stem_of(peer->name()) + ".rows");
+      if (!log) return std::unexpected(log.error());
+      logs.push_back(std::move(*log));
+    }
+    return logs;
+  }
+
+ private:
+  [[nodiscard]] std::string stem_of(const std::string& peer) const {
+    return (launch_.out / (launch_.run_name + "." + peer)).string();
+  }
+
+  static std::unexpected<InputError> failed(ChildProcess& child, const std::string& what) {
+    return std::unexpected(InputError{fmt::format("error: peer {} {}; its last words ({}):\n{}", child.name(), what,
+                                                  child.output().string(), last_lines(child.output(), 5)),
+                                      child.exit_code() == 0 ? 3 : child.exit_code()});
+  }
+
+  const LiveRun& launch_;
+  const config::RunSettings& run_;
+  fs::path control_;
+  std::vector<std::unique_ptr<ChildProcess>> captures_;  // end after the peers
+  std::vector<std::unique_ptr<ChildProcess>> peers_;     // in the order of starting
+};
+
 }  // namespace
 
 void block_stop_signals() {
@@ -111,68 +205,26 @@ Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSe
                                       std::vector<double>& oversleep_ms) {
   auto events = LiveEvents::make(run.events);
   if (!events) return std::unexpected(events.error());
-  std::vector<std::unique_ptr<ChildProcess>> captures;  // end after the peers
-  std::vector<std::unique_ptr<ChildProcess>> children;  // in the order of starting
-  const auto stem_of = [&](const std::string& peer) { return (launch.out / (launch.run_name + "." + peer)).string(); };
-  const auto start = [&](const config::PeerSettings& peer) {
-    const std::string record = stem_of(peer.name) + ".rows";
-    fs::remove(record);
-    auto command = peer_command(launch, run, peer, record);
-    if (children.empty() && !events->control().empty()) {
-      command.insert(command.end(), {"--control", events->control().string()});
-    }
-    const auto place = static_cast<std::size_t>(&peer - run.peers.data());
-    children.push_back(
-        std::make_unique<ChildProcess>(peer.name, in_place(launch, place, command), stem_of(peer.name) + ".log"));
-  };
-  for (std::size_t i = 0; i < run.peers.size() && launch.tcpdump; ++i) {
-    const std::string file = stem_of(run.peers[i].name);
-    captures.push_back(std::make_unique<ChildProcess>(
-        run.peers[i].name + "'s tcpdump",
-        in_place(launch, i, {"tcpdump", "-Z", "root", "-U", "-i", netem::Lab::kInterface, "-w", file + ".pcap"}),
-        file + ".tcpdump.log"));
-  }
+  LiveProcesses processes(launch, run, events->control());
+  processes.start_captures();
   for (const config::PeerSettings& peer : run.peers) {
-    if (config::starts_with(run.events, peer.name)) start(peer);
+    if (config::starts_with(run.events, peer.name)) processes.start(peer);
   }
-  const auto happen = [&](const config::ScenarioEvent& event) {
-    if (event.kind == config::EventKind::kJoin) {
-      return start(*std::ranges::find(run.peers, event.peer, &config::PeerSettings::name));
-    }
-    const auto child = std::ranges::find(children, event.peer, [](const auto& c) { return c->name(); });
-    (*child)->end(event.kind == config::EventKind::kKill ? SIGKILL : SIGTERM);
-  };
   const bool show_progress = isatty(STDERR_FILENO) != 0;
   const auto begun = std::chrono::steady_clock::now();
   const auto most = std::chrono::duration<double>(run.duration_s) + kGrace;
-  const auto fail = [&](ChildProcess& child, const std::string& what) {
-    return std::unexpected(InputError{fmt::format("error: peer {} {}; its last words ({}):\n{}", child.name(), what,
-                                                  child.output().string(), last_lines(child.output(), 5)),
-                                      child.exit_code() == 0 ? 3 : child.exit_code()});
-  };
   for (auto shown = begun;;) {
-    bool any = false;
-    for (auto& child : children) {
-      if (child->running()) {
-        any = true;
-      } else if (child->exit_code() != 0 && !child->killed()) {
-        return fail(*child, "ended by itself");
-      }
-    }
-    if (!any) break;
-    while (const config::ScenarioEvent* event = events->take_due()) happen(*event);
-    for (auto& capture : captures) {
-      if (!capture->running()) return fail(*capture, "ended by itself");
-    }
+    const auto any_running = processes.any_running();
+    if (!any_running) return std::unexpected(any_running.error());
+    if (!*any_running) break;
+    while (const config::ScenarioEvent* event = events->take_due()) processes.happen(*event);
+    if (auto captures = processes.check_captures(); !captures) return std::unexpected(captures.error());
     const auto now = std::chrono::steady_clock::now();
-    if (now - begun > most) {
-      const auto hung = std::ranges::find_if(children, [](const auto& c) { return c->running(); });
-      return fail(**hung, "did not come to an end");
-    }
+    if (now - begun > most) return processes.hung();
     if (now - shown >= std::chrono::seconds(1)) {
       shown = now;
       const auto line = fmt::format("{}: {:2.0f} s, {} peers live", launch.run_name,
-                                    std::chrono::duration<double>(now - begun).count(), children.size());
+                                    std::chrono::duration<double>(now - begun).count(), processes.started());
       std::cerr << (show_progress ? "\r" + line : line + "\n") << std::flush;
     }
     const auto sleep_began = std::chrono::steady_clock::now();
@@ -183,14 +235,7 @@ Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSe
     oversleep_ms.push_back((took - kWait).count());
   }
   if (show_progress) std::cerr << "\r\033[K";
-  std::vector<PeerLog> logs;
-  for (const auto& child : children) {
-    if (child->killed()) continue;  // a killed peer has written no record
-    auto log = load_peer_log(stem_of(child->name()) + ".rows");
-    if (!log) return std::unexpected(log.error());
-    logs.push_back(std::move(*log));
-  }
-  return logs;
+  return processes.load_logs();
 }
 
 }  // namespace peerd

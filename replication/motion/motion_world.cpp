@@ -278,9 +278,7 @@ const SweptBound& MotionWorld::bound_of(std::size_t object, SimTime s) {
   return o.bound;
 }
 
-// One search over the time in which both objects keep their pieces, or until the next multiple of kLookahead.
 void MotionWorld::search_window(Pair& pair) {
-  const Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
   const SimTime s = pair.clear_until;
   const SweptBound &bound_a = bound_of(pair.collider, s), &bound_b = bound_of(pair.collidee, s);
   SimTime end = grid_floor(s) + kLookahead;
@@ -305,7 +303,13 @@ void MotionWorld::search_window(Pair& pair) {
   SimTime begin = grid_floor(s);
   if (bound_a.last_change) begin = std::max(begin, *bound_a.last_change);
   if (bound_b.last_change) begin = std::max(begin, *bound_b.last_change);
-  assert(begin <= s);
+  search_interval(pair, begin, end);
+}
+
+void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
+  const Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
+  const SimTime s = pair.clear_until;
+  assert(begin <= s && s < end);
   KinematicState state_a, state_b;
   const auto search_from = [&](SimTime from) {
     begin = from;

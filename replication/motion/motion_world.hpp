@@ -182,7 +182,10 @@ class MotionWorld {
   [[nodiscard]] static bool will_respond(const Object& o, bool registered, SimTime t);
   [[nodiscard]] const SweptBound& bound_of(std::size_t object, SimTime s);
   void search(Pair& pair, SimTime to);
+  // Searches the time in which both objects keep their pieces, or until the next multiple of kLookahead.
   void search_window(Pair& pair);
+  // Searches for the first contact from `begin` on; contacts before pair.clear_until have been dealt with.
+  void search_interval(Pair& pair, SimTime begin, SimTime end);
   void reschedule(std::size_t pair);
   [[nodiscard]] Duration history_of(const Object& o) const;
   void note_change(std::size_t object);
