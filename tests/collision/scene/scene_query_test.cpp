@@ -14,6 +14,7 @@
 
 #include "core/geometry/tessellate.hpp"
 #include "tests/allocation_counter.hpp"
+#include "tests/collision/scene/groups.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/core/read_text.hpp"
 #include "tests/oracle/ray_oracle.hpp"
@@ -26,20 +27,10 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-ObjectId id(const Scene& scene, std::string_view path) { return scene.find(path).value(); }
-
 Collision ask(SceneQuery& query, const Scene& scene, std::string_view a, std::string_view b, CollisionType type) {
   const auto collision = query.collide(id(scene, a), id(scene, b), type);
   EXPECT_TRUE(collision.has_value()) << collision.error();
   return collision.value_or(Collision{});
-}
-
-StretchedPose placed(const Scene& scene, std::uint32_t shape) {
-  std::vector<TransformFields> path;
-  for (auto i = static_cast<std::int32_t>(shape); i >= 0; i = scene.instances[static_cast<std::size_t>(i)].parent) {
-    path.insert(path.begin(), scene.transform({static_cast<std::uint32_t>(i)}));
-  }
-  return stretched_pose(path);
 }
 
 // Every shape against every one, every triangle against every one, by the documented operations written out again.
@@ -69,17 +60,6 @@ std::vector<ShapePair> expected_pairs(const Scene& scene, std::string_view colli
   std::ranges::sort(pairs);
   return pairs;
 }
-
-constexpr std::string_view kGroups = R"(
-  DEF A Group { children [
-    Transform { rotation 1 2 3 0.7 scale 1.5 0.5 1 children DEF BALL Shape { geometry Sphere {} } }
-    Transform { translation 1 0.5 0 scale 2 2 2 scaleOrientation 0 0 1 0.3 children [
-      Transform { rotation 0 1 0 0.4 scale 0.5 1 0.25 children Shape { geometry Cone {} } }
-      Shape { geometry Box { size 0.5 0.5 0.5 } } ] } ] }
-  DEF B Transform { translation 0.8 0.2 0.1 rotation 0 1 1 1 center 0.1 0 0 children [
-    USE BALL
-    Transform { translation 0 1 0 children [ Shape { geometry Cylinder {} } Shape { geometry PointSet {} } ] }
-    Collision { collide FALSE children Shape { geometry Box { size 9 9 9 } } } ] })";
 
 TEST(SceneQuery, GroupsCollideAsAllPairsOfTheirShapesDo) {
   const Scene scene = scene_of(std::string(kGroups));

@@ -7,7 +7,7 @@
 
 #include "peerd/control/request.hpp"
 #include "replication/wire/codec.hpp"
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/node/lone_peer.hpp"
 
 namespace peerd::api::answer_test {
 
@@ -23,46 +23,10 @@ DEF MORE KeySensor { recipient "A" keyValue 65 value 2 0 0 consume FALSE }
 KeySensor { recipient "DRIVEN" keyValue 65 value 2 0 0 consume FALSE }
 )";
 
-// One peer with three objects, one of which a formula drives.
-class ControlAnswer : public testing::Test {
+class ControlAnswer : public testing::Test, public testing_support::LonePeer {
  protected:
-  ControlAnswer() {
-    folder.write("w.wrl", kWorld);
-    auto read = share_world(folder / "w.wrl");
-    if (!read) throw std::runtime_error(read.error().text);
-    shared = std::move(*read);
-    settings.name = "a";
-    settings.id = 1;
-    settings.owns = {"A", "B", "DRIVEN"};
-    std::get<config::MotionFormula>(settings.motion["DRIVEN"].kind).x = "t";
-  }
-  PeerNode& make() {
-    config::RunSettings settled;
-    settled.peers = {settings};
-    node = PeerNode::make(settings, {}, *shared, std::move(config::resolve(settled, shared->world.scene)->front()), {});
-    return *node;
-  }
-  // Runs until that time after the start.
-  void run(double until_s) {
-    for (; !node->start() || since_start_s() < until_s; now += 5ms) {
-      node->on_tick(now);
-      while (node->poll_output()) {
-      }
-    }
-  }
-  [[nodiscard]] double since_start_s() const {
-    return to_seconds(node->peer().clock().to_session(now) - *node->start());
-  }
-  [[nodiscard]] KinematicState truth(const char* path) const {
-    return node->peer().truth(*shared->world.scene.find(path), node->peer().clock().to_session(now));
-  }
+  ControlAnswer() : LonePeer(kWorld, {"A", "B", "DRIVEN"}) {}
   json ask(const std::string& request) { return json::parse(api::answer(*node, now, request).line); }
-
-  testing_support::ScratchFolder folder;
-  std::unique_ptr<const SharedWorld> shared;
-  config::PeerSettings settings;
-  std::unique_ptr<PeerNode> node;
-  HostTime now{1000s};
 };
 
 TEST_F(ControlAnswer, StatusSaysWhoWhereAndHowFast) {

@@ -2,8 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "peerd/node/peer_node.hpp"
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/node/lone_peer.hpp"
 
 namespace peerd::peer_node_keys_test {
 
@@ -33,45 +32,9 @@ DEF FAR KeySensor { recipient "A" keyValue 70 value 3e38 0 0 absoluteValue TRUE 
 )";
 constexpr KeyEvent kA{'A', 0}, kB{'B', 0}, kC{'C', 0}, kD{'D', 0};
 
-class PeerNodeKeys : public testing::Test {
+class PeerNodeKeys : public testing::Test, public testing_support::LonePeer {
  protected:
-  PeerNodeKeys() {
-    folder.write("w.wrl", kWorld);
-    auto read = share_world(folder / "w.wrl");
-    if (!read) throw std::runtime_error(read.error().text);
-    shared = std::move(*read);
-    settings.name = "a";
-    settings.id = 1;
-    settings.owns = {"A", "TURNED", "DRIVEN"};
-    std::get<config::MotionFormula>(settings.motion["DRIVEN"].kind).x = "t";
-  }
-  PeerNode& make(std::vector<config::ScriptedKey> keys = {}) {
-    settings.keys = std::move(keys);
-    config::RunSettings settled;
-    settled.peers = {settings};
-    node = PeerNode::make(settings, {}, *shared, std::move(config::resolve(settled, shared->world.scene)->front()), {});
-    return *node;
-  }
-  // Runs until that time after the start.
-  void run(double until_s) {
-    for (; !node->start() || since_start_s() < until_s; now += 5ms) {
-      node->on_tick(now);
-      while (node->poll_output()) {
-      }
-    }
-  }
-  [[nodiscard]] double since_start_s() const {
-    return to_seconds(node->peer().clock().to_session(now) - *node->start());
-  }
-  [[nodiscard]] KinematicState truth(const char* path) const {
-    return node->peer().truth(*shared->world.scene.find(path), node->peer().clock().to_session(now));
-  }
-
-  testing_support::ScratchFolder folder;
-  std::unique_ptr<const SharedWorld> shared;
-  config::PeerSettings settings;
-  std::unique_ptr<PeerNode> node;
-  HostTime now{1000s};
+  PeerNodeKeys() : LonePeer(kWorld, {"A", "TURNED", "DRIVEN"}) {}
 };
 
 TEST_F(PeerNodeKeys, AValueIsAddedOrSet) {

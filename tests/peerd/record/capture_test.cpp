@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/peerd/record/some_setup.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::record::capture_test {
@@ -11,24 +12,6 @@ namespace ip = boost::asio::ip;
 using peerd::testing_support::ScratchFolder;
 using peerd::testing_support::text_of;
 using testing::HasSubstr;
-
-Setup some_setup(const char* group, std::uint32_t pool) {
-  Setup s;
-  s.peer = "a";
-  s.configuration = "x = \"\\u00e4\"\n";
-  s.file = "/some/where/s.toml";
-  s.world = "/some/where/w.wrl";
-  s.world_hash = 0xFEDC'BA98'7654'3210;
-  s.inlines_when_needed = true;
-  s.options.incarnation = ~std::uint64_t{0};
-  s.options.wait_for = {PeerId{1}, PeerId{4'000'000'000}};
-  s.options.start_lead = Duration{5};
-  s.options.clock_offset = Duration{-3};
-  s.options.keep_log = false;
-  s.options.sample_hz = 50;
-  s.groups = {ip::make_address(group), 47474, pool};
-  return s;
-}
 
 std::string as_text(const Event& event) {
   const auto text = [](std::span<const std::byte> b) {
@@ -61,7 +44,7 @@ TEST_P(Capture, WhatIsWrittenIsRead) {
   const char* const base = GetParam().base;
   const std::uint32_t pool = GetParam().pool;
   const ScratchFolder folder;
-  const record::Setup setup = some_setup(base, pool);
+  const record::Setup setup = some_setup({ip::make_address(base), 47474, pool});
   const bool v4 = setup.groups.base.is_v4();
   const ip::udp::endpoint from(ip::make_address(v4 ? "192.0.2.7" : "2001:db8::7"), 1234);
   const auto bytes = [](std::string_view text) { return std::as_bytes(std::span(text)); };
@@ -105,14 +88,15 @@ INSTANTIATE_TEST_SUITE_P(Groups, Capture,
 
 TEST(CaptureFile, CantBeWrittenWhereThereIsNoFolder) {
   const ScratchFolder folder;
-  const auto opened =
-      CaptureWriter::open(folder / "no" / "c", some_setup("239.192.0.0", 0), HostTime{}, ip::make_address("127.0.0.1"));
+  const auto opened = CaptureWriter::open(folder / "no" / "c", some_setup({ip::make_address("239.192.0.0"), 47474}),
+                                          HostTime{}, ip::make_address("127.0.0.1"));
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().exit_code, 3);
 }
 
 TEST(CaptureFile, AFullDiskEndsTheCaptureAndSaysSo) {
-  auto opened = CaptureWriter::open("/dev/full", some_setup("239.192.0.0", 0), HostTime{}, ip::address_v4::any());
+  auto opened = CaptureWriter::open("/dev/full", some_setup({ip::make_address("239.192.0.0"), 47474}), HostTime{},
+                                    ip::address_v4::any());
   EXPECT_FALSE(opened);
 }
 
@@ -136,7 +120,7 @@ std::string file_with_times(std::initializer_list<std::int64_t> times_ns) {
   const auto input = [&](std::int64_t ns, const std::string& text) {
     writer.packet(1, HostTime{Duration{ns}}, Direction::kIn, std::as_bytes(std::span(text)));
   };
-  input(10, "peer " + to_text(some_setup("239.192.0.0", 0)));
+  input(10, "peer " + to_text(some_setup({ip::make_address("239.192.0.0"), 47474})));
   for (const std::int64_t ns : times_ns) input(ns, "tick");
   return out.str();
 }

@@ -5,28 +5,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/peerd/record/some_setup.hpp"
+
 namespace peerd::record::setup_test {
 
 using nlohmann::json;
 using testing::HasSubstr;
-
-Setup some_setup() {
-  Setup s;
-  s.peer = "a";
-  s.configuration = "x = \"ä\"\n";
-  s.file = "/some/where/s.toml";
-  s.world = "/some/where/w.wrl";
-  s.world_hash = 0xFEDC'BA98'7654'3210;
-  s.inlines_when_needed = true;
-  s.options.incarnation = ~std::uint64_t{0};
-  s.options.wait_for = {PeerId{1}, PeerId{4'000'000'000}};
-  s.options.start_lead = Duration{5};
-  s.options.clock_offset = Duration{-3};
-  s.options.keep_log = false;
-  s.options.sample_hz = 50;
-  s.groups = {boost::asio::ip::make_address("ff15::1:0:0"), 47474, 9, 2048};
-  return s;
-}
 
 TEST(CaptureSetup, IsReadAsItWasWritten) {
   const record::Setup s = some_setup();
