@@ -248,9 +248,9 @@ void report_winners(const std::vector<HierarchyRow>& rows, const std::map<std::s
 void report_hierarchies(const std::vector<HierarchyRow>& rows, const std::map<std::string, WideRow>& wide,
                         Report& report) {
   report.keep(all_rows(rows));
-  report.print(by_rule(rows, "heights", "Levels below the root, k = 18, threshold 1 (seed's table 3.2)",
+  report.print(by_rule(rows, "heights", "Levels below the root, k = 18, threshold 1 (the thesis's table 3.2)",
                        [](const HierarchyRow& r) { return std::to_string(r.height); }));
-  report.print(by_rule(rows, "build_times", "Time to build [ms], k = 18, threshold 1 (seed's table 3.3)",
+  report.print(by_rule(rows, "build_times", "Time to build [ms], k = 18, threshold 1 (the thesis's table 3.3)",
                        [](const HierarchyRow& r) { return text(1e3 * r.build_s, 1); }));
   for (const auto& [object, of_wide] : wide) {
     const Table table = by_threshold(rows, object);

@@ -75,7 +75,7 @@ bool touch_exactly(const Triangle& a, const Triangle& b) {
 }  // namespace
 
 const std::array<Narrow, 5>& narrow_tests() {
-  static constexpr std::array<Narrow, 5> kTests = {{{"seed", thesis_polygons_touch},
+  static constexpr std::array<Narrow, 5> kTests = {{{"thesis", thesis_polygons_touch},
                                                     {"float", touch_by<RoundedSigns<float>>},
                                                     {"double", touch_by<RoundedSigns<double>>},
                                                     {"filtered", touch_by<FilteredSigns>},

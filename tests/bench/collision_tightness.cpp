@@ -68,7 +68,7 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
   const int steps = report.quick() ? 10 : 1'000;
   Table table{"tightness",
               "Mean volume over " + std::to_string(7 * steps) +
-                  " rotations, % of the convex hull's (seed's table 3.1): random ones, and the thesis's (s)",
+                  " rotations, % of the convex hull's (the thesis's table 3.1): random ones, and the thesis's (s)",
               {"object", "hull corners"}};
   for (const char* name : kNames) table.columns.insert(table.columns.end(), {name, std::string(name) + " s"});
   table.columns.insert(table.columns.end(), {"OBB", "sphere"});
@@ -130,7 +130,7 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
 
 void measure_level_volumes(const std::vector<NamedSoup>& soups, Report& report) {
   Table table{"level_volumes",
-              "Volume of all nodes of a level, with the leaves above it, % of the root's; k = 18, threshold 1 (seed's "
+              "Volume of all nodes of a level, with the leaves above it, % of the root's; k = 18, threshold 1 (the thesis's "
               "figure 3.8)",
               {"object", "level"}};
   for (const auto& named : collision::kSplitRuleNames) table.columns.emplace_back(named.name);

@@ -79,10 +79,10 @@ class Watch {
       most_ = std::max(most_, listeners_.size());
     } else if (const auto* leave = std::get_if<replication::Leave>(&output)) {
       if (--listeners_[leave->region] == 0) listeners_.erase(leave->region);
-    } else if (const auto* told = std::get_if<replication::Published>(&output)) {
-      if (!node.start() || told->at > *node.start() + duration_) return;
+    } else if (const auto* published = std::get_if<replication::Published>(&output)) {
+      if (!node.start() || published->at > *node.start() + duration_) return;
       const std::uint64_t count = node.peer().counters().handovers;  // what begins to move jumps first
-      (told->at < *node.start() ? before_ : until_now_)[node.peer().id()] = count;
+      (published->at < *node.start() ? before_ : until_now_)[node.peer().id()] = count;
     }
   }
   [[nodiscard]] std::size_t groups_in_use() const { return most_; }

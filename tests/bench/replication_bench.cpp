@@ -99,7 +99,7 @@ class Bench {
 
   Chart compare(const std::string& scenario, double latency_ms) {
     std::vector<Curve> curves{sweep(scenario, "best", "best", latency_ms, by_wanted_error())};
-    for (const char* name : {"dis", "npsnet", "position-history", "seed"}) {
+    for (const char* name : {"dis", "npsnet", "position-history", "thesis"}) {
       curves.push_back(sweep(scenario, name, "baselines/" + std::string(name), latency_ms, by_threshold()));
     }
     const std::string at = scenario + "." + std::to_string(static_cast<int>(latency_ms)) + "ms.";

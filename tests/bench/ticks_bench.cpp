@@ -25,20 +25,20 @@ namespace {
 constexpr double kLatency_ms = 100.0;
 constexpr std::uint32_t kUsual_hz = 60;  // replication.tick_hz
 
-struct Told {
+struct SentUpdate {
   SimTime at;
   ObjectId object;
   std::uint32_t bytes;
-  friend bool operator==(const Told&, const Told&) = default;
+  friend bool operator==(const SentUpdate&, const SentUpdate&) = default;
 };
 
 struct AtRate {
   std::uint32_t tick_hz = 0;
   report::Statistics error_m;
   double bytes_s = 0.0, updates_s = 0.0, datagrams_s = 0.0;  // updates: of an object
-  std::vector<Told> told;
+  std::vector<SentUpdate> updates;
   std::uint64_t disagreed = 0;
-  bool same_when_timed = true;  // what is told
+  bool same_when_timed = true;  // the updates
   double time = 0.0;            // over that at kUsual_hz
 };
 
@@ -62,8 +62,8 @@ std::set<ObjectId> driven_objects(const ReadyRun& run) {
 
 // Which updates were sent when, until the motions end: a run goes on until some peer is called after that. (Hellos go
 // out when a peer is called, and it is called to be looked at.)
-std::vector<Told> told(const Played& played, double duration_s) {
-  std::vector<Told> all;
+std::vector<SentUpdate> updates_of(const Played& played, double duration_s) {
+  std::vector<SentUpdate> all;
   for (const PeerLog& log : played.logs) {
     for (const PeerLog::Update& u : log.updates) {
       if (to_seconds(u.at - *log.start) <= duration_s) all.push_back({u.at, u.object, u.bytes});
@@ -82,7 +82,7 @@ AtRate measure(const std::string& scenario, double duration_s, std::uint32_t tic
     const std::set<ObjectId> driven = driven_objects(run);
     const Played played = play(run);
     const report::RunRecord record = record_of(run, played);
-    if (seed == 1) out.told = told(played, duration_s);
+    if (seed == 1) out.updates = updates_of(played, duration_s);
     out.disagreed += report::agreement(record).shared.disagreed;
     for (const report::GhostSample& s : record.ghost_samples) {
       if (driven.contains(s.object)) errors_m.push_back(report::ghost_error_m(s));
@@ -106,7 +106,7 @@ void time_rates(const std::string& scenario, double duration_s, std::size_t roun
     for (std::size_t i = 0; i < rates.size(); ++i) {
       Played played;
       seconds.push_back(seconds_of([&] { played = play(runs[i]); }));
-      rates[i].same_when_timed = rates[i].same_when_timed && told(played, duration_s) == rates[i].told;
+      rates[i].same_when_timed = rates[i].same_when_timed && updates_of(played, duration_s) == rates[i].updates;
     }
     for (std::size_t i = 0; i < rates.size(); ++i) ratios[i].push_back(seconds[i] / seconds[usual]);
   }

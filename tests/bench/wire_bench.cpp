@@ -99,13 +99,13 @@ class Town {
   // How many ghosts are elsewhere than the update that was applied last says.
   [[nodiscard]] std::size_t elsewhere() const {
     const SimTime t = measured_.clock().to_session(now_);
-    return static_cast<std::size_t>(std::ranges::count_if(told_, [&](const UpdateRecord& told) {
-      return told.sequence > 0 && !as_told(measured_.ghost(told.object, t), told, t);
+    return static_cast<std::size_t>(std::ranges::count_if(last_updates_, [&](const UpdateRecord& update) {
+      return update.sequence > 0 && !matches_update(measured_.ghost(update.object, t), update, t);
     }));
   }
   [[nodiscard]] std::uint64_t not_applied() const { return delivered_ - measured_.counters().updates_in; }
-  [[nodiscard]] std::size_t told() const {
-    return static_cast<std::size_t>(std::ranges::count_if(told_, [](const UpdateRecord& u) { return u.sequence > 0; }));
+  [[nodiscard]] std::size_t updated_objects() const {
+    return static_cast<std::size_t>(std::ranges::count_if(last_updates_, [](const UpdateRecord& u) { return u.sequence > 0; }));
   }
 
   // One ghost [ns], all of them after each other, frame by frame.
@@ -186,8 +186,8 @@ class Town {
     std::uint64_t applied = 0;
     for (const UpdateRecord& u : m.updates) {
       if (!used) continue;
-      if (told_.size() <= u.object.value) told_.resize(u.object.value + 1);
-      UpdateRecord& last = told_[u.object.value];
+      if (last_updates_.size() <= u.object.value) last_updates_.resize(u.object.value + 1);
+      UpdateRecord& last = last_updates_[u.object.value];
       if (u.sequence <= last.sequence) continue;
       last = u;
       ++applied;
@@ -232,7 +232,7 @@ class Town {
   std::vector<Path> paths_;  // the measured peer's, then the sender's
   std::deque<Flight> flights_;
   HostTime now_{0s};
-  std::vector<UpdateRecord> told_;  // by object: what was delivered last
+  std::vector<UpdateRecord> last_updates_;  // by object: the update that was delivered last
   std::uint64_t delivered_ = 0;
   double seen_ = 0.0;
 };
@@ -345,7 +345,7 @@ class Bench {
     wrong(of + ": ghosts that differ from their owner's", town.differences());
     wrong(of + ": ghosts that are not what their update says", town.elsewhere());
     wrong(of + ": updates that were not applied", town.not_applied());
-    wrong(of + ": ghosts that nobody told of", kOthers * own - town.told());
+    wrong(of + ": ghosts without an update", kOthers * own - town.updated_objects());
     wrong(of + ": the ghosts seen are no number", !std::isfinite(town.seen()));
     std::vector<double> ghost_ns;
     for (int i = 0; i < 5; ++i) ghost_ns.push_back(town.ghost_ns(options_.quick ? 2 : own > 1000 ? 10 : 60));

@@ -89,7 +89,7 @@ class Listener {
       }
       sent.push_back(encode(m));
     }
-    told_ += datagrams * batch;
+    updates_sent_ += datagrams * batch;
     return seconds_of([&] {
       for (const Bytes& datagram : sent) (void)peer_.on_packet(now_, kWholeScene, datagram);
     });
@@ -98,10 +98,10 @@ class Listener {
   [[nodiscard]] std::vector<std::string> wrong() const {
     std::vector<std::string> all;
     if (!knows_sender_) all.emplace_back("a hello was refused");
-    if (peer_.counters().updates_in != told_) all.emplace_back("updates were not applied");
+    if (peer_.counters().updates_in != updates_sent_) all.emplace_back("updates were not applied");
     const SimTime t = peer_.clock().to_session(now_);
     for (const UpdateRecord& u : last_) {
-      if (u.sequence > 0 && as_told(peer_.ghost(u.object, t), u, t)) continue;
+      if (u.sequence > 0 && matches_update(peer_.ghost(u.object, t), u, t)) continue;
       all.emplace_back("a ghost is not what its update says");
       break;
     }
@@ -123,7 +123,7 @@ class Listener {
   std::vector<UpdateRecord> last_;
   HostTime now_{0s};
   std::uint32_t number_ = 0;
-  std::uint64_t told_ = 0;
+  std::uint64_t updates_sent_ = 0;
   bool knows_sender_ = false;
 };
 

@@ -24,10 +24,10 @@ bool same_bits(const KinematicState& a, const KinematicState& b) {
          a.orientation.coeffs() == b.orientation.coeffs() && a.angular_velocity_body == b.angular_velocity_body;
 }
 
-bool as_told(const KinematicState& ghost, const replication::UpdateRecord& told, SimTime t) {
+bool matches_update(const KinematicState& ghost, const replication::UpdateRecord& update, SimTime t) {
   using replication::MotionKind;
-  const replication::MotionModel& m = told.model;
-  const KinematicState says = evaluate(m, to_seconds(t - told.at));
+  const replication::MotionModel& m = update.model;
+  const KinematicState says = evaluate(m, to_seconds(t - update.at));
   const bool cut = m.kind == MotionKind::kThird || m.kind == MotionKind::kTurning ||
                    m.kind == MotionKind::kOscillating || !m.angular_acceleration_body.isZero(0.0);
   const bool there =

@@ -32,7 +32,7 @@ double seconds_of(const F& f) {
 
 // Whether the ghost is where the update says: but for the turn, which is normalised once more, to the last bit; pieces
 // of laws that are cut may be off by kPieceError_m and kPieceError_rad.
-[[nodiscard]] bool as_told(const KinematicState& ghost, const replication::UpdateRecord& told, SimTime t);
+[[nodiscard]] bool matches_update(const KinematicState& ghost, const replication::UpdateRecord& update, SimTime t);
 
 // Objects without a shape or an interest, side by side in the file.
 struct Crowd {

@@ -83,14 +83,14 @@ OverInterest received_over_interest(const SimulatedRun& run) {
   return over;
 }
 
-// A peer that tells another, 100 ms away, of its objects: an eleventh of a world's.
-class Telling {
+// A peer that publishes its objects, an eleventh of a world's, to another one 100 ms away.
+class TwoPeers {
  public:
-  Telling(std::size_t own, const PublishPolicy& policy)
+  TwoPeers(std::size_t own, const PublishPolicy& policy)
       : own_(own),
         crowd_(kShare * own),
-        teller_(config_of(1, own, policy), *crowd_.model),
-        listener_(config_of(2, 0, policy), *crowd_.model) {
+        publisher_(config_of(1, own, policy), *crowd_.model),
+        receiver_(config_of(2, 0, policy), *crowd_.model) {
     std::mt19937_64 rng(own);
     for (std::size_t i = 0; i < own; ++i) paths_.emplace_back(rng);
   }
@@ -137,7 +137,7 @@ class Telling {
   }
   [[nodiscard]] Counted counted() const {
     Counted all;
-    for (const Peer* peer : {&teller_, &listener_}) {
+    for (const Peer* peer : {&publisher_, &receiver_}) {
       all.bytes += peer->counters().bytes_out;
       all.datagrams += peer->counters().datagrams_out;
       all.updates += peer->counters().updates_out;
@@ -147,44 +147,44 @@ class Telling {
   void play(Duration until) {
     const HostTime end{until};
     while (now_ < end) {
-      now_ = std::min({end, std::max(now_, teller_.next_deadline()), std::max(now_, listener_.next_deadline()),
+      now_ = std::min({end, std::max(now_, publisher_.next_deadline()), std::max(now_, receiver_.next_deadline()),
                        flights_.empty() ? end : std::max(now_, flights_.front().at)});
       for (; !flights_.empty() && flights_.front().at <= now_; flights_.pop_front()) {
-        Peer& to = flights_.front().to_listener ? listener_ : teller_;
+        Peer& to = flights_.front().to_listener ? receiver_ : publisher_;
         (void)to.on_packet(now_, kWholeScene, flights_.front().datagram);
         drain(to);
       }
-      if (teller_.next_deadline() <= now_) {
-        teller_.on_tick(now_, samples());
-        drain(teller_);
+      if (publisher_.next_deadline() <= now_) {
+        publisher_.on_tick(now_, samples());
+        drain(publisher_);
       }
-      if (listener_.next_deadline() <= now_) {
-        const bool looks = listener_.due_tick(now_) && listener_.counters().ticks % kTicksPerLook == 0;
-        listener_.on_tick(now_, {});
-        drain(listener_);
+      if (receiver_.next_deadline() <= now_) {
+        const bool looks = receiver_.due_tick(now_) && receiver_.counters().ticks % kTicksPerLook == 0;
+        receiver_.on_tick(now_, {});
+        drain(receiver_);
         if (looks) look();
       }
     }
   }
   [[nodiscard]] std::vector<OwnSample> samples() const {
     std::vector<OwnSample> all;
-    if (const auto due = teller_.due_tick(now_)) {
+    if (const auto due = publisher_.due_tick(now_)) {
       for (std::size_t i = 0; i < own_; ++i) all.push_back({crowd_.object(i), paths_[i].at(*due), true});
     }
     return all;
   }
   void look() {
-    const SimTime t = listener_.clock().to_session(now_);
+    const SimTime t = receiver_.clock().to_session(now_);
     for (std::size_t i = 0; i < own_; ++i) {
-      if (listener_.owner(crowd_.object(i)) != teller_.id()) continue;
-      error_sum_m_ += (listener_.ghost(crowd_.object(i), t).position - paths_[i].at(t).position).norm();
+      if (receiver_.owner(crowd_.object(i)) != publisher_.id()) continue;
+      error_sum_m_ += (receiver_.ghost(crowd_.object(i), t).position - paths_[i].at(t).position).norm();
       ++samples_;
     }
   }
   void drain(Peer& peer) {
     while (auto out = peer.poll_output()) {
       if (auto* send = std::get_if<Send>(&*out)) {
-        flights_.push_back({now_ + 100ms, &peer == &teller_, std::move(send->datagram)});
+        flights_.push_back({now_ + 100ms, &peer == &publisher_, std::move(send->datagram)});
       }
     }
   }
@@ -192,7 +192,7 @@ class Telling {
   static constexpr std::uint64_t kTicksPerLook = 6;
   std::size_t own_;
   Crowd crowd_;
-  Peer teller_, listener_;
+  Peer publisher_, receiver_;
   std::vector<Path> paths_;
   std::deque<Flight> flights_;
   HostTime now_{0s};
@@ -203,7 +203,7 @@ class Telling {
 Figure growth_over_dis(std::size_t own, bool quick) {
   const Duration warm = 8s, measured = quick ? Duration{2s} : Duration{6s};
   const auto run = [&](const char* config, const std::vector<std::string>& sets) {
-    Outcome outcome = Telling(own, policy_in(config, sets)).run(warm, measured);
+    Outcome outcome = TwoPeers(own, policy_in(config, sets)).run(warm, measured);
     if (!outcome.wrong.empty()) throw std::runtime_error("an eleventh of the objects: " + outcome.wrong);
     return outcome;
   };
@@ -213,7 +213,7 @@ Figure growth_over_dis(std::size_t own, bool quick) {
     ours.push_back(run("best", best_at(m)));
     if (ours.back().ghost_error_m < dis.ghost_error_m) break;
   }
-  return figure(growth(Telling::kShare * own, "bytes_over_dis"),
+  return figure(growth(TwoPeers::kShare * own, "bytes_over_dis"),
                 over_dis(ours, dis, &Outcome::bytes_with_udp_per_s, "an eleventh of the objects"));
 }
 

@@ -74,8 +74,8 @@ TEST(UnicastAllocations, NoneForADatagram) {
   std::size_t heard = 0;
   (*a)->on_receive([](const Arrival&) {});
   (*b)->on_receive([&](const Arrival& arrival) { heard += arrival.datagram.size() == 1200; });
-  const auto told = [&] { return !(*a)->peers().empty() && (*a)->peers().front().regions.size() == 1; };
-  ASSERT_TRUE(run_until(io, told));
+  const auto subscribed = [&] { return !(*a)->peers().empty() && (*a)->peers().front().regions.size() == 1; };
+  ASSERT_TRUE(run_until(io, subscribed));
   // Greetings are lists and allocate. One round of them may fall into the measurement; an allocation for each datagram
   // may not.
   EXPECT_LT(cost_of_rounds(io, **a, RegionId{7}, heard), kRounds * kEach / 10);

@@ -66,13 +66,13 @@ class UnicastProcess : public testing::Test {
                                   HasSubstr("leaving: the scenario is over"), Not(HasSubstr("undecodable")),
                                   Not(HasSubstr("net.in_malformed"))));
     }
-    const auto told = summary();
-    for (const auto& o : told["objects"]) {
+    const auto report = summary();
+    for (const auto& o : report["objects"]) {
       if (o["path"] != "CAR") continue;
       EXPECT_GT(o["samples"].get<int>(), 100);
       EXPECT_LT(o["ghost_error_m"]["mean"].get<double>(), 0.2) << o["observer"];
     }
-    EXPECT_TRUE(told["state_roots_equal"]);
+    EXPECT_TRUE(report["state_roots_equal"]);
   }
 
   ScratchFolder folder;

@@ -11,13 +11,14 @@
 #include "replication/wire/codec.hpp"
 #include "tests/replication/worlds.hpp"
 
-// A few peers on a small network of their own, in fake time: the whole of what a driver does.
+// A few peers on a small network of their own, in fake time. The class does all that a driver does.
 namespace peerd::replication::test {
 
-// The time that no peer knows: 0 is when a test begins. Host clocks show kEpoch + this + how far they are ahead.
+// True time, which no peer knows: it is 0 when a test begins. A host clock shows kEpoch, plus true time, plus its own
+// offset.
 inline constexpr Duration kEpoch = std::chrono::hours(24 * 365 * 50);
 
-// Boxes of a metre in a row, 3 m apart: O0, O1, ..
+// A row of boxes of 1 m, 3 m apart, with the names O0, O1 and so on.
 inline std::string field(int objects) {
   std::string text;
   for (int i = 0; i < objects; ++i) text += box("O" + std::to_string(i), "1 1 1", std::to_string(3 * i) + " 0 0");
@@ -66,7 +67,8 @@ class Lan {
     drain(nodes_.size() - 1);
     return nodes_.size() - 1;
   }
-  // The same computer starts another life of a peer; what was sent to it is still under way.
+  // The same computer starts the next incarnation of a peer; datagrams that were sent to the last one are still under
+  // way.
   void restart(std::size_t i, PeerConfig config) {
     nodes_[i].peer = std::make_unique<Peer>(std::move(config), *world_.model);
     nodes_[i].running = true;
@@ -77,11 +79,11 @@ class Lan {
     drain(i);
     nodes_[i].running = false;
   }
-  // No datagram passes between those that are apart.
+  // Peers of different groups do not receive each other.
   void part(std::set<std::size_t> side) { apart_ = std::move(side); }
   // Sees each datagram on each link before it is sent; false loses it.
   std::function<bool(std::size_t from, std::size_t to, const Message&)> filter;
-  // Sees each datagram once, as it leaves.
+  // The observer sees each datagram once, when it leaves.
   std::function<void(std::size_t from, RegionId, const Message&)> on_send;
   // Delays a datagram on top of its link's latency.
   std::function<Duration(std::size_t from, std::size_t to, const Message&)> delay;
@@ -98,7 +100,7 @@ class Lan {
         continue;
       }
       if (tick_at > t) break;
-      // A clock that is slewed forwards within a call may make the next tick due at once, but no third time.
+      // A clock that is slewed forwards within a call may make the next tick due at once, but not a third one.
       Node& n = nodes_[i];
       n.calls_at_once = tick_at == n.last_call ? n.calls_at_once + 1 : 1;
       n.last_call = tick_at;
@@ -125,7 +127,7 @@ class Lan {
     n.peer->on_tick(host_now(i), samples);
     drain(i);
   }
-  // All clocks jump, as when computers sleep; nothing is called meanwhile.
+  // All clocks jump, as they do when computers sleep. The driver calls no peer meanwhile.
   void skip(Duration d) { now_ += d; }
 
   [[nodiscard]] Duration now() const { return now_; }
@@ -137,7 +139,7 @@ class Lan {
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
   [[nodiscard]] const std::set<RegionId>& joined(std::size_t i) const { return joined_[i]; }
 
-  // Outputs of one kind, in order.
+  // The outputs of one kind, in order.
   template <class Kind>
   [[nodiscard]] std::vector<Kind> seen(std::size_t i) const {
     std::vector<Kind> all;
@@ -230,7 +232,7 @@ inline PeerConfig config(std::uint32_t id, std::vector<OwnedObject> owned = {}) 
   return c;
 }
 
-// A message of a peer that is not there: a member of the session as far as anybody can tell.
+// A message of a peer that does not run. The receiver takes its sender for a member of the session.
 inline Message message_of(std::uint32_t id, std::uint64_t incarnation = 100) {
   Message m;
   m.sender = PeerId{id};
@@ -250,7 +252,7 @@ inline Message hello_of(std::uint32_t id, HostTime now, std::vector<ObjectId> ow
   return m;
 }
 
-// Everything of a peer that a datagram could change and a test can ask for.
+// The whole state of a peer that a datagram could change and a test can read.
 inline std::string fingerprint(const Lan& lan, std::size_t i) {
   const Peer& p = lan.peer(i);
   std::ostringstream s;

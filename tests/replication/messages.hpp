@@ -40,7 +40,7 @@ class MessageMaker {
     return m;
   }
 
-  // Rounded, to any tolerance, or exact.
+  // The number is rounded to any tolerance, or exact.
   UpdateRecord update() {
     return quantised({ObjectId{number<std::uint32_t>()},
                       1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
@@ -50,7 +50,7 @@ class MessageMaker {
                       {}},
                      {coin() ? 0.0 : std::ldexp(1.0, -static_cast<int>(rng_() % 24)), 0.05});
   }
-  // Of any kind, with what that kind names.
+  // A record of any kind, with the fields that this kind has.
   MotionModel model() {
     MotionModel m = state();
     m.kind = kMotionKinds[number<std::size_t>() % std::size(kMotionKinds)];
@@ -122,7 +122,7 @@ class MessageMaker {
     }
     return n;
   }
-  // Parts that stand still or are the identity come often: they are absent on the wire.
+  // Parts that stand still or are the identity come often, because the wire format omits them.
   KinematicState state() {
     KinematicState s;
     s.position = vector();
@@ -140,7 +140,7 @@ class MessageMaker {
   }
   bool coin() { return rng_() % 2 == 0; }
   Duration time() { return Duration{static_cast<std::int64_t>(rng_() >> 1) - (std::int64_t{1} << 62)}; }
-  // Of any magnitude that is allowed, and exact zeros.
+  // Numbers of any magnitude that is allowed, and exact zeros.
   double size() {
     if (rng_() % 8 == 0) return 0.0;
     const double mantissa = std::uniform_real_distribution<double>(-1.0, 1.0)(rng_);
@@ -154,13 +154,14 @@ class MessageMaker {
   std::mt19937_64 rng_;
 };
 
-// By a receiver whose own time is that of the first update, or else decision.
+// Decodes as a receiver whose own time is that of the first update or else of the first decision.
 inline std::expected<Message, DecodeError> received(const Bytes& bytes, const Message& sent) {
   if (!sent.updates.empty()) return decode(bytes, sent.updates.front().at);
   return decode(bytes, sent.decisions.empty() ? SimTime{} : sent.decisions.front().contact);
 }
 
-// The message's bytes with others before and behind those of its records, which are few.
+// The size of the message's records, from the message's bytes with other records, which are few, before and behind
+// them.
 inline Bytes with_records(const Message& m, const std::vector<int>& before, const std::vector<int>& behind) {
   const Bytes bytes = encode(m);
   std::size_t size = 0;

@@ -9,7 +9,7 @@
 #include "replication/wire/codec.hpp"
 #include "tests/replication/worlds.hpp"
 
-// What tests of single parts of a peer share.
+// Helpers that the tests of a peer's single parts share.
 namespace peerd::replication::test {
 
 // A member of the session that was received at `now`, in incarnation 100.

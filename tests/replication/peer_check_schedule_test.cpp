@@ -3,8 +3,8 @@
 #include "replication/peer.hpp"
 #include "tests/replication/lan.hpp"
 
-// Which of its own objects a peer looks at each tick: what physics moves it leaves alone while it rests, until
-// something could make an update due.
+// These tests count which of its own objects a peer checks at each tick. It skips an object that physics moves while
+// the object rests, until an update could be due.
 namespace peerd::replication::peer_looks_test {
 
 using namespace test;
@@ -13,14 +13,14 @@ const char* const kPushed = " collisionResponse CollisionResponse { responseType
 const std::string kThree = box("A", "1 1 1", "-4 0 0", kPushed) + box("B", "1 1 1", "0 0 0", kPushed) +
                            box("C", "1 1 1", "4 0 0", kPushed) + interest("A", "\"B\"") + interest("B", "\"A\"");
 
-std::uint64_t looks(const Lan& lan) { return lan.peer(0).counters().objects_looked_at; }
-std::size_t told_of(const Lan& lan, ObjectId object, PublishReason reason) {
+std::uint64_t checks(const Lan& lan) { return lan.peer(0).counters().objects_looked_at; }
+std::size_t updates_of(const Lan& lan, ObjectId object, PublishReason reason) {
   std::size_t count = 0;
   for (const Published& p : lan.seen<Published>(0)) count += p.object == object && p.reason == reason;
   return count;
 }
 
-// The first peer runs A and B, the second nothing; both have been resting for ten seconds and more.
+// The first peer runs A and B, the second runs nothing. Both objects have been resting for ten seconds and more.
 struct Resting {
   explicit Resting(const World& world, const std::function<void(PeerConfig&)>& change = {}, std::uint32_t id = 1)
       : lan(world, {5ms, 0ms, 0, 0}) {
@@ -31,9 +31,9 @@ struct Resting {
       lan.add(c);
     }
     lan.run_until(15s);
-    const std::uint64_t before = looks(lan);
+    const std::uint64_t before = checks(lan);
     lan.run_until(16s);
-    EXPECT_EQ(looks(lan), before);
+    EXPECT_EQ(checks(lan), before);
   }
   Lan lan;
 };
@@ -45,19 +45,19 @@ TEST(CheckSchedule, GoOnWhereSomethingMovesAndEndWhenItRests) {
   const auto set_velocity = [&](const Vec3& v) {
     ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["B"], v, true));
   };
-  const std::uint64_t before = looks(lan);
+  const std::uint64_t before = checks(lan);
   set_velocity({0, 1, 0});
   lan.run_until(18s);
-  EXPECT_NEAR(static_cast<double>(looks(lan) - before), 120.0, 3.0) << "B alone";
+  EXPECT_NEAR(static_cast<double>(checks(lan) - before), 120.0, 3.0) << "B alone";
   set_velocity({0, 0, 0});
   lan.run_until(20s);
-  const std::uint64_t after = looks(lan);
+  const std::uint64_t after = checks(lan);
   lan.run_until(22s);
-  EXPECT_EQ(looks(lan), after);
+  EXPECT_EQ(checks(lan), after);
   EXPECT_NEAR(lan.peer(1).ghost(world["B"], lan.session_now(1)).position.y(), 2.0, 0.05);
 }
 
-// Nobody predicts anything: what the ghosts of others have says nothing of a hit.
+// Nobody predicts contacts: the ghosts of other objects say nothing about a hit.
 TEST(CheckSchedule, FindAnObjectHitByAnotherOwnObject) {
   const World world(kThree);
   Resting run(world, [](PeerConfig& c) { c.policy.predict_collisions = false; });
@@ -69,7 +69,8 @@ TEST(CheckSchedule, FindAnObjectHitByAnotherOwnObject) {
   EXPECT_NEAR(lan.peer(1).ghost(world["B"], now).position.x(), lan.peer(0).truth(world["B"], now).position.x(), 0.6);
 }
 
-// The other's C turns away just before it hits A, as is heard 400 ms later: meanwhile all ghosts of A have been hit.
+// The other peer's C turns away just before it hits A. The update takes 400 ms, during which all ghosts of A have been
+// hit.
 TEST(CheckSchedule, FindAnObjectWhoseGhostWasHitWithoutEffect) {
   const World world(kThree + interest("A", "\"C\"") + interest("C", "\"A\""));
   Lan lan(world, {400ms, 0ms, 0, 0});
@@ -89,7 +90,7 @@ TEST(CheckSchedule, FindAnObjectWhoseGhostWasHitWithoutEffect) {
     ASSERT_EQ(truth, Vec3(-4, 0, 0));
     worst_m = std::max(worst_m, (lan.peer(0).ghost(world["A"], now).position - truth).norm());
   }
-  EXPECT_GE(told_of(lan, world["A"], PublishReason::kError), 1u);
+  EXPECT_GE(updates_of(lan, world["A"], PublishReason::kError), 1u);
   EXPECT_LT(worst_m, 0.05) << "the tight threshold, and a tick";
 }
 
@@ -106,18 +107,18 @@ TEST(CheckSchedule, FindStatesThatAJoiningPeerMayNotHold) {
   while (!in_session && run.lan.now() < 20s) run.lan.run_until(run.lan.now() + 1ms);
   ASSERT_TRUE(in_session.has_value());
   run.lan.run_until(*in_session + 5ms + kTwoTicks);
-  for (const char* name : {"A", "B"}) EXPECT_EQ(told_of(run.lan, world[name], PublishReason::kJoiner), 2u) << name;
+  for (const char* name : {"A", "B"}) EXPECT_EQ(updates_of(run.lan, world[name], PublishReason::kJoiner), 2u) << name;
 }
 
 TEST(CheckSchedule, FindAnObjectWhoseTimeThresholdHasPassed) {
   const World world(kThree);
   Resting run(world);
   run.lan.run_until(200s);
-  EXPECT_EQ(told_of(run.lan, world["A"], PublishReason::kTime), 3u) << "once a minute";
-  EXPECT_EQ(told_of(run.lan, world["A"], PublishReason::kError), 0u);
+  EXPECT_EQ(updates_of(run.lan, world["A"], PublishReason::kTime), 3u) << "once a minute";
+  EXPECT_EQ(updates_of(run.lan, world["A"], PublishReason::kError), 0u);
 }
 
-// Somebody is here who has heard of nothing yet: the shorter time threshold counts again, and is over.
+// A joining peer has acknowledged nothing: the shorter time threshold holds again, and is over.
 TEST(CheckSchedule, FindThatAnUpdateIsNoLongerAcknowledgedByAll) {
   const World world(kThree);
   Resting run(world);
@@ -125,10 +126,11 @@ TEST(CheckSchedule, FindThatAnUpdateIsNoLongerAcknowledgedByAll) {
   m.hello->session_tx.reset();
   ASSERT_TRUE(run.lan.inject(0, encode(m)).has_value());
   run.lan.run_until(16s + kTwoTicks);
-  for (const char* name : {"A", "B"}) EXPECT_EQ(told_of(run.lan, world[name], PublishReason::kTime), 1u) << name;
+  for (const char* name : {"A", "B"}) EXPECT_EQ(updates_of(run.lan, world[name], PublishReason::kTime), 1u) << name;
 }
 
-// .. and before it is over: nobody would take a repetition of what is more than 4 s old.
+// The peer finds them before that threshold is over, for no receiver would take a repetition of an update older than 4
+// s.
 TEST(CheckSchedule, FindUpdatesTooOldToBeRepeated) {
   const World world(kThree);
   Resting run(world);
@@ -142,8 +144,8 @@ TEST(CheckSchedule, FindUpdatesTooOldToBeRepeated) {
   m.hello->session_tx.reset();
   ASSERT_TRUE(lan.inject(0, encode(m)).has_value());
   lan.run_until(16100ms + 4900ms);
-  EXPECT_EQ(told_of(lan, world["B"], PublishReason::kTime), 0u);
-  EXPECT_EQ(told_of(lan, world["B"], PublishReason::kJoiner), 2u);
+  EXPECT_EQ(updates_of(lan, world["B"], PublishReason::kTime), 0u);
+  EXPECT_EQ(updates_of(lan, world["B"], PublishReason::kJoiner), 2u);
 }
 
 TEST(CheckSchedule, GoOnWhereSnapshotsAreSent) {
@@ -154,12 +156,12 @@ TEST(CheckSchedule, GoOnWhereSnapshotsAreSent) {
   lan.add(c);
   lan.add(config(2));
   lan.run_until(15s);
-  const std::size_t before = told_of(lan, world["A"], PublishReason::kTime);
+  const std::size_t before = updates_of(lan, world["A"], PublishReason::kTime);
   lan.run_until(16s);
-  EXPECT_EQ(told_of(lan, world["A"], PublishReason::kTime) - before, 20u);
+  EXPECT_EQ(updates_of(lan, world["A"], PublishReason::kTime) - before, 20u);
 }
 
-// A lower id runs A from the start, and has been away: B has another place in the list from then on.
+// A peer with a lower id runs A from the start and leaves later, so B's place in the list changes.
 TEST(CheckSchedule, GoOnWhenAnObjectIsLost) {
   const World world(kThree);
   Resting run(world, {}, 2);
@@ -167,10 +169,10 @@ TEST(CheckSchedule, GoOnWhenAnObjectIsLost) {
   lan.add(config(1, {{world["A"], false}}));
   lan.run_until(25s);
   ASSERT_EQ(lan.peer(0).owner(world["A"]), PeerId{1});
-  const std::uint64_t before = looks(lan);
+  const std::uint64_t before = checks(lan);
   ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["B"], {0, 1, 0}, true));
   lan.run_until(27s);
-  EXPECT_NEAR(static_cast<double>(looks(lan) - before), 120.0, 3.0);
+  EXPECT_NEAR(static_cast<double>(checks(lan) - before), 120.0, 3.0);
 }
 
 }  // namespace peerd::replication::peer_looks_test

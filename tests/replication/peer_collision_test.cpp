@@ -14,7 +14,7 @@ using testing::IsEmpty;
 
 // ---- remote collision prediction ----
 
-// BALL flies to and fro between the walls; nobody but its owner is told of any bounce.
+// BALL flies to and fro between the walls. Nobody but its owner receives an update of any bounce.
 TEST(Prediction, ACollisionThatEverybodyPredictsCostsNoUpdate) {
   const World world(corridor(std::string("velocityVector 2 0.01 0") + kBounces));
   Lan lan(world, {100ms, 0ms, 0, 0});
@@ -36,7 +36,7 @@ TEST(Prediction, ACollisionThatEverybodyPredictsCostsNoUpdate) {
     const auto predicted = lan.contacts(i, ContactKind::kPredicted);
     ASSERT_GE(predicted.size() + 1, own.size());
     EXPECT_THAT(lan.contacts(i, ContactKind::kOwner), IsEmpty());
-    // The published state is the base of every copy, so they agree on the last bit and with the truth on the
+    // The published state is the base of every copy, so the copies agree to the last bit, and with the truth to the
     // millimetre.
     EXPECT_TRUE(same_bits(lan.peer(i).ghost(world["BALL"], t), lan.peer(0).ghost(world["BALL"], t)));
     EXPECT_LT((lan.peer(i).ghost(world["BALL"], t).position - lan.peer(0).truth(world["BALL"], t).position).norm(),
@@ -45,8 +45,9 @@ TEST(Prediction, ACollisionThatEverybodyPredictsCostsNoUpdate) {
   EXPECT_THAT(lan.contacts(0, ContactKind::kPredicted), IsEmpty()) << "its own collisions are no predictions";
 }
 
-// A defect: whoever joined was told of a ball under way, and from there on its ghosts met each wall where the told
-// state led, and its truth where the state before that did, a nanosecond apart.
+// A former defect: a peer that joined received the state of a flying ball. From then on the ghosts met each wall at the
+// time that follows from this state, and the truth at the time that follows from the state before it, a nanosecond
+// apart.
 TEST(Prediction, TheTruthContinuesFromThePublishedState) {
   const World world(corridor(std::string(kBounces) + "velocityVector 2 0 0 "));
   for (int i = 0; i < 8; ++i) {
@@ -106,7 +107,7 @@ std::string drive_by(const char* interests) {
   return box("CAR", "2 1 1", "20 0 0") + box("CUBE", "1 1 1", "20 2 0") + interests;
 }
 
-// A car passes a cube at 10 m/s, 1.5 m beside it: their spheres will meet, they won't.
+// A car passes a cube at 10 m/s, 1.5 m beside it: their spheres will meet, the objects will not.
 TEST(TrackingByTime, TightensInProportionToWhatIsLeft) {
   const World world(box("CAR", "2 1 1", "-40 0 0") + box("CUBE", "1 1 1", "0 1.5 0") + interest("CAR", "\"CUBE\""));
   const auto passes = [](SimTime t) {
@@ -115,7 +116,7 @@ TEST(TrackingByTime, TightensInProportionToWhatIsLeft) {
   Lan lan(world, {5ms, 0ms, 0, 0});
   PeerConfig c = config(1, {{world["CAR"], true}});
   c.policy.threshold_by_time = true;
-  c.policy.time_threshold = 0s;  // each tick tells its threshold
+  c.policy.time_threshold = 0s;  // each tick publishes its threshold
   lan.add(c, 0s, {{world["CAR"], passes}});
   lan.add(config(2, {{world["CUBE"], false}}));
   lan.run_until(6s);
@@ -201,7 +202,7 @@ class Decision : public testing::TestWithParam<Roles> {
     lan.add(config(9), -3s);
   }
   [[nodiscard]] std::size_t decider() const { return GetParam().car < GetParam().cube ? 0 : 1; }
-  // Until a little after the decision is made; then its outcome is `later` old.
+  // Runs until the decision is made and its outcome is `later` old.
   void run(Duration later) {
     while (lan.contacts(decider(), ContactKind::kDecided).empty() && lan.now() < 20s) lan.run_until(lan.now() + 1ms);
     lan.run_until(lan.now() + later);
@@ -232,7 +233,7 @@ TEST_P(Decision, TheLowerIdAloneDecidesAndAllApplyIt) {
   EXPECT_THAT(lan.contacts(decider(), ContactKind::kApplied), IsEmpty());
 }
 
-// The outcome counts from the contact on, not from when it was heard of: latency leaves no error.
+// The outcome counts from the time of the contact, not from the arrival of its news: latency causes no error.
 TEST_P(Decision, TheOutcomeIsOfTheContactTime) {
   run(2s);
   const ContactEvent c = lan.contacts(decider(), ContactKind::kDecided).at(0).contact;
@@ -268,7 +269,7 @@ TEST_P(Decision, OneCopyOfThreeIsEnough) {
   }
 }
 
-// The one that may not decide goes on as if nothing had happened until it is told.
+// The owner that may not decide continues as if nothing had happened until it receives the decision.
 TEST_P(Decision, TheHigherIdDoesNotDetect) {
   lan.filter = [](std::size_t, std::size_t, const Message& m) { return m.decisions.empty(); };
   run(500ms);
@@ -280,7 +281,7 @@ TEST_P(Decision, TheHigherIdDoesNotDetect) {
   EXPECT_EQ(lan.peer(other).truth(world[object], lan.session_now(other)).velocity, Vec3(other == 0 ? 2 : -1, 0, 0));
 }
 
-// A collision between two peers' objects is told by its decision; updates add nothing to it.
+// The decision publishes a collision between two peers' objects; updates add nothing to it.
 TEST_P(Decision, WhatWasPredictedAndDecidedCostsFewUpdates) {
   run(100ms);
   for (std::size_t i = 0; i < 2; ++i) lan.node(i).outputs.clear();
@@ -344,7 +345,7 @@ TEST_F(Decided, TheLowerIdsDecisionMovesOurObject) {
   EXPECT_EQ(lan.contacts(self, ContactKind::kApplied).size(), 1u);
 }
 
-// Whoever may decide could say so for ever; what is remembered of a pair has an end.
+// A deciding peer could go on for ever with decisions on one pair; the memory of a pair is bounded.
 TEST_F(Decided, NoMoreThanThereCanBeAreRemembered) {
   constexpr int kEach = 20;
   for (int i = 0; i < 5000; i += kEach) {
@@ -373,12 +374,12 @@ TEST_F(Decided, NobodyDecidesForOthers) {
   EXPECT_EQ(lan.drops(self, "not_decider"), 2u);
 }
 
-// Its owner's hello may be still to come.
+// The hello of the object's owner may be still to come.
 TEST_F(Decided, AnUpdateOfAnUnownedObjectIsRequestedAgain) {
-  std::optional<Received> told;
+  std::optional<Received> acknowledged;
   lan.filter = [&](std::size_t, std::size_t, const Message& m) {
     for (const Echo& echo : m.hello ? m.hello->echoes : std::vector<Echo>{}) {
-      if (echo.peer == PeerId{1}) told = echo.received;
+      if (echo.peer == PeerId{1}) acknowledged = echo.received;
     }
     return true;
   };
@@ -388,8 +389,8 @@ TEST_F(Decided, AnUpdateOfAnUnownedObjectIsRequestedAgain) {
   lan.run_until(lan.now() + 2s);
   EXPECT_EQ(velocity(), Vec3::Zero());
   EXPECT_EQ(lan.drops(self, "not_decider"), 1u);
-  ASSERT_TRUE(told);
-  EXPECT_FALSE(told->has(m.number));
+  ASSERT_TRUE(acknowledged);
+  EXPECT_FALSE(acknowledged->has(m.number));
 }
 
 TEST_F(Decided, AnEarlierDecisionThatArrivesLateChangesNothing) {
@@ -407,7 +408,8 @@ TEST_F(Decided, DecisionsFromAnotherAgeAreDropped) {
   EXPECT_EQ(lan.drops(self, "decision_time"), 3u);
 }
 
-// An update that its sender made before it knew of the decision must not undo it, though it is of a later time.
+// The sender made an update before it knew of the decision. The update must not undo the decision, though its time is
+// later.
 TEST_F(Decided, AStateFromBeforeTheDecisionDoesNotUndoIt) {
   lan.inject(self, encode(decision(1, "CAR", 300ms, {1, 0, 0})));
   Message m = message_of(1);
@@ -422,7 +424,7 @@ TEST_F(Decided, AStateFromBeforeTheDecisionDoesNotUndoIt) {
   EXPECT_EQ(lan.peer(self).ghost(world["CAR"], now).velocity, Vec3(5, 0, 0));
 }
 
-// The decision comes when the cube should have met a wall meanwhile: the truth must know of that wall.
+// The decision arrives after the cube should have met a wall. The truth must take that wall into account.
 TEST(DecidedLate, WhatFollowsFromADecisionIsFoundInThePast) {
   const World world(corridor() + box("CAR", "1 1 1", "0 9 0") + interest("BALL", "\"CAR\""));
   Lan lan(world);
@@ -448,7 +450,7 @@ TEST(DecidedLate, WhatFollowsFromADecisionIsFoundInThePast) {
   EXPECT_NEAR(lan.peer(0).truth(world["BALL"], t).position.x(), 0.5, 0.01);
 }
 
-// What nobody runs stays where it is, whoever runs into it.
+// An object that nobody runs stays where it is, whatever hits it.
 TEST(OrphanedObject, StaysWhenItIsHit) {
   const World world(box("CAR", "1 1 1", "0 0 0", std::string("velocityVector 2 0 0") + kBounces) +
                     box("CUBE", "1 1 1", "14 0 0", kBounces) + interest("CUBE", "\"CAR\""));
@@ -465,7 +467,7 @@ TEST(OrphanedObject, StaysWhenItIsHit) {
   }
 }
 
-// Squeezed between two that do not give way, a thing must not fill the network with decisions.
+// An object that is squeezed between two that do not give way must not flood the network with decisions.
 TEST(Squeezed, ASqueezedObjectDoesNotFloodTheNetwork) {
   const World world(box("CUBE", "1 1 1", "0 0 0", kBounces) + box("WALL", "1 9 9", "-1.5 0 0") +
                     box("PRESS", "1 1 1", "6 0 0", "velocityVector -1 0 0") + interest("CUBE", "\"WALL\" \"PRESS\""));

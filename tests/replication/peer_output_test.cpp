@@ -9,7 +9,7 @@
 #include "tests/replication/lan.hpp"
 #include "tests/replication/messages.hpp"
 
-// What a peer sends, how often, and which models it chooses.
+// These tests check what a peer sends, how often, and which models it chooses.
 namespace peerd::replication::peer_output_test {
 
 using namespace test;
@@ -73,7 +73,8 @@ TEST(Peer, ManyUpdatesShareFewDatagrams) {
   EXPECT_LE(datagrams, 6u);
 }
 
-// Of an update that everybody has nothing is said again until the time threshold; of one that somebody may lack it is.
+// An update that all receivers have acknowledged is not repeated before the time threshold; one that a receiver may
+// have missed is.
 TEST(Peer, WhatHasArrivedIsNotRepeated) {
   for (const bool lose : {false, true}) {
     const World world(box("O0", "1 1 1", "0 0 0"));
@@ -95,7 +96,8 @@ TEST(Peer, WhatHasArrivedIsNotRepeated) {
   }
 }
 
-// A link that is dead one way for longer than a peer is waited for: who was forgotten says where everything is.
+// A link is dead in one direction for longer than the time after which a peer is lost. The peer that was lost publishes
+// all its states again.
 TEST(Peer, APeerThatWasLostRepublishesItsStates) {
   const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 4 0 0"));
   for (const Duration dead : {1800ms, 1900ms, 2000ms, 2100ms, 2200ms, 2300ms}) {
@@ -115,8 +117,8 @@ TEST(Peer, APeerThatWasLostRepublishesItsStates) {
   }
 }
 
-// Nor is it missed among more than a hello names: of 30 others, 17 goes between the last of a list and the next one's
-// first.
+// The loss is noticed although a hello names only some of the members: of 30 others, peer 17 is between the last one of
+// a list and the first one of the next.
 TEST(Peer, APeerThatWasLostAmongManyRepublishesItsStates) {
   constexpr std::uint32_t kPeers = 32, kForgotten = 17;
   const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 4 0 0"));
@@ -140,7 +142,8 @@ TEST(Peer, APeerThatWasLostAmongManyRepublishesItsStates) {
   }
 }
 
-// A relay's own words have no receipts: what rests behind it is told each time threshold.
+// Nobody acknowledges what a relay forwards: the state of an object that rests behind it is published at each time
+// threshold.
 TEST(Peer, UpdatesLostByARelayAreRepublished) {
   const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 1 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
@@ -163,7 +166,7 @@ TEST(Peer, UpdatesLostByARelayAreRepublished) {
   EXPECT_LT((lan.peer(2).ghost(world["O0"], t).position - lan.peer(0).truth(world["O0"], t).position).norm(), 1e-6);
 }
 
-// What is told between two ticks is something said: that its sender is here needs no word of its own.
+// An update that leaves between two ticks shows that its sender is present, so no keepalive follows it.
 TEST(Peer, SendsAKeepaliveOnlyWhenNothingElseWasSent) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
@@ -188,7 +191,7 @@ TEST(Peer, SendsAKeepaliveOnlyWhenNothingElseWasSent) {
   EXPECT_EQ(empty, 0);
 }
 
-// Of 29 others a hello names 15. That one which named this peer was lost does not mean that it was forgotten.
+// A hello names 15 of 29 others. The loss of the one that named this peer does not mean that the sender has lost it.
 TEST(Peer, AHelloLostOnceDoesNotLoseAPeer) {
   constexpr int kPeers = 30;
   const World world(field(kPeers));
@@ -209,8 +212,8 @@ TEST(Peer, AHelloLostOnceDoesNotLoseAPeer) {
   EXPECT_EQ(resent_after, resent_before);
 }
 
-// Once all know each other, a hello goes out each second, and who they are with one in eight; a newcomer hears it with
-// the next, which does not wait.
+// Once all know each other, a peer sends a hello each second, and an introduction with one in eight. A newcomer
+// receives an introduction with the next hello, which does not wait.
 TEST(Peer, IntroducesItselfToPeersThatDoNotEchoIt) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
@@ -234,7 +237,8 @@ TEST(Peer, IntroducesItselfToPeersThatDoNotEchoIt) {
   EXPECT_LE(lan.now() - came, 250ms + 2 * 20ms + 20ms);
 }
 
-// Forty objects shake, each as no model could know, the later ones more; the budget holds a quarter of what they need.
+// Forty objects shake so that no model predicts them, those with higher numbers more. The budget suffices for a quarter
+// of the updates that they need.
 class ShortOfBytes : public testing::Test {
  protected:
   explicit ShortOfBytes(Link link = {}) : lan(world, link) {}
@@ -252,7 +256,7 @@ class ShortOfBytes : public testing::Test {
     }
     return motions;
   }
-  // From 5 s on.
+  // Counts what the first peer sends from 5 s on.
   void run(PeerConfig watcher, std::optional<double> bytes_per_s, Duration until) {
     std::vector<OwnedObject> all;
     for (int i = 0; i < kObjects; ++i) all.push_back({object(i), true});
@@ -265,16 +269,16 @@ class ShortOfBytes : public testing::Test {
     lan.on_send = [&](std::size_t from, RegionId, const Message& m) {
       if (from != 0) return;
       bytes += encode(m).size();
-      for (const UpdateRecord& u : m.updates) told[u.object].push_back(lan.now());
+      for (const UpdateRecord& u : m.updates) sent[u.object].push_back(lan.now());
     };
     lan.run_until(until);
   }
-  std::size_t told_of(int i) { return told[object(i)].size(); }
+  std::size_t updates_of(int i) { return sent[object(i)].size(); }
 
   World world{field(kObjects)};
   Lan lan;
   std::size_t bytes = 0;
-  std::map<ObjectId, std::vector<Duration>> told;
+  std::map<ObjectId, std::vector<Duration>> sent;
 };
 
 TEST_F(ShortOfBytes, ABudgetIsKept) {
@@ -289,17 +293,18 @@ class ShortOfBytesOnABadLink : public ShortOfBytes {
   ShortOfBytesOnABadLink() : ShortOfBytes({5ms, 0ms, 0.03, 0}) {}
 };
 
-// Fifteen echoes in each hello, four hellos a second where datagrams get lost: more than half of the rate.
+// Each hello has fifteen echoes, and there are four hellos a second where datagrams get lost: more than half of the
+// rate.
 TEST_F(ShortOfBytesOnABadLink, ManyPeersHellosLeaveAShareForUpdates) {
   constexpr double kHalf_per_s = 0.5 * kBytes_per_s;
   run(config(2), kHalf_per_s, 5s);
   for (std::uint32_t id = 3; id < 18; ++id) lan.add(config(id));
   lan.run_until(20s);
   const std::size_t before = bytes;
-  told.clear();
+  sent.clear();
   lan.run_until(60s);
   EXPECT_GT(static_cast<double>(bytes - before), kHalf_per_s * 40.0) << "else it is not what is tested here";
-  for (int i = 0; i < kObjects; ++i) EXPECT_GE(told_of(i), 1u) << i;
+  for (int i = 0; i < kObjects; ++i) EXPECT_GE(updates_of(i), 1u) << i;
 }
 
 TEST_F(ShortOfBytes, NothingIsWithheldWithoutOne) {
@@ -310,16 +315,16 @@ TEST_F(ShortOfBytes, NothingIsWithheldWithoutOne) {
 
 TEST_F(ShortOfBytes, TheMostWrongIsPublishedMostAndNothingStarves) {
   run(config(2), kBytes_per_s, 65s);
-  EXPECT_GT(2 * told_of(19), 3 * told_of(4)) << "20 m, or 5 m";
-  EXPECT_GT(told_of(39), told_of(19));
+  EXPECT_GT(2 * updates_of(19), 3 * updates_of(4)) << "20 m, or 5 m";
+  EXPECT_GT(updates_of(39), updates_of(19));
   for (int i = 0; i < kObjects; ++i) {
     SCOPED_TRACE(i);
-    const std::vector<Duration>& at = told[object(i)];
+    const std::vector<Duration>& at = sent[object(i)];
     ASSERT_GE(at.size(), 4u);
   }
 }
 
-// All of it is a second's bytes.
+// The first states of all objects take a second's bytes.
 TEST_F(ShortOfBytes, FirstStatesComeFirstHoweverSmallTheirError) {
   run(config(2), kBytes_per_s, 20s);
   const std::size_t newcomer = lan.add(config(3));
@@ -327,19 +332,19 @@ TEST_F(ShortOfBytes, FirstStatesComeFirstHoweverSmallTheirError) {
   const Duration came = lan.now();
   lan.run_until(came + 1s);
   for (int i = 0; i < kObjects; ++i) {
-    EXPECT_TRUE(std::ranges::any_of(told[object(i)], [&](Duration at) { return at >= came; })) << i;
+    EXPECT_TRUE(std::ranges::any_of(sent[object(i)], [&](Duration at) { return at >= came; })) << i;
   }
 }
 
-// What is four times as wrong but four times as far away is no more urgent.
+// An object that is four times as wrong but four times as far away is no more urgent.
 TEST_F(ShortOfBytes, ObjectsFarFromViewersArePublishedLess) {
   PeerConfig watcher = config(2);
   watcher.decisions.viewpoint = Viewpoint{std::nullopt, {Vec3(0, 0, 5), Quat::Identity()}};
   run(watcher, kBytes_per_s, 65s);
-  EXPECT_LT(2 * told_of(39), 3 * told_of(9)) << "117 m away and 40 m wrong, or 27 m and 10 m";
+  EXPECT_LT(2 * updates_of(39), 3 * updates_of(9)) << "117 m away and 40 m wrong, or 27 m and 10 m";
 }
 
-// O0 runs ahead of its ghost twice as fast as O1 does: when it is told, O1 is half as wrong as it may be.
+// O0 runs ahead of its ghost twice as fast as O1 does: when O0 is published, O1 has half of the error that it may have.
 TEST(Peer, HalfWrongObjectsPiggybackOnDueUpdates) {
   const World world(field(2));
   for (const double piggyback_fraction : {1.0, 0.4}) {
@@ -369,8 +374,8 @@ TEST(Peer, HalfWrongObjectsPiggybackOnDueUpdates) {
   }
 }
 
-// What stands, and all are known to have heard where, needs no heartbeat, whether datagrams get lost or not; what
-// somebody has never heard of has one.
+// An object that stands, and whose place all receivers are known to have, needs no heartbeat, whether datagrams get
+// lost or not. An object that a receiver has never heard of has one.
 TEST(Peer, AcknowledgedRestingObjectsAreSeldomRepublished) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   for (const bool heard : {true, false}) {
@@ -382,15 +387,15 @@ TEST(Peer, AcknowledgedRestingObjectsAreSeldomRepublished) {
       lan.add(config(2));
       lan.filter = [&](std::size_t, std::size_t to, const Message& m) { return heard || to != 1 || m.updates.empty(); };
       lan.run_until(10s);
-      const std::uint64_t told = lan.peer(0).counters().updates_out;
+      const std::uint64_t updates = lan.peer(0).counters().updates_out;
       lan.run_until(50s);
-      EXPECT_EQ(lan.peer(0).counters().updates_out == told, heard);
+      EXPECT_EQ(lan.peer(0).counters().updates_out == updates, heard);
       EXPECT_EQ(lan.peer(1).owner(world["O0"]), PeerId{1});
     }
   }
 }
 
-// The first words on a motion are lost, three times: it goes on being told, and not first by the heartbeat.
+// The first three updates of a motion are lost. The owner repeats the update, and does not leave it to the heartbeat.
 TEST(Peer, UnacknowledgedUpdatesAreRepeatedUntilAcknowledged) {
   const World world(box("O0", "1 1 1", "0 0 0"));
   for (const Duration latency : {20ms, 500ms}) {
@@ -447,7 +452,7 @@ PeerConfig choosing(std::uint32_t id, std::vector<OwnedObject> owned = {}) {
   return c;
 }
 
-// Chosen models, too, are one belief on all peers, whatever their tick rates and however the network behaves.
+// Chosen models, too, give one prediction on all peers, whatever their tick rates and however the network behaves.
 TEST(Models, AreObeyedAlikeByAll) {
   const World world(field(1));
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -470,7 +475,7 @@ TEST(Models, AreObeyedAlikeByAll) {
   }
 }
 
-// Where a turn counts by how far it moves the surface: an orientation in steps would ask for the next update.
+// A turn counts by how far it moves the surface. An orientation in steps would cause the next update at once.
 TEST(Rounding, OfALongObjectsOrientationAsksForNothing) {
   for (const double length_m : {60.0, 200.0}) {
     for (const bool tight : {false, true}) {
@@ -493,7 +498,7 @@ TEST(Rounding, OfALongObjectsOrientationAsksForNothing) {
   }
 }
 
-// A formula with a pole: it stands for a tick, and its corners are found as ever afterwards.
+// A formula with a pole stands still for a tick, and its corners are found as usual afterwards.
 TEST(Models, OneSampleThatIsNoNumberSpoilsNothing) {
   const World world(field(1));
   std::array<std::uint64_t, 2> updates{};
@@ -519,7 +524,8 @@ TEST(Models, OneSampleThatIsNoNumberSpoilsNothing) {
   EXPECT_EQ(updates[1], updates[0]);
 }
 
-// What physics moves travels to the bit; what is driven in steps as fine as the tightest threshold asks: a 16th of it.
+// The state of an object that physics moves travels to the bit. The state of a driven object travels in steps as fine
+// as the tightest threshold asks: a 16th of it.
 TEST(Rounding, IsOfWhatIsDrivenAlone) {
   const World world(field(2));
   for (const auto& [threshold_m, step_log2] : {std::pair{0.5, -9}, {0.02, -10}, {0.002, -13}}) {
@@ -550,7 +556,8 @@ KinematicState falls(SimTime t) {
   return advance(s, to_seconds(t.time_since_epoch() - kEpoch));
 }
 
-// What falls and what spins needs one update, for as long as it goes on: what that rounds is small even after 17 s.
+// An object that falls or spins needs one update for as long as its motion lasts: the rounding error is small even
+// after 17 s.
 TEST(Models, OfFallingAndSpinningNeedOneUpdate) {
   const World world(field(1));
   Lan lan(world);
@@ -591,7 +598,7 @@ TEST(Models, AreRoundedAsTheTimeThresholdAllows) {
   EXPECT_EQ(none, 0u);
 }
 
-// A source without derivatives is believed as well as one with them, but for the first samples.
+// A source without derivatives is predicted as well as one with them, except for the first samples.
 TEST(Models, AreFoundWithoutDerivativesToo) {
   const World world(field(1));
   PeerConfig c = choosing(1, {{world["O0"], true}});
@@ -695,7 +702,7 @@ TEST(Peer, NoCopiesWhereNothingGetsLost) {
   lan.add(c);
   lan.add(config(2));
   lan.run_until(60s);
-  EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u) << "hellos have told before there was anything to copy";
+  EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u) << "hellos have published it before there was anything to copy";
 }
 
 TEST(Peer, EarlierUpdatesAreCopiedOnceLossBegins) {

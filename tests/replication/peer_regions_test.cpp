@@ -1,4 +1,4 @@
-// Peers whose scene is cut into regions: who hears of what, when, and what they believe then.
+// Peers whose scene is cut into regions: who receives which object, when, and what the ghosts are then.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,13 +29,13 @@ PeerConfig in_regions(std::uint32_t id, std::vector<OwnedObject> owned = {}, std
   return c;
 }
 
-// Looks from a place that stands.
+// The peer has a viewpoint that stands.
 PeerConfig looking_from(PeerConfig c, double x) {
   c.decisions.viewpoint.emplace().pose.position = {x, 0, 0};
   return c;
 }
 
-// From x at t seconds after 3 s of the test on, at a speed.
+// The motion starts from x at 3 s of the test's time and keeps its speed.
 Lan::Motion steady(const Lan& lan, double x, double v) {
   return [&lan, x, v](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now())) - 3.0;  // time of the test
@@ -57,7 +57,7 @@ class Regions : public testing::Test {
       sent.push_back({lan.now(), from, region, m});
     };
   }
-  // Of an object: the regions that its updates went to since `since`, each once a change.
+  // The regions to which the object's updates went since `since`, one entry for each change.
   [[nodiscard]] std::vector<std::uint32_t> sent_in(const char* object, Duration since = 0s) const {
     std::vector<std::uint32_t> regions;
     for (const Sent& s : sent) {
@@ -68,7 +68,7 @@ class Regions : public testing::Test {
     }
     return regions;
   }
-  // Copies of what was told before don't count.
+  // Copies of earlier updates do not count.
   [[nodiscard]] std::size_t updates_of(const char* object, Duration since) const {
     std::map<std::uint32_t, Duration> first;
     for (const Sent& s : sent) {
@@ -98,7 +98,7 @@ TEST_F(Regions, WithoutThemAllGoesToTheWholeScene) {
   EXPECT_TRUE(holds(1, "A"));
 }
 
-// A stands, and is told of every 5 s: at 11 and 16 s. From 12 s on the other peer comes near.
+// A stands, and is published every 5 s: at 11 and 16 s. From 12 s on the other peer comes near.
 TEST_F(Regions, RestingObjectsArePublishedToNewSubscribers) {
   PeerConfig coming = in_regions(2, {{world["C"], true}}, 12.0);
   coming.decisions.viewpoint.emplace().object = world["C"];
@@ -134,7 +134,7 @@ TEST_F(Regions, CrossingABorderPublishesOnceAndAnnouncesTheHandover) {
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], steady(lan, 5, 4)}});
   lan.add(in_regions(2));
   lan.run_until(5s);
-  // 10.5 m, half a metre past the border, at 4.375 s.
+  // A is at 10.5 m, half a metre past the border, at 4.375 s.
   EXPECT_EQ(updates_of("A", 3500ms), 1u) << "it moves as predicted";
   std::vector<Sent> gone;
   std::ranges::copy_if(sent, std::back_inserter(gone),
@@ -191,7 +191,7 @@ TEST_F(Regions, AnObjectHandedOverIsDroppedAndReturnsClean) {
   EXPECT_NEAR(shown_x(), 20.0 - 5.0 * 2.5, 0.05);
 }
 
-// The joiner's area comes to objects that stand and have nothing to say.
+// The joiner's area comes to resting objects, of which no update is due.
 TEST_F(Regions, SubscribersReceiveStatesWithinTwoLatenciesAndTicks) {
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], [](SimTime) { return moving({25, 0, 0}); }}});
   lan.add(in_regions(2, {{world["B"], true}}), 0s, {{world["B"], [](SimTime) { return moving({-5, 0, 0}); }}});
@@ -208,14 +208,15 @@ TEST_F(Regions, SubscribersReceiveStatesWithinTwoLatenciesAndTicks) {
   }
   ASSERT_TRUE(joined && held);
   EXPECT_LE(*held - *joined, 2 * 40ms + 2 * 17ms);
-  // 20 m less the radius, the margin and what it flies meanwhile: it has the state before its area gets there.
+  // The limit is 20 m less the radius, the margin and the flight meanwhile: the peer has the state before its area gets
+  // there.
   EXPECT_LE(to_seconds(*held - 3s) * 10.0 - 20.0, 19.0);
   EXPECT_TRUE(right(visitor, "A", 0));
   EXPECT_LE(updates_of("A", 5s), 2u) << "the answer, and the time threshold's at most";
   EXPECT_FALSE(holds(visitor, "B"));
 }
 
-// A joins at a tick that comes late: what was told between the tick's time and the joining has not come.
+// A joins at a tick that comes late, so it has missed updates between the tick's time and the joining.
 TEST_F(Regions, LateSubscribersReceiveWhatWasPublishedMeanwhile) {
   for (const Duration phase : {1ms, 3ms, 5ms, 7ms}) {
     SCOPED_TRACE(phase.count());
@@ -244,7 +245,7 @@ TEST_F(Regions, LateSubscribersReceiveWhatWasPublishedMeanwhile) {
   }
 }
 
-// What is told where its origin is reaches farther.
+// The object's updates go to the region of its origin, but the object reaches farther.
 TEST_F(Regions, ALongObjectIsReceivedAsFarAsItExtends) {
   const World long_one(box("A", "30 1 1", "0 0 0") + box("B", "1 1 1", "0 0 5"));
   Lan apart(long_one, {.latency = 40ms});
@@ -287,10 +288,10 @@ TEST_F(Regions, OnlyTheOwnerAnnouncesAHandover) {
   lan.run_until(2s);
   lan.inject(self, encode(hello_of(7, lan.host_now(self), {world["A"]})));
   lan.inject(self, encode(hello_of(8, lan.host_now(self))));
-  EXPECT_FALSE(holds(self, "A")) << "somebody's, who has not been heard of it";
-  Message told = message_of(7);
-  told.updates = {{world["A"], 5, lan.session_now(self), moving({5, 0, 0}), {}}};
-  lan.inject(self, encode(told), RegionId{1});
+  EXPECT_FALSE(holds(self, "A")) << "its owner has not published it";
+  Message update = message_of(7);
+  update.updates = {{world["A"], 5, lan.session_now(self), moving({5, 0, 0}), {}}};
+  lan.inject(self, encode(update), RegionId{1});
   EXPECT_TRUE(holds(self, "A"));
   const auto gone = [&](std::uint32_t by, std::uint32_t sequence, std::uint32_t to) {
     Message m = message_of(by);
@@ -303,14 +304,14 @@ TEST_F(Regions, OnlyTheOwnerAnnouncesAHandover) {
   EXPECT_FALSE(gone(7, 4, 3)) << "older than what has come";
   EXPECT_FALSE(gone(7, 6, 1)) << "where this peer listens";
   EXPECT_TRUE(gone(7, 6, 3));
-  lan.inject(self, encode(told), RegionId{1});
+  lan.inject(self, encode(update), RegionId{1});
   EXPECT_FALSE(holds(self, "A")) << "overtaken";
-  told.updates.front().sequence = 6;
-  lan.inject(self, encode(told), RegionId{1});
+  update.updates.front().sequence = 6;
+  lan.inject(self, encode(update), RegionId{1});
   EXPECT_TRUE(holds(self, "A")) << "that very update, heard after all";
 }
 
-// All copies of the word that it has gone are lost.
+// All copies of the handover are lost.
 TEST_F(Regions, SilentObjectsExpire) {
   PeerConfig a = in_regions(1, {{world["A"], true}});
   PeerConfig b = looking_from(in_regions(2, {}, 2.0), 5.0);
@@ -324,7 +325,7 @@ TEST_F(Regions, SilentObjectsExpire) {
   EXPECT_FALSE(holds(1, "A"));
 }
 
-// Its owner needs say nothing for a minute.
+// The owner has no update due for a minute.
 TEST_F(Regions, OneWhoseOwnerSpeaksSeldomIsAskedForAndStays) {
   PeerConfig a = in_regions(1, {{world["A"], true}});
   PeerConfig b = looking_from(in_regions(2, {}, 2.0), 5.0);
@@ -333,17 +334,17 @@ TEST_F(Regions, OneWhoseOwnerSpeaksSeldomIsAskedForAndStays) {
   lan.add(a, 0s, {{world["A"], steady(lan, 5, 0)}});
   lan.add(b);
   lan.run_until(4s);
-  const std::size_t told = updates_of("A", 0s);
+  const std::size_t before = updates_of("A", 0s);
   for (Duration t = 4s; t < 20s; t += 100ms) {
     lan.run_until(t);
     ASSERT_TRUE(holds(1, "A")) << to_seconds(t) << " s";
     ASSERT_TRUE(right(1, "A", 0));
   }
-  EXPECT_GT(updates_of("A", 0s), told) << "nobody asked";
+  EXPECT_GT(updates_of("A", 0s), before) << "nobody asked";
   EXPECT_LE(updates_of("A", 4s), 12u) << "once in one and a half of its listener's thresholds, and a second to notice";
 }
 
-// Where it has gone to, nobody has been asked yet.
+// No peer has been asked for the states of the new region yet.
 TEST_F(Regions, AnObjectHandedOverMeanwhileIsRequestedInItsNewRegion) {
   PeerConfig c = in_regions(1);
   c.policy.time_threshold = 2s;
@@ -351,9 +352,9 @@ TEST_F(Regions, AnObjectHandedOverMeanwhileIsRequestedInItsNewRegion) {
   lan.run_until(2s);
   const auto say = [&] { lan.inject(self, encode(hello_of(7, lan.host_now(self), {world["A"]}))); };
   say();
-  Message told = message_of(7);
-  told.updates = {{world["A"], 5, lan.session_now(self), moving({5, 0, 0}), {}}};
-  lan.inject(self, encode(told), RegionId{1});
+  Message update = message_of(7);
+  update.updates = {{world["A"], 5, lan.session_now(self), moving({5, 0, 0}), {}}};
+  lan.inject(self, encode(update), RegionId{1});
   const auto asked = [&](std::uint32_t region, Duration since) {
     return std::ranges::any_of(sent, [&](const Sent& s) {
       return s.at > since && std::ranges::find(s.message.subscriptions, RegionId{region}, &Subscription::region) !=
@@ -377,7 +378,7 @@ TEST_F(Regions, AnObjectHandedOverMeanwhileIsRequestedInItsNewRegion) {
   EXPECT_TRUE(holds(self, "A"));
 }
 
-// The question and its answer take longer than half a threshold and a latency.
+// The request and its answer take longer than half a threshold and a latency.
 TEST(RegionsFarAway, OneThatIsAskedForMayTakeItsTimeToAnswer) {
   const World world(box("A", "1 1 1", "0 0 0"));
   for (const Duration threshold : {300ms, 800ms}) {
@@ -395,7 +396,7 @@ TEST(RegionsFarAway, OneThatIsAskedForMayTakeItsTimeToAnswer) {
   }
 }
 
-// A hello has room for some. The others have a datagram of their own.
+// A hello has room for some of the requests. The others have a datagram of their own.
 TEST(RegionsMany, NoHelloTakesMoreThanFit) {
   const World world(box("A", "1 1 1", "0 0 0"));
   Lan lan(world, {.latency = 20ms});
@@ -417,7 +418,7 @@ TEST(RegionsMany, NoHelloTakesMoreThanFit) {
   for (const auto& [region, times] : said) EXPECT_GE(times, 3) << region.value;
 }
 
-// Shakes along the border, not over it, so that it is told every few ticks.
+// The object shakes along the border, not over it, so an update is due every few ticks.
 Lan::Motion shaking(const Lan& lan, double x, double v) {
   return [&lan, x, v](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now())) - 3.0;
@@ -425,7 +426,7 @@ Lan::Motion shaking(const Lan& lan, double x, double v) {
   };
 }
 
-// What is told next in the new region takes nothing back of the word in the old one.
+// An update in the new region does not cancel the handover in the old one.
 TEST_F(Regions, AHandoverIsRepeatedWhateverIsPublishedMeanwhile) {
   lan.add(in_regions(1, {{world["A"], true}}), 0s, {{world["A"], shaking(lan, 5, 2)}});
   const auto b = lan.add(looking_from(in_regions(2, {}, 3.0), 5));
@@ -441,11 +442,12 @@ TEST_F(Regions, AHandoverIsRepeatedWhateverIsPublishedMeanwhile) {
   EXPECT_FALSE(lan.joined(b).contains(RegionId{2}));
   EXPECT_TRUE(holds(b, "A"));
   lan.run_until(*first + 250ms + 2 * 17ms + 40ms);
-  EXPECT_GE(updates_of("A", *first), 3u) << "it was told since";
+  EXPECT_GE(updates_of("A", *first), 3u) << "it was published since";
   EXPECT_FALSE(holds(b, "A"));
 }
 
-// It was away for longer than others wait, and comes back while its last word of having gone is still due.
+// The object's owner was away for longer than others wait, and the object comes back while its last handover is still
+// due.
 TEST_F(Regions, AnObjectThatReturnedIsNotAnnouncedAsHandedOver) {
   const auto jumps = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
@@ -466,7 +468,7 @@ TEST_F(Regions, AnObjectThatReturnedIsNotAnnouncedAsHandedOver) {
   EXPECT_TRUE(holds(1, "A"));
 }
 
-// Who listens to the first and the second hears at last that it is in neither.
+// A peer that listens to the first and the second region learns in the end that the object is in neither.
 TEST_F(Regions, EarlierRegionsLearnTheLatestRegion) {
   const auto jumps = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
@@ -482,16 +484,16 @@ TEST_F(Regions, EarlierRegionsLearnTheLatestRegion) {
   EXPECT_EQ(last, (std::map<RegionId, RegionId>{{RegionId{1}, RegionId{3}}, {RegionId{2}, RegionId{3}}}));
 }
 
-// What its last owner told of it is not its new one's word.
+// An update of the last owner is not an update of the new one.
 TEST_F(Regions, ObjectsClaimedByALowerIdAreDroppedUntilPublished) {
   const auto self = lan.add(looking_from(in_regions(1, {}, 1.0), 5.0));
   lan.run_until(2s);
   const auto tell = [&](std::uint32_t by) {
     lan.inject(self, encode(hello_of(by, lan.host_now(self), {world["A"]})));
     EXPECT_FALSE(holds(self, "A"));
-    Message told = message_of(by);
-    told.updates = {{world["A"], 5, lan.session_now(self), moving({5, 0, 0}), {}}};
-    lan.inject(self, encode(told), RegionId{1});
+    Message update = message_of(by);
+    update.updates = {{world["A"], 5, lan.session_now(self), moving({5, 0, 0}), {}}};
+    lan.inject(self, encode(update), RegionId{1});
     EXPECT_TRUE(holds(self, "A"));
   };
   tell(8);
@@ -499,7 +501,7 @@ TEST_F(Regions, ObjectsClaimedByALowerIdAreDroppedUntilPublished) {
   EXPECT_EQ(lan.peer(self).owner(world["A"]), PeerId{7});
 }
 
-// Its owner was away, and has it elsewhere now.
+// The object's owner was away, and the object is elsewhere now.
 TEST_F(Regions, WhatWentElsewhereInAPartitionIsNotHeld) {
   const auto goes = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(1) - lan.now()));
@@ -553,7 +555,7 @@ TEST_F(Regions, ObjectsHandedOverDuringASuspensionAreDropped) {
   EXPECT_TRUE(holds(1, "B")) << "it is republished where it has stayed";
 }
 
-// Its owner is gone: nobody could tell of it again.
+// The object's owner has left, so nobody could publish it again.
 TEST_F(Regions, OrphanedObjectsStayWithAPeerThatLeavesTheirRegion) {
   const auto there_and_back = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
@@ -576,7 +578,7 @@ TEST_F(Regions, OrphanedObjectsStayWithAPeerThatLeavesTheirRegion) {
   EXPECT_TRUE(lan.joined(visitor).contains(RegionId{1}));
   EXPECT_TRUE(holds(visitor, "A"));
   const auto frozen = lan.seen<ObjectOrphaned>(visitor);
-  ASSERT_THAT(frozen, testing::SizeIs(1)) << "of what it does not hear nobody is told";
+  ASSERT_THAT(frozen, testing::SizeIs(1)) << "a peer reports no object that it does not receive";
   EXPECT_EQ(frozen.front().object, world["A"]);
 }
 
@@ -605,9 +607,9 @@ TEST_F(Regions, ASubscriptionIsRepeatedTwice) {
   EXPECT_EQ(updates_of("A", said[0]), 1u) << "one answer, to the last";
 }
 
-// A carrier that crosses a border every 1.4 s, and what follows it: words of that leave all the time, and no hello
-// because of them. What leaves anyway takes them along: a hello; updates of what follows, where the first has gone
-// from.
+// A carrier and its follower cross a border every 1.4 s. Handovers of them are always under way, and cause no hello.
+// They travel with datagrams that leave anyway: hellos, and the follower's updates in the region that the carrier has
+// left.
 TEST_F(Regions, FrequentBorderCrossingsSendNoExtraHellos) {
   PeerConfig c = in_regions(1, {{world["A"], true}, {world["B"], true}}, 3.0);
   c.decisions.viewpoint.emplace().object = world["A"];
@@ -669,7 +671,7 @@ TEST_F(Regions, LeavingIsNoLoss) {
   EXPECT_LT(sender.received_in_all().loss(), 0.006);
 }
 
-// Hellos alone would take 20 s.
+// By hellos alone the judgement would take 20 s.
 TEST_F(Regions, AFarPeerJudgesALinkByTheOthersToo) {
   const auto fast = [](double x, double w) {
     return [x, w](SimTime t) {
@@ -704,7 +706,7 @@ TEST(RegionsInLoss, UpdatesThatReceiversDependOnAreCopiedMoreOften) {
   }
 }
 
-// Whatever else is a reason to tell: here its error is.
+// The copies are sent whatever else makes an update due; here the error does.
 TEST(RegionsInLoss, StatesForAJoiningPeerAreCopiedMoreOften) {
   const World world(box("A", "1 1 1", "0 0 0"));
   Lan lan(world, {.latency = 20ms, .loss = 0.1});
@@ -725,9 +727,9 @@ TEST(RegionsInLoss, StatesForAJoiningPeerAreCopiedMoreOften) {
   jumped = true;
   lan.inject(self, encode(m));
   lan.run_until(asked + 100ms);
-  const auto told = lan.seen<Published>(self);
-  ASSERT_FALSE(told.empty());
-  EXPECT_EQ(told.back().reason, PublishReason::kError);
+  const auto published = lan.seen<Published>(self);
+  ASSERT_FALSE(published.empty());
+  EXPECT_EQ(published.back().reason, PublishReason::kError);
   ASSERT_FALSE(sends.empty());
   EXPECT_GE(sends.rbegin()->second, 3);
 }
@@ -758,8 +760,8 @@ TEST(RegionsInLoss, SubscriptionsAreRepeatedMoreOften) {
   for (const auto& [what, times] : said) EXPECT_GE(times, 2) << what.first.value;
 }
 
-// Two that want to meet are of two peers who look at nothing else. They find each other, and the same contacts as
-// without regions.
+// Two objects that may collide belong to two peers without any other area of interest. The peers find each other's
+// object, and the same contacts as without regions.
 TEST(RegionsCollide, OwnObjectsAreSurroundedByWhatTheyMayMeet) {
   const auto run = [](bool regions) {
     const World world(box("A", "6 1 1", "0 0 0", kBounces) + box("B", "6 1 1", "40 0 0", kBounces) +
@@ -797,7 +799,7 @@ TEST(RegionsCollide, OwnObjectsAreSurroundedByWhatTheyMayMeet) {
   }
 }
 
-// Nothing meets what a peer only remembers.
+// An object that a peer only remembers collides with nothing.
 TEST(RegionsCollide, ObjectsThatAreNotReceivedCollideWithNothing) {
   const World world(box("A", "1 1 1", "5 0 0", kBounces) + box("B", "1 1 1", "5 0 -8", kBounces) +
                     interest("B", "\"A\""));
@@ -822,12 +824,12 @@ TEST(RegionsCollide, ObjectsThatAreNotReceivedCollideWithNothing) {
   EXPECT_GT(lan.peer(1).truth(world["B"], lan.session_now(1)).position.z(), 1.0) << "it flew through where A was";
 }
 
-// Two that have met over a border: who hears of one of them alone is told what became of it.
+// Two objects have met across a border: a peer that receives only one of them still receives the outcome.
 TEST(RegionsCollide, OutcomesArePublishedAcrossABorder) {
   const World world(box("A", "1 1 1", "8.5 0 0", kBounces) + box("B", "1 1 1", "13 0 0", kBounces) +
                     interest("A", "\"B\"") + interest("B", "\"A\""));
   Lan lan(world, {.latency = 20ms});
-  // Both are one peer's, so no decision tells of it.
+  // One peer owns both objects, so no decision publishes the outcome.
   lan.add(in_regions(1, {{world["A"], false, {3s, Vec3(0.5, 0, 0), Vec3::Zero()}},
                          {world["B"], false, {3s, Vec3(-0.9, 0, 0), Vec3::Zero()}}}));
   const auto b = lan.add(looking_from(in_regions(2, {}, 2.0), 5.0));
@@ -841,7 +843,7 @@ TEST(RegionsCollide, OutcomesArePublishedAcrossABorder) {
   EXPECT_TRUE(same_bits(lan.peer(b).ghost(world["A"], t), lan.peer(0).ghost(world["A"], t)));
 }
 
-// Others decide what becomes of two objects far away: no log or viewer is told.
+// Other peers decide a collision of two objects far away: neither log nor viewer shows it.
 TEST(RegionsCollide, DecisionsOnObjectsThatAreNotReceivedAreNotShown) {
   const World world(box("A", "1 1 1", "5 0 0", kBounces) + box("B", "1 1 1", "6 0 0", kBounces) +
                     interest("A", "\"B\"") + interest("B", "\"A\""));
@@ -866,18 +868,18 @@ TEST(RegionsCollide, DecisionsOnObjectsThatAreNotReceivedAreNotShown) {
   };
   EXPECT_EQ(applied(), 0u);
   for (const std::uint32_t id : {7u, 8u}) {
-    Message told = message_of(id);
-    told.updates = {{world[id == 7 ? "A" : "B"], 5, lan.session_now(self), moving({id == 7 ? 5.0 : 6.0, 0, 0}), {}}};
-    told.updates.front().decision = lan.session_now(self) - 20ms;
-    lan.inject(self, encode(told), RegionId{1});
+    Message update = message_of(id);
+    update.updates = {{world[id == 7 ? "A" : "B"], 5, lan.session_now(self), moving({id == 7 ? 5.0 : 6.0, 0, 0}), {}}};
+    update.updates.front().decision = lan.session_now(self) - 20ms;
+    lan.inject(self, encode(update), RegionId{1});
   }
   ASSERT_TRUE(lan.peer(self).receives(world["A"]) && lan.peer(self).receives(world["B"]));
   lan.run_until(3s);
   EXPECT_EQ(applied(), 1u) << "and these it hears of";
 }
 
-// Whatever the objects do and wherever peers look: who holds an object, and has had the time to hear, believes what its
-// owner told, to the bit; and what is in a peer's area it holds.
+// The objects and the areas move at random. A peer that holds an object, and has had the time to receive its updates,
+// has the ghost that the owner published, to the bit; and it holds every object in its area.
 TEST(RegionsProperty, AreasAreCompleteAndGhostsMatchTheOwners) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(seed);
@@ -930,7 +932,7 @@ TEST(RegionsProperty, AreasAreCompleteAndGhostsMatchTheOwners) {
           Duration& wrong = differs[{i, object}];
           const bool same = same_bits(peer.ghost(object, now), lan.peer(owner).ghost(object, now));
           wrong = peer.receives(object) && !same ? wrong + 20ms : 0ms;
-          // Its next update may be under way when one arrives: with several a second not for long.
+          // The object's next update may be under way when one arrives, but with several a second not for long.
           EXPECT_LE(wrong, 700ms);
         }
       }

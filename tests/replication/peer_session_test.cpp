@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(Table, Session,
                                          Case{"Duplicates", {20ms, 80ms, 0.05, 0.3}, 3s}),
                          [](const auto& c) { return std::string(c.param.name); });
 
-// After everybody has spoken, everybody knows of everything that moves, although a fifth of all datagrams is lost.
+// After each peer has sent, all peers know of every object that moves, although a fifth of all datagrams is lost.
 TEST(PeerSession, LossHealsWithinTheTimeThreshold) {
   const World world(three_boxes());
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -100,7 +100,7 @@ TEST(PeerSession, ALonePeerListensFirstThenFounds) {
   EXPECT_TRUE(std::holds_alternative<Join>(lan.node(0).outputs[0].second)) << "the group is joined before all else";
 }
 
-// What is already under way must look right to a newcomer at once, not after the next update that is due anyhow.
+// An object under way must look right to a newcomer at once, not after the next update that is due anyhow.
 TEST(PeerSession, ALateJoinerGetsTheStates) {
   const World world(three_boxes());
   Lan lan(world);
@@ -186,7 +186,8 @@ TEST(PeerSession, ARestartedPeerIsReadmitted) {
   EXPECT_THAT(lan.seen<IdInUse>(1), IsEmpty()) << "what it said itself in its last life is no other's";
 }
 
-// What others say of its last life's datagrams, many more than it has sent in this one, says nothing of these.
+// Acknowledgements of the last incarnation's datagrams, which were many more than this one has sent, do not count for
+// this one.
 TEST(PeerSession, AcknowledgementsOfTheLastIncarnationDoNotCount) {
   const World world(three_boxes());
   for (Duration when{0}; when < 8s; when += 500ms) {  // the other introduces itself in one of eight hellos
@@ -207,8 +208,8 @@ TEST(PeerSession, AcknowledgementsOfTheLastIncarnationDoNotCount) {
   }
 }
 
-// A new life that runs less: what it ran before is nobody's.
-// What a successor tells before its predecessor is lost is nobody's word yet, and not one that has come.
+// The next incarnation runs fewer objects: those of the last one that it leaves out have no owner. Updates of a
+// successor that arrive before its predecessor is lost do not count, neither as its own nor as received.
 TEST(PeerSession, ASuccessorIsAcceptedAsSoonAsItsPredecessorIsLost) {
   const World world(box("A", "1 1 1", "0 0 0"));
   const auto at = [](double y) { return [y](SimTime) { return moving({0, y, 0}); }; };
@@ -225,7 +226,7 @@ TEST(PeerSession, ASuccessorIsAcceptedAsSoonAsItsPredecessorIsLost) {
   EXPECT_NEAR(lan.peer(watcher).ghost(world["A"], lan.session_now(watcher)).position.y(), 9.0, 1e-2);
 }
 
-// Its computer lets nothing in: it founds a session of its own, and goes on saying so.
+// The peer's computer blocks all incoming datagrams: the peer founds a session of its own, and keeps announcing it.
 TEST(PeerSession, APeerThatReceivesNothingBlocksNobody) {
   const World world(three_boxes());
   Lan lan(world);
@@ -236,7 +237,7 @@ TEST(PeerSession, APeerThatReceivesNothingBlocksNobody) {
   for (const std::size_t i : {1u, 2u, 3u}) EXPECT_EQ(lan.peer(i).follows(), PeerId{2});
 }
 
-// Nor do the others say everything to it three times, and who they are with every hello.
+// The others do not send it everything three times, nor an introduction with every hello.
 TEST(PeerSession, APeerThatReceivesNothingCostsNothingAfterAWhile) {
   const World world(three_boxes());
   std::array<std::uint64_t, 2> bytes{};
@@ -258,7 +259,7 @@ TEST(PeerSession, APeerThatReceivesNothingCostsNothingAfterAWhile) {
   EXPECT_LT(static_cast<double>(bytes[1]), 1.1 * static_cast<double>(bytes[0]));
 }
 
-// A hello names 15 of 100 others, but every other one somebody who waits for it.
+// A hello names 15 of 100 others, but every other entry is a peer that waits for it.
 TEST(PeerSession, ANewcomerAmongManyIsInSessionSoon) {
   constexpr std::uint32_t kOthers = 100;
   const World world(three_boxes());
@@ -341,7 +342,7 @@ TEST(PeerSession, AMemberThatComesBackWithAnotherWorldIsLost) {
   EXPECT_EQ(lan.seen<ObjectOrphaned>(0).size(), 1u);
 }
 
-// An object is nobody's once its owner is gone, even if that was before this peer had a session.
+// An object has no owner once its owner has left, even if that was before this peer had a session.
 TEST(PeerSession, APeerLostBeforeTheSessionOwnsNothing) {
   const World world(three_boxes());
   Lan lan(world);
@@ -382,7 +383,7 @@ TEST(PeerSession, ALowerIdThatJoinsLaterTakesTheTimeAsItIs) {
   EXPECT_THAT(lan.seen<ClockStepped>(0), IsEmpty());
 }
 
-// Session time is what ghosts and ticks run on: it never goes back, whatever the network does.
+// Ghosts and ticks run on session time: it never goes back, whatever the network does.
 TEST(PeerSession, SessionTimeNeverRunsBackwards) {
   const World world(three_boxes());
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -412,7 +413,7 @@ TEST(PeerSession, TheErrorBoundIsNeverZeroForAFollower) {
   }
 }
 
-// Two sessions that were founded apart become one, and everybody goes on ticking.
+// Two sessions that were founded apart become one, and all peers continue to tick.
 TEST(PeerSession, TwoSessionsThatMeetBecomeOne) {
   for (const Duration ahead : {-30s, 30s}) {
     SCOPED_TRACE(to_seconds(ahead));
@@ -437,7 +438,7 @@ TEST(PeerSession, TwoSessionsThatMeetBecomeOne) {
   }
 }
 
-// Stamps of a broken or hostile clock: differences of them must not overflow, and time must go on.
+// The stamps come from a broken or hostile clock: their differences must not overflow, and time must continue.
 TEST(PeerSession, StampsFromTheEndsOfTimeDoNoHarm) {
   constexpr Duration far{std::int64_t{1} << 62};
   const World world(three_boxes());
@@ -465,7 +466,7 @@ TEST(PeerSession, StampsFromTheEndsOfTimeDoNoHarm) {
   }
 }
 
-// Whoever was stopped says so, and does not take its own silence for the others'.
+// A peer that was suspended says so, and does not take its own silence for the others'.
 TEST(PeerSession, AStoppedPeerBlamesNobody) {
   const World world(three_boxes());
   Lan lan(world);
@@ -481,14 +482,14 @@ TEST(PeerSession, AStoppedPeerBlamesNobody) {
   ASSERT_EQ(lan.seen<HostSuspended>(1).size(), 1u);
   EXPECT_NEAR(to_seconds(lan.seen<HostSuspended>(1)[0].gap), 7.0, 0.1);
   EXPECT_THAT(lan.seen<PeerLost>(1), IsEmpty());
-  // It goes on from where it was, and the other takes it back.
+  // B continues from where it was, and the other peer accepts its owner again.
   const SimTime t = lan.session_now(1);
   EXPECT_NEAR(lan.peer(1).truth(world["B"], t).position.z(), b_before_m + 2.0 * 2.0, 0.1);
   EXPECT_EQ(lan.peer(0).owner(world["B"]), PeerId{2});
   EXPECT_LT((lan.peer(0).ghost(world["B"], t).position - lan.peer(1).truth(world["B"], t).position).norm(), 0.1);
 }
 
-// What moves by itself may be told to wait, for everybody to be there.
+// Motions that the world makes by itself may wait until all peers have joined.
 TEST(PeerSession, MotionsBeginAtTheAnnouncedStart) {
   const World world(three_boxes());
   Lan lan(world);

@@ -8,7 +8,8 @@
 #include "tests/replication/lan.hpp"
 #include "tests/replication/messages.hpp"
 
-// What a peer does with datagrams, and how its objects look elsewhere. Sessions and collisions have files of their own.
+// These tests check what a peer does with datagrams, and how its objects look to others. Sessions and collisions have
+// files of their own.
 namespace peerd::replication::peer_test {
 
 using namespace test;
@@ -95,7 +96,7 @@ TEST_F(InSession, TheTruthOfARemoteObjectIsItsOwnersUpdate) {
   EXPECT_EQ(lan.peer(self).truth(world["O3"], lan.session_now(self)).position.x(), 9.0) << "where the file has it";
 }
 
-// The hello that says who runs it may have been lost.
+// The hello that introduces the object's owner may have been lost.
 TEST_F(InSession, AnUpdateOfAnUnownedObjectClaimsIt) {
   receive(update(1, 0s, 8.0, "O3"));
   EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{7});
@@ -155,7 +156,7 @@ TEST_F(InSession, AnotherWorldIsNamedOnceAndIgnored) {
   EXPECT_EQ(lan.peer(self).members().all().size(), 1u);
 }
 
-// Ids count within a world: that the other has the same one harms nobody.
+// Ids count within a world: the same id in another world harms nobody.
 TEST_F(InSession, ItsOwnIdInAnotherWorldIsNamedAsThat) {
   Message m = hello_of(5, lan.host_now(self), {}, 101);
   m.hello->introduction->world_hash = 1;
@@ -173,10 +174,10 @@ TEST_F(InSession, AnotherVersionIsNamedOnce) {
     other[1] = static_cast<std::byte>(version);
     EXPECT_EQ(lan.inject(self, other).error(), Drop::kUndecodable);
   }
-  const auto told = lan.seen<OtherVersion>(self);
-  ASSERT_EQ(told.size(), 2u);
-  EXPECT_EQ(told[0].peer, PeerId{8});
-  EXPECT_EQ(told[0].version, kProtocolVersion + 1);
+  const auto reported = lan.seen<OtherVersion>(self);
+  ASSERT_EQ(reported.size(), 2u);
+  EXPECT_EQ(reported[0].peer, PeerId{8});
+  EXPECT_EQ(reported[0].version, kProtocolVersion + 1);
 }
 
 TEST_F(InSession, AnUnknownPeerMustIntroduceItselfFirst) {
@@ -219,7 +220,7 @@ TEST_F(InSession, GarbageChangesNothing) {
   EXPECT_EQ(fingerprint(lan, self), before);
 }
 
-// Sound messages of peers that nobody knows, whatever they say, move nothing that somebody runs.
+// Sound messages of unknown peers, whatever they say, move no object that a known peer runs.
 TEST_F(InSession, ValidDatagramsOfUnknownPeersChangeNothing) {
   receive(update(1, 10ms, 8.0));
   MessageMaker make(2);
@@ -256,7 +257,7 @@ TEST_F(InSession, AnObjectLostToALowerIdIsNotPublishedAnyMore) {
   EXPECT_THAT(lan.seen<Published>(self), IsEmpty());
 }
 
-// What concerns everybody is not taken from one region: numbers there count by themselves.
+// A message for the whole scene is not accepted from one region, because the numbers there count by themselves.
 TEST_F(InSession, HellosAreForTheWholeScene) {
   Message m = hello_of(7, lan.host_now(self));
   m.number = 1'000'000;
@@ -301,8 +302,8 @@ struct Network {
 };
 class DeadReckoning : public testing::TestWithParam<Network> {};
 
-// However badly datagrams travel, once all have arrived everybody believes the same, bit for bit: the sender's own copy
-// included, and whatever their tick rates.
+// However badly datagrams travel, once all have arrived all peers predict the same, bit for bit. That includes the
+// sender's own copy, and holds for any tick rates.
 TEST_P(DeadReckoning, AllHoldTheSameGhost) {
   const World world(field(1));
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -318,7 +319,7 @@ TEST_P(DeadReckoning, AllHoldTheSameGhost) {
     }
     lan.run_until(10s);
     ASSERT_TRUE(lan.all_in_session());
-    // From the end of each quiet spell the last update has reached everybody.
+    // The last update has reached all peers by the end of each quiet spell.
     int compared = 0;
     for (Duration t = 10s; t < 20s; t += 5ms) {
       lan.run_until(t);

@@ -1,5 +1,5 @@
-// Objects that answer by impulse, in a MotionWorld: they come to rest, pass momentum on, and where two worlds were told
-// the same they find the same, to the last bit.
+// Objects that answer by impulse, in a MotionWorld: they come to rest, pass momentum on, and two worlds with the same
+// updates find the same, to the last bit.
 #include <gtest/gtest.h>
 
 #include "replication/motion/response.hpp"
@@ -73,7 +73,7 @@ TEST(Impulse, IsPassedOnAlongARow) {
   EXPECT_EQ(motions.counters().contacts, 2u);
 }
 
-// Whatever each had got to when the news came, and however often it looked.
+// The result does not depend on how far each world had advanced when the update came, nor on how often it advanced.
 TEST(Ghosts, AreTheSameBitsWhenTheUpdateComesLate) {
   const std::string text =
       ball("A", "0 0 0", answers(0.9, 0.3)) + ball("B", "1 0.02 0", answers(0.9, 0.3)) +
@@ -86,11 +86,11 @@ TEST(Ghosts, AreTheSameBitsWhenTheUpdateComesLate) {
   const auto run = [&](Duration began, Duration step, Duration late) {
     auto motions = std::make_unique<MotionWorld>(*world.model, sim(began));
     for (const char* name : {"A", "B", "C"}) motions->declare(world[name], Role::kPredicted);
-    bool told = false;
+    bool updated = false;
     for (Duration t = began; sim(t) <= end; t += step) {
-      if (!told && sim(t) >= at + late) {
+      if (!updated && sim(t) >= at + late) {
         motions->set_base(world["A"], at, shot);
-        told = true;
+        updated = true;
       }
       motions->advance(sim(t));
     }
@@ -111,8 +111,8 @@ TEST(Ghosts, AreTheSameBitsWhenTheUpdateComesLate) {
   }
 }
 
-// A peer that hears of an object's owner late searches from another instant on, which must not be seen: not even in the
-// last bit of the line of centres.
+// A peer that learns of an object's owner late searches from another instant on. This must not change anything, not
+// even the last bit of the line of centres.
 TEST(Ghosts, AreTheSameBitsWhereAnObjectIsDeclaredLate) {
   for (int i = 0; i < 50; ++i) {
     const World world(ball("A", "0 0 0", answers(0.9)) +
@@ -134,7 +134,7 @@ TEST(Ghosts, AreTheSameBitsWhereAnObjectIsDeclaredLate) {
   }
 }
 
-// A defect: what slides for longer than models last turned around where it should have stopped.
+// A former defect: an object that slides for longer than models last turned around where it should have stopped.
 TEST(Sliding, StopsHoweverLongItTakes) {
   const MotionModel law = sliding_to_rest(moving({0, 0, 0}, {4, 0, 0}), 0.1);  // 40 s, 80 m
   const Timeline timeline(sim(0s), law);
@@ -143,7 +143,8 @@ TEST(Sliding, StopsHoweverLongItTakes) {
   EXPECT_EQ(timeline.at(sim(60s)).velocity, Vec3::Zero());
 }
 
-// Of an interest that is one's alone only one answers; whoever hears of the outcome must know that the other slides on.
+// With a one-sided interest only one object answers. A peer that receives the outcome must know that the other one
+// slides on.
 TEST(Outcome, ReportsSlidingObjectsWithoutAResponse) {
   const World world(ball("A", "0 0 0", answers(1.0)) + ball("B", "3 0 0.7", answers(1.0, 0.2)) +
                     interest("A", "\"B\""));
@@ -160,8 +161,8 @@ TEST(Outcome, ReportsSlidingObjectsWithoutAResponse) {
       const auto* contact = std::get_if<ContactEvent>(&*event);
       if (contact == nullptr) continue;
       ++met;
-      const MotionModel told = law_of_outcome(world.model->response_of(world["B"]), contact->collidee_after);
-      EXPECT_EQ(told.kind, MotionKind::kSliding) << i;
+      const MotionModel law = law_of_outcome(world.model->response_of(world["B"]), contact->collidee_after);
+      EXPECT_EQ(law.kind, MotionKind::kSliding) << i;
       EXPECT_EQ(contact->collidee_after.velocity, contact->collidee_before.velocity);
     }
   }

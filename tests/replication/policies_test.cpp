@@ -15,7 +15,7 @@ using testing::SizeIs;
 
 using Outcomes = std::set<std::tuple<ObjectId, ObjectId, SimTime>>;
 
-// What a peer holds at the end: decided or applied, and not overruled since.
+// The decisions that a peer holds at the end: decided or applied, and not overruled since.
 Outcomes outcomes(Lan& lan, std::size_t i) {
   Outcomes held;
   for (const auto& [at, out] : lan.node(i).outputs) {
@@ -53,8 +53,8 @@ std::string name_of(const testing::TestParamInfo<Way>& info) {
          std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(info.param.latency).count());
 }
 
-// CAR of peer 1 and CUBE of peer 2 meet once; peer 9 watches, and is the server. The cube is the faster one, is looked
-// at by its owner, and all but `id` leave the collision to peer 2 or 9.
+// CAR of peer 1 and CUBE of peer 2 meet once; peer 9 watches, and is the server. The cube is faster and its owner looks
+// at it, so every policy but `id` leaves the collision to peer 2 or 9.
 class HeadOn : public testing::TestWithParam<Way> {
  protected:
   void begin(Link link = {}, std::uint64_t seed = 1, double cube_speed = -3.0, const DecisionSettings& settings = {}) {
@@ -79,7 +79,7 @@ class HeadOn : public testing::TestWithParam<Way> {
   [[nodiscard]] std::size_t policys_choice() const {
     return GetParam().policy == DecisionPolicy::kId ? 0 : GetParam().policy == DecisionPolicy::kServer ? 2 : 1;
   }
-  // Until somebody has found the contact.
+  // Runs until a peer has found the contact.
   void run_to_contact() {
     const auto found = [&] {
       for (std::size_t i = 0; i < 3; ++i) {
@@ -90,7 +90,7 @@ class HeadOn : public testing::TestWithParam<Way> {
     };
     while (!found() && lan->now() < 30s) lan->run_until(lan->now() + 1ms);
   }
-  // They meet once, and part.
+  // The objects meet once, and part.
   void settle() {
     settle_on_anything();
     EXPECT_THAT(outcomes(*lan, 0), SizeIs(1));
@@ -98,13 +98,13 @@ class HeadOn : public testing::TestWithParam<Way> {
     EXPECT_LT(lan->peer(0).truth((*world)["CAR"], t).velocity.x(), 0.0);
     EXPECT_GT(lan->peer(1).truth((*world)["CUBE"], t).velocity.x(), 0.0);
   }
-  // Everybody holds the same in the end, whatever it is.
+  // All peers hold the same decisions in the end, whichever these are.
   void settle_on_outcomes() {
     lan->run_until(lan->now() + 12s);
     const Outcomes held = outcomes(*lan, 0);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(outcomes(*lan, i), held) << i;
   }
-  // .. and believes the objects where they are.
+  // All peers also see the objects where they are.
   void settle_on_anything() {
     settle_on_outcomes();
     const SimTime t = lan->session_now(0) - 1s;
@@ -138,7 +138,7 @@ TEST_P(HeadOn, ThePolicysChoiceDecides) {
   EXPECT_EQ(sum(&Peer::Counters::decisions), 1u);
   EXPECT_EQ(sum(&Peer::Counters::decisions_fallback), 0u);
   EXPECT_EQ(sum(&Peer::Counters::decisions_overruled), 0u);
-  EXPECT_EQ(sum(&Peer::Counters::decisions_repeated), 0u) << "everybody has said to have heard";
+  EXPECT_EQ(sum(&Peer::Counters::decisions_repeated), 0u) << "all have acknowledged it";
 }
 
 TEST_P(HeadOn, LossJitterAndCopies) {
@@ -166,7 +166,7 @@ TEST_P(HeadOn, TheDecisionsPacketsAreLost) {
   }
 }
 
-// The one to decide is not heard at all around the contact: hellos, updates, decisions.
+// No datagram of the deciding peer arrives around the contact: no hellos, updates or decisions.
 TEST_P(HeadOn, TheDecidersDatagramsAreLost) {
   begin();
   Duration from = Duration::max(), until = Duration::max();
@@ -179,8 +179,8 @@ TEST_P(HeadOn, TheDecidersDatagramsAreLost) {
   settle();
 }
 
-// The cube changes its speed before the contact, and the other owner hears nothing of it until after. By velocity, both
-// then take themselves for the one to decide (faster), or neither does (slower).
+// The cube changes its speed before the contact, and the other owner learns of it only afterwards. By velocity, both
+// owners then take themselves for the decider (faster), or neither does (slower).
 TEST_P(HeadOn, TheStatesThatADecisionRestsOnAreLost) {
   for (const auto& [before, after] : {std::pair{-1.0, -4.0}, {-4.0, -1.0}, {-2.0, -2.5}, {-2.5, -1.9}}) {
     for (const Duration at : {4000ms, 4700ms, 5100ms}) {
@@ -197,7 +197,7 @@ TEST_P(HeadOn, TheStatesThatADecisionRestsOnAreLost) {
   }
 }
 
-// Of the hellos too, which carry notes and latencies.
+// The hellos, which carry notes and latencies, are lost, too.
 TEST_P(HeadOn, EveryThirdDatagramIsLost) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(seed);
@@ -224,16 +224,16 @@ TEST_P(ByVelocity, TheOtherPeerDefersUntilTheDecisionArrives) {
   EXPECT_THAT(lan->contacts(0, ContactKind::kOwner), IsEmpty());
 }
 
-// The ghosts bounce, as all predict, and its own truth goes on until the decision: telling that would be telling what
-// is going to be taken back.
+// The ghosts bounce, as all peers predict, and the owner's truth continues until the decision. An update of that truth
+// would be retracted soon.
 TEST_P(ByVelocity, NothingIsPublishedWhileADecisionIsAwaited) {
   begin();
   lan->run_until(4s);
-  const std::uint64_t told = lan->peer(0).counters().updates_out;
+  const std::uint64_t updates = lan->peer(0).counters().updates_out;
   run_to_contact();
   lan->run_until(lan->now() + 250ms);
   EXPECT_THAT(lan->contacts(0, ContactKind::kApplied), SizeIs(1));
-  EXPECT_EQ(lan->peer(0).counters().updates_out, told);
+  EXPECT_EQ(lan->peer(0).counters().updates_out, updates);
   settle();
 }
 
@@ -243,27 +243,28 @@ TEST_P(ByVelocity, NoTimeThresholdAsksForWhatAwaitsADecision) {
   lan->filter = [](std::size_t, std::size_t, const Message& m) { return m.decisions.empty(); };
   run_to_contact();
   while (lan->peer(0).counters().contacts_held == 0) lan->run_until(lan->now() + 1ms);
-  const std::uint64_t told = lan->peer(0).counters().updates_out;
-  EXPECT_GT(told, 20u);
+  const std::uint64_t updates = lan->peer(0).counters().updates_out;
+  EXPECT_GT(updates, 20u);
   lan->run_until(lan->now() + 500ms);
-  EXPECT_EQ(lan->peer(0).counters().updates_out, told);
+  EXPECT_EQ(lan->peer(0).counters().updates_out, updates);
 }
 
-// What has been decided is told as by an update: the time threshold counts from the contact.
+// A decision publishes its outcome as an update does: the time threshold counts from the contact.
 TEST_P(ByVelocity, ADecisionReplacesUpdatesOfBothObjects) {
   begin();
   run_to_contact();
   const Duration contact = lan->now();
-  const auto told = [&] { return lan->peer(0).counters().updates_out + lan->peer(1).counters().updates_out; };
-  const std::uint64_t before = told();
+  const auto updates = [&] { return lan->peer(0).counters().updates_out + lan->peer(1).counters().updates_out; };
+  const std::uint64_t before = updates();
   lan->run_until(contact + 4900ms);
   EXPECT_THAT(outcomes(*lan, 0), SizeIs(1));
-  EXPECT_EQ(told(), before);
+  EXPECT_EQ(updates(), before);
   lan->run_until(contact + 5200ms);
-  EXPECT_EQ(told(), before + 2);
+  EXPECT_EQ(updates(), before + 2);
 }
 
-// Who neither runs one of the two nor is the server is not waited for: its hellos stay as rare as they were.
+// A peer that neither runs one of the two objects nor is the server is not waited for: its hellos stay as rare as
+// before.
 TEST_P(ByVelocity, OnlyWhoMayDecideIsAskedToHurry) {
   begin();
   std::array<int, 3> hellos{};
@@ -289,8 +290,8 @@ TEST_P(ByVelocity, TheOutcomeIsOfTheContactTime) {
   EXPECT_LT((lan->peer(0).truth((*world)["CAR"], t).position - car).norm(), 1e-6);
 }
 
-// A receipt that proves it lost brings it again, long before a peer's silence about it would (2 latencies and a
-// second).
+// An acknowledgement that proves the decision lost causes its repetition, long before the receiver's silence would (2
+// latencies and a second).
 TEST_P(ByVelocity, DecisionsProvedLostAreRepeatedAtOnce) {
   begin();
   bool lost = false;
@@ -307,7 +308,7 @@ TEST_P(ByVelocity, DecisionsProvedLostAreRepeatedAtOnce) {
   EXPECT_EQ(sum(&Peer::Counters::decisions_repeated), 1u);
 }
 
-// What came before it was in the session it did not take, received or not.
+// The datagrams before it came in the session that the peer did not take, received or not.
 TEST_P(ByVelocity, APeerReturningJustThenReceivesTheDecision) {
   begin();
   run_to_contact();
@@ -340,7 +341,8 @@ TEST_P(ByVelocity, WithoutRepetitionWhatIsLostIsLost) {
   EXPECT_THAT(outcomes(*lan, 2), IsEmpty());
 }
 
-// Nothing of peer 2 comes through for a while: the lower id decides instead, and if peer 2 has decided, that counts.
+// No datagram of peer 2 arrives for a while: the peer with the lower id decides instead, and if peer 2 has decided,
+// that counts.
 TEST_P(ByVelocity, TheFallbackIsOverruledByThePolicy) {
   for (const bool fallback : {true, false}) {
     DecisionSettings settings;
@@ -360,8 +362,8 @@ TEST_P(ByVelocity, TheFallbackIsOverruledByThePolicy) {
   }
 }
 
-// The cube is slower than the car now, which peer 1 doesn't hear: each leaves the contact to the other, and both say
-// so.
+// The cube is slower than the car now, and peer 1 does not learn it: each owner leaves the contact to the other, and
+// both say so.
 TEST_P(ByVelocity, WhatEachLeavesToTheOtherTheLowerIdDecidesAtOnce) {
   begin({}, 1, -2.5);
   lan->filter = [&](std::size_t sender, std::size_t to, const Message& m) {
@@ -378,7 +380,8 @@ TEST_P(ByVelocity, WhatEachLeavesToTheOtherTheLowerIdDecidesAtOnce) {
   for (const std::size_t i : {1u, 2u}) EXPECT_EQ(outcomes(*lan, i), outcomes(*lan, 0)) << i;
 }
 
-// The update after a decision overtakes it: what it says stays, and the two don't meet again in the gap between.
+// The update after a decision overtakes it: the updated state stays, and the objects do not meet again in the gap
+// between.
 TEST_P(ByVelocity, AnUpdateThatKnowsOfTheDecisionComesFirst) {
   begin();
   Duration until = Duration::max();
@@ -395,7 +398,7 @@ TEST_P(ByVelocity, AnUpdateThatKnowsOfTheDecisionComesFirst) {
   }
 }
 
-// Peer 2 turns round before the contact that peer 1 still believes in. Its hello says that it has found none.
+// Peer 2 turns its object round before the contact that peer 1 still predicts. Its hello says that it has found none.
 TEST_P(ByVelocity, AContactThatTheDeciderDoesNotFindIsNone) {
   begin();
   lan->filter = [&](std::size_t sender, std::size_t, const Message& m) {
@@ -410,7 +413,7 @@ TEST_P(ByVelocity, AContactThatTheDeciderDoesNotFindIsNone) {
   EXPECT_EQ(lan->peer(0).truth((*world)["CAR"], lan->session_now(0)).velocity, Vec3(2, 0, 0));
 }
 
-// The one to decide has never heard that the car moves, and says that it has found nothing: it could not. The car's
+// The decider has never received that the car moves, and says that it has found no contact: it could not. The car's
 // owner decides.
 TEST_P(ByVelocity, WhatTheDeciderCouldNotFindTheOtherDecides) {
   begin();

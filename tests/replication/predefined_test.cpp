@@ -1,4 +1,4 @@
-// What a world moves by itself, on several peers: the same everywhere, without a word about it.
+// Objects that the world moves by itself, on several peers: they move the same everywhere, without an update.
 #include <gmock/gmock.h>
 
 #include "tests/replication/lan.hpp"
@@ -47,8 +47,8 @@ TEST(Predefined, IsTheSameOnAllPeersWithoutTraffic) {
   for (std::size_t i = 0; i < lan.size(); ++i) EXPECT_EQ(lan.peer(i).counters().updates_out, 0u);
 }
 
-// Peer 1 comes into a later session by peer 5, which goes, or begins anew, before it has said when world time began
-// there.
+// Peer 1 comes into a later session through peer 5, which leaves, or restarts, before it has announced when world time
+// began there.
 TEST(Predefined, WorldTimeContinuesWhenItsSourceLeaves) {
   for (const auto& [size, restarts] : {std::pair(2u, false), {3u, false}, {2u, true}, {3u, true}}) {
     SCOPED_TRACE(testing::Message() << size << (restarts ? " restarts" : ""));
@@ -77,8 +77,8 @@ TEST(Predefined, WorldTimeContinuesWhenItsSourceLeaves) {
   }
 }
 
-// A computer that stands still with its clock comes back into a session it knows: PLATE leaves its path until somebody
-// says anew when world time began.
+// A suspended computer whose clock stood still returns to a session that it knows: PLATE leaves its path until a peer
+// announces again when world time began.
 TEST(Predefined, AReturningPeerReceivesWorldTimeAtOnce) {
   const World world(kMachine + box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PLATE\" \"ARM\""));
   for (const Duration came : {22000ms, 22300ms, 22600ms, 22900ms}) {
@@ -99,7 +99,8 @@ TEST(Predefined, AReturningPeerReceivesWorldTimeAtOnce) {
   }
 }
 
-// BALL flies at PLATE, which comes to meet it: both peers know when, the one that only watches without an update.
+// BALL flies at PLATE, which comes to meet it: both peers predict the time, and the one that only watches needs no
+// update.
 TEST(Predefined, BouncesWhatItMeets) {
   const World world(kMachine + box("BALL", "1 1 1", "-2 0 0", std::string(kBounces) + "velocityVector 1 0 0 ") +
                     interest("BALL", "\"PLATE\""));
@@ -116,9 +117,9 @@ TEST(Predefined, BouncesWhatItMeets) {
   lan.run_until(11s);
   const auto met = lan.contacts(0, ContactKind::kOwner);
   ASSERT_THAT(met, SizeIs(1));
-  // Fronts at -1.5 + t and 9.5 - t.
+  // The fronts are at -1.5 + t and 9.5 - t.
   EXPECT_NEAR(to_seconds(met[0].contact.at - start), 5.5, 1e-8);
-  // INVERSE against what doesn't answer mirrors the relative velocity: 1 becomes -1 - 2 = -3.
+  // The response INVERSE against an object that does not answer mirrors the relative velocity: 1 becomes -1 - 2 = -3.
   EXPECT_NEAR(met[0].contact.collider_after.velocity.x(), -3.0, 1e-7);
   const auto predicted = lan.contacts(1, ContactKind::kPredicted);
   ASSERT_THAT(predicted, SizeIs(1));

@@ -9,7 +9,7 @@ namespace peerd::replication::session_keeper_test {
 
 using namespace test;
 
-// Peer 5 owns O0, which stands until it is launched, and O1, which something drives.
+// Peer 5 owns O0, which stands until it is launched, and O1, which a driver moves.
 class Keeping : public testing::Test {
  protected:
   static PeerConfig make(const World& world) {
@@ -17,7 +17,7 @@ class Keeping : public testing::Test {
     c.owned[0].launch = {2s, Vec3(1, 0, 0)};
     return c;
   }
-  // Until its session begins, at 1 s.
+  // Runs until the session begins, at 1 s.
   void found() {
     for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
     ASSERT_TRUE(p.replica.begun());

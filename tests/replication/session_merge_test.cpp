@@ -3,7 +3,7 @@
 
 #include "tests/replication/lan.hpp"
 
-// Two sessions that founded themselves apart meet: the one whose time is later goes on, the other's peers step forward
+// Two sessions that were founded apart meet: the one whose time is later continues, and the other's peers step forward
 // into it.
 namespace peerd::replication::session_merge_test {
 
@@ -33,7 +33,7 @@ TEST_P(SessionsMeet, TheEarlierPeerStepsOnceAndEverythingGoesOn) {
   EXPECT_EQ(lan.peer(0).follows(), PeerId{1});
   EXPECT_EQ(lan.peer(1).follows(), PeerId{1}) << "the lower leads, whoever had to step";
 
-  // B has neither stopped nor jumped on the way, and peer 1 knows where it is; A likewise at peer 2.
+  // B has neither stopped nor jumped on the way, and peer 1 knows where it is; the same holds for A at peer 2.
   const SimTime now = lan.session_now(0);
   const KinematicState b = lan.peer(1).truth(world["B"], now);
   EXPECT_NEAR(b.position.z() - b_before.position.z(), 2.0 * 4.0, 1e-6);
@@ -41,8 +41,8 @@ TEST_P(SessionsMeet, TheEarlierPeerStepsOnceAndEverythingGoesOn) {
   EXPECT_LT((lan.peer(1).ghost(world["A"], now).position - lan.peer(0).truth(world["A"], now).position).norm(), 0.01);
   EXPECT_GT(lan.peer(1).counters().ticks, 7u * 55u);  // it has not waited for the old time to come again
 }
-// Until the other has stepped into it, nothing of what that one runs is told in this session: nothing meets it where
-// the file has it.
+// Until the other peer has stepped into this session, it publishes no state of its objects here, so nothing collides
+// with them at their places in the file.
 TEST(SessionsMeeting, NothingCollidesWithUnpublishedObjects) {
   const World world(box("BALL", "1 1 1", "-19 0 0", std::string(kBounces) + "velocityVector 5 0 0 ") +
                     box("BOX", "1 1 1", "0 0 0", std::string(kBounces) + "velocityVector 0 0 5 ") +

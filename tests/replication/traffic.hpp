@@ -3,7 +3,7 @@
 
 #include "tests/replication/messages.hpp"
 
-// A town's traffic, as one peer tells of it: half walkers, half vehicles, within 500 m of its centre, on hilly ground.
+// A town's traffic as one peer publishes it: half walkers, half vehicles, within 500 m of its centre, on hilly ground.
 namespace peerd::replication::test {
 
 class Traffic {

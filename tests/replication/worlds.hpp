@@ -9,7 +9,7 @@
 #include "core/scene/reader.hpp"
 #include "replication/motion/motion_world.hpp"
 
-// Small worlds of boxes, and short words for states and times.
+// Small worlds of boxes, and short names for states and times.
 namespace peerd::replication::test {
 
 using namespace std::chrono_literals;
@@ -60,7 +60,7 @@ inline SimTime sim(Duration since_epoch) { return SimTime{since_epoch}; }
 inline HostTime host(Duration since_epoch) { return HostTime{since_epoch}; }
 inline Duration seconds(double s) { return from_seconds(s); }
 
-// Bit for bit, so that -0 and 0 differ.
+// The comparison is bit for bit, so that -0 and 0 differ.
 inline bool same_bits(const KinematicState& a, const KinematicState& b) {
   const auto flat = [](const KinematicState& s) {
     Eigen::Matrix<double, 16, 1> all;

@@ -137,7 +137,7 @@ TEST(Extents, RecordsRoundByHalfAStepEverywhere) {
         const UpdateRecord rounded = quantised(r, {tolerance, 1.0});
         const Vec3 off = (rounded.model.state.position - r.model.state.position).cwiseAbs();
         worst_m = std::max(worst_m, off.maxCoeff());
-        if (!rounded.position_step_log2) {  // more steps away than there are: told exactly
+        if (!rounded.position_step_log2) {  // more steps away than there are: published exactly
           ASSERT_EQ(off, Vec3(Vec3::Zero()));
           continue;
         }

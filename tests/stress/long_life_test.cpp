@@ -16,7 +16,7 @@ TEST(LongLife, AnHourChangesNothing) {
   EXPECT_GT(life.updates, 700u);
   EXPECT_LT(life.norm_error, kNormBound);
   EXPECT_LT(life.spinner_error_rad, kSpinnerBound_rad);
-  EXPECT_LT(life.ball_error_m, kBallBound_m) << "one law, told once";
+  EXPECT_LT(life.ball_error_m, kBallBound_m) << "one law, published once";
   EXPECT_LT(life.ball_speed_error, kBallSpeedBound);
   EXPECT_LT(life.mover_error_m, kMoverBound_m);
   EXPECT_LT(life.machine_error_m, kMachineBound_m);

@@ -53,7 +53,7 @@ TEST(TickLength, FromAMicrosecondToTenSecondsChangesNoContact) {
 
 // Whole peers, whose drivers call them when they please: the contacts of a's ball, as each of two knows them.
 struct Shared {
-  std::uint64_t told = 0;  // updates of the ball
+  std::uint64_t updates = 0;  // updates of the ball
   std::set<SimTime> owner, predicted;
   KinematicState owners, observers;
 };
@@ -90,7 +90,7 @@ Shared share(const World& world, std::uint32_t owner_hz, std::uint32_t observer_
   }
   lan.run_until(23s);
   Shared shared;
-  shared.told = lan.peer(0).counters().updates_out;
+  shared.updates = lan.peer(0).counters().updates_out;
   for (const ContactSeen& c : lan.contacts(0, ContactKind::kOwner)) {
     if (c.contact.at < SimTime{kEpoch + 20s}) shared.owner.insert(c.contact.at);
   }
@@ -124,10 +124,10 @@ TEST(TickLength, PausesChangeNoOutcome) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(seed);
     const Shared got = share(world, 60, 60, 1s, seed, 1min);
-    if (got.told != expected.told) continue;  // once more, for somebody who was away: the next test's
+    if (got.updates != expected.updates) continue;  // one more, for a peer that was away: see the next test
     EXPECT_EQ(got.owner, expected.owner);
     EXPECT_TRUE(same_bits(got.owners, expected.owners));
-    if (got.predicted.empty()) continue;  // it was away when the ball was told of
+    if (got.predicted.empty()) continue;  // it was away when the ball was published
     ++heard;
     EXPECT_TRUE(same_bits(got.observers, expected.observers));
   }
@@ -151,7 +151,7 @@ TEST(TickLength, RepublishingAtALateTickIsTheSameForAllPeers) {
     EXPECT_EQ(got.owners.velocity, expected.owners.velocity);
     rounded_otherwise |= got.owner != expected.owner;
   }
-  EXPECT_TRUE(rounded_otherwise) << "nothing was told again that could tell a ghost from its truth";
+  EXPECT_TRUE(rounded_otherwise) << "no update separated a ghost from its truth";
 }
 
 }  // namespace peerd::replication::ticks_test

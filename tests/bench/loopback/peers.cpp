@@ -112,8 +112,8 @@ class Side {
   }
   // Whether the other's i-th object is where that was put.
   [[nodiscard]] bool hears(std::size_t i) const {
-    const replication::UpdateRecord* told = node_->peer().last_update_of(others_[i % others_.size()]);
-    return told != nullptr && (told->model.state.position - place(i)).norm() < 0.01;
+    const replication::UpdateRecord* update = node_->peer().last_update_of(others_[i % others_.size()]);
+    return update != nullptr && (update->model.state.position - place(i)).norm() < 0.01;
   }
   [[nodiscard]] bool ready() const {
     const auto& members = node_->peer().members().all();

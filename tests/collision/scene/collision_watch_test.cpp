@@ -178,7 +178,7 @@ class Walk {
   bool bends_;
 };
 
-struct Teller {
+struct WatchUpdater {
   CollisionWatch& watch;
   void operator()(std::uint32_t t, const TransformFields& fields) const { watch.move(t, fields); }
   void operator()(std::uint32_t g, const Geometry& form) const { watch.reshape(g, form); }
@@ -195,7 +195,7 @@ TEST_P(Walks, EveryTickIsWhatANewQueryAnswers) {
   oracle.expect(watch, watch.tick(), true);
   for (int tick = 0; tick < 1500 && !HasFailure(); ++tick) {
     SCOPED_TRACE(tick);
-    walk.step(oracle, Teller{watch});
+    walk.step(oracle, WatchUpdater{watch});
     if (tick % 3 == 0) watch.set_transforms(oracle.transforms);
     oracle.expect(watch, watch.tick(), tick % 4 != 0);
   }
@@ -221,7 +221,7 @@ TEST(CollisionWatch, AnswersDontDependOnWhatIsRemembered) {
   Walk walk(scene, 77, false);
   for (int tick = 0; tick < 600; ++tick) {
     walk.step(oracle, [&](std::uint32_t t, const auto& what) {
-      for (CollisionWatch& watch : watches) Teller{watch}(t, what);
+      for (CollisionWatch& watch : watches) WatchUpdater{watch}(t, what);
     });
     const auto expected = list(watches[0].tick().colliding);
     for (std::size_t w = 1; w < watches.size(); ++w) {

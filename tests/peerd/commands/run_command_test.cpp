@@ -170,11 +170,11 @@ TEST_F(PeerProcess, AKilledPeerIsLostAndATerminatedOneLeavesAtOnce) {
   EXPECT_LT(noticed.count(), 2.0 + 0.2) << "2 s, and what this test takes to read it";
   EXPECT_EQ(c.exit_code(1), -1);
 
-  const auto told = std::chrono::steady_clock::now();
+  const auto asked = std::chrono::steady_clock::now();
   a.signal(SIGTERM);
   EXPECT_EQ(a.exit_code(2), 0);
   EXPECT_TRUE(b.says("peer a (id 1) left", 2)) << b.out();
-  const std::chrono::duration<double> left = std::chrono::steady_clock::now() - told;
+  const std::chrono::duration<double> left = std::chrono::steady_clock::now() - asked;
   EXPECT_LT(left.count(), 0.5) << "a goodbye, not a silence";
   EXPECT_THAT(b.out(), HasSubstr("CAR stands still"));
   EXPECT_THAT(b.out(), Not(HasSubstr("peer a (id 1) is lost")));

@@ -123,7 +123,7 @@ TEST_F(ScenarioTest, ReadsWhatTheFileSays) {
 
 TEST_F(ScenarioTest, ModelsAndBudget) {
   const auto plain = read("world = \"w\"\n[peer.a]\nid = 1").runs.front().replication.policy;
-  EXPECT_FALSE(plain.models) << "of `order`, as the seed has it";
+  EXPECT_FALSE(plain.models) << "the models are those of `order`, as in the thesis";
   EXPECT_EQ(plain.wanted_error_m, 0.0);
   EXPECT_EQ(plain.copies, 1u);
   const Scenario s =

@@ -173,7 +173,7 @@ TEST(PoseFeed, StandsAtItsPlaceBeforeTheFirstPose) {
   const KinematicState s = feed.at(after(1.01));
   EXPECT_EQ(s.position, Vec3(4, 5, 6));
   EXPECT_EQ(s.velocity, Vec3::Zero()) << "it was put there; that is no motion from its place";
-  EXPECT_EQ(s.orientation.coeffs(), place.orientation.coeffs()) << "not told, so as it was";
+  EXPECT_EQ(s.orientation.coeffs(), place.orientation.coeffs()) << "the pose has none, so it is unchanged";
 }
 
 TEST(PoseFeed, TheOrderOfArrivalDoesNotMatter) {

@@ -92,13 +92,13 @@ TEST_F(PeerNodeFeed, GhostErrorsAboveTheThresholdArePublishedAtOnce) {
   now += 1ms;
   EXPECT_EQ(jumps_to(8.0), 0u) << "once between two ticks";
   run(20ms);
-  EXPECT_NEAR(believed(), 8.0, 0.01) << "the tick told";
+  EXPECT_NEAR(believed(), 8.0, 0.01) << "the tick published it";
   EXPECT_EQ(jumps_to(8.0), 0u) << "nobody is wrong about it";
-  const std::uint64_t told = count("updates_out");
+  const std::uint64_t before = count("updates_out");
   now += 20ms;  // a due tick has not run yet
   EXPECT_GE(jumps_to(9.0), 1u);
   EXPECT_NEAR(believed(), 9.0, 0.01) << "it does not wait for the tick after";
-  EXPECT_EQ(count("updates_out"), told + 1);
+  EXPECT_EQ(count("updates_out"), before + 1);
   EXPECT_EQ(count("updates_at_once"), 2u);
 }
 

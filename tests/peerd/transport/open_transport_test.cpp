@@ -83,7 +83,7 @@ TEST_F(OpenTransport, LoIsNoAnswerForWhoHasPeersToReach) {
     EXPECT_EQ(kind_of(over("", MulticastUse::kAuto)), "multicast");
     EXPECT_THAT(kind_of(over("", MulticastUse::kAuto, {"192.0.2.2:4000"})),
                 HasSubstr("unicast: lo, as no other can multicast"));
-    EXPECT_EQ(kind_of(over("lo", MulticastUse::kAuto, {"192.0.2.2:4000"})), "multicast") << "as it was told to";
+    EXPECT_EQ(kind_of(over("lo", MulticastUse::kAuto, {"192.0.2.2:4000"})), "multicast") << "as configured";
   });
 }
 

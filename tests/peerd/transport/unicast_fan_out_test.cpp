@@ -93,7 +93,7 @@ TEST_F(UnicastFanOutTest, ThreeMessagesAreEnoughToKnowWhatTheOtherWants) {
       peer->transport->flush();
     }
   }
-  for (auto* peer : {&a, &b, &c}) EXPECT_EQ(peer->transport->peers().size(), 2u) << "a has told b and c of each other";
+  for (auto* peer : {&a, &b, &c}) EXPECT_EQ(peer->transport->peers().size(), 2u) << "a has introduced b and c to each other";
   const auto before = a.transport->counters().greetings_out;
   for (int i = 0; i < 10; ++i) {
     for (auto* peer : {&a, &b, &c}) {
@@ -143,7 +143,7 @@ TEST_F(UnicastFanOutTest, ARegionGoesToWhoWantsItAlone) {
   EXPECT_THAT(b.heard, ElementsAre(Pair(1, "one"), Pair(2, "two")));
   EXPECT_THAT(c.heard, ElementsAre(Pair(2, "two")));
 
-  EXPECT_TRUE(b.transport->leave(RegionId{1}));  // not flushed, so a has not been told
+  EXPECT_TRUE(b.transport->leave(RegionId{1}));  // not flushed, so a does not know of it
   a.send(1, "too late"), a.send(2, "marker");
   ASSERT_TRUE(run_until(io, [&] { return b.heard.size() == 3; }));
   EXPECT_THAT(b.heard.back(), Pair(2, "marker"));
@@ -188,12 +188,12 @@ TEST_F(UnicastFanOutTest, APeerWithAStaleInstanceIsAnswered) {
     const std::size_t size = other.receive(asio::buffer(bytes), 0, ec);
     return ec ? std::nullopt : decode_greeting(std::span(bytes).first(size), true);
   };
-  const auto told = answer_to({.instance = 5, .number = 6, .echo = 12345});
-  ASSERT_TRUE(told);
-  EXPECT_NE(told->instance, 5u);
-  EXPECT_NE(told->number, 0u);
-  EXPECT_EQ(told->echo, 6u);
-  EXPECT_TRUE(told->reply);
+  const auto answer = answer_to({.instance = 5, .number = 6, .echo = 12345});
+  ASSERT_TRUE(answer);
+  EXPECT_NE(answer->instance, 5u);
+  EXPECT_NE(answer->number, 0u);
+  EXPECT_EQ(answer->echo, 6u);
+  EXPECT_TRUE(answer->reply);
   EXPECT_FALSE(answer_to({.instance = 5, .echo = 12345, .leaving = true}));
   EXPECT_FALSE(answer_to({.instance = 5}));
   EXPECT_THAT(a.transport->peers(), IsEmpty());

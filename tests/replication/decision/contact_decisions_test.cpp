@@ -9,7 +9,7 @@ namespace peerd::replication::contact_decisions_test {
 
 using namespace test;
 
-// A is this peer's, B peer `other`'s, C peer 9's.
+// This peer owns A, peer `other` owns B, and peer 9 owns C.
 class Deciding : public testing::Test {
  protected:
   explicit Deciding(std::uint32_t self = 2, std::uint32_t remote = 3) : other(remote), conf(config(self, {{a}})) {
@@ -45,7 +45,7 @@ class Deciding : public testing::Test {
     return {e.collider,       e.collidee,        e.at, e.normal, e.collider_before, e.collidee_before, e.collider_after,
             e.collidee_after, DecisionRule::kId, {}};
   }
-  // Long enough for a deferred contact of 10 s.
+  // The time is long enough for a deferred contact of 10 s.
   Duration patience() const { return 10s + 2 * members.longest_latency() + 3 * conf.hello_period; }
   std::size_t decided() { return drain<ContactSeen>(outbox).size(); }
 
@@ -63,7 +63,7 @@ class Deciding : public testing::Test {
   Outbox outbox{conf.id, conf.incarnation, counters};
   ContactDecisions decisions{conf, *world.model, members, owners, own, replica, ticks, outbox, counters};
 };
-// The other one's id is lower.
+// The other peer has the lower id.
 class Deferring : public Deciding {
  protected:
   Deferring() : Deciding(3, 2) {}

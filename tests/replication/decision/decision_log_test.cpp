@@ -95,7 +95,8 @@ TEST(DecisionLog, DecisionsOfOnePeerFollowEachOther) {
   EXPECT_EQ(standing(log).size(), 3u);
 }
 
-// Whatever the order and the copies, the same stand, and the changes told add up to that.
+// The standing decisions do not depend on the order and the number of copies, and the changes that the log reports add
+// up to them.
 TEST(DecisionLogProperty, WhatStandsIsAFunctionOfTheSet) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(seed);
@@ -114,18 +115,18 @@ TEST(DecisionLogProperty, WhatStandsIsAFunctionOfTheSet) {
     for (int shuffle = 0; shuffle < 6; ++shuffle) {
       std::ranges::shuffle(all, rng);
       DecisionLog log;
-      std::set<std::tuple<ObjectId, SimTime, PeerId>> told;
+      std::set<std::tuple<ObjectId, SimTime, PeerId>> in_force;
       for (int copy = 0; copy < 2; ++copy) {
         for (const auto& [d, author] : all) {
           const auto changes = log.add(d, author);
           if (!changes) continue;
           for (const auto& c : *changes) {
             const std::tuple key(c.record.collidee, c.record.contact, c.author);
-            EXPECT_EQ(c.in_force ? told.insert(key).second : told.erase(key) == 1, true);
+            EXPECT_EQ(c.in_force ? in_force.insert(key).second : in_force.erase(key) == 1, true);
           }
         }
       }
-      EXPECT_EQ(told.size(), standing(log).size());
+      EXPECT_EQ(in_force.size(), standing(log).size());
       if (!expected) expected = standing(log);
       EXPECT_EQ(standing(log), *expected);
     }

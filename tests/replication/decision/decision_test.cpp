@@ -24,7 +24,7 @@ Contender stake(PeerId owner, double speed, double acceleration = 0.0, Duration 
 }
 Contender unknown(PeerId owner) { return {owner, std::nullopt, 100ms, true}; }
 
-// Of two owners, 1 and 2; who decides by each policy: id, velocity, field-of-view, expected-error, server.
+// Two owners, 1 and 2, and the peer that decides by each policy: id, velocity, field-of-view, expected-error, server.
 struct Case {
   const char* name;
   Contender one, two;
@@ -77,8 +77,8 @@ TEST(ExpectedError, GrowsWithSpeedAccelerationAndLatency) {
   EXPECT_DOUBLE_EQ(expected_error_m(moving({0, 0, 0}, {0, 0, 0}, {0, 0, 8}), 500ms), 1.0);
 }
 
-// Contacts that the two owners find a little apart are decided by the same instant's states, which lies far enough
-// back.
+// The two owners may find a contact at slightly different times. The decision goes by the states of one instant for
+// both, which lies far enough back.
 TEST(DecidedAsOf, IsOnAGridAndFarEnoughBack) {
   EXPECT_EQ(decided_as_of(sim(1000ms), 100ms), sim(900ms));
   EXPECT_EQ(decided_as_of(sim(1124ms), 100ms), sim(900ms));

@@ -76,8 +76,8 @@ TEST(Interest, WithoutRegionsItReceivesEverything) {
   EXPECT_FALSE(Interest(kGrid, kUsual).receives({0, 0, 0}));
 }
 
-// Areas that wander, jump and shake: what must be heard is, what is heard for nothing is within the hysteresis, and no
-// region is joined twice within the stay.
+// The areas wander, jump and shake. The peer joins every region that its area needs, joins needless ones only within
+// the hysteresis, and joins no region twice within the stay.
 TEST(Interest, HoldsItsBoundsWhateverTheAreasDo) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
@@ -121,7 +121,7 @@ TEST(RegionSettings, ASessionIsThatOfOneCut) {
   EXPECT_NE(a.session_hash(77), b.session_hash(77));
   b = a;
   b.hysteresis.margin_m = 2.0;
-  EXPECT_NE(a.session_hash(77), b.session_hash(77)) << "objects are told as late as all grow their areas for";
+  EXPECT_NE(a.session_hash(77), b.session_hash(77)) << "all grow their areas for the latest time at which an object is published";
   b = a;
   b.hysteresis.stay = 9s;
   b.lookahead = 1s;

@@ -67,7 +67,7 @@ TEST(RegionGrid, TouchedByHand) {
   EXPECT_EQ(grid.touched({9, 0, 9}, 1e9).size(), 16u);
 }
 
-// All cells around, one by one, each with its own box.
+// The oracle tests all cells around one by one, each with its own box.
 std::set<RegionId> brute_force(const RegionGrid& grid, double cell_m, const std::array<std::uint32_t, 3>& counts,
                                const Vec3& center, double radius_m) {
   std::set<RegionId> found;
@@ -138,7 +138,7 @@ TEST(RegionGrid, HowFarOutsideOfItsCell) {
     if (far) {
       EXPECT_GT(grid.outside_m(there, home), 0.0);
     }
-    // The circle around it that just reaches the cell touches the cell's region.
+    // The circle around the point that just reaches the cell touches the cell's region.
     EXPECT_TRUE(
         std::ranges::binary_search(grid.touched(there, grid.outside_m(there, home) + 1e-6), grid.region_of(home)));
   }

@@ -21,7 +21,7 @@ struct Watched {
   explicit Watched(const std::string& text) : world(text), motion(*world.model, sim(0s)), colliding(*world.model) {
     motion.declare(world["BALL"], Role::kAuthoritative);
   }
-  // Ticks of 100 ms until `to`.
+  // Advances in ticks of 100 ms until `to`.
   std::vector<Seen> until(Duration to) {
     std::vector<Seen> seen;
     for (; now <= to; now += 100ms) {
@@ -60,7 +60,8 @@ TEST(CollidingObjects, WhatStopsCollidesUntilItIsTakenAway) {
   EXPECT_THAT(w.until(6s), ElementsAre(Seen{ball, 5100ms, true}, Seen{right, 5100ms, true}));
 }
 
-// Between two stops that are as far apart as it is wide, it touches both, and is free when it touches none.
+// Two stops are as far apart as the object is wide. Between them it touches both, and it is free when it touches
+// neither.
 TEST(CollidingObjects, IsReportedOnceForSeveralPartners) {
   Watched w(box("BALL", "0.5 0.5 0.5", "0 0 0", kStops) + box("RIGHT", "1 50 50", "3.75 0 0") +
             box("UPPER", "50 1 50", "0 0.75 0") + interest("BALL", "\"RIGHT\" \"UPPER\""));
@@ -106,7 +107,7 @@ TEST(CollidingObjects, AllPeersReportTheSameForABounce) {
   EXPECT_NEAR(to_seconds(began[0][0] - start), 1.5, 0.02);
 }
 
-// The ghost runs on into what the car has stopped in front of. Its owner knows better.
+// The ghost continues into the obstacle at which the car has stopped. The car's owner knows better.
 TEST(CollidingObjects, AnOwnObjectIsReportedByItsTruthNotItsGhost) {
   const World world(box("CAR", "1 1 1", "-5 0 0") + box("CUBE", "1 1 1", "0 0 0") + interest("CAR", "\"CUBE\""));
   Lan lan(world, {5ms, 0ms, 0, 0});

@@ -17,7 +17,7 @@ using namespace test;
 constexpr Duration kOver = 200ms, kFrame = 10ms;
 constexpr auto kFree = [](const Vec3&, const Vec3&) { return true; };
 
-// Straight on at 2 m/s; at 1 s the news is that it has turned, and is 0.6 m away from where it was believed.
+// The ghost moves straight on at 2 m/s. At 1 s an update says that the object has turned, and is 0.6 m from the ghost.
 KinematicState before(SimTime t) { return advance(moving({0, 0, 0}, {2, 0, 0}), to_seconds(t - sim(0s))); }
 KinematicState after(SimTime t) {
   KinematicState turned = moving({2, 0.6, 0}, {1, 1, 0}, {0, 0.5, 0});
@@ -36,9 +36,9 @@ TEST_P(Converging, GoesFromWhereItWasToTheGhostInTime) {
   Convergence convergence({GetParam().method, kOver});
   std::vector<Vec3> way;
   for (Duration t = 0s; t <= 1500ms; t += kFrame) {
-    const bool told = t >= 1s;
-    const KinematicState ghost = told ? after(sim(t)) : before(sim(t));
-    const Pose shown = convergence.shown(sim(t), ghost, told ? 1u : 0u, kFree);
+    const bool updated = t >= 1s;
+    const KinematicState ghost = updated ? after(sim(t)) : before(sim(t));
+    const Pose shown = convergence.shown(sim(t), ghost, updated ? 1u : 0u, kFree);
     way.push_back(shown.position);
     const bool on_it = t < 1s || t >= 1s - kFrame + kOver || GetParam().method == ConvergenceMethod::kJump;
     if (on_it) {
@@ -92,7 +92,7 @@ TEST(Convergence, WhatMayNotPassJumps) {
   EXPECT_EQ(convergence.blocked(), 1u);
 }
 
-// The news is that it was thrown over the wall half a second ago.
+// The update says that the object was thrown over the wall half a second ago.
 TEST(Convergence, WhatMayNotPassFollowsTheGhostsOwnWay) {
   for (const auto method : {ConvergenceMethod::kLinear, ConvergenceMethod::kCubic, ConvergenceMethod::kParabola}) {
     Convergence convergence({method, kOver});
@@ -102,7 +102,7 @@ TEST(Convergence, WhatMayNotPassFollowsTheGhostsOwnWay) {
       return t < thrown ? at_rest(ball.pose()) : advance(ball, to_seconds(t - thrown));
     };
     const auto was = [&](SimTime t) { return std::optional(over(t).pose()); };
-    // Up to y = 2 at x = 0.
+    // The path leads up to y = 2 at x = 0.
     const auto wall = [](const Vec3& from, const Vec3& to) {
       if ((from.x() < 0) == (to.x() < 0)) return true;
       return from.y() + (to.y() - from.y()) * from.x() / (from.x() - to.x()) > 2.0;
@@ -110,11 +110,11 @@ TEST(Convergence, WhatMayNotPassFollowsTheGhostsOwnWay) {
     Vec3 last(-5, 0, 0);
     std::size_t frames = 0;
     for (SimTime t = sim(0s); t < sim(2s); t += kFrame) {
-      const bool told = t >= heard;
-      const KinematicState ghost = told ? over(t) : at_rest(ball.pose());
-      const Vec3 now = convergence.shown(t, ghost, told ? 1u : 0u, wall, was).position;
+      const bool updated = t >= heard;
+      const KinematicState ghost = updated ? over(t) : at_rest(ball.pose());
+      const Vec3 now = convergence.shown(t, ghost, updated ? 1u : 0u, wall, was).position;
       ASSERT_TRUE(wall(last, now)) << "from " << last.transpose() << " to " << now.transpose();
-      frames += told && now != ghost.position;
+      frames += updated && now != ghost.position;
       last = now;
     }
     EXPECT_EQ(last, over(sim(1990ms)).position);
@@ -125,8 +125,8 @@ TEST(Convergence, WhatMayNotPassFollowsTheGhostsOwnWay) {
   }
 }
 
-// The object follows the ghost's trail until nothing of it can be reached any more, be it that everything is barred, or
-// that where the ghost was is not known any more. It waits for as long as a way back takes, and then jumps.
+// The object follows the ghost's trail until it can reach no place on it, because everything is barred or because the
+// ghost's former places are forgotten. It waits for as long as a way back takes, and then jumps.
 TEST(Convergence, WaitsOnABarredTrailNoLongerThanAWayBackTakes) {
   for (const bool forgotten : {false, true}) {
     Convergence convergence({ConvergenceMethod::kLinear, kOver});
@@ -166,7 +166,7 @@ PeerConfig joins(const World& world, std::uint32_t id, const char* owns, Converg
   return config;
 }
 Duration phase(SimTime t) { return t.time_since_epoch() - kEpoch; }
-// From x = -1 to x = 1, and nobody sees how.
+// The object goes from x = -1 to x = 1, and nobody sees how.
 KinematicState carried(SimTime t) { return moving({phase(t) < 3s ? -1.0 : 1.0, 0, 0}); }
 
 TEST(Convergence, APeerDrawsNothingThroughAWall) {
@@ -187,8 +187,8 @@ TEST(Convergence, APeerDrawsNothingThroughAWall) {
   EXPECT_EQ(lan.peer(1).counters().convergence_blocked, 1u);
 }
 
-// Who drew it a second ago no longer knows where its own wall was then: that the wall has been on the other side in
-// between hinders nothing.
+// A peer that drew the ball a second ago no longer knows where its own wall was then. The wall has been on the other
+// side in between, which hinders nothing.
 TEST(Convergence, AnOwnWallBeyondTheHistoryBlocksNothing) {
   const World world(box("BALL", "0.5 0.5 0.5", "-1 0 0", kBounces) + box("WALL", "0.2 9 9", "-5 0 0") +
                     interest("BALL", "\"WALL\""));

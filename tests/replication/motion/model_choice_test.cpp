@@ -44,7 +44,7 @@ struct Case {
   MotionKind expected;
 };
 class Chosen : public testing::TestWithParam<Case> {};
-// Each is what its motion is, and so is right for long after one update.
+// The chosen kind is the law of the motion, so its prediction stays right for long after one update.
 TEST_P(Chosen, IsTheLawThatMovesIt) {
   ModelChooser chooser = after(GetParam().motion, 60);
   const MotionModel model = chooser.choose();
@@ -62,7 +62,8 @@ INSTANTIATE_TEST_SUITE_P(Table, Chosen,
                                          Case{"Wave", wave, MotionKind::kOscillating}),
                          [](const auto& c) { return std::string(c.param.name); });
 
-// What brakes could go backwards afterwards, or stop: until it has stopped once nothing tells, so the two are one.
+// An object that brakes could go backwards afterwards, or stop. Until it has stopped once nothing distinguishes the
+// two, so the chooser treats them as one.
 TEST(Choice, OfWhatBrakesEndsAtRestWhereThatIsAllowed) {
   ModelPolicy policy;
   policy.allowed.fill(false);
@@ -87,7 +88,7 @@ TEST(Choice, KeepsToWhatIsAllowed) {
   }
 }
 
-// A bounce tells nothing about what was predicted before it, and no derivative is taken across it.
+// A bounce says nothing about predictions from before it, and no derivative is taken across it.
 TEST(Choice, ForgetsAtACorner) {
   const double corner = to_seconds(tick(60) - tick(0)) - 1e-6;
   const Motion bounces = [&](double t) {
@@ -104,7 +105,7 @@ TEST(Choice, ForgetsAtACorner) {
   EXPECT_LT((evaluate(model, 0.5).position - bounces(now + 0.5).position).norm(), 1e-3);
 }
 
-// Samples that shake: what extrapolates their second derivative would be off by metres.
+// The samples shake: a model that extrapolates their second derivative would be off by metres.
 TEST(Choice, OfNoiseIsWhatNoiseMovesLeast) {
   std::mt19937_64 rng(5);
   std::normal_distribution<double> noise;
@@ -157,7 +158,7 @@ TEST(Choice, OfASpinThatChangesNamesItsAcceleration) {
   EXPECT_TRUE(after(spins, 60).choose().angular_acceleration_body.isZero(0.0));
 }
 
-// Whatever comes in, what goes out is what receivers take.
+// Whatever samples come in, receivers accept the chosen model.
 TEST(Choice, OfNonsenseIsWithinLimits) {
   std::mt19937_64 rng(9);
   ModelChooser chooser(ModelPolicy{});

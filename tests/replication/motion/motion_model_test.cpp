@@ -39,7 +39,7 @@ MotionModel sliding(const Vec3& v, const Vec3& a) {
   return m;
 }
 
-// ---- closed forms against what they are the closed form of ----
+// ---- closed forms against the motions that they describe ----
 
 TEST(Evaluate, FirstAndSecondOrderAreTheProjectsOwn) {
   const KinematicState s = moving({1, 2, 3}, {4, 5, 6}, {0, -9.81, 0});
@@ -64,7 +64,8 @@ TEST(Evaluate, TurningGoesRoundACircle) {
 }
 
 TEST(Evaluate, OscillatingIsAWaveOnEachAxis) {
-  // x: a half-period wave with a drift; y: slower; z: no rate, so a cubic.
+  // Along x the motion is a half-period wave with a drift, along y a slower one, and along z a cubic, because its rate
+  // is 0.
   const double t = 1.3;
   const auto wave = [](double s, double w, double phase, int derivative) {
     return std::pow(w, derivative) * 5.0 * std::sin(w * s + phase + derivative * kPi / 2);
@@ -100,7 +101,7 @@ TEST(Evaluate, SlidingComesToRestWhereFrictionEndsItAndStays) {
   }
 }
 
-// Where a stop in nanoseconds rounds to a whole number from above, the piece behind it must not begin before it.
+// A stop may round up to a whole number of nanoseconds. The piece behind it must not begin before the stop.
 TEST(Pieces, OfWhatHasSlidToRestStand) {
   for (const auto& [v, by] : {std::pair{3.45, 1.25}, {0.47, 0.5}, {0.47, 1.0}, {1.88, 0.5}, {4.0, 2.0}}) {
     const MotionPiece last = piece_at(sliding({v, 0, 0}, {-by, 0, 0}), from_seconds(10.0));
@@ -196,7 +197,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Cut{"Sliding", sliding({4, 0, 0}, {-2, 0, 0})}, Cut{"Spin", speeding_up_its_spin()}),
     [](const auto& c) { return std::string(c.param.name); });
 
-// Work is bounded, whatever a record says: at most 10 s of pieces of 4 ms.
+// Work is bounded whatever a record says: a model has at most 10 s of pieces of 4 ms.
 TEST(PieceEnd, ComesSeldomAndAtLastNoMore) {
   MotionModel m = third(moving({0, 0, 0}), {1e9, 0, 0});
   m.angular_acceleration_body = {2e3, 0, 0};
@@ -245,7 +246,7 @@ TEST(Rebased, IsTheSameMotion) {
 
 // ---- contacts ----
 
-// |5 sin| is what a spring of that rate does that is mirrored at x = 0: one law, for ever.
+// A spring whose motion is 5 sin and which is mirrored at x = 0 moves along |5 sin|: one law, for ever.
 TEST(AfterContact, AnArcGoesOnAsItsMirrorImage) {
   const double w = 1.7;
   const auto arc = [&](double t) { return std::abs(5 * std::sin(w * t)); };

@@ -31,7 +31,7 @@ std::vector<SimTime> contact_times(MotionWorld& world) {
   for (const ContactEvent& c : contacts(world)) all.push_back(c.at);
   return all;
 }
-// What an observer still believes to have happened after all it was told.
+// The times of the contacts that the observer has not retracted after all updates.
 std::vector<SimTime> standing(MotionWorld& world) {
   std::vector<ContactEvent> all;
   for (const auto& e : drain(world)) {
@@ -71,8 +71,8 @@ TEST(MotionWorld, BouncesAtTheContactTimeWhereverTicksLie) {
   EXPECT_NEAR(world.at(w["BALL"], sim(1300ms)).position.x(), 2.6, 1e-12);
 }
 
-// What a peer's ghosts live through: updates that arrive late and out of their order, and a world of several movers.
-struct Told {
+// Updates as a peer's ghosts receive them, late and out of order, in a world of several movers.
+struct Update {
   Duration when;  // arrives
   const char* object;
   Duration at;  // says how it moves from then on
@@ -82,15 +82,15 @@ struct Lived {
   std::vector<SimTime> contacts;
   std::vector<KinematicState> states;
 };
-Lived live(const World& w, const std::vector<Told>& told, const std::function<Duration(Duration)>& next_tick) {
+Lived live(const World& w, const std::vector<Update>& updates, const std::function<Duration(Duration)>& next_tick) {
   MotionWorld world(*w.model, sim(0s));
   for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kPredicted);
   Lived lived;
-  auto next = told.begin();
+  auto next = updates.begin();
   Duration now = 0s;
   while (now < 6s) {
     const Duration tick = std::min<Duration>(next_tick(now), 6s);
-    for (; next != told.end() && next->when <= tick; ++next) {
+    for (; next != updates.end() && next->when <= tick; ++next) {
       world.advance(sim(next->when));
       world.set_base(w[next->object], sim(next->at), next->state);
     }
@@ -111,32 +111,32 @@ TEST(MotionWorld, AnyFrameRateGivesTheSameBits) {
     SCOPED_TRACE(seed);
     std::mt19937_64 rng(seed);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
-    std::vector<Told> told = {{0s, "BALL", 0s, moving({-1, 0, 0}, {3 * u(rng), 0, 0})},
+    std::vector<Update> updates = {{0s, "BALL", 0s, moving({-1, 0, 0}, {3 * u(rng), 0, 0})},
                               {0s, "CUBE", 0s, moving({1, 0, 0}, {3 * u(rng), 0, 0}, {u(rng), 0, 0})}};
     Duration when = 0s;
     for (int i = 0; i < 8; ++i) {
       when += 300ms + seconds(0.3 * (1 + u(rng)));
       const bool ball = i % 2 == 0;
       const Duration at = when - seconds(0.15 * (1 + u(rng)));
-      told.push_back({when, ball ? "BALL" : "CUBE", at, moving({ball ? -2.0 : 2.0, 0, 0}, {2 * u(rng), 0, 0})});
+      updates.push_back({when, ball ? "BALL" : "CUBE", at, moving({ball ? -2.0 : 2.0, 0, 0}, {2 * u(rng), 0, 0})});
     }
     const auto every = [](Duration period) { return [=](Duration t) { return t + period; }; };
-    const Lived expected = live(w, told, every(seconds(1.0 / 60)));
+    const Lived expected = live(w, updates, every(seconds(1.0 / 60)));
     EXPECT_GE(expected.contacts.size(), 1u);
     const auto same = [&](const Lived& lived) {
       return lived.contacts == expected.contacts &&
              std::ranges::equal(lived.states, expected.states,
                                 [](const auto& a, const auto& b) { return same_bits(a, b); });
     };
-    EXPECT_TRUE(same(live(w, told, every(seconds(1.0 / 30)))));
-    EXPECT_TRUE(same(live(w, told, every(seconds(1.0 / 144)))));
-    EXPECT_TRUE(same(live(w, told, every(7s))));
+    EXPECT_TRUE(same(live(w, updates, every(seconds(1.0 / 30)))));
+    EXPECT_TRUE(same(live(w, updates, every(seconds(1.0 / 144)))));
+    EXPECT_TRUE(same(live(w, updates, every(7s))));
     std::mt19937_64 ticks(seed);
-    EXPECT_TRUE(same(live(w, told, [&](Duration t) { return t + 1us * (1 + ticks() % 200'000); })));
+    EXPECT_TRUE(same(live(w, updates, [&](Duration t) { return t + 1us * (1 + ticks() % 200'000); })));
   }
 }
 
-// A ball between two walls is where folding its straight path says, however many bounces it took.
+// A ball between two walls is where the folding of its straight path puts it, however many bounces it has made.
 TEST(MotionWorld, ABounceChainFollowsTheFoldedPath) {
   const World w(corridor());
   for (const double speed : {0.7, 5.0, 97.3}) {
@@ -152,7 +152,7 @@ TEST(MotionWorld, ABounceChainFollowsTheFoldedPath) {
         ++bounces;
         ASSERT_LE(std::abs(c.collider_before.position.x()), 3.0 + 1e-12) << "a contact is before, never inside";
       }
-      // Each bounce is told up to a nanosecond early.
+      // Each bounce is reported up to a nanosecond early.
       ASSERT_NEAR(world.at(w["BALL"], sim(t)).position.x(), folded,
                   1e-9 * speed * 2 * (1.0 + static_cast<double>(bounces)));
     }
@@ -180,18 +180,18 @@ TEST(MotionWorld, ADrivenObjectsContactIsReportedOnceWithoutAResponse) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
   world.declare(w["BALL"], Role::kDriven);
-  std::size_t told = 0;
+  std::size_t found = 0;
   for (int i = 0; i <= 120; ++i) {  // into the wall by 0.5 m and out again
     const double t = i / 60.0, x = 3.5 - std::abs(t - 1.0) * 2.0, v = t < 1.0 ? 2.0 : -2.0;
     world.advance(sim(seconds(t)));
     world.set_base(w["BALL"], sim(seconds(t)), moving({x, 0, 0}, {v, 0, 0}));
     for (const ContactEvent& c : contacts(world)) {
-      ++told;
+      ++found;
       EXPECT_NEAR(to_seconds(c.at.time_since_epoch()), 0.75, 1e-6);
       EXPECT_TRUE(same_bits(c.collider_after, c.collider_before));
     }
   }
-  EXPECT_EQ(told, 1u);
+  EXPECT_EQ(found, 1u);
   EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 1.5, 1e-9);
 }
 
@@ -199,15 +199,15 @@ TEST(MotionWorld, ADrivenObjectsNextContactIsReported) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
   world.declare(w["BALL"], Role::kDriven);
-  std::size_t told = 0;
+  std::size_t found = 0;
   for (int i = 0; i <= 300; ++i) {  // four times against the right wall
     const double t = i / 60.0, phase = std::fmod(t, 1.25);
     const double x = phase < 0.625 ? 2.0 + 2.0 * phase : 4.5 - 2.0 * phase;
     world.advance(sim(seconds(t)));
     world.set_base(w["BALL"], sim(seconds(t)), moving({x, 0, 0}, {phase < 0.625 ? 2.0 : -2.0, 0, 0}));
-    told += contacts(world).size();
+    found += contacts(world).size();
   }
-  EXPECT_EQ(told, 4u);
+  EXPECT_EQ(found, 4u);
 }
 
 TEST(MotionWorld, SceneObjectsStayAndAreNotPaired) {
@@ -219,7 +219,7 @@ TEST(MotionWorld, SceneObjectsStayAndAreNotPaired) {
   EXPECT_EQ(world.counters().contact_searches, 0u);
 }
 
-// A pair of movers that fly at each other along x, mutual: BALL from -2, CUBE stands at 0.
+// Two movers that fly at each other along x and answer mutually: BALL comes from -2, CUBE stands at 0.
 std::string two_movers() {
   return box("BALL", "0.5 0.5 0.5", "-2 0 0", kBounces) + box("CUBE", "0.5 0.5 0.5", "0 0 0", kBounces) +
          interest("BALL", "\"CUBE\"");
@@ -252,7 +252,7 @@ TEST(MotionWorld, AnObjectWithoutAResponseIsSeenButNotTurned) {
   EXPECT_NEAR(world.at(w["BALL"], sim(3s)).position.x(), 6.0, 1e-12);
 }
 
-// ---- beliefs ----
+// ---- predictions ----
 
 TEST(MotionWorld, APredictedContactIsRetractedWhenItsCauseMovedOtherwise) {
   const World w(two_movers());
@@ -267,13 +267,13 @@ TEST(MotionWorld, APredictedContactIsRetractedWhenItsCauseMovedOtherwise) {
 
   world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}, {0, 5, 0}));  // it had left by then
   world.advance(sim(2s));
-  bool told = false;
+  bool retracted = false;
   for (const auto& e : drain(world)) {
     EXPECT_FALSE(std::holds_alternative<ContactEvent>(e));
     const auto* back = std::get_if<ContactsRetracted>(&e);
-    told = told || (back != nullptr && back->object == w["BALL"] && back->since < sim(1500ms));
+    retracted = retracted || (back != nullptr && back->object == w["BALL"] && back->since < sim(1500ms));
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(retracted);
   EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 0.0, 1e-9);
   EXPECT_EQ(world.counters().contacts_undone, 1u);
 
@@ -319,7 +319,7 @@ TEST(MotionWorld, ReportsChangedAndRestingObjects) {
   EXPECT_FALSE(world.is_at_rest_from(w["CUBE"], sim(4s))) << "it is about to move";
 }
 
-// What follows from a belief that was taken back is taken back too: BALL threw CUBE, CUBE threw LAST.
+// The consequences of a retracted prediction are retracted, too: BALL threw CUBE, and CUBE threw LAST.
 TEST(MotionWorld, TakingBackFollowsTheChain) {
   const World w(box("BALL", "0.5 0.5 0.5", "-2 0 0") + box("CUBE", "0.5 0.5 0.5", "0 0 0", kBounces) +
                 box("LAST", "0.5 0.5 0.5", "2 0 0", kBounces) + interest("CUBE", "\"BALL\"") +
@@ -391,7 +391,8 @@ TEST(MotionWorld, AnUpdateAfterTheContactHoldsItsOutcome) {
   EXPECT_EQ(world.base_time(w["BALL"]), sim(1900ms));
 }
 
-// A late update puts CUBE where BALL was before its owner's last word: nobody answers that any more.
+// A late update puts CUBE where BALL was before the last update of BALL's owner. Neither object answers that overlap
+// any more.
 TEST(MotionWorld, AnOverlapFromBeforeTheLastUpdateIsNotFoundOverAndOver) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
@@ -435,7 +436,7 @@ TEST(MotionWorld, SetBackOnlyOnOverlapAndOnlyWhereAsked) {
   }
 }
 
-// As above where the ball is a mesh and the walls are.
+// The same holds where the ball and the walls are meshes.
 TEST(MotionWorld, WhatIsNotConvexAnswersAlike) {
   for (const char* response : {kBounces, kStops}) {
     const World w("DEF BALL Transform { " + std::string(response) +
@@ -515,7 +516,7 @@ TEST(MotionWorld, WhatIsPressedAgainstAFloorComesToRestAndSlides) {
   EXPECT_EQ(world.counters().capped, 0u);
 }
 
-// On a slope no number is round: what rounding leaves of the push must not end the rest, nor let the box sink.
+// On a slope no number is round. The rounding error of the push must neither end the rest nor let the box sink.
 TEST(MotionWorld, WhatRestsOnASlopeGoesOnSliding) {
   for (const double slope : {0.1, 0.3, 0.7}) {
     SCOPED_TRACE(slope);
@@ -602,7 +603,7 @@ TEST(MotionWorld, OneAdvanceDoesBoundedWork) {
   EXPECT_EQ(world.counters().capped, 1u) << "it flies free now; nothing is left to catch up on";
 }
 
-// Between a wall and a press that gives no way there is no room for an answer: it stops, after a few.
+// Between a wall and a press that does not give way there is no room for an answer: the box stops after a few contacts.
 TEST(MotionWorld, WhatIsJammedStops) {
   const World w(corridor() + box("PRESS", "0.5 0.5 0.5", "0 0 0") + interest("BALL", "\"PRESS\""));
   MotionWorld world(*w.model, sim(0s));
@@ -637,7 +638,7 @@ TEST(MotionWorld, HistoryReachesBackAndEnds) {
   EXPECT_LE(world.counters().contact_searches - before, 40u);
 }
 
-// Objects that no interest names may be declared at any time; the pairs keep meaning what they meant.
+// Objects that no interest names may be declared at any time; the indices of the pairs keep their meaning.
 TEST(MotionWorld, ObjectsDeclaredLateLeaveThePairsAlone) {
   const World w(box("FIRST", "1 1 1", "0 20 0") + corridor() + box("LAST", "1 1 1", "0 -20 0"));
   MotionWorld world(*w.model, sim(0s));
@@ -687,7 +688,7 @@ TEST(MotionWorld, ManyMoversInACorridorStayInIt) {
   EXPECT_EQ(world.counters().capped, 0u);
 }
 
-// ---- what a scene doesn't need is not done ----
+// ---- work that a scene does not need is not done ----
 
 std::uint64_t looks(const MotionWorld& world) {
   const MotionWorld::Counters& c = world.counters();
@@ -722,7 +723,7 @@ TEST(MotionWorld, APairFarApartIsSparedItsSearch) {
   EXPECT_LE(world.counters().contact_searches, 3u);
 }
 
-// What was spared was apart: what went on before is over, and setBack goes there.
+// A pair that the search skipped was apart. Its earlier overlap is over, and setBack returns to this place.
 TEST(MotionWorld, APairThatWasSparedWasApart) {
   const World w(two_movers());
   MotionWorld world(*w.model, sim(0s));
@@ -770,7 +771,8 @@ TEST(MotionWorld, AnUnwatchedPairIsNotChecked) {
   EXPECT_THAT(contacts(world), IsEmpty());
 }
 
-// Each timeline forgets what ended more than 4 s before the latest advance(), then and not later, however it was told.
+// Each timeline forgets pieces that ended more than 4 s before the latest advance(), then and not later, in whatever
+// order the updates came.
 TEST(MotionWorld, ForgetsWhatIsOld) {
   const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + box("C", "1 1 1", "0 0 9") +
                 interest("A", "\"B\""));
@@ -778,27 +780,27 @@ TEST(MotionWorld, ForgetsWhatIsOld) {
   MotionWorld world(*w.model, sim(0s));
   struct Line {
     ObjectId id;
-    std::vector<SimTime> told;
+    std::vector<SimTime> updates;
   };
   std::vector<Line> lines = {{w["A"], {sim(0s)}}, {w["B"], {sim(0s)}}, {w["C"], {sim(0s)}}};
   for (const Line& line : lines) world.declare(line.id, Role::kPredicted);
   for (Duration now = 0s; now < 60s; now += 1ms + Duration{rng() % 700'000'000}) {
     for (Line& line : lines) {
-      for (auto tells = rng() % 3; tells > 0; --tells) {
+      for (auto count = rng() % 3; count > 0; --count) {
         const SimTime t = sim(now - Duration{rng() % 3'900'000'000});
-        std::erase_if(line.told, [&](SimTime told) { return told >= t; });
-        line.told.push_back(t);
+        std::erase_if(line.updates, [&](SimTime updated) { return updated >= t; });
+        line.updates.push_back(t);
         world.set_base(line.id, t, moving({0, 50, 0}));
       }
     }
     world.advance(sim(now));
     drain(world);
     for (Line& line : lines) {
-      while (line.told.size() > 1 && line.told[1] <= sim(now - 4s)) line.told.erase(line.told.begin());
-      ASSERT_TRUE(world.has_history_at(line.id, line.told.front()));
-      ASSERT_FALSE(world.has_history_at(line.id, line.told.front() - 1ns));
+      while (line.updates.size() > 1 && line.updates[1] <= sim(now - 4s)) line.updates.erase(line.updates.begin());
+      ASSERT_TRUE(world.has_history_at(line.id, line.updates.front()));
+      ASSERT_FALSE(world.has_history_at(line.id, line.updates.front() - 1ns));
       ASSERT_EQ(world.law_since(line.id, sim(now)),
-                line.told.back() <= sim(now) ? line.told.back() : line.told.front());
+                line.updates.back() <= sim(now) ? line.updates.back() : line.updates.front());
     }
   }
 }
@@ -811,7 +813,7 @@ TEST(MotionWorld, KeepsTheHistoryOfADrivenObjectAsLongAsConfigured) {
   for (MotionWorld* world : {&usual, &brief}) {
     world->declare(w["A"], Role::kDriven);
     world->declare(w["B"], Role::kAuthoritative);
-    world->declare(w["C"], Role::kDriven);  // seldom told
+    world->declare(w["C"], Role::kDriven);  // seldom updated
     for (Duration now = 0s; now <= 10s; now += 10ms) {
       for (const char* moved : {"A", "B"})
         world->set_base(w[moved], sim(now), moving({to_seconds(now), 9, 0}, {1, 0, 0}));
@@ -855,7 +857,7 @@ TEST(MotionWorld, KeepsOnlyTheLastSampleOfADrivenObjectWithoutPairs) {
   EXPECT_EQ(brief.revision(w["A"]), usual.revision(w["A"]));
 }
 
-// Its driver has given it to another peer; what is told late of its partner is from before what is kept of it.
+// The driver of A has given it to another peer. A late update of B is from before the history that is kept of A.
 TEST(MotionWorld, FindsNoContactBeyondTheHistory) {
   const World w(box("A", "1 1 1", "0 50 0") + box("B", "1 1 1", "-20 0 0", kBounces) + interest("B", "\"A\""));
   MotionWorld world(*w.model, sim(0s));
@@ -873,7 +875,7 @@ TEST(MotionWorld, FindsNoContactBeyondTheHistory) {
   EXPECT_NEAR(world.at(w["B"], sim(10s)).position.x(), 12.0, 1e-12);
 }
 
-// ---- laws that are no constant acceleration ----
+// ---- laws without a constant acceleration ----
 
 MotionModel spring(double amplitude, double rate) {  // from x = 0 to the right, with a drift along z
   MotionModel m = moving({0, 0, 0}, {amplitude * rate, 0, 1});
@@ -883,8 +885,8 @@ MotionModel spring(double amplitude, double rate) {  // from x = 0 to the right,
   return m;
 }
 
-// A spring of 4 m between walls 3 m to either side: the law goes on after each bounce as in the mirror. The contacts'
-// times have the pieces' error, and no more after ten bounces than after one.
+// A spring of 4 m swings between walls 3 m to either side, and its law continues after each bounce as in a mirror. The
+// contacts' times have the pieces' error, and no more after ten bounces than after one.
 TEST(MotionWorld, ALawGoesOnAfterItsBounces) {
   const World w(corridor());
   const double rate = 0.9, hit = std::asin(0.75) / rate;  // 4 sin(rate t) = 3
@@ -910,7 +912,7 @@ TEST(MotionWorld, ALawGoesOnAfterItsBounces) {
   }
 }
 
-// As for constant accelerations: when advance() is called changes nothing.
+// The result does not depend on when advance() is called, as for constant accelerations.
 TEST(MotionWorld, LawsDoNotDependOnHowOftenTheyAreEvaluated) {
   const World w(corridor());
   const auto lived = [&](Duration step) {
@@ -937,7 +939,7 @@ TEST(MotionWorld, AStoppedLawIsForgotten) {
   EXPECT_TRUE(s.velocity.isZero(0.0) && s.acceleration.isZero(0.0));
 }
 
-// What slides stops short of the wall, and is not searched for ever.
+// An object that slides stops short of the wall, and no search for a contact goes on for ever.
 TEST(MotionWorld, WhatSlidesComesToRestAndCostsNothingThen) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));

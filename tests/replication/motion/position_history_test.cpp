@@ -11,7 +11,7 @@ namespace peerd::replication::position_history_test {
 
 using namespace test;
 
-// Equations 4.3 to 4.6 as DESIGN mends them: a parabola gives itself back, whatever the two intervals.
+// Equations 4.3 to 4.6 of the thesis, corrected: they return a parabola unchanged, whatever the two intervals are.
 TEST(PositionHistory, IsTheParabolaThroughThreePositions) {
   const KinematicState s = moving({1, 2, 3}, {4, -5, 6}, {-0.7, 0.8, 0.9});
   for (const auto& [d1, d2] : {std::pair{0.1, 0.1}, std::pair{0.05, 0.2}, std::pair{0.3, 0.01}}) {
@@ -20,7 +20,7 @@ TEST(PositionHistory, IsTheParabolaThroughThreePositions) {
     EXPECT_FALSE(h.sharp_turn);
     EXPECT_LT((h.velocity - s.velocity).norm(), 1e-12);
     EXPECT_LT((h.acceleration - s.acceleration).norm(), 1e-10);
-    // 4.6, one interval on: (4 d1 + 2 d2) / (d1 + d2) is the factor of x0.
+    // Equation 4.6 one interval later: (4 d1 + 2 d2) / (d1 + d2) is the factor of x0.
     const KinematicState next = advance(moving(s.position, h.velocity, h.acceleration), d1);
     const Vec3 by_factors = 2 * d1 * d1 / (d2 * (d1 + d2)) * advance(s, -d1 - d2).position -
                             (2 * d1 / d2 + 1) * advance(s, -d1).position + (4 * d1 + 2 * d2) / (d1 + d2) * s.position;

@@ -74,7 +74,8 @@ Vec3 random_vector(std::mt19937_64& rng) {
   return {x, y, u(rng)};
 }
 
-// Seen from an other that goes on as it did, the speed towards it turns its sign and the rest stays: in any frame.
+// Relative to a partner that continues as before, the speed towards it changes its sign and the rest stays, in any
+// frame.
 TEST(Respond, InverseMirrorsInTheOthersFrame) {
   std::mt19937_64 rng(1);
   for (int i = 0; i < 1000; ++i) {
@@ -88,7 +89,8 @@ TEST(Respond, InverseMirrorsInTheOthersFrame) {
   }
 }
 
-// Two that both answer part, and neither is faster than it was: or a few that bounce off each other would explode.
+// Two objects that both answer part, and neither is faster than before. Otherwise a few that bounce off each other
+// would explode.
 TEST(Respond, TwoThatBothInvertPartAndGainNothing) {
   std::mt19937_64 rng(2);
   int approaching = 0;
@@ -149,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Struck{"WhatPartsKeepsItsSpeed", impulse(1, 0.5), impulse(1), 3, 1, true, 3}),
     [](const auto& c) { return std::string(c.param.name); });
 
-// Newton's and the conservation laws, for any two.
+// Newton's law of restitution and the conservation laws hold for any two bodies.
 TEST(Respond, ImpulseKeepsMomentumAndPartsByRestitution) {
   std::mt19937_64 rng(3);
   for (int i = 0; i < 1000; ++i) {

@@ -7,7 +7,7 @@
 
 namespace peerd::replication::schedule_test {
 
-// Any sequence of settings, at any size, against looking at all of them.
+// Any sequence of settings, at any size, gives the answers of a linear search.
 TEST(Schedule, FindsWhatIsDueInOrder) {
   std::mt19937_64 rng(1);
   for (const std::size_t count : {0u, 1u, 2u, 3u, 8u, 9u, 100u}) {

@@ -23,7 +23,7 @@ class Draw {
   }
   bool one_in(std::uint64_t n) { return rng_() % n == 0; }
 
-  // Of any kind, of a few metres a second.
+  // A model of any kind, with speeds of a few metres a second.
   MotionModel model() {
     MotionModel m;
     m.kind = kMotionKinds[rng_() % std::size(kMotionKinds)];
@@ -39,7 +39,7 @@ class Draw {
     if (one_in(3)) m.angular_acceleration_body = vec(10.0);
     return m;
   }
-  // Told a few times within a second from 0 on.
+  // The object is updated a few times within the second from 0 on.
   Timeline timeline() {
     Timeline line(sim(0s), model());
     for (Duration t = within(400ms); t < 1s; t += 1ms + within(400ms)) line.replace_from(sim(t), model(), std::nullopt);
@@ -88,7 +88,7 @@ TEST(SweptBound, HoldsTheWholeWay) {
   }
 }
 
-// What MotionWorld spares would have found nothing, wherever within the piece its search had begun.
+// A search that MotionWorld skips would have found no contact, wherever within the piece it had begun.
 TEST(SweptBound, WhatIsApartNeverMeets) {
   const World w = bodies();
   Draw draw(2);

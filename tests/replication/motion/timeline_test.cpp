@@ -47,7 +47,7 @@ TEST(Timeline, KeepsTheCauseOfEachPiece) {
   EXPECT_EQ(line.segment_at(sim(2s)).cause, ObjectId{9});
 }
 
-// Any sequence of edits against a map from instant to piece, which is the plain meaning of each.
+// Any sequence of edits gives the same as a map from instants to pieces, which is the plain meaning of each edit.
 TEST(Timeline, AgreesWithAMapOfPieces) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(seed);
@@ -91,7 +91,7 @@ TEST(Timeline, AgreesWithAMapOfPieces) {
   }
 }
 
-// The piece that was asked for last is kept: what is asked when, and what is told or forgotten between, changes no bit.
+// The timeline keeps the piece of the last query. Neither the order of queries nor edits between them change any bit.
 TEST(Timeline, AnswersDoNotDependOnWhatWasAskedBefore) {
   std::mt19937_64 rng(3);
   const auto draw = [&](double most) { return most * (2.0 * std::ldexp(static_cast<double>(rng() >> 11), -53) - 1.0); };

@@ -25,7 +25,7 @@ TEST(WorldModel, PairsAreUnorderedAndMutualWhereBothAreNamed) {
   EXPECT_THAT(w.model->unsupported, IsEmpty());
 }
 
-// Each pair is listed twice, and looked for among those before it.
+// Each pair is listed twice, so each is searched for among the earlier ones.
 TEST(WorldModel, ManyPairsAreFoundInLinearTime) {
   constexpr int kObjects = 500;
   std::string text, all;
@@ -51,7 +51,7 @@ TEST(WorldModel, NamesWhatItCannotAnswer) {
   EXPECT_THAT(w.model->unsupported[1], testing::HasSubstr("EGG"));
 }
 
-// What a scene doesn't ask for is not built.
+// Bodies that the scene does not need are not built.
 TEST(WorldModel, BuildsNothingThatNoInterestNames) {
   const std::string things =
       box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "0.5 0 0") + "Shape { geometry Sphere { } }\n";

@@ -70,8 +70,8 @@ TEST(GhostError, OfTheSurfaceCountsTheTurnByWhatItMoves) {
   EXPECT_EQ(ghost_error(truth, ghost).distance_m, 4.0);
 }
 
-// A displacement along the diagonal of the axes counts as what it is long: at the threshold it is still well, whichever
-// way it points, and a hair beyond it is not.
+// A displacement along the diagonal of the axes counts by its length: an object at the threshold needs no update,
+// whichever way the displacement points, and one a hair beyond it does.
 TEST(GhostError, OnTheDiagonalIsHeldAgainstTheThresholdLikeAnyOther) {
   PublishPolicy policy;
   const SimTime now = sim(100s);
@@ -84,7 +84,7 @@ TEST(GhostError, OnTheDiagonalIsHeldAgainstTheThresholdLikeAnyOther) {
   }
 }
 
-// Half a turn: the farthest that two orientations can be apart, and where q and -q are equally near.
+// Two orientations are at most half a turn apart; there q and -q are equally near.
 TEST(GhostError, OfTwoOrientationsHalfATurnApartIsPi) {
   for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 2, 2)}) {
     for (const double sign : {1.0, -1.0}) {
@@ -114,7 +114,7 @@ TEST(Urgency, DependsOnErrorTimeAndViewers) {
   EXPECT_DOUBLE_EQ(of(1.5, 0.0, 20s, 0.0), 80.0);
   EXPECT_DOUBLE_EQ(of(1.5, 0.0, 1s, 1.0), 3.0);
   EXPECT_DOUBLE_EQ(of(1.5, 0.0, 1s, 30.0), 0.1);
-  EXPECT_GT(urgency(policy, 0.5, {}, std::nullopt, sim(100s), 0.0), 1e6) << "somebody knows nothing of it";
+  EXPECT_GT(urgency(policy, 0.5, {}, std::nullopt, sim(100s), 0.0), 1e6) << "a receiver has no state of it";
   EXPECT_EQ(urgency(policy, 0.0, {}, sim(100s), sim(100s), 0.0), 0.0) << "no threshold, no error";
 }
 

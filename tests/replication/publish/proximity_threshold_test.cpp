@@ -13,7 +13,7 @@ using namespace test;
 // Two cubes of a metre, whose spheres meet when their centres are so far apart.
 const double kMeet_m = 2.0 * std::sqrt(0.75);
 
-// CAR is this peer's, at the origin of the scene; CUBE is peer 2's.
+// This peer owns CAR, at the origin of the scene; peer 2 owns CUBE.
 class Near : public testing::Test {
  protected:
   explicit Near(const std::string& interests = interest("CAR", "\"CUBE\""))

@@ -10,7 +10,8 @@ namespace peerd::replication::publication_test {
 
 using namespace test;
 
-// Cubes in a row: O0 is driven, O1 is moved by physics, both by peer 1; the others are peer 2's. They meet nothing.
+// The cubes stand in a row and meet nothing. Peer 1 owns O0, which is driven, and O1, which physics moves; peer 2 owns
+// the others.
 struct Publishing {
   explicit Publishing(const PublishPolicy& policy = {}, int objects = 3)
       : world(field(objects)), p(make(policy), *world.model) {
@@ -28,7 +29,7 @@ struct Publishing {
     c.policy = policy;
     return c;
   }
-  // A tick at which O0 is seen there, with no velocity.
+  // O0 is at that place, without a velocity, at this tick.
   std::vector<Published> tick(Duration t, const KinematicState& driven = moving({0, 0, 0})) {
     p.ticks.set_last(p.ticks.number_at(sim(t)));
     p.replica.truth().advance(sim(t));
@@ -87,7 +88,7 @@ struct WhyCase {
   PublishReason reason;
 };
 class Why : public testing::TestWithParam<WhyCase> {};
-// Of a resting object: everybody is told again once in 5 s, and of what all have acknowledged once in a minute.
+// A resting object is published to all once in 5 s, and once in a minute when all have acknowledged its state.
 TEST_P(Why, IsAnUpdateDueOfWhatRests) {
   const WhyCase& c = GetParam();
   Publishing s;

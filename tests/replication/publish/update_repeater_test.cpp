@@ -32,7 +32,7 @@ class Repeating : public testing::Test {
     repeater.copy(copies);
     return objects_of(copies);
   }
-  // With a hello at so long after 10 s, of host and of session alike.
+  // The member's hello came that long after 10 s, of host and of session time alike.
   std::vector<ObjectId> repeated(Duration after) {
     std::vector<EncodedUpdate> due;
     repeater.repeat(host(10s) + after, sim(10s) + after, due);
@@ -178,7 +178,7 @@ TEST_F(Repeating, WhereDatagramsGetLostTheNextHelloRepeats) {
   EXPECT_EQ(repeated(1ms + patience()), std::vector{a});
 }
 
-// The member has had this peer's datagrams 3 and 9, and surely not the one with the update.
+// The member has received this peer's datagrams 3 and 9, and surely not the one with the update.
 TEST_F(Repeating, WhatAHelloSaysIsLostIsRepeatedAtOnce) {
   Member& two = add_member(members, 2);
   echo_us(two, 0.001, {3, 1, 1});

@@ -10,7 +10,7 @@ namespace peerd::replication::display_test {
 
 using namespace test;
 
-// MINE is this peer's, BALL another's, which an interest pairs with WALL.
+// This peer owns MINE; another one owns BALL, which an interest pairs with WALL.
 class Shown : public testing::Test {
  protected:
   Shown() {

@@ -48,7 +48,7 @@ TEST_F(Admitting, APeerIsKnownOnceItHasIntroducedItself) {
   EXPECT_EQ(members.find(PeerId{2})->incarnation, 101u);
 }
 
-// Of its incarnation a datagram without an introduction carries the low bits alone.
+// A datagram without an introduction carries only the low bits of its incarnation.
 TEST_F(Admitting, TheLowBitsOfAnIncarnationAreEnough) {
   constexpr std::uint64_t kLong = 0xABCDEF01'23456789;
   ASSERT_EQ(admit(introduction(2, kLong)), Known::kJoined);

@@ -40,7 +40,7 @@ TEST(OffsetInterval, IsAsWideAsTheRoundTrip) {
   EXPECT_EQ(interval.round_trip(), 12ms);
 }
 
-// The quickest of each direction, though not of one exchange.
+// The quickest delay of each direction, though not of one exchange.
 TEST(OffsetInterval, TakesEachDirectionsQuickest) {
   OffsetInterval interval;
   EXPECT_TRUE(exchange(interval, host(100s), 3s, 5ms, 405ms));
@@ -50,14 +50,14 @@ TEST(OffsetInterval, TakesEachDirectionsQuickest) {
   EXPECT_LT(bounds->most - bounds->least, 14ms);
 }
 
-// Random delays, drifts at the limits, losses: the truth is never outside.
+// Delays are random, drifts are at the limits, and datagrams get lost: the truth is never outside the interval.
 TEST(OffsetInterval, HoldsTheTruth) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
     const auto draw = [&](Duration most) { return Duration(static_cast<std::int64_t>(random() % (most.count() + 1))); };
     const Duration ahead = draw(20s) - 10s, most_delay = draw(500ms);
-    // True time counts from 0; ours and theirs run this much faster.
+    // True time counts from 0; `ours` and `theirs` are how much faster these clocks run.
     const std::int64_t ours_ppm = static_cast<std::int64_t>(random() % 1001) - 500;
     const std::int64_t theirs_ppm = static_cast<std::int64_t>(random() % 1001) - 500;
     const auto our = [&](Duration t) { return host(1000s + t + t * ours_ppm / 1'000'000); };
@@ -96,7 +96,7 @@ TEST_P(AJump, IsDetectedAndEarlierSamplesAreDropped) {
 
 TEST(OffsetInterval, AJumpBetweenTheStampsLeavesOneBound) {
   OffsetInterval interval;
-  // Their clock went on by 10 s between hearing ours and answering, though they held it for no time.
+  // Their clock advanced by 10 s between receiving ours and answering, though they held it for no time.
   EXPECT_FALSE(
       interval.on_hello(sim(113s), host(100s + 10ms), OffsetInterval::Echo{host(100s), sim(103s)}, kDrift_ppm));
   EXPECT_FALSE(interval.at(host(101s), kDrift_ppm));
@@ -115,7 +115,8 @@ TEST(OffsetInterval, ImpossibleStampsAreNone) {
   EXPECT_EQ(interval.exchanges(), 0u);
 }
 
-// Steady ways of whatever length, hellos once a second: the speed is found, and between two hellos it is gone on with.
+// Delays are steady, whatever their length, with hellos once a second: the meter finds the speed, and continues with it
+// between two hellos.
 TEST(OffsetInterval, FollowsAClockThatRunsFaster) {
   for (const Duration way : {0ms, 100ms, 500ms}) {
     for (const std::int64_t ppm : {-1000, 37, 1000}) {
@@ -135,7 +136,7 @@ TEST(OffsetInterval, FollowsAClockThatRunsFaster) {
   }
 }
 
-// .. and where delays vary, what they vary by is not taken for a speed.
+// Where delays vary, the meter does not take their variation for a speed.
 TEST(OffsetInterval, IsWithinAQuarterOfTheJitter) {
   std::vector<double> errors_s;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -49,7 +49,7 @@ TEST(SessionClock, TheBoundHoldsDriftDebtAndTheFollowedOnesOwn) {
   EXPECT_EQ(clock.debt(host(102s)), Duration(10ms));
 }
 
-// Every reading, and between two adjustments, too; and to_host() is to_session()'s inverse.
+// Session time is checked at every reading and between two adjustments, and to_host() is the inverse of to_session().
 TEST(SessionClock, SlewsContinuouslyAndNeverRunsBackwards) {
   for (const Duration moved : {-240ms, -15ms, 15ms, 240ms}) {
     SCOPED_TRACE(to_seconds(moved));
@@ -89,7 +89,7 @@ TEST(SessionClock, StepsForwardsAloneAndOnlyBeyondWhatSlewingMends) {
   }
 }
 
-// The others know it for a while yet as one that does not slew.
+// The others take the clock for one that does not slew for a while yet.
 TEST(SessionClock, HoldsStillAfterLeading) {
   SessionClock clock;
   clock.lead(host(100s));

@@ -9,7 +9,7 @@ namespace peerd::replication::session_time_test {
 
 using namespace test;
 
-// Peer 2, and others whose hellos come at times that a test says.
+// This peer is peer 2. The hellos of the others come at times that a test says.
 class Timing : public testing::Test {
  protected:
   // Founds a session at 1 s.
@@ -19,7 +19,7 @@ class Timing : public testing::Test {
     (void)drain<Synchronised>(outbox);
   }
   // A hello of a peer whose session time is `ahead` of this host's: it answers one that left here 2 ms ago, and each
-  // way took 1 ms. `error`: none: it leads.
+  // way took 1 ms. Without `error` that peer leads.
   void hear(std::uint32_t id, HostTime now, Duration ahead, std::optional<Duration> error = {},
             std::optional<OsClockNote> os_clock = {}) {
     if (!members.contains(PeerId{id})) add_member(members, id, now);
@@ -32,7 +32,7 @@ class Timing : public testing::Test {
     hello.os_clock = os_clock;
     time.on_stamps(now, member, hello, OffsetInterval::Echo{now - 2ms, theirs(now - 1ms)});
   }
-  // Four of them, 10 ms apart until `now`, after each of which this peer follows whom it should.
+  // Four hellos, 10 ms apart until `now`. After each this peer follows the leader of that hello.
   bool hear_four(std::uint32_t id, HostTime now, Duration ahead, bool in_session, std::optional<Duration> error = {}) {
     bool enters = false;
     for (int i = 3; i >= 0; --i) {
@@ -79,7 +79,7 @@ struct WaitCase {
   std::optional<Duration> founds_at;  // after the start; none: never
 };
 class Waiting : public Timing, public testing::WithParamInterface<WaitCase> {};
-// A peer that is to lead, or has a session, has three times the listening time and a turn of its hellos to answer.
+// The peer that is to lead, or has a session, has three times the listening time, and a turn of its hellos, to answer.
 TEST_P(Waiting, ForWhomItMayFollow) {
   const WaitCase& c = GetParam();
   time.start(host(0s));
@@ -146,7 +146,7 @@ struct LeaderCase {
   std::uint32_t leader;
 };
 class Leader : public Timing, public testing::WithParamInterface<LeaderCase> {};
-// Session times that are more than 500 ms apart are those of two sessions, of which the later one goes on.
+// Session times that are more than 500 ms apart belong to two sessions, of which the later one continues.
 TEST_P(Leader, IsTheLowestPeerOfTheLaterSession) {
   found();
   const Duration own_time = time.clock().session_minus_host(host(2s));
@@ -242,7 +242,7 @@ TEST_F(Timing, SaysHowGoodTheOperatingSystemsClockIs) {
   EXPECT_FALSE(note(host(2s)));
 }
 
-// Both clocks are off UTC by 10 us at most: the bounds are narrower than those of a way of 1 ms.
+// Both clocks are off UTC by 10 us at most: these bounds are narrower than those of a way of 1 ms.
 TEST_F(Timing, OperatingSystemsClocksNarrowTheError) {
   time.start(host(0s));
   time.on_os_clock(host(1s), OsClock{100s, 10us});

@@ -22,7 +22,7 @@ RegionSettings cut() {
   return r;
 }
 
-// Cubes of a metre: MINE is this peer's and may meet FAST, which is peer 2's, as is FAR.
+// Cubes of 1 m: MINE is this peer's and may meet FAST; FAST and FAR are peer 2's.
 struct Subscribing {
   explicit Subscribing(const RegionSettings& settings = cut()) {
     conf.regions = settings;
@@ -58,7 +58,7 @@ struct Subscribing {
     u.model = moving({x, 0, 0});
     return part().accept(u, at);
   }
-  // MINE is published there.
+  // This peer publishes MINE at x.
   void publish(double x, SimTime at, bool receiver_may_hold_nothing = false) {
     OwnObject& object = own.at(mine);
     UpdateRecord u;
@@ -87,38 +87,38 @@ struct Subscribing {
 
 // ---- the regions that this peer listens to ----
 
-struct ReachCase {
+struct ContactRangeCase {
   const char* name;
   bool track_proximity;
   double own_m_s, fastest_m_s;
   double ahead_s;  // in which both come towards each other
 };
-class Reach : public testing::TestWithParam<ReachCase> {};
-// A region is joined when what comes out of it could touch the own object before the states from there have come, or
-// be in its close proximity, where that is tracked.
-TEST_P(Reach, IsAsFarAsBothComeInTimeAndASubscriptionTakes) {
-  const ReachCase& c = GetParam();
+class ContactRange : public testing::TestWithParam<ContactRangeCase> {};
+// The peer joins a region when an object that comes out of it could touch the own object, or come into its close
+// proximity where that is tracked, before the states from there have come.
+TEST_P(ContactRange, IsAsFarAsBothComeInTimeAndASubscriptionTakes) {
+  const ContactRangeCase& c = GetParam();
   const double touch_m = 2.0 * std::sqrt(0.75), margin_m = 0.5;
-  const double reach_m = touch_m + (c.own_m_s + c.fastest_m_s) * c.ahead_s + margin_m;
+  const double range_m = touch_m + (c.own_m_s + c.fastest_m_s) * c.ahead_s + margin_m;
   for (const bool beyond : {true, false}) {
     RegionSettings settings = cut();
     settings.fastest_m_s = c.fastest_m_s;
     Subscribing s(settings);
     s.conf.policy.track_proximity = c.track_proximity;
-    s.place(100.0 - reach_m + (beyond ? -1e-6 : 1e-6), c.own_m_s);
+    s.place(100.0 - range_m + (beyond ? -1e-6 : 1e-6), c.own_m_s);
     s.part().measure_contact_ranges(std::vector{0u}, true);
     s.part().follow_interest(sim(0s), sim(0s));
     EXPECT_EQ(s.joined().contains(RegionId{2}), !beyond);
     EXPECT_TRUE(s.joined().contains(RegionId{1}));
   }
 }
-INSTANTIATE_TEST_SUITE_P(Table, Reach,
-                         testing::Values(ReachCase{"TrackedBothMove", true, 3.0, 5.0, 1.5},
-                                         ReachCase{"UntrackedBothMove", false, 3.0, 5.0, 1.0},
-                                         ReachCase{"TrackedOwnStands", true, 0.0, 5.0, 1.5},
-                                         ReachCase{"UntrackedOwnStands", false, 0.0, 5.0, 1.0},
-                                         ReachCase{"TrackedFasterRemote", true, 0.0, 20.0, 1.5},
-                                         ReachCase{"UntrackedFasterRemote", false, 0.0, 20.0, 1.0}),
+INSTANTIATE_TEST_SUITE_P(Table, ContactRange,
+                         testing::Values(ContactRangeCase{"TrackedBothMove", true, 3.0, 5.0, 1.5},
+                                         ContactRangeCase{"UntrackedBothMove", false, 3.0, 5.0, 1.0},
+                                         ContactRangeCase{"TrackedOwnStands", true, 0.0, 5.0, 1.5},
+                                         ContactRangeCase{"UntrackedOwnStands", false, 0.0, 5.0, 1.0},
+                                         ContactRangeCase{"TrackedFasterRemote", true, 0.0, 20.0, 1.5},
+                                         ContactRangeCase{"UntrackedFasterRemote", false, 0.0, 20.0, 1.0}),
                          [](const auto& c) { return std::string(c.param.name); });
 
 TEST(RegionSubscriptions, OnlyPairsOfTwoOwnersAskForReach) {
@@ -184,8 +184,8 @@ TEST(RegionSubscriptions, AWholeSceneNeedsNone) {
 
 // ---- subscriptions ----
 
-// On a link without loss: one copy, and two repetitions, each with something that goes anyway from 100 ms on, or by
-// itself after a hello's usual period of 250 ms.
+// The link has no loss. There is one copy, and there are two repetitions; each travels with a datagram that leaves
+// anyway from 100 ms on, or by itself after a hello's usual period of 250 ms.
 TEST(RegionSubscriptions, ASubscriptionIsSentOnceAndRepeatedTwice) {
   Subscribing s;
   echo_us(*s.members.find(PeerId{2}), 0.001);
@@ -293,7 +293,7 @@ TEST(RegionSubscriptions, AHandoverByItsOwnerEndsReceptionUnlessItsRegionIsJoine
   EXPECT_EQ(s.members.find(PeerId{2})->last_sequence[s.far], 7u);
 }
 
-// A silent owner is asked after one and a half time thresholds, and its object forgotten when half of one more has
+// The peer asks a silent owner after one and a half time thresholds, and forgets its object when half of one more has
 // passed without an answer.
 TEST(RegionSubscriptions, SilentObjectsAreAskedForAndThenForgotten) {
   Subscribing s;
@@ -352,7 +352,7 @@ TEST(RegionSubscriptions, AReturnTakesAHandoverBack) {
   for (const double x : {50.0, 150.0, 50.0}) s.publish(x, sim(0s));
   const auto due = s.part().take_handovers([](RegionId) { return true; });
   ASSERT_EQ(due.size(), 1u);
-  EXPECT_EQ(due.begin()->first, RegionId{2}) << "what region 1 would have been told is not true";
+  EXPECT_EQ(due.begin()->first, RegionId{2}) << "the announcement to region 1 would not be true";
   EXPECT_EQ(due.begin()->second.at(0).to, RegionId{1});
 }
 

@@ -13,7 +13,7 @@ struct Field {
   int bits;
 };
 
-// Many short ones, and any that are allowed.
+// Many short fields, and fields of any width that is allowed.
 std::vector<Field> random_fields(std::mt19937_64& random) {
   std::vector<Field> fields(random() % 24);
   for (Field& f : fields) {

@@ -28,7 +28,7 @@ TEST(Codec, RoundTripsBitForBit) {
   }
 }
 
-// What one message leaves behind is not seen in the next, be it damaged.
+// One message leaves no trace in the next, even if it is damaged.
 TEST(Codec, OneServesManyMessages) {
   Codec codec;
   Bytes again;
@@ -62,7 +62,7 @@ TEST(Codec, TheSmallestMessageIsFewBytes) {
   EXPECT_TRUE(same_bits(m, *back));
 }
 
-// The sizes that a sender packs datagrams by are the ones that records take.
+// A sender packs datagrams by the sizes that the records really take.
 TEST(Codec, RecordsTakeWhatTheySay) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(seed);
@@ -140,7 +140,8 @@ TEST_P(Value, IsChecked) {
   }
 }
 
-// A newer build's models must not cost the rest of its datagrams: its records above kind 7 begin with their length.
+// A newer build's models must not make the rest of its datagrams unreadable: its records above kind 7 begin with their
+// length.
 TEST(UnknownModel, IsLeftOutAndCounted) {
   const Message good = updating([](auto& u) { u.object = ObjectId{77}; });
   const auto decoded = received(with_records(good, {0x08, 3, 1, 2, 3}, {0xFF, 0}), good);
@@ -332,7 +333,8 @@ TEST(Update, TimesOfABatchAreCheckedOneByOne) {
   EXPECT_FALSE(received(encode(m), m));
 }
 
-// What travels of a time is enough for whoever is within nine minutes of it, on either side of any round number.
+// The bits of a time that travel are enough for a receiver within nine minutes of it, on either side of any round
+// number.
 TEST(Update, TimesAreTakenToBeNear) {
   constexpr Duration kNear{(std::int64_t{1} << 39) - 1};
   for (const std::int64_t ns : {std::int64_t{0}, std::int64_t{1} << 40, -(std::int64_t{1} << 40) - 1,
@@ -346,7 +348,7 @@ TEST(Update, TimesAreTakenToBeNear) {
   }
 }
 
-// The boot's low bits go with all, the whole with an introduction.
+// Every datagram carries the low bits of the incarnation, one with an introduction all of them.
 TEST(Boot, IsWholeWhereTheSenderIsIntroduced) {
   Message m = introducing([](auto&) {});
   m.incarnation = 0x0123'4567'89AB'CDEF;
@@ -355,7 +357,7 @@ TEST(Boot, IsWholeWhereTheSenderIsIntroduced) {
   EXPECT_EQ(received(encode(m), m)->incarnation, incarnation_low(m.incarnation));
 }
 
-// What is sent most: a quarter of a second's hello among three, and a batch of one.
+// The most frequent datagrams: the hello of a quarter of a second among three peers, and a batch of one update.
 TEST(Sizes, AreFewBytes) {
   Message m = greeting([](Hello& h) {
     h.session_tx = sim(1'000'000s);
@@ -370,7 +372,7 @@ TEST(Sizes, AreFewBytes) {
 
 // ---- damage ----
 
-// Either refused, or a message that keeps every promise and survives being sent on.
+// The codec either refuses the bytes, or returns a message that keeps every promise and survives being sent on.
 void expect_refused_or_sound(const Bytes& bytes) {
   auto m = decode(bytes, SimTime{});
   if (!m) return;
@@ -429,7 +431,7 @@ TEST(DecodeErrorName, IsDistinctForEach) {
   EXPECT_FALSE(names.contains("?"));
 }
 
-// The longest of everything that a peer puts into one hello.
+// The largest of everything that a peer puts into one hello.
 TEST(HelloSize, AFullHelloFits) {
   constexpr std::uint32_t kHigh = 0xFFFF'FFFF;
   Message m;

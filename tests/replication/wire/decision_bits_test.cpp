@@ -55,7 +55,8 @@ TEST(DecisionBits, ComeBackAsTheyWere) {
   }
 }
 
-// To the last bit, signs of zero included: whoever decides applies what it has not sent through this.
+// The outcome is exact to the last bit, signs of zero included: a decider applies its own outcome, which has not
+// travelled through this format.
 TEST(DecisionBits, KeepSignsOfZero) {
   DecisionRecord d = touch();
   d.collider_before.velocity = {-0.0, 1.0, 0.0};
@@ -69,7 +70,7 @@ TEST(DecisionBits, KeepSignsOfZero) {
   EXPECT_FALSE(std::signbit(again->collidee_after.orientation.x()));
 }
 
-// A velocity along one axis is 64 bits, and 5 that say so; one that stays is none of them.
+// A velocity along one axis takes 64 bits and 5 that say so; a velocity that stays takes none of them.
 TEST(DecisionBits, UnchangedValuesAreNotEncoded) {
   DecisionRecord stays = touch();
   stays.collidee_after = stays.collidee_before;

@@ -84,7 +84,8 @@ TEST(LossMeter, MarksUnusableDatagramsAsMissing) {
   EXPECT_EQ(meter.received().run, 97U) << "no number, too old, or never come";
 }
 
-// Against a list of all that came: what is said to have come has, and what is said to be lacking has not.
+// The oracle is a list of all received numbers: every number that the meter acknowledges has come, and every one that
+// it reports lost has not.
 TEST(LossMeter, NeverReportsAWrongArrival) {
   std::mt19937_64 rng(1);
   for (int run = 0; run < 200; ++run) {
@@ -111,7 +112,7 @@ TEST(LossMeter, NeverReportsAWrongArrival) {
   }
 }
 
-// A run is as long as what came is without a hole, up to the most that is said.
+// A run is as long as the received numbers have no hole, up to the greatest length that is sent.
 TEST(LossMeter, RemembersWhereItsLastHoleWas) {
   LossMeter meter;
   for (const std::uint32_t number : {1U, 2U, 4U}) meter.on_datagram(number);

@@ -66,7 +66,7 @@ class RecordMaker {
     Quat& q = m.state.orientation;
     q = std::abs(q.w()) < 0.1 ? Quat(0, 0, 1, 0) : Quat(q.w(), 0, q.y(), 0).normalized();
   }
-  // Some axes zero.
+  // A vector with some axes zero.
   Vec3 vector(double most) {
     Vec3 v(draw(-most, most), draw(-most, most), draw(-most, most));
     const auto zero = rng_() % 16;
@@ -104,7 +104,7 @@ TEST_P(Kind, RoundsOnceAndTravelsBitForBit) {
   }
 }
 
-// The quarter turns, where two components tie, and what is next to them.
+// Quarter turns, where two components tie, and their neighbours.
 TEST(Upright, TurnsTravel) {
   const double half = std::sqrt(0.5);
   for (const double w : {-1.0, -half, 0.0, half, 1.0}) {
@@ -125,8 +125,8 @@ TEST(Upright, TurnsTravel) {
   }
 }
 
-// By one step of the position for each of position, velocity, acceleration, jerk and rate, on each axis; all but the
-// first after the horizon.
+// The error is at most one step of the position for each of position, velocity, acceleration, jerk and rate, on each
+// axis; all but the first are taken after the horizon.
 TEST_P(Kind, StaysCloseOverItsHorizon) {
   RecordMaker make(2);
   const double horizon_s = std::ldexp(1.0, horizon_log2_s(GetParam()));
@@ -160,7 +160,7 @@ TEST_P(Kind, StaysCloseOverItsHorizon) {
   EXPECT_EQ(rounded, 3000);
 }
 
-// What lies wide of the rest, alone: a rate must be exact enough for whatever it turns.
+// A part with an unusually large value is alone there: a rate must be exact enough for whatever it turns.
 TEST_P(Kind, ItsRateMovesNoAxisByMoreThanAStep) {
   if (GetParam() != MotionKind::kTurning && GetParam() != MotionKind::kOscillating) return;
   RecordMaker make(3);
@@ -196,7 +196,7 @@ TEST(Step, IsASixteenthOfTheToleranceWithinWhatThereIs) {
 
 // ---- bytes ----
 
-// proto/README.md's example.
+// The example of proto/README.md.
 TEST(Bytes, AreThoseOfTheSpecification) {
   UpdateRecord u{ObjectId{5}, 300, sim(2s), moving({10, 0, -2.5}, {1.5, 0, 0}, {0, 0, -0.5}), {}};
   u.model.state.orientation = Quat(std::sqrt(0.5), 0, std::sqrt(0.5), 0);
@@ -349,7 +349,7 @@ TEST(Exact, IsWhatIsTooFarOrTooFastForItsSteps) {
   EXPECT_FALSE(rounds(moving({0, 0, 0}, {1e10, 0, 0}, {1, 0, 0}), 0.05));
 }
 
-// Rounding that would lead out of the limits, which receivers enforce.
+// Rounding must not lead out of the limits that receivers enforce.
 TEST(Exact, IsWhatRoundsBeyondTheLimits) {
   UpdateRecord u{ObjectId{1}, 1, {}, moving({1, 2, 3})};
   u.model.state.angular_velocity_body = Vec3(1, 1, 1).normalized() * (kRateMax_rad_s * 100.0 - 1e-7);
@@ -418,7 +418,7 @@ TEST(Time, IsExactAndCostsNothingAtTheBase) {
 
 // ---- damage ----
 
-// Accepted only if it is a record: then it encodes to the same one.
+// The bytes are accepted only if they are a record: then the record encodes to the same bytes.
 void expect_refused_or_same(const Bytes& bytes, SimTime base) {
   std::span<const std::byte> rest = bytes;
   const auto u = decode_record(rest, base);

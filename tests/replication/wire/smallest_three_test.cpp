@@ -42,7 +42,7 @@ TEST(SmallestThree, IsCloseAndUnitAndRoundsOnce) {
   }
 }
 
-// Where two, three or all four are about the largest, rounding may exchange them.
+// Where two, three or all four components are about the largest, rounding may exchange them.
 TEST(SmallestThree, RoundsOnceWhereTheLargestAreAlmostEqual) {
   Draw draw;
   for (int i = 0; i < 100000; ++i) {
@@ -65,7 +65,7 @@ TEST(SmallestThree, HasHalfTurnsAndTheIdentityExactly) {
   }
 }
 
-// The bound is as tight as it is said to be.
+// The bound is as tight as stated.
 TEST(SmallestThree, ErrsAsMuchAsItsBoundAllows) {
   Draw draw;
   double worst = 0.0;
