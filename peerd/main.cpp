@@ -373,7 +373,7 @@ int run(int argc, char** argv) {
   CLI::App app{"peerd keeps a shared 3D world alive between computers without a server", "peerd"};
   app.require_subcommand(1);
   app.set_version_flag("--version", "peerd " PEERD_VERSION);
-  // In the order of the help.
+  // The commands are in the order of the help.
   const std::array commands{add_run(app),   add_record(app),  add_replay(app), add_sim(app),    add_scenario(app),
                             add_check(app), add_collide(app), add_bake(app),   add_doctor(app), add_ctl(app)};
   try {

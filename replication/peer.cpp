@@ -78,7 +78,7 @@ void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
   parts.publication.publish(t);
 }
 
-// As a tick does, but for the contacts: those wait for the next tick, which finds them when they happened.
+// Does what a tick does, except for the contacts: those wait for the next tick, which finds them at their own times.
 void Peer::Impl::publish_now(HostTime now, std::span<const OwnSample> samples) {
   if (!parts.replica.begun() || due_tick(now)) return;
   const SimTime t = parts.to_session(now);

@@ -15,8 +15,8 @@ class SessionKeeper {
  public:
   explicit SessionKeeper(PeerParts& parts) : p_(parts) {}
 
-  // To be called first whenever time arrives. True where this host was suspended: no time of before this call means
-  // anything.
+  // The caller calls it first whenever time arrives. True where this host was suspended: no time of before this call
+  // means anything.
   bool check_suspension(HostTime now);
   // Maintains members, session and clock at every call of on_tick(). False when everything begins anew at this
   // instant, and a tick that was due is void.

@@ -10,7 +10,7 @@
 
 namespace peerd {
 
-// Of this thread, since it began.
+// The number of this thread's allocations since it began.
 [[nodiscard]] long allocations();
 
 }  // namespace peerd

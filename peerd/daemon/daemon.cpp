@@ -101,9 +101,9 @@ int Daemon::run() {
   return exit_code_;
 }
 
-// As io_.run(), except that it polls for a while before it sleeps. Datagrams are urgent: most polls ask the sockets
-// themselves, which takes one system call in place of two. The sender of the awaited datagram may share this processor:
-// the loop yields between two polls, or both would wait until it sleeps.
+// Runs the io_context as io_.run() does, but polls for a while before it sleeps. Datagrams are urgent: most polls ask
+// the sockets themselves, which takes one system call in place of two. The sender of the awaited datagram may share
+// this processor: the loop yields between two polls, or both would wait until it sleeps.
 void Daemon::serve() {
   while (io_.run_one() > 0) {
     HostTime done = clock_.now(), warmed_at = done;

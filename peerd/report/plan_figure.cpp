@@ -36,7 +36,7 @@ struct PlanPaths {
   std::vector<Vec3> others;               // the first places of all other objects that are replicated
 };
 
-// Where the plan stands on the page, and at which scale.
+// A PlanFrame holds the place and the scale of the plan on the page.
 struct PlanFrame {
   PlanAxes axes;
   Range across, up;  // [m]

@@ -164,7 +164,7 @@ class LiveProcesses {
 
   [[nodiscard]] std::size_t started() const { return peers_.size(); }
 
-  // In the order of starting, without the killed ones, which have written no record.
+  // The peers are in the order of starting, without the killed ones, which have written no record.
   [[nodiscard]] Result<std::vector<PeerLog>> load_logs() const {
     std::vector<PeerLog> logs;
     for (const auto& peer : peers_) {

@@ -66,7 +66,8 @@ class ContactDecisions {
 
   // ---- what goes out
 
-  // With a hello: repeats decisions that every peer of the session could have confirmed, and some peer has not.
+  // The caller calls it with each hello: it repeats decisions that every peer of the session could have confirmed, and
+  // some peer has not.
   void repeat_unacknowledged();
   // For a hello: the contacts that this peer defers, and its own decisions until all peers have them. A peer that
   // defers the same contact waits for the decision.

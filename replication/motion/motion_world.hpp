@@ -91,8 +91,8 @@ class MotionWorld {
   using AuthorityOf = std::function<ContactAuthority(ObjectId collider, ObjectId collidee, SimTime contact)>;
   void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
 
-  // From t on the object moves so: an update, a sample or a decision. t may lie in the past; predictions that followed
-  // from what is replaced are retracted and found anew by the next advance().
+  // Sets the object's motion from t on, after an update, a sample or a decision. t may lie in the past: the predictions
+  // that followed from the replaced motion are retracted, and the next advance() finds them anew.
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
 
   // For a caller that sets many objects in turn: fetches from memory what set_base() will need of this one.

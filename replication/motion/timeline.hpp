@@ -25,7 +25,7 @@ class Timeline {
 
   Timeline(SimTime from, const MotionModel& model) : last_{model, from, std::nullopt} {}
 
-  // From t on the object moves so; whatever was predicted of t and later is gone.
+  // Sets the object's motion from t on, and drops every prediction of t and later.
   void replace_from(SimTime t, const MotionModel& model, std::optional<ObjectId> cause);
   // Does the same, and forgets where the object was before t.
   void restart(SimTime t, const MotionModel& model) {

@@ -44,7 +44,8 @@ class Publication {
   // Between two ticks, after both worlds have been advanced to t: makes the updates of changes that nobody could know,
   // and those of the samples that are due.
   void publish_at_once(SimTime t, std::span<const OwnSample* const> samples);
-  // With a hello: sends again the updates that nothing newer has replaced and that a peer may not have.
+  // The caller calls it with each hello: it sends again the updates that nothing newer has replaced and that a peer may
+  // not have.
   void repeat_updates(HostTime now, SimTime session_now);
   // A relay passes on another peer's update.
   void relay(const UpdateRecord& update) { updates_due_.emplace_back(update, update.at); }

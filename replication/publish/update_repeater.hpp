@@ -33,7 +33,8 @@ class UpdateRepeater {
 
   // At a tick: appends the copies that are due.
   void copy(std::vector<EncodedUpdate>& copies_due);
-  // With a hello: appends the repetitions that are due, but of objects that `updates_due` has already.
+  // The caller calls it with each hello: it appends the repetitions that are due, except of objects that `updates_due`
+  // has already.
   void repeat(HostTime now, SimTime session_now, std::vector<EncodedUpdate>& updates_due);
 
  private:

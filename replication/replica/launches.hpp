@@ -28,8 +28,8 @@ class Launches {
   void launch(SimTime t, ObjectId object, const FileVelocity& file_velocity);
   // Launches the objects that are due until then, in order of time. Advances the truth to each launch.
   void begin_due(SimTime until, const FileVelocity& file_velocity);
-  // From t on the object, which this peer owns and nothing drives, has the velocity [m/s, world frame], or that much
-  // more of it. The truth has been advanced to t.
+  // Gives the object, which this peer owns and nothing drives, the velocity [m/s, world frame] from t on, or adds it to
+  // the present one. The truth has been advanced to t.
   void change_velocity(SimTime t, ObjectId object, const Vec3& velocity, bool absolute);
 
   // Changes that have not been published, with the instants since which they hold.

@@ -41,7 +41,7 @@ class SessionClock {
   // This host did not run, or its clock jumped, by `gap` until `now`: session time goes on from where it was, and its
   // error is unknown until this peer follows or leads again.
   void stop(HostTime now, Duration gap);
-  // To be called at every tick. Returns the step forward that the clock had to make, > 0: it was stopped, or two
+  // The caller calls it at every tick. Returns the step forward that the clock had to make, > 0: it was stopped, or two
   // sessions have met.
   std::optional<Duration> adjust(HostTime now);
 

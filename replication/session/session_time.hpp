@@ -59,7 +59,7 @@ class SessionTime {
     Duration by;
     bool same_session;
   };
-  // To be called at every tick.
+  // The caller calls it at every tick.
   [[nodiscard]] std::optional<Step> adjust(HostTime now);
 
   // Writes this peer's session time and its errors into a hello.

@@ -47,14 +47,14 @@ struct DecisionRecord {
   SimTime known{};  // contact time of the last decision on this pair that the sender knew; none: SimTime{}
 };
 
-// In a hello: a contact of two peers' objects that the sender has found.
+// A note in a hello: a contact of two peers' objects that the sender has found.
 struct ContactNote {
   ObjectId collider, collidee;
   SimTime contact{};
   bool deferred = false;  // the sender leaves the decision to another peer; else it has decided itself
 };
 
-// As many notes as fit into a hello whose other lists are full.
+// The number of notes that fit into a hello whose other lists are full.
 inline constexpr std::size_t kNotesMax = 8;
 
 // The viewpoint of a peer: a fixed pose, or one in the frame of an object, which carries it along by dead reckoning.
@@ -65,9 +65,9 @@ struct Viewpoint {
   double aspect = 1.0;              // width / height, > 0
 };
 
-// In a hello, for each peer that the sender receives: when that peer's last hello arrived, and which of its datagrams
-// did. The time of the hello that carries the echo and the arrival of that hello are the other two of NTP's four
-// stamps.
+// An echo in a hello, one for each peer that the sender receives: when that peer's last hello arrived, and which of its
+// datagrams did. The time of the hello that carries the echo and the arrival of that hello are the other two of NTP's
+// four stamps.
 struct Echo {
   PeerId peer;
   std::uint32_t hello = 0;  // the number of its last hello's datagram

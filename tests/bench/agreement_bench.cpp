@@ -199,7 +199,7 @@ double apart(const std::vector<T>& a, const std::vector<T>& b, auto distance) {
 double apart(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return apart(a, b, [](const Vec3& p, const Vec3& q) { return (p - q).norm(); });
 }
-// Corner by corner in the same sense; which comes first doesn't matter.
+// Compares corner by corner in the same sense; any corner may come first.
 double apart(const Triangles& a, const Triangles& b) {
   if (a.size() != b.size()) return kInfinity;
   return apart(a, b, [](const Triangle& s, const Triangle& t) {
@@ -496,7 +496,7 @@ struct SpineReading {
   double sine = 1;  // the smallest that an axis is computed by
 };
 
-// From the spine alone: whether Coin follows 6.18.3 there, as its source has it.
+// Finds from the spine alone whether Coin's source follows 6.18.3 there.
 SpineReading read_spine(std::span<const Eigen::Vector3f> points, bool decimals) {
   Path spine;
   for (const Eigen::Vector3f& p : points) spine.push_back(p.cast<double>());

@@ -21,7 +21,7 @@ report::Stroke stroke(std::size_t i) {
   return {.colour = colour(i), .width = 1.5, .dashes = kDashes[i / kColours.size() % kDashes.size()]};
 }
 
-// Data to pixels.
+// Maps data to pixels.
 class Scale {
  public:
   Scale(const Axis& axis, double begin, double end) : log_(axis.logarithmic), begin_(begin), end_(end) {
@@ -71,7 +71,7 @@ class Scale {
   }
 
  private:
-  // To the next of 1, 2 and 5 times a power of ten.
+  // Rounds up to the next of 1, 2 and 5 times a power of ten.
   static double snap(double log_value, bool up) {
     const double decade = std::floor(log_value);
     double below = decade;

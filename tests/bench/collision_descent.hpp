@@ -67,7 +67,7 @@ auto each_pair(const collision::KdopTree<K>& a, const collision::KdopTree<K>& b,
   };
 }
 
-// As the library does it: B's nodes are realigned to A's frame when they are visited.
+// The library does the same: B's nodes are realigned to A's frame when they are visited.
 template <int K, class Test>
 bool descend_pairs(collision::KdopTree<K>& a, collision::KdopTree<K>& b, const collision::RelativeMotion& a_from_b,
                    Test test) {

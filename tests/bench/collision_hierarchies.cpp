@@ -24,7 +24,7 @@ std::string name_of(collision::SplitRule rule) {
   return "?";
 }
 
-// An object and what is asked of it.
+// An object and the queries about it.
 struct Questions {
   std::string object;
   const TriangleSoup& soup;

@@ -18,7 +18,7 @@ struct NamedSoup {
 [[nodiscard]] collision::TriangleSoup bumpy_sphere(std::uint32_t triangles, std::uint64_t seed);  // compact
 [[nodiscard]] collision::TriangleSoup branches(std::uint32_t triangles, std::uint64_t seed);  // a tree's: open, thin
 
-// Faces of an OBJ or OFF file, by its extension, moved and scaled like those above. None: it cannot be read.
+// The faces of an OBJ or OFF file, by its extension, moved and scaled like those above; none where it cannot be read.
 [[nodiscard]] std::optional<collision::TriangleSoup> read_soup(const std::string& path);
 
 // The files of the arguments, or, where there are none, six of PEERD_CORPUS/meshes; those that cannot be read are named

@@ -37,7 +37,7 @@ WideKdop<K> moved(const std::vector<Vec3>& points, const RelativeMotion& motion)
   return out;
 }
 
-// Nodes of a level that have a volume.
+// The nodes of a level that have a volume.
 template <int K>
 std::vector<Bounded<K>> bounded_at(const collision::TriangleSoup& soup, std::uint32_t level) {
   KdopTree<K> tree(soup, {collision::SplitRule::kSplatter, 1});

@@ -129,10 +129,11 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
 }
 
 void measure_level_volumes(const std::vector<NamedSoup>& soups, Report& report) {
-  Table table{"level_volumes",
-              "Volume of all nodes of a level, with the leaves above it, % of the root's; k = 18, threshold 1 (the thesis's "
-              "figure 3.8)",
-              {"object", "level"}};
+  Table table{
+      "level_volumes",
+      "Volume of all nodes of a level, with the leaves above it, % of the root's; k = 18, threshold 1 (the thesis's "
+      "figure 3.8)",
+      {"object", "level"}};
   for (const auto& named : collision::kSplitRuleNames) table.columns.emplace_back(named.name);
   std::vector<Chart> charts;
   Table few = table;

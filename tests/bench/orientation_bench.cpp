@@ -37,12 +37,13 @@ using RealVec3 = Eigen::Matrix<Real, 3, 1>;
 using RealQuat = Eigen::Quaternion<Real>;
 
 constexpr double kRounding = 0x1p-53;
-// t w, alpha t / 2, their sum, the norm of that and what 2 pi is rounded by: each a rounding or two of the whole angle.
+// The terms t w and alpha t / 2, their sum, its norm and the rounding of 2 pi each contribute a rounding or two of the
+// whole angle.
 constexpr double kBoundPerRadian = 8.0 * kRounding, kBoundAtLeast = 4e-15;
 constexpr double kLook_s = 10.0, kNewBase_s = 5.0;
 constexpr std::array kRates_hz = {10, 60, 240};
 
-// How a body turns, from q0 at t = 0.
+// The rotation of a body from q0 at t = 0.
 struct Spin {
   std::string name;
   Vec3 w_body = {0.7, -1.1, 1.5};  // [rad/s], at t = 0
@@ -57,7 +58,7 @@ struct Spin {
   }
   // Angular momentum over the moment of inertia across z: it stands in the world.
   [[nodiscard]] Vec3 momentum() const { return w_body + Vec3(0, 0, about_z_rad_s); }
-  // All that it turns until then.
+  // The angle that the body has turned until then.
   [[nodiscard]] double angle_rad(double t) const {
     return t * (momentum() + (0.5 * t) * alpha_body).norm() + t * about_z_rad_s;
   }
@@ -330,7 +331,7 @@ class Bench {
     return series;
   }
 
-  // As often as a peer ticks.
+  // The rate is a peer's tick rate.
   Series in_closed_form(const std::string& name, const Drift& drift, const Case& c) {
     note(drift, c.title() + ", " + name);
     add_row(c, name, "any", drift.largest_rad, c.costs.closed_ns);

@@ -69,7 +69,7 @@ std::vector<std::string> eight_flocks() {
   return sets;
 }
 
-// A watch counts who listens where, and how often objects were handed over while the motions last.
+// A watch counts which peers listen to which regions, and how often objects were handed over while the motions last.
 class Watch {
  public:
   explicit Watch(double duration_s) : duration_(from_seconds(duration_s)) {}

@@ -119,7 +119,7 @@ class Bench {
         curves[1].points[static_cast<std::size_t>(std::ranges::find(thresholds, 1.0) - thresholds.begin())];
     const auto bytes = bytes_for(curves.front().points, dis.ghost_error_m, &Outcome::bytes_per_s);
     figures_.push_back({at + "dis_1m.bytes_over_best", bytes ? dis.bytes_per_s / *bytes : 0.0, "ratio", "2", {}});
-    // As its own standard has it: an entity state PDU each, without the UDP header.
+    // DIS's own standard sends an entity state PDU for each update; the size is without the UDP header.
     constexpr double kEntityState_bytes = 144.0;
     figures_.push_back({at + "dis_1m_pdus.bytes_over_best",
                         bytes ? dis.updates_per_s * kEntityState_bytes / *bytes : 0.0,

@@ -102,7 +102,7 @@ World make_world(std::int64_t layout, std::int64_t transforms, bool same_movers)
   return world;
 }
 
-// Moves, updates, and looks at what changed as a caller would.
+// Moves, updates, and checks the changes as a caller would.
 double one_tick(World& world, bool boxes) {
   SceneGraph& graph = world.graph;
   const double step = 1e-3 * static_cast<double>(++world.tick);
@@ -135,7 +135,7 @@ bool is_right(const World& world) {
          (world.nodes.size() > 10'000 || std::ranges::all_of(world.nodes, right));
 }
 
-// Pushes what there is out of the caches.
+// Evicts the present data from the caches.
 void flush_caches() {
   static std::vector<std::uint64_t> junk(8 << 20, 1);
   benchmark::DoNotOptimize(std::accumulate(junk.begin(), junk.end(), std::uint64_t{0}));

@@ -33,7 +33,7 @@ struct Played {
 [[nodiscard]] ReadyRun ready(const SimulatedRun& run);
 [[nodiscard]] Played play(const ReadyRun& run, const sim::Observer& observer = {});
 [[nodiscard]] report::RunRecord record_of(const ReadyRun& run, const Played& played);
-// configs/CONFIG.toml's way of telling others, as it sets that in any scenario.
+// The publish policy of configs/CONFIG.toml, as it is in any scenario.
 [[nodiscard]] replication::PublishPolicy policy_in(const std::string& config,
                                                    const std::vector<std::string>& sets = {});
 // Its part of summary.json.
@@ -41,7 +41,7 @@ struct Played {
 
 inline constexpr double kUdpHeader_bytes = 28.0;  // .. and IPv4's
 
-// An outcome holds what a run cost, and how wrong everybody was.
+// An outcome holds what a run cost, and the errors of all peers.
 struct Outcome {
   double bytes_per_s = 0.0;           // UDP payload of all datagrams of all peers
   double bytes_with_udp_per_s = 0.0;  // .. and 28 bytes of IPv4 and UDP header each

@@ -60,8 +60,8 @@ std::set<ObjectId> driven_objects(const ReadyRun& run) {
   return driven;
 }
 
-// Which updates were sent when, until the motions end: a run goes on until some peer is called after that. (Hellos go
-// out when a peer is called, and it is called to be looked at.)
+// The updates with their times, until the motions end: a run continues until some peer is called after that. (A peer
+// sends hellos when it is called, and the run calls it to read its state.)
 std::vector<SentUpdate> updates_of(const Played& played, double duration_s) {
   std::vector<SentUpdate> all;
   for (const PeerLog& log : played.logs) {

@@ -52,7 +52,7 @@ struct Cost {
   [[nodiscard]] double share() const { return (packets_s + ticks_s + ghosts_s) / simulated_s; }
 };
 
-// The measured peer, the whole one of the others, and those that say what that one says.
+// The measured peer, the whole sender among the others, and the peers that repeat the sender's datagrams.
 class Town {
  public:
   Town(std::size_t own_count, const PublishPolicy& policy)
@@ -82,7 +82,7 @@ class Town {
     }
   }
 
-  // Whether everybody believes the same of everything, once nothing is under way.
+  // Counts the ghosts that differ between the two peers once nothing is under way.
   [[nodiscard]] std::size_t differences() {
     for (; !flights_.empty(); flights_.pop_front()) {
       now_ = std::max(now_, flights_.front().at);
@@ -96,7 +96,7 @@ class Town {
     }
     return wrong + (measured_.owners().size() != (1 + kOthers) * own_count_);
   }
-  // How many ghosts are elsewhere than the update that was applied last says.
+  // The number of ghosts that are not where the last applied update puts them.
   [[nodiscard]] std::size_t elsewhere() const {
     const SimTime t = measured_.clock().to_session(now_);
     return static_cast<std::size_t>(std::ranges::count_if(last_updates_, [&](const UpdateRecord& update) {
@@ -105,7 +105,8 @@ class Town {
   }
   [[nodiscard]] std::uint64_t not_applied() const { return delivered_ - measured_.counters().updates_in; }
   [[nodiscard]] std::size_t updated_objects() const {
-    return static_cast<std::size_t>(std::ranges::count_if(last_updates_, [](const UpdateRecord& u) { return u.sequence > 0; }));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(last_updates_, [](const UpdateRecord& u) { return u.sequence > 0; }));
   }
 
   // One ghost [ns], all of them after each other, frame by frame.

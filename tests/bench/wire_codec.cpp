@@ -58,7 +58,7 @@ PeerConfig listener() {
   return config;
 }
 
-// A peer alone, which another tells of all objects.
+// A peer alone, which receives updates of all objects from another one.
 class Listener {
  public:
   explicit Listener(std::size_t objects)
@@ -73,7 +73,7 @@ class Listener {
     knows_sender_ = peer_.on_packet(now_, kWholeScene, encode(m)).has_value();
   }
 
-  // A second later, so many datagrams: what on_packet takes [s].
+  // The time [s] that on_packet takes for so many datagrams, a second later.
   double hear(std::size_t datagrams, std::size_t batch) {
     now_ += 1s;
     peer_.on_tick(now_, {});

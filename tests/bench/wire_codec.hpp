@@ -13,7 +13,7 @@ struct CodecRates {
   std::vector<std::string> wrong;     // why the figures prove nothing; empty if they do
 };
 
-// Datagrams of `batch` updates each, of `objects` that all have been told of, through Peer::on_packet; ticks run
+// Datagrams of `batch` updates each, of `objects` that all have had an update, through Peer::on_packet; ticks run
 // between rounds, untimed. In the end every ghost must be what its last update says.
 [[nodiscard]] CodecRates decode_and_apply(std::size_t objects, std::size_t batch, bool quick);
 

@@ -30,9 +30,9 @@ fs::path find_browser() {
   return {};
 }
 
-// What a reader would call broken, found by the browser's own layout and left in the page's last element. All is
-// unfolded first. A text's box is a little higher than its letters, so texts may touch, but not by more than a third of
-// their height.
+// The script finds what a reader would call broken, by the browser's own layout, and leaves it in the page's last
+// element. All is unfolded first. A text's box is a little higher than its letters, so texts may touch, but not by more
+// than a third of their height.
 constexpr const char* kFindFaults = R"js(
 <script>
 window.addEventListener('load', () => {
@@ -81,7 +81,8 @@ class ReportPage : public testing::Test {
     ASSERT_EQ(sim.exit_code(kPatience_s), 0) << sim.err();
   }
 
-  // What kFindFaults finds in the page with `added` at its end. A window is not narrower than 500 px; a frame is.
+  // The faults that kFindFaults finds in the page with `added` at its end. A window is not narrower than 500 px; a
+  // frame is.
   [[nodiscard]] std::string faults_with(const std::string& added, int width) {
     std::string html = text_of(folder_ / "out" / "report.html");
     const std::size_t end = html.rfind("</body>");

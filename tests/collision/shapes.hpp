@@ -35,12 +35,12 @@ inline const Faces kBoxFaces = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6,
 
 inline Mesh box_mesh(float x, float y, float z) { return make_mesh(box_vertices(x, y, z), kBoxFaces); }
 
-// In the plane x = 0, facing +x.
+// A polygon in the plane x = 0, facing +x.
 inline Mesh wall_mesh(float y, float z) {
   return make_mesh({{0, -y / 2, -z / 2}, {0, y / 2, -z / 2}, {0, y / 2, z / 2}, {0, -y / 2, z / 2}}, {{0, 1, 2, 3}});
 }
 
-// In the plane y = 0, facing +y.
+// A polygon in the plane y = 0, facing +y.
 inline Mesh floor_mesh(float x, float z) {
   return make_mesh({{-x / 2, 0, -z / 2}, {-x / 2, 0, z / 2}, {x / 2, 0, z / 2}, {x / 2, 0, -z / 2}}, {{0, 1, 2, 3}});
 }

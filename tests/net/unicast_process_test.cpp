@@ -118,7 +118,7 @@ TEST_F(UnicastProcess, AScenarioOfRealProcessesRunsOverIt) {
       log, AllOf(HasSubstr("unicast at port"), HasSubstr("peer b (id 2) joined"), HasSubstr("peer c (id 3) joined")));
 }
 
-// The error names both ways out.
+// The error names both remedies.
 TEST_F(UnicastProcess, WithoutMulticastAndWithoutPeersItDoesNotRun) {
   with_wire([&](const Wire& wire) {
     wire.left.enter();

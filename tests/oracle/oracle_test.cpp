@@ -239,7 +239,7 @@ void each_pair(std::uint64_t seed, int count, const Visit& visit) {
   }
 }
 
-// In parts, for a sanitizer makes each of GMP's many small allocations slow.
+// The check runs in parts, for a sanitizer makes each of GMP's many small allocations slow.
 constexpr int kParts = 6;
 class TriangleOraclePart : public testing::TestWithParam<int> {};
 TEST_P(TriangleOraclePart, AgreesWithTheSecond) {

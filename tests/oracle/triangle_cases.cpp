@@ -141,7 +141,7 @@ Pair jittered(Rng& rng) {
   });
 }
 
-// Each coordinate to binary32.
+// Rounds each coordinate to binary32.
 template <Make make>
 Pair f32(Rng& rng) {
   return each_coordinate(make(rng), [](double x) {
@@ -151,7 +151,7 @@ Pair f32(Rng& rng) {
   });
 }
 
-// To a greatest coordinate in [1, 2), exactly.
+// Scales to a greatest coordinate in [1, 2), exactly.
 Pair to_unit(const Pair& pair) {
   double greatest = 0;
   each_coordinate(pair, [&](double x) { return greatest = std::max(greatest, std::abs(x)); });
@@ -250,7 +250,7 @@ Pair crossing(Rng& rng) {
   return {around(x), around(x + real_point(rng, 0.1))};
 }
 
-// As in files: three decimals, read to binary64.
+// Coordinates as in files: three decimals, read to binary64.
 Pair decimals(Rng& rng) {
   return each_coordinate(neighbours(rng), [](double x) { return std::nearbyint(x * 1000) / 1000; });
 }
@@ -345,7 +345,7 @@ Pair contact_with_any(Rng& rng) {
   return contact_of(rng, in_space(rng), feature, other);
 }
 
-// In one tilted plane through the origin: a linear map in whole numbers keeps the contact.
+// The contact is in one tilted plane through the origin: a linear map in whole numbers keeps it.
 Pair coplanar_contact(Rng& rng) {
   const Feature of_a = any_feature(rng), of_b = any_feature(rng);
   const Pair flat = contact_of(rng, {.bits = rng.coin() ? 3 : 10, .flat = true}, of_a, of_b);

@@ -248,7 +248,7 @@ inline bool is_sound(const MotionModel& m) {
 }
 inline bool is_sound(std::chrono::nanoseconds t) { return std::abs(to_seconds(t)) < 4.7e9; }
 
-// What codec.hpp promises of every message that decode() lets through.
+// Checks what codec.hpp promises of every message that decode() lets through.
 inline bool is_sound(const Message& m) {
   bool sound = m.sender.value != 0;
   if (m.hello) {

@@ -675,7 +675,7 @@ TEST(Peer, CopiesOfAnUpdateSurviveTheLossOfTheFirst) {
   EXPECT_EQ(lan.peer(1).counters().updates_in, 1u);
 }
 
-// What drives an object, or how the world launches it, may be farther and faster than anybody would take.
+// A driver or a launch may move an object farther and faster than any receiver would accept.
 TEST(Peer, StatesOutOfRangeArePublishedAtRest) {
   const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 1e13 0 0") + box("O1", "1 1 1", "0 0 0"));
   Lan lan(world, {20ms, 0ms, 0, 0});
@@ -702,7 +702,8 @@ TEST(Peer, NoCopiesWhereNothingGetsLost) {
   lan.add(c);
   lan.add(config(2));
   lan.run_until(60s);
-  EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u) << "hellos have published it before there was anything to copy";
+  EXPECT_EQ(lan.peer(0).counters().updates_repeated, 0u)
+      << "hellos have published it before there was anything to copy";
 }
 
 TEST(Peer, EarlierUpdatesAreCopiedOnceLossBegins) {

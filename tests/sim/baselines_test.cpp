@@ -31,7 +31,8 @@ TEST(Baselines, DeadReckoningKeepsToItsThreshold) {
   }
 }
 
-// There and on again, 0.2 s, and an interval of 0.05 s; the oldest update waited for ticks besides, at most four.
+// The delay is the way there and back, 0.2 s, and an interval of 0.05 s; the oldest update waited for ticks besides, at
+// most four.
 TEST(Baselines, AServersClientsSeeOthersLateAndThemselvesAtOnce) {
   const Ran ran = run("server");
   EXPECT_NEAR(static_cast<double>(ran.updates("CAR")), 300, 5);
@@ -54,7 +55,8 @@ TEST(Baselines, InLockstepAllSeeTheSameLate) {
   EXPECT_LT(mean_m(ran, "view_difference_m"), 0.02);
 }
 
-// A user whose own input waits as long as the network takes sees what the others see; dead reckoning can do that too.
+// A user whose own input waits as long as the network takes sees the same as the others; dead reckoning can do that,
+// too.
 TEST(Baselines, LocalLagHidesLatency) {
   const Ran at_once = run("dis"), late = run("dis", {"replication.display_delay_ms=150", "replication.delay_own=true"});
   EXPECT_LT(mean_m(late, "view_difference_m"), 0.7 * mean_m(at_once, "view_difference_m"));

@@ -45,7 +45,7 @@ TEST(Best, SurvivesTheLossOfATenth) {
   }
 }
 
-// Each mechanism by itself makes it better, or it should go.
+// Each mechanism improves the result by itself, or it should go.
 TEST(Best, NeedsItsMechanisms) {
   const auto total = [](const std::vector<std::string>& sets) {
     double sum = 0;
@@ -74,7 +74,7 @@ TEST_P(BestMotion, IsNoWorseThanSecondOrderAtEqualUpdates) {
                                     "replication.approach=dr+rcp", "replication.order=2"},
                                    {motion}));
     };
-    // The threshold at which second order sends no fewer; the finest where none makes it send as many.
+    // The threshold at which second order sends no fewer updates; where none makes it send as many, the finest one.
     double low_m = 1e-4, high_m = 20.0, second_m = worst_error_m(second_order(low_m));
     for (int i = 0; i < 10; ++i) {
       const double threshold_m = std::sqrt(low_m * high_m);

@@ -115,7 +115,7 @@ TEST(BodiesMeetBefore, EveryoneKnowsWhatMovesFromTheStart) {
   }
 }
 
-// Prediction knows the outcome before the news: without it, ghosts go on until they hear.
+// The observers predict the outcome before its news: without prediction, ghosts continue until they receive it.
 TEST(BodiesMeetPrediction, SparesTheObserverTheLatency) {
   const Ran dr = run_scenario(kMeeting, {"replication.approach=dr", "network.latency_ms=400"}).front();
   const Ran rcp = run_scenario(kMeeting, {"replication.approach=dr+rcp", "network.latency_ms=400"}).front();

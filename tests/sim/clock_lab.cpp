@@ -38,7 +38,7 @@ void ClockLab::set_link(std::size_t from, std::size_t to, const config::LinkSett
   longest_delay_ = std::max(longest_delay_, from_seconds((link.latency_ms + link.jitter_ms) * 1e-3));
 }
 
-// The clock drifts from the begin on: what it shows is a function of true time and of its jumps.
+// The clock drifts from the beginning on: its reading is a function of true time and of its jumps.
 HostTime ClockLab::host_at(std::size_t i, Duration t) const {
   const Host& h = hosts_[i];
   const Duration runs = h.clock_runs ? t : std::min(t, h.stopped_at);

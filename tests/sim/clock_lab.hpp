@@ -32,11 +32,11 @@ class ClockLab {
   };
 
   ClockLab(const config::LinkSettings& links, std::vector<HostSettings> hosts, std::uint64_t seed);
-  // One direction of one link is another. Before run_until().
+  // Makes one direction of one link another link. The caller calls it before run_until().
   void set_link(std::size_t from, std::size_t to, const config::LinkSettings& link);
   void run_until(Duration t);
 
-  // This host's clock goes on from so much farther.
+  // Makes this host's clock jump forward by so much.
   void jump(std::size_t peer, Duration by) { hosts_[peer].ahead += by; }
   // Nothing runs on this host and what is sent to it is lost until wake(). `clock_runs`: its clock counts on meanwhile.
   void suspend(std::size_t peer, bool clock_runs);

@@ -119,7 +119,7 @@ struct Jump {
 };
 class JumpingClock : public testing::TestWithParam<Jump> {};
 
-// HostClock does not jump, whatever is done to the wall clock; a virtual machine's may.
+// HostClock does not jump when the wall clock is set; a virtual machine's may.
 TEST_P(JumpingClock, EverybodyIsBackInStepAndNobodysTimeRunsBackwards) {
   ClockLab lab(kLan, {{0s, 500}, {3s, -500}, {-2s, 0}, {100s, 20}}, 3);
   lab.run_until(30s);
@@ -172,7 +172,8 @@ INSTANTIATE_TEST_SUITE_P(Table, SleepingHost,
                                          Sleep{"FollowerAsleep", 2, true}, Sleep{"FollowerPaused", 2, false}),
                          [](const auto& c) { return std::string(c.param.name); });
 
-// Two whose session is later sleep, and wake where another one is, led by lower ids: those step forward into theirs.
+// Two peers whose session is later sleep, and wake where another session is, led by lower ids: the peers of that one
+// step forward into theirs.
 TEST(SessionTime, WhoWakesBesideAnEarlierSessionLeadsIt) {
   for (const Duration ahead : {3s, 100s}) {
     SCOPED_TRACE(ahead.count());
@@ -260,7 +261,7 @@ TEST(SessionTime, GoodOsClocksSeeThroughAOneSidedDelay) {
   }
 }
 
-// One of them is an hour off and says that it is good: the stamps are believed.
+// One of the operating systems' clocks is an hour off and claims to be good: the peers believe the stamps.
 TEST(SessionTime, AnOsClockThatContradictsTheStampsIsNotBelieved) {
   ClockLab lab(kLan, {{0s, 500, 0s, 1ms}, {3s, -500, 1h, 1ms}}, 7);
   lab.run_until(30s);
@@ -285,7 +286,7 @@ TEST(SessionTime, AnOsClockThatIsSetChangesNothing) {
   }
 }
 
-// No peer's time runs backwards, and none is farther off than its bound, whatever the network and the hosts do.
+// Whatever the network and the hosts do, no peer's time runs backwards, and none is farther off than its bound.
 class AnyTrouble : public testing::TestWithParam<std::uint64_t> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, AnyTrouble, testing::Range<std::uint64_t>(1, 41), testing::PrintToStringParamName());
 

@@ -63,7 +63,7 @@ TEST(Determinism, OnAPerfectNetworkTheSeedDecidesNothing) {
   EXPECT_TRUE(one[5] == two[5]) << "traffic.csv";
 }
 
-// Two runs in one process share nothing: the second of a sweep is what it is alone.
+// Two runs in one process share nothing: the second run of a sweep gives what it gives alone.
 TEST(Determinism, ARunOfASweepIsWhatItIsAlone) {
   const auto swept = run_scenario(kEq47, with(kRough, "replication.order=[1, 2]"));
   const auto alone = run_scenario(kEq47, with(kRough, "replication.order=2"));

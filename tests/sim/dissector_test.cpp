@@ -180,7 +180,7 @@ Fields expected_of(std::span<const std::byte> datagram, RegionId region, SimTime
   return out.fields();
 }
 
-// All that are compared, so that a field is missed that tshark does not tell of.
+// The names of all compared fields, so that the test notices a field that tshark does not report.
 std::vector<std::string> all_fields() {
   std::vector<std::string> names;
   const auto with = [&](const std::string& prefix, std::initializer_list<const char*> ends) {
@@ -311,7 +311,7 @@ void compare_all(const ScratchFolder& folder, const std::filesystem::path& file,
   EXPECT_THAT(differences, testing::IsEmpty()) << file;
 }
 
-// Those scenarios never have a decision on objects that spin, nor a peer that leaves; these do.
+// The scenarios above never have a decision on objects that spin, nor a peer that leaves; these do.
 Message farewell() {
   Message m;
   m.sender = PeerId{4'000'000'000};

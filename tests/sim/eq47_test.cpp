@@ -151,8 +151,8 @@ TEST_P(Walls, ArePredictedWithoutAnUpdate) {
   EXPECT_EQ(predicted.summary["collisions"]["spurious"], 0);
 }
 
-// At |z| = 20 pi the driver leaves on an arc, not on the mirrored line: b and c predict the contact and its side, but
-// the ghost goes out at the old speed along x until the driver's next update, which that costs.
+// The driver leaves on an arc at |z| = 20 pi, not on the mirrored line: b and c predict the contact and its side, but
+// the ghost goes out at the old speed along x until the driver's next update, which this mistake costs.
 TEST_P(Walls, TheOneAtTwentyPiIsPredictedWithTheWrongWayOut) {
   const Ran ran = run_eq47("dr+rcp", GetParam(), 5);
   for (const PeerId observer : {kB, kC}) {

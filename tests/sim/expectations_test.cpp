@@ -1,4 +1,4 @@
-// The repository's own scenarios hold what they say of themselves.
+// The repository's own scenarios meet their own expectations.
 #include <gmock/gmock.h>
 
 #include "peerd/measure/expectations.hpp"

@@ -76,7 +76,7 @@ TEST(FlockOverRegions, AtATwentiethLostNothingIsMissingForLongerThanAHello) {
   EXPECT_LT(static_cast<double>(seen.interest.missing_samples), 1e-4 * static_cast<double>(seen.interest.samples));
 }
 
-// The oracle can see a gap: of who looks no time ahead while states take two latencies.
+// The oracle can see a gap: here peers look no time ahead while states take two latencies.
 TEST(FlockOverRegions, WithoutLookingAheadThereAreGaps) {
   const Seen seen = see({"network.latency_ms=500", "regions.lookahead_s=0", "regions.margin_m=0.01", "duration_s=15"});
   EXPECT_GT(seen.interest.longest_missing_ms, 500.0 + kTick_ms);

@@ -1,4 +1,4 @@
-// Loss, jitter, duplication and reordering: everybody still joins, and beliefs stay near the truth.
+// Loss, jitter, duplication and reordering: all peers still join, and ghosts stay near the truth.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// configs/scenarios of many things that move: crowd, traffic, flock and orbit, in short.
+// The scenarios of many moving objects in short: crowd, traffic, flock and orbit of configs/scenarios.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -32,8 +32,8 @@ TEST_P(Traffic, OneOutcomeEverywhere) {
   EXPECT_EQ(shared["spurious"], 0);
   EXPECT_EQ(collisions["missed"], 0);
 }
-// An owner's own contacts, which the others only predict, too: where updates go when they are due. Told earlier, a box
-// that grazes a car's edge is predicted on its other side once.
+// Contacts of an owner's own objects, which the other peers only predict, too. Updates go when they are due: if they
+// went earlier, a box that grazes a car's edge would be predicted on its other side once.
 TEST_P(Traffic, OwnersContactsArePredictedAsTheyAre) {
   const Ran ran =
       run_short("traffic", {std::string("decisions.policy=") + GetParam(), "replication.piggyback_fraction=1"});

@@ -1,4 +1,4 @@
-// Worlds of one thing each: a body that turns, a body that cannot collide yet.
+// Worlds of one object each: a body that turns, a body that cannot collide yet.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

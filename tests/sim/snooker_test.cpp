@@ -85,7 +85,7 @@ TEST_P(Snooker, AllTablesAreTheSameToTheLastBitAndOnlyTheShotIsSent) {
                          1e-3 * (played.settings.network.latency_ms + played.settings.network.jitter_ms) *
                              (played.settings.network.reordering > 0.0 ? 2.0 : 1.0);
 
-  // All peers believe what the owner knows.
+  // The ghosts of all peers equal the owner's states.
   const auto truth = played.tables(a);
   for (const std::size_t peer : {1u, 2u}) {
     SCOPED_TRACE(played.logs[peer].name);
@@ -178,7 +178,7 @@ TEST(SnookerPhysics, KeepsMomentumAndNeverGainsEnergy) {
   }
   EXPECT_GT(most_j, 3.0);
   EXPECT_EQ(last_j, 0.0) << "friction stops all of them within 30 s";
-  // On the table, and no two in one place.
+  // The balls are on the table, and no two in one place.
   std::map<ObjectId, Vec3> at_rest;
   for (const PeerLog::ObjectSample& b : a.object_samples) at_rest[b.object] = b.state.position;
   ASSERT_EQ(at_rest.size(), 22u);

@@ -169,7 +169,7 @@ TEST(TennisRally, NorOnManyOtherNetworks) {
   }
 }
 
-// The check can fail: what is not predicted is seen to go on until the news comes.
+// The check can fail: an object that is not predicted is seen to go on until the news comes.
 TEST(TennisWithoutPrediction, IsSeenToGoThrough) {
   const Ran ran = run_scenario(kTennis, {"network.latency_ms=200", "replication.approach=dr"}).front();
   const auto world = testing_support::must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));
@@ -178,7 +178,7 @@ TEST(TennisWithoutPrediction, IsSeenToGoThrough) {
   EXPECT_GT(look(world.scene, ran.logs[2]).crossings, 0u);
 }
 
-// Bounces that get ever lower end, and what is left is rolled off.
+// The bounces become ever lower and end, and the ball then rolls off.
 TEST(TennisBall, ComesToRestOnTheCourt) {
   const Ran ran = run_scenario(kTennis, {"network.latency_ms=100", "duration_s=14"}).front();
   const auto world = testing_support::must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));

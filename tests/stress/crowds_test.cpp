@@ -1,5 +1,5 @@
-// Ten thousand objects in one place, in one cell and in one line: work grows with objects and pairs that are named, not
-// with their squares.
+// Ten thousand objects in one place, in one cell and in one line: the work grows with the objects and the named pairs,
+// not with their squares.
 #include "collision/broad_phase/broad_phase.hpp"
 #include "collision/query/wide_query.hpp"
 #include "collision/scene/collision_watch.hpp"
@@ -22,7 +22,7 @@ class Crowd : public testing::TestWithParam<Row> {};
 
 WorldBox cube(double x) { return {Vec3(x, 0, 0), Vec3(x + 1.0, 1, 1)}; }
 
-// Each is interested in its neighbour; all then move by the same.
+// Each object is interested in its neighbour; all then move by the same.
 TEST_P(Crowd, PairsCostWhatIsNamed) {
   const auto broad = collision::make_broad_phase(GetParam().method);
   for (std::uint32_t i = 0; i < kCrowd; ++i) broad->add(i, cube(i * GetParam().step_m));
@@ -133,7 +133,7 @@ TEST_P(CrowdedPeer, WorksInProportion) {
   }
   lan.run_until(4s);
   ASSERT_TRUE(lan.all_in_session());
-  // Nothing moves: each pair is looked at a few times when the world begins, and whenever its owner speaks, not each
+  // Nothing moves: each pair is checked a few times when the world begins, and whenever its owner publishes, not each
   // tick.
   for (const std::size_t i : {0u, 1u}) {
     const auto& counters = lan.peer(i).motion_counters();
@@ -154,8 +154,7 @@ INSTANTIATE_TEST_SUITE_P(Places, CrowdedPeer,
                                          Place{"InOneCell", 0.0, true}),
                          [](const auto& p) { return std::string(p.param.name); });
 
-// Ten thousand that are in each other and begin to move together: each pair is looked at every 10 ms of its time at
-// most.
+// Ten thousand objects that overlap begin to move together: each pair is checked every 10 ms of its time at most.
 TEST(CrowdThatMoves, IsSampledAHundredTimesASecond) {
   const World world(crowd(0.0, true));
   MotionWorld motions(*world.model, sim(0s));

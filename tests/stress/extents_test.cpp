@@ -36,7 +36,7 @@ oracle::Triangle changed(oracle::Triangle t, const auto& change) {
   return t;
 }
 
-// On a grid that all places share the numbers are the same ones, moved: so is the answer.
+// The numbers are multiples of a grid that all places share, so they are the same ones, moved: so is the answer.
 TEST(Extents, TrianglesMeetAlikeWhereverTheyAreAndHoweverLarge) {
   std::size_t touching = 0, asked = 0;
   for (const oracle::Generator& generator : oracle::general()) {

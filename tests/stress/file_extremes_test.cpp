@@ -107,7 +107,7 @@ TEST_P(WorldNumbers, AreRefusedByNameOrHandled) {
     ++good;
     const Scene scene = *std::move(result.scene);
     const ObjectId box = *scene.find("BOX"), ball = *scene.find("BALL");
-    // Exact queries: an answer, or a refusal that names the Shape.
+    // Exact queries give an answer, or a refusal that names the Shape.
     collision::CollisionWatch watch(scene);
     for (const auto& refused : watch.tick().refused) EXPECT_THAT(refused.why, HasSubstr("BOX"));
     // The Transforms that the world moves by itself.
@@ -120,7 +120,7 @@ TEST_P(WorldNumbers, AreRefusedByNameOrHandled) {
         ASSERT_TRUE(sound(piece.state)) << t;
       }
     }
-    // Three seconds of moving, and of meeting.
+    // Three seconds of motion and contacts.
     const auto model = replication::make_world_model(scene);
     replication::MotionWorld motions(*model, SimTime{});
     for (const ObjectId object : {box, ball}) {

@@ -30,14 +30,14 @@ struct LongLife {
   std::int64_t clocks_apart_ns = 0;            // the most that the session times of the two were apart
 };
 
-// `hours` of `tick_hz`, looked at every `look`. A ball bounces between walls by physics; SPINNER turns at 100 rad/s and
-// MOVER goes to and fro, both driven; PLATE is moved by the world's own TimeSensor.
+// Runs for `total` at `tick_hz`, and checks every `look`. A ball bounces between walls by physics; SPINNER turns at 100
+// rad/s and MOVER goes to and fro, both driven; PLATE is moved by the world's own TimeSensor.
 inline LongLife live_for(Duration total, std::uint32_t tick_hz, Duration look) {
   using namespace replication;
   using namespace replication::test;
   const World world(corridor(std::string(kBounces) + "velocityVector 2 0 0 ") + box("SPINNER", "1 1 1", "0 40 0") +
                     box("MOVER", "1 1 1", "0 60 0") + box("PLATE", "1 1 1", "10 80 0") +
-                    // PredefinedMotion is for what an interest names.
+                    // PredefinedMotion covers what an interest names.
                     interest("SPINNER", "\"PLATE\"") +
                     "DEF T TimeSensor { cycleInterval 12 loop TRUE }\n"
                     "DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 10 80 0, 4 80 0, 10 80 0 ] }\n"

@@ -34,7 +34,8 @@ std::string text_of(const std::vector<std::string>& parts) {
   return std::accumulate(parts.begin(), parts.end(), std::string());
 }
 
-// All collide with all, of three peers; hosts' clocks are one, so that who founds the session makes no difference.
+// All objects of three peers collide with all. The hosts' clocks are one, so that it does not matter which peer founds
+// the session.
 std::vector<std::uint64_t> meet(const World& world, const std::vector<std::uint32_t>& ids,
                                 const std::vector<const char*>& objects) {
   Lan lan(world, {5ms, 0ms, 0, 0});

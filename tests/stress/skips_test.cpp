@@ -1,5 +1,5 @@
-// Work that a scene doesn't need isn't done: for each kind of work a counter stays 0. README.md has the whole table;
-// here are the rows that no other test has.
+// A peer does no work that a scene does not need: for each kind of work a counter stays 0. README.md has the whole
+// table; here are the rows that no other test has.
 #include "collision/scene/collision_watch.hpp"
 #include "core/scene/reader.hpp"
 #include "tests/replication/lan.hpp"

@@ -26,7 +26,7 @@ using bench::Figure;
 
 class Report {
  public:
-  // Bounds are of README.md; none: it is told and not judged.
+  // The bounds are those of README.md; without one a value is reported and not judged.
   void add(const std::string& name, double value, const char* unit, std::optional<double> bound = {}) {
     const bool kept = !bound || value <= *bound;
     std::printf("%-34s %14.6g %-6s", name.c_str(), value, unit);

@@ -134,9 +134,9 @@ TEST(TickLength, PausesChangeNoOutcome) {
   EXPECT_GE(heard, 5);
 }
 
-// Pauses keep receipts away, so that the ball is told of again, at a late tick. There its law begins anew, for its
-// owner as for all others; against a run without pauses that is another rounding of contact times, which are whole
-// nanoseconds: by one each, and the way of twice that.
+// Pauses delay acknowledgements, so that the ball is published again, at a late tick. There its law begins anew, for
+// its owner as for all others. Contact times are whole nanoseconds and round differently than in a run without pauses:
+// each differs by at most one, and places by the way of two.
 TEST(TickLength, RepublishingAtALateTickIsTheSameForAllPeers) {
   const World world(corridor(std::string(kBounces) + "velocityVector 2 0.1 0 "));
   const Shared expected = share(world, 60, 60, 0s, 1);

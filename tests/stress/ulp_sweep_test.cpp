@@ -1,4 +1,4 @@
-// Through contact in steps of one unit in the last place: what is apart comes to touch once, and no answer flickers.
+// Bodies pass through contact in steps of one unit in the last place: they come to touch once, and no answer flickers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,7 +33,7 @@ double border(double low, double high, const std::function<bool(double)>& yes) {
     (yes(middle) ? high : low) = middle;
   }
 }
-// Once true, always true, number by number.
+// The answer stays true once it is true, number by number.
 void expect_once(double at, const std::function<bool(double)>& yes) {
   bool before = false;
   for (int i = -kSteps; i <= kSteps; ++i) {

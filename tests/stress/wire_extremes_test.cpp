@@ -1,5 +1,5 @@
-// Numbers from the ends of binary64 in what datagrams carry: whatever gets past the codec leaves a peer with finite
-// states and bounded work.
+// Numbers from the ends of binary64 in datagrams: whatever passes the codec leaves a peer with finite states and
+// bounded work.
 #include <gtest/gtest.h>
 
 #include <cfloat>
@@ -162,8 +162,8 @@ TEST_P(WireExtremes, AcceptedMessagesLeaveFiniteStates) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, WireExtremes, testing::Range(1, 9));
 
-// B may be told to spin as fast as can be, and ever faster: by the time it meets A no receiver would take its spin. The
-// decision is told all the same, with B standing where they met.
+// An update may make B spin as fast as can be, and ever faster: by the time it meets A no receiver would take its spin.
+// The peer publishes the decision all the same, with B standing where they met.
 TEST(WireExtremesDecided, WhatHasLeftTheLimitsIsDecidedAsStanding) {
   const auto ball = [](const char* name, const char* at) {
     return std::string("DEF ") + name + " Transform { translation " + at + kBounces +

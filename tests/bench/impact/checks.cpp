@@ -105,7 +105,7 @@ class Checker::Case {
                      0x1p-44 * (places + pair_.a.motion.position.lpNorm<1>() + pair_.b.motion.position.lpNorm<1>());
     out_.not_near = found.lower_m > out_.reached_m;
     if (found.upper_m == 0.0) return;
-    // As the nearest points move.
+    // The nearest points move with their bodies.
     const Vec3 on_a = a.orientation * found.on_a + a.position, on_b = a.orientation * found.on_b + a.position;
     const Vec3 n = (a.orientation * Vec3(found.on_b - found.on_a)).normalized();
     const Vec3 approach = velocity_at(a, on_a) - velocity_at(b, on_b);

@@ -19,7 +19,7 @@
 namespace peerd::bench {
 namespace {
 
-// An object is told of once between two ticks, else with the next one. So each has its turn once in two ticks.
+// An object is published once between two ticks, or with the next one. So each has its turn once in two ticks.
 std::size_t objects_for(Pace pace) { return pace == Pace::kPingPong ? 2'000 : 34; }
 // Longer than from one ping to the next: no peer sleeps.
 constexpr std::chrono::microseconds kBusyPoll = 2 * kPingInterval;
@@ -110,7 +110,7 @@ class Side {
     pose_.pose.jump = true;
     daemon_.on_poses({&pose_, 1});
   }
-  // Whether the other's i-th object is where that was put.
+  // Whether the other's i-th object is at its last place.
   [[nodiscard]] bool hears(std::size_t i) const {
     const replication::UpdateRecord* update = node_->peer().last_update_of(others_[i % others_.size()]);
     return update != nullptr && (update->model.state.position - place(i)).norm() < 0.01;

@@ -153,7 +153,8 @@ class Contestant {
 
 std::vector<Score> contest(const TriangleMesh& mesh, const std::vector<Frame>& frames,
                            const std::vector<EngineKind>& engines, const Effort& effort) {
-  // So that no frame finds in the cache what the one before it needed, and the first ones are a sample of all.
+  // The order is drawn so that no frame finds in the cache what the one before it needed, and the first ones are a
+  // sample of all.
   std::vector<std::size_t> order(frames.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::shuffle(order, std::mt19937(5));

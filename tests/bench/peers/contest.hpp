@@ -34,7 +34,7 @@ struct Effort {
 [[nodiscard]] std::vector<Score> contest(const TriangleMesh& mesh, const std::vector<Frame>& frames,
                                          const std::vector<EngineKind>& engines, const Effort& effort);
 
-// From a mesh that nothing was built for to the answer of a frame's first query: the best of three.
+// The time from a mesh that nothing was built for to the answer of a frame's first query: the best of three.
 [[nodiscard]] double first_answer_ms(const EngineKind& kind, const TriangleMesh& mesh, const Frame& frame);
 
 }  // namespace peerd::bench::peers

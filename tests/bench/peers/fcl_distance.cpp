@@ -14,8 +14,7 @@ FclDistance::FclDistance(const TriangleMesh& mesh) : model_(std::make_unique<Mod
 double FclDistance::operator()(const Placement& a, const Placement& b, double relative) const {
   const fcl::DistanceRequestd request(/*enable_nearest_points_=*/true);
   fcl::DistanceResultd result;
-  // As fcl::distance() does it, but that leaves the request's errors out (FCL 0.7). It stops where both are small
-  // enough.
+  // The same as fcl::distance(), which leaves the request's errors out (FCL 0.7). It stops where both are small enough.
   fcl::detail::MeshDistanceTraversalNodeOBBRSSd traversal;
   fcl::detail::initialize(traversal, model_->tree, transform(a), model_->tree, transform(b), request, result);
   traversal.rel_err = relative;

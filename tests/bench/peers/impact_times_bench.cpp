@@ -61,7 +61,7 @@ Quat orientation_of(const Placement& placement) {
   return Quat(rotation).normalized();
 }
 
-// From one place to the other in 1 s.
+// The motion goes from one place to the other in 1 s.
 KinematicState between(const Placement& from, const Placement& to) {
   KinematicState state;
   state.position = {from.position.x, from.position.y, from.position.z};
@@ -103,7 +103,7 @@ double mean(const std::vector<double>& x) {
 }
 double median(const std::vector<double>& x) { return x.empty() ? 0.0 : quartiles(x).median; }
 
-// How often a peer is wrong, against an instant that touches and the time before which nothing does.
+// The number of wrong answers of a peer, against an instant that touches and the time before which nothing does.
 struct Errors {
   int missed = 0, late = 0, too_early = 0;
   void add(const std::optional<double>& answer, const std::optional<double>& touches, double not_before, double end) {

@@ -287,7 +287,7 @@ TEST(BroadPhase, EveryMethodEqualsItsTwin) {
   }
 }
 
-// Many at once: sorting anew, rotations, the pass over all near pairs.
+// Many changes at once: sorting anew, rotations, the pass over all near pairs.
 TEST(BroadPhase, EveryMethodEqualsItsTwinInACrowd) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     std::mt19937 random(seed);

@@ -38,7 +38,7 @@ TEST(SetContactPolygon, AtAnEdgeItIsTheLowestPolygonThatTheColliderRunsAgainst) 
   EXPECT_EQ(contact_of(body, {1, 1, 0}, {0, -1, 0}).collidee_polygon, 3u);
   EXPECT_EQ(contact_of(body, {1, 1, 0}, {0, -1, 0}).normal_world, Vec3(0, 1, 0));
   EXPECT_EQ(contact_of(body, {1, 1, 0}, {-1, -1, 0}).collidee_polygon, 1u);
-  // Against none of them: the lowest adjacent one, and the axis itself.
+  // The direction runs against none of them: the lowest adjacent one is named, and the axis itself.
   const Contact away = contact_of(body, {1, 1, 0}, {1, 1, 0});
   EXPECT_EQ(away.collidee_polygon, 1u);
   EXPECT_EQ(away.normal_world, Vec3(1, 1, 0).normalized());

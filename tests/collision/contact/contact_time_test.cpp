@@ -224,7 +224,7 @@ TEST(ContactTime, FarFromTheOrigin) {
   EXPECT_EQ(c.time_s, 2.0);
 }
 
-// With rotation: a bar that turns about z beside a wall, its tip comes down when sin(t) L/2 reaches the distance.
+// A bar turns about z beside a wall: its tip comes down when sin(t) L/2 reaches the distance.
 TEST(TurningContact, BarTurnsIntoAWall) {
   const Body bar = box(4, 0.002F, 0.002F), wall = box(10, 1, 10);
   KinematicState s = moving({0, 2.0, 0});

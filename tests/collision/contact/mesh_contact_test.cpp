@@ -41,7 +41,7 @@ Contact contact(const Body& a, const KinematicState& of_a, const Body& b, const 
   return first_contact({a, of_a}, {b, of_b}, CollisionType::kWitness, horizon);
 }
 
-// Convex pieces, and the same as surfaces.
+// The same bodies as convex pieces and as surfaces.
 TEST(MeshContact, IsThatOfConvexPiecesButForTheTolerance) {
   std::mt19937_64 rng(31);
   int contacts = 0, late = 0;
@@ -144,11 +144,12 @@ TEST(MeshContact, WhatStandsInATrayMeetsItsWalls) {
   EXPECT_EQ(wall.normal_world, Vec3(-1, 0, 0));
   EXPECT_EQ(wall.collidee_polygon, 1U);
   EXPECT_EQ(wall.collidee_shape, ObjectId{1});
-  // Into an edge between two walls: both are met; the least pair is the crate's first polygon, by its edge, and +z.
+  // The crate moves into an edge between two walls and meets both; the least pair is the crate's first polygon, by its
+  // edge, and +z.
   const Contact corner = contact(crate, moving({0, 0, 0}, {2, 0, 2}), around, still, 2.0);
   EXPECT_EQ(corner.normal_world, Vec3(0, 0, -1));
   EXPECT_EQ(corner.collidee_polygon, 4U);
-  // Out of it at the top, there is nothing.
+  // At the top, outside of it, there is nothing.
   EXPECT_EQ(contact(crate, moving({0, 0, 0}, {0, 2, 0}), around, still, 9.0).state, ContactState::kSeparated);
 }
 

@@ -44,7 +44,7 @@ TEST(RotationalContact, ARodMeetsAWallWithItsEnd) {
   EXPECT_LT(pair.gap_m(contact.time_s), 2e-6);
 }
 
-// Never late, on random spins: the largest gap is above 0 at all samples before the answer.
+// The answer is never late, on random spins: the largest gap is above 0 at all samples before it.
 TEST(RotationalContact, IsNeverLate) {
   std::mt19937_64 rng(242);
   int contacts = 0;

@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
               false}),
     [](const auto& c) { return std::string(c.param.name); });
 
-// Against the distance itself, in small steps: no contact before, and contact then.
+// The answer is checked against the distance itself, in small steps: no contact before it, and contact then.
 TEST(SphereContact, IsTheFirstTimeAtWhichTheyTouch) {
   const Balls balls;
   std::mt19937_64 rng(4);

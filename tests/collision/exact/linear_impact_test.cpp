@@ -41,7 +41,7 @@ TEST(VertexFaceImpact, TouchesCount) {
   const LinearImpact at_start = vertex_face_impact(moving({0.25, 0.25, 0}, {0, 0, 1}), kFloor);
   EXPECT_EQ(at_start.state, ImpactState::kHit);
   EXPECT_EQ(at_start.time, 0.0);
-  // Sliding in the plane, into the face.
+  // The vertex slides in the plane, into the face.
   const LinearImpact slides = vertex_face_impact(moving({-1, 0.25, 0}, {2, 0, 0}), kFloor);
   EXPECT_NE(slides.state, ImpactState::kSeparated);
   EXPECT_LE(slides.time, 0.5);

@@ -19,7 +19,7 @@ std::optional<double> oracle_parameter(const Ray& ray, const Triangle& t) {
   return oracle::first_parameter(point(ray.origin), point(ray.direction), {point(t[0]), point(t[1]), point(t[2])});
 }
 
-// Numbers of few bits: so that lines meet, planes contain and edges are parallel to axes often.
+// Numbers of few bits, so that lines meet, planes contain and edges are parallel to axes often.
 double coarse(Numbers& numbers) { return std::floor(numbers.between(-3.0, 4.0)) * 0.5; }
 Vec3 coarse_point(Numbers& numbers) {
   const double x = coarse(numbers), y = coarse(numbers), z = coarse(numbers);
@@ -54,7 +54,7 @@ TEST(RayTriangle, SmallNumbersAreAsTheOracleSays) {
   EXPECT_GT(tally.at_origin, 100);
 }
 
-// In one plane and on one line, in all positions.
+// The ray and the triangle are in one plane and on one line, in all positions.
 TEST(RayTriangle, FlatCasesAreAsTheOracleSays) {
   Numbers numbers(102);
   Tally tally;
@@ -74,7 +74,7 @@ TEST(RayTriangle, FlatCasesAreAsTheOracleSays) {
   EXPECT_GT(tally.misses, 2000);
 }
 
-// Through a point of a triangle's border as it is rounded: a hair beside it, to either side, or on it.
+// The ray goes through a rounded point of a triangle's border: a hair beside it, to either side, or on it.
 TEST(RayTriangle, HairsBreadthsAreAsTheOracleSays) {
   Numbers numbers(103);
   Tally tally;

@@ -157,7 +157,7 @@ TEST(MeshDistance, BoundsAllowForTheirRounding) {
     const double height = numbers.between(-500, 500), gap = std::exp2(numbers.between(-6.0, 0.0));
     const std::uint64_t seed = 1000 + static_cast<std::uint64_t>(i);
     TriangleSoup of_a = plate(seed, height, height - 900), of_b = plate(seed, height + gap, height + 900);
-    // Standing anyhow: along an axis of the frames, or aslant.
+    // The pair stands along an axis of the frames, or aslant.
     const Quat turn = i % 2 ? random_pose(numbers, 1.0).orientation : Quat::Identity();
     const Pose there = i % 4 < 2 ? Pose{} : random_pose(numbers, 1.0);
     for (Vec3& v : of_a.vertices) of_a.box.merge(v = turn * v);
@@ -268,7 +268,7 @@ TEST(MeshDistance, FarFromTheOrigin) {
   WideTree a(near), b(far);
   MeshDistanceQuery query;
   for (int i = 0; i < 60; ++i) {
-    // In the world, far from its origin, and either Shape's vertices far from its own.
+    // The pair is in the world, far from its origin, and either Shape's vertices are far from its own.
     const Pose here = {Vec3(4e6, 5e6, -6e6), random_pose(numbers, 1.0).orientation};
     Pose there = random_pose(numbers, 4.0);
     there.position += here.position - there.orientation * Vec3(1e6, -2e6, 3e6);

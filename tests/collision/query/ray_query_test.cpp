@@ -22,7 +22,7 @@ std::optional<double> oracle_parameter(const Ray& ray, const Triangle& t) {
   return oracle::first_parameter(point(ray.origin), point(ray.direction), {point(t[0]), point(t[1]), point(t[2])});
 }
 
-// Every triangle, by the oracle.
+// The oracle tests every triangle.
 std::optional<RayHit> slow_nearest(const TriangleSoup& soup, const Ray& ray) {
   std::optional<RayHit> best;
   for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
@@ -34,7 +34,7 @@ std::optional<RayHit> slow_nearest(const TriangleSoup& soup, const Ray& ray) {
   return best;
 }
 
-// Every triangle, by the library's exact test: for soups that are too large for the oracle.
+// The library's exact test of every triangle, for soups that are too large for the oracle.
 std::optional<RayHit> flat_nearest(const TriangleSoup& soup, const Ray& ray) {
   std::optional<RayHit> best;
   OrientationCounters counters;
@@ -55,7 +55,8 @@ void expect_same(const std::optional<RayHit>& found, const std::optional<RayHit>
   EXPECT_EQ(found->face, expected->face);
 }
 
-// At vertices, along edges, along axes, out of faces; from near, from inside and from far away.
+// The rays are at vertices, along edges, along axes and out of faces; they come from near, from inside and from far
+// away.
 std::vector<Ray> rays_at(const TriangleSoup& soup, int count, std::uint64_t seed) {
   Numbers numbers(seed);
   std::vector<Ray> rays;
@@ -181,7 +182,8 @@ TEST(RayQuery, AnswersAndWorkAreTheSameForEachInstructionSet) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-// From within a closed tube at each of its vertices and at the middle of each edge, which several polygons share.
+// The rays start within a closed tube, at each of its vertices and at the middle of each edge, which several polygons
+// share.
 TEST(RayQuery, NoRaySlipsThroughAnEdgeOrAVertex) {
   const TriangleSoup soup = torus(16, 24, false);
   WideTree tree(soup);

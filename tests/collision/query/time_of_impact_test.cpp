@@ -52,7 +52,7 @@ KinematicState moving(const Pose& pose, const Vec3& velocity, const Vec3& turn =
   return s;
 }
 
-// Never later than the truth; never earlier than the tolerance at the speed of approach.
+// The answer is never later than the truth, and never earlier than the tolerance at the speed of approach.
 void expect_hit(const TriangleSoup& a, const KinematicState& of_a, const TriangleSoup& b, const KinematicState& of_b,
                 double truth, double speed, double step = 10.0) {
   WideTree tree_a(a), tree_b(b);
@@ -68,7 +68,7 @@ TEST(TimeOfImpact, PointsMeetPlanes) {
   Numbers numbers(61);
   const TriangleSoup floor = plate(100.0);
   for (int i = 0; i < 3000; ++i) {
-    // In a frame of the plate's, which stands and moves anyhow in the world.
+    // The pair is in a frame of the plate's, which stands and moves anyhow in the world.
     const Pose stand = random_pose(numbers, 5.0);
     const Vec3 drift = numbers.point(1.0);
     const double height = numbers.between(0.01, 5.0), speed = numbers.between(0.6, 50.0);
@@ -131,7 +131,7 @@ TEST(TimeOfImpact, WhatFallsAndSpinsMeetsTheFloorInTime) {
   }
 }
 
-// As after a bounce: they are nearer than the tolerance.
+// The bodies are as after a bounce: nearer than the tolerance.
 TEST(TimeOfImpact, ATouchThatPartsIsNoneUntilItComesBack) {
   Numbers numbers(68);
   const TriangleSoup floor = plate(100.0), cube = box({0.5, 0.5, 0.5});

@@ -32,9 +32,9 @@ std::vector<Case> cases() {
     out.push_back({torus(16, 20, false), torus(7, 9, false), motion(1.0)});
     out.push_back({random_soup(700, 0.02, 41), random_soup(5, 0.9, 42), motion(0.5)});
   }
-  // On top of each other: coplanar and equal triangles everywhere.
+  // The soups are on top of each other: coplanar and equal triangles everywhere.
   out.push_back({torus(10, 12, true), torus(10, 12, true), RelativeMotion(Pose{}, Pose{})});
-  // Far from the world's origin, and from their own.
+  // The soups are far from the world's origin, and from their own.
   Pose here = random_pose(numbers, 0.1), there = here;
   here.position += Vec3(1e6, -2e6, 3e6);
   there.position += Vec3(1e6 + 0.5, -2e6, 3e6);
@@ -95,7 +95,7 @@ TEST(WideQuery, HalfSpacesMeetSmallThingsAndEachOther) {
   }
 }
 
-// Which instructions run changes neither an answer nor a counter.
+// The choice of instructions changes neither an answer nor a counter.
 TEST(WideQuery, EveryInstructionSetDoesTheSame) {
   std::vector<std::vector<PolygonPair>> of_target;
   std::vector<QueryCounters> counters;

@@ -132,7 +132,8 @@ class Walk {
  public:
   Walk(const Scene& scene, std::uint64_t seed, bool bends) : scene_(scene), numbers_(seed), bends_(bends) {}
 
-  // Mostly a little of everything, as things move; now and then what they never do. `said` hears what differs.
+  // A step changes a little of everything, as things move; now and then it does what they never do. `said` receives the
+  // changes.
   template <class Said>
   void step(Oracle& oracle, const Said& said) {
     const auto below = [&](std::size_t n) {
@@ -285,7 +286,7 @@ TEST(CollisionWatch, WhatIsFarOutIsAskedAsOften) {
   }
 }
 
-// However far apart they were, and however little they have gone.
+// The pair may have been ever so far apart, and have gone ever so little.
 TEST(CollisionWatch, WhatBendsHasNoGapAnyMore) {
   const Scene scene = scene_of(R"(
     DEF A Transform { children DEF SA Shape { geometry IndexedFaceSet {

@@ -10,7 +10,7 @@ namespace peerd::collision {
 // The object of that path, which the scene has.
 inline ObjectId id(const Scene& scene, std::string_view path) { return scene.find(path).value(); }
 
-// Where a Shape stands in the world, from the Transforms above it, without the caches of a query.
+// The pose of a Shape in the world, from the Transforms above it, without the caches of a query.
 inline StretchedPose placed(const Scene& scene, std::uint32_t shape) {
   std::vector<TransformFields> path;
   for (auto i = static_cast<std::int32_t>(shape); i >= 0; i = scene.instances[static_cast<std::size_t>(i)].parent) {

@@ -117,7 +117,7 @@ TEST(WideTree, BuildsANodeWhenItIsVisitedAndKeepsIt) {
   EXPECT_EQ(WideTree::parent(WideTree::child_slot(root, 3)).index(), root.index());
 }
 
-// So large that binary32 would overflow: a scale below 1, a power of two.
+// The soup is so large that binary32 would overflow: the scale is below 1, a power of two.
 TEST(WideTree, HugeSoupsAreScaledByAPowerOfTwo) {
   const TriangleSoup soup = half_space();
   const WideTree tree(soup);

@@ -210,11 +210,11 @@ INSTANTIATE_TEST_SUITE_P(
         // in x y.
         Case{"TieDropsX", {{0, 0, 0}, {2, -1, 1}, {1, -1, 0}, {3, 0, -1}}, {{0, 1, 2}, {0, 2, 3}}},
         Case{"TieDropsXTurned", {{0, 0, 0}, {1, 2, -1}, {0, 1, -1}, {-1, 3, 0}}, {{3, 0, 1}, {1, 2, 3}}},
-        // In an L corner 3 is concave. 0 sees it on its new edge 5 1; 1 is the lowest ear.
+        // Corner 3 of an L is concave. 0 sees it on its new edge 5 1; 1 is the lowest ear.
         Case{"L", flat({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}), {{0, 1, 2}, {0, 2, 3}, {5, 0, 3}, {3, 4, 5}}},
         // A spike goes first: 2 is one, and then 1 (or 3), which is where its neighbour is.
         Case{"Spike", flat({{0, 0}, {2, 1}, {5, 1}, {2, 1}, {0, 3}}), {{1, 2, 3}, {0, 1, 3}, {0, 3, 4}}},
-        // In the crossed polygon the areas cancel, so that all axes tie and x is dropped. In y z it runs to and fro on
+        // The areas of the crossed polygon cancel, so that all axes tie and x is dropped. In y z it runs to and fro on
         // one line, twice.
         Case{"BowTie", flat({{0, 0}, {1, 1}, {1, 0}, {0, 1}}), {{3, 0, 1}, {1, 2, 3}}}),
     [](const auto& test) { return std::string(test.param.name); });

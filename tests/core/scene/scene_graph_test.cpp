@@ -347,7 +347,7 @@ TEST(SceneGraphCounters, MoversAmongManySiblingsCostNoSibling) {
   EXPECT_GT(graph.box(graph.root()).hi[1], 1000);
   graph.set_translation(movers[0], {1000, 2000, 0});
   EXPECT_LE(cost_of_asking_all(), 2u);
-  // The node comes down: where the highest is now, only a look at all of them can tell.
+  // The node comes down: the scene must compare all of them to find the highest now.
   graph.set_translation(movers[0], {1000, 0, 0});
   graph.update();
   EXPECT_LE(spent(graph, [&] { (void)graph.box(movers[0]); }).boxes_merged, 1u);

@@ -243,7 +243,7 @@ std::string shapes_of_36_million_polygons() {
   return body;
 }
 
-// Nothing is built to say so: it would take tens of gigabytes.
+// Nothing is built for this answer: it would take tens of gigabytes.
 TEST(Check, DefectsOfBillionsOfPolygonsAreNotLookedFor) {
   const ScratchFolder folder;
   const Checked run = check(folder, "#\n" + shapes_of_36_million_polygons(), true);
@@ -263,7 +263,7 @@ TEST(Check, InterestsInBillionsOfPolygonsAreNotLookedAt) {
   EXPECT_THAT(json["unsupported"].dump(), HasSubstr("interests in more than 33554432 polygons"));
 }
 
-// A million starts and stops are used up before that day is over, and it is said that they are.
+// A million starts and stops are used up before that day is over, and the output says so.
 TEST(Check, SensorsThatStopForWantOfTransitionsAreNamed) {
   const ScratchFolder folder;
   const std::string body =

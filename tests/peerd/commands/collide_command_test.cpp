@@ -176,7 +176,7 @@ TEST(Collide, UntilATimeSaysWhatBeginsAndEnds) {
       HasSubstr("8 s: A - C (witness) began\n8 s: A notColliding FALSE\n8 s: C notColliding FALSE\n481 ticks;"));
 }
 
-// Tick by tick is what asking at each time says, also of what bends.
+// The events equal a query at each tick, also for objects that bend.
 TEST(Collide, UntilATimeAgreesWithAskingAtEachTime) {
   const ScratchFolder folder;
   const auto world = write(folder, std::string(kMoving) + R"(

@@ -453,7 +453,7 @@ seed = [3, 4]
   EXPECT_EQ(first.peers[0].keys[0].at_s, 1);
 }
 
-// They would be the last run's, in all of them.
+// A key that all runs share would have the last run's value in all of them.
 TEST_F(ScenarioTest, WhatAllRunsShareIsNotSwept) {
   EXPECT_THAT(error(std::string(kTwoPeers) + "[sweep]\nworld = [\"a.wrl\", \"b.wrl\"]"),
               HasSubstr("all runs of a sweep share it"));

@@ -52,7 +52,7 @@ TEST(Pareto, NetworksAreNotChosen) {
   EXPECT_THAT(front_of(situations[1]), testing::ElementsAre(2));
 }
 
-// Nor what nobody saw: no samples is not no error.
+// A run in which nobody saw the object counts neither: no samples is not no error.
 TEST(Pareto, WhatStandsStillDoesNotThinOutTheError) {
   const Json summary = summary_of({run(Json::object(), {row("CAR", 0.4), row("CAR", 0.2), row("WALL", 0.0)}, 100),
                                    run(Json::object(), {row("CAR", 0.4), row("CAR", 0.0, 0)}, 100),

@@ -45,7 +45,7 @@ TEST(Flock, FliesTogetherWithinItsMeans) {
           << k.state.position.transpose() << ": goals are inside, so birds are about";
     }
   }
-  // Once they have found each other: neighbours look the same way, and nobody sits in another.
+  // Once the birds have found each other, neighbours fly the same way, and no bird is inside another.
   double aligned = 0.0, nearest_sum = 0.0, count = 0.0;
   for (std::size_t step = 600; step < birds[0].size(); step += 60) {
     for (std::size_t i = 0; i < birds.size(); ++i) {

@@ -117,7 +117,7 @@ TEST(ReportPage, HoldsEveryPictureOfItsRuns) {
   }
 }
 
-// 250 runs of 100 kB of pictures, 60 objects each: the page stays some megabytes, and says what it has not.
+// 250 runs of 100 kB of pictures, with 60 objects each: the page stays some megabytes, and says what it leaves out.
 TEST(ReportPage, IsBoundedAndSaysWhatItLeavesOut) {
   RunRecord run = samples::quiet_run();
   for (std::uint32_t i = 0; i < 60; ++i)
@@ -140,7 +140,7 @@ TEST(ReportPage, IsBoundedAndSaysWhatItLeavesOut) {
   EXPECT_THAT(html, HasSubstr("The pictures of " + std::to_string(200 - drawn) + " runs are left out of this page"));
   EXPECT_EQ(count_of(html, "Its pictures are left out of this page"), 200 - drawn);
   EXPECT_THAT(html, HasSubstr("Of 50 runs (from 201 on) there is nothing below"));
-  // 62 objects, of each what two others believed: 124 rows, of which 24 are there.
+  // There are 62 objects, each seen by two others: of the 124 rows the page has 24.
   EXPECT_EQ(count_of(html, "100 more rows are left out of this page"), 200u);
   EXPECT_THAT(html, HasSubstr(", 39 and 210 more</td>"));  // values of a key
 }

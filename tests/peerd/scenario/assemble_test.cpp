@@ -161,7 +161,7 @@ TEST_F(AssembleTest, APeerThatNeverMetTheOthersIsNamed) {
   EXPECT_EQ(made.error().exit_code, 3);
 }
 
-// A belief of an object whose owner left no row is no sample: there is nothing to hold it against.
+// A ghost of an object whose owner left no row is no sample: there is nothing to compare it with.
 TEST_F(AssembleTest, WithoutTheOwnersRowsThereIsNoSample) {
   believe(kA, 1.0, kCube, kB, Vec3::Zero());
   EXPECT_TRUE(record().ghost_samples.empty());

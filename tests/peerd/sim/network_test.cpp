@@ -98,7 +98,8 @@ TEST(LinkRates, Loss) {
   EXPECT_EQ(flood(three_peers({})).size(), static_cast<std::size_t>(kSends));
 }
 
-// As much is lost as was asked for, in runs of the length that was asked for, and between two runs something arrives.
+// The link loses as much as the settings ask for, in runs of the length that they ask for, and between two runs a
+// datagram arrives.
 TEST(LinkRates, LossInBursts) {
   for (const auto& [loss, burst] : {std::pair{0.05, 5.0}, {0.2, 3.0}, {0.5, 1.0}, {0.01, 40.0}}) {
     std::vector<bool> arrived(kSends);

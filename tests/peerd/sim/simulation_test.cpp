@@ -46,7 +46,7 @@ TEST(Partition, AnUnreachablePeerIsLostAndComesBack) {
   for (const char* observer : {"b", "c"}) {
     EXPECT_TRUE(views(parted, observer, "CAR", 4 + kLostAfter_s + 0.2, 7).empty()) << "nobody's: it stands still there";
     EXPECT_EQ(views(parted, observer, "CAR", 9, 15).size(), views(whole, observer, "CAR", 9, 15).size());
-    // Once it is over everybody is again as near to the truth as if it had not been.
+    // After the partition all peers are again as near to the truth as if it had not been.
     EXPECT_GT(worst_m(views(whole, observer, "CAR", 9, 15)), 0.1);
     EXPECT_LT(worst_m(views(parted, observer, "CAR", 9, 15)), 1.2 * worst_m(views(whole, observer, "CAR", 9, 15)));
   }

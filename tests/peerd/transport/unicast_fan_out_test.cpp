@@ -93,7 +93,8 @@ TEST_F(UnicastFanOutTest, ThreeMessagesAreEnoughToKnowWhatTheOtherWants) {
       peer->transport->flush();
     }
   }
-  for (auto* peer : {&a, &b, &c}) EXPECT_EQ(peer->transport->peers().size(), 2u) << "a has introduced b and c to each other";
+  for (auto* peer : {&a, &b, &c})
+    EXPECT_EQ(peer->transport->peers().size(), 2u) << "a has introduced b and c to each other";
   const auto before = a.transport->counters().greetings_out;
   for (int i = 0; i < 10; ++i) {
     for (auto* peer : {&a, &b, &c}) {

@@ -121,7 +121,8 @@ TEST(RegionSettings, ASessionIsThatOfOneCut) {
   EXPECT_NE(a.session_hash(77), b.session_hash(77));
   b = a;
   b.hysteresis.margin_m = 2.0;
-  EXPECT_NE(a.session_hash(77), b.session_hash(77)) << "all grow their areas for the latest time at which an object is published";
+  EXPECT_NE(a.session_hash(77), b.session_hash(77))
+      << "all grow their areas for the latest time at which an object is published";
   b = a;
   b.hysteresis.stay = 9s;
   b.lookahead = 1s;

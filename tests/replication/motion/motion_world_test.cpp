@@ -112,7 +112,7 @@ TEST(MotionWorld, AnyFrameRateGivesTheSameBits) {
     std::mt19937_64 rng(seed);
     std::uniform_real_distribution<double> u(-1.0, 1.0);
     std::vector<Update> updates = {{0s, "BALL", 0s, moving({-1, 0, 0}, {3 * u(rng), 0, 0})},
-                              {0s, "CUBE", 0s, moving({1, 0, 0}, {3 * u(rng), 0, 0}, {u(rng), 0, 0})}};
+                                   {0s, "CUBE", 0s, moving({1, 0, 0}, {3 * u(rng), 0, 0}, {u(rng), 0, 0})}};
     Duration when = 0s;
     for (int i = 0; i < 8; ++i) {
       when += 300ms + seconds(0.3 * (1 + u(rng)));
