@@ -43,7 +43,7 @@ void report_truth(PeerParts& p, SimTime t) {
   p.decisions.resolve_overdue(t);
 }
 
-// Reports contacts that everybody predicts. Contacts of own objects are reported by the truth, or by a decision.
+// Reports contacts that all peers predict. Contacts of own objects are reported by the truth, or by a decision.
 void report_ghosts(PeerParts& p, SimTime t) {
   const auto is_remote = [&](ObjectId id) { return !p.own.contains(id) && p.owners.of(id) != kNobody; };
   while (const auto event = p.replica.ghosts().poll_event()) {

@@ -47,8 +47,8 @@ class Peer {
   // and not with the next tick, once at most until then; so is what change_velocity() has changed. Does nothing where a
   // tick is due, which publishes them. Samples are of `now`, with derivatives.
   void publish_now(HostTime now, std::span<const OwnSample> samples);
-  // The operating system's word of this host's clock at `now`; none: it does not know how right it is. Needed for the
-  // preference of good OS clocks alone.
+  // The operating system's statement on this host's clock at `now`; none: it does not know how right it is. Needed for
+  // the preference of good OS clocks alone.
   void on_os_clock(HostTime now, std::optional<OsClock> clock);
   // The launches of own objects count from `start`, or from now if that has passed.
   void start_motions(HostTime now, SimTime start);
@@ -56,8 +56,8 @@ class Peer {
   // replaces it, or adds to it. False, and nothing done, for any other object and before a session. publish_now() or
   // the next tick publishes it.
   bool change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute);
-  // From now on this peer's hellos say when motions by formula begin. Peers that run such motions together follow the
-  // lowest peer's word. It is also time 0 of the world's TimeSensors where the session has none yet.
+  // This peer's hellos say from now on when motions by formula begin. Peers that run such motions together follow the
+  // peer with the lowest id. The time is also time 0 of the world's TimeSensors where the session has none yet.
   void announce_start(SimTime start);
   // Says goodbye. The peer is over after this.
   void leave(HostTime now);
@@ -86,7 +86,7 @@ class Peer {
   // stands then.
   [[nodiscard]] Vec3 to_world(SimTime at, ObjectId object, const Vec3& in_parent);
 
-  // The state of an object as this peer knows it, and as everybody predicts it. Both need a session. Of the past 4 s;
+  // The state of an object as this peer knows it, and as all peers predict it. Both need a session. Of the past 4 s;
   // of own objects that something drives of the past half second, and of those that no interest names since their last
   // sample, unless they are shown late.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;

@@ -37,7 +37,7 @@ bool SessionKeeper::check_suspension(HostTime now) {
 bool SessionKeeper::maintain(HostTime now) {
   if (p_.time.start(now)) p_.greeter.start(now);
   if (check_suspension(now)) return false;
-  // No other peer is here that could tell how much time has passed: this peer's own clock counts on.
+  // No other peer is here that knows how much time has passed: this peer's own clock counts on.
   const bool in_session = p_.replica.begun();
   const Duration gap = in_session ? p_.to_session(now) - p_.ticks.last_time() : Duration{0};
   if (gap > SessionTime::kSuspendedAfter) {

@@ -6,7 +6,7 @@
 namespace peerd::report {
 
 // Statistics of a set of samples with equal weights. All are zero for an empty set, because JSON has no NaN; `count`
-// tells.
+// distinguishes it.
 struct Statistics {
   std::size_t count = 0;
   double mean = 0.0;

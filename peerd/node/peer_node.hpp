@@ -31,7 +31,7 @@ class PeerNode {
     std::uint64_t incarnation = 1;
     std::vector<PeerId> wait_for;  // motions begin once all of these peers are members; empty: at once
     bool late = false;             // the session has begun without this peer, which adopts the announced start
-    Duration start_lead{0};        // the start is the first whole second at least this long after everybody is here
+    Duration start_lead{0};        // the start is the first whole second at least this long after all peers are here
     Duration clock_offset{0};      // test setting: how far this host's clock is ahead of the shared clock
     bool keep_log = true;
     std::uint32_t sample_hz = 60;  // rate of the ghosts' samples in the log, independent of the tick rate

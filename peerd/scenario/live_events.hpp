@@ -11,9 +11,9 @@ namespace peerd {
 // The reason why real processes cannot have these events; none where they can.
 [[nodiscard]] std::optional<InputError> why_not_live(const std::vector<config::ScenarioEvent>& events);
 
-// Tells when the events of a scenario between real processes are due. Only events that happen to a process are meant: a
-// peer reads scripted keys from its own settings. One of the peers is asked when the motions began; its control socket
-// lies in a folder of its own, which is deleted with this object.
+// Reports when the events of a scenario between real processes are due. Only events that happen to a process are meant:
+// a peer reads scripted keys from its own settings. One of the peers is asked when the motions began; its control
+// socket lies in a folder of its own, which is deleted with this object.
 class LiveEvents {
  public:
   // The error is that the folder can't be made. Without events there is no folder.

@@ -89,7 +89,7 @@ void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
   }
 }
 
-// The states of both owners from so long before a contact have reached everybody.
+// The states of both owners from so long before a contact have reached all peers.
 Duration ContactDecisions::lookback() const {
   return config_.decisions.lookback ? *config_.decisions.lookback : members_.longest_latency();
 }
@@ -135,7 +135,7 @@ PeerId ContactDecisions::choose_decider(ObjectId a, ObjectId b, SimTime contact)
                  here ? server : kNobody);
 }
 
-// Whether a decision that is made now on a contact of that time reaches everybody in time.
+// Whether a decision that is made now on a contact of that time reaches all peers in time.
 bool ContactDecisions::reaches_all_in_time(SimTime contact) const {
   return contact >= ticks_.last_time() - kDecidedWithin;
 }

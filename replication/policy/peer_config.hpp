@@ -42,7 +42,7 @@ struct DecisionSettings {
 };
 
 // For baselines: a peer through which all states go, as through a central server. Other peers ignore updates of an
-// object from anybody else; hellos and decisions go to everybody as always.
+// object from any other sender; hellos and decisions go to all peers as always.
 struct RelaySettings {
   PeerId through = kNobody;
   // Relayed updates count from when the relay received them, as on a server without lag compensation.
@@ -51,7 +51,7 @@ struct RelaySettings {
 
 // The delay with which objects are displayed: `fixed`, and, if `measured`, the age of the oldest update so far and the
 // interval between snapshots besides, so that nothing has to be extrapolated. It applies to remote objects; also to
-// own ones if `own`, as in lockstep, where a user's input takes effect for everybody at once.
+// own ones if `own`, as in lockstep, where a user's input takes effect for all at once.
 struct DisplayDelay {
   Duration fixed{0};
   bool measured = false;

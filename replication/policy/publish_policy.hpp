@@ -65,7 +65,7 @@ struct GhostError {
                                      double bounding_radius_m = 0.0);
 
 // The reason for which an update is due now; none when the ghosts of the receivers are still good enough. `redundant`:
-// another update would say what everybody knows.
+// another update would say what all receivers know.
 [[nodiscard]] std::optional<PublishReason> due(const PublishPolicy& policy, double threshold_m, const GhostError& error,
                                                std::optional<SimTime> last_sent, SimTime now, bool redundant = false);
 

@@ -96,8 +96,9 @@ bool Publication::is_worth_an_update(OwnObject& own, SimTime t, const GhostError
 // whose updates are not acknowledged.
 bool Publication::tracks_acknowledgements() const { return !regions_.cuts() && config_.relay.through == kNobody; }
 
-// Whether another update would say what everybody knows: the object rests where all peers have it; or a decision says
-// where physics takes it, one that is still to come or from within the time threshold.
+// Whether another update would say what all receivers know. That is so where the object rests at a place that all peers
+// have acknowledged, or where a decision, which is still to come or from within the time threshold, says where physics
+// takes it.
 bool Publication::update_is_redundant(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
                                       const KinematicState& ghost) const {
   if (!tracks_acknowledgements()) return false;

@@ -39,10 +39,11 @@ class Publication {
   void take(SimTime t, std::span<const OwnSample> samples);
   // The tick at t, after both worlds have been advanced to it: makes the updates that are due.
   void publish(SimTime t);
-  // Between two ticks, at t: whether the sample is so far from what everybody predicts that its object may not wait.
+  // Whether the sample, between two ticks at t, is so far from the prediction of the receivers that its object may not
+  // wait.
   [[nodiscard]] bool is_urgent(const OwnSample& sample, SimTime t) const;
-  // Between two ticks, after both worlds have been advanced to t: makes the updates of changes that nobody could know,
-  // and those of the samples that are due.
+  // Makes the updates of changes that no receiver could predict, and those of the samples that are due. The caller
+  // calls it between two ticks, after both worlds have been advanced to t.
   void publish_at_once(SimTime t, std::span<const OwnSample* const> samples);
   // The caller calls it with each hello: it sends again the updates that nothing newer has replaced and that a peer may
   // not have.

@@ -16,7 +16,7 @@
 namespace peerd::replication {
 
 // This peer's copy of the shared world, in two versions. `truth` holds what is known: own objects as they are, and the
-// ghosts of those remote objects that may meet something. `ghosts` holds what everybody predicts from the updates, own
+// ghosts of those remote objects that may meet something. `ghosts` holds what all peers predict from the updates, own
 // objects included: the sender's copy of every receiver's ghosts. Both begin with the session.
 class Replica {
  public:

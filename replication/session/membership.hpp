@@ -59,7 +59,7 @@ class Membership {
   // Removes the peers that have been silent for longer than lost_after and returns them, ascending.
   [[nodiscard]] std::vector<std::pair<PeerId, Member>> expire(HostTime now);
   std::optional<Member> remove(PeerId peer);
-  // Counts everybody's silence anew from now on.
+  // Counts the silence of all members anew from now on.
   void restart_silence_of_all(HostTime now);
   // Forgets how other clocks compare with this host's, which has jumped.
   void forget_clocks();

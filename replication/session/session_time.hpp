@@ -16,7 +16,7 @@ namespace peerd::replication {
 class SessionTime {
  public:
   // After a longer gap between two calls this peer was stopped, or its computer asleep. What would have happened
-  // meanwhile is not made up: for everybody else its objects stood still.
+  // meanwhile is not made up: for all others its objects stood still.
   static constexpr Duration kSuspendedAfter = std::chrono::seconds(4);
 
   // All arguments outlive this object.
@@ -31,16 +31,16 @@ class SessionTime {
   // The first tick: this peer listens from now on. False where it has started before.
   bool start(HostTime now);
 
-  // To be called first whenever time arrives. Where nobody has called for long, this host slept, or was stopped, or its
+  // The caller calls it first whenever time arrives. Where it was not called for long, this host was suspended, or its
   // clock has jumped; which of them, and how much time has really passed, only the other peers know. So session time
-  // goes on from where it was, and this peer publishes no time until it has received theirs: a peer that led would
-  // otherwise lead everybody into the wrong one. Where nobody is left, it founds again. Returns the gap; none: there
-  // was none, or nobody to be out of step with. `in_session`: this peer has a world.
+  // continues from where it was, and this peer publishes no time until it has received theirs: a peer that led would
+  // otherwise lead all peers into the wrong one. Where no other peer is left, it founds again. Returns the gap; none:
+  // there was none, or no peer to be out of step with. `in_session`: this peer has a world.
   [[nodiscard]] std::optional<Duration> check_suspension(HostTime now, bool in_session);
 
   // A peer has been received that has not introduced itself, and may have a session.
   void on_unintroduced_peer(HostTime now) { unintroduced_peer_at_ = now; }
-  // The operating system's word of its clock at `now`; none: it does not know how right it is.
+  // The statement of the operating system on its clock at `now`; none: it does not know how right it is.
   void on_os_clock(HostTime now, std::optional<OsClock> clock);
   // The time stamps of a hello. `exchange`: when this peer's hello that it echoes left and arrived; none: it echoes
   // none that is known.

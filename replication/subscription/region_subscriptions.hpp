@@ -46,7 +46,7 @@ class RegionSubscriptions {
   // Returns at most so many subscriptions that are due, and counts them as sent. `goes_anyway`: in a datagram that
   // goes anyway; otherwise none are taken before one of them must go.
   [[nodiscard]] std::vector<Subscription> take(std::size_t most, bool goes_anyway);
-  // Sends what is due in datagrams of its own, to everybody: the owner of objects in a region need not listen to it.
+  // Sends what is due in datagrams of its own, to all peers: the owner of objects in a region need not listen to it.
   void announce();
 
   // ---- the objects that this peer receives

@@ -3,13 +3,14 @@
 // ticks_bench [--quick] [--out DIR] [--commit NAME]: crowd, traffic and orbit at 100 ms with configs/best.toml and all
 // peers at 10, 20, 30, 60, 120 and 240 ticks a second, 12 simulated seconds of each of three seeds.
 //
-// error: of the ghosts of what formulas and paths drive, all objects and observers together, looked at 127 times a
-// second, which no tick rate divides, so that ghosts are looked at between ticks too. (What physics moves is known to
-// the report at its owner's ticks alone, and what it does between them would count as error at 10 Hz.) Bytes: UDP
-// payload of all datagrams of all peers; updates: of each object, a second. time: of the simulation's thread, all
-// peers, over that at 60 Hz, in rounds in turns; there ghosts are looked at once a second. Nothing but that depends on
-// the machine. Writes ticks-rates.csv and ticks-rates.svg besides. Exit code 1: peers don't agree on an outcome; an
-// object is told of more often than there are ticks; peers whose ghosts are looked at less often send other updates.
+// error: of the ghosts of what formulas and paths drive, all objects and observers together, sampled 127 times a
+// second, which no tick rate divides, so that ghosts are sampled between ticks too. (The report knows the place of an
+// object that physics moves at its owner's ticks alone, and the motion between them would count as error at 10 Hz.)
+// Bytes: UDP payload of all datagrams of all peers; updates: of each object, a second. time: of the simulation's
+// thread, all peers, over that at 60 Hz, in rounds in turns; there ghosts are sampled once a second. Nothing but that
+// depends on the machine. Writes ticks-rates.csv and ticks-rates.svg besides. Exit code 1: peers do not agree on an
+// outcome; an object is published more often than there are ticks; peers whose ghosts are sampled less often send other
+// updates.
 #include <algorithm>
 #include <set>
 

@@ -515,7 +515,7 @@ TEST_F(Regions, WhatWentElsewhereInAPartitionIsNotHeld) {
   lan.part({1});
   lan.run_until(8500ms);
   EXPECT_EQ(lan.peer(0).owner(world["A"]), kNobody);
-  EXPECT_TRUE(holds(0, "A")) << "frozen where it was";
+  EXPECT_TRUE(holds(0, "A")) << "orphaned where it was";
   lan.part({});
   lan.run_until(11s);
   EXPECT_EQ(lan.peer(0).owner(world["A"]), PeerId{2});
@@ -577,9 +577,9 @@ TEST_F(Regions, OrphanedObjectsStayWithAPeerThatLeavesTheirRegion) {
   lan.run_until(19s);
   EXPECT_TRUE(lan.joined(visitor).contains(RegionId{1}));
   EXPECT_TRUE(holds(visitor, "A"));
-  const auto frozen = lan.seen<ObjectOrphaned>(visitor);
-  ASSERT_THAT(frozen, testing::SizeIs(1)) << "a peer reports no object that it does not receive";
-  EXPECT_EQ(frozen.front().object, world["A"]);
+  const auto orphaned = lan.seen<ObjectOrphaned>(visitor);
+  ASSERT_THAT(orphaned, testing::SizeIs(1)) << "a peer reports no object that it does not receive";
+  EXPECT_EQ(orphaned.front().object, world["A"]);
 }
 
 TEST_F(Regions, ASubscriptionIsRepeatedTwice) {

@@ -126,7 +126,7 @@ TEST_P(JumpingClock, EverybodyIsBackInStepAndNobodysTimeRunsBackwards) {
   lab.restart_silence_of_all(GetParam().host, 32s - std::min(Duration{0}, GetParam().by));
   if (GetParam().by > 0s) {
     lab.jump(GetParam().host, GetParam().by);
-  } else {  // a clock that is told its past again waits for it (ForwardTime)
+  } else {  // a clock whose past is set again waits for it (ForwardTime)
     lab.suspend(GetParam().host, false);
     lab.run_until(30s - GetParam().by);
     lab.wake(GetParam().host);
