@@ -117,7 +117,7 @@ class Side {
   }
   [[nodiscard]] bool ready() const {
     const auto& members = node_->peer().members().all();
-    return node_->start() && members.size() == 1 && members.begin()->second.echoes_us &&
+    return node_->start() && members.size() == 1 && members.begin()->second.echo.echoes_us &&
            node_->peer().owners().size() == objects_;
   }
   [[nodiscard]] std::uint64_t lost() const {
