@@ -1,5 +1,7 @@
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/transform.hpp"
@@ -38,6 +40,13 @@ struct AxisBox {
 using LocalBox = AxisBox<float>;
 // A box in the world frame [m].
 using WorldBox = AxisBox<double>;
+
+// The largest absolute value of a side [m], at least 0.
+[[nodiscard]] inline double largest_coordinate(const WorldBox& box) {
+  double most = 0.0;
+  for (int i = 0; i < 3; ++i) most = std::max({most, std::abs(box.lo[i]), std::abs(box.hi[i])});
+  return most;
+}
 
 // Returns a box that contains m * p for every p in `box`: as the reals have it, and as multiply(m.linear, p) + m.offset
 // rounds it. It is wider than the tight one by at most 2^-49 of the largest |m.linear| * |p| + |m.offset| along an axis

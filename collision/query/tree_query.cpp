@@ -2,18 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 
 #include "collision/exact/triangle_pair.hpp"
 
 namespace peerd::collision {
 namespace {
-
-double largest_coordinate(const WorldBox& box) {
-  double largest = 0.0;
-  for (int i = 0; i < 3; ++i) largest = std::max({largest, std::abs(box.lo[i]), std::abs(box.hi[i])});
-  return largest;
-}
 
 template <int K, class Found>  // Found(PolygonPair) -> bool: true ends the search
 class Descent {

@@ -10,7 +10,7 @@
 namespace peerd::collision {
 namespace {
 
-constexpr std::uint32_t kNone = ~0u;
+constexpr std::uint32_t kNoObject = ~0u;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ CollisionWatch::CollisionWatch(const Scene& scene, HierarchyLoader load_hierarch
       query_(scene, std::move(load_hierarchy)),
       coherence_(options.witnesses),
       broad_(make_broad_phase()),
-      object_of_(scene.instances.size(), kNone),
+      object_of_(scene.instances.size(), kNoObject),
       pending_transforms_(scene.transforms),
       options_(options) {
   for (const CollisionInterest& interest : scene.interests) {
@@ -38,7 +38,7 @@ void CollisionWatch::add_objects(const Scene& scene) {
     object_of_[interest.collider.value] = object_of_[interest.collidee.value] = 0;
   }
   for (std::uint32_t i = 0; i < object_of_.size(); ++i) {
-    if (object_of_[i] == kNone) continue;
+    if (object_of_[i] == kNoObject) continue;
     object_of_[i] = static_cast<BroadIndex>(objects_.size());
     objects_.push_back({.id = {i}});
     changes_.add_object({i}, scene.instances[i].kind == NodeKind::kTransform);
@@ -128,7 +128,7 @@ void CollisionWatch::accumulate_travel(Object& object) {
 void CollisionWatch::mark(std::uint32_t instance) {
   assert(instance < object_of_.size());
   const auto moved = [&](std::uint32_t i) {
-    if (object_of_[i] == kNone || std::exchange(objects_[object_of_[i]].moved, true)) return;
+    if (object_of_[i] == kNoObject || std::exchange(objects_[object_of_[i]].moved, true)) return;
     moved_objects_.push_back(object_of_[i]);
   };
   const std::uint32_t end = scene_.instances[instance].subtree_end;
@@ -152,7 +152,7 @@ void CollisionWatch::apply_pending_changes() {
       mark(instance);
       for (auto i = static_cast<std::int32_t>(instance); i >= 0;
            i = scene_.instances[static_cast<std::size_t>(i)].parent) {
-        if (const std::uint32_t object = object_of_[static_cast<std::size_t>(i)]; object != kNone) {
+        if (const std::uint32_t object = object_of_[static_cast<std::size_t>(i)]; object != kNoObject) {
           objects_[object].reshaped_at_tick = tick_;
         }
       }

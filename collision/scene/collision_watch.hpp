@@ -132,7 +132,7 @@ class CollisionWatch {
   std::unique_ptr<BroadPhase> broad_;
   std::vector<WatchedInterest> interests_;
   std::vector<Object> objects_;                   // by BroadIndex, in the order of ids
-  std::vector<std::uint32_t> object_of_;          // by instance: BroadIndex or kNone
+  std::vector<std::uint32_t> object_of_;          // by instance: BroadIndex or kNoObject
   std::vector<Pair> pairs_;                       // sorted
   std::vector<std::uint32_t> interests_by_pair_;  // interests
 

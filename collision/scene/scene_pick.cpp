@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "collision/scene/world_box.hpp"
+#include "core/box.hpp"
 
 namespace peerd::collision {
 namespace {

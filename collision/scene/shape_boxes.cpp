@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "collision/exact/infinity.hpp"
-#include "collision/scene/world_box.hpp"
 #include "collision/tree/realigned_box.hpp"
+#include "core/box.hpp"
 
 namespace peerd::collision {
 namespace {

@@ -1,7 +1,4 @@
 #pragma once
-#include <algorithm>
-#include <cmath>
-
 #include "core/box.hpp"
 
 // Helpers for the boxes of scenes.
@@ -13,12 +10,6 @@ namespace peerd::collision {
     if (!(a.lo[i] - gap_m <= b.hi[i] && b.lo[i] - gap_m <= a.hi[i])) return false;
   }
   return true;
-}
-
-[[nodiscard]] inline double largest_coordinate(const WorldBox& box) {
-  double most = 0.0;
-  for (int i = 0; i < 3; ++i) most = std::max({most, std::abs(box.lo[i]), std::abs(box.hi[i])});
-  return most;
 }
 
 }  // namespace peerd::collision

@@ -5,7 +5,6 @@
 namespace peerd::config {
 namespace {
 
-constexpr double kFar_m = 1e9;
 constexpr double kForever_s = 1e6;
 
 WalkSettings read_walk(TomlReader reader, std::optional<std::uint64_t>& seed) {

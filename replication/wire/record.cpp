@@ -24,7 +24,7 @@ static_assert(kUnknownKind == std::size(kMotionKinds) + 1 && kUnknownKind < 1 <<
 constexpr int kLongWidth_bits = 6, kWidth_bits = 5;
 constexpr int kComponentMax_bits = 52;  // binary64 represents whole numbers of so many bits
 
-bool is_zero(const Vec3& v) { return v.isZero(0.0); }
+bool is_zero_vector(const Vec3& v) { return v.isZero(0.0); }
 bool has_acceleration(MotionKind kind) { return kind != MotionKind::kFirst; }
 bool has_jerk(MotionKind kind) { return kind == MotionKind::kThird || kind == MotionKind::kOscillating; }
 bool has_rate(MotionKind kind) { return kind == MotionKind::kTurning || kind == MotionKind::kOscillating; }
@@ -96,7 +96,7 @@ std::optional<int> rate_step_log2(const MotionModel& m, const Steps& steps) {
 
 // Rounds a vector to steps; false where it does not fit its field.
 bool round_to_steps(Vec3& v, int step_log2, int width_bits) {
-  if (is_zero(v)) {  // most vectors are zero
+  if (is_zero_vector(v)) {  // most vectors are zero
     v.setZero();
     return true;
   }
@@ -123,8 +123,8 @@ bool round_to_steps(MotionModel& m, int position_log2) {
   }
   s.orientation = is_identity(s.orientation) ? Quat::Identity() : to_orientation(smallest_three(s.orientation)).value();
   if (m.kind == MotionKind::kSliding) {  // a speed that rounds to zero counts as stopped
-    if (is_zero(s.velocity)) s.acceleration.setZero();
-    if (is_zero(s.angular_velocity_body)) m.angular_acceleration_body.setZero();
+    if (is_zero_vector(s.velocity)) s.acceleration.setZero();
+    if (is_zero_vector(s.angular_velocity_body)) m.angular_acceleration_body.setZero();
   }
   if (!has_rate(m.kind)) return true;
   const auto rate_log2 = rate_step_log2(m, steps);
@@ -142,8 +142,8 @@ bool rounds_to_first(const MotionModel& m, int position_log2) {
 // Whether friction stops the rounded motion as it stops the exact one: friction that no longer points against the
 // motion would stop it at once, and no friction would never.
 bool brakes_alike(const Vec3& v, const Vec3& friction, const Vec3& v_rounded, const Vec3& friction_rounded) {
-  return is_zero(v_rounded) || ((v.dot(friction) < 0.0) == (v_rounded.dot(friction_rounded) < 0.0) &&
-                                is_zero(friction) == is_zero(friction_rounded));
+  return is_zero_vector(v_rounded) || ((v.dot(friction) < 0.0) == (v_rounded.dot(friction_rounded) < 0.0) &&
+                                       is_zero_vector(friction) == is_zero_vector(friction_rounded));
 }
 bool stops_alike(const MotionModel& a, const MotionModel& b) {
   const KinematicState &s = a.state, &r = b.state;
@@ -156,7 +156,7 @@ bool stops_alike(const MotionModel& a, const MotionModel& b) {
 void drop_signs_of_zero(MotionModel& m) {
   for (Vec3* v : {&m.state.position, &m.state.velocity, &m.state.acceleration, &m.state.angular_velocity_body, &m.jerk,
                   &m.rate_rad_s, &m.angular_acceleration_body}) {
-    if (is_zero(*v)) v->setZero();
+    if (is_zero_vector(*v)) v->setZero();
   }
   if (is_identity(m.state.orientation)) m.state.orientation = Quat::Identity();
 }
@@ -225,7 +225,7 @@ void put_exact(BitWriter& out, const MotionModel& m) {
   const Quat& q = m.state.orientation;
   if (!is_identity(q)) put_exact(out, q);
   put_exact(out, m.state.angular_velocity_body);
-  if (!is_zero(m.angular_acceleration_body)) put_exact(out, m.angular_acceleration_body);
+  if (!is_zero_vector(m.angular_acceleration_body)) put_exact(out, m.angular_acceleration_body);
 }
 
 void put_steps(BitWriter& out, const MotionModel& m, int position_log2, const Form& form) {
@@ -239,7 +239,7 @@ void put_steps(BitWriter& out, const MotionModel& m, int position_log2, const Fo
   }
   if (!is_identity(m.state.orientation)) put_orientation(out, m.state.orientation, form.turns.has_value());
   put_steps(out, m.state.angular_velocity_body, steps.spin, kWidth_bits, form.turns);
-  if (!is_zero(m.angular_acceleration_body)) {
+  if (!is_zero_vector(m.angular_acceleration_body)) {
     put_steps(out, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits, form.turns);
   }
 }
@@ -308,7 +308,7 @@ bool take_exact(BitReader& in, const Present& present, MotionModel& m) {
   if (present.orientation && !take_exact(in, m.state.orientation)) return false;
   if (!take_exact(in, m.state.angular_velocity_body)) return false;
   return !present.spin_acceleration ||
-         (take_exact(in, m.angular_acceleration_body) && !is_zero(m.angular_acceleration_body));
+         (take_exact(in, m.angular_acceleration_body) && !is_zero_vector(m.angular_acceleration_body));
 }
 
 bool take_steps(BitReader& in, int position_log2, const Present& present, MotionModel& m) {
@@ -330,7 +330,7 @@ bool take_steps(BitReader& in, int position_log2, const Present& present, Motion
   if (!take_steps(in, m.state.angular_velocity_body, steps.spin, kWidth_bits, form.turns)) return false;
   if (present.spin_acceleration &&
       (!take_steps(in, m.angular_acceleration_body, steps.spin_acceleration, kWidth_bits, form.turns) ||
-       is_zero(m.angular_acceleration_body))) {
+       is_zero_vector(m.angular_acceleration_body))) {
     return false;
   }
   return present.level == is_level(m) && present.upright == is_upright(m);
@@ -400,7 +400,7 @@ std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::by
   out.put(later ? 1 : 0, 1);
   out.put(decided ? 1 : 0, 1);
   out.put(is_identity(u.model.state.orientation) ? 0 : 1, 1);
-  out.put(is_zero(u.model.angular_acceleration_body) ? 0 : 1, 1);
+  out.put(is_zero_vector(u.model.angular_acceleration_body) ? 0 : 1, 1);
   const Form form = u.position_step_log2 ? form_of(u.model.kind, is_level(u.model), is_upright(u.model)) : Form{};
   out.put(form.moves ? 1 : 0, 1);
   out.put(form.turns ? 1 : 0, 1);
