@@ -183,7 +183,7 @@ Touch examine_touch(const PairQuery& query, const Instant& now, const RotationBo
 // The velocity of the collider's first support point along -n against the collidee's material at that place [m/s].
 Vec3 approach_velocity(const PairQuery& query, const Instant& now, const Vec3& n) {
   const Vec3 n_a = rotate_back(now.R_a, n);
-  const Vec3* lowest = &query.collider.vertices[0];
+  const Vec3* lowest = query.collider.vertices.data();
   for (const Vec3& x : query.collider.vertices) {
     if (dot(n_a, x) < dot(n_a, *lowest)) lowest = &x;
   }

@@ -10,7 +10,7 @@ namespace {
 // Compares bits, so that -0 is not taken for 0: the sign can show in a product.
 template <class T>
 bool same_bits(const T& a, const T& b) {
-  return std::memcmp(&a, &b, sizeof(T)) == 0;
+  return std::memcmp(&a, &b, sizeof(T)) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): -0 differs from 0
 }
 
 std::array<double, 3> stored(const Vec3& v) { return {v[0], v[1], v[2]}; }

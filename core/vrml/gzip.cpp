@@ -41,12 +41,10 @@ std::expected<std::string, std::string> gunzip(std::string_view bytes, std::size
       // count.
       if (left < 2 || !is_gzip(bytes.substr(bytes.size() - left))) break;
       if (inflateReset(&stream) != Z_OK) return std::unexpected("zlib cannot go on");
-    } else if (result == Z_BUF_ERROR && left == 0) {
-      return std::unexpected(std::string(kCut));
     } else if (result != Z_OK && result != Z_BUF_ERROR) {
       return std::unexpected(std::string("the gzip file is damaged: ") +
                              (stream.msg != nullptr ? stream.msg : "unknown"));
-    } else if (stream.avail_out > 0 && left == 0) {
+    } else if (left == 0 && (result == Z_BUF_ERROR || stream.avail_out > 0)) {
       return std::unexpected(std::string(kCut));
     }
     next = std::max<std::size_t>(out.size() / 2, 4096);

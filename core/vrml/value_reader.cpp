@@ -183,8 +183,9 @@ bool ValueReader::take_number(const FieldSpec& spec, std::expected<T, NumberErro
 bool ValueReader::read_one(const FieldSpec& spec, float& value) {
   if (tokens_.at(kNumber)) {
     const std::string_view text = tokens_.peek().text;
-    const char* const end = text.data() + text.size();
-    if (scan_plain(text.data(), end, value) == end) return tokens_.take(), true;
+    const char* const begin = text.data();
+    const char* const end = begin + text.size();
+    if (scan_plain(begin, end, value) == end) return tokens_.take(), true;
     return take_number(spec, read_float(text), value);
   }
   if (!spells_non_finite(tokens_.peek())) return expected_value(spec, "a number");

@@ -49,8 +49,8 @@ bool same_values(const Field& a, const Field& b) {
 }
 
 template <class Vector>
-bool same_bits(const Vector& a, const Vector& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+bool same_bytes(const Vector& a, const Vector& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): -0 differs from 0
 }
 
 // Comparison walks two documents, node by node as they are met from the top level, from the nodes outside of it, and
@@ -251,8 +251,9 @@ bool Comparison::compare_instance(std::uint32_t i) {
   if (a.collides != b.collides) return differs("whether it collides");
   if (a.drawn != b.drawn) return differs("whether it is drawn");
   const TransformFields &t = scene_a_.transform({i}), &u = scene_b_.transform({i});
-  if (!same_bits(t.translation, u.translation) || !same_bits(t.rotation, u.rotation) || !same_bits(t.scale, u.scale) ||
-      !same_bits(t.scale_orientation, u.scale_orientation) || !same_bits(t.center, u.center)) {
+  if (!same_bytes(t.translation, u.translation) || !same_bytes(t.rotation, u.rotation) ||
+      !same_bytes(t.scale, u.scale) || !same_bytes(t.scale_orientation, u.scale_orientation) ||
+      !same_bytes(t.center, u.center)) {
     return differs("its transform");
   }
   const ObjectFields &o = scene_a_.object({i}), &p = scene_b_.object({i});
@@ -260,12 +261,12 @@ bool Comparison::compare_instance(std::uint32_t i) {
     const CollisionResponse r = f.response.value_or(CollisionResponse{});
     return std::tuple(f.response.has_value(), r.type, r.set_back, r.mass_kg, r.restitution, r.friction_m_s2);
   };
-  if (!same_bits(o.velocity, p.velocity) || !same_bits(o.distance_threshold_m, p.distance_threshold_m) ||
+  if (!same_bytes(o.velocity, p.velocity) || !same_bytes(o.distance_threshold_m, p.distance_threshold_m) ||
       response(o) != response(p)) {
     return differs("its velocity, threshold or response");
   }
   const ShapeFields &s = scene_a_.shape({i}), &q = scene_b_.shape({i});
-  const auto same_point = [](const Eigen::Vector3f& x, const Eigen::Vector3f& y) { return same_bits(x, y); };
+  const auto same_point = [](const Eigen::Vector3f& x, const Eigen::Vector3f& y) { return same_bytes(x, y); };
   if (s.hierarchy_file != q.hierarchy_file || s.split_threshold != q.split_threshold ||
       !std::ranges::equal(s.convex_hull.span(), q.convex_hull.span(), same_point)) {
     return differs("its hull or hierarchy");

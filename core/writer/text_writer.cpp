@@ -103,7 +103,7 @@ void TextWriter::image(std::span<const std::int32_t> image) {
     if (i > 0) out_ += ' ';
     number(image[i]);
   }
-  const auto digits = static_cast<std::size_t>(2 * image[2]);
+  const auto digits = 2 * static_cast<std::size_t>(image[2]);
   const auto width = static_cast<std::size_t>(image[0]);
   ++depth_;
   std::size_t column = kWidth;

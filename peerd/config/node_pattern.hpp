@@ -16,8 +16,10 @@ struct NodePattern {
   std::string text;
   std::string at;  // FILE:LINE:COLUMN: of the text; empty: unknown
 
+  // NOLINTBEGIN(google-explicit-constructor): settings are assigned, and tests write patterns, as text
   NodePattern(std::string pattern, std::string place = {}) : text(std::move(pattern)), at(std::move(place)) {}
   NodePattern(const char* pattern) : text(pattern) {}
+  // NOLINTEND(google-explicit-constructor)
   [[nodiscard]] bool is_path() const { return text.find_first_of("*?") == std::string::npos; }
 };
 

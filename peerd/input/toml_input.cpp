@@ -75,7 +75,7 @@ void TomlReader::number(std::string_view key, std::optional<double>& value, doub
   if (!(*x >= min && *x <= max)) {
     return fail(n, dotted(key) + " = " + shown(*x) + " is out of range: " + shown(min) + " to " + shown(max));
   }
-  value = *x;
+  value = x;
 }
 
 void TomlReader::read(std::string_view key, std::optional<double>& value, double min, double max) {

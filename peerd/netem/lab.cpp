@@ -65,7 +65,7 @@ Result<void> own_namespaces() {
 Result<std::unique_ptr<Lab>> Lab::build(std::size_t peers) {
   if (peers > kPeersMax) return std::unexpected(missing(fmt::format("{} peers at most", kPeersMax)));
   if (auto done = own_namespaces(); !done) return std::unexpected(done.error());
-  std::string names, ports, addresses, devices, queues;
+  std::string names, ports, devices, queues;
   for (std::size_t i = 0; i < peers; ++i) {
     names += fmt::format("netns add {}\n", name(i));
     ports +=

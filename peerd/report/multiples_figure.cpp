@@ -167,7 +167,8 @@ Drawn draw_run(Svg& svg, const RunRecord& run, const ObjectInfo& object, PeerId 
   std::vector<Point> rates;
   const double bin_s = output_bin_s(run.duration_s);
   for (const double rate : output_rates(run, object.owner)) {
-    const double begin_s = static_cast<double>(rates.size() / 2) * bin_s;
+    const std::size_t bin = rates.size() / 2;  // each bin is two points
+    const double begin_s = static_cast<double>(bin) * bin_s;
     rates.push_back({begin_s, rate});
     rates.push_back({std::min(begin_s + bin_s, run.duration_s), rate});
   }

@@ -163,6 +163,7 @@ void InterestOracle::on_send(VirtualTime now, std::size_t from, RegionId region,
       }
     }
     const double share = records_bytes > 0.0 ? wanted_bytes / records_bytes : 0.0;
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): the sum is positive, and a byte more or less is no matter
     observed.found.interest_bytes += static_cast<std::uint64_t>(share * static_cast<double>(counted_bytes) + 0.5);
   }
 }

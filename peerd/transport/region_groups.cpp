@@ -80,7 +80,7 @@ std::uint32_t hash(std::uint32_t x) {
 
 std::expected<GroupPlan, NetError> parse_group_plan(std::string_view base, std::uint16_t port, std::uint32_t pool) {
   boost::system::error_code ec;
-  const GroupPlan plan{asio::ip::make_address(std::string(base), ec), port, pool};
+  GroupPlan plan{asio::ip::make_address(std::string(base), ec), port, pool};
   if (ec) {
     return std::unexpected(NetError{NetError::Kind::kBadSetting,
                                     "\"" + std::string(base) +
