@@ -13,14 +13,14 @@ namespace peerd::testing_support {
 // One peer alone, "a", which owns some objects of a world of its own; a formula drives DRIVEN.
 class LonePeer {
  public:
-  LonePeer(const char* vrml, std::vector<std::string> owns) {
+  LonePeer(const char* vrml, const std::vector<std::string>& owns) {
     folder.write("w.wrl", vrml);
     auto read = share_world(folder / "w.wrl");
     if (!read) throw std::runtime_error(read.error().text);
     shared = std::move(*read);
     settings.name = "a";
     settings.id = 1;
-    settings.owns = std::move(owns);
+    settings.owns.assign(owns.begin(), owns.end());
     std::get<config::MotionFormula>(settings.motion["DRIVEN"].kind).x = "t";
   }
 
