@@ -14,7 +14,7 @@ namespace {
 // An owner that has not taken up a decision for so long has never received it: its updates count again.
 constexpr Duration kDecisionStands = std::chrono::seconds(2);
 // A decision may be of what happened up to 3 s ago (contact_decisions.cpp), and repeated where datagrams get lost.
-constexpr Duration kDecisionAgeMax = std::chrono::seconds(6);
+constexpr Duration kDecisionAgeMax = MotionWorld::kHistory;
 
 // The delay of a hello, in session time; a negative one counts as 0, and one longer than any latency as kLatencyMax.
 Duration delay_of(SimTime sent, SimTime came) {
@@ -86,7 +86,7 @@ std::expected<void, Drop> Intake::admit(HostTime now, const Message& m) {
   const bool restarted = *admission == Membership::Admission::kRestarted;
   p_.greeter.settle_from(now);
   p_.own.check_all();  // a peer is here that does not have the last updates of resting objects
-  if (restarted) keeper_.orphan_objects_of(m.sender, now);
+  if (restarted) keeper_.orphan_objects_of(m.sender, now, true);
   p_.outbox.push(PeerJoined{m.sender, m.introduction()->name, restarted});
   return {};
 }

@@ -43,7 +43,7 @@ bool SessionKeeper::maintain(HostTime now) {
   if (gap > SessionTime::kSuspendedAfter) {
     p_.counters.ticks_missed += static_cast<std::uint64_t>(p_.ticks.number_at(p_.to_session(now)) - p_.ticks.last());
     p_.members.restart_silence_of_all(now);  // this host was silent, not the members
-    move_to_session_time(p_.ticks.last_time(), p_.to_session(now));
+    move_to_session_time(p_.ticks.last_time(), p_.to_session(now), true);
     p_.outbox.push(HostSuspended{gap});
     return false;
   }
@@ -59,7 +59,7 @@ bool SessionKeeper::maintain(HostTime now) {
   const SimTime after = p_.to_session(now);
   ++p_.counters.clock_steps;
   if (!step->same_session) p_.world_time.on_other_session(step->by, p_.time.follows());
-  if (p_.replica.begun()) move_to_session_time(after - step->by, after);
+  if (p_.replica.begun()) move_to_session_time(after - step->by, after, step->same_session);
   p_.outbox.push(ClockStepped{p_.time.clock().session_minus_host(now), step->by, step->same_session});
   return false;
 }
@@ -89,8 +89,9 @@ void SessionKeeper::enter_session(HostTime host_now) {
 }
 
 // The clock has stepped into another session, or this computer was suspended. Everything goes on from where it is, at
-// the other session's time; what was known of the past, and what was published in the old time, is void.
-void SessionKeeper::move_to_session_time(SimTime before, SimTime now) {
+// the new time; what was known of the past, and what was published in it, is void. Decisions of the same session keep
+// their times, so that none is applied a second time.
+void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_session) {
   const Replica::Worlds old = p_.replica.take();
   p_.replica.colliding().forget(now);
   p_.display.restart();
@@ -98,7 +99,7 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now) {
   p_.greeter.greet_anew(p_.time.clock().to_host(now));
   begin_worlds(now);
   p_.ticks.set_last(p_.ticks.number_at(now));
-  p_.decisions.restart();
+  p_.decisions.restart(same_session);
   p_.replica.forget_updates();
   p_.regions.restart_at(now);
   p_.publication.restart();
@@ -106,7 +107,10 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now) {
   MotionWorld &truth = p_.replica.truth(), &ghosts = p_.replica.ghosts();
   for (const ObjectId object : old.ghosts.objects()) {
     if (!ghosts.has(object)) ghosts.declare(object, Role::kScene);  // orphaned, and meets nothing
-    if (truth.has(object)) truth.set_base(object, now, old.truth.model_at(object, before));
+    if (truth.has(object)) {
+      if (const auto free = old.truth.free_acceleration(object)) truth.set_free_acceleration(object, *free);
+      truth.set_base(object, now, old.truth.model_at(object, before));
+    }
     ghosts.set_base(object, now, old.ghosts.model_at(object, before));
   }
   p_.scripted.restart();
@@ -197,12 +201,12 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects) {
 }
 
 void SessionKeeper::lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully) {
-  orphan_objects_of(peer, now);
+  orphan_objects_of(peer, now, left_gracefully);
   p_.greeter.on_peer_lost(peer);
   p_.outbox.push(PeerLost{peer, name, left_gracefully});
 }
 
-void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now) {
+void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now, bool for_good) {
   if (p_.world_time.on_peer_lost(peer)) {
     reintroduce();
     p_.scripted.restart();
@@ -220,6 +224,7 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now) {
       p_.replica.forget_update_of(object);
     }
     p_.regions.on_orphaned(object);
+    if (for_good) p_.decisions.end_life_of(object, t);
     p_.owners.set(object, kNobody);
   }
   if (owned_any) watch_all_pairs();  // a pass over all pairs: not for each datagram that says goodbye

@@ -30,13 +30,14 @@ class SessionKeeper {
   // A peer has gone.
   void lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully);
   // A peer has gone, or begins anew: what it owned stands still from now on and belongs to nobody.
-  void orphan_objects_of(PeerId peer, HostTime now);
+  // `for_good`: not only silent; the life of its objects ends.
+  void orphan_objects_of(PeerId peer, HostTime now, bool for_good);
   // The introduction of this peer has changed.
   void reintroduce() { p_.greeter.reintroduce(p_.own.size()); }
 
  private:
   void enter_session(HostTime now);
-  void move_to_session_time(SimTime before, SimTime now);
+  void move_to_session_time(SimTime before, SimTime now, bool same_session);
   void begin_worlds(SimTime now);
   void declare_all();
   void watch_all_pairs();

@@ -191,6 +191,11 @@ std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord&
 void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   assert(owners_.have_two(contact.collider, contact.collidee) && !contact.deferred);
   ContactEvent c = within_wire_limits(contact);
+  // Two peers that find one contact at one instant decide it once: the one that comes second takes the other's.
+  if (log_.is_decided_by_another(c.at, config_.id, c.collider, c.collidee, config_.decisions.policy)) {
+    for (const ObjectId object : {c.collider, c.collidee}) rebase(object, c.at);
+    return;
+  }
   while (const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee)) {
     if (known->in_force) break;  // the same once more
     c.at += Duration{1};
@@ -229,6 +234,7 @@ bool ContactDecisions::awaits_decision_on(ObjectId object) const {
 // it was the lower one that said nothing, and else once a decision of the lower one would have come: the lower one may
 // not have found the contact.
 void ContactDecisions::resolve_overdue(SimTime t) {
+  apply_early(t);
   log_.forget_before(t - kRememberedFor);
   const Duration patience = 2 * lookback() + 3 * config_.hello_period;
   const Duration lower_id_delay = lookback() + config_.hello_period;
@@ -300,12 +306,47 @@ const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, c
     members_.find(sender)->received[kWholeScene].mark_as_missing(number);
     return "not_decider";
   }
+  if (const char* why = why_void(d)) return why;
   if (log_.count(sender, d.collider, d.collidee) >= kOfPairMax) return "too_many_decisions";
+  if (d.contact > known_at) {
+    if (early_.size() >= kOfPairMax) return "too_many_decisions";
+    const bool known = std::ranges::any_of(early_, [&](const Early& e) {
+      return e.author == sender && e.decision.contact == d.contact && of_pair(e.decision, d.collider, d.collidee);
+    });
+    if (known) return "decision_known";
+    early_.push_back({d, sender});
+    return nullptr;
+  }
   const auto changes = log_.add(d, sender);
   if (!changes) return "decision_known";
   if (changes->empty()) return "decision_overruled";
   apply(*changes, known_at);
   return nullptr;
+}
+
+// A decision on an object that has had another owner since, or the same one in another life, is of an object that is no
+// more. The own objects' present life began with the worlds here.
+const char* ContactDecisions::why_void(const DecisionRecord& d) const {
+  for (const ObjectId object : {d.collider, d.collidee}) {
+    if (own_.contains(object) && replica_.begun() && d.contact < replica_.begun_at()) return "decision_before_life";
+    const auto life = life_since_.find(object);
+    if (life != life_since_.end() && d.contact < life->second) return "decision_before_life";
+  }
+  return nullptr;
+}
+
+// A way that begins later has no contacts before that: until its time a decision would take an object through a wall.
+void ContactDecisions::apply_early(SimTime t) {
+  std::vector<Early> due;
+  for (const Early& e : early_) {
+    if (e.decision.contact <= t) due.push_back(e);
+  }
+  std::erase_if(early_, [&](const Early& e) { return e.decision.contact <= t; });
+  std::ranges::sort(due, {}, [](const Early& e) { return std::pair(e.decision.contact, e.author); });
+  for (const auto& [d, author] : due) {
+    if (!may_decide(author, owners_.of(d.collider), owners_.of(d.collidee)) || why_void(d) != nullptr) continue;
+    if (const auto changes = log_.add(d, author)) apply(*changes, t);
+  }
 }
 
 void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, SimTime known_at) {
@@ -431,9 +472,12 @@ void ContactDecisions::note_sent(std::span<const DecisionRecord> decisions, std:
   }
 }
 
-void ContactDecisions::restart() {
-  log_.clear();
+void ContactDecisions::restart(bool same_session) {
   deferred_.clear();
+  if (same_session) return;
+  log_.clear();
+  early_.clear();
+  life_since_.clear();
 }
 
 }  // namespace peerd::replication

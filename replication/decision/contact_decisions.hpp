@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -46,7 +47,8 @@ class ContactDecisions {
   void decide(const ContactEvent& contact, SimTime known_at);
   // Another peer is to decide the contact.
   void defer(const ContactEvent& contact);
-  // At a tick: decides the deferred contacts on which nobody else has said anything in time (fallback).
+  // At a tick: applies the decisions whose time has come, and decides the deferred contacts on which nobody else has
+  // said anything in time (fallback).
   void resolve_overdue(SimTime t);
   [[nodiscard]] bool awaits_decision_on(ObjectId object) const;
   [[nodiscard]] bool has_deferred() const { return !deferred_.empty(); }
@@ -78,8 +80,12 @@ class ContactDecisions {
   void note_sent(std::span<const DecisionRecord> decisions, std::uint32_t number);
 
   [[nodiscard]] const DecisionLog& log() const { return log_; }
-  // Session time has stepped: what was decided is void.
-  void restart();
+  // Session time has stepped, and the worlds begin anew. Into another session: what was decided is void. Within the
+  // same one the decisions stay known, so that none is applied again.
+  void restart(bool same_session);
+  // The object's owner has left or started anew: decisions on its contacts of before t concern no later life of it. One
+  // that was only silent comes back with the life it had.
+  void end_life_of(ObjectId object, SimTime t) { life_since_[object] = t; }
 
   // The pose of a viewpoint's camera; none where the pose of its object at that time is not known.
   [[nodiscard]] std::optional<Pose> camera_pose(const Viewpoint& viewpoint, SimTime at) const;
@@ -91,6 +97,14 @@ class ContactDecisions {
     PeerId decider;
   };
 
+  // A decision whose time has not come here: its author's clock is ahead.
+  struct Early {
+    DecisionRecord decision;
+    PeerId author;
+  };
+
+  [[nodiscard]] const char* why_void(const DecisionRecord& decision) const;
+  void apply_early(SimTime t);
   [[nodiscard]] bool searches_contacts_of(ObjectId a, ObjectId b) const;
   [[nodiscard]] Duration lookback() const;
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;
@@ -118,6 +132,8 @@ class ContactDecisions {
   PeerCounters& counters_;
   DecisionLog log_;
   std::vector<Deferred> deferred_;
+  std::vector<Early> early_;
+  std::map<ObjectId, SimTime> life_since_;  // of objects whose owner has left once
 };
 
 }  // namespace peerd::replication

@@ -24,6 +24,7 @@ bool conflict(const DecisionLog::Entry& a, const DecisionLog::Entry& b) {
   if (a.author == b.author) return false;  // decisions of one peer follow each other
   const Duration apart = a.record.contact - b.record.contact;
   if (apart > DecisionLog::kSameCollision || -apart > DecisionLog::kSameCollision) return false;
+  if (apart == Duration{0}) return true;
   return a.record.known < b.record.contact && b.record.known < a.record.contact;
 }
 
@@ -83,6 +84,14 @@ const DecisionLog::Entry* DecisionLog::find(SimTime contact, PeerId author, Obje
 
 DecisionLog::Entry* DecisionLog::find(SimTime contact, PeerId author, ObjectId a, ObjectId b) {
   return const_cast<Entry*>(std::as_const(*this).find(contact, author, a, b));
+}
+
+bool DecisionLog::is_decided_by_another(SimTime contact, PeerId author, ObjectId a, ObjectId b,
+                                        DecisionRule rule) const {
+  for (auto e = not_before(entries_, contact, kNobody); e != entries_.end() && e->record.contact == contact; ++e) {
+    if (e->in_force && e->author != author && e->record.rule == rule && of_pair(e->record, a, b)) return true;
+  }
+  return false;
 }
 
 std::size_t DecisionLog::count(PeerId author, ObjectId a, ObjectId b) const {

@@ -12,8 +12,8 @@ namespace peerd::replication {
 // set of them, whatever order they came in and however often: peers with the same decisions have the same outcomes.
 //
 // Two decisions on one pair conflict if they are of different peers, their contacts lie within kSameCollision, and
-// neither peer knew of the other's. Then the one by the policy overrules the one by fallback; otherwise that of the
-// lower id is in force.
+// neither peer knew of the other's; on one instant they always do, as that has one outcome. Then the one by the policy
+// overrules the one by fallback; otherwise that of the lower id is in force.
 class DecisionLog {
  public:
   static constexpr Duration kSameCollision = std::chrono::seconds(1);
@@ -40,6 +40,9 @@ class DecisionLog {
   // The decision of that peer on exactly that contact of the two; null where none is known.
   [[nodiscard]] const Entry* find(SimTime contact, PeerId author, ObjectId a, ObjectId b) const;
   [[nodiscard]] Entry* find(SimTime contact, PeerId author, ObjectId a, ObjectId b);
+  // Whether the decision of another peer on exactly that contact of the two, by that rule, is in force.
+  [[nodiscard]] bool is_decided_by_another(SimTime contact, PeerId author, ObjectId a, ObjectId b,
+                                           DecisionRule rule) const;
   // The number of decisions of that peer on the two.
   [[nodiscard]] std::size_t count(PeerId author, ObjectId a, ObjectId b) const;
   void forget_before(SimTime contact);

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "replication/motion/response.hpp"
@@ -17,39 +18,43 @@ constexpr Duration kLookahead = std::chrono::milliseconds(250);
 // While two objects are inside each other and move apart, the next check is after this long. The step is fixed and not
 // the tick, so that peers with other tick rates find the same.
 constexpr Duration kOverlapRetry = std::chrono::milliseconds(10);
-// An object with this many contacts within this time bounces ever lower (its bounces are below a micrometre for any
-// acceleration up to 1 km/s^2): it is put to rest, or it would bounce for ever.
-constexpr std::size_t kBouncesMax = 8;
-constexpr Duration kBouncesWithin = std::chrono::milliseconds(1);
-// Objects that respond by impulse pass impulses on among many (a rack that is broken), so ever lower bounces are
-// counted by pair there, and an object has no room left with this many contacts.
-constexpr std::size_t kImpulsesMax = 64;
-// A bound on the work of one advance(); reached only by objects squeezed between others.
-constexpr std::size_t kContactsMax = 1024;
-// Timelines keep this much of the past, for updates that arrive late.
-constexpr Duration kHistory = std::chrono::seconds(4);
+// While two bear each other and one of them moves, whether they still touch is checked at the multiples of this.
+constexpr Duration kBearingCheck{std::int64_t{1} << 24};
+// Contacts as near as this are of one instant: contact times are rounded down to a nanosecond.
+constexpr Duration kInstant = std::chrono::nanoseconds(2);
+// Two that part for a shorter time stay together (comes_to_rest).
+constexpr Duration kShortestFlight{static_cast<std::int64_t>(kShortestFlight_s * 1e9)};
+// After so many contacts of a pair in turn all that touch are answered at once; after as many of those again the two
+// stop, and after as many again no answer is sought.
+constexpr std::uint32_t kAnswersMax = 32, kGivenUp = 2 * kAnswersMax;
+// A bound on the work of one advance(): after so many contacts what meets anything stops.
+constexpr std::size_t kContactsMax = std::size_t{1} << 15;
+// Normals of one pair at one instant that are told apart; more than the faces that meet in any corner of a box.
+constexpr std::size_t kNormalsMax = 8;
+// Normals with a cosine above this are of one face but for rounding.
+constexpr double kSameNormal = 1.0 - 0x1p-40;
+// A bound of the rounding of a speed along a normal, in parts of the speeds.
+constexpr double kRounding = 0x1p-48;
 // Timelines keep what is older for this much longer at most, or for as long again where that is less: a driven object
 // gets a segment at each tick, and to forget them one by one would cost more than everything else.
 constexpr Duration kPruneWithin = std::chrono::seconds(2);
 // The objects' turns to be pruned within that time, so that one tick does not prune all of them.
 constexpr std::int64_t kPruningSlots = 128;
 
-SimTime grid_floor(SimTime t) {
-  const std::int64_t ns = t.time_since_epoch().count(), step = kLookahead.count();
-  const SimTime floor{Duration{(ns >= 0 ? ns / step : -((-ns + step - 1) / step)) * step}};
-  assert(floor <= t && t - floor < kLookahead);
+SimTime floor_to(SimTime t, Duration step) {
+  const std::int64_t ns = t.time_since_epoch().count(), n = step.count();
+  const SimTime floor{Duration{(ns >= 0 ? ns / n : -((-ns + n - 1) / n)) * n}};
+  assert(floor <= t && t - floor < step);
   return floor;
 }
 
-// Adds t, and keeps only the contacts that count together with one at t.
-void remember(std::vector<SimTime>& recent, SimTime t) {
-  std::erase_if(recent, [&](SimTime r) { return r + kBouncesWithin < t || r > t; });
-  recent.push_back(t);
-}
+SimTime grid_floor(SimTime t) { return floor_to(t, kLookahead); }
 
 // A caller that asks for all objects does so in order: a piece is fetched so far ahead, and the law where it is
 // needed.
 constexpr std::size_t kPieceAhead = 8, kLawAhead = 4;
+
+bool met_lately(SimTime met, SimTime t, Duration within) { return met <= t && t <= met + within; }
 
 bool same_motion(const KinematicState& a, const KinematicState& b) {
   return a.position == b.position && a.velocity == b.velocity && a.acceleration == b.acceleration &&
@@ -94,9 +99,14 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
                       .clear_until = start,
                       .contact = {},
                       .free_at = {},
-                      .recent = {}});
+                      .normals = {}});
   }
   assert(objects_.size() == model.bodies.size() && pairs_.size() == model.pairs.size());
+  for (Pair& pair : pairs_) {
+    pair.answered_apart = std::ranges::any_of(model.pairs_of_body[pair.collidee], [&](std::uint32_t i) {
+      return pairs_[i].collider == pair.collidee && pairs_[i].collidee == pair.collider && pairs_[i].collider_responds;
+    });
+  }
 }
 
 std::span<const std::uint32_t> MotionWorld::pairs_of(std::size_t object) const {
@@ -109,12 +119,8 @@ void MotionWorld::declare(ObjectId object, Role role) {
   if (find(object) == nullptr) {  // apart from bodies: no interest names the object, and it meets nothing
     const KinematicState initial = at_rest(model_.scene->rigid_pose(object));
     index_by_id_[object.value] = static_cast<std::uint32_t>(objects_.size());
-    objects_.push_back({.id = object,
-                        .role = role,
-                        .timeline = Timeline(start_, initial),
-                        .base_time = start_,
-                        .recent = {},
-                        .bound = {}});
+    objects_.push_back(
+        {.id = object, .role = role, .timeline = Timeline(start_, initial), .base_time = start_, .bound = {}});
     return;
   }
   const std::size_t index = index_of(object);
@@ -140,6 +146,7 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
   if (pair.watched == on) return;
   pair.watched = on;
   pair.contact.reset();
+  if (pair.bears) lift(pair, advanced_);
   pair.clear_until = std::max(pair.clear_until, advanced_);
   reschedule(number);
 }
@@ -214,16 +221,36 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   }
   events_.push_back(ContactsRetracted{object, t - Duration{1}});
   retract(index, t);
-  o.timeline.replace_from(t, model, std::nullopt);
+  forget_bursts(index, t);
+  const KinematicState before = o.timeline.at(t);
+  const bool stays =
+      before.position == model.state.position && before.orientation.coeffs() == model.state.orientation.coeffs() &&
+      std::ranges::none_of(pairs_of(index), [&](std::uint32_t i) { return pairs_[i].bears && pairs_[i].touched > t; });
+  MotionModel base = model;
+  if (!stays) o.borne = false;
+  const bool weightless_slide = base.kind == MotionKind::kSliding && o.free.isZero(0.0);
+  if (o.free_is_given && !o.borne && !weightless_slide) {
+    base.kind = MotionKind::kSecond;
+    base.state.acceleration = o.free;
+  }
+  o.timeline.replace_from(t, base, std::nullopt);
   timeline_changed(index);
-  clear_bounces(index, SimTime::min());
-  reopen_pairs(index, t);
+  reopen_pairs(index, t, !stays);
+  if (stays && o.borne) settle(index, index, t);
 }
 
-void MotionWorld::clear_bounces(std::size_t object, SimTime from) {
-  const auto later = [&](SimTime t) { return t >= from; };
-  std::erase_if(objects_[object].recent, later);
-  for (const std::uint32_t i : pairs_of(object)) std::erase_if(pairs_[i].recent, later);
+void MotionWorld::set_free_acceleration(ObjectId object, const Vec3& acceleration) {
+  assert(acceleration.allFinite());
+  Object& o = objects_[index_of(object)];
+  const CollisionResponse* const response = model_.response_of(object);
+  if (response != nullptr && response->type == ResponseType::kZero) return;  // what has stopped it holds it
+  o.free = acceleration;
+  o.free_is_given = true;
+}
+
+std::optional<Vec3> MotionWorld::free_acceleration(ObjectId object) const {
+  const Object& o = objects_[index_of(object)];
+  return o.free_is_given ? std::optional(o.free) : std::nullopt;
 }
 
 // Retracts what followed from a contact with `cause` at t or later. Responses of authoritative objects stand.
@@ -239,28 +266,47 @@ void MotionWorld::retract(std::size_t cause, SimTime t) {
     if (o.base_time >= from) continue;  // its owner has published since
     o.timeline.truncate_from(from);
     timeline_changed(i);
-    clear_bounces(i, from);
     ++o.revision;
     events_.push_back(ContactsRetracted{o.id, from - Duration{1}});
     ++counters_.contacts_undone;
-    reopen_pairs(i, from);
+    forget_bursts(i, from);
+    reopen_pairs(i, from, true);
     retract(i, from);
   }
 }
 
-// The object's pieces changed from t on: what its pairs know of later contacts is void. Pairs with an authoritative or
-// driven object are not searched again in the past because another object moved otherwise; its own change (a decision)
-// makes them searched there.
-void MotionWorld::reopen_pairs(std::size_t object, SimTime t) {
+void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
+  for (const std::uint32_t i : pairs_of(object)) {
+    Pair& pair = pairs_[i];
+    if (pair.touched >= t) pair.at_once = pair.in_burst = pair.squeezed = 0;
+  }
+}
+
+// What the pairs of the object know of contacts since then is void. Pairs with an authoritative or driven object are
+// not searched again in the past because another object moved otherwise; its own change (a decision) makes them
+// searched there.
+void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   for (const std::uint32_t i : pairs_of(object)) {
     Pair& pair = pairs_[i];
     const Role other = objects_[pair.collider == object ? pair.collidee : pair.collider].role;
     const bool lived = other == Role::kAuthoritative || other == Role::kDriven;
     const SimTime known = std::max(objects_[pair.collider].timeline.begin(), objects_[pair.collidee].timeline.begin());
     const SimTime from = std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
-    if (pair.contact && *pair.contact >= from) pair.contact.reset();
+    if (pair.contact && *pair.contact >= from) {
+      pair.contact.reset();
+      pair.lifts = false;
+    }
     if (pair.free_at && *pair.free_at >= from) pair.free_at.reset();
     pair.clear_until = std::min(pair.clear_until, from);
+    const bool given_up = pair.squeezed >= kGivenUp && met_lately(pair.touched, from, kShortestFlight);
+    if (!given_up && (gives_way(pair.collider, pair.collider_responds, from) ||
+                      gives_way(pair.collidee, pair.collidee_responds, from))) {
+      pair.inside = false;
+    }
+    if (pair.bears && elsewhere) {
+      pair.contact = pair.clear_until;
+      pair.lifts = true;
+    }
     reschedule(i);
   }
 }
@@ -284,15 +330,26 @@ void MotionWorld::search_window(Pair& pair) {
   SimTime end = grid_floor(s) + kLookahead;
   if (bound_a.next_change) end = std::min(end, *bound_a.next_change);
   if (bound_b.next_change) end = std::min(end, *bound_b.next_change);
+  const bool still = bound_a.still && bound_b.still;
+  if (pair.bears && !still) end = std::min(end, floor_to(s, kBearingCheck) + kBearingCheck);
   assert(end > s);
 
-  if (bound_a.still && bound_b.still) {  // two objects that stand do not meet
+  if (still) {  // two objects that stand do not meet
     ++counters_.searches_skipped;
     pair.clear_until = bound_a.next_change || bound_b.next_change ? end : SimTime::max();
     return;
   }
   if (pair.has_exact_search && apart(bound_a, bound_b, pair.type)) {
     ++counters_.searches_far;
+    if (pair.bears) {
+      if (s < pair.held_until) {
+        pair.clear_until = std::min(pair.held_until, end);
+      } else {
+        pair.contact = s;
+        pair.lifts = true;
+      }
+      return;
+    }
     pair.inside = false;
     pair.free_at = s;
     pair.clear_until = end;
@@ -304,6 +361,25 @@ void MotionWorld::search_window(Pair& pair) {
   if (bound_a.last_change) begin = std::max(begin, *bound_a.last_change);
   if (bound_b.last_change) begin = std::max(begin, *bound_b.last_change);
   search_interval(pair, begin, end);
+  const SimTime held = std::max(s, pair.held_until);
+  if (pair.bears && !pair.contact && held < pair.clear_until) search_lift(pair, held, pair.clear_until);
+}
+
+bool MotionWorld::touch_at(const Pair& pair, SimTime t) const {
+  const KinematicState a = objects_[pair.collider].timeline.at(t), b = objects_[pair.collidee].timeline.at(t);
+  return collision::touching({body(pair.collider), a}, {body(pair.collidee), b}, pair.type);
+}
+
+void MotionWorld::search_lift(Pair& pair, SimTime begin, SimTime end) {
+  assert(pair.bears && begin < end);
+  if (touch_at(pair, end)) return;
+  SimTime touching = begin, apart = end;
+  while (apart - touching > Duration{1}) {
+    const SimTime middle = touching + (apart - touching) / 2;
+    (touch_at(pair, middle) ? touching : apart) = middle;
+  }
+  pair.contact = pair.clear_until = apart;
+  pair.lifts = true;
 }
 
 void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
@@ -332,6 +408,7 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
     pair.normal = c.normal_world;
     pair.overlapped = overlapped;
     pair.resting = c.resting;
+    pair.lifts = false;
   };
   switch (c.state) {
     case collision::ContactState::kSeparated:
@@ -356,9 +433,11 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
     }
     case collision::ContactState::kOverlapped: {
       ++counters_.overlapped;
-      const bool approaching = c.normal_world.dot(state_a.velocity - state_b.velocity) < 0.0;
+      const double speed = c.normal_world.dot(state_a.velocity - state_b.velocity);
+      const bool pressed = speed == 0.0 && c.normal_world.dot(state_a.acceleration - state_b.acceleration) < 0.0;
       const bool answers = will_respond(a, pair.collider_responds, s) || will_respond(b, pair.collidee_responds, s);
-      if (approaching && answers && !pair.inside) {
+      if ((speed < 0.0 || pressed) && answers && !pair.inside) {
+        c.resting = pressed;
         contact_at(s, true);
       } else {
         pair.clear_until = std::min(s + kOverlapRetry, end);
@@ -384,53 +463,132 @@ void MotionWorld::search(Pair& pair, SimTime to) {
   while (!pair.contact && !pair.unsupported && pair.clear_until <= to) search_window(pair);
 }
 
+// ---- answers to a contact ----
+
 MotionModel MotionWorld::motion_after_response(std::size_t object, const Pair& pair, const MotionModel& self,
-                                               const KinematicState& other, bool other_responds, const Vec3& n) {
-  Object& o = objects_[object];
+                                               const KinematicState& other, OtherSide other_side, const Vec3& n) const {
+  const Object& o = objects_[object];
   const CollisionResponse* const response = model_.response_of(o.id);
   assert(response != nullptr && pair.contact);
   const Object& met = objects_[pair.collider == object ? pair.collidee : pair.collider];
-  const ContactSide side{*response, model_.response_of(met.id), other_responds, self.state, other, n};
-  const SimTime t = *pair.contact;
-  const bool impulse = response->type == ResponseType::kImpulse;
-  remember(o.recent, t);
-  const std::size_t bounces = impulse ? pair.recent.size() : o.recent.size();
-  if (o.recent.size() >
-      (impulse ? kImpulsesMax : 2 * kBouncesMax)) {  // the object is between two that leave it no room
-    ++counters_.jammed;
-    CollisionResponse stops = *response;
-    stops.type = ResponseType::kZero;
-    return respond({stops, side.other_response, other_responds, self.state, other, n});
-  }
-  if (pair.resting || bounces > kBouncesMax) {
-    ++counters_.came_to_rest;
-    const KinematicState after = come_to_rest_against(side, pair.resting);
-    return impulse ? law_after(response, self, after) : MotionModel(after);
-  }
-  KinematicState after = respond(side);
+  KinematicState after = respond({*response, model_.response_of(met.id), other_side, self.state, other, n});
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
   if (pair.overlapped && response->set_back && pair.free_at) after.position = o.timeline.at(*pair.free_at).position;
   if (same_motion(after, self.state)) return self;
-  if (impulse) return law_after(response, self, after);
+  if (response->type == ResponseType::kImpulse) return law_after(response, self, after);
   return after_contact(self, after, n, response->type == ResponseType::kInverse);
+}
+
+MotionWorld::Answer MotionWorld::answer_to(const Pair& pair) const {
+  assert(pair.contact);
+  const SimTime t = *pair.contact;
+  const Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
+  Answer answer;
+  answer.authority = authority_of_ ? authority_of_(a.id, b.id, t) : ContactAuthority::kAsPublished;
+  const auto answers = [&](const Object& o, bool registered) {
+    const bool could_not_know = answer.authority != ContactAuthority::kAsPublished && o.role == Role::kPredicted;
+    return will_respond(o, registered, could_not_know ? SimTime::max() : t);
+  };
+  answer.a_responds = answers(a, pair.collider_responds);
+  answer.b_responds = answers(b, pair.collidee_responds);
+  answer.before_a = answer.after_a = a.timeline.model_at(t);
+  answer.before_b = answer.after_b = b.timeline.model_at(t);
+  const KinematicState &state_a = answer.before_a.state, &state_b = answer.before_b.state;
+  // The answer of one whose later update already contains it counts, too: it is no wall that comes.
+  const auto other_side = [](const Object& o, bool registered, bool apart) {
+    if (o.role < Role::kAuthoritative || (!registered && !apart)) return OtherSide::kGoesOn;
+    return registered ? OtherSide::kAnswers : OtherSide::kAnswersApart;
+  };
+  if (answer.a_responds) {
+    const OtherSide other = other_side(b, pair.collidee_responds, pair.answered_apart);
+    answer.after_a = motion_after_response(pair.collider, pair, answer.before_a, state_b, other, pair.normal);
+  }
+  if (answer.b_responds) {
+    const OtherSide other = other_side(a, pair.collider_responds, false);
+    answer.after_b = motion_after_response(pair.collidee, pair, answer.before_b, state_a, other, -pair.normal);
+  }
+  return answer;
+}
+
+// Whether the two would part for no more than kShortestFlight_s.
+bool MotionWorld::comes_to_rest_at(const Pair& pair, const Answer& answer) const {
+  const Vec3& n = pair.normal;
+  if (pair.resting) return true;
+  if (pair.overlapped) return false;
+  const auto free = [&](std::size_t object, const MotionModel& after) {
+    return pair.bears ? free_acceleration_of(object, *pair.contact) : after.state.acceleration;
+  };
+  const double speed = n.dot(answer.after_a.state.velocity - answer.after_b.state.velocity);
+  const double acceleration = n.dot(free(pair.collider, answer.after_a) - free(pair.collidee, answer.after_b));
+  return speed >= 0.0 && comes_to_rest(speed, acceleration);
+}
+
+// Two that close although their centres do not approach along the normal: a turning body strikes with a corner, and its
+// spin ends; or the normal is not that of the place where they close, and they go back the way they came.
+void MotionWorld::answer_closing(const Pair& pair, Answer& answer) const {
+  KinematicState &a = answer.after_a.state, &b = answer.after_b.state;
+  if (!same_motion(answer.before_a.state, a) || !same_motion(answer.before_b.state, b)) return;
+  const auto turns = [](bool responds, const KinematicState& s) {
+    return responds && !s.angular_velocity_body.isZero(0.0);
+  };
+  const bool a_turns = turns(answer.a_responds, a), b_turns = turns(answer.b_responds, b);
+  const auto stop_spin = [](MotionModel& law) {
+    law.state.angular_velocity_body.setZero();
+    law.angular_acceleration_body.setZero();
+  };
+  if (a_turns) stop_spin(answer.after_a);
+  if (b_turns) stop_spin(answer.after_b);
+  if (a_turns || b_turns) return;
+  const Vec3 approach = a.velocity - b.velocity;
+  const double speed = approach.norm();
+  if (pair.normal.dot(approach) <= 0x1p-30 * speed) return;  // they graze
+  Pair back = pair;
+  back.normal = -approach / speed;
+  answer = answer_to(back);
 }
 
 void MotionWorld::respond_to_contact(Pair& pair) {
   assert(pair.contact);
   const SimTime t = *pair.contact;
-  Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
-  const MotionModel model_a = a.timeline.model_at(t), model_b = b.timeline.model_at(t);
-  MotionModel after_a = model_a, after_b = model_b;
-  const KinematicState &before_a = model_a.state, &before_b = model_b.state;
-  const ContactAuthority authority = authority_of_ ? authority_of_(a.id, b.id, t) : ContactAuthority::kAsPublished;
-  const auto answers = [&](const Object& o, bool registered) {
-    const bool could_not_know = authority != ContactAuthority::kAsPublished && o.role == Role::kPredicted;
-    return will_respond(o, registered, could_not_know ? SimTime::max() : t);
-  };
-  const bool a_responds = answers(a, pair.collider_responds), b_responds = answers(b, pair.collidee_responds);
-  remember(pair.recent, t);
-  if (a_responds) after_a = motion_after_response(pair.collider, pair, model_a, before_b, b_responds, pair.normal);
-  if (b_responds) after_b = motion_after_response(pair.collidee, pair, model_b, before_a, a_responds, -pair.normal);
+  if (pair.lifts) {
+    lift(pair, t);
+    return;
+  }
+  Answer answer = answer_to(pair);
+  const std::size_t a = pair.collider, b = pair.collidee;
+  note_touch(pair, t);
+  if (answer.authority == ContactAuthority::kDeferred || (!answer.a_responds && !answer.b_responds) ||
+      pair.squeezed >= kGivenUp) {
+    pair.contact.reset();
+    pair.inside = true;
+    report(pair, t, answer);
+    return;
+  }
+  if (is_squeezed(pair, t)) {
+    answer_squeezed(pair, t);
+  } else if (comes_to_rest_at(pair, answer)) {
+    come_to_rest(pair, t);
+  } else {
+    if (!pair.overlapped) answer_closing(pair, answer);
+    if (answer.a_responds) change_motion(a, t, answer.after_a, objects_[b].id);
+    if (answer.b_responds) change_motion(b, t, answer.after_b, objects_[a].id);
+    settle(a, b, t);
+  }
+  pair.contact.reset();
+  answer.after_a = objects_[a].timeline.model_at(t);
+  answer.after_b = objects_[b].timeline.model_at(t);
+  const bool changed = !same_motion(answer.before_a.state, answer.after_a.state) ||
+                       !same_motion(answer.before_b.state, answer.after_b.state);
+  if (!changed && pair.bears) {  // they rest as before
+    pair.clear_until = t + kOverlapRetry;
+    return;
+  }
+  // A contact in which no response changes anything (an object that was stopped is run into) goes on.
+  pair.inside = !changed;
+  report(pair, t, answer);
+}
+
+void MotionWorld::report(const Pair& pair, SimTime t, const Answer& answer) {
   // An object that slides by the world's friction is published with exactly the deceleration by which receivers
   // recognise it (law_of_outcome), also where it does not respond: that of its own law has been turned and rounded
   // since its base.
@@ -438,68 +596,290 @@ void MotionWorld::respond_to_contact(Pair& pair) {
     const bool slides = after.kind == MotionKind::kSliding;
     return slides ? law_after(model_.response_of(id), after, after.state).state : after.state;
   };
-  ContactEvent event{t,
-                     a.id,
-                     b.id,
-                     pair.normal,
-                     before_a,
-                     before_b,
-                     state_as_published(a.id, after_a),
-                     state_as_published(b.id, after_b)};
-  pair.contact.reset();
+  const ObjectId a = objects_[pair.collider].id, b = objects_[pair.collidee].id;
   ++counters_.contacts;
-  if (authority == ContactAuthority::kDeferred) {
-    pair.inside = true;
-    event.deferred = true;
-    events_.push_back(event);
-    return;
+  events_.push_back(ContactEvent{t, a, b, pair.normal, answer.before_a.state, answer.before_b.state,
+                                 state_as_published(a, answer.after_a), state_as_published(b, answer.after_b),
+                                 answer.authority == ContactAuthority::kDeferred});
+}
+
+void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel& after, ObjectId cause) {
+  Object& o = objects_[index];
+  if (o.timeline.last_segment().from > t) events_.push_back(ContactsRetracted{o.id, t});
+  // Other contacts of the same instant were answered before, and stand.
+  retract(index, t + Duration{1});
+  o.timeline.replace_from(t, after, cause);
+  timeline_changed(index);
+  reopen_pairs(index, t, false);
+}
+
+void MotionWorld::note_touch(Pair& pair, SimTime t) {
+  if (!met_lately(pair.touched, t, kInstant)) pair.at_once = 0;
+  if (!met_lately(pair.touched, t, kShortestFlight)) {
+    pair.in_burst = pair.squeezed = 0;
+    if (!pair.bears) pair.normals.clear();
   }
-  for (const auto& [changes, index] : {std::pair{a_responds, pair.collider}, std::pair{b_responds, pair.collidee}}) {
-    if (!changes) continue;
-    if (objects_[index].timeline.last_segment().from > t) events_.push_back(ContactsRetracted{objects_[index].id, t});
-    retract(index, t);
-    clear_bounces(index, t + Duration{1});
+  pair.touched = t;
+  ++pair.at_once;
+  ++pair.in_burst;
+  const auto same = std::ranges::find_if(pair.normals, [&](const Vec3& n) { return n.dot(pair.normal) > kSameNormal; });
+  if (same != pair.normals.end()) {
+    *same = pair.normal;
+  } else if (pair.normals.size() < kNormalsMax) {
+    pair.normals.push_back(pair.normal);
+  } else {
+    pair.normals.front() = pair.normal;
   }
-  if (a_responds) a.timeline.replace_from(t, after_a, b.id);
-  if (b_responds) b.timeline.replace_from(t, after_b, a.id);
-  for (const auto& [changes, index] : {std::pair{a_responds, pair.collider}, std::pair{b_responds, pair.collidee}}) {
-    if (!changes) continue;
-    timeline_changed(index);
-    reopen_pairs(index, t);
+}
+
+// ---- what bears what ----
+
+Vec3 MotionWorld::free_acceleration_of(std::size_t index, SimTime t) const {
+  const Object& o = objects_[index];
+  if (o.borne) return o.free;
+  const MotionModel law = o.timeline.model_at(t);
+  return law.kind == MotionKind::kSliding ? Vec3(Vec3::Zero()) : law.state.acceleration;
+}
+
+MotionWorld::Island MotionWorld::island_of(std::size_t a, std::size_t b, SimTime t, Touching which,
+                                           Quantity quantity) const {
+  Island island;
+  const auto add = [&](std::size_t index, bool moves) {
+    const auto object = static_cast<std::uint32_t>(index);
+    if (moves) {
+      const auto known = std::ranges::find(island.objects, object);
+      if (known != island.objects.end()) return static_cast<std::uint32_t>(known - island.objects.begin());
+    }
+    const KinematicState state = objects_[index].timeline.model_at(t).state;
+    const CollisionResponse* const response = model_.response_of(objects_[index].id);
+    const bool accelerated = quantity == Quantity::kAcceleration;
+    island.objects.push_back(moves ? object : kNone);
+    island.bodies.push_back({!accelerated ? state.velocity
+                             : moves      ? free_acceleration_of(index, t)
+                                          : state.acceleration,
+                             moves ? 1.0 / response->mass_kg : 0.0});
+    return static_cast<std::uint32_t>(island.objects.size() - 1);
+  };
+  for (const std::size_t index : {a, b}) {
+    if (will_respond(objects_[index], model_.response_of(objects_[index].id) != nullptr, t)) add(index, true);
   }
-  // A contact in which no response changes anything (nobody responds; an object that was stopped is run into) goes on.
-  pair.inside = same_motion(before_a, after_a.state) && same_motion(before_b, after_b.state);
-  events_.push_back(event);
+  std::vector<std::uint32_t> seen;
+  for (std::size_t next = 0; next < island.objects.size(); ++next) {
+    const std::uint32_t object = island.objects[next];
+    if (object == kNone) continue;
+    for (const std::uint32_t i : pairs_of(object)) {
+      const Pair& pair = pairs_[i];
+      const bool touches = pair.bears || (which == Touching::kAny && met_lately(pair.touched, t, kShortestFlight));
+      if (!touches || !pair.watched || std::ranges::find(seen, i) != seen.end()) continue;
+      seen.push_back(i);
+      const bool a_moves = will_respond(objects_[pair.collider], pair.collider_responds, t);
+      const bool b_moves = will_respond(objects_[pair.collidee], pair.collidee_responds, t);
+      if (!a_moves && !b_moves) continue;
+      const std::uint32_t body_a = add(pair.collider, a_moves), body_b = add(pair.collidee, b_moves);
+      for (const Vec3& n : pair.normals) {
+        island.constraints.push_back({body_a, body_b, n});
+        island.pairs.push_back(i);
+      }
+    }
+  }
+  return island;
+}
+
+std::vector<std::uint32_t> MotionWorld::solve(Island& island) {
+  if (change_least(island.bodies, island.constraints)) return {};
+  // What comes and gives way to nothing leaves no room: it goes through, rather than push the others through what
+  // stands.
+  std::vector<std::uint32_t> through;
+  std::vector<OneSided> standing;
+  for (std::size_t i = 0; i < island.constraints.size(); ++i) {
+    const OneSided& c = island.constraints[i];
+    const auto comes = [&](std::uint32_t body) {
+      return island.objects[body] == kNone && !island.bodies[body].value.isZero(0.0);
+    };
+    if (comes(c.a) || comes(c.b)) {
+      through.push_back(island.pairs[i]);
+    } else {
+      standing.push_back(c);
+    }
+  }
+  if (change_least(island.bodies, standing)) return through;
+  for (std::size_t i = 0; i < island.bodies.size(); ++i) {  // rounding left no solution: to stand is always one
+    if (island.objects[i] != kNone) island.bodies[i].value.setZero();
+  }
+  return through;
+}
+
+void MotionWorld::come_to_rest(Pair& pair, SimTime t) {
+  ++counters_.came_to_rest;
+  // A turning body that is pressed hard would be lifted by its edges and meet again without end.
+  if (met_lately(pair.lifted, t, kShortestFlight)) pair.held_until = t + kShortestFlight;
+  pair.bears = true;
+  const std::size_t a = pair.collider, b = pair.collidee;
+  const MotionModel law_a = objects_[a].timeline.model_at(t), law_b = objects_[b].timeline.model_at(t);
+  // What parts too slowly to come apart would be lifted off for good without the acceleration that presses it. Where a
+  // body turns, the speed of its centre is not that of the contact.
+  const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
+  const bool turns = !law_a.state.angular_velocity_body.isZero(0.0) || !law_b.state.angular_velocity_body.isZero(0.0);
+  if (pair.resting && speed > 0.0 && !turns) {
+    const auto gives = [&](std::size_t object, bool registered) {
+      const CollisionResponse* const response = model_.response_of(objects_[object].id);
+      return will_respond(objects_[object], registered, t) ? 1.0 / response->mass_kg : 0.0;
+    };
+    const double of_a = gives(a, pair.collider_responds), of_b = gives(b, pair.collidee_responds);
+    if (of_a > 0.0) change_velocity(a, t, law_a.state.velocity - (speed * of_a / (of_a + of_b)) * pair.normal, b);
+    if (of_b > 0.0) change_velocity(b, t, law_b.state.velocity + (speed * of_b / (of_a + of_b)) * pair.normal, a);
+  }
+  settle_velocities(pair, t, Touching::kBearing);
+  settle(a, b, t);
+}
+
+void MotionWorld::change_velocity(std::size_t index, SimTime t, const Vec3& velocity, std::size_t cause) {
+  const MotionModel law = objects_[index].timeline.model_at(t);
+  if (law.state.velocity == velocity) return;
+  KinematicState after = law.state;
+  after.velocity = velocity;
+  const CollisionResponse* const response = model_.response_of(objects_[index].id);
+  const bool impulse = response->type == ResponseType::kImpulse;
+  change_motion(index, t, impulse ? law_after(response, law, after) : MotionModel(after), objects_[cause].id);
+}
+
+void MotionWorld::settle_velocities(Pair& pair, SimTime t, Touching which) {
+  const std::size_t a = pair.collider, b = pair.collidee;
+  Island island = island_of(a, b, t, which, Quantity::kVelocity);
+  for (const std::uint32_t i : solve(island)) {
+    Pair& through = pairs_[i];
+    through.bears = false;
+    through.inside = true;
+    through.squeezed = kGivenUp;
+  }
+  for (std::size_t i = 0; i < island.objects.size(); ++i) {
+    if (island.objects[i] == kNone) continue;
+    change_velocity(island.objects[i], t, island.bodies[i].value, island.objects[i] == a ? b : a);
+  }
+}
+
+bool MotionWorld::is_squeezed(const Pair& pair, SimTime t) const {
+  return pair.at_once > kAnswersMax || (pair.in_burst > kAnswersMax && is_driven(pair, t));
+}
+
+bool MotionWorld::is_driven(const Pair& pair, SimTime t) const {
+  const Island island = island_of(pair.collider, pair.collidee, t, Touching::kAny, Quantity::kVelocity);
+  for (std::size_t i = 0; i < island.objects.size(); ++i) {
+    if (island.objects[i] == kNone && !island.bodies[i].value.isZero(0.0)) return true;
+  }
+  return false;
+}
+
+void MotionWorld::answer_squeezed(Pair& pair, SimTime t) {
+  ++counters_.jammed;
+  if (++pair.squeezed > kAnswersMax) {
+    stop(pair, t);
+  } else {
+    settle_velocities(pair, t, Touching::kAny);
+  }
+  settle(pair.collider, pair.collidee, t);
+}
+
+// The two stand from t on, as far as they respond: there is no room left for any other answer.
+void MotionWorld::stop(Pair& pair, SimTime t) {
+  const std::size_t a = pair.collider, b = pair.collidee;
+  for (const auto& [index, registered, cause] :
+       {std::tuple{a, pair.collider_responds, b}, std::tuple{b, pair.collidee_responds, a}}) {
+    Object& o = objects_[index];
+    if (!will_respond(o, registered, t)) continue;
+    if (!o.borne) o.free = free_acceleration_of(index, t);
+    const KinematicState stands = at_rest(o.timeline.at(t).pose());
+    const bool stood = is_motionless(o.timeline.model_at(t).state);
+    o.borne = true;
+    if (!stood) change_motion(index, t, stands, objects_[cause].id);
+  }
+  pair.bears = true;
+}
+
+void MotionWorld::release_parting(std::size_t object, SimTime t) {
+  for (const std::uint32_t i : pairs_of(object)) {
+    Pair& pair = pairs_[i];
+    if (!pair.bears) continue;
+    const Vec3 a = objects_[pair.collider].timeline.model_at(t).state.velocity;
+    const Vec3 b = objects_[pair.collidee].timeline.model_at(t).state.velocity;
+    std::erase_if(pair.normals, [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); });
+    pair.bears = !pair.normals.empty();
+  }
+}
+
+void MotionWorld::settle(std::size_t a, std::size_t b, SimTime t) {
+  release_parting(a, t);
+  if (b != a) release_parting(b, t);
+  Island island = island_of(a, b, t, Touching::kBearing, Quantity::kAcceleration);
+  static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
+  for (std::size_t i = 0; i < island.objects.size(); ++i) {
+    const std::uint32_t index = island.objects[i];
+    if (index == kNone) continue;
+    Object& o = objects_[index];
+    const bool borne = std::ranges::any_of(pairs_of(index), [&](std::uint32_t pair) { return pairs_[pair].bears; });
+    if (!borne && !o.borne) continue;
+    if (!o.borne) o.free = free_acceleration_of(index, t);
+    o.borne = borne;
+    const MotionModel law = o.timeline.model_at(t);
+    const bool slides = law.kind == MotionKind::kSliding;
+    const Vec3 acceleration = island.bodies[i].value;
+    if (acceleration == (slides ? Vec3(Vec3::Zero()) : law.state.acceleration)) continue;
+    KinematicState after = law.state;
+    after.acceleration = acceleration;
+    const CollisionResponse* const response = model_.response_of(o.id);
+    const bool impulse = response->type == ResponseType::kImpulse;
+    const bool lies = acceleration.isZero(0.0);
+    change_motion(index, t, impulse ? law_after(response, lies ? law : MotionModel{}, after) : MotionModel(after),
+                  objects_[index == a ? b : a].id);
+  }
+}
+
+void MotionWorld::lift(Pair& pair, SimTime t) {
+  pair.contact.reset();
+  pair.lifts = pair.bears = false;
+  pair.lifted = t;
+  pair.normals.clear();
+  settle(pair.collider, pair.collidee, t);
+}
+
+// ---- advancing ----
+
+// Of the pairs that are due until then: the one with the earliest contact, the first in the model's order of those.
+std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
+  std::optional<std::size_t> first;
+  const std::size_t watched = watched_;
+  std::size_t checked = 0;
+  for (std::size_t i = pair_checks_.next_due(0, to); i != pairs_.size(); i = pair_checks_.next_due(i + 1, to)) {
+    Pair& pair = pairs_[i];
+    ++checked;
+    search(pair, first ? *pairs_[*first].contact : to);
+    reschedule(i);
+    const bool due = pair.contact && *pair.contact <= to;
+    if (due && (!first || *pair.contact < *pairs_[*first].contact)) first = i;
+  }
+  counters_.searches_skipped += watched - checked;
+  return first;
 }
 
 void MotionWorld::advance(SimTime to) {
-  for (std::size_t contacts = 0;; ++contacts) {
-    std::optional<std::size_t> first;
-    const std::size_t watched = watched_;
-    std::size_t checked = 0;
-    for (std::size_t i = pair_checks_.next_due(0, to); i != pairs_.size(); i = pair_checks_.next_due(i + 1, to)) {
-      Pair& pair = pairs_[i];
-      ++checked;
-      search(pair, first ? *pairs_[*first].contact : to);
-      reschedule(i);
-      const bool due = pair.contact && *pair.contact <= to;
-      if (due && (!first || *pair.contact < *pairs_[*first].contact)) first = i;
-    }
-    counters_.searches_skipped += watched - checked;
-    if (!first) break;
-    assert(*pairs_[*first].contact <= to);
-    if (contacts == kContactsMax) {
-      ++counters_.capped;
-      for (std::size_t i = 0; i < pairs_.size(); ++i) {
-        Pair& pair = pairs_[i];
-        if (!pair.contact || *pair.contact > to) continue;
-        pair.contact.reset();
-        pair.clear_until = to + Duration{1};
-        reschedule(i);
+  std::size_t contacts = 0;
+  for (auto first = first_contact_until(to); first; first = first_contact_until(to)) {
+    Pair& pair = pairs_[*first];
+    assert(*pair.contact <= to);
+    if (++contacts <= kContactsMax) {
+      respond_to_contact(pair);
+    } else {
+      if (contacts == kContactsMax + 1) ++counters_.capped;
+      const SimTime t = *pair.contact;
+      pair.contact.reset();
+      if (pair.lifts) {
+        pair.lifts = pair.bears = false;
+      } else {
+        stop(pair, t);
+        pair.inside = true;
       }
-      break;
+      pair.clear_until = t + kOverlapRetry;
     }
-    respond_to_contact(pairs_[*first]);
     reschedule(*first);
   }
   advanced_ = std::max(advanced_, to);

@@ -10,6 +10,8 @@
 #include "collision/contact/contact_time.hpp"
 #include "core/prefetch.hpp"
 #include "core/time.hpp"
+#include "replication/motion/least_change.hpp"
+#include "replication/motion/response.hpp"
 #include "replication/motion/schedule.hpp"
 #include "replication/motion/swept_bound.hpp"
 #include "replication/motion/timeline.hpp"
@@ -50,6 +52,16 @@ struct ContactsRetracted {
 // called, nor on when updates came: a pair's next contact is computed once, from an instant that the two timelines
 // decide, and kept until one of the pieces changes. Worlds with equal timelines find equal contacts, bit for bit.
 //
+// Two that meet and would part for less than kShortestFlight_s come to rest against each other: from then on the one
+// bears the other. Bearing takes from an object's free acceleration what leads into what bears it; when that goes, or
+// the object slides off or is lifted, the rest comes back. What bears what is solved for all that rest on each other at
+// once (least_change.hpp).
+//
+// Contacts of one instant are answered in turn; each later one sees what the earlier ones have changed, and none is
+// undone for it. Where that does not end (contacts a nanosecond apart; a ball between a wall and a driven car that
+// comes, ever faster), those that met within kShortestFlight_s are answered at once, without restitution, and what has
+// no room left stops. No answer of two objects that both respond adds energy (response.hpp).
+//
 // A tick costs what is due: pairs wait for the instant at which they need a check, objects for that at which their
 // timelines are pruned. An object that no interest names costs nothing between two changes of its motion.
 class MotionWorld {
@@ -60,15 +72,18 @@ class MotionWorld {
     std::uint64_t searches_skipped = 0;  // pairs whose cached answer still stood
     std::uint64_t contacts = 0;
     std::uint64_t contacts_undone = 0;  // predicted contacts that were retracted
-    std::uint64_t came_to_rest = 0;     // ever lower bounces ended by come_to_rest_against
-    std::uint64_t jammed = 0;           // objects stopped because they were squeezed between others
+    std::uint64_t came_to_rest = 0;     // contacts in which two came to rest against each other
+    std::uint64_t jammed = 0;           // contacts answered for all that touched, because no answer for two ended them
     std::uint64_t overlapped = 0;       // searches that began inside another object
     std::uint64_t unsupported = 0;      // pairs that collision can't answer yet
     std::uint64_t failed = 0;           // searches that hit their iteration cap
-    std::uint64_t capped = 0;           // advance() gave up after kContactsMax contacts
+    std::uint64_t capped = 0;           // advance() had found kContactsMax contacts and stopped all that met any more
 
     Counters& operator+=(const Counters& other);
   };
+
+  // Timelines keep this much of the past, for updates and decisions that arrive late.
+  static constexpr Duration kHistory = std::chrono::seconds(6);
 
   // Pairs between two kScene objects are not watched.
   MotionWorld(const WorldModel& model, SimTime start);
@@ -79,8 +94,8 @@ class MotionWorld {
   void watch(ObjectId a, ObjectId b, bool on);
   void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
 
-  // Keeps the positions of driven objects for so long before the last advance(), > 0; 4 s at first, as for all other
-  // objects. Of a driven object that no interest names, nothing but its last sample is kept from then on: nothing
+  // Keeps the positions of driven objects for so long before the last advance(), > 0; kHistory at first, as for all
+  // other objects. Of a driven object that no interest names, nothing but its last sample is kept from then on: nothing
   // meets it.
   void keep_history_of_driven(Duration history) {
     assert(history > Duration{0});
@@ -95,6 +110,11 @@ class MotionWorld {
   // that followed from the replaced motion are retracted, and the next advance() finds them anew.
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
 
+  // The acceleration [m/s^2, world frame] that the object has where nothing bears it, its weight: from then on, and in
+  // whatever motion set_base() gives it. Without it that of the law under which it came to rest counts.
+  void set_free_acceleration(ObjectId object, const Vec3& acceleration);
+  [[nodiscard]] std::optional<Vec3> free_acceleration(ObjectId object) const;
+
   // For a caller that sets many objects in turn: fetches from memory what set_base() will need of this one.
   [[gnu::always_inline]] inline void prefetch(ObjectId object) const {
     if (const Object* o = find(object)) peerd::prefetch(*o);
@@ -107,7 +127,7 @@ class MotionWorld {
   [[nodiscard]] std::vector<ObjectId> objects() const;
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
-  // Whether the position of the object at t is known: that of more than 4 s before the last advance() is not (see
+  // Whether the position of the object at t is known: that of more than kHistory before the last advance() is not (see
   // keep_history_of_driven).
   [[nodiscard]] bool has_history_at(ObjectId object, SimTime t) const;
   // The instant at which the law that is in force at t began.
@@ -139,10 +159,12 @@ class MotionWorld {
     Role role;
     Timeline timeline;
     SimTime base_time;
-    std::vector<SimTime> recent;  // the times of its last contacts, to find ever lower bounces
     std::uint64_t revision = 0;
     bool pruning_scheduled = false;  // it is in prunings_
     bool changed = false;            // it is in changed_
+    bool borne = false;              // its law's acceleration is what those that bear it leave of `free`
+    bool free_is_given = false;      // by set_free_acceleration()
+    Vec3 free = Vec3::Zero();        // its acceleration where nothing bears it [m/s^2]; void if it is neither
     SweptBound bound;                // the last bound; it answers for nothing once the timeline changes
   };
   struct Pair {
@@ -151,15 +173,24 @@ class MotionWorld {
     bool collider_responds, collidee_responds;
     bool has_exact_search;  // collision has an answer
     bool watched = true;
-    bool unsupported = false;        // counted once, then never searched again
-    bool overlapped = false;         // `contact` is an overlap, not a touch
-    bool resting = false;            // at `contact` the two are pressed together and do not approach
-    bool inside = false;             // a contact without a response goes on; it is reported once
-    SimTime clear_until;             // all contacts before this have been dealt with
-    std::optional<SimTime> contact;  // the next contact, at clear_until, if the search found one
+    bool unsupported = false;          // counted once, then never searched again
+    bool overlapped = false;           // `contact` is an overlap, not a touch
+    bool resting = false;              // at `contact` the two are pressed together and do not approach
+    bool lifts = false;                // at `contact` the two come apart: they bore each other until then
+    bool inside = false;               // a contact without a response goes on; it is reported once
+    bool bears = false;                // the two rest against each other, along all of `normals`
+    bool answered_apart = false;       // the collidee answers contacts with the collider as well, in a pair of its own
+    SimTime touched = SimTime::min();  // of the last contact
+    SimTime lifted = SimTime::min();   // when the two last came apart after they bore each other
+    SimTime held_until = SimTime::min();  // the two do not come apart before
+    std::uint32_t at_once = 0;            // contacts until `touched`, each at the instant of the one before
+    std::uint32_t in_burst = 0;           // contacts until `touched`, each within kShortestFlight_s of the one before
+    std::uint32_t squeezed = 0;           // of the burst: those answered for all that touched
+    SimTime clear_until;                  // all contacts before this have been dealt with
+    std::optional<SimTime> contact;       // the next contact, at clear_until, if the search found one
     std::optional<SimTime> free_at;  // the last instant at which the two were known to be apart: setBack goes there
-    Vec3 normal = Vec3::Zero();
-    std::vector<SimTime> recent;  // the times of its last contacts, for objects that respond by impulse
+    Vec3 normal = Vec3::Zero();      // of `contact`
+    std::vector<Vec3> normals;       // of the contacts of the burst, and those along which the two bear each other
   };
   // The instant at which a timeline is pruned of what is too old by then.
   struct Pruning {
@@ -181,6 +212,7 @@ class MotionWorld {
   [[nodiscard]] const collision::Body& body(std::size_t object) const { return model_.bodies[object]; }
   [[nodiscard]] static bool will_respond(const Object& o, bool registered, SimTime t);
   [[nodiscard]] const SweptBound& bound_of(std::size_t object, SimTime s);
+  [[nodiscard]] std::optional<std::size_t> first_contact_until(SimTime to);
   void search(Pair& pair, SimTime to);
   // Searches the time in which both objects keep their pieces, or until the next multiple of kLookahead.
   void search_window(Pair& pair);
@@ -192,12 +224,65 @@ class MotionWorld {
   void timeline_changed(std::size_t object);
   void schedule_pruning(std::size_t object);
   void prune_timelines();
+  // The answers of the two objects of a pair to its contact.
+  struct Answer {
+    ContactAuthority authority;
+    MotionModel before_a, before_b, after_a, after_b;
+    bool a_responds, b_responds;
+  };
   void respond_to_contact(Pair& pair);
+  [[nodiscard]] Answer answer_to(const Pair& pair) const;
   [[nodiscard]] MotionModel motion_after_response(std::size_t object, const Pair& pair, const MotionModel& self,
-                                                  const KinematicState& other, bool other_responds, const Vec3& n);
+                                                  const KinematicState& other, OtherSide other_side,
+                                                  const Vec3& n) const;
+  [[nodiscard]] bool comes_to_rest_at(const Pair& pair, const Answer& answer) const;
+  void answer_closing(const Pair& pair, Answer& answer) const;
+  void report(const Pair& pair, SimTime t, const Answer& answer);
+  // The object moves otherwise from t on, because of a contact with `cause`.
+  void change_motion(std::size_t object, SimTime t, const MotionModel& after, ObjectId cause);
+
+  // Objects that touch each other at one instant, as far as they give way, and what they give way to.
+  struct Island {
+    std::vector<std::uint32_t> objects;  // of `bodies`: into objects_, or kNone for one that does not give way
+    std::vector<ConstrainedBody> bodies;
+    std::vector<OneSided> constraints;
+    std::vector<std::uint32_t> pairs;  // of each constraint
+  };
+  enum class Touching : std::uint8_t { kBearing, kAny };  // the pairs that bear, or all of the burst
+  enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
+  [[nodiscard]] Island island_of(std::size_t a, std::size_t b, SimTime t, Touching which, Quantity quantity) const;
+  // The values become those that the constraints allow. Returns the pairs that had to be left out: of them one comes
+  // and gives way to nothing, and the other has no room.
+  [[nodiscard]] static std::vector<std::uint32_t> solve(Island& island);
+  void note_touch(Pair& pair, SimTime t);
+  // The two come to rest against each other at t.
+  void come_to_rest(Pair& pair, SimTime t);
+  // Whether answers for two do not end the contacts around the pair.
+  [[nodiscard]] bool is_squeezed(const Pair& pair, SimTime t) const;
+  // Whether what gives way to nothing comes into those that met within the burst around the pair.
+  [[nodiscard]] bool is_driven(const Pair& pair, SimTime t) const;
+  // All that met within the burst are answered at once.
+  void answer_squeezed(Pair& pair, SimTime t);
+  void stop(Pair& pair, SimTime t);
+  // Gives all that rest on each other around the two the velocities and accelerations that their bearing leaves.
+  void settle(std::size_t a, std::size_t b, SimTime t);
+  void settle_velocities(Pair& pair, SimTime t, Touching which);
+  void change_velocity(std::size_t object, SimTime t, const Vec3& velocity, std::size_t cause);
+  void release_parting(std::size_t object, SimTime t);
+  void lift(Pair& pair, SimTime t);
+  // The two bear each other and move: whether, and when, they come apart until `end`.
+  void search_lift(Pair& pair, SimTime begin, SimTime end);
+  [[nodiscard]] bool touch_at(const Pair& pair, SimTime t) const;
+  [[nodiscard]] bool gives_way(std::size_t object, bool registered, SimTime t) const {
+    return will_respond(objects_[object], registered, t);
+  }
+  [[nodiscard]] Vec3 free_acceleration_of(std::size_t object, SimTime t) const;
+
   void retract(std::size_t cause, SimTime t);
-  void reopen_pairs(std::size_t object, SimTime t);
-  void clear_bounces(std::size_t object, SimTime from);
+  // What was counted of contacts since then is void.
+  void forget_bursts(std::size_t object, SimTime t);
+  // The object's pieces changed from t on. `elsewhere`: also where it is.
+  void reopen_pairs(std::size_t object, SimTime t, bool elsewhere);
 
   const WorldModel& model_;
   SimTime start_, advanced_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@ void Launches::launch(SimTime t, ObjectId object, const FileVelocity& file_veloc
   KinematicState state = replica_.truth().at(object, t);
   state.velocity = launch.velocity ? *launch.velocity : file_velocity(t, object);
   state.acceleration = launch.acceleration;
+  replica_.truth().set_free_acceleration(object, launch.acceleration);
   replica_.truth().set_base(object, t, law_after(model_.response_of(object), MotionModel{}, state));
 }
 
@@ -28,8 +30,11 @@ void Launches::begin_due(SimTime until, const FileVelocity& file_velocity) {
     if (at <= until) due.emplace_back(at, object);
   }
   std::ranges::sort(due);
+  std::optional<SimTime> advanced;
   for (const auto& [at, object] : due) {
-    replica_.truth().advance(at);
+    // Once for each instant: what is launched together moves together, also where it touches.
+    if (at != advanced) replica_.truth().advance(at);
+    advanced = at;
     launch(at, object, file_velocity);
     unpublished_[object] = at;
     scheduled_.erase(object);

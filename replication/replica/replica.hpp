@@ -29,7 +29,15 @@ class Replica {
 
   [[nodiscard]] bool begun() const { return worlds_.has_value(); }
   // Begins both worlds anew at t, with everything at its place in the file.
-  void begin(SimTime t) { worlds_.emplace(Worlds{MotionWorld(model_, t), MotionWorld(model_, t)}); }
+  void begin(SimTime t) {
+    worlds_.emplace(Worlds{MotionWorld(model_, t), MotionWorld(model_, t)});
+    begun_at_ = t;
+  }
+  // The time at which both worlds began.
+  [[nodiscard]] SimTime begun_at() const {
+    assert(begun());
+    return begun_at_;
+  }
   // The worlds as they were; begin() must follow.
   [[nodiscard]] Worlds take() {
     assert(begun());
@@ -86,6 +94,7 @@ class Replica {
  private:
   const WorldModel& model_;
   std::optional<Worlds> worlds_;
+  SimTime begun_at_{};
   CollidingObjects colliding_;
   std::set<ObjectId> unreceived_;
   std::unordered_map<ObjectId, UpdateRecord> last_updates_;

@@ -58,7 +58,11 @@ std::optional<Duration> SessionClock::adjust(HostTime now) {
   debt_ = Duration{0};
   if (!estimate_) return std::nullopt;
   const Duration wanted = likely(now) - offset_;
-  if (wanted > kStepBeyond && estimate_->settled) {
+  // A likely offset alone is no reason: a latency that falls moves it by half of what it falls by, until a datagram has
+  // come back. The bounds of a clock that is behind lie ahead of it.
+  const OffsetBounds bounds = estimate_->bounds->aged(now - estimate_->at, estimate_->drift_ppm);
+  const bool surely_behind = bounds.least - offset_ > kStepBeyond / 2;
+  if (wanted > kStepBeyond && surely_behind && estimate_->settled) {
     offset_ += wanted;
     return wanted;
   }

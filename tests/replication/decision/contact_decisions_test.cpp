@@ -312,8 +312,13 @@ TEST_F(Sent, WhatIsUnacknowledgedIsRepeatedWithAHello) {
   EXPECT_EQ(copies(), 0) << "receivers would drop it soon";
 }
 
-TEST_F(Sent, ARestartForgetsEverything) {
-  decisions.restart();
+TEST_F(Sent, AStepWithinTheSessionForgetsNoDecision) {
+  decisions.restart(true);
+  EXPECT_FALSE(decisions.log().entries().empty());
+}
+
+TEST_F(Sent, AnotherSessionForgetsEverything) {
+  decisions.restart(false);
   EXPECT_TRUE(decisions.notes().empty());
   EXPECT_TRUE(decisions.log().entries().empty());
 }

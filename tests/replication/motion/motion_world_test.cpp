@@ -597,13 +597,20 @@ TEST(MotionWorld, OneAdvanceDoesBoundedWork) {
   world.declare(w["BALL"], Role::kAuthoritative);
   world.set_base(w["BALL"], sim(0s), moving({0, 0, 0}, {30'000, 0, 0}));  // a wall every 0.2 ms
   world.advance(sim(1s));
-  EXPECT_EQ(world.counters().capped, 1u);
-  EXPECT_LE(contacts(world).size(), 1024u);
+  EXPECT_EQ(world.counters().capped, 0u) << "5,000 contacts are no reason to give up";
+  EXPECT_GE(contacts(world).size(), 4'999u);
+  world.set_base(w["BALL"], sim(1s), moving({0, 0, 0}, {3'000'000, 0, 0}));
   world.advance(sim(2s));
-  EXPECT_EQ(world.counters().capped, 1u) << "it flies free now; nothing is left to catch up on";
+  EXPECT_EQ(world.counters().capped, 1u);
+  const Vec3 stopped = world.at(w["BALL"], sim(2s)).position;
+  EXPECT_LE(std::abs(stopped.x()), 3.0 + 1e-9) << "giving up is no way through a wall";
+  world.advance(sim(3s));
+  EXPECT_EQ(world.counters().capped, 1u);
+  EXPECT_EQ(world.at(w["BALL"], sim(3s)).position, stopped);
 }
 
-// Between a wall and a press that does not give way there is no room for an answer: the box stops after a few contacts.
+// Between a wall and a press that does not give way there is no room for an answer: the box stands at the wall, and the
+// press goes through it.
 TEST(MotionWorld, WhatIsJammedStops) {
   const World w(corridor() + box("PRESS", "0.5 0.5 0.5", "0 0 0") + interest("BALL", "\"PRESS\""));
   MotionWorld world(*w.model, sim(0s));
@@ -611,11 +618,13 @@ TEST(MotionWorld, WhatIsJammedStops) {
   world.declare(w["PRESS"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({2.9, 0, 0}));
   world.set_base(w["PRESS"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
-  for (int i = 0; i <= 300; ++i) world.advance(sim(i * 16ms));
+  for (int i = 0; i <= 300; ++i) {
+    world.advance(sim(i * 16ms));
+    EXPECT_LE(world.at(w["BALL"], sim(i * 16ms)).position.x(), 3.0 + 1e-6);
+  }
   EXPECT_EQ(world.counters().capped, 0u);
   EXPECT_GE(world.counters().jammed, 1u);
-  EXPECT_LE(world.counters().contacts, 600u);
-  EXPECT_TRUE(world.at(w["BALL"], sim(4s)).position.allFinite());
+  EXPECT_LE(world.counters().contacts, 20'000u);
 }
 
 TEST(MotionWorld, HistoryReachesBackAndEnds) {
@@ -629,13 +638,13 @@ TEST(MotionWorld, HistoryReachesBackAndEnds) {
   world.advance(sim(10s));
   EXPECT_EQ(world.at(w["BALL"], sim(6500ms)).position.x(), 0.1 * 6);
   EXPECT_EQ(world.at(w["BALL"], sim(9500ms)).position.x(), 0.1 * 9);
-  EXPECT_EQ(world.at(w["BALL"], sim(1s)).position.x(), 0.1 * 6) << "older pieces are forgotten";
+  EXPECT_EQ(world.at(w["BALL"], sim(1s)).position.x(), 0.1 * 4) << "older pieces are forgotten";
   // An update from before all history: its contacts are searched as far back as history reaches, not to its begin.
   drain(world);
   world.set_base(w["BALL"], sim(-3600s), moving({0, 0, 0}, {1.0 / 4096, 0, 0}));
   const auto before = world.counters().contact_searches;
   world.advance(sim(10s));
-  EXPECT_LE(world.counters().contact_searches - before, 40u);
+  EXPECT_LE(world.counters().contact_searches - before, 60u);
 }
 
 // Objects that no interest names may be declared at any time; the indices of the pairs keep their meaning.
@@ -796,7 +805,8 @@ TEST(MotionWorld, ForgetsWhatIsOld) {
     world.advance(sim(now));
     drain(world);
     for (Line& line : lines) {
-      while (line.updates.size() > 1 && line.updates[1] <= sim(now - 4s)) line.updates.erase(line.updates.begin());
+      while (line.updates.size() > 1 && line.updates[1] <= sim(now - MotionWorld::kHistory))
+        line.updates.erase(line.updates.begin());
       ASSERT_TRUE(world.has_history_at(line.id, line.updates.front()));
       ASSERT_FALSE(world.has_history_at(line.id, line.updates.front() - 1ns));
       ASSERT_EQ(world.law_since(line.id, sim(now)),
