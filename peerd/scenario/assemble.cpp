@@ -18,8 +18,9 @@ using Presences = std::map<PeerId, std::vector<Presence>>;
 Presences presences_of(const config::RunSettings& run, const std::vector<PeerLog>& logs) {
   Presences presences;
   for (const PeerLog& log : logs) {
+    const bool first_life = !presences.contains(log.peer);
     std::vector<Presence>& own = presences[log.peer];
-    const bool from_the_start = own.empty() && config::starts_with(run.events, log.name);
+    const bool from_the_start = first_life && config::starts_with(run.events, log.name);
     if (!log.start || (log.object_samples.empty() && !from_the_start)) continue;
     own.push_back({from_the_start ? HostTime::min() : log.object_samples.front().true_at,
                    log.ended_at.value_or(HostTime::max()),
@@ -104,8 +105,11 @@ Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedW
   const auto objects = config::resolve(run, scene);
   if (!objects) return std::unexpected(objects.error());
   std::optional<SimTime> start;  // session time of the lowest peer, which the others follow
+  std::set<PeerId> known;
   for (const PeerLog& log : logs) {
-    if (!log.start && config::starts_with(run.events, log.name)) {
+    // One that has left before it met all others, or came back to a network that loses too much, was not there.
+    const bool first_life = known.insert(log.peer).second;
+    if (!log.start && first_life && !log.ended_at && config::starts_with(run.events, log.name)) {
       return std::unexpected(InputError{"error: peer " + log.name + " never met all the others", 3});
     }
     if (!start) start = log.start;

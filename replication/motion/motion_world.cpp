@@ -102,11 +102,6 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
                       .normals = {}});
   }
   assert(objects_.size() == model.bodies.size() && pairs_.size() == model.pairs.size());
-  for (Pair& pair : pairs_) {
-    pair.answered_apart = std::ranges::any_of(model.pairs_of_body[pair.collidee], [&](std::uint32_t i) {
-      return pairs_[i].collider == pair.collidee && pairs_[i].collidee == pair.collider && pairs_[i].collider_responds;
-    });
-  }
 }
 
 std::span<const std::uint32_t> MotionWorld::pairs_of(std::size_t object) const {
@@ -495,16 +490,16 @@ MotionWorld::Answer MotionWorld::answer_to(const Pair& pair) const {
   answer.before_b = answer.after_b = b.timeline.model_at(t);
   const KinematicState &state_a = answer.before_a.state, &state_b = answer.before_b.state;
   // The answer of one whose later update already contains it counts, too: it is no wall that comes.
-  const auto other_side = [](const Object& o, bool registered, bool apart) {
-    if (o.role < Role::kAuthoritative || (!registered && !apart)) return OtherSide::kGoesOn;
+  const auto other_side = [&](const Object& o, bool registered) {
+    if (o.role < Role::kAuthoritative || model_.response_of(o.id) == nullptr) return OtherSide::kGoesOn;
     return registered ? OtherSide::kAnswers : OtherSide::kAnswersApart;
   };
   if (answer.a_responds) {
-    const OtherSide other = other_side(b, pair.collidee_responds, pair.answered_apart);
+    const OtherSide other = other_side(b, pair.collidee_responds);
     answer.after_a = motion_after_response(pair.collider, pair, answer.before_a, state_b, other, pair.normal);
   }
   if (answer.b_responds) {
-    const OtherSide other = other_side(a, pair.collider_responds, false);
+    const OtherSide other = other_side(a, pair.collider_responds);
     answer.after_b = motion_after_response(pair.collidee, pair, answer.before_b, state_a, other, -pair.normal);
   }
   return answer;

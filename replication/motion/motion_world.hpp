@@ -173,15 +173,14 @@ class MotionWorld {
     bool collider_responds, collidee_responds;
     bool has_exact_search;  // collision has an answer
     bool watched = true;
-    bool unsupported = false;          // counted once, then never searched again
-    bool overlapped = false;           // `contact` is an overlap, not a touch
-    bool resting = false;              // at `contact` the two are pressed together and do not approach
-    bool lifts = false;                // at `contact` the two come apart: they bore each other until then
-    bool inside = false;               // a contact without a response goes on; it is reported once
-    bool bears = false;                // the two rest against each other, along all of `normals`
-    bool answered_apart = false;       // the collidee answers contacts with the collider as well, in a pair of its own
-    SimTime touched = SimTime::min();  // of the last contact
-    SimTime lifted = SimTime::min();   // when the two last came apart after they bore each other
+    bool unsupported = false;             // counted once, then never searched again
+    bool overlapped = false;              // `contact` is an overlap, not a touch
+    bool resting = false;                 // at `contact` the two are pressed together and do not approach
+    bool lifts = false;                   // at `contact` the two come apart: they bore each other until then
+    bool inside = false;                  // a contact without a response goes on; it is reported once
+    bool bears = false;                   // the two rest against each other, along all of `normals`
+    SimTime touched = SimTime::min();     // of the last contact
+    SimTime lifted = SimTime::min();      // when the two last came apart after they bore each other
     SimTime held_until = SimTime::min();  // the two do not come apart before
     std::uint32_t at_once = 0;            // contacts until `touched`, each at the instant of the one before
     std::uint32_t in_burst = 0;           // contacts until `touched`, each within kShortestFlight_s of the one before

@@ -7,9 +7,10 @@ namespace peerd::replication {
 
 // What the other object of a contact does.
 enum class OtherSide : std::uint8_t {
-  kGoesOn,        // as before, whatever its response says
+  kGoesOn,        // as before: it has no response, or something else moves it
   kAnswers,       // in this contact
-  kAnswersApart,  // in a contact of its own, of another time and normal: no momentum can be shared
+  kAnswersApart,  // it flies freely and answers contacts, but not this one: in one of its own with another normal, or
+                  // never
 };
 
 // One side of a contact: an object and what it meets. `n` is the unit normal of the contact in the world frame, facing
@@ -32,7 +33,7 @@ struct ContactSide {
 // | INVERSE and INVERSE | changes          | each keeps its own                              |
 // | ZERO and any        | changes          | the one by ZERO loses its own                   |
 // | IMPULSE and INVERSE | changes          | each alone: kept to e^2 along n, and kept       |
-// | any two, each in a contact of its own | changes | as of two that respond otherwise       |
+// | one of two that fly | changes          | as from a wall that stands                      |
 // | any and no response | changes          | as seen from the other, as above: one that comes adds |
 //
 // INVERSE mirrors the velocity about the polygon. If the other responds as well, each mirrors its own, as in the

@@ -132,7 +132,8 @@ TEST_P(WorldNumbers, AreRefusedByNameOrHandled) {
       motions.set_base(object, SimTime{}, s);
     }
     for (Duration t = 0s; t <= 3s; t += 50ms) motions.advance(SimTime{t});
-    EXPECT_LT(motions.counters().contact_searches, 5000u);
+    // A ball rattles in the box that it fills, with a flight of 2 ms.
+    EXPECT_LT(motions.counters().contact_searches, 20'000u);
     for (const ObjectId object : {box, ball}) ASSERT_TRUE(sound(motions.at(object, SimTime{3s})));
   }
   EXPECT_GT(good, 0);

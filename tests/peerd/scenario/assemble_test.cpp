@@ -161,6 +161,16 @@ TEST_F(AssembleTest, APeerThatNeverMetTheOthersIsNamed) {
   EXPECT_EQ(made.error().exit_code, 3);
 }
 
+TEST_F(AssembleTest, ALifeThatEndedBeforeItMetTheOthersWasNotThere) {
+  logs[1].start.reset();
+  logs[1].ended_at = HostTime{Duration{1'000'000'000}};
+  logs.push_back(logs[1]);
+  logs.back().ended_at.reset();
+  const auto there = record().peers[1].there_s;
+  ASSERT_EQ(there.size(), 1u);
+  EXPECT_GT(there[0].first, there[0].second) << "an interval that no time is in";
+}
+
 // A ghost of an object whose owner left no row is no sample: there is nothing to compare it with.
 TEST_F(AssembleTest, WithoutTheOwnersRowsThereIsNoSample) {
   believe(kA, 1.0, kCube, kB, Vec3::Zero());
