@@ -67,8 +67,8 @@ void report_contacts(PeerParts& p, SimTime t) {
   report_truth(p, t);
   report_ghosts(p, t);
   // A decision made just now may have changed what followed from a contact of the past.
-  p.replica.truth().advance(t);
-  p.replica.ghosts().advance(t);
+  p.replica.truth().catch_up();
+  p.replica.ghosts().catch_up();
   const auto state_of = [&](ObjectId id) {
     return (p.own.contains(id) ? p.replica.truth() : p.replica.ghosts()).at(id, t);
   };

@@ -360,6 +360,7 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
     outbox_.push(Overruled{d.collider, d.collidee, d.contact});
     for (const ObjectId object : {d.collider, d.collidee}) own_.republish(object);
   }
+  replica_.truth().catch_up();  // walls that an own object met after the contact
 }
 
 // The decision holds from the contact time on, not from its arrival.

@@ -122,6 +122,9 @@ class MotionWorld {
 
   // Finds all contacts up to `to`, in time order, and responds to them.
   void advance(SimTime to);
+  // Finds anew what a set_base() in the past has made void, until the last advance(): states until then are right
+  // again.
+  void catch_up() { advance(advanced_); }
 
   [[nodiscard]] bool has(ObjectId object) const { return find(object) != nullptr; }
   [[nodiscard]] std::vector<ObjectId> objects() const;

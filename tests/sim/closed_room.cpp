@@ -191,11 +191,13 @@ ClosedRoom make_closed_room(std::uint64_t seed) {
          << "\nduplication = " << chance.one_of({0.0, 0.1}) << "\nreordering = " << chance.one_of({0.0, 0.1}) << '\n';
   }
   std::vector<std::string> owns(peers);
+  std::vector<double> gravity;
   for (std::size_t i = 0; i < bodies; ++i) {
     std::string& list = owns[chance.below(peers)];
     list += (list.empty() ? "\"O" : ", \"O") + std::to_string(i) + '"';
-    if (chance.happens(0.5)) {
-      toml << "[motion.O" << i << "]\nphysics = { acceleration = [0, " << chance.one_of({-1.0, -9.81}) << ", 0] }\n";
+    gravity.push_back(chance.happens(0.5) ? chance.one_of({-1.0, -9.81}) : 0.0);
+    if (gravity.back() != 0.0) {
+      toml << "[motion.O" << i << "]\nphysics = { acceleration = [0, " << gravity.back() << ", 0] }\n";
     }
   }
   std::size_t owners = 0;
@@ -204,7 +206,7 @@ ClosedRoom make_closed_room(std::uint64_t seed) {
     toml << "[peer." << static_cast<char>('a' + p) << "]\nid = " << p + 1 << "\nowns = [" << owns[p] << "]\n";
   }
   const bool changes = add_events(chance, peers, duration_s, toml);
-  return {world.str(), toml.str(), !changes && (owners <= 1 || (latency_ms == 0 && calm)), calm && !changes};
+  return {world.str(), toml.str(), gravity, !changes && owners == 1, calm && !changes};
 }
 
 }  // namespace peerd::sim::testing_support

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace peerd::sim::testing_support {
 
@@ -9,10 +10,11 @@ inline constexpr double kRoomHalf_m = 3.0;
 
 // A room that nothing can leave, what flies in it, and the network of the peers that own it.
 struct ClosedRoom {
-  std::string world;     // VRML97
-  std::string scenario;  // TOML; its world is room.wrl
-  bool one_truth;        // one owner or no latency: nobody decides about objects whose motion it knows late
-  bool steady;           // the network and the peers stay what they are
+  std::string world;                 // VRML97
+  std::string scenario;              // TOML; its world is room.wrl
+  std::vector<double> gravity_m_s2;  // along y, of each body O0, O1, ..
+  bool one_owner;
+  bool steady;  // the network and the peers stay what they are
 };
 
 // Of 2 to 10 bodies: spheres, boxes, cones, cylinders and prisms over an L; scaled, turned; all responses, masses from

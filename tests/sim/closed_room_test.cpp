@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -12,10 +13,10 @@
 
 namespace peerd::sim::closed_room_test {
 
+using peerd::testing_support::ScratchFolder;
 using testing_support::ClosedRoom;
 using testing_support::kRoomHalf_m;
 using testing_support::must;
-using peerd::testing_support::ScratchFolder;
 
 // Kinetic energies are compared up to this part of themselves: the rounding of 14 s of motion.
 constexpr double kRounding = 1e-9;
@@ -34,7 +35,10 @@ class Faults {
         must(simulate(scenario.runs[0], *shared, [&](HostTime, const PeerNode&, const replication::Output& o) {
           if (const auto* seen = std::get_if<replication::ContactSeen>(&o)) take(*seen);
         }));
-    for (const PeerLog& log : logs) take(log);
+    for (const PeerLog& log : logs) {
+      take(log);
+      if (room.one_owner && log.start) take_energies(log);
+    }
     const auto record = must(assemble(scenario.runs[0], *shared, logs));
     take(report::summarise({scenario.name, "sim", scenario.seed, {}}, {&record, 1})["runs"][0]);
   }
@@ -58,13 +62,13 @@ class Faults {
 
   void take(const replication::ContactSeen& seen) {
     using replication::ContactKind;
-    if (seen.kind != ContactKind::kOwner && seen.kind != ContactKind::kDecided) return;
+    if (seen.kind != ContactKind::kDecided) return;
     const auto& c = seen.contact;
     const double before = energy(c.collider, c.collider_before) + energy(c.collidee, c.collidee_before);
     const double after = energy(c.collider, c.collider_after) + energy(c.collidee, c.collidee_after);
     if (after > before * (1.0 + kRounding)) {
-      add(scene_->path_of(c.collider), " meets ", scene_->path_of(c.collidee), " at ",
-          to_seconds(c.at - SimTime{}), " s: energy from ", before, " to ", after, " J");
+      add(scene_->path_of(c.collider), " meets ", scene_->path_of(c.collidee), " at ", to_seconds(c.at - SimTime{}),
+          " s: energy from ", before, " to ", after, " J");
     }
   }
   void take(const PeerLog& log) {
@@ -76,6 +80,27 @@ class Faults {
       told[sample.object] = true;
       add(scene_->path_of(sample.object), " of ", log.name, " is outside at ",
           to_seconds(sample.true_at.time_since_epoch()), " s: ", out, " m");
+    }
+  }
+  // The sum of kinetic and potential energy never grows once all bodies have been launched.
+  void take_energies(const PeerLog& log) {
+    std::map<SimTime, std::pair<std::size_t, double>> sums_J;  // the bodies that they are of
+    for (const auto& sample : log.object_samples) {
+      if (sample.owner != log.peer) continue;
+      const auto body = static_cast<std::size_t>(std::stoi(scene_->path_of(sample.object).substr(1)));
+      auto& [bodies, sum_J] = sums_J[sample.at];
+      ++bodies;
+      sum_J += energy(sample.object, sample.state) -
+               mass(sample.object) * room_.gravity_m_s2[body] * (sample.state.position.y() + kRoomHalf_m);
+    }
+    double least_J = std::numeric_limits<double>::infinity();
+    for (const auto& [at, sum] : sums_J) {
+      if (at <= *log.start || sum.first != room_.gravity_m_s2.size()) continue;
+      if (sum.second > least_J * (1.0 + kRounding)) {
+        add("the energy grows from ", least_J, " to ", sum.second, " J at ", to_seconds(at - *log.start), " s");
+        return;
+      }
+      least_J = std::min(least_J, sum.second);
     }
   }
   void take(const nlohmann::ordered_json& summary) {
