@@ -552,6 +552,10 @@ void MotionWorld::respond_to_contact(Pair& pair) {
   Answer answer = answer_to(pair);
   const std::size_t a = pair.collider, b = pair.collidee;
   note_touch(pair, t);
+  if (pair.squeezed >= kGivenUp && stands_firm(pair, t)) {
+    hold_against_wall(pair, t);
+    return;
+  }
   if (answer.authority == ContactAuthority::kDeferred || (!answer.a_responds && !answer.b_responds) ||
       pair.squeezed >= kGivenUp) {
     pair.contact.reset();
@@ -789,6 +793,29 @@ void MotionWorld::stop(Pair& pair, SimTime t) {
     if (!stood) change_motion(index, t, stands, objects_[cause].id);
   }
   pair.bears = true;
+}
+
+bool MotionWorld::stands_firm(const Pair& pair, SimTime t) const {
+  const bool a_gives_way = gives_way(pair.collider, pair.collider_responds, t);
+  if (a_gives_way == gives_way(pair.collidee, pair.collidee_responds, t)) return false;
+  return is_motionless(objects_[a_gives_way ? pair.collidee : pair.collider].timeline.at(t));
+}
+
+void MotionWorld::hold_against_wall(Pair& wall, SimTime t) {
+  const std::size_t held = gives_way(wall.collider, wall.collider_responds, t) ? wall.collider : wall.collidee;
+  const bool stood = is_motionless(objects_[held].timeline.model_at(t).state);
+  for (const std::uint32_t i : pairs_of(held)) {
+    Pair& pair = pairs_[i];
+    if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
+    pair.contact.reset();
+    pair.bears = pair.lifts = false;
+    pair.inside = true;
+    pair.squeezed = kGivenUp;
+    reschedule(i);
+  }
+  wall.contact.reset();
+  wall.inside = stood;  // it does not even move
+  stop(wall, t);
 }
 
 void MotionWorld::release_parting(std::size_t object, SimTime t) {

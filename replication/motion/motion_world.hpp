@@ -266,6 +266,10 @@ class MotionWorld {
   // All that met within the burst are answered at once.
   void answer_squeezed(Pair& pair, SimTime t);
   void stop(Pair& pair, SimTime t);
+  // Whether one of the two gives way and the other stands: a wall, for all that this contact knows.
+  [[nodiscard]] bool stands_firm(const Pair& pair, SimTime t) const;
+  // What is pressed into a wall without end stops there, and what presses it goes through it.
+  void hold_against_wall(Pair& pair, SimTime t);
   // Gives all that rest on each other around the two the velocities and accelerations that their bearing leaves.
   void settle(std::size_t a, std::size_t b, SimTime t);
   void settle_velocities(Pair& pair, SimTime t, Touching which);

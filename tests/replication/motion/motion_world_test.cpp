@@ -237,7 +237,7 @@ TEST(MotionWorld, OnlyTheRegisteredColliderAnswersUnlessMutual) {
     const auto seen = contacts(world);
     ASSERT_EQ(seen.size(), 1u);
     EXPECT_EQ(seen[0].at, sim(1s));
-    EXPECT_EQ(seen[0].collider_after.velocity, mutual ? Vec3(-1, 0, 0) : Vec3(-2, 0, 0));
+    EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-1, 0, 0));
     EXPECT_EQ(seen[0].collidee_after.velocity, mutual ? Vec3(0.5, 0, 0) : Vec3(-0.5, 0, 0));
   }
 }
@@ -321,15 +321,16 @@ TEST(MotionWorld, ReportsChangedAndRestingObjects) {
 
 // The consequences of a retracted prediction are retracted, too: BALL threw CUBE, and CUBE threw LAST.
 TEST(MotionWorld, TakingBackFollowsTheChain) {
-  const World w(box("BALL", "0.5 0.5 0.5", "-2 0 0") + box("CUBE", "0.5 0.5 0.5", "0 0 0", kBounces) +
-                box("LAST", "0.5 0.5 0.5", "2 0 0", kBounces) + interest("CUBE", "\"BALL\"") +
+  const char* const elastic = " collisionResponse CollisionResponse { responseType 2 restitution 1 }";
+  const World w(box("BALL", "0.5 0.5 0.5", "-2 0 0") + box("CUBE", "0.5 0.5 0.5", "0 0 0", elastic) +
+                box("LAST", "0.5 0.5 0.5", "2 0 0", elastic) + interest("CUBE", "\"BALL\" \"LAST\"") +
                 interest("LAST", "\"CUBE\""));
   MotionWorld world(*w.model, sim(0s));
   for (const char* mover : {"BALL", "CUBE", "LAST"}) world.declare(w[mover], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
-  world.advance(sim(3s));
+  world.advance(sim(2900ms));
   EXPECT_THAT(standing(world), ElementsAre(sim(1500ms), sim(2250ms)));
-  EXPECT_EQ(world.at(w["LAST"], sim(3s)).velocity, Vec3(4, 0, 0));
+  EXPECT_EQ(world.at(w["LAST"], sim(2900ms)).velocity, Vec3(2, 0, 0));
   world.set_base(w["BALL"], sim(1s), moving({-1, 0, 0}));  // it had stopped
   world.advance(sim(4s));
   EXPECT_THAT(standing(world), IsEmpty());
