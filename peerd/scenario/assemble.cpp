@@ -89,6 +89,18 @@ struct Truth {
   }
 };
 
+// A peer that was to be there from the start and never met the others. One that has left before it met them, or came
+// back to a network that loses too much, was not there.
+std::optional<InputError> never_met(const config::RunSettings& run, const std::vector<PeerLog>& logs) {
+  std::set<PeerId> known;
+  for (const PeerLog& log : logs) {
+    const bool first_life = known.insert(log.peer).second;
+    if (log.start || !first_life || log.ended_at || !config::starts_with(run.events, log.name)) continue;
+    return InputError{"error: peer " + log.name + " never met all the others", 3};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedWorld& shared,
@@ -104,14 +116,9 @@ Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedW
   std::map<ObjectId, PeerId> owners;
   const auto objects = config::resolve(run, scene);
   if (!objects) return std::unexpected(objects.error());
+  if (const auto error = never_met(run, logs)) return std::unexpected(*error);
   std::optional<SimTime> start;  // session time of the lowest peer, which the others follow
-  std::set<PeerId> known;
   for (const PeerLog& log : logs) {
-    // One that has left before it met all others, or came back to a network that loses too much, was not there.
-    const bool first_life = known.insert(log.peer).second;
-    if (!log.start && first_life && !log.ended_at && config::starts_with(run.events, log.name)) {
-      return std::unexpected(InputError{"error: peer " + log.name + " never met all the others", 3});
-    }
     if (!start) start = log.start;
     for (const PeerLog::ObjectSample& b : log.object_samples) {
       if (b.owner == log.peer) truths[b.object].ticks.push_back(&b);

@@ -28,7 +28,7 @@ constexpr Duration kShortestFlight{static_cast<std::int64_t>(kShortestFlight_s *
 // stop, and after as many again no answer is sought.
 constexpr std::uint32_t kAnswersMax = 32, kGivenUp = 2 * kAnswersMax;
 // A bound on the work of one advance(): after so many contacts what meets anything stops.
-constexpr std::size_t kContactsMax = std::size_t{1} << 15;
+constexpr std::size_t kContactsMax = std::size_t{1} << 17;
 // Normals of one pair at one instant that are told apart; more than the faces that meet in any corner of a box.
 constexpr std::size_t kNormalsMax = 8;
 // Normals with a cosine above this are of one face but for rounding.
@@ -100,6 +100,8 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
                       .contact = {},
                       .free_at = {},
                       .normals = {}});
+    objects_[collider].answers |= pairs_.back().collider_responds;
+    objects_[collidee].answers |= pairs_.back().collidee_responds;
   }
   assert(objects_.size() == model.bodies.size() && pairs_.size() == model.pairs.size());
 }
@@ -491,7 +493,7 @@ MotionWorld::Answer MotionWorld::answer_to(const Pair& pair) const {
   const KinematicState &state_a = answer.before_a.state, &state_b = answer.before_b.state;
   // The answer of one whose later update already contains it counts, too: it is no wall that comes.
   const auto other_side = [&](const Object& o, bool registered) {
-    if (o.role < Role::kAuthoritative || model_.response_of(o.id) == nullptr) return OtherSide::kGoesOn;
+    if (o.role < Role::kAuthoritative || !o.answers) return OtherSide::kGoesOn;
     return registered ? OtherSide::kAnswers : OtherSide::kAnswersApart;
   };
   if (answer.a_responds) {

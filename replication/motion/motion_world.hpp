@@ -163,6 +163,7 @@ class MotionWorld {
     Timeline timeline;
     SimTime base_time;
     std::uint64_t revision = 0;
+    bool answers = false;            // contacts of some pair
     bool pruning_scheduled = false;  // it is in prunings_
     bool changed = false;            // it is in changed_
     bool borne = false;              // its law's acceleration is what those that bear it leave of `free`

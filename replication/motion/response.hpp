@@ -7,7 +7,7 @@ namespace peerd::replication {
 
 // What the other object of a contact does.
 enum class OtherSide : std::uint8_t {
-  kGoesOn,        // as before: it has no response, or something else moves it
+  kGoesOn,        // as before: it answers no contacts, or something else moves it
   kAnswers,       // in this contact
   kAnswersApart,  // it flies freely and answers contacts, but not this one: in one of its own with another normal, or
                   // never
