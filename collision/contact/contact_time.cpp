@@ -8,6 +8,7 @@
 #include "collision/contact/mesh_contact.hpp"
 #include "collision/contact/separating_axis.hpp"
 #include "collision/contact/sphere_contact.hpp"
+#include "collision/contact/sphere_surface_contact.hpp"
 
 namespace peerd::collision {
 namespace {
@@ -141,6 +142,7 @@ bool touching(const MovingBody& a, const MovingBody& b, CollisionType type) {
   constexpr double kNear_m = 2.0 * kAdvancementTolerance_m;
   if (type == CollisionType::kBox) return boxes_within(a, b, kNear_m);
   if (meet_as_spheres(a, b)) return spheres_within(a, b, kNear_m);
+  if (meet_as_sphere_and_surface(a, b)) return sphere_within_surface(a, b, kNear_m);
   return has_exact_answer(a.body, b.body) && surfaces_within(a, b, kNear_m);
 }
 
@@ -165,6 +167,7 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
   assert(box || (collider.body.surface && collidee.body.surface));
   if (query.hopeless(box ? kBoxReach : 1.0)) return {};
   if (box) return query.boxes();
+  if (meet_as_sphere_and_surface(collider, collidee)) return sphere_surface_contact(collider, collidee, horizon_s);
   return both_convex(collider.body, collidee.body) ? query.pieces() : mesh_contact(collider, collidee, horizon_s);
 }
 
