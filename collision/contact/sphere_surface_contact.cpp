@@ -20,10 +20,9 @@ namespace {
 // Triangles whose height is less than this part of their longest edge are taken for their edges: their normal is mostly
 // rounding, and no point of them is farther from an edge.
 constexpr double kNeedle = 0x1p-40;
-// A window of time in which triangles are sought is so long that the centre goes this many radii, or longer: there are no
-// more than kWindowsMax of them.
+// The first window of time in which triangles are sought is so long that the centre goes this many radii; each further
+// one is twice as long. Windows do not hang on the horizon, so that each longer horizon finds the same.
 constexpr double kWindowRadii = 4.0;
-constexpr double kWindowsMax = 64.0;
 // The directions to a triangle along which it is asked whether it parts.
 constexpr std::size_t kDirectionsMax = 2;
 
@@ -154,18 +153,15 @@ class Search {
     Touch best;
     const Moment start = at(0.0);
     if (const auto inside = inside_at(start)) return *inside;
-    const double speed = length(start.velocity) + length(start.half_acceleration) * horizon +
-                         length(spin_) * (length(start.center) + length(start.velocity) * horizon);
-    const double usual = kWindowRadii * radius_ / speed;
-    const double window = std::max(horizon / kWindowsMax, std::min(horizon, usual));
-    double from = 0.0;
-    do {
+    const double way = kWindowRadii * radius_;
+    const double speed = length(start.velocity) + length(spin_) * length(start.center);
+    double window = std::min(way / speed, std::sqrt(way / length(start.half_acceleration)));
+    assert(window > 0.0);
+    for (double from = 0.0;; from += window, window *= 2.0) {
       const double until = std::min(horizon, from + window);
       search_window(at(from), until, best);
-      if (best.t <= until) break;
-      if (!(until > from)) break;
-      from = until;
-    } while (from < horizon);
+      if (best.t <= until || until >= horizon) break;
+    }
     return best;
   }
 
