@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 
 #include "collision/contact/body.hpp"
@@ -34,7 +35,13 @@ struct MovingBody {
 // Times are passed on as SimTime, whole nanoseconds (core/time.hpp): at its rounded contact time, a body may already be
 // this much of its motion inside. With a longer tick, a bounce of that length would be taken for rest.
 inline constexpr double kClockTick_s = 1e-9;
+// What advances conservatively is a contact when it is as near as this [m], or as near as this part of the smaller
+// body's radius where that is less.
 inline constexpr double kAdvancementTolerance_m = 1e-6;
+inline constexpr double kAdvancementToleranceOfRadius = 0x1p-10;
+[[nodiscard]] inline double advancement_tolerance_m(double radius_a_m, double radius_b_m) {
+  return std::min(kAdvancementTolerance_m, kAdvancementToleranceOfRadius * std::min(radius_a_m, radius_b_m));
+}
 inline constexpr std::uint32_t kAdvancementCap = 512;
 
 }  // namespace peerd::collision

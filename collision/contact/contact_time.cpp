@@ -139,11 +139,11 @@ class Query {
 bool touching(const MovingBody& a, const MovingBody& b, CollisionType type) {
   const ContactState now = first_contact(a, b, type, 0.0).state;
   if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
-  constexpr double kNear_m = 2.0 * kAdvancementTolerance_m;
-  if (type == CollisionType::kBox) return boxes_within(a, b, kNear_m);
-  if (meet_as_spheres(a, b)) return spheres_within(a, b, kNear_m);
-  if (meet_as_sphere_and_surface(a, b)) return sphere_within_surface(a, b, kNear_m);
-  return has_exact_answer(a.body, b.body) && surfaces_within(a, b, kNear_m);
+  const double near_m = 2.0 * advancement_tolerance_m(a.body.radius_m, b.body.radius_m);
+  if (type == CollisionType::kBox) return boxes_within(a, b, near_m);
+  if (meet_as_spheres(a, b)) return spheres_within(a, b, near_m);
+  if (meet_as_sphere_and_surface(a, b)) return sphere_within_surface(a, b, near_m);
+  return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);
 }
 
 bool has_exact_answer(const Body& a, const Body& b) {

@@ -22,6 +22,9 @@ void set_polygon(Contact& contact, const Surface& collidee, std::uint32_t polygo
   contact.collidee_polygon = polygon.polygon;
 }
 
+// Triangles nearer than this part of their coordinates do not tell on which side of each other they are.
+constexpr double kRoundingOfSide = 0x1p-40;
+
 // The velocity of the collider's material against the collidee's at a place of the world [m/s].
 Vec3 approach_velocity(const KinematicState& a, const KinematicState& b, const Vec3& place) {
   const auto velocity = [&](const KinematicState& s) {
@@ -40,7 +43,8 @@ std::optional<Vec3> approached_normal(const Contact& contact, const Surface& col
   const Triangle of_b = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
   const TriangleDistance gap = triangle_distance(collider.soup().triangle(faces.a), of_b);
   const auto normal = collidee.normal(collidee.soup().faces[faces.b].polygon);
-  if (!normal || gap.distance == 0.0) return std::nullopt;
+  const double places = sum_of_magnitudes(a.position, b.position) + length(gap.on_a) + length(a_from_b.translation);
+  if (!normal || gap.distance <= kRoundingOfSide * places) return std::nullopt;
   const Mat3 R_a = a.orientation.toRotationMatrix();
   Vec3 n = rotate(b.orientation.toRotationMatrix(), *normal);
   // The side of the polygon on which the collider is; beside the polygon it is on neither.
@@ -56,11 +60,10 @@ std::optional<Vec3> approached_normal(const Contact& contact, const Surface& col
 
 // Sets polygon and normal by the least pair of polygons that meets; false where none does.
 bool find_approached_polygon(Contact& contact, Surface& collider, const KinematicState& a, Surface& collidee,
-                             const KinematicState& b) {
+                             const KinematicState& b, double tolerance_m) {
   const RelativeMotion a_from_b(a.pose(), b.pose());
   std::optional<PolygonPair> least;
-  for (const FacePair& faces :
-       near_query.faces_within(collider.tree(), collidee.tree(), a_from_b, 2.0 * kAdvancementTolerance_m)) {
+  for (const FacePair& faces : near_query.faces_within(collider.tree(), collidee.tree(), a_from_b, 2.0 * tolerance_m)) {
     const PolygonPair pair{collider.soup().faces[faces.a].polygon, collidee.soup().faces[faces.b].polygon};
     if (least && !(pair < *least)) continue;
     const auto normal = approached_normal(contact, collider, a, collidee, b, a_from_b, faces);
@@ -75,7 +78,8 @@ bool find_approached_polygon(Contact& contact, Surface& collider, const Kinemati
 void set_hit_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee,
                      const MeshImpact& impact) {
   const KinematicState a = advance(collider.motion, impact.time_s), b = advance(collidee.motion, impact.time_s);
-  if (find_approached_polygon(contact, *collider.body.surface, a, *collidee.body.surface, b)) return;
+  const double tolerance_m = advancement_tolerance_m(collider.body.radius_m, collidee.body.radius_m);
+  if (find_approached_polygon(contact, *collider.body.surface, a, *collidee.body.surface, b, tolerance_m)) return;
   set_polygon(contact, *collidee.body.surface, impact.pair.b);
   contact.normal_world = -impact.direction;
 }
@@ -116,8 +120,9 @@ Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, dou
   Contact contact;
   Surface &a = *collider.body.surface, &b = *collidee.body.surface;
   if (a.soup().faces.empty() || b.soup().faces.empty()) return contact;
-  const MeshImpact impact = contact_impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion,
-                                                         horizon_s, {.tolerance_m = kAdvancementTolerance_m});
+  const MeshImpact impact = contact_impacts.first_impact(
+      a.tree(), collider.motion, b.tree(), collidee.motion, horizon_s,
+      {.tolerance_m = advancement_tolerance_m(collider.body.radius_m, collidee.body.radius_m)});
   assert(impact.time_s >= 0.0 && impact.time_s <= horizon_s);
   contact.time_s = impact.time_s;
   contact.iterations = impact.iterations;

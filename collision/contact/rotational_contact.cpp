@@ -202,6 +202,7 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
 
   assert(query.horizon_s >= 0.0 && std::isfinite(query.horizon_s));
   assert(!(turning.speed < 0.0) && !(turning.curvature < 0.0));
+  const double tolerance_m = advancement_tolerance_m(r_a, r_b);
   Contact contact;
   double t = 0.0;
   while (contact.iterations < kAdvancementCap) {
@@ -210,7 +211,7 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
     const RoundingBound e{e0.at(t), e0.speed_m_s + 2.0 * t * e0.half_acceleration, e0.half_acceleration};
     const double left = query.horizon_s - t;
     const Axis axis = widest(query, now);
-    if (axis.gap > kAdvancementTolerance_m) {
+    if (axis.gap > tolerance_m) {
       const LowerBound bound(query, now, turning, axis.n);
       const double step = std::max(far_step(now, turning, axis), bound.step(2.0 * left, 0.0));
       assert(!(step < 0.0));

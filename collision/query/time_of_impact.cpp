@@ -24,6 +24,8 @@ constexpr double kWindow_rad = 0.0625;
 constexpr double kWindowOfExtent = 0.125;
 constexpr double kLongerIdle = 8.0;
 constexpr std::uint32_t kIdleWork = 16;
+// The line between two near points tells their sides while rounding turns it by less than this.
+constexpr double kClearSide = 0x1p-10;
 // The relative accuracy to which the direction between two triangles is sought: the gap along any direction is certain,
 // so a rough one will do.
 constexpr double kRelativeAccuracy = 0.125;
@@ -109,25 +111,27 @@ struct AxisProjections {
   }
 };
 
-// Calls visit(n, noise) for directions that may have triangles that don't touch on either side, from A's to B's: of
-// faces, of their nearest points (`between`), of pairs of edges, until it returns false. `noise`: what rounding makes
+// Calls visit(n, noise) for directions that may have triangles that don't touch on either side, in either sense: of
+// faces, of pairs of edges, of their nearest points (`between`), until it returns false. `noise`: what rounding makes
 // of a direction between near points; a face's and an edge's hang on lengths that are not small.
 template <class Visit>
 void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& between, double noise, Visit&& visit) {
-  const auto go = [&](const Vec3& n) {
+  // Of vectors that are parallel but for rounding the product is mostly that.
+  const auto go = [&](const Vec3& u, const Vec3& v) {
+    const Vec3 n = u.cross(v);
     const double size = length(n);
-    if (!(size > 0.0) || !std::isfinite(size)) return true;
-    return visit(Vec3(n / (dot(n, between) < 0.0 ? -size : size)), 0.0);
+    if (!(size > 0x1p-40 * length(u) * length(v)) || !std::isfinite(size)) return true;
+    return visit(Vec3(n / size), 0.0);
   };
   for (const Triangle* face : {&b, &a}) {
-    if (!go(Vec3((*face)[1] - (*face)[0]).cross((*face)[2] - (*face)[0]))) return;
+    if (!go((*face)[1] - (*face)[0], (*face)[2] - (*face)[0])) return;
   }
-  if (!visit(between, noise)) return;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
-      if (!go(Vec3(a[(i + 1) % 3] - a[i]).cross(b[(j + 1) % 3] - b[j]))) return;
+      if (!go(a[(i + 1) % 3] - a[i], b[(j + 1) % 3] - b[j])) return;
     }
   }
+  if (noise < 1.0) visit(between, noise);
 }
 
 // Makes a node of which a leaf's box is the only child.
@@ -171,6 +175,20 @@ class MeshImpactQuery::Search {
     acceleration_m_s2_ = length(motion_a.acceleration - motion_b.acceleration) * (1.0 + 0x1p-40);
     coordinate_bound_m_ = magnitude(motion_a.position) + magnitude(motion_b.position) + a.extent_m() + b.extent_m() +
                           magnitude(a.origin()) + magnitude(b.origin());
+  }
+
+  // Whether two triangles that share a point are in each other: they touch where they are apart along some direction,
+  // but for rounding.
+  [[nodiscard]] bool penetrate(const FacePair& faces, const MotionState& now) const {
+    const Triangle a = a_.soup().triangle(faces.a), in_b = b_.soup().triangle(faces.b);
+    const Triangle b = {now.a_from_b(in_b[0]), now.a_from_b(in_b[1]), now.a_from_b(in_b[2])};
+    const double rounding = rounding_at(now);
+    bool apart = false;
+    for_each_direction(a, b, Vec3::Zero(), 1.0, [&](const Vec3& n, double) {
+      apart = AxisProjections(now, n, a, b).gap() >= -rounding || AxisProjections(now, -n, a, b).gap() >= -rounding;
+      return !apart;
+    });
+    return !apart;
   }
 
   MeshImpact run() {
@@ -315,9 +333,8 @@ class MeshImpactQuery::Search {
   double safe_step(std::uint32_t face_a, std::uint32_t face_b, const MotionState& now, double t, const Triangle& a,
                    const Triangle& b) {
     TriangleDistance found = triangle_distance(a, b, kRelativeAccuracy);
-    if (found.distance == 0.0) return hit(face_a, face_b, now, t, found, center_direction(now), false);
     // In a world with large coordinates, places are known less well than the tolerance.
-    const double rounding = 0x1p-46 * (magnitude(now.a_from_b.translation) + coordinate_bound_m_);
+    const double rounding = rounding_at(now);
     const double band = options_.tolerance_m + rounding;
     if (found.lower <= band && found.upper - found.lower > 0x1p-20 * found.upper) found = triangle_distance(a, b);
     const double apart = length(found.on_b - found.on_a);
@@ -327,7 +344,8 @@ class MeshImpactQuery::Search {
       const AxisProjections along(now, between, a, b);
       double step = along.time_above(least, closing_acceleration_bound(now, between));
       if (along.gap() < 0.5 * found.distance) {  // large triangles, tilted by rounding
-        for_each_direction(a, b, between, 0.0, [&](const Vec3& n, double) {
+        for_each_direction(a, b, between, 0.0, [&](const Vec3& direction, double) {
+          const Vec3 n = dot(direction, between) < 0.0 ? Vec3(-direction) : direction;
           step = std::max(step, AxisProjections(now, n, a, b).time_above(least, closing_acceleration_bound(now, n)));
           return true;
         });
@@ -335,23 +353,21 @@ class MeshImpactQuery::Search {
       if (step > 0.0) return step;
     }
     if (options_.only_distance) return hit(face_a, face_b, now, t, found, between, false);
-    // The triangles are near. No contact follows as long as there is a direction along which they have a gap and don't
-    // approach.
+    // The triangles are near, or touch. No contact follows as long as there is a direction along which they are apart,
+    // but for rounding, and don't approach.
     double free_s = 0.0;
     std::optional<Vec3> closing;
     bool rests = false;
-    for_each_direction(a, b, between, rounding / found.distance, [&](const Vec3& n, double noise) {
+    const double noise = found.distance > 0.0 ? rounding / found.distance : 1.0;
+    for_each_direction(a, b, between, noise, [&](const Vec3& direction, double noise_of_direction) {
+      const Vec3 n = noise < kClearSide ? Vec3(dot(direction, between) < 0.0 ? Vec3(-direction) : direction)
+                                        : facing(direction, now, a, b, rounding);
       const AxisProjections along(now, n, a, b);
       const double gap = along.gap();
-      if (gap < 0.25 * options_.tolerance_m) return true;
-      const NearPairState touch = classify_contact(along, now, n, 2.0 * band, noise);
+      if (gap < -2.0 * rounding) return true;
+      const NearPairState touch = classify_contact(along, now, n, 2.0 * band, noise_of_direction);
       if (touch == NearPairState::kFree) {
-        // A pair that parts may come back to half the tolerance, or to its present gap less 1/1024: if it could halve
-        // the gap with each bounce, there would soon be no gap left to find.
-        const double half_m = 0.5 * std::min(gap, options_.tolerance_m);
-        const bool parts = along.closing_speed(2.0 * band) < 0.0;
-        const double least_m = parts ? std::min(0.5 * options_.tolerance_m, (1.0 - 0x1p-10) * gap) : half_m;
-        free_s = along.time_above(least_m, closing_acceleration_bound(now, n));
+        free_s = along.time_above(least_gap(along, gap, band, rounding), closing_acceleration_bound(now, n));
         return false;
       }
       if (!closing) {
@@ -362,6 +378,31 @@ class MeshImpactQuery::Search {
     });
     if (free_s > 0.0) return free_s;
     return hit(face_a, face_b, now, t, found, closing.value_or(between), rests);
+  }
+
+  // The gap to which a pair that doesn't approach may come until it is looked at again [m].
+  [[nodiscard]] double least_gap(const AxisProjections& along, double gap, double band, double rounding) const {
+    if (gap <= rounding) return gap - rounding;
+    // One that parts may come back to half the tolerance, or to its present gap less 1/1024: if it could halve the gap
+    // with each bounce, there would soon be no gap left to find.
+    const bool parts = along.closing_speed(2.0 * band) < 0.0;
+    return parts ? std::min(0.5 * options_.tolerance_m, (1.0 - 0x1p-10) * gap)
+                 : 0.5 * std::min(gap, options_.tolerance_m);
+  }
+
+  [[nodiscard]] double rounding_at(const MotionState& now) const {
+    return 0x1p-46 * (magnitude(now.a_from_b.translation) + coordinate_bound_m_);
+  }
+
+  // The sense of a direction that leads from A's triangle to B's, which touch: that in which they are farther apart;
+  // where both lie across it, that from the middle of A to the middle of B.
+  [[nodiscard]] Vec3 facing(const Vec3& n, const MotionState& now, const Triangle& a, const Triangle& b,
+                            double rounding) const {
+    const double ahead = AxisProjections(now, n, a, b).gap(), behind = AxisProjections(now, -n, a, b).gap();
+    if (std::min(ahead, behind) < -2.0 * rounding) return ahead < behind ? Vec3(-n) : n;
+    const Vec3 middle_a = 0.5 * (a_.soup().box.lo + a_.soup().box.hi);
+    const Vec3 middle_b = now.a_from_b(Vec3(0.5 * (b_.soup().box.lo + b_.soup().box.hi)));
+    return dot(n, middle_b - middle_a) < 0.0 ? Vec3(-n) : n;
   }
 
   // A direction for triangles that are in each other, which takes coordinates whose rounding is as large as the
@@ -430,15 +471,23 @@ MeshImpact MeshImpactQuery::first_impact(WideTree& a, const KinematicState& moti
                                          const MeshImpactOptions& options) {
   assert(step_s >= 0.0 && std::isfinite(step_s));
   MeshImpact impact;
-  if (overlap_.find_pair(a, b, RelativeMotion(motion_a.pose(), motion_b.pose()), impact.pair)) {
-    impact.state = MeshImpactState::kOverlapped;
-    return impact;
-  }
+  const RelativeMotion a_from_b(motion_a.pose(), motion_b.pose());
+  const bool shares_points = overlap_.find_pair(a, b, a_from_b, impact.pair);
   if (a.scale() != 1.0 || b.scale() != 1.0) {
-    impact.state = MeshImpactState::kTooLarge;
+    impact.state = shares_points ? MeshImpactState::kOverlapped : MeshImpactState::kTooLarge;
     return impact;
   }
-  return Search(*this, a, motion_a, b, motion_b, step_s, options).run();
+  Search search(*this, a, motion_a, b, motion_b, step_s, options);
+  if (shares_points) {
+    const MotionState start(motion_a, motion_b);
+    for (const FacePair& faces : overlap_.faces_within(a, b, a_from_b, 0.0)) {
+      if (!search.penetrate(faces, start)) continue;
+      impact.state = MeshImpactState::kOverlapped;
+      impact.pair = {a.soup().faces[faces.a].polygon, b.soup().faces[faces.b].polygon};
+      return impact;
+    }
+  }
+  return search.run();
 }
 
 }  // namespace peerd::collision

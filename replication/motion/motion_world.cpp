@@ -33,8 +33,8 @@ constexpr std::size_t kContactsMax = std::size_t{1} << 17;
 constexpr std::size_t kNormalsMax = 8;
 // Normals with a cosine above this are of one face but for rounding.
 constexpr double kSameNormal = 1.0 - 0x1p-40;
-// A bound of the rounding of a speed along a normal, in parts of the speeds.
-constexpr double kRounding = 0x1p-48;
+// A bound of the rounding of a speed or an acceleration along a normal, in parts of its size.
+constexpr double kRounding = 0x1p-46;
 // Timelines keep what is older for this much longer at most, or for as long again where that is less: a driven object
 // gets a segment at each tick, and to forget them one by one would cost more than everything else.
 constexpr Duration kPruneWithin = std::chrono::seconds(2);
@@ -517,7 +517,8 @@ bool MotionWorld::comes_to_rest_at(const Pair& pair, const Answer& answer) const
   };
   const double speed = n.dot(answer.after_a.state.velocity - answer.after_b.state.velocity);
   const double acceleration = n.dot(free(pair.collider, answer.after_a) - free(pair.collidee, answer.after_b));
-  return speed >= 0.0 && comes_to_rest(speed, acceleration);
+  const double came = (answer.before_a.state.velocity - answer.before_b.state.velocity).norm();
+  return speed >= -kRounding * came && comes_to_rest(std::max(speed, 0.0), acceleration);
 }
 
 // Two that close although their centres do not approach along the normal: a turning body strikes with a corner, and its
@@ -754,8 +755,13 @@ void MotionWorld::settle_velocities(Pair& pair, SimTime t, Touching which) {
     through.squeezed = kGivenUp;
   }
   for (std::size_t i = 0; i < island.objects.size(); ++i) {
-    if (island.objects[i] == kNone) continue;
-    change_velocity(island.objects[i], t, island.bodies[i].value, island.objects[i] == a ? b : a);
+    const std::uint32_t index = island.objects[i];
+    if (index == kNone) continue;
+    Vec3& velocity = island.bodies[i].value;
+    const double came = objects_[index].timeline.model_at(t).state.velocity.norm();
+    const double flight = kShortestFlight_s * free_acceleration_of(index, t).norm();
+    if (velocity.norm() <= kRounding * (came + flight)) velocity.setZero();  // nothing of it is left but rounding
+    change_velocity(index, t, velocity, index == a ? b : a);
   }
 }
 
@@ -773,11 +779,13 @@ bool MotionWorld::is_driven(const Pair& pair, SimTime t) const {
 
 void MotionWorld::answer_squeezed(Pair& pair, SimTime t) {
   ++counters_.jammed;
-  if (++pair.squeezed > kAnswersMax) {
-    stop(pair, t);
-  } else {
-    settle_velocities(pair, t, Touching::kAny);
-  }
+  const std::size_t a = pair.collider, b = pair.collidee;
+  const KinematicState before_a = objects_[a].timeline.model_at(t).state,
+                       before_b = objects_[b].timeline.model_at(t).state;
+  if (++pair.squeezed <= kAnswersMax) settle_velocities(pair, t, Touching::kAny);
+  const bool changed = !same_motion(before_a, objects_[a].timeline.model_at(t).state) ||
+                       !same_motion(before_b, objects_[b].timeline.model_at(t).state);
+  if (pair.squeezed > kAnswersMax || !changed) stop(pair, t);
   settle(pair.collider, pair.collidee, t);
 }
 
@@ -846,7 +854,8 @@ void MotionWorld::settle(std::size_t a, std::size_t b, SimTime t) {
     o.borne = borne;
     const MotionModel law = o.timeline.model_at(t);
     const bool slides = law.kind == MotionKind::kSliding;
-    const Vec3 acceleration = island.bodies[i].value;
+    Vec3 acceleration = island.bodies[i].value;
+    if (acceleration.norm() <= kRounding * o.free.norm()) acceleration.setZero();  // all of it is borne
     if (acceleration == (slides ? Vec3(Vec3::Zero()) : law.state.acceleration)) continue;
     KinematicState after = law.state;
     after.acceleration = acceleration;

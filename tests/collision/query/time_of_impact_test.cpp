@@ -211,12 +211,43 @@ TEST(TimeOfImpact, WhatIsFastAndThinDoesNotTunnel) {
   EXPECT_EQ(passes.time_s, 0.01);
 }
 
-TEST(TimeOfImpact, TellsWhatTouchesAtTheStartAndWhatItDidNotFind) {
+// Boxes whose faces touch, turned together so that rounding leaves a gap or an overlap: the motion tells.
+TEST(TimeOfImpact, TouchingAtTheStartIsToldByTheMotion) {
   const TriangleSoup cube = box({1, 1, 1});
   WideTree left(cube), right(cube);
   MeshImpactQuery query;
-  EXPECT_EQ(query.first_impact(left, {}, right, at_rest({{2, 0, 0}, Quat::Identity()}), 1.0).state,
-            MeshImpactState::kOverlapped);
+  Numbers numbers(70);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 axis(numbers.between(-1, 1), numbers.between(-1, 1), numbers.between(-1, 1));
+    const Quat turn = i == 0 ? Quat::Identity() : Quat(Eigen::AngleAxisd(numbers.between(-3, 3), axis.normalized()));
+    const double far = i % 3 == 0 ? 0.0 : numbers.between(-1e6, 1e6);
+    const Vec3 place(far, -far, 0.5 * far);
+    const KinematicState a = at_rest({place, turn});
+    KinematicState b = at_rest({place + turn * Vec3(2, 0.3, 0.1), turn});
+    EXPECT_EQ(query.first_impact(left, a, right, b, 1.0).state, MeshImpactState::kSeparated) << i;
+    b.velocity = turn * Vec3(1, 0.5, 0);
+    EXPECT_EQ(query.first_impact(left, a, right, b, 1.0).state, MeshImpactState::kSeparated) << i;
+    b.velocity = turn * Vec3(-1, 0.5, 0);
+    const MeshImpact comes = query.first_impact(left, a, right, b, 1.0);
+    EXPECT_EQ(comes.state, MeshImpactState::kHit) << i;
+    EXPECT_EQ(comes.time_s, 0.0);
+    EXPECT_FALSE(comes.resting);
+    EXPECT_NEAR((comes.direction - turn * Vec3::UnitX()).norm(), 0.0, 1e-12) << i;
+    b.velocity.setZero();
+    b.acceleration = turn * Vec3(-9.81, 0, 0);
+    const MeshImpact pressed = query.first_impact(left, a, right, b, 1.0);
+    EXPECT_EQ(pressed.state, MeshImpactState::kHit) << i;
+    EXPECT_TRUE(pressed.resting);
+    EXPECT_NEAR((pressed.direction - turn * Vec3::UnitX()).norm(), 0.0, 1e-12) << i;
+    b.position = place + turn * Vec3(2.0 - 1e-6, 0.3, 0.1);
+    EXPECT_EQ(query.first_impact(left, a, right, b, 1.0).state, MeshImpactState::kOverlapped) << i;
+  }
+}
+
+TEST(TimeOfImpact, SaysHowFarItCameWhereItDidNotFind) {
+  const TriangleSoup cube = box({1, 1, 1});
+  WideTree left(cube), right(cube);
+  MeshImpactQuery query;
   const KinematicState coming = moving({{9, 0, 0}, Quat::Identity()}, {-1, 0.1, 0}, {1, 2, 3});
   const MeshImpact failed = query.first_impact(left, {}, right, coming, 10.0, {.max_iterations = 20});
   EXPECT_EQ(failed.state, MeshImpactState::kIterationLimit);
