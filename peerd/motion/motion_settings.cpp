@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "replication/wire/wire_limits.hpp"
+
 namespace peerd::config {
 namespace {
 
@@ -80,13 +82,19 @@ Waypoints read_waypoints(TomlReader& reader) {
 // Reads how the object begins to move by physics.
 replication::Launch read_physics(TomlReader reader) {
   replication::Launch launch;
-  std::vector<double> velocity(3), acceleration(3);
+  std::vector<double> velocity(3), acceleration(3), angular_velocity(3);
   double at_s = 0.0;
   reader.read("velocity", velocity, 3);
   reader.read("acceleration", acceleration, 3);
+  reader.read("angular_velocity", angular_velocity, 3);
   reader.read("at_s", at_s, 0.0, kForever_s);
   if (reader.has("velocity")) launch.velocity = Vec3(velocity[0], velocity[1], velocity[2]);
   launch.acceleration = Vec3(acceleration[0], acceleration[1], acceleration[2]);
+  launch.angular_velocity = Vec3(angular_velocity[0], angular_velocity[1], angular_velocity[2]);
+  if (launch.angular_velocity.norm() > replication::kSpinMax) {
+    reader.fail(reader.raw().get("angular_velocity"),
+                reader.dotted("angular_velocity") + ": a body turns by at most 1e4 rad/s");
+  }
   launch.after = from_seconds(at_s);
   reader.finish();
   return launch;

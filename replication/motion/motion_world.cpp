@@ -470,7 +470,17 @@ MotionModel MotionWorld::motion_after_response(std::size_t object, const Pair& p
   const Object& met = objects_[pair.collider == object ? pair.collidee : pair.collider];
   KinematicState after = respond({*response, model_.response_of(met.id), other_side, self.state, other, n});
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
-  if (pair.overlapped && response->set_back && pair.free_at) after.position = o.timeline.at(*pair.free_at).position;
+  if (pair.overlapped && response->set_back && pair.free_at) {
+    const Vec3 back = o.timeline.at(*pair.free_at).position;
+    // What is set back against its weight takes the work from its speed, or stays.
+    const double left = after.velocity.squaredNorm() + 2.0 * after.acceleration.dot(back - after.position);
+    if (left >= after.velocity.squaredNorm()) {
+      after.position = back;
+    } else if (left >= 0.0) {
+      after.velocity *= std::sqrt(left / after.velocity.squaredNorm());
+      after.position = back;
+    }
+  }
   if (same_motion(after, self.state)) return self;
   if (response->type == ResponseType::kImpulse) return law_after(response, self, after);
   return after_contact(self, after, n, response->type == ResponseType::kInverse);

@@ -20,6 +20,7 @@ struct Launch {
   Duration after{0};                 // counted from the start of motions
   std::optional<Vec3> velocity;      // [m/s], world frame; none: the velocityVector of the world's file
   Vec3 acceleration = Vec3::Zero();  // [m/s^2], world frame: gravity. It stays through bounces
+  Vec3 angular_velocity = Vec3::Zero();  // [rad/s], world frame, at the launch; the body keeps it
 };
 
 // An object that this peer owns. A driven one is moved by samples that come with each tick; the others move by their

@@ -20,6 +20,7 @@ void Launches::launch(SimTime t, ObjectId object, const FileVelocity& file_veloc
   KinematicState state = replica_.truth().at(object, t);
   state.velocity = launch.velocity ? *launch.velocity : file_velocity(t, object);
   state.acceleration = launch.acceleration;
+  state.angular_velocity_body = state.orientation.conjugate() * launch.angular_velocity;
   replica_.truth().set_free_acceleration(object, launch.acceleration);
   replica_.truth().set_base(object, t, law_after(model_.response_of(object), MotionModel{}, state));
 }

@@ -196,9 +196,14 @@ ClosedRoom make_closed_room(std::uint64_t seed) {
     std::string& list = owns[chance.below(peers)];
     list += (list.empty() ? "\"O" : ", \"O") + std::to_string(i) + '"';
     gravity.push_back(chance.happens(0.5) ? chance.one_of({-1.0, -9.81}) : 0.0);
-    if (gravity.back() != 0.0) {
-      toml << "[motion.O" << i << "]\nphysics = { acceleration = [0, " << gravity.back() << ", 0] }\n";
+    const double spin = chance.happens(0.3) ? chance.one_of({1.0, 10.0, 55.0}) : 0.0;  // 95 rad/s at most
+    if (gravity.back() == 0.0 && spin == 0.0) continue;
+    toml << "[motion.O" << i << "]\nphysics = { acceleration = [0, " << gravity.back() << ", 0]";
+    if (spin != 0.0) {
+      const double x = chance.between(-spin, spin), y = chance.between(-spin, spin), z = chance.between(-spin, spin);
+      toml << ", angular_velocity = [" << x << ", " << y << ", " << z << ']';
     }
+    toml << " }\n";
   }
   std::size_t owners = 0;
   for (std::size_t p = 0; p < peers; ++p) {

@@ -78,7 +78,7 @@ TEST_F(ScenarioTest, PhysicsStandsInPlaceOfFormulas) {
 id = 1
 owns = ["BALL", "BOX"]
 [peer.a.motion.BALL]
-physics = { velocity = [1, 2, 3], acceleration = [0, -9.81, 0], at_s = 1.5 }
+physics = { velocity = [1, 2, 3], acceleration = [0, -9.81, 0], angular_velocity = [7, 8, 9], at_s = 1.5 }
 [peer.a.motion.BOX]
 physics = { }
 )";
@@ -89,6 +89,7 @@ physics = { }
   const replication::Launch ball = launch(run, "BALL");
   EXPECT_EQ(ball.velocity, Vec3(1, 2, 3));
   EXPECT_EQ(ball.acceleration, Vec3(0, -9.81, 0));
+  EXPECT_EQ(ball.angular_velocity, Vec3(7, 8, 9));
   EXPECT_EQ(ball.after, from_seconds(1.5));
   const replication::Launch box = launch(run, "BOX");
   EXPECT_FALSE(box.velocity.has_value());
@@ -99,6 +100,8 @@ physics = { }
   EXPECT_EQ(launch(swept.front(), "BALL").velocity, Vec3(4, 5, 6));
   EXPECT_THAT(error(text, {"peer.a.motion.BALL.x=t"}), HasSubstr("peer.a.motion.BALL.x"));
   EXPECT_THAT(error(text, {"peer.a.motion.BALL.physics.speed=1"}), HasSubstr("peer.a.motion.BALL.physics.speed"));
+  EXPECT_THAT(error(text, {"peer.a.motion.BALL.physics.angular_velocity=[1e4, 1, 0]"}),
+              HasSubstr("peer.a.motion.BALL.physics.angular_velocity: a body turns by at most 1e4 rad/s"));
   EXPECT_THAT(error(text, {"peer.a.motion.BALL.physics.at_s=-1"}), HasSubstr("peer.a.motion.BALL.physics.at_s"));
 }
 

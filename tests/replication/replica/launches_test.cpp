@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/replication/worlds.hpp"
 
 namespace peerd::replication::launches_test {
@@ -33,6 +35,18 @@ TEST_F(Launched, ALaunchGivesItsVelocityAndAcceleration) {
   EXPECT_EQ(at(a, 2s), Vec3(0, 0, 0));
   EXPECT_EQ(at(a, 4s), Vec3(2, 0, 4)) << "1 m/s along x, 2 m/s^2 along z";
   EXPECT_TRUE(launches.unpublished().empty()) << "everybody sees the session's begin";
+}
+
+TEST_F(Launched, ALaunchTurnsInTheWorldsFrame) {
+  objects[0].launch.angular_velocity = Vec3(0, 3, 0);
+  OwnObjects turning{world.scene, objects, false};
+  KinematicState lying;
+  lying.orientation = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()));
+  replica.truth().set_base(a, sim(1s), lying);
+  Launches(*world.model, turning, replica).launch(sim(2s), a, by_file);
+  const KinematicState state = replica.truth().at(a, sim(2s));
+  EXPECT_NEAR((state.orientation * state.angular_velocity_body - Vec3(0, 3, 0)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((state.angular_velocity_body - Vec3(0, 0, -3)).norm(), 0.0, 1e-14);
 }
 
 TEST_F(Launched, WithoutAVelocityTheFilesCounts) {
