@@ -68,7 +68,8 @@ void swing(int balls, double gap_m) {
   for (int i = 0; i < balls; ++i) ids.push_back(world[("B" + std::to_string(i)).c_str()]);
   for (const ObjectId id : ids) motions.declare(id, Role::kAuthoritative);
   motions.set_base(ids[0], sim(0s), moving({-2, 0, 0}, {3, 0, 0}));
-  for (int i = 1; i < balls; ++i) motions.set_base(ids[std::size_t(i)], sim(0s), moving({(1.0 + gap_m) * (i - 1), 0, 0}));
+  for (int i = 1; i < balls; ++i)
+    motions.set_base(ids[std::size_t(i)], sim(0s), moving({(1.0 + gap_m) * (i - 1), 0, 0}));
   motions.advance(sim(5s));
   for (int i = 0; i < balls; ++i) {
     const Vec3 expected(i == balls - 1 ? 3.0 : 0.0, 0, 0);
