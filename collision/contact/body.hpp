@@ -33,7 +33,7 @@ struct Body {
   ObjectId object;
   std::vector<ConvexPiece> pieces;    // depth-first order of their Shapes
   std::shared_ptr<Surface> surface;   // all polygons of all Shapes, convex or not; copies of a body share it
-  std::optional<ExactSphere> sphere;  // two such bodies meet as spheres
+  std::optional<ExactSphere> sphere;  // contacts take the body for this
   Vec3 center = Vec3::Zero();         // centre of the bounding sphere, object frame [m]
   double radius_m = 0.0;              // encloses every vertex; 0 when there are none
   std::uint32_t meshes_built = 0;     // meshes tessellated for this body

@@ -21,10 +21,12 @@ namespace peerd::collision {
 // Without rotation the answer is in closed form for accelerations that are constant: on each separating-axis candidate
 // the gap is a quadratic in t, and the bodies overlap where all gaps are <= 0; passing by in touch is a contact. With
 // rotation it is conservative advancement (Mirtich, PhD, Berkeley 1996) on the largest gap: never later than the truth,
-// at most kAdvancementTolerance_m short of it, so that a pass within that tolerance may be taken for a contact.
+// at most advancement_tolerance_m() short of it, so that a pass within that tolerance may be taken for a contact.
 //
-// Two bodies that are one Sphere each (Body::sphere) meet as the spheres they are, not as their polygons, and the
-// normal is the line of their centres: a ball doesn't bounce off its facets.
+// A body that is one Sphere (Body::sphere) meets another such body, and the polygons of others, as the sphere it is
+// (sphere_contact.hpp, sphere_surface_contact.hpp): a ball doesn't bounce off its facets. The normal is the line of the
+// two centres, the normal of the polygon whose inside the sphere meets, or the line from an edge or a corner to the
+// centre.
 //
 // CollisionType::kBox uses the tight world boxes of all vertices in place of the polygons, and answers where only
 // polygons are unsupported.
@@ -32,7 +34,7 @@ namespace peerd::collision {
                                     double horizon_s);
 
 // Whether two bodies touch as they stand, or are nearer than contact times leave them: to within twice
-// kAdvancementTolerance_m. A body that is wholly inside a convex piece touches it, too. The two must have an exact
+// advancement_tolerance_m(). A body that is wholly inside a convex piece touches it, too. The two must have an exact
 // answer (has_exact_answer()), but for kBox.
 [[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type);
 

@@ -170,9 +170,8 @@ class Search {
     if (inside_at(now)) return true;
     bool near = false;
     const double reach = radius_ + distance_m;
-    for_each_face(now.center.array() - reach, now.center.array() + reach, [&](std::uint32_t face) {
-      near = near || Flat(soup_, face).nearest(now.center).distance <= reach;
-    });
+    for_each_face(now.center.array() - reach, now.center.array() + reach,
+                  [&](std::uint32_t face) { near = near || Flat(soup_, face).nearest(now.center).distance <= reach; });
     return near;
   }
 
@@ -298,8 +297,8 @@ class Search {
     return d;
   }
 
-  // The sphere touches the triangle or is in it: the contact, unless it parts along some direction; then `step` is a time
-  // for which it stays apart.
+  // The sphere touches the triangle or is in it: the contact, unless it parts along some direction; then `step` is a
+  // time for which it stays apart.
   [[nodiscard]] Touch touch_at(const Flat& flat, std::uint32_t face, const Moment& now, const Nearest& near,
                                double& step) const {
     const double e = error_.at(now.t);
@@ -351,8 +350,8 @@ class Search {
     }
     if (turns_ || bend < 0.0) return {false, false, 0.0};  // of what turns, still cannot be told from pressed
     if (d.along >= -error_.half_acceleration) return {true, false, kNever};
-    // It comes off across an edge. Distance from a triangle is convex in the place, so the acceleration alone brings the
-    // two nearer: by the rounding of the gap in this time.
+    // It comes off across an edge. Distance from a triangle is convex in the place, so the acceleration alone brings
+    // the two nearer: by the rounding of the gap in this time.
     return {true, false, std::sqrt(error_.gap_m / -closing)};
   }
 

@@ -727,12 +727,16 @@ void MotionWorld::come_to_rest(Pair& pair, SimTime t) {
   if (met_lately(pair.lifted, t, kShortestFlight)) pair.held_until = t + kShortestFlight;
   pair.bears = true;
   const std::size_t a = pair.collider, b = pair.collidee;
+  if (will_respond(objects_[a], pair.collider_responds, t)) end_rolling(a, t, pair.normal, b);
+  if (will_respond(objects_[b], pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
   const MotionModel law_a = objects_[a].timeline.model_at(t), law_b = objects_[b].timeline.model_at(t);
   // What parts too slowly to come apart would be lifted off for good without the acceleration that presses it. Where a
   // body turns, the speed of its centre is not that of the contact.
   const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
   const bool turns = !law_a.state.angular_velocity_body.isZero(0.0) || !law_b.state.angular_velocity_body.isZero(0.0);
-  if (pair.resting && speed > 0.0 && !turns) {
+  const bool driven = (!gives_way(a, pair.collider_responds, t) && !is_motionless(law_a.state)) ||
+                      (!gives_way(b, pair.collidee_responds, t) && !is_motionless(law_b.state));
+  if (pair.resting && speed > 0.0 && !turns && !driven) {  // to keep up with what moves away would take energy
     const auto gives = [&](std::size_t object, bool registered) {
       const CollisionResponse* const response = model_.response_of(objects_[object].id);
       return will_respond(objects_[object], registered, t) ? 1.0 / response->mass_kg : 0.0;
@@ -743,6 +747,18 @@ void MotionWorld::come_to_rest(Pair& pair, SimTime t) {
   }
   settle_velocities(pair, t, Touching::kBearing);
   settle(a, b, t);
+}
+
+void MotionWorld::end_rolling(std::size_t index, SimTime t, const Vec3& normal, std::size_t cause) {
+  MotionModel law = objects_[index].timeline.model_at(t);
+  const std::optional<collision::ExactSphere>& sphere = body(index).sphere;
+  if (law.state.angular_velocity_body.isZero(0.0) || (sphere && sphere->center.isZero(0.0))) return;
+  const Vec3 n = law.state.orientation.conjugate() * normal;
+  const Vec3 spin = n.dot(law.state.angular_velocity_body) * n;
+  if ((spin - law.state.angular_velocity_body).norm() <= kRounding * spin.norm()) return;
+  law.state.angular_velocity_body = spin;
+  law.angular_acceleration_body.setZero();
+  change_motion(index, t, law, objects_[cause].id);
 }
 
 void MotionWorld::change_velocity(std::size_t index, SimTime t, const Vec3& velocity, std::size_t cause) {

@@ -21,7 +21,7 @@ namespace peerd::replication {
 
 // The role of an object in a MotionWorld: what it does in a contact. Roles from kAuthoritative on respond.
 enum class Role : std::uint8_t {
-  kScene,          // owned by nobody: it stays
+  kScene,          // owned by nobody; a script may move it, and it does not respond
   kDriven,         // moved by samples from outside; its contacts are reported, and it does not respond
   kAuthoritative,  // responds to contacts, and its responses are final (an object that this peer owns)
   kPredicted,      // responds to contacts; a response is retracted when its cause turns out to have moved otherwise
@@ -110,7 +110,7 @@ class MotionWorld {
   // that followed from the replaced motion are retracted, and the next advance() finds them anew.
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
 
-  // The acceleration [m/s^2, world frame] that the object has where nothing bears it, its weight: from then on, and in
+  // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
   // whatever motion set_base() gives it. Without it that of the law under which it came to rest counts.
   void set_free_acceleration(ObjectId object, const Vec3& acceleration);
   [[nodiscard]] std::optional<Vec3> free_acceleration(ObjectId object) const;
@@ -274,6 +274,9 @@ class MotionWorld {
   // Gives all that rest on each other around the two the velocities and accelerations that their bearing leaves.
   void settle(std::size_t a, std::size_t b, SimTime t);
   void settle_velocities(Pair& pair, SimTime t, Touching which);
+  // Of the spin of a body that rests against another along that normal what is about the normal is left: its corners
+  // would press into the other.
+  void end_rolling(std::size_t object, SimTime t, const Vec3& normal, std::size_t cause);
   void change_velocity(std::size_t object, SimTime t, const Vec3& velocity, std::size_t cause);
   void release_parting(std::size_t object, SimTime t);
   void lift(Pair& pair, SimTime t);

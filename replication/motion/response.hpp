@@ -9,13 +9,12 @@ namespace peerd::replication {
 enum class OtherSide : std::uint8_t {
   kGoesOn,        // as before: it answers no contacts, or something else moves it
   kAnswers,       // in this contact
-  kAnswersApart,  // it flies freely and answers contacts, but not this one: in one of its own with another normal, or
-                  // never
+  kAnswersApart,  // physics moves it, and it answers contacts, but not this one: in one of its own with another normal,
+                  // or never
 };
 
 // One side of a contact: an object and what it meets. `n` is the unit normal of the contact in the world frame, facing
-// this object: of the polygon of the other, or, where both are a Sphere each (collision::Body::sphere), along the line
-// of their centres. States are those at the contact time, before any response.
+// this object (collision/contact/contact_time.hpp). States are those at the contact time, before any response.
 struct ContactSide {
   const CollisionResponse& response;        // of this object
   const CollisionResponse* other_response;  // null: the other has none
@@ -33,7 +32,7 @@ struct ContactSide {
 // | INVERSE and INVERSE | changes          | each keeps its own                              |
 // | ZERO and any        | changes          | the one by ZERO loses its own                   |
 // | IMPULSE and INVERSE | changes          | each alone: kept to e^2 along n, and kept       |
-// | one of two that fly | changes          | as from a wall that stands                      |
+// | one of two alone    | changes          | as from a wall that stands, if the other answers elsewhere |
 // | any and no response | changes          | as seen from the other, as above: one that comes adds |
 //
 // INVERSE mirrors the velocity about the polygon. If the other responds as well, each mirrors its own, as in the
@@ -51,7 +50,7 @@ struct ContactSide {
 // racket's, the two would drive each other up. The e of a pair is the smaller of the two (PhysX's
 // PxCombineMode::eMIN; other engines take the product or the larger: the smaller keeps a dead cushion dead and needs no
 // table of pairs); an object without a response of this type sets none. There is no friction at the contact, so neither
-// spin changes.
+// spin changes here; a corner's strike and a rest end spin (motion_world.hpp).
 [[nodiscard]] KinematicState respond(const ContactSide& side);
 
 // Whether two objects that part along n with that speed [m/s] while the relative acceleration along n [m/s^2] draws

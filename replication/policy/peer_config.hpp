@@ -17,9 +17,9 @@ namespace peerd::replication {
 
 // The way in which an object that nothing drives begins to move; from then on physics moves it.
 struct Launch {
-  Duration after{0};                 // counted from the start of motions
-  std::optional<Vec3> velocity;      // [m/s], world frame; none: the velocityVector of the world's file
-  Vec3 acceleration = Vec3::Zero();  // [m/s^2], world frame: gravity. It stays through bounces
+  Duration after{0};                     // counted from the start of motions
+  std::optional<Vec3> velocity;          // [m/s], world frame; none: the velocityVector of the world's file
+  Vec3 acceleration = Vec3::Zero();      // [m/s^2], world frame: gravity. It stays through bounces
   Vec3 angular_velocity = Vec3::Zero();  // [rad/s], world frame, at the launch; the body keeps it
 };
 

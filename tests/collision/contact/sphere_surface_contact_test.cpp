@@ -193,8 +193,8 @@ TEST(SphereSurfaceContact, OfAnyMagnitudeItErrsByRounding) {
     for (const double far : {0.0, 1e3, 1e7}) {
       const Two two("Box { size " + s + ' ' + s + ' ' + s + " }", "Sphere { radius " + s + " }");
       const double r = two.a.sphere->radius_m, half = two.b.radius_m / std::sqrt(3.0);
-      const Contact c = two.meet(moving({far, far + 4 * r + half, far}, {0, -r, 0}), moving({far, far, far}, {0, 0, 0}),
-                                 10.0);
+      const Contact c =
+          two.meet(moving({far, far + 4 * r + half, far}, {0, -r, 0}), moving({far, far, far}, {0, 0, 0}), 10.0);
       const double ulp = std::nextafter(far + 4 * r, 1e300) - (far + 4 * r);
       if (ulp > 1e-3 * r) continue;
       ASSERT_EQ(c.state, ContactState::kContact);
@@ -212,7 +212,8 @@ double segment_distance(const Vec3& p, const Vec3& u, const Vec3& v) {
   return (p - u - s * edge).norm();
 }
 double triangle_distance(const Vec3& p, const Triangle& t) {
-  double d = std::min({segment_distance(p, t[0], t[1]), segment_distance(p, t[1], t[2]), segment_distance(p, t[2], t[0])});
+  double d =
+      std::min({segment_distance(p, t[0], t[1]), segment_distance(p, t[1], t[2]), segment_distance(p, t[2], t[0])});
   const Vec3 e1 = t[1] - t[0], e2 = t[2] - t[0], q = p - t[0];
   const double a = e1.dot(e1), b = e1.dot(e2), c = e2.dot(e2), x = e1.dot(q), y = e2.dot(q), D = a * c - b * b;
   const double s = (c * x - b * y) / D, r = (a * y - b * x) / D;
