@@ -28,7 +28,7 @@ constexpr std::size_t kDirectionsMax = 2;
 
 enum class Feature : std::uint8_t { kCorner, kEdge, kFace };
 
-struct Nearest {
+struct NearestPoint {
   Vec3 point = Vec3::Zero();
   double distance = kNever;  // [m]
   Feature feature = Feature::kFace;
@@ -59,8 +59,8 @@ struct Flat {
     return true;
   }
 
-  [[nodiscard]] Nearest nearest(const Vec3& p) const {
-    Nearest best;
+  [[nodiscard]] NearestPoint nearest(const Vec3& p) const {
+    NearestPoint best;
     if (normal && is_over(p)) {
       const double height = height_of(p);
       return {p - height * *normal, std::abs(height), Feature::kFace, Vec3::Zero()};
@@ -71,7 +71,7 @@ struct Flat {
       if (numbers[last] < numbers[first]) std::swap(first, last);
       const Vec3 edge = corners[last] - corners[first], from = p - corners[first];
       const double size = length(edge), along = size > 0.0 ? dot(from, edge) / size : 0.0;
-      Nearest found;
+      NearestPoint found;
       if (!(along > 0.0)) {
         found = {corners[first], 0.0, Feature::kCorner, Vec3::Zero()};
       } else if (along >= size) {
@@ -93,7 +93,7 @@ struct Moment {
 };
 
 // A direction from a triangle towards the centre, and how the gap along it changes.
-struct Direction {
+struct GapDirection {
   Vec3 n;
   double gap;    // [m]
   double speed;  // at which it opens [m/s]
@@ -101,15 +101,15 @@ struct Direction {
   double along;  // the part of `bend` that is left where the triangle is taken for its plane
 };
 
-struct Touch {
+struct SphereTouch {
   ContactState state = ContactState::kSeparated;
   double t = kNever;
   bool resting = false;
   std::uint32_t face = 0;
   Vec3 n = Vec3::Zero();  // from the surface to the centre, in the surface's frame
 
-  [[nodiscard]] bool before(const Touch& other, const TriangleSoup& soup) const {
-    const auto rank = [&](const Touch& touch) {
+  [[nodiscard]] bool before(const SphereTouch& other, const TriangleSoup& soup) const {
+    const auto rank = [&](const SphereTouch& touch) {
       return std::tuple(touch.t, touch.state != ContactState::kOverlapped, touch.resting,
                         touch.state == ContactState::kSeparated ? 0 : soup.faces[touch.face].polygon, touch.face);
     };
@@ -121,9 +121,9 @@ bool is_round(const MovingBody& m) {
   return m.body.sphere && (m.body.sphere->center.isZero(0.0) || m.motion.angular_velocity_body.isZero(0.0));
 }
 
-class Search {
+class SphereSearch {
  public:
-  Search(const MovingBody& sphere, const MovingBody& other)
+  SphereSearch(const MovingBody& sphere, const MovingBody& other)
       : sphere_(sphere),
         other_(other),
         soup_(other.body.surface->soup()),
@@ -149,8 +149,8 @@ class Search {
             0.5 * rotate_back(R_b, a.acceleration - b.acceleration)};
   }
 
-  [[nodiscard]] Touch first_until(double horizon) {
-    Touch best;
+  [[nodiscard]] SphereTouch first_until(double horizon) {
+    SphereTouch best;
     const Moment start = at(0.0);
     if (const auto inside = inside_at(start)) return *inside;
     const double way = kWindowRadii * radius_;
@@ -179,7 +179,7 @@ class Search {
 
  private:
   // The centre is in a convex piece, which is solid.
-  [[nodiscard]] std::optional<Touch> inside_at(const Moment& now) const {
+  [[nodiscard]] std::optional<SphereTouch> inside_at(const Moment& now) const {
     if (!other_.body.not_convex_reason.empty()) return std::nullopt;
     std::uint32_t polygon = 0;
     for (const ConvexPiece& piece : other_.body.pieces) {
@@ -195,8 +195,8 @@ class Search {
       if (piece.faces.size() > 1 && highest < -error_.gap_m) {
         const auto number = static_cast<std::uint32_t>(polygon + nearest);
         const auto face = std::ranges::lower_bound(soup_.faces, number, {}, &TriangleSoup::Face::polygon);
-        return Touch{ContactState::kOverlapped, 0.0, false, static_cast<std::uint32_t>(face - soup_.faces.begin()),
-                     piece.face_normals[nearest]};
+        return SphereTouch{ContactState::kOverlapped, 0.0, false,
+                           static_cast<std::uint32_t>(face - soup_.faces.begin()), piece.face_normals[nearest]};
       }
       polygon += static_cast<std::uint32_t>(piece.faces.size());
     }
@@ -238,7 +238,7 @@ class Search {
     }
   }
 
-  void search_window(const Moment& begin, double until, Touch& best) {
+  void search_window(const Moment& begin, double until, SphereTouch& best) {
     const double s = until - begin.t;
     const Vec3 way = s * begin.velocity;
     const double bend = s * s * length(begin.half_acceleration);
@@ -247,23 +247,23 @@ class Search {
     const Vec3 end = begin.center + way;
     for_each_face(begin.center.cwiseMin(end).array() - more, begin.center.cwiseMax(end).array() + more,
                   [&](std::uint32_t face) {
-                    const Touch found = first_touch(face, begin, std::min(until, best.t));
+                    const SphereTouch found = first_touch(face, begin, std::min(until, best.t));
                     if (found.before(best, soup_)) best = found;
                   });
   }
 
   // The first touch of a triangle that is none that parts.
-  [[nodiscard]] Touch first_touch(std::uint32_t face, const Moment& begin, double until) {
+  [[nodiscard]] SphereTouch first_touch(std::uint32_t face, const Moment& begin, double until) {
     const Flat flat(soup_, face);
     Moment now = begin;
     for (std::uint32_t i = 0; i < kAdvancementCap; ++i) {
       ++iterations_;
-      const Nearest near = flat.nearest(now.center);
+      const NearestPoint near = flat.nearest(now.center);
       double step = 0.0;
       if (near.distance - radius_ > error_.at(now.t)) {
         step = time_apart(flat, now, near);
       } else {
-        const Touch touch = touch_at(flat, face, now, near, step);
+        const SphereTouch touch = touch_at(flat, face, now, near, step);
         if (touch.state != ContactState::kSeparated) return touch;
       }
       assert(!(step < 0.0));
@@ -274,7 +274,7 @@ class Search {
   }
 
   // A time for which the gap along the line to the centre certainly stays above 0.
-  [[nodiscard]] double time_apart(const Flat& flat, const Moment& now, const Nearest& near) const {
+  [[nodiscard]] double time_apart(const Flat& flat, const Moment& now, const NearestPoint& near) const {
     const Vec3 n = (now.center - near.point) / near.distance;
     double step = kNever;
     const double half = dot(n, now.half_acceleration) - centripetal_;
@@ -287,9 +287,9 @@ class Search {
     return step;
   }
 
-  [[nodiscard]] Direction direction(const Vec3& n, double gap, const Moment& now, const Nearest& near) const {
+  [[nodiscard]] GapDirection direction(const Vec3& n, double gap, const Moment& now, const NearestPoint& near) const {
     const Vec3 v = now.velocity - spin_.cross(near.point);
-    Direction d{n, gap, dot(n, v), dot(n, now.half_acceleration), dot(n, now.half_acceleration)};
+    GapDirection d{n, gap, dot(n, v), dot(n, now.half_acceleration), dot(n, now.half_acceleration)};
     if (near.feature == Feature::kFace || near.distance == 0.0) return d;
     Vec3 across = v - d.speed * n;
     if (near.feature == Feature::kEdge) across -= dot(across, near.edge) * near.edge;
@@ -299,22 +299,22 @@ class Search {
 
   // The sphere touches the triangle or is in it: the contact, unless it parts along some direction; then `step` is a
   // time for which it stays apart.
-  [[nodiscard]] Touch touch_at(const Flat& flat, std::uint32_t face, const Moment& now, const Nearest& near,
-                               double& step) const {
+  [[nodiscard]] SphereTouch touch_at(const Flat& flat, std::uint32_t face, const Moment& now, const NearestPoint& near,
+                                     double& step) const {
     const double e = error_.at(now.t);
-    std::array<Direction, kDirectionsMax> directions;
+    std::array<GapDirection, kDirectionsMax> directions;
     std::size_t count = 0;
     if (flat.normal) {
       // The plane first: to rounding it touches as well as an edge of it does, and a ball that slides over the edge
       // between two triangles of a plane meets nothing.
       const double height = flat.height_of(now.center), side = height < 0.0 ? -1.0 : 1.0;
-      Nearest plane = near;
+      NearestPoint plane = near;
       plane.feature = Feature::kFace;
-      const Direction d = direction(side * *flat.normal, std::abs(height) - radius_, now, plane);
+      const GapDirection d = direction(side * *flat.normal, std::abs(height) - radius_, now, plane);
       if (d.gap >= -(e + kClockTick_s * std::abs(d.speed))) directions[count++] = d;
     }
     if (near.feature != Feature::kFace && near.distance > 0.0) {
-      const Direction d = direction((now.center - near.point) / near.distance, near.distance - radius_, now, near);
+      const GapDirection d = direction((now.center - near.point) / near.distance, near.distance - radius_, now, near);
       if (d.gap >= -(e + kClockTick_s * std::abs(d.speed))) directions[count++] = d;
     }
     if (count == 0) {
@@ -322,7 +322,7 @@ class Search {
       if (near.distance > 0.0) n = (now.center - near.point) / near.distance;
       return {ContactState::kOverlapped, now.t, false, face, n};
     }
-    Touch touch{ContactState::kContact, now.t, true, face, directions[0].n};
+    SphereTouch touch{ContactState::kContact, now.t, true, face, directions[0].n};
     for (std::size_t i = 0; i < count; ++i) {
       const auto [parts, closes, free_s] = classify(directions[i]);
       if (parts) {
@@ -338,7 +338,7 @@ class Search {
     bool parts, closes;
     double free_s;  // of one that parts: how long it certainly stays apart
   };
-  [[nodiscard]] Parting classify(const Direction& d) const {
+  [[nodiscard]] Parting classify(const GapDirection& d) const {
     const double speed = std::abs(d.speed) <= error_.speed_m_s ? 0.0 : d.speed;
     const double bend = std::abs(d.bend) <= error_.half_acceleration ? 0.0 : d.bend;
     if (speed < 0.0) return {false, true, 0.0};
@@ -385,7 +385,7 @@ bool meet_as_sphere_and_surface(const MovingBody& a, const MovingBody& b) {
 bool sphere_within_surface(const MovingBody& a, const MovingBody& b, double distance_m) {
   assert(meet_as_sphere_and_surface(a, b) && distance_m >= 0.0);
   const MovingBody &sphere = is_round(a) ? a : b, &other = is_round(a) ? b : a;
-  return !other.body.surface->soup().faces.empty() && Search(sphere, other).is_within(distance_m);
+  return !other.body.surface->soup().faces.empty() && SphereSearch(sphere, other).is_within(distance_m);
 }
 
 Contact sphere_surface_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
@@ -395,8 +395,8 @@ Contact sphere_surface_contact(const MovingBody& collider, const MovingBody& col
   Contact contact;
   const Surface& surface = *other.body.surface;
   if (surface.soup().faces.empty()) return contact;
-  Search search(sphere, other);
-  const Touch touch = search.first_until(horizon_s);
+  SphereSearch search(sphere, other);
+  const SphereTouch touch = search.first_until(horizon_s);
   contact.iterations = search.iterations();
   if (touch.state == ContactState::kSeparated) return contact;
   assert(touch.t >= 0.0 && touch.t <= horizon_s);
