@@ -206,6 +206,10 @@ CLI::App* add_world_command(CLI::App& app, const char* name, const char* what, W
   CLI::App* const command = app.add_subcommand(name, what);
   command->add_option("world", flags.world, "the VRML97 world")->required();
   command->add_flag("--json", flags.options.json, "one JSON object");
+  command
+      ->add_option("--expansion", flags.options.reading.expansion,
+                   "how many times as much as usual its files may unpack and sweep to (default: 1)")
+      ->check(CLI::Range(1U, config::kExpansionMax));
   return command;
 }
 

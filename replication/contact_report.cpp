@@ -22,6 +22,10 @@ bool is_same_touch(const ContactEvent& a, const ContactEvent& b) {
 void report_truth(PeerParts& p, SimTime t) {
   std::vector<ContactEvent> decided;  // in order of time, the last contact of each touch
   while (const auto event = p.replica.truth().poll_event()) {
+    if (const auto* overlap = std::get_if<BodiesOverlap>(&*event)) {
+      if (p.own.contains(overlap->collider) || p.own.contains(overlap->collidee)) p.outbox.push(*overlap);
+      continue;
+    }
     const auto* contact = std::get_if<ContactEvent>(&*event);
     if (contact == nullptr) continue;
     const bool mine = p.own.contains(contact->collider) || p.own.contains(contact->collidee);
@@ -51,6 +55,7 @@ void report_ghosts(PeerParts& p, SimTime t) {
       if (is_remote(retracted->object)) p.outbox.push(*retracted);
       continue;
     }
+    if (std::holds_alternative<BodiesOverlap>(*event)) continue;  // their owners name it
     const auto& contact = std::get<ContactEvent>(*event);
     p.publication.on_predicted_contact(contact);
     if (!is_remote(contact.collider) && !is_remote(contact.collidee)) continue;

@@ -106,12 +106,15 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
   declare_all();
   MotionWorld &truth = p_.replica.truth(), &ghosts = p_.replica.ghosts();
   for (const ObjectId object : old.ghosts.objects()) {
-    if (!ghosts.has(object)) ghosts.declare(object, Role::kScene);  // orphaned, and meets nothing
+    const bool orphan = !ghosts.has(object);
+    if (orphan) ghosts.declare(object, Role::kScene);
     if (truth.has(object)) {
       if (const auto free = old.truth.free_acceleration(object)) truth.set_free_acceleration(object, *free);
       truth.set_base(object, now, old.truth.model_at(object, before));
     }
-    ghosts.set_base(object, now, old.ghosts.model_at(object, before));
+    // An orphan stands until somebody claims it, as one whose owner has gone: one that flew on would be a racket.
+    const MotionModel model = old.ghosts.model_at(object, before);
+    ghosts.set_base(object, now, orphan ? MotionModel(at_rest(model.state.pose())) : model);
   }
   p_.scripted.restart();
   p_.launches.forget_unpublished();

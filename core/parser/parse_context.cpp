@@ -9,11 +9,13 @@
 namespace peerd::vrml {
 
 std::expected<OpenText, std::string> open_text(ParseContext& context, Source source) {
-  const std::uint64_t left =
-      context.options.limits.text_bytes - std::min(context.text_bytes, context.options.limits.text_bytes);
+  const ReadLimits& limits = context.options.limits;
+  const std::uint64_t left = limits.text_bytes - std::min(context.text_bytes, limits.text_bytes);
   std::expected<Header, std::string> header = std::unexpected("");
   if (is_gzip(source.text)) {
-    std::expected<std::string, std::string> unpacked = gunzip(source.text, left);
+    const std::uint64_t may_grow_to = limits.unpacked_bytes(source.text.size());
+    std::expected<std::string, std::string> unpacked =
+        gunzip(source.text, std::min(left, may_grow_to), may_grow_to < left ? ReadLimits::kRaised : "");
     if (unpacked) {
       source.owned = std::make_shared<const std::string>(std::move(*unpacked));
       source.text = *source.owned;

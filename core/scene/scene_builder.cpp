@@ -90,6 +90,7 @@ class Builder {
   };
 
   std::uint32_t add_geometry(std::uint32_t node);
+  [[nodiscard]] bool has_room(const Node& node, const Geometry& geometry);
   void share(std::uint32_t node);
   void share_children(const Node& node, Shared& shared);
   void share_transform(const Node& node, Shared& shared);
@@ -111,6 +112,7 @@ class Builder {
   const ReadLimits& limits_;
   Problems& problems_;
   Scene scene_;
+  std::uint64_t swept_polygons_ = 0;        // polygons of the Extrusions and ElevationGrids so far
   std::vector<std::uint32_t> geometry_of_;  // indexed by node
   std::map<std::vector<const void*>, std::uint32_t> copied_geometry_;
   std::vector<std::uint32_t> shared_of_;  // indexed by node, into shared_; kNone: it has no instances
@@ -141,17 +143,33 @@ std::uint32_t Builder::add_geometry(std::uint32_t index) {
   }
   std::optional<Geometry> geometry = read_geometry(document_, node, problems_);
   if (!geometry) return kNone;
-  // A short text can ask for a grid or an Extrusion of billions.
-  if (const MeshSize size = mesh_size(*geometry, tessellation_); size.polygons > limits_.polygons) {
-    problems_.error(node.at, "this " + std::string(node.type->name) + " has " + std::to_string(size.polygons) +
-                                 " polygons, more than the " + std::to_string(limits_.polygons) +
-                                 " that one geometry may have");
-    return kNone;
-  }
+  if (!has_room(node, *geometry)) return kNone;
   const auto place = static_cast<std::uint32_t>(scene_.geometries.size());
   scene_.geometries.push_back(std::move(*geometry));
   if (!key.empty()) copied_geometry_.emplace(std::move(key), place);
   return place;
+}
+
+// A short text can ask for a grid or an Extrusion of billions.
+bool Builder::has_room(const Node& node, const Geometry& geometry) {
+  const std::uint64_t polygons = mesh_size(geometry, tessellation_).polygons;
+  const std::string what = "this " + std::string(node.type->name) + " has " + std::to_string(polygons) + " polygons";
+  if (polygons > limits_.polygons) {
+    problems_.error(node.at,
+                    what + ", more than the " + std::to_string(limits_.polygons) + " that one geometry may have");
+    return false;
+  }
+  if (!std::holds_alternative<ExtrusionGeometry>(geometry) && !std::holds_alternative<ElevationGridGeometry>(geometry))
+    return true;
+  const std::uint64_t allowed = limits_.swept_polygons(problems_.bytes());
+  if (polygons > allowed - swept_polygons_) {
+    problems_.error(node.at, what + ", with which Extrusions and ElevationGrids have more than the " +
+                                 std::to_string(allowed) + " that " + std::to_string(problems_.bytes()) +
+                                 " bytes of text may ask for" + std::string(ReadLimits::kRaised));
+    return false;
+  }
+  swept_polygons_ += polygons;
+  return true;
 }
 
 CollisionResponse Builder::make_response(const Node& node) {

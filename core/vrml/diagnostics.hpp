@@ -64,6 +64,7 @@ class Problems {
   void warning(Position at, std::string message);
   [[nodiscard]] bool full() const { return errors_ >= kLimit; }
   [[nodiscard]] std::size_t errors() const { return errors_; }
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }  // of all texts
 
   [[nodiscard]] std::vector<SourceLocation> locate(const std::vector<Position>& sorted) const;
   // Returns the diagnostics in the order of the texts, and leaves this object empty.

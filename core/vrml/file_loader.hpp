@@ -16,11 +16,27 @@ struct LoadedFile {
 // `base` is the name of the file that has the URL. The core opens no file itself.
 using FileLoader = std::function<std::expected<LoadedFile, std::string>(std::string_view url, std::string_view base)>;
 
+// What a world may ask for. A short file can ask for much: what a file grows to is limited by its own size.
 struct ReadLimits {
   std::uint64_t text_bytes = std::uint64_t{1} << 30;  // size of all texts, unpacked; below 4 GiB
   std::uint32_t nodes = 1u << 22;                     // after PROTOs are expanded
   std::uint32_t instances = 1u << 22;                 // a USE counts again
   std::uint64_t polygons = 1u << 24;                  // polygons of one geometry, tessellated
+  // The two limits below are multiplied by this: for the rare file that is meant so.
+  std::uint32_t expansion = 1;
+
+  static constexpr std::string_view kRaised = "; the option expansion allows more";
+
+  // Returns the size to which a packed text may unpack. Worlds pack to a fifth or a tenth, regular grids to a
+  // thirtieth.
+  [[nodiscard]] std::uint64_t unpacked_bytes(std::uint64_t packed) const {
+    return expansion * ((std::uint64_t{1} << 24) + 64 * packed);
+  }
+  // Returns the number of polygons that a world's Extrusions and ElevationGrids may have together. A grid has less than
+  // one for two bytes of its heights; an Extrusion multiplies the corners of its cross-section by those of its spine.
+  [[nodiscard]] std::uint64_t swept_polygons(std::uint64_t bytes) const {
+    return expansion * ((std::uint64_t{1} << 18) + bytes);
+  }
 };
 
 }  // namespace peerd

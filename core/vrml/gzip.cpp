@@ -11,7 +11,10 @@ namespace peerd {
 
 bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
-std::expected<std::string, std::string> gunzip(std::string_view bytes, std::size_t max_bytes) {
+std::expected<std::string, std::string> gunzip(std::string_view bytes, std::size_t max_bytes, std::string_view advice) {
+  const auto too_large = [&] {
+    return "it unpacks to more than " + std::to_string(max_bytes) + " bytes" + std::string(advice);
+  };
   constexpr std::string_view kCut = "the gzip file ends in the middle";
   z_stream stream{};
   constexpr int kGzipOnly = 15 + 16;  // window bits, as zlib.h has it
@@ -27,7 +30,7 @@ std::expected<std::string, std::string> gunzip(std::string_view bytes, std::size
   while (true) {
     const std::size_t before = out.size();
     const std::size_t room = std::min({next, kLargestChunk, max_bytes + 1 - before});
-    if (room == 0) return std::unexpected("it unpacks to more than " + std::to_string(max_bytes) + " bytes");
+    if (room == 0) return std::unexpected(too_large());
     out.resize(before + room);
     const std::size_t feed = std::min(left, kLargestChunk);
     stream.avail_in = static_cast<uInt>(feed);
@@ -49,7 +52,7 @@ std::expected<std::string, std::string> gunzip(std::string_view bytes, std::size
     }
     next = std::max<std::size_t>(out.size() / 2, 4096);
   }
-  if (out.size() > max_bytes) return std::unexpected("it unpacks to more than " + std::to_string(max_bytes) + " bytes");
+  if (out.size() > max_bytes) return std::unexpected(too_large());
   out.shrink_to_fit();
   return out;
 }

@@ -11,7 +11,7 @@
 namespace peerd {
 
 int run_bake(const std::string& path, const BakeOptions& options, std::ostream& out, std::ostream& err) {
-  const auto file = open_world(path, err);
+  const auto file = open_world(path, options.reading, err);
   if (!file) return file.error();
   collision::SceneQuery query(*(*file)->result.scene);
   const auto baked = query.bake();

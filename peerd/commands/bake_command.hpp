@@ -2,6 +2,8 @@
 #include <iosfwd>
 #include <string>
 
+#include "peerd/input/world_file.hpp"
+
 namespace peerd {
 
 // `peerd bake WORLD.wrl` writes the file of each Shape that names a hierarchyFile, for `peerd collide` and for peers
@@ -11,6 +13,7 @@ namespace peerd {
 //
 // With `json` it prints one object to `out`: {"world", "files": [{"path", "bytes"}]}.
 struct BakeOptions {
+  config::WorldReading reading{};
   bool json = false;
 };
 [[nodiscard]] int run_bake(const std::string& path, const BakeOptions& options, std::ostream& out, std::ostream& err);

@@ -291,7 +291,7 @@ int write_copy(const Scene& scene, const std::string& copy, std::ostream& err) {
 int run_check(const std::string& path, const CheckOptions& options, std::ostream& out, std::ostream& err) {
   Finding finding{.path = path};
   const auto start = std::chrono::steady_clock::now();
-  const auto file = config::read_world_file(path);
+  const auto file = config::read_world_file(path, options.reading);
   finding.read_ms = ms_since(start);
   if (!file) {
     err << file.error().text << '\n';

@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "peerd/input/world_file.hpp"
+
 namespace peerd {
 
 // `peerd check WORLD.wrl` prints the problems of the world as FILE:LINE:COLUMN with a caret to `err`, the first 20
@@ -29,6 +31,7 @@ namespace peerd {
 //   moving       with `at_s`: [{path, position, orientation}] of each Transform that the world itself moves, in the
 //                world frame [m] and as a quaternion x y z w, when its TimeSensors are at that time
 struct CheckOptions {
+  config::WorldReading reading{};
   bool json = false;
   std::string copy;            // not empty: a good world is written there, as one text that needs no other
   std::optional<double> at_s;  // time at which the world's own movement is evaluated [s]

@@ -168,7 +168,7 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
 }  // namespace
 
 int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out, std::ostream& err) {
-  const auto file = open_world(path, err);
+  const auto file = open_world(path, options.reading, err);
   if (!file) return file.error();
   const Scene& scene = *(*file)->result.scene;
   if (options.until_s) return watch_collisions(path, scene, options, out, err);

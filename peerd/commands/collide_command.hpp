@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "peerd/input/world_file.hpp"
+
 namespace peerd {
 
 // `peerd collide WORLD.wrl` answers all registered interests, once, or tick by tick. Problems of the world go to `err`
@@ -33,6 +35,7 @@ namespace peerd {
 //                   pairs_witnessed (of Shapes: still touching where they did), pairs_tested
 //   micros          as above; evaluating the motion counts, too
 struct CollideOptions {
+  config::WorldReading reading{};
   bool json = false;
   double at_s = 0.0;  // TimeSensor time [s]; velocityVectors have moved their objects since 0
   std::optional<double> until_s{};

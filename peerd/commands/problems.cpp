@@ -14,8 +14,10 @@ ProblemCount print_problems(const ReadResult& result, std::ostream& err) {
   return count;
 }
 
-std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(const std::string& path, std::ostream& err) {
-  auto file = config::read_world_file(path);
+std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(const std::string& path,
+                                                                        const config::WorldReading& reading,
+                                                                        std::ostream& err) {
+  auto file = config::read_world_file(path, reading);
   if (!file) {
     err << file.error().text << '\n';
     return std::unexpected(file.error().exit_code);

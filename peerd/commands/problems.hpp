@@ -22,8 +22,8 @@ ProblemCount print_problems(const ReadResult& result, std::ostream& err);
 
 // Reads a world and prints its problems. Gives a world with a scene, or else the exit code: 1 it has errors, 2 there is
 // no such file, 3 it can't be read.
-[[nodiscard]] std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(const std::string& path,
-                                                                                      std::ostream& err);
+[[nodiscard]] std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(
+    const std::string& path, const config::WorldReading& reading, std::ostream& err);
 
 // A number and its noun: "1 error", "2 errors".
 [[nodiscard]] std::string counted(std::size_t count, const std::string& what);

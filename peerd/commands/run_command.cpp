@@ -219,7 +219,7 @@ int run_peer(const PeerOptions& options) {
   const config::RunSettings& run = scenario->runs.front();
   const auto settings = choose_peer(run, options.peer);
   if (!settings) return failed(settings.error());
-  const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
+  const auto shared = share_world(scenario->world, scenario->reading);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
   auto objects = config::resolve(run, scene);

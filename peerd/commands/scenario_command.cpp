@@ -36,7 +36,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   for (const config::RunSettings& run : scenario->runs) {
     if (const auto error = why_not_live(run.events)) return failed(*error);
   }
-  const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
+  const auto shared = share_world(scenario->world, scenario->reading);
   if (!shared) return failed(shared.error());
 
   report::ScenarioInfo info{

@@ -23,7 +23,7 @@ int run_sim(const ScenarioOptions& options) {
                                                .repeat = options.repeat});
   if (!scenario) return failed(scenario.error());
   print_warnings(scenario->warnings);
-  const auto shared = share_world(scenario->world, scenario->inlines_when_needed);
+  const auto shared = share_world(scenario->world, scenario->reading);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
 

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "peerd/input/world_file.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace peerd::config {
@@ -310,10 +309,8 @@ ControlSettings read_control(TomlReader reader) {
   return s;
 }
 
-Result<LoadedWorld> load_world(const std::filesystem::path& path, bool inlines_when_needed) {
-  ReadOptions options;
-  options.defer_inlines = inlines_when_needed;
-  const auto file = read_world_file(path, options);
+Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldReading& reading) {
+  const auto file = read_world_file(path, reading);
   if (!file) return std::unexpected(file.error());
   const ReadResult& read = (*file)->result;
   if (!read.scene) {

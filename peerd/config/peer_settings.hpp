@@ -8,6 +8,7 @@
 #include "core/motion/key_codes.hpp"
 #include "core/scene/scene.hpp"
 #include "peerd/config/node_pattern.hpp"
+#include "peerd/input/world_file.hpp"
 #include "peerd/motion/motion_settings.hpp"
 #include "replication/policy/peer_config.hpp"
 
@@ -112,6 +113,6 @@ struct LoadedWorld {
   std::uint64_t hash = 0;  // hash of the world's files; peers with other files are in another session
   Scene scene;
 };
-[[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path, bool inlines_when_needed = false);
+[[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldReading& reading = {});
 
 }  // namespace peerd::config

@@ -94,7 +94,8 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   scenario.world = file.parent_path() / world;
   std::size_t inlines = 0;
   reader.read_word("inlines", inlines, {"at-once", "when-needed"});
-  scenario.inlines_when_needed = inlines == 1;
+  scenario.reading.inlines_when_needed = inlines == 1;
+  reader.read("expansion", scenario.reading.expansion, 1, kExpansionMax);
   reader.read("duration_s", run.duration_s, 0.1, kDurationMax_s);
   reader.read("seed", run.seed);
   reader.read("repeat", scenario.repeat, 1, kRepeatMax);
@@ -141,7 +142,8 @@ bool takes_list(std::string_view key) {
          key == "replication.models" || key == "transport.peers" || key.ends_with(".position") ||
          key.ends_with(".offset") || key.ends_with(".spin_axis") || key.ends_with(".waypoints") ||
          key.ends_with(".within_m") || key.ends_with(".origin_m") || key == "regions.counts" ||
-         key.ends_with(".groups") || key.ends_with(".physics.velocity") || key.ends_with(".physics.acceleration");
+         key.ends_with(".groups") || key.ends_with(".physics.velocity") || key.ends_with(".physics.acceleration") ||
+         key.ends_with(".physics.angular_velocity");
 }
 
 struct SweptKey {

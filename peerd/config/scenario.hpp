@@ -37,7 +37,7 @@ struct RunSettings {
 struct Scenario {
   std::string name;
   std::filesystem::path world;
-  bool inlines_when_needed = false;  // ReadOptions::inlines_later
+  WorldReading reading;
   std::uint64_t seed = 1;
   std::uint32_t repeat = 1;  // number of runs that differ in their seeds alone
   std::vector<RunSettings> runs;

@@ -49,22 +49,24 @@ FileLoader local_files() {
   };
 }
 
-Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path, ReadOptions options) {
+Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
+                                                         const WorldReading& reading) {
   auto text = read_text_file(path);
   if (!text) return std::unexpected(text.error());
   auto file = std::make_unique<WorldFile>();
   file->text = std::move(*text);
+  ReadOptions options;
   options.name = path.string();
-  if (!options.load) {
-    // The world keeps the name by which it was asked for, wherever another file names it.
-    std::error_code error;
-    const std::string one = std::filesystem::canonical(path, error).string();
-    options.load = [files = local_files(), one, name = options.name](std::string_view url, std::string_view base) {
-      auto loaded = files(url, base);
-      if (loaded && loaded->name == one) loaded->name = name;
-      return loaded;
-    };
-  }
+  options.defer_inlines = reading.inlines_when_needed;
+  options.limits.expansion = reading.expansion;
+  // The world keeps the name by which it was asked for, wherever another file names it.
+  std::error_code error;
+  const std::string one = std::filesystem::canonical(path, error).string();
+  options.load = [files = local_files(), one, name = options.name](std::string_view url, std::string_view base) {
+    auto loaded = files(url, base);
+    if (loaded && loaded->name == one) loaded->name = name;
+    return loaded;
+  };
   file->result = read_world(file->text, options);
   return file;
 }

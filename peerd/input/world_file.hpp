@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -17,12 +18,19 @@ namespace peerd::config {
 // a network.
 [[nodiscard]] FileLoader local_files();
 
+// How a world's files are read; see ReadOptions.
+struct WorldReading {
+  bool inlines_when_needed = false;  // ReadOptions::defer_inlines
+  std::uint32_t expansion = 1;       // ReadLimits::expansion
+};
+inline constexpr std::uint32_t kExpansionMax = 1'000'000;
+
 // A world with all files that it includes. A world with errors is a result too; a missing file is an error.
 struct WorldFile {
   std::string text;  // ReadResult::sources may point into it
   ReadResult result;
 };
 [[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
-                                                                       ReadOptions options = {});
+                                                                       const WorldReading& reading = {});
 
 }  // namespace peerd::config

@@ -110,6 +110,10 @@ struct LineOf {
                                                 scene.path_of(o.collidee))};
   }
   Line operator()(const ContactsRetracted&) const { return std::nullopt; }
+  Line operator()(const BodiesOverlap& o) const {
+    return LogLine{LogLevel::kWarning, fmt::format("{} and {} overlap from the start", scene.path_of(o.collider),
+                                                   scene.path_of(o.collidee))};
+  }
   Line operator()(const NotColliding& n) const {
     return LogLine{LogLevel::kDebug,
                    fmt::format("{} notColliding {}", scene.path_of(n.object), n.value ? "TRUE" : "FALSE")};

@@ -11,6 +11,7 @@ namespace {
 // The highest speed that a key may give an object [m/s]. A faster one would soon leave the range of an update (1e12 m),
 // and receivers drop updates beyond that range.
 constexpr double kKeySpeedMax_m_s = 1e6;
+constexpr Duration kStartIsAnnouncedWithin = std::chrono::seconds(5);
 
 const char* to_string(replication::ContactKind kind) {
   switch (kind) {
@@ -28,8 +29,9 @@ const char* to_string(replication::ContactKind kind) {
 
 }  // namespace
 
-Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path, bool inlines_when_needed) {
-  auto world = config::load_world(path, inlines_when_needed);
+Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
+                                                       const config::WorldReading& reading) {
+  auto world = config::load_world(path, reading);
   if (!world) return std::unexpected(world.error());
   auto shared = std::make_unique<SharedWorld>();
   shared->world = std::move(*world);
@@ -96,41 +98,47 @@ void PeerNode::on_packet(HostTime now, RegionId region, std::span<const std::byt
   (void)peer_.on_packet(now, region, datagram);  // the peer's counters have the reason of a drop
 }
 
-// The peer with the lowest id of those that are waited for sets the start, and the others follow its hellos. After it
-// has left, the lowest of the remaining peers announces the start to joining peers.
+// The peer with the lowest id of those that are waited for sets the start, and the others follow its hellos. Whoever
+// knows it announces it where nobody else does: the one who set it may have left, or be another life that has
+// forgotten.
 void PeerNode::agree_on_start(HostTime now) {
   if (!peer_.clock().synchronised()) return;
-  if (options_.late) return follow_start(now);
   const auto& members = peer_.members().all();
-  PeerId lowest = config_.id, lowest_present = config_.id;
+  const auto announcing =
+      std::ranges::find_if(members, [](const auto& member) { return member.second.start.has_value(); });
+  if (options_.late && announcing != members.end()) {
+    follow_start(now, *announcing->second.start);
+    return;
+  }
+  PeerId lowest = config_.id;
   bool complete = true;
   for (PeerId peer : options_.wait_for) {
     if (peer == config_.id) continue;
     lowest = std::min(lowest, peer);
     const auto member = members.find(peer);
     complete = complete && member != members.end() && member->second.synchronised;
-    if (member != members.end()) lowest_present = std::min(lowest_present, peer);
   }
   if (lowest != config_.id) {
     const auto member = members.find(lowest);
     if (member != members.end() && member->second.start) log_.start = member->second.start;
-  } else if (complete && !log_.start) {
+  } else if (!complete) {
+    complete_since_.reset();
+  } else if (!log_.start) {
+    if (!complete_since_) complete_since_ = now;
+    // One that comes late sets the start where all have come late, so that nobody announces one.
+    if (options_.late && now - *complete_since_ < kStartIsAnnouncedWithin) return;
     log_.start = std::chrono::ceil<std::chrono::seconds>(peer_.clock().to_session(now) + options_.start_lead);
   }
-  if (lowest_present == config_.id && log_.start && !announces_start_) {
+  if (log_.start && !announces_start_ && announcing == members.end()) {
     announces_start_ = true;
     peer_.announce_start(*log_.start);
   }
 }
 
 // A late peer takes the start that any member announces, and skips scripted keys that precede its own joining.
-void PeerNode::follow_start(HostTime now) {
-  const auto& members = peer_.members().all();
-  const auto announcing =
-      std::ranges::find_if(members, [](const auto& member) { return member.second.start.has_value(); });
-  if (announcing == members.end()) return;
+void PeerNode::follow_start(HostTime now, SimTime start) {
   const bool first = !log_.start;
-  log_.start = announcing->second.start;
+  log_.start = start;
   const SimTime session_now = peer_.clock().to_session(now);
   while (first && next_key_ < keys_.size() && key_time(next_key_) < session_now) ++next_key_;
 }

@@ -21,7 +21,7 @@ struct SharedWorld {
   std::unique_ptr<const replication::WorldModel> model;
 };
 [[nodiscard]] Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
-                                                                     bool inlines_when_needed = false);
+                                                                     const config::WorldReading& reading = {});
 
 // A peer together with the sources of its objects' motion and with its log: the part of a driver that the real and the
 // simulated world share. Sans-IO, as the peer itself.
@@ -30,7 +30,9 @@ class PeerNode {
   struct Options {
     std::uint64_t incarnation = 1;
     std::vector<PeerId> wait_for;  // motions begin once all of these peers are members; empty: at once
-    bool late = false;             // the session has begun without this peer, which adopts the announced start
+    // The session has begun without this peer, which adopts the announced start. Where all peers have come late and
+    // nobody announces one, they begin anew.
+    bool late = false;
     Duration start_lead{0};        // the start is the first whole second at least this long after all peers are here
     Duration clock_offset{0};      // test setting: how far this host's clock is ahead of the shared clock
     bool keep_log = true;
@@ -85,7 +87,7 @@ class PeerNode {
   [[nodiscard]] SimTime key_time(std::size_t key) const { return *log_.start + from_seconds(keys_[key].at_s); }
   void press_keys(HostTime now);
   void agree_on_start(HostTime now);
-  void follow_start(HostTime now);
+  void follow_start(HostTime now, SimTime start);
   [[nodiscard]] SimTime sample_time(std::int64_t number) const;
   void record_truths(SimTime t);
   void record_ghosts(HostTime now);
@@ -102,6 +104,7 @@ class PeerNode {
   std::uint32_t groups_ = 0;                     // regions that are joined now
   SimTime logged_at_{};                          // the last tick
   std::optional<SimTime> started_for_;           // the start that the peer was given last
+  std::optional<HostTime> complete_since_;     // all that are waited for are members
   bool announces_start_ = false;
   std::int64_t next_sample_ = 0;  // counted from the start
   KeySensors key_sensors_;

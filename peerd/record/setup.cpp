@@ -17,7 +17,7 @@ Setup make_setup(const config::Scenario& scenario, const config::RunSettings& ru
           .file = std::filesystem::absolute(file.empty() ? "peerd" : file),
           .world = std::filesystem::absolute(scenario.world),
           .world_hash = shared.world.hash,
-          .inlines_when_needed = scenario.inlines_when_needed,
+          .reading = scenario.reading,
           .options = options,
           .groups = std::move(groups)};
 }
@@ -32,6 +32,7 @@ std::string to_text(const Setup& s) {
                                     {"peer", s.peer},
                                     {"boot", s.options.incarnation},
                                     {"wait_for", wait_for},
+                                    {"late", s.options.late},
                                     {"start_lead_ns", s.options.start_lead.count()},
                                     {"clock_offset_ns", s.options.clock_offset.count()},
                                     {"keep_log", s.options.keep_log},
@@ -39,7 +40,8 @@ std::string to_text(const Setup& s) {
                                     {"groups", groups},
                                     {"world", s.world.string()},
                                     {"world_hash", s.world_hash},
-                                    {"inlines_when_needed", s.inlines_when_needed},
+                                    {"inlines_when_needed", s.reading.inlines_when_needed},
+                                    {"expansion", s.reading.expansion},
                                     {"file", s.file.string()},
                                     {"configuration", s.configuration}};
   // Paths may not be UTF-8. A path with a replaced character will be reported as missing.
@@ -57,6 +59,7 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
     s.peer = json.at("peer").get<std::string>();
     s.options.incarnation = json.at("boot").get<std::uint64_t>();
     for (const auto& peer : json.at("wait_for")) s.options.wait_for.push_back(PeerId{peer.get<std::uint32_t>()});
+    s.options.late = json.value("late", false);  // older captures have none
     s.options.start_lead = Duration{json.at("start_lead_ns").get<std::int64_t>()};
     s.options.clock_offset = Duration{json.at("clock_offset_ns").get<std::int64_t>()};
     s.options.keep_log = json.at("keep_log").get<bool>();
@@ -69,7 +72,8 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
     s.groups.offset = groups.value("offset", 0U);  // format 1 without "offset" means 0
     s.world = json.at("world").get<std::string>();
     s.world_hash = json.at("world_hash").get<std::uint64_t>();
-    s.inlines_when_needed = json.at("inlines_when_needed").get<bool>();
+    s.reading.inlines_when_needed = json.at("inlines_when_needed").get<bool>();
+    s.reading.expansion = json.value("expansion", 1U);  // older captures have none
     s.file = json.at("file").get<std::string>();
     s.configuration = json.at("configuration").get<std::string>();
   } catch (const nlohmann::json::exception& e) {

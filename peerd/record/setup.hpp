@@ -18,7 +18,7 @@ struct Setup {
   std::filesystem::path file;   // the scenario's; paths in the configuration count from its folder. Absolute
   std::filesystem::path world;  // absolute
   std::uint64_t world_hash = 0;
-  bool inlines_when_needed = false;
+  config::WorldReading reading;
   PeerNode::Options options;
   net::GroupPlan groups;  // the regions of the capture's groups
 };

@@ -14,7 +14,7 @@ class EventTimes {
 
   // Events count from `t`, the begin of the motions.
   void begin(VirtualTime t) { begin_ = t; }
-  [[nodiscard]] bool begun() const { return begin_.has_value(); }
+  [[nodiscard]] std::optional<VirtualTime> begun() const { return begin_; }
   // The time of the next event; none where it is not known yet, or where no event is left.
   [[nodiscard]] std::optional<VirtualTime> next() const {
     if (!begin_ || done_ == events_.size()) return std::nullopt;

@@ -22,6 +22,7 @@ struct SimulatedPeer {
   std::unique_ptr<PeerNode> node;  // null: the peer is not there
   Duration clock_offset;
   VirtualTime came_at;
+  bool late = false;  // it came when the motions had begun
   std::uint64_t incarnations = 0;
   std::unique_ptr<record::CaptureWriter> capture = nullptr;  // null: none
 
@@ -149,6 +150,7 @@ class Simulation {
     options.clock_offset = peer.clock_offset;
     options.sample_hz = run_.sample_hz;
     peer.came_at = now_;
+    peer.late = late;
     if (captures_ != nullptr) {
       const config::PeerSettings& settings = run_.peers[i];
       auto opened = record::CaptureWriter::open(
@@ -292,6 +294,8 @@ class Simulation {
       drain(*next);
       if (clock_oracle_) clock_oracle_->take_sample(HostTime{now_.time_since_epoch()}, *next);
       if (!events_.begun()) note_begin();
+      if (!node.start() && peers_[*next].late && events_.begun() && now_ > *events_.begun() + linger)
+        return std::nullopt;
       if (!node.start() && now_ - peers_[*next].came_at > kJoinWithin) {
         return InputError{"error: peer " + run_.peers[*next].name +
                           " never had all the others; does the network lose everything?"};

@@ -407,6 +407,7 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
     pair.resting = c.resting;
     pair.lifts = false;
   };
+  const bool first = !std::exchange(pair.searched, true);
   switch (c.state) {
     case collision::ContactState::kSeparated:
       pair.inside = false;
@@ -430,6 +431,7 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
     }
     case collision::ContactState::kOverlapped: {
       ++counters_.overlapped;
+      if (first) events_.push_back(BodiesOverlap{s, a.id, b.id});
       const double speed = c.normal_world.dot(state_a.velocity - state_b.velocity);
       const bool pressed = speed == 0.0 && c.normal_world.dot(state_a.acceleration - state_b.acceleration) < 0.0;
       const bool answers = will_respond(a, pair.collider_responds, s) || will_respond(b, pair.collidee_responds, s);

@@ -42,6 +42,13 @@ struct ContactEvent {
   bool deferred = false;  // nobody responded: another peer decides; the states after are what the outcome would be here
 };
 
+// Two bodies overlap when they are looked at for the first time. They part as they will; if they approach or are
+// pressed together, that is answered once, by their responses.
+struct BodiesOverlap {
+  SimTime at;
+  ObjectId collider, collidee;
+};
+
 // Contacts of `object` after `since` that were reported are retracted; those that still hold are reported again.
 struct ContactsRetracted {
   ObjectId object;
@@ -152,7 +159,7 @@ class MotionWorld {
   // A number that changes whenever the future of the object does: by set_base(), or when a response was retracted.
   [[nodiscard]] std::uint64_t revision(ObjectId object) const;
   // The events so far, in order; drain after advance().
-  using Event = std::variant<ContactEvent, ContactsRetracted>;
+  using Event = std::variant<ContactEvent, ContactsRetracted, BodiesOverlap>;
   [[nodiscard]] std::optional<Event> poll_event();
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -178,6 +185,7 @@ class MotionWorld {
     bool has_exact_search;  // collision has an answer
     bool watched = true;
     bool unsupported = false;             // counted once, then never searched again
+    bool searched = false;                // some search has been answered
     bool overlapped = false;              // `contact` is an overlap, not a touch
     bool resting = false;                 // at `contact` the two are pressed together and do not approach
     bool lifts = false;                   // at `contact` the two come apart: they bore each other until then

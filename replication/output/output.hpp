@@ -99,6 +99,6 @@ struct ContactSeen {
 };
 using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
                             PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, OwnershipConflict, Published,
-                            ContactSeen, Overruled, ContactsRetracted, NotColliding>;
+                            ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

@@ -360,7 +360,7 @@ class Dissector : public testing::Test {
     const std::filesystem::path path = PEERD_SOURCE_DIR "/configs/scenarios/" + file;
     const config::Scenario scenario =
         must(config::read_scenario({.file = path, .configs = configs, .sets = sets, .seed = {}}));
-    const auto shared = must(share_world(scenario.world, scenario.inlines_when_needed));
+    const auto shared = must(share_world(scenario.world, scenario.reading));
     const Captures captures{folder / std::to_string(++captured), scenario, path};
     std::filesystem::create_directory(captures.folder);
     (void)must(simulate(scenario.runs.front(), *shared, {}, {}, nullptr, &captures));

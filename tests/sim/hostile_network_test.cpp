@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::hostile_network_test {
@@ -81,6 +83,26 @@ TEST(HostileNetworks, OneThatLosesEverythingIsReportedNotAwaitedForever) {
   const auto logs = simulate(scenario.runs.front(), *shared);
   ASSERT_FALSE(logs);
   EXPECT_THAT(logs.error().text, testing::HasSubstr("never had all the others"));
+}
+
+// b comes back and a leaves before b has heard when the motions began; a comes back, too, and nobody knows.
+TEST(HostileNetworks, WhereAllHaveComeLateTheyBeginAnew) {
+  std::vector<std::string> sets{
+      "network.latency_ms=500", "replication.order=1",   "replication.approach=dr", "duration_s=30",
+      "event.1.at_s=1",         "event.1.kind=\"kill\"", "event.1.peer=\"b\"",      "event.2.at_s=2.9",
+      "event.2.kind=\"join\"",  "event.2.peer=\"b\"",    "event.3.at_s=3.83",       "event.3.kind=\"leave\"",
+      "event.3.peer=\"a\"",     "event.4.at_s=6.2",      "event.4.kind=\"join\"",   "event.4.peer=\"a\""};
+  const auto scenario = testing_support::must(
+      config::read_scenario({.file = testing_support::kEq47, .configs = {}, .sets = sets, .seed = {}}));
+  const auto shared = testing_support::must(share_world(scenario.world));
+  const auto logs = testing_support::must(simulate(scenario.runs.front(), *shared));
+  std::map<std::string, const PeerLog*> last;
+  for (const PeerLog& log : logs) last[log.name] = &log;
+  ASSERT_EQ(last.size(), scenario.runs.front().peers.size());
+  for (const auto& [name, log] : last) {
+    ASSERT_TRUE(log->start) << name;
+    EXPECT_EQ(*log->start, *last["a"]->start) << name;
+  }
 }
 
 }  // namespace peerd::sim::hostile_network_test

@@ -14,23 +14,24 @@ struct Met {
   friend bool operator==(const Met&, const Met&) = default;
 };
 // Three bodies in a corridor, from one end of the time to the other in steps of `tick`.
-std::vector<Met> contacts_in(const World& world, Duration until, Duration tick, KinematicState* end) {
-  MotionWorld motions(*world.model, sim(0s));
+std::vector<Met> contacts_in(const World& world, Duration until, Duration tick, KinematicState* end,
+                             Duration begin = 0s) {
+  MotionWorld motions(*world.model, sim(begin));
   motions.declare(world["BALL"], Role::kAuthoritative);
   motions.declare(world["CUBE"], Role::kAuthoritative);
-  motions.set_base(world["BALL"], sim(0s), moving({-1, 0, 0}, {1.7, 0.02, 0}, {0, -0.01, 0}));
-  motions.set_base(world["CUBE"], sim(0s), moving({1, 0.1, 0}, {-0.9, 0, 0.01}));
+  motions.set_base(world["BALL"], sim(begin), moving({-1, 0, 0}, {1.7, 0.02, 0}, {0, -0.01, 0}));
+  motions.set_base(world["CUBE"], sim(begin), moving({1, 0.1, 0}, {-0.9, 0, 0.01}));
   std::vector<Met> met;
   for (Duration t = 0s; t < until;) {
     t = std::min(t + tick, until);
-    motions.advance(sim(t));
+    motions.advance(sim(begin + t));
     while (auto e = motions.poll_event()) {
       if (const auto* c = std::get_if<ContactEvent>(&*e)) {
-        met.push_back({c->at, c->collider, c->collidee, c->collider_after.velocity});
+        met.push_back({c->at - begin, c->collider, c->collidee, c->collider_after.velocity});
       }
     }
   }
-  *end = motions.at(world["BALL"], sim(until));
+  *end = motions.at(world["BALL"], sim(begin + until));
   return met;
 }
 
@@ -48,6 +49,18 @@ TEST(TickLength, FromAMicrosecondToTenSecondsChangesNoContact) {
       EXPECT_EQ(contacts_in(world, until, tick, &end), expected) << tick.count() << " ns";
       EXPECT_TRUE(same_bits(end, expected_end)) << tick.count() << " ns";
     }
+  }
+}
+
+TEST(TickLength, NorDoesTheTimeOfTheWorld) {
+  const World world(corridor() + box("CUBE", "0.6 0.6 0.6", "1 0 0", kBounces) +
+                    interest("CUBE", "\"LEFT\" \"RIGHT\" \"BALL\"") + interest("BALL", "\"CUBE\""));
+  KinematicState expected_end;
+  const std::vector<Met> expected = contacts_in(world, 60s, 16ms, &expected_end);
+  for (const Duration tick : {1ms, 16ms, 1000ms}) {
+    KinematicState end;
+    EXPECT_EQ(contacts_in(world, 60s, tick, &end, 1'000'000s), expected) << tick.count() << " ns";
+    EXPECT_TRUE(same_bits(end, expected_end)) << tick.count() << " ns";
   }
 }
 

@@ -207,6 +207,24 @@ TEST(GeometryReader, RefusesMorePolygonsThanTheLimit) {
               ElementsAre("2:18: this Box has 6 polygons, more than the 5 that one geometry may have"));
 }
 
+// A cross-section of 1,025 points along a spine of 1,025 makes 2^20 polygons and two caps.
+TEST(GeometryReader, RefusesMoreSweptPolygonsThanTheTextMayAskFor) {
+  std::string square = "Shape { geometry Extrusion { crossSection [";
+  for (int i = 0; i <= 1024; ++i) square += " " + std::to_string(i) + " " + std::to_string(i % 2);
+  square += " ] spine [";
+  for (int i = 0; i <= 1024; ++i) square += " 0 " + std::to_string(i) + " 0";
+  square += " ] } }";
+  EXPECT_THAT(problems_of(square), ElementsAre(testing::ContainsRegex(
+                                       "this Extrusion has 1048578 polygons, with which Extrusions and ElevationGrids "
+                                       "have more than the [0-9]* that [0-9]* bytes of text may ask for; the option "
+                                       "expansion allows more")));
+  ReadOptions options;
+  options.limits.expansion = 4;
+  EXPECT_THAT(problems_of(square, {}, options), IsEmpty());
+  EXPECT_THAT(problems_of(square + "\n" + square, {}, options), ElementsAre(HasSubstr("3:18: this Extrusion has")))
+      << "all of them count together";
+}
+
 TEST(Extrusions, NeedOneScaleAndOrientationOrOneEach) {  // 6.18
   const auto with = [](const std::string& fields) {
     return problems_of("Shape { geometry Extrusion { spine [ 0 0 0, 0 1 0, 0 2 0 ]\n" + fields + " } }");

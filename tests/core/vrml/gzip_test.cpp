@@ -127,4 +127,18 @@ TEST(PackedWorld, CountsUnpacked) {
   EXPECT_THAT(errors_of("Inline { url \"a\" }", {{"a", gzipped(world_text("Shape { }"))}}, options), IsEmpty());
 }
 
+TEST(PackedWorld, UnpacksToAMultipleOfItsSize) {
+  const std::string packed = gzipped(world_text(std::string((1U << 24) + 600'000, ' ')));  // packed to 17 kB
+  ASSERT_LT(64 * packed.size(), 2'000'000U);
+  ASSERT_GT(64 * packed.size(), 600'000U) << "it fits";
+  EXPECT_THAT(lines_of(read_world(packed)), IsEmpty());
+  const std::string bomb = gzipped(world_text(std::string(1U << 26, ' ')));
+  EXPECT_THAT(lines_of(read_world(bomb)),
+              ElementsAre(HasSubstr("it unpacks to more than " + std::to_string((1U << 24) + 64 * bomb.size()) +
+                                    " bytes; the option expansion allows more")));
+  ReadOptions options;
+  options.limits.expansion = 4;
+  EXPECT_THAT(lines_of(read_world(bomb, options)), IsEmpty());
+}
+
 }  // namespace peerd::gzip_test

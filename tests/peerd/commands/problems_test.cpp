@@ -17,7 +17,7 @@ using testing_support::ScratchFolder;
 TEST(Problems, AWorldWithASceneIsGiven) {
   const ScratchFolder folder;
   std::ostringstream err;
-  const auto world = open_world(folder.write("w.wrl", "#VRML V2.0 utf8\nDEF A Transform { }\n").string(), err);
+  const auto world = open_world(folder.write("w.wrl", "#VRML V2.0 utf8\nDEF A Transform { }\n").string(), {}, err);
   ASSERT_TRUE(world);
   EXPECT_TRUE((*world)->result.scene->find("A"));
   EXPECT_EQ(err.str(), "");
@@ -26,10 +26,10 @@ TEST(Problems, AWorldWithASceneIsGiven) {
 TEST(Problems, WhatIsNoWorldIsAnExitCodeAndASentence) {
   const ScratchFolder folder;
   std::ostringstream err;
-  EXPECT_EQ(open_world((folder / "none.wrl").string(), err).error(), 2);
+  EXPECT_EQ(open_world((folder / "none.wrl").string(), {}, err).error(), 2);
   EXPECT_THAT(err.str(), HasSubstr("none.wrl: error: there is no such file"));
-  EXPECT_EQ(open_world(folder.path().string(), err).error(), 3);
-  EXPECT_EQ(open_world(folder.write("w.wrl", "#VRML V2.0 utf8\nTransform {\n").string(), err).error(), 1);
+  EXPECT_EQ(open_world(folder.path().string(), {}, err).error(), 3);
+  EXPECT_EQ(open_world(folder.write("w.wrl", "#VRML V2.0 utf8\nTransform {\n").string(), {}, err).error(), 1);
   EXPECT_THAT(err.str(), HasSubstr("w.wrl:"));
 }
 

@@ -61,7 +61,7 @@ std::vector<PeerLog> run(const std::filesystem::path& file, const std::vector<st
                          const std::filesystem::path& folder = {}) {
   const config::Scenario scenario =
       must(config::read_scenario({.file = file, .configs = {}, .sets = sets, .seed = {}}));
-  const auto shared = must(share_world(scenario.world, scenario.inlines_when_needed));
+  const auto shared = must(share_world(scenario.world, scenario.reading));
   const Captures captures{folder, scenario, file};
   return must(simulate(scenario.runs.front(), *shared, {}, {}, nullptr, folder.empty() ? nullptr : &captures));
 }

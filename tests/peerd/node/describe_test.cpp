@@ -63,6 +63,7 @@ TEST_F(Describe, TroublesOfTheWorldAreWarnings) {
             "2 back in the session: the session clock stepped forward by 1.000 ms, offset 2.000 ms");
   EXPECT_EQ(line(ClockStepped{2ms, 1ms, false}),
             "2 two sessions have met: the session clock stepped forward by 1.000 ms, offset 2.000 ms");
+  EXPECT_EQ(line(BodiesOverlap{SimTime{}, a, b}), "2 A and B overlap from the start");
   EXPECT_EQ(line(HostSuspended{4500ms}), "2 this peer was stopped for 4.5 s; its objects go on from where they were");
 }
 

@@ -21,7 +21,9 @@ TEST(CaptureSetup, IsReadAsItWasWritten) {
   EXPECT_EQ(read->file, s.file);
   EXPECT_EQ(read->world, s.world);
   EXPECT_EQ(read->world_hash, s.world_hash) << "all 64 bits";
-  EXPECT_TRUE(read->inlines_when_needed);
+  EXPECT_TRUE(read->reading.inlines_when_needed);
+  EXPECT_EQ(read->reading.expansion, 7U);
+  EXPECT_TRUE(read->options.late);
   EXPECT_EQ(read->options.incarnation, s.options.incarnation);
   EXPECT_EQ(read->options.wait_for, s.options.wait_for);
   EXPECT_EQ(read->options.start_lead, s.options.start_lead);

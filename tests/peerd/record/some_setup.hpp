@@ -13,7 +13,8 @@ inline Setup some_setup(const net::GroupPlan& groups = {boost::asio::ip::make_ad
   s.file = "/some/where/s.toml";
   s.world = "/some/where/w.wrl";
   s.world_hash = 0xFEDC'BA98'7654'3210;
-  s.inlines_when_needed = true;
+  s.reading = {.inlines_when_needed = true, .expansion = 7};
+  s.options.late = true;
   s.options.incarnation = ~std::uint64_t{0};
   s.options.wait_for = {PeerId{1}, PeerId{4'000'000'000}};
   s.options.start_lead = Duration{5};

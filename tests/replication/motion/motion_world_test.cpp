@@ -437,6 +437,28 @@ TEST(MotionWorld, SetBackOnlyOnOverlapAndOnlyWhereAsked) {
   }
 }
 
+TEST(MotionWorld, AnOverlapAtTheStartIsNamedAndAnsweredOnce) {
+  for (const double inwards : {1.0, 0.0, -1.0}) {
+    const World w(corridor());
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["BALL"], Role::kAuthoritative);
+    world.set_base(w["BALL"], sim(0s), moving({3.2, 0, 0}, {inwards, 0, 0}));
+    std::vector<BodiesOverlap> named;
+    std::size_t contacts = 0;
+    for (int i = 1; i <= 100; ++i) {
+      world.advance(sim(i * 10ms));
+      while (const auto event = world.poll_event()) {
+        if (const auto* overlap = std::get_if<BodiesOverlap>(&*event)) named.push_back(*overlap);
+        contacts += std::holds_alternative<ContactEvent>(*event) ? 1 : 0;
+      }
+    }
+    ASSERT_EQ(named.size(), 1u);
+    EXPECT_EQ(named[0].collidee, w["RIGHT"]);
+    EXPECT_EQ(contacts, inwards > 0.0 ? 1u : 0u) << "what parts, or stays, is left as it is";
+    EXPECT_EQ(world.at(w["BALL"], sim(1s)).velocity, Vec3(-std::abs(inwards), 0, 0));
+  }
+}
+
 // The same holds where the ball and the walls are meshes.
 TEST(MotionWorld, WhatIsNotConvexAnswersAlike) {
   for (const char* response : {kBounces, kStops}) {
