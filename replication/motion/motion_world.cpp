@@ -503,17 +503,17 @@ MotionWorld::Answer MotionWorld::answer_to(const Pair& pair) const {
   answer.before_a = answer.after_a = a.timeline.model_at(t);
   answer.before_b = answer.after_b = b.timeline.model_at(t);
   const KinematicState &state_a = answer.before_a.state, &state_b = answer.before_b.state;
-  // The answer of one whose later update already contains it counts, too: it is no wall that comes.
-  const auto other_side = [&](const Object& o, bool registered) {
-    if (o.role < Role::kAuthoritative || !o.answers) return OtherSide::kGoesOn;
-    return registered ? OtherSide::kAnswers : OtherSide::kAnswersApart;
+  const auto other_side = [&](const Object& o, bool registered, bool responds) {
+    if (!is_answering(o)) return OtherSide::kGoesOn;
+    const bool takes_part = registered && (responds || is_in_later_update(o, pair));
+    return takes_part ? OtherSide::kAnswers : OtherSide::kAnswersApart;
   };
   if (answer.a_responds) {
-    const OtherSide other = other_side(b, pair.collidee_responds);
+    const OtherSide other = other_side(b, pair.collidee_responds, answer.b_responds);
     answer.after_a = motion_after_response(pair.collider, pair, answer.before_a, state_b, other, pair.normal);
   }
   if (answer.b_responds) {
-    const OtherSide other = other_side(a, pair.collider_responds);
+    const OtherSide other = other_side(a, pair.collider_responds, answer.a_responds);
     answer.after_b = motion_after_response(pair.collidee, pair, answer.before_b, state_a, other, -pair.normal);
   }
   return answer;
@@ -564,9 +564,9 @@ void MotionWorld::respond_to_contact(Pair& pair) {
     lift(pair, t);
     return;
   }
+  note_touch(pair, t);
   Answer answer = answer_to(pair);
   const std::size_t a = pair.collider, b = pair.collidee;
-  note_touch(pair, t);
   if (pair.squeezed >= kGivenUp && stands_firm(pair, t)) {
     hold_against_wall(pair, t);
     return;
@@ -588,6 +588,7 @@ void MotionWorld::respond_to_contact(Pair& pair) {
     if (answer.b_responds) change_motion(b, t, answer.after_b, objects_[a].id);
     settle(a, b, t);
   }
+  remove_gain(pair, t, answer);
   pair.contact.reset();
   answer.after_a = objects_[a].timeline.model_at(t);
   answer.after_b = objects_[b].timeline.model_at(t);
@@ -600,6 +601,29 @@ void MotionWorld::respond_to_contact(Pair& pair) {
   // A contact in which no response changes anything (an object that was stopped is run into) goes on.
   pair.inside = !changed;
   report(pair, t, answer);
+}
+
+// What others that touch the two have handed on may have made them faster; of two that both answer contacts none is a
+// racket, so they go as they would, only slower.
+void MotionWorld::remove_gain(const Pair& pair, SimTime t, const Answer& answer) {
+  const std::size_t a = pair.collider, b = pair.collidee;
+  if (!is_answering(objects_[a]) || !is_answering(objects_[b])) return;
+  const bool in_update = (!answer.a_responds && is_in_later_update(objects_[a], pair)) ||
+                         (!answer.b_responds && is_in_later_update(objects_[b], pair));
+  if (in_update) return;
+  const auto energy = [&](std::size_t object, bool responds, const KinematicState& s) {
+    return responds ? model_.response_of(objects_[object].id)->mass_kg * s.velocity.squaredNorm() : 0.0;
+  };
+  const Vec3 velocity_a = objects_[a].timeline.model_at(t).state.velocity,
+             velocity_b = objects_[b].timeline.model_at(t).state.velocity;
+  const double before = energy(a, answer.a_responds, answer.before_a.state) +
+                        energy(b, answer.b_responds, answer.before_b.state),
+               after = energy(a, answer.a_responds, objects_[a].timeline.model_at(t).state) +
+                       energy(b, answer.b_responds, objects_[b].timeline.model_at(t).state);
+  if (after <= before * (1.0 + kRounding)) return;
+  const double slower = std::sqrt(before / after);
+  if (answer.a_responds) change_velocity(a, t, slower * velocity_a, b);
+  if (answer.b_responds) change_velocity(b, t, slower * velocity_b, a);
 }
 
 void MotionWorld::report(const Pair& pair, SimTime t, const Answer& answer) {

@@ -42,8 +42,8 @@ struct ContactEvent {
   bool deferred = false;  // nobody responded: another peer decides; the states after are what the outcome would be here
 };
 
-// Two bodies overlap when they are looked at for the first time. They part as they will; if they approach or are
-// pressed together, that is answered once, by their responses.
+// Two bodies overlap when they are looked at for the first time, as soon as one of them moves. They part as they will;
+// if they approach or are pressed together, that is answered once, by their responses.
 struct BodiesOverlap {
   SimTime at;
   ObjectId collider, collidee;
@@ -248,6 +248,7 @@ class MotionWorld {
                                                   const Vec3& n) const;
   [[nodiscard]] bool comes_to_rest_at(const Pair& pair, const Answer& answer) const;
   void answer_closing(const Pair& pair, Answer& answer) const;
+  void remove_gain(const Pair& pair, SimTime t, const Answer& answer);
   void report(const Pair& pair, SimTime t, const Answer& answer);
   // The object moves otherwise from t on, because of a contact with `cause`.
   void change_motion(std::size_t object, SimTime t, const MotionModel& after, ObjectId cause);
@@ -293,6 +294,13 @@ class MotionWorld {
   [[nodiscard]] bool touch_at(const Pair& pair, SimTime t) const;
   [[nodiscard]] bool gives_way(std::size_t object, bool registered, SimTime t) const {
     return will_respond(objects_[object], registered, t);
+  }
+  // Whether physics moves the object, and it answers contacts of some pair.
+  [[nodiscard]] static bool is_answering(const Object& o) { return o.role >= Role::kAuthoritative && o.answers; }
+  // Whether the later update of an object that does not respond to a contact holds its part of it: its owner has seen
+  // the first contact of the burst. What this peer owns has had none that this world does not know.
+  [[nodiscard]] static bool is_in_later_update(const Object& o, const Pair& pair) {
+    return o.role == Role::kPredicted && pair.in_burst <= 1;
   }
   [[nodiscard]] Vec3 free_acceleration_of(std::size_t object, SimTime t) const;
 

@@ -452,8 +452,12 @@ TEST(MotionWorld, AnOverlapAtTheStartIsNamedAndAnsweredOnce) {
         contacts += std::holds_alternative<ContactEvent>(*event) ? 1 : 0;
       }
     }
-    ASSERT_EQ(named.size(), 1u);
-    EXPECT_EQ(named[0].collidee, w["RIGHT"]);
+    if (inwards == 0.0) {
+      EXPECT_TRUE(named.empty()) << "nothing moves, so nothing is looked at";
+    } else {
+      ASSERT_EQ(named.size(), 1u);
+      EXPECT_EQ(named[0].collidee, w["RIGHT"]);
+    }
     EXPECT_EQ(contacts, inwards > 0.0 ? 1u : 0u) << "what parts, or stays, is left as it is";
     EXPECT_EQ(world.at(w["BALL"], sim(1s)).velocity, Vec3(-std::abs(inwards), 0, 0));
   }
