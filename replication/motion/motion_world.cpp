@@ -647,6 +647,8 @@ void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel&
   // Other contacts of the same instant were answered before, and stand.
   retract(index, t + Duration{1});
   o.timeline.replace_from(t, after, cause);
+  // A later update is gone from here: it was of another way than the one that is decided here.
+  o.base_time = std::min(o.base_time, t);
   timeline_changed(index);
   reopen_pairs(index, t, false);
 }
