@@ -347,8 +347,7 @@ void MotionWorld::search_window(Pair& pair) {
       }
       return;
     }
-    pair.inside = false;
-    pair.free_at = s;
+    note_apart(pair, s);
     pair.clear_until = end;
     return;
   }
@@ -377,6 +376,17 @@ void MotionWorld::search_lift(Pair& pair, SimTime begin, SimTime end) {
   }
   pair.contact = pair.clear_until = apart;
   pair.lifts = true;
+}
+
+// Until the base of an object that responds it went through everything: the base says where it really was.
+void MotionWorld::note_apart(Pair& pair, SimTime s) {
+  pair.inside = false;
+  const auto is_given_later = [&](std::size_t object, bool registered) {
+    return registered && is_answering(objects_[object]) && objects_[object].base_time > s;
+  };
+  if (is_given_later(pair.collider, pair.collider_responds)) return;
+  if (is_given_later(pair.collidee, pair.collidee_responds)) return;
+  pair.free_at = s;
 }
 
 void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
@@ -410,16 +420,12 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
   const bool first = !std::exchange(pair.searched, true);
   switch (c.state) {
     case collision::ContactState::kSeparated:
-      pair.inside = false;
-      pair.free_at = s;
+      note_apart(pair, s);
       pair.clear_until = end;
       return;
     case collision::ContactState::kContact: {
       const SimTime t = time_of(c);
-      if (t > s) {
-        pair.inside = false;
-        pair.free_at = s;
-      }
+      if (t > s) note_apart(pair, s);
       if (pair.inside) {
         pair.clear_until = std::min(s + kOverlapRetry, end);
       } else if (t >= end) {

@@ -229,6 +229,8 @@ class MotionWorld {
   void search_window(Pair& pair);
   // Searches for the first contact from `begin` on; contacts before pair.clear_until have been dealt with.
   void search_interval(Pair& pair, SimTime begin, SimTime end);
+  // The two are known to be apart at s.
+  void note_apart(Pair& pair, SimTime s);
   void reschedule(std::size_t pair);
   [[nodiscard]] Duration history_of(const Object& o) const;
   void note_change(std::size_t object);
