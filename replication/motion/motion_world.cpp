@@ -393,6 +393,11 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
   const Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
   const SimTime s = pair.clear_until;
   assert(begin <= s && s < end);
+  // What nobody answered because a base was given later is answered from that base on.
+  const auto answers_since = [&](const Object& o, bool registered) {
+    return will_respond(o, registered, s) && o.base_time > pair.touched;
+  };
+  if (answers_since(a, pair.collider_responds) || answers_since(b, pair.collidee_responds)) pair.inside = false;
   KinematicState state_a, state_b;
   const auto search_from = [&](SimTime from) {
     begin = from;
