@@ -770,12 +770,12 @@ void MotionWorld::come_to_rest(Pair& pair, SimTime t) {
   if (will_respond(objects_[b], pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
   const MotionModel law_a = objects_[a].timeline.model_at(t), law_b = objects_[b].timeline.model_at(t);
   // What parts too slowly to come apart would be lifted off for good without the acceleration that presses it. Where a
-  // body turns, the speed of its centre is not that of the contact.
+  // body rolls, the speed of its centre is not that of the contact.
   const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
-  const bool turns = !law_a.state.angular_velocity_body.isZero(0.0) || !law_b.state.angular_velocity_body.isZero(0.0);
+  const bool rolls = rolling_off(a, law_a.state, pair.normal) || rolling_off(b, law_b.state, pair.normal);
   const bool driven = (!gives_way(a, pair.collider_responds, t) && !is_motionless(law_a.state)) ||
                       (!gives_way(b, pair.collidee_responds, t) && !is_motionless(law_b.state));
-  if (pair.resting && speed > 0.0 && !turns && !driven) {  // to keep up with what moves away would take energy
+  if (speed > 0.0 && !rolls && !driven) {  // to keep up with what moves away would take energy
     const auto gives = [&](std::size_t object, bool registered) {
       const CollisionResponse* const response = model_.response_of(objects_[object].id);
       return will_respond(objects_[object], registered, t) ? 1.0 / response->mass_kg : 0.0;
@@ -788,14 +788,21 @@ void MotionWorld::come_to_rest(Pair& pair, SimTime t) {
   settle(a, b, t);
 }
 
+std::optional<Vec3> MotionWorld::rolling_off(std::size_t index, const KinematicState& state, const Vec3& normal) const {
+  const std::optional<collision::ExactSphere>& sphere = body(index).sphere;
+  const Vec3& all = state.angular_velocity_body;
+  if (all.isZero(0.0) || (sphere && sphere->center.isZero(0.0))) return std::nullopt;
+  const Vec3 n = state.orientation.conjugate() * normal;
+  const Vec3 spin = n.dot(all) * n;
+  if ((spin - all).norm() <= kRounding * spin.norm()) return std::nullopt;
+  return spin;
+}
+
 void MotionWorld::end_rolling(std::size_t index, SimTime t, const Vec3& normal, std::size_t cause) {
   MotionModel law = objects_[index].timeline.model_at(t);
-  const std::optional<collision::ExactSphere>& sphere = body(index).sphere;
-  if (law.state.angular_velocity_body.isZero(0.0) || (sphere && sphere->center.isZero(0.0))) return;
-  const Vec3 n = law.state.orientation.conjugate() * normal;
-  const Vec3 spin = n.dot(law.state.angular_velocity_body) * n;
-  if ((spin - law.state.angular_velocity_body).norm() <= kRounding * spin.norm()) return;
-  law.state.angular_velocity_body = spin;
+  const std::optional<Vec3> spin = rolling_off(index, law.state, normal);
+  if (!spin) return;
+  law.state.angular_velocity_body = *spin;
   law.angular_acceleration_body.setZero();
   change_motion(index, t, law, objects_[cause].id);
 }

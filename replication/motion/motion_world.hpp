@@ -285,6 +285,10 @@ class MotionWorld {
   // Gives all that rest on each other around the two the velocities and accelerations that their bearing leaves.
   void settle(std::size_t a, std::size_t b, SimTime t);
   void settle_velocities(Pair& pair, SimTime t, Touching which);
+  // Of a spin that is not about the normal of a contact, the part about it [rad/s, of the body]; nothing where the spin
+  // is about it, or the body a Sphere, none of which presses corners into what it touches.
+  [[nodiscard]] std::optional<Vec3> rolling_off(std::size_t object, const KinematicState& state,
+                                                const Vec3& normal) const;
   // Of the spin of a body that rests against another along that normal what is about the normal is left: its corners
   // would press into the other.
   void end_rolling(std::size_t object, SimTime t, const Vec3& normal, std::size_t cause);
