@@ -77,7 +77,11 @@ void report_contacts(PeerParts& p, SimTime t) {
   const auto state_of = [&](ObjectId id) {
     return (p.own.contains(id) ? p.replica.truth() : p.replica.ghosts()).at(id, t);
   };
-  p.replica.colliding().update(state_of, t);
+  const auto lies = [&](ObjectId id) {
+    return (p.own.contains(id) ? p.replica.truth() : p.replica.ghosts()).is_at_rest_from(id, t);
+  };
+  p.replica.note_changes();
+  p.replica.colliding().update(state_of, lies, t);
   while (const auto change = p.replica.colliding().poll()) p.outbox.push(*change);
 }
 

@@ -13,6 +13,7 @@ CollidingObjects::CollidingObjects(const WorldModel& model) : model_(model) {
 void CollidingObjects::on_contact(const ContactEvent& contact) {
   const Pair pair(std::minmax(contact.collider, contact.collidee));
   if (!types_.contains(pair) || !touching_.insert(pair).second) return;
+  checked_.insert(pair);
   for (const ObjectId object : {pair.first, pair.second}) {
     if (partners_[object]++ == 0) events_.push_back({object, contact.at, false});
   }
@@ -27,6 +28,8 @@ bool CollidingObjects::touching(const Pair& pair, const StateOf& state_of) const
 
 void CollidingObjects::part(const Pair& pair, SimTime t) {
   touching_.erase(pair);
+  checked_.erase(pair);
+  raise(pair);
   for (const ObjectId object : {pair.first, pair.second}) {
     const auto partners = partners_.find(object);
     assert(partners != partners_.end() && partners->second > 0);
@@ -36,11 +39,36 @@ void CollidingObjects::part(const Pair& pair, SimTime t) {
   }
 }
 
-void CollidingObjects::update(const StateOf& state_of, SimTime t) {
-  const std::vector<Pair> before(touching_.begin(), touching_.end());
-  for (const Pair& pair : before) {
-    if (!touching(pair, state_of)) part(pair, t);
+void CollidingObjects::lay(const Pair& pair) {
+  checked_.erase(pair);
+  lying_.insert({pair.first, pair});
+  lying_.insert({pair.second, pair});
+}
+
+void CollidingObjects::raise(const Pair& pair) {
+  lying_.erase({pair.first, pair});
+  lying_.erase({pair.second, pair});
+}
+
+void CollidingObjects::wake(ObjectId object) {
+  for (auto at = lying_.lower_bound({object, Pair{}}); at != lying_.end() && at->first == object;
+       at = lying_.lower_bound({object, Pair{}})) {
+    const Pair pair = at->second;
+    raise(pair);
+    checked_.insert(pair);
   }
+}
+
+void CollidingObjects::update(const StateOf& state_of, const Lies& lies, SimTime t) {
+  const std::vector<Pair> before(checked_.begin(), checked_.end());
+  for (const Pair& pair : before) {
+    if (!touching(pair, state_of)) {
+      part(pair, t);
+    } else if (lies(pair.first) && lies(pair.second)) {
+      lay(pair);
+    }
+  }
+  assert(2 * (touching_.size() - checked_.size()) == lying_.size());
 }
 
 void CollidingObjects::forget(SimTime t) {

@@ -20,16 +20,21 @@ struct NotColliding {
 };
 
 // The objects that touch something. A contact says when touching begins, a check at every tick when it is over: a
-// bounce lasts until the next tick, and an object that lies on a floor collides until it is taken away.
+// bounce lasts until the next tick, and an object that lies on a floor collides until it is taken away. Two that lie
+// still are not checked until one of them is woken.
 class CollidingObjects {
  public:
   explicit CollidingObjects(const WorldModel& model);
 
   // Ignores pairs that no interest names.
   void on_contact(const ContactEvent& contact);
-  // Checks the pairs that touched. `state_of` gives the states of objects at t.
+  // Checks the pairs that touched, but for those that lie. `state_of` gives the states of objects at t, `lies` whether
+  // an object stands still from then on, until it is woken.
   using StateOf = std::function<KinematicState(ObjectId)>;
-  void update(const StateOf& state_of, SimTime t);
+  using Lies = std::function<bool(ObjectId)>;
+  void update(const StateOf& state_of, const Lies& lies, SimTime t);
+  // The motion of the object may have changed.
+  void wake(ObjectId object);
   // Session time has stepped, and both worlds begin anew: nothing touches that has no contact there.
   void forget(SimTime t);
   // The object is not received any more, so it touches nothing.
@@ -42,11 +47,16 @@ class CollidingObjects {
 
   [[nodiscard]] bool touching(const Pair& pair, const StateOf& state_of) const;
   void part(const Pair& pair, SimTime t);
+  void lay(const Pair& pair);
+  // Takes the pair from those that lie.
+  void raise(const Pair& pair);
 
   const WorldModel& model_;
   std::map<Pair, std::vector<CollisionType>> types_;  // the types of the model's pairs
-  std::set<Pair> touching_;
-  std::map<ObjectId, std::size_t> partners_;  // the number of partners that each object touches, > 0
+  std::set<Pair> touching_;                           // those that lie included
+  std::set<Pair> checked_;                            // of `touching_`: those that do not lie
+  std::set<std::pair<ObjectId, Pair>> lying_;         // the others, by each of the two
+  std::map<ObjectId, std::size_t> partners_;          // the number of partners that each object touches, > 0
   std::deque<NotColliding> events_;
 };
 

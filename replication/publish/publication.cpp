@@ -146,9 +146,7 @@ void Publication::publish(SimTime t) {
   publish_changed(t);
   not_due_.clear();
   due_updates_.clear();
-  const auto check = [this](ObjectId object) { own_.check(object); };
-  truths.take_changed(check);
-  ghosts.take_changed(check);
+  replica_.take_changed([this](ObjectId object) { own_.check(object); });
   OwnObjects::Map& all = own_.map();
   for (std::size_t index = own_.next_to_check(0, t); index != all.size(); index = own_.next_to_check(index + 1, t)) {
     const auto at = all.nth(index);

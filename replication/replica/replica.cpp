@@ -15,7 +15,17 @@ void Replica::set_ghost(ObjectId object, SimTime t, const MotionModel& model, bo
   if (!owned && truth().has(object)) truth().set_base(object, t, model);
 }
 
+void Replica::note_changes() {
+  const auto note = [this](ObjectId object) {
+    colliding_.wake(object);
+    changed_.push_back(object);
+  };
+  truth().take_changed(note);
+  ghosts().take_changed(note);
+}
+
 void Replica::declare_remote(ObjectId object, Role role) {
+  colliding_.wake(object);  // it is where the other world has it from now on
   if (truth().has(object)) truth().declare(object, role);
   ghosts().declare(object, role);
 }

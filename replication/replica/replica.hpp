@@ -4,6 +4,7 @@
 #include <set>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
@@ -31,6 +32,7 @@ class Replica {
   // Begins both worlds anew at t, with everything at its place in the file.
   void begin(SimTime t) {
     worlds_.emplace(Worlds{MotionWorld(model_, t), MotionWorld(model_, t)});
+    changed_.clear();
     begun_at_ = t;
   }
   // The time at which both worlds began.
@@ -63,6 +65,15 @@ class Replica {
   }
   // The objects that touch something in the world as this peer knows it.
   [[nodiscard]] CollidingObjects& colliding() { return colliding_; }
+  // Wakes those of them whose motion may have changed in either world.
+  void note_changes();
+  // Calls `function` for the objects whose motion may have changed in either world since the last call.
+  template <class Function>
+  void take_changed(Function function) {
+    note_changes();
+    for (const ObjectId object : changed_) function(object);
+    changed_.clear();
+  }
 
   // The state of any object at t: by the ghosts, at its place in the file where they do not have it.
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
@@ -96,6 +107,7 @@ class Replica {
   std::optional<Worlds> worlds_;
   SimTime begun_at_{};
   CollidingObjects colliding_;
+  std::vector<ObjectId> changed_;  // since the last take_changed(); some of them twice
   std::set<ObjectId> unreceived_;
   std::unordered_map<ObjectId, UpdateRecord> last_updates_;
 };

@@ -29,7 +29,13 @@ struct Watched {
       while (const auto event = motion.poll_event()) {
         if (const auto* contact = std::get_if<ContactEvent>(&*event)) colliding.on_contact(*contact);
       }
-      colliding.update([&](ObjectId id) { return motion.at(id, sim(now)); }, sim(now));
+      motion.take_changed([&](ObjectId id) { colliding.wake(id); });
+      const auto state_of = [&](ObjectId id) {
+        ++asked;
+        return motion.at(id, sim(now));
+      };
+      colliding.update(
+          state_of, [&](ObjectId id) { return motion.is_at_rest_from(id, sim(now)); }, sim(now));
       while (const auto change = colliding.poll())
         seen.emplace_back(change->object, change->at - sim(0s), change->value);
     }
@@ -40,6 +46,7 @@ struct Watched {
   MotionWorld motion;
   CollidingObjects colliding;
   Duration now{0};
+  std::size_t asked = 0;  // for states
 };
 
 TEST(CollidingObjects, ABounceCollidesUntilTheNextTick) {
@@ -56,6 +63,7 @@ TEST(CollidingObjects, WhatStopsCollidesUntilItIsTakenAway) {
   w.motion.set_base(w.world["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
   const ObjectId ball = w.world["BALL"], right = w.world["RIGHT"];
   EXPECT_THAT(w.until(5s), ElementsAre(Seen{ball, 1500ms, false}, Seen{right, 1500ms, false}));
+  EXPECT_EQ(w.asked, 2u) << "once of each, when they stopped: what lies is not checked";
   w.motion.set_base(w.world["BALL"], sim(5s), moving({1, 0, 0}));
   EXPECT_THAT(w.until(6s), ElementsAre(Seen{ball, 5100ms, true}, Seen{right, 5100ms, true}));
 }
