@@ -33,8 +33,8 @@ class PeerNode {
     // The session has begun without this peer, which adopts the announced start. Where all peers have come late and
     // nobody announces one, they begin anew.
     bool late = false;
-    Duration start_lead{0};        // the start is the first whole second at least this long after all peers are here
-    Duration clock_offset{0};      // test setting: how far this host's clock is ahead of the shared clock
+    Duration start_lead{0};    // the start is the first whole second at least this long after all peers are here
+    Duration clock_offset{0};  // test setting: how far this host's clock is ahead of the shared clock
     bool keep_log = true;
     std::uint32_t sample_hz = 60;  // rate of the ghosts' samples in the log, independent of the tick rate
   };
@@ -104,7 +104,7 @@ class PeerNode {
   std::uint32_t groups_ = 0;                     // regions that are joined now
   SimTime logged_at_{};                          // the last tick
   std::optional<SimTime> started_for_;           // the start that the peer was given last
-  std::optional<HostTime> complete_since_;     // all that are waited for are members
+  std::optional<HostTime> complete_since_;       // all that are waited for are members
   bool announces_start_ = false;
   std::int64_t next_sample_ = 0;  // counted from the start
   KeySensors key_sensors_;

@@ -793,7 +793,7 @@ std::optional<Vec3> MotionWorld::rolling_off(std::size_t index, const KinematicS
   const Vec3& all = state.angular_velocity_body;
   if (all.isZero(0.0) || (sphere && sphere->center.isZero(0.0))) return std::nullopt;
   const Vec3 n = state.orientation.conjugate() * normal;
-  const Vec3 spin = n.dot(all) * n;
+  Vec3 spin = n.dot(all) * n;
   if ((spin - all).norm() <= kRounding * spin.norm()) return std::nullopt;
   return spin;
 }
