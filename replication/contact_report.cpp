@@ -18,15 +18,32 @@ bool is_same_touch(const ContactEvent& a, const ContactEvent& b) {
   return pair && a.at <= b.at + kSameTouch && b.at <= a.at + kSameTouch;
 }
 
+// The world's events since the last tick, without contacts that a later one of them retracts: a decision that came in
+// between has put an object on another way.
+std::vector<MotionWorld::Event> poll_standing_events(MotionWorld& world) {
+  std::vector<MotionWorld::Event> events;
+  while (auto event = world.poll_event()) {
+    if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
+      std::erase_if(events, [&](const MotionWorld::Event& earlier) {
+        const auto* c = std::get_if<ContactEvent>(&earlier);
+        const bool has = c != nullptr && (c->collider == retracted->object || c->collidee == retracted->object);
+        return has && c->at > retracted->since;
+      });
+    }
+    events.push_back(*std::move(event));
+  }
+  return events;
+}
+
 // Reports contacts of own objects; as the server, those of all objects.
 void report_truth(PeerParts& p, SimTime t) {
   std::vector<ContactEvent> decided;  // in order of time, the last contact of each touch
-  while (const auto event = p.replica.truth().poll_event()) {
-    if (const auto* overlap = std::get_if<BodiesOverlap>(&*event)) {
+  for (const MotionWorld::Event& event : poll_standing_events(p.replica.truth())) {
+    if (const auto* overlap = std::get_if<BodiesOverlap>(&event)) {
       if (p.own.contains(overlap->collider) || p.own.contains(overlap->collidee)) p.outbox.push(*overlap);
       continue;
     }
-    const auto* contact = std::get_if<ContactEvent>(&*event);
+    const auto* contact = std::get_if<ContactEvent>(&event);
     if (contact == nullptr) continue;
     const bool mine = p.own.contains(contact->collider) || p.own.contains(contact->collidee);
     const bool shared = p.owners.have_two(contact->collider, contact->collidee);

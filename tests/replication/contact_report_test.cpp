@@ -102,6 +102,14 @@ TEST_F(Reporting, AContactWithALowerIdsObjectIsLeftToIt) {
   EXPECT_EQ(p->counters.decisions, 0u);
 }
 
+// Found after the last report of a tick, as contacts are that follow from what a report does.
+TEST_F(Reporting, AContactThatIsRetractedBeforeItsReportIsNone) {
+  begin(PeerId{2}, kNobody);
+  p->replica.truth().advance(sim(1510ms));
+  p->replica.truth().set_base(ball, sim(1400ms), moving({2.8, 0, 0}, {-2, 0, 0}));
+  EXPECT_TRUE(only<ContactSeen>(report(1520ms)).empty());
+}
+
 // It has bounced off and away again by the tick that finds the contact.
 TEST_F(Reporting, WhatTouchesCollidesUntilItIsFoundApart) {
   begin(PeerId{2}, kNobody);

@@ -48,7 +48,7 @@ class ScenarioTest : public testing::Test {
     auto scenario = result(text, std::move(sets));
     if (!scenario) {
       ADD_FAILURE() << scenario.error().text;
-      return {.name = "", .world = {}, .runs = {RunSettings{}}};
+      return {.name = "", .world = {}, .reading = {}, .runs = {RunSettings{}}};
     }
     return *std::move(scenario);
   }
