@@ -69,22 +69,19 @@ struct ControlPlace {
   bool requested_explicitly = false;  // the user asked for it, so a peer without it must not run
 };
 
-// The socket is that of the option, else that of the configuration, else one in the user's own folder where the system
-// has made one.
+// The socket is that of the option, else that of the configuration, else one in the user's own folder.
 ControlPlace control_place(const PeerOptions& options, const config::ControlSettings& settings,
-                           const std::string& peer) {
+                           const config::PeerSettings& peer, Log& log) {
   if (const auto& given = options.control ? options.control : settings.socket) {
     std::string path = *given;
-    if (const auto at = path.find("{peer}"); at != std::string::npos) path.replace(at, 6, peer);
+    if (const auto at = path.find("{peer}"); at != std::string::npos) path.replace(at, 6, peer.name);
     return {path, true};
   }
-  const auto socket = api::default_socket(peer);
-  if (!socket) return {};
-  std::error_code error;
-  if (std::filesystem::create_directory(socket->parent_path(), error)) {
-    std::filesystem::permissions(socket->parent_path(), std::filesystem::perms::owner_all, error);
+  if (const auto made = api::make_runtime_folder(); !made) {
+    log(spdlog::level::warn, "runs without peerd ctl: " + made.error().text);
+    return {};
   }
-  return {*socket, false};
+  return {api::default_socket(peer.name, peer.id), false};
 }
 
 Result<const config::PeerSettings*> choose_peer(const config::RunSettings& run, const std::string& name) {
@@ -272,7 +269,7 @@ int run_peer(const PeerOptions& options) {
       options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   if (options.verbose) daemon.log_updates();
   daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), cache_warmer.get());
-  auto control = open_control(io, control_place(options, run.control, (*settings)->name), daemon, log);
+  auto control = open_control(io, control_place(options, run.control, **settings, log), daemon, log);
   if (!control) return failed(control.error());
   const auto poses = open_pose_port(io, **settings, daemon, log);
   if (!poses) return failed(poses.error());

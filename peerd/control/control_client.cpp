@@ -11,31 +11,53 @@
 namespace peerd::api {
 
 namespace asio = boost::asio;
+using Protocol = asio::local::stream_protocol;
+using boost::system::error_code;
+
+namespace {
+
+// Connects without waiting: connect() to a stopped peer with a full queue would block.
+error_code connect(Protocol::socket& socket, const std::filesystem::path& path) {
+  error_code error;
+  socket.open(Protocol(), error);
+  socket.non_blocking(true, error);
+  socket.connect(Protocol::endpoint(path.string()), error);
+  return error;
+}
+
+// Linux returns EAGAIN for a full queue, which Asio reports as no_buffer_space.
+bool is_full_queue(const error_code& error) {
+  return error == asio::error::would_block || error == asio::error::no_buffer_space;
+}
+
+}  // namespace
+
+error_code reach(const std::filesystem::path& path) {
+  if (path.string().size() >= sizeof(sockaddr_un::sun_path)) return asio::error::name_too_long;
+  asio::io_context io(1);
+  Protocol::socket socket(io);
+  const error_code error = connect(socket, path);
+  return is_full_queue(error) ? error_code() : error;
+}
 
 Result<std::string> ask(const std::filesystem::path& path, const std::string& request,
                         std::chrono::milliseconds within) {
-  using Protocol = asio::local::stream_protocol;
   const auto nobody = [&](const std::string& why) {
     return std::unexpected(InputError{"error: no peer answers at " + path.string() + ": " + why, 3});
   };
   asio::io_context io(1);
   Protocol::socket socket(io);
-  boost::system::error_code error;
   if (path.string().size() >= sizeof(sockaddr_un::sun_path)) return nobody("the path is too long for a socket's");
-  socket.open(Protocol(), error);
-  socket.non_blocking(true, error);  // connect() to a stopped peer with a full queue would block
-  socket.connect(Protocol::endpoint(path.string()), error);
-  // Linux returns EAGAIN for a full queue, which Asio reports as no_buffer_space.
-  const bool full = error == asio::error::would_block || error == asio::error::no_buffer_space;
-  if (error) return nobody(full ? "it is stopped, or busy" : error.message());
+  const error_code error = connect(socket, path);
+  if (error) return nobody(is_full_queue(error) ? "it is stopped, or busy" : error.message());
 
   const std::string line = request + '\n';
   std::string reply;
-  std::optional<boost::system::error_code> done;
+  std::optional<error_code> done;
   // The write's result is ignored: a peer may refuse and close before it has read everything, and its reply counts.
-  asio::async_write(socket, asio::buffer(line), [](const boost::system::error_code&, std::size_t) {});
+  asio::async_write(socket, asio::buffer(line), [](const error_code&, std::size_t) {});
   asio::async_read_until(socket, asio::dynamic_buffer(reply), '\n',
-                         [&](const boost::system::error_code& failed, std::size_t size_bytes) {
+                         [&](const error_code& failed, std::size_t size_bytes) {
                            done = failed;
                            if (!failed) reply.resize(size_bytes - 1);
                          });

@@ -3,9 +3,14 @@
 #include <filesystem>
 #include <string>
 
+#include <boost/system/error_code.hpp>
+
 #include "peerd/input/input_error.hpp"
 
 namespace peerd::api {
+
+// Whether a peer listens at `path`, be it stopped or busy: no error. connection_refused: the socket of a dead peer.
+[[nodiscard]] boost::system::error_code reach(const std::filesystem::path& path);
 
 // Sends one request to the peer that listens at `path` and returns its reply, both without line ends. The error, with
 // exit code 3, says that no peer answers.

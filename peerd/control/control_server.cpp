@@ -18,6 +18,7 @@
 #include <boost/asio/write.hpp>
 
 #include "peerd/control/answer.hpp"
+#include "peerd/control/control_client.hpp"
 #include "peerd/control/request.hpp"
 
 namespace peerd::api {
@@ -37,48 +38,52 @@ std::unexpected<InputError> cannot_listen(const fs::path& path, const std::strin
 
 // A lock that is held while a stale socket is checked and replaced, so that of two peers that start at once the second
 // finds the first. It is a file beside the socket that only this user may open: a lock on a shared folder could be held
-// for ever by any user.
+// for ever by any user. Its holder removes it, so that a lock counts only if the file still stands there.
 class LockFile {
  public:
-  explicit LockFile(const fs::path& path)
-      : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0600)) {
-    struct stat found {};
-    if (fd_ < 0 || fstat(fd_, &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return;
-    for (int tries = 0; !(held_ = flock(fd_, LOCK_EX | LOCK_NB) == 0) && tries < 100; ++tries) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  explicit LockFile(fs::path path) : path_(std::move(path)) {
+    for (int tries = 0; !held_ && tries < 100; ++tries) {
+      if (tries > 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      if (!try_to_hold()) return;
     }
   }
   LockFile(const LockFile&) = delete;
   LockFile& operator=(const LockFile&) = delete;
   ~LockFile() {
+    if (held_) unlink(path_.c_str());
     if (fd_ >= 0) close(fd_);
   }
   [[nodiscard]] bool held() const { return held_; }
 
  private:
-  int fd_;
+  // Returns whether another try makes sense.
+  bool try_to_hold() {
+    if (fd_ >= 0) close(fd_);
+    fd_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0600);
+    struct stat locked {};
+    if (fd_ < 0 || fstat(fd_, &locked) != 0 || !S_ISREG(locked.st_mode) || locked.st_uid != geteuid()) return false;
+    if (flock(fd_, LOCK_EX | LOCK_NB) != 0) return true;
+    struct stat standing {};
+    held_ = lstat(path_.c_str(), &standing) == 0 && standing.st_dev == locked.st_dev && standing.st_ino == locked.st_ino;
+    return true;
+  }
+
+  fs::path path_;
+  int fd_ = -1;
   bool held_ = false;
 };
 
 // Removes the socket of a dead peer at `path`.
-Result<void> clear(asio::io_context& io, const fs::path& path) {
+Result<void> clear(const fs::path& path) {
   struct stat found {};
   if (lstat(path.c_str(), &found) != 0) {
     if (errno == ENOENT) return {};
     return cannot_listen(path, error_code(errno, boost::system::system_category()).message());
   }
   if (!S_ISSOCK(found.st_mode)) return cannot_listen(path, "something that is no socket stands there", 2);
-  Protocol::socket probe(io);
-  error_code error;
-  probe.open(Protocol(), error);
-  probe.non_blocking(true, error);  // connect() to a peer with a full queue would block
-  probe.connect(Protocol::endpoint(path.string()), error);
-  if (error != asio::error::connection_refused) {
-    // Linux returns EAGAIN for a full queue, which Asio reports as no_buffer_space.
-    const bool full = error == asio::error::would_block || error == asio::error::no_buffer_space;
-    const bool is_alive = !error || full;
-    return cannot_listen(path, is_alive ? "another peer listens there; give each its own" : error.message());
-  }
+  const error_code error = reach(path);
+  if (!error) return cannot_listen(path, "another peer listens there; give each its own");
+  if (error != asio::error::connection_refused) return cannot_listen(path, error.message());
   if (unlink(path.c_str()) != 0) {
     return cannot_listen(path, error_code(errno, boost::system::system_category()).message());
   }
@@ -99,7 +104,7 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
       return cannot_listen(path_,
                            path_.string() + ".lock can't be made, is not this user's, or is held by another program");
     }
-    if (auto cleared = clear(io_, path_); !cleared) return cleared;
+    if (auto cleared = clear(path_); !cleared) return cleared;
     error_code error;
     acceptor_.open(Protocol(), error);
     // The file of a socket gets the mode of its descriptor, so that other users cannot connect at any time.

@@ -1,7 +1,9 @@
 #include "peerd/daemon/daemon.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <csignal>
 #include <cstdint>
 #include <thread>
 #include <utility>
@@ -28,17 +30,47 @@ constexpr std::uint64_t kReadsPerPoll = 8;
 constexpr std::chrono::milliseconds kStalled{100};
 constexpr int kStalledTurns = 64;
 
+namespace {
+
+// The signals on which a peer leaves: a request, a terminal that is closed, a log that nobody reads any more.
+constexpr std::array kLeaveOn{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+
+const char* name_of(int signal) {
+  switch (signal) {
+    case SIGINT:
+      return "SIGINT";
+    case SIGTERM:
+      return "SIGTERM";
+    case SIGHUP:
+      return "SIGHUP: its terminal is closed";
+    default:
+      return "SIGPIPE: nobody reads its log any more";
+  }
+}
+
+// Who has had a signal ignored for this process (nohup) means it.
+bool is_ignored(int signal) {
+  struct sigaction now {};
+  return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
+}  // namespace
+
 Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& transport, const net::HostClock& clock,
                Log log, std::optional<Duration> leave_after, record::CaptureWriter* capture)
     : io_(io),
       timer_(io),
-      signals_(io, SIGINT, SIGTERM),
+      signals_(io),
       node_(node),
       transport_(transport),
       clock_(clock),
       log_(std::move(log)),
       leave_after_(leave_after),
-      capture_(capture) {}
+      capture_(capture) {
+  for (const int signal : kLeaveOn) {
+    if (!is_ignored(signal)) signals_.add(signal);
+  }
+}
 
 std::string Daemon::on_control(std::string_view line) {
   if (over_) return api::refusal("this peer is leaving");
@@ -84,7 +116,7 @@ int Daemon::run() {
   (void)now();  // no datagram counts as having come before the peer was made
   signals_.async_wait([this](const boost::system::error_code& error, int signal) {
     if (error) return;
-    log_({LogLevel::kInfo, fmt::format("leaving: got {}", signal == SIGINT ? "SIGINT" : "SIGTERM")});
+    log_({LogLevel::kInfo, fmt::format("leaving: got {}", name_of(signal))});
     leave();
   });
   transport_.on_receive([this](const net::Arrival& arrival) {

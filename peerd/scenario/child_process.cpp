@@ -1,36 +1,48 @@
 #include "peerd/scenario/child_process.hpp"
 
+#include <cassert>
 #include <chrono>
 #include <csignal>
 #include <thread>
 #include <utility>
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 namespace peerd {
 
+namespace {
+
+constexpr int kCannotRun = 3;
+
+// Becomes the program. Between fork() and here only calls that are safe in a signal handler are allowed. The child gets
+// SIGTERM when its parent is gone, even by SIGKILL: prctl(2), PR_SET_PDEATHSIG.
+[[noreturn]] void become(char* const* arguments, const char* output, pid_t parent) {
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);  // the child would get the signals that its parent blocks
+  const int file = open(output, O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  const bool written = file >= 0 && dup2(file, STDOUT_FILENO) >= 0 && dup2(file, STDERR_FILENO) >= 0;
+  const bool bound = prctl(PR_SET_PDEATHSIG, SIGTERM) == 0 && getppid() == parent;
+  if (file > STDERR_FILENO) close(file);
+  if (written && bound) execvp(arguments[0], arguments);
+  _exit(kCannotRun);
+}
+
+}  // namespace
+
 ChildProcess::ChildProcess(std::string name, const std::vector<std::string>& command,
                            const std::filesystem::path& output)
     : name_(std::move(name)), output_(output) {
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  assert(!command.empty());
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
-  posix_spawnattr_t attributes;  // the child gets the signals that its parent blocks
-  sigset_t none;
-  sigemptyset(&none);
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-  if (posix_spawnp(&pid_, arguments[0], &files, &attributes, arguments.data(), environ) != 0) pid_ = -1;
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
+  const pid_t parent = getpid();
+  pid_ = fork();
+  if (pid_ == 0) become(arguments.data(), output_.c_str(), parent);
 }
 
 ChildProcess::~ChildProcess() {
@@ -53,6 +65,6 @@ void ChildProcess::end(int signal) {
   if (running()) kill(pid_, signal);
 }
 
-int ChildProcess::exit_code() const { return pid_ > 0 && WIFEXITED(status_) ? WEXITSTATUS(status_) : 3; }
+int ChildProcess::exit_code() const { return pid_ > 0 && WIFEXITED(status_) ? WEXITSTATUS(status_) : kCannotRun; }
 
 }  // namespace peerd

@@ -8,7 +8,7 @@
 namespace peerd {
 
 // A program that runs as a child of this process and writes its output to a file. The child ends at the latest with
-// this object.
+// this object, or gets SIGTERM when this process is gone. To be made in a thread that lives as long as the process.
 class ChildProcess {
  public:
   // `name` is what messages call it, `command` the program and its arguments. A program that cannot be started counts

@@ -263,6 +263,45 @@ TEST_F(PeerProcess, AScenarioThatIsStoppedStopsItsPeers) {
   EXPECT_TRUE(said("leaving: got SIGTERM"));
 }
 
+TEST_F(PeerProcess, AScenarioThatIsKilledTakesItsPeersWithIt) {
+  Process all = start("scenario", {"scenario", (folder / "s.toml").string(), "--out", (folder / "out").string()});
+  const auto says = [&](const char* words) {
+    for (int tries = 0; tries < 1000; ++tries) {
+      if (testing_support::text_of(folder / "out/run-001.a.log").find(words) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  };
+  ASSERT_TRUE(says("in session"));
+  all.signal(SIGKILL);
+  EXPECT_TRUE(says("leaving: got SIGTERM"));
+}
+
+// Its terminal is closed.
+TEST_F(PeerProcess, AHangUpIsAReasonToLeave) {
+  const std::string socket = (folder / "a.sock").string();
+  Process a = start_peer("a", 0, {"--record", record_of("a"), "--control", socket});
+  ASSERT_TRUE(a.says("in session", 10)) << a.out() << a.err();
+  a.signal(SIGHUP);
+  EXPECT_EQ(a.exit_code(5), 0) << a.err();
+  EXPECT_THAT(a.out(), HasSubstr("leaving: got SIGHUP"));
+  EXPECT_TRUE(load_peer_log(record_of("a"))) << "its record is whole";
+  EXPECT_FALSE(std::filesystem::exists(socket));
+  EXPECT_FALSE(std::filesystem::exists(socket + ".lock"));
+}
+
+TEST_F(PeerProcess, ALogThatNobodyReadsIsAReasonToLeave) {
+  const std::string socket = (folder / "a.sock").string();
+  const std::string command = std::string(PEERD_PROGRAM) + " run --config " + (folder / "s.toml").string() +
+                              " --peer a --interface lo --port " + std::to_string(own_port(0)) + " --verbose --record " +
+                              record_of("a") + " --control " + socket + " | head -3";
+  Process piped(folder, "piped", "/bin/sh", {"-c", command});
+  EXPECT_EQ(piped.exit_code(20), 0) << piped.err();
+  EXPECT_EQ(std::ranges::count(piped.out(), '\n'), 3) << piped.out();
+  EXPECT_TRUE(load_peer_log(record_of("a"))) << "its record is whole";
+  EXPECT_FALSE(std::filesystem::exists(socket));
+}
+
 // ---- bad input ----
 
 struct Bad {

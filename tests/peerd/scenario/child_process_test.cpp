@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <string>
@@ -38,6 +43,32 @@ TEST(ChildProcess, AProgramThatIsNotThereHasEndedWithThree) {
   ChildProcess child("a", {"/nonexistent/program"}, folder / "out");
   EXPECT_TRUE(ends_within(child, 10));
   EXPECT_EQ(child.exit_code(), 3);
+}
+
+// A process of its own makes the child, says which it is, and is killed.
+TEST(ChildProcess, DoesNotOutliveAParentThatIsKilled) {
+  const ScratchFolder folder;
+  std::array<int, 2> said{};
+  ASSERT_EQ(pipe(said.data()), 0);
+  const pid_t parent = fork();
+  ASSERT_GE(parent, 0);
+  if (parent == 0) {
+    const ChildProcess child("a", {"sh", "-c", "echo $$; exec sleep 60"}, folder / "child");
+    close(said[0]);
+    pause();
+    _exit(0);
+  }
+  close(said[1]);
+  std::string id;
+  while (id.empty() || id.back() != '\n') {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    id = text_of(folder / "child");
+  }
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  pollfd end{said[0], POLLIN, 0};
+  EXPECT_EQ(poll(&end, 1, 20'000), 1) << "the pipe ends with its last writer, which is the child";
+  close(said[0]);
 }
 
 TEST(ChildProcess, IsEndedBySignalsEvenWhereItsParentBlocksThem) {
