@@ -64,7 +64,8 @@ class LockFile {
     if (fd_ < 0 || fstat(fd_, &locked) != 0 || !S_ISREG(locked.st_mode) || locked.st_uid != geteuid()) return false;
     if (flock(fd_, LOCK_EX | LOCK_NB) != 0) return true;
     struct stat standing {};
-    held_ = lstat(path_.c_str(), &standing) == 0 && standing.st_dev == locked.st_dev && standing.st_ino == locked.st_ino;
+    held_ =
+        lstat(path_.c_str(), &standing) == 0 && standing.st_dev == locked.st_dev && standing.st_ino == locked.st_ino;
     return true;
   }
 

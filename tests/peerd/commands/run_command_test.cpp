@@ -293,8 +293,8 @@ TEST_F(PeerProcess, AHangUpIsAReasonToLeave) {
 TEST_F(PeerProcess, ALogThatNobodyReadsIsAReasonToLeave) {
   const std::string socket = (folder / "a.sock").string();
   const std::string command = std::string(PEERD_PROGRAM) + " run --config " + (folder / "s.toml").string() +
-                              " --peer a --interface lo --port " + std::to_string(own_port(0)) + " --verbose --record " +
-                              record_of("a") + " --control " + socket + " | head -3";
+                              " --peer a --interface lo --port " + std::to_string(own_port(0)) +
+                              " --verbose --record " + record_of("a") + " --control " + socket + " | head -3";
   Process piped(folder, "piped", "/bin/sh", {"-c", command});
   EXPECT_EQ(piped.exit_code(20), 0) << piped.err();
   EXPECT_EQ(std::ranges::count(piped.out(), '\n'), 3) << piped.out();
