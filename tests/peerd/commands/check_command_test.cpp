@@ -25,13 +25,14 @@ struct Checked {
   int exit_code = 0;
   std::string out, err;
 };
-Checked check(const std::filesystem::path& world, bool json) {
+Checked check(const std::filesystem::path& world, bool json, std::uint32_t expansion = 1) {
   std::ostringstream out, err;
-  const int exit_code = run_check(world.string(), {.json = json, .copy = {}, .at_s = {}}, out, err);
+  const int exit_code =
+      run_check(world.string(), {.reading = {.expansion = expansion}, .json = json, .copy = {}, .at_s = {}}, out, err);
   return {exit_code, out.str(), err.str()};
 }
-Checked check(const ScratchFolder& folder, std::string_view body, bool json) {
-  return check(folder.write("world.wrl", std::string(kHeader) + std::string(body)), json);
+Checked check(const ScratchFolder& folder, std::string_view body, bool json, std::uint32_t expansion = 1) {
+  return check(folder.write("world.wrl", std::string(kHeader) + std::string(body)), json, expansion);
 }
 Json json_of(const ScratchFolder& folder, std::string_view body) { return Json::parse(check(folder, body, true).out); }
 
@@ -246,7 +247,7 @@ std::string shapes_of_36_million_polygons() {
 // Nothing is built for this answer: it would take tens of gigabytes.
 TEST(Check, DefectsOfBillionsOfPolygonsAreNotLookedFor) {
   const ScratchFolder folder;
-  const Checked run = check(folder, "#\n" + shapes_of_36_million_polygons(), true);
+  const Checked run = check(folder, "#\n" + shapes_of_36_million_polygons(), true, config::kExpansionMax);
   EXPECT_EQ(run.exit_code, 0);
   const Json json = Json::parse(run.out);
   EXPECT_GT(json["statistics"]["polygons"], 1 << 25);
@@ -258,7 +259,7 @@ TEST(Check, InterestsInBillionsOfPolygonsAreNotLookedAt) {
   const ScratchFolder folder;
   const std::string body = "DEF A Group { children [ " + shapes_of_36_million_polygons() +
                            "] } DEF B Group { } CollisionInterest { objectPath \"A\" interests \"B\" }";
-  const Json json = Json::parse(check(folder, body, true).out);
+  const Json json = Json::parse(check(folder, body, true, config::kExpansionMax).out);
   EXPECT_TRUE(json["good"]);
   EXPECT_THAT(json["unsupported"].dump(), HasSubstr("interests in more than 33554432 polygons"));
 }
