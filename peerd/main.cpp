@@ -105,6 +105,8 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_option("--control", peer.control,
                      "where peerd ctl reaches this peer: the path of a socket, or \"\" for none");
   command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
+  command.add_flag("--take-over", peer.take_over,
+                   "begin at once, without asking for a second whether this peer is running already: that one ends");
   command.add_flag("--once", peer.once, "leave when the scenario is over; it begins when all its peers are here");
   command.add_flag("--json", peer.json, "log lines as JSON");
   command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");

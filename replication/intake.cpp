@@ -43,6 +43,7 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
   }
   Message& m = **message;
   assert(m.sender != kNobody);
+  if (m.identity) return dropped(region, p_.admission.on_identity_check(now, m));
   const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.subscriptions.empty();
   if (for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
   if (const auto admitted = admit(now, m); !admitted) return dropped(region, admitted.error());
@@ -136,6 +137,7 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
 
 void Intake::on_introduction(HostTime now, PeerId sender, Member& member, const Hello& hello) {
   const Introduction& introduction = *hello.introduction;
+  if (member.name != introduction.name) report_same_name(sender, introduction.name);
   member.name = introduction.name;
   member.start = introduction.start;
   member.viewpoint = introduction.viewpoint;
@@ -144,6 +146,13 @@ void Intake::on_introduction(HostTime now, PeerId sender, Member& member, const 
   const Duration ahead = both ? *hello.session_tx - p_.to_session(now) : Duration{0};
   if (!hello.session_tx || ahead <= -kUpdateAgeMax || ahead >= kUpdateAheadMax) return;
   keeper_.claim(sender, introduction.owned);
+}
+
+void Intake::report_same_name(PeerId sender, const std::string& name) {
+  if (name == p_.config.name) return p_.outbox.push(NameInUse{sender, p_.config.id, name});
+  const auto same = std::ranges::find_if(
+      p_.members.all(), [&](const auto& entry) { return entry.first != sender && entry.second.name == name; });
+  if (same != p_.members.all().end()) p_.outbox.push(NameInUse{sender, same->first, name});
 }
 
 // `echo`: what the sender's hello says of this peer's datagrams; null: nothing.

@@ -24,6 +24,8 @@ class Intake {
   [[nodiscard]] std::unexpected<Drop> dropped(RegionId region, Drop why);
   [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
+  // A peer has said its name, which may be that of another one.
+  void report_same_name(PeerId sender, const std::string& name);
   void on_introduction(HostTime now, PeerId sender, Member& member, const Hello& hello);
   void on_echo(PeerId sender, Member& member, const Hello& hello, const Echo* echo);
   void on_records(PeerId sender, Message& message, SimTime session_now);

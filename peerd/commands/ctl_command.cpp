@@ -8,6 +8,7 @@
 #include "peerd/commands/print.hpp"
 #include "peerd/control/control_client.hpp"
 #include "peerd/control/control_path.hpp"
+#include "peerd/node/counter_meanings.hpp"
 
 namespace peerd {
 namespace {
@@ -113,6 +114,10 @@ void print_status(const Json& reply) {
   std::cout << fmt::format("session time is {} ahead of this host's clock, error at most {}\n",
                            milliseconds(reply.at("session").at("clock_offset_ms")),
                            milliseconds(reply.at("session").at("clock_error_ms")));
+  for (const Json& w : reply.value("waits_for", Json::array())) {
+    std::cout << fmt::format("waits for peer {} (id {}): nothing moves before\n", w.at("name").get<std::string>(),
+                             w.at("id").get<std::uint64_t>());
+  }
   for (const Json& m : reply.at("members")) {
     std::cout << fmt::format("with peer {} (id {}){}\n", m.at("name").get<std::string>(),
                              m.at("id").get<std::uint64_t>(),
@@ -120,7 +125,10 @@ void print_status(const Json& reply) {
   }
   print_objects(reply);
   for (const auto& [name, count] : reply.at("counters").items()) {
-    if (count != 0) std::cout << fmt::format("{}: {}\n", name, count.get<std::uint64_t>());
+    if (count == 0) continue;
+    const std::string_view meaning = meaning_of_counter(name);
+    std::cout << fmt::format("{}: {}{}\n", name, count.get<std::uint64_t>(),
+                             meaning.empty() ? "" : fmt::format(" ({})", meaning));
   }
 }
 

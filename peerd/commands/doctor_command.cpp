@@ -45,12 +45,20 @@ Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
   return settings;
 }
 
+constexpr int kFinding = 1;
+
+// How peers of several computers meet without multicast. Each lists the others.
+constexpr std::string_view kUnicastRecipe =
+    "name the interface (--interface NAME), or list the other computers' peers by HOST:PORT: "
+    "--set 'transport.peers=[\"192.0.2.7:47474\"]'";
+
 // The results of trying what a peer with these settings would do.
 struct Findings {
   std::optional<std::expected<net::ProbeResult, net::NetError>> probe;  // none: multicast is switched off
   std::string transport;  // transport that a peer would use, in words; empty: it could not run
   std::string kind;       // "multicast", "unicast" or empty
   std::string problem;    // reason why it could not run
+  std::string only_here;  // reason why it would reach no other computer; empty: it may
   int receive_buffer_bytes = 0;
   int exit_code = 0;
 };
@@ -74,6 +82,8 @@ Findings examine(const net::TransportOptions& options) {
   f.transport = opened->transport->describe();
   f.kind = opened->why_unicast.empty() ? "multicast" : "unicast";
   f.receive_buffer_bytes = opened->transport->receive_buffer_bytes();
+  f.only_here = opened->why_only_here;
+  if (!f.only_here.empty()) f.exit_code = kFinding;
   return f;
 }
 
@@ -94,7 +104,8 @@ ordered_json as_json(const Findings& f, const config::TransportSettings& setting
       {"multicast", multicast},
       {"memberships_of_a_socket", memberships},
       {"receive_buffer_bytes", {{"asked", settings.receive_buffer_bytes}, {"granted", f.receive_buffer_bytes}}},
-      {"unicast_needed", !(f.probe && *f.probe)},
+      {"unicast_needed", !(f.probe && *f.probe) || !f.only_here.empty()},
+      {"only_this_computer", !f.only_here.empty()},
       {"unicast_peers", settings.peers},
       {"transport", f.kind.empty() ? ordered_json(nullptr) : ordered_json(f.kind)}};
   if (!f.problem.empty()) all["problem"] = f.problem;
@@ -123,8 +134,13 @@ std::string as_text(const Findings& f, const config::TransportSettings& settings
     const std::string less = buffer_warning(settings, f.receive_buffer_bytes);
     line("receive buffer", less.empty() ? fmt::format("{} bytes, as asked", f.receive_buffer_bytes) : less);
   }
-  line("unicast",
-       works ? "not needed" : fmt::format("needed; {} peers are configured (transport.peers)", settings.peers.size()));
+  if (!f.only_here.empty()) {
+    line("warning", "peers on other computers will not be heard: " + f.only_here);
+    line("unicast", fmt::format("needed for other computers: {}", kUnicastRecipe));
+  } else {
+    line("unicast", works ? "not needed"
+                          : fmt::format("needed; {} peers are configured (transport.peers)", settings.peers.size()));
+  }
   line("a peer", f.problem.empty() ? "would run: " + f.transport : "could not run: " + f.problem);
   return text;
 }

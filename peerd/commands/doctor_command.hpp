@@ -11,10 +11,11 @@ struct DoctorOptions {
   bool json = false;
 };
 
-// `peerd doctor`: tries whether a peer could reach others from here, and how. Returns 3 when it could not. As JSON:
-// interface {name, why} (null: none), multicast {tried, works, took_us, kernel_stamps | problem},
-// memberships_of_a_socket (null: not limited by number), receive_buffer_bytes {asked, granted}, unicast_needed,
-// unicast_peers, transport ("multicast", "unicast", null), problem.
+// `peerd doctor`: tries whether a peer could reach others from here, and how. Returns 3 when it could not, and 1 when
+// it would reach this computer only, although no configuration says so. As JSON: interface {name, why} (null: none),
+// multicast {tried, works, took_us, kernel_stamps | problem}, memberships_of_a_socket (null: not limited by number),
+// receive_buffer_bytes {asked, granted}, unicast_needed, only_this_computer, unicast_peers, transport ("multicast",
+// "unicast", null), problem.
 [[nodiscard]] int run_doctor(const DoctorOptions& options);
 
 }  // namespace peerd

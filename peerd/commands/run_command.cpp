@@ -201,6 +201,25 @@ std::unique_ptr<CacheWarmer> open_cache_warmer(const config::RunSettings& run, L
   return nullptr;
 }
 
+PeerNode::Options node_options_of(const PeerOptions& options, const config::RunSettings& run,
+                                  const config::PeerSettings& peer, const net::HostClock& clock) {
+  PeerNode::Options node;
+  // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
+  node.incarnation = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
+  // A configuration of one peer says nothing of the others: it begins with whoever is there.
+  const bool by_itself = run.peers.size() == 1;
+  for (const config::PeerSettings& p : run.peers) {
+    if (!by_itself && config::starts_with(run.events, p.name)) node.wait_for.push_back({PeerId{p.id}, p.name});
+  }
+  node.late = by_itself || !config::starts_with(run.events, peer.name);
+  node.watches = by_itself && peer.owns.empty();
+  node.start_lead = std::chrono::milliseconds(1000);  // enough for a few hellos to reach all peers
+  node.clock_offset = from_seconds(peer.clock_offset_s);
+  node.keep_log = !options.record.empty();
+  node.sample_hz = run.sample_hz;
+  return node;
+}
+
 }  // namespace
 
 int run_peer(const PeerOptions& options) {
@@ -223,17 +242,7 @@ int run_peer(const PeerOptions& options) {
   if (!objects) return failed(objects.error());
 
   const net::HostClock clock(from_seconds((*settings)->clock_offset_s));
-  PeerNode::Options node_options;
-  // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
-  node_options.incarnation = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
-  for (const config::PeerSettings& p : run.peers) {
-    if (config::starts_with(run.events, p.name)) node_options.wait_for.push_back(PeerId{p.id});
-  }
-  node_options.late = !config::starts_with(run.events, (*settings)->name);
-  node_options.start_lead = std::chrono::milliseconds(1000);  // enough for a few hellos to reach all peers
-  node_options.clock_offset = from_seconds((*settings)->clock_offset_s);
-  node_options.keep_log = !options.record.empty();
-  node_options.sample_hz = run.sample_hz;
+  const PeerNode::Options node_options = node_options_of(options, run, **settings, clock);
   auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
   const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), node_options);
 
@@ -258,6 +267,9 @@ int run_peer(const PeerOptions& options) {
   log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, {}", (*settings)->name, (*settings)->id,
                                        scenario->world.filename().string(), transport->describe()));
   if (!reached->why_unicast.empty()) log(spdlog::level::warn, "no multicast: " + reached->why_unicast);
+  if (!reached->why_only_here.empty()) {
+    log(spdlog::level::warn, "reaches this computer only, over " + reached->why_only_here + "; peerd doctor says more");
+  }
   if (const std::string less = buffer_warning(run.transport, transport->receive_buffer_bytes()); !less.empty()) {
     log(spdlog::level::warn, less);
   }
@@ -268,6 +280,9 @@ int run_peer(const PeerOptions& options) {
       io, *node, *transport, clock, [&log](const LogLine& line) { log(line); },
       options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   if (options.verbose) daemon.log_updates();
+  if (!options.take_over) {
+    daemon.ask_first({PeerId{(*settings)->id}, node_options.incarnation, session_hash});
+  }
   daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), cache_warmer.get());
   auto control = open_control(io, control_place(options, run.control, **settings, log), daemon, log);
   if (!control) return failed(control.error());

@@ -14,6 +14,7 @@ struct PeerOptions {
   std::filesystem::path record;        // file for the peer's log; empty: none
   std::filesystem::path capture;       // file for the peer's capture (record/capture.hpp); empty: none
   std::optional<std::string> control;  // path of the control socket, of --control; empty: none
+  bool take_over = false;              // do not ask whether this peer is running already
   bool once = false;                   // leave when the scenario's duration is over
   bool json = false;                   // log lines as JSON
   bool verbose = false;                // debug lines too

@@ -78,6 +78,10 @@ ordered_json status(PeerNode& node, HostTime now, const net::TrafficCounters* ne
       {"clock_error_ms", in_ms(clock.error_bound(now))}};
   reply["world_time_s"] = since(peer.world_zero());
   reply["since_start_s"] = since(node.start());
+  reply["waits_for"] = ordered_json::array();
+  for (const AwaitedPeer& missing : node.missing()) {
+    reply["waits_for"].push_back({{"id", missing.id.value}, {"name", missing.name}});
+  }
   reply["members"] = ordered_json::array();
   for (const auto& [id, member] : peer.members().all()) {
     reply["members"].push_back({{"id", id.value}, {"name", member.name}, {"joined", member.synchronised}});
@@ -93,6 +97,7 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
   const replication::Peer& peer = node.peer();
   const replication::SessionClock& clock = peer.clock();
   ordered_json reply = good();
+  const auto part = [](std::optional<double> lost) { return lost ? ordered_json(*lost) : ordered_json(nullptr); };
   const auto id_of = [](std::optional<PeerId> id) { return id ? ordered_json(id->value) : ordered_json(nullptr); };
   const auto& os = peer.os_clock();
   reply["clock"] = {{"follows", id_of(peer.follows())},
@@ -126,8 +131,8 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
          {"clock_error_ms", member.synchronised ? in_ms(member.clock_error) : ordered_json(nullptr)},
          {"datagrams_in", member.datagrams_in},
          {"bytes_in", member.bytes_in},
-         {"loss_in", received.loss()},
-         {"loss_out", member.echo.loss_to_peer ? ordered_json(*member.echo.loss_to_peer) : ordered_json(nullptr)},
+         {"loss_in", part(received.measured_loss())},
+         {"loss_out", part(member.echo.reported_loss())},
          {"duplicates", received.duplicates()},
          {"overtaken", received.overtaken()},
          {"drops", member.drops}});
@@ -144,7 +149,7 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
                        {"bytes_in", traffic.bytes_in},
                        {"datagrams_out", traffic.datagrams_out},
                        {"bytes_out", traffic.bytes_out},
-                       {"loss_in", in.loss()},
+                       {"loss_in", part(in.measured_loss())},
                        {"duplicates", in.duplicates()},
                        {"overtaken", in.overtaken()},
                        {"drops", traffic.drops}});

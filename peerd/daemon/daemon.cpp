@@ -13,6 +13,7 @@
 #include <boost/asio/post.hpp>
 
 #include "peerd/control/answer.hpp"
+#include "peerd/control/request.hpp"
 #include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/feed/pose_message.hpp"
 #include "peerd/os/os_clock.hpp"
@@ -29,6 +30,9 @@ constexpr std::uint64_t kReadsPerPoll = 8;
 // judges any peer silent, but at most kStalledTurns batches, so that ticks continue in a flood.
 constexpr std::chrono::milliseconds kStalled{100};
 constexpr int kStalledTurns = 64;
+// The period of the question whether a peer of this identity is alive.
+constexpr Duration kAskAgainAfter = std::chrono::milliseconds(200);
+constexpr int kEnvironment = 3;  // exit code
 
 namespace {
 
@@ -46,6 +50,13 @@ const char* name_of(int signal) {
     default:
       return "SIGPIPE: nobody reads its log any more";
   }
+}
+
+// Whether the peer must have begun for the request.
+bool changes_something(std::string_view line) {
+  const auto request = api::parse_request(line);
+  return request &&
+         (std::holds_alternative<api::KeyRequest>(*request) || std::holds_alternative<api::PoseRequest>(*request));
 }
 
 // Who has had a signal ignored for this process (nohup) means it.
@@ -74,6 +85,9 @@ Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& tran
 
 std::string Daemon::on_control(std::string_view line) {
   if (over_) return api::refusal("this peer is leaving");
+  if (question_ && changes_something(line)) {
+    return api::refusal("this peer has not begun: it asks first, for a second, whether it is running already");
+  }
   const HostTime at = now();
   const Duration host_minus_wall = clock_.minus_wall();
   if (capture_) capture_->on_control(at, host_minus_wall, line);
@@ -91,6 +105,7 @@ std::string Daemon::on_control(std::string_view line) {
 
 void Daemon::on_poses(std::string_view datagram) {
   if (over_) return;
+  if (question_) return node_.refuse_poses("this peer has not begun");
   const HostTime at = now();
   const Duration host_minus_wall = clock_.minus_wall();
   if (capture_) capture_->on_poses(at, host_minus_wall, datagram);
@@ -103,7 +118,7 @@ void Daemon::on_poses(std::string_view datagram) {
 }
 
 void Daemon::on_poses(std::span<const feed::FedPose> poses) {
-  assert(capture_ == nullptr);
+  assert(capture_ == nullptr && !question_);
   if (over_) return;
   // Reading the difference costs 0.5 us (two dozen clock readings), so only poses that name a Unix time pay for it.
   const bool stamped = std::ranges::any_of(poses, [](const feed::FedPose& fed) { return fed.time_s.has_value(); });
@@ -119,18 +134,50 @@ int Daemon::run() {
     log_({LogLevel::kInfo, fmt::format("leaving: got {}", name_of(signal))});
     leave();
   });
-  transport_.on_receive([this](const net::Arrival& arrival) {
-    if (over_) return;
-    const HostTime at = forward_(arrival.at);
-    if (capture_) capture_->on_packet(at, arrival.from, arrival.region, arrival.datagram);
-    node_.on_packet(at, arrival.region, arrival.datagram);
-    if (received_handler_) received_handler_();
-    drain();
-  });
-  drain();
-  if (exit_code_ == 0) wake();
+  transport_.on_receive([this](const net::Arrival& arrival) { on_datagram(arrival); });
+  if (question_) {
+    check(transport_.join(replication::kWholeScene));
+    ask(clock_.now() + kIdentityIsAskedFor);
+  } else {
+    take_part();
+  }
   serve();
   return exit_code_;
+}
+
+void Daemon::take_part() {
+  if (over_) return;
+  question_.reset();
+  drain();
+  if (exit_code_ == 0) wake();
+}
+
+void Daemon::ask(HostTime until) {
+  if (over_) return;
+  if (clock_.now() >= until) return take_part();
+  transport_.send(replication::kWholeScene, replication::encode(*question_));
+  transport_.flush();
+  timer_.expires_after(std::min(kAskAgainAfter, until - clock_.now()));
+  timer_.async_wait([this, until](const boost::system::error_code& error) {
+    if (!error) ask(until);
+  });
+}
+
+void Daemon::on_datagram(const net::Arrival& arrival) {
+  if (over_) return;
+  if (question_) {
+    if (!replication::answers(arrival.datagram, *question_)) return;
+    log_({LogLevel::kError, fmt::format("peer {} (id {}) is running already; end it, give this one an id of its own, "
+                                        "or say --take-over",
+                                        node_.name(), question_->id.value)});
+    exit_code_ = kEnvironment;
+    return stop();
+  }
+  const HostTime at = forward_(arrival.at);
+  if (capture_) capture_->on_packet(at, arrival.from, arrival.region, arrival.datagram);
+  node_.on_packet(at, arrival.region, arrival.datagram);
+  if (received_handler_) received_handler_();
+  drain();
 }
 
 // Runs the io_context as io_.run() does, but polls for a while before it sleeps. Datagrams are urgent: most polls ask
@@ -175,6 +222,7 @@ void Daemon::wake() {
     log_({LogLevel::kInfo, "leaving: the scenario is over"});
     return leave();
   }
+  log_missing();
   due_ = node_.next_deadline();
   timer_.expires_after(std::max(Duration{0}, *due_ - clock_.now()));
   timer_.async_wait([this](const boost::system::error_code& error) {
@@ -193,8 +241,18 @@ void Daemon::follow_interface() {
     log_({change->is_back ? LogLevel::kInfo : LogLevel::kError, change->sentence});
 }
 
+// Motions that don't begin would look like a fault.
+void Daemon::log_missing() {
+  if (missing_.empty() && node_.start()) return;
+  auto missing = node_.missing();
+  if (missing == missing_) return;
+  missing_ = std::move(missing);
+  log_(describe_missing(missing_));
+}
+
 void Daemon::leave() {
   if (over_) return;
+  if (question_) return stop();  // its goodbye would be another's
   const HostTime at = now();
   if (capture_) capture_->on_leave(at);
   node_.leave(at);
@@ -208,6 +266,7 @@ void Daemon::stop() {
 }
 
 void Daemon::drain() {
+  if (question_) return;                    // nothing leaves before the peer has begun
   std::vector<replication::Output> change;  // logged after the datagrams have left, because the log may be slow
   while (auto out = node_.poll_output()) {
     if (!logs_updates_ && std::holds_alternative<replication::Published>(*out)) continue;
@@ -226,6 +285,11 @@ void Daemon::drain() {
   }
   transport_.flush();
   for (const replication::Output& out : change) {
+    const auto* in_use = std::get_if<replication::IdInUse>(&out);
+    if (in_use != nullptr && in_use->ours_is_replaced) {  // nobody would hear this peer any more
+      exit_code_ = kEnvironment;
+      stop();
+    }
     if (const auto line = describe(out, node_.scene())) log_(*line);
   }
   while (const auto key = node_.poll_key_report()) {
@@ -242,7 +306,7 @@ void Daemon::keep_capture() {
   if (capture_->good()) return;
   log_({LogLevel::kError, "the capture ends here: it can't be written any more; is the disk full?"});
   capture_ = nullptr;
-  exit_code_ = 3;
+  exit_code_ = kEnvironment;
 }
 
 void Daemon::check(const std::expected<void, net::NetError>& done) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
@@ -16,6 +17,7 @@
 #include "peerd/os/host_clock.hpp"
 #include "peerd/record/capture.hpp"
 #include "peerd/transport/transport.hpp"
+#include "replication/session/identity.hpp"
 
 namespace peerd {
 
@@ -58,6 +60,11 @@ class Daemon {
   // afterwards.
   void on_received(std::function<void()> handler) { received_handler_ = std::move(handler); }
 
+  // Before it takes part in the session, the daemon asks for kIdentityIsAskedFor whether a peer of its identity is
+  // alive already; where one answers, it ends with exit code 3.
+  void ask_first(const replication::IdentityQuestion& question) { question_ = question; }
+  static constexpr Duration kIdentityIsAskedFor = std::chrono::seconds(1);
+
   // Runs until a signal, a request to leave or the end of the scenario. Returns the exit code.
   int run();
 
@@ -67,10 +74,14 @@ class Daemon {
 
  private:
   HostTime now() { return forward_(clock_.now()); }
+  void take_part();
+  void ask(HostTime until);
+  void on_datagram(const net::Arrival& arrival);
   void serve();
   void wake();
   void read_os_clock_into_node(HostTime now);
   void follow_interface();
+  void log_missing();
   void leave();
   void stop();
   void drain();
@@ -85,7 +96,8 @@ class Daemon {
   const net::HostClock& clock_;
   Log log_;
   std::optional<Duration> leave_after_;
-  record::CaptureWriter* capture_;  // null: none, or it has failed
+  std::optional<replication::IdentityQuestion> question_;  // is being asked: the peer has not begun
+  record::CaptureWriter* capture_;                         // null: none, or it has failed
   std::function<void()> received_handler_;
   net::ForwardTime forward_;
   TickLateness lateness_;
@@ -93,6 +105,7 @@ class Daemon {
   HostTime system_due_ = HostTime::min();
   Duration busy_poll_{0};
   CacheWarmer* cache_warmer_ = nullptr;  // null: none
+  std::vector<AwaitedPeer> missing_;     // as logged last
   bool logs_updates_ = false;
   bool over_ = false;
   int exit_code_ = 0;

@@ -89,7 +89,20 @@ struct LineOf {
                                            "same file, and the same [regions]"};
   }
   Line operator()(const IdInUse& i) const {
-    return LogLine{LogLevel::kError, fmt::format("another peer uses id {} too; give each peer its own", i.peer.value)};
+    if (!i.is_ours) {
+      return LogLine{
+          LogLevel::kWarning,
+          fmt::format("two programs are peer {}; what the one says that started earlier is dropped", i.peer.value)};
+    }
+    return LogLine{LogLevel::kError, i.ours_is_replaced
+                                         ? fmt::format("another program has taken over as peer {}", i.peer.value)
+                                         : fmt::format("another program goes on as peer {}; end it, or give each peer "
+                                                       "an id of its own",
+                                                       i.peer.value)};
+  }
+  Line operator()(const NameInUse& n) const {
+    return LogLine{LogLevel::kWarning, fmt::format("peers {} and {} have one name, {}; give each peer its own",
+                                                   n.other.value, n.peer.value, n.name)};
   }
   Line operator()(const OwnershipConflict& c) const {
     return LogLine{LogLevel::kError,
@@ -123,6 +136,13 @@ struct LineOf {
 }  // namespace
 
 std::optional<LogLine> describe(const Output& output, const Scene& scene) { return std::visit(LineOf{scene}, output); }
+
+LogLine describe_missing(std::span<const AwaitedPeer> missing) {
+  if (missing.empty()) return {LogLevel::kInfo, "all peers are here, and motions begin"};
+  std::string all;
+  for (const AwaitedPeer& peer : missing) all += (all.empty() ? "" : ", ") + named(peer.id, peer.name);
+  return {LogLevel::kInfo, "waits for " + all + ": nothing moves before"};
+}
 
 LogLine describe(const feed::Notice& notice) {
   const auto once = notice.again ? LogLevel::kDebug : LogLevel::kWarning;

@@ -98,9 +98,20 @@ void PeerNode::on_packet(HostTime now, RegionId region, std::span<const std::byt
   (void)peer_.on_packet(now, region, datagram);  // the peer's counters have the reason of a drop
 }
 
-// The peer with the lowest id of those that are waited for sets the start, and the others follow its hellos. Whoever
-// knows it announces it where nobody else does: the one who set it may have left, or be another life that has
-// forgotten.
+// The peer that sets the start: the lowest id of those that are waited for or, for a peer that waits for nobody, of
+// those that run an object.
+PeerId PeerNode::starter() const {
+  PeerId lowest = config_.id;
+  for (const AwaitedPeer& peer : options_.wait_for) lowest = std::min(lowest, peer.id);
+  if (!options_.wait_for.empty()) return lowest;
+  for (const auto& [object, owner] : peer_.owners()) {
+    if (owner != kNobody) lowest = std::min(lowest, owner);
+  }
+  return lowest;
+}
+
+// One peer sets the start, and the others follow its hellos. Whoever knows it announces it where nobody else does: the
+// one who set it may have left, or be another life that has forgotten.
 void PeerNode::agree_on_start(HostTime now) {
   if (!peer_.clock().synchronised()) return;
   const auto& members = peer_.members().all();
@@ -110,29 +121,35 @@ void PeerNode::agree_on_start(HostTime now) {
     follow_start(now, *announcing->second.start);
     return;
   }
-  PeerId lowest = config_.id;
-  bool complete = true;
-  for (PeerId peer : options_.wait_for) {
-    if (peer == config_.id) continue;
-    lowest = std::min(lowest, peer);
-    const auto member = members.find(peer);
-    complete = complete && member != members.end() && member->second.synchronised;
-  }
-  if (lowest != config_.id) {
-    const auto member = members.find(lowest);
+  if (options_.watches && announcing == members.end()) return;
+  if (const PeerId other = starter(); other != config_.id) {
+    const auto member = members.find(other);
     if (member != members.end() && member->second.start) log_.start = member->second.start;
-  } else if (!complete) {
+  } else if (!missing().empty()) {
     complete_since_.reset();
   } else if (!log_.start) {
     if (!complete_since_) complete_since_ = now;
     // One that comes late sets the start where all have come late, so that nobody announces one.
-    if (options_.late && now - *complete_since_ < kStartIsAnnouncedWithin) return;
+    const bool others_may_know = options_.late && !options_.wait_for.empty();
+    if (others_may_know && now - *complete_since_ < kStartIsAnnouncedWithin) return;
     log_.start = std::chrono::ceil<std::chrono::seconds>(peer_.clock().to_session(now) + options_.start_lead);
   }
   if (log_.start && !announces_start_ && announcing == members.end()) {
     announces_start_ = true;
     peer_.announce_start(*log_.start);
   }
+}
+
+std::vector<AwaitedPeer> PeerNode::missing() const {
+  std::vector<AwaitedPeer> missing;
+  if (log_.start) return missing;
+  const auto& members = peer_.members().all();
+  for (const AwaitedPeer& peer : options_.wait_for) {
+    const auto member = members.find(peer.id);
+    const bool is_here = peer.id == config_.id || (member != members.end() && member->second.synchronised);
+    if (!is_here) missing.push_back(peer);
+  }
+  return missing;
 }
 
 // A late peer takes the start that any member announces, and skips scripted keys that precede its own joining.

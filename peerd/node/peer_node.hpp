@@ -9,6 +9,7 @@
 #include "peerd/config/resolve.hpp"
 #include "peerd/config/scenario.hpp"
 #include "peerd/feed/pose_feeds.hpp"
+#include "peerd/node/awaited_peer.hpp"
 #include "peerd/node/key_report.hpp"
 #include "peerd/node/peer_log.hpp"
 #include "replication/peer.hpp"
@@ -29,10 +30,12 @@ class PeerNode {
  public:
   struct Options {
     std::uint64_t incarnation = 1;
-    std::vector<PeerId> wait_for;  // motions begin once all of these peers are members; empty: at once
+    std::vector<AwaitedPeer> wait_for;  // motions begin once all of these peers are members; empty: at once
     // The session has begun without this peer, which adopts the announced start. Where all peers have come late and
     // nobody announces one, they begin anew.
     bool late = false;
+    // This peer has no part in the scenario: it does not begin the motions, nor the world's time, but adopts a start.
+    bool watches = false;
     Duration start_lead{0};    // the start is the first whole second at least this long after all peers are here
     Duration clock_offset{0};  // test setting: how far this host's clock is ahead of the shared clock
     bool keep_log = true;
@@ -74,6 +77,8 @@ class PeerNode {
   [[nodiscard]] bool drives(ObjectId object) const { return motions_.contains(object) || feeds(object); }
   // Whether an external program moves the object.
   [[nodiscard]] bool feeds(ObjectId object) const { return feeds_.feeds(object); }
+  // The peers that are not here yet and without which motions don't begin; none once the start is known.
+  [[nodiscard]] std::vector<AwaitedPeer> missing() const;
   // The start of the motions; none until all awaited peers are here.
   [[nodiscard]] std::optional<SimTime> start() const { return log_.start; }
   // The log with the counters as they stand now.
@@ -86,6 +91,7 @@ class PeerNode {
   [[nodiscard]] std::string why_not(HostTime now, const KeyReport::Change& change) const;
   [[nodiscard]] SimTime key_time(std::size_t key) const { return *log_.start + from_seconds(keys_[key].at_s); }
   void press_keys(HostTime now);
+  [[nodiscard]] PeerId starter() const;
   void agree_on_start(HostTime now);
   void follow_start(HostTime now, SimTime start);
   [[nodiscard]] SimTime sample_time(std::int64_t number) const;

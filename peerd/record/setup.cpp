@@ -24,7 +24,7 @@ Setup make_setup(const config::Scenario& scenario, const config::RunSettings& ru
 
 std::string to_text(const Setup& s) {
   nlohmann::ordered_json wait_for = nlohmann::ordered_json::array();
-  for (const PeerId peer : s.options.wait_for) wait_for.push_back(peer.value);
+  for (const AwaitedPeer& peer : s.options.wait_for) wait_for.push_back(peer.id.value);
   const net::GroupPlan& g = s.groups;
   const nlohmann::ordered_json groups{
       {"base", g.base.to_string()}, {"port", g.port}, {"pool", g.pool}, {"offset", g.offset}};
@@ -33,6 +33,7 @@ std::string to_text(const Setup& s) {
                                     {"boot", s.options.incarnation},
                                     {"wait_for", wait_for},
                                     {"late", s.options.late},
+                                    {"watches", s.options.watches},
                                     {"start_lead_ns", s.options.start_lead.count()},
                                     {"clock_offset_ns", s.options.clock_offset.count()},
                                     {"keep_log", s.options.keep_log},
@@ -58,8 +59,9 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
     }
     s.peer = json.at("peer").get<std::string>();
     s.options.incarnation = json.at("boot").get<std::uint64_t>();
-    for (const auto& peer : json.at("wait_for")) s.options.wait_for.push_back(PeerId{peer.get<std::uint32_t>()});
+    for (const auto& peer : json.at("wait_for")) s.options.wait_for.push_back({PeerId{peer.get<std::uint32_t>()}, ""});
     s.options.late = json.value("late", false);  // older captures have none
+    s.options.watches = json.value("watches", false);
     s.options.start_lead = Duration{json.at("start_lead_ns").get<std::int64_t>()};
     s.options.clock_offset = Duration{json.at("clock_offset_ns").get<std::int64_t>()};
     s.options.keep_log = json.at("keep_log").get<bool>();

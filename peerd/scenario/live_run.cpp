@@ -66,9 +66,17 @@ std::string last_lines(const fs::path& path, std::size_t count) {
 
 std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSettings& run,
                                       const config::PeerSettings& peer, const fs::path& record) {
-  std::vector<std::string> command{
-      launch.program.string(), "run",    "--config", launch.scenario.string(), "--peer", peer.name, "--record",
-      record.string(),         "--once", "--verbose"};
+  std::vector<std::string> command{launch.program.string(),
+                                   "run",
+                                   "--config",
+                                   launch.scenario.string(),
+                                   "--peer",
+                                   peer.name,
+                                   "--record",
+                                   record.string(),
+                                   "--once",
+                                   "--verbose",
+                                   "--take-over"};
   const auto set = [&](const std::string& assignment) { command.insert(command.end(), {"--set", assignment}); };
   for (const std::string& s : launch.sets) set(s);
   for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));

@@ -143,7 +143,7 @@ class Simulation {
     options.incarnation = ++peer.incarnations;
     options.late = late;
     for (const config::PeerSettings& p : run_.peers) {
-      if (config::starts_with(run_.events, p.name)) options.wait_for.push_back(PeerId{p.id});
+      if (config::starts_with(run_.events, p.name)) options.wait_for.push_back({PeerId{p.id}, p.name});
     }
     // All peers must know the start, and the objects that already move, before it comes.
     options.start_lead = from_seconds(1.0 + 2.0 * longest_delay_s_);

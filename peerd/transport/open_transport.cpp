@@ -106,7 +106,10 @@ std::expected<OpenedTransport, NetError> open_transport(asio::io_context& io, co
   if (why->empty()) {
     auto opened = MulticastSocket::open(io, clock, options.multicast);
     if (!opened) return std::unexpected(opened.error());
-    return OpenedTransport{*std::move(opened), {}};
+    const ChosenInterface& over = (*opened)->chosen_interface();
+    const bool only_here = options.multicast.interface.empty() && over.interface.loopback;
+    std::string why_only_here = only_here ? over.why : "";
+    return OpenedTransport{*std::move(opened), {}, std::move(why_only_here)};
   }
   auto opened = open_unicast(io, clock, options);
   if (!opened) return std::unexpected(opened.error());

@@ -25,6 +25,16 @@ Message Outbox::blank() const {
 std::uint32_t Outbox::send(Message& message, RegionId region, std::span<const EncodedUpdate> updates) {
   assert(message.sender == self_ && message.incarnation == incarnation_);
   message.number = ++numbers_[region];
+  put(region, message, updates);
+  return message.number;
+}
+
+void Outbox::send_unnumbered(const Message& message) {
+  assert(message.sender == self_ && message.number == 0);
+  put(kWholeScene, message, {});
+}
+
+void Outbox::put(RegionId region, const Message& message, std::span<const EncodedUpdate> updates) {
   Bytes datagram;
   if (!spare_.empty()) {
     datagram = std::move(spare_.back());
@@ -39,7 +49,6 @@ std::uint32_t Outbox::send(Message& message, RegionId region, std::span<const En
   traffic.bytes_out += datagram.size();
   bytes_.spend(datagram.size(), !updates.empty());
   outputs_.push_back(Send{region, std::move(datagram)});
-  return message.number;
 }
 
 std::optional<Output> Outbox::poll() {

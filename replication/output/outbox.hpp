@@ -27,6 +27,8 @@ class Outbox {
   // Encodes a message to a region and numbers it; `updates`, whose times count from the first one's, go in place of the
   // message's own. The result fits in kDatagramMax_bytes. Returns its number, from 1 in each region.
   std::uint32_t send(Message& message, RegionId region = kWholeScene, std::span<const EncodedUpdate> updates = {});
+  // Encodes a message to all peers without a number: nobody counts it as one of this peer's.
+  void send_unnumbered(const Message& message);
   void push(Output output) { outputs_.push_back(std::move(output)); }
 
   [[nodiscard]] std::optional<Output> poll();
@@ -38,6 +40,8 @@ class Outbox {
   [[nodiscard]] ByteBudget& bytes() { return bytes_; }
 
  private:
+  void put(RegionId region, const Message& message, std::span<const EncodedUpdate> updates);
+
   PeerId self_;
   std::uint64_t incarnation_;
   PeerCounters& counters_;

@@ -67,8 +67,16 @@ struct OtherWorld {
   PeerId peer;
   std::string name;
 };
+// Two programs are peers of one id. What the one says that started earlier, others drop.
 struct IdInUse {
-  PeerId peer;  // the id of this peer, which another one uses, too
+  PeerId peer;            // the id
+  bool is_ours;           // this peer is one of the two
+  bool ours_is_replaced;  // and the other one started later
+};
+// Two peers, one of which may be this one, have one name: people and scripts can't tell them apart.
+struct NameInUse {
+  PeerId peer, other;
+  std::string name;
 };
 struct OwnershipConflict {
   ObjectId object;
@@ -98,7 +106,7 @@ struct ContactSeen {
   SimTime known_at;
 };
 using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
-                            PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, OwnershipConflict, Published,
-                            ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
+                            PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict,
+                            Published, ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

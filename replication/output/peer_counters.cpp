@@ -18,6 +18,8 @@ const char* to_string(Drop drop) {
       return "too_many";
     case Drop::kUnintroduced:
       return "stranger";
+    case Drop::kIdentityCheck:
+      return "identity_check";
     case Drop::kRegion:
       return "region";
     case Drop::kNotYetInSession:

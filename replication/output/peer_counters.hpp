@@ -22,6 +22,7 @@ enum class Drop : std::uint8_t {
   kTooMany,          // more peers than one network carries
   kUnintroduced,     // no introduction of that peer has come yet
   kNotYetInSession,  // this peer has no session time yet
+  kIdentityCheck,    // a question whether a peer is alive, or its answer
   kRegion,           // sent to one region, although it concerns all peers
 };
 [[nodiscard]] const char* to_string(Drop);

@@ -12,6 +12,8 @@ constexpr std::size_t kMembersMax = 4096;
 constexpr std::size_t kVersionsMax = 8;
 // The incarnations of so many departed peers are remembered, so that a late datagram of theirs is recognised.
 constexpr std::size_t kDepartedMax = 4096;
+// Questions whether this peer is alive are answered no more often, for each answer goes to all.
+constexpr Duration kAnswersApart = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -40,8 +42,31 @@ std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, const 
     return reject_other_world(m);
   }
   const Membership::Admission admission = members_.on_datagram(now, m.sender, m.incarnation);
-  if (admission == Membership::Admission::kStale) return std::unexpected(Drop::kStaleIncarnation);
+  if (admission == Membership::Admission::kStale) return reject_earlier_life(now, m);
   return admission;
+}
+
+// Long after a life has begun, no datagram of an earlier one is under way any more: it goes on.
+std::unexpected<Drop> Admission::reject_earlier_life(HostTime now, const Message& m) {
+  const Member* later = members_.find(m.sender);
+  assert(later != nullptr);
+  const bool goes_on = now - later->since >= config_.lost_after;
+  if (goes_on && ids_in_use_.insert(m.sender).second) outbox_.push(IdInUse{m.sender, false, false});
+  return std::unexpected(Drop::kStaleIncarnation);
+}
+
+Drop Admission::on_identity_check(HostTime now, const Message& m) {
+  assert(m.identity);
+  const IdentityCheck& check = *m.identity;
+  if (m.sender != config_.id) return Drop::kIdentityCheck;
+  if (check.answers || check.asker == config_.incarnation) return Drop::kOwn;
+  const bool is_for_us = check.world_hash == config_.world_hash;
+  if (!is_for_us || (answered_at_ && now - *answered_at_ < kAnswersApart)) return Drop::kIdentityCheck;
+  answered_at_ = now;
+  Message answer = outbox_.blank();
+  answer.identity = IdentityCheck{check.asker, check.world_hash, true};
+  outbox_.send_unnumbered(answer);
+  return Drop::kIdentityCheck;
 }
 
 std::unexpected<Drop> Admission::admit_own(HostTime now, const Message& m, std::optional<HostTime> started) {
@@ -56,7 +81,8 @@ std::unexpected<Drop> Admission::admit_own(HostTime now, const Message& m, std::
   if (introduction == nullptr)
     return std::unexpected(Drop::kIdInUse);  // unless it is in another world, which it does not say
   if (introduction->world_hash != config_.world_hash) return reject_other_world(m);
-  if (!std::exchange(id_in_use_reported_, true)) outbox_.push(IdInUse{m.sender});
+  const bool replaced = m.incarnation > config_.incarnation;
+  if (ids_in_use_.insert(m.sender).second) outbox_.push(IdInUse{m.sender, true, replaced});
   return std::unexpected(Drop::kIdInUse);
 }
 

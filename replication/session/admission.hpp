@@ -34,6 +34,9 @@ class Admission {
                                                                  const OnLost& on_lost);
   // A member says goodbye, which is its last word in this incarnation: it is removed and returned.
   [[nodiscard]] Member dismiss(PeerId peer);
+  // Somebody asks whether a peer is alive, or says so: a question for this one is answered. Returns how the datagram is
+  // counted.
+  [[nodiscard]] Drop on_identity_check(HostTime now, const Message& message);
   // A datagram of another protocol version.
   void on_other_version(PeerId sender, std::uint32_t version);
   // Whether that peer is known to have another world.
@@ -42,6 +45,7 @@ class Admission {
  private:
   [[nodiscard]] std::unexpected<Drop> admit_own(HostTime now, const Message& message, std::optional<HostTime> started);
   [[nodiscard]] std::unexpected<Drop> reject_other_world(const Message& message);
+  [[nodiscard]] std::unexpected<Drop> reject_earlier_life(HostTime now, const Message& message);
 
   const PeerConfig& config_;
   Membership& members_;
@@ -49,7 +53,8 @@ class Admission {
   std::set<PeerId> other_worlds_;                   // each is reported once
   std::set<std::uint32_t> other_versions_;          // each is reported once
   std::map<PeerId, std::uint64_t> departed_peers_;  // the incarnation of each peer that has said goodbye
-  bool id_in_use_reported_ = false;
+  std::set<PeerId> ids_in_use_;                     // of two programs; each is reported once
+  std::optional<HostTime> answered_at_;
 };
 
 }  // namespace peerd::replication

@@ -19,6 +19,13 @@ void Acknowledgement::on_echo(const Echo& echo) {
   if (echo.received.highest >= received.highest) received = echo.received;  // else a later hello has overtaken it
 }
 
+std::optional<double> EchoState::reported_loss() const {
+  if (!acknowledgement) return loss_to_peer;
+  const auto& [after, received] = *acknowledgement;
+  const bool all_came = received.run >= std::min(received.highest - after, Received::kRunMax);
+  return all_came ? std::optional(0.0) : loss_to_peer;
+}
+
 void EchoState::on_hello_without_echo(bool leaves_us_out, std::size_t turn) {
   assert(turn >= 1);
   // A hello may name others only because it is their turn; then many in a row without this peer's name say it, too.

@@ -27,6 +27,9 @@ struct EchoState {
   std::optional<double> loss_to_peer;              // the part of this peer's datagrams that gets lost, in (0, 1)
   std::optional<Acknowledgement> acknowledgement;  // of this peer's datagrams
 
+  // The part that gets lost, for reports: zero where the echoes show that all has come since the first of them, while
+  // the estimate never quite gets there. None before an echo.
+  [[nodiscard]] std::optional<double> reported_loss() const;
   // A hello that does not name this peer. `leaves_us_out`: although it was this peer's turn to be named. `turn`: the
   // number of hellos in which the sender names every peer that it receives, >= 1.
   void on_hello_without_echo(bool leaves_us_out, std::size_t turn);

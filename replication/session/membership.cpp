@@ -23,6 +23,7 @@ Membership::Admission Membership::on_datagram(HostTime now, PeerId peer, std::ui
     member = Member{};
     admission = Admission::kRestarted;
   }
+  if (admission != Admission::kKnown) member.since = now;
   member.incarnation = incarnation;
   member.last_received = now;
   return admission;

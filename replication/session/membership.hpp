@@ -21,6 +21,7 @@ namespace peerd::replication {
 // One other peer, as far as its datagrams are received.
 struct Member {
   std::uint64_t incarnation = 0;
+  HostTime since{};  // the first datagram of that incarnation
   std::string name;
   HostTime last_received{};  // on this host's clock
   std::uint64_t datagrams_in = 0, bytes_in = 0;

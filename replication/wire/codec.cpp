@@ -118,6 +118,7 @@ void clear(Message& m) {
   m.decisions.clear();
   m.subscriptions.clear();
   m.handovers.clear();
+  m.identity.reset();
   m.unknown_models = 0;
 }
 
@@ -270,6 +271,11 @@ void Codec::encode(const Message& m, std::span<const EncodedUpdate> updates, Byt
   put(m.subscriptions, &d);
   put(m.handovers, &d);
   d.set_leaving(m.leaving);
+  if (m.identity) {
+    d.mutable_identity()->set_asker(m.identity->asker);
+    d.mutable_identity()->set_world_hash(m.identity->world_hash);
+    d.mutable_identity()->set_answers(m.identity->answers);
+  }
   datagram.resize(d.ByteSizeLong());
   d.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data()));
 }
@@ -287,6 +293,9 @@ std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> da
   m.sender = PeerId{d.sender()};
   m.number = d.number();
   m.leaving = d.leaving();
+  if (d.has_identity()) {
+    m.identity = IdentityCheck{d.identity().asker(), d.identity().world_hash(), d.identity().answers()};
+  }
   if (d.has_hello() && !take(d.hello(), m.hello.emplace())) return std::unexpected(DecodeError::kValue);
   m.incarnation =
       m.introduction() != nullptr ? d.hello().introduction().incarnation() : incarnation_low(d.incarnation_low());

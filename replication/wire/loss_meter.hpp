@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 
 namespace peerd::replication {
 
@@ -44,6 +45,10 @@ class LossMeter {
   // ten.
   [[nodiscard]] double loss(double of_others) const {
     return (lost_ + kPriorDatagrams * of_others) / (sent_ + kPriorDatagrams);
+  }
+  // The part that was lost, as counted, for reports; none before anything has come.
+  [[nodiscard]] std::optional<double> measured_loss() const {
+    return sent_ > 0.0 ? std::optional(lost_ / sent_) : std::nullopt;
   }
   // Adds the counts of another meter, which has numbers of its own, so that loss() is that of both together.
   LossMeter& operator+=(const LossMeter& other) {

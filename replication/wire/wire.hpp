@@ -140,6 +140,14 @@ struct Handover {
   RegionId to;
 };
 
+// A program that starts asks whether a peer of its id, the sender's, is alive in a world, or such a peer answers that
+// it is. Peers of other ids have nothing to do with it.
+struct IdentityCheck {
+  std::uint64_t asker = 0;  // the incarnation of the program that asks
+  std::uint64_t world_hash = 0;
+  bool answers = false;
+};
+
 struct Message {
   PeerId sender;
   std::uint64_t incarnation = 0;  // grows with each start of that peer; incarnation_low() of it without an introduction
@@ -150,6 +158,7 @@ struct Message {
   std::vector<Subscription> subscriptions;
   std::vector<Handover> handovers;  // from the region that the message goes to
   bool leaving = false;
+  std::optional<IdentityCheck> identity;
   // The updates that decode() left out, because they name a model that this build does not know.
   std::uint32_t unknown_models = 0;
 

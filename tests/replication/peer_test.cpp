@@ -144,6 +144,20 @@ TEST_F(InSession, ItsOwnIdFromAnotherIncarnationIsReported) {
   EXPECT_EQ(lan.peer(self).owner(world["O3"]), PeerId{0});
 }
 
+TEST_F(InSession, TwoPeersOfOneNameAreNamed) {
+  Message m = hello_of(8, lan.host_now(self), {});
+  m.hello->introduction->name = "twin";
+  EXPECT_TRUE(receive(m));
+  EXPECT_TRUE(lan.seen<NameInUse>(self).empty());
+  m = hello_of(9, lan.host_now(self), {});
+  m.hello->introduction->name = "twin";
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(receive(m));
+  const auto named = lan.seen<NameInUse>(self);
+  ASSERT_EQ(named.size(), 1u) << "once";
+  EXPECT_EQ(named[0].peer, PeerId{9});
+  EXPECT_EQ(named[0].other, PeerId{8});
+}
+
 TEST_F(InSession, AnotherWorldIsNamedOnceAndIgnored) {
   for (int i = 0; i < 3; ++i) {
     Message m = hello_of(8, lan.host_now(self), {world["O3"]});

@@ -138,7 +138,7 @@ class Side {
     const std::size_t number = own_ == 'a' ? 0 : 1;
     PeerNode::Options options;
     options.incarnation = static_cast<std::uint64_t>(clock_.now().time_since_epoch().count());
-    options.wait_for = {PeerId{1}, PeerId{2}};
+    options.wait_for = {{PeerId{1}, "1"}, {PeerId{2}, "2"}};
     options.keep_log = false;
     return PeerNode::make(run.peers[number], run.replication, *shared_, std::move((*objects)[number]),
                           std::move(options));

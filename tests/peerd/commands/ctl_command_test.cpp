@@ -147,6 +147,27 @@ TEST_F(Control, APeerThatNeverSleepsAnswersMovesAndLeaves) {
   EXPECT_TRUE(b.says("peer a (id 1) left", 2));
 }
 
+// Each was started by hand, knows of no other, and begins with whoever is there. A third one runs nothing.
+TEST_F(Control, PeersOfNoConfigurationHaveOneStartAndAWatcherBeginsNothing) {
+  const std::string at_w = socket("w"), at_a = socket("a"), at_b = socket("b");
+  Process w(folder, "w", PEERD_PROGRAM,
+            {"run", "--world", kWorlds, "--name", "w", "--id", "1", "--interface", "lo", "--port",
+             std::to_string(own_port(15)), "--control", at_w});
+  ASSERT_TRUE(w.says("in session", 5)) << w.out() << w.err();
+  EXPECT_TRUE(ask(at_w, "status")["world_time_s"].is_null());
+  Process a = start_peer("a", 2, "RED", 15, {"--control", at_a});
+  ASSERT_TRUE(a.says("peer w (id 1) joined", 5)) << a.out() << a.err();
+  const auto start_at = [&](const std::string& socket) {
+    const json status = wait_for_start(socket);
+    return status["session"]["time_s"].get<double>() - status["since_start_s"].get<double>();
+  };
+  const double start = start_at(at_a);
+  Process b = start_peer("b", 3, "BLUE", 15, {"--control", at_b});
+  ASSERT_TRUE(b.says("in session", 5)) << b.out() << b.err();
+  EXPECT_NEAR(start_at(at_b), start, 1e-3);
+  EXPECT_NEAR(start_at(at_w), start, 1e-3);
+}
+
 TEST_F(Control, ASocketOfAKilledPeerIsTakenOverAndThatOfALivingOneIsNot) {
   const std::string at = socket("a");
   {
@@ -177,9 +198,11 @@ TEST_F(Control, ByDefaultItIsInTheUsersRuntimeFolder) {
     EXPECT_THAT(which.err, HasSubstr("--name NAME; there are a, b"));
     EXPECT_THAT(ctl({"status", "--name", "b"}).out, HasSubstr("peer b (id 2)"));
     Process twin = start_peer("a", 3, "BLUE", 13, {});
-    EXPECT_TRUE(twin.says("runs without peerd ctl: ", 5)) << "by default it is no reason not to run";
-    b.signal(SIGTERM);
-    EXPECT_EQ(b.exit_code(2), 0);
+    EXPECT_TRUE(twin.says("run/peerd/a-3.sock", 5)) << "each has a socket of its own";
+    for (Process* each : {&twin, &b}) {
+      each->signal(SIGTERM);
+      EXPECT_EQ(each->exit_code(2), 0);
+    }
     EXPECT_THAT(ctl({"status"}).out, HasSubstr("peer a (id 1)")) << "the only one left";
     Process off = start_peer("off", 4, "BLUE", 13, {"--control", ""});
     EXPECT_TRUE(off.says("in session", 5)) << off.out() << off.err();

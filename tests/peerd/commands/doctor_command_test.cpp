@@ -87,6 +87,23 @@ TEST_F(Doctor, SaysWhatIsMissing) {
   });
 }
 
+// As on a computer without a network: nothing says that lo is meant.
+TEST_F(Doctor, WhatReachesThisComputerOnlyIsAFinding) {
+  with_wire([&](const Wire& wire) {
+    wire.left.enter();
+    ASSERT_TRUE(shell("ip link set va down && ip link set lo up"));
+    const auto alone = ask_json({}, 1);
+    EXPECT_EQ(alone["interface"]["name"], "lo");
+    EXPECT_EQ(alone["only_this_computer"], true);
+    EXPECT_EQ(alone["unicast_needed"], true);
+    const Said said = ask({});
+    EXPECT_EQ(said.exit_code, 1);
+    EXPECT_THAT(said.out, AllOf(HasSubstr("peers on other computers will not be heard: lo, as no other can multicast"),
+                                HasSubstr("transport.peers=[")));
+    EXPECT_EQ(ask_json({"--interface", "lo"}, 0)["only_this_computer"], false) << "it is meant";
+  });
+}
+
 TEST_F(Doctor, TellsOfABufferThatTheKernelDoesNotGrant) {
   const Said said = ask({"--interface", "lo", "--set", "transport.receive_buffer_bytes=1073741824"});
   EXPECT_EQ(said.exit_code, 0);

@@ -277,6 +277,32 @@ TEST_F(PeerProcess, AScenarioThatIsKilledTakesItsPeersWithIt) {
   EXPECT_TRUE(says("leaving: got SIGTERM"));
 }
 
+TEST_F(PeerProcess, APeerThatRunsAlreadyIsNotStartedASecondTime) {
+  Process a = start_peer("a", 0), b = start_peer("b", 0);
+  ASSERT_TRUE(b.says(joined("a", 1), 10)) << b.out() << b.err();
+  Process again = start("again", {"run", "--config", (folder / "s.toml").string(), "--peer", "a", "--interface", "lo",
+                                  "--port", std::to_string(own_port(0))});
+  EXPECT_EQ(again.exit_code(10), 3) << again.out() << again.err();
+  EXPECT_THAT(again.out(), HasSubstr("peer a (id 1) is running already"));
+  EXPECT_TRUE(a.running()) << a.out();
+  Process successor = start("successor", {"run", "--config", (folder / "s.toml").string(), "--peer", "a", "--interface",
+                                          "lo", "--port", std::to_string(own_port(0)), "--take-over"});
+  EXPECT_EQ(a.exit_code(10), 3) << a.err();
+  EXPECT_THAT(a.out(), HasSubstr("another program has taken over as peer 1"));
+  EXPECT_TRUE(b.says("peer a (id 1) restarted", 10)) << b.out();
+  successor.signal(SIGKILL);  // nobody answers for it
+  Process third = start("third", {"run", "--config", (folder / "s.toml").string(), "--peer", "a", "--interface", "lo",
+                                  "--port", std::to_string(own_port(0))});
+  EXPECT_TRUE(third.says(joined("b", 2), 10)) << third.out() << third.err();
+}
+
+TEST_F(PeerProcess, APeerSaysForWhomItWaits) {
+  Process a = start_peer("a", 0), b = start_peer("b", 0);
+  EXPECT_TRUE(a.says("waits for peer c (id 3): nothing moves before", 10)) << a.out() << a.err();
+  Process c = start_peer("c", 0);
+  EXPECT_TRUE(a.says("all peers are here, and motions begin", 10)) << a.out() << a.err();
+}
+
 // Its terminal is closed.
 TEST_F(PeerProcess, AHangUpIsAReasonToLeave) {
   const std::string socket = (folder / "a.sock").string();

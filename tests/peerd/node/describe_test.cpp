@@ -56,7 +56,16 @@ TEST_F(Describe, ChangesOfTheSessionAreInformation) {
   EXPECT_EQ(line(contact(ContactKind::kApplied)), "1 A hit (decided there) B, 2.5 ms ago");
 }
 
+TEST(DescribeMissing, SaysForWhomAPeerWaitsAndWhenItWaitsNoMore) {
+  const std::vector<AwaitedPeer> missing{{PeerId{2}, "b"}, {PeerId{3}, "c"}};
+  EXPECT_EQ(describe_missing(missing).text, "waits for peer b (id 2), peer c (id 3): nothing moves before");
+  EXPECT_EQ(describe_missing({}).text, "all peers are here, and motions begin");
+}
+
 TEST_F(Describe, TroublesOfTheWorldAreWarnings) {
+  EXPECT_EQ(line(IdInUse{PeerId{1}, false, false}),
+            "2 two programs are peer 1; what the one says that started earlier is dropped");
+  EXPECT_EQ(line(NameInUse{PeerId{2}, PeerId{1}, "b"}), "2 peers 1 and 2 have one name, b; give each peer its own");
   EXPECT_EQ(line(PeerLost{PeerId{2}, "b", false}), "2 peer b (id 2) is lost: it has gone silent");
   EXPECT_EQ(line(ObjectOrphaned{a, PeerId{2}}), "2 A stands still: its owner, peer 2, is gone");
   EXPECT_EQ(line(ClockStepped{2ms, 1ms, true}),
@@ -68,7 +77,9 @@ TEST_F(Describe, TroublesOfTheWorldAreWarnings) {
 }
 
 TEST_F(Describe, WhatAPersonMustMendAreErrors) {
-  EXPECT_EQ(line(IdInUse{PeerId{1}}), "3 another peer uses id 1 too; give each peer its own");
+  EXPECT_EQ(line(IdInUse{PeerId{1}, true, false}),
+            "3 another program goes on as peer 1; end it, or give each peer an id of its own");
+  EXPECT_EQ(line(IdInUse{PeerId{1}, true, true}), "3 another program has taken over as peer 1");
   EXPECT_EQ(line(OwnershipConflict{b, PeerId{1}}), "3 two peers own B; peer 1 keeps it");
 }
 

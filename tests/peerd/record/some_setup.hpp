@@ -16,7 +16,7 @@ inline Setup some_setup(const net::GroupPlan& groups = {boost::asio::ip::make_ad
   s.reading = {.inlines_when_needed = true, .expansion = 7};
   s.options.late = true;
   s.options.incarnation = ~std::uint64_t{0};
-  s.options.wait_for = {PeerId{1}, PeerId{4'000'000'000}};
+  s.options.wait_for = {{PeerId{1}, ""}, {PeerId{4'000'000'000}, ""}};
   s.options.start_lead = Duration{5};
   s.options.clock_offset = Duration{-3};
   s.options.keep_log = false;

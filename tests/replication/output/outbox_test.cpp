@@ -32,7 +32,7 @@ TEST(Outbox, GivesOutputsInTheOrderOfTheirMaking) {
     box.outbox.push(Leave{RegionId{2}});
     EXPECT_TRUE(std::holds_alternative<Join>(*box.outbox.poll()));
     EXPECT_TRUE(std::holds_alternative<Send>(*box.outbox.poll()));
-    box.outbox.push(IdInUse{PeerId{3}});  // while it is being emptied
+    box.outbox.push(IdInUse{PeerId{3}, true, false});  // while it is being emptied
     EXPECT_TRUE(std::holds_alternative<Leave>(*box.outbox.poll()));
     EXPECT_TRUE(std::holds_alternative<IdInUse>(*box.outbox.poll()));
     EXPECT_FALSE(box.outbox.poll());

@@ -57,6 +57,56 @@ TEST_F(Admitting, TheLowBitsOfAnIncarnationAreEnough) {
   EXPECT_EQ(members.find(PeerId{2})->last_received, host(11s));
 }
 
+// Two programs are peer 2, and the one that started earlier goes on: its datagrams can't be under way for so long.
+TEST_F(Admitting, AnEarlierLifeThatGoesOnIsNamedOnce) {
+  ASSERT_EQ(admit(introduction(2, 101), host(10s)), Known::kJoined);
+  EXPECT_EQ(admit(introduction(2, 100), host(11s)), std::unexpected(Drop::kStaleIncarnation));
+  EXPECT_TRUE(drain<IdInUse>(outbox).empty());
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(admit(introduction(2, 100), host(12s)), std::unexpected(Drop::kStaleIncarnation));
+  }
+  const auto named = drain<IdInUse>(outbox);
+  ASSERT_EQ(named.size(), 1u);
+  EXPECT_EQ(named[0].peer, PeerId{2});
+  EXPECT_FALSE(named[0].is_ours);
+}
+
+class IdentityChecking : public Admitting {
+ protected:
+  Drop check(std::uint32_t id, const IdentityCheck& identity, HostTime now = host(10s)) {
+    Message m = message_of(id);
+    m.identity = identity;
+    return admission.on_identity_check(now, m);
+  }
+};
+
+TEST_F(IdentityChecking, AQuestionForThisPeerIsAnsweredWithoutANumber) {
+  EXPECT_EQ(check(1, {777, own.world_hash, false}), Drop::kIdentityCheck);
+  const auto sent = drain_messages(outbox, SimTime{});
+  ASSERT_EQ(sent.size(), 1u);
+  const Message& answer = sent[0].second;
+  EXPECT_EQ(answer.sender, PeerId{1});
+  EXPECT_EQ(answer.number, 0u);
+  EXPECT_EQ(outbox.last_number(), 0u);
+  ASSERT_TRUE(answer.identity);
+  EXPECT_EQ(answer.identity->asker, 777u);
+  EXPECT_TRUE(answer.identity->answers);
+}
+
+TEST_F(IdentityChecking, WhatDoesNotConcernThisPeerIsNotAnswered) {
+  EXPECT_EQ(check(2, {777, own.world_hash, false}), Drop::kIdentityCheck);
+  EXPECT_EQ(check(1, {777, own.world_hash + 1, false}), Drop::kIdentityCheck) << "of another world";
+  EXPECT_EQ(check(1, {777, own.world_hash, true}), Drop::kOwn) << "its own answer, by loopback";
+  EXPECT_EQ(check(1, {own.incarnation, own.world_hash, false}), Drop::kOwn) << "its own question";
+  EXPECT_TRUE(drain<Send>(outbox).empty());
+  EXPECT_TRUE(members.all().empty()) << "nobody becomes known by a question";
+}
+
+TEST_F(IdentityChecking, AFloodOfQuestionsGetsFewAnswers) {
+  for (int i = 0; i < 100; ++i) (void)check(1, {777, own.world_hash, false}, host(10s + i * 1ms));
+  EXPECT_EQ(drain<Send>(outbox).size(), 2u) << "one in 50 ms";
+}
+
 struct OwnCase {
   const char* name;
   bool introduces;

@@ -33,4 +33,19 @@ TEST(Acknowledgement, OldNumbersAreOnlyKnownToHaveArrived) {
   EXPECT_FALSE(acknowledgement.has(100) || acknowledgement.surely_lost(100));
 }
 
+TEST(EchoState, ReportsNoLossWhereNothingIsMissing) {
+  EchoState state;
+  EXPECT_EQ(state.reported_loss(), std::nullopt);
+  const auto on_echo = [&](const Received& received) {
+    Echo e = echo(received);
+    e.loss = 0.002;  // an estimate never gets to zero
+    (void)state.on_echo(e);
+  };
+  on_echo({10, 2, ~std::uint64_t{0b100}});
+  on_echo({20, 12, ~std::uint64_t{0}});
+  EXPECT_EQ(state.reported_loss(), 0.0) << "all that came after the first echo";
+  on_echo({30, 3, ~std::uint64_t{0b1000}});
+  EXPECT_EQ(state.reported_loss(), 0.002);
+}
+
 }  // namespace peerd::replication::echo_state_test

@@ -10,6 +10,14 @@ namespace peerd::replication::loss_meter_test {
 
 TEST(LossMeter, AssumesOneInTenBeforeAnySample) { EXPECT_DOUBLE_EQ(LossMeter{}.loss(), 0.1); }
 
+TEST(LossMeter, ReportsWhatItCounted) {
+  LossMeter meter;
+  EXPECT_EQ(meter.measured_loss(), std::nullopt);
+  for (std::uint32_t i = 1; i <= 100; ++i) meter.on_datagram(i);
+  EXPECT_EQ(meter.measured_loss(), 0.0);
+  EXPECT_GT(meter.loss(), 0.0) << "which decides on copies";
+}
+
 // lost: every k-th; 0: none.
 double after(std::uint32_t datagrams, std::uint32_t every) {
   LossMeter meter;
