@@ -14,6 +14,8 @@ constexpr std::size_t kVersionsMax = 8;
 constexpr std::size_t kDepartedMax = 4096;
 // Questions whether this peer is alive are answered no more often, for each answer goes to all.
 constexpr Duration kAnswersApart = std::chrono::milliseconds(50);
+// Another program of this peer's id counts once it has been heard for so long, and not by one damaged datagram.
+constexpr Duration kRivalGoesOnFor = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -81,8 +83,12 @@ std::unexpected<Drop> Admission::admit_own(HostTime now, const Message& m, std::
   if (introduction == nullptr)
     return std::unexpected(Drop::kIdInUse);  // unless it is in another world, which it does not say
   if (introduction->world_hash != config_.world_hash) return reject_other_world(m);
-  const bool replaced = m.incarnation > config_.incarnation;
-  if (ids_in_use_.insert(m.sender).second) outbox_.push(IdInUse{m.sender, true, replaced});
+  if (rival_ != m.incarnation) {
+    rival_ = m.incarnation;
+    rival_heard_ = now;
+  } else if (now - rival_heard_ >= kRivalGoesOnFor && ids_in_use_.insert(m.sender).second) {
+    outbox_.push(IdInUse{m.sender, true, m.incarnation > config_.incarnation});
+  }
   return std::unexpected(Drop::kIdInUse);
 }
 

@@ -55,6 +55,8 @@ class Admission {
   std::map<PeerId, std::uint64_t> departed_peers_;  // the incarnation of each peer that has said goodbye
   std::set<PeerId> ids_in_use_;                     // of two programs; each is reported once
   std::optional<HostTime> answered_at_;
+  std::optional<std::uint64_t> rival_;  // the incarnation of another program that was heard last as this peer
+  HostTime rival_heard_{};              // first
 };
 
 }  // namespace peerd::replication

@@ -120,8 +120,10 @@ TEST_P(OwnId, IsDroppedForItsReason) {
   const OwnCase& c = GetParam();
   const Message m = c.introduces ? introduction(1, c.incarnation) : message_of(1, c.incarnation);
   EXPECT_EQ(admit(m, host(10s), c.started), std::unexpected(c.drop));
+  EXPECT_TRUE(drain<IdInUse>(outbox).empty()) << "one datagram may be damaged";
+  (void)admit(m, host(10s + 50ms), c.started);
   EXPECT_EQ(drain<IdInUse>(outbox).size(), c.reported ? 1u : 0u);
-  (void)admit(m, host(10s), c.started);
+  (void)admit(m, host(10s + 50ms), c.started);
   EXPECT_TRUE(drain<IdInUse>(outbox).empty()) << "once";
   EXPECT_TRUE(members.all().empty());
 }
