@@ -300,7 +300,8 @@ TEST_P(BadInput, IsOneSentenceAndAnExitCode) {
 INSTANTIATE_TEST_SUITE_P(
     Table, BadInput,
     testing::Values(
-        Bad{"NoCommand", {}, 2, "subcommand", false}, Bad{"UnknownCommand", {"fly"}, 2, "subcommand", false},
+        Bad{"NoCommand", {}, 2, "which command?", false},
+        Bad{"UnknownCommand", {"fly"}, 2, "has no command fly", false},
         Bad{"NothingToRun", {"run"}, 2, "--config FILE"}, Bad{"NoScenario", {"sim"}, 2, "scenario is required", false},
         Bad{"UnknownOption", {"sim", "@/s.toml", "--sped=3"}, 2, "--sped", false},
         Bad{"SetWithoutValue", {"sim", "@/s.toml", "--set", "duration_s"}, 2, "KEY=VALUE"},
