@@ -35,12 +35,22 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return rows[a.size() % 3][b.size()];
 }
 
+// Whether the candidate is the word with a unit behind it, such as latency_ms for latency.
+bool lacks_unit(std::string_view word, std::string_view candidate) {
+  return !word.empty() && candidate.size() > word.size() && candidate[word.size()] == '_' &&
+         std::ranges::equal(word, candidate.substr(0, word.size()), {}, lower, lower);
+}
+
 }  // namespace
 
 Suggestion::Suggestion(std::string_view word)
     : word_(word), best_distance_(word.size() > kLongestName ? 0 : std::max<std::size_t>(word.size() / 3, 1) + 1) {}
 
 void Suggestion::consider(std::string_view candidate) {
+  if (best_distance_ > 1 && lacks_unit(word_, candidate)) {
+    best_distance_ = 1;
+    best_ = candidate;
+  }
   const auto [shorter, longer] = std::minmax({word_.size(), candidate.size()});
   if (longer > kLongestName || longer - shorter >= best_distance_) return;
   const std::size_t distance = edit_distance(word_, candidate);

@@ -5,8 +5,8 @@
 
 namespace peerd {
 
-// A Suggestion finds the candidate nearest to a misspelt word: same letters but for case, or at most a third of them
-// wrong. The word and the candidates must outlive it.
+// A Suggestion finds the candidate nearest to a misspelt word: same letters but for case, the word with a unit such as
+// _ms behind it, or at most a third of the letters wrong. The word and the candidates must outlive it.
 class Suggestion {
  public:
   explicit Suggestion(std::string_view word);

@@ -1,18 +1,25 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cmath>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <memory>
+#include <span>
+#include <string_view>
+
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/motion/key_codes.hpp"
+#include "peerd/command_line/interruption.hpp"
+#include "peerd/command_line/number_checks.hpp"
+#include "peerd/command_line/standard_streams.hpp"
+#include "peerd/command_line/wrong_use.hpp"
 #include "peerd/commands/bake_command.hpp"
 #include "peerd/commands/check_command.hpp"
 #include "peerd/commands/collide_command.hpp"
@@ -24,6 +31,8 @@
 #include "peerd/commands/scenario_command.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/commands/sim_command.hpp"
+#include "peerd/config/scenario.hpp"
+#include "peerd/feed/pose_feed.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/os/host_clock.hpp"
 
@@ -32,6 +41,15 @@ namespace {
 
 constexpr int kWrongUse = 2;
 constexpr int kEnvironment = 3;
+constexpr const char* kVersion = "peerd " PEERD_VERSION;
+
+// The world times that a world is asked at [s]. Beyond them a tick is lost in rounding.
+constexpr NumberRange kWorldTimes_s{-1e12, 1e12};
+constexpr NumberRange kTicksPerSecond{1e-6, 1e6};
+constexpr double kQuaternionMax = 2.0;  // of one component; the peer checks their norm
+constexpr std::int64_t kSizeMax_mib = 1 << 20;
+constexpr std::int64_t kKeyCodeMax = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kPeerIdMax = std::numeric_limits<std::uint32_t>::max();
 
 // The options of `peerd run` that stand for settings, in place of a configuration file or over it.
 struct RunFlags {
@@ -47,10 +65,15 @@ std::uint32_t number_by_clock() {
   return 1'000'000'000 + static_cast<std::uint32_t>(us % 3'000'000'000);
 }
 
+// The defaults are those of config::TransportSettings.
 void add_network_options(CLI::App& command, RunFlags& flags) {
-  command.add_option("--interface", flags.interface, "network interface, such as eth0 or lo");
-  command.add_option("--group", flags.group, "multicast group of region 0, IPv4 or IPv6");
-  command.add_option("--port", flags.port, "UDP port");
+  command.add_option("--interface", flags.interface,
+                     "network interface, such as eth0 (default: the configuration's, else the only one that can "
+                     "multicast, else lo)");
+  command.add_option("--group", flags.group,
+                     "multicast group of region 0, IPv4 or IPv6 (default: the configuration's, else 239.192.80.0)");
+  command.add_option("--port", flags.port, "UDP port (default: the configuration's, else 47474)")
+      ->transform(whole_number_in(1, 65535));
 }
 
 std::vector<std::string> network_settings(const RunFlags& flags) {
@@ -81,8 +104,12 @@ void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
       ->allow_extra_args(false);
   command.add_option("--set", options.sets, "KEY=VALUE, such as network.latency_ms=100; a list sweeps (repeatable)")
       ->allow_extra_args(false);
-  command.add_option("--seed", options.seed, "instead of the scenario's seed");
-  command.add_option("--repeat", options.repeat, "run everything with so many seeds, from that one on");
+  command.add_option("--seed", options.seed, "the first run's seed (default: the scenario's, else 1)")
+      ->transform(whole_number_in(0, config::kSeedMax));
+  command
+      .add_option("--repeat", options.repeat,
+                  "run everything with so many seeds, from that one on (default: the scenario's, else 1)")
+      ->transform(whole_number_in(1, config::kRepeatMax));
   command.add_option("--out", options.out, "where the outputs go (default: out/NAME)");
   command.add_flag("--json", options.json, "print summary.json instead of the table");
 }
@@ -93,9 +120,10 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
       ->allow_extra_args(false);
   command.add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
   command.add_option("--world", flags.world, "the VRML97 world");
-  command.add_option("--peer", peer.peer, "which of the configuration's peers");
-  command.add_option("--name", flags.name, "this peer's name, without a configuration");
-  command.add_option("--id", flags.id, "this peer's number; each peer needs its own");
+  command.add_option("--peer", peer.peer, "which of the configuration's peers (default: its only one)");
+  command.add_option("--name", flags.name, "this peer's name, without a configuration (default: peer)");
+  command.add_option("--id", flags.id, "this peer's number; each peer needs its own (default: one by the clock)")
+      ->transform(whole_number_in(1, kPeerIdMax));
   command.add_option("--own", flags.owns, "a node of the world that this peer runs (repeatable)")
       ->allow_extra_args(false);
   command.add_option("--enslave", flags.enslaves, "the former name of --own")
@@ -103,7 +131,8 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
       ->group("");  // not in the help
   add_network_options(command, flags);
   command.add_option("--control", peer.control,
-                     "where peerd ctl reaches this peer: the path of a socket, or \"\" for none");
+                     "where peerd ctl reaches this peer: the path of a socket, or \"\" for none (default: the "
+                     "configuration's, else one in XDG_RUNTIME_DIR)");
   command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
   command.add_flag("--take-over", peer.take_over,
                    "begin at once, without asking for a second whether this peer is running already: that one ends");
@@ -132,7 +161,11 @@ struct CtlCommands {
 
 CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, PoseFlags& pose) {
   ctl.require_subcommand(1);
-  auto* control = ctl.add_option("--control", options.socket, "the peer's control socket");
+  ctl.footer(
+      "Exit codes: 0 done, 1 a key or a pose without its full effect, 2 wrong use, or the peer refused, 3 no peer "
+      "answers");
+  auto* control =
+      ctl.add_option("--control", options.socket, "the peer's control socket (default: that of the peer of --name)");
   ctl.add_option("--name", options.name, "the peer's name (default: the only one that this user runs)")
       ->excludes(control);
   ctl.add_flag("--json", options.json, "the peer's own reply, one JSON object");
@@ -148,14 +181,20 @@ CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, 
   commands.key->add_flag("--alt", key.alt, "with Alt held down");
   commands.key->add_flag("--meta", key.meta, "with Meta held down");
   commands.key->add_flag("--keypad", key.keypad, "on the numeric keypad");
-  commands.key->add_option("--value", key.value, "instead of a name: the Qt::Key");
-  commands.key->add_option("--state", key.state, "with --value: the Qt::ButtonState");
+  commands.key->add_option("--value", key.value, "instead of a name: the Qt::Key")
+      ->transform(whole_number_in(0, kKeyCodeMax));
+  commands.key->add_option("--state", key.state, "with --value: the Qt::ButtonState (default: 0)")
+      ->transform(whole_number_in(0, kKeyCodeMax));
   commands.pose =
       ctl.add_subcommand("pose", "puts an object somewhere that a program outside moves: where it stands then");
   commands.pose->add_option("object", pose.object, "its path, as in the configuration")->required();
-  commands.pose->add_option("position", pose.position_m, "x y z in the world [m]")->required()->expected(3);
+  commands.pose->add_option("position", pose.position_m, "x y z in the world [m]")
+      ->required()
+      ->expected(3)
+      ->transform(number_in({-feed::kPositionMax_m, feed::kPositionMax_m}));
   commands.pose->add_option("--orientation", pose.orientation_xyzw, "a quaternion, x y z w (default: as before)")
-      ->expected(4);
+      ->expected(4)
+      ->transform(number_in({-kQuaternionMax, kQuaternionMax}));
   commands.leave = ctl.add_subcommand("leave", "leaves the session and ends");
   for (CLI::App* command :
        {commands.status, commands.peers, commands.objects, commands.key, commands.pose, commands.leave})
@@ -189,6 +228,11 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   return nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}}.dump();
 }
 
+// The last line of a command's help. `finding` is what 1 means there.
+std::string exit_codes(const std::string& finding) {
+  return "Exit codes: 0 good, 1 " + finding + ", 2 wrong use or configuration, 3 the environment";
+}
+
 // A command of the program: its entry in the command line, and what runs it once that is parsed. `run` keeps the
 // options alive that `app` writes to.
 struct Command {
@@ -206,12 +250,13 @@ struct WorldFlags {
 template <class Options>
 CLI::App* add_world_command(CLI::App& app, const char* name, const char* what, WorldFlags<Options>& flags) {
   CLI::App* const command = app.add_subcommand(name, what);
-  command->add_option("world", flags.world, "the VRML97 world")->required();
+  command->footer(exit_codes("the world has errors"));
+  command->add_option("world", flags.world, "the VRML97 world; - reads it from standard input")->required();
   command->add_flag("--json", flags.options.json, "one JSON object");
   command
       ->add_option("--expansion", flags.options.reading.expansion,
-                   "how many times as much as usual its files may unpack and sweep to (default: 1)")
-      ->check(CLI::Range(1U, config::kExpansionMax));
+                   "how many times as much as usual its files may hold, unpack and sweep to (default: 1)")
+      ->transform(whole_number_in(1, config::kExpansionMax));
   return command;
 }
 
@@ -220,8 +265,9 @@ Command add_check(CLI::App& app) {
   CLI::App* const command = add_world_command(
       app, "check", "read a world; problems as FILE:LINE:COLUMN; statistics; polygons' defects", *flags);
   command->add_option("--write", flags->options.copy, "write the world to a file, as one text that needs no other");
-  command->add_option("--at", flags->options.at_s,
-                      "say where its own movement has brought things after so many seconds");
+  command
+      ->add_option("--at", flags->options.at_s, "say where its own movement has brought things after so many seconds")
+      ->transform(number_in(kWorldTimes_s));
   return {command, [flags] { return run_check(flags->world, flags->options, std::cout, std::cerr); }};
 }
 
@@ -230,21 +276,26 @@ Command add_collide(CLI::App& app) {
   CollideOptions& options = flags->options;
   CLI::App* const command = add_world_command(
       app, "collide", "which objects of a world collide: all its interests, once or tick by tick", *flags);
-  const auto is_time = [](const std::string& text) {
-    return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "a time is a finite number of seconds";
-  };
-  const auto is_frequency = [](const std::string& text) {
-    const double hz = std::strtod(text.c_str(), nullptr);
-    return std::isfinite(hz) && hz > 0.0 ? "" : "a frequency is a positive number of ticks a second";
-  };
-  command->add_option("--at", options.at_s, "when: the time of its TimeSensors [s]")->check(is_time);
+  command->footer(exit_codes("the world has errors, or Shapes that can't be asked") +
+                  ", 130 interrupted (Ctrl-C)\nColliding or not is no finding.");
+  command->add_option("--at", options.at_s, "when: the time of its TimeSensors [s] (default: 0)")
+      ->transform(number_in(kWorldTimes_s));
   auto* const until =
       command->add_option("--until", options.until_s, "from then on until this time [s]: what begins and what ends")
-          ->check(is_time);
-  command->add_option("--hz", options.hz, "ticks a second (default: 60)")->needs(until)->check(is_frequency);
+          ->transform(number_in(kWorldTimes_s));
+  command->add_option("--hz", options.hz, "ticks a second (default: 60)")
+      ->needs(until)
+      ->transform(number_in(kTicksPerSecond));
   command->add_flag("--realigned-boxes", options.realigned_boxes,
                     "type box by the thesis's larger boxes, which no vertex is read for");
-  return {command, [flags] { return run_collide(flags->world, flags->options, std::cout, std::cerr); }};
+  return {command, [flags] {
+            CollideOptions& asked = flags->options;
+            if (!asked.until_s) return run_collide(flags->world, asked, std::cout, std::cerr);
+            const Interruption interruption;
+            asked.interrupted = [&interruption] { return interruption.requested(); };
+            if (isatty(STDERR_FILENO) != 0) asked.progress = &std::cerr;
+            return run_collide(flags->world, asked, std::cout, std::cerr);
+          }};
 }
 
 Command add_bake(CLI::App& app) {
@@ -290,6 +341,7 @@ int run_with(PeerFlags& options) {
 Command add_run(CLI::App& app) {
   const auto flags = std::make_shared<PeerFlags>();
   CLI::App* const command = app.add_subcommand("run", "a peer, in the foreground; SIGTERM leaves cleanly");
+  command->footer(exit_codes("the world has errors"));
   add_run_options(*command, flags->peer, flags->run);
   return {command, [flags] { return run_with(*flags); }};
 }
@@ -298,6 +350,7 @@ Command add_record(CLI::App& app) {
   const auto flags = std::make_shared<PeerFlags>();
   CLI::App* const command =
       app.add_subcommand("record", "a peer, as run, that keeps all that it hears, is told and sends");
+  command->footer(exit_codes("the world has errors"));
   add_run_options(*command, flags->peer, flags->run);
   command->add_option("--out", flags->peer.capture, "the file, pcapng: Wireshark opens it, too")->required();
   return {command, [flags] { return run_with(*flags); }};
@@ -306,9 +359,12 @@ Command add_record(CLI::App& app) {
 Command add_replay(CLI::App& app) {
   const auto options = std::make_shared<ReplayOptions>();
   CLI::App* const command = app.add_subcommand("replay", "runs a recorded peer once more; does it send the same?");
+  command->footer(exit_codes("the peer does something else, or the record can't be used"));
   command->add_option("file", options->file, "what peerd record or peerd sim --capture wrote")->required();
-  command->add_option("--world", options->world, "where the world is now, if not where it was");
+  command->add_option("--world", options->world, "where the world is now (default: where it was)");
   command->add_option("--record", options->record, "write what the peer did and believed, as peerd run does");
+  command->add_option("--size-max", options->size_max_mib, "how large the file may be [MiB] (default: 1024)")
+      ->transform(whole_number_in(1, kSizeMax_mib));
   command->add_flag("--json", options->json, "one JSON object");
   command->add_flag("-v,--verbose", options->verbose, "print the peer's log");
   return {command, [options] { return run_replay(*options); }};
@@ -317,6 +373,7 @@ Command add_replay(CLI::App& app) {
 Command add_sim(CLI::App& app) {
   const auto options = std::make_shared<ScenarioOptions>();
   CLI::App* const command = app.add_subcommand("sim", "a scenario on a simulated network, as fast as it goes");
+  command->footer(exit_codes("an expectation failed, or the world has errors"));
   add_scenario_options(*command, *options);
   command->add_option("--capture", options->captures,
                       "a folder for all that each peer hears and sends: PEER.pcapng, of a sweep in run-NNN");
@@ -327,6 +384,7 @@ Command add_sim(CLI::App& app) {
 Command add_scenario(CLI::App& app) {
   const auto options = std::make_shared<ScenarioOptions>();
   CLI::App* const command = app.add_subcommand("scenario", "a scenario between real processes over real multicast");
+  command->footer(exit_codes("an expectation failed, or the world has errors"));
   add_scenario_options(*command, *options);
   command->add_option("--interface", options->interface, "network interface (default: the scenario's, else lo)");
   auto* const netem =
@@ -344,6 +402,7 @@ Command add_doctor(CLI::App& app) {
   };
   const auto flags = std::make_shared<Flags>();
   CLI::App* const command = app.add_subcommand("doctor", "whether a peer could reach others from here, and how");
+  command->footer("Exit codes: 0 a peer could reach others, 2 wrong use or configuration, 3 it could not");
   command->add_option("-c,--config", flags->doctor.config, "a scenario file, of which the table [transport] counts");
   command->add_option("--set", flags->doctor.sets, "KEY=VALUE over it, such as transport.ttl=4 (repeatable)")
       ->allow_extra_args(false);
@@ -354,6 +413,29 @@ Command add_doctor(CLI::App& app) {
             sets.insert(sets.end(), flags->doctor.sets.begin(), flags->doctor.sets.end());
             flags->doctor.sets = std::move(sets);
             return run_doctor(flags->doctor);
+          }};
+}
+
+Command add_help(CLI::App& app) {
+  const auto names = std::make_shared<std::vector<std::string>>();
+  CLI::App* const command = app.add_subcommand("help", "the help of a command, or this one");
+  command->add_option("command", *names, "its name, such as sim or ctl key (default: that of peerd)");
+  return {command, [names, &app] {
+            const CLI::App* asked = &app;
+            for (const std::string& name : *names) {
+              const auto found = find_command(*asked, name);
+              if (!found) return failed(found.error());
+              asked = *found;
+            }
+            std::cout << help_of(*asked);
+            return 0;
+          }};
+}
+
+Command add_version(CLI::App& app) {
+  return {app.add_subcommand("version", "the version of this program"), [] {
+            std::cout << kVersion << '\n';
+            return 0;
           }};
 }
 
@@ -375,30 +457,54 @@ Command add_ctl(CLI::App& app) {
           }};
 }
 
+// Says why a command line is refused. Without a command there is nothing to explain but the commands themselves.
+int refuse(const CLI::App& app, const CLI::ParseError& error) {
+  if (!lacks_command(app)) return failed(wrong_use(app, error));
+  const CLI::App& command = innermost_command(app);
+  std::cerr << help_of(command);
+  return failed({"error: which command? " + full_name(command) + " needs one", kWrongUse});
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"peerd keeps a shared 3D world alive between computers without a server", "peerd"};
   app.require_subcommand(1);
-  app.set_version_flag("--version", "peerd " PEERD_VERSION);
+  app.set_version_flag("--version", kVersion);
+  app.footer(exit_codes("a finding about the input") + ", 130 interrupted");
+  const std::span words(argv, static_cast<std::size_t>(argc));
+  print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.
-  const std::array commands{add_run(app),   add_record(app),  add_replay(app), add_sim(app),    add_scenario(app),
-                            add_check(app), add_collide(app), add_bake(app),   add_doctor(app), add_ctl(app)};
+  const std::array commands{add_run(app),      add_record(app), add_replay(app),  add_sim(app),
+                            add_scenario(app), add_check(app),  add_collide(app), add_bake(app),
+                            add_doctor(app),   add_ctl(app),    add_help(app),    add_version(app)};
   try {
     app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : kWrongUse;
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    return refuse(app, error);
   }
   const auto chosen = std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
   assert(chosen != commands.end());
   return chosen->run();
 }
 
+// Runs the program. Whatever ends it is said in one sentence.
+int run_or_say_why(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {
+    return failed({std::string("error: ") + e.what(), kEnvironment});
+  }
+}
+
 }  // namespace
 }  // namespace peerd
 
 int main(int argc, char** argv) {
-  try {
-    return peerd::run(argc, argv);
-  } catch (const std::exception& e) {
-    return peerd::failed({std::string("error: ") + e.what(), peerd::kEnvironment});
-  }
+  peerd::occupy_closed_streams();
+  const int code = peerd::run_or_say_why(argc, argv);
+  const auto lost = peerd::why_output_is_lost();
+  if (!lost) return code;
+  std::cerr << "error: standard output can't be written: " << *lost << '\n';
+  return peerd::kEnvironment;
 }

@@ -11,20 +11,20 @@
 namespace peerd {
 
 int run_bake(const std::string& path, const BakeOptions& options, std::ostream& out, std::ostream& err) {
-  const auto file = open_world(path, options.reading, err);
+  std::ostream* const json = options.json ? &out : nullptr;
+  const auto file = open_world(path, options.reading, err, json);
   if (!file) return file.error();
   collision::SceneQuery query(*(*file)->result.scene);
   const auto baked = query.bake();
   if (!baked) {
-    err << path << ": error: " << baked.error() << '\n';
-    return 1;
+    return print_error({path + ": error: " + baked.error(), 1}, err, json);
   }
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const auto& [url, bytes] : *baked) {
     const auto written = config::write_hierarchy_file(path, url, bytes);
     if (!written) {
-      err << path << ": error: hierarchyFile \"" << url << "\" is not written: " << written.error() << '\n';
-      return 3;
+      const std::string sentence = ": error: hierarchyFile \"" + std::string(url) + "\" is not written: ";
+      return print_error({path + sentence + written.error(), 3}, err, json);
     }
     files.push_back({{"path", written->string()}, {"bytes", bytes.size()}});
     if (!options.json) out << written->string() << ": " << counted(bytes.size(), "byte") << '\n';

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <ostream>
 #include <set>
@@ -21,7 +20,9 @@
 #include "core/scene/scene_defects.hpp"
 #include "core/scene/scene_statistics.hpp"
 #include "core/writer/writer.hpp"
+#include "peerd/commands/error_json.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/text_file.hpp"
 #include "peerd/input/world_file.hpp"
 #include "replication/motion/motion_world.hpp"
 
@@ -242,12 +243,12 @@ void print(const Json& json, std::ostream& out) {
   out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
 }
 
-// The file as a whole cannot be read. InputError's text begins with "PATH: error: ", which JSON has as `file`.
-Json unreadable(const Finding& finding, std::string_view text) {
-  const std::string prefix = finding.path + ": error: ";
-  if (text.starts_with(prefix)) text.remove_prefix(prefix.size());
+// What there is to say although the command has failed: the world can't be read, or its copy not be written.
+Json with_error(const Finding& finding, const InputError& error) {
   Json json = to_json(finding);
-  json["errors"].push_back({{"file", finding.path}, {"line", 0}, {"column", 0}, {"message", text}});
+  json["good"] = false;
+  const Json said = error_json(error);
+  for (const Json& entry : said["errors"]) json["errors"].push_back(entry);
   return json;
 }
 
@@ -273,17 +274,30 @@ Json moving_at(const Scene& scene, double t_s, std::vector<std::string>& unsuppo
   return list;
 }
 
-int write_copy(const Scene& scene, const std::string& copy, std::ostream& err) {
+Result<void> write_copy(const Scene& scene, const std::string& copy, std::ostream& err) {
   const auto written = write_world(scene);
-  if (!written) {
-    err << copy << ": not written: " << written.error() << '\n';
-    return 1;
-  }
+  if (!written) return std::unexpected(InputError{copy + ": error: not written: " + written.error(), 1});
   for (const std::string& note : written->notes) err << copy << ": note: " << note << '\n';
-  std::ofstream file(copy, std::ios::binary);
-  if (file << written->text << std::flush) return 0;
-  err << copy << ": can't be written\n";
-  return 3;
+  return write_text_file(copy, written->text);
+}
+
+// Answers what a good world is asked.
+void examine(const Scene& scene, Finding& finding) {
+  // Interests that collision cannot answer are not errors of the world.
+  if (polygons_of_bodies(scene) <= kMostPolygons) {
+    finding.unsupported = replication::make_world_model(scene)->unsupported;
+  } else {
+    finding.unsupported.push_back("interests in more than " + std::to_string(kMostPolygons) +
+                                  " polygons: they are not looked at");
+  }
+  finding.statistics = statistics_of(scene);
+  if (finding.statistics.polygons > kMostPolygons) {
+    finding.unsupported.push_back("defects of more than " + std::to_string(kMostPolygons) + " polygons");
+    return;
+  }
+  const auto defects_start = std::chrono::steady_clock::now();
+  finding.defects = defects_of(scene);
+  finding.defects_ms = ms_since(defects_start);
 }
 
 }  // namespace
@@ -291,35 +305,23 @@ int write_copy(const Scene& scene, const std::string& copy, std::ostream& err) {
 int run_check(const std::string& path, const CheckOptions& options, std::ostream& out, std::ostream& err) {
   Finding finding{.path = path};
   const auto start = std::chrono::steady_clock::now();
-  const auto file = config::read_world_file(path, options.reading);
+  const auto file = read_world_asked_for(path, options.reading);
   finding.read_ms = ms_since(start);
-  if (!file) {
-    err << file.error().text << '\n';
-    if (options.json) print(unreadable(finding, file.error().text), out);
-    return file.error().exit_code;
-  }
+  const auto failed_with = [&](const InputError& error) {
+    err << error.text << '\n';
+    if (options.json) print(with_error(finding, error), out);
+    return error.exit_code;
+  };
+  if (!file) return failed_with(file.error());
   finding.result = &(*file)->result;
-  if (finding.good()) {
-    const Scene& scene = *finding.result->scene;
-    // Interests that collision cannot answer are not errors of the world.
-    if (polygons_of_bodies(scene) <= kMostPolygons) {
-      finding.unsupported = replication::make_world_model(scene)->unsupported;
-    } else {
-      finding.unsupported.push_back("interests in more than " + std::to_string(kMostPolygons) +
-                                    " polygons: they are not looked at");
-    }
-    finding.statistics = statistics_of(scene);
-    if (finding.statistics.polygons <= kMostPolygons) {
-      const auto defects_start = std::chrono::steady_clock::now();
-      finding.defects = defects_of(scene);
-      finding.defects_ms = ms_since(defects_start);
-    } else {
-      finding.unsupported.push_back("defects of more than " + std::to_string(kMostPolygons) + " polygons");
-    }
-  }
+  if (finding.good()) examine(*finding.result->scene, finding);
   Json moving = Json::array();
   if (finding.good() && options.at_s) {
     moving = moving_at(*finding.result->scene, *options.at_s, finding.unsupported);
+  }
+  if (finding.good() && !options.copy.empty()) {
+    const auto written = write_copy(*finding.result->scene, options.copy, err);
+    if (!written) return failed_with(written.error());
   }
   if (options.json) {
     Json json = to_json(finding);
@@ -332,8 +334,7 @@ int run_check(const std::string& path, const CheckOptions& options, std::ostream
           << '\n';
     }
   }
-  if (!finding.good()) return 1;
-  return options.copy.empty() ? 0 : write_copy(*finding.result->scene, options.copy, err);
+  return finding.good() ? 0 : 1;
 }
 
 }  // namespace peerd

@@ -13,7 +13,7 @@ namespace peerd {
 //
 // With `json` it prints one object to `out` in place of both, with these keys whatever happens:
 //   world        path as it was given
-//   good         whether there is no error
+//   good         whether there is no error; the world may be good, and its copy not written
 //   errors       [{file, line, column, message}], in the order of the texts; `file` is that of the Inline where the
 //                error is in one. Lines and columns (bytes) count from 1; both are 0 where the file as a whole can't be
 //                read.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
+#include <cmath>
+#include <optional>
 #include <ostream>
 #include <utility>
 #include <vector>
 
+#include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
 #include "collision/scene/collision_watch.hpp"
@@ -19,6 +21,8 @@ namespace peerd {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr int kInterrupted = 130;  // 128 + SIGINT, as shells have it
 
 collision::BoxBound box_bound(const CollideOptions& options) {
   return options.realigned_boxes ? collision::BoxBound::kRealigned : collision::BoxBound::kVertices;
@@ -78,7 +82,7 @@ void print_text(const Scene& scene, const Answer& answer, std::ostream& out) {
   out << scene.path_of(answer.collider) << " - " << scene.path_of(answer.collidee) << " (" << name_of(answer.type)
       << "): " << (answer.collision.colliding ? "colliding" : "apart");
   const auto& pairs = answer.collision.pairs;
-  if (answer.type == CollisionType::kAllPairs) out << ", " << pairs.size() << " pairs of polygons";
+  if (answer.type == CollisionType::kAllPairs) out << ", " << counted(pairs.size(), "pair") << " of polygons";
   out << '\n';
   for (std::size_t i = 0; i < std::min(kShown, pairs.size()); ++i) {
     const auto& [a, b] = pairs[i];
@@ -120,37 +124,74 @@ void report_tick(const Scene& scene, double time_s, const collision::CollisionWa
   }
 }
 
-int watch_collisions(const std::string& path, const Scene& scene, const CollideOptions& options, std::ostream& out,
-                     std::ostream& err) {
-  const auto start = std::chrono::steady_clock::now();
-  collision::CollisionWatch watch(scene, config::mapped_hierarchies(path));
-  watch.set_box_bound(box_bound(options));
-  SceneMotion motion(scene);
-  Json events = Json::array();
+// Shows how far a long watch has come, and an estimate of what is left, on a terminal's last line.
+class Progress {
+ public:
+  Progress(std::ostream* terminal, const CollideOptions& options)
+      : terminal_(terminal), begin_s_(options.at_s), end_s_(*options.until_s) {}
+
+  void show(double time_s) {
+    if (terminal_ == nullptr) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - shown_ < kPeriod) return;
+    shown_ = now;
+    const double taken_s = std::chrono::duration<double>(now - start_).count();
+    const double left_s = taken_s * (end_s_ - time_s) / std::max(time_s - begin_s_, 1e-9);
+    *terminal_ << fmt::format("\r\033[K{:.3f} s of {:.3f} s; about {:.0f} s left; Ctrl-C ends it", time_s, end_s_,
+                              left_s)
+               << std::flush;
+    visible_ = true;
+  }
+  // Events are printed to the same terminal.
+  void hide() {
+    if (visible_) *terminal_ << "\r\033[K" << std::flush;
+    visible_ = false;
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kPeriod{500};
+
+  std::ostream* terminal_;
+  double begin_s_, end_s_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), shown_ = start_;
+  bool visible_ = false;
+};
+
+// What goes wrong before the first tick; none: nothing.
+std::optional<InputError> why_no_ticks(const CollideOptions& options) {
+  if (*options.until_s < options.at_s) {
+    return InputError{fmt::format("error: --until {} is before --at {}: there is no tick between them",
+                                  *options.until_s, options.at_s)};
+  }
+  const double far_s = std::max(std::abs(options.at_s), std::abs(*options.until_s));
+  if (far_s + 1.0 / options.hz > far_s) return std::nullopt;
+  return InputError{fmt::format("error: at {} s a tick of 1/{} s is lost in rounding; lower --hz", far_s, options.hz)};
+}
+
+// Bodies that answer contacts do so in a session alone. The result is empty where the world has none.
+std::vector<std::string> warnings_about(const Scene& scene) {
+  std::string names;
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (!scene.object(ObjectId{i}).response) continue;
+    if (++count <= kShownProblems) names += (count == 1 ? "" : ", ") + scene.path_of(ObjectId{i});
+  }
+  if (count == 0) return {};
+  if (count > kShownProblems) names += fmt::format(" and {} more", count - kShownProblems);
+  return {"collide moves things through what they meet, also " + names + ", with a CollisionResponse; peerd sim and " +
+          "peerd run answer contacts"};
+}
+
+// What a watch has found, and how far it has come.
+struct Watched {
   std::uint64_t ticks = 0;
-  for (double before_s = -std::numeric_limits<double>::infinity();; ++ticks) {
-    const double time_s = options.at_s + static_cast<double>(ticks) / options.hz;
-    // Time stands still where a tick is less than a step of the binary64 numbers.
-    if (!(time_s <= *options.until_s && time_s > before_s)) break;
-    before_s = time_s;
-    go_to(watch, motion, time_s);
-    const collision::CollisionWatch::Tick& tick = watch.tick();
-    if (!tick.refused.empty()) {
-      err << path << ": error: " << tick.refused.front().why << '\n';
-      return 1;
-    }
-    report_tick(scene, time_s, watch, tick, options.json, events, out);
-  }
-  for (const std::string& note : watch.notes()) err << path << ": note: " << note << '\n';
-  const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
-  const collision::CollisionWatchCounters counters = watch.counters();
-  if (!options.json) {
-    out << ticks << " ticks; pairs of objects: " << counters.pairs_far << " far, " << counters.pairs_unmoved
-        << " unmoved, " << counters.pairs_separated << " separated, " << counters.pairs_queried
-        << " asked; of Shapes: " << counters.shapes.pairs_witnessed << " touching where they did, "
-        << counters.shapes.pairs_tested << " tested; " << micros.count() << " us\n";
-    return 0;
-  }
+  bool interrupted = false;
+  Json events = Json::array();
+};
+
+Json to_json(const std::string& path, const CollideOptions& options, Watched& watched,
+             const std::vector<std::string>& warnings, const collision::CollisionWatchCounters& counters,
+             double micros) {
   Json counted = to_json(counters.query);
   counted.update({{"pairs_far", counters.pairs_far},
                   {"pairs_unmoved", counters.pairs_unmoved},
@@ -158,17 +199,81 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
                   {"pairs_asked", counters.pairs_queried},
                   {"pairs_witnessed", counters.shapes.pairs_witnessed},
                   {"pairs_tested", counters.shapes.pairs_tested}});
-  const Json json = {
-      {"world", path},  {"time_s", options.at_s},      {"until_s", *options.until_s},    {"hz", options.hz},
-      {"ticks", ticks}, {"events", std::move(events)}, {"counters", std::move(counted)}, {"micros", micros.count()}};
-  out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  return 0;
+  Json json = {{"world", path},
+               {"time_s", options.at_s},
+               {"until_s", *options.until_s},
+               {"hz", options.hz},
+               {"ticks", watched.ticks},
+               {"events", std::move(watched.events)},
+               {"counters", std::move(counted)},
+               {"micros", micros},
+               {"warnings", warnings}};
+  if (watched.interrupted) json["partial"] = true;
+  return json;
+}
+
+// Goes from tick to tick and reports each. The error ends it.
+Result<Watched> watch_ticks(const std::string& path, const Scene& scene, const CollideOptions& options,
+                            collision::CollisionWatch& watch, std::ostream& out) {
+  SceneMotion motion(scene);
+  Progress progress(options.progress, options);
+  Watched watched;
+  for (;; ++watched.ticks) {
+    const double time_s = options.at_s + static_cast<double>(watched.ticks) / options.hz;
+    if (time_s > *options.until_s) break;
+    watched.interrupted = options.interrupted && options.interrupted();
+    if (watched.interrupted) break;
+    progress.show(time_s);
+    go_to(watch, motion, time_s);
+    const collision::CollisionWatch::Tick& tick = watch.tick();
+    if (!tick.refused.empty() || !tick.ended.empty() || !tick.began.empty() || !tick.not_colliding.empty()) {
+      progress.hide();
+    }
+    if (!tick.refused.empty()) return std::unexpected(InputError{path + ": error: " + tick.refused.front().why, 1});
+    report_tick(scene, time_s, watch, tick, options.json, watched.events, out);
+  }
+  progress.hide();
+  return watched;
+}
+
+int watch_collisions(const std::string& path, const Scene& scene, const CollideOptions& options, std::ostream& out,
+                     std::ostream& err) {
+  std::ostream* const json = options.json ? &out : nullptr;
+  if (const auto error = why_no_ticks(options)) return print_error(*error, err, json);
+  const std::vector<std::string> warnings = warnings_about(scene);
+  for (const std::string& warning : warnings) err << path << ": warning: " << warning << '\n';
+  const auto start = std::chrono::steady_clock::now();
+  collision::CollisionWatch watch(scene, config::mapped_hierarchies(path));
+  watch.set_box_bound(box_bound(options));
+  auto watched = watch_ticks(path, scene, options, watch, out);
+  if (!watched) return print_error(watched.error(), err, json);
+  for (const std::string& note : watch.notes()) err << path << ": note: " << note << '\n';
+  if (watched->interrupted) {
+    err << fmt::format("interrupted after {}: the results are partial, none is later than {} s\n",
+                       counted(watched->ticks, "tick"),
+                       options.at_s + (static_cast<double>(watched->ticks) - 1.0) / options.hz);
+  }
+  const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
+  const collision::CollisionWatchCounters counters = watch.counters();
+  if (options.json) {
+    out << to_json(path, options, *watched, warnings, counters, micros.count())
+               .dump(2, ' ', false, Json::error_handler_t::replace)
+        << '\n';
+  } else {
+    out << (watched->interrupted ? "partial: " : "") << counted(watched->ticks, "tick")
+        << "; pairs of objects: " << counters.pairs_far << " far, " << counters.pairs_unmoved << " unmoved, "
+        << counters.pairs_separated << " separated, " << counters.pairs_queried
+        << " asked; of Shapes: " << counters.shapes.pairs_witnessed << " touching where they did, "
+        << counters.shapes.pairs_tested << " tested; " << micros.count() << " us\n";
+  }
+  return watched->interrupted ? kInterrupted : 0;
 }
 
 }  // namespace
 
 int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out, std::ostream& err) {
-  const auto file = open_world(path, options.reading, err);
+  std::ostream* const json_errors = options.json ? &out : nullptr;
+  const auto file = open_world(path, options.reading, err, json_errors);
   if (!file) return file.error();
   const Scene& scene = *(*file)->result.scene;
   if (options.until_s) return watch_collisions(path, scene, options, out, err);
@@ -181,10 +286,7 @@ int run_collide(const std::string& path, const CollideOptions& options, std::ost
   for (const CollisionInterest& interest : scene.interests) {
     for (const ObjectId collidee : interest.collidees) {
       auto collision = query.collide(interest.collider, collidee, interest.type);
-      if (!collision) {
-        err << path << ": error: " << collision.error() << '\n';
-        return 1;
-      }
+      if (!collision) return print_error({path + ": error: " + collision.error(), 1}, err, json_errors);
       answers.push_back({interest.collider, collidee, interest.type, std::move(*collision)});
     }
   }
@@ -203,10 +305,10 @@ int run_collide(const std::string& path, const CollideOptions& options, std::ost
     return 0;
   }
   for (const Answer& answer : answers) print_text(scene, answer, out);
-  out << answers.size() << " interests; " << counters.hierarchies_built << " hierarchies of " << counters.nodes_built
-      << " nodes; tests: " << counters.queries.bv_tests << " of bounding volumes, " << counters.queries.triangle_tests
-      << " of polygons, " << counters.queries.orientation.exact << " in exact arithmetic; " << micros.count()
-      << " us\n";
+  out << counted(answers.size(), "interest") << "; " << counted(counters.hierarchies_built, "hierarchy", "hierarchies")
+      << " of " << counted(counters.nodes_built, "node") << "; tests: " << counters.queries.bv_tests
+      << " of bounding volumes, " << counters.queries.triangle_tests << " of polygons, "
+      << counters.queries.orientation.exact << " in exact arithmetic; " << micros.count() << " us\n";
   return 0;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -9,9 +10,10 @@ namespace peerd {
 
 // `peerd collide WORLD.wrl` answers all registered interests, once, or tick by tick. Problems of the world go to `err`
 // as `peerd check` prints them. Returns the exit code: 0 good, colliding or not; 1 the world has errors, or a Shape
-// whose vertices can't be used; 2 there is no such file; 3 it can't be read.
+// whose vertices can't be used; 2 there is no such file, or no tick at the times asked for; 3 it can't be read; 130 it
+// was interrupted.
 //
-// With `json` it prints one object to `out` (nothing where there is no world to ask):
+// With `json` it prints one object to `out`, which is that of error_json where there is no answer:
 //   world      path as it was given
 //   time_s     time of the query
 //   interests  [{collider, collidee, type, colliding, pairs}], one for each collidee of each CollisionInterest, in file
@@ -34,13 +36,17 @@ namespace peerd {
 //                   their boxes are apart; neither moved; neither has gone as far as they were apart), pairs_asked,
 //                   pairs_witnessed (of Shapes: still touching where they did), pairs_tested
 //   micros          as above; evaluating the motion counts, too
+//   warnings        [sentence]: what the movement leaves out
+//   partial         only if interrupted: true. `ticks` says how far it has come
 struct CollideOptions {
   config::WorldReading reading{};
   bool json = false;
   double at_s = 0.0;  // TimeSensor time [s]; velocityVectors have moved their objects since 0
   std::optional<double> until_s{};
   double hz = 60.0;
-  bool realigned_boxes = false;  // type box by the thesis's larger boxes: collision::BoxBound
+  std::function<bool()> interrupted{};  // asked before each tick: whether to stop with what there is; none: never
+  std::ostream* progress = nullptr;     // a terminal that shows how far it has come; null: none
+  bool realigned_boxes = false;         // type box by the thesis's larger boxes: collision::BoxBound
 };
 [[nodiscard]] int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out,
                               std::ostream& err);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/commands/print.hpp"
+#include "peerd/commands/problems.hpp"
 #include "peerd/control/control_client.hpp"
 #include "peerd/control/control_path.hpp"
 #include "peerd/node/counter_meanings.hpp"
@@ -82,20 +83,22 @@ void print_peers(const Json& reply) {
   print_clock(reply.at("clock"));
   for (const Json& p : reply.at("peers")) {
     std::cout << fmt::format(
-        "peer {} (id {}){}: round trip {}, clock ahead by {} ({} to {}), error {}; {} datagrams, {} bytes; lost here "
-        "{}, "
-        "there {}; {} duplicates, {} overtaken\n",
+        "peer {} (id {}){}: round trip {}, clock ahead by {} ({} to {}), error {}; {}, {}; lost here {}, there {}; {}, "
+        "{} overtaken\n",
         p.at("name").get<std::string>(), p.at("id").get<std::uint64_t>(),
         reply.at("clock").at("follows") == p.at("id") ? ", followed" : "", milliseconds(p.at("round_trip_ms")),
         milliseconds(p.at("clock_ahead_ms")), milliseconds(p.at("clock_ahead_least_ms")),
         milliseconds(p.at("clock_ahead_most_ms")), milliseconds(p.at("clock_error_ms")),
-        p.at("datagrams_in").get<std::uint64_t>(), p.at("bytes_in").get<std::uint64_t>(), percent(p.at("loss_in")),
-        percent(p.at("loss_out")), p.at("duplicates").get<std::uint64_t>(), p.at("overtaken").get<std::uint64_t>());
+        counted(p.at("datagrams_in").get<std::uint64_t>(), "datagram"),
+        counted(p.at("bytes_in").get<std::uint64_t>(), "byte"), percent(p.at("loss_in")), percent(p.at("loss_out")),
+        counted(p.at("duplicates").get<std::uint64_t>(), "duplicate"), p.at("overtaken").get<std::uint64_t>());
   }
   for (const Json& r : reply.at("regions")) {
-    std::cout << fmt::format("region {}: {} datagrams, {} bytes in; {}, {} out", r.at("region").get<std::uint64_t>(),
-                             r.at("datagrams_in").get<std::uint64_t>(), r.at("bytes_in").get<std::uint64_t>(),
-                             r.at("datagrams_out").get<std::uint64_t>(), r.at("bytes_out").get<std::uint64_t>());
+    std::cout << fmt::format("region {}: {}, {} in; {}, {} out", r.at("region").get<std::uint64_t>(),
+                             counted(r.at("datagrams_in").get<std::uint64_t>(), "datagram"),
+                             counted(r.at("bytes_in").get<std::uint64_t>(), "byte"),
+                             counted(r.at("datagrams_out").get<std::uint64_t>(), "datagram"),
+                             counted(r.at("bytes_out").get<std::uint64_t>(), "byte"));
     for (const auto& [why, count] : r.at("drops").items())
       std::cout << fmt::format("; dropped {}: {}", why, count.get<std::uint64_t>());
     std::cout << '\n';

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/commands/print.hpp"
+#include "peerd/commands/problems.hpp"
 #include "peerd/config/renamed_keys.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/transport/multicast_probe.hpp"
@@ -17,6 +18,19 @@ namespace peerd {
 namespace {
 
 using nlohmann::ordered_json;
+
+// A warning where an assignment is to no key of [transport], which alone counts here; empty where it is.
+std::string why_without_effect(const std::string& key) {
+  const std::string table = key.substr(0, key.find('.')), last = key.substr(key.rfind('.') + 1);
+  if (table == "transport") return "";
+  std::string warning = "warning: --set " + key + " has no effect: the table [transport] alone counts here";
+  // The reader of [transport] knows which keys it has.
+  std::optional<InputError> unknown;
+  const toml::table probe{{last, "\n"}};
+  (void)config::read_transport(config::TomlReader(probe, "transport", unknown));
+  if (!unknown || !unknown->text.contains("unknown key")) warning += "; did you mean transport." + last + "?";
+  return warning;
+}
 
 // Reads the table [transport] alone: the rest of a scenario says nothing about the network.
 Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
@@ -32,6 +46,7 @@ Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
     auto given = config::parse_assignment(text);
     if (!given) return std::unexpected(given.error());
     if (auto done = config::rename_old_keys(*given, warnings); !done) return std::unexpected(done.error());
+    if (std::string warning = why_without_effect(given->key); !warning.empty()) warnings.push_back(std::move(warning));
     if (auto done = config::assign(root, given->key, *given->holder.get("value")); !done)
       return std::unexpected(done.error());
   }
@@ -134,12 +149,12 @@ std::string as_text(const Findings& f, const config::TransportSettings& settings
     const std::string less = buffer_warning(settings, f.receive_buffer_bytes);
     line("receive buffer", less.empty() ? fmt::format("{} bytes, as asked", f.receive_buffer_bytes) : less);
   }
+  const std::string configured = counted(settings.peers.size(), "peer");
   if (!f.only_here.empty()) {
     line("warning", "peers on other computers will not be heard: " + f.only_here);
     line("unicast", fmt::format("needed for other computers: {}", kUnicastRecipe));
   } else {
-    line("unicast", works ? "not needed"
-                          : fmt::format("needed; {} peers are configured (transport.peers)", settings.peers.size()));
+    line("unicast", works ? "not needed" : fmt::format("needed; {} configured (transport.peers)", configured));
   }
   line("a peer", f.problem.empty() ? "would run: " + f.transport : "could not run: " + f.problem);
   return text;

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/commands/error_json.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/measure/expectations.hpp"
 #include "peerd/report/table.hpp"
@@ -22,9 +23,15 @@ std::string shell_word(const std::string& word) {
   return quoted + "'";
 }
 
+// Set once, before anything fails: the form of errors is that of the program's whole output.
+bool errors_as_json = false;
+
 }  // namespace
 
+void print_errors_as_json(bool json) { errors_as_json = json; }
+
 int failed(const InputError& error) {
+  if (errors_as_json) print_error_json(error_json(error), std::cout);
   std::cerr << error.text << (error.text.ends_with('\n') ? "" : "\n");
   return error.exit_code;
 }

@@ -12,6 +12,9 @@ namespace peerd {
 
 struct ScenarioOptions;
 
+// Says whether failed() prints errors for programs, too: as the JSON object of error_json, on standard output.
+void print_errors_as_json(bool json);
+
 // Prints the error for a person and gives its exit code.
 [[nodiscard]] int failed(const InputError& error);
 

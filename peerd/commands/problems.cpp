@@ -1,7 +1,12 @@
 #include "peerd/commands/problems.hpp"
 
-#include <ostream>
+#include <cstdio>
+#include <iostream>
 #include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/commands/error_json.hpp"
 
 namespace peerd {
 
@@ -14,21 +19,34 @@ ProblemCount print_problems(const ReadResult& result, std::ostream& err) {
   return count;
 }
 
-std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(const std::string& path,
-                                                                        const config::WorldReading& reading,
-                                                                        std::ostream& err) {
-  auto file = config::read_world_file(path, reading);
-  if (!file) {
-    err << file.error().text << '\n';
-    return std::unexpected(file.error().exit_code);
-  }
-  print_problems((*file)->result, err);
-  if (!(*file)->result.scene) return std::unexpected(1);
-  return std::move(*file);
+Result<std::unique_ptr<const config::WorldFile>> read_world_asked_for(const std::string& path,
+                                                                      const config::WorldReading& reading) {
+  if (path != "-") return config::read_world_file(path, reading);
+  auto world = config::read_world_stream(std::cin, reading);
+  if (std::ferror(stdin) == 0) return world;
+  return std::unexpected(InputError{"<stdin>: error: can't be read; is it closed, or a folder?", 3});
 }
 
-std::string counted(std::size_t count, const std::string& what) {
-  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
+int print_error(const InputError& error, std::ostream& err, std::ostream* json) {
+  err << error.text << (error.text.ends_with('\n') ? "" : "\n");
+  if (json != nullptr) print_error_json(error_json(error), *json);
+  return error.exit_code;
+}
+
+std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(const std::string& path,
+                                                                        const config::WorldReading& reading,
+                                                                        std::ostream& err, std::ostream* json) {
+  auto file = read_world_asked_for(path, reading);
+  if (!file) return std::unexpected(print_error(file.error(), err, json));
+  const ReadResult& result = (*file)->result;
+  print_problems(result, err);
+  if (result.scene) return std::move(*file);
+  if (json != nullptr) print_error_json(error_json(result), *json);
+  return std::unexpected(1);
+}
+
+std::string counted(std::size_t count, const std::string& what, const std::string& plural) {
+  return std::to_string(count) + ' ' + (count == 1 ? what : plural.empty() ? what + "s" : plural);
 }
 
 }  // namespace peerd

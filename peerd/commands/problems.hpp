@@ -20,12 +20,19 @@ struct ProblemCount {
 // that many of one kind do not hide the other.
 ProblemCount print_problems(const ReadResult& result, std::ostream& err);
 
-// Reads a world and prints its problems. Gives a world with a scene, or else the exit code: 1 it has errors, 2 there is
-// no such file, 3 it can't be read.
-[[nodiscard]] std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(
-    const std::string& path, const config::WorldReading& reading, std::ostream& err);
+// The world of a command line: a file, or standard input where its path is "-".
+[[nodiscard]] Result<std::unique_ptr<const config::WorldFile>> read_world_asked_for(
+    const std::string& path, const config::WorldReading& reading);
 
-// A number and its noun: "1 error", "2 errors".
-[[nodiscard]] std::string counted(std::size_t count, const std::string& what);
+// Reads a world and prints its problems. Gives a world with a scene, or else the exit code: 1 it has errors, 2 there is
+// no such file, 3 it can't be read. `json` also gets the errors, as error_json has them; null: it doesn't.
+[[nodiscard]] std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(
+    const std::string& path, const config::WorldReading& reading, std::ostream& err, std::ostream* json = nullptr);
+
+// Prints the error, and with `json` also the object of error_json. Returns the exit code.
+int print_error(const InputError& error, std::ostream& err, std::ostream* json);
+
+// A number and its noun: "1 error", "2 errors". `plural` is for nouns that take no s.
+[[nodiscard]] std::string counted(std::size_t count, const std::string& what, const std::string& plural = "");
 
 }  // namespace peerd

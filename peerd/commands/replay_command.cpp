@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/commands/print.hpp"
+#include "peerd/commands/problems.hpp"
 #include "peerd/control/answer.hpp"
 #include "peerd/feed/pose_message.hpp"
 #include "peerd/input/text_file.hpp"
@@ -29,7 +30,7 @@ struct Outcome {
   std::optional<Difference> difference;
 };
 
-std::string size_of(std::size_t bytes) { return fmt::format("{} bytes", bytes); }
+std::string size_of(std::size_t bytes) { return counted(bytes, "byte"); }
 
 // Compares a datagram with the recorded one. The result is empty where they are the same.
 std::string compare(const replication::Send& sent, const record::DatagramOut& recorded) {
@@ -72,7 +73,8 @@ class Replay {
     }
     // A writer that was stopped has not written everything; the missing datagrams are no difference.
     if (!sent_.empty() && !capture_.cut_off()) {
-      differ(0, outcome_.end, fmt::format("at the end it sends {} datagrams that it did not send", sent_.size()));
+      differ(0, outcome_.end,
+             fmt::format("at the end it sends {} that it did not send", counted(sent_.size(), "datagram")));
     }
     return outcome_;
   }
@@ -195,10 +197,9 @@ void print_outcome(const PeerNode& node, const record::CaptureReader& capture, c
     std::cout << fmt::format("{} does something else at {}, {:.6f} s after its begin: {}\n", who, where,
                              to_seconds(d->at - capture.begin()), d->what);
   } else {
-    std::cout << fmt::format(
-        "{} does what it did for {:.3f} s: {} inputs, {} of them datagrams, and the same {} "
-        "datagrams sent\n",
-        who, to_seconds(outcome.end - capture.begin()), outcome.inputs, outcome.datagrams_in, outcome.datagrams_out);
+    std::cout << fmt::format("{} does what it did for {:.3f} s: {}, {} of them received, and the same {} sent\n", who,
+                             to_seconds(outcome.end - capture.begin()), counted(outcome.inputs, "input"),
+                             counted(outcome.datagrams_in, "datagram"), counted(outcome.datagrams_out, "datagram"));
   }
   if (capture.cut_off()) std::cout << "the record ends in the middle of a packet: its writer was stopped there\n";
 }
@@ -206,7 +207,7 @@ void print_outcome(const PeerNode& node, const record::CaptureReader& capture, c
 }  // namespace
 
 int run_replay(const ReplayOptions& options) {
-  const auto file = read_text_file(options.file);
+  const auto file = read_text_file(options.file, {options.size_max_mib * kMiB, "--size-max allows more"});
   if (!file) return failed(file.error());
   auto capture = record::CaptureReader::open(std::as_bytes(std::span(*file)));
   const auto unreadable = [&](const std::string& why) {
@@ -228,15 +229,15 @@ int run_replay(const ReplayOptions& options) {
   }
   const auto outcome = Replay(*node, *capture, options.verbose).run();
   if (!outcome) return unreadable(outcome.error().text);
+  if (!options.record.empty()) {
+    if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
+  }
   if (options.json) {
     std::cout
         << to_json(*node, *capture, *outcome).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
         << '\n';
   } else {
     print_outcome(*node, *capture, *outcome);
-  }
-  if (!options.record.empty()) {
-    if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
   return outcome->difference ? 1 : 0;
 }

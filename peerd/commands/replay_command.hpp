@@ -1,12 +1,14 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 
 namespace peerd {
 
 struct ReplayOptions {
-  std::filesystem::path file;    // a capture
-  std::filesystem::path world;   // place of its world now; empty: where it was
-  std::filesystem::path record;  // file for the peer's log; empty: none
+  std::filesystem::path file;         // a capture
+  std::filesystem::path world;        // place of its world now; empty: where it was
+  std::filesystem::path record;       // file for the peer's log; empty: none
+  std::uint64_t size_max_mib = 1024;  // a larger capture is refused
   bool json = false;
   bool verbose = false;  // print the peer's log lines
 };

@@ -11,6 +11,7 @@
 
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/scenario_options.hpp"
+#include "peerd/config/resolve.hpp"
 #include "peerd/netem/lab.hpp"
 #include "peerd/scenario/assemble.hpp"
 #include "peerd/scenario/live_events.hpp"
@@ -25,6 +26,21 @@ namespace fs = std::filesystem;
 // ephemeral ports, which the system may give to any program.
 constexpr int kPortBegin = 20000, kPortCount = 12000;
 
+// What the report warns of, as far as it is known before the run.
+std::vector<std::string> known_warnings(const ScenarioOptions& options, const config::RunSettings& run,
+                                        const SharedWorld& shared) {
+  std::vector<std::string> warnings;
+  for (const std::string& line : shared.model->unsupported) warnings.push_back("unsupported: " + line);
+  if (!options.netem) {
+    warnings.emplace_back("the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
+  }
+  for (const config::ScenarioEvent& event : run.events) {
+    if (event.kind != config::EventKind::kKill) continue;
+    warnings.push_back("peer " + event.peer + " was killed: what it did and believed is not in the report");
+  }
+  return warnings;
+}
+
 }  // namespace
 
 int run_scenario(const ScenarioOptions& options, const fs::path& program) {
@@ -38,18 +54,11 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   }
   const auto shared = share_world(scenario->world, scenario->reading);
   if (!shared) return failed(shared.error());
+  print_warnings(config::motions_without_effect(scenario->runs.front(), (*shared)->world.scene));
 
   report::ScenarioInfo info{
       scenario->name, "real", scenario->seed, {}, scenario->repeat, command_line("scenario", options)};
-  for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
-  if (!options.netem) {
-    info.warnings.push_back(
-        "the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
-  }
-  for (const config::ScenarioEvent& event : scenario->runs.front().events) {
-    if (event.kind != config::EventKind::kKill) continue;
-    info.warnings.push_back("peer " + event.peer + " was killed: what it did and believed is not in the report");
-  }
+  info.warnings = known_warnings(options, scenario->runs.front(), **shared);
   const auto out = options.out.empty() ? fs::path("out") / scenario->name : options.out;
   std::error_code error;
   fs::create_directories(out, error);

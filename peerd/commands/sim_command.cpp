@@ -9,7 +9,9 @@
 #include <unistd.h>
 
 #include "peerd/commands/print.hpp"
+#include "peerd/commands/problems.hpp"
 #include "peerd/commands/scenario_options.hpp"
+#include "peerd/config/resolve.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/sim/simulated_run.hpp"
 
@@ -26,6 +28,7 @@ int run_sim(const ScenarioOptions& options) {
   const auto shared = share_world(scenario->world, scenario->reading);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
+  print_warnings(config::motions_without_effect(scenario->runs.front(), scene));
 
   report::ScenarioInfo info{scenario->name, "sim", scenario->seed, {}, scenario->repeat, command_line("sim", options)};
   for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
@@ -80,8 +83,9 @@ int run_sim(const ScenarioOptions& options) {
   const int code = print_report(info, records, scenario->expectations, out, options.json);
   if (code > 1 || options.json) return code;
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  std::cout << fmt::format("{:.0f} s of {} runs in {:.2f} s, reports included: {:.0f} times real time; {}\n",
-                           simulated_s, records.size(), took_s, simulated_s / took_s, (out / "report.html").string());
+  std::cout << fmt::format("{:.0f} s of {} in {:.2f} s, reports included: {:.0f} times real time; {}\n", simulated_s,
+                           counted(records.size(), "run"), took_s, simulated_s / took_s,
+                           (out / "report.html").string());
   return code;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "peerd/input/number.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace peerd::config {
@@ -73,8 +74,8 @@ ViewpointSettings read_viewpoint(TomlReader reader) {
   reader.read("angle_deg", v.angle_deg, -360.0, 360.0);
   reader.read("field_of_view_deg", v.field_of_view_deg, 1.0, 179.0);
   reader.read("aspect", v.aspect, 0.01, 100.0);
-  if (Vec3(v.axis[0], v.axis[1], v.axis[2]).isZero(0.0)) {
-    reader.fail(reader.raw().get("axis"), reader.dotted("axis") + " must not be zero");
+  if (!(Vec3(v.axis[0], v.axis[1], v.axis[2]).norm() >= kDirectionMin)) {
+    reader.fail(reader.raw().get("axis"), reader.dotted("axis") + " must not be zero, or as good as zero");
   }
   reader.finish();
   return v;

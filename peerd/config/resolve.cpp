@@ -1,6 +1,7 @@
 #include "peerd/config/resolve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 namespace peerd::config {
@@ -80,7 +81,8 @@ class Resolver {
       fail(motion.at, key + ": the peer moves only what it owns; add \"" + pattern + "\" to peer." +
                           run_.peers[*only].name + ".owns");
     }
-    if (error_ || numbers.empty()) return;
+    if (error_) return;
+    if (numbers.empty()) return check_unused(motion, key, objects);
     for (const std::size_t n : numbers) moved_.insert(objects[n]);
     if (std::holds_alternative<ExternalProgram>(motion.kind)) {
       for (const std::size_t n : numbers) {
@@ -106,6 +108,17 @@ class Resolver {
     }
   }
 
+  // A motion that moves nothing may have mistakes in it nevertheless.
+  void check_unused(const MotionSettings& motion, const std::string& key, const std::vector<ObjectId>& objects) {
+    const bool text_from_outside =
+        std::holds_alternative<MotionFormula>(motion.kind) || std::holds_alternative<Track>(motion.kind);
+    if (!text_from_outside) return;
+    const std::array places{scene_.rigid_pose(objects.front())};
+    const std::array<std::size_t, 1> first{0};
+    const auto sources = make_sources(motion, motion.at + "error: " + key, places, first, run_.seed, run_.duration_s);
+    if (!sources) error_ = sources.error();
+  }
+
   void find_objects_of(std::size_t p) {
     const auto& viewpoint = run_.peers[p].viewpoint;
     if (error_ || !viewpoint || viewpoint->object.empty()) return;
@@ -125,7 +138,52 @@ class Resolver {
   std::optional<InputError> error_;
 };
 
+// The objects of a pattern; none where it names none, which resolve() reports.
+std::vector<ObjectId> objects_or_none(const Scene& scene, const NodePattern& pattern) {
+  return find_objects(scene, pattern, "").value_or(std::vector<ObjectId>{});
+}
+
+// The key of the peer's own motion that moves each object; empty for what a peer owns and no motion of its own moves.
+std::map<ObjectId, std::string> own_motions(const RunSettings& run, const Scene& scene) {
+  std::map<ObjectId, std::string> owned;
+  for (const PeerSettings& peer : run.peers) {
+    std::set<ObjectId> of_peer;
+    for (const NodePattern& pattern : peer.owns) {
+      for (const ObjectId object : objects_or_none(scene, pattern)) of_peer.insert(object);
+    }
+    for (const ObjectId object : of_peer) owned.emplace(object, "");
+    for (const auto& [pattern, motion] : peer.motion) {
+      for (const ObjectId object : objects_or_none(scene, NodePattern(pattern, motion.at))) {
+        if (of_peer.contains(object)) owned.at(object) = "peer." + peer.name + ".motion." + pattern;
+      }
+    }
+  }
+  return owned;
+}
+
 }  // namespace
+
+std::vector<std::string> motions_without_effect(const RunSettings& run, const Scene& scene) {
+  const std::map<ObjectId, std::string> owned = own_motions(run, scene);
+  std::vector<std::string> names;
+  for (const auto& [object, motion] : owned) names.push_back(scene.path_of(object));
+  std::vector<std::string> warnings;
+  for (const auto& [pattern, motion] : run.motion) {
+    const std::vector<ObjectId> objects = objects_or_none(scene, NodePattern(pattern, motion.at));
+    std::string moved_by;
+    const bool effective = std::ranges::any_of(objects, [&](ObjectId object) {
+      const auto at = owned.find(object);
+      if (at != owned.end() && !at->second.empty()) moved_by = at->second;
+      return at != owned.end() && at->second.empty();
+    });
+    if (effective || objects.empty()) continue;
+    std::string why = "no peer owns what it names";
+    if (const auto meant = did_you_mean(pattern, names)) why += "; did you mean motion." + *meant + "?";
+    if (!moved_by.empty()) why = moved_by + " comes first";
+    warnings.push_back(motion.at + "warning: motion." + pattern + " has no effect: " + why);
+  }
+  return warnings;
+}
 
 Result<std::vector<PeerObjects>> resolve(const RunSettings& run, const Scene& scene) {
   return Resolver(run, scene).all();

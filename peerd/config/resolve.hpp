@@ -1,6 +1,7 @@
 #pragma once
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/scene/scene.hpp"
@@ -24,5 +25,9 @@ struct PeerObjects {
 // Finds the owned objects and the motions of each of run.peers, in their order. No other function connects settings
 // with the scene.
 [[nodiscard]] Result<std::vector<PeerObjects>> resolve(const RunSettings& run, const Scene& scene);
+
+// The motions of the scenario that move nothing, as one warning each: no peer owns what they name, or motions of the
+// peers come first.
+[[nodiscard]] std::vector<std::string> motions_without_effect(const RunSettings& run, const Scene& scene);
 
 }  // namespace peerd::config

@@ -2,7 +2,6 @@
 #include "peerd/input/text_file.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <set>
 
 #include "peerd/config/renamed_keys.hpp"
@@ -13,8 +12,6 @@ namespace {
 
 constexpr double kDurationMax_s = 1e6;
 constexpr std::size_t kRunsMax = 100'000;
-constexpr std::uint32_t kRepeatMax = 10'000;
-constexpr std::uint64_t kSeedMax = std::numeric_limits<std::int64_t>::max();  // TOML integers are signed
 
 LinkSettings read_link(TomlReader& reader, LinkSettings link) {
   change_link(link, read_link_change(reader));
@@ -99,7 +96,7 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   reader.read("duration_s", run.duration_s, 0.1, kDurationMax_s);
   reader.read("seed", run.seed);
   reader.read("repeat", scenario.repeat, 1, kRepeatMax);
-  if (scenario.repeat - 1 > kSeedMax - run.seed) {
+  if (scenario.repeat - 1 > static_cast<std::uint64_t>(kSeedMax) - run.seed) {
     reader.fail(root.get("seed"), "seed: with repeat, the last of the seeds would be above 2^63 - 1");
   }
   reader.read("sample_hz", run.sample_hz, 1, 1000);
@@ -164,7 +161,7 @@ Result<Sources> read_sources(const ScenarioRequest& request) {
   if (request.text) {
     sources.text = *request.text;
   } else if (!request.file.empty()) {
-    auto text = read_text_file(request.file);
+    auto text = read_text_file(request.file, kSettingsFile);
     if (!text) return std::unexpected(text.error());
     sources.text = std::move(*text);
   }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,6 +16,9 @@
 #include "peerd/config/peer_settings.hpp"
 
 namespace peerd::config {
+
+inline constexpr std::uint32_t kRepeatMax = 10'000;
+inline constexpr std::int64_t kSeedMax = std::numeric_limits<std::int64_t>::max();  // TOML integers are signed
 
 // The settings of one run: every swept key has one value, and the seed is that of one repetition.
 struct RunSettings {

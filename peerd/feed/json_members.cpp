@@ -104,6 +104,16 @@ std::expected<void, std::string> JsonMembers::check_version() {
                          std::to_string(kMessageVersion));
 }
 
+std::string JsonMembers::stands_in_place_of(const char* name) const {
+  for (const auto& [given, value] : object_.items()) {
+    if (known_.contains(given)) continue;
+    Suggestion suggestion(given);
+    suggestion.consider(name);
+    if (suggestion.best()) return "; there is a \"" + given + "\"";
+  }
+  return "";
+}
+
 void JsonMembers::fail(const std::string& name, const std::string& what) {
   if (error_.empty()) error_ = "\"" + name + "\" " + what;
 }

@@ -39,7 +39,7 @@ class JsonMembers {
   // The value; an error where there is none.
   template <class T>
   T required(std::optional<T> value, const char* name) {
-    if (!value) fail(name, "is missing");
+    if (!value) fail(name, "is missing" + stands_in_place_of(name));
     return value ? std::move(*value) : T();
   }
   // Reads "v". The error, one sentence, names a version other than kMessageVersion.
@@ -51,6 +51,8 @@ class JsonMembers {
 
  private:
   const nlohmann::json* find(const char* name);
+  // The end of a sentence that names a member which was probably meant to be `name`; empty where none was.
+  [[nodiscard]] std::string stands_in_place_of(const char* name) const;
 
   const nlohmann::json& object_;
   std::set<std::string> known_;

@@ -64,6 +64,8 @@ std::expected<std::optional<collision::MappedFile>, std::string> map(const std::
 
 bool is_hierarchy_file(const std::filesystem::path& path) {
   std::array<char, collision::kHierarchyMagic.size()> magic{};
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;  // opening a pipe would wait for its writer
   std::ifstream in(path, std::ios::binary);
   return in.read(magic.data(), magic.size()) &&
          std::string_view(magic.data(), magic.size()) == collision::kHierarchyMagic;

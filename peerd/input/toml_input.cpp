@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <iomanip>
 #include <sstream>
 
 #include "core/suggestion.hpp"
+#include "peerd/input/number.hpp"
 
 namespace peerd::config {
 namespace {
@@ -25,12 +25,6 @@ Node* item(Node& list, std::string_view number) {
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), i);
   if (!list.is_array() || error != std::errc{} || end != number.data() + number.size()) return nullptr;
   return list.as_array()->get(i);
-}
-
-std::string shown(double x) {
-  std::ostringstream out;
-  out << std::setprecision(12) << x;
-  return out.str();
 }
 
 }  // namespace
@@ -72,9 +66,7 @@ void TomlReader::number(std::string_view key, std::optional<double>& value, doub
   if (n == nullptr) return;
   const auto x = n->value<double>();
   if (!x || !n->is_number()) return fail(n, dotted(key) + " must be a number");
-  if (!(*x >= min && *x <= max)) {
-    return fail(n, dotted(key) + " = " + shown(*x) + " is out of range: " + shown(min) + " to " + shown(max));
-  }
+  if (const auto why = why_refused(*x, {min, max})) return fail(n, dotted(key) + " = " + *why);
   value = x;
 }
 
@@ -148,7 +140,8 @@ void TomlReader::read(std::string_view key, std::vector<double>& value, std::siz
   value.clear();
   for (const toml::node& item : *list) {
     const auto x = item.value<double>();
-    if (!x || !item.is_number() || !std::isfinite(*x)) return fail(&item, wanted);
+    if (!x || !item.is_number()) return fail(&item, wanted);
+    if (const auto why = why_refused(*x, kCoordinates)) return fail(&item, wanted + "; " + *why);
     value.push_back(*x);
   }
 }
@@ -171,8 +164,9 @@ std::vector<std::vector<double>> TomlReader::rows(std::string_view key, std::siz
     }
     for (std::vector<double>& numbers = rows.emplace_back(); const toml::node& number : *row) {
       const auto x = number.value<double>();
-      if (!x || !number.is_number() || !std::isfinite(*x)) {
-        fail(&number, wanted);
+      const auto why = x && number.is_number() ? why_refused(*x, kCoordinates) : "";
+      if (why) {
+        fail(&number, wanted + (why->empty() ? "" : "; " + *why));
         return {};
       }
       numbers.push_back(*x);
@@ -262,7 +256,7 @@ Result<toml::table> parse_toml(const std::string& text, const std::string& name)
 }
 
 Result<toml::table> read_toml(const std::filesystem::path& path) {
-  const auto text = read_text_file(path);
+  const auto text = read_text_file(path, kSettingsFile);
   if (!text) return std::unexpected(text.error());
   return parse_toml(*text, path.string());
 }

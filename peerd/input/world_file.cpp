@@ -2,9 +2,15 @@
 #include "peerd/input/text_file.hpp"
 
 #include <charconv>
+#include <istream>
 #include <utility>
 
 namespace peerd::config {
+namespace {
+
+constexpr std::string_view kWorldAdvice = "the option expansion allows more, up to 4095 MiB";
+
+}  // namespace
 
 std::optional<std::filesystem::path> local_path(std::string_view url) {
   if (url.starts_with("file:")) {
@@ -32,16 +38,16 @@ std::optional<std::filesystem::path> local_path(std::string_view url) {
   return path;
 }
 
-FileLoader local_files() {
-  return [](std::string_view url, std::string_view base) -> std::expected<LoadedFile, std::string> {
+FileLoader local_files(std::uint64_t text_bytes) {
+  return [text_bytes](std::string_view url, std::string_view base) -> std::expected<LoadedFile, std::string> {
     const auto named = local_path(url);
     if (!named) return std::unexpected("it is no file of this machine");
     const std::filesystem::path path = (std::filesystem::path(base).parent_path() / *named).lexically_normal();
     std::error_code error;
     if (!std::filesystem::exists(path, error)) return std::unexpected("there is no such file");
     if (!std::filesystem::is_regular_file(path, error)) return std::unexpected("it is no regular file");
-    if (std::filesystem::file_size(path, error) > ReadLimits{}.text_bytes) return std::unexpected("it is too large");
-    auto bytes = read_text_file(path);
+    if (std::filesystem::file_size(path, error) > text_bytes) return std::unexpected("it is too large");
+    auto bytes = read_text_file(path, {text_bytes, kWorldAdvice});
     if (!bytes) return std::unexpected("it can't be read");
     // Links and detours lead to one canonical name, so that a file that includes itself is recognised.
     const std::filesystem::path one = std::filesystem::canonical(path, error);
@@ -49,26 +55,50 @@ FileLoader local_files() {
   };
 }
 
-Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
-                                                         const WorldReading& reading) {
-  auto text = read_text_file(path);
-  if (!text) return std::unexpected(text.error());
+namespace {
+
+// Positions in the texts of a world have 32 bits.
+std::uint64_t text_bytes_max(const WorldReading& reading) {
+  return std::min<std::uint64_t>(ReadLimits{}.text_bytes * reading.expansion, 4095 * kMiB);
+}
+
+// Reads the world of that text. `path` is its name, from which the URLs in it start.
+std::unique_ptr<const WorldFile> read_text_of_world(std::string text, const std::filesystem::path& path,
+                                                    const WorldReading& reading) {
   auto file = std::make_unique<WorldFile>();
-  file->text = std::move(*text);
+  file->text = std::move(text);
   ReadOptions options;
   options.name = path.string();
   options.defer_inlines = reading.inlines_when_needed;
   options.limits.expansion = reading.expansion;
+  options.limits.text_bytes = text_bytes_max(reading);
   // The world keeps the name by which it was asked for, wherever another file names it.
   std::error_code error;
   const std::string one = std::filesystem::canonical(path, error).string();
-  options.load = [files = local_files(), one, name = options.name](std::string_view url, std::string_view base) {
+  options.load = [files = local_files(options.limits.text_bytes), one, name = options.name](std::string_view url,
+                                                                                            std::string_view base) {
     auto loaded = files(url, base);
     if (loaded && loaded->name == one) loaded->name = name;
     return loaded;
   };
   file->result = read_world(file->text, options);
   return file;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
+                                                         const WorldReading& reading) {
+  auto text = read_text_file(path, {text_bytes_max(reading), kWorldAdvice});
+  if (!text) return std::unexpected(text.error());
+  return read_text_of_world(std::move(*text), path, reading);
+}
+
+Result<std::unique_ptr<const WorldFile>> read_world_stream(std::istream& in, const WorldReading& reading) {
+  constexpr const char* kName = "<stdin>";
+  auto text = read_text(in, kName, {text_bytes_max(reading), kWorldAdvice});
+  if (!text) return std::unexpected(text.error());
+  return read_text_of_world(std::move(*text), kName, reading);
 }
 
 }  // namespace peerd::config

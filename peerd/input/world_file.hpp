@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <iosfwd>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,13 +17,13 @@ namespace peerd::config {
 
 // The loader reads the files behind the URLs of Inlines and EXTERNPROTOs: regular files of this machine, by relative
 // path, absolute path or file: URL, with %-escapes resolved. It refuses any other URL by name and fetches nothing over
-// a network.
-[[nodiscard]] FileLoader local_files();
+// a network, nor a file of more than `text_bytes`.
+[[nodiscard]] FileLoader local_files(std::uint64_t text_bytes = ReadLimits{}.text_bytes);
 
 // How a world's files are read; see ReadOptions.
 struct WorldReading {
   bool inlines_when_needed = false;  // ReadOptions::defer_inlines
-  std::uint32_t expansion = 1;       // ReadLimits::expansion
+  std::uint32_t expansion = 1;       // ReadLimits::expansion; multiplies the size that the files may have, too
 };
 inline constexpr std::uint32_t kExpansionMax = 1'000'000;
 
@@ -32,5 +34,7 @@ struct WorldFile {
 };
 [[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
                                                                        const WorldReading& reading = {});
+// Reads a world from a stream, such as standard input. The URLs in it start from the current folder.
+[[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_stream(std::istream& in, const WorldReading& reading);
 
 }  // namespace peerd::config

@@ -9,6 +9,7 @@
 
 #include <muParser.h>
 
+#include "peerd/input/number.hpp"
 #include "peerd/motion/right_derivatives.hpp"
 
 namespace peerd::config {
@@ -73,7 +74,8 @@ MotionFormula read_motion_formula(TomlReader& reader) {
   reader.read("spin_axis", m.spin_axis, 3);
   reader.read("spin_angle", m.spin_angle);
   for (const auto& [key, axis] : {std::pair{"axis", &m.axis}, {"spin_axis", &m.spin_axis}}) {
-    if (to_vec3(*axis).isZero(0.0)) reader.fail(reader.raw().get(key), reader.dotted(key) + " must not be zero");
+    if (!(to_vec3(*axis).norm() >= kDirectionMin))
+      reader.fail(reader.raw().get(key), reader.dotted(key) + " must not be zero, or as good as zero");
   }
   return m;
 }

@@ -1,10 +1,9 @@
 #include "peerd/motion/track.hpp"
+#include "peerd/input/number.hpp"
 #include "peerd/input/text_file.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <optional>
+#include <expected>
 #include <string>
 #include <string_view>
 
@@ -15,18 +14,17 @@ namespace {
 
 constexpr std::string_view kPlaces = "t,x,y,z", kPoses = "t,x,y,z,qw,qx,qy,qz";
 
-// The numbers between the commas. There is no result where one is not a finite number.
-std::optional<std::vector<double>> numbers(std::string_view line) {
+// The numbers between the commas. The error says which one is none.
+std::expected<std::vector<double>, std::string> numbers(std::string_view line) {
   std::vector<double> row;
   for (;;) {
     const std::size_t comma = std::min(line.find(','), line.size());
     std::string_view cell = line.substr(0, comma);
     while (cell.starts_with(' ')) cell.remove_prefix(1);
     while (cell.ends_with(' ')) cell.remove_suffix(1);
-    double x = 0.0;
-    const auto [end, problem] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
-    if (problem != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(x)) return std::nullopt;
-    row.push_back(x);
+    const auto x = parse_number(cell, kCoordinates);
+    if (!x) return std::unexpected(x.error());
+    row.push_back(*x);
     if (comma == line.size()) return row;
     line.remove_prefix(comma + 1);
   }
@@ -39,7 +37,7 @@ struct Rows {
 };
 
 Result<Rows> read_rows(const std::filesystem::path& file) {
-  const auto text = read_text_file(file);
+  const auto text = read_text_file(file, kTrackFile);
   if (!text) return std::unexpected(text.error());
   Rows read;
   std::string_view rest = *text;
@@ -61,7 +59,8 @@ Result<Rows> read_rows(const std::filesystem::path& file) {
     if (line.empty()) continue;
     auto row = numbers(line);
     if (!row || row->size() != read.columns) {
-      return fail("write " + std::to_string(read.columns) + " numbers with commas between them");
+      return fail("write " + std::to_string(read.columns) + " numbers with commas between them" +
+                  (row ? "" : "; " + row.error()));
     }
     if (read.columns == 8 && Quat((*row)[4], (*row)[5], (*row)[6], (*row)[7]).norm() == 0.0) {
       return fail("the orientation must not be zero");

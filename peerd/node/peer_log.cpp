@@ -153,15 +153,11 @@ Result<void> save(const PeerLog& log, const std::filesystem::path& path) {
     out.row('C') << c.at << c.kind << c.collider << c.collidee << c.normal << c.known_at;
   }
   for (const auto& [name, count] : log.counters) out.row('N') << name << count;
-  std::ofstream file(path, std::ios::binary);
-  file << out.take();
-  file.close();
-  if (!file) return std::unexpected(InputError{path.string() + ": error: can't be written", 3});
-  return {};
+  return write_text_file(path, out.take());
 }
 
 Result<PeerLog> load_peer_log(const std::filesystem::path& path) {
-  const auto text = read_text_file(path);
+  const auto text = read_text_file(path, kPeerLogFile);
   if (!text) return std::unexpected(text.error());
   PeerLog log;
   std::istringstream lines(*text);

@@ -21,4 +21,16 @@ TEST(Suggestion, OffersTheNearestOrNothing) {
   EXPECT_EQ(suggest(std::string(100000, 'x')), "(none)");
 }
 
+TEST(Suggestion, KnowsUnitsBehindAWord) {
+  const auto suggest = [](std::string_view word) {
+    Suggestion s(word);
+    for (const char* candidate : {"jitter_ms", "latency_ms", "loss", "loss_burst", "position_m"}) s.consider(candidate);
+    return std::string(s.best().value_or("(none)"));
+  };
+  EXPECT_EQ(suggest("latency"), "latency_ms");
+  EXPECT_EQ(suggest("Position"), "position_m");
+  EXPECT_EQ(suggest("loss"), "loss") << "the word itself is nearer";
+  EXPECT_EQ(suggest("_ms"), "(none)");
+}
+
 }  // namespace peerd::suggestion_test

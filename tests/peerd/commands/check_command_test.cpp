@@ -318,4 +318,17 @@ TEST(Check, WritesACopyThatNeedsNoOtherFile) {
   EXPECT_EQ(nlohmann::json::parse(again.str())["statistics"]["polygons"], 6);
 }
 
+TEST(Check, ACopyThatCannotBeWrittenIsNotGood) {
+  const ScratchFolder folder;
+  const auto world = folder.write("w.wrl", "#VRML V2.0 utf8\nGroup { }\n");
+  std::ostringstream out, err;
+  EXPECT_EQ(run_check(world.string(), {.copy = "/dev/full"}, out, err), 3);
+  EXPECT_THAT(err.str(), HasSubstr("/dev/full: error: can't be written: No space left on device"));
+  EXPECT_EQ(out.str(), "");
+  EXPECT_EQ(run_check(world.string(), {.json = true, .copy = "/dev/full"}, out, err), 3);
+  const auto said = Json::parse(out.str());
+  EXPECT_EQ(said["good"], false);
+  EXPECT_EQ(said["errors"][0]["file"], "/dev/full");
+}
+
 }  // namespace peerd::check_command_test

@@ -155,7 +155,8 @@ TEST(Collide, UntilATimeSaysWhatBeginsAndEnds) {
   const Outcome outcome = watch(world, {.json = true, .at_s = 7.0, .until_s = 12.75, .hz = 4.0});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json json = outcome.json();
-  EXPECT_THAT(keys_of(json), ElementsAre("world", "time_s", "until_s", "hz", "ticks", "events", "counters", "micros"));
+  EXPECT_THAT(keys_of(json),
+              ElementsAre("world", "time_s", "until_s", "hz", "ticks", "events", "counters", "micros", "warnings"));
   EXPECT_EQ(json["ticks"], 24);
   EXPECT_EQ(json["events"], Json::parse(R"([
     {"time_s": 8.0, "event": "began", "collider": "A", "collidee": "B/D", "type": "witness"},
@@ -260,6 +261,64 @@ TEST(Collide, AWorldWithErrorsOrNoneIsNoWorld) {
   const ScratchFolder folder;
   EXPECT_EQ(collide(write(folder, "Shape { geometry Bix {} }")).exit_code, 1);
   EXPECT_EQ(collide(folder.path() / "none.wrl").exit_code, 2);
+}
+
+TEST(Collide, AnInterruptionLeavesPartialResults) {
+  const ScratchFolder folder;
+  const auto world = write(folder, kMoving);
+  int ticks = 0;
+  CollideOptions options{.json = true, .at_s = 7.0, .until_s = 1e9, .hz = 4.0};
+  options.interrupted = [&ticks] { return ++ticks > 10; };
+  const Outcome outcome = watch(world, options);
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_THAT(outcome.err, HasSubstr("interrupted after 10 ticks: the results are partial, none is later than 9.25 s"));
+  const Json json = outcome.json();
+  EXPECT_EQ(json["ticks"], 10);
+  EXPECT_EQ(json["partial"], true);
+  EXPECT_FALSE(json["events"].empty());
+  ticks = 0;
+  options.json = false;
+  EXPECT_THAT(watch(world, options).out, HasSubstr("partial: 10 ticks; "));
+}
+
+TEST(Collide, TimesWithoutTicksAreWrongUse) {
+  const ScratchFolder folder;
+  const auto world = write(folder, kMoving);
+  const Outcome before = watch(world, {.json = true, .at_s = 1.0, .until_s = 0.5});
+  EXPECT_EQ(before.exit_code, 2);
+  EXPECT_THAT(before.err, HasSubstr("--until 0.5 is before --at 1"));
+  EXPECT_EQ(before.json()["good"], false);
+  const Outcome rounded = watch(world, {.at_s = 1e12, .until_s = 1e12 + 1.0, .hz = 1e6});
+  EXPECT_EQ(rounded.exit_code, 2);
+  EXPECT_THAT(rounded.err, HasSubstr("lost in rounding"));
+  EXPECT_THAT(watch(world, {.at_s = 1.0, .until_s = 1.0}).out, HasSubstr("1 tick; "));
+}
+
+TEST(Collide, BodiesThatWouldAnswerAreNamedOnce) {
+  const ScratchFolder folder;
+  const auto world = write(folder, R"(
+    DEF BALL Transform { velocityVector 1 0 0 collisionResponse CollisionResponse {} children Shape { geometry Box {} } }
+    DEF WALL Transform { translation 5 0 0 children Shape { geometry Box {} } }
+    CollisionInterest { objectPath "BALL" interests "WALL" collisionType 1 })");
+  const Outcome outcome = watch(world, {.json = true, .until_s = 9.0});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("warning: collide moves things through what they meet, also BALL, with"));
+  EXPECT_EQ(outcome.err.find("warning"), outcome.err.rfind("warning"));
+  EXPECT_EQ(outcome.json()["warnings"].size(), 1u);
+  EXPECT_EQ(watch(write(folder, kMoving), {.until_s = 1.0}).err, "");
+}
+
+TEST(Collide, ATerminalShowsHowFarItIs) {
+  const ScratchFolder folder;
+  const auto world = write(folder, kMoving);
+  std::ostringstream out, err, terminal;
+  // The watch goes on until the first line has come, however long that takes.
+  CollideOptions options{.until_s = 1e9, .hz = 1e3};
+  options.progress = &terminal;
+  options.interrupted = [&terminal] { return !terminal.str().empty(); };
+  EXPECT_EQ(run_collide(world.string(), options, out, err), 130);
+  EXPECT_THAT(terminal.str(), HasSubstr(" s of 1000000000.000 s; about "));
+  EXPECT_TRUE(terminal.str().ends_with("\r\033[K")) << "the line is gone in the end";
 }
 
 }  // namespace peerd::collide_command_test

@@ -218,7 +218,7 @@ TEST_F(Control, WrongUseIsOneSentence) {
                                                   {{"key", "a", "--value", "65"}, "which key?"},
                                                   {{"key", "--value", "65", "--shift"}, "--state"},
                                                   {{"key", "a", "--state", "256"}, "--state"},
-                                                  {{"fly"}, "subcommand"}}) {
+                                                  {{"fly"}, "peerd ctl has no command fly"}}) {
     const Said said = ctl(words);
     EXPECT_EQ(said.code, 2) << sentence;
     EXPECT_THAT(said.err, HasSubstr(sentence));

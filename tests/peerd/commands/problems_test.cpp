@@ -51,6 +51,8 @@ TEST(Counted, HasItsPlural) {
   EXPECT_EQ(counted(1, "error"), "1 error");
   EXPECT_EQ(counted(0, "error"), "0 errors");
   EXPECT_EQ(counted(2, "error"), "2 errors");
+  EXPECT_EQ(counted(1, "hierarchy", "hierarchies"), "1 hierarchy");
+  EXPECT_EQ(counted(2, "hierarchy", "hierarchies"), "2 hierarchies");
 }
 
 }  // namespace peerd::problems_test

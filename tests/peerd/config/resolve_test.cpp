@@ -174,4 +174,29 @@ TEST_F(ResolveTest, AProgramOutsideCallsThemAsTheSettingsDo) {
   EXPECT_TRUE(all[1].outside.empty());
 }
 
+TEST_F(ResolveTest, FormulasThatMoveNothingAreParsedToo) {
+  const std::string own = kTwo + "[peer.a.motion.CAR_A]\nx = \"t\"\n";
+  EXPECT_THAT(error(own + "[motion.CAR_A]\nx = \"sin(t\"\n"), HasSubstr("motion.CAR_A: formula \"sin(t\": "));
+  EXPECT_THAT(error(own + "[motion.ROCK]\nx = \"sin(t\"\n"), HasSubstr("motion.ROCK: formula \"sin(t\": "));
+  EXPECT_THAT(error(own + "[motion.ROCK]\ntrack = \"none.csv\"\n"),
+              HasSubstr("none.csv: error: there is no such file"));
+}
+
+TEST_F(ResolveTest, MotionsWithoutEffectAreNamed) {
+  const auto warnings = [this](const std::string& text) {
+    ScenarioRequest request;
+    request.file = folder.write("s.toml", "world = \"w.wrl\"\nduration_s = 10\n" + text);
+    const auto scenario = read_scenario(request);
+    const auto world = load_world(scenario->world);
+    return motions_without_effect(scenario->runs.front(), world->scene);
+  };
+  const std::string own = kTwo + "[peer.a.motion.CAR_A]\nx = \"t\"\n";
+  EXPECT_THAT(warnings(own + "[motion.ROCK]\nx = \"t\"\n"),
+              ElementsAre(HasSubstr("s.toml:11:1: warning: motion.ROCK has no effect: no peer owns what it names")));
+  EXPECT_THAT(warnings(own + "[motion.CAR_A]\nx = \"t\"\n"),
+              ElementsAre(HasSubstr("motion.CAR_A has no effect: peer.a.motion.CAR_A comes first")));
+  EXPECT_THAT(warnings(own + "[motion.\"CAR_*\"]\nx = \"t\"\n"), IsEmpty()) << "it moves the others";
+  EXPECT_THAT(warnings(own), IsEmpty());
+}
+
 }  // namespace peerd::config::resolve_test

@@ -369,6 +369,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"LinkIsNoTable", "[network.link.a.b]\nloss = 0.25", "link.a = 3", "11:10: ", "network.link.FROM.TO"},
         Bad{"SameIdTwice", "id = 2", "id = 1", "", "peer a has that id too"},
         Bad{"AxisZero", "x = \"t\"", "axis = [0, 0, 0]", "20:8: ", "peer.a.motion.CAR.axis must not be zero"},
+        Bad{"AxisNearlyZero", "x = \"t\"", "axis = [1e-200, 0, 0]", "20:8: ", "axis must not be zero"},
         Bad{"SpinAxisZero", "x = \"t\"", "spin_axis = [0, 0, 0]", "20:13: ", "spin_axis must not be zero"},
         Bad{"TwoKindsOfMotion", "x = \"t\"", "walk = {within_m = [0, 0, 20, 20]}\ntrack = \"t.csv\"",
             "20:8: ", "peer.a.motion.CAR.walk: the object is moved by track already"},

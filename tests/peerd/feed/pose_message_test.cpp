@@ -63,6 +63,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"AnotherRequest", R"({"do":"leave"})", "by UDP \"do\" must be \"pose\""},
                     Wrong{"NoRequest", R"({"object":"A","position_m":[0,0,0]})", "by UDP \"do\" must be \"pose\""},
                     Wrong{"NoObject", R"({"do":"pose","position_m":[0,0,0]})", "\"object\" is missing"},
+                    Wrong{"NoUnit", R"({"do":"pose","object":"A","position":[0,0,0]})",
+                          "\"position_m\" is missing; there is a \"position\""},
                     Wrong{"NoPosition", R"({"do":"pose","object":"A"})", "\"position_m\" is missing"},
                     Wrong{"TwoNumbers", R"({"do":"pose","object":"A","position_m":[0,0]})", "list of 3 numbers"},
                     Wrong{"Misspelt", R"({"do":"pose","poses":[],"repyl":true})", "did you mean \"reply\"?"},

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <string>
 
@@ -67,6 +68,13 @@ TEST(HierarchyFiles, FoldersAndEmptyFilesAreRefusedByName) {
   const auto load = mapped_hierarchies(folder / "w.wrl");
   EXPECT_EQ(load("empty").error(), "it is empty");
   EXPECT_EQ(load("folder").error(), "it is no regular file");
+}
+
+TEST(HierarchyFiles, APipeIsNotWaitedFor) {
+  const ScratchFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(write_hierarchy_file(folder / "w.wrl", "pipe", hierarchy("")).error(),
+              HasSubstr("another file of that name"));
 }
 
 }  // namespace peerd::config::hierarchy_files_test

@@ -196,4 +196,12 @@ TEST(Merge, OverWinsTableByTable) {
   EXPECT_EQ(base, *parse_toml("a = 2\nlist = [3]\nv = 7\nw = 8\n[t]\nx = 1\ny = 3", "f"));
 }
 
+TEST(TomlReader, NumbersAreFiniteAndInRange) {
+  EXPECT_THAT(read("length_m = nan").error, HasSubstr("length_m = nan is out of range: 0 to 10"));
+  EXPECT_THAT(read("length_m = inf").error, HasSubstr("length_m = inf is out of range: 0 to 10"));
+  EXPECT_NE(read("length_m = 1e400").error, "");
+  EXPECT_THAT(read("axis = [0, nan, 0]").error, HasSubstr("axis must be a list of 3 numbers; nan is out of range"));
+  EXPECT_THAT(read("axis = [0, 1e10, 0]").error, HasSubstr("10000000000 is out of range: -1000000000 to 1000000000"));
+}
+
 }  // namespace peerd::config::toml_input_test

@@ -63,7 +63,9 @@ TEST(Track, WhatIsWrongIsNamedWithItsLine) {
   };
   EXPECT_THAT(error("t;x;y;z\n"), HasSubstr("bad.csv:1: error: the first line must be t,x,y,z or"));
   EXPECT_THAT(error("t,x,y,z\n0,0,0\n"), HasSubstr("bad.csv:2: error: write 4 numbers"));
-  EXPECT_THAT(error("t,x,y,z\n0,0,0,0\n1,0,nan,0\n"), HasSubstr("bad.csv:3: error: write 4 numbers"));
+  EXPECT_THAT(error("t,x,y,z\n0,0,0,0\n1,0,nan,0\n"),
+              HasSubstr("bad.csv:3: error: write 4 numbers with commas between them; nan is no finite number"));
+  EXPECT_THAT(error("t,x,y,z\n0,0,0,0\n1,0,1e10,0\n"), HasSubstr("1e10 is out of range"));
   EXPECT_THAT(error("t,x,y,z\n0,0,0,0\n1,0,,0\n"), HasSubstr("bad.csv:3: "));
   EXPECT_THAT(error("t,x,y,z\n0,0,0,0\n\n0,0,0,0\n"), HasSubstr("bad.csv:4: error: each time must be later"));
   EXPECT_THAT(error("t,x,y,z\n0,0,0,0\n1,0,1,0\n2,1,0,0\n", true), HasSubstr("bad.csv:4: error: a loop ends"));
