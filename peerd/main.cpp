@@ -132,7 +132,7 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   add_network_options(command, flags);
   command.add_option("--control", peer.control,
                      "where peerd ctl reaches this peer: the path of a socket, or \"\" for none (default: the "
-                     "configuration's, else one in XDG_RUNTIME_DIR)");
+                     "configuration's, else one in this user's own folder)");
   command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
   command.add_flag("--take-over", peer.take_over,
                    "begin at once, without asking for a second whether this peer is running already: that one ends");

@@ -322,10 +322,10 @@ TEST(Check, ACopyThatCannotBeWrittenIsNotGood) {
   const ScratchFolder folder;
   const auto world = folder.write("w.wrl", "#VRML V2.0 utf8\nGroup { }\n");
   std::ostringstream out, err;
-  EXPECT_EQ(run_check(world.string(), {.copy = "/dev/full"}, out, err), 3);
+  EXPECT_EQ(run_check(world.string(), {.json = false, .copy = "/dev/full", .at_s = {}}, out, err), 3);
   EXPECT_THAT(err.str(), HasSubstr("/dev/full: error: can't be written: No space left on device"));
   EXPECT_EQ(out.str(), "");
-  EXPECT_EQ(run_check(world.string(), {.json = true, .copy = "/dev/full"}, out, err), 3);
+  EXPECT_EQ(run_check(world.string(), {.json = true, .copy = "/dev/full", .at_s = {}}, out, err), 3);
   const auto said = Json::parse(out.str());
   EXPECT_EQ(said["good"], false);
   EXPECT_EQ(said["errors"][0]["file"], "/dev/full");
