@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include "peerd/commands/measuring.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/netem/lab.hpp"
@@ -25,6 +26,22 @@ namespace fs = std::filesystem;
 // ephemeral ports, which the system may give to any program.
 constexpr int kPortBegin = 20000, kPortCount = 12000;
 
+report::ScenarioInfo info_of(const ScenarioOptions& options, const config::Scenario& scenario,
+                             const SharedWorld& shared) {
+  report::ScenarioInfo info{
+      scenario.name, "real", scenario.seed, {}, scenario.repeat, command_line("scenario", options)};
+  for (const std::string& line : shared.model->unsupported) info.warnings.push_back("unsupported: " + line);
+  if (!options.netem) {
+    info.warnings.push_back(
+        "the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
+  }
+  for (const config::ScenarioEvent& event : scenario.runs.front().events) {
+    if (event.kind != config::EventKind::kKill) continue;
+    info.warnings.push_back("peer " + event.peer + " was killed: what it did and believed is not in the report");
+  }
+  return info;
+}
+
 }  // namespace
 
 int run_scenario(const ScenarioOptions& options, const fs::path& program) {
@@ -39,17 +56,10 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   const auto shared = share_world(scenario->world, scenario->reading);
   if (!shared) return failed(shared.error());
 
-  report::ScenarioInfo info{
-      scenario->name, "real", scenario->seed, {}, scenario->repeat, command_line("scenario", options)};
-  for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
-  if (!options.netem) {
-    info.warnings.push_back(
-        "the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
-  }
-  for (const config::ScenarioEvent& event : scenario->runs.front().events) {
-    if (event.kind != config::EventKind::kKill) continue;
-    info.warnings.push_back("peer " + event.peer + " was killed: what it did and believed is not in the report");
-  }
+  const auto csv_rows = read_samples(options.samples);
+  if (!csv_rows) return failed(csv_rows.error());
+  report::ScenarioInfo info = info_of(options, *scenario, **shared);
+  info.csv_rows = *csv_rows;
   const auto out = options.out.empty() ? fs::path("out") / scenario->name : options.out;
   std::error_code error;
   fs::create_directories(out, error);
@@ -90,7 +100,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
                          .lab = lab.get()};
     const auto logs = run_live(launch, run, oversleep_ms);
     if (!logs) return failed(logs.error());
-    auto record = assemble(run, **shared, *logs);
+    auto record = assemble(run, **shared, *logs, measuring_of(*scenario, records.size(), *csv_rows));
     if (!record) return failed(record.error());
     if (lab) {
       network->oversleep_during_ms = std::move(oversleep_ms);
