@@ -111,6 +111,8 @@ void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
                   "run everything with so many seeds, from that one on (default: the scenario's, else 1)")
       ->transform(whole_number_in(1, config::kRepeatMax));
   command.add_option("--out", options.out, "where the outputs go (default: out/NAME)");
+  command.add_option("--samples", options.samples,
+                     "rows of errors.csv, and of traffic.csv: all, none or N at most (default: 40000)");
   command.add_flag("--json", options.json, "print summary.json instead of the table");
 }
 

@@ -20,7 +20,7 @@
 #include "core/scene/scene_defects.hpp"
 #include "core/scene/scene_statistics.hpp"
 #include "core/writer/writer.hpp"
-#include "peerd/commands/error_json.hpp"
+#include "peerd/command_line/error_json.hpp"
 #include "peerd/commands/problems.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/input/world_file.hpp"

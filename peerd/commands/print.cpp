@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/commands/error_json.hpp"
+#include "peerd/command_line/error_json.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/measure/expectations.hpp"
 #include "peerd/report/table.hpp"
@@ -48,9 +48,11 @@ int print_report(const report::ScenarioInfo& info, std::span<const report::RunRe
   if (const auto written = report::write_report(out, info, runs, summary); !written) {
     return failed({"error: " + written.error(), 3});
   }
+  const std::string thinned = report::thinned_rows(info, runs);
+  const std::string rows = thinned.empty() ? "" : "\n" + thinned + "\n";
   std::cout << (json ? summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"
                      : report::table(summary) + report::wrong_outcomes_table(summary) +
-                           report::expectations_table(checked, summary["runs"]));
+                           report::expectations_table(checked, summary["runs"]) + rows);
   return std::ranges::any_of(checked, &report::CheckedExpectation::failed) ? 1 : 0;
 }
 

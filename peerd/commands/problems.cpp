@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/commands/error_json.hpp"
+#include "peerd/command_line/error_json.hpp"
 
 namespace peerd {
 

@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include "peerd/commands/measuring.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/config/resolve.hpp"
@@ -26,19 +27,20 @@ namespace fs = std::filesystem;
 // ephemeral ports, which the system may give to any program.
 constexpr int kPortBegin = 20000, kPortCount = 12000;
 
-// What the report warns of, as far as it is known before the run.
-std::vector<std::string> known_warnings(const ScenarioOptions& options, const config::RunSettings& run,
-                                        const SharedWorld& shared) {
-  std::vector<std::string> warnings;
-  for (const std::string& line : shared.model->unsupported) warnings.push_back("unsupported: " + line);
+report::ScenarioInfo info_of(const ScenarioOptions& options, const config::Scenario& scenario,
+                             const SharedWorld& shared) {
+  report::ScenarioInfo info{
+      scenario.name, "real", scenario.seed, {}, scenario.repeat, command_line("scenario", options)};
+  for (const std::string& line : shared.model->unsupported) info.warnings.push_back("unsupported: " + line);
   if (!options.netem) {
-    warnings.emplace_back("the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
+    info.warnings.push_back(
+        "the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
   }
-  for (const config::ScenarioEvent& event : run.events) {
+  for (const config::ScenarioEvent& event : scenario.runs.front().events) {
     if (event.kind != config::EventKind::kKill) continue;
-    warnings.push_back("peer " + event.peer + " was killed: what it did and believed is not in the report");
+    info.warnings.push_back("peer " + event.peer + " was killed: what it did and believed is not in the report");
   }
-  return warnings;
+  return info;
 }
 
 }  // namespace
@@ -56,9 +58,10 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   if (!shared) return failed(shared.error());
   print_warnings(config::motions_without_effect(scenario->runs.front(), (*shared)->world.scene));
 
-  report::ScenarioInfo info{
-      scenario->name, "real", scenario->seed, {}, scenario->repeat, command_line("scenario", options)};
-  info.warnings = known_warnings(options, scenario->runs.front(), **shared);
+  const auto csv_rows = read_samples(options.samples);
+  if (!csv_rows) return failed(csv_rows.error());
+  report::ScenarioInfo info = info_of(options, *scenario, **shared);
+  info.csv_rows = *csv_rows;
   const auto out = options.out.empty() ? fs::path("out") / scenario->name : options.out;
   std::error_code error;
   fs::create_directories(out, error);
@@ -99,7 +102,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
                          .lab = lab.get()};
     const auto logs = run_live(launch, run, oversleep_ms);
     if (!logs) return failed(logs.error());
-    auto record = assemble(run, **shared, *logs);
+    auto record = assemble(run, **shared, *logs, measuring_of(*scenario, records.size(), *csv_rows));
     if (!record) return failed(record.error());
     if (lab) {
       network->oversleep_during_ms = std::move(oversleep_ms);

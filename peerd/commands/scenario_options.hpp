@@ -19,6 +19,7 @@ struct ScenarioOptions {
   bool netem = false;                   // real runs only: over the scenario's network, made by the kernel's netem
   bool tcpdump = false;                 // with netem only: record each peer's interface, for tcpdump or Wireshark
   std::filesystem::path captures;       // simulated runs only: a folder for each peer's capture; empty: none
+  std::string samples = "40000";        // --samples: all, none, or the most rows of errors.csv and of traffic.csv
   bool json = false;                    // print summary.json instead of the table
   bool verbose = false;                 // print the peers' logs too
 };

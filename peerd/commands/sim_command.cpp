@@ -8,6 +8,9 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include "peerd/command_line/progress.hpp"
+#include "peerd/command_line/stop_signals.hpp"
+#include "peerd/commands/measuring.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
 #include "peerd/commands/scenario_options.hpp"
@@ -16,8 +19,125 @@
 #include "peerd/sim/simulated_run.hpp"
 
 namespace peerd {
+namespace {
+
+double session_s(HostTime now, const PeerNode& node) {
+  return to_seconds(now.time_since_epoch() - node.start()->time_since_epoch());
+}
+
+// Runs all runs of a scenario, one after the other, until a signal stops it.
+class SimCommand {
+ public:
+  SimCommand(const ScenarioOptions& options, const config::Scenario& scenario, const SharedWorld& shared,
+             report::ScenarioInfo& info, const StopSignals& signals)
+      : options_(options),
+        scenario_(scenario),
+        shared_(shared),
+        info_(info),
+        signals_(signals),
+        display_(isatty(STDERR_FILENO) != 0 && !options.verbose) {
+    for (const config::RunSettings& run : scenario.runs) durations_s_.push_back(run.duration_s);
+  }
+
+  Result<std::vector<report::RunRecord>> run_all() {
+    for (std::size_t run = 0; run < scenario_.runs.size() && signals_.signal() == 0; ++run) {
+      auto record = run_one(run);
+      if (!record) return std::unexpected(record.error());
+      if (!record->stopped || record->duration_s > 0.0) records_.push_back(*std::move(record));
+    }
+    display_.clear();
+    if (signals_.signal() != 0) note_stop();
+    return std::move(records_);
+  }
+
+ private:
+  Result<report::RunRecord> run_one(std::size_t run) {
+    std::optional<sim::Captures> captures;
+    if (!options_.captures.empty()) {
+      captures.emplace(options_.captures, scenario_, options_.scenario);
+      if (scenario_.runs.size() > 1) captures->folder /= fmt::format("run-{:03}", run + 1);
+      std::error_code error;
+      std::filesystem::create_directories(captures->folder, error);
+      if (error) {
+        return std::unexpected(
+            InputError{"error: can't make the folder " + captures->folder.string() + ": " + error.message(), 3});
+      }
+    }
+    sim::Observer observer;
+    if (options_.verbose) {
+      observer = [&](HostTime now, const PeerNode& node, const replication::Output& output) {
+        const auto line = describe(output, node.scene());
+        if (line && node.start()) log(now, node, line->text);
+      };
+    }
+    return sim::simulated_run(
+        scenario_.runs[run], shared_, observer,
+        [&](HostTime now, const PeerNode& node, const KeyReport& key) { on_key(now, node, key); },
+        captures ? &*captures : nullptr, measuring_of(scenario_, run, info_.csv_rows),
+        [&](std::optional<double> run_s) { return go_on(run, run_s); });
+  }
+
+  static void log(HostTime now, const PeerNode& node, const std::string& text) {
+    std::cerr << fmt::format("{:9.4f} s  peer {}: {}\n", session_s(now, node), node.peer().id().value, text);
+  }
+
+  // A key without its intended effect is a finding about the scenario. It is printed once and is part of the report.
+  void on_key(HostTime now, const PeerNode& node, const KeyReport& key) {
+    for (const LogLine& line : describe(key, node.scene())) {
+      if (options_.verbose) log(now, node, line.text);
+      if (!key.done()) warn(fmt::format("peer {} at {:.3f} s: {}", node.name(), session_s(now, node), line.text));
+    }
+  }
+
+  void warn(const std::string& warning) {
+    if (std::ranges::find(info_.warnings, warning) != info_.warnings.end()) return;
+    info_.warnings.push_back(warning);
+    display_.clear();
+    std::cerr << warning << '\n';
+  }
+
+  bool go_on(std::size_t run, std::optional<double> run_s) {
+    if (display_.due()) {
+      const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
+      display_.show(progress_line({.run = run, .runs_s = durations_s_, .run_s = run_s, .took_s = took_s}));
+    }
+    return signals_.signal() == 0;
+  }
+
+  // What is missing is the first of the warnings. A signal that comes in the last moment leaves nothing out.
+  void note_stop() {
+    const std::size_t all = scenario_.runs.size();
+    const bool cut = !records_.empty() && records_.back().stopped;
+    if (!cut && records_.size() == all) return;
+    info_.stopped = true;
+    std::string text = "stopped by " + signals_.signal_name();
+    if (cut) text += fmt::format(", in run {} at {:.3g} s", records_.size(), records_.back().duration_s);
+    if (const std::size_t rest = all - records_.size(); rest > 0) {
+      text += fmt::format("; {} of {} {} not in here", rest, all == 1 ? "1 run" : fmt::format("{} runs", all),
+                          rest == 1 ? "is" : "are");
+    }
+    info_.warnings.insert(info_.warnings.begin(), text);
+    std::cerr << text << '\n';
+  }
+
+  const ScenarioOptions& options_;
+  const config::Scenario& scenario_;
+  const SharedWorld& shared_;
+  report::ScenarioInfo& info_;
+  const StopSignals& signals_;
+  ProgressDisplay display_;
+  std::vector<double> durations_s_;
+  std::vector<report::RunRecord> records_;
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
 
 int run_sim(const ScenarioOptions& options) {
+  const auto begun = std::chrono::steady_clock::now();
+  StopSignals signals("stopped while the scenario and its world were read: nothing was run, nothing is written");
+  const auto csv_rows = read_samples(options.samples);
+  if (!csv_rows) return failed(csv_rows.error());
   const auto scenario = config::read_scenario({.file = options.scenario,
                                                .configs = options.configs,
                                                .sets = options.sets,
@@ -31,62 +151,31 @@ int run_sim(const ScenarioOptions& options) {
   print_warnings(config::motions_without_effect(scenario->runs.front(), scene));
 
   report::ScenarioInfo info{scenario->name, "sim", scenario->seed, {}, scenario->repeat, command_line("sim", options)};
+  info.csv_rows = *csv_rows;
   for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
-  for (const std::string& line : info.warnings) std::cerr << line << '\n';
+  print_warnings(info.warnings);
 
-  sim::Observer observer;
-  if (options.verbose) {
-    observer = [&](HostTime now, const PeerNode& node, const replication::Output& output) {
-      const auto line = describe(output, scene);
-      if (!line || !node.start()) return;
-      const double t_s = to_seconds(now.time_since_epoch() - node.start()->time_since_epoch());
-      std::cerr << fmt::format("{:9.4f} s  peer {}: {}\n", t_s, node.peer().id().value, line->text);
-    };
+  signals.note_from_now_on("stopped at once by a second signal: the report is not complete");
+  const auto records = SimCommand(options, *scenario, **shared, info, signals).run_all();
+  if (!records) return failed(records.error());
+  if (records->empty()) {
+    std::cerr << "the motions of no run had begun: nothing is written\n";
+    return signals.exit_code();
   }
-  // A key without its intended effect is a finding about the scenario. It is printed once and is part of the report.
-  const sim::KeyObserver key_observer = [&](HostTime now, const PeerNode& node, const KeyReport& key) {
-    for (const LogLine& line : describe(key, scene)) {
-      const double t_s = to_seconds(now.time_since_epoch() - node.start()->time_since_epoch());
-      if (options.verbose) {
-        std::cerr << fmt::format("{:9.4f} s  peer {}: {}\n", t_s, node.peer().id().value, line.text);
-      }
-      if (key.done()) continue;
-      const std::string warning = fmt::format("peer {} at {:.3f} s: {}", node.name(), t_s, line.text);
-      if (std::ranges::find(info.warnings, warning) != info.warnings.end()) continue;
-      info.warnings.push_back(warning);
-      std::cerr << warning << '\n';
-    }
-  };
-  const bool show_progress = isatty(STDERR_FILENO) != 0 && !options.verbose;
-  const auto begun = std::chrono::steady_clock::now();
-  double simulated_s = 0.0;
-  std::vector<report::RunRecord> records;
-  for (const config::RunSettings& run : scenario->runs) {
-    if (show_progress) std::cerr << "\rrun " << records.size() + 1 << " of " << scenario->runs.size() << std::flush;
-    std::optional<sim::Captures> captures;
-    if (!options.captures.empty()) {
-      captures.emplace(options.captures, *scenario, options.scenario);
-      if (scenario->runs.size() > 1) captures->folder /= fmt::format("run-{:03}", records.size() + 1);
-      std::error_code error;
-      std::filesystem::create_directories(captures->folder, error);
-      if (error)
-        return failed({"error: can't make the folder " + captures->folder.string() + ": " + error.message(), 3});
-    }
-    auto record = sim::simulated_run(run, **shared, observer, key_observer, captures ? &*captures : nullptr);
-    if (!record) return failed(record.error());
-    simulated_s += run.duration_s;
-    records.push_back(std::move(*record));
-  }
-  if (show_progress) std::cerr << "\r\033[K";
-
   const auto out = options.out.empty() ? std::filesystem::path("out") / scenario->name : options.out;
-  const int code = print_report(info, records, scenario->expectations, out, options.json);
-  if (code > 1 || options.json) return code;
-  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  std::cout << fmt::format("{:.0f} s of {} in {:.2f} s, reports included: {:.0f} times real time; {}\n", simulated_s,
-                           counted(records.size(), "run"), took_s, simulated_s / took_s,
-                           (out / "report.html").string());
-  return code;
+  // Of a part of the runs nothing was expected.
+  const std::vector<config::Expectation> expected =
+      info.stopped ? std::vector<config::Expectation>{} : scenario->expectations;
+  const int code = print_report(info, *records, expected, out, options.json);
+  if (code <= 1 && !options.json) {
+    double simulated_s = 0.0;
+    for (const report::RunRecord& record : *records) simulated_s += record.duration_s;
+    const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    std::cout << fmt::format("{:.0f} s of {} in {:.2f} s, reports included: {:.0f} times real time; {}\n", simulated_s,
+                             counted(records->size(), "run"), took_s, simulated_s / took_s,
+                             (out / "report.html").string());
+  }
+  return signals.signal() != 0 && code <= 1 ? signals.exit_code() : code;
 }
 
 }  // namespace peerd

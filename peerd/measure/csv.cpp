@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <charconv>
 #include <concepts>
 #include <cstddef>
@@ -14,7 +15,7 @@
 namespace peerd::report {
 namespace {
 
-// Appends cells to one growing text. A report is tens of megabytes with a budget of time, so there are no streams.
+// Appends cells to one growing text. A report may be tens of megabytes with a budget of time, so there are no streams.
 class CsvText {
  public:
   explicit CsvText(std::string_view heading) : text_(heading) { text_ += '\n'; }
@@ -63,45 +64,126 @@ std::vector<std::size_t> by_time(const std::vector<Row>& rows) {
   return order;
 }
 
+// The rows of views that a table has: every `row_stride`-th row of every `view_stride`-th view.
+struct RowChoice {
+  std::size_t view_stride = 1, row_stride = 1;
+
+  [[nodiscard]] std::size_t count(std::span<const std::size_t> lengths) const {
+    std::size_t rows = 0;
+    for (std::size_t i = 0; i < lengths.size(); i += view_stride) rows += (lengths[i] + row_stride - 1) / row_stride;
+    return rows;
+  }
+};
+
+constexpr std::size_t kLeastRowsOfView = 20;  // fewer do not show how an object moves
+
+RowChoice choose_rows(std::span<const std::size_t> lengths, std::size_t most) {
+  assert(most > 0);
+  RowChoice choice;
+  std::size_t least = 0;
+  for (const std::size_t length : lengths) least += std::min(length, kLeastRowsOfView);
+  choice.view_stride = std::max<std::size_t>(1, (least + most - 1) / most);
+  while (choice.count(lengths) > most && choice.row_stride < (std::size_t{1} << 40)) {
+    // The quotient of rows that there are and may be is a lower bound for the factor that is missing.
+    choice.row_stride = std::max(choice.row_stride + 1, choice.row_stride * choice.count(lengths) / most);
+  }
+  return choice;
+}
+
+// The lengths of all views of all runs, in their order.
+std::vector<std::size_t> view_lengths(std::span<const RunRecord> runs) {
+  std::vector<std::size_t> lengths;
+  for (const RunRecord& run : runs) {
+    const GhostSample* last = nullptr;
+    for (const GhostSample& s : run.ghost_samples) {
+      if (last == nullptr || last->observer != s.observer || last->object != s.object) lengths.push_back(0);
+      ++lengths.back();
+      last = &s;
+    }
+  }
+  return lengths;
+}
+
+RowChoice choose_samples(std::span<const std::size_t> lengths, std::optional<std::size_t> most) {
+  return most ? choose_rows(lengths, *most) : RowChoice{};
+}
+
+std::size_t kept_traffic(std::span<const RunRecord> runs) {
+  std::size_t rows = 0;
+  for (const RunRecord& run : runs) rows += run.updates.size() + run.datagrams.size();
+  return rows;
+}
+
+// Every so many rows of the traffic that is kept are written; 0: none.
+std::size_t traffic_stride(std::span<const RunRecord> runs, std::optional<std::size_t> most) {
+  if (!most) return 1;
+  return *most == 0 ? 0 : std::max<std::size_t>(1, (kept_traffic(runs) + *most - 1) / *most);
+}
+
 }  // namespace
 
-std::string errors_csv(std::span<const RunRecord> runs) {
+RowCount errors_rows(std::span<const RunRecord> runs, std::optional<std::size_t> most) {
+  RowCount count;
+  const std::vector<std::size_t> lengths = view_lengths(runs);
+  if (most != 0u) count.written = choose_samples(lengths, most).count(lengths);
+  for (const RunRecord& run : runs) count.of += run.measured ? run.measured->whole.samples() : run.ghost_samples.size();
+  return count;
+}
+
+RowCount traffic_rows(std::span<const RunRecord> runs, std::optional<std::size_t> most) {
+  RowCount count;
+  const std::size_t stride = traffic_stride(runs, most);
+  if (stride > 0) count.written = (kept_traffic(runs) + stride - 1) / stride;
+  for (const RunRecord& run : runs) {
+    const bool all = !run.measured;
+    count.of += all ? run.updates.size() + run.datagrams.size()
+                    : run.measured->whole.updates_sent() + run.measured->whole.datagrams;
+  }
+  return count;
+}
+
+std::string errors_csv(std::span<const RunRecord> runs, std::optional<std::size_t> most) {
   CsvText csv(
       "run,t_s,observer,object,truth_x,truth_y,truth_z,ghost_x,ghost_y,ghost_z,shown_x,shown_y,shown_z,"
       "ghost_error_m,shown_error_m,ghost_angle_error_rad");
-  std::size_t rows = 0;
-  for (const RunRecord& run : runs) rows += run.ghost_samples.size();
-  csv.reserve(rows * 240 + 256);  // a moving object's row is about this long
+  if (most == 0u) return csv.take();
+  const std::vector<std::size_t> lengths = view_lengths(runs);
+  const RowChoice choice = choose_samples(lengths, most);
+  csv.reserve(choice.count(lengths) * 240 + 256);  // a moving object's row is about this long
 
+  std::size_t view = 0;  // number of views before this one
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const RunRecord& run = runs[r];
-    PeerId observer;
-    ObjectId object;
-    std::string names;  // names of the current series
-    for (const GhostSample& s : run.ghost_samples) {
-      if (names.empty() || s.observer != observer || s.object != object) {
-        observer = s.observer;
-        object = s.object;
-        names = peer_cell(run, observer) + ',' + object_cell(run, object);
+    for (std::size_t begin = 0; begin < run.ghost_samples.size(); begin += lengths[view++]) {
+      if (view % choice.view_stride != 0) continue;
+      const GhostSample& first = run.ghost_samples[begin];
+      const std::string names = peer_cell(run, first.observer) + ',' + object_cell(run, first.object);
+      for (std::size_t i = begin; i < begin + lengths[view]; i += choice.row_stride) {
+        const GhostSample& s = run.ghost_samples[i];
+        csv.number(r + 1).number(s.t_s).raw(names);
+        csv.vector(s.truth.position).vector(s.ghost.position).vector(s.shown.position);
+        csv.number(ghost_error_m(s)).number(shown_error_m(s));
+        csv.number(angle_between(s.truth.orientation, s.ghost.orientation)).end_row();
       }
-      csv.number(r + 1).number(s.t_s).raw(names);
-      csv.vector(s.truth.position).vector(s.ghost.position).vector(s.shown.position);
-      csv.number(ghost_error_m(s)).number(shown_error_m(s));
-      csv.number(angle_between(s.truth.orientation, s.ghost.orientation)).end_row();
     }
   }
   return csv.take();
 }
 
-std::string traffic_csv(std::span<const RunRecord> runs) {
+std::string traffic_csv(std::span<const RunRecord> runs, std::optional<std::size_t> most) {
   CsvText csv("run,t_s,sender,kind,object,bytes,threshold_m,reason");
+  const std::size_t stride = traffic_stride(runs, most);
+  if (stride == 0) return csv.take();
+  std::size_t row = 0;  // number of rows before this one, written or not
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const RunRecord& run = runs[r];
     const auto add_update = [&](const UpdateSent& u) {
+      if (row++ % stride != 0) return;
       csv.number(r + 1).number(u.t_s).raw(peer_cell(run, u.sender)).raw("update").raw(object_cell(run, u.object));
       csv.number(u.bytes).number(u.threshold_m).raw(quoted(u.reason)).end_row();
     };
     const auto add_datagram = [&](const DatagramSent& d) {
+      if (row++ % stride != 0) return;
       csv.number(r + 1).number(d.t_s).raw(peer_cell(run, d.sender)).raw("datagram").raw("");
       csv.number(d.bytes).raw("").raw("").end_row();
     };

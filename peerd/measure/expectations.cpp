@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -11,6 +12,7 @@
 #include "peerd/config/measures.hpp"
 #include "peerd/config/node_pattern.hpp"
 #include "peerd/measure/columns.hpp"
+#include "peerd/measure/meter.hpp"
 #include "peerd/measure/summary.hpp"
 #include "peerd/measure/sweep.hpp"
 
@@ -23,16 +25,26 @@ using config::Expectation;
 // Further failures are counted, not listed: a crowd has thousands of views.
 constexpr std::size_t kListed = 20;
 
-// The part of a run between two times, as if the run had been this part alone.
-RunRecord part_of(const RunRecord& run, double from_s, double until_s) {
-  RunRecord part = run;
-  part.duration_s = until_s - from_s;
-  const auto outside = [&](const auto& row) { return row.t_s < from_s || row.t_s > until_s; };
-  std::erase_if(part.ghost_samples, outside);
-  std::erase_if(part.updates, outside);
-  std::erase_if(part.datagrams, outside);
-  std::erase_if(part.contacts, outside);
-  return part;
+// The numbers of the part of a run between two times, as if the run had been this part alone.
+Json part_row(const RunRecord& run, const TimeSpan& part) {
+  const std::optional<Measured> measured = measured_of(run, part);
+  assert(measured && "who runs a scenario measures the parts that it has expectations of");
+  RunRecord rest;
+  rest.params = run.params;
+  rest.seed = run.seed;
+  rest.peers = run.peers;
+  rest.objects = run.objects;
+  rest.contacts = run.contacts;
+  rest.wrong = run.wrong;
+  rest.interest = run.interest;
+  rest.network = run.network;
+  rest.clocks = run.clocks;
+  rest.groups_joined = run.groups_joined;
+  rest.worlds_equal = run.worlds_equal;
+  rest.counters = run.counters;
+  rest.duration_s = part.until_s - part.from_s;
+  std::erase_if(rest.contacts, [&](const ContactRow& row) { return row.t_s < part.from_s || row.t_s > part.until_s; });
+  return summarise_part(rest, *measured);
 }
 
 bool is_meant(const std::string& pattern, const std::string& path) {
@@ -137,6 +149,18 @@ std::string window_text(const Expectation& e) {
 
 }  // namespace
 
+std::vector<TimeSpan> measured_parts(std::span<const Expectation> expectations, std::size_t run, double duration_s) {
+  std::vector<TimeSpan> parts;
+  for (const Expectation& e : expectations) {
+    const bool whole = e.from_s == 0.0 && !e.until_s;
+    if (whole || std::ranges::find(e.runs, run) == e.runs.end()) continue;
+    const TimeSpan part{e.from_s, e.until_s.value_or(duration_s)};
+    const auto same = [&](const TimeSpan& p) { return p.from_s == part.from_s && p.until_s == part.until_s; };
+    if (std::ranges::none_of(parts, same)) parts.push_back(part);
+  }
+  return parts;
+}
+
 std::vector<CheckedExpectation> check_expectations(std::span<const Expectation> expectations, const std::string& mode,
                                                    std::span<const RunRecord> runs, const Json& run_rows) {
   std::vector<CheckedExpectation> all;
@@ -148,8 +172,7 @@ std::vector<CheckedExpectation> check_expectations(std::span<const Expectation> 
         checker.check(run, run_rows[run]);
         continue;
       }
-      const RunRecord part = part_of(runs[run], e.from_s, e.until_s.value_or(runs[run].duration_s));
-      checker.check(run, summarise({}, {&part, 1})["runs"][0]);
+      checker.check(run, part_row(runs[run], {e.from_s, e.until_s.value_or(runs[run].duration_s)}));
     }
     all.push_back(std::move(checker).finish());
   }

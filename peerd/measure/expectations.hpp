@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/config/expectations.hpp"
+#include "peerd/measure/meter.hpp"
 #include "peerd/measure/run_record.hpp"
 
 namespace peerd::report {
@@ -30,6 +31,10 @@ struct CheckedExpectation {
   // is about the other mode.
   [[nodiscard]] bool checked() const { return values > 0 || failed(); }
 };
+
+// The parts of a run that expectations are about, which a RunMeter must be given. `run` is the run's index.
+[[nodiscard]] std::vector<TimeSpan> measured_parts(std::span<const config::Expectation> expectations, std::size_t run,
+                                                   double duration_s);
 
 // Checks all expectations. `mode` is "sim" or "real". `run_rows` are the runs of summary.json, and `runs` the records
 // that they were made of, for checks of a part of a run.

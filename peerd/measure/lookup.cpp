@@ -11,8 +11,8 @@ std::string peer_name(const RunRecord& run, PeerId peer) {
 }
 
 std::string object_path(const RunRecord& run, ObjectId object) {
-  const auto it = std::ranges::find(run.objects, object, &ObjectInfo::object);
-  if (it != run.objects.end()) return it->path;
+  const auto it = std::ranges::lower_bound(run.objects, object, {}, &ObjectInfo::object);
+  if (it != run.objects.end() && it->object == object) return it->path;
   const auto scene = run.scene_paths.find(object);
   return scene != run.scene_paths.end() ? scene->second : "#" + std::to_string(object.value);
 }

@@ -1,6 +1,6 @@
 #include "peerd/measure/network_measured.hpp"
 
-#include "peerd/measure/statistics.hpp"
+#include "peerd/statistics/statistics.hpp"
 
 namespace peerd::report {
 namespace {

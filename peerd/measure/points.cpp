@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/config/measures.hpp"
-#include "peerd/measure/interval.hpp"
+#include "peerd/statistics/interval.hpp"
 
 namespace peerd::report {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "core/ids.hpp"
 #include "core/math.hpp"
+#include "peerd/measure/measured.hpp"
 #include "peerd/measure/network_measured.hpp"
 
 namespace peerd::report {
@@ -106,16 +107,26 @@ struct PeerClock {
   std::uint64_t beyond_bound = 0;
 };
 
+// What is measured of all rows of a run, of which the record may keep only some.
+struct RunMeasured {
+  Measured whole;
+  bool rows_complete = true;
+  std::vector<Measured> parts;                                // those that the scenario has expectations of
+  std::map<PeerId, std::vector<std::uint64_t>> output_bytes;  // by sender, of each second from 0 on
+};
+
 struct RunRecord {
   nlohmann::ordered_json params;  // swept and set keys, by dotted name
   std::uint64_t seed = 1;
   double duration_s = 0.0;
+  bool stopped = false;  // the run was to be longer than duration_s, and a signal has ended it
   std::vector<PeerInfo> peers;
-  std::vector<ObjectInfo> objects;              // objects with an owner
+  std::vector<ObjectInfo> objects;              // objects with an owner, sorted by object
   std::map<ObjectId, std::string> scene_paths;  // objects without an owner that contacts name, such as walls
   std::vector<GhostSample> ghost_samples;       // sorted by (observer, object, t_s)
   std::vector<UpdateSent> updates;              // sorted by t_s
   std::vector<DatagramSent> datagrams;
+  std::optional<RunMeasured> measured;  // none: the three lists above are complete, and measured when asked
   std::vector<ContactRow> contacts;
   std::vector<EventMark> events;           // sorted by t_s
   std::optional<WrongOutcomes> wrong;      // none: not compared

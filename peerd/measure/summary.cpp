@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <map>
 #include <tuple>
 #include <utility>
 
@@ -11,66 +10,38 @@
 
 #include "peerd/measure/agreement.hpp"
 #include "peerd/measure/lookup.hpp"
+#include "peerd/measure/meter.hpp"
 #include "peerd/measure/points.hpp"
-#include "peerd/measure/statistics.hpp"
+#include "peerd/statistics/statistics.hpp"
 
 namespace peerd::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json error_json(const Statistics& s) { return {{"mean", s.mean}, {"rms", s.rms}, {"p99", s.p99}, {"max", s.max}}; }
-
-// Squares of errors up to this one add up without overflow, and no scene is as large: a larger error comes from a
-// division by zero.
-constexpr double kGreatestError_m = 1e100;
-
-struct UpdateTotals {
-  std::uint64_t updates = 0;
-  std::uint64_t bytes = 0;
-};
-
-std::map<ObjectId, UpdateTotals> update_totals(const RunRecord& run) {
-  std::map<ObjectId, UpdateTotals> totals;
-  for (const UpdateSent& u : run.updates) {
-    UpdateTotals& t = totals[u.object];
-    ++t.updates;
-    t.bytes += u.bytes;
-  }
-  return totals;
+Json error_json(const Statistics& s) {
+  Json json = {{"mean", s.mean}, {"rms", s.rms}, {"p99", s.p99}, {"max", s.max}};
+  if (!s.p99_exact) json["p99_relative_error"] = RunningStatistics::kP99Error;
+  return json;
 }
 
-// The row of one observer's ghost of one object. Samples whose error is not a number (a formula's 1/0) are added to
-// not_finite: they are in errors.csv but cannot be part of a mean.
-Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo& observer, const UpdateTotals& sent,
-                 std::uint64_t& not_finite) {
-  std::vector<TimedValue> ghost;
-  std::vector<double> ghost_m;
-  std::vector<double> shown_m;
-  std::vector<double> difference_m;
-  for (const GhostSample& s : ghost_samples_of(run, observer.peer, object.object)) {
-    const double g = ghost_error_m(s);
-    const double d = shown_error_m(s);
-    if (!(g < kGreatestError_m) || !(d < kGreatestError_m)) {
-      ++not_finite;
-      continue;
-    }
-    ghost.push_back({s.t_s, g});
-    ghost_m.push_back(g);
-    shown_m.push_back(d);
-    difference_m.push_back(view_difference_m(s));
-  }
-  const std::size_t samples = ghost.size();
+// The row of one observer's ghost of one object. Samples whose error is not a number (a formula's 1/0) are in
+// errors.csv but cannot be part of a mean.
+Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo& observer, const Measured& measured) {
+  const ViewMeasured* const found = measured.view(observer.peer, object.object);
+  const ViewMeasured view = found != nullptr ? *found : ViewMeasured{};
+  const auto sent = measured.updates.find(object.object);
+  const UpdateTotals updates = sent != measured.updates.end() ? sent->second : UpdateTotals{};
   return {{"path", object.path},
           {"owner", peer_name(run, object.owner)},
           {"observer", observer.name},
-          {"updates_sent", sent.updates},
-          {"bytes_sent", sent.bytes},
-          {"samples", samples},
-          {"ghost_error_m", error_json(statistics(std::move(ghost_m)))},
-          {"shown_error_m", error_json(statistics(std::move(shown_m)))},
-          {"view_difference_m", error_json(statistics(std::move(difference_m)))},
-          {"inconsistency_m_s", integral(ghost)}};
+          {"updates_sent", updates.updates},
+          {"bytes_sent", updates.bytes},
+          {"samples", view.ghost_error_m.count},
+          {"ghost_error_m", error_json(view.ghost_error_m)},
+          {"shown_error_m", error_json(view.shown_error_m)},
+          {"view_difference_m", error_json(view.view_difference_m)},
+          {"inconsistency_m_s", view.inconsistency_m_s}};
 }
 
 Json collisions_json(const RunRecord& run) {
@@ -99,11 +70,11 @@ Json collisions_json(const RunRecord& run) {
   return json;
 }
 
-Json traffic_json(const RunRecord& run) {
-  std::uint64_t bytes = 0;
-  for (const DatagramSent& d : run.datagrams) bytes += d.bytes;
-  const double per_s = run.duration_s > 0.0 ? static_cast<double>(bytes) / run.duration_s : 0.0;
-  return {{"packets", run.datagrams.size()}, {"bytes", bytes}, {"bytes_per_s", per_s}};
+Json traffic_json(const RunRecord& run, const Measured& measured) {
+  const auto bytes = static_cast<double>(measured.datagram_bytes);
+  return {{"packets", measured.datagrams},
+          {"bytes", measured.datagram_bytes},
+          {"bytes_per_s", run.duration_s > 0.0 ? bytes / run.duration_s : 0.0}};
 }
 
 Json interest_json(const RunRecord& run) {
@@ -175,18 +146,17 @@ Json clocks_json(const RunRecord& run) {
   return clocks;
 }
 
-Json run_json(const RunRecord& run) {
+Json run_json(const RunRecord& run, const Measured& measured) {
   assert(std::ranges::is_sorted(run.ghost_samples, {},
                                 [](const GhostSample& s) { return std::tuple(s.observer, s.object, s.t_s); }));
-  std::map<ObjectId, UpdateTotals> sent = update_totals(run);
-  std::uint64_t not_finite = 0;
   Json objects = Json::array();
   for (const ObjectInfo& object : run.objects) {
     for (const PeerInfo& observer : run.peers) {
-      if (observer.peer != object.owner)
-        objects.push_back(object_json(run, object, observer, sent[object.object], not_finite));
+      if (observer.peer != object.owner) objects.push_back(object_json(run, object, observer, measured));
     }
   }
+  std::uint64_t not_finite = 0;
+  for (const ViewMeasured& view : measured.views) not_finite += view.not_finite;
   Json counters = Json::object();
   for (const auto& [name, count] : run.counters) counters[name] = count;
   if (not_finite > 0) counters["report.samples_not_finite"] = not_finite;
@@ -194,10 +164,11 @@ Json run_json(const RunRecord& run) {
                {"seed", run.seed},
                {"objects", std::move(objects)},
                {"collisions", collisions_json(run)},
-               {"traffic", traffic_json(run)},
+               {"traffic", traffic_json(run, measured)},
                {"groups_joined", run.groups_joined},
                {"state_roots_equal", run.worlds_equal},
                {"counters", std::move(counters)}};
+  if (run.stopped) json["stopped_at_s"] = run.duration_s;
   if (!run.clocks.empty()) json["clocks"] = clocks_json(run);
   if (run.interest) json["interest"] = interest_json(run);
   if (run.network) json["network"] = network_json(run);
@@ -206,12 +177,15 @@ Json run_json(const RunRecord& run) {
 
 }  // namespace
 
+Json summarise_part(const RunRecord& run, const Measured& part) { return run_json(run, part); }
+
 Json summarise(const ScenarioInfo& info, std::span<const RunRecord> runs) {
   Json summary = {{"scenario", info.name}, {"mode", info.mode}, {"seed", info.seed}};
+  if (info.stopped) summary["stopped"] = true;
   if (!info.warnings.empty()) summary["warnings"] = info.warnings;
   Json rows = Json::array();
-  for (const RunRecord& run : runs) rows.push_back(run_json(run));
-  if (info.repeat > 1) {
+  for (const RunRecord& run : runs) rows.push_back(run_json(run, measured_of(run)));
+  if (info.repeat > 1 && !info.stopped) {  // a point needs all of its runs
     summary["repeat"] = info.repeat;
     summary["points"] = points_json(rows, info.repeat);
   }

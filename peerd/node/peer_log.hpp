@@ -70,6 +70,20 @@ struct PeerLog {
   std::optional<ClockError> clock_error;  // not in the file; none: a real network, or the peer led all the time
 };
 
+// Takes the rows of the logs of one run as they come, in place of the lists of the logs, which grow with the run.
+class LogRows {
+ public:
+  virtual ~LogRows() = default;
+
+  // A life of the peer begins, or has ended at that true time.
+  virtual void enter(const PeerLog& log) = 0;
+  virtual void end(PeerId peer, HostTime ended_at) = 0;
+  // Rows of the peer's present life. Object samples come in order of `true_at` but for what a clock is corrected by.
+  virtual void add(const PeerLog& log, const PeerLog::ObjectSample& sample) = 0;
+  virtual void add(const PeerLog& log, PeerLog::Update update) = 0;
+  virtual void add(const PeerLog& log, const PeerLog::Datagram& datagram) = 0;
+};
+
 [[nodiscard]] Result<void> save(const PeerLog& log, const std::filesystem::path& path);
 [[nodiscard]] Result<PeerLog> load_peer_log(const std::filesystem::path& path);
 

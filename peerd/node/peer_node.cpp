@@ -316,7 +316,9 @@ void PeerNode::record_ghosts(HostTime now) {
 }
 
 void PeerNode::record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state, const Pose& shown) {
-  log_.object_samples.push_back({t, peer_.clock().to_host(t) - options_.clock_offset, object, owner, state, shown});
+  PeerLog::ObjectSample sample{t, peer_.clock().to_host(t) - options_.clock_offset, object, owner, state, shown};
+  if (options_.rows != nullptr) return options_.rows->add(log_, sample);
+  log_.object_samples.push_back(std::move(sample));
 }
 
 std::optional<replication::Output> PeerNode::poll_output() {
@@ -334,10 +336,12 @@ std::optional<replication::Output> PeerNode::poll_output() {
   if (suspended && log_.start && logged_at_ < *log_.start) started_for_.reset();
   if (!options_.keep_log) return out;
   if (const auto* send = std::get_if<Send>(&*out)) {
-    log_.datagrams.push_back({logged_at_, static_cast<std::uint32_t>(send->datagram.size())});
+    const PeerLog::Datagram row{logged_at_, static_cast<std::uint32_t>(send->datagram.size())};
+    options_.rows != nullptr ? options_.rows->add(log_, row) : log_.datagrams.push_back(row);
   } else if (const auto* p = std::get_if<Published>(&*out)) {
-    log_.updates.push_back(
-        {p->at, p->object, static_cast<std::uint32_t>(p->size_bytes), p->threshold_m, to_string(p->reason)});
+    PeerLog::Update row{p->at, p->object, static_cast<std::uint32_t>(p->size_bytes), p->threshold_m,
+                        to_string(p->reason)};
+    options_.rows != nullptr ? options_.rows->add(log_, std::move(row)) : log_.updates.push_back(std::move(row));
   } else if (const auto* c = std::get_if<ContactSeen>(&*out)) {
     log_.contacts.push_back({c->contact.at, peerd::to_string(c->kind), c->contact.collider, c->contact.collidee,
                              c->contact.normal, c->known_at});

@@ -40,6 +40,7 @@ class PeerNode {
     Duration clock_offset{0};  // test setting: how far this host's clock is ahead of the shared clock
     bool keep_log = true;
     std::uint32_t sample_hz = 60;  // rate of the ghosts' samples in the log, independent of the tick rate
+    LogRows* rows = nullptr;       // what takes the log's samples, updates and datagrams; null: the log keeps them
   };
 
   // `objects` are the resolved objects of `settings`.

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "peerd/measure/lookup.hpp"
-#include "peerd/measure/statistics.hpp"
 #include "peerd/measure/sweep.hpp"
+#include "peerd/statistics/statistics.hpp"
 
 namespace peerd::report {
 namespace {
@@ -184,16 +184,23 @@ std::vector<Point> component_over_time(std::span<const TruthSample> truth, int c
   return points;
 }
 
-ErrorSeries error_series(std::span<const GhostSample> ghost_samples, int component) {
+ErrorSeries error_series(const RunRecord& run, PeerId observer, ObjectId object, int component) {
   ErrorSeries series;
   std::vector<double> errors;
-  for (const GhostSample& s : ghost_samples) {
+  for (const GhostSample& s : ghost_samples_of(run, observer, object)) {
     series.ghost.push_back({s.t_s, s.ghost.position[component]});
     series.error.push_back({s.t_s, ghost_error_m(s)});
     if (std::isfinite(series.error.back().y)) errors.push_back(series.error.back().y);
   }
-  series.mean_m = statistics(std::move(errors)).mean;
+  const ViewMeasured* const measured = run.measured ? run.measured->whole.view(observer, object) : nullptr;
+  series.mean_m = measured != nullptr ? measured->ghost_error_m.mean : statistics(std::move(errors)).mean;
   return series;
+}
+
+std::uint64_t updates_sent(const RunRecord& run, ObjectId object) {
+  if (!run.measured) return static_cast<std::uint64_t>(std::ranges::count(run.updates, object, &UpdateSent::object));
+  const auto found = run.measured->whole.updates.find(object);
+  return found != run.measured->whole.updates.end() ? found->second.updates : 0;
 }
 
 }  // namespace peerd::report

@@ -91,8 +91,11 @@ struct TruthSample {
 // One observer's ghost of one object, as curves over time.
 struct ErrorSeries {
   std::vector<Point> ghost, error;  // component of the position [m] and distance [m]
-  double mean_m = 0.0;              // mean of the finite errors
+  double mean_m = 0.0;              // mean of all finite errors, of which the curve may have only some
 };
-[[nodiscard]] ErrorSeries error_series(std::span<const GhostSample> ghost_samples, int component);
+[[nodiscard]] ErrorSeries error_series(const RunRecord& run, PeerId observer, ObjectId object, int component);
+
+// How many updates of the object were sent, of which the record may have only some.
+[[nodiscard]] std::uint64_t updates_sent(const RunRecord& run, ObjectId object);
 
 }  // namespace peerd::report

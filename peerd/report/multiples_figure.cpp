@@ -154,13 +154,13 @@ void draw_contacts(Svg& svg, const RunRecord& run, const ObjectInfo& object, con
 }
 
 struct Drawn {
-  std::size_t updates = 0;
+  std::uint64_t updates = 0;
   double mean_m = 0.0;
 };
 
 Drawn draw_run(Svg& svg, const RunRecord& run, const ObjectInfo& object, PeerId observer, std::size_t colour,
                const Picture& picture, int component) {
-  const ErrorSeries series = error_series(ghost_samples_of(run, observer, object.object), component);
+  const ErrorSeries series = error_series(run, observer, object.object, component);
   const Stroke stroke = colour_stroke(colour);
   picture.position.draw_curve(svg, series.ghost, stroke);
   picture.error.draw_curve(svg, series.error, stroke);
@@ -177,10 +177,9 @@ Drawn draw_run(Svg& svg, const RunRecord& run, const ObjectInfo& object, PeerId 
   constexpr double kTooth = 6.0;
   const Box& box = picture.position.box();
   const double bottom = box.y + box.height - kTooth * static_cast<double>(colour);
-  Drawn drawn{.mean_m = series.mean_m};
+  const Drawn drawn{.updates = updates_sent(run, object.object), .mean_m = series.mean_m};
   for (const UpdateSent& u : run.updates) {
     if (u.object != object.object) continue;
-    ++drawn.updates;
     const double x = picture.position.px(u.t_s);
     svg.line({x, bottom - kTooth + 1.0}, {x, bottom}, {.colour = stroke.colour});
   }

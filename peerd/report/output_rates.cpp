@@ -19,9 +19,19 @@ std::vector<double> output_rates(const RunRecord& run, PeerId sender) {
   const auto count = static_cast<std::size_t>(std::ceil(run.duration_s / width_s));
   std::vector<double> rates(count, 0.0);
   if (count == 0) return rates;
-  for (const DatagramSent& d : run.datagrams) {
-    if (d.sender != sender || !(d.t_s >= 0.0)) continue;
-    rates[std::min(count - 1, static_cast<std::size_t>(d.t_s / width_s))] += d.bytes;
+  const auto add = [&](double t_s, double bytes) {
+    rates[std::min(count - 1, static_cast<std::size_t>(t_s / width_s))] += bytes;
+  };
+  if (run.measured) {  // a bin is a whole number of seconds
+    const auto found = run.measured->output_bytes.find(sender);
+    const bool sent = found != run.measured->output_bytes.end();
+    for (std::size_t second = 0; sent && second < found->second.size(); ++second) {
+      add(static_cast<double>(second), static_cast<double>(found->second[second]));
+    }
+  } else {
+    for (const DatagramSent& d : run.datagrams) {
+      if (d.sender == sender && d.t_s >= 0.0) add(d.t_s, d.bytes);
+    }
   }
   for (std::size_t i = 0; i < count; ++i) {
     const double begin_s = static_cast<double>(i) * width_s;

@@ -174,16 +174,17 @@ struct BarPanel {
   int decimals = 0;
 };
 
+constexpr std::size_t kMostBars = 60;  // thinner bars cannot be read
+
 // The panels of a single run: its observers side by side, and the updates of each object.
 std::array<BarPanel, 2> single_panels(const Json& run, const std::string& path) {
   BarPanel errors{"ghost error of " + path + " [m]", {}, 3};
   BarPanel updates{"updates sent", {}, 0};
-  std::vector<std::string> seen;
+  std::set<std::string> seen;
   std::size_t observer = 0;
   for (const Json& row : run.at("objects")) {
     const auto object = row.at("path").get<std::string>();
-    if (std::ranges::find(seen, object) == seen.end()) {
-      seen.push_back(object);
+    if (seen.insert(object).second) {
       updates.bars.push_back({object, row.at("updates_sent").get<double>(), kBarColour, {}});
     }
     if (object != path) continue;
@@ -194,6 +195,12 @@ std::array<BarPanel, 2> single_panels(const Json& run, const std::string& path) 
                              {}});
     }
     ++observer;
+  }
+  if (updates.bars.size() > kMostBars) {
+    std::ranges::stable_sort(updates.bars, std::ranges::greater{}, &BarEntry::value);
+    updates.title +=
+        ", the " + std::to_string(kMostBars) + " most updated of " + std::to_string(updates.bars.size()) + " objects";
+    updates.bars.resize(kMostBars);
   }
   return {errors, updates};
 }

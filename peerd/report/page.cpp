@@ -417,6 +417,12 @@ std::string runs_section(const Json& summary, const Pictures& pictures) {
   return out + details;
 }
 
+// Says which of the tables have only some of the rows.
+std::string rows_sentence(const ScenarioInfo& info, std::span<const RunRecord> runs) {
+  const std::string text = thinned_rows(info, runs);
+  return text.empty() ? "" : element("p class=\"faint\"", markup_text(text) + '.') + '\n';
+}
+
 std::string files_section() {
   std::string links;
   for (const char* file : {"summary.json", "errors.csv", "traffic.csv", "collisions.csv"}) {
@@ -435,7 +441,7 @@ std::string report_page(const ScenarioInfo& info, std::span<const RunRecord> run
       "<link rel=\"icon\" href=\"data:,\">\n";
   out += element("title", markup_text(info.name) + ": report of peerd") + '\n';
   out += element("style", kPageStyle) + "\n</head>\n<body>\n";
-  out += element("h1", markup_text(info.name)) + '\n' + files_section();
+  out += element("h1", markup_text(info.name)) + '\n' + files_section() + rows_sentence(info, runs);
   out += warnings_list(info) + expectations_section(summary) + what_was_run(info, runs) + runs_table(summary);
   out += overview_section(summary, pictures) + runs_section(summary, pictures);
   return out + "</body>\n</html>\n";

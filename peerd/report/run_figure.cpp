@@ -60,7 +60,7 @@ std::optional<Point> ghost_at(const ErrorSeries& series, double t_s) {
 
 struct Marks {
   std::vector<double> contacts_s;
-  std::size_t updates = 0;
+  std::uint64_t updates = 0;
   std::size_t right = 0;
   std::size_t wrong = 0;
 };
@@ -68,7 +68,7 @@ struct Marks {
 // Draws contacts of the object as vertical lines, and its updates as a comb on the time axis.
 Marks draw_instants(Svg& svg, const RunRecord& run, const ObjectInfo& object, const Agreement& judged,
                     const Panel& position, const Panel& error) {
-  Marks marks;
+  Marks marks{.contacts_s = {}, .updates = updates_sent(run, object.object)};
   for (std::size_t i = 0; i < run.contacts.size(); ++i) {
     const ContactRow& c = run.contacts[i];
     if (judged.verdicts[i] != Verdict::kOutcome || (c.collider != object.object && c.collidee != object.object))
@@ -83,7 +83,6 @@ Marks draw_instants(Svg& svg, const RunRecord& run, const ObjectInfo& object, co
   const double bottom = RunLayout::kPositionBox.y + RunLayout::kPositionBox.height;
   for (const UpdateSent& u : run.updates) {
     if (u.object != object.object) continue;
-    ++marks.updates;
     svg.line({position.px(u.t_s), bottom - 9.0}, {position.px(u.t_s), bottom}, {.colour = "#222"});
   }
   return marks;
@@ -197,7 +196,7 @@ std::string run_figure(const ScenarioInfo& info, const RunRecord& run, std::size
   const std::vector<PeerInfo> observers = observers_of(run, *object);
   std::vector<ErrorSeries> all;
   for (const PeerInfo& observer : observers) {
-    all.push_back(error_series(ghost_samples_of(run, observer.peer, object->object), frame.component));
+    all.push_back(error_series(run, observer.peer, object->object, frame.component));
   }
   position.draw_curve(svg, component_over_time(truth_of(run, *object), frame.component),
                       {.colour = kTruthColour, .width = 4.0});

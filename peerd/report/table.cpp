@@ -4,12 +4,16 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <ranges>
 #include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "peerd/measure/columns.hpp"
+#include "peerd/measure/csv.hpp"
 #include "peerd/measure/sweep.hpp"
 
 namespace peerd::report {
@@ -149,25 +153,34 @@ std::string heading(const Json& summary, const std::string& path) {
 
 }  // namespace
 
-std::string principal_object(const Json& summary) {
+std::vector<std::string> worst_objects(const Json& summary, std::size_t most) {
   struct Score {
-    std::string path;
     double error_m = 0.0;
     std::uint64_t updates = 0;
+    std::string path;
   };
   std::vector<Score> scores;
+  std::map<std::string, std::size_t> index_of;
   for (const Json& run : summary.at("runs")) {
     for (const Json& row : run.at("objects")) {
-      const auto path = row.at("path").get<std::string>();
-      auto it = std::ranges::find(scores, path, &Score::path);
-      if (it == scores.end()) it = scores.insert(it, Score{.path = path});
-      it->error_m += row.at("ghost_error_m").at("mean").get<double>();
-      it->updates += row.at("updates_sent").get<std::uint64_t>();
+      const auto& path = row.at("path").get_ref<const std::string&>();
+      const auto [at, is_new] = index_of.try_emplace(path, scores.size());
+      if (is_new) scores.emplace_back().path = path;
+      Score& score = scores[at->second];
+      score.error_m += row.at("ghost_error_m").at("mean").get<double>();
+      score.updates += row.at("updates_sent").get<std::uint64_t>();
     }
   }
-  const auto best =
-      std::ranges::max_element(scores, {}, [](const Score& s) { return std::pair(s.error_m, s.updates); });
-  return best != scores.end() ? best->path : "";
+  std::ranges::stable_sort(scores, std::ranges::greater{},
+                           [](const Score& s) { return std::pair(s.error_m, s.updates); });
+  std::vector<std::string> paths;
+  for (const Score& score : scores | std::views::take(most)) paths.push_back(score.path);
+  return paths;
+}
+
+std::string principal_object(const Json& summary) {
+  const std::vector<std::string> worst = worst_objects(summary, 1);
+  return worst.empty() ? "" : worst.front();
 }
 
 std::vector<Column> run_columns(const Json& summary, ErrorText error_text) {
@@ -226,6 +239,18 @@ std::string wrong_outcomes_table(const Json& summary) {
   append_line(out, "of up to " + std::to_string(truth) + " outcomes a run without latency:");
   append_rows(out, columns);
   return out;
+}
+
+std::string thinned_rows(const ScenarioInfo& info, std::span<const RunRecord> runs) {
+  std::string text;
+  const auto add = [&](const char* file, const RowCount& rows, const char* what) {
+    if (rows.written == rows.of) return;
+    text += (text.empty() ? "" : ", ") + std::string(file) + " has " + std::to_string(rows.written) + " of " +
+            std::to_string(rows.of) + ' ' + what;
+  };
+  add("errors.csv", errors_rows(runs, info.csv_rows), "samples");
+  add("traffic.csv", traffic_rows(runs, info.csv_rows), "updates and datagrams");
+  return text.empty() ? "" : text + " (--samples all: all of them); summary.json counts all";
 }
 
 }  // namespace peerd::report

@@ -1,15 +1,23 @@
 #pragma once
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "peerd/measure/columns.hpp"
+#include "peerd/measure/run_record.hpp"
+#include "peerd/measure/summary.hpp"
 
 namespace peerd::report {
 
-// The path of the object that the table and the pictures show: the one with the greatest mean ghost error, summed over
-// all runs and observers; then the one with the most updates; then the first. It is empty if there is none.
+// The paths of the objects with the greatest mean ghost errors, summed over all runs and observers; then of those with
+// the most updates; then of the first.
+[[nodiscard]] std::vector<std::string> worst_objects(const nlohmann::ordered_json& summary, std::size_t most);
+
+// The path of the object that the table and the pictures show: the first of worst_objects(). It is empty if there is
+// none.
 [[nodiscard]] std::string principal_object(const nlohmann::ordered_json& summary);
 
 // One row for each run, or from three observers on for each run and observer: number, swept keys, updates of the
@@ -24,5 +32,8 @@ using ErrorText = std::string (*)(double error_m);
 // The collisions that peers decided otherwise than the truth without latency, summed: a row for each policy, a column
 // for each combination of the other swept keys. It is empty where no run was compared, else it ends with a line feed.
 [[nodiscard]] std::string wrong_outcomes_table(const nlohmann::ordered_json& summary);
+
+// A sentence without its full stop about tables that have only some of the rows; empty where they have all.
+[[nodiscard]] std::string thinned_rows(const ScenarioInfo& info, std::span<const RunRecord> runs);
 
 }  // namespace peerd::report

@@ -95,9 +95,9 @@ void draw_thresholds(Svg& svg, const RunRecord& run, const ObjectInfo& object, c
   if (static_cast<double>(points.size()) < 0.5 * TimelineLayout::kPlotWidth) {
     for (const Point& p : points) svg.circle(panel.at(p.x, p.y), 2.2, colour_of(0), stroke);
   }
-  const std::vector<LegendEntry> legend{
-      {LegendEntry::Mark::kLine, stroke,
-       "error threshold of " + object.path + " at each of its " + std::to_string(points.size()) + " updates"}};
+  const std::vector<LegendEntry> legend{{LegendEntry::Mark::kLine, stroke,
+                                         "error threshold of " + object.path + " at each of its " +
+                                             std::to_string(updates_sent(run, object.object)) + " updates"}};
   draw_legend(svg, {TimelineLayout::kLeft, TimelineLayout::kThresholdBox.y - 9.0}, TimelineLayout::kPlotWidth, legend);
 }
 

@@ -83,8 +83,8 @@ std::expected<void, std::string> write_report(const fs::path& out, const Scenari
     if (svg->empty()) continue;
     if (auto done = write_file(out / name, *svg); !done) return done;
   }
-  if (auto done = write_file(out / "errors.csv", errors_csv(runs)); !done) return done;
-  if (auto done = write_file(out / "traffic.csv", traffic_csv(runs)); !done) return done;
+  if (auto done = write_file(out / "errors.csv", errors_csv(runs, info.csv_rows)); !done) return done;
+  if (auto done = write_file(out / "traffic.csv", traffic_csv(runs, info.csv_rows)); !done) return done;
   if (auto done = write_file(out / "collisions.csv", collisions_csv(runs)); !done) return done;
   if (auto done = write_file(out / "report.html", report_page(info, runs, summary, pictures)); !done) return done;
   // summary.json is written last: a reader that finds it finds the rest.

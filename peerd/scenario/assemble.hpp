@@ -1,14 +1,12 @@
 #pragma once
 #include <vector>
 
-#include "peerd/measure/run_record.hpp"
-#include "peerd/node/peer_node.hpp"
+#include "peerd/scenario/run_assembler.hpp"
 
 namespace peerd {
 
-// Lays the logs of one run's peers side by side: every ghost against the truth at the same true instant. The truth of a
-// driven object is its motion; that of any other object is interpolated between the ticks of its owner.
+// The record of a run whose peers have kept the rows of their logs. RunAssembler says how.
 [[nodiscard]] Result<report::RunRecord> assemble(const config::RunSettings& run, const SharedWorld& shared,
-                                                 const std::vector<PeerLog>& logs);
+                                                 const std::vector<PeerLog>& logs, Measuring measuring = {});
 
 }  // namespace peerd

@@ -1,27 +1,64 @@
 #include "peerd/sim/simulated_run.hpp"
 
+#include <algorithm>
+#include <functional>
 #include <optional>
 #include <utility>
 
 #include "peerd/measure/wrong_outcomes.hpp"
-#include "peerd/scenario/assemble.hpp"
 
 namespace peerd::sim {
 
+namespace {
+
+// Watches for the time at which a run is stopped.
+class Stop {
+ public:
+  explicit Stop(const Progress& progress) : progress_(progress) {}
+  bool operator()(std::optional<double> run_s) {
+    if (!progress_ || progress_(run_s)) return true;
+    at_s_ = std::max(0.0, run_s.value_or(0.0));
+    return false;
+  }
+  [[nodiscard]] std::optional<double> at_s() const { return at_s_; }  // none: it was not
+
+ private:
+  const Progress& progress_;
+  std::optional<double> at_s_;
+};
+
+}  // namespace
+
 Result<report::RunRecord> simulated_run(const config::RunSettings& run, const SharedWorld& shared,
                                         const Observer& observer, const KeyObserver& key_observer,
-                                        const Captures* captures) {
+                                        const Captures* captures, Measuring measuring, const Progress& progress) {
+  auto assembler = RunAssembler::make(run, shared, std::move(measuring));
+  if (!assembler) return std::unexpected(assembler.error());
   std::optional<report::InterestRecord> interest;
-  const auto logs = simulate(run, shared, observer, key_observer, &interest, captures);
+  Stop stop(progress);
+  const auto logs =
+      simulate(run, shared, observer, key_observer, &interest, captures, assembler->get(), std::ref(stop));
   if (!logs) return std::unexpected(logs.error());
-  auto record = assemble(run, shared, *logs);
+  if (stop.at_s() == 0.0) {
+    report::RunRecord nothing;
+    nothing.stopped = true;
+    return nothing;
+  }
+  // What lingers after the end belongs to a whole run.
+  const bool cut = stop.at_s() && *stop.at_s() < run.duration_s;
+  auto record = (*assembler)->finish(*logs, cut ? stop.at_s() : std::nullopt);
   if (!record) return record;
   record->interest = std::move(interest);
-  if (!run.compare_outcomes) return record;
+  if (!run.compare_outcomes || stop.at_s()) return record;
   const config::RunSettings ideal = without_latency(run);
-  const auto true_logs = simulate(ideal, shared);
+  auto truth_assembler = RunAssembler::make(ideal, shared, {.limits = {0, 0, 0}, .parts = {}});
+  if (!truth_assembler) return std::unexpected(truth_assembler.error());
+  Stop compare_stop(progress);
+  const auto true_logs =
+      simulate(ideal, shared, {}, {}, nullptr, nullptr, truth_assembler->get(), std::ref(compare_stop));
   if (!true_logs) return std::unexpected(true_logs.error());
-  const auto truth = assemble(ideal, shared, *true_logs);
+  if (compare_stop.at_s()) return record;
+  const auto truth = (*truth_assembler)->finish(*true_logs);
   if (!truth) return std::unexpected(truth.error());
   record->wrong = report::wrong_outcomes(*record, *truth);
   return record;

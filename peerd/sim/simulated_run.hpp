@@ -1,14 +1,17 @@
 #pragma once
-#include "peerd/measure/run_record.hpp"
+#include "peerd/scenario/run_assembler.hpp"
 #include "peerd/sim/simulation.hpp"
 
 namespace peerd::sim {
 
 // Simulates one run and gives its record: the logs laid side by side, the areas of interest judged and, where the
-// scenario asks for it (decisions.compare), the outcomes compared with those of the same run without latency.
+// scenario asks for it (decisions.compare), the outcomes compared with those of the same run without latency. A run
+// that `progress` stops is as long as it came, 0 s where its motions had not begun; its outcomes are not compared. The
+// rows of the logs are measured as they come and not kept beyond `measuring`'s limits.
 [[nodiscard]] Result<report::RunRecord> simulated_run(const config::RunSettings& run, const SharedWorld& shared,
                                                       const Observer& observer = {},
                                                       const KeyObserver& key_observer = {},
-                                                      const Captures* captures = nullptr);
+                                                      const Captures* captures = nullptr, Measuring measuring = {},
+                                                      const Progress& progress = {});
 
 }  // namespace peerd::sim

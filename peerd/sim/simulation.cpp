@@ -77,12 +77,14 @@ boost::asio::ip::udp::endpoint address_of(const config::PeerSettings& peer, cons
 class Simulation {
  public:
   Simulation(const config::RunSettings& run, const SharedWorld& shared, const Observer& observer,
-             const KeyObserver& key_observer, const Captures* captures)
+             const KeyObserver& key_observer, const Captures* captures, LogRows* rows, const Progress& progress)
       : run_(run),
         shared_(shared),
         observer_(observer),
         key_observer_(key_observer),
         captures_(captures),
+        rows_(rows),
+        progress_(progress),
         network_(run),
         events_(run.events),
         longest_delay_s_(longest_delay_s(run)) {}
@@ -149,6 +151,7 @@ class Simulation {
     options.start_lead = from_seconds(1.0 + 2.0 * longest_delay_s_);
     options.clock_offset = peer.clock_offset;
     options.sample_hz = run_.sample_hz;
+    options.rows = rows_;
     peer.came_at = now_;
     peer.late = late;
     if (captures_ != nullptr) {
@@ -161,6 +164,7 @@ class Simulation {
       peer.capture = *std::move(opened);
     }
     peer.node = PeerNode::make(run_.peers[i], run_.replication, shared_, std::move(objects), std::move(options));
+    if (rows_ != nullptr) rows_->enter(peer.node->log());
     return std::nullopt;
   }
 
@@ -172,6 +176,7 @@ class Simulation {
     }
     PeerLog& log = logs_.emplace_back(peer.node->log());
     log.ended_at = HostTime{now_.time_since_epoch()};
+    if (rows_ != nullptr) rows_->end(log.peer, *log.ended_at);
     peer.node.reset();
     network_.leave_all(i);
   }
@@ -255,12 +260,17 @@ class Simulation {
     }
   }
 
-  // Runs to the end, or to an error.
+  [[nodiscard]] std::optional<double> run_time_s() const {
+    if (!events_.begun()) return std::nullopt;
+    return to_seconds(now_ - *events_.begun());
+  }
+
+  // Runs to the end, to where it is stopped, or to an error.
   std::optional<InputError> go_on() {
     // The run lingers so that late updates still arrive and deferred contacts are decided and applied: a fallback waits
     // for two latencies and three hellos.
     const Duration linger = from_seconds(run_.duration_s + 3.0 * longest_delay_s_ + kFallback_s);
-    for (;;) {
+    while (!progress_ || progress_(run_time_s())) {
       const std::optional<std::size_t> next = next_peer();
       const std::optional<VirtualTime> event_at = events_.next();
       if (!next && !event_at) return std::nullopt;  // all peers have gone
@@ -302,6 +312,7 @@ class Simulation {
       }
       if (node.start() && node.peer().clock().to_session(host) > *node.start() + linger) return std::nullopt;
     }
+    return std::nullopt;
   }
 
   const config::RunSettings& run_;
@@ -309,6 +320,8 @@ class Simulation {
   const Observer& observer_;
   const KeyObserver& key_observer_;
   const Captures* captures_;  // null: none
+  LogRows* rows_;             // null: the logs keep their rows
+  const Progress& progress_;  // empty: nobody asks
   net::GroupPlan groups_;     // named in the captures
   Network network_;
   EventTimes events_;
@@ -335,8 +348,9 @@ config::RunSettings without_latency(config::RunSettings run) {
 
 Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
                                       const Observer& observer, const KeyObserver& key_observer,
-                                      std::optional<report::InterestRecord>* interest, const Captures* captures) {
-  return Simulation(run, shared, observer, key_observer, captures).all(interest);
+                                      std::optional<report::InterestRecord>* interest, const Captures* captures,
+                                      LogRows* rows, const Progress& progress) {
+  return Simulation(run, shared, observer, key_observer, captures, rows, progress).all(interest);
 }
 
 }  // namespace peerd::sim

@@ -17,7 +17,7 @@
 #include "collision_report.hpp"
 #include "peerd/measure/agreement.hpp"
 #include "peerd/measure/lookup.hpp"
-#include "peerd/measure/statistics.hpp"
+#include "peerd/statistics/statistics.hpp"
 #include "simulated_run.hpp"
 
 namespace peerd::bench {

@@ -2,6 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -79,6 +84,64 @@ TEST_F(SimCommand, ASweepsCapturesStandInAFolderForEachRun) {
   for (const char* file : {"run-001/a.pcapng", "run-001/b.pcapng", "run-002/a.pcapng", "run-002/b.pcapng"}) {
     EXPECT_TRUE(std::filesystem::exists(folder / "captures" / file)) << file;
   }
+}
+
+TEST_F(SimCommand, CountsOneRunAsOne) {
+  EXPECT_EQ(run(), 0) << err;
+  EXPECT_THAT(out, HasSubstr("s of 1 run in "));
+  EXPECT_THAT(out, testing::Not(HasSubstr("errors.csv has"))) << "it has all";
+}
+
+TEST_F(SimCommand, SamplesBoundTheFilesAndNotTheNumbers) {
+  options.json = true;
+  EXPECT_EQ(run(), 0) << err;
+  const std::string all = out;
+  const auto rows = [&](const char* file) {
+    return std::ranges::count(testing_support::text_of(folder / "out" / file), '\n') - 1;
+  };
+  EXPECT_EQ(rows("errors.csv"), 31) << "60 a second";
+  options.samples = "8";
+  EXPECT_EQ(run(), 0) << err;
+  EXPECT_EQ(out, all);
+  EXPECT_EQ(rows("errors.csv"), 8);
+  EXPECT_LE(rows("traffic.csv"), 8);
+  options.samples = "none";
+  EXPECT_EQ(run(), 0) << err;
+  EXPECT_EQ(out, all);
+  EXPECT_EQ(rows("errors.csv"), 0);
+  options.json = false;
+  EXPECT_EQ(run(), 0) << err;
+  EXPECT_THAT(out, HasSubstr("errors.csv has 0 of 31 samples"));
+  EXPECT_THAT(testing_support::text_of(folder / "out/report.html"), HasSubstr("errors.csv has 0 of 31 samples"));
+  options.samples = "some";
+  EXPECT_EQ(run(), 2);
+}
+
+// The capture shows how far the simulation is, so that nothing depends on how fast this computer is.
+TEST_F(SimCommand, ASignalInTheMiddleOfARunLeavesWhatThereIs) {
+  options.sets = {"duration_s=100000", "replication.order=[1, 2]", "expect.e={that = \"updates_sent\", at_least = 1}"};
+  options.captures = folder / "captures";
+  const auto capture = folder / "captures/run-001/a.pcapng";
+  std::jthread killer([&] {
+    std::error_code none_yet;
+    while (!std::filesystem::exists(capture) || std::filesystem::file_size(capture, none_yet) < 200'000) {
+      std::this_thread::yield();
+    }
+    kill(getpid(), SIGINT);
+  });
+  EXPECT_EQ(run(), 130);
+  EXPECT_THAT(err, HasSubstr("stopped by SIGINT, in run 1 at "));
+  EXPECT_THAT(out, HasSubstr("warning: stopped by SIGINT, in run 1 at "));
+  EXPECT_THAT(out, HasSubstr("1 of 2 runs is not in here"));
+  const auto summary = nlohmann::json::parse(testing_support::text_of(folder / "out/summary.json"));
+  EXPECT_EQ(summary["stopped"], true);
+  ASSERT_EQ(summary["runs"].size(), 1u);
+  const double stopped_at_s = summary["runs"][0]["stopped_at_s"].get<double>();
+  EXPECT_GT(stopped_at_s, 0.0);
+  EXPECT_LT(stopped_at_s, 100000.0);
+  EXPECT_NEAR(summary["runs"][0]["objects"][0]["samples"].get<double>(), 60.0 * stopped_at_s, 2.0);
+  EXPECT_FALSE(summary.contains("expectations")) << "they are about the whole";
+  EXPECT_THAT(testing_support::text_of(folder / "out/report.html"), HasSubstr("stopped by SIGINT"));
 }
 
 TEST_F(SimCommand, AMissedExpectationIsOne) {

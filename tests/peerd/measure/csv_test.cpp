@@ -50,6 +50,45 @@ TEST(Csv, RowCounts) {
   EXPECT_EQ(lines_of(errors_csv({})).size(), 1u);
 }
 
+// 24 views of 100 samples each.
+TEST(Csv, ErrorsAreThinnedEvenly) {
+  const std::vector<RunRecord> runs = samples::zigzag_sweep();
+  const std::vector<std::string> all = lines_of(errors_csv(runs)), few = lines_of(errors_csv(runs, 600));
+  const RowCount count = errors_rows(runs, 600);
+  EXPECT_EQ(few.size(), 1u + count.written);
+  EXPECT_EQ(count.of, 2400u);
+  EXPECT_EQ(count.written, 600u) << "every fourth row of every view";
+  for (std::size_t i = 0; i < count.written; ++i) EXPECT_EQ(few[1 + i], all[1 + 4 * i]);
+  EXPECT_EQ(errors_csv(runs, 2400), errors_csv(runs));
+}
+
+TEST(Csv, WhereViewsAreManySomeAreLeftOut) {
+  const std::vector<RunRecord> runs = samples::zigzag_sweep();
+  const RowCount count = errors_rows(runs, 100);
+  EXPECT_LE(count.written, 100u);
+  EXPECT_GE(count.written, 60u);
+  EXPECT_EQ(lines_of(errors_csv(runs, 100)).size(), 1u + count.written);
+  EXPECT_EQ(lines_of(errors_csv(runs, 1)).size(), 1u + errors_rows(runs, 1).written);
+  EXPECT_LE(errors_rows(runs, 1).written, 1u);
+}
+
+TEST(Csv, NoRowsOnRequest) {
+  const std::vector<RunRecord> runs = samples::zigzag_sweep();
+  EXPECT_EQ(lines_of(errors_csv(runs, 0)).size(), 1u);
+  EXPECT_EQ(lines_of(traffic_csv(runs, 0)).size(), 1u);
+  EXPECT_EQ(errors_rows(runs, 0).written, 0u);
+  EXPECT_EQ(traffic_rows(runs, 0).written, 0u);
+  EXPECT_EQ(traffic_rows(runs, 0).of, 66u);
+}
+
+TEST(Csv, TrafficIsThinnedRowByRow) {
+  const std::vector<RunRecord> runs = samples::zigzag_sweep();
+  const std::vector<std::string> all = lines_of(traffic_csv(runs)), few = lines_of(traffic_csv(runs, 33));
+  ASSERT_EQ(few.size(), 34u);
+  EXPECT_EQ(traffic_rows(runs, 33).written, 33u);
+  for (std::size_t i = 0; i < 33; ++i) EXPECT_EQ(few[1 + i], all[1 + 2 * i]);
+}
+
 TEST(Csv, SameRecordsSameBytes) {
   EXPECT_EQ(errors_csv(samples::zigzag_sweep()), errors_csv(samples::zigzag_sweep()));
   EXPECT_EQ(traffic_csv(samples::zigzag_sweep()), traffic_csv(samples::zigzag_sweep()));

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "peerd/measure/interval.hpp"
 #include "peerd/measure/summary.hpp"
 #include "peerd/report/table.hpp"
+#include "peerd/statistics/interval.hpp"
 #include "tests/peerd/report_samples.hpp"
 
 namespace peerd::report::points_test {

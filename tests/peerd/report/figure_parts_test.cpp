@@ -70,12 +70,27 @@ TEST(Truth, IsTheUnionOfAllObserversSamples) {
 
 TEST(ErrorSeries, ItsMeanLeavesOutWhatIsNoNumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<GhostSample> ghosts{samples::belief(0, kB, kCar, {0, 0, 0}, {1, 0, 0}),
-                                        samples::belief(1, kB, kCar, {0, 0, 0}, {nan, 0, 0}),
-                                        samples::belief(2, kB, kCar, {0, 0, 0}, {3, 0, 0})};
-  const ErrorSeries series = error_series(ghosts, 0);
+  RunRecord run = samples::quiet_run();
+  run.ghost_samples = {samples::belief(0, kB, kCar, {0, 0, 0}, {1, 0, 0}),
+                       samples::belief(1, kB, kCar, {0, 0, 0}, {nan, 0, 0}),
+                       samples::belief(2, kB, kCar, {0, 0, 0}, {3, 0, 0})};
+  const ErrorSeries series = error_series(run, kB, kCar, 0);
   EXPECT_EQ(series.mean_m, 2.0);
   EXPECT_EQ(series.error.size(), 3u) << "the curve breaks there";
+}
+
+TEST(ErrorSeries, ItsMeanIsThatOfAllSamplesAndNotOfThoseThatAreKept) {
+  RunRecord run = samples::zigzag_run(0.3);
+  const auto updates = updates_sent(run, kCar);
+  RunMeasured& measured = run.measured.emplace();
+  ViewMeasured& view = measured.whole.views.emplace_back();
+  view.observer = kB;
+  view.object = kCar;
+  view.ghost_error_m.mean = 0.125;
+  measured.whole.updates[kCar].updates = 77;
+  EXPECT_EQ(error_series(run, kB, kCar, 0).mean_m, 0.125);
+  EXPECT_EQ(updates, 5u);
+  EXPECT_EQ(updates_sent(run, kCar), 77u);
 }
 
 }  // namespace peerd::report::figure_parts_test

@@ -13,6 +13,7 @@ struct Statistics {
   double rms = 0.0;
   double p99 = 0.0;  // nearest rank: the least sample that at least 99 % of the samples do not exceed
   double max = 0.0;
+  bool p99_exact = true;  // false: within RunningStatistics::kP99Error
 };
 
 [[nodiscard]] Statistics statistics(std::vector<double> samples);

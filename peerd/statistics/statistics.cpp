@@ -1,4 +1,4 @@
-#include "peerd/measure/statistics.hpp"
+#include "peerd/statistics/statistics.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "peerd/commands/error_json.hpp"
+#include "peerd/command_line/error_json.hpp"
 
 #include <charconv>
 #include <ostream>

@@ -1,4 +1,4 @@
-#include "peerd/measure/interval.hpp"
+#include "peerd/statistics/interval.hpp"
 
 #include <cmath>
 
