@@ -30,7 +30,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"Minutes", 0, 12.0, 30.0, "run 1 of 4: 12 of 30 s simulated, 4 min 30 s left"},
                     Case{"Hours", 0, 12.0, 3000.0, "run 1 of 4: 12 of 30 s simulated, 7 h 30 min left"},
                     Case{"Lingering", 3, 31.5, 99.0, "run 4 of 4: 30 of 30 s simulated, 0 s left"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& c) { return std::string(c.param.name); });
 
 TEST(ProgressDisplay, ShowsNothingWhereThereIsNoTerminal) {
   testing::internal::CaptureStderr();
