@@ -16,7 +16,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/motion/key_codes.hpp"
-#include "peerd/command_line/interruption.hpp"
 #include "peerd/command_line/number_checks.hpp"
 #include "peerd/command_line/standard_streams.hpp"
 #include "peerd/command_line/wrong_use.hpp"
@@ -279,7 +278,7 @@ Command add_collide(CLI::App& app) {
   CLI::App* const command = add_world_command(
       app, "collide", "which objects of a world collide: all its interests, once or tick by tick", *flags);
   command->footer(exit_codes("the world has errors, or Shapes that can't be asked") +
-                  ", 130 interrupted (Ctrl-C)\nColliding or not is no finding.");
+                  ", 130 or 143 stopped by a signal\nColliding or not is no finding.");
   command->add_option("--at", options.at_s, "when: the time of its TimeSensors [s] (default: 0)")
       ->transform(number_in(kWorldTimes_s));
   auto* const until =
@@ -293,10 +292,13 @@ Command add_collide(CLI::App& app) {
   return {command, [flags] {
             CollideOptions& asked = flags->options;
             if (!asked.until_s) return run_collide(flags->world, asked, std::cout, std::cerr);
-            const Interruption interruption;
-            asked.interrupted = [&interruption] { return interruption.requested(); };
+            const std::string nothing = "stopped at once: no result is complete";
+            StopSignals signals(nothing);
+            signals.note_from_now_on(nothing);
+            asked.interrupted = [&signals] { return signals.signal() != 0; };
             if (isatty(STDERR_FILENO) != 0) asked.progress = &std::cerr;
-            return run_collide(flags->world, asked, std::cout, std::cerr);
+            const int code = run_collide(flags->world, asked, std::cout, std::cerr);
+            return code == kInterrupted ? signals.exit_code() : code;
           }};
 }
 
@@ -472,7 +474,7 @@ int run(int argc, char** argv) {
   CLI::App app{"peerd keeps a shared 3D world alive between computers without a server", "peerd"};
   app.require_subcommand(1);
   app.set_version_flag("--version", kVersion);
-  app.footer(exit_codes("a finding about the input") + ", 130 interrupted");
+  app.footer(exit_codes("a finding about the input") + ", 130 or 143 stopped by a signal");
   const std::span words(argv, static_cast<std::size_t>(argc));
   print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.

@@ -57,7 +57,10 @@ StopSignals::StopSignals(const std::string& at_once) {
   action.sa_handler = on_stop_signal;
   action.sa_mask = stop_signal_set();
   action.sa_flags = SA_RESTART;
-  for (std::size_t i = 0; i < kStopSignals.size(); ++i) sigaction(kStopSignals[i], &action, &former_actions[i]);
+  for (std::size_t i = 0; i < kStopSignals.size(); ++i) {
+    sigaction(kStopSignals[i], nullptr, &former_actions[i]);
+    if (former_actions[i].sa_handler != SIG_IGN) sigaction(kStopSignals[i], &action, nullptr);
+  }
 }
 
 StopSignals::~StopSignals() {

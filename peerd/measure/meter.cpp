@@ -1,7 +1,6 @@
 #include "peerd/measure/meter.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <tuple>
 
 #include "peerd/measure/lookup.hpp"
@@ -29,10 +28,12 @@ void ViewMeter::add(const GhostSample& sample) {
     return;
   }
   const bool first = count_ == not_finite_ + 1;
-  assert(first || sample.t_s >= last_s_);
-  if (!first) integral_m_s_ += (sample.t_s - last_s_) * 0.5 * (ghost_m + last_m_);
-  last_s_ = sample.t_s;
-  last_m_ = ghost_m;
+  // Where session time steps back, the time until the last sample is in the integral already.
+  if (first || sample.t_s >= last_s_) {
+    if (!first) integral_m_s_ += (sample.t_s - last_s_) * 0.5 * (ghost_m + last_m_);
+    last_s_ = sample.t_s;
+    last_m_ = ghost_m;
+  }
   ghost_m_.add(ghost_m);
   shown_m_.add(shown_m);
   difference_m_.add(difference_m);

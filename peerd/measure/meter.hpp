@@ -38,7 +38,7 @@ class ViewMeter {
  private:
   RunningStatistics ghost_m_, shown_m_, difference_m_;
   std::uint64_t count_ = 0, not_finite_ = 0;
-  double last_s_ = 0.0, last_m_ = 0.0;  // the last sample with a number
+  double last_s_ = 0.0, last_m_ = 0.0;  // the latest sample with a number
   double integral_m_s_ = 0.0;
 };
 
@@ -49,7 +49,7 @@ class RunMeter {
   // The samples of a view are at most `sample_hz` a second. `parts` are measured beside the whole run.
   RunMeter(double duration_s, double sample_hz, const RowLimits& limits, std::vector<TimeSpan> parts);
 
-  // Samples of a view come in order of time.
+  // Samples of a view come in the order in which they were taken: their times go back where session time steps back.
   void add(GhostSample sample);
   void add(UpdateSent update);
   void add(const DatagramSent& datagram);

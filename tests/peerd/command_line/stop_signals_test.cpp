@@ -25,6 +25,17 @@ TEST(StopSignals, GivesTheSignalsBack) {
   EXPECT_EQ(before.sa_handler, after.sa_handler);
 }
 
+TEST(StopSignals, LeavesAnIgnoredSignalIgnored) {
+  const auto before = std::signal(SIGINT, SIG_IGN);
+  {
+    StopSignals signals("at once");
+    signals.note_from_now_on("second");
+    ASSERT_EQ(std::raise(SIGINT), 0);
+    EXPECT_EQ(signals.signal(), 0) << "a program in the background ignores Ctrl-C";
+  }
+  EXPECT_EQ(std::signal(SIGINT, before), SIG_IGN);
+}
+
 TEST(StopSignalsDeathTest, EndAtOnceWhileNothingCanBeSaved) {
   EXPECT_EXIT(
       {

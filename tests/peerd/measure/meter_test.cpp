@@ -65,4 +65,14 @@ TEST(RunMeter, CountsSamplesWithoutANumber) {
   EXPECT_DOUBLE_EQ(view.inconsistency_m_s, 2.0) << "from the first number on";
 }
 
+TEST(RunMeter, TakesSamplesWhereSessionTimeStepsBack) {
+  RunRecord rows = samples::quiet_run();
+  RunMeter meter(rows.duration_s, 60.0, {}, {});
+  for (const double t_s : {0.0, 2.0, 1.0, 2.0, 3.0}) meter.add(samples::belief(t_s, kB, kCar, {0, 0, 0}, {2, 0, 0}));
+  meter.finish(rows, rows.duration_s);
+  const ViewMeasured view = *rows.measured->whole.view(kB, kCar);
+  EXPECT_EQ(view.ghost_error_m.count, 5u);
+  EXPECT_DOUBLE_EQ(view.inconsistency_m_s, 6.0) << "no time counts twice";
+}
+
 }  // namespace peerd::report::meter_test
