@@ -18,6 +18,7 @@
 #include "core/motion/key_codes.hpp"
 #include "peerd/command_line/number_checks.hpp"
 #include "peerd/command_line/standard_streams.hpp"
+#include "peerd/command_line/stop_signals.hpp"
 #include "peerd/command_line/wrong_use.hpp"
 #include "peerd/commands/bake_command.hpp"
 #include "peerd/commands/check_command.hpp"

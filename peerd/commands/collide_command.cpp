@@ -22,8 +22,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kInterrupted = 130;  // 128 + SIGINT, as shells have it
-
 collision::BoxBound box_bound(const CollideOptions& options) {
   return options.realigned_boxes ? collision::BoxBound::kRealigned : collision::BoxBound::kVertices;
 }

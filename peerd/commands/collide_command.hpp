@@ -8,6 +8,9 @@
 
 namespace peerd {
 
+// What run_collide() returns where CollideOptions::interrupted has ended it: 128 + SIGINT, as shells have it.
+inline constexpr int kInterrupted = 130;
+
 // `peerd collide WORLD.wrl` answers all registered interests, once, or tick by tick. Problems of the world go to `err`
 // as `peerd check` prints them. Returns the exit code: 0 good, colliding or not; 1 the world has errors, or a Shape
 // whose vertices can't be used; 2 there is no such file, or no tick at the times asked for; 3 it can't be read; 130 it
