@@ -25,4 +25,10 @@ using SimTime = InjectedClock<struct SessionClockTag>::time_point;
 [[nodiscard]] constexpr double to_seconds(Duration d) { return static_cast<double>(d.count()) / 1e9; }
 [[nodiscard]] inline Duration from_seconds(double s) { return Duration{std::llround(s * 1e9)}; }
 
+// The last multiple of `step` > 0 since the epoch that is not after t.
+[[nodiscard]] constexpr SimTime floor_to(SimTime t, Duration step) {
+  const std::int64_t ns = t.time_since_epoch().count(), n = step.count();
+  return SimTime{Duration{(ns >= 0 ? ns / n : -((-ns + n - 1) / n)) * n}};
+}
+
 }  // namespace peerd

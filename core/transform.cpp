@@ -52,8 +52,10 @@ Affine parent_from_local(const TransformFields& t) {
   return out;
 }
 
-Pose rigid_pose(std::span<const TransformFields> path) {
-  Affine product;
+Pose rigid_pose(std::span<const TransformFields> path) { return rigid_pose(Mat3::Identity(), path); }
+
+Pose rigid_pose(const Mat3& stretch, std::span<const TransformFields> path) {
+  Affine product{stretch, Vec3::Zero()};
   Quat rotation = Quat::Identity();
   for (const TransformFields& t : path) {
     product = multiply(product, parent_from_local(t));

@@ -39,6 +39,8 @@ struct Affine {
 // Returns the rigid part of a path of transforms, from the top: where the origin of the last one is, and the product of
 // the rotations.
 [[nodiscard]] Pose rigid_pose(std::span<const TransformFields> path);
+// Returns the same in the rigid frame of what stands above the path, and stretches it (StretchedPose::stretch).
+[[nodiscard]] Pose rigid_pose(const Mat3& stretch, std::span<const TransformFields> path);
 
 // A rigid pose with the matrix that scales and shears the rest of the path: the linear part of the product of the path
 // is rotation * stretch. The stretch is exactly the identity without scale, and exactly the scale where only the last

@@ -14,6 +14,7 @@ MovingScene::Part::Part(const Scene& s, SceneGraph& graph, NodeHandle parent) : 
   nodes = graph.add_subtree(parent, specs);
   for (const ObjectId id : motion.driven_transforms()) {
     for (const animation::FieldId field : motion.fields_of(id)) by_field.emplace_back(field, id);
+    if (motion.drifts(id)) drifting.push_back(id);
   }
   std::ranges::sort(by_field);
 }
@@ -24,6 +25,9 @@ MovingScene::MovingScene(const Scene& scene) {
 }
 
 void MovingScene::place(Part& part, double t_s) {
+  for (const ObjectId id : part.drifting) {
+    graph_.set_local(part.nodes[id.value], part.motion.transform(id, t_s));
+  }
   animation::Animation* const animation = part.motion.animation();
   if (animation == nullptr) return;
   if (part.placed) {

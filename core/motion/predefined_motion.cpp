@@ -44,11 +44,21 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> coordinates_of(const Scene&
   return out;
 }
 
+bool is_even(const Vec3& scale) { return scale.x() == scale.y() && scale.y() == scale.z(); }
+
 Quat conjugate(const Quat& q) { return {q.w(), -q.x(), -q.y(), -q.z()}; }
 
 }  // namespace
 
 PredefinedMotion::PredefinedMotion(const Scene& scene) : scene_(scene) {
+  read_routes();
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (moves_in_parent({i})) driven_ids_.push_back({i});
+  }
+}
+
+void PredefinedMotion::read_routes() {
+  const Scene& scene = scene_;
   if (scene.document == nullptr || scene.document->routes.empty()) return;
   vrml::NetworkReadResult reading = vrml::read_network(scene.document);
   if (!reading.has_sensors) return;
@@ -76,9 +86,6 @@ PredefinedMotion::PredefinedMotion(const Scene& scene) : scene_(scene) {
   }
   std::ranges::sort(flexible_);
   std::ranges::sort(driven_, {}, [](const Driven& d) { return std::pair(d.transform, d.part); });
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (!driven(scene.instances[i].transform).empty()) driven_ids_.push_back({i});
-  }
 }
 
 std::vector<std::uint32_t> PredefinedMotion::flexible_geometries() const {
@@ -112,33 +119,69 @@ std::vector<animation::FieldId> PredefinedMotion::fields_of(ObjectId id) const {
   return fields;
 }
 
+const PredefinedMotion::Driven* PredefinedMotion::driven_part(ObjectId id, Part part) const {
+  const auto parts = driven(scene_.at(id).transform);
+  const auto it = std::ranges::find(parts, part, &Driven::part);
+  return it == parts.end() ? nullptr : &*it;
+}
+
+Vec3 PredefinedMotion::velocity_of(ObjectId id) const {
+  const Vec3& velocity = scene_.object(id).velocity;
+  return velocity.isZero(0.0) || driven_part(id, kTranslation) != nullptr ? Vec3(Vec3::Zero()) : velocity;
+}
+
+bool PredefinedMotion::moves_in_parent(ObjectId id) const {
+  return !driven(scene_.at(id).transform).empty() || !velocity_of(id).isZero(0.0);
+}
+
+bool PredefinedMotion::turns_in_parent(ObjectId id) const { return driven_part(id, kRotation) != nullptr; }
+
+bool PredefinedMotion::scales(ObjectId id) const {
+  return driven_part(id, kScale) != nullptr || driven_part(id, kScaleOrientation) != nullptr;
+}
+
 bool PredefinedMotion::moves(ObjectId id) const {
-  if (driven_.empty()) return false;
-  return std::ranges::any_of(path(id), [&](std::uint32_t i) { return !driven(scene_.instances[i].transform).empty(); });
+  if (driven_ids_.empty()) return false;
+  return std::ranges::any_of(way_to(id, std::nullopt).instances,
+                             [&](std::uint32_t i) { return moves_in_parent({i}); });
 }
 
 bool PredefinedMotion::stays_rigid(ObjectId id) const {
-  if (driven_.empty()) return true;
+  if (driven_ids_.empty()) return true;
   const auto within = std::ranges::upper_bound(driven_ids_, id);
   if (within != driven_ids_.end() && within->value < scene_.at(id).subtree_end) return false;
   bool uneven = false;  // somewhere above
-  for (const std::uint32_t i : path(id)) {
-    for (const Driven& d : driven(scene_.instances[i].transform)) {
-      if (d.part == kScale || d.part == kScaleOrientation || (d.part == kRotation && uneven)) return false;
-    }
-    const Vec3& scale = scene_.transform({i}).scale;
-    uneven = uneven || scale.x() != scale.y() || scale.y() != scale.z();
+  for (const std::uint32_t i : way_to(id, std::nullopt).instances) {
+    if (scales({i}) || (uneven && turns_in_parent({i}))) return false;
+    uneven = uneven || !is_even(scene_.transform({i}).scale);
   }
   return true;
 }
 
-std::vector<std::uint32_t> PredefinedMotion::path(ObjectId id) const {
-  std::vector<std::uint32_t> path;
-  for (auto i = static_cast<std::int32_t>(id.value); i >= 0; i = scene_.instances[static_cast<std::size_t>(i)].parent) {
-    path.push_back(static_cast<std::uint32_t>(i));
+// Whether a turn in the frame of the instance's parent is a turn in the world, about the turned axis.
+bool PredefinedMotion::is_evenly_scaled_above(ObjectId id) const {
+  for (std::int32_t i = scene_.at(id).parent; i >= 0; i = scene_.instances[static_cast<std::size_t>(i)].parent) {
+    const ObjectId instance{static_cast<std::uint32_t>(i)};
+    if (scales(instance) || !is_even(scene_.transform(instance).scale)) return false;
   }
-  std::ranges::reverse(path);
-  return path;
+  return true;
+}
+
+PredefinedMotion::Way PredefinedMotion::way_to(ObjectId id, std::optional<ObjectId> above) const {
+  Way way;
+  std::vector<TransformFields> beyond;
+  for (auto i = static_cast<std::int32_t>(id.value); i >= 0; i = scene_.instances[static_cast<std::size_t>(i)].parent) {
+    const auto instance = static_cast<std::uint32_t>(i);
+    if (!beyond.empty() || (above && above->value == instance)) {
+      beyond.push_back(scene_.transform({instance}));
+    } else {
+      way.instances.push_back(instance);
+    }
+  }
+  std::ranges::reverse(way.instances);
+  std::ranges::reverse(beyond);
+  if (!beyond.empty()) way.stretch = stretched_pose(beyond).stretch;
+  return way;
 }
 
 void PredefinedMotion::set_part(TransformFields& fields, Part part, const Vec3& vector, const Quat& rotation) {
@@ -166,26 +209,29 @@ TransformFields PredefinedMotion::transform(ObjectId id, double t_s) {
   for (const Driven& d : driven(scene_.at(id).transform)) {
     if (animation_->value(d.field, t_s, value_)) set_part(fields, d.part, value_.vec3(), value_.quat());
   }
+  if (t_s > 0.0) fields.translation += t_s * velocity_of(id);
   return fields;
 }
 
-Pose PredefinedMotion::rigid_pose(ObjectId id, double t_s) {
+Pose PredefinedMotion::pose_on(const Way& way, double t_s) {
   std::vector<TransformFields> fields;
-  for (const std::uint32_t i : path(id)) fields.push_back(transform({i}, t_s));
-  return peerd::rigid_pose(fields);
+  for (const std::uint32_t i : way.instances) fields.push_back(transform({i}, t_s));
+  return peerd::rigid_pose(way.stretch, fields);
 }
+
+Pose PredefinedMotion::rigid_pose(ObjectId id, double t_s) { return pose_on(way_to(id, std::nullopt), t_s); }
 
 Vec3 PredefinedMotion::to_world(ObjectId id, const Vec3& in_parent, double t_s) {
   Affine world_from_parent;
-  for (const std::uint32_t i : path(id)) {
+  for (const std::uint32_t i : way_to(id, std::nullopt).instances) {
     if (i == id.value || scene_.instances[i].transform == Instance::kNone) continue;
     world_from_parent = multiply(world_from_parent, parent_from_local(transform({i}, t_s)));
   }
   return multiply(world_from_parent.linear, in_parent);
 }
 
-PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s) {
-  const std::vector<std::uint32_t> way = path(id);
+PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s, std::optional<ObjectId> above) {
+  const Way way = way_to(id, above);
   struct Moving {
     std::size_t depth = 0;  // in `way`
     Part part = kTranslation;
@@ -193,14 +239,17 @@ PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s) {
   };
   std::vector<Moving> moving;
   std::vector<TransformFields> file;
+  std::vector<Vec3> drifts;  // velocityVectors
   Piece piece{-kForever, kForever, {}};
-  bool still = true, exact = true;
+  bool still = true, exact = true, circles = false;
   Vec3 velocity = Vec3::Zero(), angular_velocity_body = Vec3::Zero();
-  Affine above;  // the path above the Transform in hand; only used where it stands still
-  for (std::size_t depth = 0; depth < way.size(); ++depth) {
-    file.push_back(scene_.transform({way[depth]}));
-    const TransformFields now = transform({way[depth]}, t_s);
-    for (const Driven& d : driven(scene_.instances[way[depth]].transform)) {
+  Affine frame{way.stretch, Vec3::Zero()};  // of the parent of the Transform in hand; only used where it stands still
+  for (std::size_t depth = 0; depth < way.instances.size(); ++depth) {
+    const ObjectId instance{way.instances[depth]};
+    const bool own = depth + 1 == way.instances.size();
+    file.push_back(scene_.transform(instance));
+    const TransformFields now = transform(instance, t_s);
+    for (const Driven& d : driven(scene_.at(instance).transform)) {
       const auto segment = animation_->segment(d.field, t_s);
       assert(segment && "a Transform's fields are vectors and rotations");
       piece.begin_s = std::max(piece.begin_s, segment->begin_s);
@@ -209,37 +258,67 @@ PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s) {
       moving.push_back({depth, d.part, *segment});
       if (segment->is_constant) continue;
       still = false;
-      const bool own_turn = d.part == kRotation && depth + 1 == way.size() && now.center.isZero(0.0);
-      if (d.part == kTranslation) velocity += multiply(above.linear, segment->velocity);
-      if (own_turn) angular_velocity_body = segment->angular_velocity_body;
-      exact = exact && (d.part == kTranslation || own_turn);
+      if (d.part == kTranslation) velocity += multiply(frame.linear, segment->velocity);
+      if (own && d.part == kRotation) {
+        angular_velocity_body = segment->angular_velocity_body;
+        circles = !now.center.isZero(0.0);
+        exact = exact && (!circles || is_evenly_scaled_above(id));
+      } else {
+        exact = exact && d.part == kTranslation;
+      }
     }
-    above = multiply(above, parent_from_local(now));
+    drifts.push_back(velocity_of(instance));
+    if (!drifts.back().isZero(0.0)) {
+      (t_s >= 0.0 ? piece.begin_s : piece.end_s) =
+          t_s >= 0.0 ? std::max(piece.begin_s, 0.0) : std::min(piece.end_s, 0.0);
+      if (t_s >= 0.0) {
+        still = false;
+        velocity += multiply(frame.linear, drifts.back());
+      }
+    }
+    if (!own) frame = multiply(frame, parent_from_local(now));
   }
-  const auto pose_at = [&](double s) {
+  const auto fields_at = [&](double s) {
     std::vector<TransformFields> fields = file;
     for (const Moving& m : moving) {
       set_part(fields[m.depth], m.part, m.segment.position_at(s), m.segment.orientation_at(s));
     }
-    return peerd::rigid_pose(fields);
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      if (s > 0.0) fields[i].translation += s * drifts[i];
+    }
+    return fields;
   };
+  const auto pose_at = [&](double s) { return peerd::rigid_pose(way.stretch, fields_at(s)); };
   if (still) {
-    piece.begin_s = t_s;
+    piece.begin_s = std::max(piece.begin_s, t_s);
     piece.state = at_rest(pose_at(t_s));
     return piece;
   }
+  const auto cut = [&](double step_s) {
+    const double cell = std::floor(t_s / step_s);
+    piece.begin_s = std::max(piece.begin_s, cell * step_s);
+    piece.end_s = std::min(piece.end_s, (cell + 1.0) * step_s);
+  };
   const bool dense = piece.end_s - piece.begin_s < kPiece_s;
   if (exact && !dense) {
+    if (circles) cut(kCircle_s);
     piece.state = at_rest(pose_at(piece.begin_s));
     piece.state.velocity = velocity;
     piece.state.angular_velocity_body = angular_velocity_body;
+    if (circles) {
+      // The origin goes about the centre, which goes straight on.
+      const TransformFields own = fields_at(piece.begin_s).back();
+      const Vec3 arm = -multiply(frame.linear, multiply(parent_from_local(own).linear, own.center));
+      piece.turning_rad_s = piece.state.orientation * angular_velocity_body;
+      piece.state.velocity += piece.turning_rad_s.cross(arm);
+      piece.state.acceleration = piece.turning_rad_s.cross(piece.turning_rad_s.cross(arm));
+    }
     return piece;
   }
-  const double cell = std::floor(t_s / kPiece_s);
-  piece.begin_s = dense ? cell * kPiece_s : std::max(piece.begin_s, cell * kPiece_s);
-  piece.end_s = dense ? (cell + 1.0) * kPiece_s : std::min(piece.end_s, (cell + 1.0) * kPiece_s);
+  if (dense) piece.begin_s = -kForever, piece.end_s = kForever;
+  cut(kPiece_s);
   const double h = piece.end_s - piece.begin_s;
-  const auto sample = [&](double s) { return dense ? rigid_pose(id, s) : pose_at(s); };
+  const auto sample = [&](double s) { return dense ? pose_on(way, s) : pose_at(s); };
   const Pose begin = sample(piece.begin_s), middle = sample(piece.begin_s + 0.5 * h), end = sample(piece.end_s);
   piece.state = at_rest(begin);
   piece.state.velocity = (4.0 * middle.position - 3.0 * begin.position - end.position) / h;

@@ -9,11 +9,6 @@ namespace peerd {
 SceneMotion::SceneMotion(const Scene& scene) : scene_(scene), motion_(scene), transforms_(scene.transforms) {}
 
 const std::vector<TransformFields>& SceneMotion::transforms_at(double t_s) {
-  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-    if (scene_.instances[i].transform == Instance::kNone) continue;
-    TransformFields& fields = transforms_[scene_.instances[i].transform];
-    fields.translation = scene_.transform({i}).translation + scene_.object({i}).velocity * t_s;
-  }
   for (const ObjectId id : motion_.driven_transforms()) {
     transforms_[scene_.at(id).transform] = motion_.transform(id, t_s);
   }

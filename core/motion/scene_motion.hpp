@@ -9,10 +9,8 @@
 
 namespace peerd {
 
-// The poses of all of a scene at a world time when no peer runs it. A Transform that the world itself drives is where
-// its movement has it; every other one has moved by its velocityVector since world time 0 (thesis, equation C.1). A
-// call costs what moves, and one pass over the instances. The class is not thread-safe, because PredefinedMotion is
-// not.
+// The poses of all of a scene at a world time when no peer runs it: each Transform is where PredefinedMotion has it. A
+// call costs what moves. The class is not thread-safe, because PredefinedMotion is not.
 class SceneMotion {
  public:
   explicit SceneMotion(const Scene& scene);  // the scene outlives it, at its place

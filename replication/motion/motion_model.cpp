@@ -244,29 +244,13 @@ struct Bounds {
 };
 
 Bounds bounds_at(const MotionModel& m, Duration since_base) {
-  assert(since_base >= Duration{0});
-  Bounds b;
-  const auto cut_at = [&](std::optional<Duration> at) {
-    if (!at) return;
-    if (*at <= since_base) {
-      b.begin = std::max(b.begin, *at);
-    } else {
-      b.end = b.end ? std::min(*b.end, *at) : *at;
-    }
-  };
-  const Duration lasts = from_seconds(kModelLasts_s);
-  if (is_cut(m)) {
-    cut_at(lasts);
-    if (since_base < lasts) {
-      const Duration h = piece_length(m);
-      b.begin = since_base / h * h;
-      cut_at(b.begin + h);
-      b.cut = true;
-    }
-  }
-  if (m.kind == MotionKind::kSliding) {
-    cut_at(stop_after(stop_s(m.state.velocity, m.state.acceleration)));
-    cut_at(stop_after(stop_s(m.state.angular_velocity_body, m.angular_acceleration_body)));
+  const SmoothSpan smooth = smooth_span(m, since_base);
+  Bounds b{smooth.begin, smooth.end};
+  if (is_cut(m) && since_base < from_seconds(kModelLasts_s)) {
+    const Duration h = piece_length(m), cell = since_base / h * h;
+    b.begin = std::max(b.begin, cell);
+    b.end = b.end ? std::min(*b.end, cell + h) : cell + h;
+    b.cut = true;
   }
   assert(b.begin <= since_base && (!b.end || *b.end > since_base));
   return b;
@@ -342,6 +326,44 @@ MotionModel rebased(const MotionModel& m, double dt_s) {
   if (spin_stopped) out.angular_acceleration_body.setZero();
   if (translates_by_pieces(m) && m.kind != MotionKind::kTurning) out.jerk = translation(m, dt_s).jerk;
   return out;
+}
+
+SmoothSpan smooth_span(const MotionModel& m, Duration since_base) {
+  assert(since_base >= Duration{0});
+  SmoothSpan span;
+  const auto cut_at = [&](std::optional<Duration> at) {
+    if (!at) return;
+    if (*at <= since_base) {
+      span.begin = std::max(span.begin, *at);
+    } else {
+      span.end = span.end ? std::min(*span.end, *at) : *at;
+    }
+  };
+  if (is_cut(m)) cut_at(from_seconds(kModelLasts_s));
+  if (m.kind == MotionKind::kSliding) {
+    cut_at(stop_after(stop_s(m.state.velocity, m.state.acceleration)));
+    cut_at(stop_after(stop_s(m.state.angular_velocity_body, m.angular_acceleration_body)));
+  }
+  return span;
+}
+
+bool is_one_piece(const MotionModel& m) { return !is_cut(m); }
+
+MotionBounds bounds_within(const MotionModel& m, double dt_s, double h_s) {
+  assert(dt_s >= 0.0 && h_s > 0.0);
+  const KinematicState at = evaluate(m, dt_s);
+  const bool over = is_cut(m) && dt_s >= kModelLasts_s;
+  MotionBounds b;
+  b.jerk_m_s3 = over ? 0.0 : jerk_bound(m);
+  b.acceleration_m_s2 = at.acceleration.norm() + h_s * b.jerk_m_s3;
+  b.speed_m_s = at.velocity.norm() + h_s * b.acceleration_m_s2;
+  b.distance_m = at.position.norm() + h_s * b.speed_m_s;
+  const double alpha = over ? 0.0 : m.angular_acceleration_body.norm();
+  const double spin = m.state.angular_velocity_body.norm(), until_s = dt_s + h_s;
+  b.spin_rad_s = at.angular_velocity_body.norm() + h_s * alpha;
+  // Where the spin does not keep its axis, the turn is the exponential of a vector that turns itself.
+  b.spin_acceleration_rad_s2 = alpha * (1.0 + until_s * (spin + alpha * until_s));
+  return b;
 }
 
 Duration piece_begin(const MotionModel& m, Duration since_base) { return bounds_at(m, since_base).begin; }

@@ -87,6 +87,25 @@ struct MotionPiece {
 [[nodiscard]] Duration piece_begin(const MotionModel& model, Duration since_base);
 [[nodiscard]] std::optional<Duration> piece_end(const MotionModel& model, Duration since_base);
 
+// The span of time around an instant in which the law's closed form is smooth: at its end the law goes over into another
+// one (it has lasted so long, or friction has stopped something). None: never.
+struct SmoothSpan {
+  Duration begin{0};  // since the base
+  std::optional<Duration> end;
+};
+[[nodiscard]] SmoothSpan smooth_span(const MotionModel& model, Duration since_base);
+// Whether the closed form has constant acceleration and spin while it is smooth: one piece says all of it.
+[[nodiscard]] bool is_one_piece(const MotionModel& model);
+
+// Bounds of the closed form while it is smooth: of the distance from the frame's origin and its derivatives, of the spin
+// and of its change.
+struct MotionBounds {
+  double distance_m = 0.0, speed_m_s = 0.0, acceleration_m_s2 = 0.0, jerk_m_s3 = 0.0;
+  double spin_rad_s = 0.0, spin_acceleration_rad_s2 = 0.0;
+};
+// The bounds from dt_s >= 0 after the base until h_s > 0 later.
+[[nodiscard]] MotionBounds bounds_within(const MotionModel& model, double dt_s, double h_s);
+
 // The law of sliding to rest from that velocity with that deceleration [m/s^2], >= 0.
 [[nodiscard]] MotionModel sliding_to_rest(const KinematicState& state, double friction_m_s2);
 

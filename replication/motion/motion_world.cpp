@@ -41,13 +41,6 @@ constexpr Duration kPruneWithin = std::chrono::seconds(2);
 // The objects' turns to be pruned within that time, so that one tick does not prune all of them.
 constexpr std::int64_t kPruningSlots = 128;
 
-SimTime floor_to(SimTime t, Duration step) {
-  const std::int64_t ns = t.time_since_epoch().count(), n = step.count();
-  const SimTime floor{Duration{(ns >= 0 ? ns / n : -((-ns + n - 1) / n)) * n}};
-  assert(floor <= t && t - floor < step);
-  return floor;
-}
-
 SimTime grid_floor(SimTime t) { return floor_to(t, kLookahead); }
 
 // A caller that asks for all objects does so in order: a piece is fetched so far ahead, and the law where it is

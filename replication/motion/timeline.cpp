@@ -83,6 +83,23 @@ KinematicState Timeline::at(SimTime t) const {
   return advance(piece_.state, to_seconds(t - piece_.begin));
 }
 
+KinematicState Timeline::exact_at(SimTime t) const {
+  const Segment& s = segment_at(t);
+  return t <= s.from ? s.model.state : evaluate(s.model, to_seconds(t - s.from));
+}
+
+Timeline::Span Timeline::smooth_around(SimTime t) const {
+  const std::size_t i = index_at(t);
+  const Segment& s = segment(i);
+  if (t < s.from) return {std::nullopt, s.from};
+  const SmoothSpan law = smooth_span(s.model, t - s.from);
+  Span span{s.from + law.begin, std::nullopt};
+  if (law.end) span.end = s.from + *law.end;
+  if (&s != &last_ && (!span.end || segment(i + 1).from < *span.end)) span.end = segment(i + 1).from;
+  assert(!span.end || *span.end > t);
+  return span;
+}
+
 MotionModel Timeline::model_at(SimTime t) const {
   const Segment& s = segment_at(t);
   if (t <= s.from) return s.model;

@@ -40,6 +40,8 @@ class Timeline {
 
   // The state at t by the piece in force then. Before the first segment the object has not moved yet.
   [[nodiscard]] KinematicState at(SimTime t) const;
+  // The state at t by the closed form of the law in force, which no piece rounds.
+  [[nodiscard]] KinematicState exact_at(SimTime t) const;
   // The law in force at t, based there: the pose of at(t), with the derivatives of the closed form.
   [[nodiscard]] MotionModel model_at(SimTime t) const;
   // The segment in force at t; the instant at which it or its piece in force began (none: the object has not moved
@@ -47,6 +49,11 @@ class Timeline {
   [[nodiscard]] const Segment& segment_at(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> last_change_until(SimTime t) const;
   [[nodiscard]] std::optional<SimTime> next_change_after(SimTime t) const;
+  // The span around t in which the motion is one smooth closed form; none: it has always been, or will be for ever.
+  struct Span {
+    std::optional<SimTime> begin, end;
+  };
+  [[nodiscard]] Span smooth_around(SimTime t) const;
 
   // For a caller that asks for many objects in turn: fetches what at(t) reads from memory. First the piece; once that
   // is there, the law, if the piece does not answer for t.

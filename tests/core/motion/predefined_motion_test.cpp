@@ -104,6 +104,68 @@ TEST(PredefinedMotion, PiecesDependOnTimeAloneAndNotOnTheQuestionsBefore) {
   }
 }
 
+// An arm that turns about a centre that is not its origin goes on a circle, and its pieces say which.
+TEST(PredefinedMotion, ATurnAboutACentreIsACircle) {
+  const Scene scene = scene_of(
+      "DEF TOP Transform { scale -2 -2 -2 rotation 1 1 0 0.7 children DEF ARM Transform { translation 1 2 3 center 3 1 0 "
+      "scale 1 2 3 } }" +
+      kClock + "ROUTE O.value_changed TO ARM.rotation ROUTE P.value_changed TO ARM.translation");
+  PredefinedMotion motion(scene);
+  const ObjectId arm = *scene.find("ARM");
+  for (double t = 0.1; t < 20.0; t += 0.37) {
+    const auto piece = motion.piece(arm, t);
+    ASSERT_FALSE(piece.turning_rad_s.isZero(0.0));
+    ASSERT_LE(piece.end_s - piece.begin_s, PredefinedMotion::kCircle_s);
+    const double rate = piece.turning_rad_s.norm(), s = t - piece.begin_s;
+    const Vec3 a = piece.state.acceleration, j = piece.turning_rad_s.cross(a);
+    const Vec3 there = piece.state.position + s * piece.state.velocity + (1 - std::cos(rate * s)) / (rate * rate) * a +
+                       (s - std::sin(rate * s) / rate) / (rate * rate) * j;
+    const Pose pose = motion.rigid_pose(arm, t);
+    ASSERT_LT((there - pose.position).norm(), 1e-12) << t;
+    ASSERT_LT(angle_between(advance(piece.state, s).orientation, pose.orientation), 1e-7) << t;
+  }
+}
+
+TEST(PredefinedMotion, APieceIsInTheFrameOfWhatStandsAbove) {
+  const Scene scene = scene_of(
+      "DEF BUS Transform { translation 5 0 0 rotation 0 0 1 1 scale 1 3 2 children Transform { translation 0 1 0 children "
+      "DEF DOOR Transform { rotation 0 1 0 0.5 } } }" +
+      kClock + "ROUTE O.value_changed TO BUS.rotation ROUTE P.value_changed TO DOOR.translation");
+  PredefinedMotion motion(scene);
+  const ObjectId bus = *scene.find("BUS"), door = *scene.find("DOOR");
+  for (double t = 0.1; t < 9.0; t += 0.37) {
+    const auto piece = motion.piece(door, t, bus);
+    EXPECT_TRUE(piece.state.acceleration.isZero(0.0)) << "a door that slides straight in its bus";
+    const Pose in_bus = advance(piece.state, t - piece.begin_s).pose(), of_bus = motion.rigid_pose(bus, t);
+    const Pose pose = motion.rigid_pose(door, t);
+    ASSERT_LT((of_bus * in_bus.position - pose.position).norm(), 1e-12) << t;
+    ASSERT_LT(angle_between(of_bus.orientation * in_bus.orientation, pose.orientation), 1e-7) << t;
+  }
+}
+
+TEST(PredefinedMotion, AVelocityVectorMovesATranslationThatNoRouteDrives) {
+  const Scene scene = scene_of("DEF GOES Transform { translation 1 0 0 velocityVector 0 0 2 }"
+                               "DEF LIFT Transform { translation 9 9 9 velocityVector 1 1 1 }"
+                               "DEF SPINS Transform { velocityVector 3 0 0 }" +
+                               kClock + "ROUTE P.value_changed TO LIFT.translation ROUTE O.value_changed TO SPINS.rotation");
+  PredefinedMotion motion(scene);
+  EXPECT_THAT(motion.driven_transforms(), ElementsAre(ObjectId{0}, ObjectId{1}, ObjectId{2}));
+  EXPECT_EQ(motion.transform({0}, 3.0).translation, Vec3(1, 0, 6));
+  EXPECT_EQ(motion.transform({0}, -3.0).translation, Vec3(1, 0, 0)) << "before the world was read";
+  EXPECT_EQ(motion.transform({1}, 1.0).translation, Vec3(0, 1, 0));
+  const auto piece = motion.piece({0}, 3.0);
+  EXPECT_EQ(piece.begin_s, 0.0);
+  EXPECT_EQ(piece.state.velocity, Vec3(0, 0, 2));
+  const auto before = motion.piece({0}, -3.0);
+  EXPECT_EQ(before.end_s, 0.0);
+  EXPECT_TRUE(before.state.velocity.isZero(0.0));
+  const auto spins = motion.piece({2}, 3.5);
+  EXPECT_EQ(spins.begin_s, 3.0);
+  EXPECT_EQ(spins.state.position, Vec3(9, 0, 0));
+  EXPECT_EQ(spins.state.velocity, Vec3(3, 0, 0));
+  EXPECT_TRUE(spins.state.angular_velocity_body.isApprox(Vec3(0, kPi / 2, 0), 1e-6));
+}
+
 TEST(PredefinedMotion, AVectorIsInTheFrameOfTheParentAsItStands) {
   const Scene scene = scene_of("DEF ARM Transform { scale 2 2 2 children DEF HAND Transform { rotation 1 0 0 1 } }" +
                                kClock + "ROUTE O.value_changed TO ARM.rotation");
