@@ -64,7 +64,8 @@ void report_truth(PeerParts& p, SimTime t) {
   p.decisions.resolve_overdue(t);
 }
 
-// Reports contacts that all peers predict. Contacts of own objects are reported by the truth, or by a decision.
+// Reports contacts that all peers predict, and those of what nobody owns. Contacts of own objects are reported by the
+// truth, or by a decision.
 void report_ghosts(PeerParts& p, SimTime t) {
   const auto is_remote = [&](ObjectId id) { return !p.own.contains(id) && p.owners.of(id) != kNobody; };
   while (const auto event = p.replica.ghosts().poll_event()) {
@@ -75,10 +76,11 @@ void report_ghosts(PeerParts& p, SimTime t) {
     if (std::holds_alternative<BodiesOverlap>(*event)) continue;  // their owners name it
     const auto& contact = std::get<ContactEvent>(*event);
     p.publication.on_predicted_contact(contact);
-    if (!is_remote(contact.collider) && !is_remote(contact.collidee)) continue;
     const bool mine = p.own.contains(contact.collider) || p.own.contains(contact.collidee);
+    const bool remote = is_remote(contact.collider) || is_remote(contact.collidee);
+    if (mine && !remote) continue;
     if (!mine) p.replica.colliding().on_contact(contact);
-    p.outbox.push(ContactSeen{ContactKind::kPredicted, contact, t});
+    p.outbox.push(ContactSeen{remote ? ContactKind::kPredicted : ContactKind::kScene, contact, t});
   }
 }
 

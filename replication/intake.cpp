@@ -216,7 +216,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     return p_.drop(sender, "not_owner");
   }
   std::uint32_t& last = owning->last_sequence[u.object];
-  const bool elsewhere = !p_.replica.receives(u.object) && p_.regions.interest().receives(u.model.state.position);
+  const bool elsewhere = !p_.replica.receives(u.object) && p_.regions.interest().receives(p_.replica.position_of(u));
   if (u.sequence == last && !elsewhere) {
     ++p_.counters.updates_duplicate;
     return;

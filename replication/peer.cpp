@@ -91,7 +91,10 @@ void Peer::Impl::publish_now(HostTime now, std::span<const OwnSample> samples) {
   const std::uint64_t published_before = parts.counters.updates_out;
   parts.extend_motions(t);
   parts.replica.truth().advance(t);
-  for (const OwnSample* sample : urgent) parts.replica.truth().set_base(sample->object, t, sample->state);
+  for (const OwnSample* sample : urgent) {
+    MotionWorld& truth = parts.replica.truth();
+    truth.set_base(sample->object, t, truth.in_carrier(sample->object, t, sample->state));
+  }
   parts.replica.ghosts().advance(t);
   parts.publication.publish_at_once(t, urgent);
   parts.counters.updates_at_once += parts.counters.updates_out - published_before;
@@ -197,7 +200,7 @@ std::optional<SimTime> Peer::world_zero() const { return impl_->parts.world_time
 std::optional<double> Peer::time_sensors_limited_at() const { return impl_->parts.scripted.limited_at(); }
 
 Vec3 Peer::to_world(SimTime at, ObjectId object, const Vec3& in_parent) {
-  return impl_->parts.scripted.to_world(at, impl_->parts.world_time.zero(), object, in_parent);
+  return impl_->parts.velocity_in_world(at, object, in_parent);
 }
 
 KinematicState Peer::truth(ObjectId object, SimTime t) const { return impl_->parts.replica.truth(object, t); }

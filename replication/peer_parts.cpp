@@ -42,7 +42,17 @@ void PeerParts::extend_motions(SimTime t) {
 }
 
 Vec3 PeerParts::file_velocity(SimTime at, ObjectId object) {
-  return scripted.to_world(at, world_time.zero(), object, model.scene->object(object).velocity);
+  return velocity_in_world(at, object, model.scene->object(object).velocity);
+}
+
+Vec3 PeerParts::velocity_in_world(SimTime at, ObjectId object, const Vec3& in_parent) {
+  const ModelNode* const node = model.node(object);
+  if (node == nullptr || node->carrier == ModelNode::kNone || !replica.begun()) {
+    return scripted.to_world(at, world_time.zero(), object, in_parent);
+  }
+  // The carrier stands above the parent, and nothing between them moves.
+  const Quat of_carrier = model.scene->rigid_pose(model.nodes[node->carrier].object).orientation;
+  return replica.truth().vector_in_world(object, at, of_carrier.conjugate() * model.scene->to_world(object, in_parent));
 }
 
 }  // namespace peerd::replication

@@ -59,6 +59,8 @@ struct PeerParts {
   void extend_motions(SimTime t);
   // The world's velocityVector of an object, which is in its parent's frame, in the world's frame [m/s].
   [[nodiscard]] Vec3 file_velocity(SimTime at, ObjectId object);
+  // A velocity relative to the object's carrier, from the frame of its parent, as the file has it, turned to the world.
+  [[nodiscard]] Vec3 velocity_in_world(SimTime at, ObjectId object, const Vec3& in_parent);
   // The decisions and the truth watch these pairs of the model by who owns and receives their objects now.
   void watch_pairs_of(ObjectId object) { decisions.watch(model.pairs_of(object)); }
 };

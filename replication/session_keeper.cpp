@@ -78,7 +78,7 @@ void SessionKeeper::enter_session(HostTime host_now) {
   declare_all();
   p_.scripted.restart();
   for (auto& [object, own] : p_.own) {
-    p_.replica.truth().set_base(object, now, at_rest(p_.model.scene->rigid_pose(object)));
+    p_.replica.truth().set_base(object, now, at_rest(p_.replica.truth().relative_at(object, now).pose()));
     if (own.driven || p_.config.wait_for_start) continue;
     if (own.launch.after > Duration{0}) {
       p_.launches.schedule(object, now + own.launch.after);
@@ -221,7 +221,7 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now, bool for_good) 
     if (owner != peer) continue;
     owned_any = true;
     if (p_.replica.begun()) {
-      p_.replica.set_ghost(object, t, at_rest(p_.replica.ghosts().at(object, t).pose()), false);
+      p_.replica.set_ghost(object, t, at_rest(p_.replica.ghosts().relative_at(object, t).pose()), false);
       p_.replica.declare_remote(object, Role::kScene);
       if (p_.replica.receives(object)) p_.outbox.push(ObjectOrphaned{object, peer});
       p_.replica.forget_update_of(object);

@@ -93,7 +93,7 @@ class Reasons {
 
 }  // namespace
 
-Body make_body(const Scene& scene, ObjectId object) {
+Body make_body(const Scene& scene, ObjectId object, const Belongs& belongs) {
   assert(object.value < scene.instances.size());
   Body body;
   body.object = object;
@@ -104,7 +104,7 @@ Body make_body(const Scene& scene, ObjectId object) {
     for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
       const ObjectId shape{i};
       const Geometry* const geometry = scene.geometry(shape);
-      if (geometry == nullptr || !scene.at(shape).collides) continue;
+      if (geometry == nullptr || !scene.at(shape).collides || (belongs && !belongs(shape))) continue;
       const Mesh mesh = build_mesh(*geometry, scene.tessellation);
       ++body.meshes_built;
       if (mesh.polygon_count() == 0) continue;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -50,7 +51,9 @@ struct Body {
   }
 };
 
-// Gathers the Shapes below `object`. It never fails: Body::unsupported names what has no exact answer.
-[[nodiscard]] Body make_body(const Scene& scene, ObjectId object);
+// Gathers the Shapes below `object`, or those of them that belong to it. It never fails: Body::unsupported names what has
+// no exact answer.
+using Belongs = std::function<bool(ObjectId shape)>;
+[[nodiscard]] Body make_body(const Scene& scene, ObjectId object, const Belongs& belongs = {});
 
 }  // namespace peerd::collision

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "collision/contact/box_contact.hpp"
 #include "collision/contact/convex_contact.hpp"
 #include "collision/contact/mesh_contact.hpp"
 #include "collision/contact/separating_axis.hpp"
@@ -66,13 +67,6 @@ bool comes_first(const Contact& candidate, const Contact& best) {
 
 bool both_convex(const Body& a, const Body& b) { return a.not_convex_reason.empty() && b.not_convex_reason.empty(); }
 
-WorldBox tight_box(const MovingBody& m) {
-  const Mat3 R = m.motion.orientation.toRotationMatrix();
-  WorldBox box;
-  for (const Vec3& v : m.body.vertices()) box.merge(Vec3(rotate(R, v) + m.motion.position));
-  return box;
-}
-
 bool boxes_within(const MovingBody& a, const MovingBody& b, double distance_m) {
   assert(distance_m >= 0.0);
   const WorldBox of_a = tight_box(a), of_b = tight_box(b);
@@ -92,8 +86,11 @@ class Query {
         horizon_s_(horizon_s),
         turning_(turns(collider.motion) || turns(collidee.motion)) {}
 
-  [[nodiscard]] bool hopeless(double scale) const {
-    const Sphere a = sphere_of(a_, R_a_, scale), b = sphere_of(b_, R_b_, scale);
+  // `margin_m`: how near the two may come and still be apart.
+  [[nodiscard]] bool hopeless(double scale, double margin_m) const {
+    Sphere a = sphere_of(a_, R_a_, scale);
+    const Sphere b = sphere_of(b_, R_b_, scale);
+    a.radius_m += margin_m;
     const Vec3 v = a_.motion.velocity - b_.motion.velocity;
     const Vec3 acceleration = a_.motion.acceleration - b_.motion.acceleration;
     return spheres_stay_apart(a, b, v, acceleration, horizon_s_) || spheres_part(a, b, v, acceleration);
@@ -136,11 +133,12 @@ class Query {
 
 }  // namespace
 
-bool touching(const MovingBody& a, const MovingBody& b, CollisionType type) {
-  const ContactState now = first_contact(a, b, type, 0.0).state;
-  if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
-  const double near_m = 2.0 * advancement_tolerance_m(a.body.radius_m, b.body.radius_m);
+bool touching(const MovingBody& a, const MovingBody& b, CollisionType type, const ContactOptions& options) {
+  const double near_m = 2.0 * advancement_tolerance_m(a.body.radius_m, b.body.radius_m) + options.margin_m;
   if (type == CollisionType::kBox) return boxes_within(a, b, near_m);
+  if (options.as == MeetAs::kPolygons) return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);
+  const ContactState now = first_contact(a, b, type, 0.0, options).state;
+  if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
   if (meet_as_spheres(a, b)) return spheres_within(a, b, near_m);
   if (meet_as_sphere_and_surface(a, b)) return sphere_within_surface(a, b, near_m);
   return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);
@@ -152,8 +150,9 @@ bool has_exact_answer(const Body& a, const Body& b) {
   return both_convex(a, b) || (a.radius_m <= kLargest_m && b.radius_m <= kLargest_m);
 }
 
-Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type, double horizon_s) {
-  assert(horizon_s >= 0.0 && std::isfinite(horizon_s));
+Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type, double horizon_s,
+                      const ContactOptions& options) {
+  assert(horizon_s >= 0.0 && std::isfinite(horizon_s) && options.margin_m >= 0.0);
   assert(collider.motion.position.allFinite() && collidee.motion.position.allFinite());
   const bool box = type == CollisionType::kBox;
   if (!box && !has_exact_answer(collider.body, collidee.body)) {
@@ -162,13 +161,24 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
     return contact;
   }
   if (collider.body.vertices().empty() || collidee.body.vertices().empty()) return {};
-  if (!box && meet_as_spheres(collider, collidee)) return sphere_contact(collider, collidee, horizon_s);
+  const bool solid = options.as == MeetAs::kSolids && options.margin_m == 0.0;
+  if (!box && solid && meet_as_spheres(collider, collidee)) return sphere_contact(collider, collidee, horizon_s);
   const Query query(collider, collidee, horizon_s);
   assert(box || (collider.body.surface && collidee.body.surface));
-  if (query.hopeless(box ? kBoxReach : 1.0)) return {};
-  if (box) return query.boxes();
-  if (meet_as_sphere_and_surface(collider, collidee)) return sphere_surface_contact(collider, collidee, horizon_s);
-  return both_convex(collider.body, collidee.body) ? query.pieces() : mesh_contact(collider, collidee, horizon_s);
+  if (query.hopeless(box ? kBoxReach : 1.0, options.margin_m)) return {};
+  if (box) {
+    if (options.margin_m == 0.0) return query.boxes();
+    return first_box_contact({&collider, 1}, {&collidee, 1}, horizon_s, options.margin_m);
+  }
+  if (solid && meet_as_sphere_and_surface(collider, collidee)) {
+    return sphere_surface_contact(collider, collidee, horizon_s);
+  }
+  if (options.margin_m == 0.0 && both_convex(collider.body, collidee.body)) {
+    const Contact contact = query.pieces();
+    // From outside, the first contact of solids is that of their polygons.
+    if (solid || contact.state != ContactState::kOverlapped) return contact;
+  }
+  return mesh_contact(collider, collidee, horizon_s, options.margin_m);
 }
 
 }  // namespace peerd::collision

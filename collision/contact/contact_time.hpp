@@ -3,6 +3,12 @@
 
 namespace peerd::collision {
 
+enum class MeetAs : std::uint8_t { kSolids, kPolygons };
+struct ContactOptions {
+  MeetAs as = MeetAs::kSolids;
+  double margin_m = 0.0;
+};
+
 // Finds when two moving bodies first come to touch while approaching each other, within [0, horizon_s] (finite).
 //
 // *Touching at 0* is a gap between -(e + |closing speed| * kClockTick_s) and e on some separating axis, all other axes
@@ -30,13 +36,18 @@ namespace peerd::collision {
 //
 // CollisionType::kBox uses the tight world boxes of all vertices in place of the polygons, and answers where only
 // polygons are unsupported.
+// kPolygons: the two meet as SceneQuery has them, by their polygons alone. A Sphere is its polygons, and what is wholly
+// inside a closed mesh touches nothing. `margin_m` > 0: the paths of the two are known to so much, and what comes so near
+// is a contact; the two then meet as polygons too, and answers are never later than the truth, and earlier by a distance
+// of at most the margin and the tolerance.
 [[nodiscard]] Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type,
-                                    double horizon_s);
+                                    double horizon_s, const ContactOptions& options = {});
 
 // Whether two bodies touch as they stand, or are nearer than contact times leave them: to within twice
 // advancement_tolerance_m(). A body that is wholly inside a convex piece touches it, too. The two must have an exact
 // answer (has_exact_answer()), but for kBox.
-[[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type);
+[[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type,
+                            const ContactOptions& options = {});
 
 // Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and
 // where one isn't all convex pieces, both are within 2^58 m.

@@ -76,9 +76,8 @@ bool find_approached_polygon(Contact& contact, Surface& collider, const Kinemati
 }
 
 void set_hit_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee,
-                     const MeshImpact& impact) {
+                     const MeshImpact& impact, double tolerance_m) {
   const KinematicState a = advance(collider.motion, impact.time_s), b = advance(collidee.motion, impact.time_s);
-  const double tolerance_m = advancement_tolerance_m(collider.body.radius_m, collidee.body.radius_m);
   if (find_approached_polygon(contact, *collider.body.surface, a, *collidee.body.surface, b, tolerance_m)) return;
   set_polygon(contact, *collidee.body.surface, impact.pair.b);
   contact.normal_world = -impact.direction;
@@ -114,15 +113,15 @@ bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m
   return !near_query.faces_within(of_a.tree(), of_b.tree(), a_from_b, distance_m).empty();
 }
 
-Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
+Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s, double margin_m) {
   assert(collider.body.surface && collidee.body.surface);
   assert(horizon_s >= 0.0 && std::isfinite(horizon_s));
   Contact contact;
   Surface &a = *collider.body.surface, &b = *collidee.body.surface;
   if (a.soup().faces.empty() || b.soup().faces.empty()) return contact;
-  const MeshImpact impact = contact_impacts.first_impact(
-      a.tree(), collider.motion, b.tree(), collidee.motion, horizon_s,
-      {.tolerance_m = advancement_tolerance_m(collider.body.radius_m, collidee.body.radius_m)});
+  const double tolerance_m = advancement_tolerance_m(collider.body.radius_m, collidee.body.radius_m) + margin_m;
+  const MeshImpact impact = contact_impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion, horizon_s,
+                                                         {.tolerance_m = tolerance_m});
   assert(impact.time_s >= 0.0 && impact.time_s <= horizon_s);
   contact.time_s = impact.time_s;
   contact.iterations = impact.iterations;
@@ -133,7 +132,7 @@ Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, dou
     case MeshImpactState::kHit:
       contact.state = ContactState::kContact;
       contact.resting = impact.resting;
-      set_hit_polygon(contact, collider, collidee, impact);
+      set_hit_polygon(contact, collider, collidee, impact, tolerance_m);
       break;
     case MeshImpactState::kOverlapped:
       contact.state = ContactState::kOverlapped;

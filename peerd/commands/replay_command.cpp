@@ -164,7 +164,7 @@ Result<Recorded> read_recorded(const record::Setup& setup, const ReplayOptions& 
   }
   recorded.peer = &*peer;
   const std::filesystem::path& world = options.world.empty() ? setup.world : options.world;
-  auto shared = share_world(world, setup.reading);
+  auto shared = share_world(world, setup.reading, {&recorded.run, 1});
   if (!shared) return std::unexpected(shared.error());
   if ((*shared)->world.hash != setup.world_hash) {
     return std::unexpected(

@@ -235,7 +235,7 @@ int run_peer(const PeerOptions& options) {
   const config::RunSettings& run = scenario->runs.front();
   const auto settings = choose_peer(run, options.peer);
   if (!settings) return failed(settings.error());
-  const auto shared = share_world(scenario->world, scenario->reading);
+  const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
   print_warnings(config::motions_without_effect(run, scene));

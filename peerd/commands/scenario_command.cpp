@@ -54,7 +54,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   for (const config::RunSettings& run : scenario->runs) {
     if (const auto error = why_not_live(run.events)) return failed(*error);
   }
-  const auto shared = share_world(scenario->world, scenario->reading);
+  const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return failed(shared.error());
   print_warnings(config::motions_without_effect(scenario->runs.front(), (*shared)->world.scene));
 

@@ -145,7 +145,7 @@ int run_sim(const ScenarioOptions& options) {
                                                .repeat = options.repeat});
   if (!scenario) return failed(scenario.error());
   print_warnings(scenario->warnings);
-  const auto shared = share_world(scenario->world, scenario->reading);
+  const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
   print_warnings(config::motions_without_effect(scenario->runs.front(), scene));

@@ -163,6 +163,20 @@ std::map<ObjectId, std::string> own_motions(const RunSettings& run, const Scene&
 
 }  // namespace
 
+std::vector<ObjectId> owned_in(std::span<const RunSettings> runs, const Scene& scene) {
+  std::set<std::string> patterns;
+  for (const RunSettings& run : runs) {
+    for (const PeerSettings& peer : run.peers) {
+      for (const NodePattern& pattern : peer.owns) patterns.insert(pattern.text);
+    }
+  }
+  std::set<ObjectId> owned;
+  for (const std::string& pattern : patterns) {
+    if (const auto found = find_objects(scene, pattern, "")) owned.insert(found->begin(), found->end());
+  }
+  return {owned.begin(), owned.end()};
+}
+
 std::vector<std::string> motions_without_effect(const RunSettings& run, const Scene& scene) {
   const std::map<ObjectId, std::string> owned = own_motions(run, scene);
   std::vector<std::string> names;

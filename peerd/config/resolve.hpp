@@ -1,6 +1,7 @@
 #pragma once
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ struct PeerObjects {
 // Finds the owned objects and the motions of each of run.peers, in their order. No other function connects settings
 // with the scene.
 [[nodiscard]] Result<std::vector<PeerObjects>> resolve(const RunSettings& run, const Scene& scene);
+
+// The objects that some peer of some run owns, ascending. Patterns that name nothing are left out: resolve() reports
+// them.
+[[nodiscard]] std::vector<ObjectId> owned_in(std::span<const RunSettings> runs, const Scene& scene);
 
 // The motions of the scenario that move nothing, as one warning each: no peer owns what they name, or motions of the
 // peers come first.

@@ -25,6 +25,8 @@ const char* verb(ContactKind kind) {
       return "is predicted to hit";
     case ContactKind::kApplied:
       return "hit (decided there)";
+    case ContactKind::kScene:
+      return "met";
   }
   return "?";
 }

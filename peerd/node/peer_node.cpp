@@ -23,6 +23,8 @@ const char* to_string(replication::ContactKind kind) {
       return "predicted";
     case replication::ContactKind::kApplied:
       return "applied";
+    case replication::ContactKind::kScene:
+      return "scene";
   }
   return "?";
 }
@@ -30,12 +32,14 @@ const char* to_string(replication::ContactKind kind) {
 }  // namespace
 
 Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
-                                                       const config::WorldReading& reading) {
+                                                       const config::WorldReading& reading,
+                                                       std::span<const config::RunSettings> runs) {
   auto world = config::load_world(path, reading);
   if (!world) return std::unexpected(world.error());
   auto shared = std::make_unique<SharedWorld>();
   shared->world = std::move(*world);
-  shared->model = replication::make_world_model(shared->world.scene);
+  const Scene& scene = shared->world.scene;
+  shared->model = replication::make_world_model(scene, config::owned_in(runs, scene));
   return shared;
 }
 

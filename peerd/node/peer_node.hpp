@@ -2,6 +2,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,10 @@ struct SharedWorld {
   config::LoadedWorld world;
   std::unique_ptr<const replication::WorldModel> model;
 };
+// `runs`: what their peers own carries what is below it, and goes with what carries it.
 [[nodiscard]] Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
-                                                                     const config::WorldReading& reading = {});
+                                                                     const config::WorldReading& reading = {},
+                                                                     std::span<const config::RunSettings> runs = {});
 
 // A peer together with the sources of its objects' motion and with its log: the part of a driver that the real and the
 // simulated world share. Sans-IO, as the peer itself.

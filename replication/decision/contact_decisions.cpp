@@ -203,8 +203,11 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   const auto changes = add_own(record_of(c, config_.decisions.policy));
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
-  replica_.ghosts().set_base(c.collider, c.at, law_of_outcome(model_.response_of(c.collider), c.collider_after));
-  replica_.ghosts().set_base(c.collidee, c.at, law_of_outcome(model_.response_of(c.collidee), c.collidee_after));
+  if (model_.is_answered(c.collider, c.collidee)) {
+    MotionWorld& ghosts = replica_.ghosts();
+    ghosts.set_base(c.collider, c.at, outcome_in(ghosts, c.collider, c.at, c.collider_after));
+    ghosts.set_base(c.collidee, c.at, outcome_in(ghosts, c.collidee, c.at, c.collidee_after));
+  }
   replica_.colliding().on_contact(c);
   outbox_.push(ContactSeen{ContactKind::kDecided, c, known_at});
   const bool alone = changes.size() == 1 && changes.front().author == config_.id;
@@ -378,6 +381,12 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
   outbox_.push(ContactSeen{author == config_.id ? ContactKind::kDecided : ContactKind::kApplied, contact, known_at});
 }
 
+// The law after a decision, in the frame of the object's carrier in that world.
+MotionModel ContactDecisions::outcome_in(const MotionWorld& world, ObjectId object, SimTime t,
+                                         const KinematicState& after) const {
+  return law_of_outcome(model_.response_of(object), world.in_carrier(object, t, after));
+}
+
 // Gives both worlds the object's way from there on, by all that is known: the decisions in force, and its owner's last
 // update if the owner knew of them. Without a decision on an earlier contact that came later there would be a gap in
 // which the two meet once more.
@@ -390,10 +399,11 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
   for (const DecisionLog::Entry& e : log_.entries()) {
     const DecisionRecord& d = e.record;
     if (!e.in_force || d.contact < from || (d.collider != object && d.collidee != object)) continue;
-    const MotionModel after =
-        law_of_outcome(model_.response_of(object), d.collider == object ? d.collider_after : d.collidee_after);
-    if (moved_by_physics) replica_.truth().set_base(object, d.contact, after);
-    replica_.set_ghost(object, d.contact, after, owned);
+    if (!model_.is_answered(d.collider, d.collidee)) continue;
+    const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
+    MotionWorld& truth = replica_.truth();
+    if (moved_by_physics) truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after));
+    replica_.set_ghost(object, d.contact, outcome_in(replica_.ghosts(), object, d.contact, after), owned);
     last = d.contact;
   }
   const UpdateRecord* u = replica_.last_update_of(object);

@@ -113,6 +113,8 @@ class ContactDecisions {
   [[nodiscard]] bool may_have_missed_our_update(PeerId peer, const ContactEvent& contact) const;
   void decide_by_fallback(const ContactEvent& contact, SimTime known_at);
   [[nodiscard]] ContactEvent within_wire_limits(ContactEvent contact);
+  [[nodiscard]] MotionModel outcome_in(const MotionWorld& world, ObjectId object, SimTime t,
+                                       const KinematicState& after) const;
   [[nodiscard]] DecisionRecord record_of(const ContactEvent& contact, DecisionRule rule) const;
   std::vector<DecisionLog::Change> add_own(const DecisionRecord& record);
   void apply(const std::vector<DecisionLog::Change>& changes, SimTime known_at);

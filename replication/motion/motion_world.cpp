@@ -76,19 +76,25 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
       start_(start),
       advanced_(start),
       index_by_id_(model.scene->instances.size(), kNone),
-      pair_checks_(model.pairs.size()),
-      in_pair_checks_(model.pairs.size()) {
-  for (const collision::Body& b : model.bodies) declare(b.object, Role::kScene);
-  for (const CollisionPair& p : model.pairs) {
+      pair_checks_(model.part_pairs.size()),
+      in_pair_checks_(model.part_pairs.size()) {
+  for (const ModelNode& node : model.nodes) add_object(node);
+  for (const PartPair& parts : model.part_pairs) {
+    const CollisionPair& p = model.pairs[parts.pair];
     const auto answers = [&](ObjectId id) { return model.scene->object(id).response.has_value(); };
     const std::size_t collider = index_of(p.collider), collidee = index_of(p.collidee);
+    const bool box = p.type == CollisionType::kBox;
     pairs_.push_back({.collider = static_cast<std::uint32_t>(collider),
                       .collidee = static_cast<std::uint32_t>(collidee),
+                      .part_a = parts.a,
+                      .part_b = parts.b,
+                      .common = parts.common,
+                      .number = parts.pair,
                       .type = p.type,
+                      .fixed = parts.fixed,
                       .collider_responds = answers(p.collider),
                       .collidee_responds = p.mutual && answers(p.collidee),
-                      .has_exact_search =
-                          p.type == CollisionType::kBox || collision::has_exact_answer(body(collider), body(collidee)),
+                      .has_exact_search = box || collision::has_exact_answer(body(parts.a), body(parts.b)),
                       .clear_until = start,
                       .contact = {},
                       .free_at = {},
@@ -96,56 +102,75 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
     objects_[collider].answers |= pairs_.back().collider_responds;
     objects_[collidee].answers |= pairs_.back().collidee_responds;
   }
-  assert(objects_.size() == model.bodies.size() && pairs_.size() == model.pairs.size());
+  for (std::size_t i = 0; i < pairs_.size(); ++i) reschedule(i);
+  assert(objects_.size() == model.nodes.size() && pairs_.size() == model.part_pairs.size());
 }
 
 std::span<const std::uint32_t> MotionWorld::pairs_of(std::size_t object) const {
-  if (object >= model_.pairs_of_body.size()) return {};
-  return model_.pairs_of_body[object];
+  if (object >= model_.part_pairs_of_node.size()) return {};
+  return model_.part_pairs_of_node[object];
+}
+
+std::span<const std::uint32_t> MotionWorld::pairs_moved_by(std::size_t object) const {
+  if (object >= model_.moved_part_pairs.size()) return {};
+  return model_.moved_part_pairs[object];
+}
+
+std::span<const std::uint32_t> MotionWorld::carried_by(std::size_t object) const {
+  if (object >= model_.carried_by.size()) return {};
+  return model_.carried_by[object];
+}
+
+void MotionWorld::add_object(const ModelNode& node) {
+  KinematicState initial = at_rest(model_.scene->rigid_pose(node.object));
+  if (node.carrier != kNone) {
+    const KinematicState carrier = at_rest(model_.scene->rigid_pose(model_.nodes[node.carrier].object));
+    initial = relative_to(carrier, initial);
+  }
+  index_by_id_[node.object.value] = static_cast<std::uint32_t>(objects_.size());
+  objects_.push_back({.id = node.object,
+                      .role = Role::kScene,
+                      .timeline = Timeline(start_, initial),
+                      .base_time = start_,
+                      .carrier = node.carrier,
+                      .bound = {}});
 }
 
 void MotionWorld::declare(ObjectId object, Role role) {
   assert(object.value < index_by_id_.size());
-  if (find(object) == nullptr) {  // apart from bodies: no interest names the object, and it meets nothing
-    const KinematicState initial = at_rest(model_.scene->rigid_pose(object));
-    index_by_id_[object.value] = static_cast<std::uint32_t>(objects_.size());
-    objects_.push_back(
-        {.id = object, .role = role, .timeline = Timeline(start_, initial), .base_time = start_, .bound = {}});
-    return;
-  }
+  if (find(object) == nullptr) add_object({object});  // the model does not need it: it meets nothing
   const std::size_t index = index_of(object);
   objects_[index].role = role;
-  for (const std::uint32_t i : pairs_of(index)) {
+  for (const std::uint32_t i : pairs_moved_by(index)) {
     pairs_[i].clear_until = std::max(pairs_[i].clear_until, advanced_);
     reschedule(i);
   }
 }
 
 void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
-  const auto of_a = model_.pairs_of(a), of_b = model_.pairs_of(b);
-  const bool a_has_fewer = of_a.size() < of_b.size();
-  const ObjectId other = a_has_fewer ? b : a;
-  for (const std::uint32_t i : a_has_fewer ? of_a : of_b) {
-    if (objects_[pairs_[i].collider].id == other || objects_[pairs_[i].collidee].id == other) watch(i, on);
+  for (const std::uint32_t number : model_.pairs_of(a)) {
+    const CollisionPair& pair = model_.pairs[number];
+    if (pair.collider == b || pair.collidee == b) watch(number, on);
   }
 }
 
 void MotionWorld::watch(std::uint32_t number, bool on) {
-  assert(number < pairs_.size());
-  Pair& pair = pairs_[number];
-  if (pair.watched == on) return;
-  pair.watched = on;
-  pair.contact.reset();
-  if (pair.bears) lift(pair, advanced_);
-  pair.clear_until = std::max(pair.clear_until, advanced_);
-  reschedule(number);
+  assert(number < model_.pairs.size());
+  for (std::uint32_t i = model_.first_part_pair[number]; i < model_.first_part_pair[number + 1]; ++i) {
+    Pair& pair = pairs_[i];
+    if (pair.watched == on) continue;
+    pair.watched = on;
+    pair.contact.reset();
+    if (pair.bears) lift(pair, advanced_);
+    pair.clear_until = std::max(pair.clear_until, advanced_);
+    reschedule(i);
+  }
 }
 
 // Called after any change of whether the pair is watched, or of what is known of it.
 void MotionWorld::reschedule(std::size_t i) {
   const Pair& pair = pairs_[i];
-  const bool scene = objects_[pair.collider].role == Role::kScene && objects_[pair.collidee].role == Role::kScene;
-  const bool scheduled = pair.watched && !pair.unsupported && !scene;
+  const bool scheduled = pair.watched && !pair.unsupported && !pair.fixed;
   if (scheduled != in_pair_checks_[i]) {
     in_pair_checks_[i] = scheduled;
     scheduled ? ++watched_ : --watched_;
@@ -166,6 +191,10 @@ void MotionWorld::note_change(std::size_t index) {
 // Called after any change of the object's timeline.
 void MotionWorld::timeline_changed(std::size_t index) {
   note_change(index);
+  for (const std::uint32_t carried : carried_by(index)) {
+    note_change(carried);
+    objects_[carried].bound.until = SimTime::min();
+  }
   schedule_pruning(index);
 }
 
@@ -199,7 +228,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   Object& o = objects_[index];
   o.base_time = t;
   ++o.revision;
-  if (pairs_of(index).empty()) {  // it meets nothing
+  if (pairs_moved_by(index).empty() && carried_by(index).empty()) {  // it meets nothing
     if (o.role == Role::kDriven && driven_history_) {
       o.timeline.restart(t, model);
       note_change(index);
@@ -212,6 +241,12 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   events_.push_back(ContactsRetracted{object, t - Duration{1}});
   retract(index, t);
   forget_bursts(index, t);
+  for (const std::uint32_t carried : carried_by(index)) {
+    if (pairs_of(carried).empty()) continue;
+    events_.push_back(ContactsRetracted{objects_[carried].id, t - Duration{1}});
+    retract(carried, t);
+    forget_bursts(carried, t);
+  }
   const KinematicState before = o.timeline.at(t);
   const bool stays =
       before.position == model.state.position && before.orientation.coeffs() == model.state.orientation.coeffs() &&
@@ -221,7 +256,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   const bool weightless_slide = base.kind == MotionKind::kSliding && o.free.isZero(0.0);
   if (o.free_is_given && !o.borne && !weightless_slide) {
     base.kind = MotionKind::kSecond;
-    base.state.acceleration = o.free;
+    base.state.acceleration = in_frame_of_carrier(index, t, o.free);
   }
   o.timeline.replace_from(t, base, std::nullopt);
   timeline_changed(index);
@@ -245,8 +280,8 @@ std::optional<Vec3> MotionWorld::free_acceleration(ObjectId object) const {
 
 // Retracts what followed from a contact with `cause` at t or later. Responses of authoritative objects stand.
 void MotionWorld::retract(std::size_t cause, SimTime t) {
-  if (cause >= model_.partners_of_body.size()) return;  // it meets nothing
-  for (const std::uint32_t i : model_.partners_of_body[cause]) {
+  if (cause >= model_.partners_of_node.size()) return;  // it meets nothing
+  for (const std::uint32_t i : model_.partners_of_node[cause]) {
     Object& o = objects_[i];
     if (o.role != Role::kPredicted) continue;
     std::size_t wrong = o.timeline.first_not_before(t);
@@ -276,11 +311,10 @@ void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
 // not searched again in the past because another object moved otherwise; its own change (a decision) makes them
 // searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
-  for (const std::uint32_t i : pairs_of(object)) {
+  for (const std::uint32_t i : pairs_moved_by(object)) {
     Pair& pair = pairs_[i];
-    const Role other = objects_[pair.collider == object ? pair.collidee : pair.collider].role;
-    const bool lived = other == Role::kAuthoritative || other == Role::kDriven;
-    const SimTime known = std::max(objects_[pair.collider].timeline.begin(), objects_[pair.collidee].timeline.begin());
+    const bool lived = is_lived(is_in_side(object, pair.collider, pair.part_a) ? pair.collidee : pair.collider);
+    const SimTime known = std::max(known_since(pair.collider), known_since(pair.collidee));
     const SimTime from = std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
     if (pair.contact && *pair.contact >= from) {
       pair.contact.reset();
@@ -306,17 +340,128 @@ bool MotionWorld::will_respond(const Object& o, bool registered, SimTime t) {
   return registered && o.role >= Role::kAuthoritative && o.base_time <= t;
 }
 
+// ---- frames ----
+
+MotionWorld::OwnChain MotionWorld::chain_of(std::size_t object, std::uint32_t common) const {
+  OwnChain chain;
+  for (auto i = static_cast<std::uint32_t>(object); i != kNone && i != common; i = objects_[i].carrier) {
+    chain.insert(chain.begin(), &objects_[i].timeline);
+  }
+  return chain;
+}
+
+KinematicState MotionWorld::world_at(std::size_t object, SimTime t) const {
+  const Object& o = objects_[object];
+  if (o.carrier == kNone) return o.timeline.at(t);
+  const OwnChain chain = chain_of(object);
+  return composed_at({chain.data(), chain.size()}, t);
+}
+
+KinematicState MotionWorld::carrier_at(std::size_t object, SimTime t) const {
+  assert(objects_[object].carrier != kNone);
+  return world_at(objects_[object].carrier, t);
+}
+
+Vec3 MotionWorld::in_frame_of_carrier(std::size_t object, SimTime t, const Vec3& world) const {
+  if (objects_[object].carrier == kNone) return world;
+  return carrier_at(object, t).orientation.conjugate() * world;
+}
+
+MotionModel MotionWorld::world_law(std::size_t object, SimTime t) const {
+  const Object& o = objects_[object];
+  return o.carrier == kNone ? o.timeline.model_at(t) : MotionModel(world_at(object, t));
+}
+
+bool MotionWorld::is_in_side(std::size_t object, std::size_t end, std::uint32_t part) const {
+  if (object == end || (part != kNone && object == part)) return true;
+  const auto carries = carried_by(object);
+  const auto is_carried = [&](std::size_t node) {
+    return std::ranges::binary_search(carries, static_cast<std::uint32_t>(node));
+  };
+  if (part != kNone) return is_carried(part);
+  return is_carried(end) || std::ranges::binary_search(carried_by(end), static_cast<std::uint32_t>(object));
+}
+
+bool MotionWorld::is_lived(std::size_t end) const {
+  for (auto i = static_cast<std::uint32_t>(end); i != kNone; i = objects_[i].carrier) {
+    if (objects_[i].role == Role::kAuthoritative || objects_[i].role == Role::kDriven) return true;
+  }
+  return false;
+}
+
+SimTime MotionWorld::known_since(std::size_t end) const {
+  SimTime known = objects_[end].timeline.begin();
+  for (std::uint32_t i = objects_[end].carrier; i != kNone; i = objects_[i].carrier) {
+    known = std::max(known, objects_[i].timeline.begin());
+  }
+  return known;
+}
+
+// ---- searching ----
+
 const SweptBound& MotionWorld::bound_of(std::size_t object, SimTime s) {
   Object& o = objects_[object];
-  if (!o.bound.answers_for(s)) {
-    o.bound = swept_bound(o.timeline, body(object), s, grid_floor(s), grid_floor(s) + kLookahead);
-  }
+  if (!o.bound.answers_for(s)) o.bound = make_bound(object, kNone, s);
   return o.bound;
+}
+
+SweptBound MotionWorld::make_bound(std::size_t object, std::uint32_t common, SimTime s) const {
+  const SimTime begin = grid_floor(s), end = begin + kLookahead;
+  const OwnChain chain = chain_of(object, common);
+  if (chain.size() == 1) return swept_bound(*chain.front(), body(object), s, begin, end);
+  const MovingPart part{{chain.data(), chain.size()}, &body(object)};
+  const ComposedPiece piece = composed_piece(part.chain, s, part.reach_m(), kCoarseError_m);
+  return swept_bound(piece, body(object), s, begin, end);
+}
+
+SweptBound MotionWorld::bound_of_end(std::size_t end, SimTime s) {
+  SweptBound all;
+  bool first = true;
+  for (const std::uint32_t part : model_.parts_of_node[end]) {
+    const SweptBound bound = as_box(bound_of(part, s));
+    all = first ? bound : merged(all, bound);
+    first = false;
+  }
+  return all;
+}
+
+SweptBound MotionWorld::bound_of_side(const Pair& pair, bool of_collider, SimTime s) {
+  const std::uint32_t part = of_collider ? pair.part_a : pair.part_b;
+  if (part == kNone) return bound_of_end(of_collider ? pair.collider : pair.collidee, s);
+  return pair.common == kNone ? bound_of(part, s) : make_bound(part, pair.common, s);
+}
+
+template <class Function>
+auto MotionWorld::with_query(const Pair& pair, Function function) const {
+  boost::container::small_vector<OwnChain, 2> chains;
+  boost::container::small_vector<MovingPart, 2> sides[2];
+  const auto add = [&](std::size_t side, std::uint32_t part) {
+    chains.push_back(chain_of(part, pair.common));
+    sides[side].push_back({{}, &body(part)});
+  };
+  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+    const std::uint32_t part = side == 0 ? pair.part_a : pair.part_b;
+    if (part != kNone) {
+      add(side, part);
+    } else {
+      for (const std::uint32_t each : model_.parts_of_node[side == 0 ? pair.collider : pair.collidee]) add(side, each);
+    }
+  }
+  std::size_t next = 0;  // the chains do not move any more
+  for (auto& side : sides) {
+    for (MovingPart& part : side) {
+      part.chain = {chains[next].data(), chains[next].size()};
+      ++next;
+    }
+  }
+  const auto as = is_answered(pair) ? collision::MeetAs::kSolids : collision::MeetAs::kPolygons;
+  const PartQuery query{{sides[0].data(), sides[0].size()}, {sides[1].data(), sides[1].size()}, pair.type, as};
+  return function(query);
 }
 
 void MotionWorld::search_window(Pair& pair) {
   const SimTime s = pair.clear_until;
-  const SweptBound &bound_a = bound_of(pair.collider, s), &bound_b = bound_of(pair.collidee, s);
+  const SweptBound bound_a = bound_of_side(pair, true, s), bound_b = bound_of_side(pair, false, s);
   SimTime end = grid_floor(s) + kLookahead;
   if (bound_a.next_change) end = std::min(end, *bound_a.next_change);
   if (bound_b.next_change) end = std::min(end, *bound_b.next_change);
@@ -355,8 +500,17 @@ void MotionWorld::search_window(Pair& pair) {
 }
 
 bool MotionWorld::touch_at(const Pair& pair, SimTime t) const {
-  const KinematicState a = objects_[pair.collider].timeline.at(t), b = objects_[pair.collidee].timeline.at(t);
-  return collision::touching({body(pair.collider), a}, {body(pair.collidee), b}, pair.type);
+  return with_query(pair, [&](const PartQuery& query) { return parts_touch(query, t); });
+}
+
+// Whether another part of the one end touches another part of the other one: then the two ends did so before t.
+bool MotionWorld::ends_touch_elsewhere(const Pair& pair, SimTime t) const {
+  for (std::uint32_t i = model_.first_part_pair[pair.number]; i < model_.first_part_pair[pair.number + 1]; ++i) {
+    const Pair& other = pairs_[i];
+    const bool may_touch = other.inside || (other.fixed && other.part_a != other.part_b);
+    if (&other != &pair && may_touch && !other.unsupported && touch_at(other, t)) return true;
+  }
+  return false;
 }
 
 void MotionWorld::search_lift(Pair& pair, SimTime begin, SimTime end) {
@@ -382,6 +536,17 @@ void MotionWorld::note_apart(Pair& pair, SimTime s) {
   pair.free_at = s;
 }
 
+// Nobody answers the contacts of the pair: as long as one lasts, there is no other.
+bool MotionWorld::goes_on(Pair& pair, SimTime s, SimTime end) {
+  if (is_answered(pair) || !pair.inside) return false;
+  if (!touch_at(pair, s)) {
+    note_apart(pair, s);
+    return false;
+  }
+  pair.clear_until = with_query(pair, [&](const PartQuery& query) { return parts_touch_until(query, s, end); });
+  return true;
+}
+
 void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
   const Object &a = objects_[pair.collider], &b = objects_[pair.collidee];
   const SimTime s = pair.clear_until;
@@ -391,26 +556,17 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
     return will_respond(o, registered, s) && o.base_time > pair.touched;
   };
   if (answers_since(a, pair.collider_responds) || answers_since(b, pair.collidee_responds)) pair.inside = false;
-  KinematicState state_a, state_b;
-  const auto search_from = [&](SimTime from) {
-    begin = from;
-    state_a = a.timeline.at(begin);
-    state_b = b.timeline.at(begin);
-    ++counters_.contact_searches;
-    return collision::first_contact({body(pair.collider), state_a}, {body(pair.collidee), state_b}, pair.type,
-                                    to_seconds(end - begin));
-  };
-  const auto time_of = [&](const collision::Contact& found) {
-    return begin + Duration{static_cast<std::int64_t>(std::floor(found.time_s * 1e9))};
-  };
-  collision::Contact c = search_from(begin);
-  // Contacts before s have been dealt with.
-  if (begin < s && c.state != collision::ContactState::kSeparated && time_of(c) < s) c = search_from(s);
+  if (goes_on(pair, s, end)) return;
+  const PartContact found = with_query(pair, [&](const PartQuery& query) {
+    return first_part_contact(query, begin, s, end, counters_.contact_searches);
+  });
+  collision::Contact c = found.contact;
+  const KinematicState &state_a = found.a, &state_b = found.b;
   const auto contact_at = [&](SimTime t, bool overlapped) {
     assert(t >= s);
     pair.contact = t;
     pair.clear_until = t;
-    pair.normal = c.normal_world;
+    pair.normal = pair.common == kNone ? c.normal_world : Vec3(world_at(pair.common, t).orientation * c.normal_world);
     pair.overlapped = overlapped;
     pair.resting = c.resting;
     pair.lifts = false;
@@ -422,7 +578,7 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
       pair.clear_until = end;
       return;
     case collision::ContactState::kContact: {
-      const SimTime t = time_of(c);
+      const SimTime t = found.at;
       if (t > s) note_apart(pair, s);
       if (pair.inside) {
         pair.clear_until = std::min(s + kOverlapRetry, end);
@@ -436,6 +592,12 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
     case collision::ContactState::kOverlapped: {
       ++counters_.overlapped;
       if (first) events_.push_back(BodiesOverlap{s, a.id, b.id});
+      if (!is_answered(pair)) {
+        if (!first) return contact_at(found.at, true);  // a law has put it there
+        pair.inside = true;
+        pair.clear_until = std::min(s + kTouchCheck, end);
+        return;
+      }
       const double speed = c.normal_world.dot(state_a.velocity - state_b.velocity);
       const bool pressed = speed == 0.0 && c.normal_world.dot(state_a.acceleration - state_b.acceleration) < 0.0;
       const bool answers = will_respond(a, pair.collider_responds, s) || will_respond(b, pair.collidee_responds, s);
@@ -453,7 +615,7 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
       return;
     case collision::ContactState::kFailed:
       ++counters_.failed;
-      pair.clear_until = std::min(std::max(s + kOverlapRetry, begin + from_seconds(c.time_s)), end);
+      pair.clear_until = std::min(std::max(s + kOverlapRetry, found.at), end);
       return;
   }
 }
@@ -477,7 +639,7 @@ MotionModel MotionWorld::motion_after_response(std::size_t object, const Pair& p
   KinematicState after = respond({*response, model_.response_of(met.id), other_side, self.state, other, n});
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
   if (pair.overlapped && response->set_back && pair.free_at) {
-    const Vec3 back = o.timeline.at(*pair.free_at).position;
+    const Vec3 back = world_at(object, *pair.free_at).position;
     // What is set back against its weight takes the work from its speed, or stays.
     const double left = after.velocity.squaredNorm() + 2.0 * after.acceleration.dot(back - after.position);
     if (left >= after.velocity.squaredNorm()) {
@@ -504,8 +666,8 @@ MotionWorld::Answer MotionWorld::answer_to(const Pair& pair) const {
   };
   answer.a_responds = answers(a, pair.collider_responds);
   answer.b_responds = answers(b, pair.collidee_responds);
-  answer.before_a = answer.after_a = a.timeline.model_at(t);
-  answer.before_b = answer.after_b = b.timeline.model_at(t);
+  answer.before_a = answer.after_a = world_law(pair.collider, t);
+  answer.before_b = answer.after_b = world_law(pair.collidee, t);
   const KinematicState &state_a = answer.before_a.state, &state_b = answer.before_b.state;
   const auto other_side = [&](const Object& o, bool registered, bool responds) {
     if (!is_answering(o)) return OtherSide::kGoesOn;
@@ -577,9 +739,10 @@ void MotionWorld::respond_to_contact(Pair& pair) {
   }
   if (answer.authority == ContactAuthority::kDeferred || (!answer.a_responds && !answer.b_responds) ||
       pair.squeezed >= kGivenUp) {
+    const bool goes_on = !is_answered(pair) && ends_touch_elsewhere(pair, t);
     pair.contact.reset();
     pair.inside = true;
-    report(pair, t, answer);
+    if (!goes_on) report(pair, t, answer);
     return;
   }
   if (is_squeezed(pair, t)) {
@@ -594,8 +757,8 @@ void MotionWorld::respond_to_contact(Pair& pair) {
   }
   remove_gain(pair, t, answer);
   pair.contact.reset();
-  answer.after_a = objects_[a].timeline.model_at(t);
-  answer.after_b = objects_[b].timeline.model_at(t);
+  answer.after_a = world_law(a, t);
+  answer.after_b = world_law(b, t);
   const bool changed = !same_motion(answer.before_a.state, answer.after_a.state) ||
                        !same_motion(answer.before_b.state, answer.after_b.state);
   if (!changed && pair.bears) {  // they rest as before
@@ -618,12 +781,12 @@ void MotionWorld::remove_gain(const Pair& pair, SimTime t, const Answer& answer)
   const auto energy = [&](std::size_t object, bool responds, const KinematicState& s) {
     return responds ? model_.response_of(objects_[object].id)->mass_kg * s.velocity.squaredNorm() : 0.0;
   };
-  const Vec3 velocity_a = objects_[a].timeline.model_at(t).state.velocity,
-             velocity_b = objects_[b].timeline.model_at(t).state.velocity;
+  const Vec3 velocity_a = world_law(a, t).state.velocity,
+             velocity_b = world_law(b, t).state.velocity;
   const double before = energy(a, answer.a_responds, answer.before_a.state) +
                         energy(b, answer.b_responds, answer.before_b.state),
-               after = energy(a, answer.a_responds, objects_[a].timeline.model_at(t).state) +
-                       energy(b, answer.b_responds, objects_[b].timeline.model_at(t).state);
+               after = energy(a, answer.a_responds, world_law(a, t).state) +
+                       energy(b, answer.b_responds, world_law(b, t).state);
   if (after <= before * (1.0 + kRounding)) return;
   const double slower = std::sqrt(before / after);
   if (answer.a_responds) change_velocity(a, t, slower * velocity_a, b);
@@ -641,12 +804,14 @@ void MotionWorld::report(const Pair& pair, SimTime t, const Answer& answer) {
   const ObjectId a = objects_[pair.collider].id, b = objects_[pair.collidee].id;
   ++counters_.contacts;
   events_.push_back(ContactEvent{t, a, b, pair.normal, answer.before_a.state, answer.before_b.state,
-                                 state_as_published(a, answer.after_a), state_as_published(b, answer.after_b),
+                                 state_as_published(a, answer.after_a), state_as_published(b, answer.after_b), pair.type,
                                  answer.authority == ContactAuthority::kDeferred});
 }
 
-void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel& after, ObjectId cause) {
+void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel& after_in_world, ObjectId cause) {
   Object& o = objects_[index];
+  MotionModel after = after_in_world;
+  if (o.carrier != kNone) after = MotionModel(relative_to(carrier_at(index, t), after_in_world.state));
   if (o.timeline.last_segment().from > t) events_.push_back(ContactsRetracted{o.id, t});
   // Other contacts of the same instant were answered before, and stand.
   retract(index, t + Duration{1});
@@ -681,7 +846,7 @@ void MotionWorld::note_touch(Pair& pair, SimTime t) {
 Vec3 MotionWorld::free_acceleration_of(std::size_t index, SimTime t) const {
   const Object& o = objects_[index];
   if (o.borne) return o.free;
-  const MotionModel law = o.timeline.model_at(t);
+  const MotionModel law = world_law(index, t);
   return law.kind == MotionKind::kSliding ? Vec3(Vec3::Zero()) : law.state.acceleration;
 }
 
@@ -694,7 +859,7 @@ MotionWorld::Island MotionWorld::island_of(std::size_t a, std::size_t b, SimTime
       const auto known = std::ranges::find(island.objects, object);
       if (known != island.objects.end()) return static_cast<std::uint32_t>(known - island.objects.begin());
     }
-    const KinematicState state = objects_[index].timeline.model_at(t).state;
+    const KinematicState state = world_law(index, t).state;
     const CollisionResponse* const response = model_.response_of(objects_[index].id);
     const bool accelerated = quantity == Quantity::kAcceleration;
     island.objects.push_back(moves ? object : kNone);
@@ -761,7 +926,7 @@ void MotionWorld::come_to_rest(Pair& pair, SimTime t) {
   const std::size_t a = pair.collider, b = pair.collidee;
   if (will_respond(objects_[a], pair.collider_responds, t)) end_rolling(a, t, pair.normal, b);
   if (will_respond(objects_[b], pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
-  const MotionModel law_a = objects_[a].timeline.model_at(t), law_b = objects_[b].timeline.model_at(t);
+  const MotionModel law_a = world_law(a, t), law_b = world_law(b, t);
   // What parts too slowly to come apart would be lifted off for good without the acceleration that presses it. Where a
   // body rolls, the speed of its centre is not that of the contact.
   const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
@@ -792,7 +957,7 @@ std::optional<Vec3> MotionWorld::rolling_off(std::size_t index, const KinematicS
 }
 
 void MotionWorld::end_rolling(std::size_t index, SimTime t, const Vec3& normal, std::size_t cause) {
-  MotionModel law = objects_[index].timeline.model_at(t);
+  MotionModel law = world_law(index, t);
   const std::optional<Vec3> spin = rolling_off(index, law.state, normal);
   if (!spin) return;
   law.state.angular_velocity_body = *spin;
@@ -801,7 +966,7 @@ void MotionWorld::end_rolling(std::size_t index, SimTime t, const Vec3& normal, 
 }
 
 void MotionWorld::change_velocity(std::size_t index, SimTime t, const Vec3& velocity, std::size_t cause) {
-  const MotionModel law = objects_[index].timeline.model_at(t);
+  const MotionModel law = world_law(index, t);
   if (law.state.velocity == velocity) return;
   KinematicState after = law.state;
   after.velocity = velocity;
@@ -823,7 +988,7 @@ void MotionWorld::settle_velocities(Pair& pair, SimTime t, Touching which) {
     const std::uint32_t index = island.objects[i];
     if (index == kNone) continue;
     Vec3& velocity = island.bodies[i].value;
-    const double came = objects_[index].timeline.model_at(t).state.velocity.norm();
+    const double came = world_law(index, t).state.velocity.norm();
     const double flight = kShortestFlight_s * free_acceleration_of(index, t).norm();
     if (velocity.norm() <= kRounding * (came + flight)) velocity.setZero();  // nothing of it is left but rounding
     change_velocity(index, t, velocity, index == a ? b : a);
@@ -845,11 +1010,11 @@ bool MotionWorld::is_driven(const Pair& pair, SimTime t) const {
 void MotionWorld::answer_squeezed(Pair& pair, SimTime t) {
   ++counters_.jammed;
   const std::size_t a = pair.collider, b = pair.collidee;
-  const KinematicState before_a = objects_[a].timeline.model_at(t).state,
-                       before_b = objects_[b].timeline.model_at(t).state;
+  const KinematicState before_a = world_law(a, t).state,
+                       before_b = world_law(b, t).state;
   if (++pair.squeezed <= kAnswersMax) settle_velocities(pair, t, Touching::kAny);
-  const bool changed = !same_motion(before_a, objects_[a].timeline.model_at(t).state) ||
-                       !same_motion(before_b, objects_[b].timeline.model_at(t).state);
+  const bool changed = !same_motion(before_a, world_law(a, t).state) ||
+                       !same_motion(before_b, world_law(b, t).state);
   if (pair.squeezed > kAnswersMax || !changed) stop(pair, t);
   settle(pair.collider, pair.collidee, t);
 }
@@ -862,8 +1027,8 @@ void MotionWorld::stop(Pair& pair, SimTime t) {
     Object& o = objects_[index];
     if (!will_respond(o, registered, t)) continue;
     if (!o.borne) o.free = free_acceleration_of(index, t);
-    const KinematicState stands = at_rest(o.timeline.at(t).pose());
-    const bool stood = is_motionless(o.timeline.model_at(t).state);
+    const KinematicState stands = at_rest(world_at(index, t).pose());
+    const bool stood = is_motionless(world_law(index, t).state);
     o.borne = true;
     if (!stood) change_motion(index, t, stands, objects_[cause].id);
   }
@@ -873,12 +1038,12 @@ void MotionWorld::stop(Pair& pair, SimTime t) {
 bool MotionWorld::stands_firm(const Pair& pair, SimTime t) const {
   const bool a_gives_way = gives_way(pair.collider, pair.collider_responds, t);
   if (a_gives_way == gives_way(pair.collidee, pair.collidee_responds, t)) return false;
-  return is_motionless(objects_[a_gives_way ? pair.collidee : pair.collider].timeline.at(t));
+  return is_motionless(world_at(a_gives_way ? pair.collidee : pair.collider, t));
 }
 
 void MotionWorld::hold_against_wall(Pair& wall, SimTime t) {
   const std::size_t held = gives_way(wall.collider, wall.collider_responds, t) ? wall.collider : wall.collidee;
-  const bool stood = is_motionless(objects_[held].timeline.model_at(t).state);
+  const bool stood = is_motionless(world_law(held, t).state);
   for (const std::uint32_t i : pairs_of(held)) {
     Pair& pair = pairs_[i];
     if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
@@ -897,8 +1062,8 @@ void MotionWorld::release_parting(std::size_t object, SimTime t) {
   for (const std::uint32_t i : pairs_of(object)) {
     Pair& pair = pairs_[i];
     if (!pair.bears) continue;
-    const Vec3 a = objects_[pair.collider].timeline.model_at(t).state.velocity;
-    const Vec3 b = objects_[pair.collidee].timeline.model_at(t).state.velocity;
+    const Vec3 a = world_law(pair.collider, t).state.velocity;
+    const Vec3 b = world_law(pair.collidee, t).state.velocity;
     std::erase_if(pair.normals, [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); });
     pair.bears = !pair.normals.empty();
   }
@@ -917,7 +1082,7 @@ void MotionWorld::settle(std::size_t a, std::size_t b, SimTime t) {
     if (!borne && !o.borne) continue;
     if (!o.borne) o.free = free_acceleration_of(index, t);
     o.borne = borne;
-    const MotionModel law = o.timeline.model_at(t);
+    const MotionModel law = world_law(index, t);
     const bool slides = law.kind == MotionKind::kSliding;
     Vec3 acceleration = island.bodies[i].value;
     if (acceleration.norm() <= kRounding * o.free.norm()) acceleration.setZero();  // all of it is borne
@@ -997,12 +1162,40 @@ KinematicState MotionWorld::at(ObjectId object, SimTime t) const {
     objects_[index + kPieceAhead].timeline.prefetch_piece();
     objects_[index + kLawAhead].timeline.prefetch_law(t);
   }
-  return objects_[index].timeline.at(t);
+  return world_at(index, t);
 }
 
+KinematicState MotionWorld::relative_at(ObjectId object, SimTime t) const {
+  return objects_[index_of(object)].timeline.at(t);
+}
+
+KinematicState MotionWorld::in_carrier(ObjectId object, SimTime t, const KinematicState& world) const {
+  const std::size_t index = index_of(object);
+  return objects_[index].carrier == kNone ? world : relative_to(carrier_at(index, t), world);
+}
+
+KinematicState MotionWorld::in_world(ObjectId object, SimTime t, const KinematicState& relative) const {
+  const std::size_t index = index_of(object);
+  return objects_[index].carrier == kNone ? relative : composed(carrier_at(index, t), relative);
+}
+
+Vec3 MotionWorld::vector_in_carrier(ObjectId object, SimTime t, const Vec3& world) const {
+  return in_frame_of_carrier(index_of(object), t, world);
+}
+
+Vec3 MotionWorld::vector_in_world(ObjectId object, SimTime t, const Vec3& relative) const {
+  const std::size_t index = index_of(object);
+  return objects_[index].carrier == kNone ? relative : Vec3(carrier_at(index, t).orientation * relative);
+}
+
+bool MotionWorld::is_carried(ObjectId object) const { return objects_[index_of(object)].carrier != kNone; }
+
 bool MotionWorld::is_at_rest_from(ObjectId object, SimTime t) const {
-  const Timeline& timeline = objects_[index_of(object)].timeline;
-  return is_motionless(timeline.at(t)) && !timeline.next_change_after(t);
+  for (std::uint32_t i = static_cast<std::uint32_t>(index_of(object)); i != kNone; i = objects_[i].carrier) {
+    const Timeline& timeline = objects_[i].timeline;
+    if (!is_motionless(timeline.at(t)) || timeline.next_change_after(t)) return false;
+  }
+  return true;
 }
 
 MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {

@@ -7,10 +7,14 @@
 #include <variant>
 #include <vector>
 
+#include <boost/container/small_vector.hpp>
+
 #include "collision/contact/contact_time.hpp"
 #include "core/prefetch.hpp"
 #include "core/time.hpp"
+#include "replication/motion/composed_motion.hpp"
 #include "replication/motion/least_change.hpp"
+#include "replication/motion/part_contact.hpp"
 #include "replication/motion/response.hpp"
 #include "replication/motion/schedule.hpp"
 #include "replication/motion/swept_bound.hpp"
@@ -39,6 +43,7 @@ struct ContactEvent {
   ObjectId collider, collidee;
   Vec3 normal = Vec3::Zero();  // in the world frame: of the collidee's polygon, facing the collider
   KinematicState collider_before, collidee_before, collider_after, collidee_after;
+  CollisionType type = CollisionType::kWitness;  // of the interest
   bool deferred = false;  // nobody responded: another peer decides; the states after are what the outcome would be here
 };
 
@@ -55,7 +60,10 @@ struct ContactsRetracted {
   SimTime since;
 };
 
-// Objects on timelines that meet each other at contact *times*. Results depend neither on how often advance() is
+// Objects on timelines that meet each other at contact *times*. The timeline of what is below a carrier is relative to
+// it (composed_motion.hpp): what is set and asked as a law is in the frame of the carrier, and states are in the world.
+// An end of an interest meets others with each of its parts, those that carriers below it move included.
+// Results depend neither on how often advance() is
 // called, nor on when updates came: a pair's next contact is computed once, from an instant that the two timelines
 // decide, and kept until one of the pieces changes. Worlds with equal timelines find equal contacts, bit for bit.
 //
@@ -92,7 +100,6 @@ class MotionWorld {
   // Timelines keep this much of the past, for updates and decisions that arrive late.
   static constexpr Duration kHistory = std::chrono::seconds(6);
 
-  // Pairs between two kScene objects are not watched.
   MotionWorld(const WorldModel& model, SimTime start);
 
   // Declares an object that may move; every body that is not declared stays at its place in the file.
@@ -113,8 +120,9 @@ class MotionWorld {
   using AuthorityOf = std::function<ContactAuthority(ObjectId collider, ObjectId collidee, SimTime contact)>;
   void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
 
-  // Sets the object's motion from t on, after an update, a sample or a decision. t may lie in the past: the predictions
-  // that followed from the replaced motion are retracted, and the next advance() finds them anew.
+  // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
+  // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds them
+  // anew.
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
 
   // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
@@ -135,8 +143,19 @@ class MotionWorld {
 
   [[nodiscard]] bool has(ObjectId object) const { return find(object) != nullptr; }
   [[nodiscard]] std::vector<ObjectId> objects() const;
+  // The state in the world.
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
+  // The state in the frame of the object's carrier; that in the world where it has none.
+  [[nodiscard]] KinematicState relative_at(ObjectId object, SimTime t) const;
+  [[nodiscard]] bool is_carried(ObjectId object) const;
+  // A vector of the world in the frame of the object's carrier, as that stands at t; and back.
+  [[nodiscard]] Vec3 vector_in_carrier(ObjectId object, SimTime t, const Vec3& world) const;
+  [[nodiscard]] Vec3 vector_in_world(ObjectId object, SimTime t, const Vec3& relative) const;
+  // The law in force, in the frame of the object's carrier.
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
+  // A state in the world as one in the frame of the object's carrier, as that is at t; and back.
+  [[nodiscard]] KinematicState in_carrier(ObjectId object, SimTime t, const KinematicState& world) const;
+  [[nodiscard]] KinematicState in_world(ObjectId object, SimTime t, const KinematicState& relative) const;
   // Whether the position of the object at t is known: that of more than kHistory before the last advance() is not (see
   // keep_history_of_driven).
   [[nodiscard]] bool has_history_at(ObjectId object, SimTime t) const;
@@ -176,11 +195,17 @@ class MotionWorld {
     bool borne = false;              // its law's acceleration is what those that bear it leave of `free`
     bool free_is_given = false;      // by set_free_acceleration()
     Vec3 free = Vec3::Zero();        // its acceleration where nothing bears it [m/s^2]; void if it is neither
-    SweptBound bound;                // the last bound; it answers for nothing once the timeline changes
+    std::uint32_t carrier = ModelNode::kNone;  // index; its timeline is relative to that object's
+    SweptBound bound;                // of its body: the last one; it answers for nothing once the timeline changes
   };
+  // Two parts of two ends of an interest (PartPair). What answers is the end.
   struct Pair {
-    std::uint32_t collider, collidee;  // into objects_
+    std::uint32_t collider, collidee;  // the ends, into objects_
+    std::uint32_t part_a, part_b;      // the objects whose bodies meet; kNone: the boxes of both whole ends
+    std::uint32_t common;              // the two meet in the frame of that object; kNone: in the world
+    std::uint32_t number;              // of the interest's pair, in the model
     CollisionType type;
+    bool fixed;
     bool collider_responds, collidee_responds;
     bool has_exact_search;  // collision has an answer
     bool watched = true;
@@ -219,10 +244,38 @@ class MotionWorld {
     assert(find(id) != nullptr);
     return index_by_id_[id.value];
   }
+  // The pairs of which the object is an end; those that its own motion may change; what goes with it.
   [[nodiscard]] std::span<const std::uint32_t> pairs_of(std::size_t object) const;
+  [[nodiscard]] std::span<const std::uint32_t> pairs_moved_by(std::size_t object) const;
+  [[nodiscard]] std::span<const std::uint32_t> carried_by(std::size_t object) const;
   [[nodiscard]] const collision::Body& body(std::size_t object) const { return model_.bodies[object]; }
   [[nodiscard]] static bool will_respond(const Object& o, bool registered, SimTime t);
+  // The timelines from below `common` down to the object's own.
+  using OwnChain = boost::container::small_vector<const Timeline*, 4>;
+  [[nodiscard]] OwnChain chain_of(std::size_t object, std::uint32_t common = kNone) const;
+  [[nodiscard]] KinematicState world_at(std::size_t object, SimTime t) const;
+  [[nodiscard]] KinematicState carrier_at(std::size_t object, SimTime t) const;
+  // A vector of the world in the frame of the object's carrier, as that stands at t.
+  [[nodiscard]] Vec3 in_frame_of_carrier(std::size_t object, SimTime t, const Vec3& world) const;
+  // The law in force; of what is carried, its state in the world.
+  [[nodiscard]] MotionModel world_law(std::size_t object, SimTime t) const;
+  // Whether the object's motion is part of what moves a side of a pair: that end, or that part of it.
+  [[nodiscard]] bool is_in_side(std::size_t object, std::size_t end, std::uint32_t part) const;
+  // Whether this peer moves the end, or what carries it.
+  [[nodiscard]] bool is_lived(std::size_t end) const;
+  [[nodiscard]] SimTime known_since(std::size_t end) const;
+  [[nodiscard]] static bool is_answered(const Pair& pair) { return pair.collider_responds || pair.collidee_responds; }
+  // The bound of an object's body in the world, kept; one in the frame of `common`; that of a whole end as a box; that
+  // of a side of a pair.
   [[nodiscard]] const SweptBound& bound_of(std::size_t object, SimTime s);
+  [[nodiscard]] SweptBound make_bound(std::size_t object, std::uint32_t common, SimTime s) const;
+  [[nodiscard]] SweptBound bound_of_end(std::size_t end, SimTime s);
+  [[nodiscard]] SweptBound bound_of_side(const Pair& pair, bool of_collider, SimTime s);
+  template <class Function>
+  [[nodiscard]] auto with_query(const Pair& pair, Function function) const;
+  [[nodiscard]] bool ends_touch_elsewhere(const Pair& pair, SimTime t) const;
+  [[nodiscard]] bool goes_on(Pair& pair, SimTime s, SimTime end);
+  void add_object(const ModelNode& node);
   [[nodiscard]] std::optional<std::size_t> first_contact_until(SimTime to);
   void search(Pair& pair, SimTime to);
   // Searches the time in which both objects keep their pieces, or until the next multiple of kLookahead.
@@ -252,8 +305,9 @@ class MotionWorld {
   void answer_closing(const Pair& pair, Answer& answer) const;
   void remove_gain(const Pair& pair, SimTime t, const Answer& answer);
   void report(const Pair& pair, SimTime t, const Answer& answer);
-  // The object moves otherwise from t on, because of a contact with `cause`.
-  void change_motion(std::size_t object, SimTime t, const MotionModel& after, ObjectId cause);
+  // The object moves otherwise from t on, because of a contact with `cause`. The law is in the world; what is carried
+  // keeps its state, and goes on in the frame of its carrier.
+  void change_motion(std::size_t object, SimTime t, const MotionModel& after_in_world, ObjectId cause);
 
   // Objects that touch each other at one instant, as far as they give way, and what they give way to.
   struct Island {
@@ -319,9 +373,9 @@ class MotionWorld {
   const WorldModel& model_;
   SimTime start_, advanced_;
   std::optional<Duration> driven_history_;  // none: as for all other objects
-  std::vector<Object> objects_;  // the model's bodies, then the other declared objects in order of declaration
+  std::vector<Object> objects_;  // the model's nodes, then the other declared objects in order of declaration
   std::vector<std::uint32_t> index_by_id_;  // indices into objects_, or kNone
-  std::vector<Pair> pairs_;                 // in the order of the model
+  std::vector<Pair> pairs_;                 // the model's part pairs
   Schedule pair_checks_;                    // for each pair, when the next check is due
   std::size_t watched_ = 0;                 // the number of pairs with a check, whenever that is due
   std::vector<bool> in_pair_checks_;

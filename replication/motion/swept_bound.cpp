@@ -25,6 +25,22 @@ double radius_of(const collision::Body& body) {
   return std::max(body.radius_m, (body.sphere->center - body.center).norm() + body.sphere->radius_m);
 }
 
+// Makes the bound hold the body while it goes on for h [s] as it does at the begin.
+void hold(SweptBound& bound, const collision::Body& body, const KinematicState& at_begin, bool turning, double h) {
+  const double radius = radius_of(body);
+  const Vec3 center = turning ? at_begin.position : Vec3(at_begin.pose() * body.center);
+  const double reach = turning ? body.center.norm() + radius : radius;
+  const Vec3 way = h * at_begin.velocity;
+  // A tangent to the path, at any instant of it, leaves the box of the chord by no more than this, the error of the
+  // tangent included.
+  const double bend = 0.5 * h * h * at_begin.acceleration.norm();
+  const double lengths = center.norm() + body.center.norm() + way.norm() + bend + reach;
+  const double more = bend + kMargin * lengths + 4.0 * collision::kAdvancementTolerance_m;
+  bound.low = bound.low.cwiseMin(center.cwiseMin(center + way) - Vec3::Constant(more));
+  bound.high = bound.high.cwiseMax(center.cwiseMax(center + way) + Vec3::Constant(more));
+  bound.radius_m = std::max(bound.radius_m, reach);
+}
+
 }  // namespace
 
 SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {
@@ -45,31 +61,56 @@ SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, Si
   const double h = to_seconds(end - begin);
   bound.low.setConstant(std::numeric_limits<double>::infinity());
   bound.high = -bound.low;
-  const auto hold = [&](const KinematicState& at_begin, bool turning) {
-    const double radius = radius_of(body);
-    const Vec3 center = turning ? at_begin.position : Vec3(at_begin.pose() * body.center);
-    const double reach = turning ? body.center.norm() + radius : radius;
-    const Vec3 way = h * at_begin.velocity;
-    // A tangent to the path, at any instant of it, leaves the box of the chord by no more than this, the error of the
-    // tangent included.
-    const double bend = 0.5 * h * h * at_begin.acceleration.norm();
-    const double lengths = center.norm() + body.center.norm() + way.norm() + bend + reach;
-    const double more = bend + kMargin * lengths + 4.0 * collision::kAdvancementTolerance_m;
-    bound.low = bound.low.cwiseMin(center.cwiseMin(center + way) - Vec3::Constant(more));
-    bound.high = bound.high.cwiseMax(center.cwiseMax(center + way) + Vec3::Constant(more));
-    bound.radius_m = std::max(bound.radius_m, reach);
-  };
   const KinematicState first = timeline.at(begin);
   if (begin > law_begins) {
-    hold(first, turns(first));
+    hold(bound, body, first, turns(first), h);
     return bound;
   }
   // The searches of partners may begin with the law or within its first piece.
   const KinematicState piece = timeline.at(begin + Duration{1});
   const bool turning = turns(first) || turns(piece);
-  hold(first, turning);
-  hold(piece, turning);
+  hold(bound, body, first, turning, h);
+  hold(bound, body, piece, turning, h);
   return bound;
+}
+
+SweptBound swept_bound(const ComposedPiece& piece, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {
+  assert(begin <= s && s < end && piece.begin <= s);
+  SweptBound bound;
+  bound.last_change = piece.begin;
+  bound.next_change = piece.end;
+  bound.still = piece.still;
+  begin = std::max(begin, piece.begin);
+  if (piece.end) end = std::min(end, *piece.end);
+  bound.from = begin;
+  bound.until = end;
+  bound.low.setConstant(std::numeric_limits<double>::infinity());
+  bound.high = -bound.low;
+  const KinematicState first = advance(piece.state, to_seconds(begin - piece.begin));
+  hold(bound, body, first, turns(first), to_seconds(end - begin));
+  bound.radius_m += 2.0 * piece.error_m;
+  return bound;
+}
+
+SweptBound as_box(const SweptBound& bound) {
+  SweptBound box = bound;
+  box.low -= Vec3::Constant(kBoxReach * bound.radius_m);
+  box.high += Vec3::Constant(kBoxReach * bound.radius_m);
+  box.radius_m = 0.0;
+  return box;
+}
+
+SweptBound merged(const SweptBound& a, const SweptBound& b) {
+  assert(a.radius_m == 0.0 && b.radius_m == 0.0);
+  SweptBound all = a;
+  if (b.last_change) all.last_change = a.last_change ? std::max(*a.last_change, *b.last_change) : *b.last_change;
+  if (b.next_change) all.next_change = a.next_change ? std::min(*a.next_change, *b.next_change) : *b.next_change;
+  all.still = a.still && b.still;
+  all.low = a.low.cwiseMin(b.low);
+  all.high = a.high.cwiseMax(b.high);
+  all.from = std::max(a.from, b.from);
+  all.until = std::min(a.until, b.until);
+  return all;
 }
 
 bool apart(const SweptBound& a, const SweptBound& b, CollisionType type) {

@@ -1,6 +1,7 @@
 #pragma once
 #include "collision/contact/body.hpp"
 #include "core/kinematics.hpp"
+#include "replication/motion/composed_motion.hpp"
 #include "replication/motion/timeline.hpp"
 
 namespace peerd::replication {
@@ -24,6 +25,14 @@ struct SweptBound {
 // where the piece does.
 [[nodiscard]] SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin,
                                      SimTime end);
+
+// The same for a piece of a composed motion that is in force at s, with room for its error.
+[[nodiscard]] SweptBound swept_bound(const ComposedPiece& piece, const collision::Body& body, SimTime s, SimTime begin,
+                                     SimTime end);
+// The bound as one without a radius: it holds the world box of the body, however that turns.
+[[nodiscard]] SweptBound as_box(const SweptBound& bound);
+// The bound of two such bounds together.
+[[nodiscard]] SweptBound merged(const SweptBound& a, const SweptBound& b);
 
 // Whether the two are certainly apart all the while that both bounds hold, so that first_contact() would answer
 // kSeparated. False where a number is NaN.

@@ -3,60 +3,283 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "collision/contact/contact_time.hpp"
+#include "core/motion/carriers.hpp"
 #include "core/motion/predefined_motion.hpp"
 
 namespace peerd::replication {
 namespace {
 
-bool is_inside(const Scene& scene, ObjectId inner, ObjectId outer) {
-  return inner.value >= outer.value && inner.value < scene.at(outer).subtree_end;
+constexpr std::uint32_t kNone = ModelNode::kNone;
+
+template <class T>
+void keep_each_once(std::vector<T>& all) {
+  std::ranges::sort(all);
+  all.erase(std::ranges::unique(all).begin(), all.end());
 }
 
 // The index of each pair in the model, by its type, its lower and its higher object.
 using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::size_t>;
 
-void add_pair(WorldModel& model, KnownPairs& known, const CollisionPair& pair) {
-  assert(pair.collider != pair.collidee);
-  const auto [lower, higher] = std::minmax(pair.collider, pair.collidee);
-  const auto [it, is_new] = known.try_emplace({pair.type, lower, higher}, model.pairs.size());
-  if (is_new) {
-    model.pairs.push_back(pair);
-  } else if (model.pairs[it->second].collider != pair.collider) {
-    model.pairs[it->second].mutual = true;
-  }
-}
+class ModelBuilder {
+ public:
+  ModelBuilder(const Scene& scene, WorldModel& model) : scene_(scene), model_(model), predefined_(scene) {}
 
-void index_pairs(WorldModel& model) {
-  model.pairs_of_body.resize(model.bodies.size());
-  model.partners_of_body.resize(model.bodies.size());
-  const auto number = [&](ObjectId id) { return static_cast<std::uint32_t>(model.body(id) - model.bodies.data()); };
-  for (std::uint32_t i = 0; i < model.pairs.size(); ++i) {
-    const std::uint32_t a = number(model.pairs[i].collider), b = number(model.pairs[i].collidee);
-    for (const auto& [of, partner] : {std::pair{a, b}, std::pair{b, a}}) {
-      model.pairs_of_body[of].push_back(i);
-      model.partners_of_body[of].push_back(partner);
+  void build(std::span<const ObjectId> owned) {
+    add_pairs();
+    if (named_.empty() && owned.empty()) return;
+    carriers_.emplace(scene_, predefined_, movable(owned));
+    add_nodes(owned);
+    add_bodies();
+    add_part_pairs();
+    index();
+    name_unanswered_pairs();
+  }
+
+ private:
+  void add_pairs() {
+    KnownPairs known;
+    for (const CollisionInterest& interest : scene_.interests) {
+      for (const ObjectId collidee : interest.collidees) {
+        if (collidee == interest.collider) {
+          model_.unsupported.push_back(scene_.path_of(collidee) + ": an interest in itself asks for nothing");
+          continue;
+        }
+        add_pair(known, {interest.collider, collidee, interest.type, false});
+        named_.push_back(interest.collider);
+        named_.push_back(collidee);
+      }
+    }
+    keep_each_once(named_);
+  }
+
+  void add_pair(KnownPairs& known, const CollisionPair& pair) {
+    const auto [lower, higher] = std::minmax(pair.collider, pair.collidee);
+    const auto [it, is_new] = known.try_emplace({pair.type, lower, higher}, model_.pairs.size());
+    if (is_new) {
+      model_.pairs.push_back(pair);
+    } else if (model_.pairs[it->second].collider != pair.collider) {
+      model_.pairs[it->second].mutual = true;
     }
   }
-  for (std::vector<std::uint32_t>& partners : model.partners_of_body) {
-    std::ranges::sort(partners);
-    partners.erase(std::ranges::unique(partners).begin(), partners.end());
+
+  [[nodiscard]] std::vector<ObjectId> movable(std::span<const ObjectId> owned) const {
+    std::vector<ObjectId> ids(owned.begin(), owned.end());
+    for (const ObjectId id : named_) {
+      if (scene_.at(id).kind == NodeKind::kTransform) ids.push_back(id);
+    }
+    for (const KeySensor& sensor : scene_.key_sensors) {
+      if (sensor.recipient) ids.push_back(*sensor.recipient);
+    }
+    return ids;
   }
-}
+
+  // Whether the Shape can collide.
+  [[nodiscard]] bool collides(ObjectId shape) const {
+    return scene_.geometry(shape) != nullptr && scene_.at(shape).collides;
+  }
+
+  // The carrier that a node goes with: itself, or the nearest one above it.
+  [[nodiscard]] std::optional<ObjectId> mover_of(ObjectId id) const {
+    return carriers_->contains(id) ? std::optional(id) : carriers_->above(id);
+  }
+
+  // Whether what is below an end, or at it, goes with it: no carrier below the end comes between.
+  [[nodiscard]] bool goes_with(ObjectId shape, ObjectId end) const {
+    return carriers_->above(shape) == mover_of(end);
+  }
+
+  void add_nodes(std::span<const ObjectId> owned) {
+    std::vector<bool> needed(scene_.instances.size(), false);
+    const auto need = [&](ObjectId id) {
+      for (std::optional<ObjectId> node = id; node && !needed[node->value]; node = carriers_->above(*node)) {
+        needed[node->value] = true;
+      }
+    };
+    for (const ObjectId end : named_) {
+      need(end);
+      for (std::uint32_t i = end.value; i < scene_.at(end).subtree_end; ++i) {
+        const auto carrier = carriers_->above({i});
+        if (carrier && *carrier > end && collides({i})) need(*carrier);
+      }
+    }
+    // What is owned and neither carried nor carries anything meets nothing, and moves in the world.
+    std::vector<bool> carries(scene_.instances.size(), false);
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      const auto above = carriers_->above({i});
+      if (above && carriers_->contains({i})) carries[above->value] = true;
+    }
+    for (const ObjectId id : owned) {
+      if (carries[id.value] || carriers_->above(id)) need(id);
+    }
+    for (std::uint32_t i = 0; i < needed.size(); ++i) {
+      const ObjectId id{i};
+      if (!needed[i]) continue;
+      model_.nodes.push_back({id, kNone, carriers_->contains(id), 0});
+      if (carriers_->contains(id) && predefined_.moves_in_parent(id)) model_.moving.push_back(id);
+    }
+    for (ModelNode& node : model_.nodes) {
+      const auto above = carriers_->above(node.object);
+      if (!above) continue;
+      node.carrier = index_of(*above);
+      node.depth = model_.nodes[node.carrier].depth + 1;
+    }
+  }
+
+  [[nodiscard]] std::uint32_t index_of(ObjectId id) const {
+    assert(model_.node(id) != nullptr);
+    return static_cast<std::uint32_t>(model_.node(id) - model_.nodes.data());
+  }
+
+  // The bodies of ends and of the carriers below them; the others need none.
+  void add_bodies() {
+    std::vector<bool> is_part(model_.nodes.size(), false);
+    for (const ObjectId end : named_) {
+      for (std::uint32_t i = index_of(end); i < model_.nodes.size(); ++i) {
+        if (model_.nodes[i].object.value >= scene_.at(end).subtree_end) break;
+        is_part[i] = is_part[i] || i == index_of(end) || model_.nodes[i].is_carrier;
+      }
+    }
+    for (std::uint32_t i = 0; i < model_.nodes.size(); ++i) {
+      const ObjectId id = model_.nodes[i].object;
+      std::string changes_shape;
+      const auto belongs = [&](ObjectId shape) {
+        if (!is_part[i] || !goes_with(shape, id)) return false;
+        if (carriers_->distorted(shape)) changes_shape = "the file changes its shape as it moves";
+        return !carriers_->distorted(shape);
+      };
+      collision::Body body = collision::make_body(scene_, id, belongs);
+      if (!changes_shape.empty()) body.unsupported = scene_.path_of(id) + ": " + changes_shape;
+      if (!body.unsupported.empty()) model_.unsupported.push_back(body.unsupported);
+      model_.bodies.push_back(std::move(body));
+    }
+    model_.parts_of_node.resize(model_.nodes.size());
+    for (const ObjectId end : named_) {
+      const std::uint32_t index = index_of(end);
+      std::vector<std::uint32_t>& parts = model_.parts_of_node[index];
+      for (std::uint32_t i = index; i < model_.nodes.size(); ++i) {
+        if (model_.nodes[i].object.value >= scene_.at(end).subtree_end) break;
+        const bool has_geometry = !model_.bodies[i].vertices().empty() || !model_.bodies[i].unsupported.empty();
+        if (has_geometry && (i == index || model_.nodes[i].is_carrier)) parts.push_back(i);
+      }
+      if (parts.empty()) parts.push_back(index);
+    }
+  }
+
+  // The carrier, or the node itself, that moves the body of a node.
+  [[nodiscard]] std::uint32_t mover(std::uint32_t node) const {
+    return model_.nodes[node].is_carrier ? node : model_.nodes[node].carrier;
+  }
+
+  [[nodiscard]] std::uint32_t common_carrier(std::uint32_t a, std::uint32_t b) const {
+    const auto depth = [&](std::uint32_t node) { return node == kNone ? 0 : model_.nodes[node].depth + 1; };
+    std::uint32_t of_a = mover(a), of_b = mover(b);
+    while (of_a != of_b) {
+      std::uint32_t& deeper = depth(of_a) >= depth(of_b) ? of_a : of_b;
+      deeper = model_.nodes[deeper].carrier;
+    }
+    return of_a;
+  }
+
+  void add_part_pairs() {
+    for (std::uint32_t number = 0; number < model_.pairs.size(); ++number) {
+      model_.first_part_pair.push_back(static_cast<std::uint32_t>(model_.part_pairs.size()));
+      const CollisionPair& pair = model_.pairs[number];
+      const auto& of_a = model_.parts_of_node[index_of(pair.collider)];
+      const auto& of_b = model_.parts_of_node[index_of(pair.collidee)];
+      if (pair.type == CollisionType::kBox && of_a.size() + of_b.size() > 2) {
+        model_.part_pairs.push_back({number, kNone, kNone, kNone, false});
+        continue;
+      }
+      for (const std::uint32_t a : of_a) {
+        for (const std::uint32_t b : of_b) {
+          const bool boxes = pair.type == CollisionType::kBox;  // which change as a carrier turns
+          const std::uint32_t common = boxes ? kNone : common_carrier(a, b);
+          const bool fixed = mover(a) == mover(b) && (!boxes || mover(a) == kNone);
+          model_.part_pairs.push_back({number, a, b, common, fixed});
+        }
+      }
+    }
+    model_.first_part_pair.push_back(static_cast<std::uint32_t>(model_.part_pairs.size()));
+  }
+
+  void index() {
+    const std::size_t count = model_.nodes.size();
+    for (auto* lists : {&model_.pairs_of_node, &model_.partners_of_node, &model_.part_pairs_of_node,
+                        &model_.moved_part_pairs, &model_.carried_by}) {
+      lists->resize(count);
+    }
+    for (std::uint32_t i = 0; i < model_.pairs.size(); ++i) {
+      const std::uint32_t a = index_of(model_.pairs[i].collider), b = index_of(model_.pairs[i].collidee);
+      for (const auto& [of, partner] : {std::pair{a, b}, std::pair{b, a}}) {
+        model_.pairs_of_node[of].push_back(i);
+        model_.partners_of_node[of].push_back(partner);
+        for (std::uint32_t k = model_.first_part_pair[i]; k < model_.first_part_pair[i + 1]; ++k) {
+          model_.part_pairs_of_node[of].push_back(k);
+        }
+      }
+    }
+    for (std::vector<std::uint32_t>& partners : model_.partners_of_node) keep_each_once(partners);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      for (std::uint32_t up = model_.nodes[i].carrier; up != kNone; up = model_.nodes[up].carrier) {
+        model_.carried_by[up].push_back(i);
+      }
+    }
+    for (std::uint32_t k = 0; k < model_.part_pairs.size(); ++k) {
+      const PartPair& parts = model_.part_pairs[k];
+      const auto moves = [&](std::uint32_t part) {
+        for (const std::uint32_t node : model_.chain_of(part, parts.common)) model_.moved_part_pairs[node].push_back(k);
+      };
+      if (parts.a != kNone) {
+        moves(parts.a);
+        moves(parts.b);
+        continue;
+      }
+      for (const ObjectId end : {model_.pairs[parts.pair].collider, model_.pairs[parts.pair].collidee}) {
+        for (const std::uint32_t part : model_.parts_of_node[index_of(end)]) moves(part);
+      }
+    }
+    for (std::vector<std::uint32_t>& moved : model_.moved_part_pairs) keep_each_once(moved);
+  }
+
+  void name_unanswered_pairs() {
+    for (const PartPair& parts : model_.part_pairs) {
+      const CollisionPair& pair = model_.pairs[parts.pair];
+      if (pair.type == CollisionType::kBox) continue;
+      const collision::Body &a = model_.bodies[parts.a], &b = model_.bodies[parts.b];
+      const bool already_reported = !a.unsupported.empty() || !b.unsupported.empty();
+      if (already_reported || collision::has_exact_answer(a, b)) continue;
+      model_.unsupported.push_back(scene_.path_of(pair.collider) + " against " + scene_.path_of(pair.collidee) +
+                                   ": one is not convex, and one is larger than 2^58 m");
+    }
+  }
+
+  const Scene& scene_;
+  WorldModel& model_;
+  PredefinedMotion predefined_;
+  std::vector<ObjectId> named_;  // ends of interests, ascending
+  std::optional<Carriers> carriers_;
+};
 
 }  // namespace
 
+const ModelNode* WorldModel::node(ObjectId id) const {
+  const auto at = std::ranges::lower_bound(nodes, id, {}, &ModelNode::object);
+  return at != nodes.end() && at->object == id ? &*at : nullptr;
+}
+
 const collision::Body* WorldModel::body(ObjectId id) const {
-  const auto at = std::ranges::lower_bound(bodies, id, {}, &collision::Body::object);
-  return at != bodies.end() && at->object == id ? &*at : nullptr;
+  const ModelNode* const of = node(id);
+  return of == nullptr ? nullptr : &bodies[static_cast<std::size_t>(of - nodes.data())];
 }
 
 std::span<const std::uint32_t> WorldModel::pairs_of(ObjectId id) const {
-  const collision::Body* const of = body(id);
+  const ModelNode* const of = node(id);
   if (of == nullptr) return {};
-  return pairs_of_body[static_cast<std::size_t>(of - bodies.data())];
+  return pairs_of_node[static_cast<std::size_t>(of - nodes.data())];
 }
 
 const CollisionResponse* WorldModel::response_of(ObjectId id) const {
@@ -64,44 +287,25 @@ const CollisionResponse* WorldModel::response_of(ObjectId id) const {
   return response ? &*response : nullptr;
 }
 
-std::unique_ptr<const WorldModel> make_world_model(const Scene& scene) {
+bool WorldModel::is_answered(ObjectId a, ObjectId b) const {
+  return std::ranges::any_of(pairs_of(a), [&](std::uint32_t number) {
+    const CollisionPair& pair = pairs[number];
+    if (pair.collider != b && pair.collidee != b) return false;
+    return response_of(pair.collider) != nullptr || (pair.mutual && response_of(pair.collidee) != nullptr);
+  });
+}
+
+std::vector<std::uint32_t> WorldModel::chain_of(std::uint32_t node, std::uint32_t common) const {
+  std::vector<std::uint32_t> chain;
+  for (std::uint32_t i = node; i != kNone && i != common; i = nodes[i].carrier) chain.push_back(i);
+  std::ranges::reverse(chain);
+  return chain;
+}
+
+std::unique_ptr<const WorldModel> make_world_model(const Scene& scene, std::span<const ObjectId> owned) {
   auto model = std::make_unique<WorldModel>();
   model->scene = &scene;
-  std::vector<ObjectId> named;
-  KnownPairs known;
-  for (const CollisionInterest& interest : scene.interests) {
-    for (ObjectId collidee : interest.collidees) {
-      if (is_inside(scene, interest.collider, collidee) || is_inside(scene, collidee, interest.collider)) {
-        model->unsupported.push_back(scene.path_of(interest.collider) + " against " + scene.path_of(collidee) +
-                                     ": one contains the other; collisions within an object are not answered yet");
-        continue;
-      }
-      add_pair(*model, known, {interest.collider, collidee, interest.type, false});
-      named.push_back(interest.collider);
-      named.push_back(collidee);
-    }
-  }
-  std::ranges::sort(named);
-  named.erase(std::ranges::unique(named).begin(), named.end());
-  if (named.empty()) return model;
-  const PredefinedMotion predefined(scene);
-  for (ObjectId id : named) {
-    model->bodies.push_back(collision::make_body(scene, id));
-    if (predefined.moves(id)) model->moving.push_back(id);
-    if (!predefined.stays_rigid(id)) {
-      model->bodies.back().unsupported = scene.path_of(id) + ": the file changes its shape as it moves";
-    }
-    if (!model->bodies.back().unsupported.empty()) model->unsupported.push_back(model->bodies.back().unsupported);
-  }
-  assert(std::ranges::is_sorted(model->bodies, {}, &collision::Body::object));
-  index_pairs(*model);
-  for (const CollisionPair& pair : model->pairs) {
-    const collision::Body &a = *model->body(pair.collider), &b = *model->body(pair.collidee);
-    const bool already_reported = !a.unsupported.empty() || !b.unsupported.empty();
-    if (pair.type == CollisionType::kBox || already_reported || collision::has_exact_answer(a, b)) continue;
-    model->unsupported.push_back(scene.path_of(pair.collider) + " against " + scene.path_of(pair.collidee) +
-                                 ": one is not convex, and one is larger than 2^58 m");
-  }
+  ModelBuilder(scene, *model).build(owned);
   return model;
 }
 

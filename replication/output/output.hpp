@@ -94,6 +94,7 @@ enum class ContactKind : std::uint8_t {
   kDecided,    // between objects of two owners; this peer has decided it and publishes the decision
   kPredicted,  // a contact of ghosts: remote collision prediction
   kApplied,    // another peer's decision
+  kScene,      // of what nobody owns: every peer finds it by itself
 };
 // A decision that was made or applied here is no longer in force: another one on the same collision is.
 struct Overruled {

@@ -70,7 +70,8 @@ void Publication::take(SimTime t, std::span<const OwnSample> samples) {
       state = at_rest_within_limits(state);
       ++counters_.states_out_of_range;
     }
-    truth.set_base(sample.object, t, state);
+    // A carrier comes before what it carries, in the order of their ids.
+    truth.set_base(sample.object, t, truth.in_carrier(sample.object, t, state));
     ++own;
   }
 }
@@ -79,7 +80,7 @@ void Publication::take(SimTime t, std::span<const OwnSample> samples) {
 void Publication::observe(ObjectId object, OwnObject& own, SimTime t, double latency_s) {
   if (!config_.policy.models || !own.driven) return;
   if (!own.models) own.models.emplace(*config_.policy.models);
-  own.models->push(t, replica_.truth().at(object, t), Horizon{latency_s, own.interval_s});
+  own.models->push(t, replica_.truth().relative_at(object, t), Horizon{latency_s, own.interval_s});
 }
 
 // ---- finding what is due ----
@@ -116,7 +117,7 @@ std::optional<PublishReason> Publication::why_due(ObjectId object, OwnObject& ow
   if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, redundant)) return reason;
   if (own.republish) return PublishReason::kDecision;
   if (own.resend) return PublishReason::kJoiner;
-  if (regions_.has_left_region(own, truth.position)) return PublishReason::kRegion;
+  if (regions_.has_left_region(own, replica_.truth().at(object, t).position)) return PublishReason::kRegion;
   if (is_worth_an_update(own, t, error)) return PublishReason::kGain;
   return std::nullopt;
 }
@@ -156,7 +157,8 @@ void Publication::publish(SimTime t) {
     auto& [object, own] = *at;
     ++counters_.objects_looked_at;
     observe(object, own, t, latency_s);
-    const KinematicState truth = truths.at(object, t), ghost = ghosts.at(object, t);
+    // What is carried is published relative to its carrier: when that is corrected, it needs no update.
+    const KinematicState truth = truths.relative_at(object, t), ghost = ghosts.relative_at(object, t);
     // The way of an object that has met something is not known before the contact is decided: until then its truth is
     // no better than the ghosts.
     const bool undecided = !own.driven && decisions_.awaits_decision_on(object);
@@ -223,7 +225,7 @@ void Publication::publish_piggybacked(SimTime t) {
   const RegionGrid& grid = regions_.grid();
   boost::container::small_vector<RegionId, 16> due_regions;
   for (const EncodedUpdate& u : updates_due_) {
-    const RegionId region = grid.region_of(u.record().model.state.position);
+    const RegionId region = grid.region_of(replica_.position_of(u.record()));
     if (std::ranges::find(due_regions, region) == due_regions.end()) due_regions.push_back(region);
   }
   const double share = config_.policy.piggyback_fraction;
@@ -258,7 +260,9 @@ bool Publication::is_urgent(const OwnSample& sample, SimTime t) const {
   if (own == nullptr || over_byte_budget_ || published_since_tick(*own)) return false;
   if (!acceptable(sample.state)) return false;  // the tick publishes a state within the limits in its place
   assert(own->driven && sample.has_derivatives);
-  const GhostError error = ghost_error(sample.state, replica_.ghosts().at(sample.object, t), own->bounding_radius_m);
+  const KinematicState relative = replica_.truth().in_carrier(sample.object, t, sample.state);
+  const GhostError error =
+      ghost_error(relative, replica_.ghosts().relative_at(sample.object, t), own->bounding_radius_m);
   return due(config_.policy, thresholds_.least_m(sample.object), error, own->last_sent, t).has_value();
 }
 
@@ -267,9 +271,10 @@ void Publication::publish_at_once(SimTime t, std::span<const OwnSample* const> s
   for (const OwnSample* sample : samples) {
     OwnObject& own = own_.at(sample->object);
     const double threshold_m = thresholds_.at(sample->object, t);
-    const KinematicState ghost = replica_.ghosts().at(sample->object, t);
-    const GhostError error = ghost_error(sample->state, ghost, own.bounding_radius_m);
-    const auto reason = why_due(sample->object, own, t, threshold_m, sample->state, ghost, error);
+    const KinematicState ghost = replica_.ghosts().relative_at(sample->object, t);
+    const KinematicState truth = replica_.truth().in_carrier(sample->object, t, sample->state);
+    const GhostError error = ghost_error(truth, ghost, own.bounding_radius_m);
+    const auto reason = why_due(sample->object, own, t, threshold_m, truth, ghost, error);
     if (!reason) continue;
     observe(sample->object, own, t, to_seconds(members_.longest_mean_delay()));
     publish_update(sample->object, own, t, t, *reason, threshold_m);
@@ -295,7 +300,7 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
   launches_.note_published(object);
   MotionModel law = replica_.truth().model_at(object, at);
   if (!own.driven && !sendable(law)) {
-    law = at_rest_within_limits(replica_.truth().at(object, t));
+    law = at_rest_within_limits(replica_.truth().relative_at(object, t));
     at = t;
     replica_.truth().set_base(object, t, law);
     ++counters_.states_out_of_range;
@@ -346,7 +351,7 @@ void Publication::flush(bool with_decisions) {
     std::map<RegionId, std::vector<EncodedUpdate>> updates;
     if (with_decisions) updates[kWholeScene];
     for (const EncodedUpdate& u : updates_due_) {
-      updates[regions_.grid().region_of(u.record().model.state.position)].push_back(u);
+      updates[regions_.grid().region_of(replica_.position_of(u.record()))].push_back(u);
     }
     std::map<RegionId, std::vector<Handover>> handovers;
     if (with_decisions) {

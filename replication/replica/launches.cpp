@@ -17,10 +17,11 @@ void Launches::shift(Duration by) {
 void Launches::launch(SimTime t, ObjectId object, const FileVelocity& file_velocity) {
   assert(!own_.at(object).driven);
   const Launch& launch = own_.at(object).launch;
-  KinematicState state = replica_.truth().at(object, t);
-  state.velocity = launch.velocity ? *launch.velocity : file_velocity(t, object);
-  state.acceleration = launch.acceleration;
-  state.angular_velocity_body = state.orientation.conjugate() * launch.angular_velocity;
+  const MotionWorld& truth = replica_.truth();
+  KinematicState state = truth.relative_at(object, t);
+  state.velocity = truth.vector_in_carrier(object, t, launch.velocity ? *launch.velocity : file_velocity(t, object));
+  state.acceleration = truth.vector_in_carrier(object, t, launch.acceleration);
+  state.angular_velocity_body = truth.at(object, t).orientation.conjugate() * launch.angular_velocity;
   replica_.truth().set_free_acceleration(object, launch.acceleration);
   replica_.truth().set_base(object, t, law_after(model_.response_of(object), MotionModel{}, state));
 }
@@ -46,7 +47,8 @@ void Launches::change_velocity(SimTime t, ObjectId object, const Vec3& velocity,
   assert(own_.contains(object) && !own_.at(object).driven);
   const MotionModel law = replica_.truth().model_at(object, t);
   KinematicState state = law.state;
-  state.velocity = absolute ? velocity : Vec3(state.velocity + velocity);
+  const Vec3 relative = replica_.truth().vector_in_carrier(object, t, velocity);
+  state.velocity = absolute ? relative : Vec3(state.velocity + relative);
   replica_.truth().set_base(object, t, law_after(model_.response_of(object), law, state));
   scheduled_.erase(object);
   unpublished_[object] = t;

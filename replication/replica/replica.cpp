@@ -10,6 +10,11 @@ KinematicState Replica::truth(ObjectId object, SimTime t) const {
   return truth().has(object) ? truth().at(object, t) : ghost(object, t);
 }
 
+Vec3 Replica::position_of(const UpdateRecord& update) const {
+  if (!ghosts().has(update.object)) return update.model.state.position;
+  return ghosts().in_world(update.object, update.at, update.model.state).position;
+}
+
 void Replica::set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned) {
   ghosts().set_base(object, t, model);
   if (!owned && truth().has(object)) truth().set_base(object, t, model);

@@ -80,7 +80,11 @@ class Replica {
   // The state of any object at t by the truth; by the ghosts where nothing can meet the object.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
 
-  // Sets the motion that all peers predict for the object from t on. The truth follows unless the object is owned here.
+  // The position in the world that an update says [m], by where the ghost of the object's carrier is then.
+  [[nodiscard]] Vec3 position_of(const UpdateRecord& update) const;
+
+  // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows unless
+  // the object is owned here.
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned);
   // The role of an object that is not owned here. One that nothing can meet is in the ghosts alone.
   void declare_remote(ObjectId object, Role role);

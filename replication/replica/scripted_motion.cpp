@@ -19,7 +19,12 @@ ScriptedMotion::ScriptedMotion(const WorldModel& model) : model_(model) {
 
 void ScriptedMotion::restart() {
   pieces_.clear();
-  for (const ObjectId object : model_.moving) pieces_.push_back({object, std::nullopt, std::nullopt});
+  for (const ObjectId object : model_.moving) {
+    const std::uint32_t carrier = model_.node(object)->carrier;
+    const auto above =
+        carrier == ModelNode::kNone ? std::nullopt : std::optional(model_.nodes[carrier].object);
+    pieces_.push_back({object, above, std::nullopt, std::nullopt});
+  }
 }
 
 void ScriptedMotion::extend(SimTime to, std::optional<SimTime> world_zero, const Owners& owners, Replica& replica) {
@@ -38,11 +43,14 @@ void ScriptedMotion::extend(SimTime to, std::optional<SimTime> world_zero, const
     }
     while (!p.known_until || *p.known_until <= to) {
       const SimTime from = p.known_until.value_or(to);
-      const PredefinedMotion::Piece piece = motion_->piece(p.object, to_seconds(from - *world_zero));
+      const PredefinedMotion::Piece piece = motion_->piece(p.object, to_seconds(from - *world_zero), p.carrier);
       const SimTime begin = std::max(session_time(piece.begin_s), p.owned_until.value_or(SimTime::min()));
-      const KinematicState state = advance(piece.state, to_seconds(begin - *world_zero) - piece.begin_s);
-      replica.truth().set_base(p.object, begin, state);
-      replica.ghosts().set_base(p.object, begin, state);
+      MotionModel law(piece.state);
+      law.rate_rad_s = piece.turning_rad_s;
+      if (!piece.turning_rad_s.isZero(0.0)) law.kind = MotionKind::kTurning;
+      law = rebased(law, std::max(0.0, to_seconds(begin - *world_zero) - piece.begin_s));
+      replica.truth().set_base(p.object, begin, law);
+      replica.ghosts().set_base(p.object, begin, law);
       const bool ends = piece.end_s < kFarthest_s;
       p.known_until = ends ? std::max(session_time(piece.end_s), from + Duration{1}) : SimTime::max();
       assert(*p.known_until > from);

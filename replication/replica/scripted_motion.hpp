@@ -39,6 +39,7 @@ class ScriptedMotion {
   // which a peer owned it.
   struct Piece {
     ObjectId object;
+    std::optional<ObjectId> carrier;  // its motion is relative to it
     std::optional<SimTime> known_until, owned_until;
   };
 

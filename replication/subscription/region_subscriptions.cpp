@@ -184,7 +184,7 @@ void RegionSubscriptions::announce() {
 
 bool RegionSubscriptions::accept(const UpdateRecord& update, SimTime session_now) {
   if (!grid_.cuts()) return true;
-  const Vec3& position = update.model.state.position;
+  const Vec3 position = replica_.position_of(update);
   if (!interest_.receives(position)) {
     leave_interest(update.object, session_now);
     return false;
@@ -294,10 +294,11 @@ bool RegionSubscriptions::has_left_region(const OwnObject& own, const Vec3& posi
 // The region is that of the position as it was rounded, so that receivers know it too.
 void RegionSubscriptions::on_published(OwnObject& own, const UpdateRecord& update, bool receiver_may_hold_nothing) {
   if (!grid_.cuts()) return;
-  const RegionId now = grid_.region_of(update.model.state.position);
+  const Vec3 position = replica_.position_of(update);
+  const RegionId now = grid_.region_of(position);
   const RegionId before = own.published_position ? grid_.region_of(*own.published_position) : now;
   own.delivery.copy_until_received = before != now || receiver_may_hold_nothing;
-  own.published_position = update.model.state.position;
+  own.published_position = position;
   if (before == now) return;
   ++counters_.handovers;
   announce_handover(update, before, now);

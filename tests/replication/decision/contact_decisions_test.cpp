@@ -49,7 +49,7 @@ class Deciding : public testing::Test {
   Duration patience() const { return 10s + 2 * members.longest_latency() + 3 * conf.hello_period; }
   std::size_t decided() { return drain<ContactSeen>(outbox).size(); }
 
-  World world{box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "-5 0 0") + box("C", "1 1 1", "9 9 9") +
+  World world{box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "-5 0 0") + box("C", "1 1 1", "9 9 9") +
               interest("A", "\"B\" \"C\"") + interest("B", "\"C\"")};
   ObjectId a = world["A"], b = world["B"], c = world["C"];
   PeerId other;

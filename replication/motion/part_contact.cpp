@@ -1,0 +1,117 @@
+#include "replication/motion/part_contact.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <vector>
+
+#include <boost/container/small_vector.hpp>
+
+#include "collision/contact/box_contact.hpp"
+
+namespace peerd::replication {
+namespace {
+
+using collision::Contact;
+using collision::ContactState;
+using collision::MovingBody;
+
+// The states of one side from an instant on, as one piece each.
+struct SideStates {
+  boost::container::small_vector<KinematicState, 1> states;
+  double error_m = 0.0;
+  SimTime end = SimTime::max();  // the pieces of composed motion end, the first of them
+};
+
+SideStates states_of(std::span<const MovingPart> side, SimTime t, double error_max_m) {
+  SideStates out;
+  for (const MovingPart& part : side) {
+    if (part.chain.size() == 1) {
+      out.states.push_back(part.chain.front()->at(t));
+      continue;
+    }
+    const ComposedPiece piece = composed_piece(part.chain, t, part.reach_m(), error_max_m);
+    out.states.push_back(advance(piece.state, to_seconds(t - piece.begin)));
+    out.error_m = std::max(out.error_m, piece.error_m);
+    if (piece.end) out.end = std::min(out.end, *piece.end);
+  }
+  return out;
+}
+
+std::vector<MovingBody> bodies_of(std::span<const MovingPart> side, const SideStates& states) {
+  std::vector<MovingBody> bodies;
+  for (std::size_t i = 0; i < side.size(); ++i) bodies.push_back({*side[i].body, states.states[i]});
+  return bodies;
+}
+
+Contact search(const PartQuery& query, const SideStates& a, const SideStates& b, Duration horizon) {
+  const double horizon_s = to_seconds(horizon), margin_m = a.error_m + b.error_m;
+  if (a.states.size() == 1 && b.states.size() == 1) {
+    return collision::first_contact({*query.a.front().body, a.states.front()}, {*query.b.front().body, b.states.front()},
+                                    query.type, horizon_s, {query.as, margin_m});
+  }
+  assert(query.type == CollisionType::kBox);
+  const auto boxes_a = bodies_of(query.a, a), boxes_b = bodies_of(query.b, b);
+  return collision::first_box_contact(boxes_a, boxes_b, horizon_s, margin_m);
+}
+
+SimTime time_of(const Contact& found, SimTime begin) {
+  return begin + Duration{static_cast<std::int64_t>(std::floor(found.time_s * 1e9))};
+}
+
+}  // namespace
+
+PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime from, SimTime until,
+                               std::uint64_t& searches) {
+  assert(begin <= from && from < until);
+  const auto search_from = [&](SimTime t, SimTime end, const SideStates& a, const SideStates& b) {
+    ++searches;
+    PartContact found{search(query, a, b, end - t), t, a.states.front(), b.states.front()};
+    found.at = time_of(found.contact, t);
+    return found;
+  };
+  const SideStates at_a = states_of(query.a, begin, kCoarseError_m), at_b = states_of(query.b, begin, kCoarseError_m);
+  const bool exact = at_a.error_m == 0.0 && at_b.error_m == 0.0;
+  PartContact found = search_from(begin, until, at_a, at_b);
+  if (exact) {
+    const bool dealt_with = found.contact.state != ContactState::kSeparated && found.at < from;
+    if (begin == from || !dealt_with) return found;
+    return search_from(from, until, states_of(query.a, from, kCoarseError_m), states_of(query.b, from, kCoarseError_m));
+  }
+  if (found.contact.state == ContactState::kSeparated || found.contact.state == ContactState::kUnsupported) return found;
+  for (SimTime t = std::max(found.at, from); t < until;) {
+    const SideStates a = states_of(query.a, t, kFineError_m), b = states_of(query.b, t, kFineError_m);
+    const SimTime end = std::min({until, a.end, b.end});
+    found = search_from(t, end, a, b);
+    if (found.contact.state != ContactState::kSeparated) return found;
+    t = end;
+  }
+  return found;
+}
+
+bool parts_touch(const PartQuery& query, SimTime t) {
+  const SideStates a = states_of(query.a, t, kFineError_m), b = states_of(query.b, t, kFineError_m);
+  const double margin_m = a.error_m + b.error_m;
+  if (a.states.size() == 1 && b.states.size() == 1) {
+    return collision::touching({*query.a.front().body, a.states.front()}, {*query.b.front().body, b.states.front()},
+                               query.type, {query.as, margin_m});
+  }
+  const auto boxes_a = bodies_of(query.a, a), boxes_b = bodies_of(query.b, b);
+  return collision::box_gap_m(boxes_a, boxes_b) <= margin_m + 2.0 * collision::kAdvancementTolerance_m;
+}
+
+SimTime parts_touch_until(const PartQuery& query, SimTime t, SimTime until) {
+  assert(t < until);
+  Duration lasts = kTouchCheck;
+  if (query.type == CollisionType::kBox) {
+    const SideStates a = states_of(query.a, t, kCoarseError_m), b = states_of(query.b, t, kCoarseError_m);
+    const SimTime end = std::min({until, a.end, b.end});
+    const auto boxes_a = bodies_of(query.a, a), boxes_b = bodies_of(query.b, b);
+    const bool exact = a.error_m + b.error_m == 0.0;
+    const double certain_s = exact ? collision::boxes_overlap_for_s(boxes_a, boxes_b, to_seconds(end - t)) : 0.0;
+    lasts = std::max(lasts, Duration{static_cast<std::int64_t>(certain_s * 1e9)});
+  }
+  return std::min(until, t + lasts);
+}
+
+}  // namespace peerd::replication
