@@ -461,7 +461,10 @@ auto MotionWorld::with_query(const Pair& pair, Function function) const {
 
 void MotionWorld::search_window(Pair& pair) {
   const SimTime s = pair.clear_until;
-  const SweptBound bound_a = bound_of_side(pair, true, s), bound_b = bound_of_side(pair, false, s);
+  const bool in_world = pair.part_a != kNone && pair.common == kNone;
+  SweptBound made_a, made_b;
+  const SweptBound& bound_a = in_world ? bound_of(pair.part_a, s) : (made_a = bound_of_side(pair, true, s));
+  const SweptBound& bound_b = in_world ? bound_of(pair.part_b, s) : (made_b = bound_of_side(pair, false, s));
   SimTime end = grid_floor(s) + kLookahead;
   if (bound_a.next_change) end = std::min(end, *bound_a.next_change);
   if (bound_b.next_change) end = std::min(end, *bound_b.next_change);
