@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -107,6 +108,13 @@ struct PeerClock {
   std::uint64_t beyond_bound = 0;
 };
 
+// The outline of one Shape of the scene from above, for the pictures.
+struct SceneOutline {
+  std::optional<ObjectId> owned;         // the owned object that it is a part of; none: nobody moves it
+  std::vector<Eigen::Vector2d> corners;  // world x and z [m] of a convex polygon, in order; one or two: a point, a line
+  double bottom_m = 0.0, top_m = 0.0;    // its range along world y
+};
+
 // What is measured of all rows of a run, of which the record may keep only some.
 struct RunMeasured {
   Measured whole;
@@ -123,6 +131,8 @@ struct RunRecord {
   std::vector<PeerInfo> peers;
   std::vector<ObjectInfo> objects;              // objects with an owner, sorted by object
   std::map<ObjectId, std::string> scene_paths;  // objects without an owner that contacts name, such as walls
+  std::vector<SceneOutline> outlines;           // Shapes where they stand at first, those near to the objects first
+  std::size_t outlines_left_out = 0;            // Shapes that `outlines` has no room for
   std::vector<GhostSample> ghost_samples;       // sorted by (observer, object, t_s)
   std::vector<UpdateSent> updates;              // sorted by t_s
   std::vector<DatagramSent> datagrams;

@@ -24,6 +24,8 @@ TEST(RunAssembler, GivesTheSameWhileRowsComeAsAfterwards) {
   ASSERT_GT(during.ghost_samples.size(), 100u);
   const report::ScenarioInfo info{"s", "sim", 1, {}};
   EXPECT_EQ(report::summarise(info, {&during, 1}).dump(), report::summarise(info, {&after, 1}).dump());
+  EXPECT_EQ(during.outlines.size(), 6u) << "a car, two walls, three cubes";
+  EXPECT_EQ(after.outlines.size(), 6u);
   for (std::size_t i = 0; i < during.peers.size(); ++i) EXPECT_EQ(during.peers[i].there_s, after.peers[i].there_s);
 }
 
