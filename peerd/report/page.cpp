@@ -252,7 +252,9 @@ std::string overview_section(const Json& summary, const Pictures& pictures) {
                    "sweep has more than three keys or more values than can be told apart.") +
            '\n';
   }
-  return out + figure(pictures.plan, "plan.svg", "From above, the run with the greatest mean error.");
+  return out + figure(pictures.plan, "plan.svg",
+                      "From above, the run with the greatest mean error: the paths of all objects that move, and what "
+                      "stands about them.");
 }
 
 // --- One run

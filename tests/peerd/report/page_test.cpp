@@ -174,7 +174,13 @@ TEST(ReportPage, OfNoRunsAndOfEmptyOnes) {
 // Ito's colours and that of bars stand out from both backgrounds.
 TEST(ReportPage, KnowsEveryNeutralColourOfItsPictures) {
   std::set<std::string> colours;
-  const std::vector<RunRecord> runs = samples::zigzag_sweep();
+  std::vector<RunRecord> runs = samples::zigzag_sweep();
+  for (RunRecord& run : runs) {
+    const std::vector<Eigen::Vector2d> corners{{3, -20}, {4, -20}, {4, 0}, {3, 0}};
+    run.outlines = {{.owned = {}, .corners = corners, .bottom_m = 0, .top_m = 3},
+                    {.owned = {}, .corners = corners, .bottom_m = -3, .top_m = -1},
+                    {.owned = samples::kCar, .corners = corners}};
+  }
   const Json summary = summarise(kInfo, runs);
   const Pictures pictures = draw_pictures(kInfo, runs, summary);
   std::string all = pictures.overview + pictures.pareto + pictures.multiples + pictures.plan;
