@@ -98,6 +98,19 @@ TEST(ReportPage, SaysWhatWasRun) {
   EXPECT_THAT(html, HasSubstr("<code>network.latency_ms</code></td><td>swept</td><td class=\"wrap\">5, 100, 500</td>"));
 }
 
+TEST(ReportPage, ListsAllObjects) {
+  const auto rows = cells_of(part(page_of(kInfo, samples::zigzag_sweep()), "<h2>Objects</h2>", "<h2>Run by run"));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_THAT(rows[0], testing::ElementsAre("*", "CAR", "a", "5.0", testing::_, testing::_, testing::_));
+  EXPECT_THAT(rows[1], testing::ElementsAre("", "CUBE", "b", "1.0", "0", "0", "0"));
+}
+
+TEST(ReportPage, MarksThePrincipalObjectOfARun) {
+  const auto rows = cells_of(part(page_of(kInfo, {samples::zigzag_run(0.1)}), "<h3>Objects</h3>", "<h3>Contacts"));
+  ASSERT_EQ(rows.size(), 4u);
+  for (const auto& row : rows) EXPECT_EQ(row[0], row[1] == "CAR" ? "*" : "");
+}
+
 TEST(ReportPage, HoldsEveryPictureOfItsRuns) {
   const std::vector<RunRecord> runs = samples::zigzag_sweep();
   const Json summary = summarise(kInfo, runs);
