@@ -303,6 +303,20 @@ const LinkSettings& link(const RunSettings& run, const std::string& from, const 
   return at == run.links.end() ? run.network : at->second;
 }
 
+nlohmann::ordered_json network_settings(const RunSettings& run) {
+  nlohmann::ordered_json settings = nlohmann::ordered_json::object();
+  const auto add = [&](const std::string& table, const LinkSettings& link, const LinkSettings& usual) {
+    for (const LinkKey& key : kLinkKeys) {
+      if (link.*key.value != usual.*key.value) settings[table + std::string(key.name)] = link.*key.value;
+    }
+  };
+  add("network.", run.network, {});
+  for (const auto& [ends, link] : run.links) {
+    add("network.link." + ends.first + "." + ends.second + ".", link, run.network);
+  }
+  return settings;
+}
+
 Result<Scenario> read_scenario(const ScenarioRequest& request) {
   const auto sources = read_sources(request);
   if (!sources) return std::unexpected(sources.error());

@@ -65,4 +65,8 @@ struct ScenarioRequest {
 // The network settings that apply to datagrams from one peer to another.
 [[nodiscard]] const LinkSettings& link(const RunSettings& run, const std::string& from, const std::string& to);
 
+// The keys of the network that are not at their defaults, by dotted name: those of [network], and those of links that
+// have another value than [network].
+[[nodiscard]] nlohmann::ordered_json network_settings(const RunSettings& run);
+
 }  // namespace peerd::config

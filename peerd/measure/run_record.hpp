@@ -125,6 +125,9 @@ struct RunMeasured {
 
 struct RunRecord {
   nlohmann::ordered_json params;  // swept and set keys, by dotted name
+  // The keys of the network that are not at their defaults, by dotted name, whether or not `params` has them; empty on
+  // a real network that nobody shapes.
+  nlohmann::ordered_json network_settings = nlohmann::ordered_json::object();
   std::uint64_t seed = 1;
   double duration_s = 0.0;
   bool stopped = false;  // the run was to be longer than duration_s, and a signal has ended it

@@ -123,8 +123,8 @@ std::string keys_table(std::span<const RunRecord> runs) {
   std::vector<Params> params;
   std::vector<std::string> keys;
   for (const RunRecord& run : runs) {
-    params.push_back(run.params);
-    for (const auto& item : run.params.items()) {
+    params.push_back(with_network(run.params, run.network_settings));
+    for (const auto& item : params.back().items()) {
       if (std::ranges::find(keys, item.key()) == keys.end()) keys.push_back(item.key());
     }
   }

@@ -154,6 +154,52 @@ std::string ending(const std::string& text, std::size_t most) {
   return "…" + text.substr(at);
 }
 
+// Adds parts with commas between them, in lines that are no longer than a terminal is wide.
+void append_list(std::string& out, std::string line, const std::vector<std::string>& parts) {
+  constexpr std::size_t kWidth = 80;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::string part = parts[i] + (i + 1 < parts.size() ? "," : "");
+    if (line.size() + 1 + part.size() > kWidth) {
+      append_line(out, line);
+      line = " ";
+    }
+    line += ' ' + part;
+  }
+  append_line(out, line);
+}
+
+// "a to b: " for a key of the link from a to b, such as network.link.a.b.loss; empty for one of the whole network.
+std::string ends_of_link(const std::string& key) {
+  constexpr std::string_view kLink = "network.link.";
+  if (!key.starts_with(kLink)) return "";
+  std::string ends = key.substr(kLink.size(), key.rfind('.') - kLink.size());
+  if (std::ranges::count(ends, '.') == 1) ends.replace(ends.find('.'), 1, " to ");  // a name may have dots itself
+  return ends + ": ";
+}
+
+// The settings of the network that all runs have and no column shows.
+void append_network(std::string& out, const Json& summary) {
+  std::vector<Params> params;
+  bool shaped = summary.at("mode") == "sim";
+  for (const Json& run : summary.at("runs")) {
+    const bool has_settings = run.contains("network_settings");
+    params.push_back(with_network(run.at("params"), has_settings ? run.at("network_settings") : Json::object()));
+    shaped |= has_settings;
+  }
+  if (!shaped || params.empty()) return;
+  const std::vector<std::string> varying = varying_keys(params);
+  std::vector<std::string> keys, parts;
+  for (const auto& item : params.front().items()) {
+    const std::string& key = item.key();
+    const bool in_column = std::ranges::find(varying, key) != varying.end();
+    if (key.starts_with("network.") && !in_column) keys.push_back(key);
+  }
+  for (const std::string& key : keys) {
+    parts.push_back(ends_of_link(key) + describe(params.front(), key, std::span(&key, 1)));
+  }
+  if (!parts.empty()) append_list(out, "network:", parts);
+}
+
 // What all runs and observers say of one object.
 struct ObjectTotals {
   std::string owner;
@@ -274,6 +320,7 @@ std::string table(const Json& summary) {
   const std::string path = principal_object(summary);
   std::string out;
   append_line(out, heading(summary, path));
+  append_network(out, summary);
   const bool repeated = summary.contains("points");
   if (repeated)
     append_line(out,

@@ -39,7 +39,8 @@ inline constexpr std::string_view kPrincipalMark = "*";
 [[nodiscard]] std::string objects_table(const nlohmann::ordered_json& summary);
 
 // The summary for a terminal, at most 100 columns wide with two observers: a row for each run; from three observers on,
-// for each run and observer; of repeated runs, for each point and observer. It ends with a line feed.
+// for each run and observer; of repeated runs, for each point and observer. Above them are the settings of the network
+// that no column shows. It ends with a line feed.
 [[nodiscard]] std::string table(const nlohmann::ordered_json& summary);
 
 // The collisions that peers decided otherwise than the truth without latency, summed: a row for each policy, a column

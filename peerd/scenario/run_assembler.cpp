@@ -224,6 +224,7 @@ Result<report::RunRecord> RunAssembler::finish(const std::vector<PeerLog>& logs,
   }
   report::RunRecord record;
   record.params = run_.params;
+  record.network_settings = config::network_settings(run_);
   record.seed = run_.seed;
   record.duration_s = stopped_at_s.value_or(run_.duration_s);
   record.stopped = stopped_at_s.has_value();

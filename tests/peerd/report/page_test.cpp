@@ -98,6 +98,14 @@ TEST(ReportPage, SaysWhatWasRun) {
   EXPECT_THAT(html, HasSubstr("<code>network.latency_ms</code></td><td>swept</td><td class=\"wrap\">5, 100, 500</td>"));
 }
 
+TEST(ReportPage, SaysWhatTheNetworkWas) {
+  std::vector<RunRecord> runs = samples::zigzag_sweep();
+  for (RunRecord& run : runs) run.network_settings = {{"network.jitter_ms", 20.0}, {"network.loss", 0.05}};
+  const std::string html = part(page_of(kInfo, runs), "<h2>What was run</h2>", "<h2>Runs");
+  EXPECT_THAT(html, HasSubstr("<code>network.jitter_ms</code></td><td>set</td><td class=\"wrap\">20</td>"));
+  EXPECT_THAT(html, HasSubstr("<code>network.loss</code></td><td>set</td><td class=\"wrap\">0.05</td>"));
+}
+
 TEST(ReportPage, ListsAllObjects) {
   const auto rows = cells_of(part(page_of(kInfo, samples::zigzag_sweep()), "<h2>Objects</h2>", "<h2>Run by run"));
   ASSERT_EQ(rows.size(), 2u);

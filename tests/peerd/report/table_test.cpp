@@ -96,6 +96,28 @@ TEST(ObjectsTable, OfOneObjectIsLeftOut) {
   EXPECT_EQ(objects_table(summarise(kInfo, {})), "");
 }
 
+TEST(Table, SaysWhatTheNetworkIsThatNoColumnShows) {
+  std::vector<RunRecord> runs = samples::zigzag_sweep();
+  for (RunRecord& run : runs) {
+    run.network_settings = {{"network.latency_ms", run.params.at("network.latency_ms")},
+                            {"network.jitter_ms", 20},
+                            {"network.loss", 0.05},
+                            {"network.link.a.b.loss", 0.25}};
+  }
+  const auto lines = lines_of(table(summarise(kInfo, runs)));
+  EXPECT_EQ(lines[1], "network: jitter 20 ms, loss 0.05, a to b: loss 0.25");
+  for (int i = 0; i < 20; ++i) runs[0].network_settings["network.link.a.p" + std::to_string(i) + ".loss"] = 0.5;
+  const RunRecord& one = runs[0];
+  for (const std::string& line : lines_of(table(summarise(kInfo, {&one, 1})))) EXPECT_LE(width_of(line), 100u);
+}
+
+TEST(Table, ARealNetworkHasNoSettings) {
+  RunRecord run = samples::zigzag_run(0.1);
+  run.params = {{"network.loss", 0.05}};
+  const ScenarioInfo real{"zigzag", "real", 7, {}};
+  EXPECT_THAT(table(summarise(real, {&run, 1})), testing::Not(testing::HasSubstr("network:")));
+}
+
 TEST(Table, ThePrincipalObjectIsTheOneThatErrsMost) {
   const std::vector<RunRecord> runs = samples::zigzag_sweep();
   EXPECT_EQ(principal_object(summarise(kInfo, runs)), "CAR");
