@@ -7,8 +7,8 @@ namespace peerd {
 //
 // At first, while nothing could be saved, a signal ends the process at once with a line that says why. From
 // `note_from_now_on` on, the first signal is noted for the command to stop by itself, and the second one ends the
-// process. A signal that was ignored when the program was started, as a shell does for Ctrl-C in the background, goes on
-// being ignored.
+// process. A signal that was ignored when the program was started, as a shell does for Ctrl-C in the background, goes
+// on being ignored.
 class StopSignals {
  public:
   // `at_once`: the line, such as "stopped while reading the world: nothing was run".

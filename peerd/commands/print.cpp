@@ -51,7 +51,7 @@ int print_report(const report::ScenarioInfo& info, std::span<const report::RunRe
   const std::string thinned = report::thinned_rows(info, runs);
   const std::string rows = thinned.empty() ? "" : "\n" + thinned + "\n";
   std::cout << (json ? summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"
-                     : report::table(summary) + report::wrong_outcomes_table(summary) +
+                     : report::table(summary) + report::objects_table(summary) + report::wrong_outcomes_table(summary) +
                            report::expectations_table(checked, summary["runs"]) + rows);
   return std::ranges::any_of(checked, &report::CheckedExpectation::failed) ? 1 : 0;
 }

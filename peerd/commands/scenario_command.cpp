@@ -104,6 +104,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
     if (!logs) return failed(logs.error());
     auto record = assemble(run, **shared, *logs, measuring_of(*scenario, records.size(), *csv_rows));
     if (!record) return failed(record.error());
+    if (!lab) record->network_settings.clear();  // they do not apply
     if (lab) {
       network->oversleep_during_ms = std::move(oversleep_ms);
       if (auto counted = lab->count(*network); !counted) return failed(counted.error());

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "peerd/config/renamed_keys.hpp"
+#include "peerd/config/without_effect.hpp"
 #include "peerd/input/toml_json.hpp"
 
 namespace peerd::config {
@@ -200,6 +201,21 @@ Result<toml::table> read_root(const ScenarioRequest& request, const Sources& sou
   return root;
 }
 
+// The sources one by one. The text has been read without an error before.
+GivenSettings given_settings(const ScenarioRequest& request, const Sources& sources) {
+  GivenSettings given;
+  std::vector<std::string> known_warnings;
+  if (auto file = parse_toml(sources.text, request.file.string()); file && rename_old_keys(*file, known_warnings)) {
+    given.file = std::move(*file);
+  }
+  given.overlays = sources.overlays;
+  for (const auto* assignments : {&sources.sets, &sources.swept_sets}) {
+    for (const Assignment& a : *assignments) (void)assign(given.set, a.key, *a.holder.get("value"));
+  }
+  given.whole_sweep = request.sweep && !request.real;  // real runs leave out what the network sweeps
+  return given;
+}
+
 // The lists to sweep over: those of the scenario, replaced by those of --set, without the keys that --set fixes.
 Result<toml::table> read_sweep(const ScenarioRequest& request, const Sources& sources, const toml::table& root) {
   toml::table sweep;
@@ -303,6 +319,20 @@ const LinkSettings& link(const RunSettings& run, const std::string& from, const 
   return at == run.links.end() ? run.network : at->second;
 }
 
+nlohmann::ordered_json network_settings(const RunSettings& run) {
+  nlohmann::ordered_json settings = nlohmann::ordered_json::object();
+  const auto add = [&](const std::string& table, const LinkSettings& link, const LinkSettings& usual) {
+    for (const LinkKey& key : kLinkKeys) {
+      if (link.*key.value != usual.*key.value) settings[table + std::string(key.name)] = link.*key.value;
+    }
+  };
+  add("network.", run.network, {});
+  for (const auto& [ends, link] : run.links) {
+    add("network.link." + ends.first + "." + ends.second + ".", link, run.network);
+  }
+  return settings;
+}
+
 Result<Scenario> read_scenario(const ScenarioRequest& request) {
   const auto sources = read_sources(request);
   if (!sources) return std::unexpected(sources.error());
@@ -359,6 +389,9 @@ Result<Scenario> read_scenario(const ScenarioRequest& request) {
     }
     if (i + 1 < points) continue;
     if (const auto error = without_runs(request, expectations, point->root)) return std::unexpected(*error);
+  }
+  for (std::string& warning : keys_without_effect(given_settings(request, *sources), scenario.runs)) {
+    scenario.warnings.push_back(std::move(warning));
   }
   scenario.expectations = std::move(expectations);
   scenario.seed = scenario.runs.front().seed;

@@ -10,33 +10,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/config/events.hpp"
 #include "peerd/config/expectations.hpp"
-#include "peerd/config/link_settings.hpp"
-#include "peerd/config/peer_settings.hpp"
+#include "peerd/config/run_settings.hpp"
 
 namespace peerd::config {
 
 inline constexpr std::uint32_t kRepeatMax = 10'000;
 inline constexpr std::int64_t kSeedMax = std::numeric_limits<std::int64_t>::max();  // TOML integers are signed
-
-// The settings of one run: every swept key has one value, and the seed is that of one repetition.
-struct RunSettings {
-  nlohmann::ordered_json params;  // swept and set keys, by dotted name
-  std::string toml;               // all settings as one text, for captures
-  double duration_s = 15.0;
-  std::uint64_t seed = 1;
-  std::uint32_t sample_hz = 60;  // samples per second of each observer's error, whatever its tick rate
-  ReplicationSettings replication;
-  bool compare_outcomes = false;                 // with the same run without latency; simulated runs only
-  std::vector<PeerSettings> peers;               // by id
-  std::map<std::string, MotionSettings> motion;  // by path or pattern; applies to whichever peer owns the object
-  std::vector<ScenarioEvent> events;             // by time, then by name
-  LinkSettings network;
-  std::map<std::pair<std::string, std::string>, LinkSettings> links;
-  TransportSettings transport;
-  ControlSettings control;
-};
 
 struct Scenario {
   std::string name;
@@ -64,5 +44,9 @@ struct ScenarioRequest {
 
 // The network settings that apply to datagrams from one peer to another.
 [[nodiscard]] const LinkSettings& link(const RunSettings& run, const std::string& from, const std::string& to);
+
+// The keys of the network that are not at their defaults, by dotted name: those of [network], and those of links that
+// have another value than [network].
+[[nodiscard]] nlohmann::ordered_json network_settings(const RunSettings& run);
 
 }  // namespace peerd::config

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -107,6 +108,13 @@ struct PeerClock {
   std::uint64_t beyond_bound = 0;
 };
 
+// The outline of one Shape of the scene from above, for the pictures.
+struct SceneOutline {
+  std::optional<ObjectId> owned;         // the owned object that it is a part of; none: nobody moves it
+  std::vector<Eigen::Vector2d> corners;  // world x and z [m] of a convex polygon, in order; one or two: a point, a line
+  double bottom_m = 0.0, top_m = 0.0;    // its range along world y
+};
+
 // What is measured of all rows of a run, of which the record may keep only some.
 struct RunMeasured {
   Measured whole;
@@ -117,12 +125,17 @@ struct RunMeasured {
 
 struct RunRecord {
   nlohmann::ordered_json params;  // swept and set keys, by dotted name
+  // The keys of the network that are not at their defaults, by dotted name, whether or not `params` has them; empty on
+  // a real network that nobody shapes.
+  nlohmann::ordered_json network_settings = nlohmann::ordered_json::object();
   std::uint64_t seed = 1;
   double duration_s = 0.0;
   bool stopped = false;  // the run was to be longer than duration_s, and a signal has ended it
   std::vector<PeerInfo> peers;
   std::vector<ObjectInfo> objects;              // objects with an owner, sorted by object
   std::map<ObjectId, std::string> scene_paths;  // objects without an owner that contacts name, such as walls
+  std::vector<SceneOutline> outlines;           // Shapes where they stand at first, those near to the objects first
+  std::size_t outlines_left_out = 0;            // Shapes that `outlines` has no room for
   std::vector<GhostSample> ghost_samples;       // sorted by (observer, object, t_s)
   std::vector<UpdateSent> updates;              // sorted by t_s
   std::vector<DatagramSent> datagrams;

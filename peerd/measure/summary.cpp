@@ -168,6 +168,7 @@ Json run_json(const RunRecord& run, const Measured& measured) {
                {"groups_joined", run.groups_joined},
                {"state_roots_equal", run.worlds_equal},
                {"counters", std::move(counters)}};
+  if (!run.network_settings.empty()) json["network_settings"] = run.network_settings;
   if (run.stopped) json["stopped_at_s"] = run.duration_s;
   if (!run.clocks.empty()) json["clocks"] = clocks_json(run);
   if (run.interest) json["interest"] = interest_json(run);

@@ -51,6 +51,13 @@ std::vector<std::string> varying_keys(std::span<const Params> runs) {
   return keys;
 }
 
+Params with_network(Params params, const Params& network_settings) {
+  for (const auto& item : network_settings.items()) {
+    if (!params.contains(item.key())) params[item.key()] = item.value();
+  }
+  return params;
+}
+
 std::string short_name(const std::string& key, std::span<const std::string> keys) {
   // Without a dot the position is npos, and npos + 1 is 0, which gives the whole key.
   const auto last = [](const std::string& k) { return k.substr(k.rfind('.') + 1); };

@@ -14,6 +14,9 @@ using Params = nlohmann::ordered_json;
 // appearance.
 [[nodiscard]] std::vector<std::string> varying_keys(std::span<const Params> runs);
 
+// The parameters of a run with the settings of its network that are not among them.
+[[nodiscard]] Params with_network(Params params, const Params& network_settings);
+
 // The last part of a key, such as "latency_ms" of "network.latency_ms", or the whole key where another key ends alike.
 [[nodiscard]] std::string short_name(const std::string& key, std::span<const std::string> keys);
 

@@ -37,6 +37,15 @@ void draw_mark(Svg& svg, Point at, const LegendEntry& entry) {
     case LegendEntry::Mark::kSquare:
       svg.rect({middle.x - 3.5, middle.y - 3.5, 7.0, 7.0}, entry.stroke.colour);
       break;
+    case LegendEntry::Mark::kOutline: {
+      const std::array corners{Point{middle.x - 6.0, middle.y - 4.0}, Point{middle.x + 6.0, middle.y - 4.0},
+                               Point{middle.x + 6.0, middle.y + 4.0}, Point{middle.x - 6.0, middle.y + 4.0}};
+      svg.polygon(corners, entry.fill.empty() ? entry.stroke.colour : entry.fill, entry.fill_opacity);
+      std::vector<Point> edge(corners.begin(), corners.end());
+      edge.push_back(corners.front());
+      svg.polyline(edge, entry.stroke);
+      break;
+    }
   }
 }
 

@@ -31,9 +31,11 @@ inline constexpr std::string_view kBarColour = "#7d8ca3";    // for bars that st
 }
 
 struct LegendEntry {
-  enum class Mark { kLine, kUpright, kCircle, kDisc, kCross, kSquare } mark = Mark::kLine;
+  enum class Mark { kLine, kUpright, kCircle, kDisc, kCross, kSquare, kOutline } mark = Mark::kLine;
   Stroke stroke;
   std::string label;
+  std::string_view fill = {};  // of an outline; "": the colour of its stroke
+  double fill_opacity = 0.15;
 };
 
 // Breaks a legend into as many lines as it takes for every entry to fit.

@@ -44,8 +44,8 @@ struct FigureFrame {
 // observer.
 [[nodiscard]] std::string overview_figure(const nlohmann::ordered_json& summary);
 
-// Draws the path from above (world x and z at one scale): truth and ghosts of the run with the greatest mean ghost
-// error.
+// Draws the run with the greatest mean ghost error from above (world x and z at one scale): truth and ghosts of the
+// principal object, the paths of all others that move, and the outlines of what stands.
 [[nodiscard]] std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> runs,
                                       const nlohmann::ordered_json& summary);
 

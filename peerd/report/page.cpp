@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -27,6 +28,7 @@ constexpr std::size_t kMostPictureBytes = 8u << 20;  // for all pictures of sing
 constexpr std::size_t kMostRuns = 200;               // runs with details
 constexpr std::size_t kMostRunRows = 400;            // rows of the table of runs
 constexpr std::size_t kMostObjectRows = 24;          // rows of a run's table of objects
+constexpr std::size_t kMostObjects = 100;            // rows of the table of all objects
 constexpr std::size_t kMostNames = 40;               // names of peers, of objects, and values of a key
 
 // Four digits are more than the samples bear, and they tell errors of all sizes apart.
@@ -121,8 +123,8 @@ std::string keys_table(std::span<const RunRecord> runs) {
   std::vector<Params> params;
   std::vector<std::string> keys;
   for (const RunRecord& run : runs) {
-    params.push_back(run.params);
-    for (const auto& item : run.params.items()) {
+    params.push_back(with_network(run.params, run.network_settings));
+    for (const auto& item : params.back().items()) {
       if (std::ranges::find(keys, item.key()) == keys.end()) keys.push_back(item.key());
     }
   }
@@ -221,6 +223,19 @@ std::string runs_table(const Json& summary) {
   return wrong.empty() ? out : out + scrolling(element("pre", markup_lines(wrong)));
 }
 
+// All objects over all runs; the pictures and the table of runs show the first of them.
+std::string all_objects_section(const Json& summary) {
+  std::vector<Column> columns = object_columns(summary, std::numeric_limits<std::size_t>::max(), four_digits);
+  if (columns.front().cells.size() < 2) return "";
+  for (std::size_t c = 4; c < columns.size(); ++c) columns[c].group = "ghost error [m]";
+  return "<h2>Objects</h2>\n" +
+         element("p class=\"faint\"",
+                 "All runs and observers together, the worst first: updates a run, the mean of the mean errors, the "
+                 "greatest p99 and the greatest error. " +
+                     std::string(kPrincipalMark) + " marks the object that the table of runs and most pictures show.") +
+         '\n' + table_of(columns, kMostObjects);
+}
+
 std::string front_sentence(const Json& summary) {
   std::string out;
   for (const Situation& s : pareto_fronts(summary)) {
@@ -252,18 +267,21 @@ std::string overview_section(const Json& summary, const Pictures& pictures) {
                    "sweep has more than three keys or more values than can be told apart.") +
            '\n';
   }
-  return out + figure(pictures.plan, "plan.svg", "From above, the run with the greatest mean error.");
+  return out + figure(pictures.plan, "plan.svg",
+                      "From above, the run with the greatest mean error: the paths of all objects that move, and what "
+                      "stands about them.");
 }
 
 // --- One run
 
 // The rows of objects, those with the greatest mean errors first.
-std::string objects_table(const Json& run) {
+std::string views_table(const Json& run, const std::string& principal) {
   std::vector<const Json*> rows;
   for (const Json& row : run.at("objects")) rows.push_back(&row);
   std::ranges::stable_sort(rows, std::ranges::greater{},
                            [](const Json* row) { return row->at("ghost_error_m").at("mean").get<double>(); });
-  std::vector<Column> columns{{"", "object", false, {}},
+  std::vector<Column> columns{{"", "", false, {}},
+                              {"", "object", false, {}},
                               {"", "owner", false, {}},
                               {"", "observer", false, {}},
                               {"", "updates", true, {}},
@@ -283,6 +301,7 @@ std::string objects_table(const Json& run) {
     const auto add_error = [&](const char* which, const char* what) {
       add(seen ? four_digits(row->at(which).at(what).get<double>()) : "-");
     };
+    add(row->at("path") == principal ? std::string(kPrincipalMark) : "");
     for (const char* name : {"path", "owner", "observer"}) add(row->at(name).get<std::string>());
     for (const char* name : {"updates_sent", "bytes_sent", "samples"}) add(row->at(name).dump());
     for (const char* what : {"mean", "rms", "p99", "max"}) add_error("ghost_error_m", what);
@@ -381,7 +400,7 @@ std::string run_details(const Json& run, std::size_t number, const std::string& 
                                             "</a>.") +
            '\n';
   }
-  out += objects_table(run) + contacts_table(run.at("collisions"));
+  out += views_table(run, object) + contacts_table(run.at("collisions"));
   if (run.contains("interest")) out += interest_table(run.at("interest"));
   const Json& traffic = run.at("traffic");
   out +=
@@ -443,7 +462,7 @@ std::string report_page(const ScenarioInfo& info, std::span<const RunRecord> run
   out += element("style", kPageStyle) + "\n</head>\n<body>\n";
   out += element("h1", markup_text(info.name)) + '\n' + files_section() + rows_sentence(info, runs);
   out += warnings_list(info) + expectations_section(summary) + what_was_run(info, runs) + runs_table(summary);
-  out += overview_section(summary, pictures) + runs_section(summary, pictures);
+  out += overview_section(summary, pictures) + all_objects_section(summary) + runs_section(summary, pictures);
   return out + "</body>\n</html>\n";
 }
 

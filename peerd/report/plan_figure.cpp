@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstddef>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "peerd/measure/agreement.hpp"
@@ -8,39 +10,26 @@
 #include "peerd/measure/sweep.hpp"
 #include "peerd/report/figure_parts.hpp"
 #include "peerd/report/figures.hpp"
+#include "peerd/report/plan_contents.hpp"
+#include "peerd/report/polyline.hpp"
 #include "peerd/report/table.hpp"
 
 namespace peerd::report {
 namespace {
 
+// The picture stays some hundred kilobytes: a point is a dozen bytes.
+constexpr std::size_t kPointsMax = 16'000;  // of the paths of all objects but the principal one
+constexpr std::size_t kMoversMax = 4'000;   // paths, of which each has two points at least
+constexpr double kFinest_px = 0.3;          // how far a line may be from its points; no eye sees it
+
 struct PlanLayout {  // [px]
   static constexpr double kLeft = 70.0;
-  static constexpr double kTop = 86.0;
-  static constexpr double kLongest = 1040.0;  // length of the longer side
-  static constexpr double kLeast = 60.0;      // least length of the shorter side, for paths that are nearly straight
-};
-
-// Maps world axes to the page. The longer extent is horizontal, so that a road fits. The view is from +y; where z is
-// horizontal, -z points right.
-struct PlanAxes {
-  int across = 0;
-  int up = 2;
-  double across_sign = 1.0;
-  double up_sign = -1.0;  // x right, -z up: as on a map
-  [[nodiscard]] Point of(const Vec3& p) const { return {across_sign * p[across], up_sign * p[up]}; }
-};
-
-struct PlanPaths {
-  std::vector<Vec3> truth;
-  std::vector<std::vector<Vec3>> ghosts;  // one for each observer
-  std::vector<Vec3> others;               // the first places of all other objects that are replicated
-};
-
-// A PlanFrame holds the place and the scale of the plan on the page.
-struct PlanFrame {
-  PlanAxes axes;
-  Range across, up;  // [m]
-  Box box;           // [px]
+  static constexpr double kTop = 102.0;
+  static constexpr double kWidthMax = 1040.0;
+  static constexpr double kHeightMax = 760.0;
+  static constexpr double kTextWidth = 760.0;  // at least, for the legends
+  static constexpr double kLegendRow = 16.0;
+  static constexpr double kBelow = 66.0;  // numbers, the axis, and a line of notes
 };
 
 std::size_t worst_run(const nlohmann::ordered_json& summary, const std::string& path) {
@@ -60,94 +49,228 @@ std::size_t worst_run(const nlohmann::ordered_json& summary, const std::string& 
   return worst;
 }
 
-std::vector<Point> on_page(const std::vector<Vec3>& path, const PlanAxes& axes) {
-  std::vector<Point> points;
-  for (const Vec3& p : path) points.push_back(axes.of(p));
-  return points;
-}
-
-std::vector<Point> in_pixels(const std::vector<Point>& points, const Panel& panel) {
-  std::vector<Point> pixels;
-  for (const Point& p : points) pixels.push_back(panel.at(p.x, p.y));
-  return pixels;
-}
-
 std::string axis_name(int axis, double sign) {
   return std::string(sign < 0.0 ? "−" : "") + (axis == 0 ? "x" : "z") + " [m]";
 }
 
-PlanPaths paths_of(const RunRecord& run, const ObjectInfo& object, std::span<const PeerInfo> observers) {
-  PlanPaths paths;
-  for (const TruthSample& s : truth_of(run, object)) paths.truth.push_back(s.position);
-  for (const PeerInfo& observer : observers) {
-    paths.ghosts.emplace_back();
-    for (const GhostSample& s : ghost_samples_of(run, observer.peer, object.object)) {
-      paths.ghosts.back().push_back(s.ghost.position);
-    }
-  }
-  for (const ObjectInfo& other : run.objects) {
-    if (other.object == object.object) continue;
-    const std::vector<PeerInfo> by = observers_of(run, other);
-    if (!by.empty()) {
-      paths.others.push_back(ghost_samples_of(run, by.front().peer, other.object).front().truth.position);
-    }
-  }
-  return paths;
+std::string number_of(std::size_t count, const char* what) {
+  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
 }
 
-// All paths with a margin, at one scale for both axes.
-PlanFrame frame_of(const PlanPaths& paths) {
-  Range x, z;
-  const auto add = [&](const std::vector<Vec3>& points) {
-    for (const Vec3& p : points) (x.add(p.x()), z.add(p.z()));
-  };
-  add(paths.truth);
-  for (const auto& ghost : paths.ghosts) add(ghost);
-  add(paths.others);
-  x = drawable(x);
-  z = drawable(z);
+// The lines of many objects, in pixels, by the number of their owner's colour.
+struct OwnerLines {
+  std::map<std::size_t, std::vector<std::vector<Point>>> by_colour;
+  double tolerance_px = kFinest_px;  // how far the lines are from their points at most
+};
 
-  PlanFrame frame;
-  auto& [axes, across, up, box] = frame;
-  if (z.hi - z.lo > x.hi - x.lo) axes = {2, 0, -1.0, -1.0};
-  for (const double px : {x.lo, x.hi}) {
-    for (const double pz : {z.lo, z.hi}) {
-      const Point p = axes.of({px, 0.0, pz});
-      across.add(p.x);
-      up.add(p.y);
+// The drawing of one plan, whose parts are added from the back to the front.
+class Plan {
+ public:
+  Plan(Svg& svg, const RunRecord& run, const ObjectInfo& principal, const PlanContents& contents,
+       std::span<const PeerInfo> observers, const PlanFrame& frame)
+      : svg_(svg),
+        run_(run),
+        principal_(principal),
+        contents_(contents),
+        observers_(observers),
+        frame_(frame),
+        box_{PlanLayout::kLeft, PlanLayout::kTop, frame.width_px, frame.height_px},
+        panel_(box_, frame.across, frame.up) {}
+
+  void draw() {
+    draw_scene();
+    panel_.draw_axes(svg_, {.x = axis_name(frame_.axes.across, frame_.axes.across_sign),
+                            .y = axis_name(frame_.axes.up, frame_.axes.up_sign),
+                            .x_ticks = std::clamp(static_cast<int>(box_.width / 65.0), 3, 16),
+                            .y_ticks = std::clamp(static_cast<int>(box_.height / 28.0), 3, 16)});
+    draw_owned();
+    draw_others();
+    draw_principal();
+    draw_marks();
+    const double top = PlanLayout::kTop - 10.0, width = std::max(box_.width, PlanLayout::kTextWidth);
+    draw_legend(svg_, {PlanLayout::kLeft, top - PlanLayout::kLegendRow}, width, principal_legend_);
+    draw_legend(svg_, {PlanLayout::kLeft, top}, width, legend_);
+    std::string notes;
+    for (const std::string& note : notes_) notes += (notes.empty() ? "" : "; ") + note;
+    if (notes.empty()) return;
+    svg_.text({PlanLayout::kLeft, box_.y + box_.height + 54.0}, shortened(notes, width, 11.0),
+              {.size = 11.0, .colour = "#666"});
+  }
+
+ private:
+  // One colour a peer: the observers have those of the other pictures, the owner of the principal object the next one.
+  [[nodiscard]] std::size_t colour_number(PeerId peer) const {
+    const auto observer = std::ranges::find(observers_, peer, &PeerInfo::peer);
+    if (observer != observers_.end()) return static_cast<std::size_t>(observer - observers_.begin());
+    if (peer == principal_.owner) return observers_.size();
+    const auto at = std::ranges::find(run_.peers, peer, &PeerInfo::peer) - run_.peers.begin();
+    return observers_.size() + 1 + static_cast<std::size_t>(at);
+  }
+
+  [[nodiscard]] Point in_pixels(const Vec3& p) const {
+    const Point at = frame_.axes.of(p);
+    return panel_.at(at.x, at.y);
+  }
+  // The parts of a path that are in the picture. Places that are no numbers interrupt it.
+  [[nodiscard]] std::vector<std::vector<Point>> parts_inside(const std::vector<Vec3>& path) const {
+    std::vector<std::vector<Point>> parts;
+    std::vector<Point> piece;
+    for (std::size_t i = 0; i <= path.size(); ++i) {
+      if (i < path.size() && path[i].allFinite()) {
+        piece.push_back(in_pixels(path[i]));
+        continue;
+      }
+      for (std::vector<Point>& part : clipped_line(piece, box_)) parts.push_back(std::move(part));
+      piece.clear();
+    }
+    return parts;
+  }
+  [[nodiscard]] bool inside(const Point& p) const {
+    return box_.x <= p.x && p.x <= box_.x + box_.width && box_.y <= p.y && p.y <= box_.y + box_.height;
+  }
+  // False where the outline is outside of the picture.
+  bool draw_outline(const SceneOutline& outline, const LegendEntry& style) {
+    std::vector<Point> corners;
+    for (const auto& corner : outline.corners) corners.push_back(in_pixels(Vec3(corner.x(), 0.0, corner.y())));
+    if (corners.empty()) return false;
+    const std::vector<Point> inside = clipped_polygon(corners, box_);
+    if (inside.empty()) return false;
+    if (inside.size() > 2) svg_.polygon(inside, style.fill, style.fill_opacity);
+    corners.push_back(corners.front());
+    svg_.lines(clipped_line(corners, box_), style.stroke);  // not along the edge of the picture
+    return true;
+  }
+
+  void draw_scene() {
+    using Mark = LegendEntry::Mark;
+    const LegendEntry floor{Mark::kOutline, {.colour = "#b8b8b8", .width = 0.8}, "below all paths", kBarColour, 0.07};
+    const LegendEntry standing{Mark::kOutline, {.colour = "#777", .width = 0.8}, "what stands", kBarColour, 0.3};
+    for (const LegendEntry* const style : {&floor, &standing}) {  // what stands on a floor is drawn over it
+      bool any = false;
+      for (const SceneOutline* const outline : contents_.scene_outlines) {
+        const bool is_floor = outline->top_m <= contents_.lowest_m;
+        if (is_floor == (style == &floor)) any |= draw_outline(*outline, *style);
+      }
+      if (any) legend_.push_back(*style);
+    }
+    if (run_.outlines_left_out > 0) {
+      notes_.push_back(number_of(run_.outlines_left_out, "shape") +
+                       " of the scene, farthest from the objects, not drawn");
     }
   }
-  const double room = 0.02 * (across.hi - across.lo);
-  across = {across.lo - room, across.hi + room};
-  up = {up.lo - room, up.hi + room};
-  const double scale = PlanLayout::kLongest / (across.hi - across.lo);  // pixels per metre
-  const double least_m = PlanLayout::kLeast / scale;
-  if (up.hi - up.lo < least_m) {
-    const double middle = 0.5 * (up.lo + up.hi);
-    up = {middle - 0.5 * least_m, middle + 0.5 * least_m};
-  }
-  box = {PlanLayout::kLeft, PlanLayout::kTop, PlanLayout::kLongest, (up.hi - up.lo) * scale};
-  return frame;
-}
 
-void draw_paths(Svg& svg, const PlanPaths& paths, std::span<const PeerInfo> observers, const PlanAxes& axes,
-                const Panel& panel) {
-  using Mark = LegendEntry::Mark;
-  const Stroke truth{.colour = kTruthColour, .width = 5.0};
-  std::vector<LegendEntry> legend{{Mark::kLine, truth, "truth"}};
-  svg.polyline(in_pixels(on_page(paths.truth, axes), panel), truth);
-  for (std::size_t i = 0; i < observers.size(); ++i) {
-    svg.polyline(in_pixels(on_page(paths.ghosts[i], axes), panel), observer_stroke(i));
-    legend.push_back({Mark::kLine, observer_stroke(i), "ghost at " + observers[i].name});
-  }
-  if (!paths.others.empty()) {
-    for (const Point& at : in_pixels(on_page(paths.others, axes), panel)) {
-      if (std::isfinite(at.x) && std::isfinite(at.y)) svg.rect({at.x - 3.5, at.y - 3.5, 7.0, 7.0}, "#444");
+  void draw_owned() {
+    for (const auto& [owner, outline] : contents_.owned_outlines) {
+      const std::string_view colour = colour_of(colour_number(owner));
+      draw_outline(*outline, {LegendEntry::Mark::kOutline, {.colour = colour, .width = 0.8}, "", colour});
     }
-    legend.push_back({Mark::kSquare, {.colour = "#444"}, "other objects at the start"});
   }
-  draw_legend(svg, {PlanLayout::kLeft, PlanLayout::kTop - 10.0}, PlanLayout::kLongest, legend);
-}
+
+  // The paths of the others, so fine that they have kPointsMax points at most, if two for each do.
+  [[nodiscard]] OwnerLines lines_of_others() const {
+    std::vector<std::pair<std::size_t, std::vector<Point>>> lines;
+    for (const PlanContents::Other& other : std::span(contents_.others).first(drawn_movers())) {
+      for (std::vector<Point>& part : parts_inside(other.truth)) {
+        lines.emplace_back(colour_number(other.owner), std::move(part));
+      }
+    }
+    OwnerLines result;
+    while (true) {
+      std::size_t points = 0;
+      for (auto& [colour, line] : lines) {
+        line = simplified(line, result.tolerance_px);
+        points += line.size();
+      }
+      if (points <= std::max(kPointsMax, 2 * lines.size()) || result.tolerance_px > 100.0) break;
+      result.tolerance_px *= 1.5;
+    }
+    for (auto& [colour, line] : lines) result.by_colour[colour].push_back(std::move(line));
+    return result;
+  }
+
+  [[nodiscard]] std::size_t drawn_movers() const { return std::min(contents_.moving, kMoversMax); }
+
+  void draw_others() {
+    const OwnerLines lines = lines_of_others();
+    for (const auto& [colour, of_owner] : lines.by_colour) {
+      svg_.lines(of_owner, {.colour = colour_of(colour), .width = 1.0, .opacity = 0.7});
+    }
+    for (const PeerInfo& peer : run_.peers) add_to_legend(peer);
+    if (lines.tolerance_px > 1.0) {
+      notes_.push_back("paths drawn to " + short_label(lines.tolerance_px, 2) + " pixels");
+    }
+    if (contents_.moving > kMoversMax) {
+      notes_.push_back("of " + std::to_string(contents_.moving) + " other objects that move, the " +
+                       std::to_string(kMoversMax) + " that go farthest");
+    }
+    if (contents_.unseen > 0)
+      notes_.push_back(number_of(contents_.unseen, "object") + " unseen by all other peers, not drawn");
+    std::size_t leaving = 0, outside = 0;
+    for (const PlanContents::Other& other : contents_.others) {
+      const bool leaves =
+          std::ranges::any_of(other.truth, [&](const Vec3& p) { return p.allFinite() && !inside(in_pixels(p)); });
+      if (leaves) ++(other.moves ? leaving : outside);
+    }
+    if (leaving > 0) {
+      notes_.push_back(number_of(leaving, "path") + (leaving == 1 ? " leads" : " lead") + " out of the picture");
+    }
+    if (outside > 0) {
+      notes_.push_back(number_of(outside, "object") + (outside == 1 ? " stands" : " stand") +
+                       " outside of the picture");
+    }
+  }
+
+  void add_to_legend(const PeerInfo& peer) {
+    using Mark = LegendEntry::Mark;
+    std::size_t moving = 0, standing = 0;
+    for (const PlanContents::Other& other : contents_.others) {
+      if (other.owner == peer.peer) ++(other.moves ? moving : standing);
+    }
+    if (moving + standing == 0) return;
+    std::string label = (peer.peer == principal_.owner ? "others of " : "of ") + peer.name + ": ";
+    if (moving > 0) label += std::to_string(moving) + " moving";
+    if (standing > 0) label += (moving > 0 ? ", " : "") + std::to_string(standing) + " standing";
+    const Stroke stroke{.colour = colour_of(colour_number(peer.peer)), .width = 1.0};
+    legend_.push_back({moving > 0 ? Mark::kLine : Mark::kOutline, stroke, std::move(label)});
+  }
+
+  void draw_principal() {
+    using Mark = LegendEntry::Mark;
+    const Stroke truth{.colour = kTruthColour, .width = 5.0};
+    principal_legend_ = {{Mark::kLine, truth, "truth of " + shortened(principal_.path, 300.0, 11.0)}};
+    const auto draw_path = [&](const std::vector<Vec3>& path, const Stroke& stroke) {
+      for (const auto& part : parts_inside(path)) {
+        svg_.polyline(simplified(part, 0.5 * kFinest_px), stroke);
+      }
+    };
+    draw_path(contents_.truth, truth);
+    for (std::size_t i = 0; i < observers_.size(); ++i) {
+      draw_path(contents_.ghosts[i], observer_stroke(i));
+      principal_legend_.push_back({Mark::kLine, observer_stroke(i), "ghost at " + observers_[i].name});
+    }
+  }
+
+  void draw_marks() {
+    constexpr std::size_t kMarksMax = 400;
+    const std::size_t count = std::min(contents_.without_outline.size(), kMarksMax);
+    for (const Vec3& place : std::span(contents_.without_outline).first(count)) {
+      const Point at = in_pixels(place);
+      if (inside(at)) svg_.rect({at.x - 3.5, at.y - 3.5, 7.0, 7.0}, "#444");
+    }
+    if (count > 0) legend_.push_back({LegendEntry::Mark::kSquare, {.colour = "#444"}, "other objects at the start"});
+  }
+
+  Svg& svg_;
+  const RunRecord& run_;
+  const ObjectInfo& principal_;
+  const PlanContents& contents_;
+  std::span<const PeerInfo> observers_;
+  const PlanFrame& frame_;
+  Box box_;
+  Panel panel_;
+  std::vector<LegendEntry> principal_legend_, legend_;
+  std::vector<std::string> notes_;
+};
 
 }  // namespace
 
@@ -159,26 +282,23 @@ std::string plan_figure(const ScenarioInfo& info, std::span<const RunRecord> run
   const std::vector<PeerInfo> observers = object ? observers_of(runs[number], *object) : std::vector<PeerInfo>{};
   if (observers.empty()) {
     Svg svg(800.0, 80.0);
-    draw_title(svg, {PlanLayout::kLeft, 28.0}, 700.0, info.name, "no object that another peer observes");
+    draw_title(svg, {70.0, 28.0}, 700.0, info.name, "no object that another peer observes");
     return std::move(svg).finish();
   }
   const RunRecord& run = runs[number];
-  const PlanPaths paths = paths_of(run, *object, observers);
-  const PlanFrame frame = frame_of(paths);
+  const PlanContents contents = plan_contents(run, *object, observers);
+  const PlanFrame frame = plan_frame(contents, PlanLayout::kWidthMax, PlanLayout::kHeightMax);
+  const double width = std::max(frame.width_px, PlanLayout::kTextWidth);
 
-  Svg svg(PlanLayout::kLongest + PlanLayout::kLeft + 20.0, frame.box.height + PlanLayout::kTop + 52.0);
+  Svg svg(width + PlanLayout::kLeft + 20.0, frame.height_px + PlanLayout::kTop + PlanLayout::kBelow);
   std::vector<std::string> keys;
   for (const auto& item : run.params.items()) keys.push_back(item.key());
-  draw_title(svg, {PlanLayout::kLeft, 28.0}, PlanLayout::kLongest,
+  draw_title(svg, {PlanLayout::kLeft, 28.0}, width,
              info.name + " from above" + (keys.empty() ? "" : ": " + describe(run.params, keys)),
              object->path + ", run " + std::to_string(number + 1) +
-                 (runs.size() > 1 ? ", the one with the greatest mean ghost error" : ""));
-  const Panel panel(frame.box, frame.across, frame.up);
-  panel.draw_axes(svg, {.x = axis_name(frame.axes.across, frame.axes.across_sign),
-                        .y = axis_name(frame.axes.up, frame.axes.up_sign),
-                        .x_ticks = 16,
-                        .y_ticks = std::clamp(static_cast<int>(frame.box.height / 28.0), 3, 16)});
-  draw_paths(svg, paths, observers, frame.axes, panel);
+                 (runs.size() > 1 ? ", the one with the greatest mean ghost error" : "") +
+                 (frame.axes.turned() ? "; turned by 90 degrees: −z points right" : ""));
+  Plan(svg, run, *object, contents, observers, frame).draw();
   return std::move(svg).finish();
 }
 

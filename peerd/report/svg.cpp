@@ -41,6 +41,15 @@ void Svg::number(double value) {
   out_.append(digits.data(), p);
 }
 
+void Svg::pairs(std::span<const Point> points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i > 0) out_ += ' ';
+    number(points[i].x);
+    out_ += ',';
+    number(points[i].y);
+  }
+}
+
 void Svg::attribute(std::string_view name, double value) {
   out_ += ' ';
   out_ += name;
@@ -93,15 +102,32 @@ void Svg::polyline(std::span<const Point> points, const Stroke& stroke) {
     out_ += "<polyline fill=\"none\" stroke-linejoin=\"round\"";
     stroke_attributes(stroke);
     out_ += " points=\"";
-    for (auto p = first; p != last; ++p) {
-      if (p != first) out_ += ' ';
-      number(p->x);
-      out_ += ',';
-      number(p->y);
-    }
+    pairs({first, last});
     out_ += "\"/>\n";
     first = std::find_if(last, points.end(), finite);
   }
+}
+
+void Svg::lines(std::span<const std::vector<Point>> lines, const Stroke& stroke) {
+  out_ += "<path fill=\"none\" stroke-linejoin=\"round\"";
+  stroke_attributes(stroke);
+  out_ += " d=\"";
+  for (const std::vector<Point>& line : lines) {
+    if (line.empty()) continue;
+    out_ += 'M';
+    pairs(line);
+  }
+  out_ += "\"/>\n";
+}
+
+void Svg::polygon(std::span<const Point> points, std::string_view fill, double opacity) {
+  out_ += "<polygon fill=\"";
+  out_ += fill;
+  out_ += '"';
+  // Shares of a hundredth: a tenth is too coarse for what lies over each other.
+  out_ += " fill-opacity=\"" + tick_label(opacity, 2) + "\" points=\"";
+  pairs(points);
+  out_ += "\"/>\n";
 }
 
 void Svg::circle(Point centre, double radius, std::string_view fill, const Stroke& stroke) {

@@ -48,6 +48,10 @@ class Svg {
   void line(Point a, Point b, const Stroke& stroke);
   // Draws a line through points; points that are not finite break it.
   void polyline(std::span<const Point> points, const Stroke& stroke);
+  // Draws any number of lines through finite points as one element, which is far smaller than one for each line.
+  void lines(std::span<const std::vector<Point>> lines, const Stroke& stroke);
+  // Fills a polygon of finite points.
+  void polygon(std::span<const Point> points, std::string_view fill, double opacity);
   void circle(Point centre, double radius, std::string_view fill, const Stroke& stroke);
   void cross(Point centre, double radius, const Stroke& stroke);
   void text(Point at, std::string_view text, const TextStyle& style = {});
@@ -55,6 +59,7 @@ class Svg {
 
  private:
   void number(double value);
+  void pairs(std::span<const Point> points);
   void attribute(std::string_view name, double value);
   void stroke_attributes(const Stroke& stroke);
 

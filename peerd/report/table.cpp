@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <ranges>
 #include <utility>
@@ -142,6 +143,94 @@ std::vector<Column> lay_out_points(const Json& summary, const std::string& path)
   return columns;
 }
 
+// The end of a text, which tells objects apart, where it has more than `most` characters.
+std::string ending(const std::string& text, std::size_t most) {
+  const auto begins = [](char c) { return (c & 0xc0) != 0x80; };  // a UTF-8 character
+  std::size_t surplus = static_cast<std::size_t>(std::ranges::count_if(text, begins));
+  if (surplus <= most) return text;
+  surplus -= most - 1;
+  std::size_t at = 0;
+  while (surplus > 0 || !begins(text[at])) surplus -= begins(text[at++]) ? 1 : 0;
+  return "…" + text.substr(at);
+}
+
+// Adds parts with commas between them, in lines that are no longer than a terminal is wide.
+void append_list(std::string& out, std::string line, const std::vector<std::string>& parts) {
+  constexpr std::size_t kWidth = 80;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::string part = parts[i] + (i + 1 < parts.size() ? "," : "");
+    if (line.size() + 1 + part.size() > kWidth) {
+      append_line(out, line);
+      line = " ";
+    }
+    line += ' ' + part;
+  }
+  append_line(out, line);
+}
+
+// "a to b: " for a key of the link from a to b, such as network.link.a.b.loss; empty for one of the whole network.
+std::string ends_of_link(const std::string& key) {
+  constexpr std::string_view kLink = "network.link.";
+  if (!key.starts_with(kLink)) return "";
+  std::string ends = key.substr(kLink.size(), key.rfind('.') - kLink.size());
+  if (std::ranges::count(ends, '.') == 1) ends.replace(ends.find('.'), 1, " to ");  // a name may have dots itself
+  return ends + ": ";
+}
+
+// The settings of the network that all runs have and no column shows.
+void append_network(std::string& out, const Json& summary) {
+  std::vector<Params> params;
+  bool shaped = summary.at("mode") == "sim";
+  for (const Json& run : summary.at("runs")) {
+    const bool has_settings = run.contains("network_settings");
+    params.push_back(with_network(run.at("params"), has_settings ? run.at("network_settings") : Json::object()));
+    shaped |= has_settings;
+  }
+  if (!shaped || params.empty()) return;
+  const std::vector<std::string> varying = varying_keys(params);
+  std::vector<std::string> keys, parts;
+  for (const auto& item : params.front().items()) {
+    const std::string& key = item.key();
+    const bool in_column = std::ranges::find(varying, key) != varying.end();
+    if (key.starts_with("network.") && !in_column) keys.push_back(key);
+  }
+  for (const std::string& key : keys) {
+    parts.push_back(ends_of_link(key) + describe(params.front(), key, std::span(&key, 1)));
+  }
+  if (!parts.empty()) append_list(out, "network:", parts);
+}
+
+// What all runs and observers say of one object.
+struct ObjectTotals {
+  std::string owner;
+  std::uint64_t updates = 0, runs = 0;  // all rows of an object in a run have the same updates
+  const Json* last_run = nullptr;
+  std::uint64_t views = 0;  // those with samples
+  double sum_of_means_m = 0.0, p99_m = 0.0, max_m = 0.0;
+};
+
+std::map<std::string, ObjectTotals> totals_by_path(const Json& summary) {
+  std::map<std::string, ObjectTotals> totals;
+  for (const Json& run : summary.at("runs")) {
+    for (const Json& row : run.at("objects")) {
+      ObjectTotals& object = totals[row.at("path").get<std::string>()];
+      object.owner = row.at("owner").get<std::string>();
+      if (object.last_run != &run) {
+        object.last_run = &run;
+        ++object.runs;
+        object.updates += row.at("updates_sent").get<std::uint64_t>();
+      }
+      if (row.at("samples") == 0) continue;
+      const Json& error = row.at("ghost_error_m");
+      ++object.views;
+      object.sum_of_means_m += error.at("mean").get<double>();
+      object.p99_m = std::max(object.p99_m, error.at("p99").get<double>());
+      object.max_m = std::max(object.max_m, error.at("max").get<double>());
+    }
+  }
+  return totals;
+}
+
 std::string heading(const Json& summary, const std::string& path) {
   const std::size_t count = summary.at("runs").size();
   std::string text = summary.at("scenario").get<std::string>() + " (" + summary.at("mode").get<std::string>() +
@@ -187,10 +276,51 @@ std::vector<Column> run_columns(const Json& summary, ErrorText error_text) {
   return lay_out(summary, principal_object(summary), error_text);
 }
 
+std::vector<Column> object_columns(const Json& summary, std::size_t most, ErrorText error_text) {
+  const std::map<std::string, ObjectTotals> totals = totals_by_path(summary);
+  const bool whole = summary.at("runs").size() == 1;
+  std::vector<Column> columns{{"", "", false, {}},       {"", "object", false, {}}, {"", "owner", false, {}},
+                              {"", "updates", true, {}}, {"", "mean", true, {}},    {"", "p99", true, {}},
+                              {"", "max", true, {}}};
+  for (const std::string& path : worst_objects(summary, most)) {
+    const ObjectTotals& object = totals.at(path);
+    const bool seen = object.views > 0;
+    const double updates = static_cast<double>(object.updates) / static_cast<double>(object.runs);
+    const double mean_m = object.sum_of_means_m / static_cast<double>(std::max<std::uint64_t>(1, object.views));
+    std::size_t c = 0;
+    columns[c].cells.emplace_back(columns[c].cells.empty() ? kPrincipalMark : "");
+    for (const std::string& text : {path, object.owner, fixed(updates, whole ? 0 : 1)})
+      columns[++c].cells.push_back(text);
+    for (const double error_m : {mean_m, object.p99_m, object.max_m}) {
+      columns[++c].cells.push_back(seen ? error_text(error_m) : "-");
+    }
+  }
+  return columns;
+}
+
+std::string objects_table(const Json& summary) {
+  constexpr std::size_t kRows = 12, kPathWidth = 28, kOwnerWidth = 8;
+  const std::size_t count = worst_objects(summary, std::numeric_limits<std::size_t>::max()).size();
+  if (count < 2) return "";
+  std::vector<Column> columns = object_columns(summary, kRows, [](double error_m) { return fixed(error_m, 3); });
+  for (std::string& path : columns[1].cells) path = ending(path, kPathWidth);
+  for (std::string& owner : columns[2].cells) owner = ending(owner, kOwnerWidth);
+  const std::size_t runs = summary.at("runs").size();
+  std::string out;
+  append_line(out, "");
+  append_line(out, "all objects, the worst first: " + std::string(runs > 1 ? "updates a run" : "updates") +
+                       ", ghost error [m]" + (runs > 1 ? " over all runs" : ""));
+  append_rows(out, columns);
+  if (count > kRows)
+    append_line(out, "and " + std::to_string(count - kRows) + " more, in report.html and summary.json");
+  return out;
+}
+
 std::string table(const Json& summary) {
   const std::string path = principal_object(summary);
   std::string out;
   append_line(out, heading(summary, path));
+  append_network(out, summary);
   const bool repeated = summary.contains("points");
   if (repeated)
     append_line(out,

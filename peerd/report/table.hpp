@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -25,8 +26,21 @@ namespace peerd::report {
 using ErrorText = std::string (*)(double error_m);
 [[nodiscard]] std::vector<Column> run_columns(const nlohmann::ordered_json& summary, ErrorText error_text);
 
+// The principal object is marked in lists of objects by this.
+inline constexpr std::string_view kPrincipalMark = "*";
+
+// One row for each object that a peer observes, over all runs and observers, in the order of worst_objects(), at most
+// `most` of them: the mark, path, owner, updates a run, and the mean of the means, the greatest p99 and the greatest
+// maximum of its ghosts' errors [m].
+[[nodiscard]] std::vector<Column> object_columns(const nlohmann::ordered_json& summary, std::size_t most,
+                                                 ErrorText error_text);
+
+// The worst objects for a terminal, at most 80 columns wide. It is empty where there is but one, which table() shows.
+[[nodiscard]] std::string objects_table(const nlohmann::ordered_json& summary);
+
 // The summary for a terminal, at most 100 columns wide with two observers: a row for each run; from three observers on,
-// for each run and observer; of repeated runs, for each point and observer. It ends with a line feed.
+// for each run and observer; of repeated runs, for each point and observer. Above them are the settings of the network
+// that no column shows. It ends with a line feed.
 [[nodiscard]] std::string table(const nlohmann::ordered_json& summary);
 
 // The collisions that peers decided otherwise than the truth without latency, summed: a row for each policy, a column

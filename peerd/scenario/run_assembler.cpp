@@ -4,6 +4,8 @@
 #include <limits>
 #include <set>
 
+#include "peerd/scenario/scene_outlines.hpp"
+
 namespace peerd {
 namespace {
 
@@ -222,6 +224,7 @@ Result<report::RunRecord> RunAssembler::finish(const std::vector<PeerLog>& logs,
   }
   report::RunRecord record;
   record.params = run_.params;
+  record.network_settings = config::network_settings(run_);
   record.seed = run_.seed;
   record.duration_s = stopped_at_s.value_or(run_.duration_s);
   record.stopped = stopped_at_s.has_value();
@@ -235,6 +238,9 @@ Result<report::RunRecord> RunAssembler::finish(const std::vector<PeerLog>& logs,
   add_logs(record, logs, *start);
   if (too_late_ > 0) record.counters["report.samples_too_late"] = too_late_;
   meter_.finish(record, record.duration_s);
+  SceneOutlines scene = outlines_of(shared_.world.scene, record);
+  record.outlines = std::move(scene.outlines);
+  record.outlines_left_out = scene.left_out;
   return record;
 }
 

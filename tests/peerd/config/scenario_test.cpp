@@ -594,4 +594,10 @@ TEST_F(ScenarioTest, RegionsThatCannotBeAreRefused) {
   EXPECT_THAT(error(kTwoPeers, {"regions.cell_m=75", "relay.through=b"}), HasSubstr("leave out one of the two"));
 }
 
+TEST_F(ScenarioTest, NamesTheSettingsOfTheNetworkThatAreNotDefaults) {
+  EXPECT_EQ(network_settings(read(kTwoPeers).runs.front()).dump(),
+            R"({"network.latency_ms":5.0,"network.jitter_ms":1.0,"network.link.a.b.loss":0.25})");
+  EXPECT_EQ(network_settings(read("world = \"w.wrl\"\n[peer.a]\nid = 1\n").runs.front()).dump(), "{}");
+}
+
 }  // namespace peerd::config::scenario_test

@@ -126,6 +126,13 @@ TEST(Summary, NothingInItIsNull) {
   EXPECT_DOUBLE_EQ(s["runs"][0]["objects"][0]["ghost_error_m"]["mean"], 1.0);
 }
 
+TEST(Summary, HasTheNetworksSettingsThatAreNotDefaults) {
+  RunRecord run = samples::zigzag_run(0.1);
+  EXPECT_FALSE(summarise(kInfo, {&run, 1})["runs"][0].contains("network_settings"));
+  run.network_settings = {{"network.jitter_ms", 20.0}};
+  EXPECT_EQ(summarise(kInfo, {&run, 1})["runs"][0]["network_settings"].dump(), R"({"network.jitter_ms":20.0})");
+}
+
 TEST(Summary, SameRecordsSameBytes) {
   EXPECT_EQ(summarise(kInfo, samples::zigzag_sweep()).dump(2), summarise(kInfo, samples::zigzag_sweep()).dump(2));
 }

@@ -42,4 +42,10 @@ TEST(Sweep, AValueAsText) {
   EXPECT_EQ(text("f"), "") << "the run does not set it";
 }
 
+TEST(Sweep, ParametersComeBeforeTheNetworksSettings) {
+  const Params all = with_network({{"network.loss", 0.5}}, {{"network.loss", 0.5}, {"network.jitter_ms", 3}});
+  EXPECT_EQ(all.dump(), R"({"network.loss":0.5,"network.jitter_ms":3})");
+  EXPECT_EQ(with_network(Params::object(), Params::object()).dump(), "{}");
+}
+
 }  // namespace peerd::report::sweep_test

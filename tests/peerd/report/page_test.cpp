@@ -98,6 +98,27 @@ TEST(ReportPage, SaysWhatWasRun) {
   EXPECT_THAT(html, HasSubstr("<code>network.latency_ms</code></td><td>swept</td><td class=\"wrap\">5, 100, 500</td>"));
 }
 
+TEST(ReportPage, SaysWhatTheNetworkWas) {
+  std::vector<RunRecord> runs = samples::zigzag_sweep();
+  for (RunRecord& run : runs) run.network_settings = {{"network.jitter_ms", 20.0}, {"network.loss", 0.05}};
+  const std::string html = part(page_of(kInfo, runs), "<h2>What was run</h2>", "<h2>Runs");
+  EXPECT_THAT(html, HasSubstr("<code>network.jitter_ms</code></td><td>set</td><td class=\"wrap\">20</td>"));
+  EXPECT_THAT(html, HasSubstr("<code>network.loss</code></td><td>set</td><td class=\"wrap\">0.05</td>"));
+}
+
+TEST(ReportPage, ListsAllObjects) {
+  const auto rows = cells_of(part(page_of(kInfo, samples::zigzag_sweep()), "<h2>Objects</h2>", "<h2>Run by run"));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_THAT(rows[0], testing::ElementsAre("*", "CAR", "a", "5.0", testing::_, testing::_, testing::_));
+  EXPECT_THAT(rows[1], testing::ElementsAre("", "CUBE", "b", "1.0", "0", "0", "0"));
+}
+
+TEST(ReportPage, MarksThePrincipalObjectOfARun) {
+  const auto rows = cells_of(part(page_of(kInfo, {samples::zigzag_run(0.1)}), "<h3>Objects</h3>", "<h3>Contacts"));
+  ASSERT_EQ(rows.size(), 4u);
+  for (const auto& row : rows) EXPECT_EQ(row[0], row[1] == "CAR" ? "*" : "");
+}
+
 TEST(ReportPage, HoldsEveryPictureOfItsRuns) {
   const std::vector<RunRecord> runs = samples::zigzag_sweep();
   const Json summary = summarise(kInfo, runs);
@@ -174,7 +195,13 @@ TEST(ReportPage, OfNoRunsAndOfEmptyOnes) {
 // Ito's colours and that of bars stand out from both backgrounds.
 TEST(ReportPage, KnowsEveryNeutralColourOfItsPictures) {
   std::set<std::string> colours;
-  const std::vector<RunRecord> runs = samples::zigzag_sweep();
+  std::vector<RunRecord> runs = samples::zigzag_sweep();
+  for (RunRecord& run : runs) {
+    const std::vector<Eigen::Vector2d> corners{{3, -20}, {4, -20}, {4, 0}, {3, 0}};
+    run.outlines = {{.owned = {}, .corners = corners, .bottom_m = 0, .top_m = 3},
+                    {.owned = {}, .corners = corners, .bottom_m = -3, .top_m = -1},
+                    {.owned = samples::kCar, .corners = corners}};
+  }
   const Json summary = summarise(kInfo, runs);
   const Pictures pictures = draw_pictures(kInfo, runs, summary);
   std::string all = pictures.overview + pictures.pareto + pictures.multiples + pictures.plan;

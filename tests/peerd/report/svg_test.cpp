@@ -109,4 +109,20 @@ TEST(Panel, ThinningKeepsEveryPeak) {
   EXPECT_THAT(xml, testing::HasSubstr(",100 "));  // the bottom: y of -1.0
 }
 
+TEST(Svg, ManyLinesAreOneElement) {
+  Svg svg(100, 100);
+  svg.lines(std::vector<std::vector<Point>>{{{1, 2}, {3, 4.5}}, {}, {{5, 6}, {7, 8}, {9, 10}}}, {.colour = "#123"});
+  const std::string text = std::move(svg).finish();
+  EXPECT_FALSE(testing_support::malformed(text));
+  EXPECT_THAT(text, testing::HasSubstr(" d=\"M1,2 3,4.5M5,6 7,8 9,10\"/>"));
+}
+
+TEST(Svg, PolygonsAreFilled) {
+  Svg svg(100, 100);
+  svg.polygon(std::vector<Point>{{1, 2}, {3, 4}, {5, 0}}, "#123", 0.07);
+  const std::string text = std::move(svg).finish();
+  EXPECT_FALSE(testing_support::malformed(text));
+  EXPECT_THAT(text, testing::HasSubstr("<polygon fill=\"#123\" fill-opacity=\"0.07\" points=\"1,2 3,4 5,0\"/>"));
+}
+
 }  // namespace peerd::report::svg_test

@@ -46,6 +46,78 @@ TEST(Table, AnUnseenObjectIsADashNotAZero) {
   EXPECT_THAT(table(summarise(kInfo, {&run, 1})), testing::HasSubstr(" - "));
 }
 
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+std::size_t width_of(const std::string& line) {
+  return static_cast<std::size_t>(std::ranges::count_if(line, [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+TEST(ObjectsTable, ListsTheWorstFirstAndMarksThePrincipal) {
+  const auto lines = lines_of(objects_table(summarise(kInfo, samples::zigzag_sweep())));
+  ASSERT_EQ(lines.size(), 3u + 2u);
+  EXPECT_THAT(lines[3], testing::StartsWith("*  CAR     a"));
+  EXPECT_THAT(lines[4], testing::StartsWith("   CUBE    b"));
+  EXPECT_THAT(lines[3], testing::HasSubstr("5.0")) << "updates a run";
+  EXPECT_THAT(lines[4], testing::EndsWith("0.000  0.000  0.000"));
+}
+
+TEST(ObjectsTable, TakesMeansOfMeansAndTheGreatestOfTheRest) {
+  RunRecord run = samples::quiet_run();
+  for (int i = 0; i < 4; ++i) run.ghost_samples.push_back(belief(i, samples::kB, kCar, {0, 0, 0}, {1, 0, 0}));
+  for (int i = 0; i < 4; ++i) run.ghost_samples.push_back(belief(i, samples::kC, kCar, {0, 0, 0}, {3, 0, 0}));
+  const auto columns = object_columns(summarise(kInfo, {&run, 1}), 1, [](double m) { return std::to_string(m); });
+  EXPECT_EQ(columns[4].cells.front(), "2.000000");
+  EXPECT_EQ(columns[5].cells.front(), "3.000000");
+  EXPECT_EQ(columns[6].cells.front(), "3.000000");
+}
+
+TEST(ObjectsTable, FitsATerminalAndSaysHowManyMore) {
+  RunRecord run = samples::zigzag_run(0.1);
+  run.peers[1].name = "the-peer-with-a-long-name";
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    run.objects.push_back(
+        {ObjectId{100 + i}, "A_HALL/WITH_LONG_NAMES/ÜBER_ALLE/OBJECT_" + std::to_string(i), samples::kB});
+  }
+  const auto lines = lines_of(objects_table(summarise(kInfo, {&run, 1})));
+  for (const std::string& line : lines) EXPECT_LE(width_of(line), 80u) << line;
+  EXPECT_EQ(lines.back(), "and 50 more, in report.html and summary.json");
+  EXPECT_THAT(lines[6], testing::HasSubstr("OBJECT_1")) << "the end of a path tells objects apart";
+}
+
+TEST(ObjectsTable, OfOneObjectIsLeftOut) {
+  RunRecord run = samples::quiet_run();
+  run.objects.resize(1);
+  EXPECT_EQ(objects_table(summarise(kInfo, {&run, 1})), "");
+  EXPECT_EQ(objects_table(summarise(kInfo, {})), "");
+}
+
+TEST(Table, SaysWhatTheNetworkIsThatNoColumnShows) {
+  std::vector<RunRecord> runs = samples::zigzag_sweep();
+  for (RunRecord& run : runs) {
+    run.network_settings = {{"network.latency_ms", run.params.at("network.latency_ms")},
+                            {"network.jitter_ms", 20},
+                            {"network.loss", 0.05},
+                            {"network.link.a.b.loss", 0.25}};
+  }
+  const auto lines = lines_of(table(summarise(kInfo, runs)));
+  EXPECT_EQ(lines[1], "network: jitter 20 ms, loss 0.05, a to b: loss 0.25");
+  for (int i = 0; i < 20; ++i) runs[0].network_settings["network.link.a.p" + std::to_string(i) + ".loss"] = 0.5;
+  const RunRecord& one = runs[0];
+  for (const std::string& line : lines_of(table(summarise(kInfo, {&one, 1})))) EXPECT_LE(width_of(line), 100u);
+}
+
+TEST(Table, ARealNetworkHasNoSettings) {
+  RunRecord run = samples::zigzag_run(0.1);
+  run.params = {{"network.loss", 0.05}};
+  const ScenarioInfo real{"zigzag", "real", 7, {}};
+  EXPECT_THAT(table(summarise(real, {&run, 1})), testing::Not(testing::HasSubstr("network:")));
+}
+
 TEST(Table, ThePrincipalObjectIsTheOneThatErrsMost) {
   const std::vector<RunRecord> runs = samples::zigzag_sweep();
   EXPECT_EQ(principal_object(summarise(kInfo, runs)), "CAR");

@@ -24,6 +24,10 @@ TEST(RunAssembler, GivesTheSameWhileRowsComeAsAfterwards) {
   ASSERT_GT(during.ghost_samples.size(), 100u);
   const report::ScenarioInfo info{"s", "sim", 1, {}};
   EXPECT_EQ(report::summarise(info, {&during, 1}).dump(), report::summarise(info, {&after, 1}).dump());
+  EXPECT_EQ(during.outlines.size(), 6u) << "a car, two walls, three cubes";
+  EXPECT_EQ(after.outlines.size(), 6u);
+  EXPECT_EQ(during.network_settings.dump(),
+            R"({"network.latency_ms":100.0,"network.jitter_ms":20.0,"network.loss":0.05})");
   for (std::size_t i = 0; i < during.peers.size(); ++i) EXPECT_EQ(during.peers[i].there_s, after.peers[i].there_s);
 }
 

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/config/events.hpp"
+#include "peerd/config/link_settings.hpp"
+#include "peerd/config/peer_settings.hpp"
+
+namespace peerd::config {
+
+// The settings of one run: every swept key has one value, and the seed is that of one repetition.
+struct RunSettings {
+  nlohmann::ordered_json params;  // swept and set keys, by dotted name
+  std::string toml;               // all settings as one text, for captures
+  double duration_s = 15.0;
+  std::uint64_t seed = 1;
+  std::uint32_t sample_hz = 60;  // samples per second of each observer's error, whatever its tick rate
+  ReplicationSettings replication;
+  bool compare_outcomes = false;                 // with the same run without latency; simulated runs only
+  std::vector<PeerSettings> peers;               // by id
+  std::map<std::string, MotionSettings> motion;  // by path or pattern; applies to whichever peer owns the object
+  std::vector<ScenarioEvent> events;             // by time, then by name
+  LinkSettings network;
+  std::map<std::pair<std::string, std::string>, LinkSettings> links;
+  TransportSettings transport;
+  ControlSettings control;
+};
+
+}  // namespace peerd::config
