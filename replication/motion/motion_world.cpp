@@ -433,6 +433,13 @@ SweptBound MotionWorld::bound_of_side(const Pair& pair, bool of_collider, SimTim
 
 template <class Function>
 auto MotionWorld::with_query(const Pair& pair, Function function) const {
+  const auto as = is_answered(pair) ? collision::MeetAs::kSolids : collision::MeetAs::kPolygons;
+  const auto stands_alone = [&](std::uint32_t part) { return part != kNone && objects_[part].carrier == pair.common; };
+  if (stands_alone(pair.part_a) && stands_alone(pair.part_b)) {  // nothing is composed
+    const Timeline *const a = &objects_[pair.part_a].timeline, *const b = &objects_[pair.part_b].timeline;
+    const MovingPart part_a{{&a, 1}, &body(pair.part_a)}, part_b{{&b, 1}, &body(pair.part_b)};
+    return function(PartQuery{{&part_a, 1}, {&part_b, 1}, pair.type, as});
+  }
   boost::container::small_vector<OwnChain, 2> chains;
   boost::container::small_vector<MovingPart, 2> sides[2];
   const auto add = [&](std::size_t side, std::uint32_t part) {
@@ -454,7 +461,6 @@ auto MotionWorld::with_query(const Pair& pair, Function function) const {
       ++next;
     }
   }
-  const auto as = is_answered(pair) ? collision::MeetAs::kSolids : collision::MeetAs::kPolygons;
   const PartQuery query{{sides[0].data(), sides[0].size()}, {sides[1].data(), sides[1].size()}, pair.type, as};
   return function(query);
 }
