@@ -15,8 +15,8 @@ Vector cross(const Vector& a, const Vector& b) {
 Number dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Number square(const Vector& a) { return dot(a, a); }
 
-std::array<Vector, 3> exact(const Triangle& t) {
-  std::array<Vector, 3> out;
+RationalTriangle exact(const Triangle& t) {
+  RationalTriangle out;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 3; ++k) out[i][k] = t[i][k];
   }
@@ -30,7 +30,7 @@ void point_edge(const Vector& p, const Vector& q, const Vector& end, Number& lea
   if (along <= 0 || along >= whole) return;
   least = std::min<Number>(least, square(cross(w, d)) / whole);
 }
-void point_face(const Vector& p, const std::array<Vector, 3>& t, Number& least) {
+void point_face(const Vector& p, const RationalTriangle& t, Number& least) {
   const Vector n = cross(minus(t[1], t[0]), minus(t[2], t[0]));
   if (square(n) == 0) return;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -53,8 +53,10 @@ void edge_edge(const Vector& p, const Vector& p_end, const Vector& q, const Vect
 }  // namespace
 
 mpq_class squared_distance(const Triangle& a, const Triangle& b) {
-  if (touch(a, b)) return 0;
-  const std::array<Vector, 3> p = exact(a), q = exact(b);
+  return touch(a, b) ? mpq_class(0) : squared_distance_apart(exact(a), exact(b));
+}
+
+mpq_class squared_distance_apart(const RationalTriangle& p, const RationalTriangle& q) {
   Number least = square(minus(p[0], q[0]));
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {

@@ -19,6 +19,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "tests/oracle/integer_triangle.hpp"
+
 namespace peerd::oracle {
 namespace {
 
@@ -156,6 +158,11 @@ ExactTriangle scaled(const Triangle& triangle, int lowest) {
 }
 
 }  // namespace
+
+bool touch(const IntegerTriangle& a, const IntegerTriangle& b) {
+  const ExactTriangle exact_a{a}, exact_b{b};
+  return an_edge_touches(exact_a, exact_b) || an_edge_touches(exact_b, exact_a);
+}
 
 bool touch(const Triangle& a, const Triangle& b) {
   int lowest = std::numeric_limits<int>::max();

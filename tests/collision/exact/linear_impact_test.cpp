@@ -53,13 +53,47 @@ TEST(EdgeEdgeImpact, CrossingAndParallelEdges) {
   EXPECT_EQ(crosses.state, ImpactState::kHit);
   EXPECT_LE(crosses.time, 0.25);
   EXPECT_NEAR(crosses.time, 0.25, 1e-6);
-  // A whole stretch touches at once: it takes long to be sure of the time, and never says that there is none.
+  // A whole stretch touches at once.
   const LinearImpact parallel =
-      edge_edge_impact({moving({-1, 0, 1}, {0, 0, -4}), moving({1, 0, 1}, {0, 0, -4})}, rail, {.max_iterations = 4096});
-  EXPECT_NE(parallel.state, ImpactState::kSeparated);
+      edge_edge_impact({moving({-1, 0, 1}, {0, 0, -4}), moving({1, 0, 1}, {0, 0, -4})}, rail, {.max_iterations = 64});
+  EXPECT_EQ(parallel.state, ImpactState::kHit);
   EXPECT_LE(parallel.time, 0.25);
+  EXPECT_NEAR(parallel.time, 0.25, 1e-6);
   EXPECT_EQ(edge_edge_impact({moving({-1, 1e-4, 1}, {0, 0, -4}), moving({1, 1e-4, 1}, {0, 0, -4})}, rail).state,
             ImpactState::kSeparated);
+}
+
+TEST(LinearImpact, AMarginIsAlongEachAxis) {
+  LinearImpactQuery query;
+  const MovingPoint falls = moving({0.25, 0.25, 1}, {0, 0, -2});
+  for (const double margin : {1e-3, 0.25, 0.5}) {
+    const LinearImpact impact = query.vertex_face(falls, kFloor, {.margin_m = margin});
+    EXPECT_EQ(impact.state, ImpactState::kHit);
+    EXPECT_LE(impact.time, (1.0 - margin) / 2.0);
+    EXPECT_NEAR(impact.time, (1.0 - margin) / 2.0, 1e-6);
+  }
+  const Edge rail = {still({-1, 0, 0}), still({1, 0, 0})};
+  const Edge passes = {moving({0, -1, 1}, {0, 0, -0.5}), moving({0, 1, 1}, {0, 0, -0.5})};
+  EXPECT_EQ(query.edge_edge(passes, rail, {.margin_m = 0.49}).state, ImpactState::kSeparated);
+  EXPECT_EQ(query.edge_edge(passes, rail, {.margin_m = 0.5}).state, ImpactState::kHit);
+  EXPECT_EQ(query.vertex_face(falls, kFloor, {.margin_m = 1.0}).time, 0.0);
+}
+
+TEST(LinearImpact, IsSoughtBetweenTwoTimes) {
+  LinearImpactQuery query;
+  const MovingPoint falls = moving({0.25, 0.25, 1}, {0, 0, -2});
+  const LinearImpact whole = query.vertex_face(falls, kFloor);
+  for (const double begin : {0.0, 0.1, 0.3, 0.49}) {
+    const LinearImpact impact = query.vertex_face(falls, kFloor, {.begin = begin});
+    EXPECT_EQ(impact.state, ImpactState::kHit);
+    EXPECT_LE(impact.time, 0.5);
+    EXPECT_NEAR(impact.time, 0.5, 1e-6);
+    EXPECT_EQ(query.vertex_face(falls, kFloor, {.begin = begin, .last = impact.time}).time, impact.time);
+    EXPECT_EQ(query.vertex_face(falls, kFloor, {.begin = begin, .last = 0.4999}).state, ImpactState::kSeparated);
+  }
+  EXPECT_EQ(query.vertex_face(falls, kFloor, {.last = whole.time}).time, whole.time);
+  EXPECT_EQ(query.vertex_face(falls, kFloor, {.begin = 0.51}).state, ImpactState::kSeparated);
+  EXPECT_EQ(query.vertex_face(falls, kFloor, {.begin = 1.0}).state, ImpactState::kSeparated);
 }
 
 // The first time at which a finely sampled volume changes its sign with the vertex over the face, bisected.
