@@ -92,6 +92,8 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
                       .number = parts.pair,
                       .type = p.type,
                       .fixed = parts.fixed,
+                      .is_plain = parts.a == collider && parts.b == collidee && objects_[collider].carrier == kNone &&
+                                  objects_[collidee].carrier == kNone,
                       .collider_responds = answers(p.collider),
                       .collidee_responds = p.mutual && answers(p.collidee),
                       .has_exact_search = box || collision::has_exact_answer(body(parts.a), body(parts.b)),
@@ -313,7 +315,8 @@ void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   for (const std::uint32_t i : pairs_moved_by(object)) {
     Pair& pair = pairs_[i];
-    const bool lived = is_lived(is_in_side(object, pair.collider, pair.part_a) ? pair.collidee : pair.collider);
+    const bool of_collider = pair.is_plain ? pair.collider == object : is_in_side(object, pair.collider, pair.part_a);
+    const bool lived = is_lived(of_collider ? pair.collidee : pair.collider);
     const SimTime known = std::max(known_since(pair.collider), known_since(pair.collidee));
     const SimTime from = std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
     if (pair.contact && *pair.contact >= from) {
@@ -382,20 +385,6 @@ bool MotionWorld::is_in_side(std::size_t object, std::size_t end, std::uint32_t 
   return is_carried(end) || std::ranges::binary_search(carried_by(end), static_cast<std::uint32_t>(object));
 }
 
-bool MotionWorld::is_lived(std::size_t end) const {
-  for (auto i = static_cast<std::uint32_t>(end); i != kNone; i = objects_[i].carrier) {
-    if (objects_[i].role == Role::kAuthoritative || objects_[i].role == Role::kDriven) return true;
-  }
-  return false;
-}
-
-SimTime MotionWorld::known_since(std::size_t end) const {
-  SimTime known = objects_[end].timeline.begin();
-  for (std::uint32_t i = objects_[end].carrier; i != kNone; i = objects_[i].carrier) {
-    known = std::max(known, objects_[i].timeline.begin());
-  }
-  return known;
-}
 
 // ---- searching ----
 
@@ -434,8 +423,7 @@ SweptBound MotionWorld::bound_of_side(const Pair& pair, bool of_collider, SimTim
 template <class Function>
 auto MotionWorld::with_query(const Pair& pair, Function function) const {
   const auto as = is_answered(pair) ? collision::MeetAs::kSolids : collision::MeetAs::kPolygons;
-  const auto stands_alone = [&](std::uint32_t part) { return part != kNone && objects_[part].carrier == pair.common; };
-  if (stands_alone(pair.part_a) && stands_alone(pair.part_b)) {  // nothing is composed
+  if (pair.is_plain) {  // nothing is composed
     const Timeline *const a = &objects_[pair.part_a].timeline, *const b = &objects_[pair.part_b].timeline;
     const MovingPart part_a{{&a, 1}, &body(pair.part_a)}, part_b{{&b, 1}, &body(pair.part_b)};
     return function(PartQuery{{&part_a, 1}, {&part_b, 1}, pair.type, as});
@@ -467,10 +455,20 @@ auto MotionWorld::with_query(const Pair& pair, Function function) const {
 
 void MotionWorld::search_window(Pair& pair) {
   const SimTime s = pair.clear_until;
-  const bool in_world = pair.part_a != kNone && pair.common == kNone;
-  SweptBound made_a, made_b;
-  const SweptBound& bound_a = in_world ? bound_of(pair.part_a, s) : (made_a = bound_of_side(pair, true, s));
-  const SweptBound& bound_b = in_world ? bound_of(pair.part_b, s) : (made_b = bound_of_side(pair, false, s));
+  if (pair.is_plain) {
+    search_window(pair, bound_of(pair.part_a, s), bound_of(pair.part_b, s));
+  } else {
+    search_composed_window(pair);
+  }
+}
+
+void MotionWorld::search_composed_window(Pair& pair) {
+  const SweptBound a = bound_of_side(pair, true, pair.clear_until), b = bound_of_side(pair, false, pair.clear_until);
+  search_window(pair, a, b);
+}
+
+void MotionWorld::search_window(Pair& pair, const SweptBound& bound_a, const SweptBound& bound_b) {
+  const SimTime s = pair.clear_until;
   SimTime end = grid_floor(s) + kLookahead;
   if (bound_a.next_change) end = std::min(end, *bound_a.next_change);
   if (bound_b.next_change) end = std::min(end, *bound_b.next_change);

@@ -206,6 +206,7 @@ class MotionWorld {
     std::uint32_t number;              // of the interest's pair, in the model
     CollisionType type;
     bool fixed;
+    bool is_plain;  // the parts are the ends, and nothing carries them
     bool collider_responds, collidee_responds;
     bool has_exact_search;  // collision has an answer
     bool watched = true;
@@ -262,8 +263,20 @@ class MotionWorld {
   // Whether the object's motion is part of what moves a side of a pair: that end, or that part of it.
   [[nodiscard]] bool is_in_side(std::size_t object, std::size_t end, std::uint32_t part) const;
   // Whether this peer moves the end, or what carries it.
-  [[nodiscard]] bool is_lived(std::size_t end) const;
-  [[nodiscard]] SimTime known_since(std::size_t end) const;
+  [[nodiscard]] bool is_lived(std::size_t end) const {
+    for (auto i = static_cast<std::uint32_t>(end); i != kNone; i = objects_[i].carrier) {
+      if (objects_[i].role == Role::kAuthoritative || objects_[i].role == Role::kDriven) return true;
+    }
+    return false;
+  }
+  // The instant from which on the end's way is known.
+  [[nodiscard]] SimTime known_since(std::size_t end) const {
+    SimTime known = objects_[end].timeline.begin();
+    for (std::uint32_t i = objects_[end].carrier; i != kNone; i = objects_[i].carrier) {
+      known = std::max(known, objects_[i].timeline.begin());
+    }
+    return known;
+  }
   [[nodiscard]] static bool is_answered(const Pair& pair) { return pair.collider_responds || pair.collidee_responds; }
   // The bound of an object's body in the world, kept; one in the frame of `common`; that of a whole end as a box; that
   // of a side of a pair.
@@ -280,6 +293,8 @@ class MotionWorld {
   void search(Pair& pair, SimTime to);
   // Searches the time in which both objects keep their pieces, or until the next multiple of kLookahead.
   void search_window(Pair& pair);
+  void search_window(Pair& pair, const SweptBound& bound_a, const SweptBound& bound_b);
+  void search_composed_window(Pair& pair);
   // Searches for the first contact from `begin` on; contacts before pair.clear_until have been dealt with.
   void search_interval(Pair& pair, SimTime begin, SimTime end);
   // The two are known to be apart at s.
