@@ -37,6 +37,7 @@ void PeerParts::drop(PeerId sender, const char* reason) {
 }
 
 void PeerParts::extend_motions(SimTime t) {
+  replica.set_world_zero(world_time.zero(), t);
   scripted.extend(t, world_time.zero(), owners, replica);
   launches.begin_due(t, [this](SimTime at, ObjectId object) { return file_velocity(at, object); });
 }

@@ -163,7 +163,10 @@ bool SegmentFinder::follow_path(double t, Segment& s, Value& held) {
         s.is_constant = change == Vec3::Zero();
         return true;
       }
-      default:
+      case InterpolatorType::kCoordinate:
+        return true;
+      case InterpolatorType::kColor:
+      case InterpolatorType::kNormal:
         return false;
     }
   }

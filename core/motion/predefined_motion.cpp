@@ -230,6 +230,48 @@ Vec3 PredefinedMotion::to_world(ObjectId id, const Vec3& in_parent, double t_s) 
   return multiply(world_from_parent.linear, in_parent);
 }
 
+PredefinedMotion::FieldRates PredefinedMotion::field_rates(ObjectId id, double t_s) {
+  FieldRates rates{.fields = transform(id, t_s), .end_s = kForever};
+  const Vec3 drift = velocity_of(id);
+  if (!drift.isZero(0.0)) {
+    if (t_s >= 0.0) rates.translation_m_s = drift.norm();
+    else rates.end_s = 0.0;
+  }
+  for (const Driven& d : driven(scene_.at(id).transform)) {
+    const auto segment = animation_->segment(d.field, t_s);
+    assert(segment && "a Transform's fields are vectors and rotations");
+    rates.end_s = std::min(rates.end_s, segment->end_s);
+    if (segment->initial || segment->is_constant) continue;
+    const double speed = segment->velocity.norm(), spin = segment->angular_velocity_body.norm();
+    switch (d.part) {
+      case kTranslation:
+        rates.translation_m_s = speed;
+        break;
+      case kRotation:
+        rates.rotation_rad_s = spin;
+        break;
+      case kScale:
+        rates.scale_1_s = speed;
+        break;
+      case kScaleOrientation:
+        rates.scale_orientation_rad_s = spin;
+        break;
+      case kCenter:
+        rates.center_m_s = speed;
+        break;
+    }
+  }
+  return rates;
+}
+
+PredefinedMotion::VertexSpan PredefinedMotion::vertex_span(std::uint32_t geometry, double t_s) {
+  const auto it = std::ranges::find(flexible_, geometry, [](const auto& f) { return f.first; });
+  if (it == flexible_.end()) return {false, kForever};
+  const auto segment = animation_->segment(it->second, t_s);
+  if (!segment) return {true, t_s};  // nothing is known of how they move
+  return {!segment->initial && !segment->is_constant, segment->end_s};
+}
+
 PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s, std::optional<ObjectId> above) {
   const Way way = way_to(id, above);
   struct Moving {

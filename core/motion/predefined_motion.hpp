@@ -54,6 +54,21 @@ class PredefinedMotion {
   // Evaluates one driven geometry at world time t. Points that the event has no value for stay where the file has them.
   [[nodiscard]] Geometry geometry(std::uint32_t index, double t_s);
 
+  // The Transform of an instance at t, and how fast its fields move until end_s > t: translation and center [m/s],
+  // rotation and scaleOrientation [rad/s], scale [1/s].
+  struct FieldRates {
+    TransformFields fields;
+    double end_s = 0.0;
+    double translation_m_s = 0.0, center_m_s = 0.0, rotation_rad_s = 0.0, scale_orientation_rad_s = 0.0, scale_1_s = 0.0;
+  };
+  [[nodiscard]] FieldRates field_rates(ObjectId id, double t_s);
+  // Whether the vertices of a driven geometry move at t, and until when that stays so, or they move evenly.
+  struct VertexSpan {
+    bool moves = false;
+    double end_s = 0.0;
+  };
+  [[nodiscard]] VertexSpan vertex_span(std::uint32_t geometry, double t_s);
+
   // Describes how the rigid pose of an instance goes on from t, in the rigid frame of an instance above it (none: in
   // the world), whose scale and shear are as in the file. From begin_s until end_s, begin_s <= t < end_s, it is
   // advance(state, s - begin_s) at world time s, but for a circle: where `turning_rad_s` is not 0, the acceleration

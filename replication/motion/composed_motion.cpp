@@ -47,16 +47,16 @@ KinematicState composed(const Levels& levels, SimTime t) {
   return state;
 }
 
-// Bounds of the composed motion: those of each level taken into the frame of the one above.
-MotionBounds bounds_of(const Levels& levels, SimTime t, double h_s) {
+// Bounds of the composed motion of a point: those in the node's frame, taken from each level into the one above.
+MotionBounds bounds_of(const Levels& levels, SimTime t, double h_s, const MotionBounds& in_node = {}) {
   const auto of = [&](const Level& level) {
     MotionBounds b;
     if (level.begun) return bounds_within(*level.law, to_seconds(t - level.from), h_s);
     b.distance_m = level.law->state.position.norm();
     return b;
   };
-  MotionBounds all = of(levels.back());
-  for (std::size_t i = levels.size() - 1; i-- > 0;) {
+  MotionBounds all = in_node;
+  for (std::size_t i = levels.size(); i-- > 0;) {
     const MotionBounds c = of(levels[i]);
     const double w = c.spin_rad_s, alpha = c.spin_acceleration_rad_s2, turn2 = w * w + alpha;
     all.jerk_m_s3 = c.jerk_m_s3 + (w * w * w + 3.0 * w * alpha) * all.distance_m + 3.0 * turn2 * all.speed_m_s +
@@ -115,6 +115,24 @@ KinematicState relative_to(const KinematicState& carrier, const KinematicState& 
 KinematicState composed_at(Chain chain, SimTime t) {
   assert(!chain.empty());
   return composed(levels_at(chain, t), t);
+}
+
+KinematicState composed_at(Chain chain, SimTime law_at, SimTime t) {
+  assert(!chain.empty() && law_at <= t);
+  return composed(levels_at(chain, law_at), t);
+}
+
+std::optional<SimTime> smooth_until(Chain chain, SimTime t) {
+  std::optional<SimTime> until;
+  for (const Timeline* timeline : chain) {
+    const Timeline::Span span = timeline->smooth_around(t);
+    if (span.end) until = until ? std::min(*until, *span.end) : *span.end;
+  }
+  return until;
+}
+
+MotionBounds composed_bounds(Chain chain, SimTime t, double h_s, const MotionBounds& in_node) {
+  return bounds_of(levels_at(chain, t), t, h_s, in_node);
 }
 
 ComposedPiece composed_piece(Chain chain, SimTime t, double reach_m, double error_max_m) {

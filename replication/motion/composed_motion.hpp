@@ -26,6 +26,14 @@ using Chain = std::span<const Timeline* const>;
 
 [[nodiscard]] KinematicState composed_at(Chain chain, SimTime t);
 
+// The state at t by the laws that are in force at `law_at`, of which t may be the end.
+[[nodiscard]] KinematicState composed_at(Chain chain, SimTime law_at, SimTime t);
+// The instant until which the laws in force at t are smooth closed forms; none: for ever.
+[[nodiscard]] std::optional<SimTime> smooth_until(Chain chain, SimTime t);
+// Bounds, from t until h_s later, of the motion of a point in the frame of the chain, by those of its motion in the
+// node's own frame. The laws in force at t are taken to go on.
+[[nodiscard]] MotionBounds composed_bounds(Chain chain, SimTime t, double h_s, const MotionBounds& in_node);
+
 // A part of a composed motion at constant acceleration and spin. It goes through the true pose at both ends and the true
 // position in the middle.
 struct ComposedPiece {

@@ -84,6 +84,10 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
     const auto answers = [&](ObjectId id) { return model.scene->object(id).response.has_value(); };
     const std::size_t collider = index_of(p.collider), collidee = index_of(p.collidee);
     const bool box = p.type == CollisionType::kBox;
+    const auto flexes = [&](std::uint32_t part) { return model.is_flexible(part); };
+    const bool flexible = parts.a != kNone ? flexes(parts.a) || flexes(parts.b)
+                                           : std::ranges::any_of(model.parts_of_node[collider], flexes) ||
+                                                 std::ranges::any_of(model.parts_of_node[collidee], flexes);
     pairs_.push_back({.collider = static_cast<std::uint32_t>(collider),
                       .collidee = static_cast<std::uint32_t>(collidee),
                       .part_a = parts.a,
@@ -94,9 +98,10 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
                       .fixed = parts.fixed,
                       .is_plain = parts.a == collider && parts.b == collidee && objects_[collider].carrier == kNone &&
                                   objects_[collidee].carrier == kNone,
+                      .is_flexible = flexible,
                       .collider_responds = answers(p.collider),
                       .collidee_responds = p.mutual && answers(p.collidee),
-                      .has_exact_search = box || collision::has_exact_answer(body(parts.a), body(parts.b)),
+                      .has_exact_search = box || flexible || collision::has_exact_answer(body(parts.a), body(parts.b)),
                       .clear_until = start,
                       .contact = {},
                       .free_at = {},
@@ -172,13 +177,29 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
 // Called after any change of whether the pair is watched, or of what is known of it.
 void MotionWorld::reschedule(std::size_t i) {
   const Pair& pair = pairs_[i];
-  const bool scheduled = pair.watched && !pair.unsupported && !pair.fixed;
+  const bool is_known = !pair.is_flexible || flexible_ != nullptr;
+  const bool scheduled = pair.watched && !pair.unsupported && !pair.fixed && is_known;
   if (scheduled != in_pair_checks_[i]) {
     in_pair_checks_[i] = scheduled;
     scheduled ? ++watched_ : --watched_;
   }
   assert(watched_ <= pairs_.size());
   pair_checks_.set(i, scheduled ? pair.contact.value_or(pair.clear_until) : SimTime::max());
+}
+
+void MotionWorld::set_flexible(FlexibleParts& flexible) {
+  flexible_ = &flexible;
+  for (std::size_t i = 0; i < pairs_.size(); ++i) reschedule(i);
+}
+
+void MotionWorld::reopen_flexible(SimTime t) {
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    Pair& pair = pairs_[i];
+    if (!pair.is_flexible) continue;
+    pair.contact.reset();
+    pair.clear_until = std::min(pair.clear_until, std::max(t, start_));
+    reschedule(i);
+  }
 }
 
 Duration MotionWorld::history_of(const Object& o) const {
@@ -345,9 +366,9 @@ bool MotionWorld::will_respond(const Object& o, bool registered, SimTime t) {
 
 // ---- frames ----
 
-MotionWorld::OwnChain MotionWorld::chain_of(std::size_t object, std::uint32_t common) const {
+MotionWorld::OwnChain MotionWorld::chain_of(std::uint32_t object, std::uint32_t common) const {
   OwnChain chain;
-  for (auto i = static_cast<std::uint32_t>(object); i != kNone && i != common; i = objects_[i].carrier) {
+  for (std::uint32_t i = object; i != kNone && i != common; i = objects_[i].carrier) {
     chain.insert(chain.begin(), &objects_[i].timeline);
   }
   return chain;
@@ -356,7 +377,7 @@ MotionWorld::OwnChain MotionWorld::chain_of(std::size_t object, std::uint32_t co
 KinematicState MotionWorld::world_at(std::size_t object, SimTime t) const {
   const Object& o = objects_[object];
   if (o.carrier == kNone) return o.timeline.at(t);
-  const OwnChain chain = chain_of(object);
+  const OwnChain chain = chain_of(static_cast<std::uint32_t>(object));
   return composed_at({chain.data(), chain.size()}, t);
 }
 
@@ -376,7 +397,9 @@ MotionModel MotionWorld::world_law(std::size_t object, SimTime t) const {
 }
 
 bool MotionWorld::is_in_side(std::size_t object, std::size_t end, std::uint32_t part) const {
-  if (object == end || (part != kNone && object == part)) return true;
+  if (object == end) return true;
+  if (part != kNone) part = model_.frame_of(part);
+  if (part != kNone && object == part) return true;
   const auto carries = carried_by(object);
   const auto is_carried = [&](std::size_t node) {
     return std::ranges::binary_search(carries, static_cast<std::uint32_t>(node));
@@ -390,24 +413,30 @@ bool MotionWorld::is_in_side(std::size_t object, std::size_t end, std::uint32_t 
 
 const SweptBound& MotionWorld::bound_of(std::size_t object, SimTime s) {
   Object& o = objects_[object];
-  if (!o.bound.answers_for(s)) o.bound = make_bound(object, kNone, s);
+  if (!o.bound.answers_for(s)) o.bound = make_bound(static_cast<std::uint32_t>(object), kNone, s);
   return o.bound;
 }
 
-SweptBound MotionWorld::make_bound(std::size_t object, std::uint32_t common, SimTime s) const {
+MovingPart MotionWorld::moving_part(std::uint32_t part, const OwnChain& chain) const {
+  if (!model_.is_flexible(part)) return {{chain.data(), chain.size()}, &body(part)};
+  return {{chain.data(), chain.size()}, nullptr, flexible_, part - static_cast<std::uint32_t>(model_.nodes.size())};
+}
+
+SweptBound MotionWorld::make_bound(std::uint32_t part, std::uint32_t common, SimTime s) const {
   const SimTime begin = grid_floor(s), end = begin + kLookahead;
-  const OwnChain chain = chain_of(object, common);
-  if (chain.size() == 1) return swept_bound(*chain.front(), body(object), s, begin, end);
-  const MovingPart part{{chain.data(), chain.size()}, &body(object)};
-  const ComposedPiece piece = composed_piece(part.chain, s, part.reach_m(), kCoarseError_m);
-  return swept_bound(piece, body(object), s, begin, end);
+  const OwnChain chain = chain_of(model_.frame_of(part), common);
+  const MovingPart moving = moving_part(part, chain);
+  if (moving.flexible != nullptr || chain.empty()) return swept_bound_of_way(moving, s, end);
+  if (chain.size() == 1) return swept_bound(*chain.front(), body(part), s, begin, end);
+  const ComposedPiece piece = composed_piece(moving.chain, s, moving.reach_m(), kCoarseError_m);
+  return swept_bound(piece, body(part), s, begin, end);
 }
 
 SweptBound MotionWorld::bound_of_end(std::size_t end, SimTime s) {
   SweptBound all;
   bool first = true;
   for (const std::uint32_t part : model_.parts_of_node[end]) {
-    const SweptBound bound = as_box(bound_of(part, s));
+    const SweptBound bound = as_box(model_.is_flexible(part) ? make_bound(part, kNone, s) : bound_of(part, s));
     all = first ? bound : merged(all, bound);
     first = false;
   }
@@ -417,7 +446,8 @@ SweptBound MotionWorld::bound_of_end(std::size_t end, SimTime s) {
 SweptBound MotionWorld::bound_of_side(const Pair& pair, bool of_collider, SimTime s) {
   const std::uint32_t part = of_collider ? pair.part_a : pair.part_b;
   if (part == kNone) return bound_of_end(of_collider ? pair.collider : pair.collidee, s);
-  return pair.common == kNone ? bound_of(part, s) : make_bound(part, pair.common, s);
+  const bool is_kept = pair.common == kNone && !model_.is_flexible(part);
+  return is_kept ? bound_of(part, s) : make_bound(part, pair.common, s);
 }
 
 template <class Function>
@@ -431,8 +461,8 @@ auto MotionWorld::with_query(const Pair& pair, Function function) const {
   boost::container::small_vector<OwnChain, 2> chains;
   boost::container::small_vector<MovingPart, 2> sides[2];
   const auto add = [&](std::size_t side, std::uint32_t part) {
-    chains.push_back(chain_of(part, pair.common));
-    sides[side].push_back({{}, &body(part)});
+    chains.push_back(chain_of(model_.frame_of(part), pair.common));
+    sides[side].push_back(moving_part(part, {}));
   };
   for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
     const std::uint32_t part = side == 0 ? pair.part_a : pair.part_b;

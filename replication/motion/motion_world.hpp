@@ -104,6 +104,10 @@ class MotionWorld {
 
   // Declares an object that may move; every body that is not declared stays at its place in the file.
   void declare(ObjectId object, Role role);
+  // What says where flexible parts are; it outlives this world. Without it their pairs are not searched.
+  void set_flexible(FlexibleParts& flexible);
+  // World time has another beginning: contacts of flexible parts from t on are searched anew.
+  void reopen_flexible(SimTime t);
   // Turns watching of a pair on or off; all pairs start watched.
   void watch(ObjectId a, ObjectId b, bool on);
   void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
@@ -201,12 +205,13 @@ class MotionWorld {
   // Two parts of two ends of an interest (PartPair). What answers is the end.
   struct Pair {
     std::uint32_t collider, collidee;  // the ends, into objects_
-    std::uint32_t part_a, part_b;      // the objects whose bodies meet; kNone: the boxes of both whole ends
+    std::uint32_t part_a, part_b;      // the model's parts that meet; kNone: the boxes of both whole ends
     std::uint32_t common;              // the two meet in the frame of that object; kNone: in the world
     std::uint32_t number;              // of the interest's pair, in the model
     CollisionType type;
     bool fixed;
     bool is_plain;  // the parts are the ends, and nothing carries them
+    bool is_flexible;
     bool collider_responds, collidee_responds;
     bool has_exact_search;  // collision has an answer
     bool watched = true;
@@ -253,7 +258,7 @@ class MotionWorld {
   [[nodiscard]] static bool will_respond(const Object& o, bool registered, SimTime t);
   // The timelines from below `common` down to the object's own.
   using OwnChain = boost::container::small_vector<const Timeline*, 4>;
-  [[nodiscard]] OwnChain chain_of(std::size_t object, std::uint32_t common = kNone) const;
+  [[nodiscard]] OwnChain chain_of(std::uint32_t object, std::uint32_t common = kNone) const;
   [[nodiscard]] KinematicState world_at(std::size_t object, SimTime t) const;
   [[nodiscard]] KinematicState carrier_at(std::size_t object, SimTime t) const;
   // A vector of the world in the frame of the object's carrier, as that stands at t.
@@ -281,7 +286,8 @@ class MotionWorld {
   // The bound of an object's body in the world, kept; one in the frame of `common`; that of a whole end as a box; that
   // of a side of a pair.
   [[nodiscard]] const SweptBound& bound_of(std::size_t object, SimTime s);
-  [[nodiscard]] SweptBound make_bound(std::size_t object, std::uint32_t common, SimTime s) const;
+  [[nodiscard]] SweptBound make_bound(std::uint32_t part, std::uint32_t common, SimTime s) const;
+  [[nodiscard]] MovingPart moving_part(std::uint32_t part, const OwnChain& chain) const;
   [[nodiscard]] SweptBound bound_of_end(std::size_t end, SimTime s);
   [[nodiscard]] SweptBound bound_of_side(const Pair& pair, bool of_collider, SimTime s);
   template <class Function>
@@ -387,6 +393,7 @@ class MotionWorld {
 
   const WorldModel& model_;
   SimTime start_, advanced_;
+  FlexibleParts* flexible_ = nullptr;
   std::optional<Duration> driven_history_;  // none: as for all other objects
   std::vector<Object> objects_;  // the model's nodes, then the other declared objects in order of declaration
   std::vector<std::uint32_t> index_by_id_;  // indices into objects_, or kNone

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <boost/container/small_vector.hpp>
 
 #include "collision/contact/box_contact.hpp"
+#include "core/transform.hpp"
+#include "replication/motion/flexible_contact.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -26,6 +29,10 @@ struct SideStates {
 SideStates states_of(std::span<const MovingPart> side, SimTime t, double error_max_m) {
   SideStates out;
   for (const MovingPart& part : side) {
+    if (part.chain.empty()) {  // it stands in the frame
+      out.states.emplace_back();
+      continue;
+    }
     if (part.chain.size() == 1) {
       out.states.push_back(part.chain.front()->at(t));
       continue;
@@ -61,9 +68,48 @@ SimTime time_of(const Contact& found, SimTime begin) {
 
 }  // namespace
 
+SweptBound swept_bound_of_way(const MovingPart& part, SimTime s, SimTime end) {
+  assert(s < end);
+  SweptBound bound;
+  MotionBounds in_node;
+  FlexibleParts::Form form;
+  if (part.flexible != nullptr) {
+    const FlexibleParts::Course course = part.flexible->course(part.form, s, to_seconds(end - s));
+    in_node = course.bounds;
+    bound.next_change = course.end;
+    part.flexible->form(part.form, s, form);
+  } else {
+    in_node.distance_m = part.reach_m();
+    form.vertices.assign(part.body->vertices().begin(), part.body->vertices().end());
+  }
+  Affine place;
+  if (!part.chain.empty()) {
+    const auto until = smooth_until(part.chain, s);
+    if (until) bound.next_change = bound.next_change ? std::min(*bound.next_change, *until) : *until;
+    const KinematicState state = composed_at(part.chain, s);
+    place = {state.orientation.toRotationMatrix(), state.position};
+    in_node = composed_bounds(part.chain, s, to_seconds(end - s), in_node);
+  }
+  if (bound.next_change && *bound.next_change <= s) bound.next_change = s + Duration{1};
+  if (bound.next_change) end = std::min(end, *bound.next_change);
+  bound.still = in_node.speed_m_s == 0.0 && in_node.acceleration_m_s2 == 0.0 && in_node.spin_rad_s == 0.0;
+  bound.low.setConstant(std::numeric_limits<double>::infinity());
+  bound.high = -bound.low;
+  const double way_m = to_seconds(end - s) * in_node.speed_m_s + 4.0 * collision::kAdvancementTolerance_m;
+  for (const Vec3& v : form.vertices) {
+    const Vec3 at = multiply(place.linear, v) + place.offset;
+    bound.low = bound.low.cwiseMin(at - Vec3::Constant(way_m));
+    bound.high = bound.high.cwiseMax(at + Vec3::Constant(way_m));
+  }
+  bound.from = s;
+  bound.until = end;
+  return bound;
+}
+
 PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime from, SimTime until,
                                std::uint64_t& searches) {
   assert(begin <= from && from < until);
+  if (query.is_flexible()) return first_flexible_contact(query, from, until, searches);
   const auto search_from = [&](SimTime t, SimTime end, const SideStates& a, const SideStates& b) {
     ++searches;
     PartContact found{search(query, a, b, end - t), t, a.states.front(), b.states.front()};
@@ -90,6 +136,7 @@ PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime fr
 }
 
 bool parts_touch(const PartQuery& query, SimTime t) {
+  if (query.is_flexible()) return flexible_parts_touch(query, t);
   const SideStates a = states_of(query.a, t, kFineError_m), b = states_of(query.b, t, kFineError_m);
   const double margin_m = a.error_m + b.error_m;
   if (a.states.size() == 1 && b.states.size() == 1) {
@@ -102,6 +149,7 @@ bool parts_touch(const PartQuery& query, SimTime t) {
 
 SimTime parts_touch_until(const PartQuery& query, SimTime t, SimTime until) {
   assert(t < until);
+  if (query.is_flexible()) return std::min(until, t + kTouchCheck);
   Duration lasts = kTouchCheck;
   if (query.type == CollisionType::kBox) {
     const SideStates a = states_of(query.a, t, kCoarseError_m), b = states_of(query.b, t, kCoarseError_m);

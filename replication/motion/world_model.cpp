@@ -145,14 +145,19 @@ class ModelBuilder {
     }
     for (std::uint32_t i = 0; i < model_.nodes.size(); ++i) {
       const ObjectId id = model_.nodes[i].object;
-      std::string changes_shape;
+      FlexiblePart flexible;
       const auto belongs = [&](ObjectId shape) {
         if (!is_part[i] || !goes_with(shape, id)) return false;
-        if (carriers_->distorted(shape)) changes_shape = "the file changes its shape as it moves";
-        return !carriers_->distorted(shape);
+        if (is_flexible(shape)) flexible.shapes.push_back(shape);
+        return !is_flexible(shape);
       };
       collision::Body body = collision::make_body(scene_, id, belongs);
-      if (!changes_shape.empty()) body.unsupported = scene_.path_of(id) + ": " + changes_shape;
+      if (!flexible.shapes.empty()) {
+        const auto mover = mover_of(id);
+        flexible.carrier = mover ? index_of(*mover) : kNone;
+        flexible_of_node_[i] = static_cast<std::uint32_t>(model_.nodes.size() + model_.flexible.size());
+        model_.flexible.push_back(std::move(flexible));
+      }
       if (!body.unsupported.empty()) model_.unsupported.push_back(body.unsupported);
       model_.bodies.push_back(std::move(body));
     }
@@ -163,15 +168,24 @@ class ModelBuilder {
       for (std::uint32_t i = index; i < model_.nodes.size(); ++i) {
         if (model_.nodes[i].object.value >= scene_.at(end).subtree_end) break;
         const bool has_geometry = !model_.bodies[i].vertices().empty() || !model_.bodies[i].unsupported.empty();
-        if (has_geometry && (i == index || model_.nodes[i].is_carrier)) parts.push_back(i);
+        if (i != index && !model_.nodes[i].is_carrier) continue;
+        if (has_geometry) parts.push_back(i);
+        if (const auto flexes = flexible_of_node_.find(i); flexes != flexible_of_node_.end()) {
+          parts.push_back(flexes->second);
+        }
       }
       if (parts.empty()) parts.push_back(index);
     }
   }
 
-  // The carrier, or the node itself, that moves the body of a node.
-  [[nodiscard]] std::uint32_t mover(std::uint32_t node) const {
-    return model_.nodes[node].is_carrier ? node : model_.nodes[node].carrier;
+  [[nodiscard]] bool is_flexible(ObjectId shape) const {
+    return carriers_->distorted(shape) || std::ranges::binary_search(bending_, scene_.at(shape).geometry);
+  }
+
+  // The carrier that moves a part.
+  [[nodiscard]] std::uint32_t mover(std::uint32_t part) const {
+    const std::uint32_t frame = model_.frame_of(part);
+    return frame == kNone || model_.nodes[frame].is_carrier ? frame : model_.nodes[frame].carrier;
   }
 
   [[nodiscard]] std::uint32_t common_carrier(std::uint32_t a, std::uint32_t b) const {
@@ -190,7 +204,9 @@ class ModelBuilder {
       const CollisionPair& pair = model_.pairs[number];
       const auto& of_a = model_.parts_of_node[index_of(pair.collider)];
       const auto& of_b = model_.parts_of_node[index_of(pair.collidee)];
-      if (pair.type == CollisionType::kBox && of_a.size() + of_b.size() > 2) {
+      const bool single = of_a.size() + of_b.size() == 2 && !model_.is_flexible(of_a.front()) &&
+                          !model_.is_flexible(of_b.front());
+      if (pair.type == CollisionType::kBox && !single) {
         model_.part_pairs.push_back({number, kNone, kNone, kNone, false});
         continue;
       }
@@ -198,7 +214,8 @@ class ModelBuilder {
         for (const std::uint32_t b : of_b) {
           const bool boxes = pair.type == CollisionType::kBox;  // which change as a carrier turns
           const std::uint32_t common = boxes ? kNone : common_carrier(a, b);
-          const bool fixed = mover(a) == mover(b) && (!boxes || mover(a) == kNone);
+          const bool rigid = !model_.is_flexible(a) && !model_.is_flexible(b);
+          const bool fixed = rigid && mover(a) == mover(b) && (!boxes || mover(a) == kNone);
           model_.part_pairs.push_back({number, a, b, common, fixed});
         }
       }
@@ -248,7 +265,7 @@ class ModelBuilder {
   void name_unanswered_pairs() {
     for (const PartPair& parts : model_.part_pairs) {
       const CollisionPair& pair = model_.pairs[parts.pair];
-      if (pair.type == CollisionType::kBox) continue;
+      if (pair.type == CollisionType::kBox || model_.is_flexible(parts.a) || model_.is_flexible(parts.b)) continue;
       const collision::Body &a = model_.bodies[parts.a], &b = model_.bodies[parts.b];
       const bool already_reported = !a.unsupported.empty() || !b.unsupported.empty();
       if (already_reported || collision::has_exact_answer(a, b)) continue;
@@ -260,7 +277,9 @@ class ModelBuilder {
   const Scene& scene_;
   WorldModel& model_;
   PredefinedMotion predefined_;
-  std::vector<ObjectId> named_;  // ends of interests, ascending
+  std::vector<std::uint32_t> bending_ = predefined_.flexible_geometries();  // ascending
+  std::map<std::uint32_t, std::uint32_t> flexible_of_node_;                 // parts
+  std::vector<ObjectId> named_;                                             // ends of interests, ascending
   std::optional<Carriers> carriers_;
 };
 
@@ -295,9 +314,9 @@ bool WorldModel::is_answered(ObjectId a, ObjectId b) const {
   });
 }
 
-std::vector<std::uint32_t> WorldModel::chain_of(std::uint32_t node, std::uint32_t common) const {
+std::vector<std::uint32_t> WorldModel::chain_of(std::uint32_t part, std::uint32_t common) const {
   std::vector<std::uint32_t> chain;
-  for (std::uint32_t i = node; i != kNone && i != common; i = nodes[i].carrier) chain.push_back(i);
+  for (std::uint32_t i = frame_of(part); i != kNone && i != common; i = nodes[i].carrier) chain.push_back(i);
   std::ranges::reverse(chain);
   return chain;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cassert>
+#include <memory>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -26,12 +27,18 @@ class Replica {
   };
 
   // The model outlives the replica.
-  explicit Replica(const WorldModel& model) : model_(model), colliding_(model) {}
+  explicit Replica(const WorldModel& model) : model_(model), colliding_(model) {
+    if (!model.flexible.empty()) flexible_ = std::make_unique<FlexibleParts>(model);
+  }
 
   [[nodiscard]] bool begun() const { return worlds_.has_value(); }
   // Begins both worlds anew at t, with everything at its place in the file.
   void begin(SimTime t) {
     worlds_.emplace(Worlds{MotionWorld(model_, t), MotionWorld(model_, t)});
+    if (flexible_) {
+      worlds_->truth.set_flexible(*flexible_);
+      worlds_->ghosts.set_flexible(*flexible_);
+    }
     changed_.clear();
     begun_at_ = t;
   }
@@ -83,6 +90,14 @@ class Replica {
   // The position in the world that an update says [m], by where the ghost of the object's carrier is then.
   [[nodiscard]] Vec3 position_of(const UpdateRecord& update) const;
 
+  // The session time at which world time began, or that nobody knows it: what flexes does so from then on.
+  void set_world_zero(std::optional<SimTime> zero, SimTime t) {
+    assert(begun());
+    if (!flexible_ || !flexible_->set_world_zero(zero)) return;
+    worlds_->truth.reopen_flexible(t);
+    worlds_->ghosts.reopen_flexible(t);
+  }
+
   // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows unless
   // the object is owned here.
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned);
@@ -111,6 +126,7 @@ class Replica {
   std::optional<Worlds> worlds_;
   SimTime begun_at_{};
   CollidingObjects colliding_;
+  std::unique_ptr<FlexibleParts> flexible_;  // null: nothing flexes
   std::vector<ObjectId> changed_;  // since the last take_changed(); some of them twice
   std::set<ObjectId> unreceived_;
   std::unordered_map<ObjectId, UpdateRecord> last_updates_;
