@@ -39,7 +39,7 @@ class Maker {
     const std::size_t most = 4 + chance_.below(9);
     for (std::size_t i = 0, walls = 1 + chance_.below(2); i < walls; ++i) add_wall();
     if (chance_.happens(0.5)) add_slider();
-    if (chance_.happens(0.5)) add_bar();
+    if (chance_.happens(0.35)) add_bar();
     if (chance_.happens(0.7)) add_flyer(-1);
     for (int tree = 0; moving_ < most || tree < 2; ++tree) add_tree(most);
     add_owners();
@@ -211,7 +211,7 @@ class Maker {
     const int bar = add(NodeKind::kTransform, frame);
     add_box(bar, x, y, 0.25F);
     Path<Turn> path{.clock = int(world_.clocks.size())};
-    world_.clocks.push_back({.cycle_s = chance_.between(1.2, 4.0)});
+    world_.clocks.push_back({.cycle_s = chance_.between(2.5, 6.0)});
     path.key = {0.0F, 0.25F, 0.5F, 0.75F, 1.0F};
     for (const float key : path.key) path.value.push_back({0, 0, 1, float(2.0 * kHalfTurn_rad) * key});
     at(bar).rotations = path;
@@ -420,12 +420,18 @@ class Maker {
   void add_decoration() {
     if (!chance_.happens(0.5)) return;
     const std::string clock = "CLOCK" + std::to_string(some_clock());
+    const auto route = [&](const std::string& name, const std::string& field) {
+      return "ROUTE " + clock + ".fraction_changed TO " + name + ".set_fraction\nROUTE " + name + ".value_changed TO " +
+             field + '\n';
+    };
     world_.decoration =
-        "DEF LIGHT PointLight { on FALSE }\nDEF GLOW ScalarInterpolator { key [ 0 0.5 1 ] keyValue [ 0 1 0 ] }\n"
-        "DEF TINT ColorInterpolator { key [ 0 1 ] keyValue [ 1 0 0, 0 0 1 ] }\nROUTE " +
-        clock + ".fraction_changed TO GLOW.set_fraction\nROUTE " + clock +
-        ".fraction_changed TO TINT.set_fraction\nROUTE GLOW.value_changed TO LIGHT.set_intensity\n"
-        "ROUTE TINT.value_changed TO LIGHT.color\n";
+        "DEF LIGHT PointLight { on FALSE }\n"
+        "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 50 0 0, 51 0 0, 50 1 0 ] } coordIndex [ 0 1 2 ]\n"
+        "  normalPerVertex FALSE normal DEF NORMALS Normal { vector [ 0 0 1 ] } } }\n"
+        "DEF GLOW ScalarInterpolator { key [ 0 0.5 1 ] keyValue [ 0 1 0 ] }\n"
+        "DEF TINT ColorInterpolator { key [ 0 1 ] keyValue [ 1 0 0, 0 0 1 ] }\n"
+        "DEF SHINE NormalInterpolator { key [ 0 1 ] keyValue [ 0 0 1, 0 1 0 ] }\n" +
+        route("GLOW", "LIGHT.set_intensity") + route("TINT", "LIGHT.color") + route("SHINE", "NORMALS.set_vector");
   }
 
   Chance chance_;

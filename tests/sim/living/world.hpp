@@ -71,12 +71,12 @@ struct World {
   std::uint64_t seed = 0;
   double duration_s = 0.0;
   int latency_ms = 0, tick_hz = 60;
-  std::vector<std::string> peers;  // ids are 1, 2, ..
-  std::vector<Clock> clocks;
-  std::vector<Form> forms;
-  std::vector<Node> nodes;  // a parent before its children, and all that is below a node right behind it
-  std::vector<Interest> interests;
-  std::string decoration;  // VRML of interpolators that drive nothing that collides
+  std::vector<std::string> peers{};  // ids are 1, 2, ..
+  std::vector<Clock> clocks{};
+  std::vector<Form> forms{};
+  std::vector<Node> nodes{};  // a parent before its children, and all that is below a node right behind it
+  std::vector<Interest> interests{};
+  std::string decoration{};  // VRML of interpolators that drive nothing that collides
 };
 
 // Of 4 to 14 moving Transforms in trees of up to five levels, whose fields are driven by interpolators or, where
