@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <sstream>
@@ -74,14 +75,22 @@ Reference reference_of(const World& world) {
   return reference;
 }
 
-report::RunRecord run_peers(const World& world, const testing_support::ScratchFolder& folder) {
-  folder.write("living.wrl", vrml_of(world));
-  const auto file = folder.write("living.toml", scenario_of(world));
+void write_texts(const World& world, const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "living.wrl") << vrml_of(world);
+  std::ofstream(folder / "living.toml") << scenario_of(world);
+}
+
+report::RunRecord run_peers(const World& world, const std::filesystem::path& folder) {
+  write_texts(world, folder);
+  const auto file = folder / "living.toml";
   const config::Scenario scenario = must(config::read_scenario({.file = file, .configs = {}, .sets = {}, .seed = {}}));
   const auto shared = must(share_world(scenario.world));
   const auto logs = must(sim::simulate(scenario.runs[0], *shared));
   return must(assemble(scenario.runs[0], *shared, logs));
 }
+
+double known_from_s(const World& world) { return 1e-3 * world.latency_ms + 0.01; }
 
 bool must_be_found(const World& world, const Contact& contact) {
   constexpr double kHalfTick_s = 0.5 / kReference_hz;  // times of ticks are rounded
@@ -133,18 +142,108 @@ Comparison compare(const World& world, const Reference& reference, const report:
   return comparison;
 }
 
+namespace {
+
+bool is_below(const World& world, int node, int above) {
+  for (int i = world.nodes[std::size_t(node)].parent; i >= 0; i = world.nodes[std::size_t(i)].parent) {
+    if (i == above) return true;
+  }
+  return false;
+}
+
+// Whether what others than that peer own moves one of the two.
+bool depends_on_others(const World& world, const Pair& pair, PeerId peer) {
+  for (int i = 0; i < int(world.nodes.size()); ++i) {
+    const int owner = world.nodes[std::size_t(i)].owner;
+    if (owner < 0 || PeerId{std::uint32_t(owner + 1)} == peer) continue;
+    for (const int end : {pair.collider, pair.collidee}) {
+      if (i == end || is_below(world, i, end) || is_below(world, end, i)) return true;
+    }
+  }
+  return false;
+}
+
+class Judge {
+ public:
+  Judge(const World& world, const Reference& reference)
+      : world_(world), reference_(reference), motion_(world), oracles_(reference.pairs.size()) {}
+
+  // None where the row is not to be judged.
+  std::optional<ContactOracle::Verdict> verdict(const report::ContactRow& row, std::size_t pair) {
+    const double known_s = known_from_s(world_);
+    const Pair& ends = reference_.pairs[pair];
+    if (row.reported_at_s < known_s && depends_on_others(world_, ends, row.peer)) return std::nullopt;
+    double since_s = 0.0;
+    for (const Contact& contact : reference_.contacts) {
+      if (contact.pair != pair) continue;
+      const bool covers = contact.began_s <= row.t_s + 1.0 / kReference_hz && row.t_s <= contact.ended_s;
+      if (covers && contact.began_s <= known_s) return std::nullopt;
+      if (contact.ended_s <= row.t_s) since_s = std::max(since_s, contact.ended_s);
+    }
+    auto& oracle = oracles_[pair];
+    if (!oracle) oracle.emplace(motion_, world_, ends.collider, ends.collidee, ends.type);
+    return oracle->judge(since_s, row.t_s);
+  }
+
+ private:
+  const World& world_;
+  const Reference& reference_;
+  OracleMotion motion_;
+  std::vector<std::optional<ContactOracle>> oracles_;  // by pair
+};
+
+}  // namespace
+
+Judgement judge(const World& world, const Reference& reference, const std::vector<report::ContactRow>& rows) {
+  Judge oracle(world, reference);
+  Judgement out;
+  for (const report::ContactRow& row : rows) {
+    std::optional<Fault> fault;
+    bool good = false, judged = false;
+    for (const std::size_t pair : pairs_of(reference, row)) {
+      const auto verdict = oracle.verdict(row, pair);
+      good = good || !verdict || (!verdict->is_early() && !verdict->is_late());
+      judged = judged || verdict;
+      if (!verdict) continue;
+      out.unproven_s += verdict->unproven_s;
+      out.incomplete += !verdict->complete;
+      if (!fault || verdict->distance_m.lo < fault->verdict.distance_m.lo) fault = Fault{row, pair, *verdict};
+    }
+    out.judged += judged;
+    if (!good && fault) out.faults.push_back(*fault);
+  }
+  return out;
+}
+
+namespace {
+
+std::string name_of(const World& world, const Reference& reference, PeerId peer, std::size_t pair) {
+  const Pair& ends = reference.pairs[pair];
+  return "peer " + world.peers[peer.value - 1] + ": " + path_of(world, ends.collider) + " - " +
+         path_of(world, ends.collidee) + " (" + name_of(ends.type) + ")";
+}
+
+}  // namespace
+
 std::string text_of(const World& world, const Reference& reference, const Missing& missing) {
-  const Pair& pair = reference.pairs[missing.contact.pair];
   std::ostringstream text;
   text.precision(9);
-  text << "peer " << world.peers[missing.peer.value - 1] << ": " << path_of(world, pair.collider) << " - "
-       << path_of(world, pair.collidee) << " (" << name_of(pair.type) << ") from " << missing.contact.began_s << " to "
+  text << name_of(world, reference, missing.peer, missing.contact.pair) << " from " << missing.contact.began_s << " to "
        << missing.contact.ended_s << " s; nearest row: ";
   if (missing.nearest_s) {
     text << *missing.nearest_s << " s";
   } else {
     text << "none";
   }
+  return text.str();
+}
+
+std::string text_of(const World& world, const Reference& reference, const Fault& fault) {
+  std::ostringstream text;
+  text.precision(12);
+  text << name_of(world, reference, fault.row.peer, fault.pair) << ' ' << fault.row.kind << " at " << fault.row.t_s
+       << " s: the distance then is " << fault.verdict.distance_m.lo << " to " << fault.verdict.distance_m.hi << " m";
+  if (fault.verdict.is_late()) text << "; they touch for " << fault.verdict.late_s << " s already";
   return text.str();
 }
 
