@@ -221,7 +221,7 @@ class Maker {
     ++moving_;
     planted_.push_back({bar, plate});
   }
-  // Moved by nothing but its velocity, through the middle of its parent's frame.
+  // Moved by its velocity, through the middle of its parent's frame; now and then it turns by an interpolator.
   int add_flyer(int parent) {
     const int flyer = add(NodeKind::kTransform, parent);
     const double half_m = parent < 0 ? 1.2 : 0.5;
@@ -235,6 +235,7 @@ class Maker {
       at(flyer).translation[k] = float(aim[k] - at_s * at(flyer).velocity[k]);
     }
     add_still_fields(flyer);
+    if (chance_.happens(0.2)) at(flyer).rotations = some_turning();
     add_some_shape(flyer);
     ++moving_;
     return flyer;
@@ -346,7 +347,7 @@ class Maker {
     const std::size_t first = chance_.below(2);
     std::vector<int> free;
     for (int i = 0; i < int(world_.nodes.size()); ++i) {
-      if (at(i).velocity != Three{}) free.push_back(i);
+      if (at(i).velocity != Three{} && !at(i).rotations.drives()) free.push_back(i);
     }
     std::size_t given = 0;
     for (const int node : free) {
