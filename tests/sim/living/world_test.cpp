@@ -22,7 +22,7 @@ using testing_support::ScratchFolder;
 constexpr const char* kMirrored = "a scale of 0 or less is outside VRML97; it is applied as written";
 
 // Peers leave out what moves below what moves, nested interests and what bends. Once they take part, this is true.
-constexpr bool kPeersTakePart = false;
+constexpr bool kPeersTakePart = true;
 
 std::string where(const World& world) {
   const char* const folder = std::getenv("PEERD_LIVING_TEXTS");
