@@ -40,7 +40,8 @@ class Maker {
     for (std::size_t i = 0, walls = 1 + chance_.below(2); i < walls; ++i) add_wall();
     if (chance_.happens(0.5)) add_slider();
     if (chance_.happens(0.35)) add_bar();
-    if (chance_.happens(0.7)) add_flyer(-1);
+    owners_ = chance_.below(3);
+    for (std::size_t i = 0, flyers = owners_ + chance_.below(2); i < flyers; ++i) add_flyer(-1);
     for (int tree = 0; moving_ < most || tree < 2; ++tree) add_tree(most);
     add_owners();
     add_interests();
@@ -342,8 +343,7 @@ class Maker {
   void add_owners() {
     world_.peers = {"a", "b"};
     if (chance_.happens(0.3)) world_.peers.emplace_back("c");
-    const std::size_t owners = chance_.below(3);
-    if (owners == 0) return;
+    if (owners_ == 0) return;
     const std::size_t first = chance_.below(2);
     std::vector<int> free;
     for (int i = 0; i < int(world_.nodes.size()); ++i) {
@@ -351,9 +351,9 @@ class Maker {
     }
     std::size_t given = 0;
     for (const int node : free) {
-      if (given >= owners && chance_.happens(0.3)) continue;
-      at(node).owner = int((first + given++) % owners);
-      if (owners == 1) at(node).owner = int(first);
+      if (given >= owners_ && chance_.happens(0.3)) continue;
+      at(node).owner = owners_ == 1 ? int(first) : int((first + given) % owners_);
+      ++given;
     }
   }
   int end_of(int node) const {
@@ -437,7 +437,7 @@ class Maker {
 
   Chance chance_;
   World world_;
-  std::size_t moving_ = 0;
+  std::size_t moving_ = 0, owners_ = 0;
   std::vector<int> still_forms_;
   std::vector<std::pair<int, int>> planted_;
 };
