@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "collision/exact/ordered_sums.hpp"
+#include "collision/exact/overlap_depth.hpp"
 #include "collision/exact/triangle_distance.hpp"
 #include "collision/query/time_of_impact.hpp"
 
@@ -104,6 +105,37 @@ void set_overlap_polygon(Contact& contact, const MovingBody& collider, const Mov
 }
 
 }  // namespace
+
+double touch_depth_m(const MovingBody& a, const MovingBody& b) {
+  const RelativeMotion a_from_b(a.motion.pose(), b.motion.pose());
+  Surface &of_a = *a.body.surface, &of_b = *b.body.surface;
+  PolygonPair pair{};
+  if (of_a.soup().faces.empty() || of_b.soup().faces.empty()) return 0.0;
+  if (!near_query.find_pair(of_a.tree(), of_b.tree(), a_from_b, pair)) return 0.0;
+  const auto faces_of = [](const TriangleSoup& soup, std::uint32_t polygon) {
+    return std::ranges::equal_range(soup.faces, polygon, {}, &TriangleSoup::Face::polygon);
+  };
+  double deepest = 0.0;
+  for (const TriangleSoup::Face& face_b : faces_of(of_b.soup(), pair.b)) {
+    const auto& c = face_b.corners;
+    const auto& v = of_b.soup().vertices;
+    const Triangle in_a = {a_from_b(v[c[0]]), a_from_b(v[c[1]]), a_from_b(v[c[2]])};
+    for (const TriangleSoup::Face& face_a : faces_of(of_a.soup(), pair.a)) {
+      const auto index = static_cast<std::uint32_t>(&face_a - of_a.soup().faces.data());
+      deepest = std::max(deepest, overlap_depth_m(of_a.soup().triangle(index), in_a));
+    }
+  }
+  return deepest;
+}
+
+bool different_shapes_touch(const MovingBody& a, const MovingBody& b) {
+  Surface &of_a = *a.body.surface, &of_b = *b.body.surface;
+  if (of_a.soup().faces.empty() || of_b.soup().faces.empty()) return false;
+  const RelativeMotion a_from_b(a.motion.pose(), b.motion.pose());
+  return std::ranges::any_of(near_query.all_pairs(of_a.tree(), of_b.tree(), a_from_b), [&](const PolygonPair& pair) {
+    return of_a.polygon(pair.a).shape != of_b.polygon(pair.b).shape;
+  });
+}
 
 bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m) {
   assert(a.body.surface && b.body.surface && distance_m >= 0.0);

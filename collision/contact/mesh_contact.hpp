@@ -13,6 +13,13 @@ namespace peerd::collision {
 [[nodiscard]] Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s,
                                    double margin_m = 0.0);
 
+// A lower bound of how deep the polygons of two bodies that touch are in each other [m] (overlap_depth_m()): while no
+// corner of either is displaced by as much, both displacements added, they go on to touch. 0: nothing is known.
+[[nodiscard]] double touch_depth_m(const MovingBody& a, const MovingBody& b);
+
+// Whether polygons of two different Shapes touch, as the two bodies stand. They may have Shapes in common.
+[[nodiscard]] bool different_shapes_touch(const MovingBody& a, const MovingBody& b);
+
 // Whether any polygons of the two bodies are as near as `distance_m`.
 [[nodiscard]] bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m);
 

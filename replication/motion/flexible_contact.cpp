@@ -8,6 +8,7 @@
 
 #include "collision/contact/deforming_contact.hpp"
 #include "collision/contact/rigid_step.hpp"
+#include "collision/exact/overlap_depth.hpp"
 #include "core/transform.hpp"
 
 namespace peerd::replication {
@@ -21,6 +22,8 @@ using collision::SoupStep;
 constexpr Duration kLongest{std::int64_t{1} << 27}, kShortest{std::int64_t{1} << 16};
 // Boxes that may meet are looked at until they do so within this part of a step.
 constexpr double kBoxFraction = 0x1p-20;
+// Of the pairs of triangles that touch, so many are asked how deep they are in each other.
+constexpr std::size_t kDepthsLookedAt = 16;
 
 // One side in one step: the forms of its flexible parts, or its rigid parts' soups.
 struct StepSide {
@@ -270,6 +273,28 @@ bool flexible_parts_touch(const PartQuery& query, SimTime t) {
   const Impact impact = impact_of(query, t, end, margin_m);
   return impact.state == SoupImpactState::kTouching ||
          (impact.state != SoupImpactState::kSeparated && impact.fraction == 0.0);
+}
+
+double flexible_parts_touch_for_s(const PartQuery& query, SimTime t, SimTime until) {
+  if (query.type == CollisionType::kBox) return 0.0;
+  const SimTime short_after = t + Duration{1};
+  if (impact_of(query, t, short_after, 0.0).state != SoupImpactState::kTouching) return 0.0;
+  const auto touching = impacts.touching_at_begin();
+  const SoupStep of_a = query.a.front().flexible != nullptr ? side_a.step() : rigid.step();
+  const SoupStep of_b = query.b.front().flexible != nullptr ? side_b.step() : rigid.step();
+  double depth_m = 0.0;
+  for (const collision::FacePair& faces : touching.first(std::min(touching.size(), kDepthsLookedAt))) {
+    depth_m = std::max(depth_m, collision::overlap_depth_m(of_a.triangle_at_begin(faces.a),
+                                                           of_b.triangle_at_begin(faces.b)));
+  }
+  double speed_m_s = 0.0;
+  for (const MovingPart* part : {&query.a.front(), &query.b.front()}) {
+    std::optional<SimTime> end;
+    speed_m_s += bounds_of(*part, t, to_seconds(until - t), end).speed_m_s;
+    if (end) until = std::min(until, std::max(*end, short_after));
+  }
+  const double left_s = to_seconds(until - t);
+  return speed_m_s * left_s < depth_m ? left_s : depth_m / speed_m_s;
 }
 
 }  // namespace peerd::replication

@@ -13,5 +13,8 @@ namespace peerd::replication {
                                                  std::uint64_t& searches);
 
 [[nodiscard]] bool flexible_parts_touch(const PartQuery& query, SimTime t);
+// A time for which two sides that touch at t certainly go on to [s], by how deep they are in each other; 0 where nothing
+// is known.
+[[nodiscard]] double flexible_parts_touch_for_s(const PartQuery& query, SimTime t, SimTime until);
 
 }  // namespace peerd::replication

@@ -18,8 +18,7 @@ FlexibleParts::FlexibleParts(const WorldModel& model) : motion_(*model.scene) {
   for (const FlexiblePart& part : model.flexible) {
     const auto carrier =
         part.carrier == ModelNode::kNone ? std::nullopt : std::optional(model.nodes[part.carrier].object);
-    std::vector<FlexibleShape>& shapes = parts_.emplace_back();
-    for (const ObjectId shape : part.shapes) shapes.emplace_back(*model.scene, motion_, shape, carrier);
+    parts_.emplace_back(*model.scene, motion_, part.shape, carrier);
   }
 }
 
@@ -37,35 +36,22 @@ void FlexibleParts::form(std::uint32_t part, SimTime t, Form& out) {
   const double t_s = world_s(t);
   out.vertices.clear();
   out.faces.clear();
-  std::uint32_t polygons = 0;
-  for (const FlexibleShape& shape : parts_[part]) {
-    const Mesh mesh = shape.mesh(motion_, t_s);
-    const auto soup = collision::make_soup(mesh);
-    if (!soup) continue;  // a vertex is no number: nothing of it can touch, as in collide
-    const Affine place = shape.carrier_from_shape(motion_, t_s);
-    const auto first = static_cast<std::uint32_t>(out.vertices.size());
-    for (const Vec3& v : soup->vertices) out.vertices.push_back(multiply(place.linear, v) + place.offset);
-    for (collision::TriangleSoup::Face face : soup->faces) {
-      for (std::uint32_t& corner : face.corners) corner += first;
-      face.polygon += polygons;
-      out.faces.push_back(face);
-    }
-    polygons += static_cast<std::uint32_t>(mesh.polygon_count());
-  }
+  const FlexibleShape& shape = parts_[part];
+  const auto soup = collision::make_soup(shape.mesh(motion_, t_s));
+  if (!soup) return;  // a vertex is no number: nothing of it can touch, as in collide
+  const Affine place = shape.carrier_from_shape(motion_, t_s);
+  for (const Vec3& v : soup->vertices) out.vertices.push_back(multiply(place.linear, v) + place.offset);
+  out.faces = soup->faces;
 }
 
 FlexibleParts::Course FlexibleParts::course(std::uint32_t part, SimTime t, double h_s) {
   assert(part < parts_.size());
+  const FlexibleShape::Course c = parts_[part].course(motion_, world_s(t), h_s);
+  const double end_s = std::min(kFarthest_s, c.end_s);
   Course course;
-  double end_s = kFarthest_s;
-  for (const FlexibleShape& shape : parts_[part]) {
-    const FlexibleShape::Course c = shape.course(motion_, world_s(t), h_s);
-    end_s = std::min(end_s, c.end_s);
-    MotionBounds& all = course.bounds;
-    all.distance_m = std::max(all.distance_m, c.distance_m);
-    all.speed_m_s = std::max(all.speed_m_s, c.speed_m_s);
-    all.acceleration_m_s2 = std::max(all.acceleration_m_s2, c.acceleration_m_s2);
-  }
+  course.bounds.distance_m = c.distance_m;
+  course.bounds.speed_m_s = c.speed_m_s;
+  course.bounds.acceleration_m_s2 = c.acceleration_m_s2;
   if (zero_ && end_s < kFarthest_s) course.end = *zero_ + Duration{static_cast<std::int64_t>(std::ceil(end_s * 1e9))};
   return course;
 }

@@ -20,7 +20,7 @@ class FlexibleParts {
   // The session time at which world time began; none: everything is as the file has it. True where that changes.
   bool set_world_zero(std::optional<SimTime> zero);
 
-  // A part as it stands at an instant, in the frame of its carrier, with its polygons numbered through its Shapes.
+  // A part as it stands at an instant, in the frame of its carrier.
   struct Form {
     std::vector<Vec3> vertices;
     std::vector<collision::TriangleSoup::Face> faces;
@@ -38,7 +38,7 @@ class FlexibleParts {
   [[nodiscard]] double world_s(SimTime t) const;
 
   PredefinedMotion motion_;
-  std::vector<std::vector<FlexibleShape>> parts_;
+  std::vector<FlexibleShape> parts_;
   std::optional<SimTime> zero_;
 };
 

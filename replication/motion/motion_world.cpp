@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "collision/contact/mesh_contact.hpp"
 #include "replication/motion/response.hpp"
 
 namespace peerd::replication {
@@ -541,13 +542,27 @@ bool MotionWorld::touch_at(const Pair& pair, SimTime t) const {
 }
 
 // Whether another part of the one end touches another part of the other one: then the two ends did so before t.
-bool MotionWorld::ends_touch_elsewhere(const Pair& pair, SimTime t) const {
+bool MotionWorld::ends_touch_elsewhere(const Pair& pair, SimTime t) {
   for (std::uint32_t i = model_.first_part_pair[pair.number]; i < model_.first_part_pair[pair.number + 1]; ++i) {
-    const Pair& other = pairs_[i];
-    const bool may_touch = other.inside || (other.fixed && other.part_a != other.part_b);
-    if (&other != &pair && may_touch && !other.unsupported && touch_at(other, t)) return true;
+    Pair& other = pairs_[i];
+    if (&other == &pair || other.unsupported) continue;
+    if (other.fixed ? fixed_parts_touch(other, t) : other.inside && touch_at(other, t)) return true;
   }
   return false;
+}
+
+bool MotionWorld::fixed_parts_touch(Pair& pair, SimTime t) const {
+  assert(pair.fixed);
+  if (pair.type == CollisionType::kBox) return touch_at(pair, t);
+  if (!pair.fixed_touch) {
+    const auto state = [&](std::uint32_t part) {
+      const OwnChain chain = chain_of(part, pair.common);
+      return chain.empty() ? KinematicState{} : composed_at({chain.data(), chain.size()}, t);
+    };
+    const KinematicState a = state(pair.part_a), b = state(pair.part_b);
+    pair.fixed_touch = collision::different_shapes_touch({body(pair.part_a), a}, {body(pair.part_b), b});
+  }
+  return *pair.fixed_touch;
 }
 
 void MotionWorld::search_lift(Pair& pair, SimTime begin, SimTime end) {

@@ -220,6 +220,7 @@ class MotionWorld {
     bool overlapped = false;              // `contact` is an overlap, not a touch
     bool resting = false;                 // at `contact` the two are pressed together and do not approach
     bool lifts = false;                   // at `contact` the two come apart: they bore each other until then
+    std::optional<bool> fixed_touch{};    // whether the two, which are fixed to each other, touch; none: not known yet
     bool inside = false;                  // a contact without a response goes on; it is reported once
     bool bears = false;                   // the two rest against each other, along all of `normals`
     SimTime touched = SimTime::min();     // of the last contact
@@ -292,7 +293,8 @@ class MotionWorld {
   [[nodiscard]] SweptBound bound_of_side(const Pair& pair, bool of_collider, SimTime s);
   template <class Function>
   [[nodiscard]] auto with_query(const Pair& pair, Function function) const;
-  [[nodiscard]] bool ends_touch_elsewhere(const Pair& pair, SimTime t) const;
+  [[nodiscard]] bool ends_touch_elsewhere(const Pair& pair, SimTime t);
+  [[nodiscard]] bool fixed_parts_touch(Pair& pair, SimTime t) const;
   [[nodiscard]] bool goes_on(Pair& pair, SimTime s, SimTime end);
   void add_object(const ModelNode& node);
   [[nodiscard]] std::optional<std::size_t> first_contact_until(SimTime to);

@@ -9,6 +9,7 @@
 #include <boost/container/small_vector.hpp>
 
 #include "collision/contact/box_contact.hpp"
+#include "collision/contact/mesh_contact.hpp"
 #include "core/transform.hpp"
 #include "replication/motion/flexible_contact.hpp"
 
@@ -60,6 +61,14 @@ Contact search(const PartQuery& query, const SideStates& a, const SideStates& b,
   assert(query.type == CollisionType::kBox);
   const auto boxes_a = bodies_of(query.a, a), boxes_b = bodies_of(query.b, b);
   return collision::first_box_contact(boxes_a, boxes_b, horizon_s, margin_m);
+}
+
+// No material points of the two move faster against each other, within h_s.
+double material_speed_m_s(const MovingBody& a, const MovingBody& b, double h_s) {
+  const auto reach_m = [](const MovingBody& m) { return m.body.center.norm() + m.body.radius_m; };
+  const KinematicState &of_a = a.motion, &of_b = b.motion;
+  return (of_a.velocity - of_b.velocity).norm() + h_s * (of_a.acceleration - of_b.acceleration).norm() +
+         of_a.angular_velocity_body.norm() * reach_m(a) + of_b.angular_velocity_body.norm() * reach_m(b);
 }
 
 SimTime time_of(const Contact& found, SimTime begin) {
@@ -149,17 +158,22 @@ bool parts_touch(const PartQuery& query, SimTime t) {
 
 SimTime parts_touch_until(const PartQuery& query, SimTime t, SimTime until) {
   assert(t < until);
-  if (query.is_flexible()) return std::min(until, t + kTouchCheck);
-  Duration lasts = kTouchCheck;
-  if (query.type == CollisionType::kBox) {
+  double certain_s = 0.0;
+  if (query.is_flexible()) {
+    certain_s = flexible_parts_touch_for_s(query, t, until);
+  } else {
     const SideStates a = states_of(query.a, t, kCoarseError_m), b = states_of(query.b, t, kCoarseError_m);
-    const SimTime end = std::min({until, a.end, b.end});
-    const auto boxes_a = bodies_of(query.a, a), boxes_b = bodies_of(query.b, b);
-    const bool exact = a.error_m + b.error_m == 0.0;
-    const double certain_s = exact ? collision::boxes_overlap_for_s(boxes_a, boxes_b, to_seconds(end - t)) : 0.0;
-    lasts = std::max(lasts, Duration{static_cast<std::int64_t>(certain_s * 1e9)});
+    const auto bodies_a = bodies_of(query.a, a), bodies_b = bodies_of(query.b, b);
+    const double error_m = a.error_m + b.error_m, left_s = to_seconds(std::min({until, a.end, b.end}) - t);
+    if (query.type != CollisionType::kBox) {
+      const double depth_m = collision::touch_depth_m(bodies_a.front(), bodies_b.front()) - 2.0 * error_m;
+      const double speed_m_s = material_speed_m_s(bodies_a.front(), bodies_b.front(), left_s);
+      certain_s = depth_m <= 0.0 ? 0.0 : speed_m_s * left_s < depth_m ? left_s : depth_m / speed_m_s;
+    } else if (error_m == 0.0) {
+      certain_s = collision::boxes_overlap_for_s(bodies_a, bodies_b, left_s);
+    }
   }
-  return std::min(until, t + lasts);
+  return std::min(until, t + std::max(kTouchCheck, Duration{static_cast<std::int64_t>(certain_s * 1e9)}));
 }
 
 }  // namespace peerd::replication

@@ -61,8 +61,8 @@ inline constexpr double kCoarseError_m = 1e-3, kFineError_m = 5e-7;
 // Whether the two sides touch at t, or are nearer than contact times leave them.
 [[nodiscard]] bool parts_touch(const PartQuery& query, SimTime t);
 
-// For two sides that touch at t: an instant, after t and no later than `until`, before which they are taken to go on to
-// touch. Boxes certainly do; polygons are looked at every kTouchCheck.
+// For two sides that touch at t: an instant, after t and no later than `until`, before which they certainly go on to
+// touch, by how deep they are in each other; but at least kTouchCheck, so that two that part for less may not be seen to.
 inline constexpr Duration kTouchCheck{std::int64_t{1} << 20};
 [[nodiscard]] SimTime parts_touch_until(const PartQuery& query, SimTime t, SimTime until);
 

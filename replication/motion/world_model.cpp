@@ -134,6 +134,17 @@ class ModelBuilder {
     return static_cast<std::uint32_t>(model_.node(id) - model_.nodes.data());
   }
 
+  // The part of a flexible Shape, whichever ends have it.
+  [[nodiscard]] std::uint32_t flexible_part(ObjectId shape) {
+    const auto next = static_cast<std::uint32_t>(model_.nodes.size() + model_.flexible.size());
+    const auto [known, is_new] = part_of_shape_.try_emplace(shape, next);
+    if (is_new) {
+      const auto carrier = carriers_->above(shape);
+      model_.flexible.push_back({carrier ? index_of(*carrier) : kNone, shape});
+    }
+    return known->second;
+  }
+
   // The bodies of ends and of the carriers below them; the others need none.
   void add_bodies() {
     std::vector<bool> is_part(model_.nodes.size(), false);
@@ -145,19 +156,12 @@ class ModelBuilder {
     }
     for (std::uint32_t i = 0; i < model_.nodes.size(); ++i) {
       const ObjectId id = model_.nodes[i].object;
-      FlexiblePart flexible;
       const auto belongs = [&](ObjectId shape) {
         if (!is_part[i] || !goes_with(shape, id)) return false;
-        if (is_flexible(shape)) flexible.shapes.push_back(shape);
+        if (is_flexible(shape)) flexible_of_node_[i].push_back(flexible_part(shape));
         return !is_flexible(shape);
       };
       collision::Body body = collision::make_body(scene_, id, belongs);
-      if (!flexible.shapes.empty()) {
-        const auto mover = mover_of(id);
-        flexible.carrier = mover ? index_of(*mover) : kNone;
-        flexible_of_node_[i] = static_cast<std::uint32_t>(model_.nodes.size() + model_.flexible.size());
-        model_.flexible.push_back(std::move(flexible));
-      }
       if (!body.unsupported.empty()) model_.unsupported.push_back(body.unsupported);
       model_.bodies.push_back(std::move(body));
     }
@@ -171,7 +175,7 @@ class ModelBuilder {
         if (i != index && !model_.nodes[i].is_carrier) continue;
         if (has_geometry) parts.push_back(i);
         if (const auto flexes = flexible_of_node_.find(i); flexes != flexible_of_node_.end()) {
-          parts.push_back(flexes->second);
+          parts.insert(parts.end(), flexes->second.begin(), flexes->second.end());
         }
       }
       if (parts.empty()) parts.push_back(index);
@@ -212,6 +216,7 @@ class ModelBuilder {
       }
       for (const std::uint32_t a : of_a) {
         for (const std::uint32_t b : of_b) {
+          if (a == b && model_.is_flexible(a)) continue;  // a Shape does not meet itself
           const bool boxes = pair.type == CollisionType::kBox;  // which change as a carrier turns
           const std::uint32_t common = boxes ? kNone : common_carrier(a, b);
           const bool rigid = !model_.is_flexible(a) && !model_.is_flexible(b);
@@ -278,7 +283,8 @@ class ModelBuilder {
   WorldModel& model_;
   PredefinedMotion predefined_;
   std::vector<std::uint32_t> bending_ = predefined_.flexible_geometries();  // ascending
-  std::map<std::uint32_t, std::uint32_t> flexible_of_node_;                 // parts
+  std::map<std::uint32_t, std::vector<std::uint32_t>> flexible_of_node_;    // parts
+  std::map<ObjectId, std::uint32_t> part_of_shape_;
   std::vector<ObjectId> named_;                                             // ends of interests, ascending
   std::optional<Carriers> carriers_;
 };

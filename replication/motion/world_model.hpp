@@ -29,11 +29,10 @@ struct ModelNode {
   std::uint32_t depth = 0;  // the number of carriers above
 };
 
-// Shapes of one end, or of one carrier below it, that change their shape in the frame of the carrier that they go with
-// (FlexibleShape).
+// A Shape that changes its shape in the frame of the carrier that it goes with (FlexibleShape).
 struct FlexiblePart {
   std::uint32_t carrier = ModelNode::kNone;  // index; kNone: the world
-  std::vector<ObjectId> shapes;
+  ObjectId shape;
 };
 
 // Two parts, one of each end of a pair, that may meet. The bodies of two types of interests meet part by part; the boxes
