@@ -93,14 +93,15 @@ void report_contacts(PeerParts& p, SimTime t) {
   // A decision made just now may have changed what followed from a contact of the past.
   p.replica.truth().catch_up();
   p.replica.ghosts().catch_up();
-  const auto state_of = [&](ObjectId id) {
-    return (p.own.contains(id) ? p.replica.truth() : p.replica.ghosts()).at(id, t);
+  const auto touch = [&](ObjectId a, ObjectId b) {
+    const bool mine = p.own.contains(a) || p.own.contains(b);
+    return (mine ? p.replica.truth() : p.replica.ghosts()).ends_touch(a, b, t);
   };
   const auto lies = [&](ObjectId id) {
     return (p.own.contains(id) ? p.replica.truth() : p.replica.ghosts()).is_at_rest_from(id, t);
   };
   p.replica.note_changes();
-  p.replica.colliding().update(state_of, lies, t);
+  p.replica.colliding().update(touch, lies, t);
   while (const auto change = p.replica.colliding().poll()) p.outbox.push(*change);
 }
 

@@ -6,24 +6,17 @@
 
 namespace peerd::replication {
 
-CollidingObjects::CollidingObjects(const WorldModel& model) : model_(model) {
-  for (const CollisionPair& p : model.pairs) types_[Pair(std::minmax(p.collider, p.collidee))].push_back(p.type);
+CollidingObjects::CollidingObjects(const WorldModel& model) {
+  for (const CollisionPair& p : model.pairs) known_.insert(std::minmax(p.collider, p.collidee));
 }
 
 void CollidingObjects::on_contact(const ContactEvent& contact) {
   const Pair pair(std::minmax(contact.collider, contact.collidee));
-  if (!types_.contains(pair) || !touching_.insert(pair).second) return;
+  if (!known_.contains(pair) || !touching_.insert(pair).second) return;
   checked_.insert(pair);
   for (const ObjectId object : {pair.first, pair.second}) {
     if (partners_[object]++ == 0) events_.push_back({object, contact.at, false});
   }
-}
-
-bool CollidingObjects::touching(const Pair& pair, const StateOf& state_of) const {
-  const KinematicState a = state_of(pair.first), b = state_of(pair.second);
-  return std::ranges::any_of(types_.at(pair), [&](CollisionType type) {
-    return collision::touching({*model_.body(pair.first), a}, {*model_.body(pair.second), b}, type);
-  });
 }
 
 void CollidingObjects::part(const Pair& pair, SimTime t) {
@@ -59,10 +52,10 @@ void CollidingObjects::wake(ObjectId object) {
   }
 }
 
-void CollidingObjects::update(const StateOf& state_of, const Lies& lies, SimTime t) {
+void CollidingObjects::update(const Touch& touch, const Lies& lies, SimTime t) {
   const std::vector<Pair> before(checked_.begin(), checked_.end());
   for (const Pair& pair : before) {
-    if (!touching(pair, state_of)) {
+    if (!touch(pair.first, pair.second)) {
       part(pair, t);
     } else if (lies(pair.first) && lies(pair.second)) {
       lay(pair);

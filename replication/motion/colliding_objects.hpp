@@ -28,11 +28,11 @@ class CollidingObjects {
 
   // Ignores pairs that no interest names.
   void on_contact(const ContactEvent& contact);
-  // Checks the pairs that touched, but for those that lie. `state_of` gives the states of objects at t, `lies` whether
-  // an object stands still from then on, until it is woken.
-  using StateOf = std::function<KinematicState(ObjectId)>;
+  // Checks the pairs that touched, but for those that lie. `touch` says whether two objects do so at t
+  // (MotionWorld::ends_touch()), `lies` whether an object stands still from then on, until it is woken.
+  using Touch = std::function<bool(ObjectId, ObjectId)>;
   using Lies = std::function<bool(ObjectId)>;
-  void update(const StateOf& state_of, const Lies& lies, SimTime t);
+  void update(const Touch& touch, const Lies& lies, SimTime t);
   // The motion of the object may have changed.
   void wake(ObjectId object);
   // Session time has stepped, and both worlds begin anew: nothing touches that has no contact there.
@@ -45,14 +45,12 @@ class CollidingObjects {
  private:
   using Pair = std::pair<ObjectId, ObjectId>;  // the lower id first
 
-  [[nodiscard]] bool touching(const Pair& pair, const StateOf& state_of) const;
   void part(const Pair& pair, SimTime t);
   void lay(const Pair& pair);
   // Takes the pair from those that lie.
   void raise(const Pair& pair);
 
-  const WorldModel& model_;
-  std::map<Pair, std::vector<CollisionType>> types_;  // the types of the model's pairs
+  std::set<Pair> known_;                              // the model's pairs
   std::set<Pair> touching_;                           // those that lie included
   std::set<Pair> checked_;                            // of `touching_`: those that do not lie
   std::set<std::pair<ObjectId, Pair>> lying_;         // the others, by each of the two

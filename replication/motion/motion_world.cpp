@@ -546,7 +546,23 @@ bool MotionWorld::ends_touch_elsewhere(const Pair& pair, SimTime t) {
   for (std::uint32_t i = model_.first_part_pair[pair.number]; i < model_.first_part_pair[pair.number + 1]; ++i) {
     Pair& other = pairs_[i];
     if (&other == &pair || other.unsupported) continue;
-    if (other.fixed ? fixed_parts_touch(other, t) : other.inside && touch_at(other, t)) return true;
+    // Where a law makes both ends jump at t, one part may begin to touch as the other ceases to.
+    const bool touched = (other.inside || other.parted == t) && touch_at(other, t - Duration{1});
+    if (other.fixed ? fixed_parts_touch(other, t) : touched) return true;
+  }
+  return false;
+}
+
+bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
+  for (const std::uint32_t number : model_.pairs_of(a)) {
+    if (model_.pairs[number].collider != b && model_.pairs[number].collidee != b) continue;
+    for (std::uint32_t i = model_.first_part_pair[number]; i < model_.first_part_pair[number + 1]; ++i) {
+      Pair& pair = pairs_[i];
+      if (pair.unsupported) continue;
+      // What nobody answers is followed while it lasts.
+      const bool followed = !is_answered(pair) && in_pair_checks_[i];
+      if (pair.fixed ? fixed_parts_touch(pair, t) : followed ? pair.inside : touch_at(pair, t)) return true;
+    }
   }
   return false;
 }
@@ -579,7 +595,7 @@ void MotionWorld::search_lift(Pair& pair, SimTime begin, SimTime end) {
 
 // Until the base of an object that responds it went through everything: the base says where it really was.
 void MotionWorld::note_apart(Pair& pair, SimTime s) {
-  pair.inside = false;
+  if (std::exchange(pair.inside, false)) pair.parted = s;
   const auto is_given_later = [&](std::size_t object, bool registered) {
     return registered && is_answering(objects_[object]) && objects_[object].base_time > s;
   };

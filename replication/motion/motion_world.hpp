@@ -181,6 +181,9 @@ class MotionWorld {
   }
   // A number that changes whenever the future of the object does: by set_base(), or when a response was retracted.
   [[nodiscard]] std::uint64_t revision(ObjectId object) const;
+  // Whether two ends of interests touch at t, up to which this world has been advanced, or are nearer than contact times
+  // leave them.
+  [[nodiscard]] bool ends_touch(ObjectId a, ObjectId b, SimTime t);
   // The events so far, in order; drain after advance().
   using Event = std::variant<ContactEvent, ContactsRetracted, BodiesOverlap>;
   [[nodiscard]] std::optional<Event> poll_event();
@@ -223,6 +226,7 @@ class MotionWorld {
     std::optional<bool> fixed_touch{};    // whether the two, which are fixed to each other, touch; none: not known yet
     bool inside = false;                  // a contact without a response goes on; it is reported once
     bool bears = false;                   // the two rest against each other, along all of `normals`
+    SimTime parted = SimTime::min();      // when `inside` was last over
     SimTime touched = SimTime::min();     // of the last contact
     SimTime lifted = SimTime::min();      // when the two last came apart after they bore each other
     SimTime held_until = SimTime::min();  // the two do not come apart before
