@@ -59,7 +59,7 @@ struct ContactRow {
   double t_s = 0.0;  // contact time
   PeerId peer;       // peer that states it
   // "owner": a contact of an object that the peer owns; "decided": a decision that it published; "predicted": a contact
-  // of its ghosts; "applied": a decision of another peer that it applied.
+  // of its ghosts; "applied": a decision of another peer that it applied; "scene": a contact of what nobody owns.
   std::string kind;
   ObjectId collider;
   ObjectId collidee;

@@ -54,8 +54,10 @@ class Lan {
 
   explicit Lan(const World& world, Link all = {}, std::uint64_t seed = 1) : world_(world), link_(all), rng_(seed) {}
 
-  std::size_t add(PeerConfig config, Duration ahead = 0s, std::map<ObjectId, Motion> motions = {}) {
-    nodes_.push_back({std::make_unique<Peer>(std::move(config), *world_.model),
+  // `world`: the peer has read it, which is the same text; none: that of the network.
+  std::size_t add(PeerConfig config, Duration ahead = 0s, std::map<ObjectId, Motion> motions = {},
+                  const World* world = nullptr) {
+    nodes_.push_back({std::make_unique<Peer>(std::move(config), *(world != nullptr ? *world : world_).model),
                       ahead,
                       true,
                       std::move(motions),

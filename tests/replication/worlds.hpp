@@ -5,6 +5,7 @@
 #include <bit>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/scene/reader.hpp"
 #include "replication/motion/motion_world.hpp"
@@ -15,12 +16,15 @@ namespace peerd::replication::test {
 using namespace std::chrono_literals;
 
 struct World {
-  explicit World(const std::string& body) {
+  // `owned`: the paths of what peers own.
+  explicit World(const std::string& body, const std::vector<const char*>& owned = {}) {
     const std::string text = "#VRML V2.0 utf8\n" + body;
     ReadResult result = read_world(text);
     for (const Diagnostic& d : result.diagnostics) ADD_FAILURE() << render(result, d);
     scene = std::move(result.scene.value());
-    model = make_world_model(scene);
+    std::vector<ObjectId> ids;
+    for (const char* path : owned) ids.push_back((*this)[path]);
+    model = make_world_model(scene, ids);
   }
   World(const World&) = delete;
   [[nodiscard]] ObjectId operator[](const char* path) const { return scene.find(path).value(); }
@@ -38,8 +42,15 @@ inline std::string box(const std::string& name, const std::string& size, const s
   return "DEF " + name + " Transform { translation " + at + " " + fields + " children Shape { geometry Box { size " +
          size + " } } }\n";
 }
-inline std::string interest(const std::string& collider, const std::string& collidees) {
-  return "CollisionInterest { objectPath \"" + collider + "\" interests [" + collidees + "] collisionType 1 }\n";
+inline std::string interest(const std::string& collider, const std::string& collidees, int type = 1) {
+  return "CollisionInterest { objectPath \"" + collider + "\" interests [" + collidees + "] collisionType " +
+         std::to_string(type) + " }\n";
+}
+// A Transform with a box of its own and more children.
+inline std::string box_with(const std::string& name, const std::string& size, const std::string& at,
+                            const std::string& fields, const std::string& children) {
+  return "DEF " + name + " Transform { translation " + at + " " + fields + " children [ Shape { geometry Box { size " +
+         size + " } }\n" + children + "] }\n";
 }
 
 // BALL, 0.5 m wide and as deep, between walls whose faces leave its centre [-3, 3] m of x.

@@ -58,7 +58,7 @@ inline std::vector<Ran> run_scenario(const std::string& file, const std::vector<
                                      const std::vector<std::filesystem::path>& configs = {}) {
   const config::Scenario scenario =
       must(config::read_scenario({.file = file, .configs = configs, .sets = sets, .seed = {}}));
-  const auto shared = must(share_world(scenario.world));
+  const auto shared = must(share_world(scenario.world, scenario.reading, scenario.runs));
   std::vector<Ran> runs;
   for (const config::RunSettings& settings : scenario.runs) {
     Ran& ran = runs.emplace_back();

@@ -199,4 +199,20 @@ TEST_F(ResolveTest, MotionsWithoutEffectAreNamed) {
   EXPECT_THAT(warnings(own), IsEmpty());
 }
 
+// What any peer of any run owns, whatever else it names.
+TEST_F(ResolveTest, KnowsWhatIsOwnedInAllRuns) {
+  const auto runs_of = [&](const std::string& text) {
+    ScenarioRequest request;
+    request.file = folder.write("s.toml", "world = \"w.wrl\"\nduration_s = 10\n" + text);
+    return read_scenario(request).value().runs;
+  };
+  std::vector<RunSettings> runs = runs_of(kTwo + "[peer.c]\nid = 3\nowns = [\"ROCKET\", \"VA*\"]\n");
+  const auto world = load_world(folder / "w.wrl");
+  ASSERT_TRUE(world);
+  EXPECT_THAT(owned_in(runs, world->scene), ElementsAre(kCarB, kCarA, kVan, kCarC));
+  runs.push_back(runs_of("[peer.a]\nid = 1\nowns = [\"ROCK\"]\n").front());
+  EXPECT_THAT(owned_in(runs, world->scene), ElementsAre(kCarB, kCarA, kVan, kCarC, ObjectId{4}));
+  EXPECT_THAT(owned_in({}, world->scene), IsEmpty());
+}
+
 }  // namespace peerd::config::resolve_test

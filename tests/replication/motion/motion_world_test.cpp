@@ -997,4 +997,241 @@ TEST(MotionWorld, WhatSlidesComesToRestAndCostsNothingThen) {
   EXPECT_EQ(world.counters().contacts, 0u);
 }
 
+// ---- carriers ----
+
+// The times of one pair.
+std::vector<SimTime> times_of(const std::vector<ContactEvent>& all, ObjectId a, ObjectId b) {
+  std::vector<SimTime> times;
+  for (const ContactEvent& c : all) {
+    if ((c.collider == a && c.collidee == b) || (c.collider == b && c.collidee == a)) times.push_back(c.at);
+  }
+  return times;
+}
+// Whether there is one contact, at that time as rounded down to a nanosecond.
+void expect_once(const std::vector<SimTime>& times, SimTime at) {
+  ASSERT_EQ(times.size(), 1u);
+  EXPECT_LE(times[0], at);
+  EXPECT_GE(times[0], at - Duration{2});
+}
+KinematicState turning(KinematicState state, const Vec3& spin_rad_s) {
+  state.angular_velocity_body = spin_rad_s;
+  return state;
+}
+
+// The thesis's example (Ohlenburg 2003, 3.3). The wheel's front is at 1.5 m, that of the curb at 7.75 m.
+std::string car_and_curb() {
+  return box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
+         box("CURB", "0.5 0.6 4", "8 0.5 0") + interest("WHEEL", "\"CURB\"");
+}
+
+TEST(Carriers, TheWheelOfADrivenCarMeetsACurb) {
+  const World w(car_and_curb(), {"CAR"});
+  const SimTime meets = sim(seconds(6.25 / 3.0));
+  for (const Duration sample : {Duration(10s), Duration(16ms), Duration(7ms)}) {
+    SCOPED_TRACE(sample.count());
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["CAR"], Role::kDriven);
+    for (Duration t = 0s; t < 4s; t += sample) {
+      world.set_base(w["CAR"], sim(t), moving({3 * to_seconds(t), 2, 0}, {3, 0, 0}));
+      world.advance(sim(std::min<Duration>(t + sample, 4s)));
+    }
+    const auto met = contacts(world);
+    ASSERT_EQ(met.size(), 1u);
+    EXPECT_EQ(met[0].collider, w["WHEEL"]);
+    EXPECT_LE(met[0].at, meets);
+    EXPECT_GT(met[0].at, meets - 1us);
+    EXPECT_EQ(met[0].normal, -Vec3::UnitX());
+    EXPECT_EQ(met[0].collider_before.velocity, Vec3(3, 0, 0)) << "in the world";
+    EXPECT_EQ(world.relative_at(w["WHEEL"], sim(3s)).position, Vec3(1, -1, 0));
+    EXPECT_NEAR(world.at(w["WHEEL"], sim(3s)).position.x(), 10.0, 1e-9);
+  }
+}
+
+// The arm's far corner is at (3.25, 0.25) m from its axis, and the wall's front at -2 m.
+TEST(Carriers, AHandOnATurningArmMeetsAWall) {
+  const World w("DEF ARM Transform { children " + box("HAND", "0.5 0.5 0.5", "3 0 0") + "}\n" +
+                    box("WALL", "1 50 50", "-2.5 0 0") + interest("HAND", "\"WALL\""),
+                {"ARM"});
+  const double corner_m = std::hypot(3.25, 0.25), angle_rad = std::acos(-2.0 / corner_m) - std::atan(0.25 / 3.25);
+  for (const double spin_rad_s : {1.0, -1.0, 0.25, 7.0}) {
+    SCOPED_TRACE(spin_rad_s);
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["ARM"], Role::kPredicted);
+    world.set_base(w["ARM"], sim(0s), turning(moving({0, 0, 0}), {0, spin_rad_s, 0}));
+    const double meets_s = angle_rad / std::abs(spin_rad_s);
+    world.advance(sim(seconds(meets_s + 0.01)));
+    const auto met = contacts(world);
+    ASSERT_EQ(met.size(), 1u);
+    EXPECT_LE(met[0].at, sim(seconds(meets_s)) + Duration{1}) << "never late";
+    // 2e-6 m early at most: 1e-6 m, and the error of the fine piece.
+    const double speed_m_s = corner_m * std::abs(spin_rad_s) * std::sin(std::acos(-2.0 / corner_m));
+    EXPECT_GT(met[0].at, sim(seconds(meets_s - 2e-6 / speed_m_s)) - Duration{2});
+    EXPECT_LT((met[0].normal - Vec3::UnitX()).norm(), 1e-9);
+  }
+}
+
+std::string bus_and_lamp() {
+  return "DEF BUS Transform { children [ " + box("DOOR", "1 2 0.1", "0 1 1.5") + box("POST", "0.1 2 0.1", "2 1 1.5") +
+         "] }\n" + box("LAMP", "0.2 5 0.2", "12 1 1.6") + interest("DOOR", "\"POST\" \"LAMP\"");
+}
+
+// DOOR's edge is 1.45 m from the post, and it slides at 1 m/s.
+std::vector<ContactEvent> ride(const World& w, const MotionModel& bus, Duration until,
+                               MotionWorld::Counters* work = nullptr) {
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* name : {"BUS", "DOOR"}) world.declare(w[name], Role::kPredicted);
+  world.set_base(w["BUS"], sim(0s), bus);
+  world.set_base(w["DOOR"], sim(0s), moving({0, 1, 1.5}, {1, 0, 0}));
+  world.advance(sim(until));
+  if (work != nullptr) *work = world.counters();
+  return contacts(world);
+}
+
+TEST(Carriers, ADoorMeetsThePostOfItsBusAsIfTheBusStood) {
+  const World w(bus_and_lamp(), {"BUS"});
+  const auto stands = times_of(ride(w, moving({0, 0, 0}), 2s), w["DOOR"], w["POST"]);
+  expect_once(stands, sim(1450ms));
+  const KinematicState drives = moving({3, 0, 0}, {5, 0, 1}, {0, 0, 2});
+  EXPECT_EQ(times_of(ride(w, drives, 2s), w["DOOR"], w["POST"]), stands);
+  EXPECT_EQ(times_of(ride(w, turning(drives, {0.3, 1, 0.2}), 2s), w["DOOR"], w["POST"]), stands) << "to the bit";
+}
+
+TEST(Carriers, ADoorMeetsALampOutside) {
+  const World w(bus_and_lamp(), {"BUS"});
+  const auto met = ride(w, moving({0, 0, 0}, {5, 0, 0}), 3s);
+  // The door's edge is at 0.5 m and goes at 6 m/s; the lamp's front is at 11.9 m.
+  expect_once(times_of(met, w["DOOR"], w["LAMP"]), sim(1900ms));
+  EXPECT_THAT(times_of(ride(w, moving({0, 0, 0}), 3s), w["DOOR"], w["LAMP"]), IsEmpty());
+}
+
+TEST(Carriers, WhatACarrierDoesIsNoWorkForWhatIsInside) {
+  const World w("DEF BUS Transform { children [ " + box("DOOR", "1 2 0.1", "0 1 1.5") +
+                    box("POST", "0.1 2 0.1", "2 1 1.5") + "] }\n" + interest("DOOR", "\"POST\""),
+                {"BUS"});
+  MotionWorld::Counters stands, drives;
+  ride(w, moving({0, 0, 0}), 3s, &stands);
+  ride(w, turning(moving({3, 0, 0}, {5, 0, 1}), {0.3, 1, 0.2}), 3s, &drives);
+  EXPECT_EQ(drives.contact_searches, stands.contact_searches);
+}
+
+// An update of the bus comes late, of an instant before what its door has met.
+TEST(Carriers, AnotherPastOfTheCarrierIsAnotherPastOfWhatItCarries) {
+  const World w(bus_and_lamp(), {"BUS"});
+  const KinematicState first = moving({0, 0, 0}, {5, 0, 0}),
+                       then = turning(moving({2.5, 0, 0}, {3, 0, 0}), {0, -0.01, 0});
+  MotionWorld knows(*w.model, sim(0s)), learns(*w.model, sim(0s));
+  for (MotionWorld* world : {&knows, &learns}) {
+    for (const char* name : {"BUS", "DOOR"}) world->declare(w[name], Role::kPredicted);
+    world->set_base(w["BUS"], sim(0s), first);
+    world->set_base(w["DOOR"], sim(0s), moving({0, 1, 1.5}, {1, 0, 0}));
+  }
+  knows.set_base(w["BUS"], sim(500ms), then);
+  knows.advance(sim(5s));
+  learns.advance(sim(2s));
+  const auto before = contacts(learns);
+  expect_once(times_of(before, w["DOOR"], w["LAMP"]), sim(1900ms));
+  learns.set_base(w["BUS"], sim(500ms), then);
+  bool retracted = false;
+  for (const auto& event : drain(learns)) {
+    const auto* const back = std::get_if<ContactsRetracted>(&event);
+    retracted = retracted || (back != nullptr && back->object == w["DOOR"] && back->since < sim(1800ms));
+  }
+  EXPECT_TRUE(retracted) << "what the door met is void";
+  learns.advance(sim(5s));
+  const auto after = contacts(learns);
+  const auto lamp = times_of(after, w["DOOR"], w["LAMP"]);
+  EXPECT_EQ(lamp.size(), 1u);
+  EXPECT_EQ(lamp, times_of(contacts(knows), w["DOOR"], w["LAMP"]));
+  EXPECT_TRUE(same_bits(learns.at(w["DOOR"], sim(5s)), knows.at(w["DOOR"], sim(5s))));
+}
+
+// The door and its post meet in the bus, however that has driven: their contact still holds.
+TEST(Carriers, WhatHoldsIsReportedAgainWhenACarriersPastChanges) {
+  GTEST_SKIP()
+      << "set_base() of a carrier retracts all contacts of what it carries, but searches only those again that "
+         "its own motion may change";
+  const World w(bus_and_lamp(), {"BUS"});
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* name : {"BUS", "DOOR"}) world.declare(w[name], Role::kPredicted);
+  world.set_base(w["BUS"], sim(0s), moving({0, 0, 0}, {5, 0, 0}));
+  world.set_base(w["DOOR"], sim(0s), moving({0, 1, 1.5}, {1, 0, 0}));
+  world.advance(sim(2s));
+  world.set_base(w["BUS"], sim(500ms), moving({2.5, 0, 0}, {3, 0, 0}));
+  world.advance(sim(2s));
+  expect_once(standing(world), sim(1450ms));
+}
+
+// The car's front and its wheel come to the wall one after the other: the car touches it since the first of them.
+void expect_one_contact_of_the_car(Duration tick) {
+  const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
+                    box("WALL", "1 9 9", "5 0 0") + interest("CAR", "\"WALL\"") + interest("WHEEL", "\"WALL\""),
+                {"CAR"});
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["CAR"], Role::kDriven);
+  world.set_base(w["CAR"], sim(0s), moving({0, 2, 0}, {1, 0, 0}));
+  for (Duration t = tick; t <= 20s; t += tick) world.advance(sim(t));
+  const auto met = contacts(world);
+  expect_once(times_of(met, w["CAR"], w["WALL"]), sim(2500ms));
+  expect_once(times_of(met, w["WHEEL"], w["WALL"]), sim(3s));  // another interest
+}
+TEST(Carriers, APartThatMeetsWhatItsEndTouchesAlreadyIsNoNewContact) {
+  expect_one_contact_of_the_car(16ms);
+  expect_one_contact_of_the_car(100ms);
+}
+TEST(Carriers, APartsContactIsNoNewOneHoweverFarOneCallAdvances) {
+  GTEST_SKIP() << "by then the search of the car's own part has gone on to where it touches no more";
+  expect_one_contact_of_the_car(20s);
+}
+
+TEST(Carriers, WhatCarriesAndStandsCostsNothing) {
+  const World w(bus_and_lamp() + car_and_curb(), {"BUS", "CAR"});
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* name : {"BUS", "CAR"}) world.declare(w[name], Role::kPredicted);
+  world.advance(sim(1s));
+  const MotionWorld::Counters at_first = world.counters();
+  world.advance(sim(60s));
+  EXPECT_EQ(world.counters().contact_searches, 0u);
+  EXPECT_EQ(world.counters().searches_far, at_first.searches_far);
+  EXPECT_THAT(contacts(world), IsEmpty());
+  EXPECT_TRUE(world.is_at_rest_from(w["WHEEL"], sim(60s)));
+}
+
+TEST(Carriers, WhatIsCarriedRestsOnlyWhereItsCarrierDoes) {
+  const World w(car_and_curb(), {"CAR"});
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["CAR"], Role::kPredicted);
+  EXPECT_TRUE(world.is_at_rest_from(w["WHEEL"], sim(0s)));
+  world.set_base(w["CAR"], sim(0s), moving({0, 2, 0}, {0, 1, 0}));
+  EXPECT_FALSE(world.is_at_rest_from(w["WHEEL"], sim(0s)));
+  EXPECT_TRUE(world.is_carried(w["WHEEL"]));
+  EXPECT_FALSE(world.is_carried(w["CAR"]));
+}
+
+TEST(Carriers, ChangesOfACarrierAreThoseOfWhatItCarries) {
+  const World w(car_and_curb(), {"CAR"});
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["CAR"], Role::kPredicted);
+  world.take_changed([](ObjectId) {});
+  world.set_base(w["CAR"], sim(0s), moving({0, 2, 0}, {0, 1, 0}));
+  std::vector<ObjectId> changed;
+  world.take_changed([&](ObjectId id) { changed.push_back(id); });
+  EXPECT_THAT(changed, testing::UnorderedElementsAre(w["CAR"], w["WHEEL"]));
+}
+
+TEST(Carriers, FramesAreEachOthersInverse) {
+  const World w(car_and_curb(), {"CAR"});
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["CAR"], Role::kPredicted);
+  world.set_base(w["CAR"], sim(0s), turning(moving({4, 2, 0}, {1, 0, 3}, {0, 0, 1}), {0.1, 2, 0.3}));
+  const SimTime t = sim(1700ms);
+  const KinematicState is = turning(moving({7, 1, 2}, {0, 3, 1}, {2, 0, 0}), {0, 1, 0});
+  const KinematicState back = world.in_world(w["WHEEL"], t, world.in_carrier(w["WHEEL"], t, is));
+  EXPECT_LT((back.position - is.position).norm(), 1e-12);
+  EXPECT_LT((back.velocity - is.velocity).norm(), 1e-12);
+  EXPECT_LT((back.acceleration - is.acceleration).norm(), 1e-11);
+  EXPECT_LT((back.angular_velocity_body - is.angular_velocity_body).norm(), 1e-12);
+  const Vec3 v(1, 2, 3);
+  EXPECT_LT((world.vector_in_world(w["WHEEL"], t, world.vector_in_carrier(w["WHEEL"], t, v)) - v).norm(), 1e-12);
+}
+
 }  // namespace peerd::replication::motion_world_test
