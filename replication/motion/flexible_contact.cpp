@@ -20,8 +20,8 @@ using collision::SoupStep;
 
 // Bounds are of so long at most; a step is no shorter than this, however its part moves.
 constexpr Duration kLongest{std::int64_t{1} << 27}, kShortest{std::int64_t{1} << 16};
-// Boxes that may meet are looked at until they do so within this part of a step.
-constexpr double kBoxFraction = 0x1p-20;
+// Boxes that may meet are advanced so often within a step; then nothing is known of what comes later.
+constexpr int kBoxSteps = 256;
 // Of the pairs of triangles that touch, so many are asked how deep they are in each other.
 constexpr std::size_t kDepthsLookedAt = 16;
 
@@ -173,48 +173,49 @@ Impact soup_impact(const MovingPart& a, const MovingPart& b, SimTime begin, SimT
   return impact;
 }
 
-// The boxes of what goes straight on are within those that go straight on themselves: the least of lines bends down.
+WorldBox box_at(const StepSide& side, double fraction) {
+  WorldBox box;
+  for (std::size_t i = 0; i < side.at_begin.size(); ++i) {
+    box.merge(Vec3(side.at_begin[i] + fraction * (side.at_end[i] - side.at_begin[i])));
+  }
+  return box;
+}
+
+// How far a is above b along an axis, or below it.
+double gap_of(const WorldBox& a, const WorldBox& b, int axis, bool above) {
+  return above ? a.lo[axis] - b.hi[axis] : b.lo[axis] - a.hi[axis];
+}
+
+// The lowest of vertices that go straight on bends down, and the highest up, so a gap between two such boxes is never
+// smaller than its chord: until the chord of some axis has closed, the boxes are apart.
 Impact box_impact(double margin_m) {
   Impact impact;
   if (side_a.at_begin.empty() || side_b.at_begin.empty()) return impact;
-  const auto box_at = [](const StepSide& side, double fraction) {
-    WorldBox box;
-    for (std::size_t i = 0; i < side.at_begin.size(); ++i) {
-      box.merge(Vec3(side.at_begin[i] + fraction * (side.at_end[i] - side.at_begin[i])));
-    }
-    return box;
-  };
-  const auto gap_at = [&](double fraction, int axis) {
-    const WorldBox a = box_at(side_a, fraction), b = box_at(side_b, fraction);
-    return std::max(a.lo[axis] - b.hi[axis], b.lo[axis] - a.hi[axis]);
-  };
   const double near_m = margin_m + collision::kAdvancementTolerance_m;
-  double begin = 0.0, end = 1.0;
-  for (;;) {
-    bool near_at_begin = true, may_meet = true;
+  const WorldBox last_a = box_at(side_a, 1.0), last_b = box_at(side_b, 1.0);
+  double fraction = 0.0;
+  for (int i = 0; i < kBoxSteps; ++i) {
+    const WorldBox a = box_at(side_a, fraction), b = box_at(side_b, fraction);
+    double apart_until = fraction;
     for (int axis = 0; axis < 3; ++axis) {
-      const WorldBox a0 = box_at(side_a, begin), b0 = box_at(side_b, begin), a1 = box_at(side_a, end),
-                     b1 = box_at(side_b, end);
-      near_at_begin = near_at_begin && gap_at(begin, axis) <= near_m;
-      // Each of the two ways of being apart along the axis; a box between two chords is within theirs.
-      const bool stays_above = a0.lo[axis] - b0.hi[axis] > near_m && a1.lo[axis] - b1.hi[axis] > near_m;
-      const bool stays_below = b0.lo[axis] - a0.hi[axis] > near_m && b1.lo[axis] - a1.hi[axis] > near_m;
-      may_meet = may_meet && !stays_above && !stays_below;
+      for (const bool above : {true, false}) {
+        const double gap = gap_of(a, b, axis, above), last = gap_of(last_a, last_b, axis, above);
+        if (gap <= near_m) continue;
+        const double closes = last >= 0.5 * near_m ? 1.0 : (gap - 0.5 * near_m) / (gap - last);
+        apart_until = std::max(apart_until, fraction + closes * (1.0 - fraction));
+      }
     }
-    if (near_at_begin || (may_meet && end - begin <= kBoxFraction)) {
-      impact.state = near_at_begin && begin == 0.0 ? SoupImpactState::kTouching : SoupImpactState::kHit;
-      impact.fraction = begin;
+    if (apart_until == fraction) {
+      impact.state = fraction == 0.0 ? SoupImpactState::kTouching : SoupImpactState::kHit;
+      impact.fraction = fraction;
       return impact;
     }
-    if (may_meet) {
-      end = begin + 0.5 * (end - begin);
-      continue;
-    }
-    if (end >= 1.0) return impact;
-    const double length = end - begin;
-    begin = end;
-    end = std::min(1.0, begin + 2.0 * length);
+    if (apart_until >= 1.0) return impact;
+    fraction = apart_until;
   }
+  impact.state = SoupImpactState::kUnsure;
+  impact.fraction = fraction;
+  return impact;
 }
 
 Impact impact_of(const PartQuery& query, SimTime begin, SimTime end, double margin_m) {

@@ -547,7 +547,8 @@ bool MotionWorld::ends_touch_elsewhere(const Pair& pair, SimTime t) {
     Pair& other = pairs_[i];
     if (&other == &pair || other.unsupported) continue;
     // Where a law makes both ends jump at t, one part may begin to touch as the other ceases to.
-    const bool touched = (other.inside || other.parted == t) && touch_at(other, t - Duration{1});
+    const bool may_touch = other.inside || !other.searched || other.parted == t;
+    const bool touched = may_touch && touch_at(other, t - Duration{1});
     if (other.fixed ? fixed_parts_touch(other, t) : touched) return true;
   }
   return false;
@@ -560,7 +561,7 @@ bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
       Pair& pair = pairs_[i];
       if (pair.unsupported) continue;
       // What nobody answers is followed while it lasts.
-      const bool followed = !is_answered(pair) && in_pair_checks_[i];
+      const bool followed = !is_answered(pair) && in_pair_checks_[i] && pair.searched;
       if (pair.fixed ? fixed_parts_touch(pair, t) : followed ? pair.inside : touch_at(pair, t)) return true;
     }
   }
@@ -661,7 +662,7 @@ void MotionWorld::search_interval(Pair& pair, SimTime begin, SimTime end) {
       ++counters_.overlapped;
       if (first) events_.push_back(BodiesOverlap{s, a.id, b.id});
       if (!is_answered(pair)) {
-        if (!first) return contact_at(found.at, true);  // a law has put it there
+        if (s > start_) return contact_at(found.at, true);  // a law has put it there
         pair.inside = true;
         pair.clear_until = std::min(s + kTouchCheck, end);
         return;
