@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "collision/contact/deforming_contact.hpp"
@@ -20,6 +21,8 @@ using collision::SoupStep;
 
 // Bounds are of so long at most; a step is no shorter than this, however its part moves.
 constexpr Duration kLongest{std::int64_t{1} << 27}, kShortest{std::int64_t{1} << 16};
+// Keys that are closer together make no steps of their own: a file cannot make work without end.
+constexpr Duration kShortestBetweenKeys{std::int64_t{1} << 10};
 // Boxes that may meet are advanced so often within a step; then nothing is known of what comes later.
 constexpr int kBoxSteps = 256;
 // Of the pairs of triangles that touch, so many are asked how deep they are in each other.
@@ -70,7 +73,7 @@ Step step_from(const PartQuery& query, SimTime t, SimTime until, double error_ma
     for (const MovingPart& part : side) {
       std::optional<SimTime> part_end;
       most = std::max(most, bounds_of(part, t, longest_s, part_end).acceleration_m_s2);
-      if (part_end) end = std::min(end, std::max(*part_end, t + kShortest));
+      if (part_end) end = std::min(end, std::max(*part_end, t + kShortestBetweenKeys));
     }
     acceleration += most;
   }
@@ -230,6 +233,28 @@ Impact impact_of(const PartQuery& query, SimTime begin, SimTime end, double marg
   return box_impact(margin_m);
 }
 
+// How deep the triangles that touched at the begin of the last step are in each other.
+double triangle_depth_m(const PartQuery& query) {
+  const auto touching = impacts.touching_at_begin();
+  const SoupStep of_a = query.a.front().flexible != nullptr ? side_a.step() : rigid.step();
+  const SoupStep of_b = query.b.front().flexible != nullptr ? side_b.step() : rigid.step();
+  double depth_m = 0.0;
+  for (const collision::FacePair& faces : touching.first(std::min(touching.size(), kDepthsLookedAt))) {
+    depth_m = std::max(depth_m, collision::overlap_depth_m(of_a.triangle_at_begin(faces.a),
+                                                           of_b.triangle_at_begin(faces.b)));
+  }
+  return depth_m;
+}
+
+double box_depth_m() {
+  const WorldBox a = box_at(side_a, 0.0), b = box_at(side_b, 0.0);
+  double depth_m = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    depth_m = std::min({depth_m, -gap_of(a, b, axis, true), -gap_of(a, b, axis, false)});
+  }
+  return std::max(depth_m, 0.0);
+}
+
 SimTime time_of(const Impact& impact, SimTime begin, SimTime end) {
   const double ns = impact.fraction * static_cast<double>((end - begin).count());
   return begin + Duration{static_cast<std::int64_t>(std::floor(ns))};
@@ -277,22 +302,18 @@ bool flexible_parts_touch(const PartQuery& query, SimTime t) {
 }
 
 double flexible_parts_touch_for_s(const PartQuery& query, SimTime t, SimTime until) {
-  if (query.type == CollisionType::kBox) return 0.0;
   const SimTime short_after = t + Duration{1};
   if (impact_of(query, t, short_after, 0.0).state != SoupImpactState::kTouching) return 0.0;
-  const auto touching = impacts.touching_at_begin();
-  const SoupStep of_a = query.a.front().flexible != nullptr ? side_a.step() : rigid.step();
-  const SoupStep of_b = query.b.front().flexible != nullptr ? side_b.step() : rigid.step();
-  double depth_m = 0.0;
-  for (const collision::FacePair& faces : touching.first(std::min(touching.size(), kDepthsLookedAt))) {
-    depth_m = std::max(depth_m, collision::overlap_depth_m(of_a.triangle_at_begin(faces.a),
-                                                           of_b.triangle_at_begin(faces.b)));
-  }
+  const double depth_m = query.type == CollisionType::kBox ? box_depth_m() : triangle_depth_m(query);
   double speed_m_s = 0.0;
-  for (const MovingPart* part : {&query.a.front(), &query.b.front()}) {
-    std::optional<SimTime> end;
-    speed_m_s += bounds_of(*part, t, to_seconds(until - t), end).speed_m_s;
-    if (end) until = std::min(until, std::max(*end, short_after));
+  for (const auto side : {query.a, query.b}) {
+    double most_m_s = 0.0;
+    for (const MovingPart& part : side) {
+      std::optional<SimTime> end;
+      most_m_s = std::max(most_m_s, bounds_of(part, t, to_seconds(until - t), end).speed_m_s);
+      if (end) until = std::min(until, std::max(*end, short_after));
+    }
+    speed_m_s += most_m_s;
   }
   const double left_s = to_seconds(until - t);
   return speed_m_s * left_s < depth_m ? left_s : depth_m / speed_m_s;

@@ -23,6 +23,8 @@ constexpr Duration kOverlapRetry = std::chrono::milliseconds(10);
 constexpr Duration kBearingCheck{std::int64_t{1} << 24};
 // Contacts as near as this are of one instant: contact times are rounded down to a nanosecond.
 constexpr Duration kInstant = std::chrono::nanoseconds(2);
+// What follows from one jump of a law is found within this time: world times are rounded to nanoseconds.
+constexpr Duration kSameJump = std::chrono::microseconds(1);
 // Two that part for a shorter time stay together (comes_to_rest).
 constexpr Duration kShortestFlight{static_cast<std::int64_t>(kShortestFlight_s * 1e9)};
 // After so many contacts of a pair in turn all that touch are answered at once; after as many of those again the two
@@ -546,9 +548,10 @@ bool MotionWorld::ends_touch_elsewhere(const Pair& pair, SimTime t) {
   for (std::uint32_t i = model_.first_part_pair[pair.number]; i < model_.first_part_pair[pair.number + 1]; ++i) {
     Pair& other = pairs_[i];
     if (&other == &pair || other.unsupported) continue;
-    // Where a law makes both ends jump at t, one part may begin to touch as the other ceases to.
-    const bool may_touch = other.inside || !other.searched || other.parted == t;
-    const bool touched = may_touch && touch_at(other, t - Duration{1});
+    // Where a law makes an end jump, one part may begin to touch as another ceases to.
+    const bool has_just_parted = !other.inside && met_lately(other.parted, t, kSameJump);
+    const SimTime before = (has_just_parted ? other.parted : t) - Duration{1};
+    const bool touched = (other.inside || !other.searched || has_just_parted) && touch_at(other, before);
     if (other.fixed ? fixed_parts_touch(other, t) : touched) return true;
   }
   return false;
