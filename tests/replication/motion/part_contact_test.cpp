@@ -435,7 +435,7 @@ TEST(PartsTouchUntil, PolygonsCertainlyTouchUntilThen) {
 TEST(PartsTouchUntil, WhatStandsTouchesForEver) {
   Boxes a, b;
   a.push_back({Vec3(2, 2, 2), {level({0, 0, 0})}});
-  b.push_back({Vec3(2, 2, 2), {level({1, 0, 0})}});
+  b.push_back({Vec3(2, 2, 2), {level({1, 0.25, 0.375})}});
   const Sides sides(a, b, CollisionType::kWitness);
   EXPECT_EQ(parts_touch_until(sides.query(), sim(1s), sim(9s)), sim(9s));
   EXPECT_EQ(parts_touch_until(sides.query(), sim(1s), sim(1s) + Duration{7}), sim(1s) + Duration{7});
