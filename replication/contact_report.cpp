@@ -70,7 +70,7 @@ void report_ghosts(PeerParts& p, SimTime t) {
   const auto is_remote = [&](ObjectId id) { return !p.own.contains(id) && p.owners.of(id) != kNobody; };
   while (const auto event = p.replica.ghosts().poll_event()) {
     if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
-      if (is_remote(retracted->object)) p.outbox.push(*retracted);
+      if (!p.own.contains(retracted->object)) p.outbox.push(*retracted);
       continue;
     }
     if (std::holds_alternative<BodiesOverlap>(*event)) continue;  // their owners name it

@@ -73,7 +73,7 @@ Contact first_box_contact(std::span<const MovingBody> collider, std::span<const 
   Contact contact;
   if (!has_vertices(collider) || !has_vertices(collidee)) return contact;
   contact.collidee_shape = collidee.front().body.object;
-  const double near_m = margin_m + kAdvancementTolerance_m;
+  const double near_m = margin_m + kAdvancementTolerance_m, least_m = margin_m + 0.5 * kAdvancementTolerance_m;
   for (double s = 0.0;; ++contact.iterations) {
     const WorldBox a = box_at(collider, s), b = box_at(collidee, s);
     double step_s = 0.0, greatest = -kInfinite;
@@ -86,7 +86,7 @@ Contact first_box_contact(std::span<const MovingBody> collider, std::span<const 
       if (gap <= near_m) continue;
       const double left_s = horizon_s - s;
       const double closing = speed_along(axis, -side, collider, s, left_s) + speed_along(axis, side, collidee, s, left_s);
-      step_s = std::max(step_s, closing > 0.0 ? (gap - 0.5 * near_m) / closing : kInfinite);
+      step_s = std::max(step_s, closing > 0.0 ? (gap - least_m) / closing : kInfinite);
     }
     if (greatest <= near_m) {
       contact.state = greatest < -near_m && s == 0.0 ? ContactState::kOverlapped : ContactState::kContact;

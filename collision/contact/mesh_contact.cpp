@@ -151,7 +151,8 @@ Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, dou
   Contact contact;
   Surface &a = *collider.body.surface, &b = *collidee.body.surface;
   if (a.soup().faces.empty() || b.soup().faces.empty()) return contact;
-  const double tolerance_m = advancement_tolerance_m(collider.body.radius_m, collidee.body.radius_m) + margin_m;
+  const double tolerance_m =
+      advancement_tolerance_m(collider.body.radius_m, collidee.body.radius_m) + 2.0 * margin_m;  // half of it stays
   const MeshImpact impact = contact_impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion, horizon_s,
                                                          {.tolerance_m = tolerance_m});
   assert(impact.time_s >= 0.0 && impact.time_s <= horizon_s);

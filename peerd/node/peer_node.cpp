@@ -356,7 +356,7 @@ std::optional<replication::Output> PeerNode::poll_output() {
     });
   } else if (const auto* b = std::get_if<ContactsRetracted>(&*out)) {
     std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
-      return (row.kind == "predicted" || row.kind == "owner") && row.at > b->since &&
+      return (row.kind == "predicted" || row.kind == "owner" || row.kind == "scene") && row.at > b->since &&
              (row.collider == b->object || row.collidee == b->object);
     });
   }

@@ -85,7 +85,8 @@ void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
     const auto& [a, b, type, mutual] = model_.pairs[number];
     const bool here = replica_.receives(a) && replica_.receives(b), mine = own_.contains(a) || own_.contains(b);
     replica_.truth().watch(number, here && (mine ? searches_contacts_of(a, b) : is_partner(a) || is_partner(b)));
-    replica_.ghosts().watch(number, here && config_.policy.predict_collisions);
+    const bool of_nobody = owners_.of(a) == kNobody && owners_.of(b) == kNobody;  // that is no prediction
+    replica_.ghosts().watch(number, here && (config_.policy.predict_collisions || of_nobody));
   }
 }
 

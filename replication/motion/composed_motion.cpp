@@ -71,8 +71,8 @@ MotionBounds bounds_of(const Levels& levels, SimTime t, double h_s, const Motion
   return all;
 }
 
-double error_of(const MotionBounds& b, double reach_m, double h_s) {
-  return b.jerk_m_s3 * h_s * h_s * h_s / 124.0 + reach_m * b.spin_acceleration_rad_s2 * h_s * h_s / 7.0;
+double error_of(const MotionBounds& b, double extent_m, double h_s) {
+  return b.jerk_m_s3 * h_s * h_s * h_s / 124.0 + extent_m * b.spin_acceleration_rad_s2 * h_s * h_s / 7.0;
 }
 
 bool turns(const MotionModel& law) {
@@ -135,8 +135,8 @@ MotionBounds composed_bounds(Chain chain, SimTime t, double h_s, const MotionBou
   return bounds_of(levels_at(chain, t), t, h_s, in_node);
 }
 
-ComposedPiece composed_piece(Chain chain, SimTime t, double reach_m, double error_max_m) {
-  assert(!chain.empty() && reach_m >= 0.0 && error_max_m > 0.0);
+ComposedPiece composed_piece(Chain chain, SimTime t, double extent_m, double error_max_m) {
+  assert(!chain.empty() && extent_m >= 0.0 && error_max_m > 0.0);
   const Levels levels = levels_at(chain, t);
   ComposedPiece piece;
   std::optional<SimTime> begin;
@@ -166,7 +166,7 @@ ComposedPiece composed_piece(Chain chain, SimTime t, double reach_m, double erro
   const MotionBounds bounds = bounds_of(levels, window, to_seconds(window_end - window));
   int log2_ns = kLongest_log2_ns;
   const auto length_s = [&] { return to_seconds(Duration{std::int64_t{1} << log2_ns}); };
-  while (log2_ns > kShortest_log2_ns && (error_of(bounds, reach_m, length_s()) > error_max_m ||
+  while (log2_ns > kShortest_log2_ns && (error_of(bounds, extent_m, length_s()) > error_max_m ||
                                          bounds.spin_rad_s * length_s() > kTurnMax_rad)) {
     --log2_ns;
   }
@@ -183,7 +183,7 @@ ComposedPiece composed_piece(Chain chain, SimTime t, double reach_m, double erro
   piece.state.acceleration = 2.0 * (to_end / h - to_middle / m) / (h - m);
   piece.state.velocity = to_end / h - (0.5 * h) * piece.state.acceleration;
   piece.state.angular_velocity_body = spin_between(first.orientation, last.orientation, h);
-  piece.error_m = error_of(bounds, reach_m, h) + kPositionRounding * (bounds.distance_m + reach_m);
+  piece.error_m = error_of(bounds, extent_m, h) + kPositionRounding * (bounds.distance_m + extent_m);
   return piece;
 }
 

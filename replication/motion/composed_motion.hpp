@@ -40,16 +40,16 @@ struct ComposedPiece {
   SimTime begin;              // of `state`
   std::optional<SimTime> end;  // none: it lasts for ever
   KinematicState state;
-  // No point within `reach_m` of the node's origin is farther than this from where it truly is [m]; 0: but for rounding.
+  // No point within `extent_m` of the node's origin is farther than this from where it truly is [m]; 0: but for rounding.
   double error_m = 0.0;
   bool still = false;  // nothing moves or turns within the piece
 };
 
-// The piece in force at t for points within `reach_m` [m] of the node's origin. Carriers that do not turn are composed
+// The piece in force at t for points within `extent_m` [m] of the node's origin. Carriers that do not turn are composed
 // exactly, into pieces as long as the laws in force. Any other motion is cut on a grid of session time, with steps of a
 // power of two of nanoseconds between 2^16 and 2^27: the longest that keep the error below `error_max_m` [m], by bounds
 // of the laws' derivatives: |jerk| h^3 / 124 and reach |alpha| h^2 / 7. Where even 2^16 ns do not, the error is what it
 // is. The piece is a function of the laws, of t and of the two lengths alone.
-[[nodiscard]] ComposedPiece composed_piece(Chain chain, SimTime t, double reach_m, double error_max_m);
+[[nodiscard]] ComposedPiece composed_piece(Chain chain, SimTime t, double extent_m, double error_max_m);
 
 }  // namespace peerd::replication

@@ -50,7 +50,7 @@ MotionBounds bounds_of(const MovingPart& part, SimTime t, double h_s, std::optio
     in_node = course.bounds;
     end = course.end;
   } else {
-    in_node.distance_m = part.reach_m();
+    in_node.distance_m = part.extent_m();
   }
   if (part.chain.empty()) return in_node;
   const auto laws_end = smooth_until(part.chain, t);
@@ -195,6 +195,7 @@ Impact box_impact(double margin_m) {
   Impact impact;
   if (side_a.at_begin.empty() || side_b.at_begin.empty()) return impact;
   const double near_m = margin_m + collision::kAdvancementTolerance_m;
+  const double least_m = margin_m + 0.5 * collision::kAdvancementTolerance_m;
   const WorldBox last_a = box_at(side_a, 1.0), last_b = box_at(side_b, 1.0);
   double fraction = 0.0;
   for (int i = 0; i < kBoxSteps; ++i) {
@@ -204,7 +205,7 @@ Impact box_impact(double margin_m) {
       for (const bool above : {true, false}) {
         const double gap = gap_of(a, b, axis, above), last = gap_of(last_a, last_b, axis, above);
         if (gap <= near_m) continue;
-        const double closes = last >= 0.5 * near_m ? 1.0 : (gap - 0.5 * near_m) / (gap - last);
+        const double closes = last >= least_m ? 1.0 : (gap - least_m) / (gap - last);
         apart_until = std::max(apart_until, fraction + closes * (1.0 - fraction));
       }
     }

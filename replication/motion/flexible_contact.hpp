@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "replication/motion/part_contact.hpp"
+#include "replication/motion/part_query.hpp"
 
 namespace peerd::replication {
 

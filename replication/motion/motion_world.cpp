@@ -272,6 +272,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
     events_.push_back(ContactsRetracted{objects_[carried].id, t - Duration{1}});
     retract(carried, t);
     forget_bursts(carried, t);
+    reopen_pairs(carried, t, true);  // what it met within its carrier holds, and is found again
   }
   const KinematicState before = o.timeline.at(t);
   const bool stays =
@@ -354,6 +355,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
                       gives_way(pair.collidee, pair.collidee_responds, from))) {
       pair.inside = false;
     }
+    if (!is_answered(pair) && pair.touched >= from) pair.inside = false;  // that contact may not be
     if (pair.bears && elsewhere) {
       pair.contact = pair.clear_until;
       pair.lifts = true;
@@ -431,7 +433,7 @@ SweptBound MotionWorld::make_bound(std::uint32_t part, std::uint32_t common, Sim
   const MovingPart moving = moving_part(part, chain);
   if (moving.flexible != nullptr || chain.empty()) return swept_bound_of_way(moving, s, end);
   if (chain.size() == 1) return swept_bound(*chain.front(), body(part), s, begin, end);
-  const ComposedPiece piece = composed_piece(moving.chain, s, moving.reach_m(), kCoarseError_m);
+  const ComposedPiece piece = composed_piece(moving.chain, s, moving.extent_m(), kCoarseError_m);
   return swept_bound(piece, body(part), s, begin, end);
 }
 
@@ -549,9 +551,10 @@ bool MotionWorld::ends_touch_elsewhere(const Pair& pair, SimTime t) {
     Pair& other = pairs_[i];
     if (&other == &pair || other.unsupported) continue;
     // Where a law makes an end jump, one part may begin to touch as another ceases to.
-    const bool has_just_parted = !other.inside && met_lately(other.parted, t, kSameJump);
-    const SimTime before = (has_just_parted ? other.parted : t) - Duration{1};
-    const bool touched = (other.inside || !other.searched || has_just_parted) && touch_at(other, before);
+    // The search may have gone beyond t.
+    const bool has_parted = !other.inside && other.parted >= t - kSameJump;
+    const SimTime before = (has_parted ? std::min(other.parted, t) : t) - Duration{1};
+    const bool touched = (other.inside || !other.searched || has_parted) && touch_at(other, before);
     if (other.fixed ? fixed_parts_touch(other, t) : touched) return true;
   }
   return false;

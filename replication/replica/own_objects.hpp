@@ -16,7 +16,7 @@
 #include "core/time.hpp"
 #include "replication/motion/model_choice.hpp"
 #include "replication/motion/position_history.hpp"
-#include "replication/motion/schedule.hpp"
+#include "core/schedule.hpp"
 #include "replication/policy/budget.hpp"
 #include "replication/policy/peer_config.hpp"
 #include "replication/wire/wire.hpp"

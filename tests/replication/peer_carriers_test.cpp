@@ -171,7 +171,6 @@ std::vector<ContactEvent> standing(const Lan& lan, std::size_t i) {
 
 // The car brakes 0.3 m before the curb. A latency later than that, the other peer has seen the wheel at the curb.
 TEST_F(CarAndWheel, AContactOfNobodysWheelIsRetractedWithTheCar) {
-  GTEST_SKIP() << "what nobody owns is no remote object, so that its contacts are not retracted";
   Lan far(world, {.latency = 300ms});
   const auto brakes = [](SimTime t) {
     const double s = to_seconds(t.time_since_epoch() - kEpoch), at_s = kAtCurb_s - 0.1;
@@ -189,8 +188,7 @@ TEST_F(CarAndWheel, AContactOfNobodysWheelIsRetractedWithTheCar) {
 
 // A door slides in a bus that sways; each update of the bus is of an instant before what the door has met meanwhile.
 TEST(BusAndDoor, ACorrectionOfTheBusLeavesWhatItsDoorHasMetInIt) {
-  GTEST_SKIP()
-      << "set_base() of a carrier retracts all contacts of what it carries, and those in it are not reported again";
+  GTEST_SKIP() << "the owner of a door in another peer's bus does not report what it meets there yet";
   const World world("DEF BUS Transform { translation -20 2 0 children [ " +
                         box("DOOR", "1 2 0.1", "0 1 1.5", "velocityVector 0.25 0 0") +
                         box("POST", "0.1 2 0.1", "2 1 1.5") + "] }\n" + interest("DOOR", "\"POST\""),

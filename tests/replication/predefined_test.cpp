@@ -129,15 +129,16 @@ TEST(Predefined, BouncesWhatItMeets) {
   }
 }
 
-TEST(Predefined, ABodyThatChangesItsShapeHasNoAnswerAndSaysSo) {
+TEST(Predefined, ABodyThatChangesItsShapeIsAFlexiblePart) {
   const World world(
       "DEF PRESS Transform { children [ Shape { geometry Box { } } DEF PLUNGER Transform { children Shape { geometry "
       "Box { } } } ] }" +
       box("BALL", "1 1 1", "-30 0 0") + interest("BALL", "\"PRESS\"") +
       "DEF T TimeSensor { loop TRUE } DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0 0 1 0 ] }"
       "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO PLUNGER.scale");
-  ASSERT_THAT(world.model->unsupported, SizeIs(1));
-  EXPECT_EQ(world.model->unsupported[0], "PRESS: the file changes its shape as it moves");
+  EXPECT_THAT(world.model->unsupported, IsEmpty());
+  ASSERT_THAT(world.model->flexible, SizeIs(1));
+  EXPECT_EQ(world.scene.path_of(world.model->flexible[0].shape), "PRESS/PLUNGER/0");
 }
 
 }  // namespace peerd::replication::test::predefined_test

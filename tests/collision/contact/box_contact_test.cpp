@@ -199,7 +199,6 @@ TEST(FirstBoxContact, IsNeverLateAndEarlyByAMicrometreAtMost) {
 
 // Paths that are known to a margin may truly touch when they seem to be that far apart.
 TEST(FirstBoxContact, IsNotLateWhereThePathsAreKnownToAMargin) {
-  GTEST_SKIP() << "steps end at half of the margin";
   const End a = one(moving({0, 0, 0}, {2, 0, 0})), b = one(moving({5, 0, 0}));
   const Contact found = first_box_contact(a.at(), b.at(), 10, 0.5);
   ASSERT_EQ(found.state, ContactState::kContact);

@@ -286,8 +286,8 @@ TEST(FirstPartContact, ComposedMotionIsNeverLateAndEarlyByWhatItSays) {
     EXPECT_GT(gaps.least_before_m, -1e-9) << "late";
     ++(found ? met : passed);
     if (!found) continue;
-    // 1e-6 m, the errors of both fine pieces, and what the two go within the nanosecond by which time is rounded.
-    EXPECT_LE(gaps.at_m, 1e-6 + 2 * kFineError_m + 1e-7) << "early";
+    // 1e-6 m, twice the errors of both fine pieces, and what the two go within the nanosecond by which time is rounded.
+    EXPECT_LE(gaps.at_m, 1e-6 + 4 * kFineError_m + 1e-7) << "early";
   }
   EXPECT_GT(met, 30);
   EXPECT_GT(passed, 15);
@@ -296,7 +296,6 @@ TEST(FirstPartContact, ComposedMotionIsNeverLateAndEarlyByWhatItSays) {
 // A hand on a turning arm is ahead of its coarse piece by nearly all of the piece's error, at two instants of it. The
 // wall stands where these are, and the hand comes straight at it.
 TEST(FirstPartContact, AHandThatIsAheadOfItsPieceIsNotLate) {
-  GTEST_SKIP() << "coarse searches come as near as half of their margin, so that fine ones begin too late";
   double deepest_m = 0.0;
   for (int i = 0; i < 400; ++i) {
     SCOPED_TRACE(i);
@@ -308,7 +307,7 @@ TEST(FirstPartContact, AHandThatIsAheadOfItsPieceIsNotLate) {
     ASSERT_TRUE(found);
     const double gap_m = gap_of(hand[0], wall[0], to_seconds(found->at.time_since_epoch()));
     deepest_m = std::min(deepest_m, gap_m);
-    EXPECT_LE(gap_m, 1e-6 + 2 * kFineError_m + 1e-7) << "early";
+    EXPECT_LE(gap_m, 1e-6 + 4 * kFineError_m + 1e-7) << "early";
   }
   EXPECT_GT(deepest_m, -1e-9) << "late";
 }
@@ -330,7 +329,7 @@ TEST(FirstPartContact, BoxesOfSeveralPartsAreThoseOfTheWholeEnds) {
     EXPECT_GT(gaps.least_before_m, -1e-9) << "late";
     ++(found ? met : passed);
     if (found) {
-      EXPECT_LE(gaps.at_m, 1e-6 + 2 * kFineError_m + 1e-7) << "early";
+      EXPECT_LE(gaps.at_m, 1e-6 + 4 * kFineError_m + 1e-7) << "early";
     }
   }
   EXPECT_GT(met, 20);

@@ -1,4 +1,4 @@
-#include "replication/motion/least_change.hpp"
+#include "core/least_change.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -8,7 +8,7 @@
 
 #include <Eigen/Dense>
 
-namespace peerd::replication {
+namespace peerd {
 namespace {
 
 // A bound of the rounding of a few sums and products, relative to their largest term.
@@ -156,4 +156,4 @@ bool change_least(std::span<ConstrainedBody> bodies, std::span<const OneSided> c
   return true;
 }
 
-}  // namespace peerd::replication
+}  // namespace peerd

@@ -1,4 +1,4 @@
-#include "replication/motion/least_change.hpp"
+#include "core/least_change.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace peerd::replication::least_change_test {
+namespace peerd::least_change_test {
 
 double energy(const std::vector<ConstrainedBody>& bodies) {
   double sum = 0.0;
@@ -96,4 +96,4 @@ TEST(LeastChange, IsTheNearestOfAllThatSatisfyTheConstraints) {
   EXPECT_LE(hidden, 4);
 }
 
-}  // namespace peerd::replication::least_change_test
+}  // namespace peerd::least_change_test

@@ -1,11 +1,11 @@
-#include "replication/motion/schedule.hpp"
+#include "core/schedule.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
 
-namespace peerd::replication::schedule_test {
+namespace peerd::schedule_test {
 
 // Any sequence of settings, at any size, gives the answers of a linear search.
 TEST(Schedule, FindsWhatIsDueInOrder) {
@@ -38,4 +38,4 @@ TEST(Schedule, NothingIsDueAtFirst) {
   EXPECT_EQ(schedule.next_due(0, SimTime::max() - Duration{1}), 5u);
 }
 
-}  // namespace peerd::replication::schedule_test
+}  // namespace peerd::schedule_test

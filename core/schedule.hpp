@@ -6,7 +6,7 @@
 
 #include "core/time.hpp"
 
-namespace peerd::replication {
+namespace peerd {
 
 // The time at which each of a fixed number of things is to be checked. It finds those that are due by some time in the
 // order of their numbers, with a tree of least times. Setting a time and finding the next one due take the logarithm
@@ -59,4 +59,4 @@ class Schedule {
   std::vector<SimTime> least_ = {SimTime::max(), SimTime::max()};
 };
 
-}  // namespace peerd::replication
+}  // namespace peerd

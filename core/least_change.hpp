@@ -5,7 +5,7 @@
 
 #include "core/math.hpp"
 
-namespace peerd::replication {
+namespace peerd {
 
 // Velocities, or accelerations, of bodies under one-sided constraints: what touches does not approach.
 struct ConstrainedBody {
@@ -30,4 +30,4 @@ struct OneSided {
 // in a thousand.
 [[nodiscard]] bool change_least(std::span<ConstrainedBody> bodies, std::span<const OneSided> constraints);
 
-}  // namespace peerd::replication
+}  // namespace peerd
