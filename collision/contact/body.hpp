@@ -51,8 +51,8 @@ struct Body {
   }
 };
 
-// Gathers the Shapes below `object`, or those of them that belong to it. It never fails: Body::unsupported names what has
-// no exact answer.
+// Gathers the Shapes below `object`, or those of them that belong to it. It never fails: Body::unsupported names what
+// has no exact answer.
 using Belongs = std::function<bool(ObjectId shape)>;
 [[nodiscard]] Body make_body(const Scene& scene, ObjectId object, const Belongs& belongs = {});
 

@@ -85,7 +85,8 @@ Contact first_box_contact(std::span<const MovingBody> collider, std::span<const 
       }
       if (gap <= near_m) continue;
       const double left_s = horizon_s - s;
-      const double closing = speed_along(axis, -side, collider, s, left_s) + speed_along(axis, side, collidee, s, left_s);
+      const double closing =
+          speed_along(axis, -side, collider, s, left_s) + speed_along(axis, side, collidee, s, left_s);
       step_s = std::max(step_s, closing > 0.0 ? (gap - least_m) / closing : kInfinite);
     }
     if (greatest <= near_m) {
@@ -111,8 +112,7 @@ double boxes_overlap_for_s(std::span<const MovingBody> a, std::span<const Moving
       // How deep a's low side is below b's high side, or the other way round, and how fast the two may part.
       const double depth = side > 0 ? of_b.hi[axis] - of_a.lo[axis] : of_a.hi[axis] - of_b.lo[axis];
       if (!(depth > 0.0)) return 0.0;
-      const double parting =
-          speed_along(axis, side, a, 0.0, horizon_s) + speed_along(axis, -side, b, 0.0, horizon_s);
+      const double parting = speed_along(axis, side, a, 0.0, horizon_s) + speed_along(axis, -side, b, 0.0, horizon_s);
       if (parting > 0.0) least_s = std::min(least_s, depth / parting);
     }
   }

@@ -13,9 +13,9 @@ namespace peerd::collision {
 // negative where they overlap, and +inf where one of them has no vertices.
 [[nodiscard]] double box_gap_m(std::span<const MovingBody> a, std::span<const MovingBody> b);
 
-// Finds when the world boxes of two ends first come as near as `margin_m` + 1e-6 m, for ends of several bodies that move
-// in different ways. The search advances conservatively on the greatest gap: never later than the truth. The normal is
-// the axis that closes last, and the shape is the first body of the collidee.
+// Finds when the world boxes of two ends first come as near as `margin_m` + 1e-6 m, for ends of several bodies that
+// move in different ways. The search advances conservatively on the greatest gap: never later than the truth. The
+// normal is the axis that closes last, and the shape is the first body of the collidee.
 [[nodiscard]] Contact first_box_contact(std::span<const MovingBody> collider, std::span<const MovingBody> collidee,
                                         double horizon_s, double margin_m);
 

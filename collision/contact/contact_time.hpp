@@ -37,9 +37,9 @@ struct ContactOptions {
 // CollisionType::kBox uses the tight world boxes of all vertices in place of the polygons, and answers where only
 // polygons are unsupported.
 // kPolygons: the two meet as SceneQuery has them, by their polygons alone. A Sphere is its polygons, and what is wholly
-// inside a closed mesh touches nothing. `margin_m` > 0: the paths of the two are known to so much, and what comes so near
-// is a contact; the two then meet as polygons too, and answers are never later than the truth, and earlier by a distance
-// of at most the margin and the tolerance.
+// inside a closed mesh touches nothing. `margin_m` > 0: the paths of the two are known to so much, and what comes so
+// near is a contact; the two then meet as polygons too, and answers are never later than the truth, and earlier by a
+// distance of at most the margin and the tolerance.
 [[nodiscard]] Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type,
                                     double horizon_s, const ContactOptions& options = {});
 

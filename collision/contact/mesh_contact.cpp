@@ -76,8 +76,8 @@ bool find_approached_polygon(Contact& contact, Surface& collider, const Kinemati
   return least.has_value();
 }
 
-void set_hit_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee,
-                     const MeshImpact& impact, double tolerance_m) {
+void set_hit_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee, const MeshImpact& impact,
+                     double tolerance_m) {
   const KinematicState a = advance(collider.motion, impact.time_s), b = advance(collidee.motion, impact.time_s);
   if (find_approached_polygon(contact, *collider.body.surface, a, *collidee.body.surface, b, tolerance_m)) return;
   set_polygon(contact, *collidee.body.surface, impact.pair.b);
@@ -153,8 +153,8 @@ Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, dou
   if (a.soup().faces.empty() || b.soup().faces.empty()) return contact;
   const double tolerance_m =
       advancement_tolerance_m(collider.body.radius_m, collidee.body.radius_m) + 2.0 * margin_m;  // half of it stays
-  const MeshImpact impact = contact_impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion, horizon_s,
-                                                         {.tolerance_m = tolerance_m});
+  const MeshImpact impact = contact_impacts.first_impact(a.tree(), collider.motion, b.tree(), collidee.motion,
+                                                         horizon_s, {.tolerance_m = tolerance_m});
   assert(impact.time_s >= 0.0 && impact.time_s <= horizon_s);
   contact.time_s = impact.time_s;
   contact.iterations = impact.iterations;

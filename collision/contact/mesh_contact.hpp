@@ -5,7 +5,8 @@ namespace peerd::collision {
 
 // first_contact() of two bodies' surfaces, polygon soup against polygon soup, by time_of_impact.hpp: at a hit they are
 // nearer than advancement_tolerance_m() and twice `margin_m` >= 0 together,
-// and before it nothing is as near as `margin_m`. A soup has no inside: a body wholly within a closed mesh doesn't touch it.
+// and before it nothing is as near as `margin_m`. A soup has no inside: a body wholly within a closed mesh doesn't
+// touch it.
 //
 // The polygon that the response is of: of all pairs within twice the tolerance then, ordered by the collider's polygon
 // and the collidee's, the first whose collidee's polygon the collider comes towards, on the side where it is. Where no

@@ -77,11 +77,12 @@ class Animation {
 
   // Describes how the field goes on from t, t included: begin_s <= t < end_s. All members are given for SFVec3f,
   // SFRotation, SFFloat and SFTime. Of colours, MF and other types only begin_s, end_s, initial and is_constant are
-  // given, and nothing at all while colours and normals move. Coordinates move evenly until end_s. The result agrees with value() on (begin_s, end_s) to the sum of 2e-15
-  // of the largest keyValue (2e-15 rad), the movement during 2 ulp(end_s) and 2e-16 of a cycle, and the movement of the
-  // whole piece times 2e-16 / (distance of its keys), which is the error that rounding of fractions can cause. It also
-  // agrees at begin_s unless the field jumps there: at the end of a cycle value() is that of fraction 1, and the
-  // segment is the movement that follows. Consecutive segments may be parts of one movement.
+  // given, and nothing at all while colours and normals move. Coordinates move evenly until end_s. The result agrees
+  // with value() on (begin_s, end_s) to the sum of 2e-15 of the largest keyValue (2e-15 rad), the movement during 2
+  // ulp(end_s) and 2e-16 of a cycle, and the movement of the whole piece times 2e-16 / (distance of its keys), which is
+  // the error that rounding of fractions can cause. It also agrees at begin_s unless the field jumps there: at the end
+  // of a cycle value() is that of fraction 1, and the segment is the movement that follows. Consecutive segments may be
+  // parts of one movement.
   [[nodiscard]] std::optional<Segment> segment(FieldId id, double t);
 
   // Lists the fields that may be, at some time in (from_s, to_s], other than at from_s: everything that a sensor which

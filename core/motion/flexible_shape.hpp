@@ -10,8 +10,8 @@
 namespace peerd {
 
 // A Shape that is no rigid body as the world moves (flexible objects, Ohlenburg 2003, section 3.2.1): its Coordinate is
-// driven, or a Transform above it is turned below an uneven scale, or has a driven scale. Its vertices are a function of
-// world time, in the rigid frame of the carrier above it (carriers.hpp), or in the world.
+// driven, or a Transform above it is turned below an uneven scale, or has a driven scale. Its vertices are a function
+// of world time, in the rigid frame of the carrier above it (carriers.hpp), or in the world.
 class FlexibleShape {
  public:
   // The scene outlives it, at its place; `motion` is that of the scene, here and below. `carrier` is an instance above

@@ -49,7 +49,7 @@ class MovingScene {
     PredefinedMotion motion;
     std::vector<NodeHandle> nodes;                                  // indexed by instance
     std::vector<std::pair<animation::FieldId, ObjectId>> by_field;  // instances that a driven field moves, sorted
-    std::vector<ObjectId> drifting;        // instances that a velocityVector moves
+    std::vector<ObjectId> drifting;                                 // instances that a velocityVector moves
     std::vector<bool> has_box;             // indexed by instance; empty until a box is asked for
     std::vector<LocalBox> geometry_boxes;  // indexed by geometry, once it was needed
     std::vector<bool> has_geometry_box;

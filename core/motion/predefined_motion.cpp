@@ -48,6 +48,26 @@ bool is_even(const Vec3& scale) { return scale.x() == scale.y() && scale.y() == 
 
 Quat conjugate(const Quat& q) { return {q.w(), -q.x(), -q.y(), -q.z()}; }
 
+// Makes the piece go through the poses at its ends and the position in its middle.
+template <class PoseAt>
+void go_through(PredefinedMotion::Piece& piece, const PoseAt& pose_at) {
+  const double h = piece.end_s - piece.begin_s;
+  const Pose begin = pose_at(piece.begin_s), middle = pose_at(piece.begin_s + 0.5 * h), end = pose_at(piece.end_s);
+  piece.state = at_rest(begin);
+  piece.state.velocity = (4.0 * middle.position - 3.0 * begin.position - end.position) / h;
+  piece.state.acceleration = 4.0 * (begin.position - 2.0 * middle.position + end.position) / (h * h);
+  piece.state.angular_velocity_body = quat_log(multiply(conjugate(begin.orientation), end.orientation)) / h;
+}
+
+// Makes the piece a circle: the origin goes about the centre of its Transform, which goes straight on. `own`: the
+// Transform at the begin; `above`: the map from its parent's frame.
+void go_about_center(PredefinedMotion::Piece& piece, const TransformFields& own, const Mat3& above) {
+  const Vec3 arm = -multiply(above, multiply(parent_from_local(own).linear, own.center));
+  piece.turning_rad_s = piece.state.orientation * piece.state.angular_velocity_body;
+  piece.state.velocity += piece.turning_rad_s.cross(arm);
+  piece.state.acceleration = piece.turning_rad_s.cross(piece.turning_rad_s.cross(arm));
+}
+
 }  // namespace
 
 PredefinedMotion::PredefinedMotion(const Scene& scene) : scene_(scene) {
@@ -142,8 +162,7 @@ bool PredefinedMotion::scales(ObjectId id) const {
 
 bool PredefinedMotion::moves(ObjectId id) const {
   if (driven_ids_.empty()) return false;
-  return std::ranges::any_of(way_to(id, std::nullopt).instances,
-                             [&](std::uint32_t i) { return moves_in_parent({i}); });
+  return std::ranges::any_of(way_to(id, std::nullopt).instances, [&](std::uint32_t i) { return moves_in_parent({i}); });
 }
 
 bool PredefinedMotion::stays_rigid(ObjectId id) const {
@@ -234,8 +253,10 @@ PredefinedMotion::FieldRates PredefinedMotion::field_rates(ObjectId id, double t
   FieldRates rates{.fields = transform(id, t_s), .end_s = kForever};
   const Vec3 drift = velocity_of(id);
   if (!drift.isZero(0.0)) {
-    if (t_s >= 0.0) rates.translation_m_s = drift.norm();
-    else rates.end_s = 0.0;
+    if (t_s >= 0.0)
+      rates.translation_m_s = drift.norm();
+    else
+      rates.end_s = 0.0;
   }
   for (const Driven& d : driven(scene_.at(id).transform)) {
     const auto segment = animation_->segment(d.field, t_s);
@@ -309,14 +330,12 @@ PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s, std::op
         exact = exact && d.part == kTranslation;
       }
     }
-    drifts.push_back(velocity_of(instance));
-    if (!drifts.back().isZero(0.0)) {
-      (t_s >= 0.0 ? piece.begin_s : piece.end_s) =
-          t_s >= 0.0 ? std::max(piece.begin_s, 0.0) : std::min(piece.end_s, 0.0);
-      if (t_s >= 0.0) {
-        still = false;
-        velocity += multiply(frame.linear, drifts.back());
-      }
+    const Vec3& drift = drifts.emplace_back(velocity_of(instance));
+    if (!drift.isZero(0.0) && t_s < 0.0) piece.end_s = std::min(piece.end_s, 0.0);
+    if (!drift.isZero(0.0) && t_s >= 0.0) {
+      piece.begin_s = std::max(piece.begin_s, 0.0);
+      still = false;
+      velocity += multiply(frame.linear, drift);
     }
     if (!own) frame = multiply(frame, parent_from_local(now));
   }
@@ -347,25 +366,12 @@ PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s, std::op
     piece.state = at_rest(pose_at(piece.begin_s));
     piece.state.velocity = velocity;
     piece.state.angular_velocity_body = angular_velocity_body;
-    if (circles) {
-      // The origin goes about the centre, which goes straight on.
-      const TransformFields own = fields_at(piece.begin_s).back();
-      const Vec3 arm = -multiply(frame.linear, multiply(parent_from_local(own).linear, own.center));
-      piece.turning_rad_s = piece.state.orientation * angular_velocity_body;
-      piece.state.velocity += piece.turning_rad_s.cross(arm);
-      piece.state.acceleration = piece.turning_rad_s.cross(piece.turning_rad_s.cross(arm));
-    }
+    if (circles) go_about_center(piece, fields_at(piece.begin_s).back(), frame.linear);
     return piece;
   }
   if (dense) piece.begin_s = -kForever, piece.end_s = kForever;
   cut(kPiece_s);
-  const double h = piece.end_s - piece.begin_s;
-  const auto sample = [&](double s) { return dense ? pose_on(way, s) : pose_at(s); };
-  const Pose begin = sample(piece.begin_s), middle = sample(piece.begin_s + 0.5 * h), end = sample(piece.end_s);
-  piece.state = at_rest(begin);
-  piece.state.velocity = (4.0 * middle.position - 3.0 * begin.position - end.position) / h;
-  piece.state.acceleration = 4.0 * (begin.position - 2.0 * middle.position + end.position) / (h * h);
-  piece.state.angular_velocity_body = quat_log(multiply(conjugate(begin.orientation), end.orientation)) / h;
+  go_through(piece, [&](double s) { return dense ? pose_on(way, s) : pose_at(s); });
   return piece;
 }
 

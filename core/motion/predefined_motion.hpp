@@ -14,8 +14,8 @@ namespace peerd {
 // PredefinedMotion is the movement that a world makes by itself: TimeSensors, interpolators and ROUTEs, and the
 // velocityVectors of Transforms, as a function of world time (the time of its TimeSensors) and of nothing else, so that
 // all peers see the same without any message. World time before 0 is before the world was read: everything is where its
-// file puts it. A velocityVector moves a translation from world time 0 on (Ohlenburg 2003, equation C.1), unless a ROUTE
-// drives that translation.
+// file puts it. A velocityVector moves a translation from world time 0 on (Ohlenburg 2003, equation C.1), unless a
+// ROUTE drives that translation.
 //
 // The cost is zero for a world without a TimeSensor that has a ROUTE, and without a velocityVector. A question costs as
 // much as its own instance depends on. Questions are not const, since they remember what is known about chains of
@@ -59,7 +59,8 @@ class PredefinedMotion {
   struct FieldRates {
     TransformFields fields;
     double end_s = 0.0;
-    double translation_m_s = 0.0, center_m_s = 0.0, rotation_rad_s = 0.0, scale_orientation_rad_s = 0.0, scale_1_s = 0.0;
+    double translation_m_s = 0.0, center_m_s = 0.0, rotation_rad_s = 0.0, scale_orientation_rad_s = 0.0,
+           scale_1_s = 0.0;
   };
   [[nodiscard]] FieldRates field_rates(ObjectId id, double t_s);
   // Whether the vertices of a driven geometry move at t, and until when that stays so, or they move evenly.
@@ -75,9 +76,9 @@ class PredefinedMotion {
   // turns by that rate. One driven translation, or its own driven rotation, or both, are exactly so between two keys,
   // circles for kCircle_s. Anything else (a driven rotation above it, a driven center or scale) is cut into pieces of
   // kPiece_s on a grid of world time. Such a piece goes through the true pose at both ends and the true position in the
-  // middle, and is off by about |jerk| * kPiece_s^3 / 125 in between: 1e-5 m for a point on a circle of 10 m radius that
-  // turns once a second. Where keys are closer together than kPiece_s the movement is cut in this way too, so that a
-  // file cannot make work without end.
+  // middle, and is off by about |jerk| * kPiece_s^3 / 125 in between: 1e-5 m for a point on a circle of 10 m radius
+  // that turns once a second. Where keys are closer together than kPiece_s the movement is cut in this way too, so that
+  // a file cannot make work without end.
   struct Piece {
     double begin_s = 0.0, end_s = 0.0;
     KinematicState state;

@@ -50,11 +50,11 @@ class CollidingObjects {
   // Takes the pair from those that lie.
   void raise(const Pair& pair);
 
-  std::set<Pair> known_;                              // the model's pairs
-  std::set<Pair> touching_;                           // those that lie included
-  std::set<Pair> checked_;                            // of `touching_`: those that do not lie
-  std::set<std::pair<ObjectId, Pair>> lying_;         // the others, by each of the two
-  std::map<ObjectId, std::size_t> partners_;          // the number of partners that each object touches, > 0
+  std::set<Pair> known_;                       // the model's pairs
+  std::set<Pair> touching_;                    // those that lie included
+  std::set<Pair> checked_;                     // of `touching_`: those that do not lie
+  std::set<std::pair<ObjectId, Pair>> lying_;  // the others, by each of the two
+  std::map<ObjectId, std::size_t> partners_;   // the number of partners that each object touches, > 0
   std::deque<NotColliding> events_;
 };
 

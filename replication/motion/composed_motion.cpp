@@ -87,9 +87,8 @@ KinematicState composed(const KinematicState& carrier, const KinematicState& rel
   KinematicState out;
   out.position = carrier.position + multiply(R, x);
   out.velocity = carrier.velocity + multiply(R, Vec3(w.cross(x) + relative.velocity));
-  out.acceleration =
-      carrier.acceleration +
-      multiply(R, Vec3(w.cross(w.cross(x)) + 2.0 * w.cross(relative.velocity) + relative.acceleration));
+  out.acceleration = carrier.acceleration +
+                     multiply(R, Vec3(w.cross(w.cross(x)) + 2.0 * w.cross(relative.velocity) + relative.acceleration));
   out.orientation = normalized(multiply(carrier.orientation, relative.orientation));
   const Mat3 from_carrier = relative.orientation.conjugate().toRotationMatrix();
   out.angular_velocity_body = relative.angular_velocity_body + multiply(from_carrier, w);
@@ -160,14 +159,14 @@ ComposedPiece composed_piece(Chain chain, SimTime t, double extent_m, double err
   }
   const Duration longest{std::int64_t{1} << kLongest_log2_ns};
   const SimTime window = std::max(piece.begin, floor_to(t, longest));
-  const SimTime window_end = piece.end ? std::min(*piece.end, floor_to(t, longest) + longest)
-                                       : floor_to(t, longest) + longest;
+  const SimTime window_end =
+      piece.end ? std::min(*piece.end, floor_to(t, longest) + longest) : floor_to(t, longest) + longest;
   assert(window <= t && t < window_end);
   const MotionBounds bounds = bounds_of(levels, window, to_seconds(window_end - window));
   int log2_ns = kLongest_log2_ns;
   const auto length_s = [&] { return to_seconds(Duration{std::int64_t{1} << log2_ns}); };
-  while (log2_ns > kShortest_log2_ns && (error_of(bounds, extent_m, length_s()) > error_max_m ||
-                                         bounds.spin_rad_s * length_s() > kTurnMax_rad)) {
+  while (log2_ns > kShortest_log2_ns &&
+         (error_of(bounds, extent_m, length_s()) > error_max_m || bounds.spin_rad_s * length_s() > kTurnMax_rad)) {
     --log2_ns;
   }
   const Duration step{std::int64_t{1} << log2_ns};

@@ -34,13 +34,14 @@ using Chain = std::span<const Timeline* const>;
 // node's own frame. The laws in force at t are taken to go on.
 [[nodiscard]] MotionBounds composed_bounds(Chain chain, SimTime t, double h_s, const MotionBounds& in_node);
 
-// A part of a composed motion at constant acceleration and spin. It goes through the true pose at both ends and the true
-// position in the middle.
+// A part of a composed motion at constant acceleration and spin. It goes through the true pose at both ends and the
+// true position in the middle.
 struct ComposedPiece {
-  SimTime begin;              // of `state`
+  SimTime begin;               // of `state`
   std::optional<SimTime> end;  // none: it lasts for ever
   KinematicState state;
-  // No point within `extent_m` of the node's origin is farther than this from where it truly is [m]; 0: but for rounding.
+  // No point within `extent_m` of the node's origin is farther than this from where it truly is [m]; 0: but for
+  // rounding.
   double error_m = 0.0;
   bool still = false;  // nothing moves or turns within the piece
 };

@@ -65,6 +65,7 @@ struct Step {
 
 // The longest step from t on in which no vertex of either side bends off a straight way by more than that.
 Step step_from(const PartQuery& query, SimTime t, SimTime until, double error_max_m) {
+  assert(t < until && error_max_m > 0.0);
   const double longest_s = to_seconds(kLongest);
   double acceleration = 0.0;
   SimTime end = std::min(until, t + kLongest);
@@ -192,6 +193,7 @@ double gap_of(const WorldBox& a, const WorldBox& b, int axis, bool above) {
 // The lowest of vertices that go straight on bends down, and the highest up, so a gap between two such boxes is never
 // smaller than its chord: until the chord of some axis has closed, the boxes are apart.
 Impact box_impact(double margin_m) {
+  assert(margin_m >= 0.0 && side_a.at_begin.size() == side_a.at_end.size());
   Impact impact;
   if (side_a.at_begin.empty() || side_b.at_begin.empty()) return impact;
   const double near_m = margin_m + collision::kAdvancementTolerance_m;
@@ -241,8 +243,8 @@ double triangle_depth_m(const PartQuery& query) {
   const SoupStep of_b = query.b.front().flexible != nullptr ? side_b.step() : rigid.step();
   double depth_m = 0.0;
   for (const collision::FacePair& faces : touching.first(std::min(touching.size(), kDepthsLookedAt))) {
-    depth_m = std::max(depth_m, collision::overlap_depth_m(of_a.triangle_at_begin(faces.a),
-                                                           of_b.triangle_at_begin(faces.b)));
+    depth_m =
+        std::max(depth_m, collision::overlap_depth_m(of_a.triangle_at_begin(faces.a), of_b.triangle_at_begin(faces.b)));
   }
   return depth_m;
 }
@@ -264,7 +266,7 @@ SimTime time_of(const Impact& impact, SimTime begin, SimTime end) {
 }  // namespace
 
 PartContact first_flexible_contact(const PartQuery& query, SimTime from, SimTime until, std::uint64_t& searches) {
-  assert(from < until);
+  assert(from < until && query.is_flexible());
   PartContact none;
   none.at = from;
   for (SimTime t = from; t < until;) {
@@ -303,6 +305,7 @@ bool flexible_parts_touch(const PartQuery& query, SimTime t) {
 }
 
 double flexible_parts_touch_for_s(const PartQuery& query, SimTime t, SimTime until) {
+  assert(t < until);
   const SimTime short_after = t + Duration{1};
   if (impact_of(query, t, short_after, 0.0).state != SoupImpactState::kTouching) return 0.0;
   const double depth_m = query.type == CollisionType::kBox ? box_depth_m() : triangle_depth_m(query);

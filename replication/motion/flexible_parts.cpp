@@ -45,7 +45,7 @@ void FlexibleParts::form(std::uint32_t part, SimTime t, Form& out) {
 }
 
 FlexibleParts::Course FlexibleParts::course(std::uint32_t part, SimTime t, double h_s) {
-  assert(part < parts_.size());
+  assert(part < parts_.size() && h_s > 0.0);
   const FlexibleShape::Course c = parts_[part].course(motion_, world_s(t), h_s);
   const double end_s = std::min(kFarthest_s, c.end_s);
   Course course;

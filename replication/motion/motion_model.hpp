@@ -87,8 +87,8 @@ struct MotionPiece {
 [[nodiscard]] Duration piece_begin(const MotionModel& model, Duration since_base);
 [[nodiscard]] std::optional<Duration> piece_end(const MotionModel& model, Duration since_base);
 
-// The span of time around an instant in which the law's closed form is smooth: at its end the law goes over into another
-// one (it has lasted so long, or friction has stopped something). None: never.
+// The span of time around an instant in which the law's closed form is smooth: at its end the law goes over into
+// another one (it has lasted so long, or friction has stopped something). None: never.
 struct SmoothSpan {
   Duration begin{0};  // since the base
   std::optional<Duration> end;
@@ -97,8 +97,8 @@ struct SmoothSpan {
 // Whether the closed form has constant acceleration and spin while it is smooth: one piece says all of it.
 [[nodiscard]] bool is_one_piece(const MotionModel& model);
 
-// Bounds of the closed form while it is smooth: of the distance from the frame's origin and its derivatives, of the spin
-// and of its change.
+// Bounds of the closed form while it is smooth: of the distance from the frame's origin and its derivatives, of the
+// spin and of its change.
 struct MotionBounds {
   double distance_m = 0.0, speed_m_s = 0.0, acceleration_m_s2 = 0.0, jerk_m_s3 = 0.0;
   double spin_rad_s = 0.0, spin_acceleration_rad_s2 = 0.0;

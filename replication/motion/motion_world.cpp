@@ -196,6 +196,7 @@ void MotionWorld::set_flexible(FlexibleParts& flexible) {
 }
 
 void MotionWorld::reopen_flexible(SimTime t) {
+  assert(flexible_ != nullptr);
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     Pair& pair = pairs_[i];
     if (!pair.is_flexible) continue;
@@ -402,6 +403,7 @@ MotionModel MotionWorld::world_law(std::size_t object, SimTime t) const {
 }
 
 bool MotionWorld::is_in_side(std::size_t object, std::size_t end, std::uint32_t part) const {
+  assert(end < model_.nodes.size());
   if (object == end) return true;
   if (part != kNone) part = model_.frame_of(part);
   if (part != kNone && object == part) return true;
@@ -413,7 +415,6 @@ bool MotionWorld::is_in_side(std::size_t object, std::size_t end, std::uint32_t 
   return is_carried(end) || std::ranges::binary_search(carried_by(end), static_cast<std::uint32_t>(object));
 }
 
-
 // ---- searching ----
 
 const SweptBound& MotionWorld::bound_of(std::size_t object, SimTime s) {
@@ -423,6 +424,7 @@ const SweptBound& MotionWorld::bound_of(std::size_t object, SimTime s) {
 }
 
 MovingPart MotionWorld::moving_part(std::uint32_t part, const OwnChain& chain) const {
+  assert(part < model_.nodes.size() + model_.flexible.size());
   if (!model_.is_flexible(part)) return {{chain.data(), chain.size()}, &body(part)};
   return {{chain.data(), chain.size()}, nullptr, flexible_, part - static_cast<std::uint32_t>(model_.nodes.size())};
 }
@@ -438,6 +440,7 @@ SweptBound MotionWorld::make_bound(std::uint32_t part, std::uint32_t common, Sim
 }
 
 SweptBound MotionWorld::bound_of_end(std::size_t end, SimTime s) {
+  assert(end < model_.parts_of_node.size() && !model_.parts_of_node[end].empty());
   SweptBound all;
   bool first = true;
   for (const std::uint32_t part : model_.parts_of_node[end]) {
@@ -547,6 +550,7 @@ bool MotionWorld::touch_at(const Pair& pair, SimTime t) const {
 
 // Whether another part of the one end touches another part of the other one: then the two ends did so before t.
 bool MotionWorld::ends_touch_elsewhere(const Pair& pair, SimTime t) {
+  assert(!is_answered(pair) && pair.number + 1 < model_.first_part_pair.size());
   for (std::uint32_t i = model_.first_part_pair[pair.number]; i < model_.first_part_pair[pair.number + 1]; ++i) {
     Pair& other = pairs_[i];
     if (&other == &pair || other.unsupported) continue;
@@ -856,8 +860,7 @@ void MotionWorld::remove_gain(const Pair& pair, SimTime t, const Answer& answer)
   const auto energy = [&](std::size_t object, bool responds, const KinematicState& s) {
     return responds ? model_.response_of(objects_[object].id)->mass_kg * s.velocity.squaredNorm() : 0.0;
   };
-  const Vec3 velocity_a = world_law(a, t).state.velocity,
-             velocity_b = world_law(b, t).state.velocity;
+  const Vec3 velocity_a = world_law(a, t).state.velocity, velocity_b = world_law(b, t).state.velocity;
   const double before = energy(a, answer.a_responds, answer.before_a.state) +
                         energy(b, answer.b_responds, answer.before_b.state),
                after = energy(a, answer.a_responds, world_law(a, t).state) +
@@ -879,8 +882,8 @@ void MotionWorld::report(const Pair& pair, SimTime t, const Answer& answer) {
   const ObjectId a = objects_[pair.collider].id, b = objects_[pair.collidee].id;
   ++counters_.contacts;
   events_.push_back(ContactEvent{t, a, b, pair.normal, answer.before_a.state, answer.before_b.state,
-                                 state_as_published(a, answer.after_a), state_as_published(b, answer.after_b), pair.type,
-                                 answer.authority == ContactAuthority::kDeferred});
+                                 state_as_published(a, answer.after_a), state_as_published(b, answer.after_b),
+                                 pair.type, answer.authority == ContactAuthority::kDeferred});
 }
 
 void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel& after_in_world, ObjectId cause) {
@@ -1085,11 +1088,9 @@ bool MotionWorld::is_driven(const Pair& pair, SimTime t) const {
 void MotionWorld::answer_squeezed(Pair& pair, SimTime t) {
   ++counters_.jammed;
   const std::size_t a = pair.collider, b = pair.collidee;
-  const KinematicState before_a = world_law(a, t).state,
-                       before_b = world_law(b, t).state;
+  const KinematicState before_a = world_law(a, t).state, before_b = world_law(b, t).state;
   if (++pair.squeezed <= kAnswersMax) settle_velocities(pair, t, Touching::kAny);
-  const bool changed = !same_motion(before_a, world_law(a, t).state) ||
-                       !same_motion(before_b, world_law(b, t).state);
+  const bool changed = !same_motion(before_a, world_law(a, t).state) || !same_motion(before_b, world_law(b, t).state);
   if (pair.squeezed > kAnswersMax || !changed) stop(pair, t);
   settle(pair.collider, pair.collidee, t);
 }

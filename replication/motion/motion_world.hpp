@@ -10,13 +10,13 @@
 #include <boost/container/small_vector.hpp>
 
 #include "collision/contact/contact_time.hpp"
+#include "core/least_change.hpp"
 #include "core/prefetch.hpp"
+#include "core/schedule.hpp"
 #include "core/time.hpp"
 #include "replication/motion/composed_motion.hpp"
-#include "core/least_change.hpp"
 #include "replication/motion/part_contact.hpp"
 #include "replication/motion/response.hpp"
-#include "core/schedule.hpp"
 #include "replication/motion/swept_bound.hpp"
 #include "replication/motion/timeline.hpp"
 #include "replication/motion/world_model.hpp"
@@ -125,8 +125,8 @@ class MotionWorld {
   void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
 
   // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
-  // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds them
-  // anew.
+  // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds
+  // them anew.
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
 
   // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
@@ -181,8 +181,8 @@ class MotionWorld {
   }
   // A number that changes whenever the future of the object does: by set_base(), or when a response was retracted.
   [[nodiscard]] std::uint64_t revision(ObjectId object) const;
-  // Whether two ends of interests touch at t, up to which this world has been advanced, or are nearer than contact times
-  // leave them.
+  // Whether two ends of interests touch at t, up to which this world has been advanced, or are nearer than contact
+  // times leave them.
   [[nodiscard]] bool ends_touch(ObjectId a, ObjectId b, SimTime t);
   // The events so far, in order; drain after advance().
   using Event = std::variant<ContactEvent, ContactsRetracted, BodiesOverlap>;
@@ -196,14 +196,14 @@ class MotionWorld {
     Timeline timeline;
     SimTime base_time;
     std::uint64_t revision = 0;
-    bool answers = false;            // contacts of some pair
-    bool pruning_scheduled = false;  // it is in prunings_
-    bool changed = false;            // it is in changed_
-    bool borne = false;              // its law's acceleration is what those that bear it leave of `free`
-    bool free_is_given = false;      // by set_free_acceleration()
-    Vec3 free = Vec3::Zero();        // its acceleration where nothing bears it [m/s^2]; void if it is neither
+    bool answers = false;                      // contacts of some pair
+    bool pruning_scheduled = false;            // it is in prunings_
+    bool changed = false;                      // it is in changed_
+    bool borne = false;                        // its law's acceleration is what those that bear it leave of `free`
+    bool free_is_given = false;                // by set_free_acceleration()
+    Vec3 free = Vec3::Zero();                  // its acceleration where nothing bears it [m/s^2]; void if it is neither
     std::uint32_t carrier = ModelNode::kNone;  // index; its timeline is relative to that object's
-    SweptBound bound;                // of its body: the last one; it answers for nothing once the timeline changes
+    SweptBound bound;  // of its body: the last one; it answers for nothing once the timeline changes
   };
   // Two parts of two ends of an interest (PartPair). What answers is the end.
   struct Pair {

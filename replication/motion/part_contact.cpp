@@ -55,8 +55,9 @@ std::vector<MovingBody> bodies_of(std::span<const MovingPart> side, const SideSt
 Contact search(const PartQuery& query, const SideStates& a, const SideStates& b, Duration horizon) {
   const double horizon_s = to_seconds(horizon), margin_m = a.error_m + b.error_m;
   if (a.states.size() == 1 && b.states.size() == 1) {
-    return collision::first_contact({*query.a.front().body, a.states.front()}, {*query.b.front().body, b.states.front()},
-                                    query.type, horizon_s, {query.as, margin_m});
+    return collision::first_contact({*query.a.front().body, a.states.front()},
+                                    {*query.b.front().body, b.states.front()}, query.type, horizon_s,
+                                    {query.as, margin_m});
   }
   assert(query.type == CollisionType::kBox);
   const auto boxes_a = bodies_of(query.a, a), boxes_b = bodies_of(query.b, b);
@@ -117,7 +118,7 @@ SweptBound swept_bound_of_way(const MovingPart& part, SimTime s, SimTime end) {
 
 PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime from, SimTime until,
                                std::uint64_t& searches) {
-  assert(begin <= from && from < until);
+  assert(begin <= from && from < until && !query.a.empty() && !query.b.empty());
   if (query.is_flexible()) return first_flexible_contact(query, from, until, searches);
   const auto search_from = [&](SimTime t, SimTime end, const SideStates& a, const SideStates& b) {
     ++searches;
@@ -133,7 +134,8 @@ PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime fr
     if (begin == from || !dealt_with) return found;
     return search_from(from, until, states_of(query.a, from, kCoarseError_m), states_of(query.b, from, kCoarseError_m));
   }
-  if (found.contact.state == ContactState::kSeparated || found.contact.state == ContactState::kUnsupported) return found;
+  if (found.contact.state == ContactState::kSeparated || found.contact.state == ContactState::kUnsupported)
+    return found;
   for (SimTime t = std::max(found.at, from); t < until;) {
     const SideStates a = states_of(query.a, t, kFineError_m), b = states_of(query.b, t, kFineError_m);
     const SimTime end = std::min({until, a.end, b.end});

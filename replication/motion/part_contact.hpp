@@ -11,11 +11,11 @@ namespace peerd::replication {
 [[nodiscard]] SweptBound swept_bound_of_way(const MovingPart& part, SimTime s, SimTime end);
 
 // Finds the first contact of two sides in [from, until). All motions go on without a change from `begin` <= from until
-// then, those by coarse pieces included; the search begins at `begin` as long as it finds nothing before `from`, because
-// contact times must not depend on when they are asked for. Exact motion is searched as it is. Composed motion is
-// searched by coarse pieces with a margin of their error, and from what they find on by fine ones: a contact is never
-// late, and the parts are then no farther apart than 1e-6 m and twice the errors of the fine pieces. Flexible parts are
-// searched in the same two ways (flexible_contact.hpp). `searches` counts calls of collision.
+// then, those by coarse pieces included; the search begins at `begin` as long as it finds nothing before `from`,
+// because contact times must not depend on when they are asked for. Exact motion is searched as it is. Composed motion
+// is searched by coarse pieces with a margin of their error, and from what they find on by fine ones: a contact is
+// never late, and the parts are then no farther apart than 1e-6 m and twice the errors of the fine pieces. Flexible
+// parts are searched in the same two ways (flexible_contact.hpp). `searches` counts calls of collision.
 [[nodiscard]] PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime from, SimTime until,
                                              std::uint64_t& searches);
 
@@ -23,7 +23,8 @@ namespace peerd::replication {
 [[nodiscard]] bool parts_touch(const PartQuery& query, SimTime t);
 
 // For two sides that touch at t: an instant, after t and no later than `until`, before which they certainly go on to
-// touch, by how deep they are in each other; but at least kTouchCheck, so that two that part for less may not be seen to.
+// touch, by how deep they are in each other; but at least kTouchCheck, so that two that part for less may not be seen
+// to.
 inline constexpr Duration kTouchCheck{std::int64_t{1} << 20};
 [[nodiscard]] SimTime parts_touch_until(const PartQuery& query, SimTime t, SimTime until);
 

@@ -88,9 +88,7 @@ class ModelBuilder {
   }
 
   // Whether what is below an end, or at it, goes with it: no carrier below the end comes between.
-  [[nodiscard]] bool goes_with(ObjectId shape, ObjectId end) const {
-    return carriers_->above(shape) == mover_of(end);
-  }
+  [[nodiscard]] bool goes_with(ObjectId shape, ObjectId end) const { return carriers_->above(shape) == mover_of(end); }
 
   void add_nodes(std::span<const ObjectId> owned) {
     std::vector<bool> needed(scene_.instances.size(), false);
@@ -208,15 +206,15 @@ class ModelBuilder {
       const CollisionPair& pair = model_.pairs[number];
       const auto& of_a = model_.parts_of_node[index_of(pair.collider)];
       const auto& of_b = model_.parts_of_node[index_of(pair.collidee)];
-      const bool single = of_a.size() + of_b.size() == 2 && !model_.is_flexible(of_a.front()) &&
-                          !model_.is_flexible(of_b.front());
+      const bool single =
+          of_a.size() + of_b.size() == 2 && !model_.is_flexible(of_a.front()) && !model_.is_flexible(of_b.front());
       if (pair.type == CollisionType::kBox && !single) {
         model_.part_pairs.push_back({number, kNone, kNone, kNone, false});
         continue;
       }
       for (const std::uint32_t a : of_a) {
         for (const std::uint32_t b : of_b) {
-          if (a == b && model_.is_flexible(a)) continue;  // a Shape does not meet itself
+          if (a == b && model_.is_flexible(a)) continue;        // a Shape does not meet itself
           const bool boxes = pair.type == CollisionType::kBox;  // which change as a carrier turns
           const std::uint32_t common = boxes ? kNone : common_carrier(a, b);
           const bool rigid = !model_.is_flexible(a) && !model_.is_flexible(b);
@@ -285,7 +283,7 @@ class ModelBuilder {
   std::vector<std::uint32_t> bending_ = predefined_.flexible_geometries();  // ascending
   std::map<std::uint32_t, std::vector<std::uint32_t>> flexible_of_node_;    // parts
   std::map<ObjectId, std::uint32_t> part_of_shape_;
-  std::vector<ObjectId> named_;                                             // ends of interests, ascending
+  std::vector<ObjectId> named_;  // ends of interests, ascending
   std::optional<Carriers> carriers_;
 };
 
@@ -321,6 +319,7 @@ bool WorldModel::is_answered(ObjectId a, ObjectId b) const {
 }
 
 std::vector<std::uint32_t> WorldModel::chain_of(std::uint32_t part, std::uint32_t common) const {
+  assert(part < nodes.size() + flexible.size());
   std::vector<std::uint32_t> chain;
   for (std::uint32_t i = frame_of(part); i != kNone && i != common; i = nodes[i].carrier) chain.push_back(i);
   std::ranges::reverse(chain);

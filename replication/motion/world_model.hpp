@@ -35,29 +35,30 @@ struct FlexiblePart {
   ObjectId shape;
 };
 
-// Two parts, one of each end of a pair, that may meet. The bodies of two types of interests meet part by part; the boxes
-// of type kBox are those of whole ends. A part is the body of a node, by its index, or behind all nodes a flexible part.
+// Two parts, one of each end of a pair, that may meet. The bodies of two types of interests meet part by part; the
+// boxes of type kBox are those of whole ends. A part is the body of a node, by its index, or behind all nodes a
+// flexible part.
 struct PartPair {
-  std::uint32_t pair = 0;                  // index in `pairs`
-  std::uint32_t a = 0, b = 0;              // parts that meet; kNone: the boxes of both whole ends
+  std::uint32_t pair = 0;                   // index in `pairs`
+  std::uint32_t a = 0, b = 0;               // parts that meet; kNone: the boxes of both whole ends
   std::uint32_t common = ModelNode::kNone;  // the nearest carrier that both move with: the two meet in its frame
-  bool fixed = false;                      // they never move relative to each other
+  bool fixed = false;                       // they never move relative to each other
 };
 
 // The nodes of one world that collide or carry, with their geometry, and the pairs to watch. Built once per world; a
 // peer's two MotionWorlds and every peer of a simulation read the same one.
 struct WorldModel {
-  const Scene* scene = nullptr;          // outlives the model
-  std::vector<ModelNode> nodes;          // sorted by object
-  std::vector<collision::Body> bodies;   // of each node: what is below it and goes with it, and with no carrier below it
+  const Scene* scene = nullptr;         // outlives the model
+  std::vector<ModelNode> nodes;         // sorted by object
+  std::vector<collision::Body> bodies;  // of each node: what is below it and goes with it, and with no carrier below it
   std::vector<FlexiblePart> flexible;
   std::vector<CollisionPair> pairs;      // in the file's order, each unordered pair once for each type
   std::vector<PartPair> part_pairs;      // by pair
   std::vector<std::string> unsupported;  // a line for each body that has no exact answer yet
   std::vector<ObjectId> moving;          // carriers that the file itself moves (PredefinedMotion), sorted
   // For each node, ascending and each once: its pairs in `pairs`, and its partners in them as nodes; the part pairs of
-  // those; the part pairs that its own motion may change; the nodes below it that go with it; the parts that it consists
-  // of as an end.
+  // those; the part pairs that its own motion may change; the nodes below it that go with it; the parts that it
+  // consists of as an end.
   std::vector<std::vector<std::uint32_t>> pairs_of_node, partners_of_node, part_pairs_of_node, moved_part_pairs,
       carried_by, parts_of_node;
   std::vector<std::uint32_t> first_part_pair;  // by pair, and one more: the range of its part pairs

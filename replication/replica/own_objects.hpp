@@ -13,10 +13,10 @@
 
 #include "core/ids.hpp"
 #include "core/scene/scene.hpp"
+#include "core/schedule.hpp"
 #include "core/time.hpp"
 #include "replication/motion/model_choice.hpp"
 #include "replication/motion/position_history.hpp"
-#include "core/schedule.hpp"
 #include "replication/policy/budget.hpp"
 #include "replication/policy/peer_config.hpp"
 #include "replication/wire/wire.hpp"

@@ -98,8 +98,8 @@ class Replica {
     worlds_->ghosts.reopen_flexible(t);
   }
 
-  // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows unless
-  // the object is owned here.
+  // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows
+  // unless the object is owned here.
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned);
   // The role of an object that is not owned here. One that nothing can meet is in the ghosts alone.
   void declare_remote(ObjectId object, Role role);
@@ -127,7 +127,7 @@ class Replica {
   SimTime begun_at_{};
   CollidingObjects colliding_;
   std::unique_ptr<FlexibleParts> flexible_;  // null: nothing flexes
-  std::vector<ObjectId> changed_;  // since the last take_changed(); some of them twice
+  std::vector<ObjectId> changed_;            // since the last take_changed(); some of them twice
   std::set<ObjectId> unreceived_;
   std::unordered_map<ObjectId, UpdateRecord> last_updates_;
 };

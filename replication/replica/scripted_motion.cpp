@@ -21,8 +21,7 @@ void ScriptedMotion::restart() {
   pieces_.clear();
   for (const ObjectId object : model_.moving) {
     const std::uint32_t carrier = model_.node(object)->carrier;
-    const auto above =
-        carrier == ModelNode::kNone ? std::nullopt : std::optional(model_.nodes[carrier].object);
+    const auto above = carrier == ModelNode::kNone ? std::nullopt : std::optional(model_.nodes[carrier].object);
     pieces_.push_back({object, above, std::nullopt, std::nullopt});
   }
 }

@@ -32,11 +32,12 @@ struct Carried {
 };
 
 TEST(Carriers, AreWhatRoutesVelocitiesAndOwnersMove) {
-  const Carried c("DEF WORLD Group { children [ DEF BUS Transform { children [ DEF SEAT Transform { }"
-                  "DEF DOOR Transform { velocityVector 0 0 1 children DEF HANDLE Transform { } } ] }"
-                  "DEF FAN Transform { } DEF WALL Transform { } ] }" +
-                      kTurn + "ROUTE O.value_changed TO FAN.set_rotation",
-                  {"WORLD/BUS"});
+  const Carried c(
+      "DEF WORLD Group { children [ DEF BUS Transform { children [ DEF SEAT Transform { }"
+      "DEF DOOR Transform { velocityVector 0 0 1 children DEF HANDLE Transform { } } ] }"
+      "DEF FAN Transform { } DEF WALL Transform { } ] }" +
+          kTurn + "ROUTE O.value_changed TO FAN.set_rotation",
+      {"WORLD/BUS"});
   EXPECT_TRUE(c.carriers->contains(c.id("BUS")));
   EXPECT_TRUE(c.carriers->contains(c.id("DOOR")));
   EXPECT_TRUE(c.carriers->contains(c.id("FAN")));
@@ -49,14 +50,15 @@ TEST(Carriers, AreWhatRoutesVelocitiesAndOwnersMove) {
 }
 
 TEST(Carriers, AreNeverDistorted) {
-  const Carried c("DEF GROWS Transform { children DEF INSIDE Transform { velocityVector 1 0 0 } }"
-                  "DEF UNEVEN Transform { scale 1 2 1 children [ DEF SLIDES Transform { velocityVector 1 0 0 }"
-                  "DEF TURNS Transform { children DEF LEAF Shape { } } ] }"
-                  "DEF EVEN Transform { scale -2 -2 -2 children DEF TURNS2 Transform { } }"
-                  "DEF ARM Transform { scale 1 2 -1 children DEF HAND Transform { } }" +
-                  kTurn +
-                  "ROUTE P.value_changed TO GROWS.set_scale ROUTE O.value_changed TO TURNS.set_rotation "
-                  "ROUTE O.value_changed TO TURNS2.set_rotation ROUTE O.value_changed TO ARM.set_rotation");
+  const Carried c(
+      "DEF GROWS Transform { children DEF INSIDE Transform { velocityVector 1 0 0 } }"
+      "DEF UNEVEN Transform { scale 1 2 1 children [ DEF SLIDES Transform { velocityVector 1 0 0 }"
+      "DEF TURNS Transform { children DEF LEAF Shape { } } ] }"
+      "DEF EVEN Transform { scale -2 -2 -2 children DEF TURNS2 Transform { } }"
+      "DEF ARM Transform { scale 1 2 -1 children DEF HAND Transform { } }" +
+      kTurn +
+      "ROUTE P.value_changed TO GROWS.set_scale ROUTE O.value_changed TO TURNS.set_rotation "
+      "ROUTE O.value_changed TO TURNS2.set_rotation ROUTE O.value_changed TO ARM.set_rotation");
   for (const char* path : {"GROWS", "INSIDE", "TURNS", "LEAF"}) {
     EXPECT_TRUE(c.carriers->distorted(c.id(path))) << path;
     EXPECT_FALSE(c.carriers->contains(c.id(path))) << path;

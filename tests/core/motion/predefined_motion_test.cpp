@@ -107,7 +107,8 @@ TEST(PredefinedMotion, PiecesDependOnTimeAloneAndNotOnTheQuestionsBefore) {
 // An arm that turns about a centre that is not its origin goes on a circle, and its pieces say which.
 TEST(PredefinedMotion, ATurnAboutACentreIsACircle) {
   const Scene scene = scene_of(
-      "DEF TOP Transform { scale -2 -2 -2 rotation 1 1 0 0.7 children DEF ARM Transform { translation 1 2 3 center 3 1 0 "
+      "DEF TOP Transform { scale -2 -2 -2 rotation 1 1 0 0.7 children DEF ARM Transform { translation 1 2 3 center 3 1 "
+      "0 "
       "scale 1 2 3 } }" +
       kClock + "ROUTE O.value_changed TO ARM.rotation ROUTE P.value_changed TO ARM.translation");
   PredefinedMotion motion(scene);
@@ -128,7 +129,8 @@ TEST(PredefinedMotion, ATurnAboutACentreIsACircle) {
 
 TEST(PredefinedMotion, APieceIsInTheFrameOfWhatStandsAbove) {
   const Scene scene = scene_of(
-      "DEF BUS Transform { translation 5 0 0 rotation 0 0 1 1 scale 1 3 2 children Transform { translation 0 1 0 children "
+      "DEF BUS Transform { translation 5 0 0 rotation 0 0 1 1 scale 1 3 2 children Transform { translation 0 1 0 "
+      "children "
       "DEF DOOR Transform { rotation 0 1 0 0.5 } } }" +
       kClock + "ROUTE O.value_changed TO BUS.rotation ROUTE P.value_changed TO DOOR.translation");
   PredefinedMotion motion(scene);
@@ -144,10 +146,11 @@ TEST(PredefinedMotion, APieceIsInTheFrameOfWhatStandsAbove) {
 }
 
 TEST(PredefinedMotion, AVelocityVectorMovesATranslationThatNoRouteDrives) {
-  const Scene scene = scene_of("DEF GOES Transform { translation 1 0 0 velocityVector 0 0 2 }"
-                               "DEF LIFT Transform { translation 9 9 9 velocityVector 1 1 1 }"
-                               "DEF SPINS Transform { velocityVector 3 0 0 }" +
-                               kClock + "ROUTE P.value_changed TO LIFT.translation ROUTE O.value_changed TO SPINS.rotation");
+  const Scene scene = scene_of(
+      "DEF GOES Transform { translation 1 0 0 velocityVector 0 0 2 }"
+      "DEF LIFT Transform { translation 9 9 9 velocityVector 1 1 1 }"
+      "DEF SPINS Transform { velocityVector 3 0 0 }" +
+      kClock + "ROUTE P.value_changed TO LIFT.translation ROUTE O.value_changed TO SPINS.rotation");
   PredefinedMotion motion(scene);
   EXPECT_THAT(motion.driven_transforms(), ElementsAre(ObjectId{0}, ObjectId{1}, ObjectId{2}));
   EXPECT_EQ(motion.transform({0}, 3.0).translation, Vec3(1, 0, 6));

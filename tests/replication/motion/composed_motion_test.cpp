@@ -50,7 +50,8 @@ Carried any_chain(Rng& rng, int depth) {
   Carried carried;
   for (int i = 0; i < depth; ++i) {
     Timeline timeline(sim(0s), any_law(rng, static_cast<int>(rng(0, 7))));
-    for (const double at : {0.7, 1.9}) timeline.replace_from(sim(seconds(at)), any_law(rng, static_cast<int>(rng(0, 7))), {});
+    for (const double at : {0.7, 1.9})
+      timeline.replace_from(sim(seconds(at)), any_law(rng, static_cast<int>(rng(0, 7))), {});
     carried.add(std::move(timeline));
   }
   return carried;

@@ -1174,9 +1174,7 @@ TEST(Carriers, APartThatMeetsWhatItsEndTouchesAlreadyIsNoNewContact) {
   expect_one_contact_of_the_car(16ms);
   expect_one_contact_of_the_car(100ms);
 }
-TEST(Carriers, APartsContactIsNoNewOneHoweverFarOneCallAdvances) {
-  expect_one_contact_of_the_car(20s);
-}
+TEST(Carriers, APartsContactIsNoNewOneHoweverFarOneCallAdvances) { expect_one_contact_of_the_car(20s); }
 
 TEST(Carriers, WhatCarriesAndStandsCostsNothing) {
   const World w(bus_and_lamp() + car_and_curb(), {"BUS", "CAR"});
