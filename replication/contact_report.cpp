@@ -70,7 +70,10 @@ void report_ghosts(PeerParts& p, SimTime t) {
   const auto is_remote = [&](ObjectId id) { return !p.own.contains(id) && p.owners.of(id) != kNobody; };
   while (const auto event = p.replica.ghosts().poll_event()) {
     if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
-      if (!p.own.contains(retracted->object)) p.outbox.push(*retracted);
+      const bool of_nobody = p.owners.of(retracted->object) == kNobody;
+      if (is_remote(retracted->object) || of_nobody) {
+        p.outbox.push(ContactsRetracted{retracted->object, retracted->since, of_nobody});
+      }
       continue;
     }
     if (std::holds_alternative<BodiesOverlap>(*event)) continue;  // their owners name it

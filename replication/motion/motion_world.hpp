@@ -58,6 +58,7 @@ struct BodiesOverlap {
 struct ContactsRetracted {
   ObjectId object;
   SimTime since;
+  bool of_ghosts_alone = false;  // contacts that an owner has found with its own objects stand
 };
 
 // Objects on timelines that meet each other at contact *times*. The timeline of what is below a carrier is relative to
