@@ -25,11 +25,11 @@ using CornerDifferences = std::array<Vec3, 9>;
 
 // The product of two edges, and bounds of what its components are off by: 2^-53 times 3 for each of the two products,
 // and 1 for their difference.
-struct Axis {
+struct ProjectedAxis {
   Vec3 n, error;
   bool zero = true;  // certainly
 
-  Axis(const Vec3& u, const Vec3& v) {
+  ProjectedAxis(const Vec3& u, const Vec3& v) {
     for (int k = 0; k < 3; ++k) {
       const int i = (k + 1) % 3, j = (k + 2) % 3;
       const double plus = u[i] * v[j], minus = u[j] * v[i];
@@ -48,7 +48,7 @@ struct Axis {
 
 // The lesser depth along an axis, to both sides, rounded down; 0 where it may be none. Of each n.d the error is that of
 // n times |d|, and 2^-53 of |n| |d| for each of a difference, three products and two sums.
-double depth_along(const Axis& axis, const CornerDifferences& differences) {
+double depth_along(const ProjectedAxis& axis, const CornerDifferences& differences) {
   assert(axis.is_accurate());
   double forth = -kInfinity, back = -kInfinity;
   for (const Vec3& d : differences) {
@@ -110,7 +110,7 @@ double overlap_depth_m(const Triangle& a, const Triangle& b) {
   double least = kInfinity;
   const auto consider = [&](const Edge& u, const Edge& v) {
     if (least == 0.0) return;
-    const Axis axis(u.vector(), v.vector());
+    const ProjectedAxis axis(u.vector(), v.vector());
     if (axis.zero) return;
     least = std::min(least, axis.is_accurate() ? depth_along(axis, differences) : depth_along_exact(u, v, a, b));
   };

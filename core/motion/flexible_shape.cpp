@@ -10,7 +10,7 @@
 namespace peerd {
 namespace {
 
-double largest(const Vec3& scale) { return scale.cwiseAbs().maxCoeff(); }
+double largest_part(const Vec3& scale) { return scale.cwiseAbs().maxCoeff(); }
 
 }  // namespace
 
@@ -78,7 +78,7 @@ FlexibleShape::Course FlexibleShape::course(PredefinedMotion& motion, double t_s
     const PredefinedMotion::FieldRates r = motion.field_rates(transforms_[i], t_s);
     c.end_s = std::min(c.end_s, r.end_s);
     const double w = r.rotation_rad_s, u = r.scale_orientation_rad_s, s1 = r.scale_1_s;
-    const double scale = largest(r.fields.scale) + h_s * s1;
+    const double scale = largest_part(r.fields.scale) + h_s * s1;
     // SR S SR^-1 and its derivatives, then with the rotation before it.
     const double x1 = 2.0 * u * scale + s1, x2 = 4.0 * u * (u * scale + s1);
     const double a0 = scale, a1 = w * scale + x1, a2 = w * w * scale + 2.0 * w * x1 + x2;

@@ -10,7 +10,7 @@ namespace peerd::replication {
 namespace {
 
 // World times beyond which a count of nanoseconds would overflow [s].
-constexpr double kFarthest_s = 3.2e9;
+constexpr double kLatestWorldTime_s = 3.2e9;
 
 }  // namespace
 
@@ -47,12 +47,13 @@ void FlexibleParts::form(std::uint32_t part, SimTime t, Form& out) {
 FlexibleParts::Course FlexibleParts::course(std::uint32_t part, SimTime t, double h_s) {
   assert(part < parts_.size() && h_s > 0.0);
   const FlexibleShape::Course c = parts_[part].course(motion_, world_s(t), h_s);
-  const double end_s = std::min(kFarthest_s, c.end_s);
+  const double end_s = std::min(kLatestWorldTime_s, c.end_s);
   Course course;
   course.bounds.distance_m = c.distance_m;
   course.bounds.speed_m_s = c.speed_m_s;
   course.bounds.acceleration_m_s2 = c.acceleration_m_s2;
-  if (zero_ && end_s < kFarthest_s) course.end = *zero_ + Duration{static_cast<std::int64_t>(std::ceil(end_s * 1e9))};
+  if (zero_ && end_s < kLatestWorldTime_s)
+    course.end = *zero_ + Duration{static_cast<std::int64_t>(std::ceil(end_s * 1e9))};
   return course;
 }
 
