@@ -26,8 +26,7 @@ std::vector<MotionWorld::Event> poll_standing_events(MotionWorld& world) {
     if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
       std::erase_if(events, [&](const MotionWorld::Event& earlier) {
         const auto* c = std::get_if<ContactEvent>(&earlier);
-        const bool has = c != nullptr && (c->collider == retracted->object || c->collidee == retracted->object);
-        return has && c->at > retracted->since;
+        return c != nullptr && retracted->retracts(c->at, c->collider, c->collidee);
       });
     }
     events.push_back(*std::move(event));
@@ -72,7 +71,9 @@ void report_ghosts(PeerParts& p, SimTime t) {
     if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
       const bool of_nobody = p.owners.of(retracted->object) == kNobody;
       if (is_remote(retracted->object) || of_nobody) {
-        p.outbox.push(ContactsRetracted{retracted->object, retracted->since, of_nobody});
+        ContactsRetracted known = *retracted;
+        known.of_ghosts_alone = of_nobody;
+        p.outbox.push(known);
       }
       continue;
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collision/contact/surface.hpp"
+#include "collision/exact/ordered_sums.hpp"
 #include "core/scene/scene.hpp"
 
 namespace peerd::collision {
@@ -45,6 +46,8 @@ struct Body {
   // never stands in for such a body.
   std::string unsupported;
 
+  // No vertex is farther from the body's origin [m].
+  [[nodiscard]] double extent_m() const { return magnitude(center) + radius_m; }
   // The vertices that polygons use, for collision type BOX; object frame [m].
   [[nodiscard]] std::span<const Vec3> vertices() const {
     return surface ? std::span(surface->soup().vertices) : std::span<const Vec3>();

@@ -38,8 +38,7 @@ double speed_along(int axis, int sign, std::span<const MovingBody> all, double s
   double most = -kInfinite;
   for (const MovingBody& one : all) {
     const KinematicState& m = one.motion;
-    const double reach = magnitude(one.body.center) + one.body.radius_m;
-    const double turn = magnitude(m.angular_velocity_body) * reach;
+    const double turn = magnitude(m.angular_velocity_body) * one.body.extent_m();
     const double now = sign * (m.velocity[axis] + s * m.acceleration[axis]);
     most = std::max(most, now + std::max(0.0, sign * m.acceleration[axis] * left_s) + turn);
   }

@@ -14,9 +14,6 @@
 namespace peerd::collision {
 namespace {
 
-// A bound of how far any vertex is from the body's origin [m].
-double reach(const Body& body) { return magnitude(body.center) + body.radius_m; }
-
 bool turns(const KinematicState& s) { return !s.angular_velocity_body.isZero(0.0); }
 
 // A sphere that holds the body while its orientation changes as the motion says.
@@ -25,7 +22,7 @@ struct Sphere {
   double radius_m;
 };
 Sphere sphere_of(const MovingBody& m, const Mat3& R, double scale) {
-  if (turns(m.motion)) return {m.motion.position, scale * reach(m.body)};
+  if (turns(m.motion)) return {m.motion.position, scale * m.body.extent_m()};
   return {m.motion.position + rotate(R, m.body.center), scale * m.body.radius_m};
 }
 
@@ -121,7 +118,7 @@ class Query {
  private:
   [[nodiscard]] Contact pair(const Solid& a, const Solid& b, double horizon) const {
     const PairQuery query{a, b, a_.motion, b_.motion, horizon};
-    const double radius_sum = reach(a_.body) + reach(b_.body);
+    const double radius_sum = a_.body.extent_m() + b_.body.extent_m();
     return turning_ ? rotational_contact(query, radius_sum) : translational_contact(query, radius_sum, R_a_, R_b_);
   }
 

@@ -83,8 +83,8 @@ class Advancement {
       const TriangleDistance gap = triangle_distance(a, b, kDirectionAccuracy * tolerance_m_ / near_m);
       const double next = free_until(t, a, b, gap.on_b - gap.on_a);
       assert(next >= t);
-      // What is near and certainly stays apart to the end, beside something or on its way off, is no hit. This is about
-      // the end rather than about options_.last, lest a hit depend on that.
+      // A pair that is near and certainly stays apart to the end, beside something or on its way off, is no hit. This
+      // is about the end rather than about options_.last, lest a hit depend on that.
       if (next > options_.last && (next > 1.0 || gap.upper + off_m > near_m))
         return {ImpactState::kSeparated, 1.0, impact.iterations};
       if (gap.upper + off_m <= near_m) return {ImpactState::kHit, t, impact.iterations};
@@ -97,7 +97,7 @@ class Advancement {
 
   // The inclusion tests, from a time at which the triangles are apart.
   LinearImpact include(LinearImpactQuery& query, double t) const {
-    // What those tests allow for rounding is less than the tolerance.
+    // The room that those tests leave for rounding is less than the tolerance.
     ImpactOptions options{.tolerance_m = tolerance_m_,
                           .max_iterations = options_.max_iterations,
                           .margin_m = options_.margin_m,

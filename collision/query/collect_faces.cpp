@@ -18,9 +18,9 @@ bool touch(const WorldBox& a, const WorldBox& b) {
   return true;
 }
 
-// Where one map takes the boxes of a tree's nodes. Each side is outwards by a bound of all rounding: of the tree, whose
-// binary32 coordinates are off by 2^-23 of its extent, twice (a center and a half side); and of places in binary64,
-// that of a box as that of a corner, some ten times 2^-53 of |linear| |p| + |offset| each.
+// The places to which one map takes the boxes of a tree's nodes. Each side is outwards by a bound of all rounding: of
+// the tree, whose binary32 coordinates are off by 2^-23 of its extent, twice (a center and a half side); and of places
+// in binary64, that of a box as that of a corner, some ten times 2^-53 of |linear| |p| + |offset| each.
 class PlacedBoxes {
  public:
   PlacedBoxes(const WideTree& tree, const Affine& map)

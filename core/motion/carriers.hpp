@@ -16,7 +16,7 @@ namespace peerd {
 //   world ── BUS (carrier) ── DOOR (carrier) ── handle     the handle goes with DOOR, which goes with BUS
 //                └── seat                                  the seat goes with BUS
 //
-// What is below a Transform whose scale is driven, or that is turned below an uneven scale, changes its shape: it is
+// A node below a Transform whose scale is driven, or that is turned below an uneven scale, changes its shape: it is
 // distorted. Nothing distorted is a carrier, because no rigid body is where it is.
 class Carriers {
  public:

@@ -8,7 +8,7 @@
 
 namespace peerd {
 
-// What run_collide() returns where CollideOptions::interrupted has ended it: 128 + SIGINT, as shells have it.
+// The code that run_collide() returns where CollideOptions::interrupted has ended it: 128 + SIGINT, as shells have it.
 inline constexpr int kInterrupted = 130;
 
 // `peerd collide WORLD.wrl` answers all registered interests, once, or tick by tick. Problems of the world go to `err`

@@ -118,7 +118,7 @@ bool is_swept(const toml::table& source, std::string_view key) {
   return sweep != nullptr && sweep->contains(key);
 }
 
-// What is off anyway: nobody wonders why that has no effect.
+// A setting that is off anyway: nobody wonders why it has no effect.
 bool is_off(const toml::node& value) {
   const auto yes = value.value_exact<bool>();
   const auto number = value.value<double>();

@@ -28,7 +28,7 @@ void ViewMeter::add(const GhostSample& sample) {
     return;
   }
   const bool first = count_ == not_finite_ + 1;
-  // Where session time steps back, the time until the last sample is in the integral already.
+  // Session time may step back: then the time until the last sample is in the integral already.
   if (first || sample.t_s >= last_s_) {
     if (!first) integral_m_s_ += (sample.t_s - last_s_) * 0.5 * (ghost_m + last_m_);
     last_s_ = sample.t_s;

@@ -12,7 +12,7 @@
 namespace peerd::report {
 namespace {
 
-// What moves by less has only been rounded or pushed by another's rounding.
+// An object that moves by less has only been rounded or pushed by another's rounding.
 constexpr double kStill_m = 1e-6;
 const Vec3 kNoPlace = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 

@@ -9,7 +9,7 @@
 
 namespace peerd::report {
 
-// What the plan of one run shows, in world coordinates [m]. A place of a path that is no number interrupts it.
+// The contents of the plan of one run, in world coordinates [m]. A place of a path that is no number interrupts it.
 struct PlanContents {
   // An object other than the principal one.
   struct Other {

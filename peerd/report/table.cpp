@@ -200,7 +200,7 @@ void append_network(std::string& out, const Json& summary) {
   if (!parts.empty()) append_list(out, "network:", parts);
 }
 
-// What all runs and observers say of one object.
+// All that runs and observers say of one object.
 struct ObjectTotals {
   std::string owner;
   std::uint64_t updates = 0, runs = 0;  // all rows of an object in a run have the same updates

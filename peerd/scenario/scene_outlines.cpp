@@ -26,7 +26,7 @@ struct Extent {
   bool large = false;  // more than kMeshCornersMax
 };
 
-// Where one Shape stands, and how much it matters for a picture.
+// The outline of one Shape, and how much it matters for a picture.
 struct Candidate {
   std::uint32_t shape;
   std::optional<ObjectId> owned;  // the owned object that moves it

@@ -15,8 +15,9 @@ struct SceneOutlines {
   std::size_t left_out = 0;  // Shapes beyond the limits
 };
 
-// Of more Shapes than kOutlinesMax those are taken that are nearest to the places of the run's objects, the larger ones
-// first where they are equally near. The world axes x and z count alone. The rows of the record are complete.
+// Shapes beyond kOutlinesMax are left out; those are taken that are nearest to the places of the run's objects, the
+// larger ones first where they are equally near. The world axes x and z count alone. The rows of the record are
+// complete.
 inline constexpr std::size_t kOutlinesMax = 400;
 [[nodiscard]] SceneOutlines outlines_of(const Scene& scene, const report::RunRecord& run);
 

@@ -25,14 +25,13 @@ constexpr Duration kLongest{std::int64_t{1} << 27}, kShortest{std::int64_t{1} <<
 constexpr Duration kShortestBetweenKeys{std::int64_t{1} << 10};
 // Boxes that may meet are advanced so often within a step; then nothing is known of what comes later.
 constexpr int kBoxSteps = 256;
-// Of the pairs of triangles that touch, so many are asked how deep they are in each other.
-constexpr std::size_t kDepthsLookedAt = 16;
+// The depths of so many pairs of triangles that touch are computed.
+constexpr std::size_t kDepthsMax = 16;
 
 // One side in one step: the forms of its flexible parts, or its rigid parts' soups.
 struct StepSide {
   std::vector<Vec3> at_begin, at_end;
   std::vector<collision::TriangleSoup::Face> faces;
-  double margin_m = 0.0;
 
   [[nodiscard]] SoupStep step() const { return {at_begin, at_end, faces}; }
 };
@@ -50,7 +49,7 @@ MotionBounds bounds_of(const MovingPart& part, SimTime t, double h_s, std::optio
     in_node = course.bounds;
     end = course.end;
   } else {
-    in_node.distance_m = part.extent_m();
+    in_node.distance_m = part.body->extent_m();
   }
   if (part.chain.empty()) return in_node;
   const auto laws_end = smooth_until(part.chain, t);
@@ -242,7 +241,7 @@ double triangle_depth_m(const PartQuery& query) {
   const SoupStep of_a = query.a.front().flexible != nullptr ? side_a.step() : rigid.step();
   const SoupStep of_b = query.b.front().flexible != nullptr ? side_b.step() : rigid.step();
   double depth_m = 0.0;
-  for (const collision::FacePair& faces : touching.first(std::min(touching.size(), kDepthsLookedAt))) {
+  for (const collision::FacePair& faces : touching.first(std::min(touching.size(), kDepthsMax))) {
     depth_m =
         std::max(depth_m, collision::overlap_depth_m(of_a.triangle_at_begin(faces.a), of_b.triangle_at_begin(faces.b)));
   }

@@ -361,7 +361,7 @@ MotionBounds bounds_within(const MotionModel& m, double dt_s, double h_s) {
   const double alpha = over ? 0.0 : m.angular_acceleration_body.norm();
   const double spin = m.state.angular_velocity_body.norm(), until_s = dt_s + h_s;
   b.spin_rad_s = at.angular_velocity_body.norm() + h_s * alpha;
-  // Where the spin does not keep its axis, the turn is the exponential of a vector that turns itself.
+  // A spin that does not keep its axis makes the turn the exponential of a vector that turns itself.
   b.spin_acceleration_rad_s2 = alpha * (1.0 + until_s * (spin + alpha * until_s));
   return b;
 }

@@ -23,7 +23,7 @@ constexpr Duration kOverlapRetry = std::chrono::milliseconds(10);
 constexpr Duration kBearingCheck{std::int64_t{1} << 24};
 // Contacts as near as this are of one instant: contact times are rounded down to a nanosecond.
 constexpr Duration kInstant = std::chrono::nanoseconds(2);
-// What follows from one jump of a law is found within this time: world times are rounded to nanoseconds.
+// Contacts that begin and end by one jump of a law are found within this time: world times are rounded to nanoseconds.
 constexpr Duration kSameJump = std::chrono::microseconds(1);
 // Two that part for a shorter time stay together (comes_to_rest).
 constexpr Duration kShortestFlight{static_cast<std::int64_t>(kShortestFlight_s * 1e9)};
@@ -158,6 +158,7 @@ void MotionWorld::declare(ObjectId object, Role role) {
 }
 
 void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
+  if (model_.pairs_of(b).size() < model_.pairs_of(a).size()) std::swap(a, b);
   for (const std::uint32_t number : model_.pairs_of(a)) {
     const CollisionPair& pair = model_.pairs[number];
     if (pair.collider == b || pair.collidee == b) watch(number, on);
@@ -268,13 +269,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   events_.push_back(ContactsRetracted{object, t - Duration{1}});
   retract(index, t);
   forget_bursts(index, t);
-  for (const std::uint32_t carried : carried_by(index)) {
-    if (pairs_of(carried).empty()) continue;
-    events_.push_back(ContactsRetracted{objects_[carried].id, t - Duration{1}});
-    retract(carried, t);
-    forget_bursts(carried, t);
-    reopen_pairs(carried, t, true);  // what it met within its carrier holds, and is found again
-  }
+  retract_contacts_of_carried(index, t);
   const KinematicState before = o.timeline.at(t);
   const bool stays =
       before.position == model.state.position && before.orientation.coeffs() == model.state.orientation.coeffs() &&
@@ -304,6 +299,20 @@ void MotionWorld::set_free_acceleration(ObjectId object, const Vec3& acceleratio
 std::optional<Vec3> MotionWorld::free_acceleration(ObjectId object) const {
   const Object& o = objects_[index_of(object)];
   return o.free_is_given ? std::optional(o.free) : std::nullopt;
+}
+
+// Contacts that what the object carries has had outside of it may not be; those within it hold.
+void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
+  if (carried_by(object).empty()) return;
+  for (const std::uint32_t i : pairs_moved_by(object)) {
+    const std::uint32_t collider = pairs_[i].collider, collidee = pairs_[i].collidee;
+    if (collider == object || collidee == object) continue;  // retracted with all of its own
+    const bool has_collider = is_in_side(object, collider, pairs_[i].part_a);
+    const std::uint32_t carried = has_collider ? collider : collidee, other = has_collider ? collidee : collider;
+    events_.push_back(ContactsRetracted{objects_[carried].id, t - Duration{1}, objects_[other].id});
+    retract(carried, t);
+    forget_bursts(carried, t);
+  }
 }
 
 // Retracts what followed from a contact with `cause` at t or later. Responses of authoritative objects stand.
@@ -435,7 +444,7 @@ SweptBound MotionWorld::make_bound(std::uint32_t part, std::uint32_t common, Sim
   const MovingPart moving = moving_part(part, chain);
   if (moving.flexible != nullptr || chain.empty()) return swept_bound_of_way(moving, s, end);
   if (chain.size() == 1) return swept_bound(*chain.front(), body(part), s, begin, end);
-  const ComposedPiece piece = composed_piece(moving.chain, s, moving.extent_m(), kCoarseError_m);
+  const ComposedPiece piece = composed_piece(moving.chain, s, moving.body->extent_m(), kCoarseError_m);
   return swept_bound(piece, body(part), s, begin, end);
 }
 
@@ -554,7 +563,7 @@ bool MotionWorld::ends_touch_elsewhere(const Pair& pair, SimTime t) {
   for (std::uint32_t i = model_.first_part_pair[pair.number]; i < model_.first_part_pair[pair.number + 1]; ++i) {
     Pair& other = pairs_[i];
     if (&other == &pair || other.unsupported) continue;
-    // Where a law makes an end jump, one part may begin to touch as another ceases to.
+    // A law may make an end jump, so that one part begins to touch as another ceases to.
     // The search may have gone beyond t.
     const bool has_parted = !other.inside && other.parted >= t - kSameJump;
     const SimTime before = (has_parted ? std::min(other.parted, t) : t) - Duration{1};
@@ -570,7 +579,7 @@ bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
     for (std::uint32_t i = model_.first_part_pair[number]; i < model_.first_part_pair[number + 1]; ++i) {
       Pair& pair = pairs_[i];
       if (pair.unsupported) continue;
-      // What nobody answers is followed while it lasts.
+      // A contact that nobody answers is followed while it lasts.
       const bool followed = !is_answered(pair) && in_pair_checks_[i] && pair.searched;
       if (pair.fixed ? fixed_parts_touch(pair, t) : followed ? pair.inside : touch_at(pair, t)) return true;
     }
@@ -615,7 +624,7 @@ void MotionWorld::note_apart(Pair& pair, SimTime s) {
   pair.free_at = s;
 }
 
-// Nobody answers the contacts of the pair: as long as one lasts, there is no other.
+// A contact that nobody answers is one for as long as it lasts.
 bool MotionWorld::goes_on(Pair& pair, SimTime s, SimTime end) {
   if (is_answered(pair) || !pair.inside) return false;
   if (!touch_at(pair, s)) {

@@ -58,15 +58,22 @@ struct BodiesOverlap {
 struct ContactsRetracted {
   ObjectId object;
   SimTime since;
-  bool of_ghosts_alone = false;  // contacts that an owner has found with its own objects stand
+  std::optional<ObjectId> partner{};  // only contacts with it are retracted; none: those with anything
+  bool of_ghosts_alone = false;       // contacts that an owner has found with its own objects stand
+
+  // Whether a contact of those two at that time is one of them.
+  [[nodiscard]] bool retracts(SimTime at, ObjectId a, ObjectId b) const {
+    if (at <= since || (a != object && b != object)) return false;
+    return !partner || a == *partner || b == *partner;
+  }
 };
 
 // Objects on timelines that meet each other at contact *times*. The timeline of what is below a carrier is relative to
 // it (composed_motion.hpp): what is set and asked as a law is in the frame of the carrier, and states are in the world.
-// An end of an interest meets others with each of its parts, those that carriers below it move included.
-// Results depend neither on how often advance() is
-// called, nor on when updates came: a pair's next contact is computed once, from an instant that the two timelines
-// decide, and kept until one of the pieces changes. Worlds with equal timelines find equal contacts, bit for bit.
+// An end of an interest meets others with each of its parts, those that carriers below it move included. Results depend
+// neither on how often advance() is called, nor on when updates came: a pair's next contact is computed once, from an
+// instant that the two timelines decide, and kept until one of the pieces changes. Worlds with equal timelines find
+// equal contacts, bit for bit.
 //
 // Two that meet and would part for less than kShortestFlight_s come to rest against each other: from then on the one
 // bears the other. Bearing takes from an object's free acceleration what leads into what bears it; when that goes, or
@@ -105,7 +112,7 @@ class MotionWorld {
 
   // Declares an object that may move; every body that is not declared stays at its place in the file.
   void declare(ObjectId object, Role role);
-  // What says where flexible parts are; it outlives this world. Without it their pairs are not searched.
+  // Gives the world the places of flexible parts; `flexible` outlives it. Without them their pairs are not searched.
   void set_flexible(FlexibleParts& flexible);
   // World time has another beginning: contacts of flexible parts from t on are searched anew.
   void reopen_flexible(SimTime t);
@@ -392,6 +399,7 @@ class MotionWorld {
   }
   [[nodiscard]] Vec3 free_acceleration_of(std::size_t object, SimTime t) const;
 
+  void retract_contacts_of_carried(std::size_t object, SimTime t);
   void retract(std::size_t cause, SimTime t);
   // What was counted of contacts since then is void.
   void forget_bursts(std::size_t object, SimTime t);

@@ -38,7 +38,7 @@ SideStates states_of(std::span<const MovingPart> side, SimTime t, double error_m
       out.states.push_back(part.chain.front()->at(t));
       continue;
     }
-    const ComposedPiece piece = composed_piece(part.chain, t, part.extent_m(), error_max_m);
+    const ComposedPiece piece = composed_piece(part.chain, t, part.body->extent_m(), error_max_m);
     out.states.push_back(advance(piece.state, to_seconds(t - piece.begin)));
     out.error_m = std::max(out.error_m, piece.error_m);
     if (piece.end) out.end = std::min(out.end, *piece.end);
@@ -66,10 +66,9 @@ Contact search(const PartQuery& query, const SideStates& a, const SideStates& b,
 
 // No material points of the two move faster against each other, within h_s.
 double material_speed_m_s(const MovingBody& a, const MovingBody& b, double h_s) {
-  const auto extent_m = [](const MovingBody& m) { return m.body.center.norm() + m.body.radius_m; };
   const KinematicState &of_a = a.motion, &of_b = b.motion;
   return (of_a.velocity - of_b.velocity).norm() + h_s * (of_a.acceleration - of_b.acceleration).norm() +
-         of_a.angular_velocity_body.norm() * extent_m(a) + of_b.angular_velocity_body.norm() * extent_m(b);
+         of_a.angular_velocity_body.norm() * a.body.extent_m() + of_b.angular_velocity_body.norm() * b.body.extent_m();
 }
 
 SimTime time_of(const Contact& found, SimTime begin) {
@@ -89,7 +88,7 @@ SweptBound swept_bound_of_way(const MovingPart& part, SimTime s, SimTime end) {
     bound.next_change = course.end;
     part.flexible->form(part.form, s, form);
   } else {
-    in_node.distance_m = part.extent_m();
+    in_node.distance_m = part.body->extent_m();
     form.vertices.assign(part.body->vertices().begin(), part.body->vertices().end());
   }
   Affine place;

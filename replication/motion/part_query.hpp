@@ -17,9 +17,6 @@ struct MovingPart {
   const collision::Body* body = nullptr;
   FlexibleParts* flexible = nullptr;  // where there is no body
   std::uint32_t form = 0;             // in `flexible`
-
-  // No vertex of the body is farther from the part's origin [m].
-  [[nodiscard]] double extent_m() const { return body->center.norm() + body->radius_m; }
 };
 
 // Two sides that may meet: a part each, or for CollisionType::kBox all parts of two ends.

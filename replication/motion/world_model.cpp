@@ -26,12 +26,14 @@ using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::
 
 class ModelBuilder {
  public:
-  ModelBuilder(const Scene& scene, WorldModel& model) : scene_(scene), model_(model), predefined_(scene) {}
+  ModelBuilder(const Scene& scene, WorldModel& model) : scene_(scene), model_(model) {}
 
   void build(std::span<const ObjectId> owned) {
     add_pairs();
     if (named_.empty() && owned.empty()) return;
-    carriers_.emplace(scene_, predefined_, movable(owned));
+    predefined_.emplace(scene_);
+    bending_ = predefined_->flexible_geometries();
+    carriers_.emplace(scene_, *predefined_, movable(owned));
     add_nodes(owned);
     add_bodies();
     add_part_pairs();
@@ -104,7 +106,7 @@ class ModelBuilder {
         if (carrier && *carrier > end && collides({i})) need(*carrier);
       }
     }
-    // What is owned and neither carried nor carries anything meets nothing, and moves in the world.
+    // An owned node that is neither carried nor carries anything meets nothing, and moves in the world.
     std::vector<bool> carries(scene_.instances.size(), false);
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const auto above = carriers_->above({i});
@@ -117,7 +119,7 @@ class ModelBuilder {
       const ObjectId id{i};
       if (!needed[i]) continue;
       model_.nodes.push_back({id, kNone, carriers_->contains(id), 0});
-      if (carriers_->contains(id) && predefined_.moves_in_parent(id)) model_.moving.push_back(id);
+      if (carriers_->contains(id) && predefined_->moves_in_parent(id)) model_.moving.push_back(id);
     }
     for (ModelNode& node : model_.nodes) {
       const auto above = carriers_->above(node.object);
@@ -279,9 +281,9 @@ class ModelBuilder {
 
   const Scene& scene_;
   WorldModel& model_;
-  PredefinedMotion predefined_;
-  std::vector<std::uint32_t> bending_ = predefined_.flexible_geometries();  // ascending
-  std::map<std::uint32_t, std::vector<std::uint32_t>> flexible_of_node_;    // parts
+  std::optional<PredefinedMotion> predefined_;
+  std::vector<std::uint32_t> bending_;                                    // geometries, ascending
+  std::map<std::uint32_t, std::vector<std::uint32_t>> flexible_of_node_;  // parts
   std::map<ObjectId, std::uint32_t> part_of_shape_;
   std::vector<ObjectId> named_;  // ends of interests, ascending
   std::optional<Carriers> carriers_;

@@ -11,7 +11,7 @@
 
 namespace peerd::replication {
 
-// What two ends of interests are to each other: nodes of the scene, of which one may be below the other.
+// Two ends of interests: nodes of the scene, of which one may be below the other.
 struct CollisionPair {
   ObjectId collider, collidee;
   CollisionType type = CollisionType::kWitness;

@@ -157,7 +157,7 @@ void Publication::publish(SimTime t) {
     auto& [object, own] = *at;
     ++counters_.objects_looked_at;
     observe(object, own, t, latency_s);
-    // What is carried is published relative to its carrier: when that is corrected, it needs no update.
+    // An object that is carried is published relative to its carrier: when that is corrected, it needs no update.
     const KinematicState truth = truths.relative_at(object, t), ghost = ghosts.relative_at(object, t);
     // The way of an object that has met something is not known before the contact is decided: until then its truth is
     // no better than the ghosts.

@@ -22,8 +22,6 @@ constexpr Duration kRepeatsApart = std::chrono::milliseconds(100);
 // Ticks from a need to the states: one until this peer notices, one until the others answer, one to spare.
 constexpr int kTicksToStates = 3;
 
-double extent_m(const collision::Body& body) { return body.center.norm() + body.radius_m; }
-
 }  // namespace
 
 bool RegionSubscriptions::Announcement::is_due(SimTime t, Duration apart) const {
@@ -77,7 +75,7 @@ void RegionSubscriptions::measure_contact_ranges(std::span<const std::uint32_t> 
     assert(number < model_.pairs.size());
     const CollisionPair& pair = model_.pairs[number];
     if (!owners_.have_two(pair.collider, pair.collidee)) continue;
-    const double within_m = extent_m(*model_.body(pair.collider)) + extent_m(*model_.body(pair.collidee));
+    const double within_m = model_.body(pair.collider)->extent_m() + model_.body(pair.collidee)->extent_m();
     for (const ObjectId object : {pair.collider, pair.collidee}) {
       if (OwnObject* own = own_.find(object)) own->contact_range_m = std::max(own->contact_range_m, within_m);
     }

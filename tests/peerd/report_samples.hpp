@@ -21,7 +21,7 @@ inline RunRecord quiet_run(double duration_s = 10.0) {
   return run;
 }
 
-inline GhostSample belief(double t_s, PeerId observer, ObjectId object, const Vec3& truth, const Vec3& ghost) {
+inline GhostSample ghost_sample(double t_s, PeerId observer, ObjectId object, const Vec3& truth, const Vec3& ghost) {
   GhostSample s;
   s.t_s = t_s;
   s.observer = observer;
@@ -41,10 +41,10 @@ inline RunRecord zigzag_run(double lag_s, int ticks = 100) {
   for (const PeerId observer : {kA, kB, kC}) {  // in the order (observer, object, t_s) of the contract
     for (int i = 0; observer != kA && i < ticks; ++i) {
       run.ghost_samples.push_back(
-          belief(time_of(i), observer, kCar, car(time_of(i)), car(std::max(0.0, time_of(i) - lag_s))));
+          ghost_sample(time_of(i), observer, kCar, car(time_of(i)), car(std::max(0.0, time_of(i) - lag_s))));
     }
     for (int i = 0; observer != kB && i < ticks; ++i) {
-      run.ghost_samples.push_back(belief(time_of(i), observer, kCube, {8, 0, 0}, {8, 0, 0}));
+      run.ghost_samples.push_back(ghost_sample(time_of(i), observer, kCube, {8, 0, 0}, {8, 0, 0}));
     }
   }
   for (int i = 0; i < 5; ++i) {

@@ -10,7 +10,7 @@
 
 namespace peerd::report::csv_test {
 
-using samples::belief, samples::kA, samples::kB, samples::kCar, samples::kWall;
+using samples::ghost_sample, samples::kA, samples::kB, samples::kCar, samples::kWall;
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
@@ -98,7 +98,7 @@ TEST(Csv, SameRecordsSameBytes) {
 TEST(Csv, NumbersReadBackToTheSameBits) {
   RunRecord run = samples::quiet_run();
   const double awkward = 0.1 + 0.2;
-  run.ghost_samples = {belief(1.0 / 3.0, kB, kCar, {awkward, -0.0, 1e-300}, {awkward, 0, 0})};
+  run.ghost_samples = {ghost_sample(1.0 / 3.0, kB, kCar, {awkward, -0.0, 1e-300}, {awkward, 0, 0})};
   const std::vector<std::string> cells = cells_of(lines_of(errors_csv({&run, 1}))[1]);
   const auto value = [&](std::size_t i) {
     double v = 0.0;

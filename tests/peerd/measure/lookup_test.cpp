@@ -35,7 +35,7 @@ TEST(Lookup, PresenceIncludesItsEnds) {
 }
 
 TEST(Lookup, ErrorsAreDistances) {
-  GhostSample s = samples::belief(0, kB, kCar, {0, 0, 0}, {3, 4, 0});
+  GhostSample s = samples::ghost_sample(0, kB, kCar, {0, 0, 0}, {3, 4, 0});
   s.shown.position = {0, 0, 2};
   s.seen.position = {0, 1, 2};
   EXPECT_EQ(ghost_error_m(s), 5.0);

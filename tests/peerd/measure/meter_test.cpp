@@ -56,9 +56,9 @@ TEST(RunMeter, MeasuresPartsBesideTheWhole) {
 
 TEST(RunMeter, CountsSamplesWithoutANumber) {
   RunRecord rows = samples::quiet_run();
-  rows.ghost_samples = {samples::belief(0, kB, kCar, {NAN, 0, 0}, {0, 0, 0}),
-                        samples::belief(1, kB, kCar, {0, 0, 0}, {2, 0, 0}),
-                        samples::belief(2, kB, kCar, {0, 0, 0}, {2, 0, 0})};
+  rows.ghost_samples = {samples::ghost_sample(0, kB, kCar, {NAN, 0, 0}, {0, 0, 0}),
+                        samples::ghost_sample(1, kB, kCar, {0, 0, 0}, {2, 0, 0}),
+                        samples::ghost_sample(2, kB, kCar, {0, 0, 0}, {2, 0, 0})};
   const ViewMeasured view = *metered(rows, {}).measured->whole.view(kB, kCar);
   EXPECT_EQ(view.not_finite, 1u);
   EXPECT_EQ(view.ghost_error_m.count, 2u);
@@ -68,7 +68,8 @@ TEST(RunMeter, CountsSamplesWithoutANumber) {
 TEST(RunMeter, TakesSamplesWhereSessionTimeStepsBack) {
   RunRecord rows = samples::quiet_run();
   RunMeter meter(rows.duration_s, 60.0, {}, {});
-  for (const double t_s : {0.0, 2.0, 1.0, 2.0, 3.0}) meter.add(samples::belief(t_s, kB, kCar, {0, 0, 0}, {2, 0, 0}));
+  for (const double t_s : {0.0, 2.0, 1.0, 2.0, 3.0})
+    meter.add(samples::ghost_sample(t_s, kB, kCar, {0, 0, 0}, {2, 0, 0}));
   meter.finish(rows, rows.duration_s);
   const ViewMeasured view = *rows.measured->whole.view(kB, kCar);
   EXPECT_EQ(view.ghost_error_m.count, 5u);

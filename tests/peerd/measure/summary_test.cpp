@@ -11,7 +11,7 @@
 namespace peerd::report::summary_test {
 
 using Json = nlohmann::ordered_json;
-using samples::belief, samples::kA, samples::kB, samples::kC, samples::kCar, samples::kCube;
+using samples::ghost_sample, samples::kA, samples::kB, samples::kC, samples::kCar, samples::kCube;
 
 const ScenarioInfo kInfo{"zigzag", "sim", 7, {}};
 
@@ -41,8 +41,8 @@ TEST(Summary, HasTheShapeOfTheDesign) {
 
 TEST(Summary, HandNumbers) {
   RunRecord run = samples::quiet_run();
-  run.ghost_samples = {belief(0, kB, kCar, {0, 0, 0}, {0, 0, 0}), belief(1, kB, kCar, {0, 0, 0}, {3, 0, 4}),
-                       belief(3, kB, kCar, {1, 0, 0}, {2, 0, 0})};
+  run.ghost_samples = {ghost_sample(0, kB, kCar, {0, 0, 0}, {0, 0, 0}), ghost_sample(1, kB, kCar, {0, 0, 0}, {3, 0, 4}),
+                       ghost_sample(3, kB, kCar, {1, 0, 0}, {2, 0, 0})};
   run.updates = {{0, kA, kCar, 30, 0.5, "first"}, {1, kA, kCar, 32, 0.5, "error"}, {1, kB, kCube, 30, 0.5, "time"}};
   run.datagrams = {{0, kA, 100}, {1, kA, 50}, {2, kC, 25}};
   run.groups_joined = 12;
@@ -117,8 +117,9 @@ TEST(Summary, TheNetworkIsThereWhereItWasMeasured) {
 TEST(Summary, NothingInItIsNull) {
   RunRecord run = samples::quiet_run();
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  run.ghost_samples = {belief(0, kB, kCar, {nan, 0, 0}, {0, 0, 0}), belief(1, kB, kCar, {0, 0, 0}, {1, 0, 0}),
-                       belief(2, kB, kCar, {0, 0, 0}, {1e200, 0, 0})};
+  run.ghost_samples = {ghost_sample(0, kB, kCar, {nan, 0, 0}, {0, 0, 0}),
+                       ghost_sample(1, kB, kCar, {0, 0, 0}, {1, 0, 0}),
+                       ghost_sample(2, kB, kCar, {0, 0, 0}, {1e200, 0, 0})};
   const std::vector<RunRecord> runs{run, RunRecord{}};
   const Json s = summarise(kInfo, runs);
   EXPECT_EQ(s.dump().find("null"), std::string::npos) << s.dump(2);

@@ -59,9 +59,10 @@ TEST(Observers, AreThosePeersThatHaveSamples) {
 
 TEST(Truth, IsTheUnionOfAllObserversSamples) {
   RunRecord run = samples::quiet_run();
-  run.ghost_samples = {
-      samples::belief(0.0, kB, kCar, {0, 0, 0}, Vec3::Zero()), samples::belief(2.0, kB, kCar, {2, 0, 0}, Vec3::Zero()),
-      samples::belief(1.0, kC, kCar, {1, 0, 0}, Vec3::Zero()), samples::belief(2.0, kC, kCar, {2, 0, 0}, Vec3::Zero())};
+  run.ghost_samples = {samples::ghost_sample(0.0, kB, kCar, {0, 0, 0}, Vec3::Zero()),
+                       samples::ghost_sample(2.0, kB, kCar, {2, 0, 0}, Vec3::Zero()),
+                       samples::ghost_sample(1.0, kC, kCar, {1, 0, 0}, Vec3::Zero()),
+                       samples::ghost_sample(2.0, kC, kCar, {2, 0, 0}, Vec3::Zero())};
   const auto truth = truth_of(run, run.objects.front());
   ASSERT_EQ(truth.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(truth[i].position.x(), static_cast<double>(i));
@@ -71,9 +72,9 @@ TEST(Truth, IsTheUnionOfAllObserversSamples) {
 TEST(ErrorSeries, ItsMeanLeavesOutWhatIsNoNumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   RunRecord run = samples::quiet_run();
-  run.ghost_samples = {samples::belief(0, kB, kCar, {0, 0, 0}, {1, 0, 0}),
-                       samples::belief(1, kB, kCar, {0, 0, 0}, {nan, 0, 0}),
-                       samples::belief(2, kB, kCar, {0, 0, 0}, {3, 0, 0})};
+  run.ghost_samples = {samples::ghost_sample(0, kB, kCar, {0, 0, 0}, {1, 0, 0}),
+                       samples::ghost_sample(1, kB, kCar, {0, 0, 0}, {nan, 0, 0}),
+                       samples::ghost_sample(2, kB, kCar, {0, 0, 0}, {3, 0, 0})};
   const ErrorSeries series = error_series(run, kB, kCar, 0);
   EXPECT_EQ(series.mean_m, 2.0);
   EXPECT_EQ(series.error.size(), 3u) << "the curve breaks there";

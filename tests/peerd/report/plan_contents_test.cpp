@@ -8,7 +8,7 @@
 
 namespace peerd::report::plan_contents_test {
 
-using samples::belief;
+using samples::ghost_sample;
 
 SceneOutline outline(double x_lo, double z_lo, double x_hi, double z_hi) {
   return {.owned = {}, .corners = {{x_lo, z_lo}, {x_hi, z_lo}, {x_hi, z_hi}, {x_lo, z_hi}}, .bottom_m = -1, .top_m = 1};
@@ -28,7 +28,7 @@ TEST(PlanContents, HasAllObjectsThatMoveByHowFarTheyGo) {
   for (const std::uint32_t object : {10u, 11u, 12u, 13u}) {
     const double m_s = object == 11 ? 0.0 : object == 13 ? 5.0 : 1.0;
     for (int i = 0; i < 3; ++i) {
-      run.ghost_samples.push_back(belief(i, samples::kC, ObjectId{object}, {m_s * i, 2, 0}, {m_s * i, 2, 0}));
+      run.ghost_samples.push_back(ghost_sample(i, samples::kC, ObjectId{object}, {m_s * i, 2, 0}, {m_s * i, 2, 0}));
     }
   }
   const PlanContents contents = contents_of(run);
@@ -47,7 +47,7 @@ TEST(PlanContents, APathIsInterruptedWhereNobodyHadASample) {
   RunRecord run = samples::quiet_run();
   for (int i = 0; i < 100; ++i) {
     if (i >= 40 && i < 60) continue;  // two seconds
-    run.ghost_samples.push_back(belief(0.1 * i, samples::kC, samples::kCar, {1.0 * i, 0, 0}, {1.0 * i, 0, 1}));
+    run.ghost_samples.push_back(ghost_sample(0.1 * i, samples::kC, samples::kCar, {1.0 * i, 0, 0}, {1.0 * i, 0, 1}));
   }
   const PlanContents contents = contents_of(run);
   for (const auto& path : {contents.truth, contents.ghosts.at(0)}) {

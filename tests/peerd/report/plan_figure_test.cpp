@@ -55,7 +55,7 @@ RunRecord crowd(std::uint32_t objects, int ticks) {
     run.objects.push_back({object, "O" + std::to_string(i), samples::kB});
     for (int k = 0; k < ticks; ++k) {
       const Vec3 at(0.2 * k, 0.0, -30.0 * i / objects + 0.3 * std::sin(1.3 * k));
-      of_c.push_back(samples::belief(0.1 * k, samples::kC, object, at, at));
+      of_c.push_back(samples::ghost_sample(0.1 * k, samples::kC, object, at, at));
     }
   }
   run.ghost_samples.insert(run.ghost_samples.end(), of_c.begin(), of_c.end());

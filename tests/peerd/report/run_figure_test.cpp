@@ -24,7 +24,7 @@ TEST(FigureFrame, DrawsTheCoordinateThatMovesIfNoneTurns) {
   for (int i = 0; i < 50; ++i) {
     const double t_s = 0.1 * i;
     run.ghost_samples.push_back(
-        samples::belief(t_s, samples::kB, samples::kCar, {0.1 * t_s, 0, -0.3 * t_s}, {1, 0, 0}));
+        samples::ghost_sample(t_s, samples::kB, samples::kCar, {0.1 * t_s, 0, -0.3 * t_s}, {1, 0, 0}));
   }
   EXPECT_EQ(figure_frame({&run, 1}, summarise(kInfo, {&run, 1})).component, 2);
 }

@@ -13,7 +13,7 @@
 
 namespace peerd::report::table_test {
 
-using samples::belief, samples::kCar;
+using samples::ghost_sample, samples::kCar;
 
 const ScenarioInfo kInfo{"zigzag", "sim", 7, {}};
 
@@ -35,7 +35,7 @@ TEST(Table, ManyObserversHaveARowEach) {
   RunRecord run = samples::zigzag_run(0.1);
   const PeerId d{4};
   run.peers.push_back({d, "d"});
-  for (int i = 0; i < 3; ++i) run.ghost_samples.push_back(belief(i, d, kCar, {0, 0, 0}, {1, 0, 0}));
+  for (int i = 0; i < 3; ++i) run.ghost_samples.push_back(ghost_sample(i, d, kCar, {0, 0, 0}, {1, 0, 0}));
   const std::string text = table(summarise(kInfo, {&run, 1}));
   EXPECT_EQ(std::ranges::count(text, '\n'), 2 + 3) << text;
   EXPECT_THAT(text, testing::HasSubstr("observer"));
@@ -68,8 +68,8 @@ TEST(ObjectsTable, ListsTheWorstFirstAndMarksThePrincipal) {
 
 TEST(ObjectsTable, TakesMeansOfMeansAndTheGreatestOfTheRest) {
   RunRecord run = samples::quiet_run();
-  for (int i = 0; i < 4; ++i) run.ghost_samples.push_back(belief(i, samples::kB, kCar, {0, 0, 0}, {1, 0, 0}));
-  for (int i = 0; i < 4; ++i) run.ghost_samples.push_back(belief(i, samples::kC, kCar, {0, 0, 0}, {3, 0, 0}));
+  for (int i = 0; i < 4; ++i) run.ghost_samples.push_back(ghost_sample(i, samples::kB, kCar, {0, 0, 0}, {1, 0, 0}));
+  for (int i = 0; i < 4; ++i) run.ghost_samples.push_back(ghost_sample(i, samples::kC, kCar, {0, 0, 0}, {3, 0, 0}));
   const auto columns = object_columns(summarise(kInfo, {&run, 1}), 1, [](double m) { return std::to_string(m); });
   EXPECT_EQ(columns[4].cells.front(), "2.000000");
   EXPECT_EQ(columns[5].cells.front(), "3.000000");

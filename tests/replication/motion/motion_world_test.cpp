@@ -39,9 +39,7 @@ std::vector<SimTime> standing(MotionWorld& world) {
       all.push_back(*c);
     } else {
       const ContactsRetracted& back = std::get<ContactsRetracted>(e);
-      std::erase_if(all, [&](const ContactEvent& c2) {
-        return c2.at > back.since && (c2.collider == back.object || c2.collidee == back.object);
-      });
+      std::erase_if(all, [&](const ContactEvent& c2) { return back.retracts(c2.at, c2.collider, c2.collidee); });
     }
   }
   std::vector<SimTime> times;
@@ -1145,7 +1143,7 @@ TEST(Carriers, AnotherPastOfTheCarrierIsAnotherPastOfWhatItCarries) {
 }
 
 // The door and its post meet in the bus, however that has driven: their contact still holds.
-TEST(Carriers, WhatHoldsIsReportedAgainWhenACarriersPastChanges) {
+TEST(Carriers, WhatHoldsStandsWhenACarriersPastChanges) {
   const World w(bus_and_lamp(), {"BUS"});
   MotionWorld world(*w.model, sim(0s));
   for (const char* name : {"BUS", "DOOR"}) world.declare(w[name], Role::kPredicted);
