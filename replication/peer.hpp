@@ -8,8 +8,6 @@
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
 #include "core/time.hpp"
-#include "replication/motion/motion_world.hpp"
-#include "replication/motion/world_model.hpp"
 #include "replication/output/output.hpp"
 #include "replication/output/peer_counters.hpp"
 #include "replication/policy/peer_config.hpp"
@@ -18,6 +16,8 @@
 #include "replication/session/membership.hpp"
 #include "replication/session/session_clock.hpp"
 #include "replication/wire/wire.hpp"
+#include "replication/world/motion_world.hpp"
+#include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
 

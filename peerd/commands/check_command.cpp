@@ -24,7 +24,7 @@
 #include "peerd/commands/problems.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/input/world_file.hpp"
-#include "replication/motion/motion_world.hpp"
+#include "replication/world/motion_world.hpp"
 
 namespace peerd {
 namespace {

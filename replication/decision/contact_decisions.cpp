@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "replication/motion/response.hpp"
 #include "replication/wire/wire_limits.hpp"
+#include "replication/world/response.hpp"
 
 namespace peerd::replication {
 namespace {

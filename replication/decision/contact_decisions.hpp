@@ -10,7 +10,6 @@
 #include "core/time.hpp"
 #include "replication/decision/decision.hpp"
 #include "replication/decision/decision_log.hpp"
-#include "replication/motion/motion_world.hpp"
 #include "replication/output/outbox.hpp"
 #include "replication/output/peer_counters.hpp"
 #include "replication/output/tick_grid.hpp"
@@ -20,6 +19,7 @@
 #include "replication/replica/replica.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/wire/wire.hpp"
+#include "replication/world/motion_world.hpp"
 
 namespace peerd::replication {
 

@@ -6,10 +6,10 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
-#include "replication/motion/colliding_objects.hpp"
-#include "replication/motion/motion_world.hpp"
 #include "replication/policy/publish_policy.hpp"
 #include "replication/wire/wire.hpp"
+#include "replication/world/colliding_objects.hpp"
+#include "replication/world/motion_world.hpp"
 
 namespace peerd::replication {
 

@@ -1,11 +1,11 @@
 #pragma once
 #include "core/ids.hpp"
 #include "core/time.hpp"
-#include "replication/motion/world_model.hpp"
 #include "replication/output/peer_counters.hpp"
 #include "replication/policy/peer_config.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
+#include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
 

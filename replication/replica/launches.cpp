@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "replication/motion/response.hpp"
+#include "replication/world/response.hpp"
 
 namespace peerd::replication {
 

@@ -5,9 +5,9 @@
 #include "core/ids.hpp"
 #include "core/math.hpp"
 #include "core/time.hpp"
-#include "replication/motion/world_model.hpp"
 #include "replication/replica/own_objects.hpp"
 #include "replication/replica/replica.hpp"
+#include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
 

@@ -10,10 +10,10 @@
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
 #include "core/time.hpp"
-#include "replication/motion/colliding_objects.hpp"
-#include "replication/motion/motion_world.hpp"
-#include "replication/motion/world_model.hpp"
 #include "replication/wire/wire.hpp"
+#include "replication/world/colliding_objects.hpp"
+#include "replication/world/motion_world.hpp"
+#include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
 

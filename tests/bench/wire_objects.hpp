@@ -8,8 +8,8 @@
 #include "core/kinematics.hpp"
 #include "core/scene/scene.hpp"
 #include "core/time.hpp"
-#include "replication/motion/world_model.hpp"
 #include "replication/wire/wire.hpp"
+#include "replication/world/world_model.hpp"
 
 // This header holds what the wire's benchmarks move, how they time it, and what they check.
 namespace peerd::bench {

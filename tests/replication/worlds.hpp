@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/scene/reader.hpp"
-#include "replication/motion/motion_world.hpp"
+#include "replication/world/motion_world.hpp"
 
 // Small worlds of boxes, and short names for states and times.
 namespace peerd::replication::test {

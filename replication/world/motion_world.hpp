@@ -15,11 +15,11 @@
 #include "core/schedule.hpp"
 #include "core/time.hpp"
 #include "replication/motion/composed_motion.hpp"
-#include "replication/motion/part_contact.hpp"
-#include "replication/motion/response.hpp"
 #include "replication/motion/swept_bound.hpp"
 #include "replication/motion/timeline.hpp"
-#include "replication/motion/world_model.hpp"
+#include "replication/world/part_contact.hpp"
+#include "replication/world/response.hpp"
+#include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
 

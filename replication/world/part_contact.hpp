@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
 
-#include "replication/motion/part_query.hpp"
 #include "replication/motion/swept_bound.hpp"
+#include "replication/world/part_query.hpp"
 
 namespace peerd::replication {
 

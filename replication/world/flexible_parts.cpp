@@ -1,4 +1,4 @@
-#include "replication/motion/flexible_parts.hpp"
+#include "replication/world/flexible_parts.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "replication/motion/colliding_objects.hpp"
+#include "replication/world/colliding_objects.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -6,7 +6,7 @@
 #include "collision/contact/contact_time.hpp"
 #include "core/time.hpp"
 #include "replication/motion/composed_motion.hpp"
-#include "replication/motion/flexible_parts.hpp"
+#include "replication/world/flexible_parts.hpp"
 
 namespace peerd::replication {
 

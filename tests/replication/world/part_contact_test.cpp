@@ -1,4 +1,4 @@
-#include "replication/motion/part_contact.hpp"
+#include "replication/world/part_contact.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "replication/motion/motion_world.hpp"
+#include "replication/world/motion_world.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "replication/motion/part_contact.hpp"
+#include "replication/world/part_contact.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -11,7 +11,7 @@
 #include "collision/contact/box_contact.hpp"
 #include "collision/contact/mesh_contact.hpp"
 #include "core/transform.hpp"
-#include "replication/motion/flexible_contact.hpp"
+#include "replication/world/flexible_contact.hpp"
 
 namespace peerd::replication {
 namespace {

@@ -1,4 +1,4 @@
-#include "replication/motion/flexible_contact.hpp"
+#include "replication/world/flexible_contact.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "replication/motion/motion_world.hpp"
+#include "replication/world/motion_world.hpp"
 
 namespace peerd::replication {
 

@@ -1,4 +1,4 @@
-#include "replication/motion/flexible_contact.hpp"
+#include "replication/world/flexible_contact.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "replication/motion/motion_world.hpp"
+#include "replication/world/motion_world.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "collision/contact/mesh_contact.hpp"
-#include "replication/motion/response.hpp"
+#include "replication/world/response.hpp"
 
 namespace peerd::replication {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/motion/flexible_shape.hpp"
 #include "core/time.hpp"
 #include "replication/motion/motion_model.hpp"
-#include "replication/motion/world_model.hpp"
+#include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
 

@@ -1,4 +1,4 @@
-#include "replication/motion/response.hpp"
+#include "replication/world/response.hpp"
 
 #include <algorithm>
 #include <cassert>

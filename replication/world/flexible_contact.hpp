@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "replication/motion/part_query.hpp"
+#include "replication/world/part_query.hpp"
 
 namespace peerd::replication {
 

@@ -1,4 +1,4 @@
-#include "replication/motion/world_model.hpp"
+#include "replication/world/world_model.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -219,8 +219,8 @@ class ModelBuilder {
           if (a == b && model_.is_flexible(a)) continue;        // a Shape does not meet itself
           const bool boxes = pair.type == CollisionType::kBox;  // which change as a carrier turns
           const std::uint32_t common = boxes ? kNone : common_carrier(a, b);
-          const bool rigid = !model_.is_flexible(a) && !model_.is_flexible(b);
-          const bool fixed = rigid && mover(a) == mover(b) && (!boxes || mover(a) == kNone);
+          const bool both_rigid = !model_.is_flexible(a) && !model_.is_flexible(b);
+          const bool fixed = both_rigid && mover(a) == mover(b) && (!boxes || mover(a) == kNone);
           model_.part_pairs.push_back({number, a, b, common, fixed});
         }
       }

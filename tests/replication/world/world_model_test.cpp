@@ -1,9 +1,9 @@
-#include "replication/motion/world_model.hpp"
+#include "replication/world/world_model.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "replication/motion/motion_world.hpp"
+#include "replication/world/motion_world.hpp"
 #include "tests/replication/worlds.hpp"
 
 namespace peerd::replication::world_model_test {
