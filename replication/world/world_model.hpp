@@ -67,6 +67,15 @@ struct WorldModel {
   [[nodiscard]] const ModelNode* node(ObjectId id) const;  // null where the model does not need it
   // The numbers of an object's pairs; empty where no interest names the object.
   [[nodiscard]] std::span<const std::uint32_t> pairs_of(ObjectId id) const;
+  // The part pairs of which a node is an end, and those that its own motion may change; none behind all nodes.
+  [[nodiscard]] std::span<const std::uint32_t> part_pairs_of(std::size_t node) const {
+    if (node >= part_pairs_of_node.size()) return {};
+    return part_pairs_of_node[node];
+  }
+  [[nodiscard]] std::span<const std::uint32_t> part_pairs_moved_by(std::size_t node) const {
+    if (node >= moved_part_pairs.size()) return {};
+    return moved_part_pairs[node];
+  }
   [[nodiscard]] const CollisionResponse* response_of(ObjectId id) const;  // null where the object has none
   // Whether one of the two answers their contacts.
   [[nodiscard]] bool is_answered(ObjectId a, ObjectId b) const;

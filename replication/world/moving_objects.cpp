@@ -1,0 +1,189 @@
+#include "replication/world/moving_objects.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "replication/motion/composed_motion.hpp"
+#include "replication/world/part_contact.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// Timelines keep what is older for this much longer at most, or for as long again where that is less: a driven object
+// gets a segment at each tick, and to forget them one by one would cost more than everything else.
+constexpr Duration kPruneWithin = std::chrono::seconds(2);
+// The objects' turns to be pruned within that time, so that one tick does not prune all of them.
+constexpr std::int64_t kPruningSlots = 128;
+
+}  // namespace
+
+MovingObjects::MovingObjects(const WorldModel& model, SimTime start)
+    : model_(model), start_(start), index_by_id_(model.scene->instances.size(), kNone) {
+  for (const ModelNode& node : model.nodes) add(node);
+  assert(objects_.size() == model.nodes.size());
+}
+
+void MovingObjects::add(const ModelNode& node) {
+  KinematicState initial = at_rest(model_.scene->rigid_pose(node.object));
+  if (node.carrier != kNone) {
+    const KinematicState carrier = at_rest(model_.scene->rigid_pose(model_.nodes[node.carrier].object));
+    initial = relative_to(carrier, initial);
+  }
+  index_by_id_[node.object.value] = static_cast<std::uint32_t>(objects_.size());
+  objects_.push_back({.id = node.object,
+                      .role = Role::kScene,
+                      .timeline = Timeline(start_, initial),
+                      .base_time = start_,
+                      .carrier = node.carrier,
+                      .bound = {}});
+}
+
+std::span<const std::uint32_t> MovingObjects::carried_by(std::size_t object) const {
+  if (object >= model_.carried_by.size()) return {};
+  return model_.carried_by[object];
+}
+
+MovingObjects::OwnChain MovingObjects::chain_of(std::uint32_t object, std::uint32_t common) const {
+  OwnChain chain;
+  for (std::uint32_t i = object; i != kNone && i != common; i = objects_[i].carrier) {
+    chain.insert(chain.begin(), &objects_[i].timeline);
+  }
+  return chain;
+}
+
+KinematicState MovingObjects::world_at(std::size_t object, SimTime t) const {
+  const MovingObject& o = objects_[object];
+  if (o.carrier == kNone) return o.timeline.at(t);
+  const OwnChain chain = chain_of(static_cast<std::uint32_t>(object));
+  return composed_at({chain.data(), chain.size()}, t);
+}
+
+KinematicState MovingObjects::carrier_at(std::size_t object, SimTime t) const {
+  assert(objects_[object].carrier != kNone);
+  return world_at(objects_[object].carrier, t);
+}
+
+Vec3 MovingObjects::in_frame_of_carrier(std::size_t object, SimTime t, const Vec3& world) const {
+  if (objects_[object].carrier == kNone) return world;
+  return carrier_at(object, t).orientation.conjugate() * world;
+}
+
+MotionModel MovingObjects::world_law(std::size_t object, SimTime t) const {
+  const MovingObject& o = objects_[object];
+  return o.carrier == kNone ? o.timeline.model_at(t) : MotionModel(world_at(object, t));
+}
+
+Vec3 MovingObjects::free_acceleration_of(std::size_t index, SimTime t) const {
+  const MovingObject& o = objects_[index];
+  if (o.borne) return o.free;
+  const MotionModel law = world_law(index, t);
+  return law.kind == MotionKind::kSliding ? Vec3(Vec3::Zero()) : law.state.acceleration;
+}
+
+bool MovingObjects::is_in_side(std::size_t object, std::size_t end, std::uint32_t part) const {
+  assert(end < model_.nodes.size());
+  if (object == end) return true;
+  if (part != kNone) part = model_.frame_of(part);
+  if (part != kNone && object == part) return true;
+  const auto carries = carried_by(object);
+  const auto is_carried = [&](std::size_t node) {
+    return std::ranges::binary_search(carries, static_cast<std::uint32_t>(node));
+  };
+  if (part != kNone) return is_carried(part);
+  return is_carried(end) || std::ranges::binary_search(carried_by(end), static_cast<std::uint32_t>(object));
+}
+
+bool MovingObjects::is_lived(std::size_t end) const {
+  for (auto i = static_cast<std::uint32_t>(end); i != kNone; i = objects_[i].carrier) {
+    if (objects_[i].role == Role::kAuthoritative || objects_[i].role == Role::kDriven) return true;
+  }
+  return false;
+}
+
+SimTime MovingObjects::known_since(std::size_t end) const {
+  SimTime known = objects_[end].timeline.begin();
+  for (std::uint32_t i = objects_[end].carrier; i != kNone; i = objects_[i].carrier) {
+    known = std::max(known, objects_[i].timeline.begin());
+  }
+  return known;
+}
+
+const SweptBound& MovingObjects::bound_of(std::size_t object, SimTime s) {
+  MovingObject& o = objects_[object];
+  if (!o.bound.answers_for(s)) o.bound = make_bound(static_cast<std::uint32_t>(object), kNone, s);
+  return o.bound;
+}
+
+MovingPart MovingObjects::moving_part(std::uint32_t part, const OwnChain& chain) const {
+  assert(part < model_.nodes.size() + model_.flexible.size());
+  if (!model_.is_flexible(part)) return {{chain.data(), chain.size()}, &body(part)};
+  return {{chain.data(), chain.size()}, nullptr, flexible_, part - static_cast<std::uint32_t>(model_.nodes.size())};
+}
+
+SweptBound MovingObjects::make_bound(std::uint32_t part, std::uint32_t common, SimTime s) const {
+  const SimTime begin = floor_to(s, kLookahead), end = begin + kLookahead;
+  const OwnChain chain = chain_of(model_.frame_of(part), common);
+  const MovingPart moving = moving_part(part, chain);
+  if (moving.flexible != nullptr || chain.empty()) return swept_bound_of_way(moving, s, end);
+  if (chain.size() == 1) return swept_bound(*chain.front(), body(part), s, begin, end);
+  const ComposedPiece piece = composed_piece(moving.chain, s, moving.body->extent_m(), kCoarseError_m);
+  return swept_bound(piece, body(part), s, begin, end);
+}
+
+SweptBound MovingObjects::bound_of_end(std::size_t end, SimTime s) {
+  assert(end < model_.parts_of_node.size() && !model_.parts_of_node[end].empty());
+  SweptBound all;
+  bool first = true;
+  for (const std::uint32_t part : model_.parts_of_node[end]) {
+    const SweptBound bound = as_box(model_.is_flexible(part) ? make_bound(part, kNone, s) : bound_of(part, s));
+    all = first ? bound : merged(all, bound);
+    first = false;
+  }
+  return all;
+}
+
+Duration MovingObjects::history_of(const MovingObject& o) const {
+  return o.role == Role::kDriven ? driven_history_.value_or(kHistory) : kHistory;
+}
+
+void MovingObjects::note_change(std::size_t index) {
+  if (std::exchange(objects_[index].changed, true)) return;
+  changed_.push_back(static_cast<std::uint32_t>(index));
+}
+
+// Called after any change of the object's timeline.
+void MovingObjects::timeline_changed(std::size_t index) {
+  note_change(index);
+  for (const std::uint32_t carried : carried_by(index)) {
+    note_change(carried);
+    objects_[carried].bound.until = SimTime::min();
+  }
+  schedule_pruning(index);
+}
+
+void MovingObjects::schedule_pruning(std::size_t index) {
+  MovingObject& o = objects_[index];
+  o.bound.until = SimTime::min();
+  if (o.pruning_scheduled || o.timeline.segment_count() < 2) return;
+  o.pruning_scheduled = true;
+  const Duration history = history_of(o), within = std::min(kPruneWithin, history);
+  const Duration turn = within / kPruningSlots * (static_cast<std::int64_t>(index) % kPruningSlots);
+  const SimTime old = o.timeline.segment(1).from;
+  const Duration wait = within - (old.time_since_epoch() + turn) % within;
+  prunings_.push_back({old + wait + history, static_cast<std::uint32_t>(index)});
+  std::ranges::push_heap(prunings_, std::greater{});
+}
+
+void MovingObjects::prune_timelines(SimTime advanced) {
+  while (!prunings_.empty() && prunings_.front().at <= advanced) {
+    const Pruning due = prunings_.front();
+    std::ranges::pop_heap(prunings_, std::greater{});
+    prunings_.pop_back();
+    MovingObject& o = objects_[due.object];
+    o.pruning_scheduled = false;
+    o.timeline.forget_before(advanced - history_of(o));
+    schedule_pruning(due.object);
+  }
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,144 @@
+#pragma once
+#include <cassert>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <boost/container/small_vector.hpp>
+
+#include "core/time.hpp"
+#include "replication/motion/swept_bound.hpp"
+#include "replication/motion/timeline.hpp"
+#include "replication/world/part_query.hpp"
+#include "replication/world/world_model.hpp"
+
+namespace peerd::replication {
+
+// The role of an object in a MotionWorld: what it does in a contact. Roles from kAuthoritative on respond.
+enum class Role : std::uint8_t {
+  kScene,          // owned by nobody; a script may move it, and it does not respond
+  kDriven,         // moved by samples from outside; its contacts are reported, and it does not respond
+  kAuthoritative,  // responds to contacts, and its responses are final (an object that this peer owns)
+  kPredicted,      // responds to contacts; a response is retracted when its cause turns out to have moved otherwise
+};
+
+struct MovingObject {
+  ObjectId id;
+  Role role;
+  Timeline timeline;
+  SimTime base_time;
+  std::uint64_t revision = 0;
+  bool answers = false;                      // contacts of some pair
+  bool pruning_scheduled = false;            // the object waits to be pruned
+  bool changed = false;                      // since the last take_changed()
+  bool borne = false;                        // its law's acceleration is what those that bear it leave of `free`
+  bool free_is_given = false;                // by set_free_acceleration()
+  Vec3 free = Vec3::Zero();                  // its acceleration where nothing bears it [m/s^2]; void if it is neither
+  std::uint32_t carrier = ModelNode::kNone;  // index; its timeline is relative to that object's
+  SweptBound bound;  // of its body: the last one; it answers for nothing once the timeline changes
+
+  // Whether physics moves the object, and it answers contacts of some pair.
+  [[nodiscard]] bool is_answering() const { return role >= Role::kAuthoritative && answers; }
+  // Whether the object responds to a contact at t. An update that its owner made after t already contains the outcome.
+  [[nodiscard]] bool will_respond(bool registered, SimTime t) const {
+    return registered && role >= Role::kAuthoritative && base_time <= t;
+  }
+};
+
+// The objects of a MotionWorld with their timelines, by index: the model's nodes, then the other declared objects in
+// order of declaration. Laws are relative to the carrier of an object; states in the world are composed.
+class MovingObjects {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  // Timelines keep this much of the past, for updates and decisions that arrive late.
+  static constexpr Duration kHistory = std::chrono::seconds(6);
+  // The time that a bound of a moving body is for reaches no farther than to the next multiple of this. A longer one
+  // finds contacts that the next update makes void; a shorter one searches more often.
+  static constexpr Duration kLookahead = std::chrono::milliseconds(250);
+
+  MovingObjects(const WorldModel& model, SimTime start);
+
+  [[nodiscard]] std::size_t size() const { return objects_.size(); }
+  [[nodiscard]] MovingObject& operator[](std::size_t index) { return objects_[index]; }
+  [[nodiscard]] const MovingObject& operator[](std::size_t index) const { return objects_[index]; }
+  [[nodiscard]] auto begin() const { return objects_.begin(); }
+  [[nodiscard]] auto end() const { return objects_.end(); }
+  [[nodiscard]] const MovingObject* find(ObjectId id) const {
+    const bool known = id.value < index_by_id_.size() && index_by_id_[id.value] != kNone;
+    return known ? &objects_[index_by_id_[id.value]] : nullptr;
+  }
+  [[nodiscard]] std::size_t index_of(ObjectId id) const {
+    assert(find(id) != nullptr);
+    return index_by_id_[id.value];
+  }
+  void add(const ModelNode& node);
+
+  void set_flexible(FlexibleParts& flexible) { flexible_ = &flexible; }
+  [[nodiscard]] FlexibleParts* flexible() const { return flexible_; }
+  [[nodiscard]] const collision::Body& body(std::size_t object) const { return model_.bodies[object]; }
+  // The objects that go with this one.
+  [[nodiscard]] std::span<const std::uint32_t> carried_by(std::size_t object) const;
+
+  // The timelines from below `common` down to the object's own.
+  using OwnChain = boost::container::small_vector<const Timeline*, 4>;
+  [[nodiscard]] OwnChain chain_of(std::uint32_t object, std::uint32_t common = kNone) const;
+  [[nodiscard]] KinematicState world_at(std::size_t object, SimTime t) const;
+  [[nodiscard]] KinematicState carrier_at(std::size_t object, SimTime t) const;
+  // A vector of the world in the frame of the object's carrier, as that stands at t.
+  [[nodiscard]] Vec3 in_frame_of_carrier(std::size_t object, SimTime t, const Vec3& world) const;
+  // The law in force; of what is carried, its state in the world.
+  [[nodiscard]] MotionModel world_law(std::size_t object, SimTime t) const;
+  // The acceleration in the world that the object has where nothing bears it.
+  [[nodiscard]] Vec3 free_acceleration_of(std::size_t object, SimTime t) const;
+  // Whether the object's motion is part of what moves a side of a pair: that end, or that part of it.
+  [[nodiscard]] bool is_in_side(std::size_t object, std::size_t end, std::uint32_t part) const;
+  // Whether this peer moves the end, or what carries it.
+  [[nodiscard]] bool is_lived(std::size_t end) const;
+  // The instant from which on the end's way is known.
+  [[nodiscard]] SimTime known_since(std::size_t end) const;
+
+  [[nodiscard]] MovingPart moving_part(std::uint32_t part, const OwnChain& chain) const;
+  // The bound of an object's body in the world, kept; one in the frame of `common`; that of a whole end as a box.
+  [[nodiscard]] const SweptBound& bound_of(std::size_t object, SimTime s);
+  [[nodiscard]] SweptBound make_bound(std::uint32_t part, std::uint32_t common, SimTime s) const;
+  [[nodiscard]] SweptBound bound_of_end(std::size_t end, SimTime s);
+
+  // The history of driven objects is kept for so long.
+  void set_driven_history(Duration history) { driven_history_ = history; }
+  [[nodiscard]] std::optional<Duration> driven_history() const { return driven_history_; }
+  [[nodiscard]] Duration history_of(const MovingObject& o) const;
+  void note_change(std::size_t object);
+  // Called after any change of the object's timeline.
+  void timeline_changed(std::size_t object);
+  void prune_timelines(SimTime advanced);
+  template <class Function>
+  void take_changed(Function function) {
+    for (const std::uint32_t i : changed_) {
+      objects_[i].changed = false;
+      function(objects_[i].id);
+    }
+    changed_.clear();
+  }
+
+ private:
+  // The instant at which a timeline is pruned of what is too old by then.
+  struct Pruning {
+    SimTime at;
+    std::uint32_t object;
+    bool operator>(const Pruning& other) const { return at > other.at; }
+  };
+  void schedule_pruning(std::size_t object);
+
+  const WorldModel& model_;
+  SimTime start_;
+  FlexibleParts* flexible_ = nullptr;
+  std::optional<Duration> driven_history_;  // none: as for all other objects
+  std::vector<MovingObject> objects_;
+  std::vector<std::uint32_t> index_by_id_;  // indices into objects_, or kNone
+  std::vector<Pruning> prunings_;           // a heap, the earliest first
+  std::vector<std::uint32_t> changed_;      // indices into objects_
+};
+
+}  // namespace peerd::replication

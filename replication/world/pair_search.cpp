@@ -1,0 +1,264 @@
+#include "replication/world/pair_search.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "collision/contact/mesh_contact.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// While two bear each other and one of them moves, whether they still touch is checked at the multiples of this.
+constexpr Duration kBearingCheck{std::int64_t{1} << 24};
+// Contacts that begin and end by one jump of a law are found within this time: world times are rounded to nanoseconds.
+constexpr Duration kSameJump = std::chrono::microseconds(1);
+
+}  // namespace
+
+SweptBound PairSearch::bound_of_side(const WatchedPair& pair, bool of_collider, SimTime s) {
+  const std::uint32_t part = of_collider ? pair.part_a : pair.part_b;
+  if (part == MovingObjects::kNone) return objects_.bound_of_end(of_collider ? pair.collider : pair.collidee, s);
+  const bool is_kept = pair.common == MovingObjects::kNone && !model_.is_flexible(part);
+  return is_kept ? objects_.bound_of(part, s) : objects_.make_bound(part, pair.common, s);
+}
+
+template <class Function>
+auto PairSearch::with_query(const WatchedPair& pair, Function function) const {
+  const auto as = pair.is_answered() ? collision::MeetAs::kSolids : collision::MeetAs::kPolygons;
+  if (pair.is_plain) {  // nothing is composed
+    const Timeline *const a = &objects_[pair.part_a].timeline, *const b = &objects_[pair.part_b].timeline;
+    const MovingPart part_a{{&a, 1}, &objects_.body(pair.part_a)}, part_b{{&b, 1}, &objects_.body(pair.part_b)};
+    return function(PartQuery{{&part_a, 1}, {&part_b, 1}, pair.type, as});
+  }
+  boost::container::small_vector<MovingObjects::OwnChain, 2> chains;
+  boost::container::small_vector<MovingPart, 2> sides[2];
+  const auto add = [&](std::size_t side, std::uint32_t part) {
+    chains.push_back(objects_.chain_of(model_.frame_of(part), pair.common));
+    sides[side].push_back(objects_.moving_part(part, {}));
+  };
+  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+    const std::uint32_t part = side == 0 ? pair.part_a : pair.part_b;
+    if (part != MovingObjects::kNone) {
+      add(side, part);
+    } else {
+      for (const std::uint32_t each : model_.parts_of_node[side == 0 ? pair.collider : pair.collidee]) add(side, each);
+    }
+  }
+  std::size_t next = 0;  // the chains do not move any more
+  for (auto& side : sides) {
+    for (MovingPart& part : side) {
+      part.chain = {chains[next].data(), chains[next].size()};
+      ++next;
+    }
+  }
+  const PartQuery query{{sides[0].data(), sides[0].size()}, {sides[1].data(), sides[1].size()}, pair.type, as};
+  return function(query);
+}
+
+void PairSearch::search_window(WatchedPair& pair) {
+  const SimTime s = pair.clear_until;
+  if (pair.is_plain) {
+    search_window(pair, objects_.bound_of(pair.part_a, s), objects_.bound_of(pair.part_b, s));
+  } else {
+    search_composed_window(pair);
+  }
+}
+
+void PairSearch::search_composed_window(WatchedPair& pair) {
+  const SweptBound a = bound_of_side(pair, true, pair.clear_until), b = bound_of_side(pair, false, pair.clear_until);
+  search_window(pair, a, b);
+}
+
+void PairSearch::search_window(WatchedPair& pair, const SweptBound& bound_a, const SweptBound& bound_b) {
+  const SimTime s = pair.clear_until;
+  SimTime end = floor_to(s, MovingObjects::kLookahead) + MovingObjects::kLookahead;
+  if (bound_a.next_change) end = std::min(end, *bound_a.next_change);
+  if (bound_b.next_change) end = std::min(end, *bound_b.next_change);
+  const bool still = bound_a.still && bound_b.still;
+  if (pair.bears && !still) end = std::min(end, floor_to(s, kBearingCheck) + kBearingCheck);
+  assert(end > s);
+
+  if (still) {  // two objects that stand do not meet
+    ++counters_.searches_skipped;
+    pair.clear_until = bound_a.next_change || bound_b.next_change ? end : SimTime::max();
+    return;
+  }
+  if (pair.has_exact_search && apart(bound_a, bound_b, pair.type)) {
+    ++counters_.searches_far;
+    if (pair.bears) {
+      if (s < pair.held_until) {
+        pair.clear_until = std::min(pair.held_until, end);
+      } else {
+        pair.contact = s;
+        pair.lifts = true;
+      }
+      return;
+    }
+    note_apart(pair, s);
+    pair.clear_until = end;
+    return;
+  }
+  // A search begins not where this peer happens to be, but at the last instant until s that the timelines alone
+  // decide, so that equal timelines give equal contact times, to the last bit.
+  SimTime begin = floor_to(s, MovingObjects::kLookahead);
+  if (bound_a.last_change) begin = std::max(begin, *bound_a.last_change);
+  if (bound_b.last_change) begin = std::max(begin, *bound_b.last_change);
+  search_interval(pair, begin, end);
+  const SimTime held = std::max(s, pair.held_until);
+  if (pair.bears && !pair.contact && held < pair.clear_until) search_lift(pair, held, pair.clear_until);
+}
+
+bool PairSearch::touch_at(const WatchedPair& pair, SimTime t) const {
+  return with_query(pair, [&](const PartQuery& query) { return parts_touch(query, t); });
+}
+
+// Whether another part of the one end touches another part of the other one: then the two ends did so before t.
+bool PairSearch::ends_touch_elsewhere(const WatchedPair& pair, SimTime t) {
+  assert(!pair.is_answered() && pair.number + 1 < model_.first_part_pair.size());
+  for (std::uint32_t i = model_.first_part_pair[pair.number]; i < model_.first_part_pair[pair.number + 1]; ++i) {
+    WatchedPair& other = pairs_[i];
+    if (&other == &pair || other.unsupported) continue;
+    // A law may make an end jump, so that one part begins to touch as another ceases to.
+    // The search may have gone beyond t.
+    const bool has_parted = !other.inside && other.parted >= t - kSameJump;
+    const SimTime before = (has_parted ? std::min(other.parted, t) : t) - Duration{1};
+    const bool touched = (other.inside || !other.searched || has_parted) && touch_at(other, before);
+    if (other.fixed ? fixed_parts_touch(other, t) : touched) return true;
+  }
+  return false;
+}
+
+bool PairSearch::fixed_parts_touch(WatchedPair& pair, SimTime t) const {
+  assert(pair.fixed);
+  if (pair.type == CollisionType::kBox) return touch_at(pair, t);
+  if (!pair.fixed_touch) {
+    const auto state = [&](std::uint32_t part) {
+      const MovingObjects::OwnChain chain = objects_.chain_of(part, pair.common);
+      return chain.empty() ? KinematicState{} : composed_at({chain.data(), chain.size()}, t);
+    };
+    const KinematicState a = state(pair.part_a), b = state(pair.part_b);
+    pair.fixed_touch =
+        collision::different_shapes_touch({objects_.body(pair.part_a), a}, {objects_.body(pair.part_b), b});
+  }
+  return *pair.fixed_touch;
+}
+
+void PairSearch::search_lift(WatchedPair& pair, SimTime begin, SimTime end) {
+  assert(pair.bears && begin < end);
+  if (touch_at(pair, end)) return;
+  SimTime touching = begin, apart = end;
+  while (apart - touching > Duration{1}) {
+    const SimTime middle = touching + (apart - touching) / 2;
+    (touch_at(pair, middle) ? touching : apart) = middle;
+  }
+  pair.contact = pair.clear_until = apart;
+  pair.lifts = true;
+}
+
+// Until the base of an object that responds it went through everything: the base says where it really was.
+void PairSearch::note_apart(WatchedPair& pair, SimTime s) {
+  if (std::exchange(pair.inside, false)) pair.parted = s;
+  const auto is_given_later = [&](std::size_t object, bool registered) {
+    return registered && objects_[object].is_answering() && objects_[object].base_time > s;
+  };
+  if (is_given_later(pair.collider, pair.collider_responds)) return;
+  if (is_given_later(pair.collidee, pair.collidee_responds)) return;
+  pair.free_at = s;
+}
+
+// A contact that nobody answers is one for as long as it lasts.
+bool PairSearch::goes_on(WatchedPair& pair, SimTime s, SimTime end) {
+  if (pair.is_answered() || !pair.inside) return false;
+  if (!touch_at(pair, s)) {
+    note_apart(pair, s);
+    return false;
+  }
+  pair.clear_until = with_query(pair, [&](const PartQuery& query) { return parts_touch_until(query, s, end); });
+  return true;
+}
+
+void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) {
+  const MovingObject &a = objects_[pair.collider], &b = objects_[pair.collidee];
+  const SimTime s = pair.clear_until;
+  assert(begin <= s && s < end);
+  // What nobody answered because a base was given later is answered from that base on.
+  const auto answers_since = [&](const MovingObject& o, bool registered) {
+    return o.will_respond(registered, s) && o.base_time > pair.touched;
+  };
+  if (answers_since(a, pair.collider_responds) || answers_since(b, pair.collidee_responds)) pair.inside = false;
+  if (goes_on(pair, s, end)) return;
+  const PartContact found = with_query(pair, [&](const PartQuery& query) {
+    return first_part_contact(query, begin, s, end, counters_.contact_searches);
+  });
+  collision::Contact c = found.contact;
+  const KinematicState &state_a = found.a, &state_b = found.b;
+  const auto contact_at = [&](SimTime t, bool overlapped) {
+    assert(t >= s);
+    pair.contact = t;
+    pair.clear_until = t;
+    pair.normal = pair.common == MovingObjects::kNone
+                      ? c.normal_world
+                      : Vec3(objects_.world_at(pair.common, t).orientation * c.normal_world);
+    pair.overlapped = overlapped;
+    pair.resting = c.resting;
+    pair.lifts = false;
+  };
+  const bool first = !std::exchange(pair.searched, true);
+  switch (c.state) {
+    case collision::ContactState::kSeparated:
+      note_apart(pair, s);
+      pair.clear_until = end;
+      return;
+    case collision::ContactState::kContact: {
+      const SimTime t = found.at;
+      if (t > s) note_apart(pair, s);
+      if (pair.inside) {
+        pair.clear_until = std::min(s + kOverlapRetry, end);
+      } else if (t >= end) {
+        pair.clear_until = end;  // the next pieces, or the next search, begin first
+      } else {
+        contact_at(t, false);
+      }
+      return;
+    }
+    case collision::ContactState::kOverlapped: {
+      ++counters_.overlapped;
+      if (first) events_.push_back(BodiesOverlap{s, a.id, b.id});
+      if (!pair.is_answered()) {
+        if (s > start_) return contact_at(found.at, true);  // a law has put it there
+        pair.inside = true;
+        pair.clear_until = std::min(s + kTouchCheck, end);
+        return;
+      }
+      const double speed = c.normal_world.dot(state_a.velocity - state_b.velocity);
+      const bool pressed = speed == 0.0 && c.normal_world.dot(state_a.acceleration - state_b.acceleration) < 0.0;
+      const bool answers = a.will_respond(pair.collider_responds, s) || b.will_respond(pair.collidee_responds, s);
+      if ((speed < 0.0 || pressed) && answers && !pair.inside) {
+        c.resting = pressed;
+        contact_at(s, true);
+      } else {
+        pair.clear_until = std::min(s + kOverlapRetry, end);
+      }
+      return;
+    }
+    case collision::ContactState::kUnsupported:
+      ++counters_.unsupported;
+      pair.unsupported = true;
+      return;
+    case collision::ContactState::kFailed:
+      ++counters_.failed;
+      pair.clear_until = std::min(std::max(s + kOverlapRetry, found.at), end);
+      return;
+  }
+}
+
+void PairSearch::search(WatchedPair& pair, SimTime to) {
+  if (pair.contact || pair.clear_until > to) {
+    ++counters_.searches_skipped;
+    return;
+  }
+  while (!pair.contact && !pair.unsupported && pair.clear_until <= to) search_window(pair);
+}
+
+}  // namespace peerd::replication
