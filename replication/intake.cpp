@@ -16,6 +16,11 @@ constexpr Duration kDecisionStands = std::chrono::seconds(2);
 // A decision may be of what happened up to 3 s ago (contact_decisions.cpp), and repeated where datagrams get lost.
 constexpr Duration kDecisionAgeMax = MotionWorld::kHistory;
 
+bool is_transform_above(const Scene& scene, ObjectId upper, ObjectId lower) {
+  if (lower.value >= scene.instances.size() || upper >= lower) return false;
+  return scene.at(upper).kind == NodeKind::kTransform && lower.value < scene.at(upper).subtree_end;
+}
+
 // The delay of a hello, in session time; a negative one counts as 0, and one longer than any latency as kLatencyMax.
 Duration delay_of(SimTime sent, SimTime came) {
   if (sent >= came) return Duration{0};
@@ -215,6 +220,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     if (!p_.regions.cuts()) p_.members.find(sender)->received[kWholeScene].mark_as_missing(number);
     return p_.drop(sender, "not_owner");
   }
+  if (u.carrier && !is_transform_above(*p_.model->scene, *u.carrier, u.object)) return p_.drop(sender, "carrier");
   std::uint32_t& last = owning->last_sequence[u.object];
   const bool elsewhere = !p_.replica.receives(u.object) && p_.regions.interest().receives(p_.replica.position_of(u));
   if (u.sequence == last && !elsewhere) {
@@ -238,7 +244,8 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     return p_.drop(sender, "before_decision");
   }
   p_.replica.note_update(u);
-  p_.replica.set_ghost(u.object, u.at, u.model, p_.own.contains(u.object));
+  if (u.carrier && !p_.model->is_carrier(*u.carrier)) p_.let_move({&*u.carrier, 1});  // its owner's hello may be lost
+  p_.replica.set_ghost(u.object, u.at, p_.replica.in_own_frame(u), p_.own.contains(u.object));
 }
 
 }  // namespace peerd::replication

@@ -28,7 +28,7 @@ struct PeerParts {
   PeerParts& operator=(const PeerParts&) = delete;
 
   const PeerConfig config;
-  const WorldModel& model;
+  ModelInForce model;
   PeerCounters counters;
   TickGrid ticks;
   Outbox outbox;
@@ -57,12 +57,15 @@ struct PeerParts {
   // Gives both worlds, which have begun, the motion by the file until t, and the truth the launches by this peer until
   // then.
   void extend_motions(SimTime t);
+  // These objects are moved by somebody from now on, or others relative to them: the model in force has them as
+  // carriers from now on.
+  void let_move(std::span<const ObjectId> objects);
   // The world's velocityVector of an object, which is in its parent's frame, in the world's frame [m/s].
   [[nodiscard]] Vec3 file_velocity(SimTime at, ObjectId object);
   // A velocity relative to the object's carrier, from the frame of its parent, as the file has it, turned to the world.
   [[nodiscard]] Vec3 velocity_in_world(SimTime at, ObjectId object, const Vec3& in_parent);
   // The decisions and the truth watch these pairs of the model by who owns and receives their objects now.
-  void watch_pairs_of(ObjectId object) { decisions.watch(model.pairs_of(object)); }
+  void watch_pairs_of(ObjectId object) { decisions.watch(model->pairs_of(object)); }
 };
 
 }  // namespace peerd::replication

@@ -87,6 +87,7 @@ constexpr std::array kTexts{
     CounterText{"time_sensors_stopped", "TimeSensors stopped: they start each other without end"},
     CounterText{"update_bytes_out", "bytes of updates sent"},
     CounterText{"updates_at_once", "of updates_out, those sent between two ticks"},
+    CounterText{"models_changed", "how often somebody began to move what others are carried by"},
     CounterText{"updates_duplicate", "copies of updates that were known"},
     CounterText{"updates_in", "updates received and used"},
     CounterText{"updates_out", "updates sent"},

@@ -379,6 +379,7 @@ const PeerLog& PeerNode::log() {
        {"updates_at_once", c.updates_at_once},
        {"update_bytes_out", c.update_bytes_out},
        {"updates_repeated", c.updates_repeated},
+       {"models_changed", c.models_changed},
        {"updates_duplicate", c.updates_duplicate},
        {"updates_relayed", c.updates_relayed},
        {"updates_withheld", c.updates_withheld},

@@ -409,6 +409,26 @@ MotionPiece piece_at(const MotionModel& m, Duration since_base) {
   return piece;
 }
 
+MotionModel in_frame(const Pose& frame, const MotionModel& m) {
+  const Quat back = frame.orientation.conjugate();
+  const Mat3 R = back.toRotationMatrix();
+  const bool is_turned = R != Mat3(Mat3::Identity());
+  MotionModel out = m;
+  out.state.position = multiply(R, Vec3(m.state.position - frame.position));
+  if (!is_turned) return out;
+  out.state.velocity = multiply(R, m.state.velocity);
+  out.state.acceleration = multiply(R, m.state.acceleration);
+  out.state.orientation = normalized(multiply(back, m.state.orientation));
+  out.jerk = multiply(R, m.jerk);
+  out.rate_rad_s = multiply(R, m.rate_rad_s);
+  if (m.kind == MotionKind::kOscillating) {
+    out.jerk.setZero();
+    out.rate_rad_s.setZero();
+    out.kind = MotionKind::kSecond;
+  }
+  return out;
+}
+
 MotionModel sliding_to_rest(const KinematicState& state, double friction_m_s2) {
   assert(!(friction_m_s2 < 0.0));
   MotionModel m = state;

@@ -106,6 +106,10 @@ struct MotionBounds {
 // The bounds from dt_s >= 0 after the base until h_s > 0 later.
 [[nodiscard]] MotionBounds bounds_within(const MotionModel& model, double dt_s, double h_s);
 
+// The law of the same motion in another frame, that stands still as `frame` in the one before. Where that is turned
+// kOscillating, whose axes are those of its frame, becomes kSecond, with the same state.
+[[nodiscard]] MotionModel in_frame(const Pose& frame, const MotionModel& model);
+
 // The law of sliding to rest from that velocity with that deceleration [m/s^2], >= 0.
 [[nodiscard]] MotionModel sliding_to_rest(const KinematicState& state, double friction_m_s2);
 

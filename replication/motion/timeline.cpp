@@ -21,6 +21,12 @@ void Timeline::replace_from(SimTime t, const MotionModel& model, std::optional<O
   assert(past_.empty() || past_.back().from < last_.from);
 }
 
+void Timeline::change_frame(const Pose& frame) {
+  for (Segment& s : past_) s.model = in_frame(frame, s.model);
+  last_.model = in_frame(frame, last_.model);
+  piece_.end = SimTime::min();
+}
+
 void Timeline::truncate_from(SimTime t) {
   piece_.end = std::min(piece_.end, t);
   for (; !past_.empty() && last_.from >= t; past_.pop_back()) last_ = past_.back();

@@ -33,6 +33,9 @@ class Timeline {
     last_ = {model, t, std::nullopt};
     piece_.end = SimTime::min();
   }
+  // The timeline is relative to another frame from now on, that stands still as `frame` in the one before: all its
+  // laws are those of the same motion (in_frame()).
+  void change_frame(const Pose& frame);
   // Forgets the segments that begin at t or later; the first one always stays.
   void truncate_from(SimTime t);
   // Forgets segments that ended before t. The segments that stay are moved, so it is better to forget many at once.

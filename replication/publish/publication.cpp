@@ -31,7 +31,7 @@ bool sendable(const MotionModel& model) { return acceptable(model.state) && with
 
 }  // namespace
 
-Publication::Publication(const PeerConfig& config, const WorldModel& model, const Membership& members,
+Publication::Publication(const PeerConfig& config, const ModelInForce& model, const Membership& members,
                          const Owners& owners, OwnObjects& own, Launches& launches, Replica& replica,
                          RegionSubscriptions& regions, ContactDecisions& decisions, const TickGrid& ticks,
                          Outbox& outbox, PeerCounters& counters)
@@ -317,7 +317,9 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
       own.driven ? rounding_tolerance(policy, threshold_m, own.bounding_radius_m, model.kind, expected_error_m)
                  : Tolerance{};
   const EncodedUpdate& due = updates_due_.emplace_back(
-      quantised({object, ++own.sequence, at, model, decisions_.log().last(object)}, tolerance), t);
+      quantised({object, ++own.sequence, at, model, decisions_.log().last(object), {}, replica_.carrier_of(object)},
+                tolerance),
+      t);
   const UpdateRecord& record = due.record();
   if (exact && at == t) replica_.truth().set_base(object, t, record.model);
   replica_.ghosts().set_base(object, at, record.model);

@@ -3,7 +3,7 @@
 namespace peerd::replication {
 
 KinematicState Replica::ghost(ObjectId object, SimTime t) const {
-  return ghosts().has(object) ? ghosts().at(object, t) : at_rest(model_.scene->rigid_pose(object));
+  return ghosts().has(object) ? ghosts().at(object, t) : at_rest(model_->scene->rigid_pose(object));
 }
 
 KinematicState Replica::truth(ObjectId object, SimTime t) const {
@@ -11,8 +11,29 @@ KinematicState Replica::truth(ObjectId object, SimTime t) const {
 }
 
 Vec3 Replica::position_of(const UpdateRecord& update) const {
-  if (!ghosts().has(update.object)) return update.model.state.position;
-  return ghosts().in_world(update.object, update.at, update.model.state).position;
+  if (!update.carrier) return update.model.state.position;
+  return composed(ghost(*update.carrier, update.at), update.model.state).position;
+}
+
+void Replica::change_model(ModelInForce& model, std::unique_ptr<const WorldModel> next) {
+  assert(&model == &model_);
+  if (flexible_ != nullptr) {  // the numbers of the parts change
+    flexible_ = std::make_unique<FlexibleParts>(*next, flexible_->world_zero());
+  }
+  if (begun()) {
+    for (MotionWorld* world : {&worlds_->truth, &worlds_->ghosts}) {
+      if (flexible_ != nullptr) world->set_flexible(*flexible_);
+      world->change_model(*next);
+    }
+  }
+  static_cast<void>(model.replace(std::move(next)));
+}
+
+MotionModel Replica::in_own_frame(const UpdateRecord& update) const {
+  if (carrier_of(update.object) == update.carrier || !ghosts().has(update.object)) return update.model;
+  const KinematicState& state = update.model.state;
+  const KinematicState world = update.carrier ? composed(ghost(*update.carrier, update.at), state) : state;
+  return ghosts().in_carrier(update.object, update.at, world);
 }
 
 void Replica::set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned) {

@@ -12,8 +12,8 @@
 #include "core/time.hpp"
 #include "replication/wire/wire.hpp"
 #include "replication/world/colliding_objects.hpp"
+#include "replication/world/model_in_force.hpp"
 #include "replication/world/motion_world.hpp"
-#include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
 
@@ -27,14 +27,16 @@ class Replica {
   };
 
   // The model outlives the replica.
-  explicit Replica(const WorldModel& model) : model_(model), colliding_(model) {
-    if (!model.flexible.empty()) flexible_ = std::make_unique<FlexibleParts>(model);
+  explicit Replica(const ModelInForce& model) : model_(model), colliding_(*model) {
+    if (!model->flexible.empty()) flexible_ = std::make_unique<FlexibleParts>(*model);
   }
 
   [[nodiscard]] bool begun() const { return worlds_.has_value(); }
+  // Both worlds go on by another model, which is put in force.
+  void change_model(ModelInForce& model, std::unique_ptr<const WorldModel> next);
   // Begins both worlds anew at t, with everything at its place in the file.
   void begin(SimTime t) {
-    worlds_.emplace(Worlds{MotionWorld(model_, t), MotionWorld(model_, t)});
+    worlds_.emplace(Worlds{MotionWorld(*model_, t), MotionWorld(*model_, t)});
     if (flexible_) {
       worlds_->truth.set_flexible(*flexible_);
       worlds_->ghosts.set_flexible(*flexible_);
@@ -87,6 +89,12 @@ class Replica {
   // The state of any object at t by the truth; by the ghosts where nothing can meet the object.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
 
+  // The node in whose frame the object moves; none: the world.
+  [[nodiscard]] std::optional<ObjectId> carrier_of(ObjectId object) const {
+    const ModelNode* const node = model_->node(object);
+    if (node == nullptr || node->carrier == ModelNode::kNone) return std::nullopt;
+    return model_->nodes[node->carrier].object;
+  }
   // The position in the world that an update says [m], by where the ghost of the object's carrier is then.
   [[nodiscard]] Vec3 position_of(const UpdateRecord& update) const;
 
@@ -98,6 +106,9 @@ class Replica {
     worlds_->ghosts.reopen_flexible(t);
   }
 
+  // The motion that an update says, in the frame of the object's carrier here. A sender that does not know of that
+  // carrier yet names another frame: of its law, its state counts.
+  [[nodiscard]] MotionModel in_own_frame(const UpdateRecord& update) const;
   // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows
   // unless the object is owned here.
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned);
@@ -122,7 +133,7 @@ class Replica {
   void forget_updates() { last_updates_.clear(); }
 
  private:
-  const WorldModel& model_;
+  const ModelInForce& model_;
   std::optional<Worlds> worlds_;
   SimTime begun_at_{};
   CollidingObjects colliding_;

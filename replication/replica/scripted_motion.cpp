@@ -13,16 +13,27 @@ constexpr double kFarthest_s = 3.2e9;
 
 }  // namespace
 
-ScriptedMotion::ScriptedMotion(const WorldModel& model) : model_(model) {
-  if (!model.moving.empty()) motion_.emplace(*model.scene);
+ScriptedMotion::ScriptedMotion(const ModelInForce& model) : model_(model) {
+  if (!model->moving.empty()) motion_.emplace(*model->scene);
 }
 
 void ScriptedMotion::restart() {
   pieces_.clear();
-  for (const ObjectId object : model_.moving) {
-    const std::uint32_t carrier = model_.node(object)->carrier;
-    const auto above = carrier == ModelNode::kNone ? std::nullopt : std::optional(model_.nodes[carrier].object);
-    pieces_.push_back({object, above, std::nullopt, std::nullopt});
+  follow_model();
+}
+
+void ScriptedMotion::follow_model() {
+  if (!motion_ && !model_->moving.empty()) motion_.emplace(*model_->scene);
+  for (const ObjectId object : model_->moving) {
+    const std::uint32_t carrier = model_->node(object)->carrier;
+    const auto above = carrier == ModelNode::kNone ? std::nullopt : std::optional(model_->nodes[carrier].object);
+    const auto known = std::ranges::find(pieces_, object, &Piece::object);
+    if (known == pieces_.end()) {
+      pieces_.push_back({object, above, std::nullopt, std::nullopt});
+    } else if (known->carrier != above) {
+      known->carrier = above;
+      known->known_until.reset();
+    }
   }
 }
 
@@ -58,7 +69,7 @@ void ScriptedMotion::extend(SimTime to, std::optional<SimTime> world_zero, const
 }
 
 Vec3 ScriptedMotion::to_world(SimTime at, std::optional<SimTime> world_zero, ObjectId object, const Vec3& in_parent) {
-  if (!motion_ || !world_zero) return model_.scene->to_world(object, in_parent);
+  if (!motion_ || !world_zero) return model_->scene->to_world(object, in_parent);
   return motion_->to_world(object, in_parent, to_seconds(at - *world_zero));
 }
 

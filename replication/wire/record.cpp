@@ -16,9 +16,10 @@ namespace {
 
 constexpr int kKind_bits = 4, kStep_bits = 4;
 constexpr std::uint64_t kExact = 15;       // in the step's field, which codes -23 to -9 by 0 to 14
-constexpr std::uint64_t kUnknownKind = 8;  // kinds from here on are of a later version
+constexpr std::uint64_t kUnknownKind = 8;  // a kind of a later version
+constexpr std::uint64_t kCarried = 8;      // is added to the kind of a model in the frame of a carrier
 static_assert(kStepMost_log2 - kStepLeast_log2 < static_cast<int>(kExact));
-static_assert(kUnknownKind == std::size(kMotionKinds) + 1 && kUnknownKind < 1 << kKind_bits);
+static_assert(kUnknownKind == std::size(kMotionKinds) + 1 && kCarried + std::size(kMotionKinds) < 1 << kKind_bits);
 
 // The field of a vector begins with the number of bits of its longest component, in so many bits.
 constexpr int kLongWidth_bits = 6, kWidth_bits = 5;
@@ -337,13 +338,15 @@ bool take_steps(BitReader& in, int position_log2, const Present& present, Motion
 }
 
 bool take(BitReader& in, SimTime base, UpdateRecord& u) {
-  u.model.kind = static_cast<MotionKind>(in.get(kKind_bits));
+  const std::uint64_t kind = in.get(kKind_bits);
+  u.model.kind = static_cast<MotionKind>(kind % kCarried);
   if (static_cast<int>(u.model.kind) == 0) return false;
   const std::uint64_t step = in.get(kStep_bits);
   const bool later = in.get(1) != 0, decided = in.get(1) != 0;
   const bool turned = in.get(1) != 0, spins_up = in.get(1) != 0;
   const bool level = in.get(1) != 0, upright = in.get(1) != 0;
   if (!take_varint(in, u.object.value) || !take_varint(in, u.sequence) || u.sequence == 0) return false;
+  if (kind > kCarried && !take_varint(in, u.carrier.emplace().value)) return false;
   u.at = base;
   if (later && (!take_time(in, base, u.at) || u.at == base)) return false;
   if (decided && (!take_time(in, u.at, u.decision) || u.decision == SimTime{})) return false;
@@ -389,12 +392,13 @@ UpdateRecord quantised(const UpdateRecord& record, const Tolerance& tolerance) {
 }
 
 std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::byte, kRecordMax_bytes> bytes) {
-  assert(static_cast<std::uint64_t>(u.model.kind) < kUnknownKind);
+  const auto kind = static_cast<std::uint64_t>(u.model.kind);
+  assert(kind < kUnknownKind);
   assert(!u.position_step_log2 ||
          (*u.position_step_log2 >= kStepLeast_log2 && *u.position_step_log2 <= kStepMost_log2));
   BitWriter out(bytes);
   const bool later = u.at != base, decided = u.decision != SimTime{};
-  out.put(static_cast<std::uint64_t>(u.model.kind), kKind_bits);
+  out.put(u.carrier ? kind + kCarried : kind, kKind_bits);
   out.put(u.position_step_log2 ? static_cast<std::uint64_t>(*u.position_step_log2 - kStepLeast_log2) : kExact,
           kStep_bits);
   out.put(later ? 1 : 0, 1);
@@ -406,6 +410,7 @@ std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::by
   out.put(form.turns ? 1 : 0, 1);
   put_varint(out, u.object.value);
   put_varint(out, u.sequence);
+  if (u.carrier) put_varint(out, u.carrier->value);
   if (later) put_time(out, base, u.at);
   if (decided) put_time(out, u.at, u.decision);
   u.position_step_log2 ? put_steps(out, u.model, *u.position_step_log2, form) : put_exact(out, u.model);
@@ -423,7 +428,7 @@ void EncodedUpdate::count_from(SimTime base) {
 
 std::expected<UpdateRecord, RecordError> decode_record(std::span<const std::byte>& rest, SimTime base) {
   assert(!rest.empty());
-  if ((std::to_integer<std::uint64_t>(rest[0]) & ((1 << kKind_bits) - 1)) >= kUnknownKind) {
+  if ((std::to_integer<std::uint64_t>(rest[0]) & ((1 << kKind_bits) - 1)) == kUnknownKind) {
     const std::size_t size = rest.size() < 2 ? rest.size() : std::to_integer<std::size_t>(rest[1]);
     if (rest.size() < 2 + size) return std::unexpected(RecordError::kValue);
     rest = rest.subspan(2 + size);

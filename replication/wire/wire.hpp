@@ -31,6 +31,9 @@ struct UpdateRecord {
   // log2 of the step [m] that the position is whole multiples of; the other components' steps follow (record.hpp).
   // None: all components are exact.
   std::optional<int> position_step_log2{};
+  // The carrier in whose frame the model is, a node above the object; none: the world. A sender that does not know yet
+  // that something moves there names a frame further out.
+  std::optional<ObjectId> carrier{};
 };
 
 // The policy by which the sender was to decide; kId also for a decision by fallback, when nobody else had decided.

@@ -14,7 +14,8 @@ constexpr double kLatestWorldTime_s = 3.2e9;
 
 }  // namespace
 
-FlexibleParts::FlexibleParts(const WorldModel& model) : motion_(*model.scene) {
+FlexibleParts::FlexibleParts(const WorldModel& model, std::optional<SimTime> world_zero)
+    : motion_(*model.scene), zero_(world_zero) {
   for (const FlexiblePart& part : model.flexible) {
     const auto carrier =
         part.carrier == ModelNode::kNone ? std::nullopt : std::optional(model.nodes[part.carrier].object);

@@ -15,10 +15,12 @@ namespace peerd::replication {
 // thread-safe, as PredefinedMotion is not.
 class FlexibleParts {
  public:
-  explicit FlexibleParts(const WorldModel& model);  // which outlives it
+  // The model outlives it.
+  explicit FlexibleParts(const WorldModel& model, std::optional<SimTime> world_zero = std::nullopt);
 
   // The session time at which world time began; none: everything is as the file has it. True where that changes.
   bool set_world_zero(std::optional<SimTime> zero);
+  [[nodiscard]] std::optional<SimTime> world_zero() const { return zero_; }
 
   // A part as it stands at an instant, in the frame of its carrier.
   struct Form {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
+#include <map>
 #include <tuple>
 #include <utility>
 
@@ -46,68 +46,131 @@ MotionCounters& MotionCounters::operator+=(const MotionCounters& other) {
 }
 
 MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
-    : model_(model),
+    : model_(&model),
       start_(start),
       advanced_(start),
       objects_(model, start),
-      pair_checks_(model.part_pairs.size()),
-      in_pair_checks_(model.part_pairs.size()) {
-  for (const PartPair& parts : model.part_pairs) {
-    const CollisionPair& p = model.pairs[parts.pair];
-    const auto answers = [&](ObjectId id) { return model.scene->object(id).response.has_value(); };
+      pairs_(make_pairs()),
+      pair_checks_(pairs_.size()),
+      in_pair_checks_(pairs_.size()) {
+  note_who_answers();
+  for (std::size_t i = 0; i < pairs_.size(); ++i) reschedule(i);
+}
+
+std::vector<WatchedPair> MotionWorld::make_pairs() const {
+  std::vector<WatchedPair> pairs;
+  pairs.reserve(model_->part_pairs.size());
+  for (const PartPair& parts : model_->part_pairs) {
+    const CollisionPair& p = model_->pairs[parts.pair];
+    const auto answers = [&](ObjectId id) { return model_->response_of(id) != nullptr; };
     const std::size_t collider = objects_.index_of(p.collider), collidee = objects_.index_of(p.collidee);
     const bool box = p.type == CollisionType::kBox;
-    const auto flexes = [&](std::uint32_t part) { return model.is_flexible(part); };
+    const auto flexes = [&](std::uint32_t part) { return model_->is_flexible(part); };
     const bool flexible = parts.a != kNone ? flexes(parts.a) || flexes(parts.b)
-                                           : std::ranges::any_of(model.parts_of_node[collider], flexes) ||
-                                                 std::ranges::any_of(model.parts_of_node[collidee], flexes);
-    pairs_.push_back({.collider = static_cast<std::uint32_t>(collider),
-                      .collidee = static_cast<std::uint32_t>(collidee),
-                      .part_a = parts.a,
-                      .part_b = parts.b,
-                      .common = parts.common,
-                      .number = parts.pair,
-                      .type = p.type,
-                      .fixed = parts.fixed,
-                      .is_plain = parts.a == collider && parts.b == collidee && objects_[collider].carrier == kNone &&
-                                  objects_[collidee].carrier == kNone,
-                      .is_flexible = flexible,
-                      .collider_responds = answers(p.collider),
-                      .collidee_responds = p.mutual && answers(p.collidee),
-                      .has_exact_search = box || flexible ||
-                                          collision::has_exact_answer(objects_.body(parts.a), objects_.body(parts.b)),
-                      .clear_until = start,
-                      .contact = {},
-                      .free_at = {},
-                      .normals = {}});
-    objects_[collider].answers |= pairs_.back().collider_responds;
-    objects_[collidee].answers |= pairs_.back().collidee_responds;
+                                           : std::ranges::any_of(model_->parts_of_node[collider], flexes) ||
+                                                 std::ranges::any_of(model_->parts_of_node[collidee], flexes);
+    pairs.push_back({.collider = static_cast<std::uint32_t>(collider),
+                     .collidee = static_cast<std::uint32_t>(collidee),
+                     .part_a = parts.a,
+                     .part_b = parts.b,
+                     .common = parts.common,
+                     .number = parts.pair,
+                     .type = p.type,
+                     .fixed = parts.fixed,
+                     .is_plain = parts.a == collider && parts.b == collidee && objects_[collider].carrier == kNone &&
+                                 objects_[collidee].carrier == kNone,
+                     .is_flexible = flexible,
+                     .collider_responds = answers(p.collider),
+                     .collidee_responds = p.mutual && answers(p.collidee),
+                     .has_exact_search =
+                         box || flexible || collision::has_exact_answer(objects_.body(parts.a), objects_.body(parts.b)),
+                     .clear_until = start_,
+                     .contact = {},
+                     .free_at = {},
+                     .normals = {}});
   }
+  return pairs;
+}
+
+void MotionWorld::note_who_answers() {
+  for (const WatchedPair& pair : pairs_) {
+    objects_[pair.collider].answers |= pair.collider_responds;
+    objects_[pair.collidee].answers |= pair.collidee_responds;
+  }
+}
+
+void MotionWorld::change_model(const WorldModel& next) {
+  assert(next.scene == model_->scene && next.pairs.size() == model_->pairs.size());
+  // The same two bodies, or Shapes that flex, are the same pair of parts: a body shares its surface with its copies.
+  using PartKey = std::pair<const void*, ObjectId>;
+  using PairKey = std::tuple<std::uint32_t, PartKey, PartKey>;
+  const auto key_in = [](const WorldModel& model, const WatchedPair& pair) {
+    const auto part_key = [&](std::uint32_t part) -> PartKey {
+      if (part == kNone) return {nullptr, {}};
+      if (model.is_flexible(part)) return {nullptr, model.flexible_part(part).shape};
+      return {model.bodies[part].surface.get(), model.nodes[part].object};
+    };
+    return PairKey{pair.number, part_key(pair.part_a), part_key(pair.part_b)};
+  };
+  std::map<PairKey, WatchedPair> known;
+  std::vector<bool> watched(next.pairs.size(), true), inside(next.pairs.size(), false);
+  for (WatchedPair& pair : pairs_) {
+    watched[pair.number] = pair.watched;
+    inside[pair.number] = inside[pair.number] || pair.inside;
+    known.emplace(key_in(*model_, pair), std::move(pair));
+  }
+  objects_.change_model(next);
+  model_ = &next;
+  pairs_ = make_pairs();
+  note_who_answers();
+  for (WatchedPair& pair : pairs_) {
+    if (const auto same = known.find(key_in(next, pair)); same != known.end()) {
+      const WatchedPair fresh = std::exchange(pair, std::move(same->second));
+      pair.collider = fresh.collider;
+      pair.collidee = fresh.collidee;
+      pair.part_a = fresh.part_a;
+      pair.part_b = fresh.part_b;
+      pair.common = fresh.common;
+      pair.fixed = fresh.fixed;
+      pair.is_plain = fresh.is_plain;
+      continue;
+    }
+    pair.clear_until = advanced_;
+    pair.watched = watched[pair.number];
+    if (!inside[pair.number] || pair.fixed) continue;  // the contact of the whole goes on in one of its parts
+    pair.searched = true;
+    pair.inside = search().touch_at(pair, advanced_);
+  }
+  pair_checks_ = Schedule(pairs_.size());
+  in_pair_checks_.assign(pairs_.size(), false);
+  watched_ = 0;
   for (std::size_t i = 0; i < pairs_.size(); ++i) reschedule(i);
-  assert(pairs_.size() == model.part_pairs.size());
+  for (std::size_t i = 0; i < objects_.size(); ++i) {  // what bore an object may be another part now
+    if (objects_[i].borne) settle(i, i, advanced_);
+  }
 }
 
 void MotionWorld::declare(ObjectId object, Role role) {
   if (objects_.find(object) == nullptr) objects_.add({object});  // the model does not need it: it meets nothing
   const std::size_t index = objects_.index_of(object);
   objects_[index].role = role;
-  for (const std::uint32_t i : model_.part_pairs_moved_by(index)) {
+  for (const std::uint32_t i : model_->part_pairs_moved_by(index)) {
     pairs_[i].clear_until = std::max(pairs_[i].clear_until, advanced_);
     reschedule(i);
   }
 }
 
 void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
-  if (model_.pairs_of(b).size() < model_.pairs_of(a).size()) std::swap(a, b);
-  for (const std::uint32_t number : model_.pairs_of(a)) {
-    const CollisionPair& pair = model_.pairs[number];
+  if (model_->pairs_of(b).size() < model_->pairs_of(a).size()) std::swap(a, b);
+  for (const std::uint32_t number : model_->pairs_of(a)) {
+    const CollisionPair& pair = model_->pairs[number];
     if (pair.collider == b || pair.collidee == b) watch(number, on);
   }
 }
 
 void MotionWorld::watch(std::uint32_t number, bool on) {
-  assert(number < model_.pairs.size());
-  for (std::uint32_t i = model_.first_part_pair[number]; i < model_.first_part_pair[number + 1]; ++i) {
+  assert(number < model_->pairs.size());
+  for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
     WatchedPair& pair = pairs_[i];
     if (pair.watched == on) continue;
     pair.watched = on;
@@ -152,7 +215,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   MovingObject& o = objects_[index];
   o.base_time = t;
   ++o.revision;
-  if (model_.part_pairs_moved_by(index).empty() && objects_.carried_by(index).empty()) {  // it meets nothing
+  if (model_->part_pairs_moved_by(index).empty() && objects_.carried_by(index).empty()) {  // it meets nothing
     if (o.role == Role::kDriven && objects_.driven_history()) {
       o.timeline.restart(t, model);
       objects_.note_change(index);
@@ -169,7 +232,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   const KinematicState before = o.timeline.at(t);
   const bool stays = before.position == model.state.position &&
                      before.orientation.coeffs() == model.state.orientation.coeffs() &&
-                     std::ranges::none_of(model_.part_pairs_of(index),
+                     std::ranges::none_of(model_->part_pairs_of(index),
                                           [&](std::uint32_t i) { return pairs_[i].bears && pairs_[i].touched > t; });
   MotionModel base = model;
   if (!stays) o.borne = false;
@@ -187,7 +250,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
 void MotionWorld::set_free_acceleration(ObjectId object, const Vec3& acceleration) {
   assert(acceleration.allFinite());
   MovingObject& o = objects_[objects_.index_of(object)];
-  const CollisionResponse* const response = model_.response_of(object);
+  const CollisionResponse* const response = model_->response_of(object);
   if (response != nullptr && response->type == ResponseType::kZero) return;  // what has stopped it holds it
   o.free = acceleration;
   o.free_is_given = true;
@@ -201,7 +264,7 @@ std::optional<Vec3> MotionWorld::free_acceleration(ObjectId object) const {
 // Contacts that what the object carries has had outside of it may not be; those within it hold.
 void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
   if (objects_.carried_by(object).empty()) return;
-  for (const std::uint32_t i : model_.part_pairs_moved_by(object)) {
+  for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
     const std::uint32_t collider = pairs_[i].collider, collidee = pairs_[i].collidee;
     if (collider == object || collidee == object) continue;  // retracted with all of its own
     const bool has_collider = objects_.is_in_side(object, collider, pairs_[i].part_a);
@@ -214,8 +277,8 @@ void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
 
 // Retracts what followed from a contact with `cause` at t or later. Responses of authoritative objects stand.
 void MotionWorld::retract(std::size_t cause, SimTime t) {
-  if (cause >= model_.partners_of_node.size()) return;  // it meets nothing
-  for (const std::uint32_t i : model_.partners_of_node[cause]) {
+  if (cause >= model_->partners_of_node.size()) return;  // it meets nothing
+  for (const std::uint32_t i : model_->partners_of_node[cause]) {
     MovingObject& o = objects_[i];
     if (o.role != Role::kPredicted) continue;
     std::size_t wrong = o.timeline.first_not_before(t);
@@ -235,7 +298,7 @@ void MotionWorld::retract(std::size_t cause, SimTime t) {
 }
 
 void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
-  for (const std::uint32_t i : model_.part_pairs_of(object)) {
+  for (const std::uint32_t i : model_->part_pairs_of(object)) {
     WatchedPair& pair = pairs_[i];
     if (pair.touched >= t) pair.at_once = pair.in_burst = pair.squeezed = 0;
   }
@@ -245,7 +308,7 @@ void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
 // not searched again in the past because another object moved otherwise; its own change (a decision) makes them
 // searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
-  for (const std::uint32_t i : model_.part_pairs_moved_by(object)) {
+  for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
     WatchedPair& pair = pairs_[i];
     const bool of_collider =
         pair.is_plain ? pair.collider == object : objects_.is_in_side(object, pair.collider, pair.part_a);
@@ -273,9 +336,9 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
 }
 
 bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
-  for (const std::uint32_t number : model_.pairs_of(a)) {
-    if (model_.pairs[number].collider != b && model_.pairs[number].collidee != b) continue;
-    for (std::uint32_t i = model_.first_part_pair[number]; i < model_.first_part_pair[number + 1]; ++i) {
+  for (const std::uint32_t number : model_->pairs_of(a)) {
+    if (model_->pairs[number].collider != b && model_->pairs[number].collidee != b) continue;
+    for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
       WatchedPair& pair = pairs_[i];
       if (pair.unsupported) continue;
       // A contact that nobody answers is followed while it lasts.
@@ -301,7 +364,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   const ObjectId collider = objects_[pair.collider].id, collidee = objects_[pair.collidee].id;
   const ContactAuthority authority =
       authority_of_ ? authority_of_(collider, collidee, t) : ContactAuthority::kAsPublished;
-  ContactAnswer answer = answer_to(model_, objects_, pair, authority);
+  ContactAnswer answer = answer_to(*model_, objects_, pair, authority);
   const std::size_t a = pair.collider, b = pair.collidee;
   if (pair.squeezed >= kGivenUp && stands_firm(pair, t)) {
     hold_against_wall(pair, t);
@@ -320,7 +383,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   } else if (comes_to_rest_at(objects_, pair, answer)) {
     come_to_rest(pair, t);
   } else {
-    if (!pair.overlapped && !answer.changes_motion()) answer = answer_to_closing(model_, objects_, pair, answer);
+    if (!pair.overlapped && !answer.changes_motion()) answer = answer_to_closing(*model_, objects_, pair, answer);
     if (answer.a_responds) change_motion(a, t, answer.after_a, objects_[b].id);
     if (answer.b_responds) change_motion(b, t, answer.after_b, objects_[a].id);
     settle(a, b, t);
@@ -348,7 +411,7 @@ void MotionWorld::remove_gain(const WatchedPair& pair, SimTime t, const ContactA
                          (!answer.b_responds && is_in_later_update(objects_[b], pair));
   if (in_update) return;
   const auto energy = [&](std::size_t object, bool responds, const KinematicState& s) {
-    return responds ? model_.response_of(objects_[object].id)->mass_kg * s.velocity.squaredNorm() : 0.0;
+    return responds ? model_->response_of(objects_[object].id)->mass_kg * s.velocity.squaredNorm() : 0.0;
   };
   const Vec3 velocity_a = objects_.world_law(a, t).state.velocity, velocity_b = objects_.world_law(b, t).state.velocity;
   const double before = energy(a, answer.a_responds, answer.before_a.state) +
@@ -367,7 +430,7 @@ void MotionWorld::report(const WatchedPair& pair, SimTime t, const ContactAnswer
   // since its base.
   const auto state_as_published = [&](ObjectId id, const MotionModel& after) {
     const bool slides = after.kind == MotionKind::kSliding;
-    return slides ? law_after(model_.response_of(id), after, after.state).state : after.state;
+    return slides ? law_after(model_->response_of(id), after, after.state).state : after.state;
   };
   const ObjectId a = objects_[pair.collider].id, b = objects_[pair.collidee].id;
   ++counters_.contacts;
@@ -428,7 +491,7 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
                       (!gives_way(b, pair.collidee_responds, t) && !is_motionless(law_b.state));
   if (speed > 0.0 && !rolls && !driven) {  // to keep up with what moves away would take energy
     const auto gives = [&](std::size_t object, bool registered) {
-      const CollisionResponse* const response = model_.response_of(objects_[object].id);
+      const CollisionResponse* const response = model_->response_of(objects_[object].id);
       return objects_[object].will_respond(registered, t) ? 1.0 / response->mass_kg : 0.0;
     };
     const double of_a = gives(a, pair.collider_responds), of_b = gives(b, pair.collidee_responds);
@@ -463,14 +526,14 @@ void MotionWorld::change_velocity(std::size_t index, SimTime t, const Vec3& velo
   if (law.state.velocity == velocity) return;
   KinematicState after = law.state;
   after.velocity = velocity;
-  const CollisionResponse* const response = model_.response_of(objects_[index].id);
+  const CollisionResponse* const response = model_->response_of(objects_[index].id);
   const bool impulse = response->type == ResponseType::kImpulse;
   change_motion(index, t, impulse ? law_after(response, law, after) : MotionModel(after), objects_[cause].id);
 }
 
 void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which) {
   const std::size_t a = pair.collider, b = pair.collidee;
-  ContactIsland island = island_of(model_, objects_, pairs_, a, b, t, which, Quantity::kVelocity);
+  ContactIsland island = island_of(*model_, objects_, pairs_, a, b, t, which, Quantity::kVelocity);
   for (const std::uint32_t i : solve(island)) {
     WatchedPair& through = pairs_[i];
     through.bears = false;
@@ -494,7 +557,7 @@ bool MotionWorld::is_squeezed(const WatchedPair& pair, SimTime t) const {
 
 bool MotionWorld::is_driven(const WatchedPair& pair, SimTime t) const {
   const ContactIsland island =
-      island_of(model_, objects_, pairs_, pair.collider, pair.collidee, t, Touching::kAny, Quantity::kVelocity);
+      island_of(*model_, objects_, pairs_, pair.collider, pair.collidee, t, Touching::kAny, Quantity::kVelocity);
   for (std::size_t i = 0; i < island.objects.size(); ++i) {
     if (island.objects[i] == kNone && !island.bodies[i].value.isZero(0.0)) return true;
   }
@@ -537,7 +600,7 @@ bool MotionWorld::stands_firm(const WatchedPair& pair, SimTime t) const {
 void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
   const std::size_t held = gives_way(wall.collider, wall.collider_responds, t) ? wall.collider : wall.collidee;
   const bool stood = is_motionless(objects_.world_law(held, t).state);
-  for (const std::uint32_t i : model_.part_pairs_of(held)) {
+  for (const std::uint32_t i : model_->part_pairs_of(held)) {
     WatchedPair& pair = pairs_[i];
     if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
     pair.contact.reset();
@@ -552,7 +615,7 @@ void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
 }
 
 void MotionWorld::release_parting(std::size_t object, SimTime t) {
-  for (const std::uint32_t i : model_.part_pairs_of(object)) {
+  for (const std::uint32_t i : model_->part_pairs_of(object)) {
     WatchedPair& pair = pairs_[i];
     if (!pair.bears) continue;
     const Vec3 a = objects_.world_law(pair.collider, t).state.velocity;
@@ -565,14 +628,14 @@ void MotionWorld::release_parting(std::size_t object, SimTime t) {
 void MotionWorld::settle(std::size_t a, std::size_t b, SimTime t) {
   release_parting(a, t);
   if (b != a) release_parting(b, t);
-  ContactIsland island = island_of(model_, objects_, pairs_, a, b, t, Touching::kBearing, Quantity::kAcceleration);
+  ContactIsland island = island_of(*model_, objects_, pairs_, a, b, t, Touching::kBearing, Quantity::kAcceleration);
   static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
   for (std::size_t i = 0; i < island.objects.size(); ++i) {
     const std::uint32_t index = island.objects[i];
     if (index == kNone) continue;
     MovingObject& o = objects_[index];
     const bool borne =
-        std::ranges::any_of(model_.part_pairs_of(index), [&](std::uint32_t pair) { return pairs_[pair].bears; });
+        std::ranges::any_of(model_->part_pairs_of(index), [&](std::uint32_t pair) { return pairs_[pair].bears; });
     if (!borne && !o.borne) continue;
     if (!o.borne) o.free = objects_.free_acceleration_of(index, t);
     o.borne = borne;
@@ -583,7 +646,7 @@ void MotionWorld::settle(std::size_t a, std::size_t b, SimTime t) {
     if (acceleration == (slides ? Vec3(Vec3::Zero()) : law.state.acceleration)) continue;
     KinematicState after = law.state;
     after.acceleration = acceleration;
-    const CollisionResponse* const response = model_.response_of(o.id);
+    const CollisionResponse* const response = model_->response_of(o.id);
     const bool impulse = response->type == ResponseType::kImpulse;
     const bool lies = acceleration.isZero(0.0);
     change_motion(index, t, impulse ? law_after(response, lies ? law : MotionModel{}, after) : MotionModel(after),

@@ -45,6 +45,10 @@ class MotionWorld {
   static constexpr Duration kHistory = MovingObjects::kHistory;
 
   MotionWorld(const WorldModel& model, SimTime start);
+  // Goes on with another model of the same scene, in which more nodes are carriers (extended()); the model before is
+  // not needed any more. What goes with a new carrier stood still relative to it until now. Parts that are new are
+  // searched from the last advance() on.
+  void change_model(const WorldModel& next);
 
   // Declares an object that may move; every body that is not declared stays at its place in the file.
   void declare(ObjectId object, Role role);
@@ -130,7 +134,9 @@ class MotionWorld {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  [[nodiscard]] PairSearch search() { return {model_, objects_, pairs_, start_, counters_, events_}; }
+  [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_}; }
+  [[nodiscard]] std::vector<WatchedPair> make_pairs() const;
+  void note_who_answers();
   // Of the pairs that are due until then: the one with the earliest contact, the first in the model's order of those.
   [[nodiscard]] std::optional<std::size_t> first_contact_until(SimTime to);
   // Called after any change of whether the pair is watched, or of what is known of it.
@@ -184,7 +190,7 @@ class MotionWorld {
 
   static constexpr std::uint32_t kNone = MovingObjects::kNone;
 
-  const WorldModel& model_;
+  const WorldModel* model_;
   SimTime start_, advanced_;
   MovingObjects objects_;
   std::vector<WatchedPair> pairs_;  // the model's part pairs

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <utility>
 
 #include "replication/motion/composed_motion.hpp"
 #include "replication/world/part_contact.hpp"
@@ -18,15 +19,15 @@ constexpr std::int64_t kPruningSlots = 128;
 }  // namespace
 
 MovingObjects::MovingObjects(const WorldModel& model, SimTime start)
-    : model_(model), start_(start), index_by_id_(model.scene->instances.size(), kNone) {
+    : model_(&model), start_(start), index_by_id_(model.scene->instances.size(), kNone) {
   for (const ModelNode& node : model.nodes) add(node);
   assert(objects_.size() == model.nodes.size());
 }
 
 void MovingObjects::add(const ModelNode& node) {
-  KinematicState initial = at_rest(model_.scene->rigid_pose(node.object));
+  KinematicState initial = at_rest(model_->scene->rigid_pose(node.object));
   if (node.carrier != kNone) {
-    const KinematicState carrier = at_rest(model_.scene->rigid_pose(model_.nodes[node.carrier].object));
+    const KinematicState carrier = at_rest(model_->scene->rigid_pose(model_->nodes[node.carrier].object));
     initial = relative_to(carrier, initial);
   }
   index_by_id_[node.object.value] = static_cast<std::uint32_t>(objects_.size());
@@ -38,9 +39,34 @@ void MovingObjects::add(const ModelNode& node) {
                       .bound = {}});
 }
 
+void MovingObjects::change_model(const WorldModel& next) {
+  assert(next.scene == model_->scene);
+  const MovingObjects before = std::exchange(*this, MovingObjects(next, start_));
+  flexible_ = before.flexible_;
+  driven_history_ = before.driven_history_;
+  const auto id_of = [](const MovingObjects& objects, std::uint32_t index) {
+    return index == kNone ? std::nullopt : std::optional(objects[index].id);
+  };
+  for (const MovingObject& old : before.objects_) {
+    if (find(old.id) == nullptr) add({old.id});
+    MovingObject& o = objects_[index_of(old.id)];
+    const std::uint32_t carrier = o.carrier;
+    const auto from = id_of(before, old.carrier), to = id_of(*this, carrier);
+    o = old;
+    o.carrier = carrier;
+    o.answers = o.pruning_scheduled = o.changed = false;
+    if (from != to) {
+      assert(to && "there are more carriers, so the nearest one is nearer");
+      const KinematicState outer = from ? at_rest(next.scene->rigid_pose(*from)) : KinematicState{};
+      o.timeline.change_frame(relative_to(outer, at_rest(next.scene->rigid_pose(*to))).pose());
+    }
+  }
+  for (std::size_t i = 0; i < objects_.size(); ++i) timeline_changed(i);
+}
+
 std::span<const std::uint32_t> MovingObjects::carried_by(std::size_t object) const {
-  if (object >= model_.carried_by.size()) return {};
-  return model_.carried_by[object];
+  if (object >= model_->carried_by.size()) return {};
+  return model_->carried_by[object];
 }
 
 MovingObjects::OwnChain MovingObjects::chain_of(std::uint32_t object, std::uint32_t common) const {
@@ -81,9 +107,9 @@ Vec3 MovingObjects::free_acceleration_of(std::size_t index, SimTime t) const {
 }
 
 bool MovingObjects::is_in_side(std::size_t object, std::size_t end, std::uint32_t part) const {
-  assert(end < model_.nodes.size());
+  assert(end < model_->nodes.size());
   if (object == end) return true;
-  if (part != kNone) part = model_.frame_of(part);
+  if (part != kNone) part = model_->frame_of(part);
   if (part != kNone && object == part) return true;
   const auto carries = carried_by(object);
   const auto is_carried = [&](std::size_t node) {
@@ -115,14 +141,14 @@ const SweptBound& MovingObjects::bound_of(std::size_t object, SimTime s) {
 }
 
 MovingPart MovingObjects::moving_part(std::uint32_t part, const OwnChain& chain) const {
-  assert(part < model_.nodes.size() + model_.flexible.size());
-  if (!model_.is_flexible(part)) return {{chain.data(), chain.size()}, &body(part)};
-  return {{chain.data(), chain.size()}, nullptr, flexible_, part - static_cast<std::uint32_t>(model_.nodes.size())};
+  assert(part < model_->nodes.size() + model_->flexible.size());
+  if (!model_->is_flexible(part)) return {{chain.data(), chain.size()}, &body(part)};
+  return {{chain.data(), chain.size()}, nullptr, flexible_, part - static_cast<std::uint32_t>(model_->nodes.size())};
 }
 
 SweptBound MovingObjects::make_bound(std::uint32_t part, std::uint32_t common, SimTime s) const {
   const SimTime begin = floor_to(s, kLookahead), end = begin + kLookahead;
-  const OwnChain chain = chain_of(model_.frame_of(part), common);
+  const OwnChain chain = chain_of(model_->frame_of(part), common);
   const MovingPart moving = moving_part(part, chain);
   if (moving.flexible != nullptr || chain.empty()) return swept_bound_of_way(moving, s, end);
   if (chain.size() == 1) return swept_bound(*chain.front(), body(part), s, begin, end);
@@ -131,11 +157,11 @@ SweptBound MovingObjects::make_bound(std::uint32_t part, std::uint32_t common, S
 }
 
 SweptBound MovingObjects::bound_of_end(std::size_t end, SimTime s) {
-  assert(end < model_.parts_of_node.size() && !model_.parts_of_node[end].empty());
+  assert(end < model_->parts_of_node.size() && !model_->parts_of_node[end].empty());
   SweptBound all;
   bool first = true;
-  for (const std::uint32_t part : model_.parts_of_node[end]) {
-    const SweptBound bound = as_box(model_.is_flexible(part) ? make_bound(part, kNone, s) : bound_of(part, s));
+  for (const std::uint32_t part : model_->parts_of_node[end]) {
+    const SweptBound bound = as_box(model_->is_flexible(part) ? make_bound(part, kNone, s) : bound_of(part, s));
     all = first ? bound : merged(all, bound);
     first = false;
   }

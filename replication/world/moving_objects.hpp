@@ -74,10 +74,12 @@ class MovingObjects {
     return index_by_id_[id.value];
   }
   void add(const ModelNode& node);
+  // Goes on by another model of the same scene, in which more nodes are carriers. Indices change.
+  void change_model(const WorldModel& next);
 
   void set_flexible(FlexibleParts& flexible) { flexible_ = &flexible; }
   [[nodiscard]] FlexibleParts* flexible() const { return flexible_; }
-  [[nodiscard]] const collision::Body& body(std::size_t object) const { return model_.bodies[object]; }
+  [[nodiscard]] const collision::Body& body(std::size_t object) const { return model_->bodies[object]; }
   // The objects that go with this one.
   [[nodiscard]] std::span<const std::uint32_t> carried_by(std::size_t object) const;
 
@@ -131,7 +133,7 @@ class MovingObjects {
   };
   void schedule_pruning(std::size_t object);
 
-  const WorldModel& model_;
+  const WorldModel* model_;
   SimTime start_;
   FlexibleParts* flexible_ = nullptr;
   std::optional<Duration> driven_history_;  // none: as for all other objects

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -26,10 +27,14 @@ using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::
 
 class ModelBuilder {
  public:
-  ModelBuilder(const Scene& scene, WorldModel& model) : scene_(scene), model_(model) {}
+  // `before`: a model of the same scene, whose bodies are used again; or null.
+  ModelBuilder(const Scene& scene, const WorldModel* before, WorldModel& model)
+      : scene_(scene), before_(before), model_(model) {}
 
   void build(std::span<const ObjectId> owned) {
     add_pairs();
+    model_.owned.assign(owned.begin(), owned.end());
+    keep_each_once(model_.owned);
     if (named_.empty() && owned.empty()) return;
     predefined_.emplace(scene_);
     bending_ = predefined_->flexible_geometries();
@@ -161,7 +166,9 @@ class ModelBuilder {
         if (is_flexible(shape)) flexible_of_node_[i].push_back(flexible_part(shape));
         return !is_flexible(shape);
       };
-      collision::Body body = collision::make_body(scene_, id, belongs);
+      const collision::Body* const known = same_body(i);
+      if (known != nullptr) note_flexible_parts(i, belongs);
+      collision::Body body = known != nullptr ? *known : collision::make_body(scene_, id, belongs);
       if (!body.unsupported.empty()) model_.unsupported.push_back(body.unsupported);
       model_.bodies.push_back(std::move(body));
     }
@@ -180,6 +187,30 @@ class ModelBuilder {
       }
       if (parts.empty()) parts.push_back(index);
     }
+  }
+
+  void note_flexible_parts(std::uint32_t node, const collision::Belongs& belongs) {
+    const ObjectId id = model_.nodes[node].object;
+    for (std::uint32_t i = id.value; i < scene_.at(id).subtree_end; ++i) {
+      if (collides({i})) static_cast<void>(belongs({i}));
+    }
+  }
+
+  // The body of a node in the model before, where the same Shapes go with it now.
+  [[nodiscard]] const collision::Body* same_body(std::uint32_t node) const {
+    if (before_ == nullptr) return nullptr;
+    const ObjectId id = model_.nodes[node].object;
+    const auto carriers_below = [&](const WorldModel& model) {
+      std::vector<ObjectId> ids;
+      for (auto at = std::ranges::lower_bound(model.nodes, id, {}, &ModelNode::object);
+           at != model.nodes.end() && at->object.value < scene_.at(id).subtree_end; ++at) {
+        if (at->is_carrier) ids.push_back(at->object);
+      }
+      return ids;
+    };
+    if (before_->node(id) == nullptr || carriers_below(*before_) != carriers_below(model_)) return nullptr;
+    const collision::Body* const body = before_->body(id);
+    return body->surface ? body : nullptr;
   }
 
   [[nodiscard]] bool is_flexible(ObjectId shape) const {
@@ -280,6 +311,7 @@ class ModelBuilder {
   }
 
   const Scene& scene_;
+  const WorldModel* before_;
   WorldModel& model_;
   std::optional<PredefinedMotion> predefined_;
   std::vector<std::uint32_t> bending_;                                    // geometries, ascending
@@ -331,8 +363,37 @@ std::vector<std::uint32_t> WorldModel::chain_of(std::uint32_t part, std::uint32_
 std::unique_ptr<const WorldModel> make_world_model(const Scene& scene, std::span<const ObjectId> owned) {
   auto model = std::make_unique<WorldModel>();
   model->scene = &scene;
-  ModelBuilder(scene, *model).build(owned);
+  ModelBuilder(scene, nullptr, *model).build(owned);
   return model;
+}
+
+std::unique_ptr<const WorldModel> extended(const WorldModel& model, std::span<const ObjectId> added,
+                                           std::span<const ObjectId> owned) {
+  assert(std::ranges::is_sorted(owned));
+  const Scene& scene = *model.scene;
+  const auto is_related = [&](ObjectId id) {
+    if (scene.at(id).kind != NodeKind::kTransform) return false;
+    if (model.is_carrier(id)) return false;
+    const auto moves = [&](ObjectId other) {
+      return model.node(other) != nullptr || std::ranges::binary_search(owned, other);
+    };
+    for (std::int32_t p = scene.at(id).parent; p >= 0; p = scene.instances[static_cast<std::size_t>(p)].parent) {
+      if (moves({static_cast<std::uint32_t>(p)})) return true;
+    }
+    const auto has_below = [&](const auto& ids, auto projection) {
+      const auto next = std::ranges::upper_bound(ids, id, {}, projection);
+      return next != ids.end() && std::invoke(projection, *next).value < scene.at(id).subtree_end;
+    };
+    return model.node(id) != nullptr || has_below(model.nodes, &ModelNode::object) || has_below(owned, std::identity{});
+  };
+  if (std::ranges::none_of(added, is_related)) return nullptr;
+  std::vector<ObjectId> all(owned.begin(), owned.end());
+  all.insert(all.end(), model.owned.begin(), model.owned.end());
+  all.insert(all.end(), added.begin(), added.end());
+  auto next = std::make_unique<WorldModel>();
+  next->scene = &scene;
+  ModelBuilder(scene, &model, *next).build(all);
+  return next;
 }
 
 }  // namespace peerd::replication

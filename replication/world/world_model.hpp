@@ -49,6 +49,7 @@ struct PartPair {
 // peer's two MotionWorlds and every peer of a simulation read the same one.
 struct WorldModel {
   const Scene* scene = nullptr;         // outlives the model
+  std::vector<ObjectId> owned;          // nodes that somebody is known to own, ascending
   std::vector<ModelNode> nodes;         // sorted by object
   std::vector<collision::Body> bodies;  // of each node: what is below it and goes with it, and with no carrier below it
   std::vector<FlexiblePart> flexible;
@@ -65,6 +66,10 @@ struct WorldModel {
 
   [[nodiscard]] const collision::Body* body(ObjectId id) const;
   [[nodiscard]] const ModelNode* node(ObjectId id) const;  // null where the model does not need it
+  [[nodiscard]] bool is_carrier(ObjectId id) const {
+    const ModelNode* const of = node(id);
+    return of != nullptr && of->is_carrier;
+  }
   // The numbers of an object's pairs; empty where no interest names the object.
   [[nodiscard]] std::span<const std::uint32_t> pairs_of(ObjectId id) const;
   // The part pairs of which a node is an end, and those that its own motion may change; none behind all nodes.
@@ -92,5 +97,11 @@ struct WorldModel {
 // `owned`: nodes that peers own, besides those that interests name; they are carriers, too.
 [[nodiscard]] std::unique_ptr<const WorldModel> make_world_model(const Scene& scene,
                                                                  std::span<const ObjectId> owned = {});
+
+// Returns the model with these nodes as carriers, too, because somebody owns them or moves something relative to them.
+// Null where that changes nothing: each is a carrier already, or meets nothing, and carries and is carried by nothing
+// of the model or of `owned`, all nodes that somebody owns. Bodies that stay as they are are shared with `model`.
+[[nodiscard]] std::unique_ptr<const WorldModel> extended(const WorldModel& model, std::span<const ObjectId> added,
+                                                         std::span<const ObjectId> owned);
 
 }  // namespace peerd::replication

@@ -92,6 +92,39 @@ TEST_F(Arriving, AnUpdateMovesTheGhostInItsSequence) {
   EXPECT_EQ(x(), 6.0);
 }
 
+// An update names a frame that its sender knows of, and this peer does not, or the other way round.
+TEST(ArrivingInAFrame, IsWhereItsSenderSees) {
+  const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
+                box("BIRD", "1 1 1", "0 9 0"));
+  const ObjectId car = w["CAR"], wheel = w["WHEEL"];
+  PeerParts p{config(5), *w.model};
+  SessionKeeper keeper{p};
+  Intake intake{p, keeper};
+  for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
+  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s)))));
+  const auto take = [&](ObjectId object, std::uint32_t sequence, std::optional<ObjectId> carrier, const Vec3& at) {
+    Message m = message_of(7);
+    UpdateRecord u{object, sequence, sim(1s), moving(at)};
+    u.carrier = carrier;
+    m.updates.push_back(u);
+    return intake.on_packet(host(1s), kWholeScene, encode(m)).has_value();
+  };
+  const auto at = [&](ObjectId object) { return p.replica.ghost(object, sim(1s)).position; };
+  ASSERT_TRUE(take(wheel, 1, car, {1, -1, 3}));
+  EXPECT_EQ(at(wheel), Vec3(1, 1, 3)) << "the car stands";
+  EXPECT_EQ(p.counters.models_changed, 1u);
+  EXPECT_TRUE(p.model->is_carrier(car));
+  ASSERT_TRUE(take(car, 1, std::nullopt, {0, 2, 10}));
+  EXPECT_EQ(at(wheel), Vec3(1, 1, 13));
+  ASSERT_TRUE(take(wheel, 2, std::nullopt, {5, 5, 5})) << "of a sender that does not know that the car moves";
+  EXPECT_LT((at(wheel) - Vec3(5, 5, 5)).norm(), 1e-12);
+  EXPECT_EQ(p.counters.models_changed, 1u);
+  for (const ObjectId wrong : {wheel, w["BIRD"], w["CAR/0"], ObjectId{999}})
+    EXPECT_TRUE(take(wheel, 3, wrong, {0, 0, 0}));
+  EXPECT_EQ(p.counters.drops["carrier"], 4u);
+  EXPECT_LT((at(wheel) - Vec3(5, 5, 5)).norm(), 1e-12);
+}
+
 TEST_F(Arriving, UpdatesCountWithinTheirTimesLimits) {
   for (const Duration at : {2s - kUpdateAgeMax - 1ns, 2s + kUpdateAheadMax + 1ns}) {
     ASSERT_TRUE(take(update(9, 4.0, sim(at))));

@@ -184,7 +184,7 @@ inline bool same_bits(const Message& a, const Message& b) {
   const auto same_vector = [](const Vec3& v, const Vec3& w) { return same_bits(moving(v), moving(w)); };
   const auto same_update = [&](const UpdateRecord& u, const UpdateRecord& v) {
     return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.model.kind == v.model.kind &&
-           u.decision == v.decision && u.position_step_log2 == v.position_step_log2 &&
+           u.decision == v.decision && u.carrier == v.carrier && u.position_step_log2 == v.position_step_log2 &&
            same_bits(u.model.state, v.model.state) && same_vector(u.model.jerk, v.model.jerk) &&
            same_vector(u.model.rate_rad_s, v.model.rate_rad_s) &&
            same_vector(u.model.angular_acceleration_body, v.model.angular_acceleration_body);

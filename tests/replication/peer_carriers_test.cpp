@@ -202,9 +202,6 @@ TEST(BusAndDoor, ACorrectionOfTheBusLeavesWhatItsDoorHasMetInIt) {
 
 // Each peer has been told of its own objects only.
 TEST(DifferentOwnersKnown, TheWheelIsWhereItIsAllTheSame) {
-  GTEST_SKIP()
-      << "peers that know of different owners have different carriers, and take each other's updates for places "
-         "in other frames";
   const World of_car(car_and_curb(), {"CAR"}), of_wheel(car_and_curb(), {"WHEEL"});
   Lan lan(of_car, {.latency = 40ms});
   lan.add(config(1, {{of_car["CAR"], true}}), 0s, {{of_car["CAR"], swaying}});

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <bit>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/scene/reader.hpp"
+#include "replication/world/model_in_force.hpp"
 #include "replication/world/motion_world.hpp"
 
 // Small worlds of boxes, and short names for states and times.
@@ -25,12 +27,14 @@ struct World {
     std::vector<ObjectId> ids;
     for (const char* path : owned) ids.push_back((*this)[path]);
     model = make_world_model(scene, ids);
+    in_force.emplace(*model);
   }
   World(const World&) = delete;
   [[nodiscard]] ObjectId operator[](const char* path) const { return scene.find(path).value(); }
 
   Scene scene;
   std::unique_ptr<const WorldModel> model;
+  std::optional<ModelInForce> in_force;
 };
 
 inline const char* const kBounces = " collisionResponse CollisionResponse { } ";

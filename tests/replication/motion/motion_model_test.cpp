@@ -305,4 +305,34 @@ TEST(Evaluate, ItsPartsAreTheSameToTheLastBit) {
   }
 }
 
+// A law in another frame is the same motion.
+TEST(InFrame, IsTheSameMotion) {
+  const Pose frame{Vec3(1, -2, 3), Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()))};
+  for (const MotionKind kind : kMotionKinds) {
+    MotionModel law(moving({4, 5, 6}, {1, -2, 0.5}));
+    law.kind = kind;
+    if (kind != MotionKind::kFirst) law.state.acceleration = {0.3, 0.1, -0.2};
+    if (kind == MotionKind::kSliding) law.state.acceleration = -0.1 * law.state.velocity;
+    if (kind == MotionKind::kThird || kind == MotionKind::kOscillating) law.jerk = {0.1, 0, -0.3};
+    if (kind == MotionKind::kTurning || kind == MotionKind::kOscillating) law.rate_rad_s = {0.5, 1.0, 0.2};
+    law.state.angular_velocity_body = {0.1, 0.2, 0.3};
+    const MotionModel seen = in_frame(frame, law);
+    EXPECT_TRUE(within_limits(seen));
+    const double lasts_s =
+        kind == MotionKind::kOscillating ? 0.0 : 2.0;  // of which the state counts, in a turned frame
+    for (const double t_s : {0.0, lasts_s}) {
+      const KinematicState a = evaluate(law, t_s), b = evaluate(seen, t_s);
+      EXPECT_LT((frame * b.position - a.position).norm(), 1e-12) << to_string(kind);
+      EXPECT_LT((frame.orientation * b.velocity - a.velocity).norm(), 1e-12) << to_string(kind);
+      EXPECT_LT((frame.orientation * b.orientation).angularDistance(a.orientation), 1e-7) << to_string(kind);
+    }
+  }
+  MotionModel waves(moving({4, 5, 6}, {1, -2, 0.5}));
+  waves.kind = MotionKind::kOscillating;
+  waves.rate_rad_s = {1, 2, 3};
+  const MotionModel moved = in_frame({Vec3(1, 1, 1), Quat::Identity()}, waves);
+  EXPECT_EQ(moved.kind, MotionKind::kOscillating);
+  EXPECT_EQ(evaluate(moved, 3.0).velocity, evaluate(waves, 3.0).velocity);
+}
+
 }  // namespace peerd::replication::motion_model_test

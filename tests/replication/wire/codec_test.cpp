@@ -140,11 +140,11 @@ TEST_P(Value, IsChecked) {
   }
 }
 
-// A newer build's models must not make the rest of its datagrams unreadable: its records above kind 7 begin with their
+// A newer build's models must not make the rest of its datagrams unreadable: its records of kind 8 begin with their
 // length.
 TEST(UnknownModel, IsLeftOutAndCounted) {
   const Message good = updating([](auto& u) { u.object = ObjectId{77}; });
-  const auto decoded = received(with_records(good, {0x08, 3, 1, 2, 3}, {0xFF, 0}), good);
+  const auto decoded = received(with_records(good, {0x08, 3, 1, 2, 3}, {0xF8, 0}), good);
   ASSERT_TRUE(decoded);
   ASSERT_EQ(decoded->updates.size(), 1u);
   EXPECT_EQ(decoded->updates[0].object, ObjectId{77});

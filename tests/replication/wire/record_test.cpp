@@ -54,8 +54,10 @@ class RecordMaker {
     if (kind == MotionKind::kSliding) m.angular_acceleration_body = -0.5 * m.state.angular_velocity_body / 10.0;
     if (rng_() % 3 == 0) set_level(m);
     if (rng_() % 3 == 0) set_upright(m);
-    return {ObjectId{static_cast<std::uint32_t>(rng_() % 3000)}, static_cast<std::uint32_t>(1 + rng_() % 3000),
-            sim(seconds(draw(0, 1e5))), m};
+    UpdateRecord u{ObjectId{static_cast<std::uint32_t>(rng_() % 3000)}, static_cast<std::uint32_t>(1 + rng_() % 3000),
+                   sim(seconds(draw(0, 1e5))), m};
+    if (rng_() % 3 == 0) u.carrier = ObjectId{static_cast<std::uint32_t>(rng_() % 3000)};
+    return u;
   }
   static void set_level(MotionModel& m) {
     for (Vec3* v : {&m.state.velocity, &m.state.acceleration, &m.jerk}) v->y() = 0.0;
@@ -462,6 +464,15 @@ TEST(Damage, OfNoiseIsRefusedOrARecord) {
     taken += decode_record(rest, sim(1s)).has_value();
   }
   EXPECT_GT(taken, 0);  // some noise is one
+}
+
+TEST(Record, ACarrierCostsItsNumberAlone) {
+  UpdateRecord u{ObjectId{200}, 1, sim(3s), moving({1, 2, 3}, {4, 5, 6})};
+  const std::size_t in_the_world = bytes_of(u, u.at).size();
+  u.carrier = ObjectId{100};
+  EXPECT_EQ(bytes_of(u, u.at).size(), in_the_world + 1);
+  u.carrier = ObjectId{1000};
+  EXPECT_EQ(bytes_of(u, u.at).size(), in_the_world + 2);
 }
 
 }  // namespace peerd::replication::record_test

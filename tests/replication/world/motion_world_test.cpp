@@ -1225,4 +1225,89 @@ TEST(Carriers, FramesAreEachOthersInverse) {
   EXPECT_LT((world.vector_in_world(w["WHEEL"], t, world.vector_in_carrier(w["WHEEL"], t, v)) - v).norm(), 1e-12);
 }
 
+// ---- more carriers while it runs ----
+
+// A bus with a door, of which nobody names the door: one body, until somebody moves the door.
+const std::string kBusWithDoor =
+    box_with("BUS", "8 0.2 3", "0 0 0", "",
+             box_with("DOOR", "1 2 0.1", "0 1 1.5", "", box("HANDLE", "0.1 0.1 0.3", "0.4 0 0"))) +
+    box("LAMP", "0.2 5 0.2", "12 1 1.5") + box("HOOK", "0.1 0.1 0.1", "12 1 1.65") + interest("BUS", "\"LAMP\"") +
+    interest("HANDLE", "\"HOOK\"");
+KinematicState driving(double t_s) { return turning(moving({2 * t_s, 0, 0}, {2, 0, 0}), Vec3::Zero()); }
+
+TEST(ChangedModel, GoesOnAsOneThatKnewTheCarrierFromTheBeginning) {
+  const World w(kBusWithDoor, {"BUS"});
+  const std::vector owned{w["BUS"], w["DOOR"]};
+  const auto known = make_world_model(w.scene, owned), next = extended(*w.model, std::vector{w["DOOR"]}, owned);
+  ASSERT_NE(next, nullptr);
+  MotionWorld early(*known, sim(0s)), late(*w.model, sim(0s));
+  for (MotionWorld* world : {&early, &late}) {
+    world->declare(w["BUS"], Role::kDriven);
+    world->set_base(w["BUS"], sim(0s), driving(0));
+    world->advance(sim(1s));
+  }
+  EXPECT_LT((late.relative_at(w["HANDLE"], sim(1s)).position - Vec3(0.4, 1, 1.5)).norm(), 1e-6) << "in the bus";
+  late.change_model(*next);
+  EXPECT_LT((late.relative_at(w["HANDLE"], sim(1s)).position - Vec3(0.4, 0, 0)).norm(), 1e-6) << "in the door";
+  for (const Duration t : {Duration(250ms), Duration(1s)}) {
+    for (const char* path : {"BUS", "HANDLE", "DOOR"}) {
+      EXPECT_LT((late.at(w[path], sim(t)).position - early.at(w[path], sim(t)).position).norm(), 1e-12) << path;
+    }
+  }
+  std::vector<std::vector<ContactEvent>> met;
+  for (MotionWorld* world : {&early, &late}) {
+    world->declare(w["DOOR"], Role::kDriven);
+    world->set_base(w["DOOR"], sim(1s), moving({0, 1, 1.5}, {0.5, 0, 0}));
+    world->advance(sim(9s));
+    met.push_back(contacts(*world));
+  }
+  ASSERT_EQ(met[0].size(), met[1].size());
+  ASSERT_GE(met[0].size(), 2u);
+  for (std::size_t i = 0; i < met[0].size(); ++i) {
+    EXPECT_EQ(met[0][i].at, met[1][i].at);
+    EXPECT_EQ(met[0][i].collider, met[1][i].collider);
+    EXPECT_EQ(met[0][i].normal, met[1][i].normal);
+  }
+}
+
+TEST(ChangedModel, AContactThatGoesOnIsNoNewOne) {
+  const World w(kBusWithDoor, {"BUS"});
+  const std::vector owned{w["BUS"], w["DOOR"]};
+  const auto next = extended(*w.model, std::vector{w["DOOR"]}, owned);
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BUS"], Role::kDriven);
+  world.set_base(w["BUS"], sim(0s), driving(0));
+  world.advance(sim(5s));
+  EXPECT_EQ(times_of(contacts(world), w["BUS"], w["LAMP"]).size(), 1u) << "the lamp is above the floor of the bus";
+  world.change_model(*next);
+  EXPECT_TRUE(world.ends_touch(w["BUS"], w["LAMP"], sim(5s)));
+  world.advance(sim(5500ms));
+  EXPECT_TRUE(times_of(contacts(world), w["BUS"], w["LAMP"]).empty());
+}
+
+// A ball lies on a slab of a floor. When the slab becomes a part of its own, the ball goes on to lie.
+TEST(ChangedModel, WhatRestsOnWhatBecomesACarrierGoesOnToRest) {
+  const World w("DEF FLOOR Transform { children [ " + box("SLAB", "4 1 4", "0 -0.5 0") +
+                box("EDGE", "1 1 4", "9 -0.5 0") + "] }\n" +
+                box("BALL", "1 1 1", "0 2 0", "collisionResponse CollisionResponse { responseType 2 restitution 0 } ") +
+                interest("BALL", "\"FLOOR\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["BALL"], Role::kAuthoritative);
+  world.set_base(w["BALL"], sim(0s), moving({0, 2, 0}, Vec3::Zero(), {0, -9.81, 0}));
+  world.advance(sim(3s));
+  ASSERT_TRUE(world.is_at_rest_from(w["BALL"], sim(3s)));
+  const Vec3 lies = world.at(w["BALL"], sim(3s)).position;
+  const auto next = extended(*w.model, std::vector{w["SLAB"]}, std::vector{w["SLAB"]});
+  ASSERT_NE(next, nullptr);
+  world.change_model(*next);
+  world.advance(sim(5s));
+  EXPECT_TRUE(world.is_at_rest_from(w["BALL"], sim(5s)));
+  EXPECT_LT((world.at(w["BALL"], sim(5s)).position - lies).norm(), 1e-6);
+  EXPECT_GE(lies.y(), 0.5);
+  world.declare(w["SLAB"], Role::kDriven);
+  world.set_base(w["SLAB"], sim(5s), moving({0, -0.5, 0}, {0, -20, 0}));
+  world.advance(sim(5500ms));
+  EXPECT_LT(world.at(w["BALL"], sim(5500ms)).position.y(), lies.y() - 1.0) << "nothing bears it any more";
+}
+
 }  // namespace peerd::replication::motion_world_test

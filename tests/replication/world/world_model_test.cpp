@@ -231,4 +231,46 @@ TEST(WorldModel, AContactIsAnsweredWhereAColliderResponds) {
   EXPECT_FALSE(w.model->is_answered(w["A"], w["B"])) << "no interest";
 }
 
+const std::string kCarInALot =
+    "DEF LOT Transform { children [ " + box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
+    "] }\n" + box("CURB", "0.5 0.6 4", "8 0.5 0") + box("BIRD", "1 1 1", "0 9 0") + interest("LOT", "\"CURB\"");
+
+TEST(Extended, AddsTheCarriersThatSomebodyMoves) {
+  const World w(kCarInALot);
+  ASSERT_EQ(w.model->parts_of_node[0].size(), 1u) << "LOT is one body";
+  const auto next = extended(*w.model, std::vector{w["WHEEL"]}, std::vector{w["WHEEL"]});
+  ASSERT_NE(next, nullptr);
+  EXPECT_TRUE(next->is_carrier(w["WHEEL"]));
+  EXPECT_EQ(next->nodes[next->node(w["WHEEL"])->carrier].object, w["LOT"]);
+  EXPECT_EQ(next->parts_of_node[0].size(), 2u);
+  EXPECT_EQ(next->pairs.size(), w.model->pairs.size());
+  EXPECT_EQ(next->part_pairs.size(), 2u);
+  EXPECT_EQ(next->body(w["CURB"])->surface, w.model->body(w["CURB"])->surface) << "shared";
+  EXPECT_NE(next->body(w["LOT"])->surface, w.model->body(w["LOT"])->surface) << "without the wheel";
+  const auto more = extended(*next, std::vector{w["CAR"]}, std::vector{w["CAR"]});
+  ASSERT_NE(more, nullptr);
+  EXPECT_EQ(more->nodes[more->node(w["WHEEL"])->carrier].object, w["CAR"]);
+  EXPECT_EQ(more->body(w["WHEEL"])->surface, next->body(w["WHEEL"])->surface);
+}
+
+TEST(Extended, IsNothingWhereNothingElseMoves) {
+  const World w(kCarInALot);
+  for (const char* path : {"LOT", "CURB", "BIRD", "LOT/CAR/0"}) {
+    EXPECT_EQ(extended(*w.model, std::vector{w[path]}, std::vector{w[path]}), nullptr) << path;
+  }
+  const auto next = extended(*w.model, std::vector{w["CAR"]}, std::vector{w["CAR"]});
+  EXPECT_EQ(extended(*next, std::vector{w["CAR"]}, std::vector{w["CAR"]}), nullptr);
+}
+
+TEST(Extended, KnowsWhatIsOwnedAndMeetsNothing) {
+  const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")));
+  const std::vector car{w["CAR"]}, wheel{w["WHEEL"]}, both{w["CAR"], w["WHEEL"]};
+  EXPECT_EQ(extended(*w.model, car, car), nullptr);
+  for (const auto& [added, owned] : {std::pair{wheel, both}, std::pair{car, both}}) {
+    const auto next = extended(*w.model, added, owned);
+    ASSERT_NE(next, nullptr);
+    EXPECT_EQ(next->node(w["WHEEL"])->depth, 1u);
+  }
+}
+
 }  // namespace peerd::replication::world_model_test

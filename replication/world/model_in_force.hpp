@@ -1,0 +1,33 @@
+#pragma once
+#include <cassert>
+#include <memory>
+#include <utility>
+
+#include "replication/world/world_model.hpp"
+
+namespace peerd::replication {
+
+// The world model that a peer goes by: the one that it was given, which others share, until it learns that somebody
+// moves what nothing moved so far. All parts of a peer refer to one ModelInForce, not to the model itself.
+class ModelInForce {
+ public:
+  explicit ModelInForce(const WorldModel& shared) : model_(&shared) {}  // `shared` outlives this
+  ModelInForce(const ModelInForce&) = delete;
+  ModelInForce& operator=(const ModelInForce&) = delete;
+
+  [[nodiscard]] const WorldModel& operator*() const { return *model_; }
+  [[nodiscard]] const WorldModel* operator->() const { return model_; }
+
+  // Puts `next`, of the same scene, in force. Returns the model before, if it was not shared.
+  std::unique_ptr<const WorldModel> replace(std::unique_ptr<const WorldModel> next) {
+    assert(next && next->scene == model_->scene);
+    model_ = next.get();
+    return std::exchange(own_, std::move(next));
+  }
+
+ private:
+  const WorldModel* model_;
+  std::unique_ptr<const WorldModel> own_;  // none: the model is shared
+};
+
+}  // namespace peerd::replication
