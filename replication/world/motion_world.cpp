@@ -326,7 +326,11 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
                       gives_way(pair.collidee, pair.collidee_responds, from))) {
       pair.inside = false;
     }
-    if (!pair.is_answered() && pair.touched >= from) pair.inside = false;  // that contact may not be
+    if (!pair.is_answered() && pair.touched >= from) pair.inside = false;         // that contact may not be
+    if (!pair.is_answered() && pair.parted >= from && pair.parted_from < from) {  // that one may go on
+      pair.inside = true;
+      pair.touched = pair.parted_from;
+    }
     if (pair.bears && elsewhere) {
       pair.contact = pair.clear_until;
       pair.lifts = true;

@@ -158,7 +158,10 @@ void PairSearch::search_lift(WatchedPair& pair, SimTime begin, SimTime end) {
 
 // Until the base of an object that responds it went through everything: the base says where it really was.
 void PairSearch::note_apart(WatchedPair& pair, SimTime s) {
-  if (std::exchange(pair.inside, false)) pair.parted = s;
+  if (std::exchange(pair.inside, false)) {
+    pair.parted = s;
+    pair.parted_from = pair.touched;
+  }
   const auto is_given_later = [&](std::size_t object, bool registered) {
     return registered && objects_[object].is_answering() && objects_[object].base_time > s;
   };

@@ -24,26 +24,27 @@ struct WatchedPair {
   bool collider_responds, collidee_responds;
   bool has_exact_search;  // collision has an answer
   bool watched = true;
-  bool unsupported = false;             // counted once, then never searched again
-  bool searched = false;                // some search has been answered
-  bool overlapped = false;              // `contact` is an overlap, not a touch
-  bool resting = false;                 // at `contact` the two are pressed together and do not approach
-  bool lifts = false;                   // at `contact` the two come apart: they bore each other until then
-  std::optional<bool> fixed_touch{};    // whether the two, which are fixed to each other, touch; none: not known yet
-  bool inside = false;                  // a contact without a response goes on; it is reported once
-  bool bears = false;                   // the two rest against each other, along all of `normals`
-  SimTime parted = SimTime::min();      // when `inside` was last over
-  SimTime touched = SimTime::min();     // of the last contact
-  SimTime lifted = SimTime::min();      // when the two last came apart after they bore each other
-  SimTime held_until = SimTime::min();  // the two do not come apart before
-  std::uint32_t at_once = 0;            // contacts until `touched`, each at the instant of the one before
-  std::uint32_t in_burst = 0;           // contacts until `touched`, each within kShortestFlight_s of the one before
-  std::uint32_t squeezed = 0;           // of the burst: those answered for all that touched
-  SimTime clear_until;                  // all contacts before this have been dealt with
-  std::optional<SimTime> contact;       // the next contact, at clear_until, if the search found one
-  std::optional<SimTime> free_at;       // the last instant at which the two were known to be apart: setBack goes there
-  Vec3 normal = Vec3::Zero();           // of `contact`
-  std::vector<Vec3> normals;            // of the contacts of the burst, and those along which the two bear each other
+  bool unsupported = false;              // counted once, then never searched again
+  bool searched = false;                 // some search has been answered
+  bool overlapped = false;               // `contact` is an overlap, not a touch
+  bool resting = false;                  // at `contact` the two are pressed together and do not approach
+  bool lifts = false;                    // at `contact` the two come apart: they bore each other until then
+  std::optional<bool> fixed_touch{};     // whether the two, which are fixed to each other, touch; none: not known yet
+  bool inside = false;                   // a contact without a response goes on; it is reported once
+  bool bears = false;                    // the two rest against each other, along all of `normals`
+  SimTime parted = SimTime::min();       // when `inside` was last over
+  SimTime parted_from = SimTime::min();  // the contact that was over then
+  SimTime touched = SimTime::min();      // of the last contact
+  SimTime lifted = SimTime::min();       // when the two last came apart after they bore each other
+  SimTime held_until = SimTime::min();   // the two do not come apart before
+  std::uint32_t at_once = 0;             // contacts until `touched`, each at the instant of the one before
+  std::uint32_t in_burst = 0;            // contacts until `touched`, each within kShortestFlight_s of the one before
+  std::uint32_t squeezed = 0;            // of the burst: those answered for all that touched
+  SimTime clear_until;                   // all contacts before this have been dealt with
+  std::optional<SimTime> contact;        // the next contact, at clear_until, if the search found one
+  std::optional<SimTime> free_at;        // the last instant at which the two were known to be apart: setBack goes there
+  Vec3 normal = Vec3::Zero();            // of `contact`
+  std::vector<Vec3> normals;             // of the contacts of the burst, and those along which the two bear each other
 
   [[nodiscard]] bool is_answered() const { return collider_responds || collidee_responds; }
 };

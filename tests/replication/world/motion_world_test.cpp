@@ -223,6 +223,23 @@ std::string two_movers() {
          interest("BALL", "\"CUBE\"");
 }
 
+// An update of the middle of a contact, which had seemed to end after it.
+TEST(MotionWorld, AContactThatEndedOnlyInARetractedFutureGoesOn) {
+  const World w(box("A", "1 1 1", "-5 0 0") + box("B", "1 1 1", "0 0 0") + interest("A", "\"B\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["A"], Role::kPredicted);
+  world.set_base(w["A"], sim(0s), moving({-5, 0, 0}, {1, 0, 0}));
+  world.advance(sim(7s));
+  ASSERT_EQ(contacts(world).size(), 1u) << "from 4 s to 6 s";
+  world.set_base(w["A"], sim(5s), moving({0, 0, 0}));
+  world.advance(sim(8s));
+  EXPECT_TRUE(contacts(world).empty());
+  EXPECT_TRUE(world.ends_touch(w["A"], w["B"], sim(8s)));
+  world.set_base(w["A"], sim(8s), moving({0, 0, 0}, {0, 1, 0}));
+  world.advance(sim(10s));
+  EXPECT_FALSE(world.ends_touch(w["A"], w["B"], sim(10s)));
+}
+
 TEST(MotionWorld, OnlyTheRegisteredColliderAnswersUnlessMutual) {
   for (const bool mutual : {false, true}) {
     const World w(two_movers() + (mutual ? interest("CUBE", "\"BALL\"") : ""));
