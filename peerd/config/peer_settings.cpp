@@ -196,6 +196,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   s.convergence.over = from_seconds(convergence_s);
   reader.read("tick_hz", s.tick_hz, 1, 1000);
   reader.read("settled_hello_period_s", s.settled_hello_period_s, 0.25, 4.0);
+  if (reader.has("convergence")) s.remote_convergence = s.convergence;
   reader.finish();
   return s;
 }

@@ -22,6 +22,7 @@ inline constexpr double kForever_s = 1e6;
 struct ReplicationSettings {
   replication::PublishPolicy policy;
   replication::ConvergencePolicy convergence;
+  replication::ConvergencePolicy remote_convergence{replication::ConvergenceMethod::kParabola};
   replication::DecisionSettings decisions;  // without a viewpoint, which is a peer's own
   replication::RelaySettings relay;
   replication::DisplayDelay display_delay;

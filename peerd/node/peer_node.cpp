@@ -59,6 +59,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.interest_radius_m = settings.interest_radius_m;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
   config.settled_hello_period = from_seconds(replication.settled_hello_period_s);
+  config.remote_convergence = replication.remote_convergence;
   config.wait_for_start = true;
   config.decisions = replication.decisions;
   if (settings.viewpoint) {
@@ -72,13 +73,15 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
     viewpoint.field_of_view = v.field_of_view_deg * kRadians;
     viewpoint.aspect = v.aspect;
   }
-  for (const ObjectId object : objects.owned) {
+  const auto as_owned = [&](ObjectId object) {
     const bool outside =
         std::ranges::any_of(objects.outside, [&](const auto& named) { return named.second == object; });
     const auto launch = objects.launches.find(object);
-    config.owned.push_back({object, outside || objects.motions.contains(object),
-                            launch == objects.launches.end() ? replication::Launch{} : launch->second});
-  }
+    return replication::OwnedObject{object, outside || objects.motions.contains(object),
+                                    launch == objects.launches.end() ? replication::Launch{} : launch->second};
+  };
+  for (const ObjectId object : objects.owned) config.owned.push_back(as_owned(object));
+  for (const ObjectId object : objects.owned_by_founder) config.owned_by_founder.push_back(as_owned(object));
   feed::PoseFeeds feeds({std::move(objects.outside), from_seconds(settings.feed.stale_s)}, shared.world.scene);
   return std::unique_ptr<PeerNode>(new PeerNode(std::move(config), shared, std::move(objects.motions), std::move(feeds),
                                                 settings.keys, std::move(options)));
@@ -125,7 +128,7 @@ void PeerNode::agree_on_start(HostTime now) {
     follow_start(now, *announcing->second.start);
     return;
   }
-  if (options_.watches && announcing == members.end()) return;
+  if (options_.watches && !peer_.owns_any() && announcing == members.end()) return;
   if (const PeerId other = starter(); other != config_.id) {
     const auto member = members.find(other);
     if (member != members.end() && member->second.start) log_.start = member->second.start;
