@@ -113,6 +113,7 @@ struct LoadedWorld {
   std::filesystem::path path;
   std::uint64_t hash = 0;  // hash of the world's files; peers with other files are in another session
   Scene scene;
+  std::vector<std::string> warnings;  // each as "FILE:LINE:COLUMN: warning: ..", the first ones where there are many
 };
 [[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldReading& reading = {});
 

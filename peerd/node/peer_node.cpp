@@ -31,6 +31,12 @@ const char* to_string(replication::ContactKind kind) {
 
 }  // namespace
 
+std::vector<std::string> SharedWorld::findings() const {
+  std::vector<std::string> all = world.warnings;
+  for (const std::string& line : model->unsupported) all.push_back("unsupported: " + line);
+  return all;
+}
+
 Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
                                                        const config::WorldReading& reading,
                                                        std::span<const config::RunSettings> runs) {
@@ -53,13 +59,13 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.world_hash = replication.regions.session_hash(shared.world.hash);
   config.policy = replication.policy;
   config.convergence = replication.convergence;
+  config.remote_convergence = replication.remote_convergence;
   config.relay = replication.relay;
   config.display_delay = replication.display_delay;
   config.regions = replication.regions;
   config.interest_radius_m = settings.interest_radius_m;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
   config.settled_hello_period = from_seconds(replication.settled_hello_period_s);
-  config.remote_convergence = replication.remote_convergence;
   config.wait_for_start = true;
   config.decisions = replication.decisions;
   if (settings.viewpoint) {

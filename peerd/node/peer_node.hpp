@@ -21,6 +21,8 @@ namespace peerd {
 struct SharedWorld {
   config::LoadedWorld world;
   std::unique_ptr<const replication::WorldModel> model;
+  // What the world asks for in vain, and other warnings about it: one sentence each.
+  [[nodiscard]] std::vector<std::string> findings() const;
 };
 // `runs`: what their peers own carries what is below it, and goes with what carries it.
 [[nodiscard]] Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,

@@ -75,4 +75,19 @@ TEST(PeerNode, AWatcherThatFoundsRunsWhatTheFileGivesToTheFounder) {
   }
 }
 
+TEST(SharedWorld, NamesWhatTheWorldAsksForInVain) {
+  const testing_support::ScratchFolder folder;
+  std::string text = "#VRML V2.0 utf8\n";
+  for (int i = 0; i < 25; ++i)
+    text += "CollisionInterest { objectPath \"A" + std::to_string(i) + "\" interests [ ] }\n";
+  for (int i = 0; i < 25; ++i) text += "DEF A" + std::to_string(i) + " Shape { geometry Box { } }\n";
+  folder.write("v.wrl", text);
+  const auto shared = share_world(folder / "v.wrl");
+  ASSERT_TRUE(shared) << shared.error().text;
+  const std::vector<std::string> all = (*shared)->findings();
+  ASSERT_EQ(all.size(), 21u) << "the first twenty, and how many more there are";
+  EXPECT_EQ(all[0], (folder / "v.wrl").string() + ":2:1: warning: this CollisionInterest has no interests");
+  EXPECT_EQ(all[20], (folder / "v.wrl").string() + ": note: 5 more warnings; peerd check --json lists all");
+}
+
 }  // namespace peerd::peer_node_test
