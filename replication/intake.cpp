@@ -150,7 +150,7 @@ void Intake::on_introduction(HostTime now, PeerId sender, Member& member, const 
   const bool both = hello.session_tx && p_.replica.begun();
   const Duration ahead = both ? *hello.session_tx - p_.to_session(now) : Duration{0};
   if (!hello.session_tx || ahead <= -kUpdateAgeMax || ahead >= kUpdateAheadMax) return;
-  keeper_.claim(sender, introduction.owned);
+  keeper_.claim(sender, introduction.owned, introduction.owned_as_founder);
 }
 
 void Intake::report_same_name(PeerId sender, const std::string& name) {

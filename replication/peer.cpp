@@ -124,9 +124,15 @@ void Peer::Impl::send_hello(HostTime now, bool leaving) {
   if (parts.greeter.introduces(parts.time.clock().synchronised())) {
     std::vector<ObjectId> own;
     for (const auto& [object, each] : std::as_const(parts.own)) own.push_back(object);
-    hello.introduction = parts.greeter.introduction(own, parts.world_time.start(), parts.world_time.zero());
+    Introduction& introduction =
+        hello.introduction.emplace(parts.greeter.introduction(own, parts.world_time.start(), parts.world_time.zero()));
+    for (std::size_t k = 0; k < introduction.owned.size(); ++k) {
+      if (parts.owners.as_founder(introduction.owned[k])) introduction.owned_as_founder |= std::uint64_t{1} << k;
+    }
   }
-  if (!leaving) m.subscriptions = parts.regions.take(kSubscriptionsWithHello, true);
+  const bool as_founder =
+      hello.introduction && hello.introduction->owned_as_founder != 0;  // takes a subscription's room
+  if (!leaving) m.subscriptions = parts.regions.take(kSubscriptionsWithHello - (as_founder ? 1 : 0), true);
   parts.greeter.on_hello_sent(now, parts.outbox.send(m));
 }
 
@@ -196,6 +202,7 @@ const std::optional<OsClock>& Peer::os_clock() const { return impl_->parts.time.
 std::optional<PeerId> Peer::follows() const { return impl_->parts.time.follows(); }
 const Membership& Peer::members() const { return impl_->parts.members; }
 const Owners& Peer::owners() const { return impl_->parts.owners; }
+bool Peer::owns_any() const { return impl_->parts.own.size() > 0; }
 std::optional<SimTime> Peer::world_zero() const { return impl_->parts.world_time.zero(); }
 std::optional<double> Peer::time_sensors_limited_at() const { return impl_->parts.scripted.limited_at(); }
 

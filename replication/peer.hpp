@@ -78,6 +78,7 @@ class Peer {
   [[nodiscard]] const Membership& members() const;
   [[nodiscard]] PeerId owner(ObjectId object) const { return owners().of(object); }
   [[nodiscard]] const Owners& owners() const;
+  [[nodiscard]] bool owns_any() const;  // this peer
   // Session time at which the world's TimeSensors began, the same on all peers; none until one of them has said.
   [[nodiscard]] std::optional<SimTime> world_zero() const;
   // World time [s] since which the world's TimeSensors stand still (PredefinedMotion::transition_limit_reached_at).

@@ -50,7 +50,10 @@ bool SessionKeeper::maintain(HostTime now) {
   for (auto& [peer, member] : p_.members.expire(now)) lose(peer, member.name, now, false);
   const bool lost_leader = p_.time.has_lost_leader();
   if (p_.time.found_session(now)) {
-    if (!p_.replica.begun()) enter_session(now);
+    if (!p_.replica.begun()) {
+      own_as_founder();
+      enter_session(now);
+    }
   } else if (lost_leader) {
     follow_leader(now, std::nullopt);
   }
@@ -66,6 +69,19 @@ bool SessionKeeper::maintain(HostTime now) {
 
 void SessionKeeper::follow_leader(HostTime now, std::optional<PeerId> sender) {
   if (p_.time.follow_leader(now, sender, p_.replica.begun())) enter_session(now);
+}
+
+// Only who founds a session takes what the file gives to its founder. A peer that joins one, or one that remains when
+// its founder has gone, takes nothing: what a founder leaves behind is an orphan as any other.
+void SessionKeeper::own_as_founder() {
+  assert(!p_.replica.begun());
+  std::vector<OwnedObject> taken;
+  for (const OwnedObject& each : p_.config.owned_by_founder) {
+    if (p_.owners.of(each.object) == kNobody) taken.push_back(each);
+  }
+  if (taken.empty()) return;
+  p_.own.add(*p_.model->scene, taken, p_.config.policy.surface_error);
+  for (const OwnedObject& each : taken) p_.owners.set(each.object, p_.config.id, true);
 }
 
 void SessionKeeper::enter_session(HostTime host_now) {
@@ -175,26 +191,35 @@ void SessionKeeper::watch_pairs_around(std::span<const ObjectId> objects) {
   p_.decisions.watch(around);
 }
 
-void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects) {
+void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder) {
   assert(peer != kNobody && peer != p_.config.id);
   std::vector<ObjectId> changed, lost;
-  for (const ObjectId object : objects) {
+  for (std::size_t k = 0; k < objects.size(); ++k) {
+    const ObjectId object = objects[k];
     if (object.value >= p_.model->scene->instances.size()) {
       p_.drop(peer, "object");
       continue;
     }
     const PeerId before = p_.owners.of(object);
-    const bool added = before == kNobody, taken = !added && peer < before;
+    const bool by_founder = k < 64 && (as_founder >> k & 1) != 0;
+    const bool added = before == kNobody;
+    const bool taken =
+        !added && peer != before && std::pair(by_founder, peer) < std::pair(p_.owners.as_founder(object), before);
+    if (before == peer) p_.owners.set(object, peer, by_founder);
     if (!added && !taken) continue;
     if (taken) {
-      p_.outbox.push(OwnershipConflict{object, peer});
+      if (p_.owners.as_founder(object) && !by_founder) {
+        p_.outbox.push(FounderGaveWay{object, before, peer});
+      } else {
+        p_.outbox.push(OwnershipConflict{object, peer});
+      }
       if (before == p_.config.id) {
         lost.push_back(object);
         p_.launches.forget(object);
       }
       p_.regions.forget_handovers_of(object);
     }
-    p_.owners.set(object, peer);
+    p_.owners.set(object, peer, by_founder);
     changed.push_back(object);
   }
   p_.let_move(changed);

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -24,9 +25,10 @@ class SessionKeeper {
   // A hello has come, whose time stamps are known by now: follows the right peer.
   void follow_leader(HostTime now, std::optional<PeerId> sender);
 
-  // A peer claims these objects: those without an owner are its own from now on, and those of another owner only if
-  // the id of the claiming peer is lower.
-  void claim(PeerId peer, std::span<const ObjectId> objects);
+  // A peer claims these objects: those without an owner are its own from now on, and those of another owner only if its
+  // claim is better. Of two owners a founder of a session gives way, then the higher id. `as_founder`, bit k: the claim
+  // of the k-th object is a founder's.
+  void claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder = 0);
   // A peer has gone.
   void lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully);
   // A peer has gone, or begins anew: what it owned stands still from now on and belongs to nobody.
@@ -36,6 +38,7 @@ class SessionKeeper {
   void reintroduce() { p_.greeter.reintroduce(p_.own.size()); }
 
  private:
+  void own_as_founder();
   void enter_session(HostTime now);
   void move_to_session_time(SimTime before, SimTime now, bool same_session);
   void begin_worlds(SimTime now);

@@ -44,6 +44,8 @@ struct CollisionResponse {
 struct ObjectFields {
   Vec3 velocity = Vec3::Zero();       // velocityVector [m/s]
   double distance_threshold_m = 0.5;  // distanceThreshold
+  bool enslaved = false;              // the founder of the session owns it, unless a configuration names an owner
+  bool remote = false;                // its display converges where another peer owns it
   std::optional<CollisionResponse> response;
 };
 

@@ -226,6 +226,12 @@ void Builder::share_transform(const Node& node, Shared& shared) {
     } else if (name == "distanceThreshold") {
       object.distance_threshold_m = field.as<float>()[0];
       extended = true;
+    } else if (name == "enslaved") {
+      object.enslaved = field.as<bool>()[0];
+      extended = true;
+    } else if (name == "remote") {
+      object.remote = field.as<bool>()[0];
+      extended = true;
     } else if (name == "collisionResponse" && field.count == 1 && field.as<NodeRef>()[0].is_node()) {
       object.response = make_response(nodes_[field.as<NodeRef>()[0].index]);
       extended = true;

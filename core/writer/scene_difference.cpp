@@ -262,8 +262,8 @@ bool Comparison::compare_instance(std::uint32_t i) {
     return std::tuple(f.response.has_value(), r.type, r.set_back, r.mass_kg, r.restitution, r.friction_m_s2);
   };
   if (!same_bytes(o.velocity, p.velocity) || !same_bytes(o.distance_threshold_m, p.distance_threshold_m) ||
-      response(o) != response(p)) {
-    return differs("its velocity, threshold or response");
+      o.enslaved != p.enslaved || o.remote != p.remote || response(o) != response(p)) {
+    return differs("its velocity, threshold, owner, display or response");
   }
   const ShapeFields &s = scene_a_.shape({i}), &q = scene_b_.shape({i});
   const auto same_point = [](const Eigen::Vector3f& x, const Eigen::Vector3f& y) { return same_bytes(x, y); };

@@ -36,7 +36,9 @@ int print_error(const InputError& error, std::ostream& err, std::ostream* json) 
 std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(const std::string& path,
                                                                         const config::WorldReading& reading,
                                                                         std::ostream& err, std::ostream* json) {
-  auto file = read_world_asked_for(path, reading);
+  config::WorldReading mapping = reading;
+  mapping.maps_hierarchies = true;
+  auto file = read_world_asked_for(path, mapping);
   if (!file) return std::unexpected(print_error(file.error(), err, json));
   const ReadResult& result = (*file)->result;
   print_problems(result, err);

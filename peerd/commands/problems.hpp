@@ -24,8 +24,9 @@ ProblemCount print_problems(const ReadResult& result, std::ostream& err);
 [[nodiscard]] Result<std::unique_ptr<const config::WorldFile>> read_world_asked_for(
     const std::string& path, const config::WorldReading& reading);
 
-// Reads a world and prints its problems. Gives a world with a scene, or else the exit code: 1 it has errors, 2 there is
-// no such file, 3 it can't be read. `json` also gets the errors, as error_json has them; null: it doesn't.
+// Reads a world for a command that uses its hierarchyFiles, and prints its problems. Gives a world with a scene, or
+// else the exit code: 1 it has errors, 2 there is no such file, 3 it can't be read. `json` also gets the errors, as
+// error_json has them; null: it doesn't.
 [[nodiscard]] std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(
     const std::string& path, const config::WorldReading& reading, std::ostream& err, std::ostream* json = nullptr);
 

@@ -274,7 +274,7 @@ int run_peer(const PeerOptions& options) {
   if (const std::string less = buffer_warning(run.transport, transport->receive_buffer_bytes()); !less.empty()) {
     log(spdlog::level::warn, less);
   }
-  for (const std::string& line : (*shared)->model->unsupported) log(spdlog::level::warn, "unsupported: " + line);
+  for (const std::string& line : (*shared)->findings()) log(spdlog::level::warn, line);
 
   const auto cache_warmer = open_cache_warmer(run, log);
   Daemon daemon(

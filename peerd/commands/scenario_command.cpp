@@ -31,7 +31,7 @@ report::ScenarioInfo info_of(const ScenarioOptions& options, const config::Scena
                              const SharedWorld& shared) {
   report::ScenarioInfo info{
       scenario.name, "real", scenario.seed, {}, scenario.repeat, command_line("scenario", options)};
-  for (const std::string& line : shared.model->unsupported) info.warnings.push_back("unsupported: " + line);
+  info.warnings = shared.findings();
   if (!options.netem) {
     info.warnings.push_back(
         "the network is this computer's own: latency_ms, jitter_ms, loss and the like do not apply");
@@ -57,6 +57,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return failed(shared.error());
   print_warnings(config::motions_without_effect(scenario->runs.front(), (*shared)->world.scene));
+  print_warnings((*shared)->findings());
 
   const auto csv_rows = read_samples(options.samples);
   if (!csv_rows) return failed(csv_rows.error());

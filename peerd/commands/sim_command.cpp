@@ -152,7 +152,7 @@ int run_sim(const ScenarioOptions& options) {
 
   report::ScenarioInfo info{scenario->name, "sim", scenario->seed, {}, scenario->repeat, command_line("sim", options)};
   info.csv_rows = *csv_rows;
-  for (const std::string& line : (*shared)->model->unsupported) info.warnings.push_back("unsupported: " + line);
+  info.warnings = (*shared)->findings();
   print_warnings(info.warnings);
 
   signals.note_from_now_on("stopped at once by a second signal: the report is not complete");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "peerd/input/number.hpp"
 #include "replication/wire/codec.hpp"
@@ -12,6 +13,7 @@ namespace peerd::config {
 namespace {
 
 constexpr double kFar_m = 1e9;
+constexpr std::size_t kShownWarnings = 20;  // of a world
 // A walker would cross smaller cells with every other step, and each region is a multicast group.
 constexpr double kCellMin_m = 1.0;
 constexpr int kRegionsMax = 65536;
@@ -194,6 +196,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   double convergence_s = to_seconds(s.convergence.over);
   reader.read("convergence_s", convergence_s, 0.0, kForever_s);
   s.convergence.over = from_seconds(convergence_s);
+  if (reader.has("convergence")) s.remote_convergence = s.convergence;
   reader.read("tick_hz", s.tick_hz, 1, 1000);
   reader.read("settled_hello_period_s", s.settled_hello_period_s, 0.25, 4.0);
   reader.finish();
@@ -322,7 +325,17 @@ Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldRea
   // An Inline that is read later leaves other numbers for the instances behind it, even if it holds none; so the hash
   // differs.
   const std::uint64_t hash = content_hash(read) ^ (read.scene->pending_inlines.empty() ? 0 : 1);
-  return LoadedWorld{path, hash, *read.scene};
+  LoadedWorld world{path, hash, *read.scene, {}};
+  const std::size_t count = read.diagnostics.size(), shown = std::min(count, kShownWarnings);
+  for (const Diagnostic& d : std::span(read.diagnostics).first(shown)) {
+    const std::string whole = render(read, d);
+    world.warnings.push_back(whole.substr(0, whole.find('\n')));
+  }
+  if (count > shown) {
+    world.warnings.push_back(path.string() + ": note: " + std::to_string(count - shown) +
+                             " more warnings; peerd check --json lists all");
+  }
+  return world;
 }
 
 }  // namespace peerd::config

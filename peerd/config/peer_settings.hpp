@@ -22,6 +22,7 @@ inline constexpr double kForever_s = 1e6;
 struct ReplicationSettings {
   replication::PublishPolicy policy;
   replication::ConvergencePolicy convergence;
+  replication::ConvergencePolicy remote_convergence{replication::ConvergenceMethod::kParabola};
   replication::DecisionSettings decisions;  // without a viewpoint, which is a peer's own
   replication::RelaySettings relay;
   replication::DisplayDelay display_delay;
@@ -112,6 +113,7 @@ struct LoadedWorld {
   std::filesystem::path path;
   std::uint64_t hash = 0;  // hash of the world's files; peers with other files are in another session
   Scene scene;
+  std::vector<std::string> warnings;  // each as "FILE:LINE:COLUMN: warning: ..", the first ones where there are many
 };
 [[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldReading& reading = {});
 

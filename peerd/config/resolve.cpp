@@ -2,10 +2,27 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <set>
+
+#include "core/motion/founder_objects.hpp"
+#include "peerd/config/events.hpp"
 
 namespace peerd::config {
 namespace {
+
+// The index of the peer that founds the session, as far as the configuration knows.
+std::size_t founder_in(const RunSettings& run) {
+  assert(!run.peers.empty());
+  std::size_t founder = 0;
+  const auto rank = [&](std::size_t p) {
+    return std::pair(!starts_with(run.events, run.peers[p].name), run.peers[p].id);
+  };
+  for (std::size_t p = 1; p < run.peers.size(); ++p) {
+    if (rank(p) < rank(founder)) founder = p;
+  }
+  return founder;
+}
 
 // Finds the owner of each object, then its motion. The first motion that claims an object counts, and peers' own
 // motions come before the scenario's.
@@ -15,6 +32,7 @@ class Resolver {
 
   Result<std::vector<PeerObjects>> all() {
     for (std::size_t p = 0; p < peers_.size(); ++p) assign_owner(p);
+    assign_to_founder();
     for (std::size_t p = 0; p < peers_.size(); ++p) {
       const PeerSettings& peer = run_.peers[p];
       std::map<ObjectId, std::string> claimed;
@@ -57,6 +75,14 @@ class Resolver {
         fail(pattern.at,
              key + ": peer " + run_.peers[at->second].name + " owns \"" + scene_.path_of(object) + "\" too");
       }
+    }
+  }
+
+  void assign_to_founder() {
+    const std::size_t founder = founder_in(run_);
+    std::vector<ObjectId>& owned = peers_.size() > 1 ? peers_[founder].owned : peers_[founder].owned_by_founder;
+    for (const ObjectId object : founder_objects(scene_).owned) {
+      if (runs_.try_emplace(object, founder).second) owned.push_back(object);
     }
   }
 
@@ -146,15 +172,20 @@ std::vector<ObjectId> objects_or_none(const Scene& scene, const NodePattern& pat
 // The key of the peer's own motion that moves each object; empty for what a peer owns and no motion of its own moves.
 std::map<ObjectId, std::string> own_motions(const RunSettings& run, const Scene& scene) {
   std::map<ObjectId, std::string> owned;
-  for (const PeerSettings& peer : run.peers) {
-    std::set<ObjectId> of_peer;
-    for (const NodePattern& pattern : peer.owns) {
-      for (const ObjectId object : objects_or_none(scene, pattern)) of_peer.insert(object);
+  std::vector<std::set<ObjectId>> of_peer(run.peers.size());
+  for (std::size_t p = 0; p < of_peer.size(); ++p) {
+    for (const NodePattern& pattern : run.peers[p].owns) {
+      for (const ObjectId object : objects_or_none(scene, pattern)) of_peer[p].insert(object);
     }
-    for (const ObjectId object : of_peer) owned.emplace(object, "");
-    for (const auto& [pattern, motion] : peer.motion) {
+    for (const ObjectId object : of_peer[p]) owned.emplace(object, "");
+  }
+  for (const ObjectId object : founder_objects(scene).owned) {
+    if (owned.emplace(object, "").second) of_peer[founder_in(run)].insert(object);
+  }
+  for (std::size_t p = 0; p < of_peer.size(); ++p) {
+    for (const auto& [pattern, motion] : run.peers[p].motion) {
       for (const ObjectId object : objects_or_none(scene, NodePattern(pattern, motion.at))) {
-        if (of_peer.contains(object)) owned.at(object) = "peer." + peer.name + ".motion." + pattern;
+        if (of_peer[p].contains(object)) owned.at(object) = "peer." + run.peers[p].name + ".motion." + pattern;
       }
     }
   }

@@ -17,6 +17,7 @@ using Motions = std::map<ObjectId, MotionSource>;
 // The objects of the scene that a peer's paths and patterns stand for.
 struct PeerObjects {
   std::vector<ObjectId> owned;                       // in the order of the settings, without duplicates
+  std::vector<ObjectId> owned_by_founder;            // owned if this peer founds the session
   Motions motions;                                   // owned objects that are driven
   std::map<std::string, ObjectId> outside;           // owned objects that a program moves, by the name that it uses
   std::map<ObjectId, replication::Launch> launches;  // owned objects that physics moves
@@ -24,7 +25,9 @@ struct PeerObjects {
 };
 
 // Finds the owned objects and the motions of each of run.peers, in their order. No other function connects settings
-// with the scene.
+// with the scene. What the file gives to the founder, and no peer's settings own: peers of one configuration know who
+// begins together, and the lowest id of those owns it, whenever it comes; a peer of a configuration of its own has to
+// see whether it founds the session.
 [[nodiscard]] Result<std::vector<PeerObjects>> resolve(const RunSettings& run, const Scene& scene);
 
 // The objects that some peer of some run owns, ascending. Patterns that name nothing are left out: resolve() reports

@@ -1,4 +1,5 @@
 #include "peerd/input/world_file.hpp"
+#include "core/motion/inert_parts.hpp"
 #include "peerd/input/text_file.hpp"
 
 #include <charconv>
@@ -82,6 +83,7 @@ std::unique_ptr<const WorldFile> read_text_of_world(std::string text, const std:
     return loaded;
   };
   file->result = read_world(file->text, options);
+  warn_of_inert_parts(file->result, reading.maps_hierarchies);
   return file;
 }
 

@@ -23,6 +23,7 @@ namespace peerd::config {
 // How a world's files are read; see ReadOptions.
 struct WorldReading {
   bool inlines_when_needed = false;  // ReadOptions::defer_inlines
+  bool maps_hierarchies = false;     // hierarchyFiles are used, which no peer does (warn_of_inert_parts)
   std::uint32_t expansion = 1;       // ReadLimits::expansion; multiplies the size that the files may have, too
 };
 inline constexpr std::uint32_t kExpansionMax = 1'000'000;

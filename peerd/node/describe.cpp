@@ -110,6 +110,12 @@ struct LineOf {
     return LogLine{LogLevel::kError,
                    fmt::format("two peers own {}; peer {} keeps it", scene.path_of(c.object), c.owner.value)};
   }
+  Line operator()(const FounderGaveWay& g) const {
+    return LogLine{
+        LogLevel::kInfo,
+        fmt::format("{}, which the world's file gave to peer {} as the founder, is peer {}'s by its settings",
+                    scene.path_of(g.object), g.founder.value, g.owner.value)};
+  }
   Line operator()(const Published& p) const {
     return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", scene.path_of(p.object),
                                                  to_string(p.reason), p.threshold_m)};

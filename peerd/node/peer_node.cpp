@@ -31,6 +31,12 @@ const char* to_string(replication::ContactKind kind) {
 
 }  // namespace
 
+std::vector<std::string> SharedWorld::findings() const {
+  std::vector<std::string> all = world.warnings;
+  for (const std::string& line : model->unsupported) all.push_back("unsupported: " + line);
+  return all;
+}
+
 Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
                                                        const config::WorldReading& reading,
                                                        std::span<const config::RunSettings> runs) {
@@ -53,6 +59,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.world_hash = replication.regions.session_hash(shared.world.hash);
   config.policy = replication.policy;
   config.convergence = replication.convergence;
+  config.remote_convergence = replication.remote_convergence;
   config.relay = replication.relay;
   config.display_delay = replication.display_delay;
   config.regions = replication.regions;
@@ -72,13 +79,15 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
     viewpoint.field_of_view = v.field_of_view_deg * kRadians;
     viewpoint.aspect = v.aspect;
   }
-  for (const ObjectId object : objects.owned) {
+  const auto as_owned = [&](ObjectId object) {
     const bool outside =
         std::ranges::any_of(objects.outside, [&](const auto& named) { return named.second == object; });
     const auto launch = objects.launches.find(object);
-    config.owned.push_back({object, outside || objects.motions.contains(object),
-                            launch == objects.launches.end() ? replication::Launch{} : launch->second});
-  }
+    return replication::OwnedObject{object, outside || objects.motions.contains(object),
+                                    launch == objects.launches.end() ? replication::Launch{} : launch->second};
+  };
+  for (const ObjectId object : objects.owned) config.owned.push_back(as_owned(object));
+  for (const ObjectId object : objects.owned_by_founder) config.owned_by_founder.push_back(as_owned(object));
   feed::PoseFeeds feeds({std::move(objects.outside), from_seconds(settings.feed.stale_s)}, shared.world.scene);
   return std::unique_ptr<PeerNode>(new PeerNode(std::move(config), shared, std::move(objects.motions), std::move(feeds),
                                                 settings.keys, std::move(options)));
@@ -125,7 +134,7 @@ void PeerNode::agree_on_start(HostTime now) {
     follow_start(now, *announcing->second.start);
     return;
   }
-  if (options_.watches && announcing == members.end()) return;
+  if (options_.watches && !peer_.owns_any() && announcing == members.end()) return;
   if (const PeerId other = starter(); other != config_.id) {
     const auto member = members.find(other);
     if (member != members.end() && member->second.start) log_.start = member->second.start;

@@ -21,6 +21,8 @@ namespace peerd {
 struct SharedWorld {
   config::LoadedWorld world;
   std::unique_ptr<const replication::WorldModel> model;
+  // What the world asks for in vain, and other warnings about it: one sentence each.
+  [[nodiscard]] std::vector<std::string> findings() const;
 };
 // `runs`: what their peers own carries what is below it, and goes with what carries it.
 [[nodiscard]] Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
@@ -37,7 +39,8 @@ class PeerNode {
     // The session has begun without this peer, which adopts the announced start. Where all peers have come late and
     // nobody announces one, they begin anew.
     bool late = false;
-    // This peer has no part in the scenario: it does not begin the motions, nor the world's time, but adopts a start.
+    // This peer has no part in the scenario: unless it founds the session and the file gives its founder something, it
+    // does not begin the motions, nor the world's time, but adopts a start.
     bool watches = false;
     Duration start_lead{0};    // the start is the first whole second at least this long after all peers are here
     Duration clock_offset{0};  // test setting: how far this host's clock is ahead of the shared clock

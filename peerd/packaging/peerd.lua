@@ -82,6 +82,7 @@ local F = {
     enslaved = field("uint32", "introduction.enslaved", "Runs object"),
     start = field("int64", "introduction.start_ns", "Motions begin [ns]"),
     zero = field("int64", "introduction.world_zero_ns", "Time 0 of the world's TimeSensors [ns]"),
+    as_founder = field("uint64", "introduction.owned_as_founder", "Of those, bit by bit, as the founder", base.HEX),
   },
   view = {
     object = field("uint32", "viewpoint.object", "In the frame of object"),
@@ -692,6 +693,7 @@ local function dissect_introduction(tvb, tree)
     end },
     time64(tree, I.start), time64(tree, I.zero),
     message(tree, "Viewpoint", dissect_viewpoint),
+    { fixed64 = function(_, range) tree:add_le(I.as_founder, range) end },
   })
   if not named then refuse("no name") end
 end

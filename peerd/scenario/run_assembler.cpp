@@ -39,6 +39,8 @@ RunAssembler::RunAssembler(const config::RunSettings& run, const SharedWorld& sh
   std::map<ObjectId, Object> by_id;
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
     for (const ObjectId id : resolved_[i].owned) by_id[id].owner = PeerId{run.peers[i].id};
+    // The lone peer of a run founds its session.
+    for (const ObjectId id : resolved_[i].owned_by_founder) by_id[id].owner = PeerId{run.peers[i].id};
     for (const auto& [id, motion] : resolved_[i].motions) by_id[id].motion = &motion;
   }
   for (auto& [id, object] : by_id) {

@@ -82,6 +82,11 @@ struct OwnershipConflict {
   ObjectId object;
   PeerId owner;  // the peer that keeps the object: the one with the lower id
 };
+// The founder of the session has had an object by the world's file, and gives way to a peer whose settings own it.
+struct FounderGaveWay {
+  ObjectId object;
+  PeerId founder, owner;
+};
 struct Published {
   SimTime at;
   ObjectId object;
@@ -106,8 +111,9 @@ struct ContactSeen {
   ContactEvent contact;
   SimTime known_at;
 };
-using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
-                            PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict,
-                            Published, ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
+using Output =
+    std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined, PeerLost,
+                 ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict, FounderGaveWay,
+                 Published, ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

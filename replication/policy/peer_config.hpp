@@ -65,8 +65,13 @@ struct PeerConfig {
   std::uint64_t incarnation = 1;  // must grow from one start of this peer to the next
   std::uint64_t world_hash = 0;   // peers with another world are ignored, and reported once
   std::vector<OwnedObject> owned;
+  // Objects that the world's file gives to the founder of the session: this peer owns them from when it founds one. A
+  // peer that owns such an object by its `owned` comes before a founder.
+  std::vector<OwnedObject> owned_by_founder;
   PublishPolicy policy;
   ConvergencePolicy convergence;
+  // Of the nodes that the world's file marks as `remote`.
+  ConvergencePolicy remote_convergence{ConvergenceMethod::kParabola};
   DecisionSettings decisions;
   RelaySettings relay;
   DisplayDelay display_delay;

@@ -51,7 +51,9 @@ Pose Display::shown(ObjectId object, SimTime t) {
   const KinematicState state = replica_.ghost(object, t);
   const MotionWorld& ghosts = replica_.ghosts();
   if (!ghosts.has(object)) return state.pose();
-  Convergence& convergence = shown_.try_emplace(object, config_.convergence).first->second;
+  const bool marked = model_->scene->object(object).remote;
+  Convergence& convergence =
+      shown_.try_emplace(object, marked ? config_.remote_convergence : config_.convergence).first->second;
   const std::uint64_t blocked = convergence.blocked(), detours = convergence.detours();
   const SimTime since = convergence.last_shown().value_or(t);
   const Pose pose = convergence.shown(

@@ -9,9 +9,13 @@ namespace peerd::replication {
 
 OwnObjects::OwnObjects(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error)
     : index_(scene.instances.size()) {
+  add(scene, objects, surface_error);
+}
+
+void OwnObjects::add(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error) {
   std::vector<OwnedObject> sorted(objects.begin(), objects.end());
   std::ranges::sort(sorted, {}, &OwnedObject::object);
-  map_.reserve(sorted.size());
+  map_.reserve(map_.size() + sorted.size());
   for (const OwnedObject& e : sorted) {
     assert(e.object.value < index_.size());
     OwnObject& own = map_[e.object];

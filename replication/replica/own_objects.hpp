@@ -85,6 +85,8 @@ class OwnObjects {
   [[nodiscard]] Map::const_iterator begin() const { return map_.begin(); }
   [[nodiscard]] Map::const_iterator end() const { return map_.end(); }
 
+  // This peer owns these, too, from now on; in any order.
+  void add(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error);
   // Other peers own these from now on: they are no longer here. Objects that are not are left out.
   void remove(std::span<const ObjectId> objects);
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <iterator>
 #include <ranges>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -27,11 +28,20 @@ class Owners {
     const PeerId owner_a = of(a), owner_b = of(b);
     return owner_a != kNobody && owner_b != kNobody && owner_a != owner_b;
   }
-  // Sets the owner of an object, which exists. kNobody: nobody owns it from now on.
-  void set(ObjectId object, PeerId owner) {
+  // Sets the owner of an object, which exists. kNobody: nobody owns it from now on. `as_founder`: the world's file
+  // gives the object to the founder of the session, and the owner has it for no other reason.
+  void set(ObjectId object, PeerId owner, bool as_founder = false) {
     assert(object.value < by_object_.size());
+    assert(owner != kNobody || !as_founder);
     by_object_[object.value] = owner;
+    if (as_founder) {
+      as_founder_.insert(object);
+    } else {
+      as_founder_.erase(object);
+    }
   }
+  // Whether the owner has the object as the founder of the session.
+  [[nodiscard]] bool as_founder(ObjectId object) const { return as_founder_.contains(object); }
 
   // The owned objects, each with its owner, ascending; from() gives those from that one on, and size() counts all.
   class Iterator {
@@ -69,6 +79,7 @@ class Owners {
 
  private:
   std::vector<PeerId> by_object_;
+  std::set<ObjectId> as_founder_;
 };
 
 }  // namespace peerd::replication

@@ -19,8 +19,9 @@ constexpr std::size_t kIntroductionEvery = 8;
 constexpr std::uint32_t kIntroductionRepeats = 3, kIntroductionRepeatsMax = 6;
 // The most own objects in an introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of
 // at most 20, a viewpoint of at most 97, a name of 64 and kSubscriptionsWithHello regions of at most 7, and 11 for
-// them all, fit into a datagram.
+// them all, fit into a datagram. The 9 bytes of owned_as_founder are there instead of one of the regions.
 constexpr std::size_t kOwnedMax = 50;
+static_assert(kOwnedMax <= 64, "each has a bit in owned_as_founder");
 // The most lost peers that are remembered: more than one network carries.
 constexpr std::size_t kLostPeersMax = 4096;
 
@@ -125,7 +126,7 @@ void Greeter::fill_echoes(Hello& hello, HostTime now, bool cuts_regions) {
 Introduction Greeter::introduction(std::span<const ObjectId> own, std::optional<SimTime> start,
                                    std::optional<SimTime> world_zero) {
   assert(std::ranges::is_sorted(own));
-  Introduction i{config_.name, config_.world_hash, {}, start, world_zero, config_.decisions.viewpoint};
+  Introduction i{config_.name, config_.world_hash, {}, 0, start, world_zero, config_.decisions.viewpoint};
   take_turns(introductions_ * kOwnedMax, own.size(), kOwnedMax, [&](std::size_t k) { i.owned.push_back(own[k]); });
   std::ranges::sort(i.owned);
   ++introductions_;

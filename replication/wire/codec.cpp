@@ -69,6 +69,7 @@ void put(const Introduction& i, std::uint64_t incarnation, proto::Introduction* 
   out->set_world_hash(i.world_hash);
   out->set_incarnation(incarnation);
   out->set_owned(packed(i.owned));
+  out->set_owned_as_founder(i.owned_as_founder);
   if (i.start) out->set_start_ns(i.start->time_since_epoch().count());
   if (i.world_zero) out->set_world_zero_ns(i.world_zero->time_since_epoch().count());
   if (i.viewpoint) put(*i.viewpoint, out->mutable_viewpoint());
@@ -208,6 +209,7 @@ bool take(const proto::Introduction& in, Introduction& i) {
   if (!is_name(in.name()) || !take_objects(in.owned(), i.owned)) return false;
   i.name = in.name();
   i.world_hash = in.world_hash();
+  i.owned_as_founder = in.owned_as_founder();
   if (in.has_start_ns() && !take(in.start_ns(), i.start.emplace())) return false;
   if (in.has_world_zero_ns() && !take(in.world_zero_ns(), i.world_zero.emplace())) return false;
   return !in.has_viewpoint() || take(in.viewpoint(), i.viewpoint.emplace());

@@ -94,6 +94,8 @@ struct Introduction {
   std::string name;
   std::uint64_t world_hash = 0;
   std::vector<ObjectId> owned;
+  // Bit k: the sender owns owned[k] because the world's file gives it to the founder of the session (`enslaved`).
+  std::uint64_t owned_as_founder = 0;
   std::optional<SimTime> start;       // when this peer lets motions by formula begin; none: it does not say
   std::optional<SimTime> world_zero;  // time 0 of the world's TimeSensors
   std::optional<Viewpoint> viewpoint;

@@ -9,6 +9,7 @@
 
 #include "collision/contact/contact_time.hpp"
 #include "core/motion/carriers.hpp"
+#include "core/motion/founder_objects.hpp"
 #include "core/motion/predefined_motion.hpp"
 
 namespace peerd::replication {
@@ -363,7 +364,10 @@ std::vector<std::uint32_t> WorldModel::chain_of(std::uint32_t part, std::uint32_
 std::unique_ptr<const WorldModel> make_world_model(const Scene& scene, std::span<const ObjectId> owned) {
   auto model = std::make_unique<WorldModel>();
   model->scene = &scene;
-  ModelBuilder(scene, nullptr, *model).build(owned);
+  std::vector<ObjectId> ownable = founder_objects(scene).owned;
+  ownable.insert(ownable.end(), owned.begin(), owned.end());
+  keep_each_once(ownable);
+  ModelBuilder(scene, nullptr, *model).build(ownable);
   return model;
 }
 

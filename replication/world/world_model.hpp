@@ -94,7 +94,8 @@ struct WorldModel {
   [[nodiscard]] std::vector<std::uint32_t> chain_of(std::uint32_t part, std::uint32_t common = ModelNode::kNone) const;
 };
 
-// `owned`: nodes that peers own, besides those that interests name; they are carriers, too.
+// `owned`: nodes that peers own, besides those that interests name and those that the file gives to the founder; they
+// are carriers, too.
 [[nodiscard]] std::unique_ptr<const WorldModel> make_world_model(const Scene& scene,
                                                                  std::span<const ObjectId> owned = {});
 

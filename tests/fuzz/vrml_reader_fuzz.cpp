@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/geometry/tessellate.hpp"
+#include "core/motion/inert_parts.hpp"
 #include "core/motion/moving_scene.hpp"
 #include "core/scene/reader.hpp"
 #include "tests/core/document_violation.hpp"
@@ -95,7 +96,8 @@ void check_movement(const peerd::Scene& scene) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto files = files_in({reinterpret_cast<const char*>(data), size});
-  const peerd::ReadResult result = peerd::read_world(files[0], options_for(files));
+  peerd::ReadResult result = peerd::read_world(files[0], options_for(files));
+  warn_of_inert_parts(result);
   const bool error =
       std::ranges::any_of(result.diagnostics, [](const auto& d) { return d.severity == peerd::Severity::kError; });
   require(error != result.scene.has_value());

@@ -111,6 +111,7 @@ class MessageMaker {
     for (std::uint32_t i = number<std::uint32_t>() % 9; i > 0; --i)
       n.owned.push_back(ObjectId{number<std::uint32_t>()});
     std::ranges::sort(n.owned);
+    n.owned_as_founder = number<std::uint64_t>();
     if (coin()) n.start = SimTime{time()};
     if (coin()) n.world_zero = SimTime{time()};
     if (coin()) {
@@ -215,8 +216,9 @@ inline bool same_bits(const Message& a, const Message& b) {
   };
   const auto same_introduction = [&](const std::optional<Introduction>& i, const std::optional<Introduction>& j) {
     if (!i || !j) return !i && !j;
-    return i->name == j->name && i->world_hash == j->world_hash && i->owned == j->owned && i->start == j->start &&
-           i->world_zero == j->world_zero && same_viewpoint(i->viewpoint, j->viewpoint);
+    return i->name == j->name && i->world_hash == j->world_hash && i->owned == j->owned &&
+           i->owned_as_founder == j->owned_as_founder && i->start == j->start && i->world_zero == j->world_zero &&
+           same_viewpoint(i->viewpoint, j->viewpoint);
   };
   const auto same_os_clock = [](const std::optional<OsClockNote>& o, const std::optional<OsClockNote>& p) {
     if (!o || !p) return !o && !p;

@@ -85,6 +85,89 @@ TEST(PeerSession, LossHealsWithinTheTimeThreshold) {
   }
 }
 
+// What the file gives to the founder, at peers that know nothing of each other's settings.
+PeerConfig may_found(const World& world, std::uint32_t id, std::vector<OwnedObject> owned = {}) {
+  PeerConfig c = config(id, std::move(owned));
+  if (c.owned.empty()) c.owned_by_founder = {{world["A"]}};
+  return c;
+}
+void expect_owner(const Lan& lan, ObjectId object, PeerId owner) {
+  for (std::size_t i = 0; i < lan.size(); ++i) {
+    EXPECT_EQ(lan.peer(i).owner(object), owner) << "at peer " << lan.peer(i).id().value;
+  }
+}
+
+TEST(Founder, IsTheLowestIdOfThoseThatStartTogether) {
+  const World world(three_boxes());
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    Lan lan(world, {20ms, 20ms, 0.2, 0}, seed);
+    for (const std::uint32_t id : {3, 1, 2}) lan.add(may_found(world, id));
+    for (; lan.now() < 20s; lan.run_until(lan.now() + 10ms)) {
+      int owners = 0;
+      for (std::size_t i = 0; i < 3; ++i) owners += lan.peer(i).owns_any();
+      ASSERT_LE(owners, 1);
+    }
+    expect_owner(lan, world["A"], PeerId{1});
+    const SimTime t = lan.session_now(1);
+    EXPECT_GT(lan.peer(1).truth(world["A"], t).position.x(), 1.0) << "its velocityVector launches it";
+    EXPECT_NEAR(lan.peer(0).ghost(world["A"], t).position.x(), lan.peer(1).truth(world["A"], t).position.x(), 0.5);
+  }
+}
+
+// A peer that joins takes nothing from a founder, however low its id, and nothing that a founder has left behind.
+TEST(Founder, KeepsItsObjectsFromALateJoinerAndLeavesThemBehind) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(may_found(world, 5));
+  lan.run_until(3s);
+  expect_owner(lan, world["A"], PeerId{5});
+  lan.add(may_found(world, 1));
+  for (; lan.now() < 8s; lan.run_until(lan.now() + 10ms)) ASSERT_FALSE(lan.peer(1).owns_any());
+  expect_owner(lan, world["A"], PeerId{5});
+  EXPECT_EQ(lan.peer(0).follows(), PeerId{1}) << "the lower id leads session time all the same";
+  lan.leave(0);
+  lan.run_until(12s);
+  EXPECT_EQ(lan.peer(1).owner(world["A"]), kNobody);
+  const Vec3 left = lan.peer(1).ghost(world["A"], lan.session_now(1)).position;
+  lan.run_until(14s);
+  EXPECT_EQ(lan.peer(1).ghost(world["A"], lan.session_now(1)).position, left) << "an orphan stands";
+}
+
+TEST(Founder, GivesWayToAPeerWhoseSettingsOwnTheObject) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(may_found(world, 1));
+  lan.add(may_found(world, 2));
+  lan.run_until(3s);
+  expect_owner(lan, world["A"], PeerId{1});
+  lan.add(may_found(world, 7, {{world["A"]}}));
+  lan.run_until(6s);
+  expect_owner(lan, world["A"], PeerId{7});
+  lan.run_until(12s);
+  expect_owner(lan, world["A"], PeerId{7});
+  for (const std::size_t i : {0, 1}) {
+    ASSERT_EQ(lan.seen<FounderGaveWay>(i).size(), 1u) << "and it stays so";
+    EXPECT_EQ(lan.seen<FounderGaveWay>(i)[0].founder, PeerId{1});
+    EXPECT_EQ(lan.seen<FounderGaveWay>(i)[0].owner, PeerId{7});
+    EXPECT_THAT(lan.seen<OwnershipConflict>(i), IsEmpty()) << "nobody has made a mistake";
+  }
+}
+
+// Two founders meet, as two owners by their settings do.
+TEST(Founder, OfTwoSessionsTheLowerIdKeepsTheObject) {
+  const World world(three_boxes());
+  Lan lan(world);
+  lan.add(may_found(world, 2));
+  lan.add(may_found(world, 1), 3s);
+  lan.part({1});
+  lan.run_until(4s);
+  EXPECT_TRUE(lan.peer(0).owns_any() && lan.peer(1).owns_any());
+  lan.part({});
+  lan.run_until(8s);
+  expect_owner(lan, world["A"], PeerId{1});
+}
+
 TEST(PeerSession, ALonePeerListensFirstThenFounds) {
   const World world(three_boxes());
   Lan lan(world);

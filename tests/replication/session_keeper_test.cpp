@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/replication/lan.hpp"
 #include "tests/replication/parts.hpp"
 
@@ -75,6 +77,72 @@ TEST_F(Keeping, AnOwnObjectIsLostToALowerIdAlone) {
   EXPECT_EQ(p.owners.of(o0), PeerId{3});
   p.extend_motions(sim(9s));
   EXPECT_TRUE(p.launches.unpublished().empty()) << "its owner launches it";
+}
+
+// Bit k of a claim: the k-th object is claimed as the founder of a session.
+constexpr std::uint64_t kFirstAsFounder = 1, kSecondAsFounder = 2;
+
+TEST_F(Keeping, WhoHasAnObjectAsFounderGivesWayToWhoOwnsItAnyway) {
+  found();
+  add_member(p.members, 3, host(1s));
+  add_member(p.members, 7, host(1s));
+  add_member(p.members, 8, host(1s));
+  keeper.claim(PeerId{3}, std::array{o3, o2}, kSecondAsFounder);
+  EXPECT_TRUE(p.owners.as_founder(o2));
+  EXPECT_FALSE(p.owners.as_founder(o3));
+  keeper.claim(PeerId{8}, std::array{o2, o3}, kFirstAsFounder);
+  EXPECT_EQ(p.owners.of(o2), PeerId{3}) << "of two founders the lower id";
+  keeper.claim(PeerId{8}, std::array{o2, o3});
+  EXPECT_EQ(p.owners.of(o2), PeerId{8});
+  EXPECT_FALSE(p.owners.as_founder(o2));
+  EXPECT_EQ(p.owners.of(o3), PeerId{3});
+  keeper.claim(PeerId{3}, std::array{o2}, kFirstAsFounder);
+  EXPECT_EQ(p.owners.of(o2), PeerId{8}) << "a founder takes nothing, however low its id";
+  keeper.claim(PeerId{7}, std::array{o2});
+  EXPECT_EQ(p.owners.of(o2), PeerId{7});
+}
+
+// An update may come before the introduction that says why.
+TEST_F(Keeping, AClaimMayTurnOutToBeAFounders) {
+  found();
+  member_owns(3, {o2});
+  EXPECT_FALSE(p.owners.as_founder(o2));
+  keeper.claim(PeerId{3}, std::array{o2}, kFirstAsFounder);
+  EXPECT_TRUE(p.owners.as_founder(o2));
+  EXPECT_TRUE(drain<OwnershipConflict>(p.outbox).empty());
+  member_owns(7, {o2});
+  EXPECT_EQ(p.owners.of(o2), PeerId{7});
+}
+
+class Founding : public testing::Test {
+ protected:
+  static PeerConfig make(const World& world) {
+    PeerConfig c = config(5, {{world["O0"]}});
+    c.owned_by_founder = {{world["O1"]}, {world["O2"], true}};
+    return c;
+  }
+  World world{field(4)};
+  ObjectId o0 = world["O0"], o1 = world["O1"], o2 = world["O2"];
+  PeerParts p{make(world), *world.model};
+  SessionKeeper keeper{p};
+};
+
+TEST_F(Founding, ThePeerThatFoundsOwnsWhatTheFileGivesToTheFounder) {
+  for (Duration t = 0s; t < 1s; t += 100ms) (void)keeper.maintain(host(t));
+  EXPECT_EQ(p.owners.of(o1), kNobody) << "nobody has founded a session yet";
+  (void)keeper.maintain(host(1s));
+  ASSERT_TRUE(p.replica.begun());
+  EXPECT_EQ(p.owners.of(o1), PeerId{5});
+  EXPECT_TRUE(p.owners.as_founder(o1));
+  EXPECT_FALSE(p.owners.as_founder(o0));
+  EXPECT_TRUE(p.own.at(o2).driven);
+  EXPECT_FALSE(p.own.at(o1).driven);
+  add_member(p.members, 9, host(1s));
+  keeper.claim(PeerId{9}, std::array{o0, o1});
+  EXPECT_EQ(p.owners.of(o0), PeerId{5});
+  EXPECT_EQ(p.owners.of(o1), PeerId{9});
+  EXPECT_FALSE(p.own.contains(o1));
+  EXPECT_TRUE(p.own.contains(o2));
 }
 
 TEST_F(Keeping, ClaimsOfWhatIsNotThereAreCounted) {

@@ -97,6 +97,7 @@ void add(Expected& out, const Hello& h, std::uint64_t incarnation) {
   if (i.world_hash != 0) out.add("introduction.world_hash", i.world_hash);
   if (incarnation != 0) out.add("introduction.boot", incarnation);
   for (const ObjectId object : i.owned) out.add("introduction.enslaved", object.value);
+  if (i.owned_as_founder != 0) out.add("introduction.owned_as_founder", i.owned_as_founder);
   if (i.start) out.add("introduction.start_ns", *i.start);
   if (i.world_zero) out.add("introduction.world_zero_ns", *i.world_zero);
   if (!i.viewpoint) return;
@@ -190,7 +191,7 @@ std::vector<std::string> all_fields() {
   with("hello.", {"session_tx_ns", "sessions", "latency_ms", "clock_error_us", "os_minus_session_ns", "os_error_us"});
   with("echo.", {"peer", "hello", "held_ns", "newer", "run", "absent", "loss_permille"});
   with("note.", {"collider", "collidee", "contact_ns", "held"});
-  with("introduction.", {"name", "world_hash", "boot", "enslaved", "start_ns", "world_zero_ns"});
+  with("introduction.", {"name", "world_hash", "boot", "enslaved", "owned_as_founder", "start_ns", "world_zero_ns"});
   with("viewpoint.", {"object", "field_of_view", "aspect"});
   with("record.", {"object", "sequence", "kind", "time_ns", "decision_ns", "step_log2", "exact"});
   with("decision.", {"collider", "collidee", "contact_ns", "rule", "known_ns"});

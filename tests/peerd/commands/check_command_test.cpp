@@ -111,6 +111,22 @@ TEST(Check, JsonOfAGoodWorldCountsAll) {
   EXPECT_EQ(d["first"]["degenerate"]["polygon"], 1);
 }
 
+// What no peer does is a warning, and the world stays good.
+TEST(Check, WhatDoesNothingIsAWarning) {
+  const ScratchFolder folder;
+  const Checked run = check(folder,
+                            "DEF CAR Transform { children Shape { geometry Box { } } }\nDEF CLOCK TimeSensor { "
+                            "}\nROUTE CAR.notColliding TO CLOCK.enabled\n",
+                            true);
+  EXPECT_EQ(run.exit_code, 0);
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["good"], true);
+  ASSERT_EQ(json["warnings"].size(), 1U);
+  EXPECT_EQ(json["warnings"][0]["line"], 4);
+  EXPECT_EQ(json["warnings"][0]["column"], 11);
+  EXPECT_THAT(json["warnings"][0]["message"].get<std::string>(), HasSubstr("this ROUTE from notColliding"));
+}
+
 TEST(Check, JsonOfAWorldWithoutDefectsHasZeros) {
   const ScratchFolder folder;
   const Json defects = json_of(folder, "Shape { geometry Box {} }")["defects"];

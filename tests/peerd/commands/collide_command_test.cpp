@@ -52,6 +52,15 @@ DEF B Transform { translation 1 1 0 children Shape { geometry IndexedFaceSet {
 DEF C Transform { translation 9 0 0 children Shape { geometry Box {} } }
 )";
 
+TEST(Collide, NamesWhatDoesNothing) {
+  const ScratchFolder folder;
+  const Outcome outcome = collide(write(folder,
+                                        "DEF CAR Transform { children Shape { geometry Box { } } }\nDEF CLOCK "
+                                        "TimeSensor { }\nROUTE CAR.notColliding TO CLOCK.enabled\n"));
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("world.wrl:4:11: warning: no peer runs this ROUTE from notColliding"));
+}
+
 TEST(Collide, JsonIsAsItIsPromised) {
   const ScratchFolder folder;
   const Outcome outcome = collide(write(folder, std::string(kSquares) + R"(

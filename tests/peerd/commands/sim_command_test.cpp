@@ -48,6 +48,16 @@ id = 2
   std::string out, err;
 };
 
+TEST_F(SimCommand, NamesWhatDoesNothingAndReportsIt) {
+  folder.write("w.wrl",
+               "#VRML V2.0 utf8\nDEF CAR Transform { children Shape { geometry Box { } } }\nDEF CLOCK TimeSensor { "
+               "}\nROUTE CAR.notColliding TO CLOCK.enabled\n");
+  EXPECT_EQ(run(), 0) << err;
+  EXPECT_THAT(err, HasSubstr("w.wrl:4:11: warning: no peer runs this ROUTE from notColliding"));
+  const auto summary = nlohmann::json::parse(testing_support::text_of(folder / "out/summary.json"));
+  EXPECT_THAT(summary["warnings"].dump(), HasSubstr("this ROUTE from notColliding"));
+}
+
 TEST_F(SimCommand, WritesAReportAndPrintsItsTable) {
   EXPECT_EQ(run(), 0) << err;
   EXPECT_THAT(out, HasSubstr("times real time"));

@@ -1,4 +1,4 @@
-// [[peer.NAME.key]] and [control].
+// [[peer.NAME.key]], [control] and the convergence of [replication].
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -87,6 +87,18 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"ControlIsNoString", "[control]\nsocket = 3\n", "control.socket must be a string"},
         Wrong{"ControlHasOneKey", "[control]\nsoket = \"a\"\n", "did you mean control.socket?"}),
     [](const auto& c) { return std::string(c.param.name); });
+
+// Nodes that the file marks as remote converge, unless the configuration says a way for all.
+TEST_F(ConfigKeys, ConvergenceIsOfAllNodesOrOfThoseThatTheFileMarks) {
+  using enum replication::ConvergenceMethod;
+  const auto methods = [&](std::vector<std::string> sets) {
+    const config::ReplicationSettings r = read("", std::move(sets)).value().runs.front().replication;
+    return std::pair(r.convergence.method, r.remote_convergence.method);
+  };
+  EXPECT_EQ(methods({}), std::pair(kJump, kParabola));
+  EXPECT_EQ(methods({"replication.convergence=jump"}), std::pair(kJump, kJump));
+  EXPECT_EQ(methods({"replication.convergence=cubic"}), std::pair(kCubic, kCubic));
+}
 
 TEST_F(ConfigKeys, TheControlSocketStandsBesideTheScenario) {
   EXPECT_FALSE(read("")->runs.front().control.socket);

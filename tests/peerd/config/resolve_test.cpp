@@ -199,6 +199,50 @@ TEST_F(ResolveTest, MotionsWithoutEffectAreNamed) {
   EXPECT_THAT(warnings(own), IsEmpty());
 }
 
+class FounderTest : public ResolveTest {
+ protected:
+  FounderTest() {
+    folder.write("w.wrl",
+                 "#VRML V2.0 utf8\nDEF CAR_B Transform { enslaved TRUE }\nDEF CAR_A Transform { }\n"
+                 "DEF VAN Transform { enslaved TRUE }\n");
+  }
+};
+
+TEST_F(FounderTest, IsTheLowestIdOfThoseThatBeginTogether) {
+  const auto p = peers(
+      "[peer.a]\nid = 3\n[peer.b]\nid = 2\n[peer.c]\nid = 1\n"
+      "[event.late]\nat_s = 2\nkind = \"join\"\npeer = \"c\"\n");
+  ASSERT_EQ(p.size(), 3u) << "by id";
+  EXPECT_THAT(p[0].owned, IsEmpty()) << "it comes late";
+  EXPECT_THAT(p[1].owned, ElementsAre(kCarB, kVan));
+  EXPECT_THAT(p[2].owned, IsEmpty());
+  EXPECT_THAT(p[1].owned_by_founder, IsEmpty()) << "all peers know it from the configuration";
+}
+
+TEST_F(FounderTest, SettingsThatNameAnOwnerComeFirst) {
+  const auto p = peers("[peer.a]\nid = 1\n[peer.b]\nid = 2\nowns = [\"CAR_*\"]\n");
+  EXPECT_THAT(p[0].owned, ElementsAre(kVan));
+  EXPECT_THAT(p[1].owned, ElementsAre(kCarB, kCarA));
+}
+
+TEST_F(FounderTest, APeerOfItsOwnConfigurationHasToSee) {
+  const auto p = peers("[peer.a]\nid = 1\nowns = [\"CAR_*\"]\n[motion.VAN]\nx = \"t\"\n");
+  EXPECT_THAT(p[0].owned, ElementsAre(kCarB, kCarA));
+  EXPECT_THAT(p[0].owned_by_founder, ElementsAre(kVan));
+  EXPECT_EQ(x_at(p[0], kVan, 7.0), 7.0) << "it moves what it may come to own";
+}
+
+TEST_F(FounderTest, AMotionOfWhatItOwnsHasAnEffect) {
+  ScenarioRequest request;
+  request.file = folder.write("s.toml",
+                              "world = \"w.wrl\"\nduration_s = 10\n[peer.a]\nid = 1\n[peer.b]\nid = 2\n"
+                              "[motion.VAN]\nx = \"t\"\n[motion.CAR_A]\nx = \"t\"\n");
+  const auto scenario = read_scenario(request);
+  const auto world = load_world(scenario->world);
+  EXPECT_THAT(motions_without_effect(scenario->runs.front(), world->scene),
+              ElementsAre(HasSubstr("motion.CAR_A has no effect")));
+}
+
 // What any peer of any run owns, whatever else it names.
 TEST_F(ResolveTest, KnowsWhatIsOwnedInAllRuns) {
   const auto runs_of = [&](const std::string& text) {

@@ -58,6 +58,19 @@ TEST(WorldFile, NoFileIsAnErrorAndOneWithErrorsIsAResult) {
   EXPECT_FALSE((*wrong)->result.diagnostics.empty());
 }
 
+TEST(WorldFile, WhatTheWorldAsksForInVainIsAmongItsWarnings) {
+  const ScratchFolder folder;
+  const auto file =
+      read_world_file(folder.write("w.wrl", "#VRML V2.0 utf8\nShape { splitThreshold 3 }\nTransform { x 1 }"));
+  ASSERT_TRUE(file);
+  EXPECT_EQ((*file)->result.diagnostics.size(), 1u) << "of a bad world the errors alone";
+  const auto good = read_world_file(folder.write("w.wrl", "#VRML V2.0 utf8\nShape { splitThreshold 3 }\n"));
+  ASSERT_TRUE(good);
+  ASSERT_EQ((*good)->result.diagnostics.size(), 1u);
+  EXPECT_EQ((*good)->result.diagnostics[0].where.line, 2u);
+  EXPECT_THAT((*good)->result.diagnostics[0].message, testing::StartsWith("splitThreshold does nothing"));
+}
+
 TEST(LocalFiles, RefuseByName) {
   const ScratchFolder folder;
   const auto load = local_files();

@@ -83,6 +83,11 @@ TEST_F(Describe, WhatAPersonMustMendAreErrors) {
   EXPECT_EQ(line(OwnershipConflict{b, PeerId{1}}), "3 two peers own B; peer 1 keeps it");
 }
 
+TEST_F(Describe, AFounderThatGivesWayIsNoMistake) {
+  EXPECT_EQ(line(FounderGaveWay{b, PeerId{1}, PeerId{7}}),
+            "1 B, which the world's file gave to peer 1 as the founder, is peer 7's by its settings");
+}
+
 TEST_F(Describe, TheSecondSilenceOfAFeedIsForDebugging) {
   using Kind = feed::Notice::Kind;
   const auto notice = [](Kind kind, bool again) {

@@ -74,6 +74,31 @@ TEST_F(Shown, ARestartForgetsTheMeasuredDelay) {
   EXPECT_NEAR(shown(ball, 2s).y(), 2.0, 1e-9);
 }
 
+// The file marks BALL, which jumps 2 m along z at 1 s.
+TEST(ShownAsTheFileSays, ARemoteNodeConvergesWhereTheOthersJump) {
+  const World world{box("BALL", "1 1 1", "-5 0 0", "remote TRUE") + box("BOX", "1 1 1", "5 0 0")};
+  PeerConfig conf = config(1);
+  ASSERT_EQ(conf.convergence.method, ConvergenceMethod::kJump);
+  PeerCounters counters;
+  OwnObjects own{world.scene, conf.owned, false};
+  Replica replica{*world.in_force};
+  replica.begin(sim(0s));
+  Display display{conf, *world.in_force, own, replica, counters};
+  const auto z_at = [&](ObjectId object, Duration t) {
+    replica.ghosts().advance(sim(t));
+    return display.shown(object, sim(t)).position.z();
+  };
+  for (const char* name : {"BALL", "BOX"}) {
+    replica.declare_remote(world[name], Role::kPredicted);
+    EXPECT_EQ(z_at(world[name], 1s), 0.0);
+    replica.ghosts().set_base(world[name], sim(1s), moving({name[1] == 'A' ? -5.0 : 5.0, 0, 2}));
+  }
+  EXPECT_EQ(z_at(world["BOX"], 1100ms), 2.0);
+  EXPECT_NEAR(z_at(world["BALL"], 1100ms), 1.0, 0.6);
+  EXPECT_LT(z_at(world["BALL"], 1199ms), 2.0);
+  EXPECT_EQ(z_at(world["BALL"], 1200ms), 2.0);
+}
+
 class Smoothed : public Shown {
  protected:
   Smoothed() { conf.convergence = {ConvergenceMethod::kLinear, 200ms}; }

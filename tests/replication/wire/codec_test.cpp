@@ -457,6 +457,9 @@ TEST(HelloSize, AFullHelloFits) {
   m.subscriptions.assign(kSubscriptionsWithHello, {RegionId{kHigh}, sim(0s)});
   m.subscriptions.back().since = sim(10s);
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
+  i.owned_as_founder = ~std::uint64_t{0};
+  m.subscriptions.erase(m.subscriptions.begin());
+  EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
 }
 
 }  // namespace peerd::replication::codec_test
