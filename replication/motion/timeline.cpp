@@ -17,7 +17,7 @@ void Timeline::replace_from(SimTime t, const MotionModel& model, std::optional<O
   } else {
     while (!past_.empty() && past_.back().from >= t) past_.pop_back();
   }
-  last_ = {model, t, cause};
+  set_last(t, model, cause);
   assert(past_.empty() || past_.back().from < last_.from);
 }
 
@@ -73,19 +73,17 @@ std::optional<SimTime> Timeline::next_change_after(SimTime t) const {
   return change;
 }
 
-KinematicState Timeline::at(SimTime t) const {
-  if (!in_piece(t)) {
-    const std::size_t i = index_at(t);
-    const Segment& s = segment(i);
-    if (t <= s.from) return s.model.state;
-    const MotionPiece piece = piece_at(s.model, t - s.from);
-    piece_.begin = s.from + piece.begin;
-    piece_.first = std::max(piece_.begin, s.from + Duration{1});
-    piece_.end = piece.end ? s.from + *piece.end : SimTime::max();
-    if (&s != &last_) piece_.end = std::min(piece_.end, segment(i + 1).from);
-    piece_.state = piece.state;
-    assert(in_piece(t));
-  }
+KinematicState Timeline::at_other_piece(SimTime t) const {
+  const std::size_t i = index_at(t);
+  const Segment& s = segment(i);
+  if (t <= s.from) return s.model.state;
+  const MotionPiece piece = piece_at(s.model, t - s.from);
+  piece_.begin = s.from + piece.begin;
+  piece_.first = std::max(piece_.begin, s.from + Duration{1});
+  piece_.end = piece.end ? s.from + *piece.end : SimTime::max();
+  if (&s != &last_) piece_.end = std::min(piece_.end, segment(i + 1).from);
+  piece_.state = piece.state;
+  assert(in_piece(t));
   return advance(piece_.state, to_seconds(t - piece_.begin));
 }
 

@@ -30,7 +30,7 @@ class Timeline {
   // Does the same, and forgets where the object was before t.
   void restart(SimTime t, const MotionModel& model) {
     past_.clear();
-    last_ = {model, t, std::nullopt};
+    set_last(t, model, std::nullopt);
     piece_.end = SimTime::min();
   }
   // The timeline is relative to another frame from now on, that stands still as `frame` in the one before: all its
@@ -42,7 +42,9 @@ class Timeline {
   void forget_before(SimTime t);
 
   // The state at t by the piece in force then. Before the first segment the object has not moved yet.
-  [[nodiscard]] KinematicState at(SimTime t) const;
+  [[nodiscard]] KinematicState at(SimTime t) const {
+    return in_piece(t) ? advance(piece_.state, to_seconds(t - piece_.begin)) : at_other_piece(t);
+  }
   // The state at t by the closed form of the law in force, which no piece rounds.
   [[nodiscard]] KinematicState exact_at(SimTime t) const;
   // The law in force at t, based there: the pose of at(t), with the derivatives of the closed form.
@@ -90,7 +92,14 @@ class Timeline {
   };
   [[nodiscard]] bool in_piece(SimTime t) const { return t >= piece_.first && t < piece_.end; }
 
+  [[nodiscard]] KinematicState at_other_piece(SimTime t) const;
   [[nodiscard]] std::size_t index_at(SimTime t) const;
+  // Part by part: a Segment made first would be copied once more.
+  void set_last(SimTime from, const MotionModel& model, std::optional<ObjectId> cause) {
+    last_.model = model;
+    last_.from = from;
+    last_.cause = cause;
+  }
 
   std::vector<Segment> past_;
   Segment last_;  // apart from the others, for it is mostly the one in force, and beside its piece

@@ -65,13 +65,14 @@ void Publication::take(SimTime t, std::span<const OwnSample> samples) {
     if (own == own_.end() || own->first != sample.object) own = own_.map().find(sample.object);
     if (own == own_.end()) continue;  // lost to another peer
     assert(own->second.driven);
-    KinematicState state = sample.has_derivatives ? sample.state : own->second.poses.derive(t, sample.state.pose());
-    if (!acceptable(state)) {
-      state = at_rest_within_limits(state);
+    MotionModel law(sample.has_derivatives ? sample.state : own->second.poses.derive(t, sample.state.pose()));
+    if (!acceptable(law.state)) {
+      law.state = at_rest_within_limits(law.state);
       ++counters_.states_out_of_range;
     }
     // A carrier comes before what it carries, in the order of their ids.
-    truth.set_base(sample.object, t, truth.in_carrier(sample.object, t, state));
+    if (truth.is_carried(sample.object)) law.state = truth.in_carrier(sample.object, t, law.state);
+    truth.set_base(sample.object, t, law);
     ++own;
   }
 }

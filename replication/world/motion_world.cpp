@@ -215,7 +215,8 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   MovingObject& o = objects_[index];
   o.base_time = t;
   ++o.revision;
-  if (model_->part_pairs_moved_by(index).empty() && objects_.carried_by(index).empty()) {  // it meets nothing
+  const bool is_known = index < model_->nodes.size();  // the others meet nothing, and they are most
+  if (!is_known || (model_->part_pairs_moved_by(index).empty() && objects_.carried_by(index).empty())) {
     if (o.role == Role::kDriven && objects_.driven_history()) {
       o.timeline.restart(t, model);
       objects_.note_change(index);
@@ -748,8 +749,6 @@ Vec3 MotionWorld::vector_in_world(ObjectId object, SimTime t, const Vec3& relati
   const std::size_t index = objects_.index_of(object);
   return objects_[index].carrier == kNone ? relative : Vec3(objects_.carrier_at(index, t).orientation * relative);
 }
-
-bool MotionWorld::is_carried(ObjectId object) const { return objects_[objects_.index_of(object)].carrier != kNone; }
 
 bool MotionWorld::is_at_rest_from(ObjectId object, SimTime t) const {
   for (std::uint32_t i = static_cast<std::uint32_t>(objects_.index_of(object)); i != kNone; i = objects_[i].carrier) {

@@ -99,7 +99,7 @@ class MotionWorld {
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
   // The state in the frame of the object's carrier; that in the world where it has none.
   [[nodiscard]] KinematicState relative_at(ObjectId object, SimTime t) const;
-  [[nodiscard]] bool is_carried(ObjectId object) const;
+  [[nodiscard]] bool is_carried(ObjectId object) const { return objects_[objects_.index_of(object)].carrier != kNone; }
   // A vector of the world in the frame of the object's carrier, as that stands at t; and back.
   [[nodiscard]] Vec3 vector_in_carrier(ObjectId object, SimTime t, const Vec3& world) const;
   [[nodiscard]] Vec3 vector_in_world(ObjectId object, SimTime t, const Vec3& relative) const;
