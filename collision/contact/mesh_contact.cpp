@@ -142,7 +142,7 @@ bool surfaces_within(const MovingBody& a, const MovingBody& b, double distance_m
   Surface &of_a = *a.body.surface, &of_b = *b.body.surface;
   if (of_a.soup().faces.empty() || of_b.soup().faces.empty()) return false;
   const RelativeMotion a_from_b(a.motion.pose(), b.motion.pose());
-  return !near_query.faces_within(of_a.tree(), of_b.tree(), a_from_b, distance_m).empty();
+  return near_query.any_within(of_a.tree(), of_b.tree(), a_from_b, distance_m);
 }
 
 Contact mesh_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s, double margin_m) {

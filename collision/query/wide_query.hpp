@@ -43,6 +43,9 @@ class WideQuery {
   [[nodiscard]] const std::vector<FacePair>& faces_within(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
                                                           double distance_m);
 
+  // Whether there are any.
+  [[nodiscard]] bool any_within(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, double distance_m);
+
   [[nodiscard]] const QueryCounters& counters() const { return counters_; }
 
  private:

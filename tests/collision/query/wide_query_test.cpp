@@ -65,6 +65,28 @@ TEST(WideQuery, AllPairsAreThoseOfBruteForce) {
   }
 }
 
+TEST(WideQuery, AnyWithinIsWhetherThereAreFacesWithin) {
+  WideQuery query;
+  std::size_t near = 0, far = 0, touching = 0;
+  for (const Case& c : cases()) {
+    WideTree a(c.a), b(c.b);
+    for (const double aside : {0.0, 0.3, 1.0, 2.0, 4.0}) {
+      const RelativeMotion moved(Pose{Vec3(aside, 0.0, 0.0), Quat::Identity()}, Pose{});
+      for (const RelativeMotion& motion : {c.motion, moved}) {
+        for (const double distance_m : {0.0, 1e-6, 0.1, 1.0}) {
+          const bool any = query.any_within(a, b, motion, distance_m);
+          EXPECT_EQ(any, !query.faces_within(a, b, motion, distance_m).empty());
+          (any ? near : far) += distance_m > 0.0;
+          touching += any && distance_m == 0.0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(near, 0);
+  EXPECT_GT(far, 0);
+  EXPECT_GT(touching, 0);
+}
+
 TEST(WideQuery, SizesFromDenormalToAHundredDigitsAreTheSame) {
   WideQuery query;
   for (const double factor : {0x1p-1040, 0x1p-300, 0x1p-130, 0x1p-60, 0x1p60, 0x1p99, 0x1p126}) {
