@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -57,9 +58,14 @@ void report_truth(PeerParts& p, SimTime t) {
       continue;
     }
     p.replica.colliding().on_contact(*contact);
-    p.outbox.push(ContactSeen{ContactKind::kOwner, *contact, t});
+    ContactEvent named = *contact;
+    p.replica.name_polygons(named, true);
+    p.outbox.push(ContactSeen{ContactKind::kOwner, std::move(named), t});
   }
-  for (const ContactEvent& contact : decided) p.decisions.decide(contact, t);
+  for (ContactEvent& contact : decided) {
+    p.replica.name_polygons(contact, true);
+    p.decisions.decide(contact, t);
+  }
   p.decisions.resolve_overdue(t);
 }
 
@@ -67,7 +73,7 @@ void report_truth(PeerParts& p, SimTime t) {
 // truth, or by a decision.
 void report_ghosts(PeerParts& p, SimTime t) {
   const auto is_remote = [&](ObjectId id) { return !p.own.contains(id) && p.owners.of(id) != kNobody; };
-  while (const auto event = p.replica.ghosts().poll_event()) {
+  while (auto event = p.replica.ghosts().poll_event()) {
     if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
       const bool of_nobody = p.owners.of(retracted->object) == kNobody;
       if (is_remote(retracted->object) || of_nobody) {
@@ -78,13 +84,14 @@ void report_ghosts(PeerParts& p, SimTime t) {
       continue;
     }
     if (std::holds_alternative<BodiesOverlap>(*event)) continue;  // their owners name it
-    const auto& contact = std::get<ContactEvent>(*event);
+    auto& contact = std::get<ContactEvent>(*event);
     p.publication.on_predicted_contact(contact);
     const bool mine = p.own.contains(contact.collider) || p.own.contains(contact.collidee);
     const bool remote = is_remote(contact.collider) || is_remote(contact.collidee);
     if (mine && !remote) continue;
     if (!mine) p.replica.colliding().on_contact(contact);
-    p.outbox.push(ContactSeen{remote ? ContactKind::kPredicted : ContactKind::kScene, contact, t});
+    p.replica.name_polygons(contact, false);
+    p.outbox.push(ContactSeen{remote ? ContactKind::kPredicted : ContactKind::kScene, std::move(contact), t});
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
+#include "core/shape_polygon.hpp"
 #include "core/time.hpp"
 #include "peerd/input/input_error.hpp"
 
@@ -45,6 +46,8 @@ struct PeerLog {
     ObjectId collider, collidee;
     Vec3 normal;
     SimTime known_at;
+    std::string type{};  // of the interest, as name_of() has it
+    TouchedPolygons polygons{};
   };
 
   // The error of a simulated peer's session time against that of the peer that it followed. The simulator measures it,

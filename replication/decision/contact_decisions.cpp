@@ -175,12 +175,13 @@ DecisionRecord ContactDecisions::record_of(const ContactEvent& c, DecisionRule r
           log_.last(c.collider, c.collidee)};
 }
 
-std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord& d) {
+std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord& d, CollisionType type) {
   ++counters_.decisions;
   auto changes = log_.add(d, config_.id);
   for (DecisionLog::Entry& e : log_.entries()) {
     const bool added =
         e.author == config_.id && e.record.contact == d.contact && of_pair(e.record, d.collider, d.collidee);
+    if (added) e.type = type;
     if (!added || !e.in_force) continue;
     e.copies = static_cast<int>(copies_against(members_.worst_loss_to_peers(), kDecisionCopies));
   }
@@ -201,7 +202,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
     if (known->in_force) break;  // the same once more
     c.at += Duration{1};
   }
-  const auto changes = add_own(record_of(c, config_.decisions.policy));
+  const auto changes = add_own(record_of(c, config_.decisions.policy), c.type);
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
   if (model_.is_answered(c.collider, c.collidee)) {
@@ -262,7 +263,7 @@ void ContactDecisions::decide_by_fallback(const ContactEvent& c, SimTime known_a
     return;
   }
   ++counters_.decisions_fallback;
-  apply(add_own(record_of(within_wire_limits(c), DecisionRule::kId)), known_at);
+  apply(add_own(record_of(within_wire_limits(c), DecisionRule::kId), c.type), known_at);
 }
 
 // Whether that peer may have found nothing because it does not know how an own object came to the contact: it has not
@@ -376,10 +377,24 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
     if (own != nullptr && own->last_sent && *own->last_sent > d.contact) own_.republish(object);
   }
   if (!replica_.receives(d.collider) || !replica_.receives(d.collidee)) return;  // nothing to report of those
-  const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
-                             d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
+  ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
+                       d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
+  contact.type = type_of(d, author);
+  replica_.name_polygons(contact, own_.contains(d.collider) || own_.contains(d.collidee));
   replica_.colliding().on_contact(contact);
-  outbox_.push(ContactSeen{author == config_.id ? ContactKind::kDecided : ContactKind::kApplied, contact, known_at});
+  const ContactKind kind = author == config_.id ? ContactKind::kDecided : ContactKind::kApplied;
+  outbox_.push(ContactSeen{kind, std::move(contact), known_at});
+}
+
+// Of another peer's decision, which does not say it: that of the file's first interest in the two.
+CollisionType ContactDecisions::type_of(const DecisionRecord& d, PeerId author) const {
+  const DecisionLog::Entry* const entry = log_.find(d.contact, author, d.collider, d.collidee);
+  if (entry != nullptr && entry->type) return *entry->type;
+  for (const std::uint32_t number : model_.pairs_of(d.collider)) {
+    const CollisionPair& pair = model_.pairs[number];
+    if (pair.collider == d.collidee || pair.collidee == d.collidee) return pair.type;
+  }
+  return CollisionType::kWitness;
 }
 
 // The law after a decision, in the frame of the object's carrier in that world.

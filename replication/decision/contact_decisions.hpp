@@ -116,7 +116,8 @@ class ContactDecisions {
   [[nodiscard]] MotionModel outcome_in(const MotionWorld& world, ObjectId object, SimTime t,
                                        const KinematicState& after) const;
   [[nodiscard]] DecisionRecord record_of(const ContactEvent& contact, DecisionRule rule) const;
-  std::vector<DecisionLog::Change> add_own(const DecisionRecord& record);
+  std::vector<DecisionLog::Change> add_own(const DecisionRecord& record, CollisionType type);
+  [[nodiscard]] CollisionType type_of(const DecisionRecord& decision, PeerId author) const;
   void apply(const std::vector<DecisionLog::Change>& changes, SimTime known_at);
   void apply(const DecisionRecord& decision, PeerId author, SimTime known_at);
   void rebase(ObjectId object, SimTime from);

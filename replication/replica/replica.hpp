@@ -87,6 +87,9 @@ class Replica {
   // The state of any object at t by the truth; by the ghosts where nothing can meet the object.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
 
+  // Names the polygons that touch in a contact that is reported: in one that the truth has found, or else the ghosts.
+  void name_polygons(ContactEvent& contact, bool of_truth) const;
+
   // The position in the world that an update says [m], by where the ghost of the object's carrier is then.
   [[nodiscard]] Vec3 position_of(const UpdateRecord& update) const;
 

@@ -13,6 +13,7 @@
 #include "core/least_change.hpp"
 #include "core/prefetch.hpp"
 #include "core/schedule.hpp"
+#include "core/shape_polygon.hpp"
 #include "core/time.hpp"
 #include "replication/motion/composed_motion.hpp"
 #include "replication/motion/swept_bound.hpp"
@@ -45,6 +46,7 @@ struct ContactEvent {
   KinematicState collider_before, collidee_before, collider_after, collidee_after;
   CollisionType type = CollisionType::kWitness;  // of the interest
   bool deferred = false;  // nobody responded: another peer decides; the states after are what the outcome would be here
+  TouchedPolygons polygons{};  // only of what a peer puts out (contact_polygons.hpp)
 };
 
 // Two bodies overlap when they are looked at for the first time, as soon as one of them moves. They part as they will;

@@ -87,9 +87,23 @@ INSTANTIATE_TEST_SUITE_P(Table, Kinds,
                                          Case{"BothRemote", 1, 3, ContactKind::kPredicted}),
                          [](const auto& c) { return std::string(c.param.name); });
 
+// Whoever reports it: the least of the polygons that touch, as it is a witness that the interest asks for.
+TEST_P(Kinds, SayTheTypeAndThePolygons) {
+  begin(PeerId{GetParam().ball_owner}, PeerId{GetParam().wall_owner});
+  for (const ContactSeen& seen : only<ContactSeen>(report(1510ms))) {
+    EXPECT_EQ(seen.contact.type, CollisionType::kWitness);
+    ASSERT_EQ(seen.contact.polygons.pairs.size(), 1u);
+    EXPECT_EQ(world.scene.path_of(seen.contact.polygons.pairs[0].collider.shape), "BALL/0");
+    EXPECT_EQ(world.scene.path_of(seen.contact.polygons.pairs[0].collidee.shape), "RIGHT/0");
+  }
+}
+
 TEST_F(Reporting, AContactWithAHigherIdsObjectIsDecidedHere) {
   begin(PeerId{2}, PeerId{3});
   const auto seen = only<ContactSeen>(report(1510ms));
+  const auto decided = std::ranges::find(seen, ContactKind::kDecided, &ContactSeen::kind);
+  ASSERT_NE(decided, seen.end());
+  EXPECT_EQ(decided->contact.polygons.count, 1u);
   EXPECT_EQ(std::ranges::count(seen, ContactKind::kDecided, &ContactSeen::kind), 1);
   EXPECT_EQ(p->counters.decisions, 1u);
 }

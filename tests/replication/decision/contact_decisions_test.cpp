@@ -146,7 +146,9 @@ TEST_F(Deferring, ADeferredContactIsNotedAndDecidedByNobodyElseInTime) {
   conf.decisions.policy = DecisionPolicy::kVelocity;
   replica.ghosts().set_base(b, sim(0s), moving({-5, 0, 0}, {0, 9, 0}));  // the faster one decides
   replica.ghosts().advance(sim(10s));
-  decisions.defer(left_to_another(contact()));
+  ContactEvent found = contact();
+  found.type = CollisionType::kAllPairs;
+  decisions.defer(left_to_another(found));
   EXPECT_EQ(counters.contacts_held, 1u);
   EXPECT_TRUE(decisions.awaits_decision_on(a) && decisions.awaits_decision_on(b));
   EXPECT_FALSE(decisions.awaits_decision_on(c));
@@ -158,7 +160,10 @@ TEST_F(Deferring, ADeferredContactIsNotedAndDecidedByNobodyElseInTime) {
   decisions.resolve_overdue(sim(patience()));
   EXPECT_FALSE(decisions.has_deferred());
   EXPECT_EQ(counters.decisions_fallback, 1u);
-  EXPECT_EQ(decided(), 1u);
+  const auto seen = drain<ContactSeen>(outbox);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].contact.type, CollisionType::kAllPairs) << "as it was found";
+  EXPECT_EQ(seen[0].contact.polygons.count, 21u) << "of five faces with five, all but those of opposite sides";
   EXPECT_EQ(decisions.entries().at(0).record.rule, DecisionRule::kId);
 }
 
@@ -196,6 +201,8 @@ TEST_F(Deferring, AnothersDecisionMovesBothWorldsAndEndsTheWaiting) {
   ASSERT_EQ(seen.size(), 1u);
   EXPECT_EQ(seen[0].kind, ContactKind::kApplied);
   EXPECT_EQ(seen[0].contact.at, sim(10s));
+  EXPECT_EQ(seen[0].contact.type, CollisionType::kWitness);
+  EXPECT_EQ(seen[0].contact.polygons.count, 1u) << "by where the decider had them";
   ASSERT_EQ(retracted.size(), 1u) << "of the own object, not of the other's";
   EXPECT_EQ(retracted[0].object, a);
 }
