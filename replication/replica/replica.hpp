@@ -101,6 +101,9 @@ class Replica {
     worlds_->ghosts.reopen_flexible(t);
   }
 
+  // The places of flexible parts; null where nothing flexes.
+  [[nodiscard]] FlexibleParts* flexible() const { return flexible_.get(); }
+
   // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows
   // unless the object is owned here.
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned);
