@@ -171,7 +171,15 @@ void SessionKeeper::watch_pairs_around(std::span<const ObjectId> objects) {
     paired.push_back(p_.model.pairs[number].collidee);
   }
   const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
-  p_.regions.measure_contact_ranges(theirs, false);
+  // Interests in what they carry, or in what carries them, matter, too.
+  std::vector<std::uint32_t> moved = theirs;
+  for (const ObjectId object : objects) {
+    if (p_.model.node(object) == nullptr) continue;
+    for (const std::uint32_t k : p_.model.moved_part_pairs[p_.model.index_of(object)]) {
+      moved.push_back(p_.model.part_pairs[k].pair);
+    }
+  }
+  p_.regions.measure_contact_ranges(without_doubles(std::move(moved)), false);
   p_.decisions.watch(around);
 }
 

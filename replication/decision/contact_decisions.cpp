@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "replication/wire/wire_limits.hpp"
+#include "replication/world/part_at.hpp"
 #include "replication/world/response.hpp"
 
 namespace peerd::replication {
@@ -122,13 +123,20 @@ Contender ContactDecisions::contender(ObjectId object, SimTime at, std::span<con
   return s;
 }
 
+// All parts of the end, those that carriers below it move and those that flex included.
+WorldBox ContactDecisions::box_of_end(ObjectId object, SimTime at) const {
+  WorldBox box;
+  for (const std::uint32_t part : model_.parts_of_node[model_.index_of(object)]) {
+    box.merge(part_at(model_, replica_.ghosts(), replica_.flexible(), part, at).box());
+  }
+  return box;
+}
+
 PeerId ContactDecisions::choose_decider(ObjectId a, ObjectId b, SimTime contact) const {
   const SimTime at = decided_as_of(contact, lookback());
   std::vector<WorldBox> meeting;  // around the two, where they are then
   for (const ObjectId object : {a, b}) {
-    const collision::Body& body = *model_.body(object);
-    const Vec3 center = replica_.ghosts().at(object, at).pose() * body.center;
-    meeting.push_back(WorldBox{center.array() - body.radius_m, center.array() + body.radius_m});
+    meeting.push_back(box_of_end(object, at));
   }
   const PeerId server = config_.decisions.server;
   const bool here = server == config_.id || members_.contains(server);

@@ -110,6 +110,7 @@ class ContactDecisions {
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Contender contender(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
   [[nodiscard]] bool reaches_all_in_time(SimTime contact) const;
+  [[nodiscard]] WorldBox box_of_end(ObjectId object, SimTime at) const;
   [[nodiscard]] bool may_have_missed_our_update(PeerId peer, const ContactEvent& contact) const;
   void decide_by_fallback(const ContactEvent& contact, SimTime known_at);
   [[nodiscard]] ContactEvent within_wire_limits(ContactEvent contact);

@@ -102,6 +102,36 @@ TEST_F(Deferring, ByIdTheHigherOneDoesNotEvenLook) {
   EXPECT_EQ(decisions.authority(b, c, sim(10s)), ContactAuthority::kLocal) << "the server decides others' too";
 }
 
+// ARM, peer 3's, has no Shape of its own; its HAND is 20 m along x from it. The camera sees the hand and B, and not
+// where the arm's origin is.
+TEST(DecidingByParts, AnEndIsInViewWhereItsPartsAre) {
+  const World world(
+      "DEF ARM Transform { children DEF HAND Transform { translation 20 0 0 children Shape { geometry Box { "
+      "size 1 1 1 } } } }\n" +
+          box("B", "1 1 1", "21 0 0") + interest("ARM", "\"B\""),
+      {"ARM", "ARM/HAND", "B"});
+  PeerConfig conf = config(3, {{world["ARM"]}});
+  conf.decisions.policy = DecisionPolicy::kFieldOfView;
+  conf.decisions.viewpoint.emplace().pose.position = {20.5, 0, 10};
+  PeerCounters counters;
+  Membership members{1750ms};
+  Owners owners{world.scene.instances.size()};
+  OwnObjects own{world.scene, conf.owned, false};
+  Replica replica{*world.model};
+  TickGrid ticks{60};
+  Outbox outbox{conf.id, conf.incarnation, counters};
+  const ContactDecisions decisions{conf, *world.model, members, owners, own, replica, ticks, outbox, counters};
+  owners.set(world["ARM"], PeerId{3});
+  owners.set(world["B"], PeerId{2});
+  echo_us(add_member(members, 2), 0.001);
+  replica.begin(sim(0s));
+  ticks.set_last(ticks.number_at(sim(10s)));
+  replica.ghosts().advance(sim(10s));
+  EXPECT_EQ(decisions.authority(world["ARM"], world["B"], sim(10s)), ContactAuthority::kLocal);
+  conf.decisions.viewpoint->pose.position = {0, 0, 10};
+  EXPECT_EQ(decisions.authority(world["ARM"], world["B"], sim(10s)), ContactAuthority::kDeferred);
+}
+
 TEST_F(Deciding, NobodyDecidesAContactOfMoreThanThreeSecondsAgo) {
   EXPECT_EQ(decisions.authority(a, b, ticks.last_time() - 3s), ContactAuthority::kLocal);
   EXPECT_EQ(decisions.authority(a, b, ticks.last_time() - 3s - 1ns), ContactAuthority::kDeferred);
