@@ -13,9 +13,11 @@ namespace {
 // farther apart are one touch, and the last of them is what becomes of it.
 constexpr Duration kSameTouch = std::chrono::milliseconds(4);
 
-bool is_same_touch(const ContactEvent& a, const ContactEvent& b) {
+// Of a pair that nobody answers, each of its interests has its own.
+bool is_same_touch(const WorldModel& model, const ContactEvent& a, const ContactEvent& b) {
   const bool pair =
       (a.collider == b.collider && a.collidee == b.collidee) || (a.collider == b.collidee && a.collidee == b.collider);
+  if (pair && a.type != b.type && !model.is_answered(a.collider, a.collidee)) return false;
   return pair && a.at <= b.at + kSameTouch && b.at <= a.at + kSameTouch;
 }
 
@@ -52,7 +54,7 @@ void report_truth(PeerParts& p, SimTime t) {
       if (contact->deferred) {
         p.decisions.defer(*contact);
       } else {
-        std::erase_if(decided, [&](const ContactEvent& c) { return is_same_touch(c, *contact); });
+        std::erase_if(decided, [&](const ContactEvent& c) { return is_same_touch(p.model, c, *contact); });
         decided.push_back(*contact);
       }
       continue;
@@ -86,6 +88,7 @@ void report_ghosts(PeerParts& p, SimTime t) {
     if (std::holds_alternative<BodiesOverlap>(*event)) continue;  // their owners name it
     auto& contact = std::get<ContactEvent>(*event);
     p.publication.on_predicted_contact(contact);
+    p.decisions.note_found(contact);
     const bool mine = p.own.contains(contact.collider) || p.own.contains(contact.collidee);
     const bool remote = is_remote(contact.collider) || is_remote(contact.collidee);
     if (mine && !remote) continue;

@@ -220,7 +220,7 @@ std::string collisions_csv(std::span<const RunRecord> runs) {
       const ContactRow& c = run.contacts[i];
       csv.number(r + 1).number(c.t_s).raw(peer_cell(run, c.peer)).raw(quoted(c.kind));
       csv.raw(object_cell(run, c.collider)).raw(object_cell(run, c.collidee)).vector(c.normal);
-      csv.number(c.reported_at_s).raw(to_string(judged.verdicts[i])).raw(c.type);
+      csv.number(c.reported_at_s).raw(to_string(judged.verdicts[i])).raw(name_of(c.type));
       csv.number(c.polygons.count).raw(quoted(polygons_text(run, c.polygons))).end_row();
     }
   }

@@ -10,6 +10,7 @@
 
 #include "core/ids.hpp"
 #include "core/math.hpp"
+#include "core/scene/scene.hpp"
 #include "core/shape_polygon.hpp"
 #include "peerd/measure/measured.hpp"
 #include "peerd/measure/network_measured.hpp"
@@ -65,9 +66,9 @@ struct ContactRow {
   ObjectId collider;
   ObjectId collidee;
   Vec3 normal = Vec3::Zero();
-  double reported_at_s = 0.0;  // time from which the peer knew it
-  std::string type{};          // of the interest: "box", "witness" or "allpairs"
-  TouchedPolygons polygons{};  // Shapes are named in scene_paths
+  double reported_at_s = 0.0;                    // time from which the peer knew it
+  CollisionType type = CollisionType::kWitness;  // of the interest
+  TouchedPolygons polygons{};                    // Shapes are named in scene_paths
 };
 
 struct WrongOutcomes {

@@ -43,6 +43,7 @@ class RowWriter {
     return *this << s.position << s.velocity << s.acceleration << s.orientation.w() << s.orientation.x()
                  << s.orientation.y() << s.orientation.z() << s.angular_velocity_body;
   }
+  RowWriter& operator<<(CollisionType type) { return *this << std::string(name_of(type)); }
   RowWriter& operator<<(const TouchedPolygons& polygons) {
     *this << polygons.count << polygons.pairs.size();
     for (const auto& [a, b] : polygons.pairs) *this << a.shape << a.polygon << b.shape << b.polygon;
@@ -89,6 +90,18 @@ class RowReader {
   RowReader& operator>>(KinematicState& s) {
     return *this >> s.position >> s.velocity >> s.acceleration >> s.orientation.w() >> s.orientation.x() >>
            s.orientation.y() >> s.orientation.z() >> s.angular_velocity_body;
+  }
+  RowReader& operator>>(CollisionType& type) {
+    std::string word;
+    *this >> word;
+    for (const auto each : {CollisionType::kBox, CollisionType::kWitness, CollisionType::kAllPairs}) {
+      if (word == name_of(each)) {
+        type = each;
+        return *this;
+      }
+    }
+    good_ = false;
+    return *this;
   }
   RowReader& operator>>(TouchedPolygons& polygons) {
     std::size_t kept = 0;

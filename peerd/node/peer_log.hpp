@@ -8,6 +8,7 @@
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
+#include "core/scene/scene.hpp"
 #include "core/shape_polygon.hpp"
 #include "core/time.hpp"
 #include "peerd/input/input_error.hpp"
@@ -46,7 +47,7 @@ struct PeerLog {
     ObjectId collider, collidee;
     Vec3 normal;
     SimTime known_at;
-    std::string type{};  // of the interest, as name_of() has it
+    CollisionType type = CollisionType::kWitness;  // of the interest
     TouchedPolygons polygons{};
   };
 

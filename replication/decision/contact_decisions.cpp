@@ -189,7 +189,7 @@ std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord&
   for (DecisionLog::Entry& e : log_.entries()) {
     const bool added =
         e.author == config_.id && e.record.contact == d.contact && of_pair(e.record, d.collider, d.collidee);
-    if (added) e.type = type;
+    if (added && !e.type) e.type = type;
     if (!added || !e.in_force) continue;
     e.copies = static_cast<int>(copies_against(members_.worst_loss_to_peers(), kDecisionCopies));
   }
@@ -235,6 +235,7 @@ void ContactDecisions::defer(const ContactEvent& c) {
     return;
   }
   ++counters_.contacts_held;
+  note_found(c);
   deferred_.push_back({c, choose_decider(c.collider, c.collidee, c.at)});
 }
 
@@ -394,10 +395,30 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
   outbox_.push(ContactSeen{kind, std::move(contact), known_at});
 }
 
-// Of another peer's decision, which does not say it: that of the file's first interest in the two.
+void ContactDecisions::note_found(const ContactEvent& c) {
+  const auto of_the_two = [&](std::uint32_t number) {
+    const CollisionPair& pair = model_.pairs[number];
+    return pair.collider == c.collidee || pair.collidee == c.collidee;
+  };
+  if (std::ranges::count_if(model_.pairs_of(c.collider), of_the_two) < 2) return;
+  const auto [lower, higher] = std::minmax(c.collider, c.collidee);
+  last_found_.insert_or_assign({lower, higher, c.type}, c.at);
+}
+
+// Of another peer's decision, which does not say it: that whose contact was found here nearest in time, or else that of
+// the file's first interest in the two.
 CollisionType ContactDecisions::type_of(const DecisionRecord& d, PeerId author) const {
   const DecisionLog::Entry* const entry = log_.find(d.contact, author, d.collider, d.collidee);
   if (entry != nullptr && entry->type) return *entry->type;
+  const auto [lower, higher] = std::minmax(d.collider, d.collidee);
+  std::optional<std::pair<Duration, CollisionType>> nearest;
+  for (const CollisionType type : {CollisionType::kBox, CollisionType::kWitness, CollisionType::kAllPairs}) {
+    const auto found = last_found_.find({lower, higher, type});
+    if (found == last_found_.end()) continue;
+    const Duration apart = std::max(found->second - d.contact, d.contact - found->second);
+    if (!nearest || apart < nearest->first) nearest = {apart, type};
+  }
+  if (nearest) return nearest->second;
   for (const std::uint32_t number : model_.pairs_of(d.collider)) {
     const CollisionPair& pair = model_.pairs[number];
     if (pair.collider == d.collidee || pair.collidee == d.collidee) return pair.type;
@@ -513,6 +534,7 @@ void ContactDecisions::restart(bool same_session) {
   log_.clear();
   early_.clear();
   life_since_.clear();
+  last_found_.clear();
 }
 
 }  // namespace peerd::replication

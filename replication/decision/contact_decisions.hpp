@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "core/ids.hpp"
@@ -45,6 +46,8 @@ class ContactDecisions {
 
   // Decides, for all, a contact of two owners that the truth has answered.
   void decide(const ContactEvent& contact, SimTime known_at);
+  // The ghosts have found a contact: a decision on it does not say the type of its interest.
+  void note_found(const ContactEvent& contact);
   // Another peer is to decide the contact.
   void defer(const ContactEvent& contact);
   // At a tick: applies the decisions whose time has come, and decides the deferred contacts on which nobody else has
@@ -107,10 +110,10 @@ class ContactDecisions {
   void apply_early(SimTime t);
   [[nodiscard]] bool searches_contacts_of(ObjectId a, ObjectId b) const;
   [[nodiscard]] Duration lookback() const;
+  [[nodiscard]] WorldBox box_of_end(ObjectId object, SimTime at) const;
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Contender contender(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
   [[nodiscard]] bool reaches_all_in_time(SimTime contact) const;
-  [[nodiscard]] WorldBox box_of_end(ObjectId object, SimTime at) const;
   [[nodiscard]] bool may_have_missed_our_update(PeerId peer, const ContactEvent& contact) const;
   void decide_by_fallback(const ContactEvent& contact, SimTime known_at);
   [[nodiscard]] ContactEvent within_wire_limits(ContactEvent contact);
@@ -137,6 +140,8 @@ class ContactDecisions {
   DecisionLog log_;
   std::vector<Deferred> deferred_;
   std::vector<Early> early_;
+  // The last contact that was found of each interest, of pairs with several; by the lower and the higher object.
+  std::map<std::tuple<ObjectId, ObjectId, CollisionType>, SimTime> last_found_;
   std::map<ObjectId, SimTime> life_since_;  // of objects whose owner has left once
 };
 

@@ -92,7 +92,7 @@ TEST_P(Rows, SayTheTypeAndTouchingPolygons) {
   std::set<PeerId> peers;
   for (const ContactRow& row : rows) {
     peers.insert(row.peer);
-    EXPECT_EQ(row.type, "allpairs");
+    EXPECT_EQ(row.type, CollisionType::kAllPairs);
     EXPECT_GT(row.polygons.count, 0u) << row.kind;
     EXPECT_EQ(row.polygons.count, row.polygons.pairs.size());
     EXPECT_TRUE(std::ranges::is_sorted(row.polygons.pairs));
@@ -134,7 +134,7 @@ TEST_P(Decided, SayTheTypeAndTouchingPolygonsOnBothPeers) {
   std::set<std::string> kinds;
   for (const ContactRow& row : rows) {
     kinds.insert(row.kind);
-    EXPECT_EQ(row.type, "allpairs");
+    EXPECT_EQ(row.type, CollisionType::kAllPairs);
     EXPECT_GT(row.polygons.count, 0u) << row.kind;
   }
   EXPECT_THAT(kinds, testing::IsSupersetOf({"decided", "applied"}));
