@@ -14,8 +14,8 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       admission(config, members, outbox),
       time(config, members, outbox, counters),
       greeter(config, members),
-      owners(model.scene->instances.size()),
-      own(*model.scene, config.owned, config.policy.surface_error),
+      owners(model->scene->instances.size()),
+      own(*model->scene, config.owned, config.policy.surface_error),
       replica(model),
       scripted(model),
       launches(model, own, replica),
@@ -43,17 +43,17 @@ void PeerParts::extend_motions(SimTime t) {
 }
 
 Vec3 PeerParts::file_velocity(SimTime at, ObjectId object) {
-  return velocity_in_world(at, object, model.scene->object(object).velocity);
+  return velocity_in_world(at, object, model->scene->object(object).velocity);
 }
 
 Vec3 PeerParts::velocity_in_world(SimTime at, ObjectId object, const Vec3& in_parent) {
-  const ModelNode* const node = model.node(object);
+  const ModelNode* const node = model->node(object);
   if (node == nullptr || node->carrier == ModelNode::kNone || !replica.begun()) {
     return scripted.to_world(at, world_time.zero(), object, in_parent);
   }
   // The carrier stands above the parent, and nothing between them moves.
-  const Quat of_carrier = model.scene->rigid_pose(model.nodes[node->carrier].object).orientation;
-  return replica.truth().vector_in_world(object, at, of_carrier.conjugate() * model.scene->to_world(object, in_parent));
+  const Quat of_carrier = model->scene->rigid_pose(model->nodes[node->carrier].object).orientation;
+  return replica.truth().vector_in_world(object, at, of_carrier.conjugate() * model->scene->to_world(object, in_parent));
 }
 
 }  // namespace peerd::replication

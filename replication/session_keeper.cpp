@@ -151,7 +151,7 @@ void SessionKeeper::declare_all() {
 }
 
 void SessionKeeper::watch_all_pairs() {
-  std::vector<std::uint32_t> all(p_.model.pairs.size());
+  std::vector<std::uint32_t> all(p_.model->pairs.size());
   std::iota(all.begin(), all.end(), 0U);
   p_.regions.measure_contact_ranges(all, true);
   p_.decisions.watch(all);
@@ -161,22 +161,22 @@ void SessionKeeper::watch_all_pairs() {
 void SessionKeeper::watch_pairs_around(std::span<const ObjectId> objects) {
   const auto pairs_of = [&](std::span<const ObjectId> some) {
     std::vector<std::uint32_t> pairs;
-    for (const ObjectId object : some) std::ranges::copy(p_.model.pairs_of(object), std::back_inserter(pairs));
+    for (const ObjectId object : some) std::ranges::copy(p_.model->pairs_of(object), std::back_inserter(pairs));
     return without_doubles(std::move(pairs));
   };
   const std::vector<std::uint32_t> theirs = pairs_of(objects);
   std::vector<ObjectId> paired;
   for (const std::uint32_t number : theirs) {
-    paired.push_back(p_.model.pairs[number].collider);
-    paired.push_back(p_.model.pairs[number].collidee);
+    paired.push_back(p_.model->pairs[number].collider);
+    paired.push_back(p_.model->pairs[number].collidee);
   }
   const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
   // Interests in what they carry, or in what carries them, matter, too.
   std::vector<std::uint32_t> moved = theirs;
   for (const ObjectId object : objects) {
-    if (p_.model.node(object) == nullptr) continue;
-    for (const std::uint32_t k : p_.model.moved_part_pairs[p_.model.index_of(object)]) {
-      moved.push_back(p_.model.part_pairs[k].pair);
+    if (p_.model->node(object) == nullptr) continue;
+    for (const std::uint32_t k : p_.model->moved_part_pairs[p_.model->index_of(object)]) {
+      moved.push_back(p_.model->part_pairs[k].pair);
     }
   }
   p_.regions.measure_contact_ranges(without_doubles(std::move(moved)), false);
@@ -187,7 +187,7 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects) {
   assert(peer != kNobody && peer != p_.config.id);
   std::vector<ObjectId> changed, lost;
   for (const ObjectId object : objects) {
-    if (object.value >= p_.model.scene->instances.size()) {
+    if (object.value >= p_.model->scene->instances.size()) {
       p_.drop(peer, "object");
       continue;
     }

@@ -34,7 +34,7 @@ constexpr std::size_t kOfPairMax = 4000;
 
 }  // namespace
 
-ContactDecisions::ContactDecisions(const PeerConfig& config, const WorldModel& model, Membership& members,
+ContactDecisions::ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members,
                                    const Owners& owners, OwnObjects& own, Replica& replica, const TickGrid& ticks,
                                    Outbox& outbox, PeerCounters& counters)
     : config_(config),
@@ -75,15 +75,15 @@ void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
   const auto is_partner = [&](ObjectId object) {
     const auto [at, is_new] = partners.try_emplace(object, false);
     if (is_new && !own_.contains(object) && owners_.of(object) != kNobody) {
-      at->second = std::ranges::any_of(model_.pairs_of(object), [&](std::uint32_t number) {
-        return searches_contacts_of(model_.pairs[number].collider, model_.pairs[number].collidee);
+      at->second = std::ranges::any_of(model_->pairs_of(object), [&](std::uint32_t number) {
+        return searches_contacts_of(model_->pairs[number].collider, model_->pairs[number].collidee);
       });
     }
     return at->second;
   };
   for (const std::uint32_t number : pairs) {
-    assert(number < model_.pairs.size());
-    const auto& [a, b, type, mutual] = model_.pairs[number];
+    assert(number < model_->pairs.size());
+    const auto& [a, b, type, mutual] = model_->pairs[number];
     const bool here = replica_.receives(a) && replica_.receives(b), mine = own_.contains(a) || own_.contains(b);
     replica_.truth().watch(number, here && (mine ? searches_contacts_of(a, b) : is_partner(a) || is_partner(b)));
     const bool of_nobody = owners_.of(a) == kNobody && owners_.of(b) == kNobody;  // that is no prediction
@@ -126,7 +126,7 @@ Contender ContactDecisions::contender(ObjectId object, SimTime at, std::span<con
 // All parts of the end, those that carriers below it move and those that flex included.
 WorldBox ContactDecisions::box_of_end(ObjectId object, SimTime at) const {
   WorldBox box;
-  for (const std::uint32_t part : model_.parts_of_node[model_.index_of(object)]) {
+  for (const std::uint32_t part : model_->parts_of_node[model_->index_of(object)]) {
     box.merge(part_at(model_, replica_.ghosts(), replica_.flexible(), part, at).box());
   }
   return box;
@@ -213,7 +213,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   const auto changes = add_own(record_of(c, config_.decisions.policy), c.type);
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
-  if (model_.is_answered(c.collider, c.collidee)) {
+  if (model_->is_answered(c.collider, c.collidee)) {
     MotionWorld& ghosts = replica_.ghosts();
     ghosts.set_base(c.collider, c.at, outcome_in(ghosts, c.collider, c.at, c.collider_after));
     ghosts.set_base(c.collidee, c.at, outcome_in(ghosts, c.collidee, c.at, c.collidee_after));
@@ -397,10 +397,10 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
 
 void ContactDecisions::note_found(const ContactEvent& c) {
   const auto of_the_two = [&](std::uint32_t number) {
-    const CollisionPair& pair = model_.pairs[number];
+    const CollisionPair& pair = model_->pairs[number];
     return pair.collider == c.collidee || pair.collidee == c.collidee;
   };
-  if (std::ranges::count_if(model_.pairs_of(c.collider), of_the_two) < 2) return;
+  if (std::ranges::count_if(model_->pairs_of(c.collider), of_the_two) < 2) return;
   const auto [lower, higher] = std::minmax(c.collider, c.collidee);
   last_found_.insert_or_assign({lower, higher, c.type}, c.at);
 }
@@ -419,8 +419,8 @@ CollisionType ContactDecisions::type_of(const DecisionRecord& d, PeerId author) 
     if (!nearest || apart < nearest->first) nearest = {apart, type};
   }
   if (nearest) return nearest->second;
-  for (const std::uint32_t number : model_.pairs_of(d.collider)) {
-    const CollisionPair& pair = model_.pairs[number];
+  for (const std::uint32_t number : model_->pairs_of(d.collider)) {
+    const CollisionPair& pair = model_->pairs[number];
     if (pair.collider == d.collidee || pair.collidee == d.collidee) return pair.type;
   }
   return CollisionType::kWitness;
@@ -429,7 +429,7 @@ CollisionType ContactDecisions::type_of(const DecisionRecord& d, PeerId author) 
 // The law after a decision, in the frame of the object's carrier in that world.
 MotionModel ContactDecisions::outcome_in(const MotionWorld& world, ObjectId object, SimTime t,
                                          const KinematicState& after) const {
-  return law_of_outcome(model_.response_of(object), world.in_carrier(object, t, after));
+  return law_of_outcome(model_->response_of(object), world.in_carrier(object, t, after));
 }
 
 // Gives both worlds the object's way from there on, by all that is known: the decisions in force, and its owner's last
@@ -444,7 +444,7 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
   for (const DecisionLog::Entry& e : log_.entries()) {
     const DecisionRecord& d = e.record;
     if (!e.in_force || d.contact < from || (d.collider != object && d.collidee != object)) continue;
-    if (!model_.is_answered(d.collider, d.collidee)) continue;
+    if (!model_->is_answered(d.collider, d.collidee)) continue;
     const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
     MotionWorld& truth = replica_.truth();
     if (moved_by_physics) truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after));

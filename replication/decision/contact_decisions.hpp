@@ -29,7 +29,7 @@ namespace peerd::replication {
 class ContactDecisions {
  public:
   // All arguments outlive this object.
-  ContactDecisions(const PeerConfig& config, const WorldModel& model, Membership& members, const Owners& owners,
+  ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members, const Owners& owners,
                    OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters);
 
   // ---- the contacts that this peer looks for
@@ -129,7 +129,7 @@ class ContactDecisions {
   [[nodiscard]] bool is_acknowledged_by_all(const DecisionLog::Entry& own) const;
 
   const PeerConfig& config_;
-  const WorldModel& model_;
+  const ModelInForce& model_;
   Membership& members_;
   const Owners& owners_;
   OwnObjects& own_;

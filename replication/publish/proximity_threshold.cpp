@@ -27,12 +27,12 @@ collision::MovingSphere sphere_of_part(const PartAt& part) {
 
 }  // namespace
 
-ProximityThreshold::ProximityThreshold(const PeerConfig& config, const WorldModel& model, const Owners& owners,
+ProximityThreshold::ProximityThreshold(const PeerConfig& config, const ModelInForce& model, const Owners& owners,
                                        const Replica& replica, PeerCounters& counters)
     : config_(config), model_(model), owners_(owners), replica_(replica), counters_(counters) {}
 
 double ProximityThreshold::usual_m(ObjectId object) const {
-  return config_.policy.error_threshold_m.value_or(model_.scene->object(object).distance_threshold_m);
+  return config_.policy.error_threshold_m.value_or(model_->scene->object(object).distance_threshold_m);
 }
 
 double ProximityThreshold::least_m(ObjectId object) const {
@@ -56,13 +56,13 @@ double ProximityThreshold::at(ObjectId object, SimTime t) const {
 // By steps 0 where anything is.
 double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) const {
   double least_s = config_.policy.close_proximity_s;
-  if (model_.node(object) == nullptr) return least_s;
-  const std::uint32_t node = model_.index_of(object);
+  if (model_->node(object) == nullptr) return least_s;
+  const std::uint32_t node = model_->index_of(object);
   std::optional<Side> mine;  // the last one: an object mostly has one part
-  for (const std::uint32_t k : model_.moved_part_pairs[node]) {
-    const PartPair& parts = model_.part_pairs[k];
-    const CollisionPair& pair = model_.pairs[parts.pair];
-    const bool collider_is_mine = model_.any_mover(parts, true, [&](std::uint32_t i) { return i == node; });
+  for (const std::uint32_t k : model_->moved_part_pairs[node]) {
+    const PartPair& parts = model_->part_pairs[k];
+    const CollisionPair& pair = model_->pairs[parts.pair];
+    const bool collider_is_mine = model_->any_mover(parts, true, [&](std::uint32_t i) { return i == node; });
     if (!is_anothers(parts, !collider_is_mine)) continue;
     ++counters_.proximity_tests;
     const Side here{collider_is_mine ? parts.a : parts.b, collider_is_mine ? pair.collider : pair.collidee};
@@ -97,10 +97,10 @@ bool ProximityThreshold::is_anothers(const PartPair& parts, bool collider) const
     const PeerId owner = owners_.of(id);
     return owner != kNobody && owner != config_.id && replica_.receives(id);
   };
-  const ObjectId end = collider ? model_.pairs[parts.pair].collider : model_.pairs[parts.pair].collidee;
+  const ObjectId end = collider ? model_->pairs[parts.pair].collider : model_->pairs[parts.pair].collidee;
   if (!replica_.receives(end)) return false;
   return owned(end) ||
-         model_.any_mover(parts, collider, [&](std::uint32_t i) { return owned(model_.nodes[i].object); });
+         model_->any_mover(parts, collider, [&](std::uint32_t i) { return owned(model_->nodes[i].object); });
 }
 
 // A part; or a sphere around the world box of all parts of a whole end, as large as these can make it in the time that
@@ -114,7 +114,7 @@ PartAt ProximityThreshold::side_at(const Side& side, SimTime t) const {
   all.state = replica_.truth().at(side.end, t);
   WorldBox box;
   double faster_m_s = 0.0;
-  for (const std::uint32_t each : model_.parts_of_node[model_.index_of(side.end)]) {
+  for (const std::uint32_t each : model_->parts_of_node[model_->index_of(side.end)]) {
     const PartAt at = part_at(model_, replica_.truth(), replica_.flexible(), each, t, close_s);
     box.merge(at.box());
     faster_m_s = std::max(faster_m_s, (at.state.velocity - all.state.velocity).norm());

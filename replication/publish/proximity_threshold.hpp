@@ -8,7 +8,7 @@
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
 #include "replication/world/part_at.hpp"
-#include "replication/world/world_model.hpp"
+#include "replication/world/model_in_force.hpp"
 
 namespace peerd::replication {
 
@@ -17,7 +17,7 @@ namespace peerd::replication {
 class ProximityThreshold {
  public:
   // All arguments outlive this object.
-  ProximityThreshold(const PeerConfig& config, const WorldModel& model, const Owners& owners, const Replica& replica,
+  ProximityThreshold(const PeerConfig& config, const ModelInForce& model, const Owners& owners, const Replica& replica,
                      PeerCounters& counters);
 
   // The threshold in force at t, >= least_m().
@@ -40,7 +40,7 @@ class ProximityThreshold {
   [[nodiscard]] PartAt side_at(const Side& side, SimTime t) const;
 
   const PeerConfig& config_;
-  const WorldModel& model_;
+  const ModelInForce& model_;
   const Owners& owners_;
   const Replica& replica_;
   PeerCounters& counters_;

@@ -4,7 +4,7 @@
 
 namespace peerd::replication {
 
-Display::Display(const PeerConfig& config, const WorldModel& model, const OwnObjects& own, const Replica& replica,
+Display::Display(const PeerConfig& config, const ModelInForce& model, const OwnObjects& own, const Replica& replica,
                  PeerCounters& counters)
     : config_(config), model_(model), own_(own), replica_(replica), counters_(counters) {}
 

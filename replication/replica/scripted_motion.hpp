@@ -7,7 +7,7 @@
 #include "core/time.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
-#include "replication/world/world_model.hpp"
+#include "replication/world/model_in_force.hpp"
 
 namespace peerd::replication {
 
@@ -16,7 +16,7 @@ namespace peerd::replication {
 class ScriptedMotion {
  public:
   // The model outlives this.
-  explicit ScriptedMotion(const WorldModel& model);
+  explicit ScriptedMotion(const ModelInForce& model);
 
   // Begins the motion anew, after both worlds or world time have begun anew: the worlds are given the motion from now
   // on.
@@ -43,7 +43,7 @@ class ScriptedMotion {
     std::optional<SimTime> known_until, owned_until;
   };
 
-  const WorldModel& model_;
+  const ModelInForce& model_;
   std::optional<PredefinedMotion> motion_;  // none: the file moves no body
   std::vector<Piece> pieces_;
 };

@@ -38,7 +38,7 @@ void RegionSubscriptions::Announcement::note_sent(SimTime t) {
   sent_at = t;
 }
 
-RegionSubscriptions::RegionSubscriptions(const PeerConfig& config, const WorldModel& model, Membership& members,
+RegionSubscriptions::RegionSubscriptions(const PeerConfig& config, const ModelInForce& model, Membership& members,
                                          const Owners& owners, OwnObjects& own, Replica& replica, const TickGrid& ticks,
                                          Outbox& outbox, PeerCounters& counters,
                                          OnReceptionChanged on_reception_changed)
@@ -74,22 +74,22 @@ void RegionSubscriptions::measure_contact_ranges(std::span<const std::uint32_t> 
   if (anew) contact_ranges_.clear();
   if (!grid_.cuts()) return;
   for (const std::uint32_t number : pairs) {
-    assert(number < model_.pairs.size());
-    for (std::uint32_t k = model_.first_part_pair[number]; k < model_.first_part_pair[number + 1]; ++k) {
-      if (model_.part_pairs[k].fixed) continue;
-      note_contact_range(model_.part_pairs[k], true);
-      note_contact_range(model_.part_pairs[k], false);
+    assert(number < model_->pairs.size());
+    for (std::uint32_t k = model_->first_part_pair[number]; k < model_->first_part_pair[number + 1]; ++k) {
+      if (model_->part_pairs[k].fixed) continue;
+      note_contact_range(model_->part_pairs[k], true);
+      note_contact_range(model_->part_pairs[k], false);
     }
   }
 }
 
 // Notes what the one side may meet, where own objects move it and those of others the other side.
 void RegionSubscriptions::note_contact_range(const PartPair& parts, bool of_collider) {
-  const auto is_mine = [&](std::uint32_t node) { return own_.contains(model_.nodes[node].object); };
-  if (!model_.any_mover(parts, of_collider, is_mine)) return;
-  const auto is_another = [&](std::uint32_t node) { return is_anothers(model_.nodes[node].object); };
-  if (!model_.any_mover(parts, !of_collider, is_another)) return;
-  const CollisionPair& pair = model_.pairs[parts.pair];
+  const auto is_mine = [&](std::uint32_t node) { return own_.contains(model_->nodes[node].object); };
+  if (!model_->any_mover(parts, of_collider, is_mine)) return;
+  const auto is_another = [&](std::uint32_t node) { return is_anothers(model_->nodes[node].object); };
+  if (!model_->any_mover(parts, !of_collider, is_another)) return;
+  const CollisionPair& pair = model_->pairs[parts.pair];
   const bool boxes = pair.type == CollisionType::kBox;
   const Reach collider = boxes ? Reach{ModelNode::kNone, pair.collider} : Reach{parts.a, {}};
   const Reach collidee = boxes ? Reach{ModelNode::kNone, pair.collidee} : Reach{parts.b, {}};
@@ -104,13 +104,13 @@ bool RegionSubscriptions::is_anothers(ObjectId object) const {
 
 void RegionSubscriptions::note_partners(Partners& partners, const Reach& partner, std::uint32_t common) const {
   for (const std::uint32_t node : chain_of(partner, common)) {
-    if (!is_anothers(model_.nodes[node].object)) continue;
+    if (!is_anothers(model_->nodes[node].object)) continue;
     const bool whole = partner.part == ModelNode::kNone;
     const bool is_its_body =
-        whole ? model_.parts_of_node[node] == std::vector{node} && model_.nodes[node].object == partner.end
+        whole ? model_->parts_of_node[node] == std::vector{node} && model_->nodes[node].object == partner.end
               : partner.part == node;
     if (is_its_body) {
-      partners.fixed_m = std::max(partners.fixed_m, (whole ? kCorner : 1.0) * model_.bodies[node].extent_m());
+      partners.fixed_m = std::max(partners.fixed_m, (whole ? kCorner : 1.0) * model_->bodies[node].extent_m());
     } else {
       partners.moving.emplace(node, partner);
     }
@@ -119,10 +119,10 @@ void RegionSubscriptions::note_partners(Partners& partners, const Reach& partner
 
 // What moves a part below `common`; of a whole end, all that moves any part of it.
 std::vector<std::uint32_t> RegionSubscriptions::chain_of(const Reach& reach, std::uint32_t common) const {
-  if (reach.part != ModelNode::kNone) return model_.chain_of(reach.part, common);
+  if (reach.part != ModelNode::kNone) return model_->chain_of(reach.part, common);
   std::vector<std::uint32_t> all;
-  for (const std::uint32_t part : model_.parts_of_node[model_.index_of(reach.end)]) {
-    std::ranges::copy(model_.chain_of(part), std::back_inserter(all));
+  for (const std::uint32_t part : model_->parts_of_node[model_->index_of(reach.end)]) {
+    std::ranges::copy(model_->chain_of(part), std::back_inserter(all));
   }
   std::ranges::sort(all);
   all.erase(std::ranges::unique(all).begin(), all.end());
@@ -137,7 +137,7 @@ RegionSubscriptions::Reached RegionSubscriptions::reached(const MotionWorld& wor
     return {part.state, part.extent_m};
   }
   Reached whole{world.at(reach.end, t)};
-  for (const std::uint32_t each : model_.parts_of_node[model_.index_of(reach.end)]) {
+  for (const std::uint32_t each : model_->parts_of_node[model_->index_of(reach.end)]) {
     const PartAt part = at(each);
     const double away_m = (part.state.position - whole.frame.position).norm();
     const double goes_m = (part.state.velocity - whole.frame.velocity).norm() * within_s;
@@ -153,7 +153,7 @@ std::vector<Area> RegionSubscriptions::contact_areas(SimTime t, double within_s)
     double theirs_m = partners.fixed_m;
     for (const auto& [node, partner] : partners.moving) {
       const Reached part = reached(replica_.ghosts(), partner, t, within_s);
-      const KinematicState owned = replica_.ghosts().at(model_.nodes[node].object, t);
+      const KinematicState owned = replica_.ghosts().at(model_->nodes[node].object, t);
       const double goes_m = (part.frame.velocity - owned.velocity).norm() * within_s;
       theirs_m = std::max(theirs_m, (part.frame.position - owned.position).norm() + goes_m + part.extent_m);
     }
@@ -166,11 +166,11 @@ std::vector<Area> RegionSubscriptions::contact_areas(SimTime t, double within_s)
 // What carries an own object moves it, however far away its origin is.
 void RegionSubscriptions::add_carriers(SimTime t, double within_s, std::vector<Area>& areas) const {
   for (const auto& [object, own] : std::as_const(own_)) {
-    const ModelNode* const node = model_.node(object);
+    const ModelNode* const node = model_->node(object);
     if (node == nullptr) continue;
-    for (std::uint32_t up = node->carrier; up != ModelNode::kNone; up = model_.nodes[up].carrier) {
-      if (!is_anothers(model_.nodes[up].object)) continue;
-      const KinematicState state = replica_.truth().at(model_.nodes[up].object, t);
+    for (std::uint32_t up = node->carrier; up != ModelNode::kNone; up = model_->nodes[up].carrier) {
+      if (!is_anothers(model_->nodes[up].object)) continue;
+      const KinematicState state = replica_.truth().at(model_->nodes[up].object, t);
       areas.push_back({state.position, (state.velocity.norm() + config_.regions.fastest_m_s) * within_s});
     }
   }
@@ -296,8 +296,8 @@ void RegionSubscriptions::stop_receiving(ObjectId object) {
 }
 
 std::size_t RegionSubscriptions::pairs_with_received(ObjectId object) const {
-  return static_cast<std::size_t>(std::ranges::count_if(model_.pairs_of(object), [&](std::uint32_t number) {
-    const CollisionPair& pair = model_.pairs[number];
+  return static_cast<std::size_t>(std::ranges::count_if(model_->pairs_of(object), [&](std::uint32_t number) {
+    const CollisionPair& pair = model_->pairs[number];
     return replica_.receives(pair.collider == object ? pair.collidee : pair.collider);
   }));
 }
@@ -313,7 +313,7 @@ void RegionSubscriptions::leave_interest(ObjectId object, SimTime t) {
 void RegionSubscriptions::on_claimed(ObjectId object, SimTime last_tick) {
   if (!grid_.cuts()) return;
   if (config_.interest_radius_m) {
-    remote_radius_m_ = std::max(remote_radius_m_, bounding_radius_m(*model_.scene, object));
+    remote_radius_m_ = std::max(remote_radius_m_, bounding_radius_m(*model_->scene, object));
   }
   stop_receiving(object);
   if (replica_.begun()) replica_.colliding().forget(object, last_tick);

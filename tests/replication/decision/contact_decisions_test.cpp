@@ -58,10 +58,10 @@ class Deciding : public testing::Test {
   Membership members{1750ms};
   Owners owners{world.scene.instances.size()};
   OwnObjects own{world.scene, conf.owned, false};
-  Replica replica{*world.model};
+  Replica replica{*world.in_force};
   TickGrid ticks{60};
   Outbox outbox{conf.id, conf.incarnation, counters};
-  ContactDecisions decisions{conf, *world.model, members, owners, own, replica, ticks, outbox, counters};
+  ContactDecisions decisions{conf, *world.in_force, members, owners, own, replica, ticks, outbox, counters};
 };
 // The other peer has the lower id.
 class Deferring : public Deciding {
@@ -117,10 +117,10 @@ TEST(DecidingByParts, AnEndIsInViewWhereItsPartsAre) {
   Membership members{1750ms};
   Owners owners{world.scene.instances.size()};
   OwnObjects own{world.scene, conf.owned, false};
-  Replica replica{*world.model};
+  Replica replica{*world.in_force};
   TickGrid ticks{60};
   Outbox outbox{conf.id, conf.incarnation, counters};
-  const ContactDecisions decisions{conf, *world.model, members, owners, own, replica, ticks, outbox, counters};
+  const ContactDecisions decisions{conf, *world.in_force, members, owners, own, replica, ticks, outbox, counters};
   owners.set(world["ARM"], PeerId{3});
   owners.set(world["B"], PeerId{2});
   echo_us(add_member(members, 2), 0.001);
