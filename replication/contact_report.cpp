@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -12,9 +13,11 @@ namespace {
 // farther apart are one touch, and the last of them is what becomes of it.
 constexpr Duration kSameTouch = std::chrono::milliseconds(4);
 
-bool is_same_touch(const ContactEvent& a, const ContactEvent& b) {
+// Of a pair that nobody answers, each of its interests has its own.
+bool is_same_touch(const WorldModel& model, const ContactEvent& a, const ContactEvent& b) {
   const bool pair =
       (a.collider == b.collider && a.collidee == b.collidee) || (a.collider == b.collidee && a.collidee == b.collider);
+  if (pair && a.type != b.type && !model.is_answered(a.collider, a.collidee)) return false;
   return pair && a.at <= b.at + kSameTouch && b.at <= a.at + kSameTouch;
 }
 
@@ -51,15 +54,20 @@ void report_truth(PeerParts& p, SimTime t) {
       if (contact->deferred) {
         p.decisions.defer(*contact);
       } else {
-        std::erase_if(decided, [&](const ContactEvent& c) { return is_same_touch(c, *contact); });
+        std::erase_if(decided, [&](const ContactEvent& c) { return is_same_touch(p.model, c, *contact); });
         decided.push_back(*contact);
       }
       continue;
     }
     p.replica.colliding().on_contact(*contact);
-    p.outbox.push(ContactSeen{ContactKind::kOwner, *contact, t});
+    ContactEvent named = *contact;
+    p.replica.name_polygons(named, true);
+    p.outbox.push(ContactSeen{ContactKind::kOwner, std::move(named), t});
   }
-  for (const ContactEvent& contact : decided) p.decisions.decide(contact, t);
+  for (ContactEvent& contact : decided) {
+    p.replica.name_polygons(contact, true);
+    p.decisions.decide(contact, t);
+  }
   p.decisions.resolve_overdue(t);
 }
 
@@ -67,7 +75,7 @@ void report_truth(PeerParts& p, SimTime t) {
 // truth, or by a decision.
 void report_ghosts(PeerParts& p, SimTime t) {
   const auto is_remote = [&](ObjectId id) { return !p.own.contains(id) && p.owners.of(id) != kNobody; };
-  while (const auto event = p.replica.ghosts().poll_event()) {
+  while (auto event = p.replica.ghosts().poll_event()) {
     if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
       const bool of_nobody = p.owners.of(retracted->object) == kNobody;
       if (is_remote(retracted->object) || of_nobody) {
@@ -78,13 +86,15 @@ void report_ghosts(PeerParts& p, SimTime t) {
       continue;
     }
     if (std::holds_alternative<BodiesOverlap>(*event)) continue;  // their owners name it
-    const auto& contact = std::get<ContactEvent>(*event);
+    auto& contact = std::get<ContactEvent>(*event);
     p.publication.on_predicted_contact(contact);
+    p.decisions.note_found(contact);
     const bool mine = p.own.contains(contact.collider) || p.own.contains(contact.collidee);
     const bool remote = is_remote(contact.collider) || is_remote(contact.collidee);
     if (mine && !remote) continue;
     if (!mine) p.replica.colliding().on_contact(contact);
-    p.outbox.push(ContactSeen{remote ? ContactKind::kPredicted : ContactKind::kScene, contact, t});
+    p.replica.name_polygons(contact, false);
+    p.outbox.push(ContactSeen{remote ? ContactKind::kPredicted : ContactKind::kScene, std::move(contact), t});
   }
 }
 

@@ -244,7 +244,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     return p_.drop(sender, "before_decision");
   }
   p_.replica.note_update(u);
-  if (u.carrier && !p_.model->is_carrier(*u.carrier)) p_.let_move({&*u.carrier, 1});  // its owner's hello may be lost
+  if (u.carrier && !p_.model->is_carrier(*u.carrier)) keeper_.let_move(*u.carrier);  // its owner's hello may be lost
   p_.replica.set_ghost(u.object, u.at, p_.replica.in_own_frame(u), p_.own.contains(u.object));
 }
 

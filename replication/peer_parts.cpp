@@ -42,14 +42,15 @@ void PeerParts::extend_motions(SimTime t) {
   launches.begin_due(t, [this](SimTime at, ObjectId object) { return file_velocity(at, object); });
 }
 
-void PeerParts::let_move(std::span<const ObjectId> objects) {
+bool PeerParts::let_move(std::span<const ObjectId> objects) {
   std::vector<ObjectId> owned;
   for (const auto& [object, owner] : owners) owned.push_back(object);
   auto next = extended(*model, objects, owned);
-  if (next == nullptr) return;
+  if (next == nullptr) return false;
   replica.change_model(model, std::move(next));
   scripted.follow_model();
   ++counters.models_changed;
+  return true;
 }
 
 Vec3 PeerParts::file_velocity(SimTime at, ObjectId object) {

@@ -58,8 +58,8 @@ struct PeerParts {
   // then.
   void extend_motions(SimTime t);
   // These objects are moved by somebody from now on, or others relative to them: the model in force has them as
-  // carriers from now on.
-  void let_move(std::span<const ObjectId> objects);
+  // carriers from now on. Returns whether that makes another model of it; then all of its pairs are to be watched anew.
+  [[nodiscard]] bool let_move(std::span<const ObjectId> objects);
   // The world's velocityVector of an object, which is in its parent's frame, in the world's frame [m/s].
   [[nodiscard]] Vec3 file_velocity(SimTime at, ObjectId object);
   // A velocity relative to the object's carrier, from the frame of its parent, as the file has it, turned to the world.

@@ -187,7 +187,15 @@ void SessionKeeper::watch_pairs_around(std::span<const ObjectId> objects) {
     paired.push_back(p_.model->pairs[number].collidee);
   }
   const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
-  p_.regions.measure_contact_ranges(theirs, false);
+  // Interests in what they carry, or in what carries them, matter, too.
+  std::vector<std::uint32_t> moved = theirs;
+  for (const ObjectId object : objects) {
+    if (p_.model->node(object) == nullptr) continue;
+    for (const std::uint32_t k : p_.model->moved_part_pairs[p_.model->index_of(object)]) {
+      moved.push_back(p_.model->part_pairs[k].pair);
+    }
+  }
+  p_.regions.measure_contact_ranges(without_doubles(std::move(moved)), false);
   p_.decisions.watch(around);
 }
 
@@ -222,13 +230,17 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
     p_.owners.set(object, peer, by_founder);
     changed.push_back(object);
   }
-  p_.let_move(changed);
+  const bool more_moves = p_.let_move(changed);
   for (const ObjectId object : changed) {
     p_.regions.on_claimed(object, p_.ticks.last_time());
     if (p_.replica.begun()) p_.replica.declare_remote(object, Role::kPredicted);
   }
   p_.own.remove(lost);
-  watch_pairs_around(changed);
+  more_moves ? watch_all_pairs() : watch_pairs_around(changed);
+}
+
+void SessionKeeper::let_move(ObjectId carrier) {
+  if (p_.let_move({&carrier, 1})) watch_all_pairs();
 }
 
 void SessionKeeper::lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully) {

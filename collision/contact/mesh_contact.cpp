@@ -18,7 +18,7 @@ thread_local MeshImpactQuery contact_impacts;
 thread_local WideQuery near_query;
 
 void set_polygon(Contact& contact, const Surface& collidee, std::uint32_t polygon_of_soup) {
-  const Surface::Polygon polygon = collidee.polygon(polygon_of_soup);
+  const ShapePolygon polygon = collidee.polygon(polygon_of_soup);
   contact.collidee_shape = polygon.shape;
   contact.collidee_polygon = polygon.polygon;
 }

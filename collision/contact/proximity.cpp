@@ -13,8 +13,9 @@
 namespace peerd::collision {
 namespace {
 
-Vec3 sphere_center(const MovingBody& m) {
-  return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.center);
+MovingSphere bounding_sphere(const MovingBody& m) {
+  return {m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.center), m.motion.velocity,
+          m.body.radius_m};
 }
 
 constexpr std::uint32_t kMaxIterations = 1024;
@@ -26,9 +27,13 @@ thread_local MeshDistanceQuery distances;
 }  // namespace
 
 double proximity_time_s(const MovingBody& p, const MovingBody& q) {
-  const Vec3 d0 = sphere_center(q) - sphere_center(p);
-  const Vec3 u = q.motion.velocity - p.motion.velocity;
-  const double r = p.body.radius_m + q.body.radius_m;
+  return proximity_time_s(bounding_sphere(p), bounding_sphere(q));
+}
+
+double proximity_time_s(const MovingSphere& p, const MovingSphere& q) {
+  const Vec3 d0 = q.center - p.center;
+  const Vec3 u = q.velocity - p.velocity;
+  const double r = p.radius_m + q.radius_m;
   assert(!(r < 0.0));
   const Quadratic apart{dot(d0, d0) - r * r, 2.0 * dot(d0, u), dot(u, u)};
   if (apart.c0 <= 0.0) return 0.0;

@@ -408,7 +408,7 @@ Contact sphere_surface_contact(const MovingBody& collider, const MovingBody& col
   const Mat3 R = advance(other.motion, touch.t).orientation.toRotationMatrix();
   const Vec3 n = rotate(R, normal_of_polygon(surface, polygon, touch.n));
   if (collider_round) {
-    const Surface::Polygon found = surface.polygon(polygon);
+    const ShapePolygon found = surface.polygon(polygon);
     contact.collidee_shape = found.shape;
     contact.collidee_polygon = found.polygon;
     contact.normal_world = n;

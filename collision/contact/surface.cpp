@@ -40,7 +40,7 @@ std::expected<void, std::string> Surface::append(ObjectId shape, const Mesh& mes
   return {};
 }
 
-Surface::Polygon Surface::polygon(std::uint32_t of_soup) const {
+ShapePolygon Surface::polygon(std::uint32_t of_soup) const {
   assert(of_soup < polygons_);
   const auto after = std::ranges::upper_bound(shapes_, of_soup, {}, &std::pair<std::uint32_t, ObjectId>::first);
   assert(after != shapes_.begin());

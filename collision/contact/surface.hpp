@@ -9,6 +9,7 @@
 
 #include "collision/tree/wide_tree.hpp"
 #include "core/ids.hpp"
+#include "core/shape_polygon.hpp"
 
 namespace peerd::collision {
 
@@ -18,13 +19,8 @@ class Surface {
   Surface() = default;
   Surface(Surface&&) = delete;  // its tree knows where its soup is
 
-  struct Polygon {
-    ObjectId shape;
-    std::uint32_t polygon = 0;  // counts the Shape's polygons, in file order
-  };
-
   [[nodiscard]] const TriangleSoup& soup() const { return soup_; }
-  [[nodiscard]] Polygon polygon(std::uint32_t of_soup) const;
+  [[nodiscard]] ShapePolygon polygon(std::uint32_t of_soup) const;
   // The unit direction of the sum of its triangles' cross products, object frame; none where that sum has no finite
   // length above 0.
   [[nodiscard]] std::optional<Vec3> normal(std::uint32_t polygon_of_soup) const;

@@ -9,20 +9,12 @@
 #include "collision/query/wide_query.hpp"
 #include "collision/scene/shape_boxes.hpp"
 #include "collision/scene/shape_placement.hpp"
+#include "core/shape_polygon.hpp"
 
 namespace peerd::collision {
 
-// A polygon of a Shape: `polygon` counts in file order.
-struct ShapePolygon {
-  ObjectId shape;
-  std::uint32_t polygon = 0;
-  friend auto operator<=>(const ShapePolygon&, const ShapePolygon&) = default;
-};
-
-struct ShapePair {
-  ShapePolygon collider, collidee;
-  friend auto operator<=>(const ShapePair&, const ShapePair&) = default;
-};
+using peerd::ShapePair;
+using peerd::ShapePolygon;
 
 // The answer for a collider and a collidee.
 struct Collision {

@@ -83,6 +83,9 @@ struct Instance {
 };
 
 enum class CollisionType : std::uint8_t { kBox = 0, kWitness = 1, kAllPairs = 2 };  // the thesis, C.1
+[[nodiscard]] constexpr const char* name_of(CollisionType type) {
+  return type == CollisionType::kBox ? "box" : type == CollisionType::kWitness ? "witness" : "allpairs";
+}
 
 struct CollisionInterest {
   ObjectId collider;

@@ -26,18 +26,6 @@ collision::BoxBound box_bound(const CollideOptions& options) {
   return options.realigned_boxes ? collision::BoxBound::kRealigned : collision::BoxBound::kVertices;
 }
 
-const char* name_of(CollisionType type) {
-  switch (type) {
-    case CollisionType::kBox:
-      return "box";
-    case CollisionType::kWitness:
-      return "witness";
-    case CollisionType::kAllPairs:
-      return "allpairs";
-  }
-  return "";
-}
-
 // Brings a SceneQuery or a CollisionWatch to a world time.
 template <class Target>
 void go_to(Target& target, SceneMotion& motion, double t_s) {

@@ -55,6 +55,16 @@ std::string quoted(const std::string& cell) {
 std::string peer_cell(const RunRecord& run, PeerId peer) { return quoted(peer_name(run, peer)); }
 std::string object_cell(const RunRecord& run, ObjectId object) { return quoted(object_path(run, object)); }
 
+// PATH NUMBER - PATH NUMBER; .. for each pair that is kept, the polygon of the collider first.
+std::string polygons_text(const RunRecord& run, const TouchedPolygons& polygons) {
+  const auto name = [&](const ShapePolygon& p) { return object_path(run, p.shape) + ' ' + std::to_string(p.polygon); };
+  std::string text;
+  for (const ShapePair& pair : polygons.pairs) {
+    text += (text.empty() ? "" : "; ") + name(pair.collider) + " - " + name(pair.collidee);
+  }
+  return text;
+}
+
 // Indices of rows in order of time, rows of one instant in their given order.
 template <class Row>
 std::vector<std::size_t> by_time(const std::vector<Row>& rows) {
@@ -200,7 +210,9 @@ std::string traffic_csv(std::span<const RunRecord> runs, std::optional<std::size
 }
 
 std::string collisions_csv(std::span<const RunRecord> runs) {
-  CsvText csv("run,t_s,peer,kind,collider,collidee,normal_x,normal_y,normal_z,reported_at_s,verdict");
+  CsvText csv(
+      "run,t_s,peer,kind,collider,collidee,normal_x,normal_y,normal_z,reported_at_s,verdict,type,polygon_pairs,"
+      "polygons");
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const RunRecord& run = runs[r];
     const Agreement judged = agreement(run);
@@ -208,7 +220,8 @@ std::string collisions_csv(std::span<const RunRecord> runs) {
       const ContactRow& c = run.contacts[i];
       csv.number(r + 1).number(c.t_s).raw(peer_cell(run, c.peer)).raw(quoted(c.kind));
       csv.raw(object_cell(run, c.collider)).raw(object_cell(run, c.collidee)).vector(c.normal);
-      csv.number(c.reported_at_s).raw(to_string(judged.verdicts[i])).end_row();
+      csv.number(c.reported_at_s).raw(to_string(judged.verdicts[i])).raw(name_of(c.type));
+      csv.number(c.polygons.count).raw(quoted(polygons_text(run, c.polygons))).end_row();
     }
   }
   return csv.take();

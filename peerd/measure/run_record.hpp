@@ -10,6 +10,8 @@
 
 #include "core/ids.hpp"
 #include "core/math.hpp"
+#include "core/scene/scene.hpp"
+#include "core/shape_polygon.hpp"
 #include "peerd/measure/measured.hpp"
 #include "peerd/measure/network_measured.hpp"
 
@@ -64,7 +66,9 @@ struct ContactRow {
   ObjectId collider;
   ObjectId collidee;
   Vec3 normal = Vec3::Zero();
-  double reported_at_s = 0.0;  // time from which the peer knew it
+  double reported_at_s = 0.0;                    // time from which the peer knew it
+  CollisionType type = CollisionType::kWitness;  // of the interest
+  TouchedPolygons polygons{};                    // Shapes are named in scene_paths
 };
 
 struct WrongOutcomes {
@@ -133,7 +137,7 @@ struct RunRecord {
   bool stopped = false;  // the run was to be longer than duration_s, and a signal has ended it
   std::vector<PeerInfo> peers;
   std::vector<ObjectInfo> objects;              // objects with an owner, sorted by object
-  std::map<ObjectId, std::string> scene_paths;  // objects without an owner that contacts name, such as walls
+  std::map<ObjectId, std::string> scene_paths;  // what contacts name and nobody owns: walls, Shapes
   std::vector<SceneOutline> outlines;           // Shapes where they stand at first, those near to the objects first
   std::size_t outlines_left_out = 0;            // Shapes that `outlines` has no room for
   std::vector<GhostSample> ghost_samples;       // sorted by (observer, object, t_s)

@@ -39,6 +39,15 @@ struct LineOf {
 
   const Scene& scene;
 
+  // The first pair of polygons that touch, as collide names them, and the interest's type.
+  [[nodiscard]] std::string touching(const ContactEvent& c) const {
+    if (c.polygons.pairs.empty()) return "";
+    const auto& [a, b] = c.polygons.pairs.front();
+    const std::string more = c.polygons.count > 1 ? fmt::format(" and {} more", c.polygons.count - 1) : "";
+    return fmt::format(": {} polygon {} - {} polygon {}{} ({})", scene.path_of(a.shape), a.polygon,
+                       scene.path_of(b.shape), b.polygon, more, name_of(c.type));
+  }
+
   Line operator()(const Send&) const { return std::nullopt; }
   Line operator()(const Join& j) const {
     return LogLine{LogLevel::kDebug, fmt::format("joined region {}", j.region.value)};
@@ -123,8 +132,8 @@ struct LineOf {
   Line operator()(const ContactSeen& c) const {
     const double ago_s = to_seconds(c.known_at - c.contact.at);
     return LogLine{c.kind == ContactKind::kPredicted ? LogLevel::kDebug : LogLevel::kInfo,
-                   fmt::format("{} {} {}, {:.1f} ms ago", scene.path_of(c.contact.collider), verb(c.kind),
-                               scene.path_of(c.contact.collidee), 1e3 * ago_s)};
+                   fmt::format("{} {} {}, {:.1f} ms ago{}", scene.path_of(c.contact.collider), verb(c.kind),
+                               scene.path_of(c.contact.collidee), 1e3 * ago_s, touching(c.contact))};
   }
   Line operator()(const Overruled& o) const {
     return LogLine{LogLevel::kInfo, fmt::format("{} on {}: another peer's decision counts", scene.path_of(o.collider),

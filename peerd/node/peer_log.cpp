@@ -43,6 +43,12 @@ class RowWriter {
     return *this << s.position << s.velocity << s.acceleration << s.orientation.w() << s.orientation.x()
                  << s.orientation.y() << s.orientation.z() << s.angular_velocity_body;
   }
+  RowWriter& operator<<(CollisionType type) { return *this << std::string(name_of(type)); }
+  RowWriter& operator<<(const TouchedPolygons& polygons) {
+    *this << polygons.count << polygons.pairs.size();
+    for (const auto& [a, b] : polygons.pairs) *this << a.shape << a.polygon << b.shape << b.polygon;
+    return *this;
+  }
   [[nodiscard]] std::string take() { return std::move(text_) + "\n"; }
 
  private:
@@ -85,6 +91,28 @@ class RowReader {
     return *this >> s.position >> s.velocity >> s.acceleration >> s.orientation.w() >> s.orientation.x() >>
            s.orientation.y() >> s.orientation.z() >> s.angular_velocity_body;
   }
+  RowReader& operator>>(CollisionType& type) {
+    std::string word;
+    *this >> word;
+    for (const auto each : {CollisionType::kBox, CollisionType::kWitness, CollisionType::kAllPairs}) {
+      if (word == name_of(each)) {
+        type = each;
+        return *this;
+      }
+    }
+    good_ = false;
+    return *this;
+  }
+  RowReader& operator>>(TouchedPolygons& polygons) {
+    std::size_t kept = 0;
+    *this >> polygons.count >> kept;
+    good_ = good_ && kept <= TouchedPolygons::kKept;
+    for (std::size_t i = 0; good_ && i < kept; ++i) {
+      auto& [a, b] = polygons.pairs.emplace_back();
+      *this >> a.shape >> a.polygon >> b.shape >> b.polygon;
+    }
+    return *this;
+  }
   [[nodiscard]] bool good() const { return good_; }
 
  private:
@@ -121,7 +149,7 @@ bool read_row(const std::string& line, PeerLog& log) {
     }
     case 'C': {
       auto& c = log.contacts.emplace_back();
-      in >> c.at >> c.kind >> c.collider >> c.collidee >> c.normal >> c.known_at;
+      in >> c.at >> c.kind >> c.collider >> c.collidee >> c.normal >> c.known_at >> c.type >> c.polygons;
       break;
     }
     case 'N': {
@@ -150,7 +178,7 @@ Result<void> save(const PeerLog& log, const std::filesystem::path& path) {
   for (const auto& u : log.updates) out.row('U') << u.at << u.object << u.bytes << u.threshold_m << u.reason;
   for (const auto& d : log.datagrams) out.row('D') << d.at << d.bytes;
   for (const auto& c : log.contacts) {
-    out.row('C') << c.at << c.kind << c.collider << c.collidee << c.normal << c.known_at;
+    out.row('C') << c.at << c.kind << c.collider << c.collidee << c.normal << c.known_at << c.type << c.polygons;
   }
   for (const auto& [name, count] : log.counters) out.row('N') << name << count;
   return write_text_file(path, out.take());

@@ -8,6 +8,8 @@
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
+#include "core/scene/scene.hpp"
+#include "core/shape_polygon.hpp"
 #include "core/time.hpp"
 #include "peerd/input/input_error.hpp"
 
@@ -45,6 +47,8 @@ struct PeerLog {
     ObjectId collider, collidee;
     Vec3 normal;
     SimTime known_at;
+    CollisionType type = CollisionType::kWitness;  // of the interest
+    TouchedPolygons polygons{};
   };
 
   // The error of a simulated peer's session time against that of the peer that it followed. The simulator measures it,

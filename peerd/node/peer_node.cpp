@@ -357,7 +357,7 @@ std::optional<replication::Output> PeerNode::poll_output() {
     options_.rows != nullptr ? options_.rows->add(log_, std::move(row)) : log_.updates.push_back(std::move(row));
   } else if (const auto* c = std::get_if<ContactSeen>(&*out)) {
     log_.contacts.push_back({c->contact.at, peerd::to_string(c->kind), c->contact.collider, c->contact.collidee,
-                             c->contact.normal, c->known_at});
+                             c->contact.normal, c->known_at, c->contact.type, c->contact.polygons});
   } else if (const auto* o = std::get_if<Overruled>(&*out)) {
     std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
       return (row.kind == "decided" || row.kind == "applied") && row.at == o->contact && row.collider == o->collider &&

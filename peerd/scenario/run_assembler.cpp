@@ -195,11 +195,17 @@ void RunAssembler::add_logs(report::RunRecord& record, const std::vector<PeerLog
     for (const PeerLog::Contact& c : log.contacts) {
       const double t_s = to_seconds(c.at - start);
       if (!within(t_s)) continue;
-      for (const ObjectId id : {c.collider, c.collidee}) {
+      const auto name = [&](ObjectId id) {
         if (!owned(id)) record.scene_paths.try_emplace(id, scene.path_of(id));
+      };
+      name(c.collider);
+      name(c.collidee);
+      for (const auto& [of_collider, of_collidee] : c.polygons.pairs) {
+        name(of_collider.shape);
+        name(of_collidee.shape);
       }
-      record.contacts.push_back(
-          {t_s, log.peer, c.kind, c.collider, c.collidee, c.normal, to_seconds(c.known_at - start)});
+      record.contacts.push_back({t_s, log.peer, c.kind, c.collider, c.collidee, c.normal,
+                                 to_seconds(c.known_at - start), c.type, c.polygons});
     }
     if (const auto& c = log.clock_error) {
       const auto ms = [](Duration d) { return to_seconds(d) * 1e3; };

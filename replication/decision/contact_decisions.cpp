@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "replication/wire/wire_limits.hpp"
+#include "replication/world/part_at.hpp"
 #include "replication/world/response.hpp"
 
 namespace peerd::replication {
@@ -122,13 +123,20 @@ Contender ContactDecisions::contender(ObjectId object, SimTime at, std::span<con
   return s;
 }
 
+// All parts of the end, those that carriers below it move and those that flex included.
+WorldBox ContactDecisions::box_of_end(ObjectId object, SimTime at) const {
+  WorldBox box;
+  for (const std::uint32_t part : model_->parts_of_node[model_->index_of(object)]) {
+    box.merge(part_at(*model_, replica_.ghosts(), replica_.flexible(), part, at).box());
+  }
+  return box;
+}
+
 PeerId ContactDecisions::choose_decider(ObjectId a, ObjectId b, SimTime contact) const {
   const SimTime at = decided_as_of(contact, lookback());
   std::vector<WorldBox> meeting;  // around the two, where they are then
   for (const ObjectId object : {a, b}) {
-    const collision::Body& body = *model_->body(object);
-    const Vec3 center = replica_.ghosts().at(object, at).pose() * body.center;
-    meeting.push_back(WorldBox{center.array() - body.radius_m, center.array() + body.radius_m});
+    meeting.push_back(box_of_end(object, at));
   }
   const PeerId server = config_.decisions.server;
   const bool here = server == config_.id || members_.contains(server);
@@ -175,12 +183,13 @@ DecisionRecord ContactDecisions::record_of(const ContactEvent& c, DecisionRule r
           log_.last(c.collider, c.collidee)};
 }
 
-std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord& d) {
+std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord& d, CollisionType type) {
   ++counters_.decisions;
   auto changes = log_.add(d, config_.id);
   for (DecisionLog::Entry& e : log_.entries()) {
     const bool added =
         e.author == config_.id && e.record.contact == d.contact && of_pair(e.record, d.collider, d.collidee);
+    if (added && !e.type) e.type = type;
     if (!added || !e.in_force) continue;
     e.copies = static_cast<int>(copies_against(members_.worst_loss_to_peers(), kDecisionCopies));
   }
@@ -201,7 +210,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
     if (known->in_force) break;  // the same once more
     c.at += Duration{1};
   }
-  const auto changes = add_own(record_of(c, config_.decisions.policy));
+  const auto changes = add_own(record_of(c, config_.decisions.policy), c.type);
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
   if (model_->is_answered(c.collider, c.collidee)) {
@@ -226,6 +235,7 @@ void ContactDecisions::defer(const ContactEvent& c) {
     return;
   }
   ++counters_.contacts_held;
+  note_found(c);
   deferred_.push_back({c, choose_decider(c.collider, c.collidee, c.at)});
 }
 
@@ -262,7 +272,7 @@ void ContactDecisions::decide_by_fallback(const ContactEvent& c, SimTime known_a
     return;
   }
   ++counters_.decisions_fallback;
-  apply(add_own(record_of(within_wire_limits(c), DecisionRule::kId)), known_at);
+  apply(add_own(record_of(within_wire_limits(c), DecisionRule::kId), c.type), known_at);
 }
 
 // Whether that peer may have found nothing because it does not know how an own object came to the contact: it has not
@@ -376,10 +386,44 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
     if (own != nullptr && own->last_sent && *own->last_sent > d.contact) own_.republish(object);
   }
   if (!replica_.receives(d.collider) || !replica_.receives(d.collidee)) return;  // nothing to report of those
-  const ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
-                             d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
+  ContactEvent contact{d.contact,         d.collider,        d.collidee,       d.normal,
+                       d.collider_before, d.collidee_before, d.collider_after, d.collidee_after};
+  contact.type = type_of(d, author);
+  replica_.name_polygons(contact, own_.contains(d.collider) || own_.contains(d.collidee));
   replica_.colliding().on_contact(contact);
-  outbox_.push(ContactSeen{author == config_.id ? ContactKind::kDecided : ContactKind::kApplied, contact, known_at});
+  const ContactKind kind = author == config_.id ? ContactKind::kDecided : ContactKind::kApplied;
+  outbox_.push(ContactSeen{kind, std::move(contact), known_at});
+}
+
+void ContactDecisions::note_found(const ContactEvent& c) {
+  const auto of_the_two = [&](std::uint32_t number) {
+    const CollisionPair& pair = model_->pairs[number];
+    return pair.collider == c.collidee || pair.collidee == c.collidee;
+  };
+  if (std::ranges::count_if(model_->pairs_of(c.collider), of_the_two) < 2) return;
+  const auto [lower, higher] = std::minmax(c.collider, c.collidee);
+  last_found_.insert_or_assign({lower, higher, c.type}, c.at);
+}
+
+// Of another peer's decision, which does not say it: that whose contact was found here nearest in time, or else that of
+// the file's first interest in the two.
+CollisionType ContactDecisions::type_of(const DecisionRecord& d, PeerId author) const {
+  const DecisionLog::Entry* const entry = log_.find(d.contact, author, d.collider, d.collidee);
+  if (entry != nullptr && entry->type) return *entry->type;
+  const auto [lower, higher] = std::minmax(d.collider, d.collidee);
+  std::optional<std::pair<Duration, CollisionType>> nearest;
+  for (const CollisionType type : {CollisionType::kBox, CollisionType::kWitness, CollisionType::kAllPairs}) {
+    const auto found = last_found_.find({lower, higher, type});
+    if (found == last_found_.end()) continue;
+    const Duration apart = std::max(found->second - d.contact, d.contact - found->second);
+    if (!nearest || apart < nearest->first) nearest = {apart, type};
+  }
+  if (nearest) return nearest->second;
+  for (const std::uint32_t number : model_->pairs_of(d.collider)) {
+    const CollisionPair& pair = model_->pairs[number];
+    if (pair.collider == d.collidee || pair.collidee == d.collidee) return pair.type;
+  }
+  return CollisionType::kWitness;
 }
 
 // The law after a decision, in the frame of the object's carrier in that world.
@@ -490,6 +534,7 @@ void ContactDecisions::restart(bool same_session) {
   log_.clear();
   early_.clear();
   life_since_.clear();
+  last_found_.clear();
 }
 
 }  // namespace peerd::replication

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "core/ids.hpp"
@@ -45,6 +46,8 @@ class ContactDecisions {
 
   // Decides, for all, a contact of two owners that the truth has answered.
   void decide(const ContactEvent& contact, SimTime known_at);
+  // The ghosts have found a contact: a decision on it does not say the type of its interest.
+  void note_found(const ContactEvent& contact);
   // Another peer is to decide the contact.
   void defer(const ContactEvent& contact);
   // At a tick: applies the decisions whose time has come, and decides the deferred contacts on which nobody else has
@@ -107,6 +110,7 @@ class ContactDecisions {
   void apply_early(SimTime t);
   [[nodiscard]] bool searches_contacts_of(ObjectId a, ObjectId b) const;
   [[nodiscard]] Duration lookback() const;
+  [[nodiscard]] WorldBox box_of_end(ObjectId object, SimTime at) const;
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Contender contender(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
   [[nodiscard]] bool reaches_all_in_time(SimTime contact) const;
@@ -116,7 +120,8 @@ class ContactDecisions {
   [[nodiscard]] MotionModel outcome_in(const MotionWorld& world, ObjectId object, SimTime t,
                                        const KinematicState& after) const;
   [[nodiscard]] DecisionRecord record_of(const ContactEvent& contact, DecisionRule rule) const;
-  std::vector<DecisionLog::Change> add_own(const DecisionRecord& record);
+  std::vector<DecisionLog::Change> add_own(const DecisionRecord& record, CollisionType type);
+  [[nodiscard]] CollisionType type_of(const DecisionRecord& decision, PeerId author) const;
   void apply(const std::vector<DecisionLog::Change>& changes, SimTime known_at);
   void apply(const DecisionRecord& decision, PeerId author, SimTime known_at);
   void rebase(ObjectId object, SimTime from);
@@ -135,6 +140,8 @@ class ContactDecisions {
   DecisionLog log_;
   std::vector<Deferred> deferred_;
   std::vector<Early> early_;
+  // The last contact that was found of each interest, of pairs with several; by the lower and the higher object.
+  std::map<std::tuple<ObjectId, ObjectId, CollisionType>, SimTime> last_found_;
   std::map<ObjectId, SimTime> life_since_;  // of objects whose owner has left once
 };
 

@@ -43,7 +43,7 @@ std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionR
   assert(author != kNobody && record.collider != record.collidee);
   if (find(record.contact, author, record.collider, record.collidee) != nullptr) return std::nullopt;
   Entry& added =
-      *entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, 0, {}, {}});
+      *entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, {}, 0, {}, {}});
 
   std::vector<Entry*> pair;
   bool conflicts = false;

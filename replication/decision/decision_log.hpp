@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "core/scene/scene.hpp"
 #include "replication/wire/wire.hpp"
 
 namespace peerd::replication {
@@ -22,8 +23,9 @@ class DecisionLog {
     DecisionRecord record;
     PeerId author;
     bool in_force = false;
-    // For decisions of this peer: the copies still to be sent, the numbers of the datagrams that carried it (since a
-    // member last forgot all), and the members that have acknowledged one of them.
+    // For decisions of this peer: the interest's type, the copies still to be sent, the numbers of the datagrams that
+    // carried it (since a member last forgot all), and the members that have acknowledged one of them.
+    std::optional<CollisionType> type{};
     int copies = 0;
     std::vector<std::uint32_t> sent_in;
     std::set<PeerId> acknowledged_by;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <optional>
 
 #include "collision/contact/proximity.hpp"
 
@@ -18,6 +19,10 @@ double apart_for_s(const collision::MovingBody& a, const collision::MovingBody& 
     if (!collision::may_come_near(a, b, s, margin_m)) return s;
   }
   return 0.0;
+}
+
+collision::MovingSphere sphere_of_part(const PartAt& part) {
+  return {part.center_world(), part.state.velocity, part.radius_m};
 }
 
 }  // namespace
@@ -46,33 +51,77 @@ double ProximityThreshold::at(ObjectId object, SimTime t) const {
   return policy.threshold_by_time ? tight_m + (usual_m - tight_m) * left_s / policy.close_proximity_s : tight_m;
 }
 
-// The time [s] until the object could meet one of another peer (Ohlenburg 2003, table 4.1: remote-enslaved pairs only),
-// not more than that; at least the policy's close proximity where nothing is close. By steps 0 where anything is.
+// The time [s] until what moves with the object could meet what moves with one of another peer (Ohlenburg 2003, table
+// 4.1: remote-enslaved pairs only), not more than that; at least the policy's close proximity where nothing is close.
+// By steps 0 where anything is.
 double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) const {
-  const bool by_time = config_.policy.threshold_by_time;
   double least_s = config_.policy.close_proximity_s;
-  const collision::Body* body = model_->body(object);
-  if (body == nullptr) return least_s;
-  const KinematicState state = replica_.truth().at(object, t);
-  for (const std::uint32_t number : model_->pairs_of(object)) {
-    const CollisionPair& pair = model_->pairs[number];
-    const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
-    const PeerId other_owner = owners_.of(other);
-    if (other_owner == kNobody || other_owner == config_.id || !replica_.receives(other)) continue;
+  if (model_->node(object) == nullptr) return least_s;
+  const std::uint32_t node = model_->index_of(object);
+  std::optional<Side> mine;  // the last one: an object mostly has one part
+  for (const std::uint32_t k : model_->moved_part_pairs[node]) {
+    const PartPair& parts = model_->part_pairs[k];
+    const CollisionPair& pair = model_->pairs[parts.pair];
+    const bool collider_is_mine = model_->any_mover(parts, true, [&](std::uint32_t i) { return i == node; });
+    if (!is_anothers(parts, !collider_is_mine)) continue;
     ++counters_.proximity_tests;
-    const KinematicState other_state = replica_.truth().at(other, t);
-    const collision::MovingBody here{*body, state}, there{*model_->body(other), other_state};
-    double left_s = collision::proximity_time_s(here, there);
-    if (!(left_s < least_s)) continue;
-    if (config_.policy.refine_proximity && pair.type != CollisionType::kBox) {
-      ++counters_.proximity_refined;
-      if (!collision::may_come_near(here, there, least_s, threshold_m)) continue;
-      if (by_time) left_s = std::max(left_s, apart_for_s(here, there, least_s, threshold_m));
+    const Side here{collider_is_mine ? parts.a : parts.b, collider_is_mine ? pair.collider : pair.collidee};
+    const Side there{collider_is_mine ? parts.b : parts.a, collider_is_mine ? pair.collidee : pair.collider};
+    if (!mine || mine->part != here.part || mine->end != here.end) {
+      mine = here;
+      mine->at = side_at(here, t);
     }
-    if (!by_time || left_s == 0.0) return 0.0;
+    const PartAt& a = mine->at;
+    const PartAt b = side_at(there, t);
+    double left_s = collision::proximity_time_s(sphere_of_part(a), sphere_of_part(b));
+    if (!(left_s < least_s)) continue;
+    const bool refines = config_.policy.refine_proximity && pair.type != CollisionType::kBox;
+    if (refines && a.body != nullptr && b.body != nullptr) {
+      const collision::MovingBody moving_a{*a.body, a.state}, moving_b{*b.body, b.state};
+      ++counters_.proximity_refined;
+      if (!collision::may_come_near(moving_a, moving_b, least_s, threshold_m)) continue;
+      if (config_.policy.threshold_by_time) {
+        left_s = std::max(left_s, apart_for_s(moving_a, moving_b, least_s, threshold_m));
+      }
+    }
+    if (!config_.policy.threshold_by_time || left_s == 0.0) return 0.0;
     least_s = left_s;
   }
   return least_s;
+}
+
+// Whether another peer, whose objects are received, owns that end of a pair, or moves that side of it relative to the
+// other one.
+bool ProximityThreshold::is_anothers(const PartPair& parts, bool collider) const {
+  const auto owned = [&](ObjectId id) {
+    const PeerId owner = owners_.of(id);
+    return owner != kNobody && owner != config_.id && replica_.receives(id);
+  };
+  const ObjectId end = collider ? model_->pairs[parts.pair].collider : model_->pairs[parts.pair].collidee;
+  if (!replica_.receives(end)) return false;
+  return owned(end) ||
+         model_->any_mover(parts, collider, [&](std::uint32_t i) { return owned(model_->nodes[i].object); });
+}
+
+// A part; or a sphere around the world box of all parts of a whole end, as large as these can make it in the time that
+// counts as close, each going on as it does.
+PartAt ProximityThreshold::side_at(const Side& side, SimTime t) const {
+  const double close_s = config_.policy.close_proximity_s;
+  if (side.part != ModelNode::kNone) {
+    return part_at(*model_, replica_.truth(), replica_.flexible(), side.part, t, close_s);
+  }
+  PartAt all;
+  all.state = replica_.truth().at(side.end, t);
+  WorldBox box;
+  double faster_m_s = 0.0;
+  for (const std::uint32_t each : model_->parts_of_node[model_->index_of(side.end)]) {
+    const PartAt at = part_at(*model_, replica_.truth(), replica_.flexible(), each, t, close_s);
+    box.merge(at.box());
+    faster_m_s = std::max(faster_m_s, (at.state.velocity - all.state.velocity).norm());
+  }
+  all.center = all.state.orientation.conjugate() * (0.5 * (box.lo + box.hi) - all.state.position);
+  all.radius_m = 0.5 * (box.hi - box.lo).norm() + faster_m_s * close_s;
+  return all;
 }
 
 }  // namespace peerd::replication

@@ -1,10 +1,13 @@
 #pragma once
+#include <cstdint>
+
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/output/peer_counters.hpp"
 #include "replication/policy/peer_config.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
+#include "replication/world/part_at.hpp"
 #include "replication/world/model_in_force.hpp"
 
 namespace peerd::replication {
@@ -24,8 +27,17 @@ class ProximityThreshold {
   [[nodiscard]] double least_m(ObjectId object) const;
 
  private:
+  // A side of a pair: a part, or for kNone the whole end; where it stands once that is known.
+  struct Side {
+    std::uint32_t part;
+    ObjectId end;
+    PartAt at{};
+  };
+
   [[nodiscard]] double usual_m(ObjectId object) const;
   [[nodiscard]] double time_to_contact_s(ObjectId object, SimTime t, double threshold_m) const;
+  [[nodiscard]] bool is_anothers(const PartPair& parts, bool collider) const;
+  [[nodiscard]] PartAt side_at(const Side& side, SimTime t) const;
 
   const PeerConfig& config_;
   const ModelInForce& model_;

@@ -22,7 +22,7 @@ class Display {
           PeerCounters& counters);
 
   // For each object, t never goes back; the ghosts have been advanced to t. What is shown doesn't go through what an
-  // interest pairs the object with, where the ghost didn't.
+  // interest pairs the object or what it carries with, where the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
 
   // An update arrived at that age.
@@ -34,7 +34,6 @@ class Display {
 
  private:
   [[nodiscard]] Duration delay() const;
-  [[nodiscard]] bool may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const;
 
   const PeerConfig& config_;
   const ModelInForce& model_;

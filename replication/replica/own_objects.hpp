@@ -54,8 +54,6 @@ struct OwnObject {
   UpdateBudget budget;
   double interval_s = 0.25;                // between its last updates, smoothed
   std::optional<Vec3> published_position;  // by its last update [m, world]
-  // Remote objects that it may collide with touch it from no farther away; 0: there are none.
-  double contact_range_m = 0.0;
 };
 
 // The objects that this peer owns, ascending, and the ticks at which each must be checked for an update.

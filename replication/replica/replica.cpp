@@ -1,5 +1,7 @@
 #include "replication/replica/replica.hpp"
 
+#include "replication/world/contact_polygons.hpp"
+
 namespace peerd::replication {
 
 KinematicState Replica::ghost(ObjectId object, SimTime t) const {
@@ -8,6 +10,10 @@ KinematicState Replica::ghost(ObjectId object, SimTime t) const {
 
 KinematicState Replica::truth(ObjectId object, SimTime t) const {
   return truth().has(object) ? truth().at(object, t) : ghost(object, t);
+}
+
+void Replica::name_polygons(ContactEvent& contact, bool of_truth) const {
+  contact.polygons = touched_polygons(*model_, of_truth ? truth() : ghosts(), flexible_.get(), contact);
 }
 
 Vec3 Replica::position_of(const UpdateRecord& update) const {

@@ -95,6 +95,9 @@ class Replica {
     if (node == nullptr || node->carrier == ModelNode::kNone) return std::nullopt;
     return model_->nodes[node->carrier].object;
   }
+  // Names the polygons that touch in a contact that is reported: in one that the truth has found, or else the ghosts.
+  void name_polygons(ContactEvent& contact, bool of_truth) const;
+
   // The position in the world that an update says [m], by where the ghost of the object's carrier is then.
   [[nodiscard]] Vec3 position_of(const UpdateRecord& update) const;
 
@@ -109,6 +112,9 @@ class Replica {
   // The motion that an update says, in the frame of the object's carrier here. A sender that does not know of that
   // carrier yet names another frame: of its law, its state counts.
   [[nodiscard]] MotionModel in_own_frame(const UpdateRecord& update) const;
+  // The places of flexible parts; null where nothing flexes.
+  [[nodiscard]] FlexibleParts* flexible() const { return flexible_.get(); }
+
   // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows
   // unless the object is owned here.
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned);

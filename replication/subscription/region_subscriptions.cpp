@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <set>
 #include <utility>
 
 #include "core/scene/bounding_radius.hpp"
+#include "replication/world/part_at.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -21,6 +23,8 @@ constexpr std::uint32_t kSubscriptionRepeats = 2, kHandoverRepeats = 1;
 constexpr Duration kRepeatsApart = std::chrono::milliseconds(100);
 // Ticks from a need to the states: one until this peer notices, one until the others answer, one to spare.
 constexpr int kTicksToStates = 3;
+// The corners of a box are no farther away than this many times the farthest point in it: sqrt(3), rounded up.
+constexpr double kCorner = 1.7320508075688774;
 
 }  // namespace
 
@@ -67,17 +71,107 @@ Duration RegionSubscriptions::state_request_takes() const {
 }
 
 void RegionSubscriptions::measure_contact_ranges(std::span<const std::uint32_t> pairs, bool anew) {
-  if (anew) {
-    for (auto& [object, own] : own_) own.contact_range_m = 0.0;
-  }
+  if (anew) contact_ranges_.clear();
   if (!grid_.cuts()) return;
   for (const std::uint32_t number : pairs) {
     assert(number < model_->pairs.size());
-    const CollisionPair& pair = model_->pairs[number];
-    if (!owners_.have_two(pair.collider, pair.collidee)) continue;
-    const double within_m = model_->body(pair.collider)->extent_m() + model_->body(pair.collidee)->extent_m();
-    for (const ObjectId object : {pair.collider, pair.collidee}) {
-      if (OwnObject* own = own_.find(object)) own->contact_range_m = std::max(own->contact_range_m, within_m);
+    for (std::uint32_t k = model_->first_part_pair[number]; k < model_->first_part_pair[number + 1]; ++k) {
+      if (model_->part_pairs[k].fixed) continue;
+      note_contact_range(model_->part_pairs[k], true);
+      note_contact_range(model_->part_pairs[k], false);
+    }
+  }
+}
+
+// Notes what the one side may meet, where own objects move it and those of others the other side.
+void RegionSubscriptions::note_contact_range(const PartPair& parts, bool of_collider) {
+  const auto is_mine = [&](std::uint32_t node) { return own_.contains(model_->nodes[node].object); };
+  if (!model_->any_mover(parts, of_collider, is_mine)) return;
+  const auto is_another = [&](std::uint32_t node) { return is_anothers(model_->nodes[node].object); };
+  if (!model_->any_mover(parts, !of_collider, is_another)) return;
+  const CollisionPair& pair = model_->pairs[parts.pair];
+  const bool boxes = pair.type == CollisionType::kBox;
+  const Reach collider = boxes ? Reach{ModelNode::kNone, pair.collider} : Reach{parts.a, {}};
+  const Reach collidee = boxes ? Reach{ModelNode::kNone, pair.collidee} : Reach{parts.b, {}};
+  const Reach &mine = of_collider ? collider : collidee, &other = of_collider ? collidee : collider;
+  note_partners(contact_ranges_[mine], other, parts.common);
+}
+
+bool RegionSubscriptions::is_anothers(ObjectId object) const {
+  const PeerId owner = owners_.of(object);
+  return owner != kNobody && owner != config_.id;
+}
+
+void RegionSubscriptions::note_partners(Partners& partners, const Reach& partner, std::uint32_t common) const {
+  for (const std::uint32_t node : chain_of(partner, common)) {
+    if (!is_anothers(model_->nodes[node].object)) continue;
+    const bool whole = partner.part == ModelNode::kNone;
+    const bool is_its_body =
+        whole ? model_->parts_of_node[node] == std::vector{node} && model_->nodes[node].object == partner.end
+              : partner.part == node;
+    if (is_its_body) {
+      partners.fixed_m = std::max(partners.fixed_m, (whole ? kCorner : 1.0) * model_->bodies[node].extent_m());
+    } else {
+      partners.moving.emplace(node, partner);
+    }
+  }
+}
+
+// What moves a part below `common`; of a whole end, all that moves any part of it.
+std::vector<std::uint32_t> RegionSubscriptions::chain_of(const Reach& reach, std::uint32_t common) const {
+  if (reach.part != ModelNode::kNone) return model_->chain_of(reach.part, common);
+  std::vector<std::uint32_t> all;
+  for (const std::uint32_t part : model_->parts_of_node[model_->index_of(reach.end)]) {
+    std::ranges::copy(model_->chain_of(part), std::back_inserter(all));
+  }
+  std::ranges::sort(all);
+  all.erase(std::ranges::unique(all).begin(), all.end());
+  return all;
+}
+
+RegionSubscriptions::Reached RegionSubscriptions::reached(const MotionWorld& world, const Reach& reach, SimTime t,
+                                                          double within_s) const {
+  const auto at = [&](std::uint32_t part) { return part_at(*model_, world, replica_.flexible(), part, t, within_s); };
+  if (reach.part != ModelNode::kNone) {
+    const PartAt part = at(reach.part);
+    return {part.state, part.extent_m};
+  }
+  Reached whole{world.at(reach.end, t)};
+  for (const std::uint32_t each : model_->parts_of_node[model_->index_of(reach.end)]) {
+    const PartAt part = at(each);
+    const double away_m = (part.state.position - whole.frame.position).norm();
+    const double goes_m = (part.state.velocity - whole.frame.velocity).norm() * within_s;
+    whole.extent_m = std::max(whole.extent_m, kCorner * (away_m + goes_m + part.extent_m));
+  }
+  return whole;
+}
+
+std::vector<Area> RegionSubscriptions::contact_areas(SimTime t, double within_s) const {
+  std::vector<Area> areas;
+  for (const auto& [reach, partners] : contact_ranges_) {
+    const Reached mine = reached(replica_.truth(), reach, t, within_s);
+    double theirs_m = partners.fixed_m;
+    for (const auto& [node, partner] : partners.moving) {
+      const Reached part = reached(replica_.ghosts(), partner, t, within_s);
+      const KinematicState owned = replica_.ghosts().at(model_->nodes[node].object, t);
+      const double goes_m = (part.frame.velocity - owned.velocity).norm() * within_s;
+      theirs_m = std::max(theirs_m, (part.frame.position - owned.position).norm() + goes_m + part.extent_m);
+    }
+    const double speed_m_s = mine.frame.velocity.norm() + config_.regions.fastest_m_s;
+    areas.push_back({mine.frame.position, mine.extent_m + theirs_m + speed_m_s * within_s});
+  }
+  return areas;
+}
+
+// What carries an own object moves it, however far away its origin is.
+void RegionSubscriptions::add_carriers(SimTime t, double within_s, std::vector<Area>& areas) const {
+  for (const auto& [object, own] : std::as_const(own_)) {
+    const ModelNode* const node = model_->node(object);
+    if (node == nullptr) continue;
+    for (std::uint32_t up = node->carrier; up != ModelNode::kNone; up = model_->nodes[up].carrier) {
+      if (!is_anothers(model_->nodes[up].object)) continue;
+      const KinematicState state = replica_.truth().at(model_->nodes[up].object, t);
+      areas.push_back({state.position, (state.velocity.norm() + config_.regions.fastest_m_s) * within_s});
     }
   }
 }
@@ -104,13 +198,12 @@ std::optional<std::vector<Area>> RegionSubscriptions::areas(SimTime t) const {
   }
   // Close proximity is searched so long ahead, on top.
   const double near_s = config_.policy.track_proximity ? config_.policy.close_proximity_s : 0.0;
+  std::ranges::copy(contact_areas(t, ahead_s + near_s), std::back_inserter(areas));
+  add_carriers(t, ahead_s, areas);
+  if (view) return areas;
   for (const auto& [object, own] : std::as_const(own_)) {
     const KinematicState state = replica_.truth(object, t);
-    const double speed_m_s = state.velocity.norm();
-    if (!view) areas.push_back({state.position, radius_m + speed_m_s * ahead_s});
-    if (own.contact_range_m == 0.0) continue;
-    areas.push_back(
-        {state.position, own.contact_range_m + (speed_m_s + config_.regions.fastest_m_s) * (ahead_s + near_s)});
+    areas.push_back({state.position, radius_m + state.velocity.norm() * ahead_s});
   }
   return areas;
 }

@@ -4,7 +4,9 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/ids.hpp"
@@ -77,9 +79,12 @@ class RegionSubscriptions {
   void forget_handovers_of(ObjectId object);
   // The region in which the object was published last, kWholeScene where that is not known.
   [[nodiscard]] RegionId region_of(ObjectId object) const;
-  // Measures the farthest distances from own objects at which remote objects may touch them, by these pairs; `anew`:
-  // by these alone, else also by those of earlier calls.
+  // Notes which parts that own objects move may meet what remote objects move, by these pairs; `anew`: by these alone,
+  // else also by those of earlier calls.
   void measure_contact_ranges(std::span<const std::uint32_t> pairs, bool anew);
+  // The areas around those parts at t, in which the remote objects are that may touch them then, or within that time
+  // [s]: objects are published where their origins are, however far away from there they have parts.
+  [[nodiscard]] std::vector<Area> contact_areas(SimTime t, double within_s) const;
 
  private:
   struct LastReception {
@@ -106,6 +111,29 @@ class RegionSubscriptions {
     RegionId from;
   };
 
+  // A part that own objects move, or the box of a whole end of such; and the parts, or whole ends, that it may meet,
+  // with each remote object that moves them.
+  struct Reach {
+    std::uint32_t part = ModelNode::kNone;  // kNone: the whole end
+    ObjectId end{};                         // in that case
+    friend auto operator<=>(const Reach&, const Reach&) = default;
+  };
+  struct Partners {
+    double fixed_m = 0.0;                              // how far rigid parts reach from what moves them, at most
+    std::set<std::pair<std::uint32_t, Reach>> moving;  // nodes of remote objects, and other parts
+  };
+  // A frame, and how far from its origin something reaches [m].
+  struct Reached {
+    KinematicState frame;
+    double extent_m = 0.0;
+  };
+
+  void note_contact_range(const PartPair& parts, bool of_collider);
+  [[nodiscard]] bool is_anothers(ObjectId object) const;
+  void note_partners(Partners& partners, const Reach& partner, std::uint32_t common) const;
+  [[nodiscard]] std::vector<std::uint32_t> chain_of(const Reach& reach, std::uint32_t common) const;
+  [[nodiscard]] Reached reached(const MotionWorld& world, const Reach& reach, SimTime t, double within_s) const;
+  void add_carriers(SimTime t, double within_s, std::vector<Area>& areas) const;
   [[nodiscard]] Duration state_request_takes() const;
   [[nodiscard]] std::optional<std::vector<Area>> areas(SimTime t) const;
   void join(RegionId region, SimTime now);
@@ -130,6 +158,7 @@ class RegionSubscriptions {
   OnReceptionChanged on_reception_changed_;
   RegionGrid grid_;
   Interest interest_;
+  std::map<Reach, Partners> contact_ranges_;
   double remote_radius_m_ = 0.0;  // the largest bounding radius of what other peers have ever owned
   std::map<ObjectId, LastReception> last_receptions_;  // the last receptions of remote objects that this peer receives
   std::size_t unreceived_pairs_ = 0;                   // the number of pairs of the objects that it does not receive

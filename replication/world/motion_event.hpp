@@ -6,6 +6,7 @@
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
 #include "core/scene/scene.hpp"
+#include "core/shape_polygon.hpp"
 #include "core/time.hpp"
 
 namespace peerd::replication {
@@ -17,6 +18,7 @@ struct ContactEvent {
   KinematicState collider_before, collidee_before, collider_after, collidee_after;
   CollisionType type = CollisionType::kWitness;  // of the interest
   bool deferred = false;  // nobody responded: another peer decides; the states after are what the outcome would be here
+  TouchedPolygons polygons{};  // only of what a peer puts out (contact_polygons.hpp)
 };
 
 // Two bodies overlap when they are looked at for the first time, as soon as one of them moves. They part as they will;

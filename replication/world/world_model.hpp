@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cassert>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -89,6 +91,27 @@ struct WorldModel {
   // The node whose frame a part is in; kNone: the world.
   [[nodiscard]] std::uint32_t frame_of(std::uint32_t part) const {
     return is_flexible(part) ? flexible_part(part).carrier : part;
+  }
+  [[nodiscard]] std::uint32_t index_of(ObjectId id) const {  // of a node that the model needs
+    assert(node(id) != nullptr);
+    return static_cast<std::uint32_t>(node(id) - nodes.data());
+  }
+  // Whether `is` holds for a node of chain_of().
+  template <class Is>
+  [[nodiscard]] bool any_mover(std::uint32_t part, std::uint32_t common, Is is) const {
+    for (std::uint32_t i = frame_of(part); i != ModelNode::kNone && i != common; i = nodes[i].carrier) {
+      if (is(i)) return true;
+    }
+    return false;
+  }
+  // The same for a side of a pair: of a whole end, for what moves any part of it.
+  template <class Is>
+  [[nodiscard]] bool any_mover(const PartPair& parts, bool of_collider, Is is) const {
+    const std::uint32_t part = of_collider ? parts.a : parts.b;
+    if (part != ModelNode::kNone) return any_mover(part, parts.common, is);
+    const CollisionPair& pair = pairs[parts.pair];
+    return std::ranges::any_of(parts_of_node[index_of(of_collider ? pair.collider : pair.collidee)],
+                               [&](std::uint32_t each) { return any_mover(each, ModelNode::kNone, is); });
   }
   // The nodes from the top carrier down to the frame of a part; with `common`, from below that carrier on.
   [[nodiscard]] std::vector<std::uint32_t> chain_of(std::uint32_t part, std::uint32_t common = ModelNode::kNone) const;

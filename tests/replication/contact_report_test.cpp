@@ -87,9 +87,56 @@ INSTANTIATE_TEST_SUITE_P(Table, Kinds,
                                          Case{"BothRemote", 1, 3, ContactKind::kPredicted}),
                          [](const auto& c) { return std::string(c.param.name); });
 
+// Whoever reports it: the least of the polygons that touch, as it is a witness that the interest asks for.
+TEST_P(Kinds, SayTheTypeAndThePolygons) {
+  begin(PeerId{GetParam().ball_owner}, PeerId{GetParam().wall_owner});
+  for (const ContactSeen& seen : only<ContactSeen>(report(1510ms))) {
+    EXPECT_EQ(seen.contact.type, CollisionType::kWitness);
+    ASSERT_EQ(seen.contact.polygons.pairs.size(), 1u);
+    EXPECT_EQ(world.scene.path_of(seen.contact.polygons.pairs[0].collider.shape), "BALL/0");
+    EXPECT_EQ(world.scene.path_of(seen.contact.polygons.pairs[0].collidee.shape), "RIGHT/0");
+  }
+}
+
+// Nobody answers the two, so that each of their interests has a contact of its own, also of one instant.
+TEST(ReportingTypes, OfTwoInterestsInAPairBothAreReported) {
+  const World world(box("A", "1 1 1", "-2.5 0 0") + box("B", "1 1 1", "0 0 0") + interest("A", "\"B\"", 0) +
+                    interest("A", "\"B\"", 2));
+  for (const bool decides : {true, false}) {
+    PeerParts p(config(2, {{world["A"]}}), *world.model);
+    p.owners.set(world["A"], PeerId{2});
+    p.owners.set(world["B"], PeerId{decides ? 3u : 1u});
+    for (const std::uint32_t id : {1u, 3u}) add_member(p.members, id);
+    p.replica.begin(sim(0s));
+    p.replica.truth().declare(world["A"], Role::kAuthoritative);
+    p.replica.ghosts().declare(world["A"], Role::kPredicted);
+    p.replica.declare_remote(world["B"], Role::kPredicted);
+    p.decisions.watch(std::vector{0u, 1u});
+    for (MotionWorld* each : {&p.replica.truth(), &p.replica.ghosts()}) {
+      each->set_base(world["A"], sim(0s), moving({-2.5, 0, 0}, {1, 0, 0}));
+    }
+    p.ticks.set_last(p.ticks.number_at(sim(2s)));
+    p.replica.truth().advance(sim(2s));
+    p.replica.ghosts().advance(sim(2s));
+    report_contacts(p, sim(2s));
+    std::vector<CollisionType> types;
+    while (auto out = p.outbox.poll()) {
+      const auto* seen = std::get_if<ContactSeen>(&*out);
+      if (seen != nullptr && seen->kind == (decides ? ContactKind::kDecided : ContactKind::kPredicted)) {
+        types.push_back(seen->contact.type);
+      }
+    }
+    std::ranges::sort(types);
+    EXPECT_EQ(types, (std::vector{CollisionType::kBox, CollisionType::kAllPairs})) << decides;
+  }
+}
+
 TEST_F(Reporting, AContactWithAHigherIdsObjectIsDecidedHere) {
   begin(PeerId{2}, PeerId{3});
   const auto seen = only<ContactSeen>(report(1510ms));
+  const auto decided = std::ranges::find(seen, ContactKind::kDecided, &ContactSeen::kind);
+  ASSERT_NE(decided, seen.end());
+  EXPECT_EQ(decided->contact.polygons.count, 1u);
   EXPECT_EQ(std::ranges::count(seen, ContactKind::kDecided, &ContactSeen::kind), 1);
   EXPECT_EQ(p->counters.decisions, 1u);
 }

@@ -58,6 +58,12 @@ const std::string kBus = box("BUS", "8 0.2 3", "0 0 0", "velocityVector 5 0 0",
                          box("LAMP", "0.2 5 0.2", "12 1 1.6") + kClock + slides("DOOR", "0 1 1.5", "3 1 1.5") +
                          interest("DOOR", "\"POST\" \"LAMP\"");
 
+// The door slides by its velocity in the bus.
+const std::string kSlidingDoor =
+    box("BUS", "8 0.2 3", "0 0 0", "velocityVector 5 0 0",
+        box("DOOR", "1 2 0.1", "-3 1 1.5", "velocityVector 1 0 0") + box("POST", "0.1 2 0.1", "2 1 1.5")) +
+    box("LAMP", "0.2 5 0.2", "12 1 1.6") + interest("DOOR", "\"POST\" \"LAMP\"");
+
 const std::string kArm = "DEF ARM Transform { scale 1 2 -1 children " + box("HAND", "0.5 0.5 0.5", "3 0.2 0.5") +
                          "}\n" + box("BALL", "0.6 0.6 0.6", "0 0.4 3") + kClock + turns("ARM") +
                          interest("HAND", "\"BALL\"");
@@ -188,6 +194,10 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"BusOfNobody", kBus, {}, 5}, Case{"OwnedBus", kBus, {{"BUS"}}, 5},
         Case{"BusAndLampOfTwo", kBus, {{"BUS"}, {"LAMP"}}, 5},
         Case{"OwnedPostInAnothersBus", kBus, {{"BUS/POST"}, {"BUS"}}, 5},
+        Case{"SlidingDoorOfNobody", kSlidingDoor, {}, 2},
+        Case{"OwnedDoorInAnothersBus", kSlidingDoor, {{"BUS"}, {"BUS/DOOR"}}, 2},
+        Case{"OwnedDoorInALaterPeersBus", kSlidingDoor, {{"BUS/DOOR"}, {"BUS"}}, 2},
+        Case{"DoorPostAndLampOfThree", kSlidingDoor, {{"BUS/DOOR"}, {"BUS", "LAMP"}, {"BUS/POST"}}, 2},
         // The hand of a turning, unevenly scaled, mirrored arm against a ball.
         Case{"ArmOfNobody", kArm, {}, 2}, Case{"ArmAndOwnedBall", kArm, {{"BALL"}}, 2},
         Case{"OwnedHandOfNobodysArm", kArm, {{}, {"ARM/HAND"}}, 2},

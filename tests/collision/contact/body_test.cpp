@@ -111,7 +111,7 @@ TEST_P(NotConvex, IsASurfaceAndSaysWhy) {
   EXPECT_THAT(body.not_convex_reason, HasSubstr("OBJECT/1: "));
   EXPECT_THAT(body.not_convex_reason, HasSubstr(GetParam().why));
   EXPECT_EQ(body.pieces.size(), 1U);
-  const Surface::Polygon first = body.surface->polygon(5), second = body.surface->polygon(6);
+  const ShapePolygon first = body.surface->polygon(5), second = body.surface->polygon(6);
   EXPECT_EQ(first.shape, ObjectId{1});
   EXPECT_EQ(first.polygon, 5U);
   EXPECT_EQ(second.shape, ObjectId{2});

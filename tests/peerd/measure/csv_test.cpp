@@ -133,8 +133,21 @@ TEST(Csv, TrafficIsInOrderOfTimeUpdatesFirst) {
 TEST(Csv, CollisionsCarryTheirVerdict) {
   const RunRecord run = samples::zigzag_run(0.1);
   EXPECT_THAT(lines_of(collisions_csv({&run, 1})),
-              testing::ElementsAre(testing::_, "1,2,a,owner,CAR,#17,1,0,0,2.01,outcome",
-                                   "1,2.1,b,predicted,CAR,#17,1,0,0,2.15,agreed"));
+              testing::ElementsAre(testing::_, "1,2,a,owner,CAR,#17,1,0,0,2.01,outcome,witness,0,",
+                                   "1,2.1,b,predicted,CAR,#17,1,0,0,2.15,agreed,witness,0,"));
+}
+
+TEST(Csv, CollisionsCarryTheTypeAndThePolygons) {
+  RunRecord run = samples::zigzag_run(0.1);
+  run.scene_paths[ObjectId{17}] = "WALL";
+  run.scene_paths[ObjectId{18}] = "WALL/0";
+  run.contacts[0].type = CollisionType::kAllPairs;
+  run.contacts[0].polygons = {70, {{{kCar, 3}, {ObjectId{18}, 1}}, {{kCar, 4}, {ObjectId{18}, 1}}}};
+  run.contacts[1].type = CollisionType::kBox;
+  const auto lines = lines_of(collisions_csv({&run, 1}));
+  EXPECT_THAT(lines[0], testing::EndsWith(",verdict,type,polygon_pairs,polygons"));
+  EXPECT_THAT(lines[1], testing::EndsWith(",outcome,allpairs,70,CAR 3 - WALL/0 1; CAR 4 - WALL/0 1"));
+  EXPECT_THAT(lines[2], testing::EndsWith(",agreed,box,0,"));
 }
 
 }  // namespace peerd::report::csv_test

@@ -56,6 +56,17 @@ TEST_F(Describe, ChangesOfTheSessionAreInformation) {
   EXPECT_EQ(line(contact(ContactKind::kApplied)), "1 A hit (decided there) B, 2.5 ms ago");
 }
 
+TEST_F(Describe, AContactSaysWhichPolygonsTouch) {
+  Output output = contact(ContactKind::kOwner);
+  auto& event = std::get<ContactSeen>(output).contact;
+  event.type = CollisionType::kWitness;
+  event.polygons = {1, {{{a, 3}, {b, 1}}}};
+  EXPECT_EQ(line(output), "1 A hit B, 2.5 ms ago: A polygon 3 - B polygon 1 (witness)");
+  event.type = CollisionType::kAllPairs;
+  event.polygons.count = 70;
+  EXPECT_EQ(line(output), "1 A hit B, 2.5 ms ago: A polygon 3 - B polygon 1 and 69 more (allpairs)");
+}
+
 TEST(DescribeMissing, SaysForWhomAPeerWaitsAndWhenItWaitsNoMore) {
   const std::vector<AwaitedPeer> missing{{PeerId{2}, "b"}, {PeerId{3}, "c"}};
   EXPECT_EQ(describe_missing(missing).text, "waits for peer b (id 2), peer c (id 3): nothing moves before");

@@ -26,8 +26,11 @@ PeerLog full_log() {
   log.object_samples = {{SimTime{Duration{-5}}, HostTime{Duration{5}}, ObjectId{3}, PeerId{7}, s}, {}};
   log.updates = {{SimTime{Duration{11}}, ObjectId{3}, 31, 0.01, "error"}};
   log.datagrams = {{SimTime{Duration{12}}, 98}};
-  log.contacts = {
-      {SimTime{Duration{13}}, "predicted", ObjectId{3}, ObjectId{4}, Vec3(-1, 0, 0.25), SimTime{Duration{14}}}};
+  log.contacts = {{SimTime{Duration{13}}, "predicted", ObjectId{3}, ObjectId{4}, Vec3(-1, 0, 0.25),
+                   SimTime{Duration{14}}, CollisionType::kBox},
+                  {SimTime{Duration{15}}, "owner", ObjectId{3}, ObjectId{4}, Vec3(0, 0, 1), SimTime{Duration{16}},
+                   CollisionType::kAllPairs,
+                   TouchedPolygons{99, {{{ObjectId{5}, 1}, {ObjectId{6}, 0}}, {{ObjectId{5}, 2}, {ObjectId{6}, 7}}}}}};
   log.groups_joined = 2;
   log.other_worlds = 1;
   log.counters = {{"ticks", 900}, {"dropped_own", std::numeric_limits<std::uint64_t>::max()}};
@@ -65,7 +68,8 @@ void expect_same(const PeerLog& a, const PeerLog& b) {
   for (std::size_t i = 0; i < a.contacts.size(); ++i) {
     const auto &x = a.contacts[i], &y = b.contacts[i];
     EXPECT_TRUE(x.at == y.at && x.kind == y.kind && x.collider == y.collider && x.collidee == y.collidee &&
-                x.normal == y.normal && x.known_at == y.known_at);
+                x.normal == y.normal && x.known_at == y.known_at && x.type == y.type &&
+                x.polygons.count == y.polygons.count && x.polygons.pairs == y.polygons.pairs);
   }
 }
 

@@ -127,6 +127,19 @@ TEST_F(AssembleTest, WhatIsBeforeTheStartOrAfterTheEndIsLeftOut) {
   EXPECT_DOUBLE_EQ(r.contacts[0].reported_at_s, 0.5);
 }
 
+TEST_F(AssembleTest, ContactsKeepTheirTypeAndTheirPolygonsHaveNames) {
+  believe(kA, 5.0, kCar, kA, {25, 0, 0});
+  const ShapePair pair{{kCar, 3}, {ObjectId{kCube.value + 1}, 1}};
+  logs[0].contacts.push_back({kStart + seconds(1), "owner", kCar, kCube, Vec3::UnitX(), kStart + seconds(1),
+                              CollisionType::kAllPairs, TouchedPolygons{99, {pair}}});
+  const auto r = record();
+  ASSERT_EQ(r.contacts.size(), 1u);
+  EXPECT_EQ(r.contacts[0].type, CollisionType::kAllPairs);
+  EXPECT_EQ(r.contacts[0].polygons.count, 99u);
+  EXPECT_EQ(r.contacts[0].polygons.pairs, std::vector{pair});
+  EXPECT_TRUE(r.scene_paths.contains(pair.collidee.shape));
+}
+
 TEST_F(AssembleTest, IsSortedAsTheReportWantsItAndSumsTheCounters) {
   for (const double t : {1.0, 2.0}) {
     believe(kA, t, kCar, kA, {t * t, 0, 0});

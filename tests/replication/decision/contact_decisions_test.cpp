@@ -102,6 +102,36 @@ TEST_F(Deferring, ByIdTheHigherOneDoesNotEvenLook) {
   EXPECT_EQ(decisions.authority(b, c, sim(10s)), ContactAuthority::kLocal) << "the server decides others' too";
 }
 
+// ARM, peer 3's, has no Shape of its own; its HAND is 20 m along x from it. The camera sees the hand and B, and not
+// where the arm's origin is.
+TEST(DecidingByParts, AnEndIsInViewWhereItsPartsAre) {
+  const World world(
+      "DEF ARM Transform { children DEF HAND Transform { translation 20 0 0 children Shape { geometry Box { "
+      "size 1 1 1 } } } }\n" +
+          box("B", "1 1 1", "21 0 0") + interest("ARM", "\"B\""),
+      {"ARM", "ARM/HAND", "B"});
+  PeerConfig conf = config(3, {{world["ARM"]}});
+  conf.decisions.policy = DecisionPolicy::kFieldOfView;
+  conf.decisions.viewpoint.emplace().pose.position = {20.5, 0, 10};
+  PeerCounters counters;
+  Membership members{1750ms};
+  Owners owners{world.scene.instances.size()};
+  OwnObjects own{world.scene, conf.owned, false};
+  Replica replica{*world.in_force};
+  TickGrid ticks{60};
+  Outbox outbox{conf.id, conf.incarnation, counters};
+  const ContactDecisions decisions{conf, *world.in_force, members, owners, own, replica, ticks, outbox, counters};
+  owners.set(world["ARM"], PeerId{3});
+  owners.set(world["B"], PeerId{2});
+  echo_us(add_member(members, 2), 0.001);
+  replica.begin(sim(0s));
+  ticks.set_last(ticks.number_at(sim(10s)));
+  replica.ghosts().advance(sim(10s));
+  EXPECT_EQ(decisions.authority(world["ARM"], world["B"], sim(10s)), ContactAuthority::kLocal);
+  conf.decisions.viewpoint->pose.position = {0, 0, 10};
+  EXPECT_EQ(decisions.authority(world["ARM"], world["B"], sim(10s)), ContactAuthority::kDeferred);
+}
+
 TEST_F(Deciding, NobodyDecidesAContactOfMoreThanThreeSecondsAgo) {
   EXPECT_EQ(decisions.authority(a, b, ticks.last_time() - 3s), ContactAuthority::kLocal);
   EXPECT_EQ(decisions.authority(a, b, ticks.last_time() - 3s - 1ns), ContactAuthority::kDeferred);
@@ -146,7 +176,9 @@ TEST_F(Deferring, ADeferredContactIsNotedAndDecidedByNobodyElseInTime) {
   conf.decisions.policy = DecisionPolicy::kVelocity;
   replica.ghosts().set_base(b, sim(0s), moving({-5, 0, 0}, {0, 9, 0}));  // the faster one decides
   replica.ghosts().advance(sim(10s));
-  decisions.defer(left_to_another(contact()));
+  ContactEvent found = contact();
+  found.type = CollisionType::kAllPairs;
+  decisions.defer(left_to_another(found));
   EXPECT_EQ(counters.contacts_held, 1u);
   EXPECT_TRUE(decisions.awaits_decision_on(a) && decisions.awaits_decision_on(b));
   EXPECT_FALSE(decisions.awaits_decision_on(c));
@@ -158,7 +190,10 @@ TEST_F(Deferring, ADeferredContactIsNotedAndDecidedByNobodyElseInTime) {
   decisions.resolve_overdue(sim(patience()));
   EXPECT_FALSE(decisions.has_deferred());
   EXPECT_EQ(counters.decisions_fallback, 1u);
-  EXPECT_EQ(decided(), 1u);
+  const auto seen = drain<ContactSeen>(outbox);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].contact.type, CollisionType::kAllPairs) << "as it was found";
+  EXPECT_EQ(seen[0].contact.polygons.count, 21u) << "of five faces with five, all but those of opposite sides";
   EXPECT_EQ(decisions.entries().at(0).record.rule, DecisionRule::kId);
 }
 
@@ -196,6 +231,8 @@ TEST_F(Deferring, AnothersDecisionMovesBothWorldsAndEndsTheWaiting) {
   ASSERT_EQ(seen.size(), 1u);
   EXPECT_EQ(seen[0].kind, ContactKind::kApplied);
   EXPECT_EQ(seen[0].contact.at, sim(10s));
+  EXPECT_EQ(seen[0].contact.type, CollisionType::kWitness);
+  EXPECT_EQ(seen[0].contact.polygons.count, 1u) << "by where the decider had them";
   ASSERT_EQ(retracted.size(), 1u) << "of the own object, not of the other's";
   EXPECT_EQ(retracted[0].object, a);
 }

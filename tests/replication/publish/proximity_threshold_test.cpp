@@ -87,6 +87,73 @@ TEST_F(Near, TheUsualOneStandsWhereNothingIsTracked) {
   EXPECT_EQ(counters.proximity_tests, 0u);
 }
 
+// ARM, this peer's, has no Shape of its own; HAND, a cube, is 20 m along x from it. CUBE is peer 2's.
+struct Arm {
+  explicit Arm(const std::string& collider, int type = 1, const std::string& cube = box("CUBE", "1 1 1", "0 0 0"))
+      : world(
+            "DEF ARM Transform { children DEF HAND Transform { translation 20 0 0 children Shape { geometry Box { size "
+            "1 "
+            "1 1 } } } }\n" +
+                cube + interest(collider, "\"CUBE\"", type),
+            {"ARM", "ARM/HAND", "CUBE"}) {
+    own.policy.error_threshold_m = 0.5;
+    own.policy.tight_threshold_m = 0.01;
+    own.policy.close_proximity_s = 0.5;
+    owners.set(world["ARM"], PeerId{1});
+    owners.set(world["CUBE"], PeerId{2});
+    replica.begin(sim(0s));
+    replica.set_world_zero(sim(0s), sim(0s));
+  }
+  // CUBE is at x, and comes with that speed.
+  double at(double x, double speed_m_s = 0.0) {
+    replica.truth().set_base(world["CUBE"], sim(1s), moving({x, 0, 0}, {speed_m_s, 0, 0}));
+    return threshold.at(world["ARM"], sim(1s));
+  }
+
+  World world;
+  PeerConfig own = config(1);
+  PeerCounters counters;
+  Owners owners{world.scene.instances.size()};
+  Replica replica{*world.in_force};
+  ProximityThreshold threshold{own, *world.in_force, owners, replica, counters};
+};
+
+TEST(ProximityOfParts, AFarPartIsWhatComesClose) {
+  for (const char* const collider : {"ARM", "HAND"}) {
+    for (const int type : {0, 1, 2}) {
+      Arm arm(collider, type);
+      EXPECT_EQ(arm.at(20.0 + kMeet_m - 0.1), 0.01) << collider << ' ' << type;
+      EXPECT_EQ(arm.at(20.0 + kMeet_m + 4.9, -10.0), 0.01) << collider << ' ' << type;
+      EXPECT_EQ(arm.at(20.0 + kMeet_m + 9.0, -10.0), 0.5) << collider << ' ' << type;
+      EXPECT_EQ(arm.at(0.0), 0.5) << "the hand is not there: " << collider << ' ' << type;
+    }
+  }
+}
+
+TEST(ProximityOfParts, WhatAnotherPeerCarriesIsAnothers) {
+  const std::string cube =
+      "DEF CUBE Transform { children DEF TIP Transform { translation 0 0 30 children Shape { geometry "
+      "Box { size 1 1 1 } } } }\n";
+  Arm arm("HAND", 1, cube);
+  EXPECT_EQ(arm.at(20.0), 0.5);
+  arm.replica.truth().set_base(arm.world["CUBE"], sim(1s), moving({20, 0, -29.5}));
+  EXPECT_EQ(arm.threshold.at(arm.world["ARM"], sim(1s)), 0.01) << "its tip is at the hand";
+}
+
+// GROWS is within 20 m of its peer's object; at 1 s its half width is 1.25 m, and in half a second 1.625 m.
+TEST(ProximityOfParts, WhatFlexesIsAsLargeAsItGetsInTime) {
+  const std::string grows =
+      R"(DEF CUBE Transform { children DEF GROWS Transform { children Shape { geometry Box { size 1 1 1 } } } }
+DEF T TimeSensor { cycleInterval 4 loop TRUE }
+DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 1 1 1, 4 1 1, 1 1 1 ] }
+ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO GROWS.set_scale
+)";
+  Arm arm("HAND", 1, grows);
+  ASSERT_EQ(arm.world.model->flexible.size(), 1u);
+  EXPECT_EQ(arm.at(22.6), 0.01);
+  EXPECT_EQ(arm.at(26.0), 0.5);
+}
+
 TEST_F(NoInterest, TheUsualOneStands) {
   EXPECT_EQ(threshold.at(car, sim(1s)), 0.5);
   EXPECT_EQ(counters.proximity_tests, 0u);

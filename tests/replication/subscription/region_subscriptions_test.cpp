@@ -124,12 +124,102 @@ INSTANTIATE_TEST_SUITE_P(Table, ContactRange,
 TEST(RegionSubscriptions, OnlyPairsOfTwoOwnersAskForReach) {
   Subscribing s;
   s.part().measure_contact_ranges(std::vector{0u}, true);
-  EXPECT_NEAR(s.own.at(s.mine).contact_range_m, 2.0 * std::sqrt(0.75), 1e-12);
+  ASSERT_EQ(s.part().contact_areas(sim(0s), 0.0).size(), 1u);
+  EXPECT_NEAR(s.part().contact_areas(sim(0s), 0.0).front().radius_m, 2.0 * std::sqrt(0.75), 1e-12);
   s.owners.set(s.fast, kNobody);
   s.part().measure_contact_ranges(std::vector{0u}, false);
-  EXPECT_GT(s.own.at(s.mine).contact_range_m, 0.0) << "the others' still count";
+  EXPECT_FALSE(s.part().contact_areas(sim(0s), 0.0).empty()) << "the others' still count";
   s.part().measure_contact_ranges(std::vector{0u}, true);
-  EXPECT_EQ(s.own.at(s.mine).contact_range_m, 0.0);
+  EXPECT_TRUE(s.part().contact_areas(sim(0s), 0.0).empty());
+}
+
+// ARM has no Shape of its own; HAND, a cube, is `far` along x from it.
+std::string arm(const std::string& name, const std::string& hand, double far_m) {
+  return "DEF " + name + " Transform { children DEF " + hand + " Transform { translation " + std::to_string(far_m) +
+         " 0 0 children Shape { geometry Box { size 1 1 1 } } } }\n";
+}
+// ARM is this peer's, OTHER peer 2's.
+struct Reaching {
+  Reaching(const std::string& text, int type, const std::vector<const char*>& owned)
+      : world(text + interest("ARM", "\"OTHER\"", type), owned) {
+    owners.set(world["ARM"], PeerId{1});
+    owners.set(world["OTHER"], PeerId{2});
+    replica.begin(sim(0s));
+    replica.set_world_zero(sim(0s), sim(0s));
+    regions.measure_contact_ranges(std::vector{0u}, true);
+  }
+
+  [[nodiscard]] PeerConfig cutting() const {
+    PeerConfig c = config(1, {{world["ARM"], true}});
+    c.regions = cut();
+    return c;
+  }
+
+  World world;
+  PeerConfig conf = cutting();
+  PeerCounters counters;
+  Membership members{conf.lost_after};
+  Owners owners{world.scene.instances.size()};
+  OwnObjects own{world.scene, conf.owned, false};
+  Replica replica{*world.in_force};
+  TickGrid ticks{10};
+  Outbox outbox{conf.id, conf.incarnation, counters};
+  RegionSubscriptions regions{conf,    *world.in_force, members, owners,   own,
+                              replica, ticks,        outbox,  counters, [](ObjectId, bool) {}};
+};
+const double kCube_m = std::sqrt(0.75);
+
+TEST(ContactRangeOfParts, IsAroundTheOwnPart) {
+  const Reaching r(arm("ARM", "HAND", 20) + box("OTHER", "1 1 1", "0 0 0"), 1, {"ARM", "ARM/HAND", "OTHER"});
+  const auto areas = r.regions.contact_areas(sim(0s), 0.0);
+  ASSERT_EQ(areas.size(), 1u);
+  EXPECT_EQ(areas[0].center, Vec3(20, 0, 0));
+  EXPECT_NEAR(areas[0].radius_m, 2 * kCube_m, 1e-9);
+}
+
+// Remote objects are published where their origins are.
+TEST(ContactRangeOfParts, IsAsFarAsTheOtherPartIsFromItsObject) {
+  Reaching r(box("ARM", "1 1 1", "0 0 0") + arm("OTHER", "TIP", 20), 1, {"ARM", "OTHER", "OTHER/TIP"});
+  ASSERT_EQ(r.regions.contact_areas(sim(0s), 0.0).size(), 1u);
+  EXPECT_NEAR(r.regions.contact_areas(sim(0s), 0.0)[0].radius_m, 20 + 2 * kCube_m, 1e-9);
+  r.replica.ghosts().set_base(r.world["TIP"], sim(0s), moving({30, 0, 0}, {2, 0, 0}));
+  EXPECT_NEAR(r.regions.contact_areas(sim(0s), 0.0)[0].radius_m, 30 + 2 * kCube_m, 1e-9);
+  const double fastest = r.conf.regions.fastest_m_s;
+  EXPECT_NEAR(r.regions.contact_areas(sim(0s), 1.5)[0].radius_m, 30 + 2 * kCube_m + (2 + fastest) * 1.5, 1e-9);
+}
+
+// World boxes touch where their corners do.
+TEST(ContactRangeOfParts, OfBoxesIsThatOfWholeEnds) {
+  const Reaching one(box("ARM", "1 1 1", "0 0 0") + box("OTHER", "1 1 1", "9 0 0"), 0, {"ARM", "OTHER"});
+  EXPECT_NEAR(one.regions.contact_areas(sim(0s), 0.0).at(0).radius_m, std::sqrt(3.0) * 2 * kCube_m, 1e-9);
+  const Reaching two(arm("ARM", "HAND", 20) + box("OTHER", "1 1 1", "9 0 0"), 0, {"ARM", "ARM/HAND", "OTHER"});
+  EXPECT_EQ(two.regions.contact_areas(sim(0s), 0.0).at(0).center, Vec3(0, 0, 0));
+  EXPECT_NEAR(two.regions.contact_areas(sim(0s), 0.0)[0].radius_m, std::sqrt(3.0) * (20 + 2 * kCube_m), 1e-9);
+}
+
+// The hand is this peer's, and what carries it peer 2's: its region is joined, too, 30 m away behind a border.
+TEST(ContactRangeOfParts, WhatCarriesAnOwnObjectIsListenedTo) {
+  World world(arm("OTHER", "HAND", 20) + box("X", "1 1 1", "500 0 0") + interest("HAND", "\"X\""),
+              {"OTHER", "OTHER/HAND"});
+  PeerConfig conf = config(1, {{world["HAND"], true}});
+  conf.regions = cut();
+  conf.interest_radius_m = 0.0;
+  PeerCounters counters;
+  Membership members{conf.lost_after};
+  Owners owners{world.scene.instances.size()};
+  OwnObjects own{world.scene, conf.owned, false};
+  Replica replica{*world.in_force};
+  TickGrid ticks{10};
+  Outbox outbox{conf.id, conf.incarnation, counters};
+  RegionSubscriptions regions{conf,    *world.in_force, members, owners,   own,
+                              replica, ticks,        outbox,  counters, [](ObjectId, bool) {}};
+  owners.set(world["HAND"], PeerId{1});
+  owners.set(world["OTHER"], PeerId{2});
+  replica.begin(sim(0s));
+  replica.truth().set_base(world["OTHER"], sim(0s), moving({90, 0, 0}));
+  regions.follow_interest(sim(0s), sim(0s));
+  EXPECT_TRUE(regions.interest().joined(RegionId{2})) << "where the hand is";
+  EXPECT_TRUE(regions.interest().joined(RegionId{1})) << "where its carrier is";
 }
 
 TEST(RegionSubscriptions, ListensAroundItsOwnObjectsOrItsViewpoint) {
