@@ -54,7 +54,7 @@ void report_truth(PeerParts& p, SimTime t) {
       if (contact->deferred) {
         p.decisions.defer(*contact);
       } else {
-        std::erase_if(decided, [&](const ContactEvent& c) { return is_same_touch(p.model, c, *contact); });
+        std::erase_if(decided, [&](const ContactEvent& c) { return is_same_touch(*p.model, c, *contact); });
         decided.push_back(*contact);
       }
       continue;

@@ -28,9 +28,9 @@ class SessionKeeper {
   // A peer claims these objects: those without an owner are its own from now on, and those of another owner only if its
   // claim is better. Of two owners a founder of a session gives way, then the higher id. `as_founder`, bit k: the claim
   // of the k-th object is a founder's.
+  void claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder = 0);
   // Somebody moves the node: others go with it from now on.
   void let_move(ObjectId carrier);
-  void claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder = 0);
   // A peer has gone.
   void lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully);
   // A peer has gone, or begins anew: what it owned stands still from now on and belongs to nobody.

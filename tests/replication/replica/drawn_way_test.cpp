@@ -22,7 +22,7 @@ struct Drawing {
     std::vector<OwnedObject> here;
     for (const char* path : mine) here.push_back({world[path]});
     own.emplace(world.scene, here, false);
-    replica.emplace(*world.model);
+    replica.emplace(*world.in_force);
     replica->begin(sim(0s));
     for (const char* path : owned) {
       if (own->contains(world[path])) {
@@ -37,7 +37,7 @@ struct Drawing {
   bool free(const char* object, const Vec3& from, const Vec3& to) {
     replica->truth().advance(sim(1s));
     replica->ghosts().advance(sim(1s));
-    return is_free({world[object], sim(900ms), sim(1s), from, to}, *world.model, *own, *replica);
+    return is_free({world[object], sim(900ms), sim(1s), from, to}, *world.in_force, *own, *replica);
   }
 
   World world;
