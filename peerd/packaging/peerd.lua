@@ -13,7 +13,7 @@ peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
 peerd.prefs.regions = Pref.string("Group of region 1", "",
   "as peers log it when they start: a datagram to the n-th group after it is of region n + 1. Empty: no grid has more than 1,023 regions")
 
-local VERSION = 7
+local VERSION = 8
 local MOST_BYTES = 1200
 local REGION_MARK, GREETING_MARK = 0x52, 0x47
 
