@@ -73,6 +73,8 @@ class Codec {
 // The first update of a datagram adds kUpdatesHeader_bytes besides: the base time, and the length of all updates.
 [[nodiscard]] std::size_t encoded_size_bytes(const UpdateRecord& record, SimTime first);
 inline constexpr std::size_t kUpdatesHeader_bytes = 8;
+// The bytes that the first state of a scene object adds besides its record, whose times count from its own.
+inline constexpr std::size_t kSceneHeader_bytes = 20;
 // The bytes that a decision adds; the first one adds kDecisionsHeader_bytes besides.
 [[nodiscard]] std::size_t encoded_size_bytes(const DecisionRecord& record);
 inline constexpr std::size_t kDecisionsHeader_bytes = 3;
