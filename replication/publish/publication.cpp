@@ -317,7 +317,7 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
       own.driven ? rounding_tolerance(policy, threshold_m, own.bounding_radius_m, model.kind, expected_error_m)
                  : Tolerance{};
   const EncodedUpdate& due = updates_due_.emplace_back(
-      quantised({object, ++own.sequence, at, model, decisions_.log().last(object)}, tolerance), t);
+      quantised({object, ++own.sequence, at, model, decisions_.last_on(object)}, tolerance), t);
   const UpdateRecord& record = due.record();
   if (exact && at == t) replica_.truth().set_base(object, t, record.model);
   replica_.ghosts().set_base(object, at, record.model);

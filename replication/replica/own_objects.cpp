@@ -8,7 +8,7 @@
 namespace peerd::replication {
 
 OwnObjects::OwnObjects(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error)
-    : index_(scene.instances.size()) {
+    : scene_(scene), surface_error_(surface_error), index_(scene.instances.size()) {
   std::vector<OwnedObject> sorted(objects.begin(), objects.end());
   std::ranges::sort(sorted, {}, &OwnedObject::object);
   map_.reserve(sorted.size());
@@ -20,6 +20,15 @@ OwnObjects::OwnObjects(const Scene& scene, std::span<const OwnedObject> objects,
     if (surface_error) own.bounding_radius_m = bounding_radius_m(scene, e.object);
     assert(own.bounding_radius_m >= 0.0);
   }
+  build_index();
+}
+
+void OwnObjects::adopt(ObjectId object, std::uint32_t sequence) {
+  assert(!contains(object) && object.value < index_.size());
+  OwnObject& own = map_[object];
+  own.adopted = true;
+  own.sequence = sequence;
+  if (surface_error_) own.bounding_radius_m = bounding_radius_m(scene_, object);
   build_index();
 }
 

@@ -1283,6 +1283,11 @@ bool MotionWorld::is_at_rest_from(ObjectId object, SimTime t) const {
   return true;
 }
 
+bool MotionWorld::stands_in_carrier_from(ObjectId object, SimTime t) const {
+  const Timeline& timeline = objects_[index_of(object)].timeline;
+  return is_motionless(timeline.at(t)) && !timeline.next_change_after(t);
+}
+
 MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
   return objects_[index_of(object)].timeline.model_at(t);
 }

@@ -25,8 +25,8 @@ namespace peerd::replication {
 
 // The role of an object in a MotionWorld: what it does in a contact. Roles from kAuthoritative on respond.
 enum class Role : std::uint8_t {
-  kScene,          // owned by nobody; a script may move it, and it does not respond
-  kDriven,         // moved by samples from outside; its contacts are reported, and it does not respond
+  kScene,   // owned by nobody; a script may move it, and it does not respond (a scene object that does: kPredicted)
+  kDriven,  // moved by samples from outside; its contacts are reported, and it does not respond
   kAuthoritative,  // responds to contacts, and its responses are final (an object that this peer owns)
   kPredicted,      // responds to contacts; a response is retracted when its cause turns out to have moved otherwise
 };
@@ -177,6 +177,12 @@ class MotionWorld {
   [[nodiscard]] SimTime base_time(ObjectId object) const;
   // Whether the object stands still from t on, by all that this world knows now.
   [[nodiscard]] bool is_at_rest_from(ObjectId object, SimTime t) const;
+  // Whether the object stands still in its carrier from t on, by all that this world knows now.
+  [[nodiscard]] bool stands_in_carrier_from(ObjectId object, SimTime t) const;
+  // Whether the law in force at t is an answer to a contact.
+  [[nodiscard]] bool is_moved_by_contact(ObjectId object, SimTime t) const {
+    return objects_[index_of(object)].timeline.segment_at(t).cause.has_value();
+  }
   // Calls `function` for the objects whose motion may have changed since the last call, each once and in any order.
   // `function` must not change this world.
   template <class Function>

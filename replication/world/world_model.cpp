@@ -29,6 +29,8 @@ class ModelBuilder {
   ModelBuilder(const Scene& scene, WorldModel& model) : scene_(scene), model_(model) {}
 
   void build(std::span<const ObjectId> owned) {
+    model_.owned.assign(owned.begin(), owned.end());
+    std::ranges::sort(model_.owned);
     add_pairs();
     if (named_.empty() && owned.empty()) return;
     predefined_.emplace(scene_);

@@ -55,6 +55,7 @@ struct WorldModel {
   std::vector<CollisionPair> pairs;      // in the file's order, each unordered pair once for each type
   std::vector<PartPair> part_pairs;      // by pair
   std::vector<std::string> unsupported;  // a line for each body that has no exact answer yet
+  std::vector<ObjectId> owned;           // what configurations give to peers, sorted
   std::vector<ObjectId> moving;          // carriers that the file itself moves (PredefinedMotion), sorted
   // For each node, ascending and each once: its pairs in `pairs`, and its partners in them as nodes; the part pairs of
   // those; the part pairs that its own motion may change; the nodes below it that go with it; the parts that it
