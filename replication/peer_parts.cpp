@@ -94,6 +94,7 @@ void PeerParts::watch_pairs_around(std::span<const ObjectId> objects) {
 }
 
 void PeerParts::give_scene_object(ObjectId object, PeerId owner, SimTime decided) {
+  assert(owner != kNobody && scene.contains(object));
   const bool is_here = owner == config.id || members.contains(owner);
   const PeerId before = owners.of(object);
   SceneObject& known = scene.at(object);
@@ -108,6 +109,7 @@ void PeerParts::give_scene_object(ObjectId object, PeerId owner, SimTime decided
 }
 
 void PeerParts::set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId before) {
+  assert(before == owners.of(object));
   if (owner == before) return;
   SceneObject& known = scene.at(object);
   if (before == config.id) {

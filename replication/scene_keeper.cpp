@@ -59,6 +59,7 @@ void SceneKeeper::let_go_of_resting(SimTime t) {
 
 // Nobody owns the object of that state from now on.
 void SceneKeeper::let_go(const UpdateRecord& state) {
+  assert(p_.scene.contains(state.object) && p_.replica.begun());
   SceneObject& known = p_.scene.at(state.object);
   p_.set_owner_of_scene_object(state.object, kNobody, p_.owners.of(state.object));
   known.decided = state.decision;
@@ -96,6 +97,7 @@ void SceneKeeper::reset_ghosts(SimTime t) {
 }
 
 void SceneKeeper::orphan(ObjectId object, SimTime t) {
+  assert(p_.owners.of(object) != kNobody && p_.owners.of(object) != p_.config.id);
   SceneObject& known = p_.scene.at(object);
   p_.set_owner_of_scene_object(object, kNobody, p_.owners.of(object));
   known.is_free = true;
@@ -109,6 +111,7 @@ void SceneKeeper::orphan(ObjectId object, SimTime t) {
 }
 
 bool SceneKeeper::take_over(PeerId sender, const UpdateRecord& update) {
+  assert(sender != p_.config.id && p_.members.contains(sender));
   SceneObject& known = p_.scene.at(update.object);
   const PeerId owner = p_.owners.of(update.object);
   if (update.decision > p_.ticks.last_time() + kUpdateAheadMax) return false;

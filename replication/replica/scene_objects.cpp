@@ -82,6 +82,7 @@ std::vector<UpdateRecord> SceneObjects::states(const Owners& owners, const Motio
     const UpdateRecord state{object, scene.sequence, at, truth.model_at(object, at), scene.decided};
     if (acceptable(state.model.state) && within_limits(state.model)) states.push_back(state);
   }
+  assert(states.size() <= moved_.size());
   return states;
 }
 
