@@ -133,7 +133,9 @@ void Peer::Impl::send_hello(HostTime now, bool leaving) {
     }
     hello.introduction = parts.greeter.introduction(own, parts.world_time.start(), parts.world_time.zero());
   }
-  if (!leaving) m.subscriptions = parts.regions.take(kSubscriptionsWithHello, true);
+  // A digest takes the room of one of them.
+  const std::size_t subscriptions = kSubscriptionsWithHello - (hello.scene_digest != 0 ? 1 : 0);
+  if (!leaving) m.subscriptions = parts.regions.take(subscriptions, true);
   parts.greeter.on_hello_sent(now, parts.outbox.send(m));
 }
 

@@ -120,12 +120,15 @@ void PeerParts::set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId 
     scene.adopted().erase(object);
   }
   owners.set(object, owner);
+  // Its updates go to a region that this peer listens to.
+  const bool is_near =
+      replica.begun() && regions.interest().receives(replica.ghost(object, ticks.last_time()).position);
   if (owner == config.id) {
     own.adopt(object, known.own_sequence);
     scene.adopted().insert(object);
     // The decision has said how it moves; to a peer that hears of some regions only, an update says where.
     if (!regions.cuts()) own.at(object).last_sent = ticks.last_time();
-  } else if (owner != kNobody) {
+  } else if (owner != kNobody && !is_near) {
     regions.on_claimed(object, ticks.last_time());
   }
   if (owner == config.id || owner == kNobody) regions.on_known_everywhere(object);
